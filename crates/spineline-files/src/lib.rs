@@ -53,7 +53,9 @@ pub use json::{file_format, nearest, parse_json};
 pub use keys::{Key, LevelKey};
 pub use load_file::{AppliedLoad, DIRECTIONS, LoadFile, PlacedLoads, direction, parse_load};
 pub use model_file::{LoadRecord, ModelFile, StoredModel, parse_model};
-pub use provenance::{FilmOrigin, InputFile, ProgramRun, Provenance, ProvenanceFile};
+pub use provenance::{
+    FilmOrigin, InputFile, ProgramRun, Provenance, ProvenanceFile, parse_provenance,
+};
 pub use read::{MAX_ANALYSES_BYTES, MAX_FILE_BYTES, read_bytes, read_text};
 pub use readings_table::{ReadingsTable, parse_readings};
 pub use reliability_file::ReliabilityFile;

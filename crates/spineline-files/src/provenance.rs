@@ -1,10 +1,13 @@
 //! Provenance of outputs.
 
+use std::collections::HashSet;
+
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use spineline::uncertainty::LandmarkNoise;
 
 use crate::FileError;
+use crate::json::parse;
 use crate::options_record::OptionsRecord;
 use crate::request::{Replicates, Request};
 
@@ -20,7 +23,7 @@ pub struct ProgramRun {
 }
 
 /// A file that was read, and which bytes it had.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Eq, Hash, Serialize, Deserialize, JsonSchema)]
 pub struct InputFile {
     /// Its name without its folder, which may carry a name of a person.
     pub name: String,
@@ -145,6 +148,30 @@ impl Provenance {
         self
     }
 
+    /// Provenance of a file that joins others: their inputs one after the other, and the choices of the first; `None` of none.
+    #[must_use]
+    pub fn joining(run: ProgramRun, parts: &[&Self]) -> Option<Self> {
+        let ProgramRun { program, command, date_utc } = run;
+        let origins = parts.iter().map(|part| part.films);
+        let films = origins
+            .reduce(|one, other| if one == other { one } else { FilmOrigin::SyntheticAndReal })?;
+        // What all parts have read is one input.
+        let mut known = HashSet::new();
+        let inputs = parts.iter().flat_map(|part| &part.inputs);
+        let inputs = inputs.filter(|file| known.insert(*file)).cloned().collect();
+        Some(Self { program, command, date_utc, films, inputs, ..(*parts.first()?).clone() })
+    }
+
+    /// Whether both come of one program with one request, whatever the inputs.
+    #[must_use]
+    pub fn is_like(&self, other: &Self) -> bool {
+        self.program == other.program
+            && self.seed == other.seed
+            && self.identifiability == other.identifiability
+            && self.replicates == other.replicates
+            && self.options == other.options
+    }
+
     /// The same with a seed.
     #[must_use]
     pub fn with_seed(mut self, seed: u64) -> Self {
@@ -203,6 +230,17 @@ impl Provenance {
     }
 }
 
+const FORMAT: &str = "spineline-provenance";
+const VERSION: u32 = 1;
+
+/// Reads a provenance file.
+///
+/// # Errors
+/// [`FileError`].
+pub fn parse_provenance(text: &str) -> Result<ProvenanceFile, FileError> {
+    parse(text, FORMAT, VERSION)
+}
+
 /// Provenance of files that have no place for it, as a file beside them.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[schemars(title = "Spineline provenance, version 1")]
@@ -218,6 +256,18 @@ impl ProvenanceFile {
     /// Of files beside it.
     #[must_use]
     pub fn new(of: Vec<InputFile>, provenance: Provenance) -> Self {
-        Self { format: "spineline-provenance".to_owned(), version: 1, of, provenance }
+        Self { format: FORMAT.to_owned(), version: VERSION, of, provenance }
+    }
+
+    /// The files that it is of.
+    #[must_use]
+    pub fn files(&self) -> &[InputFile] {
+        &self.of
+    }
+
+    /// What they depend on.
+    #[must_use]
+    pub const fn provenance(&self) -> &Provenance {
+        &self.provenance
     }
 }

@@ -10,6 +10,7 @@ mod film;
 mod import;
 mod learn_prior;
 mod manual;
+mod merge;
 mod noise_study;
 mod phantom;
 mod reliability;
@@ -56,6 +57,9 @@ pub enum Command {
     NoiseStudy(noise_study::NoiseStudyArgs),
     /// Analyse the films of one patient or of a cohort
     Analyze(Box<analyze::AnalyzeArgs>),
+    /// Merge the tables of parts of a cohort that were analysed apart
+    #[command(after_help = merge::EXAMPLES)]
+    Merge(merge::MergeArgs),
     /// Write a report of one patient or of a cohort with every figure, as HTML, Markdown or PDF
     #[command(after_help = report::EXAMPLES)]
     Report(Box<report::ReportArgs>),
@@ -117,6 +121,7 @@ pub fn run(command: Command) -> Result<Ending, Failure> {
         Command::Reproduce(args) => reproduce::run(&args),
         Command::NoiseStudy(args) => noise_study::run(&args),
         Command::Analyze(args) => analyze::run(&args),
+        Command::Merge(args) => merge::run(&args),
         Command::Report(args) => report::run(&args),
         Command::Check(args) => check::run(&args),
         Command::Import(args) => import::run(&args),

@@ -37,12 +37,30 @@ pub fn generator() -> String {
 /// # Errors
 /// If `SOURCE_DATE_EPOCH` is set and is not a time.
 pub fn this_run() -> Result<ProgramRun, Failure> {
-    let words = std::env::args_os().skip(1).map(|word| shown_word(&word.to_string_lossy()));
+    let words = std::env::args_os().skip(1).map(|word| word.to_string_lossy().into_owned());
     Ok(ProgramRun {
         program: generator(),
-        command: std::iter::once("spineline".to_owned()).chain(words).collect(),
+        command: shown_words(std::iter::once("spineline".to_owned()).chain(words)),
         date_utc: now()?.to_rfc3339_opts(SecondsFormat::Secs, true),
     })
+}
+
+/// The words of a command line with files named as outputs name them.
+fn shown_words(words: impl Iterator<Item = String>) -> Vec<String> {
+    let mut is_shard = false;
+    let shown = words.map(|word| {
+        let value = word.strip_prefix("--shard=").or(is_shard.then_some(&word));
+        let keeps = value.is_some_and(is_fraction);
+        is_shard = word == "--shard";
+        if keeps { word } else { shown_word(&word) }
+    });
+    shown.collect()
+}
+
+/// Whether a word is a part and a number of parts, as in `3/8`.
+fn is_fraction(word: &str) -> bool {
+    let is_number = |part: &str| part.parse::<u32>().is_ok();
+    word.split_once('/').is_some_and(|(part, of)| is_number(part) && is_number(of))
 }
 
 /// A word of the command line with files named as outputs name them, after `=` and between commas too.
@@ -105,5 +123,12 @@ mod tests {
         ] {
             assert_eq!(shown_word(word), shown, "{word}");
         }
+    }
+
+    #[test]
+    fn the_part_of_a_cohort_is_no_folder() {
+        let shown = |words: &[&str]| shown_words(words.iter().map(|&word| word.to_owned()));
+        assert_eq!(shown(&["--shard", "3/8", "4711/1"]), ["--shard", "3/8", "1"]);
+        assert_eq!(shown(&["--shard=3/8", "3/8"]), ["--shard=3/8", "8"]);
     }
 }

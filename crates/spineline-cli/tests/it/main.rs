@@ -14,6 +14,7 @@ mod import_midlines;
 mod learn_prior;
 #[path = "../../../spineline-films/tests/it/maker.rs"]
 mod maker;
+mod merge;
 mod noise_study;
 mod outputs;
 mod privacy;

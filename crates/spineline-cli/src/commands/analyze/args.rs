@@ -9,6 +9,7 @@ use spineline::action::LineKind;
 use super::tables::TablesArgs;
 use crate::options::choice::{Choice, of_spelling};
 use crate::options::method::MethodArgs;
+use crate::options::shard::Shard;
 use crate::options::uncertainty::UncertaintyArgs;
 use crate::options::values::threads;
 use crate::run::outputs::OverwriteArgs;
@@ -57,6 +58,10 @@ pub struct AnalyzeArgs {
     /// Draw figures as SVG into this folder
     #[arg(long, value_name = "DIR")]
     pub figures: Option<PathBuf>,
+    /// Analyse one part of the cases, such as 3/8 for the third of eight, as jobs on a cluster do; `spineline merge` puts their tables
+    /// together. Outputs are those of a cohort
+    #[arg(long, value_name = "PART/PARTS")]
+    pub shard: Option<Shard>,
     /// Threads for a cohort and for replicates; 0: all cores. The number does not change the results
     #[arg(long, default_value = "0", value_parser = threads)]
     pub threads: usize,

@@ -13,6 +13,7 @@ use std::path::{Path, PathBuf};
 use indicatif::ProgressBar;
 use spineline::analysis::LineModel;
 use spineline::cohort::{Cohort, CohortPatient};
+use spineline::warning::counted;
 use spineline_files::{Provenance, to_text};
 use spineline_report::cohort::PatientRow;
 use spineline_report::document::Notice;
@@ -36,12 +37,13 @@ use written::Written;
 
 pub fn run(args: &AnalyzeArgs) -> Result<Ending, Failure> {
     let record = RunRecord::new(&args.method, &args.uncertainty)?;
-    let paths = case_files(&args.cases)?;
-    let to_stdout = check_streams(args, &paths)?;
+    let paths = case_paths(args)?;
+    let is_list = paths.len() != 1 || args.shard.is_some();
+    let to_stdout = check_streams(args, is_list)?;
     let outputs = check_outputs(args, &paths)?;
-    let is_one = paths.len() == 1;
-    let mut written = Written::begin(args, !is_one, &outputs)?;
-    let found = analyze_all(args, &paths, &record, &mut written, &outputs)?;
+    let mut written = Written::begin(args, is_list, &outputs)?;
+    let asked = Asked::new(args, &record, is_list);
+    let found = analyze_all(&paths, asked, &mut written, &outputs)?;
     if found.is_cut_short && !found.has_replicates {
         return Err(Failure::interrupted());
     }
@@ -49,7 +51,7 @@ pub fn run(args: &AnalyzeArgs) -> Result<Ending, Failure> {
     print_notices(&found.notices);
     let provenance = record.provenance_of_all(&found.read);
     written.keep(args, &provenance)?;
-    let together = (!is_one || args.cohort.is_some()).then(|| cohort::of(&found.patients));
+    let together = asked.is_cohort.then(|| cohort::of(&found.patients));
     if let (Some(path), Some(together)) = (&args.cohort, &together) {
         write_cohort(path, &found.patients, together, &provenance, &outputs)?;
     }
@@ -63,8 +65,22 @@ pub fn run(args: &AnalyzeArgs) -> Result<Ending, Failure> {
     Ok(if found.is_cut_short { Ending::Interrupted } else { found.ending })
 }
 
+/// The cases to analyse: all, or one part of them.
+fn case_paths(args: &AnalyzeArgs) -> Result<Vec<PathBuf>, Failure> {
+    let mut paths = case_files(&args.cases)?;
+    let Some(shard) = args.shard else { return Ok(paths) };
+    let (places, all) = (shard.places(paths.len()), paths.len());
+    if places.is_empty() {
+        let cases = counted(all, "case");
+        return Err(Failure::usage(format!(
+            "--shard {shard}: there is no case for this part, since there are {cases}; take at most {all} parts"
+        )));
+    }
+    Ok(paths.drain(places).collect())
+}
+
 /// Refuses outputs that exclude each other; says whether one goes to the standard output.
-fn check_streams(args: &AnalyzeArgs, paths: &[PathBuf]) -> Result<bool, Failure> {
+fn check_streams(args: &AnalyzeArgs, is_list: bool) -> Result<bool, Failure> {
     let outputs = [&args.json, &args.csv, &args.chain, &args.cohort].into_iter().flatten();
     let to_stdout = outputs.filter(|path| is_stdout(path)).count();
     if to_stdout > 1 {
@@ -72,7 +88,7 @@ fn check_streams(args: &AnalyzeArgs, paths: &[PathBuf]) -> Result<bool, Failure>
             "only one of --json, --csv, --chain and --cohort can go to the standard output",
         ));
     }
-    if args.model.is_some() && paths.len() != 1 {
+    if args.model.is_some() && is_list {
         return Err(Failure::usage("--model writes the model of one case; give one case file"));
     }
     Ok(to_stdout == 1)
@@ -117,25 +133,15 @@ struct Found {
 
 /// Analyses all cases and writes their results one after the other; in a cohort, a case that fails is reported and left out.
 fn analyze_all(
-    args: &AnalyzeArgs,
     paths: &[PathBuf],
-    record: &RunRecord,
+    asked: Asked<'_>,
     written: &mut Written<'_>,
     outputs: &Outputs,
 ) -> Result<Found, Failure> {
-    let is_one = paths.len() == 1;
-    // The replicates of one patient use all threads, and stop by themselves.
-    let is_long = record.request.replicates.is_some() || record.request.identifiability;
+    let Asked { args, record, .. } = asked;
     let _deferred = record.request.replicates.map(|_| interrupt::defer());
-    let (across, within) = if is_long { (1, args.threads) } else { (args.threads, 1) };
-    let progress = if is_long { ProgressBar::hidden() } else { bar("analysing", paths.len()) };
-    let asked = Asked {
-        args,
-        record,
-        is_list: !is_one,
-        is_cohort: !is_one || args.cohort.is_some(),
-        threads: within,
-    };
+    let progress =
+        if asked.is_long() { ProgressBar::hidden() } else { bar("analysing", paths.len()) };
     let mut found = Found {
         read: ReadCases::default(),
         patients: Vec::new(),
@@ -147,11 +153,12 @@ fn analyze_all(
         has_replicates: false,
     };
     let run = |path: &PathBuf| Analysed::of(path, asked);
+    let across = if asked.is_long() { 1 } else { args.threads };
     stream_all(&progress, paths, across, run, |result| {
         let checked = result.and_then(|one| found.read.add(&one.input, record).map(|()| one));
         match checked {
             Ok(one) => found.add(one, asked, written, outputs),
-            Err(failure) if is_one => Err(failure),
+            Err(failure) if !asked.is_list => Err(failure),
             Err(failure) => {
                 progress.suspend(|| say(&format!("{failure}\n")));
                 found.ending = Ending::BadInput;

@@ -24,8 +24,18 @@ pub struct Asked<'a> {
     pub is_list: bool,
     /// Whether the patients are a cohort.
     pub is_cohort: bool,
-    /// Threads for one patient.
-    pub threads: usize,
+}
+
+impl<'a> Asked<'a> {
+    /// By the command line.
+    pub const fn new(args: &'a AnalyzeArgs, record: &'a RunRecord, is_list: bool) -> Self {
+        Self { args, record, is_list, is_cohort: is_list || args.cohort.is_some() }
+    }
+
+    /// Whether a patient takes so long that all threads work on one: its replicates also stop by themselves.
+    pub const fn is_long(self) -> bool {
+        self.record.request.replicates.is_some() || self.record.request.identifiability
+    }
 }
 
 /// A patient with everything that was found.
@@ -58,7 +68,8 @@ impl Analysed {
         let request = &asked.record.request;
         let input = CaseInput::read(path)?;
         let analysis = analyze_input(path, &input, &request.options)?;
-        let confidence = Confidence::compute(&input.case, &analysis, request, asked.threads)?;
+        let threads = if asked.is_long() { asked.args.threads } else { 1 };
+        let confidence = Confidence::compute(&input.case, &analysis, request, threads)?;
         Ok(Self {
             parts: OutputParts::of(&input, &analysis, &confidence, asked),
             row: asked.is_cohort.then(|| (CohortPatient::of(&analysis), PatientRow::of(&analysis))),
