@@ -62,8 +62,8 @@ fn view(members: &[Member]) -> CohortView {
     let results: Vec<&StudyResult> = members.iter().filter_map(|m| m.result.as_deref()).collect();
     let counted = members.iter().filter(|member| excluded(member).is_none());
     let counted = counted.filter_map(|member| member.result.as_ref());
-    let analyses = counted.filter_map(|result| result.analysis());
-    let patients: Vec<CohortPatient> = analyses.map(CohortPatient::of).collect();
+    let analyses: Vec<&Analysis> = counted.filter_map(|result| result.analysis()).collect();
+    let patients: Vec<CohortPatient> = analyses.iter().map(|one| CohortPatient::of(one)).collect();
     let mut found = CohortView {
         synthetic: members.iter().any(|member| member.synthetic),
         rows: members.iter().map(row).collect(),
@@ -78,7 +78,7 @@ fn view(members: &[Member]) -> CohortView {
     }
     if !patients.is_empty() {
         let cohort = Cohort::of(&patients, BOOTSTRAP_SEED);
-        found.charts = charts(&cohort);
+        found.charts = charts(&analyses, &cohort);
         found.comparisons = comparisons(&cohort);
         found.verdict = cohort.sentences();
     }
@@ -161,7 +161,7 @@ fn inflection_rotation_mdeg(analysis: &Analysis) -> Option<f64> {
     (!rotations.is_empty()).then(|| Summary::of(&rotations).mean)
 }
 
-fn charts(cohort: &Cohort) -> Vec<BoxChart> {
+fn charts(analyses: &[&Analysis], cohort: &Cohort) -> Vec<BoxChart> {
     let errors = |title: &str, held_out: bool| {
         let boxes = cohort.lines.iter().filter_map(|line| {
             let errors = if held_out { &line.held_out } else { &line.fitted };
@@ -169,11 +169,13 @@ fn charts(cohort: &Cohort) -> Vec<BoxChart> {
         });
         chart(title, "location error (mm)", boxes.collect())
     };
+    let motions = analyses.iter().flat_map(|one| &one.postures).filter_map(|p| p.motion.as_ref());
+    let all_segments = motions.flat_map(|motion| motion.rotations.iter().map(|r| 1000.0 * r.deg()));
     let millidegrees = |values: &Clustered| -> Vec<f64> {
         values.values().iter().map(|deg| 1000.0 * deg).collect()
     };
     let rotations = [
-        ("all segments", millidegrees(&cohort.rotation_deg)),
+        ("all segments", all_segments.collect()),
         ("inflections", millidegrees(&cohort.inflection[0].rotation_deg)),
         ("least-rotating", millidegrees(&cohort.least_rotation_deg)),
     ];

@@ -65,6 +65,36 @@ impl Clustered {
     }
 }
 
+/// As [`Clustered`], without the values: of quantities that a film has many of.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ClusteredSummary {
+    /// Of all values, as if they were independent.
+    pub pooled: Summary,
+    /// Of one mean per patient.
+    pub patients: Summary,
+    /// 95 % interval of the mean by resampling patients.
+    pub bootstrap: Option<[f64; 2]>,
+}
+
+impl ClusteredSummary {
+    /// From one summary per patient; patients without values do not count.
+    fn new(by_patient: impl Iterator<Item = Summary>, seed: u64) -> Self {
+        let by_patient: Vec<Summary> = by_patient.filter(|summary| summary.n > 0).collect();
+        let means: Vec<Vec<f64>> = by_patient.iter().map(|summary| vec![summary.mean]).collect();
+        Self {
+            pooled: Summary::pooled(&by_patient),
+            patients: Summary::of(&means.concat()),
+            bootstrap: cluster_bootstrap(&means, RESAMPLES, seed),
+        }
+    }
+}
+
+impl From<&Clustered> for ClusteredSummary {
+    fn from(values: &Clustered) -> Self {
+        Self { pooled: values.pooled, patients: values.patients, bootstrap: values.bootstrap }
+    }
+}
+
 /// A way to guess the least-rotating segments, over some films.
 #[derive(Debug, Clone, PartialEq)]
 pub struct EstimateStatistics {
@@ -131,7 +161,7 @@ pub struct Cohort {
     /// Residuals of the curves' tilts, in degrees.
     pub rmse_deg: Clustered,
     /// Rotations of all segments, in degrees: r.
-    pub rotation_deg: Clustered,
+    pub rotation_deg: ClusteredSummary,
     /// Rotations of the least-rotating segments.
     pub least_rotation_deg: Clustered,
     /// Inflections as estimates over all films, over bends, and over neutral and traction films.
@@ -237,7 +267,7 @@ impl Cohort {
             segment_mm: numbers(&|patient| patient.segment_mm),
             rmse_mm: films(&|film| vec![film.rmse_mm]),
             rmse_deg: films(&|film| vec![film.rmse_deg]),
-            rotation_deg: films(&|film| film.rotations_deg.clone()),
+            rotation_deg: ClusteredSummary::new(patients.iter().map(|one| one.rotation_deg), seed),
             least_rotation_deg: films(&|film| film.least_rotations_deg.clone()),
             inflection: [Films::All, Films::Bends, Films::Others].map(inflection),
             mean_least: [Films::Bends, Films::Others].map(mean_least),

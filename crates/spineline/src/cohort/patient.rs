@@ -8,6 +8,7 @@ use crate::analysis::{
     ferguson_errors_deg,
 };
 use crate::anatomy::{Levels, Posture, Side};
+use crate::evaluate::statistics::Summary;
 use crate::evaluate::{Baseline, Simulation, joint_rotations};
 use crate::measure::Outline;
 use crate::motion::SegmentEstimate;
@@ -24,6 +25,8 @@ pub struct CohortPatient {
     pub(super) levels: Levels,
     pub(super) segments: usize,
     pub(super) segment_mm: f64,
+    /// Rotations of all segments over all films.
+    pub(super) rotation_deg: Summary,
     /// Inflections of the erect curve.
     pub(super) inflections: usize,
     pub(super) doubts: Vec<DoubtedFilm>,
@@ -48,7 +51,6 @@ pub(super) struct PatientFilm {
     pub has_motion: bool,
     pub rmse_mm: f64,
     pub rmse_deg: f64,
-    pub rotations_deg: Vec<f64>,
     pub least_rotations_deg: Vec<f64>,
     pub inflection_estimates: Option<[SegmentEstimate; 2]>,
     pub mean_least_estimates: Option<[SegmentEstimate; 2]>,
@@ -107,6 +109,7 @@ impl CohortPatient {
             levels: analysis.levels(),
             segments: analysis.chain.segments,
             segment_mm: analysis.chain.segment_mm,
+            rotation_deg: Summary::of(&rotations_deg(analysis)),
             inflections: analysis.inflections.all.len(),
             doubts: DoubtedFilm::of(analysis),
             has_rotation_prior: analysis.options.rotation_prior.is_some(),
@@ -180,6 +183,12 @@ impl CohortPatient {
     }
 }
 
+/// Rotations of all segments over all films.
+fn rotations_deg(analysis: &Analysis) -> Vec<f64> {
+    let motions = analysis.postures.iter().filter_map(|film| film.motion.as_ref());
+    motions.flat_map(|motion| motion.rotations.iter().map(|rotation| rotation.deg())).collect()
+}
+
 impl PatientFilm {
     fn of(film: &PostureAnalysis) -> Self {
         let motion = film.motion.as_ref();
@@ -188,8 +197,6 @@ impl PatientFilm {
             has_motion: motion.is_some(),
             rmse_mm: film.fit.rmse_mm,
             rmse_deg: film.fit.rmse_tilt.deg(),
-            rotations_deg: motion
-                .map_or_else(Vec::new, |m| m.rotations.iter().map(|r| r.deg()).collect()),
             least_rotations_deg: motion
                 .map_or_else(Vec::new, |m| m.least.map(|k| m.rotations[k].deg()).to_vec()),
             inflection_estimates: film.inflection_estimates,

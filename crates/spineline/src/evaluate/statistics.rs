@@ -36,6 +36,30 @@ impl Summary {
         Self { n, mean, sd }
     }
 
+    /// Of all values of several samples.
+    ///
+    /// ```
+    /// use spineline::evaluate::statistics::Summary;
+    ///
+    /// let parts = [Summary::of(&[1.0, 2.0]), Summary::of(&[6.0]), Summary::of(&[])];
+    /// let all = Summary::of(&[1.0, 2.0, 6.0]);
+    /// assert_eq!(Summary::pooled(&parts).n, 3);
+    /// assert!((Summary::pooled(&parts).mean - all.mean).abs() < 1e-15);
+    /// assert!((Summary::pooled(&parts).sd - all.sd).abs() < 1e-15);
+    /// ```
+    #[must_use]
+    pub fn pooled(samples: &[Self]) -> Self {
+        let samples = || samples.iter().filter(|sample| sample.n > 0);
+        let n: usize = samples().map(|sample| sample.n).sum();
+        let mean = samples().map(|sample| sample.n as f64 * sample.mean).sum::<f64>() / n as f64;
+        let squares = samples().map(|sample| {
+            let within = if sample.n > 1 { (sample.n - 1) as f64 * sample.sd.powi(2) } else { 0.0 };
+            within + sample.n as f64 * (sample.mean - mean).powi(2)
+        });
+        let sd = if n > 1 { (squares.sum::<f64>() / (n - 1) as f64).sqrt() } else { f64::NAN };
+        Self { n, mean, sd }
+    }
+
     /// Normal-theory 95 % interval of the mean, as if all values were independent.
     #[must_use]
     pub fn normal_interval(&self) -> [f64; 2] {
