@@ -7,6 +7,7 @@ use super::{Clustered, PairedComparison};
 use crate::action::LineKind;
 use crate::analysis::{FilmRole, listed, probability};
 use crate::anatomy::Levels;
+use crate::evaluate::statistics::Resampling;
 use crate::evaluate::{
     Baseline, BaselinePrediction, RotationPrior, predict_baseline, predict_from_prior,
 };
@@ -70,7 +71,7 @@ pub struct BaselinesOverPatients {
 const PREDICTED: [FilmRole; 2] = [FilmRole::LeftOutBend, FilmRole::HeldOut];
 
 impl BaselinesOverPatients {
-    pub(super) fn of(all: &[CohortPatient], seed: u64) -> Self {
+    pub(super) fn of(all: &[CohortPatient], resampling: &Resampling) -> Self {
         let bends: Vec<Vec<Vec<Angle>>> = all.iter().map(CohortPatient::bend_rotations).collect();
         let priors = priors_of_others(all, &bends);
         let sums = BendSums::of(all, &bends);
@@ -93,7 +94,12 @@ impl BaselinesOverPatients {
                 let by_patient: Vec<Vec<Vec<f64>>> = patients.iter().map(of).collect();
                 let films = by_patient.iter().map(Vec::len).sum();
                 let values = by_patient.into_iter().map(|films| films.concat()).collect();
-                BaselineErrors { baseline, role, films, location_mm: Clustered::new(values, seed) }
+                BaselineErrors {
+                    baseline,
+                    role,
+                    films,
+                    location_mm: Clustered::new(values, resampling),
+                }
             })
             .collect();
         errors.retain(|one| one.films > 0);
@@ -103,7 +109,7 @@ impl BaselinesOverPatients {
         kinds.dedup();
         let pairs = kinds.into_iter().flat_map(|line| fair().map(move |cell| (line, cell)));
         let mut tests: Vec<BaselineTest> =
-            pairs.filter_map(|(line, cell)| test(&patients, line, cell, seed)).collect();
+            pairs.filter_map(|(line, cell)| test(&patients, line, cell, resampling)).collect();
         let corrected = corrected_by_holm(tests.iter().map(|test| &test.comparison));
         for (test, holm_p) in tests.iter_mut().zip(corrected) {
             test.holm_p = holm_p;
@@ -272,7 +278,7 @@ fn test(
     patients: &[Predicted<'_>],
     line: LineKind,
     (baseline, role): (Baseline, FilmRole),
-    seed: u64,
+    resampling: &Resampling,
 ) -> Option<BaselineTest> {
     let mut films = 0;
     let (mut of_line, mut of_baseline) = (Vec::new(), Vec::new());
@@ -291,6 +297,6 @@ fn test(
         of_line.push(a);
         of_baseline.push(b);
     }
-    let comparison = PairedComparison::new(&of_line, &of_baseline, seed);
+    let comparison = PairedComparison::new(&of_line, &of_baseline, resampling);
     (films > 0).then_some(BaselineTest { line, baseline, role, films, comparison, holm_p: None })
 }

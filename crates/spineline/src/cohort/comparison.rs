@@ -1,8 +1,5 @@
 use crate::evaluate::paired::{EffectSize, SignFlip, effect_size, holm, sign_flip};
-use crate::evaluate::statistics::{PairedT, Summary, cluster_bootstrap, paired_t};
-
-/// Resamples of the interval of a mean difference.
-const RESAMPLES: u32 = 2000;
+use crate::evaluate::statistics::{PairedT, Resampling, Summary, paired_t};
 
 /// Two samples of the same things, one value of each per thing.
 ///
@@ -29,7 +26,7 @@ pub struct PairedComparison {
 impl PairedComparison {
     /// By patient: values of both, in the same order; patients without any are left out.
     #[must_use]
-    pub fn new(a: &[Vec<f64>], b: &[Vec<f64>], seed: u64) -> Self {
+    pub fn new(a: &[Vec<f64>], b: &[Vec<f64>], resampling: &Resampling) -> Self {
         let flat = |v: &[Vec<f64>]| v.iter().flatten().copied().collect::<Vec<f64>>();
         let (mut means_a, mut means_b) = (Vec::new(), Vec::new());
         for (a, b) in a.iter().zip(b).filter(|(a, _)| !a.is_empty()) {
@@ -41,8 +38,8 @@ impl PairedComparison {
         Self {
             pooled: paired_t(&flat(a), &flat(b)),
             patients: paired_t(&means_a, &means_b),
-            sign_flip: sign_flip(&differences, seed),
-            bootstrap: cluster_bootstrap(&clusters, RESAMPLES, seed),
+            sign_flip: sign_flip(&differences, resampling.seed()),
+            bootstrap: resampling.interval(&clusters),
             effect: effect_size(&differences),
             mean_difference: Summary::of(&differences).mean,
         }

@@ -7,6 +7,7 @@ use crate::action::LineKind;
 use crate::analysis::{FilmRole, FreeNumbers, LineModel};
 use crate::anatomy::Posture;
 use crate::evaluate::Simulation;
+use crate::evaluate::statistics::Resampling;
 use crate::multibody::MatchStatus;
 use crate::personalize::SIGNIFICANCE;
 
@@ -200,7 +201,7 @@ impl<'a> Patient<'a> {
 }
 
 impl LinesOverPatients {
-    pub(super) fn of(all: &[CohortPatient], seed: u64) -> Self {
+    pub(super) fn of(all: &[CohortPatient], resampling: &Resampling) -> Self {
         let mut numbers: Vec<(LineKind, FreeNumbers)> = Vec::new();
         for line in all.iter().flat_map(|patient| &patient.lines) {
             if numbers.iter().all(|(kind, _)| *kind != line.kind) {
@@ -224,7 +225,7 @@ impl LinesOverPatients {
         for role in FilmRole::ALL {
             let common = common_films(&patients, role, &lines);
             for (place, &line) in lines.iter().enumerate() {
-                let clustered = |error| Clustered::new(common.values(place, error), seed);
+                let clustered = |error| Clustered::new(common.values(place, error), resampling);
                 errors.push(RoleErrors {
                     kind: numbers[line].0,
                     role,
@@ -235,7 +236,7 @@ impl LinesOverPatients {
                 });
             }
         }
-        Self { tests: tests(&patients, &numbers, seed), numbers, same_data, errors, missing }
+        Self { tests: tests(&patients, &numbers, resampling), numbers, same_data, errors, missing }
     }
 }
 
@@ -290,7 +291,7 @@ fn common_films<'a>(patients: &[Patient<'a>], role: FilmRole, lines: &[usize]) -
 fn tests(
     patients: &[Patient<'_>],
     numbers: &[(LineKind, FreeNumbers)],
-    seed: u64,
+    resampling: &Resampling,
 ) -> Vec<LinePairTest> {
     let mut tests = Vec::new();
     for first in 0..numbers.len() {
@@ -306,7 +307,7 @@ fn tests(
                         error,
                         films: common.films,
                         left_out: common.left_out,
-                        comparison: PairedComparison::new(&a, &b, seed),
+                        comparison: PairedComparison::new(&a, &b, resampling),
                         holm_p: None,
                         per_predicted_film: [first, second].map(|i| of(i).1.per_predicted_film),
                     });

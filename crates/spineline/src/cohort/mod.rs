@@ -25,7 +25,7 @@ pub use patient::CohortPatient;
 pub use rotation_prior::{LearnedRotations, learn_rotation_prior};
 
 use crate::action::LineKind;
-use crate::evaluate::statistics::{Summary, cluster_bootstrap};
+use crate::evaluate::statistics::{Resampling, Summary};
 use crate::motion::SegmentEstimate;
 use patient::{FilmErrors, PatientFilm, SimulatedFilm};
 
@@ -46,14 +46,14 @@ pub struct Clustered {
 }
 
 impl Clustered {
-    fn new(by_patient: Vec<Vec<f64>>, seed: u64) -> Self {
+    fn new(by_patient: Vec<Vec<f64>>, resampling: &Resampling) -> Self {
         let all: Vec<f64> = by_patient.iter().flatten().copied().collect();
         let means: Vec<f64> =
             by_patient.iter().filter(|v| !v.is_empty()).map(|v| Summary::of(v).mean).collect();
         Self {
             pooled: Summary::of(&all),
             patients: Summary::of(&means),
-            bootstrap: cluster_bootstrap(&by_patient, RESAMPLES, seed),
+            bootstrap: resampling.interval(&by_patient),
             by_patient,
         }
     }
@@ -78,13 +78,13 @@ pub struct ClusteredSummary {
 
 impl ClusteredSummary {
     /// From one summary per patient; patients without values do not count.
-    fn new(by_patient: impl Iterator<Item = Summary>, seed: u64) -> Self {
+    fn new(by_patient: impl Iterator<Item = Summary>, resampling: &Resampling) -> Self {
         let by_patient: Vec<Summary> = by_patient.filter(|summary| summary.n > 0).collect();
         let means: Vec<Vec<f64>> = by_patient.iter().map(|summary| vec![summary.mean]).collect();
         Self {
             pooled: Summary::pooled(&by_patient),
             patients: Summary::of(&means.concat()),
-            bootstrap: cluster_bootstrap(&means, RESAMPLES, seed),
+            bootstrap: resampling.interval(&means),
         }
     }
 }
@@ -239,14 +239,17 @@ impl Cohort {
     /// ```
     #[must_use]
     pub fn of(patients: &[CohortPatient], seed: u64) -> Self {
+        let resampling = &Resampling::new(patients.len(), RESAMPLES, seed);
         let films = |value: &dyn Fn(&PatientFilm) -> Vec<f64>| {
             let patient = |one: &CohortPatient| one.films.iter().flat_map(value).collect();
-            Clustered::new(patients.iter().map(patient).collect(), seed)
+            Clustered::new(patients.iter().map(patient).collect(), resampling)
         };
-        let inflection =
-            |which: Films| estimates(patients, which, seed, |p| p.inflection_estimates.as_ref());
-        let mean_least =
-            |which: Films| estimates(patients, which, seed, |p| p.mean_least_estimates.as_ref());
+        let inflection = |which: Films| {
+            estimates(patients, which, resampling, |p| p.inflection_estimates.as_ref())
+        };
+        let mean_least = |which: Films| {
+            estimates(patients, which, resampling, |p| p.mean_least_estimates.as_ref())
+        };
         let kinds = [LineKind::Inflection, LineKind::Iliac, LineKind::Estimated, LineKind::Given];
         let numbers = |value: &dyn Fn(&CohortPatient) -> f64| {
             Summary::of(&patients.iter().map(value).collect::<Vec<f64>>())
@@ -267,17 +270,20 @@ impl Cohort {
             segment_mm: numbers(&|patient| patient.segment_mm),
             rmse_mm: films(&|film| vec![film.rmse_mm]),
             rmse_deg: films(&|film| vec![film.rmse_deg]),
-            rotation_deg: ClusteredSummary::new(patients.iter().map(|one| one.rotation_deg), seed),
+            rotation_deg: ClusteredSummary::new(
+                patients.iter().map(|one| one.rotation_deg),
+                resampling,
+            ),
             least_rotation_deg: films(&|film| film.least_rotations_deg.clone()),
             inflection: [Films::All, Films::Bends, Films::Others].map(inflection),
             mean_least: [Films::Bends, Films::Others].map(mean_least),
-            table_2: table_2(patients, seed),
+            table_2: table_2(patients, resampling),
             two_inflections: patients.iter().filter(|patient| patient.inflections == 2).count(),
-            lines: kinds.into_iter().filter_map(|kind| line(patients, kind, seed)).collect(),
-            ferguson_test: paper_test(patients, seed, |errors| &errors.ferguson_deg),
-            location_test: paper_test(patients, seed, |errors| &errors.location_mm),
-            baselines: BaselinesOverPatients::of(patients, seed),
-            compared: LinesOverPatients::of(patients, seed),
+            lines: kinds.into_iter().filter_map(|kind| line(patients, kind, resampling)).collect(),
+            ferguson_test: paper_test(patients, resampling, |errors| &errors.ferguson_deg),
+            location_test: paper_test(patients, resampling, |errors| &errors.location_mm),
+            baselines: BaselinesOverPatients::of(patients, resampling),
+            compared: LinesOverPatients::of(patients, resampling),
             incompatible: count(&incompatible),
             doubted: patients.iter().filter(|patient| patient.has_doubted_film()).count(),
             doubted_films: patients.iter().flat_map(|patient| patient.doubts.clone()).collect(),
@@ -296,7 +302,7 @@ impl Cohort {
 fn estimates(
     patients: &[CohortPatient],
     which: Films,
-    seed: u64,
+    resampling: &Resampling,
     of: impl Fn(&PatientFilm) -> Option<&[SegmentEstimate; 2]>,
 ) -> EstimateStatistics {
     let clustered = |value: &dyn Fn(&SegmentEstimate) -> f64| {
@@ -304,7 +310,7 @@ fn estimates(
             let films = one.films.iter().filter(|film| which.has(film));
             films.filter_map(&of).flatten().map(value).collect()
         };
-        Clustered::new(patients.iter().map(patient).collect(), seed)
+        Clustered::new(patients.iter().map(patient).collect(), resampling)
     };
     EstimateStatistics {
         distance_segments: clustered(&|e| e.distance_segments as f64),
@@ -314,7 +320,7 @@ fn estimates(
 }
 
 /// Inflections against MMS_Mean where both are known.
-fn table_2(patients: &[CohortPatient], seed: u64) -> [PairedComparison; 4] {
+fn table_2(patients: &[CohortPatient], resampling: &Resampling) -> [PairedComparison; 4] {
     let pairs = |which: Films, value: &dyn Fn(&SegmentEstimate) -> f64| {
         let (mut a, mut b) = (Vec::new(), Vec::new());
         for patient in patients {
@@ -329,7 +335,7 @@ fn table_2(patients: &[CohortPatient], seed: u64) -> [PairedComparison; 4] {
             a.push(of_a);
             b.push(of_b);
         }
-        PairedComparison::new(&a, &b, seed)
+        PairedComparison::new(&a, &b, resampling)
     };
     let distance = |e: &SegmentEstimate| e.distance_segments as f64;
     let rotation = |e: &SegmentEstimate| e.rotation.deg();
@@ -341,7 +347,11 @@ fn table_2(patients: &[CohortPatient], seed: u64) -> [PairedComparison; 4] {
     ]
 }
 
-fn line(patients: &[CohortPatient], kind: LineKind, seed: u64) -> Option<LineStatistics> {
+fn line(
+    patients: &[CohortPatient],
+    kind: LineKind,
+    resampling: &Resampling,
+) -> Option<LineStatistics> {
     if !patients.iter().any(|patient| patient.models.iter().any(|model| model.kind == kind)) {
         return None;
     }
@@ -349,7 +359,7 @@ fn line(patients: &[CohortPatient], kind: LineKind, seed: u64) -> Option<LineSta
         let patient = |one: &CohortPatient| {
             one.simulated(kind, fitted).filter(|film| film.is_usable).flat_map(value).collect()
         };
-        Clustered::new(patients.iter().map(patient).collect(), seed)
+        Clustered::new(patients.iter().map(patient).collect(), resampling)
     };
     let errors = |fitted: bool| ErrorStatistics {
         ferguson_deg: clustered(fitted, &|film| film.errors.ferguson_deg.clone()),
@@ -372,7 +382,7 @@ fn line(patients: &[CohortPatient], kind: LineKind, seed: u64) -> Option<LineSta
 /// Errors of the inflection line against those of the iliac line, on fitted films that both could simulate.
 fn paper_test(
     patients: &[CohortPatient],
-    seed: u64,
+    resampling: &Resampling,
     errors: impl Fn(&FilmErrors) -> &[f64],
 ) -> PairedComparison {
     let (mut a, mut b) = (Vec::new(), Vec::new());
@@ -390,5 +400,5 @@ fn paper_test(
         a.push(of_a);
         b.push(of_b);
     }
-    PairedComparison::new(&a, &b, seed)
+    PairedComparison::new(&a, &b, resampling)
 }

@@ -1,8 +1,9 @@
 //! The distribution of joint rotations over the bends of patients, and what it predicts of patients that it was not learned
 //! from.
 
-use super::{Clustered, CohortPatient};
+use super::{Clustered, CohortPatient, RESAMPLES};
 use crate::anatomy::Levels;
+use crate::evaluate::statistics::Resampling;
 use crate::evaluate::{Baseline, RotationPrior, RotationPriorError, predict_from_prior};
 use crate::spatial::Angle;
 
@@ -50,11 +51,12 @@ pub fn learn_rotation_prior(
         .collect();
     let prior = RotationPrior::learned(levels, &common)?;
     let others = priors_of_others(all, &bends);
+    let resampling = Resampling::new(all.len(), RESAMPLES, seed);
     let errors = |baseline: Baseline, of: &dyn Fn(usize) -> Option<RotationPrior>| {
         let patient = |(place, patient): (usize, &CohortPatient)| {
             of(place).map_or_else(Vec::new, |prior| errors_mm(patient, baseline, &prior))
         };
-        Clustered::new(all.iter().enumerate().map(patient).collect(), seed)
+        Clustered::new(all.iter().enumerate().map(patient).collect(), &resampling)
     };
     let published = |place: usize| Some(RotationPrior::published(all[place].levels));
     Ok(LearnedRotations {

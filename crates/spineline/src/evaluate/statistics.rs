@@ -149,20 +149,65 @@ pub fn quantile(sorted: &[f64], q: f64) -> f64 {
 /// that a patient counts once however many values there are. `None` for fewer than two clusters.
 #[must_use]
 pub fn cluster_bootstrap(clusters: &[Vec<f64>], resamples: u32, seed: u64) -> Option<[f64; 2]> {
-    let means: Vec<f64> =
-        clusters.iter().filter(|c| !c.is_empty()).map(|c| Summary::of(c).mean).collect();
-    if means.len() < 2 {
-        return None;
+    Resampling::new(0, resamples, seed).interval(clusters)
+}
+
+/// [`cluster_bootstrap`] of many samples of the same clusters: which clusters a resample draws is the same for all of them.
+#[derive(Debug, Clone)]
+pub struct Resampling {
+    resamples: u32,
+    seed: u64,
+    clusters: usize,
+    /// Places of the clusters, resample by resample; none where they would take too much memory.
+    drawn: Vec<u32>,
+}
+
+impl Resampling {
+    /// Draws that are kept: 64 MB.
+    const MAX_KEPT: usize = 1 << 24;
+
+    /// For samples of so many clusters; those of other numbers of clusters are drawn one by one.
+    #[must_use]
+    pub fn new(clusters: usize, resamples: u32, seed: u64) -> Self {
+        let kept = clusters.saturating_mul(resamples as usize);
+        let drawn = if clusters < 2 || kept > Self::MAX_KEPT {
+            Vec::new()
+        } else {
+            let mut rng = ChaCha12Rng::seed_from_u64(seed);
+            (0..kept).map(|_| rng.random_range(0..clusters) as u32).collect()
+        };
+        Self { resamples, seed, clusters, drawn }
     }
-    let mut rng = ChaCha12Rng::seed_from_u64(seed);
-    let mut drawn: Vec<f64> = (0..resamples)
-        .map(|_| {
-            let sum: f64 = (0..means.len()).map(|_| means[rng.random_range(0..means.len())]).sum();
-            sum / means.len() as f64
-        })
-        .collect();
-    drawn.sort_by(f64::total_cmp);
-    Some([quantile(&drawn, 0.025), quantile(&drawn, 0.975)])
+
+    /// The seed.
+    #[must_use]
+    pub const fn seed(&self) -> u64 {
+        self.seed
+    }
+
+    /// As [`cluster_bootstrap`], to the bit.
+    #[must_use]
+    pub fn interval(&self, clusters: &[Vec<f64>]) -> Option<[f64; 2]> {
+        let means: Vec<f64> =
+            clusters.iter().filter(|c| !c.is_empty()).map(|c| Summary::of(c).mean).collect();
+        if means.len() < 2 {
+            return None;
+        }
+        let n = means.len();
+        let mut sums: Vec<f64> = if n == self.clusters && !self.drawn.is_empty() {
+            let sum = |places: &[u32]| places.iter().map(|&place| means[place as usize]).sum();
+            self.drawn.chunks_exact(n).map(sum).collect()
+        } else {
+            let mut rng = ChaCha12Rng::seed_from_u64(self.seed);
+            let mut sum = || (0..n).map(|_| means[rng.random_range(0..n)]).sum();
+            (0..self.resamples).map(|_| sum()).collect()
+        };
+        for sum in &mut sums {
+            *sum /= n as f64;
+        }
+        sums.sort_by(f64::total_cmp);
+        Some([quantile(&sums, 0.025), quantile(&sums, 0.975)])
+    }
 }
 
 /// A share and its 95 % interval.
@@ -319,6 +364,17 @@ mod tests {
         // Normal theory for the mean of 0..19: 9.5 ± 1.96 * 5.77 / sqrt(20), about 7.0 to 12.0.
         assert!((interval[0] - 7.0).abs() < 0.4 && (interval[1] - 12.0).abs() < 0.4);
         assert_eq!(Some(interval), cluster_bootstrap(&clusters, 2000, 7));
+        let kept = Resampling::new(20, 2000, 7);
+        assert_eq!(
+            Some(interval),
+            kept.interval(&clusters),
+            "which clusters are drawn is the same"
+        );
+        assert_eq!(kept.interval(&clusters[1..]), cluster_bootstrap(&clusters[1..], 2000, 7));
+        assert_eq!(
+            Resampling::new(1 << 24, 2, 7).interval(&clusters),
+            cluster_bootstrap(&clusters, 2, 7)
+        );
     }
 
     #[test]
