@@ -131,7 +131,8 @@ class Cohort(Sequence[Path]):
             Folder, made where it is missing; for workers on other machines, on a file system that they share.
         executor
             Any ``concurrent.futures.Executor``: a thread or process pool, Dask's ``client.get_executor()``, executorlib or
-            submitit. By default threads, one per core.
+            submitit. By default threads, one per core. Dask waits for ever for a scheduler that was killed: interrupt the call, and
+            run it again on another cluster.
         chunk
             Cases of a task: so many that it takes 10 to 60 s on a cluster.
         **options
@@ -181,6 +182,9 @@ def _collect(
         tasks[task] = number
     try:
         for task in as_completed(tasks):
+            if task.cancelled():
+                lost[tasks[task]] = "the cluster cancelled it"
+                continue
             fault = task.exception()
             is_of_files = isinstance(fault, OSError) and not isinstance(fault, ConnectionError)
             if fault is not None and (is_of_files or isinstance(fault, InputError)):

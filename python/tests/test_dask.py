@@ -1,53 +1,189 @@
-"""A cohort on a real cluster of processes, one of which is killed in the middle."""
+"""A cohort on a real cluster: killed workers and schedulers, cases that kill, full disks, old wheels."""
 
 from __future__ import annotations
 
 import os
 import signal
+import subprocess
 import sys
 import threading
 import time
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
+from typing import Any
 
 import pytest
 
 import spineline as sl
 
 distributed = pytest.importorskip("distributed")
+dask = pytest.importorskip("dask")
+
+pytestmark = [
+    pytest.mark.skipif(sys.platform == "win32", reason="kills by signal"),
+    pytest.mark.filterwarnings("ignore"),
+]
+
+POISON = """
+import os
+import spineline._cohort as cohort
+
+class Poisoned:
+    native = cohort._native
+
+    def __getattr__(self, name):
+        return getattr(self.native, name)
+
+    def analyze_paths(self, paths, words):
+        if any(path.endswith("-rod-02.json") for path in paths):
+            os._exit(1)
+        return self.native.analyze_paths(paths, words)
+
+cohort._native = Poisoned()
+"""
+"""Makes a worker die of one case, every time."""
+
+FULL = """
+import resource
+resource.setrlimit(resource.RLIMIT_FSIZE, (2_000, 2_000))
+"""
+"""Lets a worker write the smallest files alone."""
 
 
-@pytest.mark.skipif(sys.platform == "win32", reason="kills by signal")
-@pytest.mark.filterwarnings("ignore")
-def test_a_killed_worker_costs_no_case(folder_of_cases: Path, tmp_path: Path) -> None:
-    cohort = sl.Cohort.glob(str(folder_of_cases / "*.json"))
-    alone = cohort.analyze(out=tmp_path / "alone", chunk=1)
+SCRIPT = """
+import sys
+import distributed
+import spineline as sl
+
+if __name__ == "__main__":
+    folder, out = sys.argv[1:]
+    local = dict(host="127.0.0.1", dashboard_address=None, threads_per_worker=1)
+    with distributed.LocalCluster(n_workers=2, **local) as workers, distributed.Client(workers) as client:
+        cohort = sl.Cohort.glob(folder + "/*.json")
+        cohort.analyze(executor=client.get_executor(), out=out, chunk=1)
+"""
+"""A process that asks a cluster of its own."""
+
+
+@contextmanager
+def cluster(preload: Path | None = None) -> Iterator[Any]:
+    """A client of two worker processes, which may run a file before any task."""
     with (
+        dask.config.set({"distributed.scheduler.allowed-failures": 1}),
         distributed.LocalCluster(
             n_workers=2,
             threads_per_worker=1,
             processes=True,
             host="127.0.0.1",
             dashboard_address=None,
-        ) as cluster,
-        distributed.Client(cluster) as client,
+            preload=[str(preload)] if preload else [],
+        ) as workers,
+        distributed.Client(workers) as client,
     ):
+        yield client
+
+
+def wait_for_parts(folder: Path, number: int) -> None:
+    """Waits until so many parts are done."""
+    done = folder / "done"
+    while not (done.exists() and len(list(done.iterdir())) >= number):
+        time.sleep(0.005)
+
+
+def is_same(folder: Path, other: Path, parts: tuple[sl.Part, ...]) -> bool:
+    """Whether both folders have the same bytes of all parts, and nothing else."""
+    found = [{path.stem for path in one.rglob("*.parquet")} for one in (folder, other)]
+    names = {part.name for part in parts}
+    files = [f"{table}/{name}.parquet" for table in ("cases", "vertebrae") for name in names]
+    same = all((folder / file).read_bytes() == (other / file).read_bytes() for file in files)
+    return same and found == [names, names]
+
+
+@pytest.fixture(scope="module")
+def cohort(folder_of_cases: Path) -> sl.Cohort:
+    return sl.Cohort.glob(str(folder_of_cases / "*.json"))
+
+
+@pytest.fixture(scope="module")
+def alone(cohort: sl.Cohort, tmp_path_factory: pytest.TempPathFactory) -> sl.CohortRun:
+    """The same without a cluster."""
+    return cohort.analyze(out=tmp_path_factory.mktemp("alone"), chunk=1)
+
+
+def test_a_killed_worker_costs_no_case(
+    cohort: sl.Cohort, alone: sl.CohortRun, tmp_path: Path
+) -> None:
+    with cluster() as client:
         pids = list(client.run(os.getpid).values())
-        done = tmp_path / "cluster" / "done"
 
         def kill() -> None:
-            while not (done.exists() and len(list(done.iterdir())) >= 3):
-                time.sleep(0.005)
+            wait_for_parts(tmp_path, 3)
             os.kill(pids[0], signal.SIGKILL)
 
         killer = threading.Thread(target=kill)
         killer.start()
-        run = cohort.analyze(executor=client.get_executor(), out=tmp_path / "cluster", chunk=1)
+        run = cohort.analyze(executor=client.get_executor(retries=2), out=tmp_path, chunk=1)
         killer.join()
     assert run.is_complete and [part.name for part in run.parts] == [p.name for p in alone.parts]
-    for part in alone.parts:
-        for table in ("cases", "vertebrae"):
-            name = f"{table}/{part.name}.parquet"
-            ours = (tmp_path / "cluster" / name).read_bytes()
-            assert ours == (tmp_path / "alone" / name).read_bytes(), name
-    found = {path.stem for path in (tmp_path / "cluster").rglob("*.parquet")}
-    assert found == {part.name for part in alone.parts}, "what was half written has no name of a part"
+    assert is_same(tmp_path, alone.folder, alone.parts)
+
+
+def test_a_case_that_kills_its_worker_is_named_and_costs_no_other(
+    cohort: sl.Cohort, alone: sl.CohortRun, tmp_path: Path
+) -> None:
+    preload = tmp_path / "poison.py"
+    preload.write_text(POISON)
+    out = tmp_path / "out"
+    with cluster(preload) as client:
+        run = cohort.analyze(executor=client.get_executor(), out=out, chunk=1)
+    lost = [path for paths, _ in run.lost for path in paths]
+    assert [Path(path).name for path in lost] == ["phantom-rod-02.json"]
+    assert "KilledWorker" in run.lost[0][1] and len(run.parts) == len(cohort) - 1
+    again = cohort.analyze(out=out, chunk=1)
+    assert again.is_complete and sum(not part.was_there for part in again.parts) == 1
+    assert is_same(out, alone.folder, alone.parts)
+
+
+def test_a_killed_scheduler_loses_what_was_not_done_and_another_run_resumes(
+    cohort: sl.Cohort, alone: sl.CohortRun, folder_of_cases: Path, tmp_path: Path
+) -> None:
+    # The scheduler of a local cluster lives in the process that asks.
+    out = tmp_path / "out"
+    script = tmp_path / "run.py"
+    script.write_text(SCRIPT)
+    asking = subprocess.Popen([sys.executable, str(script), str(folder_of_cases), str(out)])
+    try:
+        wait_for_parts(out, 3)
+    finally:
+        asking.kill()
+        asking.wait()
+    again = cohort.analyze(out=out, chunk=1)
+    assert again.is_complete and sum(part.was_there for part in again.parts) >= 3
+    assert is_same(out, alone.folder, alone.parts)
+
+
+def test_a_full_disk_is_an_error_and_leaves_whole_files(
+    cohort: sl.Cohort, alone: sl.CohortRun, tmp_path: Path
+) -> None:
+    preload = tmp_path / "full.py"
+    preload.write_text(FULL)
+    out = tmp_path / "out"
+    with cluster(preload) as client, pytest.raises(OSError, match="File too large"):
+        cohort.analyze(executor=client.get_executor(), out=out, chunk=1)
+    assert {path.suffix for path in out.rglob("*") if path.is_file()} <= {".parquet"}
+    assert cohort.analyze(out=out, chunk=1).is_complete
+    assert is_same(out, alone.folder, alone.parts)
+
+
+def test_an_old_version_on_one_worker_is_refused(cohort: sl.Cohort, tmp_path: Path) -> None:
+    def age() -> None:
+        import spineline
+
+        spineline.__version__ = "0.0.9"
+
+    with cluster() as client:
+        workers = list(client.scheduler_info()["workers"])
+        client.run(age, workers=workers[:1])
+        with pytest.raises(sl.InputError, match="a worker has Spineline 0.0.9"):
+            cohort.analyze(executor=client.get_executor(), out=tmp_path, chunk=1)
