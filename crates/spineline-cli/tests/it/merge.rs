@@ -105,3 +105,15 @@ fn a_shard_writes_lists_and_needs_a_case() {
     let text = program::refused(here.path(), &["analyze", "cases", "--shard", "4/3"], 2);
     assert!(text.contains("expected a part and the number of parts"), "{text}");
 }
+
+#[test]
+fn a_shard_without_a_usable_case_is_merged_too() {
+    let here = program::with_phantoms("rod", &["1", "2"]);
+    fs::write(here.path().join("cases/a.json"), "{}").expect("a file");
+    program::refused(here.path(), &["analyze", "cases", "--shard", "1/3", "--tables", "1"], 3);
+    for (shard, folder) in [("2/3", "2"), ("3/3", "3")] {
+        program::done(here.path(), &["analyze", "cases", "--shard", shard, "--tables", folder]);
+    }
+    let said = program::done(here.path(), &["merge", "1", "2", "3", "--out", "merged"]);
+    assert!(said.starts_with("2 patients of 3 parts"), "{said}");
+}

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
 use spineline_files::{InputFile, Provenance, ProvenanceFile, to_text};
-use spineline_tables::{OptionalTables, ParquetWriter, Table, dictionary};
+use spineline_tables::{OptionalTables, ParquetWriter, Table, dictionary, tables};
 
 use crate::run::failure::Failure;
 use crate::run::outputs::{Outputs, Pieces};
@@ -109,6 +109,10 @@ impl<'a> TablesFolder<'a> {
     /// # Errors
     /// If they cannot be written.
     pub fn keep(mut self, provenance: &Provenance) -> Result<(), Failure> {
+        if self.tables.is_empty() {
+            // Columns without rows, where no case could be analysed.
+            self.add(tables(&[]), OptionalTables::of(&[]))?;
+        }
         if self.patients > 0 {
             self.write_rows()?;
         }
