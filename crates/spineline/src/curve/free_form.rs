@@ -93,8 +93,10 @@ impl CurveFit {
 /// The process after the vertebrae are known, over all pairs of length scale and deviation.
 struct Process {
     height_mm: f64,
-    /// Weight, mean and covariance of the coefficients.
-    parts: Vec<(f64, DVector<f64>, DMatrix<f64>)>,
+    /// Mean of the coefficients.
+    mean: DVector<f64>,
+    /// Their covariance: within the pairs, and between the pairs' means.
+    covariance: DMatrix<f64>,
 }
 
 impl Process {
@@ -130,28 +132,30 @@ impl Process {
         let best = parts.iter().map(|part| part.0).fold(f64::NEG_INFINITY, f64::max);
         let weight = |log_likelihood: f64| (log_likelihood - best).exp();
         let sum: f64 = parts.iter().map(|part| weight(part.0)).sum();
-        let likely = parts.into_iter().filter(|part| weight(part.0) > MIN_WEIGHT * sum);
-        let parts = likely.map(|(log_likelihood, mean, cholesky, noise)| {
-            (weight(log_likelihood) / sum, mean, cholesky.inverse() * noise)
-        });
-        Some(Self { height_mm, parts: parts.collect() })
+        parts.retain(|part| weight(part.0) > MIN_WEIGHT * sum);
+        let size = right.len();
+        let mean =
+            parts.iter().fold(DVector::zeros(size), |mean, (log_likelihood, of_pair, ..)| {
+                mean + of_pair * (weight(*log_likelihood) / sum)
+            });
+        let mut covariance = DMatrix::zeros(size, size);
+        for (log_likelihood, of_pair, cholesky, noise) in parts {
+            let off = of_pair - &mean;
+            let of_pair = cholesky.inverse() * noise + &off * off.transpose();
+            covariance += of_pair * (weight(log_likelihood) / sum);
+        }
+        Some(Self { height_mm, mean, covariance })
     }
 
     /// Mean of `y''` times the height.
     fn mean(&self, t_mm: f64) -> f64 {
-        let basis = bending(t_mm / self.height_mm);
-        self.parts.iter().map(|(weight, mean, _)| weight * basis.dot(mean)).sum()
+        bending(t_mm / self.height_mm).dot(&self.mean)
     }
 
     /// Covariance of `y''` times the height at two heights.
     fn covariance(&self, a_mm: f64, b_mm: f64) -> f64 {
         let [a, b] = [a_mm, b_mm].map(|t| bending(t / self.height_mm));
-        let [mean_a, mean_b] = [a_mm, b_mm].map(|t| self.mean(t));
-        let parts = self.parts.iter().map(|(weight, mean, covariance)| {
-            let within = a.dot(&(covariance * &b));
-            weight * (within + (a.dot(mean) - mean_a) * (b.dot(mean) - mean_b))
-        });
-        parts.sum()
+        a.dot(&(&self.covariance * b))
     }
 
     fn slope(&self, t_mm: f64) -> f64 {

@@ -118,7 +118,7 @@ impl EffectBlock {
     /// Sums over joints, by the effects.
     fn gathered(&self, by_joints: DMatrix<f64>) -> DMatrix<f64> {
         match &self.along {
-            Some(along) => along.tr_mul(&by_joints),
+            Some(along) => along.transpose() * by_joints,
             None => by_joints,
         }
     }
@@ -152,7 +152,7 @@ impl RandomEffects {
                 known[(i, i)] += 1.0 / variances[a];
             }
         }
-        own.covariance = known.cholesky()?.inverse();
+        own.covariance = inverse_of(known)?;
         Some(own)
     }
 
@@ -206,18 +206,29 @@ impl Normal {
         own: Option<&RandomEffects>,
     ) -> Self {
         let (by_columns, by_residual) = (precision.times(columns), precision.times(residual));
-        let (mut matrix, mut right) = (columns.tr_mul(&by_columns), columns.tr_mul(&by_residual));
+        let across = columns.transpose();
+        let (mut matrix, mut right) = (&across * &by_columns, across * &by_residual);
         let (mut effects_by_columns, mut effects_by_residual) = Default::default();
         if let Some(own) = own {
             // Woodbury's identity.
             let (columns, residual) = (own.gather(&by_columns), own.gather(&by_residual));
             effects_by_columns = &own.covariance * &columns;
             effects_by_residual = &own.covariance * &residual;
-            matrix -= columns.tr_mul(&effects_by_columns);
-            right -= columns.tr_mul(&effects_by_residual);
+            let across = columns.transpose();
+            matrix -= &across * &effects_by_columns;
+            right -= across * &effects_by_residual;
         }
         Self { matrix, right, effects_by_columns, effects_by_residual }
     }
+}
+
+/// Inverse of a positive definite matrix, by that of its triangular factor: its product with itself takes fewer steps than
+/// solving by the factor twice.
+fn inverse_of(matrix: DMatrix<f64>) -> Option<DMatrix<f64>> {
+    let size = matrix.nrows();
+    let mut inverse = DMatrix::identity(size, size);
+    matrix.cholesky()?.l_dirty().solve_lower_triangular_unchecked_mut(&mut inverse);
+    Some(inverse.transpose() * inverse)
 }
 
 /// Divides every column by its largest entry, and answers with those: newtons and newton millimetres differ by hundreds.
