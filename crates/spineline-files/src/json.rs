@@ -1,6 +1,9 @@
 //! Reading JSON, with errors that name the place, the value and the nearest known key.
 
-use serde::de::DeserializeOwned;
+use std::fmt;
+
+use serde::Deserializer;
+use serde::de::{DeserializeOwned, IgnoredAny, MapAccess, Visitor};
 
 use crate::FileError;
 
@@ -31,9 +34,35 @@ pub(crate) fn parse<T: DeserializeOwned>(
     parse_value(text)
 }
 
-/// What kind of file it says it is.
+/// What kind of file it says it is. Files have it at their beginning, and are read no further than that.
 pub(crate) fn format_of(text: &str) -> Option<String> {
-    serde_json::from_str::<Header>(without_mark(text)).ok()?.format
+    let mut found = None;
+    let mut reader = serde_json::Deserializer::from_str(without_mark(text));
+    // Where the visitor stops within an object, the reader takes the rest for an error.
+    let _rest = reader.deserialize_map(FormatVisitor(&mut found));
+    found
+}
+
+/// Reads an object as far as its `format`.
+struct FormatVisitor<'a>(&'a mut Option<String>);
+
+impl<'de> Visitor<'de> for FormatVisitor<'_> {
+    type Value = ();
+
+    fn expecting(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter.write_str("an object")
+    }
+
+    fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<(), A::Error> {
+        while let Some(key) = map.next_key::<String>()? {
+            if key == "format" {
+                *self.0 = map.next_value()?;
+                return Ok(());
+            }
+            map.next_value::<IgnoredAny>()?;
+        }
+        Ok(())
+    }
 }
 
 /// The format that a JSON file of this program states in its `format`; for a list of files, that of the first one. `None` for any

@@ -1,5 +1,9 @@
 //! Work on several threads.
 
+use std::collections::BTreeMap;
+use std::panic::{self, AssertUnwindSafe};
+use std::sync::mpsc;
+
 use indicatif::ProgressBar;
 use rayon::prelude::*;
 
@@ -43,7 +47,7 @@ pub fn map_all<T: Sync, R: Send>(
     Ok(results)
 }
 
-/// Items per thread whose results are held at once by [`stream_all`].
+/// Results per thread that may wait for an earlier one in [`stream_all`].
 const HELD_PER_THREAD: usize = 16;
 
 /// Runs a function on all items in parallel and passes every result on, in the order of the items; 0 threads uses all cores.
@@ -51,6 +55,9 @@ const HELD_PER_THREAD: usize = 16;
 ///
 /// # Errors
 /// If the threads cannot be started, or of `take`; no further item is begun then.
+///
+/// # Panics
+/// If the function does.
 pub fn stream_all<T: Sync, R: Send>(
     bar: &ProgressBar,
     items: &[T],
@@ -59,18 +66,32 @@ pub fn stream_all<T: Sync, R: Send>(
     mut take: impl FnMut(R) -> Result<(), Failure>,
 ) -> Result<(), Failure> {
     let pool = pool(threads)?;
-    for held in items.chunks(HELD_PER_THREAD * pool.current_num_threads()) {
-        let results: Vec<R> = pool.install(|| {
-            held.par_iter()
-                .map(|item| {
-                    let result = run(item);
-                    bar.inc(1);
-                    result
-                })
-                .collect()
-        });
-        results.into_iter().try_for_each(&mut take)?;
-    }
-    bar.finish_and_clear();
-    Ok(())
+    let (ended, results) = mpsc::channel();
+    let run = &run;
+    pool.in_place_scope(|scope| {
+        let begin = |place: usize| {
+            let Some(item) = items.get(place) else { return };
+            let ended = ended.clone();
+            scope.spawn(move |_| {
+                // A panic is passed on to who waits for the result.
+                let result = panic::catch_unwind(AssertUnwindSafe(|| run(item)));
+                let _is_awaited = ended.send((place, result));
+            });
+        };
+        let held = HELD_PER_THREAD * pool.current_num_threads();
+        (0..held).for_each(begin);
+        let mut early = BTreeMap::new();
+        for next in 0..items.len() {
+            while !early.contains_key(&next) {
+                let (place, result) = results.recv().expect("this function has a sender");
+                early.insert(place, result);
+                bar.inc(1);
+            }
+            let result = early.remove(&next).expect("it has come");
+            take(result.unwrap_or_else(|panic| panic::resume_unwind(panic)))?;
+            begin(next + held);
+        }
+        bar.finish_and_clear();
+        Ok(())
+    })
 }
