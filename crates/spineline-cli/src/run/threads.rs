@@ -81,15 +81,15 @@ pub fn stream_all<T: Sync, R: Send>(
         let held = HELD_PER_THREAD * pool.current_num_threads();
         (0..held).for_each(begin);
         let mut early = BTreeMap::new();
-        for next in 0..items.len() {
-            while !early.contains_key(&next) {
-                let (place, result) = results.recv().expect("this function has a sender");
-                early.insert(place, result);
-                bar.inc(1);
+        let mut next = 0;
+        for (place, result) in results.iter().take(items.len()) {
+            early.insert(place, result);
+            bar.inc(1);
+            while let Some(result) = early.remove(&next) {
+                take(result.unwrap_or_else(|panic| panic::resume_unwind(panic)))?;
+                begin(next + held);
+                next += 1;
             }
-            let result = early.remove(&next).expect("it has come");
-            take(result.unwrap_or_else(|panic| panic::resume_unwind(panic)))?;
-            begin(next + held);
         }
         bar.finish_and_clear();
         Ok(())
