@@ -14,6 +14,7 @@
 
 mod bodies;
 mod calibration;
+pub mod completion;
 mod confidence;
 mod corners;
 mod evidence;

@@ -1,0 +1,143 @@
+//! What was marked on a film, as rows of linear equations for the corners.
+
+use nalgebra::{DMatrix, DVector};
+
+use super::shape::{LEVELS, PARAMETERS, coordinate};
+use crate::anatomy::{Level, Side};
+use crate::measure::{CornerName, ImageGeometry};
+use crate::spatial::{Frontal, Pixel};
+
+/// What a click marks on a vertebra.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Mark {
+    /// A corner.
+    Corner(CornerName),
+    /// The midpoint of the wall on a side of the patient.
+    Wall(Side),
+    /// The midpoint of the superior endplate.
+    SuperiorEndplate,
+    /// The midpoint of the inferior endplate.
+    InferiorEndplate,
+    /// The mean of the four corners.
+    Centre,
+}
+
+impl Mark {
+    /// The corners of which it is the mean.
+    #[must_use]
+    pub const fn corners(self) -> &'static [CornerName] {
+        use CornerName::{InferiorLeft, InferiorRight, SuperiorLeft, SuperiorRight};
+        match self {
+            Self::Corner(SuperiorLeft) => &[SuperiorLeft],
+            Self::Corner(SuperiorRight) => &[SuperiorRight],
+            Self::Corner(InferiorLeft) => &[InferiorLeft],
+            Self::Corner(InferiorRight) => &[InferiorRight],
+            Self::Wall(Side::Left) => &[SuperiorLeft, InferiorLeft],
+            Self::Wall(Side::Right) => &[SuperiorRight, InferiorRight],
+            Self::SuperiorEndplate => &[SuperiorLeft, SuperiorRight],
+            Self::InferiorEndplate => &[InferiorLeft, InferiorRight],
+            Self::Centre => &CornerName::ALL,
+        }
+    }
+}
+
+/// A click on a vertebra.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Click {
+    /// Which vertebra.
+    pub level: Level,
+    /// What it marks there.
+    pub mark: Mark,
+    /// Where.
+    pub place: Pixel,
+}
+
+/// All clicks on a film.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Clicks {
+    /// Clicks on vertebrae, in any order.
+    pub vertebrae: Vec<Click>,
+    /// Points on the line through the centres of the vertebrae, in any order; which vertebrae they lie at is not known.
+    pub midline: Vec<Pixel>,
+}
+
+/// Equations `matrix · corners = values` of clicks, in millimetres about a place.
+pub(super) struct Equations {
+    pub matrix: DMatrix<f64>,
+    pub values: DVector<f64>,
+}
+
+/// Clicks in the film's frontal frame about the mean of those on vertebrae.
+pub(super) struct PlacedClicks {
+    pub about: Frontal,
+    vertebrae: Vec<(usize, Mark, Frontal)>,
+    midline: Vec<Frontal>,
+}
+
+impl PlacedClicks {
+    pub fn new(image: &ImageGeometry, clicks: &Clicks) -> Self {
+        let places = clicks.vertebrae.iter().map(|click| image.frontal(click.place));
+        let count = clicks.vertebrae.len().max(1) as f64;
+        let about = places.fold(Frontal::default(), |sum, place| sum + place) * (1.0 / count);
+        let vertebrae = clicks
+            .vertebrae
+            .iter()
+            .map(|click| (click.level as usize, click.mark, image.frontal(click.place) - about));
+        let midline = clicks.midline.iter().map(|&place| image.frontal(place) - about);
+        Self { about, vertebrae: vertebrae.collect(), midline: midline.collect() }
+    }
+
+    /// Whether two clicks on vertebrae lie apart.
+    pub fn lie_apart(&self) -> bool {
+        self.vertebrae.iter().any(|&(.., place)| place.norm_mm() > 1e-9)
+    }
+
+    /// Equations of the clicks on vertebrae alone.
+    pub fn of_vertebrae(&self) -> Equations {
+        let rows = 2 * self.vertebrae.len();
+        let (mut matrix, mut values) = (DMatrix::zeros(rows, PARAMETERS), DVector::zeros(rows));
+        for (index, &(level, mark, place)) in self.vertebrae.iter().enumerate() {
+            let row = 2 * index;
+            (values[row], values[row + 1]) = (place.y_mm, place.z_mm);
+            let corners = mark.corners();
+            for &corner in corners {
+                let column = coordinate(level, corner);
+                let part = 1.0 / corners.len() as f64;
+                (matrix[(row, column)], matrix[(row + 1, column + 1)]) = (part, part);
+            }
+        }
+        Equations { matrix, values }
+    }
+
+    /// Equations of all clicks; a point of the midline lies on the nearest of the lines between the centres given.
+    pub fn equations(&self, centres: &[Frontal; LEVELS]) -> Equations {
+        let Equations { mut matrix, mut values } = self.of_vertebrae();
+        for &point in &self.midline {
+            let Some((level, part, normal)) = nearest_step(centres, point) else { continue };
+            let row = values.nrows();
+            matrix = matrix.insert_row(row, 0.0);
+            values = values.insert_row(row, point.dot(normal));
+            for (level, weight) in [(level, 1.0 - part), (level + 1, part)] {
+                for corner in CornerName::ALL {
+                    let column = coordinate(level, corner);
+                    matrix[(row, column)] = 0.25 * weight * normal.y_mm;
+                    matrix[(row, column + 1)] = 0.25 * weight * normal.z_mm;
+                }
+            }
+        }
+        Equations { matrix, values }
+    }
+}
+
+/// The step between neighbouring centres that lies nearest to a point, which part of it the point is beside, and its normal.
+fn nearest_step(centres: &[Frontal; LEVELS], point: Frontal) -> Option<(usize, f64, Frontal)> {
+    let steps = centres.windows(2).enumerate().filter_map(|(level, pair)| {
+        let step = pair[1] - pair[0];
+        let length = step.norm_mm();
+        let part = ((point - pair[0]).dot(step) / (length * length)).clamp(0.0, 1.0);
+        let normal = Frontal::new(-step.z_mm, step.y_mm) * (1.0 / length);
+        let distance = point.distance_mm(pair[0] + step * part);
+        distance.is_finite().then_some((distance, (level, part, normal)))
+    });
+    steps.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, step)| step)
+}
