@@ -3,6 +3,7 @@
 mod advisories;
 mod book;
 mod checks;
+mod cohorts;
 mod fuzz;
 mod notebooks;
 mod oracle;
@@ -57,6 +58,8 @@ cargo xtask COMMAND
   bench    run the benchmarks of the core
   peers [--rounds N] [--without-octave]
            compare times with MuJoCo, Pinocchio, OpenSim, numpy and Octave
+  cohorts [--cases N] [--patients N] [--replicates N] [--rows N]
+           time cohorts by the program and by the Python package on Dask
   oracle CASE.json… --out DIR
            solve spines that other programs have solved, by the march and by Newton
 ";
@@ -67,6 +70,7 @@ fn main() -> ExitCode {
     let arguments: Vec<String> = env::args().skip(2).collect();
     let result = match (command.as_str(), &arguments[..]) {
         ("oracle", _) => oracle::run(&arguments),
+        ("cohorts", _) => cohorts::compare(&root, &arguments),
         ("peers", _) => peers::compare(&root, &arguments),
         ("fuzz", []) => fuzz::all(&root, 60),
         ("fuzz", [seconds]) => match seconds.parse() {

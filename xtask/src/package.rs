@@ -83,14 +83,19 @@ fn pytest(
     run(from, interpreter, &arguments, variables)
 }
 
-/// Installs the wheel in an environment of its own, and tests what it has installed.
-fn test_wheel(root: &Path) -> Result<(), String> {
+/// Builds the wheel and installs it in an environment of its own, whose interpreter it gives.
+pub fn with_wheel(root: &Path) -> Result<PathBuf, String> {
     let wheel = python::text(&wheel(root)?)?;
-    let folder = root.join("python");
-    let requirements = folder.join("tests/requirements.txt");
-    let interpreter = python::text(&python::environment(root, "wheel", &requirements)?)?;
+    let requirements = root.join("python/tests/requirements.txt");
+    let interpreter = python::environment(root, "wheel", &requirements)?;
     let install = ["-m", "pip", "install", "--quiet", "--force-reinstall", "--no-deps", &wheel];
-    run(root, &interpreter, &install, &[])?;
+    run(root, &python::text(&interpreter)?, &install, &[])?;
+    Ok(interpreter)
+}
+
+/// Tests what the wheel has installed.
+fn test_wheel(root: &Path) -> Result<(), String> {
+    let interpreter = python::text(&with_wheel(root)?)?;
     pytest(root, &python::target()?, &interpreter, &[("PYTHONDONTWRITEBYTECODE", "1")])
 }
 

@@ -17,6 +17,18 @@ pub fn project(
 ) -> Result<(), String> {
     let folder = script.parent().expect("a script lies in its project");
     let interpreter = environment(root, name, &folder.join("requirements.txt"))?;
+    self::script(root, &interpreter, name, script, program, passed_on)
+}
+
+/// Runs a script by an interpreter that is there; else as [`project`].
+pub fn script(
+    root: &Path,
+    interpreter: &Path,
+    name: &str,
+    script: &Path,
+    program: &Path,
+    passed_on: &[String],
+) -> Result<(), String> {
     let target = target()?;
     let program = target.join(program).with_extension(EXE_EXTENSION);
     let results = target.join(name);
@@ -32,7 +44,7 @@ pub fn project(
         text(&results)?,
     ];
     let arguments: Vec<&str> = own.iter().chain(passed_on).map(String::as_str).collect();
-    run(root, &text(&interpreter)?, &arguments, &[("PYTHONDONTWRITEBYTECODE", "1")])
+    run(root, &text(interpreter)?, &arguments, &[("PYTHONDONTWRITEBYTECODE", "1")])
 }
 
 /// A program that an environment holds.
