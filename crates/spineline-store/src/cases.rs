@@ -12,7 +12,7 @@ use crate::accounts::{self, Role};
 use crate::audit::Ledger;
 use crate::connection::Store;
 use crate::error::StoreError;
-use crate::event::{Corner, CrestSide, Event};
+use crate::event::{Corner, Event, PatientSide};
 use crate::films::{self, NewFilm, Study};
 use crate::journal;
 use crate::names::{FilmId, Name, Signature};
@@ -275,7 +275,7 @@ impl CaseReading {
             }
         }
         if let Some(IliacCrests { left, right }) = crests {
-            for (side, place) in [(CrestSide::Left, left), (CrestSide::Right, right)] {
+            for (side, place) in [(PatientSide::Left, left), (PatientSide::Right, right)] {
                 let (column_px, row_px) = (place.column_px, place.row_px);
                 events.push(Event::PlaceIliacCrest { side, column_px, row_px });
             }

@@ -1,6 +1,9 @@
 //! Events: the entries of a reading's journal.
 
+use std::collections::BTreeMap;
+
 use serde::{Deserialize, Serialize};
+use spineline::anatomy::Side;
 use spineline_files::LevelKey;
 use utoipa::ToSchema;
 
@@ -35,14 +38,48 @@ impl Corner {
     }
 }
 
-/// The patient's side of an iliac crest.
+/// A side of the patient.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
 #[serde(rename_all = "snake_case")]
-pub enum CrestSide {
+pub enum PatientSide {
     /// The patient's left.
     Left,
     /// The patient's right.
     Right,
+}
+
+impl From<PatientSide> for Side {
+    fn from(side: PatientSide) -> Self {
+        match side {
+            PatientSide::Left => Self::Left,
+            PatientSide::Right => Self::Right,
+        }
+    }
+}
+
+/// A vertebra whose corners were expected by the program and accepted by the reader.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+pub struct AcceptedVertebra {
+    /// Vertebra.
+    #[schema(value_type = String)]
+    pub level: LevelKey,
+    /// Its corners, column and row in pixels.
+    #[schema(value_type = std::collections::BTreeMap<String, [f64; 2]>)]
+    pub corners: BTreeMap<Corner, [f64; 2]>,
+}
+
+/// How the corners of a vertebra came about.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, ToSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum CornerOrigin {
+    /// Every corner was clicked.
+    #[default]
+    Clicked,
+    /// The reader accepted corners that the program expected.
+    Accepted,
+    /// The reader accepted them, and then moved a corner.
+    Adjusted,
 }
 
 /// One action of a reader, as JSON with a `kind`. Places are in pixels of the film, column and row, sub-pixel.
@@ -73,6 +110,23 @@ pub enum Event {
         /// Row.
         row_px: f64,
     },
+    /// Place the midpoint of a wall, with or without an earlier place.
+    PlaceWall {
+        /// Vertebra.
+        #[schema(value_type = String)]
+        level: LevelKey,
+        /// The patient's side.
+        side: PatientSide,
+        /// Column.
+        column_px: f64,
+        /// Row.
+        row_px: f64,
+    },
+    /// Accept the corners that the program expects of vertebrae, as one change.
+    AcceptCorners {
+        /// The vertebrae, each with its four corners.
+        vertebrae: Vec<AcceptedVertebra>,
+    },
     /// Set an axis by hand, or reset it to the corners.
     SetAxis {
         /// Vertebra.
@@ -90,7 +144,7 @@ pub enum Event {
     /// The superior tip of an iliac crest.
     PlaceIliacCrest {
         /// The patient's side.
-        side: CrestSide,
+        side: PatientSide,
         /// Column.
         column_px: f64,
         /// Row.

@@ -60,7 +60,7 @@ pub use conflicts::{Acknowledged, LostChange};
 pub use connection::Store;
 pub use current_case::{CaseReadings, ComparedReading, CurrentCase, CurrentFilm};
 pub use error::StoreError;
-pub use event::{Corner, CrestSide, Event};
+pub use event::{AcceptedVertebra, Corner, CornerOrigin, Event, PatientSide};
 pub use export::{ExportRemark, ExportedCase};
 pub use films::{AddedFilm, FilmEdit, FilmRecord, Study};
 pub use names::{FilmId, Hash, Name, ReadingId, Signature, Timestamp};

@@ -4,13 +4,17 @@ use std::collections::BTreeMap;
 
 use spineline::anatomy::{Level, Side};
 
-use crate::event::{Corner, CrestSide, Event};
+use crate::event::{AcceptedVertebra, Corner, CornerOrigin, Event};
 
 /// Landmarks of a vertebra.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct VertebraReading {
     /// Corners placed so far, `[column, row]` in pixels.
     pub corners: BTreeMap<Corner, [f64; 2]>,
+    /// How they came about.
+    pub origin: CornerOrigin,
+    /// Midpoints of its walls by the patient's side, where it was marked by them.
+    pub walls: BTreeMap<Side, [f64; 2]>,
     /// Axis turned by hand, against the image's vertical, positive clockwise as seen.
     pub axis_deg: Option<f64>,
 }
@@ -92,6 +96,20 @@ impl ReadingState {
             | Event::MoveCorner { level, corner, column_px, row_px } => {
                 let vertebra = self.vertebrae.entry(level.0).or_default();
                 vertebra.corners.insert(corner, [column_px, row_px]);
+                if vertebra.origin == CornerOrigin::Accepted {
+                    vertebra.origin = CornerOrigin::Adjusted;
+                }
+            }
+            Event::PlaceWall { level, side, column_px, row_px } => {
+                let vertebra = self.vertebrae.entry(level.0).or_default();
+                vertebra.walls.insert(side.into(), [column_px, row_px]);
+            }
+            Event::AcceptCorners { ref vertebrae } => {
+                for AcceptedVertebra { level, corners } in vertebrae {
+                    let vertebra = self.vertebrae.entry(level.0).or_default();
+                    vertebra.corners.clone_from(corners);
+                    vertebra.origin = CornerOrigin::Accepted;
+                }
             }
             Event::SetAxis { level, axis_deg } => {
                 let vertebra = self.vertebrae.entry(level.0).or_default();
@@ -102,11 +120,7 @@ impl ReadingState {
             }
             Event::RemoveVertebra { level } => drop(self.vertebrae.remove(&level.0)),
             Event::PlaceIliacCrest { side, column_px, row_px } => {
-                let side = match side {
-                    CrestSide::Left => Side::Left,
-                    CrestSide::Right => Side::Right,
-                };
-                self.iliac_crests_px.insert(side, [column_px, row_px]);
+                self.iliac_crests_px.insert(side.into(), [column_px, row_px]);
             }
             Event::Scale { from_px, to_px, length_mm } => {
                 self.scale = Some(Scale { from_px, to_px, length_mm });
@@ -123,6 +137,7 @@ impl ReadingState {
             |place: &[f64]| place.iter().all(|x| x.is_finite() && x.abs() <= MAX_COORDINATE_PX);
         let (sound, reason) = match event {
             Event::PlaceCorner { column_px, row_px, .. }
+            | Event::PlaceWall { column_px, row_px, .. }
             | Event::PlaceIliacCrest { column_px, row_px, .. } => {
                 (on_film(&[*column_px, *row_px]), "coordinates must be within a million pixels")
             }
@@ -130,6 +145,16 @@ impl ReadingState {
                 let known = self.vertebrae.get(&level.0);
                 let placed = known.is_some_and(|vertebra| vertebra.corners.contains_key(corner));
                 (placed && on_film(&[*column_px, *row_px]), "only a placed corner can be moved")
+            }
+            Event::AcceptCorners { vertebrae } => {
+                let whole = |one: &AcceptedVertebra| one.corners.len() == Corner::ALL.len();
+                let places = vertebrae.iter().flat_map(|one| one.corners.values());
+                (
+                    !vertebrae.is_empty()
+                        && vertebrae.iter().all(whole)
+                        && places.flatten().all(|&x| on_film(&[x])),
+                    "accepted vertebrae need four corners each, within a million pixels",
+                )
             }
             Event::SetAxis { axis_deg, .. } => {
                 let turned = axis_deg.is_none_or(|deg| deg.is_finite() && deg.abs() <= 90.0);

@@ -19,7 +19,13 @@ fn phantom(index: usize) -> Phantom {
 
 fn marked(vertebrae: &BTreeMap<Level, Corners<Pixel>>, levels: &[Level]) -> PartialReading {
     let landmarks = levels.iter().map(|&level| {
-        (level, PartialLandmarks { corners: vertebrae[&level].map(Some), axis_clockwise: None })
+        (
+            level,
+            PartialLandmarks {
+                corners: vertebrae[&level].map(Some),
+                ..PartialLandmarks::default()
+            },
+        )
     });
     PartialReading { vertebrae: landmarks.collect(), crests: [None; 2] }
 }
@@ -35,7 +41,8 @@ fn proposals_are_near_the_true_corners_on_every_film() {
             for count in 1..Level::MODEL.len() {
                 let reading = marked(&film.vertebrae, &Level::MODEL[..count]);
                 let next = Level::MODEL[count];
-                let proposal = reading.propose_next(&film.image).expect("a proposal");
+                let proposals = reading.propose(&film.image, Some(film.posture));
+                let proposal = proposals.first().expect("a proposal");
                 assert_eq!(proposal.level, next);
                 let truth = midpoint(&film.image, &film.vertebrae[&next]);
                 let before = midpoint(&film.image, &film.vertebrae[&Level::MODEL[count - 1]]);
@@ -60,8 +67,8 @@ fn a_mirrored_picture_has_mirrored_proposals_and_axes() {
     let levels = &Level::MODEL[..5];
     let here = marked(&film.vertebrae, levels);
     let there = marked(&flipped, levels);
-    let (a, b) = (here.propose_next(&image), there.propose_next(&mirrored));
-    let (a, b) = (a.expect("a proposal"), b.expect("a proposal"));
+    let (a, b) = (here.propose(&image, None), there.propose(&mirrored, None));
+    let (a, b) = (a.first().expect("a proposal"), b.first().expect("a proposal"));
     for (p, q) in a.corners.map(flip).points().into_iter().zip(b.corners.points()) {
         assert!((p.column_px - q.column_px).abs() < 1e-6 && (p.row_px - q.row_px).abs() < 1e-6);
     }
@@ -116,7 +123,7 @@ fn swapped_corners_are_detected_with_three_and_four_corners() {
                 Some(CornerName::InferiorLeft) => some.inferior_left = None,
                 None => {}
             }
-            let landmark = PartialLandmarks { corners: some, axis_clockwise: None };
+            let landmark = PartialLandmarks { corners: some, ..PartialLandmarks::default() };
             reading.vertebrae.insert(Level::T8, landmark);
             let expected = MarkingFault::Corners { level: Level::T8, fault };
             assert_eq!(reading.faults(&film.image).first(), Some(&expected), "{missing:?}");

@@ -1,7 +1,7 @@
 //! One reading of one film.
 
 use serde::{Deserialize, Serialize};
-use spineline_store::{Corner, CrestSide, Event};
+use spineline_store::{Corner, CornerOrigin, Event, PatientSide};
 use utoipa::ToSchema;
 
 use super::{ImageSideName, LiveView, LostChangeView, Notice, PlaneName, PostureName, Problem};
@@ -48,15 +48,18 @@ pub struct ReadingView {
     /// Vertebrae with landmarks, caudal first.
     pub vertebrae: Vec<VertebraView>,
     /// Superior tips of the iliac crests.
-    pub crests: CrestsView,
+    pub crests: SidesView,
     /// Notes, oldest first.
     pub notes: Vec<String>,
     /// All levels in the guided order: L4 to T2, then the optional T1 and L5.
     pub order: Vec<String>,
     /// The next landmark in the guided order.
     pub next: Option<ExpectedLandmark>,
-    /// Extrapolated corners of the next vertebra; part of the reading only after a person has accepted or moved them.
-    pub proposal: Option<Proposal>,
+    /// The next landmark where vertebrae are marked by their walls.
+    pub next_by_walls: Option<ExpectedLandmark>,
+    /// Expected corners of the vertebrae without a corner, in the guided order; part of the reading only after a person has accepted or
+    /// moved them.
+    pub proposals: Vec<Proposal>,
     /// Errors of the landmarks: crossed or swapped corners, places off the film, wrong order.
     pub faults: Vec<Notice>,
     /// Changes that lost a race and are kept; in a [`ConflictAnswer`], those of the request alone.
@@ -89,7 +92,11 @@ pub struct VertebraView {
     pub level: String,
     /// Corners placed so far.
     pub corners: Vec<CornerView>,
-    /// Whether all four are placed.
+    /// How they came about.
+    pub origin: CornerOrigin,
+    /// Midpoints of its walls, where it was marked by them.
+    pub walls: SidesView,
+    /// Whether all four corners are placed.
     pub complete: bool,
     /// Intersection of the diagonals.
     pub midpoint_px: Option<[f64; 2]>,
@@ -121,9 +128,9 @@ pub struct AxisView {
     pub text: String,
 }
 
-/// Superior tips of the iliac crests.
+/// A landmark on both sides.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
-pub struct CrestsView {
+pub struct SidesView {
     /// The patient's left.
     pub left_px: Option<[f64; 2]>,
     /// The patient's right.
@@ -141,20 +148,29 @@ pub enum ExpectedLandmark {
         /// Which corner.
         corner: Corner,
     },
+    /// The midpoint of a wall.
+    Wall {
+        /// Level.
+        level: String,
+        /// The patient's side.
+        side: PatientSide,
+    },
     /// An iliac crest.
     Crest {
         /// The patient's side.
-        side: CrestSide,
+        side: PatientSide,
     },
 }
 
-/// A vertebra extrapolated from other vertebrae.
+/// A vertebra as it is expected from all that is marked.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct Proposal {
     /// Level.
     pub level: String,
     /// Its four corners in the guided order.
     pub corners: Vec<CornerView>,
+    /// Standard deviation of a corner in percent of the vertebra's height.
+    pub sd_percent: f64,
 }
 
 /// Events for a reading.

@@ -44,6 +44,14 @@ fn words(change: &Value) -> String {
         Some("place_corner" | "move_corner") => {
             format!("{} {} corner to {}", word("level"), word("corner"), place())
         }
+        Some("place_wall") => {
+            format!("{} {} wall to {}", word("level"), word("side"), place())
+        }
+        Some("accept_corners") => {
+            let vertebrae = change["vertebrae"].as_array().map_or(&[][..], Vec::as_slice);
+            let levels: Vec<&str> = vertebrae.iter().filter_map(|v| v["level"].as_str()).collect();
+            format!("corners accepted of {}", levels.join(", "))
+        }
         Some("set_axis") => match &change["axis_deg"] {
             Value::Null => format!("{} axis reset to its corners", word("level")),
             axis => format!("{} axis to {axis}°", word("level")),

@@ -8,12 +8,14 @@ use spineline::measure::{
     ProposedVertebra,
 };
 use spineline::spatial::{Angle, Pixel};
-use spineline_store::{Corner, CrestSide, Event, ReadingState, SeenReading, Store, StoreError};
+use spineline_store::{
+    Corner, CornerOrigin, Event, PatientSide, ReadingState, SeenReading, Store, StoreError,
+};
 
 use super::lost;
 use crate::api::{
-    AxisView, CornerView, CrestsView, ExpectedLandmark, LostChangeView, Notice, PostureName,
-    Proposal as ProposalView, ReadingImage, ReadingView, Severity, VertebraView, Wire,
+    AxisView, CornerView, ExpectedLandmark, LostChangeView, Notice, PostureName,
+    Proposal as ProposalView, ReadingImage, ReadingView, Severity, SidesView, VertebraView, Wire,
 };
 use crate::problem::Answer;
 use crate::session::User;
@@ -77,12 +79,23 @@ fn view_of(
         revision: state.revision,
         undoable: state.undoable,
         redoable: state.redoable,
-        vertebrae: landmarks.vertebrae.iter().map(|(&l, m)| vertebra(&image, l, m)).collect(),
-        crests: CrestsView { left_px: crest(Side::Left), right_px: crest(Side::Right) },
+        vertebrae: landmarks
+            .vertebrae
+            .iter()
+            .map(|(&level, landmark)| {
+                vertebra(&image, level, landmark, state.vertebrae[&level].origin)
+            })
+            .collect(),
+        crests: SidesView { left_px: crest(Side::Left), right_px: crest(Side::Right) },
         notes: state.notes.clone(),
         order: PartialReading::order().map(|level| level.to_string()).to_vec(),
         next: landmarks.next().map(next_landmark),
-        proposal: landmarks.propose_next(&image).map(|proposal| proposal_view(&proposal)),
+        next_by_walls: landmarks.next_by_walls().map(next_landmark),
+        proposals: landmarks
+            .propose(&image, (!is_blinded).then_some(film.posture))
+            .iter()
+            .map(proposal_view)
+            .collect(),
         faults: faults(&landmarks, &image, posture),
         conflicts,
     })
@@ -94,8 +107,8 @@ fn landmarks(state: &ReadingState) -> PartialReading {
         .vertebrae
         .iter()
         .map(|(&level, landmarks)| {
-            let corner =
-                |name| landmarks.corners.get(&name).map(|&[column, row]| Pixel::new(column, row));
+            let place = |&[column, row]: &[f64; 2]| Pixel::new(column, row);
+            let corner = |name| landmarks.corners.get(&name).map(place);
             let corners = Corners {
                 superior_left: corner(Corner::SuperiorLeft),
                 superior_right: corner(Corner::SuperiorRight),
@@ -106,6 +119,8 @@ fn landmarks(state: &ReadingState) -> PartialReading {
                 level,
                 PartialLandmarks {
                     corners,
+                    walls: [Side::Left, Side::Right]
+                        .map(|side| landmarks.walls.get(&side).map(place)),
                     axis_clockwise: landmarks.axis_deg.map(Angle::from_deg),
                 },
             )
@@ -116,7 +131,12 @@ fn landmarks(state: &ReadingState) -> PartialReading {
     PartialReading { vertebrae, crests }
 }
 
-fn vertebra(image: &ImageGeometry, level: Level, landmark: &PartialLandmarks) -> VertebraView {
+fn vertebra(
+    image: &ImageGeometry,
+    level: Level,
+    landmark: &PartialLandmarks,
+    origin: CornerOrigin,
+) -> VertebraView {
     let corners = CornerName::ORDER.into_iter().filter_map(|name| {
         let place = name.of(&landmark.corners)?;
         Some(CornerView { corner: corner(name), px: pair(place) })
@@ -132,6 +152,11 @@ fn vertebra(image: &ImageGeometry, level: Level, landmark: &PartialLandmarks) ->
     VertebraView {
         level: level.to_string(),
         corners: corners.collect(),
+        origin,
+        walls: SidesView {
+            left_px: landmark.walls[0].map(pair),
+            right_px: landmark.walls[1].map(pair),
+        },
         complete: landmark.complete().is_some(),
         midpoint_px: body.map(|body| pair(body.midpoint)),
         axis,
@@ -152,8 +177,17 @@ fn next_landmark(next: NextLandmark) -> ExpectedLandmark {
         NextLandmark::Corner(level, name) => {
             ExpectedLandmark::Corner { level: level.to_string(), corner: corner(name) }
         }
-        NextLandmark::Crest(Side::Left) => ExpectedLandmark::Crest { side: CrestSide::Left },
-        NextLandmark::Crest(Side::Right) => ExpectedLandmark::Crest { side: CrestSide::Right },
+        NextLandmark::Wall(level, side) => {
+            ExpectedLandmark::Wall { level: level.to_string(), side: side_view(side) }
+        }
+        NextLandmark::Crest(side) => ExpectedLandmark::Crest { side: side_view(side) },
+    }
+}
+
+fn side_view(side: Side) -> PatientSide {
+    match side {
+        Side::Left => PatientSide::Left,
+        Side::Right => PatientSide::Right,
     }
 }
 
@@ -164,7 +198,11 @@ fn proposal_view(proposal: &ProposedVertebra) -> ProposalView {
         let px = pair(place).map(|px| (px * 100.0).round() / 100.0);
         CornerView { corner: corner(name), px }
     });
-    ProposalView { level: proposal.level.to_string(), corners: corners.collect() }
+    ProposalView {
+        level: proposal.level.to_string(),
+        corners: corners.collect(),
+        sd_percent: (100.0 * proposal.sd_share).round(),
+    }
 }
 
 fn faults(

@@ -103,7 +103,7 @@ fn a_reading_is_recorded_undone_reloaded_and_finished() {
     ];
     let marked = record(&browser, reading, 0, json!(body)).json()["reading"].clone();
     assert_eq!(marked["revision"], 4);
-    assert_eq!(marked["proposal"]["level"], "L3");
+    assert_eq!(marked["proposals"][0]["level"], "L3");
     assert_eq!(marked["vertebrae"][0]["complete"], true);
     let undone =
         record(&browser, reading, 4, json!([{ "kind": "undo" }])).json()["reading"].clone();
@@ -438,4 +438,55 @@ fn films_of_two_patients_or_of_a_leg_are_refused_until_confirmed() {
         let made = browser.post("/api/studies", &new);
         assert_eq!(made.status, StatusCode::OK, "{study}: {}", made.text());
     }
+}
+
+#[test]
+fn a_vertebra_is_marked_by_its_walls_and_its_expected_corners_are_accepted() {
+    let app = app();
+    let browser = app.observer("Ann");
+    let study = demo(&browser);
+    let film = study["summary"]["films"][0]["film"].as_i64().expect("a number");
+    let reading = begin(&browser, film);
+    let wall = |level: &str, side: &str, column: f64, row: f64| json!({ "kind": "place_wall", "level": level, "side": side, "column_px": column, "row_px": row });
+    // The patient's left is on the left of this picture.
+    let walls = [
+        wall("L4", "left", 900.0, 2060.0),
+        wall("L4", "right", 1130.0, 2060.0),
+        wall("L3", "left", 905.0, 1880.0),
+        wall("L3", "right", 1125.0, 1880.0),
+    ];
+    let marked = record(&browser, reading, 0, json!(walls)).json()["reading"].clone();
+    assert_eq!(marked["next_by_walls"], json!({ "kind": "wall", "level": "L2", "side": "left" }));
+    assert_eq!(marked["next"]["level"], "L4", "no corner is placed");
+    assert_eq!(marked["vertebrae"][0]["walls"]["left_px"], json!([900.0, 2060.0]));
+    let proposals = marked["proposals"].as_array().expect("proposals");
+    let levels: Vec<&str> = proposals.iter().filter_map(|one| one["level"].as_str()).collect();
+    assert_eq!(levels[..3], ["L4", "L3", "L2"]);
+    let sd = |index: usize| proposals[index]["sd_percent"].as_f64().expect("a number");
+    assert!(sd(0) > 0.0 && sd(0) < sd(2), "{} and {}", sd(0), sd(2));
+
+    let accepted: Vec<Value> = proposals[..2].iter().map(accepted_vertebra).collect();
+    let event = json!([{ "kind": "accept_corners", "vertebrae": accepted }]);
+    let whole = record(&browser, reading, 4, event).json()["reading"].clone();
+    assert_eq!(whole["vertebrae"][1]["origin"], "accepted");
+    assert_eq!(whole["vertebrae"][1]["complete"], true);
+    assert_eq!(whole["undoable"], 5, "acceptance is one change");
+    let moved = json!([{ "kind": "move_corner", "level": "L3", "corner": "superior_left", "column_px": 906.0, "row_px": 1820.0 }]);
+    let moved = record(&browser, reading, 5, moved).json()["reading"].clone();
+    assert_eq!(moved["vertebrae"][0]["origin"], "accepted");
+    assert_eq!(moved["vertebrae"][1]["origin"], "adjusted");
+
+    let mut short = accepted[0].clone();
+    short["corners"].as_object_mut().expect("corners").remove("superior_left");
+    let refused =
+        record(&browser, reading, 6, json!([{ "kind": "accept_corners", "vertebrae": [short] }]));
+    assert_eq!(refused.status, StatusCode::UNPROCESSABLE_ENTITY, "{}", refused.text());
+}
+
+/// A proposal as it is accepted.
+fn accepted_vertebra(proposal: &Value) -> Value {
+    let corners = proposal["corners"].as_array().expect("corners").iter();
+    let named =
+        corners.map(|one| (one["corner"].as_str().expect("a name").to_owned(), one["px"].clone()));
+    json!({ "level": proposal["level"], "corners": named.collect::<serde_json::Map<_, _>>() })
 }

@@ -5,7 +5,7 @@ use spineline::analysis::Case;
 use spineline::anatomy::{Level, Posture};
 use spineline_files::LevelKey;
 use spineline_store::{
-    CaseReadings, Corner, CrestSide, Event, FilmEdit, FilmId, ReadingId, Store, StoreError, Study,
+    CaseReadings, Corner, Event, FilmEdit, FilmId, PatientSide, ReadingId, Store, StoreError, Study,
 };
 
 use crate::session::{by, create, film_bytes, name, place};
@@ -70,7 +70,7 @@ fn written(level: Level, seed: f64, axis_deg: Option<f64>) -> Value {
     vertebra
 }
 
-fn crest(side: CrestSide, [column_px, row_px]: [f64; 2]) -> Event {
+fn crest(side: PatientSide, [column_px, row_px]: [f64; 2]) -> Event {
     Event::PlaceIliacCrest { side, column_px, row_px }
 }
 
@@ -127,18 +127,18 @@ fn study(store: &mut Store) -> ReadingId {
             row_px: moved.1[1],
         },
         Event::Undo,
-        crest(CrestSide::Left, LEFT[0]),
-        crest(CrestSide::Right, RIGHT[0]),
+        crest(PatientSide::Left, LEFT[0]),
+        crest(PatientSide::Right, RIGHT[0]),
         Event::Scale { from_px: [10.0, 10.0], to_px: [10.0, 410.0], length_mm: 100.0 },
         Event::Invert { inverted: true },
         Event::Note { text: "unclear".to_owned() },
     ]);
     read(store, 1, 1, "A", &first, true);
     let mut second = clicks(Level::L4, 1.0);
-    second.extend([crest(CrestSide::Left, LEFT[1]), crest(CrestSide::Right, RIGHT[1])]);
+    second.extend([crest(PatientSide::Left, LEFT[1]), crest(PatientSide::Right, RIGHT[1])]);
     read(store, 1, 2, "A", &second, true);
     // One crest counts for nothing, and a reading without a vertebra stays a reading.
-    read(store, 1, 1, "B", &[crest(CrestSide::Left, [1.0, 2.0])], true);
+    read(store, 1, 1, "B", &[crest(PatientSide::Left, [1.0, 2.0])], true);
     read(store, 3, 1, "A", &clicks(Level::L5, 2.0), true);
     let mut partial = clicks(Level::L3, 3.0);
     partial.extend(clicks(Level::L2, 3.0).into_iter().take(2));

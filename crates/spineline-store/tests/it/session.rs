@@ -6,7 +6,7 @@ use serde_json::json;
 use spineline::anatomy::{Level, Posture};
 use spineline_files::LevelKey;
 use spineline_store::{
-    Corner, CrestSide, Event, FilmEdit, FilmId, Name, ReadingId, Signature, Store, StoreError,
+    Corner, Event, FilmEdit, FilmId, Name, PatientSide, ReadingId, Signature, Store, StoreError,
     Study, Timestamp,
 };
 
@@ -63,8 +63,8 @@ pub fn clicks() -> Vec<Event> {
         Event::Undo,
         Event::Redo,
         Event::Note { text: "Größe unklar; Zeile 2\n\"Zitat\"".to_owned() },
-        Event::PlaceIliacCrest { side: CrestSide::Left, column_px: 250.0, row_px: 2300.5 },
-        Event::PlaceIliacCrest { side: CrestSide::Right, column_px: 760.0, row_px: 2304.0 },
+        Event::PlaceIliacCrest { side: PatientSide::Left, column_px: 250.0, row_px: 2300.5 },
+        Event::PlaceIliacCrest { side: PatientSide::Right, column_px: 760.0, row_px: 2304.0 },
         Event::MoveCorner { level, corner: Corner::InferiorLeft, column_px: 397.5, row_px: 1961.0 },
         Event::Scale { from_px: [10.0, 10.0], to_px: [10.0, 410.0], length_mm: 100.0 },
         Event::Invert { inverted: true },

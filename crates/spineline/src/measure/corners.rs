@@ -4,7 +4,7 @@ use super::EndplateTilts;
 use crate::spatial::{Angle, Frontal};
 
 /// The four corners of a vertebral body, named by the **patient's** sides.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Corners<P> {
     /// Superior endplate, patient's left.
     pub superior_left: P,

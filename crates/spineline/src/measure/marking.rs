@@ -13,10 +13,12 @@ use crate::anatomy::{Level, Side};
 use crate::spatial::{Angle, Frontal, Pixel};
 
 /// A vertebra of which some corners are placed.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct PartialLandmarks {
     /// The corners placed so far.
     pub corners: Corners<Option<Pixel>>,
+    /// The midpoints of its left and right wall, where it was marked by them.
+    pub walls: [Option<Pixel>; 2],
     /// Its axis where it was turned by hand.
     pub axis_clockwise: Option<Angle>,
 }
@@ -60,6 +62,12 @@ impl PartialLandmarks {
             inferior_left: inferior_left?,
             inferior_right: inferior_right?,
         })
+    }
+
+    /// Whether one of its corners is placed.
+    #[must_use]
+    pub fn has_corner(&self) -> bool {
+        self.corners.points().iter().any(Option::is_some)
     }
 
     /// Midpoint and axis, once four corners make a body.
@@ -256,14 +264,14 @@ impl PartialReading {
         faults
     }
 
-    /// Midpoints and axes of all bodies without a fault of their own.
-    pub(super) fn sound(&self, image: &ImageGeometry) -> BTreeMap<Level, Corners<Frontal>> {
+    /// Vertebrae with a fault of their own.
+    pub(super) fn faulty_levels(&self, image: &ImageGeometry) -> Vec<Level> {
         let cranial = self.cranial(image);
-        let sound = self.vertebrae.iter().filter_map(|(&level, landmark)| {
-            let corners = landmark.complete()?.map(|corner| image.frontal(corner));
-            fault_of(image, level, landmark, cranial).is_none().then_some((level, corners))
-        });
-        sound.collect()
+        let faulty = self
+            .vertebrae
+            .iter()
+            .filter(|&(&level, landmark)| fault_of(image, level, landmark, cranial).is_some());
+        faulty.map(|(&level, _)| level).collect()
     }
 
     /// A direction towards the head: the sum of the steps between the centres of the bodies.
@@ -307,7 +315,8 @@ fn fault_of(
     cranial: Frontal,
 ) -> Option<MarkingFault> {
     let outside = |place: &Pixel| !image.contains(*place);
-    if let Some(place) = landmark.corners.points().into_iter().flatten().find(outside) {
+    let mut places = landmark.corners.points().into_iter().chain(landmark.walls).flatten();
+    if let Some(place) = places.find(outside) {
         return Some(MarkingFault::OffPicture { level, place });
     }
     let corners = landmark.corners.map(|corner| corner.map(|place| image.frontal(place)));

@@ -1,11 +1,9 @@
 //! The next landmark, and its expected place.
 
-use std::collections::BTreeMap;
-
-use super::order::typical_distance_mm;
-use super::{Corners, ImageGeometry, PartialReading};
-use crate::anatomy::{Level, Morphometry, Side, named};
-use crate::spatial::{Angle, Frontal, Pixel};
+use super::completion::{Click, Clicks, Mark, complete};
+use super::{Corners, ImageGeometry, PartialLandmarks, PartialReading};
+use crate::anatomy::{Level, Posture, Side, named};
+use crate::spatial::{Frontal, Pixel};
 
 /// A corner by endplate and by the patient's side.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -57,6 +55,8 @@ impl CornerName {
 pub enum NextLandmark {
     /// A corner of a vertebra.
     Corner(Level, CornerName),
+    /// The midpoint of the wall on a side of the patient.
+    Wall(Level, Side),
     /// The tip of an iliac crest.
     Crest(Side),
 }
@@ -68,10 +68,9 @@ pub struct ProposedVertebra {
     pub level: Level,
     /// Its corners, all on the picture.
     pub corners: Corners<Pixel>,
+    /// Standard deviation of a corner as a part of its height.
+    pub sd_share: f64,
 }
-
-/// Vertebrae next to a gap from which size, distance and bend are taken.
-const LOOK_BACK: usize = 3;
 
 impl PartialReading {
     /// The vertebrae in the order of marking: L4 to T2, which the model needs, then T1 and L5.
@@ -105,144 +104,79 @@ impl PartialReading {
         open.map(|(side, _)| NextLandmark::Crest(side))
     }
 
-    /// The next vertebra of which no corner is placed, carried on from its nearest neighbours.
-    ///
-    /// From the nearest sound body on a side, levels are stepped over one by one: the axis turns on as it did over up to
-    /// three bodies, the midpoint moves along the mean axis by the typical distance of the two levels, and the body has
-    /// the typical size, both in the scale of this spine. That scale is, for distances, that of the steps between the
-    /// bodies, and for sizes that of their widths and heights. Between two bodies the ways from both are weighted by
-    /// nearness. Corners beyond the edge are drawn to it; where the midpoint is beyond, there is no proposal.
-    ///
-    /// # References
-    /// Typical sizes and distances: [`Morphometry`].
+    /// What is marked next with two clicks per vertebra: the first missing wall in [`PartialReading::order`], left before
+    /// right, of the vertebrae without a corner; then what [`PartialReading::next`] gives.
     #[must_use]
-    pub fn propose_next(&self, image: &ImageGeometry) -> Option<ProposedVertebra> {
-        let NextLandmark::Corner(level, _) = self.next()? else { return None };
-        if self
-            .vertebrae
-            .get(&level)
-            .is_some_and(|m| m.corners.points().iter().any(Option::is_some))
-        {
-            return None;
+    pub fn next_by_walls(&self) -> Option<NextLandmark> {
+        let at_crests = self.crests.iter().any(Option::is_some);
+        for level in Self::order() {
+            let landmark = self.vertebrae.get(&level);
+            if landmark.is_some_and(PartialLandmarks::has_corner)
+                || landmark.is_none() && at_crests && level.model_index().is_none()
+            {
+                continue;
+            }
+            let walls = landmark.map_or([None; 2], |m| m.walls);
+            let sides = [Side::Left, Side::Right].into_iter().zip(walls);
+            if let Some((side, _)) = sides.into_iter().find(|(_, wall)| wall.is_none()) {
+                return Some(NextLandmark::Wall(level, side));
+            }
         }
-        let sound = self.sound(image);
-        let bodies: BTreeMap<Level, Body> = sound
-            .iter()
-            .filter_map(|(&level, corners)| Some((level, Body::of(level, corners)?)))
-            .collect();
-        let below: Vec<&Body> =
-            bodies.range(..level).rev().map(|(_, b)| b).take(LOOK_BACK).collect();
-        let above: Vec<&Body> = bodies.range(level..).map(|(_, b)| b).take(LOOK_BACK).collect();
-        let expected = match (carry_on(&below, level), carry_on(&above, level)) {
-            (Some(below), Some(above)) => below.between(&above),
-            (one, other) => one.or(other)?,
+        let crests = [Side::Left, Side::Right].into_iter().zip(self.crests);
+        let open = crests.into_iter().find(|(_, place)| place.is_none());
+        open.map(|(side, _)| NextLandmark::Crest(side))
+    }
+
+    /// Corners and walls of all vertebrae without a fault of their own.
+    #[must_use]
+    pub fn clicks(&self, image: &ImageGeometry) -> Clicks {
+        let faulty = self.faulty_levels(image);
+        let sound = self.vertebrae.iter().filter(|(level, _)| !faulty.contains(level));
+        let vertebrae = sound.flat_map(|(&level, landmark)| {
+            let click =
+                move |mark, place: Option<Pixel>| place.map(|place| Click { level, mark, place });
+            let corners =
+                CornerName::ALL.map(|name| click(Mark::Corner(name), name.of(&landmark.corners)));
+            let [left, right] = landmark.walls;
+            // Four corners that were accepted come from the walls, and others outweigh them.
+            let walls = [(Side::Left, left), (Side::Right, right)]
+                .map(|(side, place)| click(Mark::Wall(side), place))
+                .map(|wall| wall.filter(|_| landmark.complete().is_none()));
+            corners.into_iter().chain(walls).flatten()
+        });
+        Clicks { vertebrae: vertebrae.collect(), midline: Vec::new() }
+    }
+
+    /// The vertebrae without a corner, from L4 to T2 and then T1 and L5, as [`complete`] expects them from all that is
+    /// marked; none where fewer than two clicks are.
+    ///
+    /// Corners beyond the edge are drawn to it; a vertebra whose centre lies beyond is not proposed. `posture` is `None` where
+    /// it is not known, as in blinded readings.
+    #[must_use]
+    pub fn propose(
+        &self,
+        image: &ImageGeometry,
+        posture: Option<Posture>,
+    ) -> Vec<ProposedVertebra> {
+        let open =
+            |level: &Level| !self.vertebrae.get(level).is_some_and(PartialLandmarks::has_corner);
+        let levels: Vec<Level> = Self::order().into_iter().filter(open).collect();
+        if levels.is_empty() {
+            return Vec::new();
+        }
+        let Ok(completion) = complete(image, posture, &self.clicks(image)) else {
+            return Vec::new();
         };
-        if !image.contains(image.pixel(expected.location)) {
-            return None;
-        }
-        let corners = expected.corners(level).map(|corner| on_picture(image, image.pixel(corner)));
-        Some(ProposedVertebra { level, corners })
-    }
-}
-
-/// A body in the film's frontal frame.
-#[derive(Debug, Clone, Copy)]
-struct Body {
-    level: Level,
-    location: Frontal,
-    tilt: Angle,
-    /// Its size over the typical one.
-    scale: f64,
-}
-
-/// A body without landmarks.
-#[derive(Debug, Clone, Copy)]
-struct Expected {
-    location: Frontal,
-    tilt: Angle,
-    scale: f64,
-    /// Levels from the body that it was carried on from.
-    levels: usize,
-}
-
-impl Body {
-    fn of(level: Level, corners: &Corners<Frontal>) -> Option<Self> {
-        let typical = Morphometry::of(level);
-        let upper = corners.superior_left.distance_mm(corners.superior_right);
-        let lower = corners.inferior_left.distance_mm(corners.inferior_right);
-        let parts = [
-            upper / typical.superior_width_mm,
-            lower / typical.inferior_width_mm,
-            corners.height_mm() / typical.body_height_mm,
-        ];
-        Some(Self {
-            level,
-            location: corners.measure_location().ok()?,
-            tilt: corners.measure_tilt(),
-            scale: parts.iter().sum::<f64>() / 3.0,
-        })
-    }
-}
-
-/// Carries bodies on to a level, the nearest body first.
-fn carry_on(near: &[&Body], level: Level) -> Option<Expected> {
-    let first = near.first()?;
-    let scale = near.iter().map(|body| body.scale).sum::<f64>() / near.len() as f64;
-    let last = near[near.len() - 1];
-    let apart = index(first.level).abs_diff(index(last.level));
-    let (turn, longer) = if apart == 0 {
-        (Angle::ZERO, scale)
-    } else {
-        let way: f64 =
-            near.windows(2).map(|pair| pair[0].location.distance_mm(pair[1].location)).sum();
-        let (low, high) = (first.level.min(last.level), first.level.max(last.level));
-        let turn = (first.tilt - last.tilt).wrapped() * (1.0 / apart as f64);
-        (turn, way / typical_distance_mm(low, high))
-    };
-    let upward = level > first.level;
-    let sense = if upward { 1.0 } else { -1.0 };
-    let (mut location, mut tilt) = (first.location, first.tilt);
-    let levels = index(level).abs_diff(index(first.level));
-    for step in 0..levels {
-        let here = if upward { index(first.level) + step } else { index(first.level) - step - 1 };
-        let distance = longer * Morphometry::spacing_mm(Level::ALL[here], Level::ALL[here + 1]);
-        location = location + Frontal::leaning(tilt + turn * 0.5) * (sense * distance);
-        tilt = tilt + turn;
-    }
-    Some(Expected { location, tilt, scale, levels })
-}
-
-fn index(level: Level) -> usize {
-    level as usize
-}
-
-impl Expected {
-    fn between(&self, other: &Self) -> Self {
-        let part = self.levels as f64 / (self.levels + other.levels) as f64;
-        let mix = |a: f64, b: f64| a + (b - a) * part;
-        Self {
-            location: self.location + (other.location - self.location) * part,
-            tilt: self.tilt + (other.tilt - self.tilt).wrapped() * part,
-            scale: mix(self.scale, other.scale),
-            levels: self.levels.min(other.levels),
-        }
-    }
-
-    /// The diagonals of a trapezium divide its height as its sides.
-    fn corners(&self, level: Level) -> Corners<Frontal> {
-        let size = Morphometry::of(level);
-        let [upper, lower, height] =
-            [size.superior_width_mm, size.inferior_width_mm, size.body_height_mm]
-                .map(|mm| mm * self.scale);
-        let above = height * upper / (upper + lower);
-        let below = height - above;
-        let corner = |left: f64, up: f64| self.location + Frontal::new(left, up).rotated(self.tilt);
-        Corners {
-            superior_left: corner(0.5 * upper, above),
-            superior_right: corner(-0.5 * upper, above),
-            inferior_left: corner(0.5 * lower, -below),
-            inferior_right: corner(-0.5 * lower, -below),
-        }
+        let proposed = levels.into_iter().filter_map(|level| {
+            let corners = completion.corners(level);
+            let centre = corners.points().into_iter().fold(Frontal::default(), |a, b| a + b) * 0.25;
+            image.contains(image.pixel(centre)).then(|| ProposedVertebra {
+                level,
+                corners: corners.map(|corner| on_picture(image, image.pixel(corner))),
+                sd_share: completion.sd_mm(level) / corners.height_mm(),
+            })
+        });
+        proposed.collect()
     }
 }
 

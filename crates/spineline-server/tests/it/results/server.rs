@@ -7,7 +7,7 @@ use spineline::measure::{Film, FilmLandmarks, ImageGeometry, Reading, VertebraLa
 use spineline_files::LevelKey;
 use spineline_phantom::{Phantom, Readers, Truth, generate};
 use spineline_store::{
-    Access, Corner, CrestSide, Event, FilmId, Name, ReadingId, Signature, Store, Study, Timestamp,
+    Access, Corner, Event, FilmId, Name, PatientSide, ReadingId, Signature, Store, Study, Timestamp,
 };
 
 use crate::browser::App;
@@ -126,7 +126,8 @@ pub fn events(film: &Film, reading: &Reading<VertebraLandmarks>) -> Vec<Event> {
         events.extend(vertebra(level, landmark));
     }
     if let Some(crests) = iliac_crests {
-        for (side, place) in [(CrestSide::Left, crests.left), (CrestSide::Right, crests.right)] {
+        for (side, place) in [(PatientSide::Left, crests.left), (PatientSide::Right, crests.right)]
+        {
             let (column_px, row_px) = (place.column_px, place.row_px);
             events.push(Event::PlaceIliacCrest { side, column_px, row_px });
         }

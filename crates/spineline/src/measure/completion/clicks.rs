@@ -70,7 +70,7 @@ pub(super) struct Equations {
 /// Clicks in the film's frontal frame about the mean of those on vertebrae.
 pub(super) struct PlacedClicks {
     pub about: Frontal,
-    vertebrae: Vec<(usize, Mark, Frontal)>,
+    vertebrae: Vec<(Level, Mark, Frontal)>,
     midline: Vec<Frontal>,
 }
 
@@ -82,7 +82,7 @@ impl PlacedClicks {
         let vertebrae = clicks
             .vertebrae
             .iter()
-            .map(|click| (click.level as usize, click.mark, image.frontal(click.place) - about));
+            .map(|click| (click.level, click.mark, image.frontal(click.place) - about));
         let midline = clicks.midline.iter().map(|&place| image.frontal(place) - about);
         Self { about, vertebrae: vertebrae.collect(), midline: midline.collect() }
     }
@@ -119,7 +119,7 @@ impl PlacedClicks {
             values = values.insert_row(row, point.dot(normal));
             for (level, weight) in [(level, 1.0 - part), (level + 1, part)] {
                 for corner in CornerName::ALL {
-                    let column = coordinate(level, corner);
+                    let column = coordinate(Level::ALL[level], corner);
                     matrix[(row, column)] = 0.25 * weight * normal.y_mm;
                     matrix[(row, column + 1)] = 0.25 * weight * normal.z_mm;
                 }

@@ -19,8 +19,8 @@ use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 pub use self::clicks::{Click, Clicks, Mark};
 use self::clicks::{Equations, PlacedClicks};
 use self::model::{ShapeModel, model_of};
-use self::shape::{FIRST_LENGTH, LENGTHS, LEVELS, PARAMETERS, Shape, coordinate};
-use super::{CornerName, Corners, ImageGeometry};
+use self::shape::{CORNERS, FIRST_LENGTH, LENGTHS, LEVELS, PARAMETERS, Shape, corners_at};
+use super::{Corners, ImageGeometry};
 use crate::anatomy::{Level, Posture};
 use crate::spatial::{Angle, Frontal, Pixel};
 
@@ -90,12 +90,11 @@ impl Completion {
         &self.covariance_mm2
     }
 
-    /// Standard deviation of a corner: the root of the mean of both coordinates' variances.
+    /// Standard deviation of the corners of a vertebra: the root of the mean of all coordinates' variances.
     #[must_use]
-    pub fn sd_mm(&self, level: Level, corner: CornerName) -> f64 {
-        let at = coordinate(level as usize, corner);
-        let covariance = &self.covariance_mm2;
-        (0.5 * (covariance[(at, at)] + covariance[(at + 1, at + 1)])).sqrt()
+    pub fn sd_mm(&self, level: Level) -> f64 {
+        let variances = self.covariance_mm2.diagonal();
+        variances.rows(corners_at(level), CORNERS).mean().sqrt()
     }
 
     /// Iterations until it converged.

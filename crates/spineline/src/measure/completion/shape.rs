@@ -82,10 +82,17 @@ fn turned(vector: Frontal) -> Frontal {
     Frontal::new(-vector.z_mm, vector.y_mm)
 }
 
-/// The index of the first of two coordinates of a corner in vectors and matrices of all of them.
-pub(super) fn coordinate(level: usize, corner: CornerName) -> usize {
-    let place = CornerName::ALL.iter().position(|&one| one == corner).unwrap_or_default();
-    8 * level + 2 * place
+/// Coordinates of the corners of a vertebra.
+pub(super) const CORNERS: usize = 8;
+
+/// The index of the first of them in vectors and matrices of all vertebrae.
+pub(super) fn corners_at(level: Level) -> usize {
+    CORNERS * level as usize
+}
+
+/// The index of the first of two coordinates of a corner.
+pub(super) fn coordinate(level: Level, corner: CornerName) -> usize {
+    corners_at(level) + 2 * corner as usize
 }
 
 impl Shape {
@@ -143,7 +150,7 @@ impl Shape {
         let mut jacobian = DMatrix::zeros(PARAMETERS, PARAMETERS);
         for (level, body) in bodies.iter().enumerate() {
             for corner in CornerName::ALL {
-                let row = coordinate(level, corner);
+                let row = coordinate(Level::ALL[level], corner);
                 let mut set = |column: usize, by: Frontal| {
                     jacobian[(row, column)] = by.y_mm;
                     jacobian[(row + 1, column)] = by.z_mm;

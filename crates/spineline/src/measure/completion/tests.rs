@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::anatomy::{ImageSide, Side};
+use crate::measure::CornerName;
 
 const IMAGE: ImageGeometry =
     ImageGeometry { columns: 1200, rows: 3000, patient_left: ImageSide::Right, spacing: None };
@@ -111,8 +112,7 @@ fn a_larger_turned_film_has_larger_turned_corners() {
         for (p, q) in a.map(turn).points().into_iter().zip(b.points()) {
             assert!((p.column_px - q.column_px).hypot(p.row_px - q.row_px) < 1e-4);
         }
-        let corner = CornerName::SuperiorLeft;
-        assert!((there.sd_mm(level, corner) / here.sd_mm(level, corner) - 3.0).abs() < 1e-6);
+        assert!((there.sd_mm(level) / here.sd_mm(level) - 3.0).abs() < 1e-6);
     }
 }
 
@@ -122,7 +122,7 @@ fn what_is_marked_is_known_better_than_what_is_not() {
     let mut clicks = clicks_on(&IMAGE, &shape, &CornerName::ALL.map(Mark::Corner));
     clicks.vertebrae.retain(|click| click.level < Level::L1);
     let found = complete(&IMAGE, None, &clicks).expect("a completion");
-    let sd = |level| found.sd_mm(level, CornerName::SuperiorRight);
+    let sd = |level| found.sd_mm(level);
     assert!(sd(Level::L2) < sd(Level::L1) && sd(Level::L1) < sd(Level::T12));
     assert!(sd(Level::T12) < sd(Level::T6));
 }
