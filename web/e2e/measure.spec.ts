@@ -1,6 +1,7 @@
 import type { Page } from "@playwright/test";
 
 import type { Api } from "../src/api/types";
+import type { FilmPoint } from "../src/measure/viewport";
 import { expect, expectAccessible, shot, test, type App } from "./app";
 import { CORNERS, FilmPage, LEVELS, cornerOf, farthest } from "./marking";
 
@@ -255,8 +256,9 @@ test("a proposal is recorded only after a person has accepted or moved it", asyn
   ]);
 
   // The next one is dragged by a corner; its other corners are accepted too.
-  const proposed = accepted.proposal!.corners.find(({ corner }) => corner === "superior_left")!;
-  const place = cornerOf(truth, "L1", "superior_left");
+  const proposal = accepted.proposals.find(({ level }) => level === "L1")!;
+  const proposed = proposal.corners.find(({ corner }) => corner === "superior_left")!;
+  const place: FilmPoint = [proposed.px[0]! + 60, proposed.px[1]! - 40];
   await page.keyboard.press("f");
   await film.drag([proposed.px[0]!, proposed.px[1]!], place);
   await film.saved();
@@ -264,7 +266,7 @@ test("a proposal is recorded only after a person has accepted or moved it", asyn
   const [column, row] = cornerOf(dragged, "L1", "superior_left");
   expect(Math.hypot(column - place[0], row - place[1])).toBeLessThan(CLOSE_PX);
   for (const corner of CORNERS.slice(1)) {
-    const px = accepted.proposal!.corners.find((one) => one.corner === corner)!.px;
+    const px = proposal.corners.find((one) => one.corner === corner)!.px;
     expect(cornerOf(dragged, "L1", corner)).toEqual(px);
   }
 });

@@ -1,5 +1,6 @@
 import { CORNERS, landmarksOf, placeOf, type Landmark, type ReadingView } from "./landmarks";
-import { cssOf, filmPoint, type CssPoint, type Viewport } from "./viewport";
+import { proposedPlace, type Proposal } from "./proposals";
+import { cssOf, type CssPoint, type FilmPoint, type Viewport } from "./viewport";
 
 /** The landmark nearest to a place on the screen, if it is within reach; axes only of the current vertebra. */
 export function landmarkAt(
@@ -18,26 +19,30 @@ export function landmarkAt(
   });
 }
 
-/** The corner of the proposal nearest to a place on the screen, if it is within reach. */
+/** The corner of a proposal nearest to a place on the screen, if it is within reach. */
 export function proposedAt(
-  reading: ReadingView,
+  proposals: readonly Proposal[],
   view: Viewport,
   at: CssPoint,
   reach: number,
 ): Landmark | null {
-  const { proposal } = reading;
-  if (!proposal) return null;
-  const candidates = CORNERS.map((corner): Landmark => ({
-    kind: "corner",
-    level: proposal.level,
-    corner,
-  }));
+  const candidates = proposals.flatMap(({ level }) =>
+    CORNERS.map((corner): Landmark => ({ kind: "corner", level, corner })),
+  );
   return nearest(candidates, at, reach, (landmark) => {
-    const px = proposal.corners.find(
-      ({ corner }) => landmark.kind === "corner" && corner === landmark.corner,
-    )?.px;
-    return px ? cssOf(view, filmPoint(px)) : null;
+    const place = placeOfProposed(proposals, landmark);
+    return place && cssOf(view, place);
   });
+}
+
+/** Where a corner is proposed. */
+export function placeOfProposed(
+  proposals: readonly Proposal[],
+  landmark: Landmark,
+): FilmPoint | null {
+  if (landmark.kind !== "corner") return null;
+  const proposal = proposals.find(({ level }) => level === landmark.level);
+  return proposal ? proposedPlace(proposal, landmark.corner) : null;
 }
 
 function nearest(

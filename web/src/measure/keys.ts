@@ -1,7 +1,8 @@
 import type { Marking } from "./marking.svelte";
 import { placeOf, type Landmark } from "./landmarks";
+import { proposalOf, proposedPlace } from "./proposals";
 import type { Viewer } from "./viewer.svelte";
-import { filmPoint, type CssPoint, type FilmPoint } from "./viewport";
+import type { CssPoint, FilmPoint } from "./viewport";
 
 /** Actions of keys outside of the film. */
 export interface KeyTargets {
@@ -32,7 +33,8 @@ const GREY_CSS = 12;
 export const KEYS: readonly { keys: string; text: string }[] = [
   { keys: "Click, or C then Enter", text: "place the requested corner" },
   { keys: "C", text: "crosshair for placing landmarks: arrows move it, Shift in large steps" },
-  { keys: "A", text: "accept the proposed vertebra" },
+  { keys: "T", text: "two clicks per vertebra, on the middle of its walls; or four corners" },
+  { keys: "A, or Enter after two clicks", text: "accept the proposed corners" },
   { keys: "N", text: "skip the optional vertebrae and go to the iliac crests" },
   { keys: "[ ]  Tab", text: "select the previous or next landmark" },
   {
@@ -126,6 +128,7 @@ function markKeys(viewer: Viewer, marking: Marking, targets: KeyTargets): Action
   const level = marking.selected && "level" in marking.selected ? marking.selected.level : null;
   const place = (): void => {
     if (viewer.crosshair) targets.placeAt(viewer.crosshair);
+    else if (marking.way === "walls" && marking.proposals.length > 0) marking.acceptProposals();
     else viewer.toggleCrosshair(expected(marking));
   };
   const step = (by: 1 | -1) => () => {
@@ -138,7 +141,8 @@ function markKeys(viewer: Viewer, marking: Marking, targets: KeyTargets): Action
     },
     Enter: place,
     " ": () => viewer.crosshair && place(),
-    a: () => marking.acceptProposal(),
+    a: () => marking.acceptProposals(),
+    t: () => marking.toggleWay(),
     n: () => marking.jumpToCrests(),
     "[": step(-1),
     "]": step(1),
@@ -155,10 +159,13 @@ function markKeys(viewer: Viewer, marking: Marking, targets: KeyTargets): Action
 /** Expected place of the next landmark, if the program proposes one. */
 export function expected(marking: Marking): FilmPoint | null {
   const landmark: Landmark | null = marking.target;
-  const { proposal } = marking.reading;
-  if (landmark?.kind !== "corner" || proposal?.level !== landmark.level) return null;
-  const px = proposal.corners.find(({ corner }) => corner === landmark.corner)?.px;
-  return px ? filmPoint(px) : null;
+  if (!landmark || !("level" in landmark)) return null;
+  const proposal = proposalOf(marking.reading, landmark.level);
+  if (!proposal || landmark.kind === "axis") return null;
+  if (landmark.kind === "corner") return proposedPlace(proposal, landmark.corner);
+  const above = proposedPlace(proposal, `superior_${landmark.side}`);
+  const below = proposedPlace(proposal, `inferior_${landmark.side}`);
+  return above && below && [(above[0] + below[0]) / 2, (above[1] + below[1]) / 2];
 }
 
 function show(viewer: Viewer, marking: Marking): void {

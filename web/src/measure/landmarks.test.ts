@@ -1,5 +1,6 @@
 import { expect, it } from "vitest";
 
+import { accepting, shownProposals } from "./proposals";
 import { reading } from "./reading.fixture";
 import { landmarkAt, proposedAt } from "./hit";
 import {
@@ -10,8 +11,10 @@ import {
   remaining,
   stepsAfter,
   withEvents,
+  missingWall,
   wordsOfEvent,
   type Event,
+  type VertebraView,
 } from "./landmarks";
 
 const VIEW = { scale: 1, aspect: 1, left: -0.5, top: -0.5 };
@@ -57,16 +60,54 @@ it("grabs the nearest landmark within reach", () => {
   expect(landmarksOf(marked)).toHaveLength(2);
 });
 
+/** L4 without landmarks. */
+function vertebra(with_: Partial<VertebraView>): VertebraView {
+  const walls = { left_px: null, right_px: null };
+  const nothing = { level: "L4", corners: [], origin: "clicked", walls, complete: false } as const;
+  return { ...nothing, corners: [], midpoint_px: null, axis: null, ...with_ };
+}
+
+const L4 = {
+  level: "L4",
+  sd_percent: 9,
+  corners: [
+    { corner: "superior_left" as const, px: [10, 10] },
+    { corner: "superior_right" as const, px: [30, 10] },
+    { corner: "inferior_right" as const, px: [30, 30] },
+    { corner: "inferior_left" as const, px: [10, 30] },
+  ],
+};
+
+it("shows the proposals of vertebrae with both walls, and accepts them as one change", () => {
+  const walls: Event[] = [
+    { kind: "place_wall", level: "L4", side: "left", column_px: 10, row_px: 20 },
+    { kind: "place_wall", level: "L4", side: "right", column_px: 30, row_px: 20 },
+  ];
+  const one = { ...withEvents(reading(), walls.slice(0, 1)), proposals: [L4] };
+  expect(shownProposals(one, null, "walls")).toEqual([]);
+  expect(missingWall(one, "L4")).toEqual({ kind: "wall", level: "L4", side: "right" });
+  const both = { ...withEvents(reading(), walls), proposals: [L4] };
+  expect(shownProposals(both, null, "walls")).toEqual([L4]);
+  expect(landmarkAt(both, VIEW, [10, 20], 3, null)).toMatchObject({ kind: "wall", side: "left" });
+
+  const event = accepting([L4]);
+  expect(wordsOfEvent(event)).toBe("corners accepted of L4");
+  const accepted = withEvents(both, [event]);
+  expect(accepted.vertebrae).toMatchObject([{ origin: "accepted", complete: true }]);
+  expect(accepted.vertebrae[0]!.corners).toEqual(expect.arrayContaining(L4.corners));
+  expect(shownProposals(accepted, null, "walls")).toEqual([]);
+  expect(missingWall(accepted, "L4")).toBeNull();
+});
+
 it("offers the corners of a proposal", () => {
-  const proposal = { level: "L3", corners: [{ corner: "inferior_left" as const, px: [50, 60] }] };
-  const found = proposedAt({ ...reading(), proposal }, VIEW, [52, 60], 10);
+  const corners = [{ corner: "inferior_left" as const, px: [50, 60] }];
+  const found = proposedAt([{ level: "L3", corners, sd_percent: 9 }], VIEW, [52, 60], 10);
   expect(found).toEqual({ kind: "corner", level: "L3", corner: "inferior_left" });
 });
 
 it("rotates an axis from its unrecorded angle", () => {
   const axis = { from_px: [0, 9], to_px: [0, 0], axis_deg: 4.2, by_hand: false, text: "" };
-  const vertebra = { level: "L4", corners: [], complete: true, midpoint_px: null, axis };
-  const turned = withEvents({ ...reading(), vertebrae: [vertebra] }, [
+  const turned = withEvents({ ...reading(), vertebrae: [vertebra({ complete: true, axis })] }, [
     { kind: "set_axis", level: "L4", axis_deg: 4.3 },
   ]);
   expect(turned.vertebrae[0]!.axis).toMatchObject({ axis_deg: 4.3, by_hand: true });

@@ -1,11 +1,15 @@
 import type { Api } from "../api/types";
+import type { Way } from "./proposals";
 import { filmPoint, type FilmPoint } from "./viewport";
 
 export type Corner = Api<"Corner">;
-export type CrestSide = Api<"CrestSide">;
+export type PatientSide = Api<"PatientSide">;
 export type Event = Api<"Event">;
 export type ReadingView = Api<"ReadingView">;
 export type VertebraView = Api<"VertebraView">;
+
+/** In the order of placing. */
+export const SIDES: readonly PatientSide[] = ["left", "right"];
 
 /** In the order of placing. */
 export const CORNERS: readonly Corner[] = [
@@ -28,8 +32,9 @@ export const CORNER_WORDS: Record<Corner, string> = {
 /** A landmark or an axis on the film that can be selected and moved. */
 export type Landmark =
   | { kind: "corner"; level: string; corner: Corner }
+  | { kind: "wall"; level: string; side: PatientSide }
   | { kind: "axis"; level: string }
-  | { kind: "crest"; side: CrestSide };
+  | { kind: "crest"; side: PatientSide };
 
 export function sameLandmark(a: Landmark | null, b: Landmark | null): boolean {
   return a !== null && b !== null && wordsOf(a) === wordsOf(b);
@@ -38,8 +43,11 @@ export function sameLandmark(a: Landmark | null, b: Landmark | null): boolean {
 export function wordsOf(landmark: Landmark): string {
   if (landmark.kind === "corner") return `${landmark.level} – ${CORNER_WORDS[landmark.corner]}`;
   if (landmark.kind === "axis") return `${landmark.level} – axis`;
+  if (landmark.kind === "wall") return `${landmark.level} – ${wallWords(landmark.side)}`;
   return `iliac crest, patient’s ${landmark.side}`;
 }
+
+export const wallWords = (side: PatientSide): string => `middle of the wall, patient’s ${side}`;
 
 export function placeOf(reading: ReadingView, landmark: Landmark): FilmPoint | null {
   if (landmark.kind === "crest") {
@@ -47,6 +55,10 @@ export function placeOf(reading: ReadingView, landmark: Landmark): FilmPoint | n
     return px ? filmPoint(px) : null;
   }
   const vertebra = reading.vertebrae.find(({ level }) => level === landmark.level);
+  if (landmark.kind === "wall") {
+    const px = landmark.side === "left" ? vertebra?.walls.left_px : vertebra?.walls.right_px;
+    return px ? filmPoint(px) : null;
+  }
   if (landmark.kind === "axis") return vertebra?.axis ? filmPoint(vertebra.axis.to_px) : null;
   const corner = vertebra?.corners.find(({ corner }) => corner === landmark.corner);
   return corner ? filmPoint(corner.px) : null;
@@ -55,15 +67,23 @@ export function placeOf(reading: ReadingView, landmark: Landmark): FilmPoint | n
 /** All placed landmarks in cranial order, in which the keys go through them. */
 export function landmarksOf(reading: ReadingView): Landmark[] {
   const vertebrae = reading.vertebrae.flatMap(({ level, corners, axis }): Landmark[] => [
+    ...(corners.length === 0 ? wallsOf(reading, level) : []),
     ...CORNERS.filter((name) => corners.some(({ corner }) => corner === name)).map(
       (corner): Landmark => ({ kind: "corner", level, corner }),
     ),
     ...(axis ? [{ kind: "axis", level } as const] : []),
   ]);
-  const crests = (["left", "right"] as const)
-    .map((side): Landmark => ({ kind: "crest", side }))
-    .filter((landmark) => placeOf(reading, landmark) !== null);
+  const crests = SIDES.map((side): Landmark => ({ kind: "crest", side })).filter(
+    (landmark) => placeOf(reading, landmark) !== null,
+  );
   return [...vertebrae, ...crests];
+}
+
+/** The placed walls of a level. */
+function wallsOf(reading: ReadingView, level: string): Landmark[] {
+  return SIDES.map((side): Landmark => ({ kind: "wall", level, side })).filter(
+    (landmark) => placeOf(reading, landmark) !== null,
+  );
 }
 
 /** The event that places a landmark. */
@@ -75,9 +95,24 @@ export function placing(
   if (landmark.kind === "crest") {
     return { kind: "place_iliac_crest", side: landmark.side, column_px, row_px };
   }
+  if (landmark.kind === "wall") {
+    return { kind: "place_wall", level: landmark.level, side: landmark.side, column_px, row_px };
+  }
   if (landmark.kind === "axis") throw new Error("an axis is rotated, not placed");
   const kind = placeOf(reading, landmark) ? "move_corner" : "place_corner";
   return { kind, level: landmark.level, corner: landmark.corner, column_px, row_px };
+}
+
+/** Places are rounded to 0.001 px. */
+export function round([column, row]: FilmPoint): FilmPoint {
+  return [Math.round(column * 1_000) / 1_000, Math.round(row * 1_000) / 1_000];
+}
+
+/** The same event on a changed reading: a corner is placed or moved, depending on whether it exists. */
+export function fresh(reading: ReadingView, event: Event): Event {
+  if (event.kind !== "place_corner" && event.kind !== "move_corner") return event;
+  const landmark: Landmark = { kind: "corner", level: event.level, corner: event.corner };
+  return placing(reading, landmark, [event.column_px, event.row_px]);
 }
 
 /** The next missing corner of a level; null when its four corners exist. */
@@ -87,18 +122,22 @@ export function missingCorner(reading: ReadingView, level: string): Landmark | n
   return corner ? { kind: "corner", level, corner } : null;
 }
 
+/** The next missing wall of a level; null when both exist, or one of its corners does. */
+export function missingWall(reading: ReadingView, level: string): Landmark | null {
+  const vertebra = reading.vertebrae.find((one) => one.level === level);
+  if (vertebra && vertebra.corners.length > 0) return null;
+  const walls = SIDES.map((side): Landmark => ({ kind: "wall", level, side }));
+  return walls.find((landmark) => placeOf(reading, landmark) === null) ?? null;
+}
+
 /** The next missing crest; null when both exist. */
 export function missingCrest(reading: ReadingView): Landmark | null {
-  const landmarks = (["left", "right"] as const).map((side): Landmark => ({ kind: "crest", side }));
+  const landmarks = SIDES.map((side): Landmark => ({ kind: "crest", side }));
   return landmarks.find((landmark) => placeOf(reading, landmark) === null) ?? null;
 }
 
-export function nextLandmark(reading: ReadingView): Landmark | null {
-  const next = reading.next;
-  if (!next) return null;
-  return next.kind === "corner"
-    ? { kind: "corner", level: next.level, corner: next.corner }
-    : { kind: "crest", side: next.side };
+export function nextLandmark(reading: ReadingView, way: Way): Landmark | null {
+  return (way === "walls" ? reading.next_by_walls : reading.next) ?? null;
 }
 
 /**
@@ -120,6 +159,27 @@ function withEvent(reading: ReadingView, event: Event): ReadingView {
         return { ...vertebra, corners, complete: corners.length === CORNERS.length };
       });
     }
+    case "place_wall": {
+      const px = [event.column_px, event.row_px];
+      return changed(reading, event.level, (vertebra) => ({
+        ...vertebra,
+        walls: { ...vertebra.walls, [`${event.side}_px`]: px },
+      }));
+    }
+    case "accept_corners":
+      return event.vertebrae.reduce(
+        (before, { level, corners }) =>
+          changed(before, level, (vertebra) => ({
+            ...vertebra,
+            corners: CORNERS.flatMap((corner) => {
+              const px = corners[corner];
+              return px ? [{ corner, px }] : [];
+            }),
+            origin: "accepted",
+            complete: true,
+          })),
+        reading,
+      );
     case "set_axis":
       return changed(reading, event.level, (vertebra) => {
         const { axis } = vertebra;
@@ -155,7 +215,15 @@ function changed(
   level: string,
   change: (vertebra: VertebraView) => VertebraView,
 ): ReadingView {
-  const empty = { level, corners: [], complete: false, midpoint_px: null, axis: null };
+  const empty: VertebraView = {
+    level,
+    corners: [],
+    origin: "clicked",
+    walls: { left_px: null, right_px: null },
+    complete: false,
+    midpoint_px: null,
+    axis: null,
+  };
   const found = reading.vertebrae.find((vertebra) => vertebra.level === level);
   const vertebra = change(found ?? empty);
   const others = reading.vertebrae.filter((other) => other.level !== level);
@@ -208,6 +276,10 @@ export function wordsOfEvent(event: Event): string {
     case "place_corner":
     case "move_corner":
       return `${event.level} – ${CORNER_WORDS[event.corner]} to ${at(event.column_px, event.row_px)}`;
+    case "place_wall":
+      return `${event.level} – ${wallWords(event.side)} to ${at(event.column_px, event.row_px)}`;
+    case "accept_corners":
+      return `corners accepted of ${event.vertebrae.map(({ level }) => level).join(", ")}`;
     case "set_axis":
       return event.axis_deg === null || event.axis_deg === undefined
         ? `${event.level} – axis follows the corners`

@@ -1,5 +1,5 @@
 import type { Hand } from "./gestures";
-import { landmarkAt, proposedAt } from "./hit";
+import { landmarkAt, placeOfProposed, proposedAt } from "./hit";
 import type { Marking } from "./marking.svelte";
 import { placeOf, type Landmark } from "./landmarks";
 import type { Viewer } from "./viewer.svelte";
@@ -32,7 +32,7 @@ export class Marker implements Pick<Hand, "press" | "drag" | "release" | "abando
   readonly level = $derived.by(() => {
     const { selected, target } = this.marking;
     if (selected && selected.kind !== "crest") return selected.level;
-    return target?.kind === "corner" ? target.level : null;
+    return target && "level" in target ? target.level : null;
   });
 
   press(at: CssPoint, touch: boolean): void {
@@ -44,8 +44,10 @@ export class Marker implements Pick<Hand, "press" | "drag" | "release" | "abando
     if (viewer.tool === "scale" || !marking.changeable) return;
     const reach = (marking.target ? ASKED_REACH_CSS : REACH_CSS)[this.#reach];
     const placed = landmarkAt(marking.reading, viewer.view, at, reach, this.level);
-    this.#held = placed ?? proposedAt(marking.reading, viewer.view, at, reach);
-    const place = this.#held && (placeOf(marking.reading, this.#held) ?? this.#proposedPlace());
+    this.#held = placed ?? proposedAt(marking.proposals, viewer.view, at, reach);
+    const place =
+      this.#held &&
+      (placeOf(marking.reading, this.#held) ?? placeOfProposed(marking.proposals, this.#held));
     const [x, y] = place ? cssOf(viewer.view, place) : at;
     this.#grip = [x - at[0], y - at[1]];
   }
@@ -97,13 +99,5 @@ export class Marker implements Pick<Hand, "press" | "drag" | "release" | "abando
 
   #under(at: CssPoint): FilmPoint {
     return filmOf(this.viewer.view, [at[0] + this.#grip[0], at[1] + this.#grip[1]]);
-  }
-
-  #proposedPlace(): FilmPoint | null {
-    const held = this.#held;
-    if (held?.kind !== "corner") return null;
-    const corners = this.marking.reading.proposal?.corners;
-    const px = corners?.find(({ corner }) => corner === held.corner)?.px;
-    return px ? [px[0]!, px[1]!] : null;
   }
 }

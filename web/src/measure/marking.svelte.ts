@@ -10,12 +10,15 @@ import {
 import type { Api } from "../api/types";
 import { keepingOf, keepsNothing, leftBehind, type ReadingKeeping } from "./keeping";
 import {
+  fresh,
   landmarksOf,
   missingCorner,
   missingCrest,
+  missingWall,
   placeOf,
   placing,
   remaining,
+  round,
   sameLandmark,
   stepsAfter,
   withEvents,
@@ -25,9 +28,10 @@ import {
   type Landmark,
   type ReadingView,
 } from "./landmarks";
+import * as proposing from "./proposals";
 import { Outbox, type SaveState } from "./outbox";
 import { CRESTS, targetOf, type Chosen } from "./target";
-import { filmPoint, type FilmPoint } from "./viewport";
+import type { FilmPoint } from "./viewport";
 
 type Preview = Api<"Preview">;
 type LiveView = Api<"LiveView">;
@@ -83,6 +87,8 @@ export class Marking {
   #chosen = $state.raw<Chosen>(null);
   saving = $state.raw<SaveState>({ kind: "saved" });
   selected = $state.raw<Landmark | null>(null);
+  /** How vertebrae are marked. */
+  way = $state.raw<proposing.Way>(proposing.lastWay());
   lost = $state.raw<Lost | null>(null);
   /** The last failure. */
   trouble = $state.raw<Trouble | null>(null);
@@ -96,7 +102,15 @@ export class Marking {
   readonly live = $derived(this.#preview?.live ?? this.#live);
   readonly changeable = $derived(this.#recorded.mine && !this.#recorded.finished);
   readonly target = $derived(
-    this.changeable ? targetOf(this.reading, this.#recorded, this.#pending, this.#chosen) : null,
+    this.changeable
+      ? targetOf(this.reading, this.#recorded, this.#pending, this.#chosen, this.way)
+      : null,
+  );
+  /** Proposals to draw and to accept. */
+  readonly proposals = $derived<readonly proposing.Proposal[]>(
+    this.changeable && (this.way === "walls" || this.#pending.length === 0)
+      ? proposing.shownProposals(this.reading, this.target, this.way)
+      : [],
   );
   readonly dragging = $derived(this.#draft.length > 0);
 
@@ -230,15 +244,20 @@ export class Marking {
     this.#wish({ events: this.#pending });
   }
 
-  acceptProposal(): void {
-    const proposal = this.#proposal();
-    if (!proposal || !this.changeable) return;
-    this.#record(
-      proposal.corners.map(({ corner, px }) =>
-        placing(this.reading, { kind: "corner", level: proposal.level, corner }, filmPoint(px)),
-      ),
-    );
-    this.said = `${proposal.level} accepted as proposed`;
+  /** Accepts the proposals that are drawn, as one change. */
+  acceptProposals(): void {
+    const { proposals } = this;
+    // A place that is on its way to the program moves them.
+    if (proposals.length === 0 || this.#pending.length > 0) return;
+    this.#record([proposing.accepting(proposals)]);
+    this.said = `${proposals.map(({ level }) => level).join(", ")} accepted as proposed`;
+  }
+
+  /** Marks by walls in place of corners, or back. */
+  toggleWay(): void {
+    this.way = this.way === "walls" ? "corners" : "walls";
+    proposing.keepWay(this.way);
+    this.said = this.way === "walls" ? "two clicks per vertebra" : "four clicks per vertebra";
   }
 
   resetAxis(level: string): void {
@@ -278,7 +297,7 @@ export class Marking {
   /** Continues with another level: at its next missing corner, or at its first corner. */
   jump(level: string): void {
     this.#chosen = level;
-    const missing = missingCorner(this.reading, level);
+    const missing = (this.way === "walls" ? missingWall : missingCorner)(this.reading, level);
     this.selected = missing ? null : { kind: "corner", level, corner: "superior_left" };
     this.said = missing ? `next: ${wordsOf(missing)}` : `${level} chosen`;
   }
@@ -447,22 +466,15 @@ export class Marking {
 
   /** A dragged corner of a proposal accepts the other three corners too. */
   #placingAt(landmark: Landmark, at: FilmPoint): Event[] {
-    const moved = placing(this.reading, landmark, at);
-    const proposal = this.#proposal();
-    const isProposed =
-      landmark.kind === "corner" &&
-      proposal?.level === landmark.level &&
-      !this.#recorded.vertebrae.some(({ level }) => level === landmark.level);
-    if (!isProposed || landmark.kind !== "corner") return [moved];
-    return proposal.corners.map(({ corner, px }) => {
-      const place = corner === landmark.corner ? at : filmPoint(px);
-      const [column_px, row_px] = place;
-      return { kind: "place_corner", level: landmark.level, corner, column_px, row_px };
-    });
-  }
-
-  #proposal(): Api<"Proposal"> | null {
-    return this.#pending.length === 0 ? (this.#recorded.proposal ?? null) : null;
+    const proposal = "level" in landmark && proposing.proposalOf(this.#recorded, landmark.level);
+    const isPlaced = this.#recorded.vertebrae.some(
+      (one) => "level" in landmark && one.level === landmark.level && one.corners.length > 0,
+    );
+    if (landmark.kind !== "corner" || !proposal || isPlaced) {
+      return [placing(this.reading, landmark, at)];
+    }
+    const accepted = proposing.accepting([proposal]);
+    return [accepted, placing(withEvents(this.#recorded, [accepted]), landmark, at)];
   }
 
   /** First the refused events of this window, then the events of other windows. */
@@ -485,16 +497,4 @@ export class Marking {
 function turnedIn(preview: Preview, level: string): Event | null {
   const axis = preview.reading.vertebrae.find((vertebra) => vertebra.level === level)?.axis;
   return axis ? { kind: "set_axis", level, axis_deg: axis.axis_deg } : null;
-}
-
-/** Places are rounded to 0.001 px. */
-function round([column, row]: FilmPoint): FilmPoint {
-  return [Math.round(column * 1_000) / 1_000, Math.round(row * 1_000) / 1_000];
-}
-
-/** The same event on a changed reading: a corner is placed or moved, depending on whether it exists. */
-function fresh(reading: ReadingView, event: Event): Event {
-  if (event.kind !== "place_corner" && event.kind !== "move_corner") return event;
-  const landmark: Landmark = { kind: "corner", level: event.level, corner: event.corner };
-  return placing(reading, landmark, [event.column_px, event.row_px]);
 }

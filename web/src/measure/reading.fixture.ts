@@ -30,7 +30,8 @@ export function reading(): ReadingView {
     notes: [],
     order: ["L4", "L3", "L2"],
     next: { kind: "corner", level: "L4", corner: "superior_left" },
-    proposal: null,
+    next_by_walls: { kind: "wall", level: "L4", side: "left" },
+    proposals: [],
     faults: [],
     conflicts: [],
   };
