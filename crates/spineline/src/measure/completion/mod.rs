@@ -1,7 +1,7 @@
 //! Corners of all vertebrae from a part of the marks on a film: conditional mean and covariance.
 //!
-//! A spine is a chain of bodies ([`shape`]): rotations and offsets between neighbours, wedges, shears and lengths. Their
-//! mean and covariance were learned from films of erect scoliotic spines ([`model`]); place, direction and scale are
+//! A spine is a chain of bodies (module `shape`): rotations and offsets between neighbours, wedges, shears and lengths. Their
+//! mean and covariance were learned from films of erect scoliotic spines (module `model`); place, direction and scale are
 //! unknown. Corners are a smooth function of the parameters, and marks are means of corners with the error of a click, so
 //! that the most probable shape is found by Gauss–Newton, and its covariance follows at the solution (Laplace).
 //! On films that are not erect the rotations of the joints have more freedom.
@@ -84,7 +84,7 @@ impl Completion {
     }
 
     /// Covariance of all corners in mm² (px² of the frontal frame where no spacing is known): levels from L5 to T1, corners in
-    /// the order of [`CornerName::ALL`], towards the patient's left and cranial; 136 × 136.
+    /// the order of [`CornerName::ALL`](crate::measure::CornerName::ALL), towards the patient's left and cranial; 136 × 136.
     #[must_use]
     pub const fn covariance_mm2(&self) -> &DMatrix<f64> {
         &self.covariance_mm2
