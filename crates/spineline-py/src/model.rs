@@ -66,7 +66,7 @@ impl Model {
         &self.model.case_id
     }
 
-    /// Whether the films are made up.
+    /// Whether the films are synthetic.
     #[getter]
     fn synthetic(&self) -> bool {
         self.model.synthetic
