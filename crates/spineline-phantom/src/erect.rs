@@ -143,7 +143,8 @@ impl ErectSpine {
         let cobb = row.cobb_deg();
         let main = cobb.iter().copied().fold(0.0, f64::max);
         // The main curve has the angle of Table 1; the minor ones vary by 5 %.
-        let lobes = cobb.map(|deg| {
+        let curve_turns_rad = cobb.map(|deg| {
+            #[expect(clippy::float_cmp, reason = "`main` is one of these numbers")]
             let factor = if deg == main { 1.0 } else { vary.sample(rng) };
             Angle::from_deg(deg * factor).rad()
         });

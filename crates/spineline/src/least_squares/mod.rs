@@ -182,6 +182,7 @@ fn clamp(x: &mut DVector<f64>, lower: &DVector<f64>, upper: &DVector<f64>) {
 
 /// `JᵀJ` and `Jᵀr`, without the unknowns that take no part in a step: those held by equal bounds, and those at a bound that
 /// the gradient pushes outwards.
+#[expect(clippy::float_cmp, reason = "equal bounds hold an unknown exactly")]
 fn normal_equations(
     system: &System,
     x: &DVector<f64>,
