@@ -91,7 +91,7 @@ class Analysis:
 
     @property
     def synthetic(self) -> bool:
-        """Whether the films are made up."""
+        """Whether the films are synthetic."""
         return self._native.synthetic
 
     @property

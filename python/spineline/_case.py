@@ -76,7 +76,7 @@ class Case:
         case_id
             Identifier, without any name.
         synthetic
-            Whether the landmarks are made up.
+            Whether the landmarks are synthetic.
 
         Raises
         ------
@@ -97,7 +97,7 @@ class Case:
 
     @property
     def synthetic(self) -> bool:
-        """Whether the films are made up; every result then says so."""
+        """Whether the films are synthetic; every result then says so."""
         return self._native.synthetic
 
     @property

@@ -34,7 +34,7 @@ class Force:
     newtons: float
     """Size: newtons where the model is absolute, else relative."""
     timing: Timing = "growing"
-    """``"held"`` loads are applied first and stay; ``"growing"`` ones are varied."""
+    """``"held"``: constant, applied first; ``"growing"``: proportional, varied."""
 
     def as_load(self) -> dict[str, Any]:
         """The load as files have it."""
@@ -66,7 +66,7 @@ class Pad:
     advance_mm: float | None = None
     """Displacement of the pad."""
     timing: Timing = "growing"
-    """``"held"`` loads are applied first and stay; ``"growing"`` ones are varied."""
+    """``"held"``: constant, applied first; ``"growing"``: proportional, varied."""
 
     def as_load(self) -> dict[str, Any]:
         """The load as files have it.
@@ -107,7 +107,7 @@ class Rod:
     turn_deg: tuple[float, float, float] = (0.0, 0.0, 0.0)
     """Rotation vector from its erect pose about these axes."""
     timing: Timing = "growing"
-    """``"held"`` loads are applied first and stay; ``"growing"`` ones are varied."""
+    """``"held"``: constant, applied first; ``"growing"``: proportional, varied."""
 
     def as_load(self) -> dict[str, Any]:
         """The load as files have it."""
@@ -128,7 +128,7 @@ class Gravity:
     body_weight_n: float
     """Weight of the whole patient, in the unit of forces of the model."""
     timing: Timing = "held"
-    """``"held"`` loads are applied first and stay; ``"growing"`` ones are varied."""
+    """``"held"``: constant, applied first; ``"growing"``: proportional, varied."""
 
     def as_load(self) -> dict[str, Any]:
         """The load as files have it."""
@@ -165,7 +165,7 @@ class Model:
 
     @property
     def synthetic(self) -> bool:
-        """Whether the films are made up."""
+        """Whether the films are synthetic."""
         return self._native.synthetic
 
     @property
@@ -213,9 +213,9 @@ class Model:
             :class:`Force`, :class:`Pad`, :class:`Rod`, :class:`Gravity`, or a load as a dictionary of a load file.
         amplitude_deg, towards
             A lateral tilt of the line from the lowest to the highest vertebra, in degrees, and its side: then the factor of
-            the growing loads is sought that gives it. Without them, the loads have their full size.
+            the proportional loads is sought that gives it. Without them, the loads have their full size.
         largest_factor
-            No larger factor of the growing loads is tried.
+            No larger factor of the proportional loads is tried.
         support
             Support of the patient; by default as in the model.
         allow_unusable

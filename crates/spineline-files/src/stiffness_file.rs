@@ -63,6 +63,7 @@ fn newton_millimetres(newton_metres: f64) -> f64 {
 
 /// A number in a file's unit that is read back to the same bits, if a neighbour of the rounded one is; so an analysis is
 /// repeated from its file to the last bit.
+#[expect(clippy::float_cmp, reason = "the point is to read back the same bits")]
 pub(crate) fn border(inside: f64, rounded: f64, read: impl Fn(f64) -> f64) -> f64 {
     let neighbours = [rounded, rounded.next_up(), rounded.next_down()];
     neighbours.into_iter().find(|&written| read(written) == inside).unwrap_or(rounded)

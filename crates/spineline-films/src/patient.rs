@@ -1,4 +1,4 @@
-//! What files say of their patient and the part of the body, as far as a wrong film shows by it.
+//! What files say of their patient and the part of the body, from which a film of another patient or body part is noticed.
 
 use std::hash::{DefaultHasher, Hash, Hasher};
 

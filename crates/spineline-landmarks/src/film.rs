@@ -111,7 +111,7 @@ impl Default for LandmarkHint {
 }
 
 impl LandmarkHint {
-    /// The side of the picture on which the patient's left is, from either place where it may be given.
+    /// The side of the picture on which the patient's left is, from either place that gives it.
     pub(super) fn patient_left(&self) -> Option<ImageSide> {
         self.patient_left.or(self.image.map(|image| image.patient_left))
     }

@@ -6,6 +6,8 @@
 //!
 //! Every reader takes bytes, never panics, and allocates no more than in proportion to them.
 
+#![cfg_attr(test, allow(clippy::float_cmp, reason = "tests compare with exact values"))]
+
 mod aasce;
 mod coco;
 mod csv;

@@ -20,7 +20,7 @@ pub enum Construction {
     /// stiffness rises smoothly from the lumbar spine to the rib cage.
     Discs,
     /// Rigid vertebrae and hinges, which lie up or down of the middle of their discs at random. The curvature of the erect spine
-    /// is three lobes, each with its summit at another place; stiffness follows the curve of a random walk from joint to joint.
+    /// has three half-waves, each with its maximum at another place; stiffness follows the curve of a random walk from joint to joint.
     Hinges,
 }
 

@@ -11,7 +11,7 @@ use spineline::spatial::{Angle, Frontal};
 use crate::build::SEGMENTS;
 use crate::erect::ErectSpine;
 use crate::movement::{
-    Moved, TOTAL_DEG, force_for, in_order, leans, main_turn, through, usual_variation,
+    Moved, TOTAL_DEG, force_for, in_order, lateral_tilts, main_turn, through, usual_variation,
 };
 use crate::rod::{ChainShape, Rod};
 
@@ -65,7 +65,7 @@ pub(crate) fn spread(
         }
     };
     let mut moved = Vec::new();
-    for (posture, change) in leans(rng) {
+    for (posture, change) in lateral_tilts(rng) {
         let sense = change.rad().signum();
         let target = erect_tilt + change;
         let reached =

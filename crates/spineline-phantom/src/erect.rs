@@ -4,7 +4,7 @@ use spineline::anatomy::{Level, Morphometry};
 use spineline::spatial::{Angle, Mat3, Vec3};
 
 use crate::build::{Build, Construction, SEGMENTS, Springs, region};
-use crate::lobes::LobedCurve;
+use crate::half_waves::HalfWaveCurve;
 use crate::{PhantomError, TableRow};
 
 /// The erect spine as a fine planar chain.
@@ -56,7 +56,7 @@ impl Shape {
     }
 
     /// Angles of the three curves between inflections.
-    fn lobes(&self) -> Vec3 {
+    fn curve_turns_rad(&self) -> Vec3 {
         let [p, q] = self.inflections;
         Vec3::new(self.tilt(p), self.tilt(q) - self.tilt(p), self.tilt(1.0) - self.tilt(q))
     }
@@ -103,13 +103,14 @@ impl Shape {
         // The curves alternate: the first bends to the right in cranial direction.
         let goal = Vec3::new(target_rad[0], -target_rad[1], target_rad[2]);
         for _ in 0..200 {
-            let now = shape.lobes();
+            let now = shape.curve_turns_rad();
             let miss = goal - now;
             if miss.amax() < 1e-13 {
                 break;
             }
             let steps = [1e-6 * shape.amplitude, 1e-7, 1e-7];
-            let columns = [0, 1, 2].map(|i| (shape.moved(i, steps[i]).lobes() - now) / steps[i]);
+            let columns =
+                [0, 1, 2].map(|i| (shape.moved(i, steps[i]).curve_turns_rad() - now) / steps[i]);
             let step = Mat3::from_columns(&columns).lu().solve(&miss)?;
             // Keep the inflections apart and inside while far from the solution.
             let most = [0.5 * shape.amplitude, 0.05, 0.05];
@@ -119,7 +120,7 @@ impl Shape {
             shape.inflections[0] = shape.inflections[0].clamp(0.12, 0.60);
             shape.inflections[1] = shape.inflections[1].clamp(shape.inflections[0] + 0.1, 0.95);
         }
-        ((goal - shape.lobes()).amax() < 1e-9).then_some(shape)
+        ((goal - shape.curve_turns_rad()).amax() < 1e-9).then_some(shape)
     }
 
     fn moved(mut self, parameter: usize, by: f64) -> Self {
@@ -142,20 +143,22 @@ impl ErectSpine {
         let cobb = row.cobb_deg();
         let main = cobb.iter().copied().fold(0.0, f64::max);
         // The main curve has the angle of Table 1; the minor ones vary by 5 %.
-        let lobes = cobb.map(|deg| {
+        let curve_turns_rad = cobb.map(|deg| {
+            #[expect(clippy::float_cmp, reason = "`main` is one of these numbers")]
             let factor = if deg == main { 1.0 } else { vary.sample(rng) };
             Angle::from_deg(deg * factor).rad()
         });
         let no_curve = PhantomError::NoCurve { number: row.number };
         let (length_mm, tilts, inflection_s_mm) = match build.construction {
             Construction::Rod => {
-                let shape = Shape::with_turns(lobes).ok_or(no_curve)?;
+                let shape = Shape::with_turns(curve_turns_rad).ok_or(no_curve)?;
                 let length_mm = draw_length_mm(rng);
                 let (tilts, parts) = shape.tilts();
                 (length_mm, tilts, parts.map(|part| length_mm * part))
             }
             Construction::Discs | Construction::Hinges => {
-                let curve = LobedCurve::draw(lobes, build.construction, rng).ok_or(no_curve)?;
+                let curve = HalfWaveCurve::draw(curve_turns_rad, build.construction, rng)
+                    .ok_or(no_curve)?;
                 let length_mm = draw_length_mm(rng);
                 let tilts =
                     (0..SEGMENTS).map(|k| curve.tilt_rad((k as f64 + 0.5) / SEGMENTS as f64));

@@ -136,7 +136,7 @@ pub(crate) fn in_order([first, second, neutral, traction]: [Moved; 4]) -> Vec<Mo
 }
 
 /// Lateral tilt of L4-T2 on the bends and the neutral film relative to the erect film.
-pub(crate) fn leans(rng: &mut ChaCha12Rng) -> [(Posture, Angle); 3] {
+pub(crate) fn lateral_tilts(rng: &mut ChaCha12Rng) -> [(Posture, Angle); 3] {
     let mut degrees = |from: f64, to: f64| {
         Angle::from_deg(Uniform::new(from, to).expect("a range upwards").sample(rng))
     };

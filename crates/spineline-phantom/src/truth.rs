@@ -7,7 +7,7 @@ use spineline::anatomy::Posture;
 use spineline::spatial::Frontal;
 
 use crate::erect::ErectSpine;
-use crate::movement::{Moved, force_for, leans, main_turn, through, usual_variation};
+use crate::movement::{Moved, force_for, lateral_tilts, main_turn, through, usual_variation};
 use crate::rod::{ChainShape, Rod};
 use crate::{PhantomError, TableRow, TruePosture, Truth, counter, loads};
 
@@ -82,11 +82,11 @@ fn bend(spine: &ErectSpine, rng: &mut ChaCha12Rng) -> Vec<Moved> {
         (region, value)
     };
     let mut sums = [0.0; 3];
-    let mut lobes = [0.0; 3];
+    let mut curve_turns_rad = [0.0; 3];
     for k in 0..spine.turns_rad.len() {
         let (region, value) = weight(k);
         sums[region] += value;
-        lobes[region] += spine.turns_rad[k];
+        curve_turns_rad[region] += spine.turns_rad[k];
     }
     let prescribed = |posture: Posture, rotations: [f64; 3]| {
         let shape = ChainShape::with_turns(spine, |k| {
@@ -98,9 +98,9 @@ fn bend(spine: &ErectSpine, rng: &mut ChaCha12Rng) -> Vec<Moved> {
     let mut moved = Vec::new();
     for (posture, sense) in [(Posture::LeftBending, -1.0), (Posture::RightBending, 1.0)] {
         let rotations = [0, 1, 2].map(|region| {
-            let towards = lobes[region] * sense < 0.0;
+            let towards = curve_turns_rad[region] * sense < 0.0;
             let part = FLEXIBILITY[region] * vary.sample(rng) * if towards { 1.0 } else { AWAY };
-            sense * part * lobes[region].abs()
+            sense * part * curve_turns_rad[region].abs()
         });
         moved.push(prescribed(posture, rotations));
     }
@@ -133,7 +133,7 @@ fn pull(
         }
     };
     let mut moved = Vec::new();
-    for (posture, change) in leans(rng) {
+    for (posture, change) in lateral_tilts(rng) {
         let sense = change.rad().signum();
         let target = erect_tilt + change;
         let reached =

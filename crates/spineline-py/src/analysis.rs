@@ -212,7 +212,7 @@ impl Analysis {
         &self.analysis.case_id
     }
 
-    /// Whether the films are made up.
+    /// Whether the films are synthetic.
     #[getter]
     fn synthetic(&self) -> bool {
         self.analysis.synthetic

@@ -93,7 +93,7 @@ impl Case {
         &self.case.id
     }
 
-    /// Whether the films are made up.
+    /// Whether the films are synthetic.
     #[getter]
     fn synthetic(&self) -> bool {
         self.case.synthetic

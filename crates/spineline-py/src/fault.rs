@@ -35,7 +35,7 @@ impl Fault {
     /// The same, of a file.
     pub fn in_file(mut self, path: &Path) -> Self {
         let name = path.display().to_string();
-        // Reading errors name the path themselves.
+        // Errors of reading name the path themselves.
         if !self.0.text.starts_with(&name) {
             self.0.text = format!("{name}: {}", self.0.text);
         }

@@ -6,6 +6,7 @@ use std::sync::atomic::Ordering;
 use numpy::PyArray2;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
+use spineline::anatomy::Named;
 use spineline::multibody::{Goal, Support};
 use spineline::response::{CurveAngles, measure_angles};
 use spineline::spatial::Angle;
@@ -65,7 +66,7 @@ impl Model {
         &self.model.case_id
     }
 
-    /// Whether the films are made up.
+    /// Whether the films are synthetic.
     #[getter]
     fn synthetic(&self) -> bool {
         self.model.synthetic
@@ -101,14 +102,9 @@ impl Model {
 
     /// The model as another program reads it: `mjcf`, `osim` or `urdf`.
     fn export(&self, py: Python<'_>, format: &str) -> PyResult<String> {
-        let format = match format {
-            "mjcf" => ExportFormat::Mjcf,
-            "osim" => ExportFormat::Osim,
-            "urdf" => ExportFormat::Urdf,
-            other => {
-                let text = format!("unknown format `{other}`");
-                return Err(Fault::new(text, "give \"mjcf\", \"osim\" or \"urdf\"").raise(py));
-            }
+        let Some(format) = ExportFormat::from_key(format) else {
+            let text = format!("unknown format `{format}`");
+            return Err(Fault::new(text, "give \"mjcf\", \"osim\" or \"urdf\"").raise(py));
         };
         let written = export(&self.model, format, &generator());
         written.map_err(|error| Fault::new(&error, error.help()).raise(py))

@@ -8,7 +8,7 @@ use crate::document::{Column, Document, Notice, NoticeKind, Section, Table};
 use crate::phrases::none;
 
 /// Note on the statistics.
-pub(crate) const NOTE: &str = "SEM, MDC95 and limits of agreement describe the readers alone. Every correlation also increases with the spread of the subjects. Intervals treat the subjects as independent; vertebrae of one film are not, so true intervals are wider.";
+pub(crate) const NOTE: &str = "SEM, MDC95 and limits of agreement describe the readers alone. Every correlation also increases with the standard deviation between the subjects. Intervals treat the subjects as independent; vertebrae of one film are not, so true intervals are wider.";
 
 /// One table per quantity and design, the errors first, without figures; a terminal shows it.
 #[must_use]

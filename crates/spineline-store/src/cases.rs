@@ -47,7 +47,7 @@ struct CaseReading {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum CaseRemark {
-    /// The lateral film and its marks.
+    /// The lateral film and its landmarks.
     Lateral,
     /// Sex, age and Lenke class.
     Subject,

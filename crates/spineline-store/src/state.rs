@@ -165,6 +165,10 @@ impl ReadingState {
                 "only a vertebra with landmarks can be removed",
             ),
             Event::Scale { from_px, to_px, length_mm } => {
+                #[expect(
+                    clippy::float_cmp,
+                    reason = "only equal points make a scale of length zero"
+                )]
                 let long = length_mm.is_finite() && *length_mm > 0.0 && from_px != to_px;
                 (
                     long && on_film(from_px) && on_film(to_px),

@@ -261,7 +261,7 @@ fn balance<'a>() -> Vec<Column<PatientRow<'a>>> {
         number(
             "t1_tilt",
             Unit::Degrees,
-            "tilt of the superior endplate of T1 against the horizontal; its normal leans to the patient's right where positive",
+            "tilt of the superior endplate of T1 against the horizontal; positive where its normal is tilted to the patient's right",
             |row| row.analysis.balance.as_ref()?.t1_tilt.map(Angle::deg),
         ),
         number("l4_tilt", Unit::Degrees, "the same of L4", |row| {

@@ -18,6 +18,8 @@
 //! # What it is not
 //! Research software, not a medical device. Bending films carry no force, so only ratios of stiffness are identified.
 
+#![cfg_attr(test, allow(clippy::float_cmp, reason = "tests compare with exact values"))]
+
 pub mod action;
 pub mod analysis;
 pub mod anatomy;

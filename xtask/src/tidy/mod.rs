@@ -1,10 +1,12 @@
 //! House rules that no compiler knows.
 
+mod documents;
 mod faults;
 mod imports;
 mod order;
 mod panics;
 mod versions;
+mod vocabulary;
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -46,6 +48,8 @@ pub fn run(root: &Path) -> Result<(), String> {
         }
     }
     check_changelog(root, &mut faults)?;
+    documents::check(root, &mut faults)?;
+    vocabulary::check(root, &mut faults)?;
     faults::check(root, &mut faults)?;
     if faults.is_empty() {
         println!("» tidy");

@@ -28,12 +28,12 @@ impl Beside {
     }
 }
 
-/// What is odd about a picture beside a case.
+/// A warning about a picture beside a case.
 pub struct FilmWarning {
     code: &'static str,
     /// The film, where it is a frontal one.
     posture: Option<Posture>,
-    /// What is odd.
+    /// The warning.
     text: String,
 }
 
@@ -53,7 +53,7 @@ impl FilmWarning {
         self.code != "identifier_repeated"
     }
 
-    /// The film and what is odd about it.
+    /// The film and the warning.
     pub fn place_and_text(&self) -> String {
         match self.posture {
             Some(posture) => format!("{posture} film: {}", self.text),

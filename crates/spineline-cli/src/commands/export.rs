@@ -2,10 +2,12 @@
 
 use std::collections::BTreeMap;
 use std::path::{Component, Path, PathBuf};
+use std::sync::LazyLock;
 
+use clap::builder::PossibleValue;
 use clap::{Args, ValueEnum};
 use spineline::analysis::{AnalysisOptions, Case, analyze};
-use spineline::anatomy::{Posture, Region};
+use spineline::anatomy::{Named, Posture, Region};
 use spineline::clinical::CobbEnds;
 use spineline_files::{
     CaseFile, ExportFormat, FileError, FilmOrigin, InputFile, Provenance, ProvenanceFile, export,
@@ -56,7 +58,7 @@ pub struct ExportArgs {
     /// Format: `mjcf` for MuJoCo, `osim` for OpenSim 4, `urdf` for Pinocchio, Gazebo, Drake and others; of landmarks,
     /// `csv`, `slicer` for 3D Slicer, `labelme`, `coco` for COCO keypoints, `dicom-sr` for a DICOM report
     #[arg(long, value_enum, value_name = "FORMAT")]
-    to: FormatName,
+    to: Target,
     /// File to write (`-`: standard output), or a folder for several files
     #[arg(long, value_name = "PATH", default_value = "-")]
     out: PathBuf,
@@ -70,14 +72,15 @@ pub struct ExportArgs {
     overwrite: OverwriteArgs,
 }
 
+/// What is written: a model or the landmarks of a case.
+#[derive(Clone, Copy, PartialEq)]
+enum Target {
+    Model(ExportFormat),
+    Landmarks(LandmarkName),
+}
+
 #[derive(Clone, Copy, PartialEq, ValueEnum)]
-enum FormatName {
-    /// MuJoCo
-    Mjcf,
-    /// OpenSim 4
-    Osim,
-    /// Pinocchio, Gazebo, Drake and others
-    Urdf,
+enum LandmarkName {
     /// Landmarks as a table
     Csv,
     /// Landmarks as point lists of 3D Slicer
@@ -90,20 +93,30 @@ enum FormatName {
     DicomSr,
 }
 
-impl FormatName {
-    /// The format of a model; `None` for those of landmarks.
-    fn of_model(self) -> Option<ExportFormat> {
+impl ValueEnum for Target {
+    fn value_variants<'a>() -> &'a [Self] {
+        static TARGETS: LazyLock<Vec<Target>> = LazyLock::new(|| {
+            let models = ExportFormat::ALL.iter().map(|&format| Target::Model(format));
+            let landmarks =
+                LandmarkName::value_variants().iter().map(|&name| Target::Landmarks(name));
+            models.chain(landmarks).collect()
+        });
+        &TARGETS
+    }
+
+    fn to_possible_value(&self) -> Option<PossibleValue> {
         match self {
-            Self::Mjcf => Some(ExportFormat::Mjcf),
-            Self::Osim => Some(ExportFormat::Osim),
-            Self::Urdf => Some(ExportFormat::Urdf),
-            Self::Csv | Self::Slicer | Self::Labelme | Self::Coco | Self::DicomSr => None,
+            Self::Model(format) => Some(PossibleValue::new(format.key()).help(format.programs())),
+            Self::Landmarks(name) => name.to_possible_value(),
         }
     }
 }
 
 pub fn run(args: &ExportArgs) -> Result<Ending, Failure> {
-    let Some(format) = args.to.of_model() else { return landmarks(args) };
+    let format = match args.to {
+        Target::Model(format) => format,
+        Target::Landmarks(name) => return landmarks(args, name),
+    };
     if args.posture.is_some() {
         return Err(Failure::usage("--posture is for landmarks only"));
     }
@@ -116,8 +129,8 @@ pub fn run(args: &ExportArgs) -> Result<Ending, Failure> {
     outputs.commit().map(|()| Ending::Done)
 }
 
-fn landmarks(args: &ExportArgs) -> Result<Ending, Failure> {
-    if args.written.is_some() && args.to != FormatName::DicomSr {
+fn landmarks(args: &ExportArgs, name: LandmarkName) -> Result<Ending, Failure> {
+    if args.written.is_some() && name != LandmarkName::DicomSr {
         return Err(Failure::usage("--written is for DICOM reports only"));
     }
     let file = read_case_file(&args.file)?;
@@ -125,13 +138,12 @@ fn landmarks(args: &ExportArgs) -> Result<Ending, Failure> {
     let place = args.file.display().to_string();
     let (sources, curves, written);
     let pictures = pictures(&file, &case);
-    let target = match args.to {
-        FormatName::Csv => LandmarkTarget::Csv,
-        FormatName::Slicer => LandmarkTarget::Slicer,
-        FormatName::Labelme => LandmarkTarget::Labelme { pictures: &pictures },
-        FormatName::Coco => LandmarkTarget::Coco { pictures: &pictures },
-        // The formats of models do not come here.
-        FormatName::DicomSr | FormatName::Mjcf | FormatName::Osim | FormatName::Urdf => {
+    let target = match name {
+        LandmarkName::Csv => LandmarkTarget::Csv,
+        LandmarkName::Slicer => LandmarkTarget::Slicer,
+        LandmarkName::Labelme => LandmarkTarget::Labelme { pictures: &pictures },
+        LandmarkName::Coco => LandmarkTarget::Coco { pictures: &pictures },
+        LandmarkName::DicomSr => {
             sources = read_sources(&file, &case, args)?;
             curves = curves_of(&case);
             written = args.written.clone().unwrap_or_else(now);

@@ -91,7 +91,7 @@ pub enum Command {
     Account(account::AccountArgs),
     /// Make synthetic patients whose true values are known
     Phantom(phantom::PhantomArgs),
-    /// Export a model for MuJoCo, OpenSim or URDF, or landmarks as CSV, for 3D Slicer or as DICOM SR
+    /// Export a model for MuJoCo, OpenSim or URDF, or landmarks as CSV, COCO or DICOM SR or for 3D Slicer or labelme
     #[command(after_long_help = export::EXAMPLES)]
     Export(export::ExportArgs),
     /// Inspect radiographs: metadata, reliability of spacing and view, preview

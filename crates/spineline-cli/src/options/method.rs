@@ -55,7 +55,7 @@ pub struct MethodArgs {
     #[arg(long, value_parser = choice::<Grouping>(), default_value = Grouping::Regional.spelling())]
     multipliers: Grouping,
     /// Log-normal prior of the multipliers about their mean: `none`, a standard deviation of ln such as 0.3, or `in-vivo`
-    /// (0.5, the spread between segments of living scoliotic spines)
+    /// (0.5, the standard deviation between segments of living scoliotic spines)
     #[arg(long, value_name = "none|in-vivo|SD", default_value = "none", value_parser = prior)]
     prior: Prior,
     /// Distribution of joint rotations that `spineline learn-prior` learned from other patients, for the predictions without

@@ -88,7 +88,7 @@ impl Failure {
 
     /// A file that cannot be read as its format.
     pub fn file(path: &Path, error: &spineline_files::FileError) -> Self {
-        // Reading errors name the path themselves.
+        // Errors of reading name the path themselves.
         let what = match error {
             spineline_files::FileError::Read { .. }
             | spineline_files::FileError::NotUtf8 { .. }

@@ -242,7 +242,7 @@ fn an_answer_that_contradicts_the_file_needs_confirmation() {
     let error = here.refused(&arguments, 2);
     assert!(error.contains("Patient Orientation") && error.contains("--accept"), "{error}");
     let out = here.imported(&[&arguments[..], &["--accept"]].concat());
-    assert!(out.contains("accepted as said"), "{out}");
+    assert!(out.contains("accepted by --accept"), "{out}");
     assert_eq!(here.json("a/case.json")["films"][0]["image"]["patient_left"], "image_left");
 }
 
@@ -457,7 +457,7 @@ fn a_breast_a_leg_or_another_patient_needs_confirmation() {
         let (out, error, code) = import(&["--accept"]);
         assert_eq!(code, 0, "{name}: {error}");
         let unwrapped = out.split_whitespace().collect::<Vec<_>>().join(" ");
-        assert!(unwrapped.contains("accepted as said"), "{out}");
+        assert!(unwrapped.contains("accepted by --accept"), "{out}");
         assert!(!holds(&everything(&here.path(name)), "SOMEONE"), "{name}");
     }
 }

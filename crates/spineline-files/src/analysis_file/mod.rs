@@ -149,7 +149,7 @@ struct BalanceRecord {
     /// Positive to the patient's left.
     coronal_balance_mm: Option<f64>,
     coronal_balance_px: Option<f64>,
-    /// Of the superior endplate against the horizontal, positive where its normal leans to the patient's right.
+    /// Of the superior endplate against the horizontal, positive where its normal is tilted to the patient's right.
     t1_tilt_deg: Option<f64>,
     l4_tilt_deg: Option<f64>,
     /// Positive where the patient's left iliac crest is higher.

@@ -12,7 +12,7 @@ mod rotation;
 mod urdf;
 mod xml;
 
-use spineline::anatomy::Level;
+use spineline::anatomy::{Level, Named};
 use spineline::multibody::Support;
 
 use crate::StoredModel;
@@ -27,6 +27,30 @@ pub enum ExportFormat {
     Osim,
     /// Unified robot description format, with the springs in SDFormat's extension.
     Urdf,
+}
+
+impl Named for ExportFormat {
+    const ALL: &'static [Self] = &[Self::Mjcf, Self::Osim, Self::Urdf];
+
+    fn key(self) -> &'static str {
+        match self {
+            Self::Mjcf => "mjcf",
+            Self::Osim => "osim",
+            Self::Urdf => "urdf",
+        }
+    }
+}
+
+impl ExportFormat {
+    /// The programs that read it.
+    #[must_use]
+    pub const fn programs(self) -> &'static str {
+        match self {
+            Self::Mjcf => "MuJoCo",
+            Self::Osim => "OpenSim 4",
+            Self::Urdf => "Pinocchio, Gazebo, Drake and others",
+        }
+    }
 }
 
 /// A model that a format cannot represent.

@@ -11,7 +11,7 @@ use crate::StoredModel;
 const DIALECT: Dialect = Dialect {
     format: "URDF",
     frame: "G: x anterior, y to the patient's left, z cranial; origin at the midpoint of the lowest vertebra.",
-    notes: "Springs: URDF has none. They stand in SDFormat's extension, `springStiffness` and `springReference` in `gazebo` of each hinge's name; a program that does not read it has to be told. \
+    notes: "Springs: URDF has none. They stand in SDFormat's extension, `springStiffness` and `springReference` in `gazebo` of each hinge's name; a program that does not read it needs them from elsewhere. \
             Each hinge turns a small link that is no vertebra (a hundredth of the nominal mass), and the vertebra is fixed to the last of them; hinges that are locked are left out. Limits stop no hinge: they are what the format asks for.",
     // Many of the programs that read URDF step explicitly.
     damping_s: 0.001,

@@ -208,7 +208,7 @@ fn keep(
 ) -> Result<Option<(InMemElement, DeidAction)>, FilmError> {
     let object = &data.object;
     let vr = known_vr(tag, stated);
-    let text = || object.text(tag).filter(|text| text.len() <= 1024);
+    let text = || short_text(tag, object);
     let as_text = |vr: VR, text: &str| (element(tag, vr, text), DeidAction::Kept);
     Ok(match rule(tag) {
         Rule::Remove => None,
@@ -230,16 +230,7 @@ fn keep(
         Rule::Direction => text()
             .filter(|text| text.bytes().all(|b| b"LRAPHF\\".contains(&b)) && text.len() <= 7)
             .map(|text| as_text(VR::CS, &text)),
-        Rule::Number => match (vr, object.primitive(tag)) {
-            (VR::DS | VR::IS, Some(_)) => {
-                text().filter(|text| is_numeric(text)).map(|text| as_text(vr, &text))
-            }
-            (VR::US | VR::SS | VR::UL | VR::SL | VR::FL | VR::FD, Some((_, value))) => {
-                let short = value.calculate_byte_len() <= 8;
-                short.then(|| (element(tag, vr, value.clone()), DeidAction::Kept))
-            }
-            _ => None,
-        },
+        Rule::Number => number(tag, vr, object).map(|element| (element, DeidAction::Kept)),
         Rule::Code => {
             let item = object.item(tag).and_then(known_code);
             item.map(|item| (sequence(tag, vec![item]), DeidAction::Kept))
@@ -259,6 +250,25 @@ fn keep(
         Rule::Age => None,
         Rule::Pixels => pixel_data(data, limits)?.map(|element| (element, DeidAction::Kept)),
     })
+}
+
+/// A text of at most 1024 bytes.
+fn short_text(tag: Attribute, object: &InMemDicomObject) -> Option<String> {
+    object.text(tag).filter(|text| text.len() <= 1024)
+}
+
+/// One number, or a few, as text or in binary form.
+fn number(tag: Attribute, vr: VR, object: &InMemDicomObject) -> Option<InMemElement> {
+    match (vr, object.primitive(tag)) {
+        (VR::DS | VR::IS, Some(_)) => {
+            let text = short_text(tag, object).filter(|text| is_numeric(text))?;
+            Some(element(tag, vr, text.as_str()))
+        }
+        (VR::US | VR::SS | VR::UL | VR::SL | VR::FL | VR::FD, Some((_, value))) => {
+            (value.calculate_byte_len() <= 8).then(|| element(tag, vr, value.clone()))
+        }
+        _ => None,
+    }
 }
 
 /// The value representation, of unknown ones that of the standard.

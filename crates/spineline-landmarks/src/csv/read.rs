@@ -194,7 +194,7 @@ struct FilmRows {
 struct Table<'a> {
     columns: Columns,
     hint: &'a LandmarkHint,
-    /// The decimal mark; where it may be either, as soon as one was met.
+    /// The decimal mark; where both are possible, as soon as one was met.
     decimal: Option<char>,
     films: BTreeMap<Option<Posture>, FilmRows>,
 }

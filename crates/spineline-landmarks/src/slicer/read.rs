@@ -337,7 +337,7 @@ impl List {
             _ => Err(LandmarkError::Plane {
                 at: self.at.clone(),
                 reason: format!(
-                    "its points spread over {posterior:.1} mm from front to back and {superior:.1} mm from foot to head, and \
+                    "its points extend over {posterior:.1} mm from front to back and {superior:.1} mm from foot to head, and \
                      lie neither in the plane of a picture nor in a coronal plane"
                 ),
             }),
@@ -347,7 +347,7 @@ impl List {
             Some(named) if named != plane => Err(LandmarkError::Plane {
                 at: self.at.clone(),
                 reason: format!(
-                    "its frame was said to be {named:?}, and its points lie in that of {plane:?}"
+                    "its frame is stated as {named:?}, and its points lie in that of {plane:?}"
                 ),
             }),
             _ => Ok(plane),

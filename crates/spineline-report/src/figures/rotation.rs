@@ -3,7 +3,7 @@
 use kuva::render::render::TextAnchor;
 use spineline::analysis::Analysis;
 use spineline::anatomy::{Level, Posture};
-use spineline::motion::{MIN_WINDOWS, Motion};
+use spineline::motion::{LEAST_SEGMENT_WINDOWS, Motion};
 
 use super::page::{Page, Sample};
 use super::panel::{Axis, Panel, Ticks};
@@ -27,7 +27,7 @@ pub fn rotations(analysis: &Analysis) -> Option<String> {
     }
     let title = format!("Rotation of the chain's segments, case {}", analysis.case_id);
     let mut page = Page::new(title, analysis.synthetic);
-    let [first, second] = MIN_WINDOWS.map(|(low, high)| format!("{low}–{high}"));
+    let [first, second] = LEAST_SEGMENT_WINDOWS.map(|(low, high)| format!("{low}–{high}"));
     page.notes.push(format!(
         "From the erect to every other posture. Markers: the least-rotating segments of {first} and {second}. \
          Segment length {}.",

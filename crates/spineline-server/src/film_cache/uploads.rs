@@ -133,7 +133,7 @@ impl Uploads {
         })
     }
 
-    /// What is odd about a new upload beside others of this user: another file of one film, or another film with its
+    /// Warnings about a new upload beside others of this user: another file of one film, or another film with its
     /// identifier.
     pub fn twins(&self, owner: &Name, new: &Upload, now: Timestamp) -> Option<Notice> {
         let known = self.known();

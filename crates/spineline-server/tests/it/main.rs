@@ -1,5 +1,7 @@
 //! Tests of the server: every request passes the whole app.
 
+#![allow(clippy::float_cmp, reason = "tests compare with exact values")]
+
 mod access;
 mod accounts;
 mod browser;

@@ -1,5 +1,7 @@
 //! Tests of the study store: guarantees, crashes, full disks, damaged files and other programs.
 
+#![allow(clippy::float_cmp, reason = "tests compare with exact values")]
+
 mod corruption;
 mod crash;
 mod current_case;

@@ -10,12 +10,12 @@ use crate::warning::{Step, Warnings};
 const TILT_MARGIN: Angle = Angle::from_deg(2.0);
 
 /// No person is known to have lived longer than 122 years.
-const LARGEST_AGE_YEARS: f64 = 125.0;
+const MAX_AGE_YEARS: f64 = 125.0;
 
 /// An age is a number of years that a person can have.
 pub(super) fn check_age(age_years: Option<f64>) -> Result<(), CaseError> {
-    match age_years.filter(|age| !(0.0..=LARGEST_AGE_YEARS).contains(age)) {
-        Some(age_years) => Err(CaseError::Age { age_years, limit_years: LARGEST_AGE_YEARS }),
+    match age_years.filter(|age| !(0.0..=MAX_AGE_YEARS).contains(age)) {
+        Some(age_years) => Err(CaseError::Age { age_years, limit_years: MAX_AGE_YEARS }),
         None => Ok(()),
     }
 }

@@ -79,9 +79,9 @@ impl Analysis {
     /// Whether the bends are compatible with a single force along a model's line.
     ///
     /// # Definition
-    /// Per bend two questions: does any joint turn against the force further than noise carries one of so many, and does the
-    /// load that the rotations prefer run elsewhere: not through the inflections, or not along the iliac line. Holm's correction is over all of them, so that a patient whose
-    /// bends are compatible is called otherwise with a probability of at most 0.05. The joints' question takes the place of the
+    /// Per bend two questions: does any joint turn against the force further than noise carries one of so many, and is the
+    /// line of best fit to the rotations another one: not through the inflections, or not along the iliac line. Holm's correction
+    /// is over all of them, so that a patient whose bends are compatible is called otherwise with a probability of at most 0.05. The joints' question takes the place of the
     /// line, the lever arms and the noise of the tilts as known; the line's does not ([`crate::personalize::PreferredLoads`]).
     #[must_use]
     pub fn compatibility(&self, model: &LineModel) -> Compatibility {
@@ -122,7 +122,7 @@ impl Analysis {
     }
 }
 
-/// Probability of the line that the rotations prefer, if the load runs along a line of this kind.
+/// Probability of the line of best fit to the rotations, if the load runs along a line of this kind.
 fn line_p_value(kind: LineKind, film: &PostureAnalysis) -> Option<f64> {
     let preferred = film.preferred_line.as_ref()?;
     match kind {

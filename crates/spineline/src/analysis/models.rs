@@ -130,7 +130,7 @@ pub(super) fn fit_models(
         warnings.push(Step::Personalize, "no_bending_film", text);
         return models;
     }
-    // What was found for other readings is nearer.
+    // A result for other readings is a nearer start.
     let estimate = if others.is_empty() { estimate_bends(findings) } else { None };
     for kind in findings.options.line_kinds() {
         let bends = bending_loads(findings, kind, warnings);

@@ -34,12 +34,12 @@ pub struct LineCrossing {
     pub z_mm: f64,
     /// Place to the patient's left; infinite for a line along the height.
     pub y_mm: f64,
-    /// Where it may be.
+    /// Its 95 % interval.
     pub within: Crossing,
 }
 
 impl std::fmt::Display for LineCrossing {
-    /// The place in mm to the patient's left, and in brackets where it may be.
+    /// The place in mm to the patient's left, and its 95 % interval in brackets.
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self.within {
             Crossing::Between([low, high]) => {
@@ -50,19 +50,19 @@ impl std::fmt::Display for LineCrossing {
     }
 }
 
-/// How far a film's own line lies from the line through the inflections.
+/// How far the line of best fit to the rotations lies from the line through the inflections.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LineComparison {
     /// Angle between the lines.
     pub angle: Angle,
-    /// Distance of the film's own line from the middle of the two inflections.
+    /// Distance of the line of best fit from the middle of the two inflections.
     pub distance_mm: f64,
     /// Of "it runs through both inflections".
     pub test: LineTest,
 }
 
 impl PostureAnalysis {
-    /// The film's own line against the line through the inflections.
+    /// The line of best fit to the rotations against the line through the inflections.
     #[must_use]
     pub fn line_comparison(&self) -> Option<LineComparison> {
         self.preferred_line.as_ref()?.inflection
@@ -105,7 +105,7 @@ fn joint_shares(findings: Findings<'_>) -> JointShares {
     }
 }
 
-/// Every film's own line, by posture, from loads that are expected near; empty where there are no lines.
+/// The line of best fit to the rotations of every film, by posture, from loads that are expected near; empty where there are none.
 pub(super) fn prefer_lines(
     findings: Findings<'_>,
     near: Option<&PreferredLoads>,

@@ -58,7 +58,7 @@ pub(super) fn doubts_film(warning: &Warning) -> bool {
 
 /// Films and their outlines in the same order, the erect one first.
 ///
-/// Whether an erect spine leans is asked of patients only: phantoms of the paper's Table 1 lean by up to 45° by construction.
+/// The lateral tilt of the erect spine is checked on patients only: that of phantoms of the paper's Table 1 is up to 45° by construction.
 pub(super) fn warn_of_wrong_films(
     (films, is_synthetic): (&[&Film], bool),
     outlines: &[Outline],
@@ -100,7 +100,7 @@ fn warn_of_leaning_erect(erect: &Outline, warnings: &mut Warnings) {
     };
     if tilt.abs() > MAX_ERECT_TILT {
         let text = format!(
-            "the line from {} to {} leans {} (limit {:.0}°): check that the film shows the erect posture and is not turned",
+            "the lateral tilt of the line from {} to {} is {} (limit {:.0}°): check that the film shows the erect posture and is not turned",
             erect.levels().base(),
             erect.levels().top(),
             tilt.leaning(),
@@ -173,7 +173,7 @@ fn noise_limit(a: &Outline, b: &Outline) -> f64 {
     MAX_NOISE_FACTOR * a.noise.tilt.rad().hypot(b.noise.tilt.rad())
 }
 
-/// Root mean square of the differences of tilts about their mean, in rad: a patient who leans as a whole makes no difference.
+/// Root mean square of the differences of tilts about their mean, in rad: a lateral tilt of the whole patient makes no difference.
 /// The first film is mirrored with a sign of -1.
 fn shape_difference(a: &Outline, b: &Outline, sign: f64) -> f64 {
     let differences: Vec<f64> = a

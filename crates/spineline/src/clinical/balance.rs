@@ -53,7 +53,7 @@ pub struct Balance {
     pub coronal_balance_mm: f64,
     /// Distance of every curve's apex from the central sacral vertical line, by region; positive to the patient's left.
     pub apical_translation_mm: [f64; 3],
-    /// Tilt of T1's superior endplate against the horizontal; positive where its normal leans to the right. `None` without T1.
+    /// Tilt of T1's superior endplate against the horizontal; positive where its normal is tilted to the right. `None` without T1.
     pub t1_tilt: Option<Angle>,
     /// Tilt of L4's superior endplate against the horizontal.
     pub l4_tilt: Option<Angle>,
@@ -104,7 +104,7 @@ pub fn measure_balance(
         apical_translation_mm,
         t1_tilt: superior(Level::T1),
         l4_tilt: superior(Level::L4),
-        // The normal leans to the right where the left crest is higher.
+        // The normal is tilted to the right where the left crest is higher.
         pelvic_obliquity: erect.iliac_normal.map(|normal| (normal - vertical).wrapped()),
         stable: erect.vertebrae[stable].level,
     })

@@ -1,6 +1,6 @@
 use crate::spatial::Angle;
 
-/// The largest Cobb angle that any two vertebrae of a film make: the most right-leaning tilt minus the most left-leaning one;
+/// The largest Cobb angle that any two vertebrae of a film make: the largest tilt to the right minus the largest to the left;
 /// `None` without a tilt, or where one is no number.
 ///
 /// With tilts of mean endplates ([`Corners::measure_endplate_tilt`](crate::measure::Corners::measure_endplate_tilt)) of

@@ -5,7 +5,7 @@ use crate::spatial::{Angle, Frontal};
 /// Minimum angle of a curve between inflections.
 pub(crate) const MIN_TURN: Angle = Angle::from_deg(5.0);
 
-/// A stretch of the curve that turns to one side.
+/// A curve between inflections: the part of the spine curve that turns to one side.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CurveBetween {
     /// Parameter at its caudal end.
@@ -32,7 +32,7 @@ pub struct Inflection {
 pub struct Inflections {
     /// All that were seen, caudal first.
     pub all: Vec<Inflection>,
-    /// The stretches between them; one more than inflections.
+    /// The curves between them; one more than inflections.
     pub curves: Vec<CurveBetween>,
     /// The pair that carries the line of action, caudal first; `None` with fewer than two.
     pub pair: Option<[Inflection; 2]>,

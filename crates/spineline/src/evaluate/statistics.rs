@@ -252,7 +252,7 @@ impl Share {
     }
 
     /// The share with which a value of the first sample exceeds one of the second, ties counted half: 0.5 where the two cannot
-    /// be told apart, 1 where every first value is larger.
+    /// be distinguished, 1 where every first value is larger.
     ///
     /// It is Mann and Whitney's U over its largest value. Its variance is at most that of a share of `n` independent units,
     /// where `n` is the size of the smaller sample [van-dantzig-1951], which is what the interval takes.

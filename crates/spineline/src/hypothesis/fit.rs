@@ -290,7 +290,7 @@ fn fit_to<'a>(
     Some(Ended { problem, hypothesis, films: films.len(), status, x, chi_squared })
 }
 
-/// What was found on a fixed base as a start.
+/// The result on a fixed base, as a start.
 fn on_free_base(fixed: &Ended<'_>, problem: &ShapeProblem<'_>, groups: usize) -> DVector<f64> {
     let mut x = DVector::zeros(problem.unknowns());
     x.rows_mut(0, groups).copy_from(&fixed.x.rows(0, groups));

@@ -93,7 +93,7 @@ pub(crate) fn minimize(
     if !evaluate(&x, &mut system) {
         return Minimum { status: FitStatus::NotEvaluable, iterations: 0, x, system };
     }
-    let (mut damping, mut growth) = (1e-4, 2.0);
+    let mut damping = Damping::START;
     let mut iterations = 0;
     let mut status = FitStatus::IterationLimit;
     'outer: while iterations < MAX_ITERATIONS {
@@ -101,9 +101,8 @@ pub(crate) fn minimize(
         let (normal, gradient) = normal_equations(&system, &x, lower, upper);
         let cost = system.cost();
         loop {
-            let Some(cholesky) = damped(&normal, damping).cholesky() else {
-                damping = damping.max(1e-12) * 10.0;
-                if damping > 1e12 {
+            let Some(cholesky) = damped(&normal, damping.value).cholesky() else {
+                if !damping.regularize() {
                     break 'outer;
                 }
                 continue;
@@ -116,10 +115,7 @@ pub(crate) fn minimize(
             let promised = -2.0 * step.dot(&gradient) - normal_form(&normal, &step);
             let evaluable = evaluate(&next, &mut trial);
             if evaluable && trial.cost() < cost {
-                // Nielsen's rule: the trust region grows with the ratio of actual to predicted decrease.
-                let ratio = (cost - trial.cost()) / promised.max(f64::MIN_POSITIVE);
-                damping = (damping * f64::max(0.1, 1.0 - (2.0 * ratio - 1.0).powi(3))).max(1e-15);
-                growth = 2.0;
+                damping.accept((cost - trial.cost()) / promised.max(f64::MIN_POSITIVE));
                 let done = cost - trial.cost() <= 1e-7 * cost || small;
                 std::mem::swap(&mut system, &mut trial);
                 x = next;
@@ -136,11 +132,38 @@ pub(crate) fn minimize(
                 }
                 break 'outer;
             }
-            damping *= growth;
-            growth *= 2.0;
+            damping.reject();
         }
     }
     Minimum { status, iterations, x, system }
+}
+
+/// The damping of steps, by Nielsen's rule [nielsen-1999].
+struct Damping {
+    value: f64,
+    /// The factor of the next rejected step.
+    growth: f64,
+}
+
+impl Damping {
+    const START: Self = Self { value: 1e-4, growth: 2.0 };
+
+    /// After a decrease, with the ratio of the actual to the predicted one.
+    fn accept(&mut self, ratio: f64) {
+        self.value = (self.value * f64::max(0.1, 1.0 - (2.0 * ratio - 1.0).powi(3))).max(1e-15);
+        self.growth = 2.0;
+    }
+
+    fn reject(&mut self) {
+        self.value *= self.growth;
+        self.growth *= 2.0;
+    }
+
+    /// Where the damped equations are singular; whether another try makes sense.
+    fn regularize(&mut self) -> bool {
+        self.value = self.value.max(1e-12) * 10.0;
+        self.value <= 1e12
+    }
 }
 
 fn damped(normal: &DMatrix<f64>, damping: f64) -> DMatrix<f64> {
@@ -159,6 +182,7 @@ fn clamp(x: &mut DVector<f64>, lower: &DVector<f64>, upper: &DVector<f64>) {
 
 /// `JᵀJ` and `Jᵀr`, without the unknowns that take no part in a step: those held by equal bounds, and those at a bound that
 /// the gradient pushes outwards.
+#[expect(clippy::float_cmp, reason = "equal bounds hold an unknown exactly")]
 fn normal_equations(
     system: &System,
     x: &DVector<f64>,

@@ -32,7 +32,7 @@ pub struct SpacingEvidence {
     pub scanned_mm: Option<[f64; 2]>,
 }
 
-/// Something odd about a film's spacing, and what was done about it.
+/// A remark on a film's spacing, and what was done about it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub enum SpacingRemark {
@@ -91,12 +91,12 @@ pub enum SpacingRemark {
     None,
 }
 
-/// The spacing that a file supports, with everything odd about it.
+/// The spacing that a file supports, with remarks.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SpacingJudgement {
     /// The spacing; `None` where only pixels are left.
     pub spacing: Option<Spacing>,
-    /// What was odd.
+    /// The remarks.
     pub remarks: Vec<SpacingRemark>,
 }
 

@@ -1,6 +1,6 @@
 //! The length of the spine on a film, as a part of its length on the erect film.
 //!
-//! One patient's spine has one length, and the films show several: the patient stands nearer to the detector or leans out of
+//! One patient's spine has one length, and the films show several: the patient stands nearer to the detector or tilted out of
 //! its plane, magnification differs, and landmarks lie differently. A factor per film takes that difference out before films
 //! are compared; no angle depends on it.
 

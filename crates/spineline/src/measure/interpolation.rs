@@ -50,7 +50,7 @@ pub(super) const MAX_GAP: usize = 3;
 const LOCATION_SD_MM: [f64; MAX_GAP] = [1.4, 1.8, 2.2];
 
 /// Standard deviation of an interpolated tilt, from the same films: 4.8°, 4.5° and 4.7°. It does not grow with the gap,
-/// because the vertebrae's own wedging and their marks make most of it.
+/// because the vertebrae's own wedging and the noise of their landmarks make most of it.
 const TILT_SD: Angle = Angle::from_deg(4.8);
 
 /// The vertebra on the cubic curve through two others, along their axes.

@@ -113,7 +113,7 @@ impl LateralFilm {
         if !body.sides_agree() {
             return Err(fault(CornerFault::SidesExchanged));
         }
-        // A tilt leans away from the positive side.
+        // A tilt to the positive side is negative.
         Ok(-body.measure_tilt())
     }
 

@@ -256,7 +256,7 @@ mod tests {
         }
     }
 
-    /// A straight line that leans 10° to the patient's left.
+    /// A straight line with a lateral tilt of 10° to the patient's left.
     fn leaning() -> Midline {
         let (sin, cos) = crate::spatial::Angle::from_deg(10.0).rad().sin_cos();
         line((0..=220).map(|i| [sin * 2.0 * (220 - i) as f64, -cos * 2.0 * i as f64, 0.0]))

@@ -9,8 +9,8 @@ use crate::anatomy::Level;
 use crate::spatial::Frontal;
 use crate::warning::Warnings;
 
-/// Marked vertebrae of a reading from which a corner can be called the odd one.
-const FEWEST_VERTEBRAE: usize = 5;
+/// Marked vertebrae of a reading from which a corner can be called an outlier.
+const MIN_VERTEBRAE: usize = 5;
 
 /// Distance of a corner from where its neighbours put it, in medians of such distances in the reading.
 const OUTLIER_MEDIANS: f64 = 5.0;
@@ -20,7 +20,7 @@ const OUTLIER_MEDIANS: f64 = 5.0;
 ///
 /// Of 433 unflagged films of the training landmarks of [wu-boostnet-2017] 5 have such a corner. With one corner moved by
 /// 40, 50 and 60 % of the diagonal in any direction, 70, 83 and 92 % of them are found.
-const SMALLEST_OUTLIER_SHARE: f64 = 0.25;
+const MIN_OUTLIER_SHARE: f64 = 0.25;
 
 /// A corner with its distance from the prediction, as parts of the diagonal of such a body.
 struct Predicted {
@@ -42,13 +42,13 @@ pub(super) fn warn_of_corners_off_the_trend(
     warnings: &mut Warnings,
 ) {
     let bodies = &reading.bodies;
-    if bodies.len() < FEWEST_VERTEBRAE {
+    if bodies.len() < MIN_VERTEBRAE {
         return;
     }
     let all: Vec<[Predicted; 4]> =
         (0..bodies.len()).map(|index| predicted(bodies, index)).collect();
     let usual = median(all.iter().flatten().map(Predicted::share).collect());
-    let limit = (OUTLIER_MEDIANS * usual).max(SMALLEST_OUTLIER_SHARE);
+    let limit = (OUTLIER_MEDIANS * usual).max(MIN_OUTLIER_SHARE);
     for (index, corners) in all.iter().enumerate() {
         for (corner, found) in corners.iter().enumerate() {
             if found.share() > limit && is_worst(&all, index, corner) {

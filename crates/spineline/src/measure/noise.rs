@@ -14,7 +14,7 @@ pub struct Noise {
     pub location_mm: f64,
     /// Of a tilt.
     pub tilt: Angle,
-    /// Whether it was measured from the spread of readings; else it is the assumption for one careful reading.
+    /// Whether it was measured from the standard deviation of readings; else it is the assumption for one careful reading.
     pub measured: bool,
 }
 
@@ -30,7 +30,7 @@ impl Noise {
     const FLOOR_LOCATION_MM: f64 = 0.03;
     const FLOOR_TILT: Angle = Angle::from_deg(0.03);
 
-    /// Of means, from the spread of the readings.
+    /// Of means, from the standard deviation of the readings.
     pub(super) fn of_means(
         observers: &[&str],
         placed: &[BTreeMap<Level, Placement>],

@@ -243,7 +243,7 @@ struct PlacedFilm {
     iliac_middle: Option<Frontal>,
 }
 
-/// Checks all marks of a film, of whichever vertebrae: what [`measure_film`] refuses before it asks whether all are there.
+/// Checks all landmarks of a film, of whichever vertebrae: what [`measure_film`] refuses before it asks whether all are there.
 ///
 /// # Errors
 /// As [`measure_film`], but for what concerns several vertebrae in their order.

@@ -58,7 +58,7 @@ fn body_of(
     Ok(landmark.corners.map(|corner| image.frontal(corner)))
 }
 
-/// One reading in millimetres of the film: midpoints and tilts. T1 is absent where its marks make no body, and L5 where
+/// One reading in millimetres of the film: midpoints and tilts. T1 is absent where its landmarks make no body, and L5 where
 /// they lie beyond the picture.
 pub(super) fn place(
     posture: Posture,
@@ -69,7 +69,7 @@ pub(super) fn place(
     place_usable((posture, image), reading, rule, &mut Vec::new())
 }
 
-/// Says of T1 and L5 where their marks cannot be used that they are left out.
+/// Warns that T1 or L5 is left out because its landmarks cannot be used.
 pub(super) fn warn_of_unusable_ends(film: &Film, warnings: &mut Warnings) {
     let FilmLandmarks::Corners { image, readings, .. } = &film.landmarks else { return };
     for reading in readings

@@ -12,10 +12,10 @@ use crate::warning::{Step, Warnings};
 ///
 /// Of 8177 bodies of the training landmarks of [wu-boostnet-2017], with their films taken as 2.5 times as high as wide,
 /// 11 exceed it by their left and right sides and 2 by the others.
-const LARGEST_SIDE_RATIO: f64 = 2.5;
+const MAX_SIDE_RATIO: f64 = 2.5;
 
-/// Readings of a corner from which one of them can be called the odd one: of two, neither is.
-const FEWEST_READINGS: usize = 3;
+/// Readings of a corner from which one of them can be called an outlier: of two, neither is.
+const MIN_READINGS: usize = 3;
 
 /// Distance of a corner from the median of its readings, in medians of such distances on the film. For normal errors in
 /// two directions the median is 1.18 standard deviations, so this is beyond nine of them.
@@ -23,20 +23,20 @@ const OUTLIER_MEDIANS: f64 = 8.0;
 
 /// A corner closer than this part of its body's diagonal to the median of its readings is no outlier, however well the
 /// other readings agree.
-const SMALLEST_OUTLIER_SHARE: f64 = 0.15;
+const MIN_OUTLIER_SHARE: f64 = 0.15;
 
 /// Angle between an axis turned by hand and that of the corners, above which one of them is doubted. Far above the
 /// deviation of either (assumption).
-const LARGEST_AXIS_DIFFERENCE: Angle = Angle::from_deg(30.0);
+const MAX_AXIS_DIFFERENCE: Angle = Angle::from_deg(30.0);
 
 /// Vertebrae from which equal coordinates on two films are no accident.
-const FEWEST_SAME: usize = 2;
+const MIN_SAME: usize = 2;
 
 /// Whether a reading of one film has the landmarks or placements of a reading of the other one, whoever is named as its
 /// observer.
 pub(crate) fn same_landmarks(a: &Film, b: &Film) -> bool {
     fn same<T: PartialEq>(a: &[Reading<T>], b: &[Reading<T>]) -> bool {
-        let mut marked = a.iter().filter(|reading| reading.vertebrae.len() >= FEWEST_SAME);
+        let mut marked = a.iter().filter(|reading| reading.vertebrae.len() >= MIN_SAME);
         marked.any(|one| b.iter().any(|other| one.vertebrae == other.vertebrae))
     }
     match (&a.landmarks, &b.landmarks) {
@@ -140,9 +140,9 @@ fn warn_of_sides(
     warnings: &mut Warnings,
 ) {
     for (sides, ratio) in film.sides().into_iter().zip(body.side_ratios()) {
-        if ratio > LARGEST_SIDE_RATIO {
+        if ratio > MAX_SIDE_RATIO {
             let text = format!(
-                "observer {id}: {sides} differ by a factor of {ratio:.1} (limit {LARGEST_SIDE_RATIO}): check the four corners of this vertebra"
+                "observer {id}: {sides} differ by a factor of {ratio:.1} (limit {MAX_SIDE_RATIO}): check the four corners of this vertebra"
             );
             film.warn("body_sides_differ", level, text, warnings);
         }
@@ -159,12 +159,12 @@ fn warn_of_axis(
     let Some(axis) = landmark.axis_clockwise else { return };
     let body = landmark.corners.map(|corner| image.frontal(corner));
     let apart = (image.tilt_from_clockwise(axis) - body.measure_tilt()).wrapped().abs();
-    if apart > LARGEST_AXIS_DIFFERENCE {
+    if apart > MAX_AXIS_DIFFERENCE {
         let text = format!(
             "observer {}: the axis turned by hand is {:.0}° from that of the corners (limit {:.0}°): check the axis and the corners",
             reading.id,
             apart.deg(),
-            LARGEST_AXIS_DIFFERENCE.deg()
+            MAX_AXIS_DIFFERENCE.deg()
         );
         warnings.vertebra(Step::Measure, "axis_against_corners", film.posture, level, text);
     }
@@ -181,7 +181,7 @@ fn warn_of_outliers(
     for level in Level::ALL {
         let bodies: Vec<(&ReadingId, &Corners<Frontal>)> =
             readings.iter().filter_map(|one| Some((one.id, one.body(level)?))).collect();
-        if bodies.len() < FEWEST_READINGS {
+        if bodies.len() < MIN_READINGS {
             continue;
         }
         for corner in 0..4 {
@@ -202,7 +202,7 @@ fn warn_of_outliers(
         return;
     }
     let usual = median(found.iter().map(|&(.., share)| share).collect());
-    let limit = (OUTLIER_MEDIANS * usual).max(SMALLEST_OUTLIER_SHARE);
+    let limit = (OUTLIER_MEDIANS * usual).max(MIN_OUTLIER_SHARE);
     let asked = |id: &ReadingId| of.is_none_or(|of| of == id);
     let odd = found.into_iter().filter(|&(_, _, id, share)| share > limit && asked(id));
     for (level, corner, id, share) in odd {

@@ -13,7 +13,8 @@ use crate::curve::CurveFit;
 use crate::spatial::Angle;
 
 /// The two windows in which a least-rotating segment is sought, caudal first.
-pub const MIN_WINDOWS: [(Level, Level); 2] = [(Level::L2, Level::T9), (Level::T7, Level::T4)];
+pub const LEAST_SEGMENT_WINDOWS: [(Level, Level); 2] =
+    [(Level::L2, Level::T9), (Level::T7, Level::T4)];
 
 /// The movement of the chain from the erect posture to another.
 #[derive(Debug, Clone, PartialEq)]
@@ -112,7 +113,7 @@ impl Motion {
 /// The first segment is left out: its joint is L4's midpoint, where nothing turns by definition of the frame.
 #[must_use]
 pub fn least_windows(fit: &CurveFit, erect: &ChainPose) -> [(usize, usize); 2] {
-    MIN_WINDOWS.map(|(low, high)| {
+    LEAST_SEGMENT_WINDOWS.map(|(low, high)| {
         let segment = |level: Level| {
             let t = fit.vertebra_t_mm[fit.levels.nearest_index(level)];
             erect.t_mm.partition_point(|&joint| joint < t).clamp(1, erect.segments() - 1)

@@ -14,6 +14,24 @@ pub struct Joint {
 }
 
 /// The unloaded spine of one patient: vertebrae in the erect posture, and the joints between them.
+///
+/// ```
+/// use spineline::anatomy::SagittalProfile;
+/// use spineline::measure::{TiltRule, measure_film};
+/// use spineline::multibody::SpineModel;
+/// use spineline::warning::Warnings;
+/// use spineline_phantom::{Readers, Truth, generate};
+///
+/// let case = generate(0, Truth::Bend, &Readers::exact(), 1)?.case;
+/// let erect = measure_film(&case.films[0], TiltRule::default(), &mut Warnings::default())?;
+/// let model = SpineModel::from_outline(&erect, &SagittalProfile::default());
+/// assert_eq!((model.midpoints_mm.len(), model.joints.len()), (15, 14));
+/// // The film gives the frontal location of every vertebra.
+/// let top = erect.vertebrae[14].location;
+/// assert!((model.midpoints_mm[14].y - top.y_mm).abs() < 1e-9);
+/// assert!((model.midpoints_mm[14].z - top.z_mm).abs() < 1e-9);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct SpineModel {
     /// Midpoints in `G`, from the fixed base (L4) upwards.

@@ -232,7 +232,7 @@ impl<'a> Statics<'a> {
         let force = direction * force_n;
         let on_film = Vec3::new(self.model.midpoints_mm[top].x, line.point.y_mm, line.point.z_mm);
         let mut place = solution.deformed.midpoints_mm.get(top).copied().unwrap_or(on_film);
-        // Sliding the force along its own line changes nothing: its place moves across it only.
+        // Sliding the force along its line changes nothing: its place moves across it only.
         let across = Matrix3x2::from_columns(&[Vec3::x(), Vec3::x().cross(&direction)]);
         // First direction: more force. The others: the place of the force moves.
         let all: Vec<Parameter> = parameters.iter().copied().chain(MOVES).collect();

@@ -246,6 +246,7 @@ impl<L: OneComponent, S: SearchTarget> Path<L, S> {
         let [last, before] = self.seen;
         let last = last?;
         let step_n = force_n - last.force_n;
+        #[expect(clippy::float_cmp, reason = "only equal forces make the difference quotient 0/0")]
         let bend = before
             .filter(|before| before.force_n != last.force_n)
             .map(|before| (last.t2_rate - before.t2_rate) / (last.force_n - before.force_n));

@@ -141,7 +141,7 @@ pub fn personalize(
     )
 }
 
-/// What was found out about the films of a fit before it.
+/// Findings about the films of a fit, from before it.
 #[derive(Clone, Copy)]
 pub(crate) struct Known<'a> {
     /// Of every film, with its load.

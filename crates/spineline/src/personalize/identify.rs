@@ -312,6 +312,7 @@ impl<'p, 'a> ConvergedFit<'p, 'a> {
         Profile { points, lower, upper }
     }
 
+    #[expect(clippy::float_cmp, reason = "a step that `clamp` took away leaves the same bits")]
     fn follow(&mut self, group: usize, step: f64, points: &mut Vec<ProfilePoint>) -> ProfileEnd {
         let bounds = MULTIPLIER_BOUNDS.map(f64::ln);
         let mut known = self.minimum.x.clone();

@@ -172,7 +172,7 @@ mod tests {
 
     #[test]
     fn a_direction_is_tested_by_the_force_across_it() {
-        // Across a line that leans by a, 100 sin a; its deviation is cos a for 1 N of fy.
+        // Across a line of the tilt a, 100 sin a; its deviation is cos a for 1 N of fy.
         let tilt = Angle::from_deg(1.0);
         let along = |sd| ProposedLine::Along { direction: Frontal::leaning(tilt), sd };
         let loads = upwards([1.0, 0.0, 1.0]);

@@ -12,6 +12,7 @@ use super::Statistic;
 /// assert_eq!(shown_coefficient(1.0), "1");
 /// ```
 #[must_use]
+#[expect(clippy::float_cmp, reason = "a number beside 1 must not be shown as 1")]
 pub fn shown_coefficient(value: f64) -> String {
     if value == 0.0 || value.abs() == 1.0 {
         return format!("{value:.0}");

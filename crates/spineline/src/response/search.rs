@@ -175,10 +175,44 @@ pub fn largest_factor(model: &SpineModel, stiffness: &[Mat3], loading: &Loading)
 /// Called for every point of a path; breaking off leaves the paths as far as they are.
 pub type OnSignedPoint<'o> = &'o mut dyn FnMut(ForceSign, &PathPoint) -> ControlFlow<()>;
 
-/// Finds what a spine does under loads.
+/// Finds the equilibria of a spine under loads that meet a goal.
+///
+/// For [`Goal::LateralTilt`] the paths along and against the loads are followed. `largest_factor` limits the factor of the
+/// proportional loads; [`largest_factor`] proposes it. `on_point` is called for every point of a path and may break off.
 ///
 /// # Errors
 /// [`LoadingError`] where a load cannot be applied to this spine.
+///
+/// ```
+/// use std::ops::ControlFlow;
+///
+/// use spineline::anatomy::SagittalProfile;
+/// use spineline::measure::{TiltRule, measure_film};
+/// use spineline::multibody::{BodyLoad, GeneralStatics, Goal, Loading, SpineModel, Support};
+/// use spineline::response::{largest_factor, respond};
+/// use spineline::spatial::{Angle, Mat3, Vec3};
+/// use spineline::warning::Warnings;
+/// use spineline_phantom::{Readers, Truth, generate};
+///
+/// let case = generate(0, Truth::Bend, &Readers::exact(), 1)?.case;
+/// let erect = measure_film(&case.films[0], TiltRule::default(), &mut Warnings::default())?;
+/// let model = SpineModel::from_outline(&erect, &SagittalProfile::default());
+/// let springs = vec![Mat3::from_diagonal(&Vec3::new(1.5e5, 1.5e5, 3e5)); model.joints.len()];
+/// let statics = GeneralStatics::new(&model, springs.clone(), Support::Free)?;
+/// // 10 N at T2 to the patient's left, increased until the lateral tilt is 20° left.
+/// let push = BodyLoad::ForceAtPoint {
+///     force_n: Vec3::new(0.0, 10.0, 0.0),
+///     point_in_vertebra_mm: Vec3::zeros(),
+/// };
+/// let loading = Loading::single(model.joints.len(), push);
+/// let goal = Goal::LateralTilt(Angle::from_deg(-20.0));
+/// let most = largest_factor(&model, &springs, &loading);
+/// let response = respond(&statics, &loading, goal, most, &mut |_, _| ControlFlow::Continue(()))?;
+/// let found = response.result().ok_or("no equilibrium")?;
+/// assert!(found.factor > 0.0);
+/// assert!((found.deformed.lateral_tilt().deg() + 20.0).abs() < 1e-6);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn respond(
     statics: &GeneralStatics<'_>,
     loading: &Loading,

@@ -27,7 +27,7 @@ pub enum LandmarkNoise {
 /// Where the deviation of a reading comes from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum NoiseSource {
-    /// The spread of the case's readings of this film, or, for corners, of all its films.
+    /// The standard deviation of the case's readings of this film, or, for corners, of all its films.
     Readings,
     /// The assumption for one careful reading, without repeats.
     Assumed,
@@ -58,7 +58,7 @@ pub struct FilmNoise {
     pub landmarks: VertebraNoise,
 }
 
-/// Standard deviation of what a film's marks are.
+/// Standard deviation of a film's landmarks.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum VertebraNoise {
     /// Corners and crests on a picture.
@@ -79,7 +79,7 @@ pub enum VertebraNoise {
     },
 }
 
-/// A case whose marks can be moved at random, again and again.
+/// A case whose landmarks can be perturbed again and again.
 #[derive(Debug, Clone)]
 pub(super) struct NoisyCase {
     case: Case,
@@ -149,7 +149,7 @@ impl NoisyCase {
                         place.tilt = place.tilt + *tilt_sd * draw.normal();
                     }
                 }
-                _ => unreachable!("the noise of a film is made from its marks"),
+                _ => unreachable!("the noise of a film is made from its landmarks"),
             }
         }
         let error = |&(posture, level): &(Posture, Level)| InterpolationError {

@@ -50,7 +50,7 @@ pub enum AnalysisQuantity {
     LineTilt(LineKind, Posture),
     /// Signed distance of a line of action from where the middle of the inflections was found in the case itself.
     LineOffset(LineKind, Posture),
-    /// Force along the line, at the level that the gauge fixes; in the direction of the case's own line.
+    /// Force along the line, at the level that the scale constraint fixes; positive in the direction of the unperturbed case's line.
     Force(LineKind, Posture),
     /// `ln α` of a group.
     LogMultiplier(LineKind, usize),

@@ -204,7 +204,7 @@ impl Uncertainty {
         self.quantities.iter().find(|spread| spread.quantity == quantity)
     }
 
-    /// Which noise was laid on the marks, and where it comes from: a sentence for all films that have the same.
+    /// Which noise was added to the landmarks, and where it comes from: a sentence for all films that have the same.
     #[must_use]
     pub fn noise_words(&self) -> Vec<String> {
         let mut sentences: Vec<(String, Vec<String>)> = Vec::new();

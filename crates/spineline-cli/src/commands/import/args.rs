@@ -39,7 +39,7 @@ pub struct ImportArgs {
     /// Films (DICOM, PNG, JPEG, TIFF), folders of them, and ZIP archives
     #[arg(required = true, value_name = "PATH")]
     pub paths: Vec<PathBuf>,
-    /// List what was found and write nothing
+    /// List the films that were found and write nothing
     #[arg(long)]
     pub list: bool,
     /// Folder for the case; it must not hold a case

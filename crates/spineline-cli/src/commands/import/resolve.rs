@@ -113,7 +113,7 @@ pub fn resolve(
     }
     for text in contradicted {
         if args.accept {
-            notes.push(format!("{text}; accepted as said"));
+            notes.push(format!("{text}; accepted by --accept"));
         } else {
             questions.push(Question { role, about: About::Contradiction(text) });
         }

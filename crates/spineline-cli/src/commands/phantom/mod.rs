@@ -124,6 +124,7 @@ struct TruePosture {
 impl TruthFile {
     fn new(phantom: &Phantom) -> Self {
         let point = |p: spineline::spatial::Frontal| [p.y_mm, p.z_mm];
+        #[expect(clippy::float_cmp, reason = "a film without a scale of its own has exactly 1")]
         let scale = |film: &TrueFilm| Some(film.scale).filter(|scale| *scale != 1.0);
         let posture = |p: &spineline_phantom::TruePosture| TruePosture {
             locations_mm: p.locations.iter().map(|&l| point(l)).collect(),

@@ -2,9 +2,11 @@
 
 use std::path::PathBuf;
 
-use clap::{ArgGroup, Args, ValueEnum};
+use clap::builder::{PossibleValuesParser, TypedValueParser};
+use clap::{ArgGroup, Args};
 use spineline::anatomy::{Level, Posture, Side};
 use spineline::multibody::Support;
+use spineline_files::{DIRECTIONS, direction};
 
 use crate::options::choice::choice;
 use crate::options::values::{number, posture};
@@ -50,8 +52,8 @@ pub struct SimulateArgs {
     #[arg(long, value_name = "FILE")]
     pub load: Option<PathBuf>,
     /// Direction of one force on one vertebra, in the patient's terms
-    #[arg(long, value_enum, value_name = "DIRECTION", help_heading = "One force")]
-    pub push: Option<PushName>,
+    #[arg(long, value_parser = push(), value_name = "DIRECTION", help_heading = "One force")]
+    pub push: Option<[f64; 3]>,
     /// Apply the force that the analysis found for this film: left_bending, right_bending, neutral or traction
     #[arg(long, value_name = "FILM", value_parser = posture, help_heading = "One force")]
     pub posture: Option<Posture>,
@@ -89,29 +91,10 @@ pub struct SimulateArgs {
     pub overwrite: OverwriteArgs,
 }
 
-/// Direction of a force.
-#[derive(Clone, Copy, ValueEnum)]
-pub enum PushName {
-    Left,
-    Right,
-    Cranial,
-    Caudal,
-    Anterior,
-    Posterior,
-}
-
-impl PushName {
-    /// Unit vector in `G`.
-    pub const fn direction(self) -> [f64; 3] {
-        match self {
-            Self::Left => [0.0, 1.0, 0.0],
-            Self::Right => [0.0, -1.0, 0.0],
-            Self::Cranial => [0.0, 0.0, 1.0],
-            Self::Caudal => [0.0, 0.0, -1.0],
-            Self::Anterior => [1.0, 0.0, 0.0],
-            Self::Posterior => [-1.0, 0.0, 0.0],
-        }
-    }
+/// Reads a direction in the patient's terms as a unit vector of `G`.
+fn push() -> impl TypedValueParser<Value = [f64; 3]> {
+    PossibleValuesParser::new(DIRECTIONS.map(|(name, _)| name))
+        .try_map(|name| direction(&name).ok_or("expected one of the possible values"))
 }
 
 fn positive(text: &str) -> Result<f64, String> {

@@ -39,7 +39,7 @@ pub fn of(
         }
     };
     let level = args.level.unwrap_or(model.top());
-    let force = Vec3::from(push.direction()) * size_n;
+    let force = Vec3::from(push) * size_n;
     let load = if args.follow {
         let Some(vertebra) = model.levels.iter().position(|other| *other == level) else {
             return Err(Failure::usage(format!("--level {level} is not in the model")));

@@ -23,8 +23,8 @@ pub fn add(
         read(&place, &IntakeLimits::default()).map_err(|error| Failure::intake(&error))
     };
     let case = NewCase::read(&text, bytes_of).map_err(|error| refusal(path, error))?;
-    let odd = odd_films(path, &text)?;
-    let doubts: Vec<&FilmWarning> = odd.iter().filter(|one| one.doubts_film()).collect();
+    let warnings = film_warnings(path, &text)?;
+    let doubts: Vec<&FilmWarning> = warnings.iter().filter(|one| one.doubts_film()).collect();
     if !accept && !doubts.is_empty() {
         return Err(doubtful(path, &doubts));
     }
@@ -35,7 +35,7 @@ pub fn add(
     for remark in &added.remarks {
         text.push_str(&format!("  ! {remark}\n"));
     }
-    for one in &odd {
+    for one in &warnings {
         text.push_str(&format!("  ! {}\n", one.place_and_text()));
     }
     Ok(text)
@@ -47,8 +47,8 @@ fn doubtful(path: &Path, doubts: &[&FilmWarning]) -> Failure {
     Failure::input(&path.display().to_string(), &texts.join("; "), help)
 }
 
-/// What is odd about the films of the case; one picture for two films is refused.
-fn odd_films(path: &Path, text: &str) -> Result<Vec<FilmWarning>, Failure> {
+/// Warnings about the films of the case; one picture for two films is refused.
+fn film_warnings(path: &Path, text: &str) -> Result<Vec<FilmWarning>, Failure> {
     let failed = |error| Failure::file(path, &error);
     let file = parse_case_file(text).map_err(failed)?;
     let case = file.clone().into_case().map_err(failed)?;

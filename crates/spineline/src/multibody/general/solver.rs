@@ -32,6 +32,31 @@ pub enum SpringError {
 ///
 /// Newton on the hinge angles with an analytic, unsymmetric tangent ([`GeneralStatics::solve_near`]), and pseudo-arclength
 /// continuation of the branch that starts at the erect spine ([`GeneralStatics::follow`]).
+///
+/// ```
+/// use spineline::anatomy::SagittalProfile;
+/// use spineline::measure::{TiltRule, measure_film};
+/// use spineline::multibody::{
+///     BodyLoad, GeneralStatics, Goal, Loading, PathOptions, SpineModel, Support,
+/// };
+/// use spineline::spatial::{Mat3, Vec3};
+/// use spineline::warning::Warnings;
+/// use spineline_phantom::{Readers, Truth, generate};
+///
+/// let case = generate(0, Truth::Bend, &Readers::exact(), 1)?.case;
+/// let erect = measure_film(&case.films[0], TiltRule::default(), &mut Warnings::default())?;
+/// let straight = SagittalProfile { turns_deg: [0.0; 14], axial_deg: [0.0; 15] };
+/// let model = SpineModel::from_outline(&erect, &straight);
+/// let springs = vec![Mat3::from_diagonal(&Vec3::new(1.5e5, 1.5e5, 3e5)); model.joints.len()];
+/// let statics = GeneralStatics::new(&model, springs, Support::Frontal)?;
+/// // In the frontal plane a moment on T2 turns every joint by moment over stiffness.
+/// let moment = BodyLoad::Moment { moment_nmm: Vec3::new(1500.0, 0.0, 0.0) };
+/// let loading = Loading::single(model.joints.len(), moment);
+/// let path = statics.follow(&loading, Goal::FullLoad, &PathOptions::default())?;
+/// let found = path.result().ok_or("no equilibrium")?;
+/// assert!(found.deformed.hinges_rad.iter().all(|hinges| (hinges[0] - 0.01).abs() < 1e-9));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Debug, Clone)]
 pub struct GeneralStatics<'a> {
     model: &'a SpineModel,

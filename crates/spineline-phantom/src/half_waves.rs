@@ -8,17 +8,17 @@ use crate::build::Construction;
 /// Parts of the length on which curvature and tilt are known.
 const PARTS: usize = 2000;
 
-/// A smooth curve whose curvature has three lobes of alternating sign and fades towards its ends.
+/// A smooth curve whose curvature has three half-waves of alternating sign and fades towards its ends.
 #[derive(Debug, Clone)]
-pub(crate) struct LobedCurve {
+pub(crate) struct HalfWaveCurve {
     /// Tilt at equal parts of the length; positive to the right, zero at the base.
     tilts_rad: Vec<f64>,
     /// Places where the curvature vanishes, as parts of the length.
     inflections: [f64; 2],
 }
 
-impl LobedCurve {
-    /// A curve whose lobes have given angles: the first is convex to the left, as most adolescent curves are. `None` where none
+impl HalfWaveCurve {
+    /// A curve whose half-waves turn by given angles: the first is convex to the left, as most adolescent curves are. `None` where none
     /// was found.
     pub fn draw(
         turns_rad: [f64; 3],
@@ -28,16 +28,16 @@ impl LobedCurve {
         let mut between =
             |low: f64, high: f64| Uniform::new(low, high).expect("a range upwards").sample(rng);
         let ends = [0.0, between(0.27, 0.39), between(0.66, 0.78), 1.0];
-        // Where in a lobe its summit lies.
-        let summits = match construction {
+        // Where in a half-wave its maximum lies.
+        let maxima = match construction {
             Construction::Hinges => [0; 3].map(|_| between(0.35, 0.65)),
             Construction::Rod | Construction::Discs => [0.5; 3],
         };
         let target = [turns_rad[0], -turns_rad[1], turns_rad[2]];
         let mut sizes = target;
-        // Smoothing takes from every lobe, and more from a small one beside a large one.
+        // Smoothing takes from every half-wave, and more from a small one beside a large one.
         for _ in 0..50 {
-            let curve = Self::of(&lobes(ends, summits, sizes))?;
+            let curve = Self::of(&half_waves(ends, maxima, sizes))?;
             let [p, q] = curve.inflections;
             let tilts = [0.0, p, q, 1.0].map(|part| curve.tilt_rad(part));
             let miss: [f64; 3] = std::array::from_fn(|i| target[i] - (tilts[i + 1] - tilts[i]));
@@ -75,16 +75,16 @@ impl LobedCurve {
     }
 }
 
-/// Curvature over the length: half sines with a summit anywhere, smoothed over the distance of two vertebrae, so that nothing marks
+/// Curvature over the length: half sines with a maximum anywhere, smoothed over the distance of two vertebrae, so that nothing marks
 /// the inflections but the change of sign.
-fn lobes(ends: [f64; 4], summits: [f64; 3], sizes_rad: [f64; 3]) -> Vec<f64> {
+fn half_waves(ends: [f64; 4], maxima: [f64; 3], sizes_rad: [f64; 3]) -> Vec<f64> {
     let sharp = |part: f64| -> f64 {
-        let lobe = (0..3).find(|&i| part <= ends[i + 1]).unwrap_or(2);
-        let width = ends[lobe + 1] - ends[lobe];
-        let within = ((part - ends[lobe]) / width).clamp(0.0, 1.0);
+        let wave = (0..3).find(|&i| part <= ends[i + 1]).unwrap_or(2);
+        let width = ends[wave + 1] - ends[wave];
+        let within = ((part - ends[wave]) / width).clamp(0.0, 1.0);
         // A half sine is 2/π on the mean.
-        let power = -1.0 / summits[lobe].log2();
-        let height = 0.5 * std::f64::consts::PI * sizes_rad[lobe] / width;
+        let power = -1.0 / maxima[wave].log2();
+        let height = 0.5 * std::f64::consts::PI * sizes_rad[wave] / width;
         height * (std::f64::consts::PI * within.powf(power)).sin()
     };
     /// Standard deviation of the smoothing, in parts of the length: one distance of two vertebrae.
