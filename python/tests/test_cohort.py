@@ -110,6 +110,20 @@ def test_a_case_whose_noise_does_not_apply_is_a_row_with_its_error(
     assert len(set(run.read("uncertainty")["case_id"].to_pylist())) == 1
 
 
+def test_an_executor_of_executorlib_gives_the_same_bytes(
+    folder_of_cases: Path, tmp_path: Path
+) -> None:
+    executorlib = pytest.importorskip("executorlib")
+    cohort = sl.Cohort.glob(str(folder_of_cases / "*-0[1-4].json"))
+    with executorlib.SingleNodeExecutor(max_workers=2) as executor:
+        run = cohort.analyze(executor=executor, out=tmp_path / "executorlib", chunk=2)
+        bad = sl.Cohort([*cohort[:1], tmp_path / "missing.json"])
+        rows = bad.analyze(executor=executor, out=tmp_path / "bad").read("cases")
+    assert run.is_complete and rows["status"].to_pylist() == ["ok", "error"]
+    cohort.analyze(out=tmp_path / "own", chunk=2)
+    assert files(tmp_path / "executorlib") == files(tmp_path / "own")
+
+
 def test_a_bad_patient_is_a_row_with_its_error(folder_of_cases: Path, tmp_path: Path) -> None:
     good = next(folder_of_cases.glob("phantom-rod-01.json"))
     bad = tmp_path / "bad.json"
