@@ -18,8 +18,6 @@ from pathlib import Path
 import spineline as sl
 from distributed import Client, LocalCluster
 
-from tasks import half_width_deg
-
 SUBJECTS = 18
 ROUNDS = 3
 # Synthetic patients that differ: one takes 60 ms to make.
@@ -70,36 +68,23 @@ def resident_mb(process="self"):
     return next((int(line.split()[1]) / 1024 for line in lines if line.startswith("VmHWM")), 0.0)
 
 
-def by_program(program, cases, out, threads):
-    """The program on a folder of cases, with the same tables as the package writes."""
+def by_program(program, cases, out, threads, replicates=None):
+    """The program on cases or a folder of them, with the same tables as the package writes."""
     shutil.rmtree(out, ignore_errors=True)
     tables = ["--tables", out, "--tables-format", "parquet"]
-    return timed([program, "analyze", cases, "--threads", str(threads), *tables])
+    more = [] if replicates is None else ["--replicates", str(replicates), "--seed", "1"]
+    return timed([program, "analyze", *cases, "--threads", str(threads), *tables, *more])
 
 
-def by_dask(client, cases, out):
+def by_dask(client, cases, out, chunk=100, replicates=None):
     """The package on a cluster that has started."""
     shutil.rmtree(out, ignore_errors=True)
     start = time.perf_counter()
-    run = sl.Cohort(cases).analyze(out=out, executor=client.get_executor(), chunk=100)
+    run = sl.Cohort(cases).analyze(out=out, executor=client.get_executor(), chunk=chunk, replicates=replicates)
     seconds = time.perf_counter() - start
     if not run.is_complete:
         raise SystemExit(f"{len(run.lost)} tasks were lost")
     return seconds, max(client.run(resident_mb).values())
-
-
-def replicates_by_program(program, cases, count, threads):
-    """The program, patient by patient."""
-    words = ["--replicates", str(count), "--seed", "1", "--threads", str(threads)]
-    return sum(timed([program, "analyze", case, *words])[0] for case in cases)
-
-
-def replicates_by_dask(client, cases, count):
-    """A task per patient on a cluster that has started."""
-    start = time.perf_counter()
-    found = client.gather(client.map(half_width_deg, [str(case) for case in cases], count=count, pure=False))
-    assert all(width > 0.0 for width in found)
-    return time.perf_counter() - start
 
 
 def compare(measure_program, measure_dask):
@@ -114,7 +99,7 @@ def with_workers(program, cases, folder, workers, asked):
         memory = {"program": 0.0, "dask": 0.0}
 
         def alone():
-            seconds, memory["program"] = by_program(program, folder / "cases", folder / "alone", workers)
+            seconds, memory["program"] = by_program(program, [folder / "cases"], folder / "alone", workers)
             return seconds
 
         def on_dask():
@@ -127,8 +112,8 @@ def with_workers(program, cases, folder, workers, asked):
         whole = compare(alone, on_dask)
         patients = cases[: asked.patients]
         repeated = [
-            replicates_by_program(program, patients, asked.replicates, workers),
-            replicates_by_dask(client, patients, asked.replicates),
+            by_program(program, patients, folder / "alone", workers, asked.replicates)[0],
+            by_dask(client, patients, folder / "dask", 1, asked.replicates)[0],
         ]
     print(row(f"{len(cases)} patients, {workers} {'core' if workers == 1 else 'cores'}", whole, memory), flush=True)
     print(row(f"{len(patients)} patients × {asked.replicates} replicates, {workers} {'core' if workers == 1 else 'cores'}", repeated, None), flush=True)
@@ -169,7 +154,7 @@ def main():
         more = asked.out / "more"
         shutil.rmtree(asked.out / "cases")
         write_cases(patients, more, asked.rows, readings=1)
-        seconds, memory = by_program(asked.program, more, asked.out / "alone", 2)
+        seconds, memory = by_program(asked.program, [more], asked.out / "alone", 2)
         print(f"| {asked.rows} patients with one reading, 2 cores | {seconds:.1f} | - | - | {memory:.0f} / - |")
     print(f"\n{cost(each[1])}")
 

@@ -12,8 +12,8 @@
 # %% [markdown]
 # # A cohort on Dask
 #
-# Case files go in, Parquet files come out, and only a small row per part comes back. The executor is Dask's here; a process pool, executorlib or
-# submitit (Slurm) work the same way. All patients are **synthetic**.
+# Case files go in, Parquet files come out, and only a small row per part comes back. The executor is Dask's here; a process pool or executorlib
+# (which has executors for Slurm) work the same way. All patients are **synthetic**.
 
 # %%
 import pathlib

@@ -386,7 +386,9 @@ class FilmErrors:
 def analyze(
     case: Case, *, identifiability: bool = False, **options: Unpack[MethodOptions]
 ) -> Analysis:
-    """Runs all steps of the method. Other Python threads run meanwhile, and Ctrl-C ends it.
+    """Runs all steps of the method. Other Python threads run meanwhile.
+
+    Ctrl-C ends the call at once. A computation of seconds may run on in the background to its end; its result is dropped.
 
     Parameters
     ----------

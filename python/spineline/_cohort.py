@@ -21,6 +21,10 @@ if TYPE_CHECKING:
     import pyarrow
     from typing_extensions import Unpack
 
+_Words = list[tuple[str, str]]
+"""Options of the method as words."""
+_Asked = tuple[int, str, int] | None
+"""Number, noise and seed of the replicates of every case."""
 _DONE = "done"
 """Folder of the small rows of finished parts: written last, so that a part without one is made again."""
 
@@ -30,7 +34,7 @@ class Part:
     """What a task gives back: a small row, whatever the size of its cases."""
 
     name: str
-    """Beginning of the names of its files: a hash of program, options and the bytes of its cases."""
+    """Beginning of the names of its files: a hash of program, options, replicates and the bytes of its cases."""
     cases: int
     """Number of its cases."""
     failed: int
@@ -117,31 +121,40 @@ class Cohort(Sequence[Path]):
         out: str | os.PathLike[str],
         executor: Executor | None = None,
         chunk: int = 50,
+        replicates: int | None = None,
+        noise: float | str = "measured",
+        seed: int = 1,
         **options: Unpack[MethodOptions],
     ) -> CohortRun:
         """Analyses all cases, as many at once as the executor has workers, and writes the tables as Parquet.
 
         A task reads and analyses ``chunk`` cases, and writes one Parquet file per table, whole or not at all, named by a
-        hash of program, options and the bytes of its cases: another run with the same cases and options makes only what is
-        missing. A case that cannot be analysed is a row of the table ``cases`` with its status and error.
+        hash of program, options, replicates and the bytes of its cases: another run with the same cases and options makes
+        only what is missing. A case that cannot be analysed is a row of the table ``cases`` with its status and error.
 
         Parameters
         ----------
         out
             Folder, made where it is missing; for workers on other machines, on a file system that they share.
         executor
-            Any ``concurrent.futures.Executor``: a thread or process pool, Dask's ``client.get_executor()``, executorlib or
-            submitit. By default threads, one per core. Dask waits for ever for a scheduler that was killed: interrupt the call, and
+            Any ``concurrent.futures.Executor``: a thread or process pool, Dask's ``client.get_executor()``, executorlib. By
+            default threads, one per core. Dask waits for ever for a scheduler that was killed: interrupt the call, and
             run it again on another cluster.
         chunk
-            Cases of a task: so many that it takes 10 to 60 s on a cluster.
+            Cases of a task: so many that it takes 10 to 60 s on a cluster; with 1000 replicates, a few.
+        replicates
+            Number of Monte Carlo replicates of every case, computed by the workers, one thread each: then there is a table
+            ``uncertainty``, with the rows of ``spineline analyze --replicates``. By default none.
+        noise, seed
+            Of the replicates, as of :func:`replicates`. The noise of a case depends on the seed and its identifier, and not
+            on its place in the cohort.
         **options
             Options of the method, as of :func:`analyze`.
 
         Raises
         ------
         InputError
-            If an option is unknown, or a worker has another version of Spineline.
+            If an option is unknown, replicates or noise are out of range, or a worker has another version of Spineline.
         OSError
             If a file cannot be written, such as on a full disk; what is there is whole.
         """
@@ -150,23 +163,20 @@ class Cohort(Sequence[Path]):
         if chunk < 1:
             raise InputError(f"chunk is {chunk}", help="give 1 or more", value=float(chunk), limit=1.0)
         words = as_words(dict(options))
-        _native.check_options(words)
+        asked = None if replicates is None else (replicates, str(noise), seed)
+        _native.check_options(words, asked)
         folder = Path(out)
         folder.mkdir(parents=True, exist_ok=True)
         paths = [str(path) for path in self._paths]
         chunks = [tuple(paths[at : at + chunk]) for at in range(0, len(paths), chunk)]
         if executor is None:
             with ThreadPoolExecutor(max_workers=os.cpu_count()) as pool:
-                return _collect(pool, chunks, words, folder, __version__)
-        return _collect(executor, chunks, words, folder, __version__)
+                return _collect(pool, chunks, (words, asked, str(folder), __version__))
+        return _collect(executor, chunks, (words, asked, str(folder), __version__))
 
 
 def _collect(
-    executor: Executor,
-    chunks: list[tuple[str, ...]],
-    words: list[tuple[str, str]],
-    folder: Path,
-    version: str,
+    executor: Executor, chunks: list[tuple[str, ...]], asked: tuple[_Words, _Asked, str, str]
 ) -> CohortRun:
     """Runs all chunks; one that is lost with its worker is noted, other errors are raised."""
     tasks: dict[Future[Part], int] = {}
@@ -174,7 +184,7 @@ def _collect(
     done: dict[int, Part] = {}
     for number, paths in enumerate(chunks):
         try:
-            task = executor.submit(analyze_chunk, paths, words, str(folder), version)
+            task = executor.submit(analyze_chunk, paths, *asked)
         except RuntimeError as error:
             # A pool whose process was killed takes no more tasks.
             lost[number] = str(error)
@@ -198,11 +208,11 @@ def _collect(
             task.cancel()
         raise
     parts = tuple(done[number] for number in sorted(done))
-    return CohortRun(folder, parts, tuple((chunks[n], lost[n]) for n in sorted(lost)))
+    return CohortRun(Path(asked[2]), parts, tuple((chunks[n], lost[n]) for n in sorted(lost)))
 
 
 def analyze_chunk(
-    paths: Sequence[str], words: list[tuple[str, str]], out: str, version: str
+    paths: Sequence[str], words: _Words, replicates: _Asked, out: str, version: str
 ) -> Part:
     """A task of :meth:`Cohort.analyze`: analyses cases and writes their tables.
 
@@ -220,7 +230,7 @@ def analyze_chunk(
             f"a worker has Spineline {__version__}, and {version} asks it",
             help="install the same version on every worker",
         )
-    digest = hashlib.sha256(json.dumps([version, sorted(words)]).encode())
+    digest = hashlib.sha256(json.dumps([version, sorted(words), replicates]).encode())
     for path in paths:
         try:
             content = Path(path).read_bytes()
@@ -233,7 +243,7 @@ def analyze_chunk(
     done = folder / _DONE / f"{name}.json"
     if done.exists():
         return Part(**{**json.loads(done.read_text()), "was_there": True})
-    tables, failed = _native.analyze_paths(list(paths), words)
+    tables, failed = _native.analyze_paths(list(paths), words, replicates)
     for table, content in tables:
         (folder / table).mkdir(exist_ok=True)
         write_whole(folder / table / f"{name}.parquet", content)

@@ -233,8 +233,7 @@ class Model:
         tilt = amplitude_deg if towards != "left" or amplitude_deg is None else -amplitude_deg
         given = [load if isinstance(load, dict) else load.as_load() for load in loads]
         text = json.dumps({"format": "spineline-load", "version": 1, "loads": given})
-        native = self._native.simulate(text, tilt, largest_factor, support)
-        return Simulation(native, self.levels, allow_unusable=allow_unusable)
+        return Simulation(self, (text, tilt, largest_factor, support), allow_unusable=allow_unusable)
 
     def to_mujoco(self, path: str | os.PathLike[str]) -> Path:
         """Writes the model for MuJoCo (MJCF), in m, N and rad; whole or not at all. Returns the path.
@@ -300,17 +299,25 @@ class Model:
         return f"<Model {self.id}{synthetic}: {self.line}, {unit}>"
 
 
+_Asked = tuple[str, float | None, float | None, str | None]
+"""What is asked of a model: text of the load file, tilt to the right in degrees, largest factor, support."""
+
+
 class Simulation:
-    """What a model does under loads, made by :meth:`Model.simulate`."""
+    """What a model does under loads, made by :meth:`Model.simulate`. It does not change.
 
-    __slots__ = ("_allow_unusable", "_native", "levels")
+    Two simulations are equal where the models and the files of the simulations are. Pickle holds these files and what was asked,
+    and repeats the computation where it is read, which refuses another version of Spineline that finds another result.
+    """
 
-    def __init__(
-        self, native: _native.Simulation, levels: list[str], *, allow_unusable: bool
-    ) -> None:
-        self._native = native
+    __slots__ = ("_allow_unusable", "_asked", "_model", "_native", "levels")
+
+    def __init__(self, model: Model, asked: _Asked, *, allow_unusable: bool) -> None:
+        self._native = model._native.simulate(*asked)
+        self._model = model
+        self._asked = asked
         self._allow_unusable = allow_unusable
-        self.levels = levels
+        self.levels = model.levels
         """Names of the vertebrae, the fixed one first."""
 
     @property
@@ -426,5 +433,41 @@ class Simulation:
                 status=self.status,
             )
 
+    def __eq__(self, other: object) -> bool:
+        return (
+            isinstance(other, Simulation)
+            and self._model == other._model
+            and self.to_json() == other.to_json()
+        )
+
+    __hash__ = None  # type: ignore[assignment]
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return (_repeated, (self._model, self._asked, self._allow_unusable, self.to_json()))
+
+    def __deepcopy__(self, memo: object) -> Simulation:
+        return self
+
+    def __copy__(self) -> Simulation:
+        return self
+
     def __repr__(self) -> str:
         return f"<Simulation: {self.status}>"
+
+
+def _repeated(model: Model, asked: _Asked, allow_unusable: bool, text: str) -> Simulation:
+    """A simulation that is computed again, and has to say the same.
+
+    Raises
+    ------
+    InputError
+        If this version of Spineline finds another result.
+    """
+    found = Simulation(model, asked, allow_unusable=allow_unusable)
+    then, now = (json.loads(one) | {"generator": None} for one in (text, found.to_json()))
+    if then != now:
+        raise InputError(
+            f"{model.id}: this version of Spineline finds another simulation than the one that was pickled",
+            help="install the same version everywhere",
+        )
+    return found

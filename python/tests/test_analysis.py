@@ -24,40 +24,54 @@ def without_run(text: str) -> str:
     return json.dumps(data, ensure_ascii=False, indent=2)
 
 
-def test_the_file_has_the_bytes_of_the_program(program: Path, tmp_path: Path) -> None:
-    subprocess.run(
-        [program, "phantom", "--truth", "rod", "--subject", "1", "--out", tmp_path],
-        check=True,
-        capture_output=True,
-    )
-    case_file = tmp_path / "phantom-rod-01.json"
-    subprocess.run(
-        [program, "analyze", case_file, "--json", tmp_path / "program.json"],
-        check=True,
-        capture_output=True,
-    )
-    case = sl.read_case(case_file)
-    assert case == sl.phantom("rod", subject=1)
-    assert case.to_json() == case_file.read_text()
-    ours = sl.analyze(case).save(tmp_path / "python.json").read_text()
-    program_text = (tmp_path / "program.json").read_text()
-    line = re.compile(r'^    "(command|date_utc)": (\[[^\]]*\]|"[^"]*"),\n', re.MULTILINE)
-    assert line.sub("", ours) == line.sub("", program_text)
-    assert without_run(ours) == without_run(program_text)
+def scenarios() -> list[str]:
+    """Every loading scenario of phantoms, as the answer to one that there is not names them."""
+    with pytest.raises(sl.InputError) as caught:
+        sl.phantom("none")
+    return caught.value.help.removeprefix("give one of ").split(", ")
 
 
-def test_tables_are_those_of_the_program(
-    program: Path, tmp_path: Path, analysis: sl.Analysis
+@pytest.mark.parametrize(
+    ("truth", "subject"),
+    [(truth, 1) for truth in scenarios()]
+    + [(truth, subject) for truth in ("rod", "bend", "pull") for subject in (4, 10, 18)],
+)
+def test_files_and_tables_have_the_bytes_of_the_program(
+    program: Path, tmp_path: Path, truth: str, subject: int
 ) -> None:
-    case_file = analysis.case.save(tmp_path / "case.json")
-    out = tmp_path / "tables"
-    subprocess.run(
-        [program, "analyze", case_file, "--tables", out], check=True, capture_output=True
-    )
-    written = {path.stem for path in out.glob("*.csv")} - {"dictionary"}
-    assert set(analysis.tables) == written
-    for name, table in analysis.tables.items():
-        assert table.to_csv() == (out / f"{name}.csv").read_text(), name
+    def run(*words: object) -> int:
+        command = [str(word) for word in (program, *words)]
+        return subprocess.run(command, capture_output=True).returncode
+
+    assert run("phantom", "--truth", truth, "--subject", subject, "--out", tmp_path) == 0
+    case_file = tmp_path / f"phantom-{truth}-{subject:02}.json"
+    written, tables = tmp_path / "program.json", tmp_path / "tables"
+    ending = run("analyze", case_file, "--json", written, "--tables", tables)
+    case = sl.read_case(case_file)
+    assert case == sl.phantom(truth, subject=subject)
+    assert case.to_json() == case_file.read_text()
+    found = sl.analyze(case)
+    assert ending == (0 if found.is_usable else 4)
+    ours, theirs = found.save(tmp_path / "python.json").read_text(), written.read_text()
+    line = re.compile(r'^    "(command|date_utc)": (\[[^\]]*\]|"[^"]*"),\n', re.MULTILINE)
+    assert line.sub("", ours) == line.sub("", theirs)
+    assert without_run(ours) == without_run(theirs)
+    assert set(found.tables) == {path.stem for path in tables.glob("*.csv")} - {"dictionary"}
+    for name, table in found.tables.items():
+        assert table.to_csv() == (tables / f"{name}.csv").read_text(), name
+
+
+def test_what_stops_the_program_stops_the_package_with_the_same_words(
+    program: Path, tmp_path: Path
+) -> None:
+    # Bends that lean to one side by the weight alone are taken for exchanged films.
+    case = sl.phantom("weight", subject=10)
+    file = case.save(tmp_path / "case.json")
+    ending = subprocess.run([program, "analyze", file], capture_output=True, text=True)
+    with pytest.raises(sl.InputError) as caught:
+        sl.analyze(case)
+    assert ending.returncode == 3
+    assert str(caught.value).split() == ending.stderr.removeprefix(f"error: {file}: ").split()
 
 
 def test_held_out_films_are_apart_from_fitted_ones(analysis: sl.Analysis) -> None:

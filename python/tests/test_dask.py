@@ -34,10 +34,10 @@ class Poisoned:
     def __getattr__(self, name):
         return getattr(self.native, name)
 
-    def analyze_paths(self, paths, words):
+    def analyze_paths(self, paths, words, replicates):
         if any(path.endswith("-rod-02.json") for path in paths):
             os._exit(1)
-        return self.native.analyze_paths(paths, words)
+        return self.native.analyze_paths(paths, words, replicates)
 
 cohort._native = Poisoned()
 """

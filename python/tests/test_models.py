@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 import json
 import pickle
 import subprocess
@@ -74,6 +75,34 @@ def test_an_ending_without_a_result_raises_on_its_shape(analysis: sl.Analysis) -
         assert caught.value.status == found.status
     allowed = model.simulate(huge, allow_unusable=True)
     assert allowed.midpoints_mm.shape == (len(model.levels), 3) and allowed.cobb_deg
+
+
+def test_copies_and_pickles_of_simulations_are_equal(analysis: sl.Analysis) -> None:
+    model, pad = analysis.model(), sl.Pad("T9", towards="left", newtons=10)
+    found = model.simulate(pad)
+    for again in (copy.copy(found), copy.deepcopy(found), pickle.loads(pickle.dumps(found))):
+        assert again == found and again.cobb_deg == found.cobb_deg and again.levels == found.levels
+    with pytest.raises(TypeError, match="unhashable"):
+        hash(found)
+    others = (
+        model.simulate(sl.Pad("T9", towards="left", newtons=11)),
+        model.simulate(pad, support="free"),
+        model.simulate(pad, amplitude_deg=5.0, towards="left"),
+        analysis.model("iliac").simulate(pad),
+    )
+    assert found == model.simulate(pad) and all(other != found for other in others)
+    assert pickle.loads(pickle.dumps(others[2])) == others[2]
+    huge = model.simulate(sl.Force("T2", "caudal", 1e6), allow_unusable=True)
+    assert pickle.loads(pickle.dumps(huge)).cobb_deg == huge.cobb_deg
+
+
+def test_a_pickled_simulation_of_another_version_is_refused(analysis: sl.Analysis) -> None:
+    found = analysis.model().simulate(sl.Pad("T9", towards="left", newtons=10))
+    repeat, (model, asked, allow_unusable, text) = found.__reduce__()
+    data = json.loads(text)
+    assert repeat(model, asked, allow_unusable, json.dumps(data | {"generator": "spineline 9"})) == found
+    with pytest.raises(sl.InputError, match="another simulation"):
+        repeat(model, asked, allow_unusable, json.dumps(data | {"status": "odd"}))
 
 
 def test_exports_are_read_by_parsers(analysis: sl.Analysis, tmp_path: Path) -> None:

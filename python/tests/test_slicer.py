@@ -5,6 +5,7 @@ from __future__ import annotations
 import ast
 import json
 import sys
+import zipfile
 from pathlib import Path
 
 import numpy as np
@@ -15,7 +16,7 @@ import spineline as sl
 MODULE = Path(__file__).resolve().parents[2] / "integrations/slicer/SpinelineAnalysis"
 sys.path.insert(0, str(MODULE))
 
-from SpinelineAnalysisLib import logic  # noqa: E402
+from SpinelineAnalysisLib import logic, package  # noqa: E402
 
 # A volume that lies turned and far off: columns run to the patient's right, rows caudally and a little back.
 TURN = np.deg2rad(20)
@@ -127,6 +128,47 @@ def test_a_wrong_side_and_a_missing_corner_are_refused(exact: sl.Case) -> None:
         logic.case_of([logic.FilmPoints(**{**vars(erect), "labels": labels, "points_ras": points})], case_id="slicer")
     with pytest.raises(sl.InputError, match="no film"):
         logic.case_of([], case_id="slicer")
+
+
+def test_synthetic_films_are_marked_in_every_result(exact: sl.Case) -> None:
+    films = films_of(exact)
+    case = logic.case_of(films, case_id="slicer", synthetic=True)
+    assert case.synthetic and "SYNTHETIC" in sl.analyze(case).summary()
+    assert not logic.case_of(films, case_id="slicer").synthetic
+
+
+def test_the_panel_never_asks_an_index_for_the_package() -> None:
+    calls = [
+        node
+        for path in MODULE.rglob("*.py")
+        for node in ast.walk(ast.parse(path.read_text()))
+        if isinstance(node, ast.Call) and ast.unparse(node.func).endswith("pip_install")
+    ]
+    assert [ast.unparse(call) for call in calls] == ["slicer.util.pip_install(install_arguments(path))"]
+    assert package.install_arguments("a folder/x.whl") == ["--no-index", "a folder/x.whl"]
+
+
+def test_only_a_wheel_of_spineline_is_installed(tmp_path: Path) -> None:
+    def wheel(name: str, *members: str) -> str:
+        path = tmp_path / name
+        with zipfile.ZipFile(path, "w") as file:
+            for member in members:
+                file.writestr(member, "")
+        return str(path)
+
+    good = wheel("spineline-0.1.0-cp310-abi3-linux_x86_64.whl", "spineline/__init__.py", "spineline/_native.abi3.so")
+    assert package.wheel_fault(good) is None
+    cut_off = tmp_path / "spineline-0.1.1-cp310-abi3-linux_x86_64.whl"
+    cut_off.write_bytes(Path(good).read_bytes()[:40])
+    for path, part in (
+        (wheel("numpy-2.0-cp310.whl", "numpy/__init__.py"), "no wheel of Spineline"),
+        (wheel("spineline-0.1.0.zip", "spineline/_native.abi3.so"), "no wheel of Spineline"),
+        (wheel("spineline-9.0-py3-none-any.whl", "spineline/__init__.py"), "no native module"),
+        (str(cut_off), "cannot be read"),
+        (str(tmp_path / "spineline-1.0-missing.whl"), "cannot be read"),
+    ):
+        fault = package.wheel_fault(path)
+        assert fault is not None and part in fault
 
 
 def test_the_panel_is_valid_for_the_oldest_python_of_the_wheel() -> None:

@@ -1,10 +1,13 @@
-"""The stub names what the native module has, and every public item has a docstring."""
+"""The stub has the names and parameters of the native module, and every public item has a docstring."""
 
 from __future__ import annotations
 
 import ast
 import inspect
+from collections.abc import Iterator
 from pathlib import Path
+
+import pytest
 
 import spineline as sl
 from spineline import _native
@@ -23,9 +26,60 @@ def stub_names(tree: ast.Module) -> dict[str, set[str]]:
     return names
 
 
+def stub() -> ast.Module:
+    return ast.parse(Path(inspect.getfile(sl)).with_name("_native.pyi").read_text())
+
+
+Parameters = list[tuple[str, bool]]
+"""Names, and whether there is a default."""
+
+
+def is_property(node: ast.FunctionDef) -> bool:
+    return any(isinstance(one, ast.Name) and one.id == "property" for one in node.decorator_list)
+
+
+def stub_parameters(node: ast.FunctionDef) -> Parameters:
+    names = [one.arg for one in node.args.args if one.arg != "self"]
+    without = len(names) - len(node.args.defaults)
+    return [(name, place >= without) for place, name in enumerate(names)]
+
+
+def native_parameters(item: object) -> Parameters:
+    parameters = inspect.signature(item).parameters.values()  # type: ignore[arg-type]
+    return [(one.name, one.default is not one.empty) for one in parameters if one.name != "self"]
+
+
+def stubbed_calls(tree: ast.Module) -> Iterator[tuple[str, object, ast.FunctionDef]]:
+    """Every function, method and constructor of the stub with the native one, by its name."""
+    for node in tree.body:
+        if isinstance(node, ast.FunctionDef):
+            yield node.name, getattr(_native, node.name), node
+        for part in node.body if isinstance(node, ast.ClassDef) else []:
+            if isinstance(part, ast.FunctionDef) and not is_property(part):
+                native = getattr(_native, node.name)
+                if part.name == "__init__":
+                    yield node.name, native, part
+                elif not part.name.startswith("__") or part.name == "__arrow_c_stream__":
+                    yield f"{node.name}.{part.name}", getattr(native, part.name), part
+
+
+@pytest.mark.parametrize(("name", "native", "node"), list(stubbed_calls(stub())))
+def test_the_stub_has_the_parameters_of_the_native_module(
+    name: str, native: object, node: ast.FunctionDef
+) -> None:
+    assert native_parameters(native) == stub_parameters(node), name
+
+
+def test_a_property_of_the_stub_is_one_of_the_native_module() -> None:
+    classes = [node for node in stub().body if isinstance(node, ast.ClassDef)]
+    for node in classes:
+        for part in (part for part in node.body if isinstance(part, ast.FunctionDef)):
+            native = inspect.getattr_static(getattr(_native, node.name), part.name)
+            assert inspect.isdatadescriptor(native) is is_property(part), f"{node.name}.{part.name}"
+
+
 def test_the_stub_names_what_the_native_module_has() -> None:
-    stub = Path(inspect.getfile(sl)).with_name("_native.pyi")
-    stubbed = stub_names(ast.parse(stub.read_text()))
+    stubbed = stub_names(stub())
     found = {name for name in dir(_native) if not name.startswith("__")}
     assert set(stubbed) == found
     for name, members in stubbed.items():

@@ -1,4 +1,4 @@
-"""Tables in pandas, polars and pyarrow."""
+"""Tables in pandas, polars, pyarrow and DuckDB."""
 
 from __future__ import annotations
 
@@ -25,6 +25,19 @@ def test_every_library_reads_the_same_values(analysis: sl.Analysis) -> None:
             assert arrow[column].to_pylist() == ours == frames[1][column].to_list(), (name, column)
             seen = [None if pandas.isna(v) else v for v in frames[0][column]]
             assert seen == ours, (name, column)
+
+
+def test_duckdb_reads_the_same_values(analysis: sl.Analysis) -> None:
+    duckdb = pytest.importorskip("duckdb")
+    for name, rows in analysis.tables.items():
+        # DuckDB finds the variable `rows` by its name, and asks it for a stream.
+        found = duckdb.sql("select * from rows")
+        assert found.columns == rows.columns
+        assert found.fetchall() == [tuple(row.values()) for row in rows.to_pyarrow().to_pylist()], name
+    vertebrae = analysis.tables["vertebrae"]
+    query = "select avg(location_error_mm) from vertebrae where line = 'inflection_line' and not fitted"
+    [(mean,)] = duckdb.sql(query).fetchall()
+    assert len(vertebrae) and mean == pytest.approx(analysis.held_out.location_error_mm.mean())
 
 
 def test_units_and_meanings_go_with_the_columns(analysis: sl.Analysis) -> None:

@@ -2,34 +2,63 @@
 
 from __future__ import annotations
 
-import signal
 import subprocess
 import sys
 import threading
 import time
+from pathlib import Path
 
 import pytest
 
 import spineline as sl
 
 
-@pytest.mark.skipif(sys.platform == "win32", reason="signals")
-def test_ctrl_c_ends_replicates() -> None:
-    program = (
-        "import spineline as sl\n"
-        "a = sl.analyze(sl.phantom())\n"
-        "print('ready', flush=True)\n"
-        "try:\n"
-        "    sl.replicates(a, n=1_000_000)\n"
-        "except KeyboardInterrupt:\n"
-        "    print('interrupted', flush=True)\n"
-    )
-    child = subprocess.Popen([sys.executable, "-c", program], stdout=subprocess.PIPE, text=True)
-    assert child.stdout is not None and child.stdout.readline() == "ready\n"
-    time.sleep(0.5)
-    child.send_signal(signal.SIGINT)
-    out, _ = child.communicate(timeout=60)
-    assert out == "interrupted\n" and child.returncode == 0
+PROGRAM = """
+import json
+import os
+import signal
+import threading
+from pathlib import Path
+
+import spineline as sl
+
+def working():
+    return [name for name in Path("/proc/self/task").glob("*/comm") if name.read_text() == "spineline\\n"]
+
+case = sl.phantom()
+data = json.loads(case.to_json())
+for film in data["films"]:
+    readings = film["readings"]
+    film["readings"] = [one | {{"repeat": one["repeat"] + 3 * k}} for k in range(100) for one in readings]
+read_often = sl.Case.from_json(json.dumps(data))
+a = sl.analyze(case)
+threading.Timer(0.3, os.kill, (os.getpid(), signal.SIGINT)).start()
+try:
+    {call}
+    print("not interrupted")
+except KeyboardInterrupt:
+    print("interrupted", "working" if working() else "stopped", flush=True)
+print(sl.analyze(case) == a, flush=True)
+"""
+"""Interrupts a call while it computes, says whether a thread of the library is at work yet, and goes on."""
+
+
+@pytest.mark.skipif(not Path("/proc/self/task").exists(), reason="names of threads")
+@pytest.mark.parametrize(
+    ("call", "state"),
+    [
+        ("sl.replicates(a, n=1_000_000)", "stopped"),
+        # Steps of seconds: the exception does not wait for them.
+        ("sl.analyze(case, compare_models='all')", "working"),
+        ("sl.analyze(case, compare_models='all', multipliers='per-joint', identifiability=True)", "working"),
+        ("read_often.check()", "working"),
+    ],
+)
+def test_ctrl_c_ends_a_long_call(call: str, state: str) -> None:
+    program = PROGRAM.format(call=call)
+    ended = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, timeout=120)
+    assert ended.stdout == f"interrupted {state}\nTrue\n", ended.stderr
+    assert ended.returncode == 0
 
 
 def test_other_threads_run_beside_a_long_call(analysis: sl.Analysis) -> None:

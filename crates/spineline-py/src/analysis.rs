@@ -1,6 +1,7 @@
 //! Analyses: the results of all steps for one patient.
 
 use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
 use numpy::PyArray2;
@@ -8,7 +9,7 @@ use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use serde_json::Value;
-use spineline::analysis::{self, AnalysisOptions, Grouping};
+use spineline::analysis::{self, AnalysisOptions, Grouping, LineModel};
 use spineline::anatomy::{Named, Posture};
 use spineline::measure::FilmFrame;
 use spineline::personalize::Identifiability;
@@ -29,7 +30,7 @@ use crate::fault::Fault;
 use crate::numbers;
 use crate::patient::{generator, options, run};
 use crate::table::Table;
-use crate::wait::beside;
+use crate::wait::apart;
 
 /// The results of all steps for one patient.
 #[pyclass(frozen, module = "spineline._native")]
@@ -48,7 +49,7 @@ type Computed = (analysis::Analysis, Option<Vec<Option<Identifiability>>>);
 /// Computes while other Python threads run. What takes milliseconds needs no thread that looks for Ctrl-C.
 fn waited_for(
     py: Python<'_>,
-    case: &analysis::Case,
+    case: &Arc<analysis::Case>,
     request: &Request,
 ) -> PyResult<Result<Computed, Fault>> {
     let options = &request.options;
@@ -56,14 +57,15 @@ fn waited_for(
         && options.hypotheses.is_empty()
         && options.grouping == Grouping::Regional;
     if is_short {
-        Ok(py.detach(|| compute(case, request)))
+        Ok(py.detach(|| compute(case, request, &AtomicBool::new(false))))
     } else {
-        beside(py, |_| compute(case, request))
+        let (case, request) = (Arc::clone(case), request.clone());
+        apart(py, move |stop| compute(&case, &request, stop))
     }
 }
 
-/// Computes everything that a request asks of a case, but for replicates.
-fn compute(case: &analysis::Case, request: &Request) -> Result<Computed, Fault> {
+/// Computes everything that a request asks of a case, but for replicates; of work that was stopped, a part.
+fn compute(case: &analysis::Case, request: &Request, stop: &AtomicBool) -> Result<Computed, Fault> {
     if let Some(posture) = missing_known_force(&request.options, case) {
         let text = format!(
             "{}: `gauge` names the {posture} film, and this case has no such film",
@@ -72,9 +74,11 @@ fn compute(case: &analysis::Case, request: &Request) -> Result<Computed, Fault> 
         return Err(Fault::new(text, "name a film of the case"));
     }
     let found = analysis::analyze(case, &request.options)?;
-    let identified = request
-        .identifiability
-        .then(|| found.models.iter().map(|model| found.identifiability(model)).collect());
+    let identify = |model: &LineModel| {
+        let is_stopped = stop.load(Ordering::Relaxed);
+        if is_stopped { None } else { found.identifiability(model) }
+    };
+    let identified = request.identifiability.then(|| found.models.iter().map(identify).collect());
     Ok((found, identified))
 }
 
@@ -179,13 +183,14 @@ impl Analysis {
     fn repeat(py: Python<'_>, text: &str) -> PyResult<Self> {
         let stored = parse_analysis(text).map_err(|error| Fault::from(error).raise(py))?;
         let request = Request { replicates: None, ..stored.request };
-        let found = waited_for(py, &stored.case, &request)?;
+        let case = Arc::new(stored.case);
+        let found = waited_for(py, &case, &request)?;
         let (mut found, identified) = found.map_err(|fault| fault.raise(py))?;
         let then = parse_json(text).map_err(|error| Fault::from(error).raise(py))?;
         keep_picture_warnings(&then, &mut found);
         let again = Self {
             file: Arc::new(stored.case_file),
-            case: Arc::new(stored.case),
+            case,
             analysis: found,
             provenance: stored.provenance.asking(&request),
             request,

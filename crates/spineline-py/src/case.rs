@@ -18,7 +18,7 @@ use spineline_report::{html_fragment, terminal};
 
 use crate::fault::Fault;
 use crate::patient::{generator, warning};
-use crate::wait::beside;
+use crate::wait::apart;
 
 /// The films of one patient with their landmarks.
 #[pyclass(frozen, module = "spineline._native")]
@@ -80,7 +80,7 @@ pub fn phantom(
         return Err(Fault::new(text, "give 1 for the usual noise of readers").raise(py));
     }
     let readers = if noise == 0.0 { Readers::exact() } else { Readers::scaled(noise) };
-    let made = py.detach(|| generate(subject - 1, truth, &readers, seed));
+    let made = apart(py, move |_| generate(subject - 1, truth, &readers, seed))?;
     let made = made.map_err(|error| PyRuntimeError::new_err(error.to_string()))?;
     Case::new(CaseFile::from_case(&made.case), None).map_err(|fault| fault.raise(py))
 }
@@ -107,7 +107,8 @@ impl Case {
 
     /// Errors and warnings about the films, one dictionary each, and the whole as text and as HTML.
     fn check<'py>(&self, py: Python<'py>) -> PyResult<(Vec<Bound<'py, PyDict>>, String, String)> {
-        let checked = beside(py, |_| analysis::analyze(&self.case, &AnalysisOptions::default()))?;
+        let case = Arc::clone(&self.case);
+        let checked = apart(py, move |_| analysis::analyze(&case, &AnalysisOptions::default()))?;
         let document = check(&self.case, checked.as_ref(), &generator());
         let rows = match &checked {
             Ok(found) => {

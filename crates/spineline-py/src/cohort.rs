@@ -1,22 +1,33 @@
 //! A part of a cohort: case files in, tables as Parquet out.
 
 use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
+use rayon::ThreadPool;
 use spineline::analysis::{Analysis, AnalysisOptions, Subject, analyze};
-use spineline_files::{InputFile, parse_case_within, read_text, sha256_hex, to_line};
+use spineline::uncertainty::Uncertainty;
+use spineline_files::{InputFile, Replicates, parse_case_within, read_text, sha256_hex, to_line};
 use spineline_tables::{NumberFormat, Patient, Series, Table, TableError, Values, tables};
 
 use crate::fault::Fault;
 use crate::patient::{generator, options};
+use crate::replicates::{asked, pool, run_replicates};
 use crate::wait::beside;
 
-/// Refuses options that no analysis takes.
+/// Number, noise and seed of the replicates of every case.
+type GivenReplicates = Option<(u64, String, u64)>;
+
+/// Refuses options that no analysis takes, and replicates that there cannot be.
 #[pyfunction]
-pub fn check_options(py: Python<'_>, given: Vec<(String, String)>) -> PyResult<()> {
-    options(&given).map(|_| ()).map_err(|fault| fault.raise(py))
+pub fn check_options(
+    py: Python<'_>,
+    given: Vec<(String, String)>,
+    replicates: GivenReplicates,
+) -> PyResult<()> {
+    Task::new(&given, replicates.as_ref()).map(|_| ()).map_err(|fault| fault.raise(py))
 }
 
 /// Analyses case files one after the other. A file that cannot be analysed is a row of the table `cases` with its error.
@@ -27,48 +38,81 @@ pub fn analyze_paths<'py>(
     py: Python<'py>,
     paths: Vec<PathBuf>,
     given: Vec<(String, String)>,
+    replicates: GivenReplicates,
 ) -> PyResult<(Vec<(String, Bound<'py, PyBytes>)>, usize)> {
-    let (options, _) = options(&given).map_err(|fault| fault.raise(py))?;
+    let task = Task::new(&given, replicates.as_ref()).map_err(|fault| fault.raise(py))?;
+    // As many cases are analysed at once as there are workers.
+    let pool = pool(1)?;
     let made = beside(py, |stop| {
         let mut rows = Vec::new();
         for path in &paths {
-            if stop.load(std::sync::atomic::Ordering::Relaxed) {
+            if stop.load(Ordering::Relaxed) {
                 break;
             }
-            rows.push(Row::of(path, &options));
+            rows.push(Row::of(path, &task, &pool, stop));
         }
         let failed = rows.iter().filter(|row| row.status() != "ok").count();
-        parquet(&rows, &given).map(|files| (files, failed))
+        parquet(&rows, &given, replicates.as_ref()).map(|files| (files, failed))
     })?;
     let (files, failed) = made.map_err(|error| PyRuntimeError::new_err(error.to_string()))?;
     let files = files.iter().map(|(name, bytes)| (name.clone(), PyBytes::new(py, bytes)));
     Ok((files.collect(), failed))
 }
 
+/// What is computed of every case.
+struct Task {
+    options: AnalysisOptions,
+    replicates: Option<Replicates>,
+}
+
+impl Task {
+    fn new(
+        given: &[(String, String)],
+        replicates: Option<&(u64, String, u64)>,
+    ) -> Result<Self, Fault> {
+        let (options, _) = options(given)?;
+        let replicates = replicates.map(|(count, noise, seed)| asked(*count, noise, *seed));
+        Ok(Self { options, replicates: replicates.transpose()? })
+    }
+}
+
 /// A case of the part.
 struct Row {
     file: String,
     sha256: Option<String>,
-    found: Result<(Analysis, Subject), Fault>,
+    found: Result<Found, Fault>,
+}
+
+/// What was found for a case.
+struct Found {
+    analysis: Analysis,
+    subject: Subject,
+    /// Where replicates are asked for.
+    spread: Option<Uncertainty>,
+}
+
+impl Found {
+    fn of(text: &str, task: &Task, pool: &ThreadPool, stop: &AtomicBool) -> Result<Self, Fault> {
+        let (case, _) = parse_case_within(text)?;
+        let case = case.into_case()?;
+        let analysis = analyze(&case, &task.options)?;
+        let replicates = task.replicates.as_ref();
+        let spread = replicates.map(|asked| run_replicates(&case, &analysis, asked, pool, stop));
+        Ok(Self { spread: spread.transpose()?, analysis, subject: case.subject })
+    }
 }
 
 impl Row {
-    fn of(path: &Path, options: &AnalysisOptions) -> Self {
+    fn of(path: &Path, task: &Task, pool: &ThreadPool, stop: &AtomicBool) -> Self {
         let file = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned();
         let text = read_text(path).map_err(Fault::from);
         let sha256 = text.as_ref().ok().map(|text| sha256_hex(text.as_bytes()));
-        let analysed = |text: String| {
-            let (case, _) = parse_case_within(&text)?;
-            let case = case.into_case()?;
-            let found = analyze(&case, options)?;
-            Ok((found, case.subject))
-        };
-        Self { file, sha256, found: text.and_then(analysed) }
+        Self { file, sha256, found: text.and_then(|text| Found::of(&text, task, pool, stop)) }
     }
 
     fn status(&self) -> &'static str {
         match &self.found {
-            Ok((found, _)) if found.has_what_was_asked() => "ok",
+            Ok(found) if found.analysis.has_what_was_asked() => "ok",
             Ok(_) => "not_converged",
             Err(_) => "error",
         }
@@ -80,10 +124,19 @@ impl Row {
 }
 
 /// All tables of the part; that of the cases comes last.
-fn parquet(rows: &[Row], given: &[(String, String)]) -> Result<Vec<(String, Vec<u8>)>, TableError> {
+fn parquet(
+    rows: &[Row],
+    given: &[(String, String)],
+    replicates: Option<&(u64, String, u64)>,
+) -> Result<Vec<(String, Vec<u8>)>, TableError> {
     let found = rows.iter().filter_map(|row| row.found.as_ref().ok());
     let patients: Vec<Patient<'_>> = found
-        .map(|(analysis, subject)| Patient { analysis, subject, identified: None, spread: None })
+        .map(|found| Patient {
+            analysis: &found.analysis,
+            subject: &found.subject,
+            identified: None,
+            spread: found.spread.as_ref(),
+        })
         .collect();
     let inputs: Vec<InputFile> = rows
         .iter()
@@ -94,11 +147,15 @@ fn parquet(rows: &[Row], given: &[(String, String)]) -> Result<Vec<(String, Vec<
         .collect();
     // Without the time, so that the same cases give the same bytes wherever they are analysed.
     let (made, options, inputs) = (generator(), to_line(&given), to_line(&inputs));
-    let metadata = [
+    let replicates = replicates.map(|(count, noise, seed)| {
+        serde_json::json!({"count": count, "noise": noise, "seed": seed}).to_string()
+    });
+    let mut metadata = vec![
         ("spineline.program", made.as_str()),
         ("spineline.options", options.as_str()),
         ("spineline.inputs", inputs.as_str()),
     ];
+    metadata.extend(replicates.as_deref().map(|text| ("spineline.replicates", text)));
     let mut all = tables(&patients);
     all.push(cases(rows));
     all.iter().map(|table| Ok((table.name.to_owned(), table.to_parquet(&metadata)?))).collect()
@@ -119,7 +176,7 @@ fn cases(rows: &[Row]) -> Table {
             row.sha256.clone()
         }),
         text("case_id", "patient; empty where the case cannot be analysed", &|row| {
-            row.found.as_ref().ok().map(|(found, _)| found.case_id.clone())
+            row.found.as_ref().ok().map(|found| found.analysis.case_id.clone())
         }),
         text("status", "`ok`, `not_converged` or `error`", &|row| Some(row.status().to_owned())),
         text("error", "what stops the analysis", &|row| row.fault().map(Fault::text)),

@@ -6,7 +6,8 @@ use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use rayon::prelude::*;
-use spineline::analysis::Analysis as Found;
+use rayon::{ThreadPool, ThreadPoolBuilder};
+use spineline::analysis::{Analysis as Found, Case};
 use spineline::uncertainty::{
     AnalysisQuantity, MonteCarlo, MultiplierSpread, Replicate, Uncertainty,
 };
@@ -49,15 +50,11 @@ impl Replicates {
         command: Vec<String>,
         date_utc: String,
     ) -> PyResult<Self> {
-        if !(2..=10_000_000).contains(&count) {
-            let text = format!("n is {count}: the number of replicates must be from 2 to 10000000");
-            return Err(Fault::new(text, "give 1000 for intervals").raise(py));
-        }
-        let size = noise(noise_text)
-            .map_err(|reason| Fault::new(format!("noise is `{noise_text}`"), reason).raise(py))?;
-        let asked = Asked { count, noise: size, seed };
+        let asked = asked(count, noise_text, seed).map_err(|fault| fault.raise(py))?;
         let analysis = of.get();
-        let found = beside(py, |stop| compute(analysis, &asked, threads, stop))??;
+        let (case, nominal) = (&analysis.case, &analysis.analysis);
+        let pool = pool(threads)?;
+        let found = beside(py, |stop| run_replicates(case, nominal, &asked, &pool, stop))?;
         let found = found.map_err(|fault| fault.raise(py))?;
         let films = FilmOrigin::of([analysis.case.synthetic]);
         let inputs = analysis.provenance.inputs().to_vec();
@@ -140,21 +137,44 @@ impl Replicates {
     }
 }
 
+/// What is asked of replicates.
+///
+/// # Errors
+/// If their number or the noise is out of range.
+pub fn asked(count: u64, noise_text: &str, seed: u64) -> Result<Asked, Fault> {
+    if !(2..=10_000_000).contains(&count) {
+        let text = format!("{count} replicates: their number must be from 2 to 10000000");
+        return Err(Fault::new(text, "give 1000 for intervals"));
+    }
+    let noise = noise(noise_text)
+        .map_err(|reason| Fault::new(format!("noise is `{noise_text}`"), reason))?;
+    Ok(Asked { count, noise, seed })
+}
+
+/// Threads for replicates; 0 for all cores.
+///
+/// # Errors
+/// If they could not be started.
+pub fn pool(threads: usize) -> PyResult<ThreadPool> {
+    ThreadPoolBuilder::new()
+        .num_threads(threads)
+        .build()
+        .map_err(|error| PyRuntimeError::new_err(format!("threads could not be started: {error}")))
+}
+
 /// Runs all replicates, or those before the flag is set.
-fn compute(
-    of: &Analysis,
+///
+/// # Errors
+/// If the noise cannot be applied to this case.
+pub fn run_replicates(
+    case: &Case,
+    nominal: &Found,
     asked: &Asked,
-    threads: usize,
+    pool: &ThreadPool,
     stop: &AtomicBool,
-) -> PyResult<Result<Uncertainty, Fault>> {
-    let monte_carlo = match MonteCarlo::new(&of.case, &of.analysis, asked.noise, asked.seed) {
-        Ok(ready) => ready,
-        Err(error) => return Ok(Err(Fault::new(&error, error.help()))),
-    };
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
-    let pool = pool.map_err(|error| {
-        PyRuntimeError::new_err(format!("threads could not be started: {error}"))
-    })?;
+) -> Result<Uncertainty, Fault> {
+    let monte_carlo = MonteCarlo::new(case, nominal, asked.noise, asked.seed)
+        .map_err(|error| Fault::new(&error, error.help()))?;
     let block = BLOCK.saturating_mul(pool.current_num_threads() as u64);
     let mut tally = monte_carlo.tally();
     let mut next = 0;
@@ -166,7 +186,7 @@ fn compute(
         done.iter().for_each(|replicate| tally.add(replicate));
         next = end;
     }
-    Ok(Ok(tally.finish(asked.count)))
+    Ok(tally.finish(asked.count))
 }
 
 /// The name of a number: its kind, then film, vertebra, group, end and line, as far as it has them. The line through the

@@ -1,8 +1,9 @@
 //! Long work beside the Python interpreter.
 
+use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::mpsc::{RecvTimeoutError, channel};
-use std::thread;
+use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
+use std::thread::{self, Builder};
 use std::time::Duration;
 
 use pyo3::exceptions::PyRuntimeError;
@@ -11,41 +12,65 @@ use pyo3::prelude::*;
 /// Interval of looks for Ctrl-C.
 const POLL: Duration = Duration::from_millis(100);
 
-/// Does long work while other Python threads run. At Ctrl-C it sets the flag, at which the work may stop, waits for it, and
-/// raises `KeyboardInterrupt`.
+/// Does long work while other Python threads run. At Ctrl-C it sets the flag, at which the work has to stop soon, waits for
+/// it, and raises `KeyboardInterrupt`.
 ///
 /// # Errors
 /// What a signal handler raises, or that a thread could not be started.
 pub fn beside<T: Send>(py: Python<'_>, work: impl FnOnce(&AtomicBool) -> T + Send) -> PyResult<T> {
     let stop = AtomicBool::new(false);
     thread::scope(|scope| {
-        let (ended, end) = channel::<()>();
+        let (sender, receiver) = channel();
         let stop = &stop;
-        let worker =
-            thread::Builder::new().name("spineline".to_owned()).spawn_scoped(scope, move || {
-                // Dropped at the end of the work, also where it panics.
-                let _ended = ended;
-                work(stop)
-            });
-        let worker = worker.map_err(|error| {
-            PyRuntimeError::new_err(format!("a thread could not be started: {error}"))
-        })?;
-        let mut end = end;
-        loop {
-            let (state, back) = py.detach(move || (end.recv_timeout(POLL), end));
-            end = back;
-            if state == Err(RecvTimeoutError::Disconnected) {
-                break;
-            }
-            if let Err(signal) = py.check_signals() {
-                stop.store(true, Ordering::Relaxed);
-                py.detach(|| worker.join()).ok();
-                return Err(signal);
+        // Nobody waits for the result of work that was stopped.
+        let worker = worker().spawn_scoped(scope, move || sender.send(work(stop)).ok());
+        let worker = worker.map_err(not_started)?;
+        let result = received(py, receiver);
+        stop.store(result.is_err(), Ordering::Relaxed);
+        py.detach(|| worker.join()).ok();
+        result
+    })
+}
+
+/// As [`beside`], for work with long steps: at Ctrl-C it sets the flag and raises `KeyboardInterrupt` without waiting. The work
+/// goes on to its next look at the flag, and what it has found is dropped.
+///
+/// # Errors
+/// As of [`beside`].
+pub fn apart<T: Send + 'static>(
+    py: Python<'_>,
+    work: impl FnOnce(&AtomicBool) -> T + Send + 'static,
+) -> PyResult<T> {
+    let stop = Arc::new(AtomicBool::new(false));
+    let (sender, receiver) = channel();
+    let seen = Arc::clone(&stop);
+    worker().spawn(move || sender.send(work(&seen)).ok()).map_err(not_started)?;
+    let result = received(py, receiver);
+    stop.store(result.is_err(), Ordering::Relaxed);
+    result
+}
+
+fn worker() -> Builder {
+    Builder::new().name("spineline".to_owned())
+}
+
+fn not_started(error: std::io::Error) -> PyErr {
+    PyRuntimeError::new_err(format!("a thread could not be started: {error}"))
+}
+
+/// Waits for what a worker sends, or for what a signal handler raises.
+fn received<T: Send>(py: Python<'_>, mut receiver: Receiver<T>) -> PyResult<T> {
+    loop {
+        let (state, back) = py.detach(move || (receiver.recv_timeout(POLL), receiver));
+        receiver = back;
+        match state {
+            Ok(result) => return Ok(result),
+            Err(RecvTimeoutError::Timeout) => py.check_signals()?,
+            // The sender is dropped where the work panics.
+            Err(RecvTimeoutError::Disconnected) => {
+                let text = "a fault of the program: the computation panicked";
+                return Err(PyRuntimeError::new_err(text));
             }
         }
-        let result = py.detach(|| worker.join());
-        result.map_err(|_| {
-            PyRuntimeError::new_err("a fault of the program: the computation panicked")
-        })
-    })
+    }
 }

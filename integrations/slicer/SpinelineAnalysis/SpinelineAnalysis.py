@@ -69,6 +69,8 @@ class SpinelineAnalysisWidget(ScriptedLoadableModuleWidget):
         self.plane.addItems(["unknown", "patient", "detector"])
         form = qt.QFormLayout()
         form.addRow("The spacing holds in the plane of the", self.plane)
+        self.synthetic = qt.QCheckBox()
+        form.addRow("The films are synthetic", self.synthetic)
         self.layout.addLayout(form)
         button = qt.QPushButton("Analyse")
         button.clicked.connect(self.analyse)
@@ -87,7 +89,7 @@ class SpinelineAnalysisWidget(ScriptedLoadableModuleWidget):
             if points.currentNode() and volume.currentNode()
         ]
         try:
-            analysis = self.logic.run(chosen, self.plane.currentText)
+            analysis = self.logic.run(chosen, self.plane.currentText, synthetic=self.synthetic.checked)
         except (sl.InputError, sl.NotAResultError) as error:
             self.verdict.setPlainText(str(error))
             return
@@ -99,13 +101,13 @@ class SpinelineAnalysisWidget(ScriptedLoadableModuleWidget):
 class SpinelineAnalysisLogic(ScriptedLoadableModuleLogic):
     """Nodes of Slicer in and out; all else is in ``SpinelineAnalysisLib.logic``."""
 
-    def run(self, chosen, plane="unknown"):
+    def run(self, chosen, plane="unknown", *, synthetic=False):
         """Analyses the chosen films and draws on them; gives the analysis."""
         import spineline as sl
         from SpinelineAnalysisLib import logic
 
         films = [self.film(*one) for one in chosen]
-        case = logic.case_of(films, case_id="slicer", plane=plane)
+        case = logic.case_of(films, case_id="slicer", plane=plane, synthetic=synthetic)
         analysis = sl.analyze(case)
         for film in films:
             found = logic.drawn(analysis, film)
@@ -186,8 +188,9 @@ class SpinelineAnalysisTest(ScriptedLoadableModuleTest):
                 place = matrix.MultiplyPoint((column, row, 0.0, 1.0))
                 points.AddControlPoint(vtk.vtkVector3d(*place[:3]), f"{level}_{corner}")
         side = film["image"]["patient_left"].replace("_", "-")
-        analysis = SpinelineAnalysisLogic().run([("erect", points, volume, side)], "patient")
+        analysis = SpinelineAnalysisLogic().run([("erect", points, volume, side)], "patient", synthetic=True)
         self.assertEqual(analysis.films, ["erect"])
+        self.assertTrue(analysis.synthetic)
         self.assertGreater(slicer.util.getNode("erect curve").GetNumberOfControlPoints(), 10)
         self.delayDisplay("Test passed")
 
@@ -204,11 +207,20 @@ def selector(kind):
 
 
 def provide_package():
-    """Whether the package is there; asks before it installs anything."""
+    """Whether the package is there; asks for its wheel before it installs anything."""
     try:
         import spineline  # noqa: F401
     except ImportError:
-        if not slicer.util.confirmOkCancelDisplay("The Python package `spineline` is missing. Install it now?"):
+        from SpinelineAnalysisLib.package import install_arguments, wheel_fault
+
+        if not slicer.util.confirmOkCancelDisplay("The Python package `spineline` is missing. Choose its wheel and install it now?"):
             return False
-        slicer.util.pip_install("spineline")
+        path = qt.QFileDialog.getOpenFileName(slicer.util.mainWindow(), "Wheel of Spineline", "", "Wheels (*.whl)")
+        if not path:
+            return False
+        fault = wheel_fault(path)
+        if fault:
+            slicer.util.errorDisplay(fault)
+            return False
+        slicer.util.pip_install(install_arguments(path))
     return True

@@ -1,10 +1,10 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use rand_chacha::ChaCha12Rng;
-use rand_chacha::rand_core::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};
 
 use super::UncertaintyError;
+use super::stream::stream;
 use crate::analysis::{Analysis, Case};
 use crate::anatomy::{Level, Posture};
 use crate::measure::{
@@ -122,9 +122,7 @@ impl NoisyCase {
 
     /// The case of one replicate, and errors of its interpolated vertebrae: every replicate has a random stream of its own.
     pub fn replicate(&self, index: u64) -> (Case, Vec<InterpolationError>) {
-        let mut rng = ChaCha12Rng::seed_from_u64(self.seed);
-        rng.set_stream(index);
-        let mut draw = Draw(rng);
+        let mut draw = Draw(stream(self.seed, &self.case.id, index));
         let mut case = self.case.clone();
         for (film, noise) in case.films.iter_mut().zip(&self.films) {
             match (&mut film.landmarks, &noise.landmarks) {

@@ -4,7 +4,7 @@
 //! A replicate is the case with every landmark of every reading perturbed by independent normal noise, analysed again from
 //! the corners on. The mean of `n` readings has the standard deviation of one over `√n`. The variation of the case's
 //! readings is the default standard deviation ([`LandmarkNoise::Measured`]). The distribution of a quantity over replicates
-//! shows the effect of that noise.
+//! shows the effect of that noise. Its random numbers depend on the seed, the case's identifier and the number of the replicate.
 //!
 //! Three things are held at what the case itself gives: the deviations by which films are weighted ([`crate::measure::Noise`]:
 //! perturbed readings contain noise twice, and would give too large ones), the options, and a lateral film.
@@ -36,6 +36,7 @@ mod distribution;
 mod landmarks;
 mod places;
 mod quantities;
+mod stream;
 mod tally;
 mod words;
 
@@ -136,7 +137,8 @@ impl<'a> MonteCarlo<'a> {
         self
     }
 
-    /// One replicate; every index has a random stream of its own, so that any may be computed alone, in any order.
+    /// One replicate; every case, by its identifier, and index has a random stream of its own, so that any may be computed alone, in
+    /// any order.
     #[must_use]
     pub fn replicate(&self, index: u64) -> Replicate {
         let (case, errors) = self.noisy.replicate(index);

@@ -75,6 +75,24 @@ fn replicates_may_be_computed_in_any_order_and_from_any_order_of_readings() {
 }
 
 #[test]
+fn cases_of_two_patients_have_noise_of_their_own() {
+    // Oracle: the same films under another identifier.
+    let one = erect(case(0, Truth::Bend, &Readers::default()));
+    let other = Case { id: "another".to_owned(), ..one.clone() };
+    let nominal = analyzed(&one);
+    let replicates = |case: &Case| {
+        let monte_carlo =
+            MonteCarlo::new(case, &nominal, LandmarkNoise::Measured, 7).expect("sound noise");
+        [2, 0, 1].map(|index| monte_carlo.replicate(index))
+    };
+    let (ours, theirs) = (replicates(&one), replicates(&other));
+    assert_eq!(ours, replicates(&one));
+    for (a, b) in ours.iter().zip(&theirs) {
+        assert_ne!(a, b);
+    }
+}
+
+#[test]
 fn without_noise_all_replicates_equal_the_case() {
     let case = case(3, Truth::Rod, &Readers::default());
     let found = run(&case, LandmarkNoise::Pixels(0.0), 1, 3);

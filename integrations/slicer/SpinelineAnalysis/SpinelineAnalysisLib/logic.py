@@ -59,8 +59,8 @@ def transformed(matrix: ArrayLike, points: ArrayLike) -> Floats:
     return points @ matrix[:3, :3].T + matrix[:3, 3]
 
 
-def case_of(films: Iterable[FilmPoints], *, case_id: str, plane: str = "unknown") -> sl.Case:
-    """The case of some films.
+def case_of(films: Iterable[FilmPoints], *, case_id: str, plane: str = "unknown", synthetic: bool = False) -> sl.Case:
+    """The case of some films; every result of synthetic ones says that they are.
 
     Raises
     ------
@@ -78,6 +78,7 @@ def case_of(films: Iterable[FilmPoints], *, case_id: str, plane: str = "unknown"
             patient_left=film.patient_left,  # type: ignore[arg-type]
             plane=plane,  # type: ignore[arg-type]
             case_id=case_id,
+            synthetic=synthetic,
         )
         merged = json.loads(one.to_json())
         found += merged["films"]  # type: ignore[arg-type]
