@@ -317,7 +317,9 @@ impl AnalysisQuantity {
     pub const fn grows_with_noise(self) -> bool {
         matches!(
             self,
-            Self::ComparisonAngle(_)
+            Self::LeastDistanceSegments(..)
+                | Self::LeastDistance(..)
+                | Self::ComparisonAngle(_)
                 | Self::ComparisonDistance(_)
                 | Self::LocationError(..)
                 | Self::MeanLocationError(..)
@@ -354,4 +356,32 @@ fn mean_error(model: &LineModel, fitted: bool) -> Result<f64, Absent> {
 pub(super) fn wrapped_deg(difference_deg: f64, period_deg: f64) -> f64 {
     let turns = 360.0 / period_deg;
     Angle::from_deg(difference_deg * turns).wrapped().deg() / turns
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn whatever_is_never_negative_and_vanishes_without_noise_has_no_interval() {
+        let (film, line) = (Posture::LeftBending, LineKind::Inflection);
+        // Lengths of a difference, and absolute values of one.
+        let grow = [
+            AnalysisQuantity::LeastDistanceSegments(film, 0),
+            AnalysisQuantity::LeastDistance(film, 1),
+            AnalysisQuantity::ComparisonAngle(film),
+            AnalysisQuantity::ComparisonDistance(film),
+            AnalysisQuantity::LocationError(line, film),
+            AnalysisQuantity::MeanLocationError(line, true),
+            AnalysisQuantity::FergusonError(line, film, Region::MainThoracic),
+        ];
+        assert!(grow.into_iter().all(AnalysisQuantity::grows_with_noise));
+        // Places and signed numbers, which noise carries to both sides.
+        let keep = [
+            AnalysisQuantity::LeastSegment(film, 0),
+            AnalysisQuantity::InflectionArc(0),
+            AnalysisQuantity::LineOffset(line, film),
+        ];
+        assert!(!keep.into_iter().any(AnalysisQuantity::grows_with_noise));
+    }
 }
