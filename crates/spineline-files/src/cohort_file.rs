@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use spineline::anatomy::Posture;
 use spineline::cohort::{
     BaselineErrors, BaselineTest, ChainCount, Clustered, Cohort, DoubtedFilm, LinePairTest,
-    MissingResult, RoleErrors,
+    LineRejections, MissingResult, RoleErrors,
 };
 use spineline::evaluate::Baseline;
 use spineline::evaluate::statistics::PairedT;
@@ -61,9 +61,19 @@ pub struct CohortFile {
     /// The vertebrae of the patients' models; results of different ones are not comparable.
     #[serde(default)]
     chains: Vec<ChainRecord>,
-    /// Patients whose bends are not compatible with a single force through the inflections, and all who were asked.
-    incompatible_patients: [usize; 2],
+    /// By line that is not fitted to the films: how often a single force along it is rejected.
+    #[serde(default)]
+    rejections: BTreeMap<String, RejectionsRecord>,
     verdict: Vec<String>,
+}
+
+/// How often a single force along a line is rejected: the first number, of the second.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+struct RejectionsRecord {
+    /// Patients whose bends reject it, of those tested; those with a doubted film are in neither.
+    patients: [usize; 2],
+    /// Bends whose rotations reject the line itself (p < 0.05, not corrected), of those tested one by one.
+    bends: [usize; 2],
 }
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -203,7 +213,6 @@ impl CohortFile {
     pub fn new(cohort: &Cohort, case_ids: Vec<String>, seed: u64, generator: &str) -> Self {
         let compared = &cohort.compared;
         let numbers = compared.numbers.iter();
-        let (against, asked) = cohort.incompatible;
         Self {
             format: "spineline-cohort".to_owned(),
             version: 1,
@@ -226,7 +235,7 @@ impl CohortFile {
             baseline_tests: cohort.baselines.tests.iter().map(baseline_test).collect(),
             doubted_films: cohort.doubted_films.iter().map(doubted).collect(),
             chains: cohort.chains.iter().map(chain).collect(),
-            incompatible_patients: [against, asked],
+            rejections: cohort.rejections.iter().map(rejections).collect(),
             verdict: cohort.sentences(),
         }
     }
@@ -237,6 +246,12 @@ impl CohortFile {
         self.provenance = Some(provenance);
         self
     }
+}
+
+fn rejections(found: &LineRejections) -> (String, RejectionsRecord) {
+    let LineRejections { kind, patients, bends } = *found;
+    let record = RejectionsRecord { patients: patients.into(), bends: bends.into() };
+    (kind.key().to_owned(), record)
 }
 
 fn finite(value: f64) -> Option<f64> {

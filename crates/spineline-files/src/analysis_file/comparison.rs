@@ -27,8 +27,8 @@ pub(super) struct ComparisonRecord {
     baselines_mm: BTreeMap<String, BTreeMap<String, f64>>,
     /// Every film once per role.
     films: Vec<FilmRecord>,
-    /// By line: whether the bends are compatible with a single force along it. The test of the line itself exists for
-    /// `inflection_line` and `iliac_line`.
+    /// By line: whether the bends are compatible with a single force along it. The test of the line itself exists for every
+    /// line but the estimated one, which comes from the same rotations.
     compatibility: BTreeMap<String, CompatibilityRecord>,
     /// By the bend that was left out, and line: the model that the other bend alone gave, and what it predicts.
     left_out_bends: BTreeMap<Key<Posture>, BTreeMap<String, ModelRecord>>,

@@ -76,7 +76,7 @@ fn count(phantom: &spineline_phantom::Phantom, analysis: &Analysis, counts: &mut
         let own = posture.preferred_line.as_ref().expect("a line");
         let inflection = own.inflection.expect("two inflections").test;
         add("'through the inflections' is not rejected", !inflection.rejects());
-        let iliac = own.iliac.expect("marked crests");
+        let iliac = own.iliac.expect("marked crests").test;
         add("'parallel to the iliac line' is not rejected", !iliac.rejects());
         for at in own.crossings.iter().filter(|_| line.direction.z_mm.abs() > 0.2) {
             let y_mm = line.y_mm_at(at.z_mm);

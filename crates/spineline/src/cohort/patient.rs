@@ -35,8 +35,8 @@ pub struct CohortPatient {
     /// The erect film first.
     pub(super) films: Vec<PatientFilm>,
     pub(super) models: Vec<PatientModel>,
-    /// Whether the bends reject a single force through the inflections; `None` where it was not tested.
-    pub(super) rejects_inflections: Option<bool>,
+    /// Lines that were tested, with whether the bends reject a single force along them.
+    pub(super) tested: Vec<(LineKind, bool)>,
     pub(super) lines: Vec<ComparedLine>,
     pub(super) same_data: bool,
     /// Every film once per role.
@@ -54,8 +54,8 @@ pub(super) struct PatientFilm {
     pub least_rotations_deg: Vec<f64>,
     pub inflection_estimates: Option<[SegmentEstimate; 2]>,
     pub mean_least_estimates: Option<[SegmentEstimate; 2]>,
-    /// Whether its rotations reject the line through the inflections; `None` where it was not tested.
-    pub rejects_inflections: Option<bool>,
+    /// Lines that were tested on it alone, with whether its rotations reject them.
+    pub tested: Vec<(LineKind, bool)>,
 }
 
 /// A line of action of a patient.
@@ -99,10 +99,11 @@ impl CohortPatient {
     #[must_use]
     pub fn of(analysis: &Analysis) -> Self {
         let compared = analysis.compare_lines();
-        let inflection = analysis.models.iter().find(|model| model.kind == LineKind::Inflection);
-        let compatibility = inflection
-            .filter(|_| !analysis.has_doubted_film())
-            .map(|model| analysis.compatibility(model));
+        let candidates = analysis.models.iter().filter(|model| model.kind != LineKind::Estimated);
+        let tested = candidates.filter(|_| !analysis.has_doubted_film()).filter_map(|model| {
+            let found = analysis.compatibility(model);
+            (!found.bends.is_empty()).then(|| (model.kind, found.rejects()))
+        });
         Self {
             case_id: analysis.case_id.clone(),
             synthetic: analysis.synthetic,
@@ -115,9 +116,7 @@ impl CohortPatient {
             has_rotation_prior: analysis.options.rotation_prior.is_some(),
             films: analysis.postures.iter().map(PatientFilm::of).collect(),
             models: analysis.models.iter().map(PatientModel::of).collect(),
-            rejects_inflections: compatibility
-                .filter(|found| !found.bends.is_empty())
-                .map(|found| found.rejects()),
+            tested: tested.collect(),
             same_data: compared.same_data(),
             compared: compared
                 .films
@@ -201,7 +200,10 @@ impl PatientFilm {
                 .map_or_else(Vec::new, |m| m.least.map(|k| m.rotations[k].deg()).to_vec()),
             inflection_estimates: film.inflection_estimates,
             mean_least_estimates: film.mean_least_estimates,
-            rejects_inflections: film.line_comparison().map(|found| found.test.rejects()),
+            tested: LineKind::ALL
+                .into_iter()
+                .filter_map(|kind| Some((kind, film.line_comparison(kind)?.test.rejects())))
+                .collect(),
         }
     }
 }

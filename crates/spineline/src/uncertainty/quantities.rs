@@ -252,7 +252,7 @@ impl AnalysisQuantity {
         if analysis.inflections.pair.is_none() {
             return Err(Absent::NoInflections);
         }
-        let line = || film.line_comparison().ok_or(Absent::NotMeasured);
+        let line = || film.line_comparison(LineKind::Inflection).ok_or(Absent::NotMeasured);
         let estimate =
             || film.inflection_estimates.map(|pair| pair[window]).ok_or(Absent::NotMeasured);
         let factor = analysis.scale().pixels_per_mm.unwrap_or(1.0);
