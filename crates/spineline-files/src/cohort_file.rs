@@ -55,6 +55,9 @@ pub struct CohortFile {
     /// Lines against them, by location error in mm, line minus baseline.
     #[serde(default)]
     baseline_tests: Vec<BaselineTestRecord>,
+    /// Other loads and bases against them, likewise; a family of tests of its own.
+    #[serde(default)]
+    hypothesis_tests: Vec<BaselineTestRecord>,
     /// Films that may not show what they are named after.
     #[serde(default)]
     doubted_films: Vec<DoubtedRecord>,
@@ -181,23 +184,26 @@ struct BaselineRecord {
     location_mm: SampleRecord,
 }
 
-/// A line against a baseline, on the films that both predict.
+/// A line, or another load and base, against a baseline, on the films that both predict.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 struct BaselineTestRecord {
-    line: String,
+    /// Name of the line, or of the load and base.
+    #[serde(alias = "line")]
+    model: String,
     baseline: Key<Baseline>,
     role: String,
     films: usize,
     patients: usize,
-    /// Of one mean difference per patient, line minus baseline.
+    /// Of one mean difference per patient, model minus baseline.
     mean_difference_mm: Option<f64>,
     /// By resampling patients.
     interval_95_mm: Option<[f64; 2]>,
     sign_flip_p: Option<f64>,
     /// After Holm's correction over all of these tests.
     holm_p: Option<f64>,
-    /// Whether the line predicts better, beyond chance.
-    line_is_better: bool,
+    /// Whether the model predicts better, beyond chance.
+    #[serde(alias = "line_is_better")]
+    is_better: bool,
 }
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -232,7 +238,18 @@ impl CohortFile {
             left_out_films: compared.missing.iter().map(left_out).collect(),
             tests: compared.tests.iter().map(test).collect(),
             baselines: cohort.baselines.errors.iter().map(baseline).collect(),
-            baseline_tests: cohort.baselines.tests.iter().map(baseline_test).collect(),
+            baseline_tests: cohort
+                .baselines
+                .tests
+                .iter()
+                .map(|test| baseline_test(test, test.model.key().to_owned()))
+                .collect(),
+            hypothesis_tests: cohort
+                .baselines
+                .hypothesis_tests
+                .iter()
+                .map(|test| baseline_test(test, test.model.key()))
+                .collect(),
             doubted_films: cohort.doubted_films.iter().map(doubted).collect(),
             chains: cohort.chains.iter().map(chain).collect(),
             rejections: cohort.rejections.iter().map(rejections).collect(),
@@ -278,10 +295,10 @@ fn baseline(found: &BaselineErrors) -> BaselineRecord {
     }
 }
 
-fn baseline_test(found: &BaselineTest) -> BaselineTestRecord {
+fn baseline_test<M>(found: &BaselineTest<M>, model: String) -> BaselineTestRecord {
     let c = &found.comparison;
     BaselineTestRecord {
-        line: found.line.key().to_owned(),
+        model,
         baseline: found.baseline.into(),
         role: found.role.key().to_owned(),
         films: found.films,
@@ -290,7 +307,7 @@ fn baseline_test(found: &BaselineTest) -> BaselineTestRecord {
         interval_95_mm: c.bootstrap,
         sign_flip_p: c.sign_flip.map(|test| test.p_two_sided),
         holm_p: found.holm_p,
-        line_is_better: found.line_is_better(),
+        is_better: found.is_better(),
     }
 }
 

@@ -10,6 +10,7 @@ use crate::analysis::{
 use crate::anatomy::{Levels, Posture, Side};
 use crate::evaluate::statistics::Summary;
 use crate::evaluate::{Baseline, Simulation, joint_rotations};
+use crate::hypothesis::{Hypothesis, HypothesisFit, Role};
 use crate::measure::Outline;
 use crate::motion::SegmentEstimate;
 use crate::spatial::Angle;
@@ -41,6 +42,16 @@ pub struct CohortPatient {
     pub(super) same_data: bool,
     /// Every film once per role.
     pub(super) compared: Vec<PatientFilmUnderLines>,
+    /// Other loads and bases, on films that they were not fitted to.
+    pub(super) hypotheses: Vec<PatientHypothesis>,
+}
+
+/// Another load and base of a patient.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct PatientHypothesis {
+    pub hypothesis: Hypothesis,
+    /// Location errors, in mm, of the films that it predicts.
+    pub films: Vec<(Posture, FilmRole, Vec<f64>)>,
 }
 
 /// A film of a patient.
@@ -98,7 +109,11 @@ impl CohortPatient {
     /// Of an analysed patient.
     #[must_use]
     pub fn of(analysis: &Analysis) -> Self {
-        let compared = analysis.compare_lines();
+        Self::of_compared(analysis, &analysis.compare_lines())
+    }
+
+    /// The same, where the lines were compared already.
+    pub(super) fn of_compared(analysis: &Analysis, compared: &LinesCompared) -> Self {
         let candidates = analysis.models.iter().filter(|model| model.kind != LineKind::Estimated);
         let tested = candidates.filter(|_| !analysis.has_doubted_film()).filter_map(|model| {
             let found = analysis.compatibility(model);
@@ -121,9 +136,10 @@ impl CohortPatient {
             compared: compared
                 .films
                 .iter()
-                .map(|film| PatientFilmUnderLines::of(film, &compared, &analysis.models))
+                .map(|film| PatientFilmUnderLines::of(film, compared, &analysis.models))
                 .collect(),
-            lines: compared.lines,
+            lines: compared.lines.clone(),
+            hypotheses: analysis.hypotheses.iter().map(PatientHypothesis::of).collect(),
         }
     }
 
@@ -205,6 +221,21 @@ impl PatientFilm {
                 .filter_map(|kind| Some((kind, film.line_comparison(kind)?.test.rejects())))
                 .collect(),
         }
+    }
+}
+
+impl PatientHypothesis {
+    fn of(fit: &HypothesisFit) -> Self {
+        let films = fit.predictions.iter().filter_map(|film| {
+            let role = match film.role {
+                Role::LeftOut => FilmRole::LeftOutBend,
+                Role::HeldOut => FilmRole::HeldOut,
+                // A load that was fitted to the film predicts nothing.
+                Role::Fitted | Role::LeftOutLoadFitted => return None,
+            };
+            Some((film.posture, role, film.location_errors_mm.clone()))
+        });
+        Self { hypothesis: fit.hypothesis, films: films.collect() }
     }
 }
 
