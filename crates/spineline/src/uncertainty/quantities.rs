@@ -26,6 +26,8 @@ pub enum AnalysisQuantity {
     TiltRange(Posture, Region),
     /// Ferguson angle.
     Ferguson(Posture, Region),
+    /// Scale of a film against the erect one, from all its vertebrae, where it is not fixed.
+    FilmScale(Posture),
     /// Number of inflections of the erect curve.
     InflectionCount,
     /// 1 where two inflections carry a line, else 0: the mean is how often they do.
@@ -140,6 +142,10 @@ pub(super) fn all_of(nominal: &Analysis, kinds: &[LineKind]) -> Vec<AnalysisQuan
             all.extend([Q::Cobb, Q::TiltRange, Q::Ferguson].map(|angle| angle(posture, region)));
         }
     }
+    let is_free = |posture: &Posture| {
+        nominal.posture(*posture).is_some_and(|film| film.outline.length.is_free())
+    };
+    all.extend(moved().filter(is_free).map(Q::FilmScale));
     for posture in moved() {
         for window in 0..2 {
             let of_window = [Q::LeastSegment, Q::LeastDistanceSegments, Q::LeastDistance];
@@ -179,6 +185,7 @@ impl AnalysisQuantity {
             | Self::Cobb(..)
             | Self::TiltRange(..)
             | Self::Ferguson(..) => self.of_film(analysis),
+            Self::FilmScale(posture) => Ok(found(analysis, posture)?.outline.length.scale.factor),
             Self::LeastSegment(..)
             | Self::LeastDistanceSegments(..)
             | Self::LeastDistance(..)
@@ -381,6 +388,7 @@ mod tests {
             AnalysisQuantity::LeastSegment(film, 0),
             AnalysisQuantity::InflectionArc(0),
             AnalysisQuantity::LineOffset(line, film),
+            AnalysisQuantity::FilmScale(film),
         ];
         assert!(!keep.into_iter().any(AnalysisQuantity::grows_with_noise));
     }
