@@ -158,7 +158,8 @@ fn check(truth: Truth, counts: &Counts, bounds: &Bounds) {
         assert!(bounds.tests.contains(&kept), "{truth:?}, {posture}: {obeyed} in {kept}");
         // At rest a pulled spine moves little, and biased observers see less of it.
         let missed = share(counts, posture, broken);
-        assert!(missed < 0.3, "{truth:?}, {posture}: {broken} in {missed}");
+        let most = if posture.bend().is_some() { 0.05 } else { 0.3 };
+        assert!(missed < most, "{truth:?}, {posture}: {broken} in {missed}");
     }
 }
 
