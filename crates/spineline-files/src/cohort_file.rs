@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use spineline::anatomy::Posture;
 use spineline::cohort::{
     BaselineErrors, BaselineTest, ChainCount, Clustered, Cohort, DoubtedFilm, LinePairTest,
-    MissingResult, RoleErrors,
+    LineRejections, MissingResult, RoleErrors,
 };
 use spineline::evaluate::Baseline;
 use spineline::evaluate::statistics::PairedT;
@@ -55,15 +55,28 @@ pub struct CohortFile {
     /// Lines against them, by location error in mm, line minus baseline.
     #[serde(default)]
     baseline_tests: Vec<BaselineTestRecord>,
+    /// Other loads and bases against them, likewise; a family of tests of its own.
+    #[serde(default)]
+    hypothesis_tests: Vec<BaselineTestRecord>,
     /// Films that may not show what they are named after.
     #[serde(default)]
     doubted_films: Vec<DoubtedRecord>,
     /// The vertebrae of the patients' models; results of different ones are not comparable.
     #[serde(default)]
     chains: Vec<ChainRecord>,
-    /// Patients whose bends are not compatible with a single force through the inflections, and all who were asked.
-    incompatible_patients: [usize; 2],
+    /// By line that is not fitted to the films: how often a single force along it is rejected.
+    #[serde(default)]
+    rejections: BTreeMap<String, RejectionsRecord>,
     verdict: Vec<String>,
+}
+
+/// How often a single force along a line is rejected: the first number, of the second.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+struct RejectionsRecord {
+    /// Patients whose bends reject it, of those tested; those with a doubted film are in neither.
+    patients: [usize; 2],
+    /// Bends whose rotations reject the line itself (p < 0.05, not corrected), of those tested one by one.
+    bends: [usize; 2],
 }
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -171,23 +184,26 @@ struct BaselineRecord {
     location_mm: SampleRecord,
 }
 
-/// A line against a baseline, on the films that both predict.
+/// A line, or another load and base, against a baseline, on the films that both predict.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 struct BaselineTestRecord {
-    line: String,
+    /// Name of the line, or of the load and base.
+    #[serde(alias = "line")]
+    model: String,
     baseline: Key<Baseline>,
     role: String,
     films: usize,
     patients: usize,
-    /// Of one mean difference per patient, line minus baseline.
+    /// Of one mean difference per patient, model minus baseline.
     mean_difference_mm: Option<f64>,
     /// By resampling patients.
     interval_95_mm: Option<[f64; 2]>,
     sign_flip_p: Option<f64>,
     /// After Holm's correction over all of these tests.
     holm_p: Option<f64>,
-    /// Whether the line predicts better, beyond chance.
-    line_is_better: bool,
+    /// Whether the model predicts better, beyond chance.
+    #[serde(alias = "line_is_better")]
+    is_better: bool,
 }
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -203,7 +219,6 @@ impl CohortFile {
     pub fn new(cohort: &Cohort, case_ids: Vec<String>, seed: u64, generator: &str) -> Self {
         let compared = &cohort.compared;
         let numbers = compared.numbers.iter();
-        let (against, asked) = cohort.incompatible;
         Self {
             format: "spineline-cohort".to_owned(),
             version: 1,
@@ -223,10 +238,21 @@ impl CohortFile {
             left_out_films: compared.missing.iter().map(left_out).collect(),
             tests: compared.tests.iter().map(test).collect(),
             baselines: cohort.baselines.errors.iter().map(baseline).collect(),
-            baseline_tests: cohort.baselines.tests.iter().map(baseline_test).collect(),
+            baseline_tests: cohort
+                .baselines
+                .tests
+                .iter()
+                .map(|test| baseline_test(test, test.model.key().to_owned()))
+                .collect(),
+            hypothesis_tests: cohort
+                .baselines
+                .hypothesis_tests
+                .iter()
+                .map(|test| baseline_test(test, test.model.key()))
+                .collect(),
             doubted_films: cohort.doubted_films.iter().map(doubted).collect(),
             chains: cohort.chains.iter().map(chain).collect(),
-            incompatible_patients: [against, asked],
+            rejections: cohort.rejections.iter().map(rejections).collect(),
             verdict: cohort.sentences(),
         }
     }
@@ -237,6 +263,12 @@ impl CohortFile {
         self.provenance = Some(provenance);
         self
     }
+}
+
+fn rejections(found: &LineRejections) -> (String, RejectionsRecord) {
+    let LineRejections { kind, patients, bends } = *found;
+    let record = RejectionsRecord { patients: patients.into(), bends: bends.into() };
+    (kind.key().to_owned(), record)
 }
 
 fn finite(value: f64) -> Option<f64> {
@@ -263,10 +295,10 @@ fn baseline(found: &BaselineErrors) -> BaselineRecord {
     }
 }
 
-fn baseline_test(found: &BaselineTest) -> BaselineTestRecord {
+fn baseline_test<M>(found: &BaselineTest<M>, model: String) -> BaselineTestRecord {
     let c = &found.comparison;
     BaselineTestRecord {
-        line: found.line.key().to_owned(),
+        model,
         baseline: found.baseline.into(),
         role: found.role.key().to_owned(),
         films: found.films,
@@ -275,7 +307,7 @@ fn baseline_test(found: &BaselineTest) -> BaselineTestRecord {
         interval_95_mm: c.bootstrap,
         sign_flip_p: c.sign_flip.map(|test| test.p_two_sided),
         holm_p: found.holm_p,
-        line_is_better: found.line_is_better(),
+        is_better: found.is_better(),
     }
 }
 

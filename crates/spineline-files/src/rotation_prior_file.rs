@@ -2,9 +2,11 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use spineline::cohort::LearnedRotations;
 use spineline::evaluate::RotationPrior;
+use spineline::measure::TiltRule;
 
 use crate::FileError;
 use crate::json::parse;
+use crate::keys::Key;
 use crate::provenance::{FilmOrigin, Provenance};
 use crate::rotation_prior_record::RotationPriorRecord;
 
@@ -22,6 +24,12 @@ pub struct RotationPriorFile {
     version: u32,
     /// Whether any film is of a synthetic patient.
     synthetic: bool,
+    /// Identifiers of the cases that the prior was learned from; absent in older files.
+    #[serde(default)]
+    case_ids: Vec<String>,
+    /// Landmarks from which tilts were measured (`endplates` or `axis`): rotations of another rule are not predicted from it.
+    #[serde(default = "endplate_tilts")]
+    tilt: Key<TiltRule>,
     prior: RotationPriorRecord,
     /// Errors on bends of patients who were left out.
     left_out: LeftOutRecord,
@@ -50,6 +58,24 @@ pub struct StoredRotationPrior {
     pub prior: RotationPrior,
     /// SHA-256 of the cases that it was learned from.
     pub learned_from: Vec<String>,
+    /// Their identifiers: a case that was saved again has other bytes.
+    pub case_ids: Vec<String>,
+    /// How their tilts were measured.
+    pub tilt: TiltRule,
+}
+
+impl StoredRotationPrior {
+    /// Whether it was learned from a case with this SHA-256 or this identifier.
+    #[must_use]
+    pub fn was_learned_from(&self, sha256: &str, case_id: &str) -> bool {
+        self.learned_from.iter().any(|one| one == sha256)
+            || self.case_ids.iter().any(|one| one == case_id)
+    }
+}
+
+/// All files without the rule were learned with this one.
+const fn endplate_tilts() -> Key<TiltRule> {
+    Key(TiltRule::Endplates)
 }
 
 /// Reads a prior of joint rotations from the text of its file.
@@ -59,16 +85,27 @@ pub struct StoredRotationPrior {
 pub fn parse_rotation_prior(text: &str) -> Result<StoredRotationPrior, FileError> {
     let file = parse::<RotationPriorFile>(text, FORMAT, VERSION)?;
     let learned_from = file.provenance.inputs().iter().map(|input| input.sha256.clone()).collect();
-    Ok(StoredRotationPrior { prior: file.prior.prior()?, learned_from })
+    Ok(StoredRotationPrior {
+        prior: file.prior.prior()?,
+        learned_from,
+        case_ids: file.case_ids,
+        tilt: file.tilt.0,
+    })
 }
 
 impl RotationPriorFile {
-    /// A prior with its errors; the inputs of the provenance are the cases.
+    /// A prior with its errors, the identifiers of its cases and the rule of their tilts; the inputs of the provenance are the
+    /// cases.
     ///
     /// # Panics
     /// If the prior was not learned.
     #[must_use]
-    pub fn new(learned: &LearnedRotations, provenance: Provenance) -> Self {
+    pub fn new(
+        learned: &LearnedRotations,
+        case_ids: Vec<String>,
+        tilt: TiltRule,
+        provenance: Provenance,
+    ) -> Self {
         let record = RotationPriorRecord::new(&learned.prior).expect("it was learned");
         let mean = |errors: &spineline::cohort::Clustered| {
             let patients = &errors.patients;
@@ -78,6 +115,8 @@ impl RotationPriorFile {
             format: FORMAT.to_owned(),
             version: VERSION,
             synthetic: provenance.films() != FilmOrigin::Real,
+            case_ids,
+            tilt: tilt.into(),
             prior: record,
             left_out: LeftOutRecord {
                 patients: learned.from_location_mm.patients.n,

@@ -4,7 +4,7 @@ use spineline::analysis::{Case, analyze};
 use spineline::anatomy::Posture;
 use spineline::cohort::{CohortPatient, learn_rotation_prior};
 use spineline::evaluate::RotationPrior;
-use spineline::measure::{FilmLandmarks, ImageGeometry};
+use spineline::measure::{FilmLandmarks, ImageGeometry, TiltRule};
 use spineline_files::{
     AnalysisFile, CaseFile, FilmOrigin, ModelFile, ProgramRun, Provenance, Request,
     RotationPriorFile, StiffnessFile, to_text,
@@ -34,7 +34,8 @@ fn rotation_prior() -> Result<String, Box<dyn std::error::Error>> {
         .collect::<Result<Vec<_>, Box<dyn std::error::Error>>>()?;
     let learned = learn_rotation_prior(&patients, 1)?;
     let provenance = Provenance::new(run(), FilmOrigin::Synthetic, Vec::new());
-    Ok(to_text(&RotationPriorFile::new(&learned, provenance)))
+    let ids = patients.iter().map(|patient| patient.case_id().to_owned()).collect();
+    Ok(to_text(&RotationPriorFile::new(&learned, ids, TiltRule::default(), provenance)))
 }
 
 fn run() -> ProgramRun {

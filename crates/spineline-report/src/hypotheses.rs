@@ -1,16 +1,24 @@
 //! Loads and bases other than the lines of action, fitted and left out, over one patient or several.
 
+use spineline::analysis::{Analysis, FilmRole, LinesCompared};
+use spineline::cohort::BaselinesOverPatients;
+use spineline::evaluate::Baseline;
 use spineline::hypothesis::{
-    HypothesisComparison, HypothesisFit, HypothesisSummary, Role, compare,
+    Hypothesis, HypothesisComparison, HypothesisFit, HypothesisSummary, Role, compare,
 };
 
 use crate::document::{Column, Section, Table};
-use crate::phrases::none;
+use crate::phrases::{none, with_interval};
 
 const LEGEND: &str = "Location errors in mm and rotation errors in degrees, one mean per patient. Fitted: stiffness and loads fitted to both bends. Left out: a bend predicted with the stiffness of the other bend and the smallest load that brings the top near. Load fitted: the same with the load fitted to the whole shape. Held out: neutral and traction films, as left out. Rotation errors: root mean square over the joints; the rotation of a base counts at the lowest joint. Counter-rotating: joints per bend that turn against the load. AICc and BIC: differences from the first row. Best: patients in whom no other load has a smaller left-out error, or a smaller AICc. Lost: films without a prediction (no equilibrium, or a shape beyond the human range of motion) and fits without a result.";
 
 /// The hypotheses of one patient or several, each with whether the patient is synthetic; `None` if none was requested.
-pub fn section<'a>(patients: impl Iterator<Item = (bool, &'a [HypothesisFit])>) -> Option<Section> {
+///
+/// `baselines` are the predictions without mechanics of these patients.
+pub fn section<'a>(
+    patients: impl Iterator<Item = (bool, &'a [HypothesisFit])>,
+    baselines: &BaselinesOverPatients,
+) -> Option<Section> {
     let (synthetic, fits): (Vec<bool>, Vec<&[HypothesisFit]>) = patients.unzip();
     let blocks = compare(&fits);
     if blocks.is_empty() {
@@ -26,7 +34,55 @@ pub fn section<'a>(patients: impl Iterator<Item = (bool, &'a [HypothesisFit])>) 
         section.table(table(block, format!("Errors by load and base{who}")));
     }
     section.paragraph(LEGEND);
+    let roles = [FilmRole::LeftOutBend, FilmRole::HeldOut];
+    for table in roles.into_iter().filter_map(|role| against_baselines(baselines, role)) {
+        section.table(table);
+    }
     Some(section)
+}
+
+/// The same of one patient. `compared` is what [`Analysis::compare_lines`] gives.
+pub fn of_patient(analysis: &Analysis, compared: &LinesCompared) -> Option<Section> {
+    if analysis.hypotheses.is_empty() {
+        return None;
+    }
+    let baselines = BaselinesOverPatients::of_patient(analysis, compared);
+    let patient = (analysis.synthetic, &analysis.hypotheses[..]);
+    section(std::iter::once(patient), &baselines)
+}
+
+/// How much further away every hypothesis is than every prediction without mechanics; `None` where nothing is compared.
+fn against_baselines(baselines: &BaselinesOverPatients, role: FilmRole) -> Option<Table> {
+    let tests = || baselines.hypothesis_tests.iter().filter(move |test| test.role == role);
+    let known = |baseline: &Baseline| tests().any(|test| test.baseline == *baseline);
+    let against: Vec<Baseline> = Baseline::ALL.into_iter().filter(known).collect();
+    let mut hypotheses: Vec<Hypothesis> = tests().map(|test| test.model).collect();
+    hypotheses.dedup();
+    let best = baselines.best(role)?;
+    let columns = [Column::words("Load and base")].into_iter();
+    let columns = columns.chain(against.iter().map(|baseline| Column::words(baseline.to_string())));
+    let mut table = Table::new(
+        format!("Loads and bases less predictions without mechanics, {role} (mm, 95 %)"),
+        columns.collect(),
+    );
+    for hypothesis in &hypotheses {
+        let cell = |baseline: &Baseline| {
+            let found = tests().find(|t| t.model == *hypothesis && t.baseline == *baseline);
+            found.map_or_else(none, |test| {
+                let c = &test.comparison;
+                let mark = if test.is_significant() { " *" } else { "" };
+                with_interval(c.mean_difference, c.bootstrap, 1) + mark
+            })
+        };
+        let cells = against.iter().map(cell);
+        table.row([hypothesis.to_string()].into_iter().chain(cells).collect());
+    }
+    table.note = format!(
+        "Location error of the load minus that of the prediction, on the films that both predict: below zero, the load is better. The best prediction without mechanics: {}, {:.1} mm. * Significant over patients after Holm's correction over these tests.",
+        best.baseline,
+        best.mean_mm()
+    );
+    (!hypotheses.is_empty()).then_some(table)
 }
 
 fn table(block: &HypothesisComparison, caption: String) -> Table {

@@ -132,7 +132,8 @@ pub enum Event {
         /// Vertebra.
         #[schema(value_type = String)]
         level: LevelKey,
-        /// Against the image's vertical, positive clockwise as seen; none to follow the corners.
+        /// Against the image's vertical, positive clockwise as seen with square pixels, that is in millimetres and not in
+        /// columns and rows; none to follow the corners.
         axis_deg: Option<f64>,
     },
     /// Remove the landmarks of a vertebra.

@@ -15,7 +15,8 @@ pub struct VertebraReading {
     pub origin: CornerOrigin,
     /// Midpoints of its walls by the patient's side, where it was marked by them.
     pub walls: BTreeMap<Side, [f64; 2]>,
-    /// Axis turned by hand, against the image's vertical, positive clockwise as seen.
+    /// Axis turned by hand, against the image's vertical, positive clockwise as seen with square pixels, that is in millimetres
+    /// and not in columns and rows.
     pub axis_deg: Option<f64>,
 }
 

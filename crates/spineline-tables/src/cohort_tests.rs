@@ -10,34 +10,34 @@ use crate::table::Table;
 struct Test<'a> {
     synthetic: bool,
     /// Keys of the first line, and of what it is compared with.
-    compared: [&'static str; 2],
+    compared: [String; 2],
     role: FilmRole,
     error: ErrorKind,
     films: usize,
     films_not_compared: Option<usize>,
     comparison: &'a PairedComparison,
     holm_p: Option<f64>,
-    predicts_better: Option<&'static str>,
+    predicts_better: Option<String>,
 }
 
 impl<'a> Test<'a> {
     fn of_lines(test: &'a LinePairTest, synthetic: bool) -> Self {
         Self {
             synthetic,
-            compared: test.lines.map(|line| line.key()),
+            compared: test.lines.map(|line| line.key().to_owned()),
             role: test.role,
             error: test.error,
             films: test.films,
             films_not_compared: Some(test.left_out),
             comparison: &test.comparison,
             holm_p: test.holm_p,
-            predicts_better: test.predicts_better().map(|line| line.key()),
+            predicts_better: test.predicts_better().map(|line| line.key().to_owned()),
         }
     }
 
-    fn against_baseline(test: &'a BaselineTest, synthetic: bool) -> Self {
-        let compared = [test.line.key(), test.baseline.key()];
-        let better = compared[usize::from(!test.line_is_better())];
+    fn against_baseline<M>(test: &'a BaselineTest<M>, model: String, synthetic: bool) -> Self {
+        let compared = [model, test.baseline.key().to_owned()];
+        let better = compared[usize::from(!test.is_better())].clone();
         Self {
             synthetic,
             compared,
@@ -52,14 +52,19 @@ impl<'a> Test<'a> {
     }
 }
 
-/// One row per pair of lines, role of the films and error, then one per line, prediction without mechanics and role.
+/// One row per pair of lines, role of the films and error, then one per line or other load, prediction without mechanics and
+/// role.
 #[must_use]
 pub fn cohort_tests_table(cohort: &Cohort) -> Table {
     let lines = cohort.compared.tests.iter();
     let lines = lines.map(|test| Test::of_lines(test, cohort.synthetic));
     let baselines = cohort.baselines.tests.iter();
-    let baselines = baselines.map(|test| Test::against_baseline(test, cohort.synthetic));
-    definition().fill(&lines.chain(baselines).collect::<Vec<_>>())
+    let baselines = baselines
+        .map(|test| Test::against_baseline(test, test.model.key().to_owned(), cohort.synthetic));
+    let hypotheses = cohort.baselines.hypothesis_tests.iter();
+    let hypotheses =
+        hypotheses.map(|test| Test::against_baseline(test, test.model.key(), cohort.synthetic));
+    definition().fill(&lines.chain(baselines).chain(hypotheses).collect::<Vec<_>>())
 }
 
 /// The table without rows.
@@ -68,17 +73,19 @@ pub(crate) fn cohort_tests_columns() -> Table {
 }
 
 fn definition<'a>() -> Definition<Test<'a>> {
-    let row = "pair of lines, or line and prediction without mechanics × role of films × error";
+    let row = "pair of lines, or line or other load and prediction without mechanics × role of films × error";
     grouped("cohort_tests", row, [compared(), difference(), probabilities()])
 }
 
 fn compared<'a>() -> Vec<Column<Test<'a>>> {
     vec![
-        text("first_line", "line of action", |row| Some(row.compared[0].to_owned())),
+        text("first_line", "line of action, or name of another load and base", |row| {
+            Some(row.compared[0].clone())
+        }),
         text(
             "second_line",
             "line or prediction without mechanics that it is compared with",
-            |row| Some(row.compared[1].to_owned()),
+            |row| Some(row.compared[1].clone()),
         ),
         truth("synthetic", "whether the films of some patient are synthetic", |row| {
             Some(row.synthetic)
@@ -99,9 +106,7 @@ fn compared<'a>() -> Vec<Column<Test<'a>>> {
             )
         }),
         count("patients", "number of patients", |row| Some(row.comparison.patients() as i64)),
-        count("films_compared", "films on which both lines have a result", |row| {
-            Some(row.films as i64)
-        }),
+        count("films_compared", "films on which both have a result", |row| Some(row.films as i64)),
         count(
             "films_not_compared",
             "films on which one of two lines has no result; empty beside predictions without mechanics",
@@ -139,7 +144,12 @@ fn probabilities<'a>() -> Vec<Column<Test<'a>>> {
         number("sign_flip_p", Unit::One, "p value of the sign-flip test over patients", |row| {
             row.comparison.sign_flip.map(|test| test.p_two_sided)
         }),
-        number("holm_p", Unit::One, "the same, corrected by Holm over all tests", |row| row.holm_p),
+        number(
+            "holm_p",
+            Unit::One,
+            "the same, corrected by Holm over all tests of its family: pairs of lines, lines against predictions without mechanics, or other loads against these",
+            |row| row.holm_p,
+        ),
         number("patient_t_p", Unit::One, "p value of the paired t-test over patients", |row| {
             row.comparison.patients.map(|test| test.p_two_sided)
         }),
@@ -152,7 +162,7 @@ fn probabilities<'a>() -> Vec<Column<Test<'a>>> {
         text(
             "predicts_better",
             "which of the two predicts better; empty where neither does",
-            |row| row.predicts_better.map(str::to_owned),
+            |row| row.predicts_better.clone(),
         ),
     ]
 }

@@ -290,7 +290,21 @@ fn columns_of_lines<'a>() -> Vec<Column<LineRow<'a>>> {
             "the film's scale against the erect film: from all vertebrae of a fitted film, from T2 of a predicted one",
             |row| Some(row.item.simulation.scale.factor),
         ),
+        number(
+            "film_scale_95_low",
+            Unit::One,
+            "lower end of its 95 % interval; empty where it is fixed",
+            |row| scale_end(row, 0),
+        ),
+        number("film_scale_95_high", Unit::One, "upper end of its 95 % interval", |row| {
+            scale_end(row, 1)
+        }),
     ]
+}
+
+fn scale_end(row: &LineRow<'_>, end: usize) -> Option<f64> {
+    let scale = row.item.simulation.scale;
+    (scale.log_sd > 0.0).then(|| scale.interval_95()[end])
 }
 
 fn ferguson_error(row: &LineRow<'_>, region: Region) -> Option<f64> {

@@ -1,3 +1,4 @@
+use spineline::action::LineKind;
 use spineline::analysis::PostureAnalysis;
 use spineline::curve::CurveForm;
 use spineline::measure::FilmLength;
@@ -203,25 +204,31 @@ fn own_line<'a>() -> Vec<Column<PostureRow<'a>>> {
             "preferred_to_inflection_line",
             Unit::Degrees,
             "angle between this line and the inflection line",
-            |row| row.item.line_comparison().map(|found| found.angle.deg()),
+            |row| row.item.line_comparison(LineKind::Inflection).map(|found| found.angle.deg()),
         ),
         number(
             "preferred_to_inflection_line",
             Unit::Millimetres,
             "distance of this line from the midpoint of the inflections",
-            |row| row.item.line_comparison().map(|found| found.distance_mm),
+            |row| row.item.line_comparison(LineKind::Inflection).map(|found| found.distance_mm),
         ),
         number(
             "p_through_inflections",
             Unit::One,
             "p value of the hypothesis that this line runs through both inflections",
-            |row| row.item.line_comparison().map(|found| found.test.p_value),
+            |row| row.item.line_comparison(LineKind::Inflection).map(|found| found.test.p_value),
         ),
         number(
             "p_parallel_to_iliac_line",
             Unit::One,
             "p value of the hypothesis that this line is parallel to the iliac line",
-            |row| row.item.preferred_line.as_ref()?.iliac.map(|test| test.p_value),
+            |row| row.item.line_comparison(LineKind::Iliac).map(|found| found.test.p_value),
+        ),
+        number(
+            "p_given_line",
+            Unit::One,
+            "p value of the hypothesis that this line is the given line",
+            |row| row.item.line_comparison(LineKind::Given).map(|found| found.test.p_value),
         ),
     ]
 }

@@ -2,7 +2,9 @@
 
 use std::collections::HashSet;
 
-use spineline_files::{FilmOrigin, InputFile, ProgramRun, Provenance, Request};
+use spineline_files::{
+    FilmOrigin, InputFile, ProgramRun, Provenance, Request, StoredRotationPrior,
+};
 use spineline_report::document::{Notice, NoticeKind};
 
 use crate::options::method::MethodArgs;
@@ -18,8 +20,8 @@ pub struct RunRecord {
     /// What is asked of every case.
     pub request: Request,
     shared: Vec<InputFile>,
-    /// SHA-256 of the cases that the distribution of joint rotations was learned from.
-    learned_from: Vec<String>,
+    /// The distribution of joint rotations that was given.
+    rotation_prior: Option<StoredRotationPrior>,
 }
 
 /// The cases that outputs are made from.
@@ -45,9 +47,8 @@ impl RunRecord {
     pub fn new(method: &MethodArgs, uncertainty: &UncertaintyArgs) -> Result<Self, Failure> {
         let request = request(method, uncertainty)?;
         let shared = method.files().map(|path| read_input(path)).collect::<Result<_, _>>()?;
-        let learned_from = method.stored_rotation_prior()?.map(|stored| stored.learned_from);
-        let learned_from = learned_from.unwrap_or_default();
-        Ok(Self { run: this_run()?, request, shared, learned_from })
+        let rotation_prior = method.stored_rotation_prior()?;
+        Ok(Self { run: this_run()?, request, shared, rotation_prior })
     }
 
     /// Provenance of an output that is made from one case.
@@ -78,7 +79,8 @@ impl ReadCases {
     /// from it, since what is then predicted of it is no prediction.
     pub fn add(&mut self, source: &CaseInput, record: &RunRecord) -> Result<(), Failure> {
         let (name, id) = (&source.input.name, &source.case.id);
-        if record.learned_from.contains(&source.input.sha256) {
+        let mut prior = record.rotation_prior.iter();
+        if prior.any(|prior| prior.was_learned_from(&source.input.sha256, id)) {
             let text = format!(
                 "the distribution of joint rotations was learned from the case {id}, so it cannot predict its films"
             );

@@ -5,10 +5,12 @@ use std::path::PathBuf;
 use clap::Args;
 use spineline::analysis::AnalysisOptions;
 use spineline::cohort::{CohortPatient, learn_rotation_prior};
+use spineline::measure::TiltRule;
 use spineline_files::{FilmOrigin, InputFile, Provenance, RotationPriorFile};
 use spineline_report::{rotation_prior, terminal};
 
 use crate::analysis::case::analyze_input;
+use crate::options::choice::{Choice, choice};
 use crate::options::values::threads;
 use crate::run::failure::{Ending, Failure};
 use crate::run::inputs::{CaseInput, case_files};
@@ -39,6 +41,9 @@ pub struct LearnPriorArgs {
     /// Write the distribution to this file (`-`: standard output)
     #[arg(long, value_name = "FILE")]
     out: PathBuf,
+    /// Landmarks from which the tilt of a vertebra is measured; `analyze` takes the file with the same ones only
+    #[arg(long, value_parser = choice::<TiltRule>(), default_value = TiltRule::Endplates.spelling())]
+    tilt: TiltRule,
     #[command(flatten)]
     overwrite: OverwriteArgs,
     /// Number of threads; 0 uses all cores. The results do not depend on it
@@ -50,7 +55,7 @@ pub fn run(args: &LearnPriorArgs) -> Result<Ending, Failure> {
     let paths = case_files(&args.cases)?;
     let outputs = Outputs::new(args.overwrite, paths.iter().map(PathBuf::as_path));
     outputs.file(&args.out)?;
-    let Patients { patients, inputs, ending } = read(&paths, args.threads)?;
+    let Patients { patients, inputs, ending } = read(&paths, args)?;
     let learned = learn_rotation_prior(&patients, SEED);
     let learned = learned.map_err(|error| {
         let help = "give the folders of more cases, each with an erect and a bending film";
@@ -58,7 +63,8 @@ pub fn run(args: &LearnPriorArgs) -> Result<Ending, Failure> {
     })?;
     let films = FilmOrigin::of(patients.iter().map(CohortPatient::is_synthetic));
     let provenance = Provenance::new(this_run()?, films, inputs).with_seed(SEED);
-    let file = RotationPriorFile::new(&learned, provenance);
+    let ids = patients.iter().map(|patient| patient.case_id().to_owned()).collect();
+    let file = RotationPriorFile::new(&learned, ids, args.tilt, provenance);
     outputs.write(&args.out, spineline_files::to_text(&file))?;
     outputs.commit()?;
     if !is_stdout(&args.out) {
@@ -76,9 +82,9 @@ struct Patients {
 }
 
 /// Reads and analyses all cases. Those that cannot be used are reported and left out.
-fn read(paths: &[PathBuf], threads: usize) -> Result<Patients, Failure> {
-    let options = AnalysisOptions::default();
-    let results = map_all("analysing", paths, threads, |path| {
+fn read(paths: &[PathBuf], args: &LearnPriorArgs) -> Result<Patients, Failure> {
+    let options = AnalysisOptions { tilt: args.tilt, ..AnalysisOptions::default() };
+    let results = map_all("analysing", paths, args.threads, |path| {
         let input = CaseInput::read(path)?;
         let analysis = analyze_input(path, &input, &options)?;
         Ok::<_, Failure>((CohortPatient::of(&analysis), input))

@@ -117,10 +117,20 @@ impl MethodArgs {
     /// The distribution of joint rotations that is read from a file.
     ///
     /// # Errors
-    /// If the file cannot be read.
+    /// If the file cannot be read, or was learned with tilts of another rule.
     pub fn stored_rotation_prior(&self) -> Result<Option<StoredRotationPrior>, Failure> {
         let Some(path) = &self.rotation_prior else { return Ok(None) };
-        read_rotation_prior(path).map(Some).map_err(|error| Failure::file(path, &error))
+        let stored = read_rotation_prior(path).map_err(|error| Failure::file(path, &error))?;
+        if stored.tilt != self.tilt {
+            let [learned, asked] = [stored.tilt, self.tilt].map(|rule| rule.spelling());
+            let text =
+                format!("it was learned with --tilt {learned}, and this run has --tilt {asked}");
+            let help = format!(
+                "give --tilt {learned}, or learn it anew with `learn-prior --tilt {asked}`"
+            );
+            return Err(Failure::input(&path.display().to_string(), &text, &help));
+        }
+        Ok(Some(stored))
     }
 
     /// Files that the options name: they are inputs.

@@ -100,12 +100,27 @@ fn the_line_that_predicts_best_gives_the_model() {
     let (_, error, code) = run(here.path(), &auto);
     assert_eq!(code, 0, "{error}");
     assert!(error.contains("the model of the iliac line is written"), "{error}");
+    let error = words(&error);
     assert_eq!(json(&here.path().join("m.json"))["line"], "iliac_line");
     let compared = &json(&here.path().join("a.json"))["comparison"];
     let left_out = |line: &str| {
         compared["lines"][line]["errors"]["left_out_bend"]["location_mm"].as_f64().expect("a mean")
     };
     assert!(left_out("iliac_line") < left_out("inflection_line"), "{compared}");
+    // Why, in numbers: the chosen line, the next one, and the best that needs no mechanics.
+    let baselines = compared["baselines_mm"].as_object().expect("baselines");
+    let without = baselines.iter().filter(|(name, _)| *name != "rotation_prior_with_tilt");
+    let without = without.filter_map(|(_, errors)| errors["left_out_bend"].as_f64());
+    for said in [
+        format!(
+            "the iliac line predicts bends left out of the fit best: to {:.1} mm",
+            left_out("iliac_line")
+        ),
+        format!("the next, the inflection line, to {:.1} mm", left_out("inflection_line")),
+        format!(") to {:.1} mm.", without.fold(f64::INFINITY, f64::min)),
+    ] {
+        assert!(error.contains(&said), "{said}: {error}");
+    }
 }
 
 #[test]

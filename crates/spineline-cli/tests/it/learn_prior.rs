@@ -5,7 +5,7 @@ use std::fs;
 use serde_json::Value;
 use tempfile::TempDir;
 
-use crate::program::{CASE, done, folder, json, refused, run};
+use crate::program::{CASE, done, folder, json, refused, run, words};
 
 /// So many synthetic patients in `cases`, and one more in `other`. Subject 6 has two films of one shape.
 fn cohort(patients: usize) -> TempDir {
@@ -63,6 +63,29 @@ fn nothing_is_predicted_of_patients_who_were_learned_from() {
         let error = refused(here.path(), &[command, CASE, "--rotation-prior", "prior.json"], 3);
         assert!(error.contains("was learned from the case"), "{error}");
         assert!(error.contains("learn it from other cases"), "{error}");
+    }
+    // The same patient in a file with other bytes.
+    let saved_again = json(&here.path().join(CASE)).to_string();
+    fs::write(here.path().join("again.json"), saved_again + "\n\n").expect("a place");
+    let asked = ["analyze", "again.json", "--rotation-prior", "prior.json"];
+    let error = refused(here.path(), &asked, 3);
+    assert!(error.contains("was learned from the case"), "{error}");
+}
+
+#[test]
+fn a_distribution_of_tilts_by_another_rule_is_refused() {
+    let here = cohort(5);
+    for (rule, other) in [("endplates", "axis"), ("axis", "endplates")] {
+        done(
+            here.path(),
+            &["learn-prior", "cases", "--tilt", rule, "--out", "prior.json", "--overwrite"],
+        );
+        assert_eq!(json(&here.path().join("prior.json"))["tilt"], rule);
+        let analyze = ["analyze", "other", "--rotation-prior", "prior.json", "--tilt"];
+        done(here.path(), &[&analyze[..], &[rule]].concat());
+        let error = refused(here.path(), &[&analyze[..], &[other]].concat(), 3);
+        let (error, said) = (words(&error), format!("learned with --tilt {rule}"));
+        assert!(error.contains(&said), "{error}");
     }
 }
 

@@ -7,6 +7,7 @@ use spineline::analysis::{
     LinesCompared,
 };
 use spineline::anatomy::Posture;
+use spineline::cohort::{BaselineTest, BaselinesOverPatients};
 use spineline::evaluate::{Baseline, BaselinePrediction, Simulation};
 use spineline::personalize::FitTarget;
 
@@ -25,15 +26,32 @@ pub(super) struct ComparisonRecord {
     /// By baseline and role: mean error over the films on which every line and the baseline have a result.
     #[serde(default)]
     baselines_mm: BTreeMap<String, BTreeMap<String, f64>>,
+    /// Every line, and every other load and base, beside the best prediction without mechanics.
+    #[serde(default)]
+    against_baselines: Vec<AgainstRecord>,
     /// Every film once per role.
     films: Vec<FilmRecord>,
-    /// By line: whether the bends are compatible with a single force along it. The test of the line itself exists for
-    /// `inflection_line` and `iliac_line`.
+    /// By line: whether the bends are compatible with a single force along it. The test of the line itself exists for every
+    /// line but the estimated one, which comes from the same rotations.
     compatibility: BTreeMap<String, CompatibilityRecord>,
     /// By the bend that was left out, and line: the model that the other bend alone gave, and what it predicts.
     left_out_bends: BTreeMap<Key<Posture>, BTreeMap<String, ModelRecord>>,
     /// The comparison as text.
     verdict: Vec<String>,
+}
+
+/// A model beside the prediction without mechanics with the smallest error on the films of a role.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+struct AgainstRecord {
+    /// Name of the line, or of the load and base.
+    model: String,
+    /// `left_out_bend` or `held_out`.
+    role: String,
+    baseline: Key<Baseline>,
+    /// Films that both predict.
+    films: usize,
+    /// Mean location error of the model less that of the prediction: below zero where the model is better.
+    difference_mm: f64,
 }
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -142,6 +160,7 @@ impl ComparisonRecord {
             same_data: found.same_data(),
             lines: (0..found.lines.len()).map(|i| line(&found, i)).collect(),
             baselines_mm: baselines_mm(&found),
+            against_baselines: against_baselines(analysis, &found),
             films: found.films.iter().map(|f| film(f, &found.lines)).collect(),
             compatibility: compatibility.collect(),
             left_out_bends: left_out.collect(),
@@ -158,6 +177,28 @@ fn baselines_mm(found: &LinesCompared) -> BTreeMap<String, BTreeMap<String, f64>
         errors.collect()
     };
     Baseline::ALL.into_iter().map(|one| (one.key().to_owned(), by_role(one))).collect()
+}
+
+fn against_baselines(analysis: &Analysis, found: &LinesCompared) -> Vec<AgainstRecord> {
+    fn record<M>(
+        baselines: &BaselinesOverPatients,
+        test: &BaselineTest<M>,
+        model: String,
+    ) -> Option<AgainstRecord> {
+        let best = baselines.best(test.role)?;
+        (best.baseline == test.baseline).then(|| AgainstRecord {
+            model,
+            role: test.role.key().to_owned(),
+            baseline: test.baseline.into(),
+            films: test.films,
+            difference_mm: test.comparison.mean_difference,
+        })
+    }
+    let all = BaselinesOverPatients::of_patient(analysis, found);
+    let lines = all.tests.iter();
+    let lines = lines.filter_map(|test| record(&all, test, test.model.key().to_owned()));
+    let hypotheses = all.hypothesis_tests.iter();
+    lines.chain(hypotheses.filter_map(|test| record(&all, test, test.model.key()))).collect()
 }
 
 fn line(found: &LinesCompared, place: usize) -> (String, LineRecord) {

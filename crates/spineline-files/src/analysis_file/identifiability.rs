@@ -7,7 +7,8 @@ use spineline::personalize::{
     Identifiability, MultiplierInformation, ProfileEnd, StiffnessDirection,
 };
 
-/// Identifiability of a model's multipliers from the bending films, in natural logarithms.
+/// Identifiability of a model's multipliers from the bending films, in natural logarithms, at the scales of the films that were
+/// found before the fit.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub(super) struct IdentifiabilityRecord {
     /// By region or joint, under the gauge.

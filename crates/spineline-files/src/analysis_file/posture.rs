@@ -2,7 +2,7 @@ use std::collections::BTreeMap;
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use spineline::analysis::{PostureAnalysis, PreferredLine};
+use spineline::analysis::{LineComparison, PostureAnalysis, PreferredLine};
 use spineline::curve::{CurveFit, CurveForm};
 use spineline::measure::{FilmLength, FilmScale, Interpolation, LengthScale, MeasuredVertebra};
 use spineline::motion::SegmentEstimate;
@@ -144,6 +144,9 @@ struct PreferredLineRecord {
     inflection_line: Option<LineComparisonRecord>,
     /// Of "it is parallel to the iliac line"; `null` where no crests are marked.
     parallel_to_iliac_line: Option<TestRecord>,
+    /// Against the line that was given for this film.
+    #[serde(default)]
+    given_line: Option<LineComparisonRecord>,
     /// Deviation of ln stiffness among the joints of a region, from all films together.
     joint_log_sd: f64,
 }
@@ -160,9 +163,9 @@ struct CrossingRecord {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 struct LineComparisonRecord {
     angle_deg: f64,
-    /// From the middle of the two inflections.
+    /// From the middle of the two inflections, or from the point of a given line nearest to it.
     distance_mm: f64,
-    /// Of "it runs through both inflections".
+    /// Of "it runs through both inflections", or "it is the given line".
     test: TestRecord,
 }
 
@@ -188,12 +191,9 @@ impl PreferredLineRecord {
                     Crossing::Open => None,
                 },
             }),
-            inflection_line: found.inflection.map(|c| LineComparisonRecord {
-                angle_deg: c.angle.deg(),
-                distance_mm: c.distance_mm,
-                test: TestRecord::new(c.test),
-            }),
-            parallel_to_iliac_line: found.iliac.map(TestRecord::new),
+            inflection_line: found.inflection.map(LineComparisonRecord::new),
+            parallel_to_iliac_line: found.iliac.map(|c| TestRecord::new(c.test)),
+            given_line: found.given.map(LineComparisonRecord::new),
             joint_log_sd: found.joint_log_sd,
         }
     }
@@ -204,6 +204,16 @@ fn against_erect(length: &FilmLength) -> FilmLengthRecord {
         measured: length.measured.factor,
         prior_log_sd: length.prior_log_sd,
         scale: length.scale.into(),
+    }
+}
+
+impl LineComparisonRecord {
+    fn new(found: LineComparison) -> Self {
+        Self {
+            angle_deg: found.angle.deg(),
+            distance_mm: found.distance_mm,
+            test: TestRecord::new(found.test),
+        }
     }
 }
 

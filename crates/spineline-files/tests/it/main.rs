@@ -3,6 +3,7 @@
 mod exports;
 mod files;
 mod hidden;
+mod left_out_bends;
 mod loads;
 mod public_cases;
 mod readings;

@@ -4,8 +4,9 @@
 use spineline::action::LineKind;
 use spineline::analysis::{Analysis, AnalysisOptions, FilmRole, analyze};
 use spineline::anatomy::{Posture, Side};
-use spineline::cohort::{Cohort, CohortPatient};
+use spineline::cohort::{BaselinesOverPatients, Cohort, CohortPatient};
 use spineline::evaluate::{Baseline, joint_rotations, predict_baseline};
+use spineline::hypothesis::{Hypothesis, LoadShape, Role};
 use spineline::spatial::Angle;
 use spineline_phantom::{Readers, Truth, generate};
 
@@ -65,7 +66,7 @@ fn the_load_that_moved_the_spines_beats_patterns_without_mechanics() {
     let test = |line, baseline| {
         let mut tests = cohort.baselines.tests.iter();
         let found = tests.find(|test| {
-            test.line == line && test.baseline == baseline && test.role == FilmRole::LeftOutBend
+            test.model == line && test.baseline == baseline && test.role == FilmRole::LeftOutBend
         });
         found.expect("eight patients with two bends")
     };
@@ -74,6 +75,65 @@ fn the_load_that_moved_the_spines_beats_patterns_without_mechanics() {
     assert!(published.comparison.mean_difference < -0.5, "{published:?}");
     // The wrong line has no such advantage.
     let wrong = test(LineKind::Inflection, Baseline::MirroredBend);
-    assert!(!wrong.line_is_better(), "{wrong:?}");
+    assert!(!wrong.is_better(), "{wrong:?}");
     assert!(cohort.verdict().iter().any(|text| text.contains("without mechanics")));
+}
+
+#[test]
+fn other_loads_are_tested_against_no_mechanics_by_one_difference_per_patient() {
+    // Oracle: the mean over patients of their own differences, from predictions and baselines film by film.
+    let hypotheses = [LoadShape::IliacLine, LoadShape::Couple].map(Hypothesis::of);
+    let patients: Vec<Analysis> = [0, 2, 4, 8]
+        .map(|subject| {
+            let phantom = generate(subject, Truth::Pull, &Readers::exact(), 1).expect("a phantom");
+            let options =
+                AnalysisOptions { hypotheses: hypotheses.to_vec(), ..AnalysisOptions::default() };
+            analyze(&phantom.case, &options).expect("a sound case")
+        })
+        .into();
+    let cohort = Cohort::of(&patients.iter().map(CohortPatient::of).collect::<Vec<_>>(), 1);
+    let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
+    let baseline = Baseline::MirroredBend;
+    for hypothesis in hypotheses {
+        let mut differences = Vec::new();
+        for patient in &patients {
+            let fit = patient.hypotheses.iter().find(|fit| fit.hypothesis == hypothesis);
+            let compared = patient.compare_lines();
+            let (mut of_load, mut without) = (Vec::new(), Vec::new());
+            for film in compared.films.iter().filter(|film| film.role == FilmRole::LeftOutBend) {
+                let mut predictions = fit.expect("it was asked for").of_role(Role::LeftOut);
+                let prediction = predictions.find(|one| one.posture == film.posture);
+                let (Some(load), Some(pattern)) = (prediction, film.baseline(baseline)) else {
+                    continue;
+                };
+                of_load.extend_from_slice(&load.location_errors_mm);
+                without.extend_from_slice(&pattern.location_errors_mm);
+            }
+            differences.push(mean(&of_load) - mean(&without));
+        }
+        let mut tests = cohort.baselines.hypothesis_tests.iter();
+        let test = tests.find(|test| {
+            test.model == hypothesis
+                && test.baseline == baseline
+                && test.role == FilmRole::LeftOutBend
+        });
+        let test = test.expect("four patients with two bends");
+        assert!((test.comparison.mean_difference - mean(&differences)).abs() < 1e-12);
+        assert!(test.comparison.bootstrap.is_some() && test.holm_p.is_some());
+        // Four patients cannot reach 0.05.
+        assert!(!test.is_better(), "{test:?}");
+    }
+    // Lines are a family of their own, and every one of them has its sentence.
+    let verdict = cohort.verdict();
+    for line in ["inflection line", "iliac line", "estimated line"] {
+        let start = format!("There the {line} is not significantly better than");
+        assert!(verdict.iter().any(|sentence| sentence.starts_with(&start)), "{verdict:?}");
+    }
+    assert!(verdict.iter().any(|s| s.contains("other loads and bases")), "{verdict:?}");
+    // One patient has the same differences, without an interval.
+    let one = BaselinesOverPatients::of_patient(&patients[0], &patients[0].compare_lines());
+    assert!(!one.hypothesis_tests.is_empty());
+    for test in &one.hypothesis_tests {
+        assert_eq!((test.comparison.bootstrap, test.holm_p), (None, None), "{test:?}");
+    }
 }

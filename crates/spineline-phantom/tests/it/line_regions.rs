@@ -76,7 +76,7 @@ fn count(phantom: &spineline_phantom::Phantom, analysis: &Analysis, counts: &mut
         let own = posture.preferred_line.as_ref().expect("a line");
         let inflection = own.inflection.expect("two inflections").test;
         add("'through the inflections' is not rejected", !inflection.rejects());
-        let iliac = own.iliac.expect("marked crests");
+        let iliac = own.iliac.expect("marked crests").test;
         add("'parallel to the iliac line' is not rejected", !iliac.rejects());
         for at in own.crossings.iter().filter(|_| line.direction.z_mm.abs() > 0.2) {
             let y_mm = line.y_mm_at(at.z_mm);
@@ -158,7 +158,8 @@ fn check(truth: Truth, counts: &Counts, bounds: &Bounds) {
         assert!(bounds.tests.contains(&kept), "{truth:?}, {posture}: {obeyed} in {kept}");
         // At rest a pulled spine moves little, and biased observers see less of it.
         let missed = share(counts, posture, broken);
-        assert!(missed < 0.3, "{truth:?}, {posture}: {broken} in {missed}");
+        let most = if posture.bend().is_some() { 0.05 } else { 0.3 };
+        assert!(missed < most, "{truth:?}, {posture}: {broken} in {missed}");
     }
 }
 

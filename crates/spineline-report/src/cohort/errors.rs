@@ -273,7 +273,7 @@ fn against_baselines(cohort: &Cohort) -> Table {
     let mut table = Table::new("Lines against predictions without mechanics", columns);
     for test in cohort.baselines.tests.iter().filter(|test| test.holm_p.is_some()) {
         let c = &test.comparison;
-        let line = test.line.to_string().replace(" line", "");
+        let line = test.model.to_string().replace(" line", "");
         table.row(vec![
             format!("{line} – {}", test.baseline),
             test.role.to_string(),
@@ -281,7 +281,7 @@ fn against_baselines(cohort: &Cohort) -> Table {
             with_interval(c.mean_difference, c.bootstrap, 1),
             p_cell(c.sign_flip.map(|t| t.p_two_sided)),
             p_cell(test.holm_p),
-            if test.line_is_better() { "yes" } else { "no" }.to_owned(),
+            if test.is_better() { "yes" } else { "no" }.to_owned(),
         ]);
     }
     table.note = "Location errors on the films that both predict. Yes: a smaller error, significant after Holm's correction over these tests. The estimated line takes two numbers more from each film, so its comparison is not fair.".to_owned();

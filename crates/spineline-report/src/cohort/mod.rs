@@ -41,7 +41,10 @@ pub fn report(patients: &Patients<'_>) -> Document {
     sections.push(errors::by_kind_of_film(patients.together));
     sections.push(errors::tests(patients.together));
     let rows: Vec<PatientRow> = patients.analyses.iter().map(PatientRow::of).collect();
-    sections.extend(hypotheses::section(rows.iter().map(PatientRow::hypotheses)));
+    sections.extend(hypotheses::section(
+        rows.iter().map(PatientRow::hypotheses),
+        &patients.together.baselines,
+    ));
     sections.push(by_patient::section(&rows, patients.together));
     sections.push(readers::section(patients.analyses));
     sections.push(how(patients));
@@ -72,7 +75,10 @@ pub fn summary(
         errors::compared(&mut tests, together);
         vec![verdict, by_patient::summary(patients, together), tests]
     };
-    sections.extend(hypotheses::section(patients.iter().map(PatientRow::hypotheses)));
+    sections.extend(hypotheses::section(
+        patients.iter().map(PatientRow::hypotheses),
+        &together.baselines,
+    ));
     let synthetic = if together.synthetic { " · SYNTHETIC" } else { "" };
     Document {
         title: "Cohort".to_owned(),

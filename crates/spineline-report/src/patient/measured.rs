@@ -245,7 +245,7 @@ pub fn line(analysis: &Analysis) -> Section {
 
 /// The line of best fit to the rotations of every film, and its tests against the candidate lines.
 pub fn best_fit(analysis: &Analysis) -> Table {
-    let columns = vec![
+    let mut columns = vec![
         Column::words("Film"),
         Column::words("Lateral tilt of the line"),
         Column::words("At the caudal inflection (mm left)"),
@@ -253,18 +253,22 @@ pub fn best_fit(analysis: &Analysis) -> Table {
         Column::words("p: through both inflections"),
         Column::words("p: parallel to the iliac line"),
     ];
+    let has_given = !analysis.options.given_lines.is_empty();
+    columns.extend(has_given.then(|| Column::words("p: the given line")));
     let mut table = Table::new("Line of best fit to the rotations of each film", columns);
     for p in &analysis.postures {
         let Some(found) = &p.preferred_line else { continue };
         let [caudal, cranial] = &found.crossings;
-        table.row(vec![
+        let mut row = vec![
             p.outline.posture.to_string(),
             found.line.lateral_tilt().leaning(),
             caudal.to_string(),
             cranial.to_string(),
             p_value(found.inflection.map(|found| found.test)),
-            p_value(found.iliac),
-        ]);
+            p_value(found.iliac.map(|found| found.test)),
+        ];
+        row.extend(has_given.then(|| p_value(found.given.map(|found| found.test))));
+        table.row(row);
     }
     if let Some(found) = analysis.postures.iter().find_map(|p| p.preferred_line.as_ref()) {
         table.note = format!(

@@ -54,10 +54,7 @@ pub fn report(patient: &Patient<'_>) -> Document {
     sections.push(model::stiffness(patient));
     sections.push(model::errors(analysis));
     sections.push(model::comparison(analysis, &compared));
-    sections.extend(hypotheses::section(std::iter::once((
-        analysis.synthetic,
-        &analysis.hypotheses[..],
-    ))));
+    sections.extend(hypotheses::of_patient(analysis, &compared));
     sections.extend(patient.uncertainty.map(|found| uncertainty::numbers(analysis, found)));
     sections.push(method::how(patient));
     Document {

@@ -29,10 +29,7 @@ pub fn summary(patient: &Patient<'_>) -> Document {
     let note = notes.collect::<Vec<_>>().join(" ");
     comparison.table(Table { note, ..model::same_films(&compared) });
     let mut sections = vec![verdict, films(analysis), line, errors, stiffness, comparison];
-    sections.extend(hypotheses::section(std::iter::once((
-        analysis.synthetic,
-        &analysis.hypotheses[..],
-    ))));
+    sections.extend(hypotheses::of_patient(analysis, &compared));
     if let Some(found) = patient.identifiability {
         let title = "Identifiability of the multipliers from the bending films";
         let mut section = Section::new("identifiability", title);

@@ -1,6 +1,6 @@
 //! The uncertainty of the numbers: from the films themselves, and from the noise of landmarks.
 
-use spineline::analysis::{Analysis, LineModel};
+use spineline::analysis::{Analysis, LineModel, PostureAnalysis};
 use spineline::anatomy::Level;
 use spineline::personalize::{Identifiability, MultiplierInformation, ProfileEnd};
 use spineline::uncertainty::{AnalysisQuantity, QuantityUnit, Uncertainty};
@@ -66,6 +66,10 @@ pub fn identifiability(
         for notice in limits(model, found) {
             section.notice(notice);
         }
+    }
+    let is_free = |film: &PostureAnalysis| film.outline.length.is_free();
+    if analysis.postures.iter().any(is_free) {
+        table.note = "Intervals are conditional on the scales of the films against the erect one, which were found before the fit and are held. Their error is not in these intervals; `--replicates` finds them anew with every set of landmarks.".to_owned();
     }
     section.table(table);
 }

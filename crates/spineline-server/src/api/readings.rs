@@ -120,7 +120,8 @@ pub struct AxisView {
     pub from_px: [f64; 2],
     /// Cranial end.
     pub to_px: [f64; 2],
-    /// Angle to the image's vertical, positive clockwise as seen.
+    /// Angle to the image's vertical, positive clockwise as seen with square pixels, that is in millimetres and not in columns
+    /// and rows.
     pub axis_deg: f64,
     /// Whether it was rotated by hand; else it is computed from the corners.
     pub by_hand: bool,

@@ -171,7 +171,7 @@ fn tests_of_a_cohort() {
         let found = &test.comparison;
         let start = format!(
             "{},{},true,{},location_mm,mm,{},{},,{},",
-            test.line.key(),
+            test.model.key(),
             test.baseline.key(),
             test.role.key(),
             found.patients(),

@@ -201,14 +201,46 @@ impl LinesCompared {
     /// among those that take fewest numbers from a predicted film; with that role. `None` where no film was predicted by all.
     #[must_use]
     pub fn best_predictor(&self) -> Option<(LineKind, FilmRole)> {
+        let (role, ranked) = self.ranked_predictors()?;
+        Some((ranked.first()?.0, role))
+    }
+
+    /// All lines that [`Self::best_predictor`] chooses from, the best first, with the role of the films and their mean
+    /// location errors in mm.
+    #[must_use]
+    pub fn ranked_predictors(&self) -> Option<(FilmRole, Vec<(LineKind, f64)>)> {
         let few = self.lines.iter().map(|line| line.numbers.per_predicted_film).min()?;
         let fair = |i: &usize| self.lines[*i].numbers.per_predicted_film == few;
         [FilmRole::LeftOutBend, FilmRole::HeldOut].into_iter().find_map(|role| {
-            let errors = (0..self.lines.len()).filter(fair);
-            let errors = errors.filter_map(|i| Some((i, self.errors(i, role)?.location_mm)));
-            let (best, _) = errors.min_by(|a, b| a.1.total_cmp(&b.1))?;
-            Some((self.lines[best].kind, role))
+            let lines = (0..self.lines.len()).filter(fair);
+            let errors = |i: usize| Some((self.lines[i].kind, self.errors(i, role)?.location_mm));
+            let mut ranked: Vec<(LineKind, f64)> = lines.filter_map(errors).collect();
+            ranked.sort_by(|a, b| a.1.total_cmp(&b.1));
+            (!ranked.is_empty()).then_some((role, ranked))
         })
+    }
+
+    /// Why [`Self::best_predictor`] chooses its line: its error, that of the next line, and that of the best prediction
+    /// without mechanics, in a sentence.
+    #[must_use]
+    pub fn choice_words(&self) -> Option<String> {
+        let (role, ranked) = self.ranked_predictors()?;
+        let films = match role {
+            FilmRole::LeftOutBend => "bends left out of the fit",
+            FilmRole::Fitted | FilmRole::HeldOut => "neutral and traction films",
+        };
+        let (kind, mm) = ranked.first()?;
+        let next = ranked.get(1).map_or_else(
+            || "no other line can be compared".to_owned(),
+            |(kind, mm)| format!("the next, the {kind}, to {mm:.1} mm"),
+        );
+        let without = self.best_baseline(role).map_or_else(
+            || "nothing is predicted without mechanics".to_owned(),
+            |(baseline, mm)| format!("the best without mechanics ({baseline}) to {mm:.1} mm"),
+        );
+        Some(format!(
+            "Of the lines that take fewest numbers from a predicted film, the {kind} predicts {films} best: to {mm:.1} mm; {next}; {without}."
+        ))
     }
 
     /// Whether all lines were fitted to the same data.

@@ -1,7 +1,6 @@
 //! Test whether the bends of a patient are compatible with a single force along a line.
 
-use super::{Analysis, LineComparison, LineModel, PostureAnalysis};
-use crate::action::LineKind;
+use super::{Analysis, LineComparison, LineModel};
 use crate::anatomy::Posture;
 use crate::evaluate::paired::holm;
 use crate::personalize::SIGNIFICANCE;
@@ -29,10 +28,11 @@ pub struct BendEvidence {
     /// Probability that noise alone turns any joint so far against the force: that of the joint which speaks most against
     /// it, at least 5 mm from the line, times the number of joints. Corrected over the patient's tests.
     pub joints_p: f64,
-    /// The test of "the load runs through the inflections"; for the inflection line only.
+    /// How far the line of best fit to the rotations lies from the line; `None` for the estimated line, which comes from the
+    /// same rotations.
     pub line_test: Option<LineComparison>,
     /// Probability of the test of the line itself, corrected over the patient's tests: "it runs through the inflections" of the
-    /// inflection line, "it is parallel to the iliac line" of that line; `None` for lines that are fitted or given.
+    /// inflection line, "it is parallel to the iliac line" of that line, "it is this line" of a given one.
     pub line_p: Option<f64>,
 }
 
@@ -80,8 +80,9 @@ impl Analysis {
     ///
     /// # Definition
     /// Per bend two questions: does any joint turn against the force further than noise carries one of so many, and is the
-    /// line of best fit to the rotations another one: not through the inflections, or not along the iliac line. Holm's correction
-    /// is over all of them, so that a patient whose bends are compatible is called otherwise with a probability of at most 0.05. The joints' question takes the place of the
+    /// line of best fit to the rotations another one: not through the inflections, not along the iliac line, or not along the
+    /// given line. Holm's correction is over all of them, so that a patient whose
+    /// bends are compatible is called otherwise with a probability of at most 0.05. The joints' question takes the place of the
     /// line, the lever arms and the noise of the tilts as known; the line's does not ([`crate::personalize::PreferredLoads`]).
     #[must_use]
     pub fn compatibility(&self, model: &LineModel) -> Compatibility {
@@ -92,9 +93,7 @@ impl Analysis {
                 let beyond_noise = s.contradicted.iter().filter(|j| j.beyond_noise).count();
                 let joints = s.joints();
                 let film = self.posture(s.posture);
-                let line_test = film
-                    .filter(|_| model.kind == LineKind::Inflection)
-                    .and_then(PostureAnalysis::line_comparison);
+                let line_test = film.and_then(|film| film.line_comparison(model.kind));
                 let tested = film.is_some_and(|film| film.evidence.is_some());
                 BendEvidence {
                     posture: s.posture,
@@ -104,7 +103,7 @@ impl Analysis {
                     weight: s.contradicted_weight(),
                     joints_p: if tested { against_by_chance(&s.contradicted, joints) } else { 1.0 },
                     line_test,
-                    line_p: film.and_then(|film| line_p_value(model.kind, film)),
+                    line_p: line_test.map(|found| found.test.p_value),
                 }
             })
             .collect();
@@ -119,16 +118,6 @@ impl Analysis {
         }
         let without_force = films().filter(|s| !s.is_usable()).map(|s| s.posture).collect();
         Compatibility { bends, without_force, tests: adjusted.len() }
-    }
-}
-
-/// Probability of the line of best fit to the rotations, if the load runs along a line of this kind.
-fn line_p_value(kind: LineKind, film: &PostureAnalysis) -> Option<f64> {
-    let preferred = film.preferred_line.as_ref()?;
-    match kind {
-        LineKind::Inflection => Some(preferred.inflection?.test.p_value),
-        LineKind::Iliac => Some(preferred.iliac?.p_value),
-        LineKind::Estimated | LineKind::Given => None,
     }
 }
 

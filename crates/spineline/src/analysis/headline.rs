@@ -25,11 +25,10 @@ impl Analysis {
         [first, compared.prediction_headline(), last].into_iter().flatten().collect()
     }
 
-    /// Which of the lines that geometry gives the bends contradict.
+    /// Which of the lines that are not fitted to the films the bends contradict.
     fn lines_headline(&self) -> Option<String> {
         let (mut against, mut consistent) = (Vec::new(), Vec::new());
-        let lines = [LineKind::Inflection, LineKind::Iliac];
-        for model in self.models.iter().filter(|model| lines.contains(&model.kind)) {
+        for model in self.models.iter().filter(|model| model.kind != LineKind::Estimated) {
             let found = self.compatibility(model);
             if found.bends.is_empty() {
                 continue;

@@ -187,9 +187,7 @@ fn geometric_line(
         LineKind::Given => {
             let (_, line) = options.given_lines.iter().find(|(p, _)| *p == name)?;
             warn_of_distance(line, posture, warnings);
-            // It was given on the film as it is.
-            let point = line.point * (1.0 / posture.outline.length.scale.factor);
-            Some(LineOfAction { point, ..*line })
+            options.given_line(posture)
         }
         LineKind::Estimated => None,
     }

@@ -1,5 +1,6 @@
 use std::ops::RangeInclusive;
 
+use super::PostureAnalysis;
 use crate::action::{LineKind, LineOfAction};
 use crate::anatomy::{Posture, SagittalProfile, named};
 use crate::chain::SEGMENT_WINDOW;
@@ -85,6 +86,14 @@ impl AnalysisOptions {
             kinds.push(LineKind::Given);
         }
         kinds
+    }
+
+    /// The line that was given for a film, at the film's scale against the erect one.
+    pub(super) fn given_line(&self, film: &PostureAnalysis) -> Option<LineOfAction> {
+        let (_, line) = self.given_lines.iter().find(|(p, _)| *p == film.outline.posture)?;
+        // It was given on the film as it is.
+        let point = line.point * (1.0 / film.outline.length.scale.factor);
+        Some(LineOfAction { point, ..*line })
     }
 }
 

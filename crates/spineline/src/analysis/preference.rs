@@ -4,12 +4,12 @@ use nalgebra::{Matrix2, Matrix4, Vector2};
 
 use super::findings::Findings;
 use super::{Analysis, PostureAnalysis};
-use crate::action::LineOfAction;
+use crate::action::{LineKind, LineOfAction};
 use crate::clinical::JointShares;
 use crate::curve::CurveSpread;
 use crate::personalize::evidence::FilmEvidence;
 use crate::personalize::{Crossing, LineTest, PreferredLoads, ProposedLine};
-use crate::spatial::Angle;
+use crate::spatial::{Angle, Frontal};
 use crate::warning::{Step, Warnings};
 
 /// The line of best fit to the rotations of one film.
@@ -21,8 +21,10 @@ pub struct PreferredLine {
     pub crossings: [LineCrossing; 2],
     /// Against the line through the inflections.
     pub inflection: Option<LineComparison>,
-    /// Of "it is parallel to the iliac line"; `None` where no crests are marked.
-    pub iliac: Option<LineTest>,
+    /// Against the iliac line, which is tested for its direction alone; `None` where no crests are marked.
+    pub iliac: Option<LineComparison>,
+    /// Against the line that was given for this film, which is taken as exact.
+    pub given: Option<LineComparison>,
     /// Deviation of `ln` stiffness among the joints of a region, shared by all films.
     pub joint_log_sd: f64,
 }
@@ -50,22 +52,30 @@ impl std::fmt::Display for LineCrossing {
     }
 }
 
-/// How far the line of best fit to the rotations lies from the line through the inflections.
+/// How far the line of best fit to the rotations of a film lies from a proposed one.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LineComparison {
     /// Angle between the lines.
     pub angle: Angle,
-    /// Distance of the line of best fit from the middle of the two inflections.
+    /// Distance of the line of best fit from a point of the other: the middle of the two inflections, T2 (the top) for the iliac
+    /// line, and for a given line its point nearest to the middle of the spine.
     pub distance_mm: f64,
-    /// Of "it runs through both inflections".
+    /// Of "it runs through both inflections", "it is parallel to the iliac line" or "it is the given line".
     pub test: LineTest,
 }
 
 impl PostureAnalysis {
-    /// The line of best fit to the rotations against the line through the inflections.
+    /// The line of best fit to the film's rotations against a line of this kind; `None` where there is no such line, and for the
+    /// estimated one, which comes from the same rotations.
     #[must_use]
-    pub fn line_comparison(&self) -> Option<LineComparison> {
-        self.preferred_line.as_ref()?.inflection
+    pub fn line_comparison(&self, kind: LineKind) -> Option<LineComparison> {
+        let preferred = self.preferred_line.as_ref()?;
+        match kind {
+            LineKind::Inflection => preferred.inflection,
+            LineKind::Iliac => preferred.iliac,
+            LineKind::Given => preferred.given,
+            LineKind::Estimated => None,
+        }
     }
 }
 
@@ -127,7 +137,9 @@ pub(super) fn prefer_lines(
         let inflection = places.and_then(|(segments, along_mm2)| {
             against_inflections(&loads, film, (posture, segments), along_mm2, &line)
         });
-        preferred_line(&loads, film, posture, (line, inflection))
+        let given = findings.options.given_line(posture);
+        let given = given.and_then(|given| against_given(&loads, film, posture, (&line, &given)));
+        preferred_line(&loads, film, posture, (line, inflection, given))
     };
     // Loads are counted over the films that have evidence.
     let mut films = 0..;
@@ -142,7 +154,7 @@ fn preferred_line(
     loads: &PreferredLoads,
     film: usize,
     posture: &PostureAnalysis,
-    (line, inflection): (LineOfAction, Option<LineComparison>),
+    (line, inflection, given): (LineOfAction, Option<LineComparison>, Option<LineComparison>),
 ) -> Option<PreferredLine> {
     let vertebrae = &posture.outline.vertebrae;
     let ends = [vertebrae[0].location, vertebrae[vertebrae.len() - 1].location];
@@ -154,7 +166,8 @@ fn preferred_line(
     Some(PreferredLine {
         crossings: [caudal?, cranial?],
         inflection,
-        iliac: against_iliac(loads, film, posture),
+        iliac: against_iliac(loads, film, posture, &line),
+        given,
         joint_log_sd: loads.joint_log_sd,
         line,
     })
@@ -213,15 +226,41 @@ fn against_iliac(
     loads: &PreferredLoads,
     film: usize,
     posture: &PostureAnalysis,
-) -> Option<LineTest> {
+    line: &LineOfAction,
+) -> Option<LineComparison> {
     let outline = &posture.outline;
     let normal = outline.iliac_normal?;
     let t2 = outline.vertebrae[outline.vertebrae.len() - 1].location;
-    let direction = LineOfAction::along_iliac(t2, Some(normal)).direction;
+    let iliac = LineOfAction::along_iliac(t2, Some(normal));
+    let direction = iliac.direction;
     /// Between the crests of grown-ups (assumption).
     const CRESTS_MM: f64 = 250.0;
     // Crests are marked once, and like a corner; a location is the mean of four corners and of all readings.
     let crest_mm = 2.0 * outline.noise.location_mm * (outline.readings as f64).sqrt();
     let sd = Angle::from_rad(f64::sqrt(2.0) * crest_mm / CRESTS_MM);
-    loads.test(film, &ProposedLine::Along { direction, sd })
+    Some(LineComparison {
+        angle: line.angle_to(&iliac),
+        distance_mm: line.lever_arm_mm(t2).abs(),
+        test: loads.test(film, &ProposedLine::Along { direction, sd })?,
+    })
+}
+
+/// A given line is known exactly: through any two of its points there is the same statistic.
+fn against_given(
+    loads: &PreferredLoads,
+    film: usize,
+    posture: &PostureAnalysis,
+    (line, given): (&LineOfAction, &LineOfAction),
+) -> Option<LineComparison> {
+    let middle = posture.middle();
+    // The lever arm of a unit force is the distance across its direction.
+    let across = Frontal::new(given.direction.z_mm, -given.direction.y_mm);
+    let nearest = middle + across * across.dot(given.point - middle);
+    let points = [nearest, nearest + given.direction * LineOfAction::MIN_GAP_MM];
+    let proposal = ProposedLine::Through { points, covariance: Matrix4::zeros() };
+    Some(LineComparison {
+        angle: line.angle_to(given),
+        distance_mm: line.lever_arm_mm(nearest).abs(),
+        test: loads.test(film, &proposal)?,
+    })
 }

@@ -22,9 +22,10 @@ impl Analysis {
 
     /// The findings on the lines of action, in sentences.
     ///
-    /// First the films that may not show what they are named after: then no line is called consistent with them. Then
-    /// whether the bends are compatible with a single force through the inflections, then how well each line predicts
-    /// films that it was not fitted to, and last how small its error is on the fitted films, which proves nothing.
+    /// First the films that may not show what they are named after: then no line is called consistent with them. Then, for
+    /// every line that is not fitted to the films, whether the bends are compatible with a single force along it
+    /// ([`Analysis::compatibility`]), then how well each line predicts films that it was not fitted to, and last how small
+    /// its error is on the fitted films, which proves nothing.
     ///
     /// `compared` is what [`Analysis::compare_lines`] gives.
     #[must_use]
@@ -51,16 +52,11 @@ impl Analysis {
             sentences.push(why.to_owned());
             return sentences;
         }
-        match self.models.iter().find(|model| model.kind == LineKind::Inflection) {
-            Some(model) => sentences.extend(self.inflection_verdict(model)),
-            None if self.inflections.pair.is_some() => {
-                sentences.push("There is no inflection line: see the warnings.".to_owned())
-            }
-            None => sentences.push(format!(
-                "There is no inflection line: the erect curve has {} (minimum angle of a curve between inflections: {}).",
-                counted(self.inflections.all.len()),
-                self.options.min_curve
-            )),
+        if !self.models.iter().any(|model| model.kind == LineKind::Inflection) {
+            sentences.push(self.no_inflection_line());
+        }
+        for model in self.models.iter().filter(|model| model.kind != LineKind::Estimated) {
+            sentences.extend(self.line_verdict(model));
         }
         let keeps_shape = |posture| {
             let mut warnings = self.warnings.all().iter();
@@ -72,31 +68,29 @@ impl Analysis {
         sentences
     }
 
-    fn inflection_verdict(&self, model: &LineModel) -> Vec<String> {
+    fn no_inflection_line(&self) -> String {
+        if self.inflections.pair.is_some() {
+            return "There is no inflection line: see the warnings.".to_owned();
+        }
+        format!(
+            "There is no inflection line: the erect curve has {} (minimum angle of a curve between inflections: {}).",
+            counted(self.inflections.all.len()),
+            self.options.min_curve
+        )
+    }
+
+    /// What the bends say of a single force along a line that was not fitted to them: every kind of line by the same rule.
+    fn line_verdict(&self, model: &LineModel) -> Vec<String> {
         let found = self.compatibility(model);
+        let force = force_words(model.kind);
         let mut sentences: Vec<String> = found
             .without_force
             .iter()
             .map(|posture| {
-                format!(
-                    "No force through the inflections was found that reproduces the {}.",
-                    bend_name(*posture)
-                )
+                format!("No force {force} was found that reproduces the {}.", bend_name(*posture))
             })
             .collect();
-        sentences.extend(joints_sentence(&found));
-        for bend in found.bends.iter().filter(|bend| bend.line_rejects()) {
-            if let Some((test, p)) = bend.line_test.zip(bend.line_p) {
-                sentences.push(format!(
-                    "In the {} the line of best fit to the rotations is {:.0} mm from the midpoint of the inflections, at {:.0}° to the line through them (p {}, corrected for {} tests).",
-                    bend_name(bend.posture),
-                    test.distance_mm,
-                    test.angle.deg(),
-                    probability(p),
-                    found.tests
-                ));
-            }
-        }
+        sentences.extend(rejection(model.kind, &found));
         if !found.rejects() && !found.bends.is_empty() && !self.has_doubted_film() {
             let joints = match found.bends.iter().map(|bend| bend.against).sum::<usize>() {
                 0 => "no joint turns against it".to_owned(),
@@ -105,11 +99,26 @@ impl Analysis {
                     joints_against(&found.bends)
                 ),
             };
+            let untested = if found.bends.iter().any(|bend| bend.line_p.is_some()) {
+                ""
+            } else {
+                "; the line itself could not be tested"
+            };
             sentences.push(format!(
-                "The bending films are consistent with a single force through the inflections: {joints}. This does not prove such a force."
+                "The bending films are consistent with a single force {force}: {joints}{untested}. This does not prove such a force."
             ));
         }
         sentences
+    }
+}
+
+/// A force of a line, after "a single force".
+const fn force_words(kind: LineKind) -> &'static str {
+    match kind {
+        LineKind::Inflection => "through the inflections",
+        LineKind::Iliac => "along the iliac line",
+        LineKind::Given => "along the given line",
+        LineKind::Estimated => "along the estimated line",
     }
 }
 
@@ -127,36 +136,70 @@ fn joints_against(bends: &[BendEvidence]) -> String {
     listed(&parts.collect::<Vec<_>>())
 }
 
-/// Which bends are not compatible with the line, and why.
-fn joints_sentence(found: &Compatibility) -> Option<String> {
+/// Which bends are not compatible with the line, and why: joints that turn against it, and the place of the load.
+fn rejection(kind: LineKind, found: &Compatibility) -> Option<String> {
     let against: Vec<BendEvidence> =
-        found.bends.iter().copied().filter(BendEvidence::joints_reject).collect();
-    let first = against.first()?;
+        found.bends.iter().copied().filter(BendEvidence::rejects).collect();
+    if against.is_empty() {
+        return None;
+    }
     let whole = against.len() == found.bends.len() && against.len() > 1;
     let who = if whole {
         "The bends of this patient are".to_owned()
     } else {
-        format!("The {} of this patient is", bend_name(first.posture))
+        let names: Vec<String> = against.iter().map(|bend| bend_name(bend.posture)).collect();
+        let verb = if against.len() == 1 { "is" } else { "are" };
+        format!("The {} of this patient {verb}", listed(&names))
     };
-    let parts: Vec<String> = against
-        .iter()
-        .enumerate()
-        .map(|(i, bend)| {
-            let joints = if i == 0 { " joints" } else { "" };
-            let place =
-                if whole { format!(" in the {}", bend_name(bend.posture)) } else { String::new() };
-            format!(
-                "{} of {}{joints}{place} turn against it ({} beyond noise, {:.0} % of the work)",
-                bend.against,
-                bend.joints,
-                bend.beyond_noise,
-                100.0 * bend.weight
-            )
-        })
-        .collect();
+    let several = against.len() > 1;
+    let joints: Vec<BendEvidence> =
+        against.iter().copied().filter(BendEvidence::joints_reject).collect();
+    let joints: Vec<String> =
+        joints.iter().enumerate().map(|(i, bend)| joints_words(bend, i == 0, several)).collect();
+    let joints = (!joints.is_empty()).then(|| listed(&joints));
+    let places = against.iter().filter(|bend| bend.line_rejects());
+    let places = places.filter_map(|bend| place_words(kind, bend, found.tests, several));
+    let reasons: Vec<String> = joints.into_iter().chain(places).collect();
     Some(format!(
-        "{who} not compatible with a single force through the inflections: {}.",
-        listed(&parts)
+        "{who} not compatible with a single force {}: {}.",
+        force_words(kind),
+        reasons.join("; ")
+    ))
+}
+
+fn joints_words(bend: &BendEvidence, is_first: bool, several: bool) -> String {
+    let joints = if is_first { " joints" } else { "" };
+    let place =
+        if several { format!(" in the {}", bend_name(bend.posture)) } else { String::new() };
+    format!(
+        "{} of {}{joints}{place} turn against it ({} beyond noise, {:.0} % of the work)",
+        bend.against,
+        bend.joints,
+        bend.beyond_noise,
+        100.0 * bend.weight
+    )
+}
+
+/// Where the line of best fit to the rotations lies instead.
+fn place_words(kind: LineKind, bend: &BendEvidence, tests: usize, several: bool) -> Option<String> {
+    let (test, p) = bend.line_test.zip(bend.line_p)?;
+    let place =
+        if several { format!("in the {} ", bend_name(bend.posture)) } else { String::new() };
+    let (mm, deg) = (test.distance_mm, test.angle.deg());
+    let where_it_lies = match kind {
+        LineKind::Iliac => {
+            format!("at {deg:.0}° to the iliac line, {mm:.0} mm from the top of the model")
+        }
+        LineKind::Inflection => format!(
+            "{mm:.0} mm from the midpoint of the inflections, at {deg:.0}° to the line through them"
+        ),
+        LineKind::Given | LineKind::Estimated => {
+            format!("{mm:.0} mm from this line, at {deg:.0}° to it")
+        }
+    };
+    Some(format!(
+        "{place}the line of best fit to the rotations is {where_it_lies} (p {}, corrected for {tests} tests)",
+        probability(p)
     ))
 }
 

@@ -1,16 +1,17 @@
-//! Predictions without mechanics over many patients, and whether lines of action predict better.
+//! Predictions without mechanics over many patients, and whether lines of action and other loads predict better.
 
 use super::comparison::corrected_by_holm;
 use super::patient::{CohortPatient, PatientFilmUnderLines};
 use super::rotation_prior::priors_of_others;
 use super::{Clustered, PairedComparison};
 use crate::action::LineKind;
-use crate::analysis::{FilmRole, listed, probability};
+use crate::analysis::{Analysis, FilmRole, LinesCompared, listed, probability};
 use crate::anatomy::Levels;
 use crate::evaluate::statistics::Resampling;
 use crate::evaluate::{
     Baseline, BaselinePrediction, RotationPrior, predict_baseline, predict_from_prior,
 };
+use crate::hypothesis::Hypothesis;
 use crate::personalize::SIGNIFICANCE;
 use crate::spatial::Angle;
 
@@ -27,33 +28,33 @@ pub struct BaselineErrors {
     pub location_mm: Clustered,
 }
 
-/// A line against a baseline, on the films of a role that both predict.
+/// A model against a baseline, on the films of a role that both predict: a line of action, or another load and base.
 #[derive(Debug, Clone, PartialEq)]
-pub struct BaselineTest {
-    /// The line.
-    pub line: LineKind,
+pub struct BaselineTest<Model = LineKind> {
+    /// The model.
+    pub model: Model,
     /// The baseline.
     pub baseline: Baseline,
     /// What the films were to the models.
     pub role: FilmRole,
     /// Films in the comparison.
     pub films: usize,
-    /// Location errors, line minus baseline: a negative difference is the line's advantage.
+    /// Location errors, model minus baseline: a negative difference is the model's advantage.
     pub comparison: PairedComparison,
-    /// The sign-flip probability, corrected by Holm over all tests of lines against baselines.
+    /// The sign-flip probability, corrected by Holm over all tests of such models against baselines.
     pub holm_p: Option<f64>,
 }
 
-impl BaselineTest {
+impl<Model> BaselineTest<Model> {
     /// Whether the two differ beyond chance in the whole family.
     #[must_use]
     pub fn is_significant(&self) -> bool {
         self.holm_p.is_some_and(|p| p < SIGNIFICANCE)
     }
 
-    /// Whether the line predicts better, beyond chance.
+    /// Whether the model predicts better, beyond chance.
     #[must_use]
-    pub fn line_is_better(&self) -> bool {
+    pub fn is_better(&self) -> bool {
         self.is_significant() && self.comparison.mean_difference < 0.0
     }
 }
@@ -65,6 +66,8 @@ pub struct BaselinesOverPatients {
     pub errors: Vec<BaselineErrors>,
     /// By line, baseline and role: one family.
     pub tests: Vec<BaselineTest>,
+    /// By other load and base, baseline and role: one family; none where they were not requested.
+    pub hypothesis_tests: Vec<BaselineTest<Hypothesis>>,
 }
 
 /// The roles of films that are predicted.
@@ -83,8 +86,6 @@ impl BaselinesOverPatients {
                 Predicted::of(patient, mean.as_deref(), priors[place].as_ref())
             })
             .collect();
-        let cells = || Baseline::ALL.into_iter().flat_map(|one| PREDICTED.map(|role| (one, role)));
-        let fair = || cells().filter(|(baseline, _)| !baseline.knows_tilt());
         let mut errors: Vec<BaselineErrors> = cells()
             .map(|(baseline, role)| {
                 let of = |patient: &Predicted<'_>| -> Vec<Vec<f64>> {
@@ -107,15 +108,66 @@ impl BaselinesOverPatients {
             all.iter().flat_map(|one| one.lines.iter().map(|line| line.kind)).collect();
         kinds.sort();
         kinds.dedup();
-        let pairs = kinds.into_iter().flat_map(|line| fair().map(move |cell| (line, cell)));
-        let mut tests: Vec<BaselineTest> =
-            pairs.filter_map(|(line, cell)| test(&patients, line, cell, resampling)).collect();
-        let corrected = corrected_by_holm(tests.iter().map(|test| &test.comparison));
-        for (test, holm_p) in tests.iter_mut().zip(corrected) {
-            test.holm_p = holm_p;
+        let mut hypotheses: Vec<Hypothesis> =
+            all.iter().flat_map(|one| one.hypotheses.iter().map(|fit| fit.hypothesis)).collect();
+        hypotheses.sort();
+        hypotheses.dedup();
+        Self {
+            errors,
+            tests: tests_of(&patients, &kinds, line_errors_mm, resampling),
+            hypothesis_tests: tests_of(&patients, &hypotheses, hypothesis_errors_mm, resampling),
         }
-        Self { errors, tests }
     }
+
+    /// The models of one patient beside what is predicted without mechanics and without other patients: differences, with no
+    /// interval and no test. `compared` is what [`Analysis::compare_lines`] gives.
+    #[must_use]
+    pub fn of_patient(analysis: &Analysis, compared: &LinesCompared) -> Self {
+        /// One patient is not resampled.
+        const NO_SEED: u64 = 0;
+        let patient = CohortPatient::of_compared(analysis, compared);
+        Self::of(&[patient], &Resampling::new(1, 1, NO_SEED))
+    }
+
+    /// The prediction without mechanics with the smallest error on the films of a role, of those that know no more of a
+    /// film than a line does.
+    #[must_use]
+    pub fn best(&self, role: FilmRole) -> Option<&BaselineErrors> {
+        let fair = self.errors.iter().filter(|one| one.role == role && !one.baseline.knows_tilt());
+        fair.min_by(|a, b| a.mean_mm().total_cmp(&b.mean_mm()))
+    }
+}
+
+impl BaselineErrors {
+    /// Mean over patients of one mean per patient.
+    #[must_use]
+    pub fn mean_mm(&self) -> f64 {
+        self.location_mm.patients.mean
+    }
+}
+
+/// Every baseline in every role of films that are predicted.
+fn cells() -> impl Iterator<Item = (Baseline, FilmRole)> {
+    Baseline::ALL.into_iter().flat_map(|one| PREDICTED.map(|role| (one, role)))
+}
+
+/// All models against every baseline that knows no more of a film than they do, as one family.
+fn tests_of<Model: Copy>(
+    patients: &[Predicted<'_>],
+    models: &[Model],
+    errors_mm: ErrorsOf<Model>,
+    resampling: &Resampling,
+) -> Vec<BaselineTest<Model>> {
+    let fair = || cells().filter(|(baseline, _)| !baseline.knows_tilt());
+    let pairs = models.iter().flat_map(|&model| fair().map(move |cell| (model, cell)));
+    let found =
+        pairs.filter_map(|(model, cell)| test(patients, (model, errors_mm), cell, resampling));
+    let mut tests: Vec<BaselineTest<Model>> = found.collect();
+    let corrected = corrected_by_holm(tests.iter().map(|test| &test.comparison));
+    for (test, holm_p) in tests.iter_mut().zip(corrected) {
+        test.holm_p = holm_p;
+    }
+    tests
 }
 
 impl BaselinesOverPatients {
@@ -126,48 +178,73 @@ impl BaselinesOverPatients {
     }
 
     fn of_role(&self, role: FilmRole) -> Vec<String> {
+        let Some(best) = self.best(role) else { return Vec::new() };
         let mut found: Vec<&BaselineErrors> =
             self.errors.iter().filter(|one| one.role == role).collect();
-        let mean = |one: &BaselineErrors| one.location_mm.patients.mean;
-        found.sort_by(|a, b| mean(a).total_cmp(&mean(b)));
-        let with_tilt = found.iter().position(|one| one.baseline.knows_tilt());
-        let with_tilt = with_tilt.map(|place| found.remove(place));
-        let Some(best) = found.first() else { return Vec::new() };
+        found.sort_by(|a, b| a.mean_mm().total_cmp(&b.mean_mm()));
+        let (with_tilt, found): (Vec<_>, Vec<_>) =
+            found.into_iter().partition(|one| one.baseline.knows_tilt());
         let parts: Vec<String> =
-            found.iter().map(|one| format!("{} {:.1} mm", one.baseline, mean(one))).collect();
+            found.iter().map(|one| format!("{} {:.1} mm", one.baseline, one.mean_mm())).collect();
         let films = films_words(role);
         let mut all = vec![format!("{films}, predicted without mechanics: {}.", listed(&parts))];
-        all.extend(with_tilt.map(|one| {
+        all.extend(with_tilt.first().map(|one| {
             format!(
                 "With T2's tilt as well as its location, the distribution of rotations predicts them to {:.1} mm; no line is compared with it, since a line knows T2's location alone.",
-                mean(one)
+                one.mean_mm()
             )
         }));
-        let tests = self.tests.iter().filter(|test| test.role == role);
-        let tests: Vec<&BaselineTest> =
-            tests.filter(|test| test.baseline == best.baseline).collect();
-        all.extend(tests.iter().filter(|test| test.is_significant()).filter_map(|test| {
-            let [low, high] = test.comparison.bootstrap?;
-            let difference = test.comparison.mean_difference;
-            let sense = if difference < 0.0 { "smaller" } else { "larger" };
-            let (least, most) = (low.abs().min(high.abs()), low.abs().max(high.abs()));
-            Some(format!(
-                "There the error of the {} is {sense} than that of {} by {:.1} mm (95 % interval over {} patients {least:.1} to {most:.1} mm; p {} after Holm's correction).",
-                test.line,
-                best.baseline,
-                difference.abs(),
-                test.comparison.patients(),
-                probability(test.holm_p?)
-            ))
-        }));
-        if !tests.is_empty() && !tests.iter().any(|test| test.line_is_better()) {
+        let of_best = |test: &&BaselineTest| test.role == role && test.baseline == best.baseline;
+        let tests: Vec<&BaselineTest> = self.tests.iter().filter(of_best).collect();
+        all.extend(tests.iter().filter_map(|test| line_sentence(test)));
+        if !tests.is_empty() && !tests.iter().any(|test| test.is_better()) {
             all.push(format!(
                 "No line predicts them significantly better than {}: these films are no evidence that a prediction needs mechanics.",
                 best.baseline
             ));
         }
+        all.extend(self.hypotheses_sentence(role, best.baseline));
         all
     }
+
+    /// Which of the other loads and bases do not predict better than the best prediction without mechanics.
+    fn hypotheses_sentence(&self, role: FilmRole, best: Baseline) -> Option<String> {
+        let of_best = |test: &&BaselineTest<Hypothesis>| test.role == role && test.baseline == best;
+        let tests: Vec<_> = self.hypothesis_tests.iter().filter(of_best).collect();
+        let behind: Vec<String> = tests
+            .iter()
+            .filter(|test| !test.is_better())
+            .map(|test| format!("{} ({:+.1} mm)", test.model, test.comparison.mean_difference))
+            .collect();
+        (!behind.is_empty()).then(|| {
+            format!(
+                "Of {} other loads and bases, {} do not predict them significantly better than {best}: {}.",
+                tests.len(),
+                behind.len(),
+                listed(&behind)
+            )
+        })
+    }
+}
+
+/// A line beside the best prediction without mechanics: whether it is better or worse beyond chance, or neither.
+fn line_sentence(test: &BaselineTest) -> Option<String> {
+    let [low, high] = test.comparison.bootstrap?;
+    let difference = test.comparison.mean_difference;
+    let sense = if difference < 0.0 { "smaller" } else { "larger" };
+    let verdict = match (test.is_significant(), difference < 0.0) {
+        (true, true) => "is better than",
+        (true, false) => "is worse than",
+        (false, _) => "is not significantly better than",
+    };
+    Some(format!(
+        "There the {} {verdict} {}: its error is {sense} by {:.1} mm (line minus baseline, 95 % interval over {} patients {low:.1} to {high:.1} mm; p {} after Holm's correction).",
+        test.model,
+        test.baseline,
+        difference.abs(),
+        test.comparison.patients(),
+        probability(test.holm_p?)
+    ))
 }
 
 /// Films of a role, at the start of a sentence.
@@ -237,6 +314,27 @@ impl<'a> Predicted<'a> {
     }
 }
 
+fn line_errors_mm<'b>(
+    patient: &'b Predicted<'_>,
+    line: LineKind,
+    film: &'b PredictedFilm<'_>,
+) -> Option<&'b [f64]> {
+    let place = patient.patient.lines.iter().position(|one| one.kind == line)?;
+    Some(&film.film.by_line[place].as_ref().ok()?.location_mm)
+}
+
+fn hypothesis_errors_mm<'b>(
+    patient: &'b Predicted<'_>,
+    hypothesis: Hypothesis,
+    film: &'b PredictedFilm<'_>,
+) -> Option<&'b [f64]> {
+    let fits = &patient.patient.hypotheses;
+    let fit = fits.iter().find(|fit| fit.hypothesis == hypothesis)?;
+    let (posture, role) = (film.film.posture, film.film.role);
+    let found = fit.films.iter().find(|one| one.0 == posture && one.1 == role)?;
+    Some(&found.2)
+}
+
 /// Sums of the rotations over the bends of all patients with the same vertebrae, as if all bent to the right.
 struct BendSums {
     by_levels: Vec<(Levels, Vec<Angle>, usize)>,
@@ -273,30 +371,32 @@ impl BendSums {
     }
 }
 
-/// A line against a baseline; `None` where they have no film in common.
-fn test(
+/// The location errors of a model on a film of a patient; `None` where it has no result.
+type ErrorsOf<Model> =
+    for<'a> fn(&'a Predicted<'_>, Model, &'a PredictedFilm<'_>) -> Option<&'a [f64]>;
+
+/// A model against a baseline; `None` where they have no film in common.
+fn test<Model: Copy>(
     patients: &[Predicted<'_>],
-    line: LineKind,
+    (model, errors_mm): (Model, ErrorsOf<Model>),
     (baseline, role): (Baseline, FilmRole),
     resampling: &Resampling,
-) -> Option<BaselineTest> {
+) -> Option<BaselineTest<Model>> {
     let mut films = 0;
-    let (mut of_line, mut of_baseline) = (Vec::new(), Vec::new());
+    let (mut of_model, mut of_baseline) = (Vec::new(), Vec::new());
     for patient in patients {
-        let place = patient.patient.lines.iter().position(|one| one.kind == line);
-        let both = patient.films(role).filter_map(|one| {
-            let simulated = one.film.by_line[place?].as_ref().ok()?;
-            Some((&simulated.location_mm, one.errors_mm(baseline)?))
-        });
+        let both = patient
+            .films(role)
+            .filter_map(|one| Some((errors_mm(patient, model, one)?, one.errors_mm(baseline)?)));
         let (mut a, mut b) = (Vec::new(), Vec::new());
         for (first, second) in both {
             films += 1;
             a.extend_from_slice(first);
             b.extend_from_slice(second);
         }
-        of_line.push(a);
+        of_model.push(a);
         of_baseline.push(b);
     }
-    let comparison = PairedComparison::new(&of_line, &of_baseline, resampling);
-    (films > 0).then_some(BaselineTest { line, baseline, role, films, comparison, holm_p: None })
+    let comparison = PairedComparison::new(&of_model, &of_baseline, resampling);
+    (films > 0).then_some(BaselineTest { model, baseline, role, films, comparison, holm_p: None })
 }

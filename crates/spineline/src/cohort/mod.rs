@@ -182,19 +182,42 @@ pub struct Cohort {
     pub ferguson_test: PairedComparison,
     /// Location errors of the inflection line against the iliac line on fitted films: the paper's test.
     pub location_test: PairedComparison,
-    /// Patients whose bends reject a single force through the inflections, and all patients who were tested.
-    ///
-    /// Patients with a film that may be a wrong one are in neither number.
-    pub incompatible: (usize, usize),
+    /// By line that is not fitted to the films: how often patients and bends reject a single force along it.
+    pub rejections: Vec<LineRejections>,
     /// Patients with a film that may not show what it is named after.
     pub doubted: usize,
     /// The films of these patients, by patient.
     pub doubted_films: Vec<DoubtedFilm>,
     /// The chains of the patients, the one of most patients first.
     pub chains: Vec<ChainCount>,
-    /// Bending films whose own load runs elsewhere than through the inflections, beyond chance and by what matters, and
-    /// all that were tested.
-    pub line_rejected: (usize, usize),
+}
+
+/// How often a single force along a line is rejected.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct LineRejections {
+    /// The line.
+    pub kind: LineKind,
+    /// Patients whose bends reject it ([`crate::analysis::Compatibility::rejects`]), and all patients who were tested.
+    ///
+    /// Patients with a film that may be a wrong one are in neither number.
+    pub patients: (usize, usize),
+    /// Bending films on which the line of best fit to the rotations differs from it by chance with a probability below 5 %
+    /// ([`crate::personalize::LineTest::rejects`]), and all that were tested, one by one.
+    pub bends: (usize, usize),
+}
+
+impl LineRejections {
+    fn of(patients: &[CohortPatient], kind: LineKind) -> Option<Self> {
+        let count = |tested: &mut dyn Iterator<Item = &(LineKind, bool)>| {
+            let own = tested.filter(|one| one.0 == kind);
+            own.fold((0, 0), |(rejected, all), one| (rejected + usize::from(one.1), all + 1))
+        };
+        let films = patients.iter().flat_map(|patient| &patient.films);
+        let mut bends = films.filter(|film| Films::Bends.has(film)).flat_map(|film| &film.tested);
+        let mut by_patient = patients.iter().flat_map(|patient| &patient.tested);
+        let found = Self { kind, patients: count(&mut by_patient), bends: count(&mut bends) };
+        (found.patients.1 + found.bends.1 > 0).then_some(found)
+    }
 }
 
 /// Which films count.
@@ -254,15 +277,6 @@ impl Cohort {
         let numbers = |value: &dyn Fn(&CohortPatient) -> f64| {
             Summary::of(&patients.iter().map(value).collect::<Vec<f64>>())
         };
-        let count = |of: &[bool]| (of.iter().filter(|found| **found).count(), of.len());
-        let incompatible: Vec<bool> =
-            patients.iter().filter_map(|patient| patient.rejects_inflections).collect();
-        let tested: Vec<bool> = patients
-            .iter()
-            .flat_map(|patient| &patient.films)
-            .filter(|film| Films::Bends.has(film))
-            .filter_map(|film| film.rejects_inflections)
-            .collect();
         Self {
             patients: patients.len(),
             synthetic: patients.iter().any(|patient| patient.synthetic),
@@ -284,12 +298,20 @@ impl Cohort {
             location_test: paper_test(patients, resampling, |errors| &errors.location_mm),
             baselines: BaselinesOverPatients::of(patients, resampling),
             compared: LinesOverPatients::of(patients, resampling),
-            incompatible: count(&incompatible),
+            rejections: kinds
+                .into_iter()
+                .filter_map(|kind| LineRejections::of(patients, kind))
+                .collect(),
             doubted: patients.iter().filter(|patient| patient.has_doubted_film()).count(),
             doubted_films: patients.iter().flat_map(|patient| patient.doubts.clone()).collect(),
             chains: ChainCount::of(patients),
-            line_rejected: count(&tested),
         }
+    }
+
+    /// How often a line is rejected; `None` where it was not tested.
+    #[must_use]
+    pub fn rejections(&self, kind: LineKind) -> Option<&LineRejections> {
+        self.rejections.iter().find(|found| found.kind == kind)
     }
 
     /// One line's statistics.

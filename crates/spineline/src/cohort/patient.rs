@@ -10,6 +10,7 @@ use crate::analysis::{
 use crate::anatomy::{Levels, Posture, Side};
 use crate::evaluate::statistics::Summary;
 use crate::evaluate::{Baseline, Simulation, joint_rotations};
+use crate::hypothesis::{Hypothesis, HypothesisFit, Role};
 use crate::measure::Outline;
 use crate::motion::SegmentEstimate;
 use crate::spatial::Angle;
@@ -35,12 +36,22 @@ pub struct CohortPatient {
     /// The erect film first.
     pub(super) films: Vec<PatientFilm>,
     pub(super) models: Vec<PatientModel>,
-    /// Whether the bends reject a single force through the inflections; `None` where it was not tested.
-    pub(super) rejects_inflections: Option<bool>,
+    /// Lines that were tested, with whether the bends reject a single force along them.
+    pub(super) tested: Vec<(LineKind, bool)>,
     pub(super) lines: Vec<ComparedLine>,
     pub(super) same_data: bool,
     /// Every film once per role.
     pub(super) compared: Vec<PatientFilmUnderLines>,
+    /// Other loads and bases, on films that they were not fitted to.
+    pub(super) hypotheses: Vec<PatientHypothesis>,
+}
+
+/// Another load and base of a patient.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct PatientHypothesis {
+    pub hypothesis: Hypothesis,
+    /// Location errors, in mm, of the films that it predicts.
+    pub films: Vec<(Posture, FilmRole, Vec<f64>)>,
 }
 
 /// A film of a patient.
@@ -54,8 +65,8 @@ pub(super) struct PatientFilm {
     pub least_rotations_deg: Vec<f64>,
     pub inflection_estimates: Option<[SegmentEstimate; 2]>,
     pub mean_least_estimates: Option<[SegmentEstimate; 2]>,
-    /// Whether its rotations reject the line through the inflections; `None` where it was not tested.
-    pub rejects_inflections: Option<bool>,
+    /// Lines that were tested on it alone, with whether its rotations reject them.
+    pub tested: Vec<(LineKind, bool)>,
 }
 
 /// A line of action of a patient.
@@ -98,11 +109,16 @@ impl CohortPatient {
     /// Of an analysed patient.
     #[must_use]
     pub fn of(analysis: &Analysis) -> Self {
-        let compared = analysis.compare_lines();
-        let inflection = analysis.models.iter().find(|model| model.kind == LineKind::Inflection);
-        let compatibility = inflection
-            .filter(|_| !analysis.has_doubted_film())
-            .map(|model| analysis.compatibility(model));
+        Self::of_compared(analysis, &analysis.compare_lines())
+    }
+
+    /// The same, where the lines were compared already.
+    pub(super) fn of_compared(analysis: &Analysis, compared: &LinesCompared) -> Self {
+        let candidates = analysis.models.iter().filter(|model| model.kind != LineKind::Estimated);
+        let tested = candidates.filter(|_| !analysis.has_doubted_film()).filter_map(|model| {
+            let found = analysis.compatibility(model);
+            (!found.bends.is_empty()).then(|| (model.kind, found.rejects()))
+        });
         Self {
             case_id: analysis.case_id.clone(),
             synthetic: analysis.synthetic,
@@ -115,16 +131,15 @@ impl CohortPatient {
             has_rotation_prior: analysis.options.rotation_prior.is_some(),
             films: analysis.postures.iter().map(PatientFilm::of).collect(),
             models: analysis.models.iter().map(PatientModel::of).collect(),
-            rejects_inflections: compatibility
-                .filter(|found| !found.bends.is_empty())
-                .map(|found| found.rejects()),
+            tested: tested.collect(),
             same_data: compared.same_data(),
             compared: compared
                 .films
                 .iter()
-                .map(|film| PatientFilmUnderLines::of(film, &compared, &analysis.models))
+                .map(|film| PatientFilmUnderLines::of(film, compared, &analysis.models))
                 .collect(),
-            lines: compared.lines,
+            lines: compared.lines.clone(),
+            hypotheses: analysis.hypotheses.iter().map(PatientHypothesis::of).collect(),
         }
     }
 
@@ -201,8 +216,26 @@ impl PatientFilm {
                 .map_or_else(Vec::new, |m| m.least.map(|k| m.rotations[k].deg()).to_vec()),
             inflection_estimates: film.inflection_estimates,
             mean_least_estimates: film.mean_least_estimates,
-            rejects_inflections: film.line_comparison().map(|found| found.test.rejects()),
+            tested: LineKind::ALL
+                .into_iter()
+                .filter_map(|kind| Some((kind, film.line_comparison(kind)?.test.rejects())))
+                .collect(),
         }
+    }
+}
+
+impl PatientHypothesis {
+    fn of(fit: &HypothesisFit) -> Self {
+        let films = fit.predictions.iter().filter_map(|film| {
+            let role = match film.role {
+                Role::LeftOut => FilmRole::LeftOutBend,
+                Role::HeldOut => FilmRole::HeldOut,
+                // A load that was fitted to the film predicts nothing.
+                Role::Fitted | Role::LeftOutLoadFitted => return None,
+            };
+            Some((film.posture, role, film.location_errors_mm.clone()))
+        });
+        Self { hypothesis: fit.hypothesis, films: films.collect() }
     }
 }
 

@@ -3,7 +3,10 @@
 use std::fmt;
 
 use super::films::{chains_sentence, doubted_sentence};
-use super::{Cohort, ErrorKind, LinePairTest, LinesOverPatients, NoResult, PairedComparison};
+use super::{
+    Cohort, ErrorKind, LinePairTest, LineRejections, LinesOverPatients, NoResult, PairedComparison,
+};
+use crate::action::LineKind;
 use crate::analysis::{FilmRole, listed, probability};
 use crate::evaluate::statistics::PairedT;
 use crate::personalize::SIGNIFICANCE;
@@ -23,30 +26,44 @@ impl Cohort {
         all
     }
 
-    /// What the cohort says of the lines: whether its bends are compatible with a single force through the inflections,
-    /// and which line predicts better. A difference on fitted films alone is never called better.
+    /// What the cohort says of the lines: whether its bends are compatible with a single force along each, and which line
+    /// predicts better. A difference on fitted films alone is never called better.
     #[must_use]
     pub fn verdict(&self) -> Vec<String> {
         let mut all = Vec::new();
         all.extend(doubted_sentence(&self.doubted_films, self.doubted, self.patients));
         all.extend(chains_sentence(&self.chains));
-        let (rejecting, tested) = self.incompatible;
-        if tested > 0 {
-            all.push(format!(
-                "In {rejecting} of {} with an inflection line the bends are not compatible with a single force through it; under the null hypothesis at most 5 % would be rejected.",
-                counted(tested, "patient")
-            ));
-        }
-        let (rejected, tested) = self.line_rejected;
-        if tested > 0 {
-            all.push(format!(
-                "In {rejected} of {}, tested one by one, the line of best fit to the rotations does not run through the inflections; under the null hypothesis 5 % would be rejected.",
-                counted(tested, "bend")
-            ));
-        }
+        all.extend(self.rejections.iter().flat_map(LineRejections::sentences));
         all.extend(self.compared.sentences());
         all.extend(self.baselines.sentences());
         all
+    }
+}
+
+impl LineRejections {
+    /// In how many patients, and in how many bends alone, the line is rejected.
+    fn sentences(&self) -> Vec<String> {
+        let of_patients = |(rejecting, tested): (usize, usize)| {
+            format!(
+                "In {rejecting} of {} with the {} the bends are not compatible with a single force along it; under the null hypothesis at most 5 % would be rejected.",
+                counted(tested, "patient"),
+                self.kind
+            )
+        };
+        let of_bends = |(rejected, tested): (usize, usize)| {
+            let claim = match self.kind {
+                LineKind::Inflection => "does not run through the inflections",
+                LineKind::Iliac => "is not parallel to the iliac line",
+                LineKind::Given | LineKind::Estimated => "is not the given line",
+            };
+            format!(
+                "In {rejected} of {}, tested one by one, the line of best fit to the rotations {claim}; under the null hypothesis 5 % would be rejected.",
+                counted(tested, "bend")
+            )
+        };
+        let is_tested = |counts: &(usize, usize)| counts.1 > 0;
+        let patients = Some(self.patients).filter(is_tested).map(of_patients);
+        patients.into_iter().chain(Some(self.bends).filter(is_tested).map(of_bends)).collect()
     }
 }
 

@@ -40,7 +40,8 @@ use crate::least_squares::{FitStatus, Minimum, minimize};
 /// # Definition
 /// Residuals count in standard deviations of their measurement. Where the fit leaves more than those explain, every
 /// deviation and limit below is widened by [`Identifiability::variance_factor`]; where it leaves less, by nothing. A prior is
-/// not widened.
+/// not widened. The scales of the films ([`crate::measure::FilmLength`]) are held at what was found before the fit: everything
+/// here is conditional on them.
 ///
 /// # References
 /// [raue-2009] for the profile likelihood; [gutenkunst-2007] for the directions.

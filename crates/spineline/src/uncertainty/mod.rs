@@ -10,7 +10,8 @@
 //! perturbed readings contain noise twice, and would give too large ones), the options, and a lateral film.
 //!
 //! # What it does not say
-//! Noise that all readers share, the scale of a film, the choice of levels and the model's own faults are not in it. Where a
+//! Noise that all readers share, the error of the erect film's own scale, the choice of levels and the model's own faults are
+//! not in it. The scale of every other film against the erect one is found anew in every replicate. Where a
 //! number is found by a choice (which inflections, which order, which force) its distribution may have several modes; the
 //! interval covers them all. Replicates vary about the case as it was read, not about the true values.
 //!

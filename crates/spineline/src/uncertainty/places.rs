@@ -55,9 +55,9 @@ impl AnalysisQuantity {
             | Self::LeastDistance(posture, end) => {
                 Place { end: Some(end), ..Place::of_film(posture) }
             }
-            Self::ComparisonAngle(posture) | Self::ComparisonDistance(posture) => {
-                Place::of_film(posture)
-            }
+            Self::FilmScale(posture)
+            | Self::ComparisonAngle(posture)
+            | Self::ComparisonDistance(posture) => Place::of_film(posture),
             Self::LogMultiplier(line, group) => {
                 Place { group: Some(group), ..Place::of_line(line) }
             }

@@ -26,6 +26,8 @@ pub enum AnalysisQuantity {
     TiltRange(Posture, Region),
     /// Ferguson angle.
     Ferguson(Posture, Region),
+    /// Scale of a film against the erect one, from all its vertebrae, where it is not fixed.
+    FilmScale(Posture),
     /// Number of inflections of the erect curve.
     InflectionCount,
     /// 1 where two inflections carry a line, else 0: the mean is how often they do.
@@ -140,6 +142,10 @@ pub(super) fn all_of(nominal: &Analysis, kinds: &[LineKind]) -> Vec<AnalysisQuan
             all.extend([Q::Cobb, Q::TiltRange, Q::Ferguson].map(|angle| angle(posture, region)));
         }
     }
+    let is_free = |posture: &Posture| {
+        nominal.posture(*posture).is_some_and(|film| film.outline.length.is_free())
+    };
+    all.extend(moved().filter(is_free).map(Q::FilmScale));
     for posture in moved() {
         for window in 0..2 {
             let of_window = [Q::LeastSegment, Q::LeastDistanceSegments, Q::LeastDistance];
@@ -179,6 +185,7 @@ impl AnalysisQuantity {
             | Self::Cobb(..)
             | Self::TiltRange(..)
             | Self::Ferguson(..) => self.of_film(analysis),
+            Self::FilmScale(posture) => Ok(found(analysis, posture)?.outline.length.scale.factor),
             Self::LeastSegment(..)
             | Self::LeastDistanceSegments(..)
             | Self::LeastDistance(..)
@@ -252,7 +259,7 @@ impl AnalysisQuantity {
         if analysis.inflections.pair.is_none() {
             return Err(Absent::NoInflections);
         }
-        let line = || film.line_comparison().ok_or(Absent::NotMeasured);
+        let line = || film.line_comparison(LineKind::Inflection).ok_or(Absent::NotMeasured);
         let estimate =
             || film.inflection_estimates.map(|pair| pair[window]).ok_or(Absent::NotMeasured);
         let factor = analysis.scale().pixels_per_mm.unwrap_or(1.0);
@@ -317,7 +324,9 @@ impl AnalysisQuantity {
     pub const fn grows_with_noise(self) -> bool {
         matches!(
             self,
-            Self::ComparisonAngle(_)
+            Self::LeastDistanceSegments(..)
+                | Self::LeastDistance(..)
+                | Self::ComparisonAngle(_)
                 | Self::ComparisonDistance(_)
                 | Self::LocationError(..)
                 | Self::MeanLocationError(..)
@@ -354,4 +363,33 @@ fn mean_error(model: &LineModel, fitted: bool) -> Result<f64, Absent> {
 pub(super) fn wrapped_deg(difference_deg: f64, period_deg: f64) -> f64 {
     let turns = 360.0 / period_deg;
     Angle::from_deg(difference_deg * turns).wrapped().deg() / turns
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn whatever_is_never_negative_and_vanishes_without_noise_has_no_interval() {
+        let (film, line) = (Posture::LeftBending, LineKind::Inflection);
+        // Lengths of a difference, and absolute values of one.
+        let grow = [
+            AnalysisQuantity::LeastDistanceSegments(film, 0),
+            AnalysisQuantity::LeastDistance(film, 1),
+            AnalysisQuantity::ComparisonAngle(film),
+            AnalysisQuantity::ComparisonDistance(film),
+            AnalysisQuantity::LocationError(line, film),
+            AnalysisQuantity::MeanLocationError(line, true),
+            AnalysisQuantity::FergusonError(line, film, Region::MainThoracic),
+        ];
+        assert!(grow.into_iter().all(AnalysisQuantity::grows_with_noise));
+        // Places and signed numbers, which noise carries to both sides.
+        let keep = [
+            AnalysisQuantity::LeastSegment(film, 0),
+            AnalysisQuantity::InflectionArc(0),
+            AnalysisQuantity::LineOffset(line, film),
+            AnalysisQuantity::FilmScale(film),
+        ];
+        assert!(!keep.into_iter().any(AnalysisQuantity::grows_with_noise));
+    }
 }

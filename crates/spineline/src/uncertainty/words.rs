@@ -44,6 +44,7 @@ impl AnalysisQuantity {
             Self::Cobb(..) => "cobb",
             Self::TiltRange(..) => "tilt_range",
             Self::Ferguson(..) => "ferguson",
+            Self::FilmScale(_) => "film_scale",
             Self::InflectionCount => "inflection_count",
             Self::InflectionPair => "inflection_pair",
             Self::InflectionY(_) => "inflection_y",
@@ -101,7 +102,8 @@ impl AnalysisQuantity {
             | Self::FergusonError(..) => QuantityUnit::Degrees,
             Self::Force(..) => QuantityUnit::Force,
             Self::LeastSegment(..) | Self::LeastDistanceSegments(..) => QuantityUnit::Segments,
-            Self::InflectionCount
+            Self::FilmScale(_)
+            | Self::InflectionCount
             | Self::InflectionPair
             | Self::LogMultiplier(..)
             | Self::ContradictedJoints(..) => QuantityUnit::One,
@@ -122,6 +124,7 @@ impl AnalysisQuantity {
                 "difference of the tilts of the end vertebrae, positive where convex to the left"
             }
             Self::Ferguson(..) => "Ferguson angle, positive where convex to the left",
+            Self::FilmScale(_) => "scale of the film against the erect one",
             Self::InflectionCount => "inflections of the erect curve",
             Self::InflectionPair => "share of replicates with two inflections that define a line",
             Self::InflectionY(_) => "inflection on the erect film, to the patient's left",

@@ -32,6 +32,20 @@ fn thoracic_joints_in_vitro_have_the_published_range() {
 }
 
 #[test]
+fn the_joint_between_thorax_and_loins_has_the_mean_of_its_neighbours_springs() {
+    // The table of scoliotic spines has the proportions of the paper's, joint by joint.
+    for table in StiffnessTable::ALL.into_iter().filter(|t| *t != StiffnessTable::ScolioticInVivo) {
+        // A range is proportional to one over the stiffness.
+        let [below, own, above] = [Level::L1, Level::T12, Level::T11]
+            .map(|superior| range_deg(table, superior, 7.5).map(|range| 1.0 / range));
+        for axis in 0..3 {
+            let mean = 0.5 * (below[axis] + above[axis]);
+            assert!((own[axis] / mean - 1.0).abs() < 1e-9, "{table:?}, axis {axis}");
+        }
+    }
+}
+
+#[test]
 fn ribs_stiffen_the_thoracic_spine_alone() {
     let ratio = |superior| {
         let [with, without] = [StiffnessTable::IntactChest, StiffnessTable::InVitro]

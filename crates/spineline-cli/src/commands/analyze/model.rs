@@ -41,10 +41,8 @@ pub fn write_model(
         return Err(Failure::input(&analysis.case_id, &text, &help_without_model(analysis)));
     };
     if matches!(args.model_line, ModelLine::Auto) {
-        say(&format!(
-            "{}: the model of the {} is written, which has the smallest error on films that it was not fitted to, among lines that take one number from each\n",
-            analysis.case_id, model.kind
-        ));
+        let why = analysis.compare_lines().choice_words().unwrap_or_default();
+        say(&format!("{}: the model of the {} is written. {why}\n", analysis.case_id, model.kind));
     }
     let file = ModelFile::new(analysis, model, &generator());
     outputs.write(path, to_text(&file.with_provenance(provenance.clone())))

@@ -2,7 +2,7 @@
 
 use spineline::action::LineKind;
 use spineline::analysis::{FilmRole, probability};
-use spineline::cohort::{Cohort, ErrorKind, LinePairTest, RoleErrors};
+use spineline::cohort::{Cohort, ErrorKind, LinePairTest, PairedComparison, RoleErrors};
 use spineline::evaluate::Baseline;
 use spineline::multibody::Support;
 
@@ -36,13 +36,22 @@ pub fn section(cohorts: [&Cohort; 3], support: Support) -> Section {
             let ours = cohorts.map(|c| baseline_error(c, baseline, role));
             rows.push(row(name, "mm", ours, String::new()));
         }
+        for (kind, baseline) in against_baselines(role) {
+            let name = format!(
+                "  {} - {baseline} (mm, 95 % over patients)",
+                kind.to_string().replace(" line", "")
+            );
+            let ours = cohorts.map(|c| difference(baseline_test(c, kind, baseline, role)));
+            rows.push(row(name, "mm", ours, String::new()));
+        }
         for lines in pairs {
             let of = |c| test(c, lines, role);
+            let compared = |c| of(c).map(|test| &test.comparison);
             let [first, second] = lines.map(|kind| kind.to_string().replace(" line", ""));
             rows.push(row(
                 format!("  {first} - {second} (mm, 95 % over patients)"),
                 "mm",
-                cohorts.map(|c| difference(of(c))),
+                cohorts.map(|c| difference(compared(c))),
                 String::new(),
             ));
             let verdict = verdict(cohorts.map(of), role);
@@ -50,7 +59,7 @@ pub fn section(cohorts: [&Cohort; 3], support: Support) -> Section {
         }
     }
     let title = format!("Fair comparison with {}", support_words(support));
-    let note = "Location errors on films on which every line has a result; one mean per patient. Left-out bends: stiffness from the other bend, only the force is free. The estimated line takes two more numbers from every film, so a smaller error is no evidence for it; with `--fit ferguson`, the default here, it is also fitted to other data, whole shapes. Intervals resample patients; p flips the signs of the patients' differences, corrected by Holm over the 18 tests of a column. Use these and not the pooled p of the paper, which treats 14 vertebrae of one spine as 14 patients.";
+    let note = "Location errors on films on which every line has a result; one mean per patient. Left-out bends: stiffness from the other bend, only the force is free. The estimated line takes two more numbers from every film, so a smaller error is no evidence for it; with `--fit ferguson`, the default here, it is also fitted to other data, whole shapes. A line less a prediction without mechanics: on the films that both predict; below zero the line is nearer. Intervals resample patients; p flips the signs of the patients' differences, corrected by Holm over the 18 tests of a column. Use these and not the pooled p of the paper, which treats 14 vertebrae of one spine as 14 patients.";
     Section { title, support: Some(support), rows, note }
 }
 
@@ -82,14 +91,33 @@ fn test(cohort: &Cohort, lines: [LineKind; 2], role: FilmRole) -> Option<&LinePa
         .find(|t| t.lines == lines && t.role == role && t.error == ErrorKind::Location)
 }
 
-fn difference(test: Option<&LinePairTest>) -> Cell {
-    let found = test.and_then(|test| Some((test, test.comparison.bootstrap?)));
-    let Some((test, [low, high])) = found else {
+/// Every line with every prediction without mechanics that knows no more of a film of this role.
+fn against_baselines(role: FilmRole) -> impl Iterator<Item = (LineKind, Baseline)> {
+    let fair = Baseline::ALL.into_iter().filter(|baseline| !baseline.knows_tilt());
+    let baselines: Vec<Baseline> = fair.filter(|_| role != FilmRole::Fitted).collect();
+    let lines = [LineKind::Inflection, LineKind::Iliac, LineKind::Estimated].into_iter();
+    lines.flat_map(move |kind| baselines.clone().into_iter().map(move |one| (kind, one)))
+}
+
+fn baseline_test(
+    cohort: &Cohort,
+    kind: LineKind,
+    baseline: Baseline,
+    role: FilmRole,
+) -> Option<&PairedComparison> {
+    let mut tests = cohort.baselines.tests.iter();
+    let found = tests.find(|t| t.model == kind && t.baseline == baseline && t.role == role);
+    found.map(|test| &test.comparison)
+}
+
+fn difference(found: Option<&PairedComparison>) -> Cell {
+    let found = found.and_then(|found| Some((found, found.bootstrap?)));
+    let Some((comparison, [low, high])) = found else {
         return Cell::value(f64::NAN, 0, "-".to_owned());
     };
-    let mean = test.comparison.mean_difference;
+    let mean = comparison.mean_difference;
     let text = format!("{mean:+.2} ({low:.2} to {high:.2})");
-    Cell::value(mean, test.comparison.patients(), text)
+    Cell::value(mean, comparison.patients(), text)
 }
 
 fn holm(test: Option<&LinePairTest>) -> Cell {
