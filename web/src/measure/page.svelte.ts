@@ -1,6 +1,7 @@
 import { beginReading, readReading } from "../api/readings";
 import { editFilm, readStudy } from "../api/studies";
 import type { Api } from "../api/types";
+import { backAfter } from "../shell/loaded.svelte";
 import { nameTab } from "./keeping";
 import { Marking } from "./marking.svelte";
 
@@ -23,6 +24,7 @@ export class StudyPage {
   #film = $state<number | null>(null);
   #burst: ReturnType<typeof setTimeout> | null = null;
   #openings = 0;
+  #isClosed = false;
 
   readonly film = $derived(this.films.find(({ film }) => film === this.#film) ?? null);
 
@@ -80,10 +82,15 @@ export class StudyPage {
   async begin(): Promise<void> {
     const film = this.film;
     if (!film) return;
+    const repeat = this.nextRepeat;
     await this.#tried("The reading could not be started", async () => {
-      const view = await beginReading(film.film, { repeat: this.nextRepeat });
+      // An earlier attempt without an answer may have begun it.
       await this.refresh();
-      await this.openReading(view.reading);
+      const now = this.films.find((one) => one.film === film.film);
+      const begun = now?.readings.find((one) => one.mine && one.repeat === repeat);
+      const { reading } = begun ?? (await beginReading(film.film, { repeat }));
+      await this.refresh();
+      await this.openReading(reading);
     });
   }
 
@@ -120,6 +127,7 @@ export class StudyPage {
   }
 
   close(): void {
+    this.#isClosed = true;
     if (this.#burst) clearTimeout(this.#burst);
     this.#close();
   }
@@ -134,12 +142,21 @@ export class StudyPage {
     this.marking = null;
   }
 
+  /** Attempts again when the connection or the session is back; other errors are shown. */
   async #tried(what: string, attempt: () => Promise<void>): Promise<void> {
-    try {
-      await attempt();
-      this.problem = null;
-    } catch (error) {
-      this.problem = { what, error };
+    while (!this.#isClosed) {
+      try {
+        await attempt();
+        this.problem = null;
+        return;
+      } catch (error) {
+        const back = backAfter(error);
+        if (!back) {
+          this.problem = { what, error };
+          return;
+        }
+        await back;
+      }
     }
   }
 }
