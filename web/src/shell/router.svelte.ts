@@ -55,6 +55,10 @@ export function addressOf(page: Page): string {
   }
 }
 
+/** The address without the film, which a page changes without being created again. */
+export const studyAddressOf = (page: Page): string =>
+  addressOf(page.name === "measure" ? { name: page.name, study: page.study } : page);
+
 class Router {
   page = $state<Page>(pageOf(window.location.hash));
 
