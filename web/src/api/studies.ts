@@ -16,6 +16,10 @@ export const createDemo = () => answerOf(api.POST("/api/studies/demo"));
 export const importCase = (body: Api<"CaseImport">) =>
   answerOf(api.POST("/api/studies/case", { body }));
 
+/** Plans blinded readings. */
+export const planReadings = (study: string, body: Api<"NewPlan">) =>
+  answerOf(api.POST("/api/studies/{study}/plan", { ...of(study), body }));
+
 export const editFilm = (film: number, body: Api<"FilmChange">) =>
   answerOf(api.POST("/api/films/{film}/edits", { params: { path: { film } }, body }));
 

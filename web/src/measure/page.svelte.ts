@@ -49,6 +49,22 @@ export class StudyPage {
     );
   }
 
+  /** Whether blinded readings can be planned: nobody has read the study. */
+  get mayPlan(): boolean {
+    return (
+      this.detail !== null &&
+      this.detail.summary.role === "admin" &&
+      !this.detail.plan &&
+      this.films.length > 0 &&
+      this.films.every(({ readings }) => readings.length === 0)
+    );
+  }
+
+  /** Whether the films are hidden from this person, who reads them under codes on another page. */
+  get isHidden(): boolean {
+    return this.detail?.plan?.blinded === true && this.films.length === 0;
+  }
+
   async refresh(): Promise<void> {
     await this.#tried("The study could not be loaded", async () => {
       this.detail = await readStudy(this.study);

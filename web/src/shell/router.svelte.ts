@@ -73,6 +73,11 @@ class Router {
   go(page: Page): void {
     window.location.hash = addressOf(page);
   }
+
+  /** Goes to a page in place of the current one, to which the browser then does not return. */
+  replace(page: Page): void {
+    window.location.replace(addressOf(page));
+  }
 }
 
 export const router = new Router();
