@@ -21,8 +21,8 @@ export function failed(what: string, error: unknown, onretry?: () => void): Mess
   };
 }
 
-/** An error of the landmarks at a vertebra. */
+/** An error of the landmarks, with its vertebra where the text does not begin with it. */
 export const faulty = ({ severity, level, text }: Api<"Notice">): Message => ({
   severity,
-  text: level ? `${level}: ${text}` : text,
+  text: level && !text.startsWith(level) ? `${level}: ${text}` : text,
 });
