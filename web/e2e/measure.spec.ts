@@ -360,6 +360,19 @@ test("the scale is set by two clicks and holds for the film", async ({ app, page
   await dialog.getByRole("button", { name: /set the scale/i }).click();
   await expect(dialog).toBeHidden();
   await expect(page.getByTestId("spacing")).toContainText("ball");
+  // What moved is said, once, in the strip beside the film.
+  const moved = page.getByText(/^Scale: 0\.2000 → 0\.\d{4} mm per row; film \d+ → \d+ mm high$/);
+  await expect(moved).toBeVisible();
+  await shot(page, "measure-scale-moved");
+  await page.getByRole("button", { name: "Dismiss" }).click();
+  await expect(moved).toHaveCount(0);
+  // A scale that makes the film larger than any film of a spine is refused by the program.
+  await page.getByRole("button", { name: "Scale" }).click();
+  await page.mouse.click(box.x + box.width / 2, box.y + 200);
+  await page.mouse.click(box.x + box.width / 2, box.y + 220);
+  await dialog.getByLabel(/true diameter/i).fill("150");
+  await dialog.getByRole("button", { name: /set the scale/i }).click();
+  await expect(dialog.getByRole("alert")).toContainText("no film of a spine is more than 2500 mm");
 });
 
 test("a finished reading cannot be changed", async ({ app, page }) => {

@@ -4,6 +4,7 @@ import type { Api } from "../api/types";
 import { backAfter } from "../shell/loaded.svelte";
 import { nameTab } from "./keeping";
 import { Marking } from "./marking.svelte";
+import { movedText } from "./scale";
 
 type FilmSummary = Api<"FilmSummary">;
 type ReadingSummary = Api<"ReadingSummary">;
@@ -116,7 +117,9 @@ export class StudyPage {
     return async (edit) => {
       if (!seen) return;
       try {
-        await editFilm(seen.film, { expected_revision: seen.revision, edit });
+        const edited = await editFilm(seen.film, { expected_revision: seen.revision, edit });
+        if (edit.kind === "scale")
+          this.changeNotice = movedText(seen, edited, this.marking?.reading.vertebrae ?? []);
       } finally {
         // After a refusal the shown record is outdated.
         await Promise.all([this.refresh(), this.marking?.reload()]);
