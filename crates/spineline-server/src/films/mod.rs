@@ -20,7 +20,7 @@ use crate::session::User;
 use crate::state::AppState;
 use crate::{studies, words};
 
-pub use screen::keep_thumbnails;
+pub use screen::{keep_thumbnails, picture};
 
 pub fn routes() -> OpenApiRouter<AppState> {
     OpenApiRouter::new()

@@ -173,5 +173,5 @@ async fn case_file(
         }
         Ok(store.export_case(&study)?)
     });
-    Ok(attachment(&file, case.await?.text))
+    Ok(attachment(&file, "application/json", case.await?.text))
 }

@@ -11,6 +11,7 @@ mod numbers;
 mod openapi;
 mod privacy;
 mod repeated_films;
+mod report;
 mod results;
 mod routes;
 mod sessions;
