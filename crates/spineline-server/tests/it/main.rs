@@ -14,6 +14,7 @@ mod repeated_films;
 mod report;
 mod results;
 mod routes;
+mod scales;
 mod sessions;
 mod streams;
 #[path = "../../../spineline-cli/tests/it/unpacked.rs"]
