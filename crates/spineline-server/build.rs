@@ -17,6 +17,9 @@ fn main() -> io::Result<()> {
     if built.join("index.html").exists() {
         copy(&built, &embedded)
     } else {
+        println!(
+            "cargo::warning=this program will have no browser app: web/dist is missing; run `cargo xtask web`, then build again"
+        );
         fs::copy("unbuilt.html", embedded.join("index.html")).map(drop)
     }
 }

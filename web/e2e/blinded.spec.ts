@@ -5,9 +5,9 @@ import path from "node:path";
 import type { Page } from "@playwright/test";
 
 import type { Api } from "../src/api/types";
-import { expect, runProgram, shot, test } from "./app";
+import { expect, expectAccessible, runProgram, runProgramWith, shot, test, usePages } from "./app";
 import { FilmPage } from "./marking";
-import { answers, get, send } from "./wire";
+import { answers, get } from "./wire";
 
 const STUDY = "blind-1";
 /** Texts that would reveal film, other readers or results to a blinded reader. */
@@ -21,10 +21,33 @@ test("a plan hides films, readers and results until all readings are finished", 
   await app.open(page, "lead");
   await makeStudy(page);
   const films = (await get<Api<"StudyDetail">>(page, `/api/studies/${STUDY}`)).body.summary.films;
-  const plan = { observers: ["bob", "eve"], repeats: 1, washout_days: 0, seed: 4 };
-  expect(await send(page, "POST", `/api/studies/${STUDY}/plan`, plan)).toMatchObject({
-    status: 200,
-  });
+  // Another reader looks at the films while the plan is made.
+  const early = await page.context().browser()!.newPage();
+  await app.open(early, "bob");
+  await early.goto(new URL(`#/studies/${STUDY}/measure`, app.address).href);
+  await expect(early.getByRole("link", { name: /left bending/i })).toBeVisible();
+
+  await page.getByRole("button", { name: "Plan blinded readings…" }).click();
+  const plan = page.getByRole("dialog", { name: "Plan blinded readings" });
+  await plan.getByLabel("Observers").fill("bob, eve");
+  await plan.getByLabel("Readings per film").fill("1,5");
+  await expect(plan).toContainText("A whole number from 1.");
+  await expect(plan.getByRole("button", { name: "Make the plan" })).toBeDisabled();
+  await plan.getByLabel("Readings per film").fill("1");
+  await plan.getByLabel("Days between them").fill("0");
+  await plan.getByLabel("Seed of the order").fill("4");
+  await expect(plan).toContainText("4 readings");
+  await expectAccessible(page);
+  await shot(page, "blinded-plan");
+  await plan.getByRole("button", { name: "Make the plan" }).click();
+  await expect(plan).toBeHidden();
+  await expect(page.getByRole("button", { name: "Plan blinded readings…" })).toHaveCount(0);
+  // The open page is told, and goes to the reading under a code; so does its address.
+  await expect(early.getByRole("heading", { name: /^next film/i })).toBeVisible();
+  await expect(early).toHaveURL(new RegExp(`#/studies/${STUDY}/read$`));
+  await early.goto(new URL(`#/studies/${STUDY}/measure`, app.address).href);
+  await expect(early.getByRole("heading", { name: /^next film/i })).toBeVisible();
+  await early.close();
 
   const bob = await page.context().browser()!.newPage();
   const told = answers(bob);
@@ -105,6 +128,49 @@ test("a plan hides films, readers and results until all readings are finished", 
   await eve.close();
 });
 
+test("an admin chooses the observers among the accounts that may read", async ({ app, page }) => {
+  const PASSWORD = "a password that is long enough";
+  await app.open(page, "lead");
+  await makeStudy(page);
+  await app.kill();
+  for (const [name, role] of [
+    ["lead", "admin"],
+    ["anna", "editor"],
+    ["ben", "editor"],
+    ["carl", "reader"],
+  ] as const) {
+    const add = ["account", "add", name, "--role", role, "--password-stdin", app.store];
+    await runProgramWith(`${PASSWORD}\n`, ...add);
+  }
+  await runProgram("account", "grant", "anna", STUDY, "--role", "editor", app.store);
+  await app.start("--accounts");
+  const signedIn = async (name: string): Promise<Page> => {
+    const page_ = await page.context().browser()!.newPage();
+    await usePages(page_);
+    await page_.goto(new URL(`#/studies/${STUDY}/measure`, app.address).href);
+    await page_.getByRole("textbox", { name: "Account" }).fill(name);
+    await page_.getByLabel("Password", { exact: true }).fill(PASSWORD);
+    await page_.getByRole("button", { name: "Sign in" }).click();
+    return page_;
+  };
+  const [lead, anna] = [await signedIn("lead"), await signedIn("anna")];
+  await expect(anna.getByRole("link", { name: /left bending/i })).toBeVisible();
+  await expect(anna.getByRole("button", { name: "Plan blinded readings…" })).toHaveCount(0);
+
+  await lead.getByRole("button", { name: "Plan blinded readings…" }).click();
+  const plan = lead.getByRole("dialog", { name: "Plan blinded readings" });
+  for (const unable of ["ben", "carl"]) {
+    await expect(plan.getByRole("checkbox", { name: unable })).toBeDisabled();
+  }
+  await plan.getByRole("checkbox", { name: "anna" }).check();
+  await expect(plan).toContainText("4 readings");
+  await shot(lead, "blinded-plan-accounts");
+  await plan.getByRole("button", { name: "Make the plan" }).click();
+  await expect(plan).toBeHidden();
+  await expect(anna.getByRole("heading", { name: /^next film/i })).toBeVisible();
+  for (const one of [lead, anna]) await one.context().close();
+});
+
 /** Two films of a phantom, dropped on the page. */
 async function makeStudy(page: Page): Promise<void> {
   const phantom = await mkdtemp(path.join(tmpdir(), "spineline-phantom-"));
@@ -152,7 +218,7 @@ async function image(film: FilmPage): Promise<Api<"ReadingImage">> {
 
 /** Values that reveal more about a study and its films than their codes. */
 function forbidden(films: Api<"FilmSummary">[]): string[] {
-  const ofStudy = ["findings", "model", "analysis.json", "case", "reliability"];
+  const ofStudy = ["findings", "model", "analysis.json", "report", "case", "reliability"];
   return [
     ...ofStudy.map((what) => `/api/studies/${STUDY}/${what}`),
     ...films.flatMap(({ film }) => [

@@ -1,7 +1,7 @@
 import type { Page } from "@playwright/test";
 
 import type { Api } from "../src/api/types";
-import type { FilmPoint } from "../src/measure/viewport";
+import { filmOf, type FilmPoint } from "../src/measure/viewport";
 import { expect, expectAccessible, shot, test, type App } from "./app";
 import { CORNERS, FilmPage, LEVELS, cornerOf, farthest } from "./marking";
 
@@ -271,22 +271,55 @@ test("a proposal is recorded only after a person has accepted or moved it", asyn
   }
 });
 
-test("clicks without a connection are saved afterwards", async ({ app, page }) => {
-  const { film, truth } = await atL4(app, page);
-  await film.click(cornerOf(truth, "L4", "superior_left"));
+test("a lost connection moves nothing: clicks on the same pixels are saved afterwards", async ({
+  app,
+  page,
+}) => {
+  await app.open(page);
+  const film = await FilmPage.ofDemo(page);
+  const truth = await film.truth();
+  await page.getByRole("button", { name: "Fit" }).click();
+  const corners = [
+    ...CORNERS.map((corner) => ["L4", corner] as const),
+    ...CORNERS.slice(0, 2).map((corner) => ["L3", corner] as const),
+  ];
+  // Recorded once: nothing below asks the page where the film is before it clicks.
+  const [view, box] = [await film.view(), (await film.viewer.boundingBox())!];
+  const pixels = await Promise.all(
+    corners.map(([level, corner]) => film.where(cornerOf(truth, level, corner))),
+  );
+  const expectUnmoved = async (): Promise<void> => {
+    expect(await film.view()).toEqual(view);
+    expect(await film.viewer.boundingBox()).toEqual(box);
+  };
+
+  await page.mouse.click(...pixels[0]!);
   await film.saved();
   await app.kill();
-  for (const corner of CORNERS.slice(1)) await film.click(cornerOf(truth, "L4", corner));
-  await expect(page.getByTestId("saving")).toContainText("3 not saved");
-  await expect(film.target).toContainText("L3");
+  await page.mouse.click(...pixels[1]!);
+  await expect(page.getByText("The program does not answer.")).toBeVisible();
+  for (const pixel of pixels.slice(2)) {
+    await page.mouse.click(...pixel);
+    await expectUnmoved();
+  }
+  await expect(page.getByTestId("saving")).toContainText(`${corners.length - 1} not saved`);
+  await expect(film.target).toContainText(/L3\s*inferior endplate/);
+  await expectAccessible(page);
   await shot(page, "measure-program-away");
   await app.start();
   await expect(page.getByTestId("saving")).toHaveAttribute("data-state", /saved|signed_out/, {
     timeout: 30_000,
   });
   await film.saved();
-  expect(farthest(await film.reading(), truth)).toBeLessThan(CLOSE_PX);
-  expect((await film.reading()).revision).toBe(4);
+  await expectUnmoved();
+  const reading = await film.reading();
+  expect(reading.revision).toBe(corners.length);
+  for (const [index, [level, corner]] of corners.entries()) {
+    const [x, y] = pixels[index]!;
+    const [column, row] = filmOf(view, [x - box.x, y - box.y]);
+    const placed = cornerOf(reading, level, corner);
+    expect(Math.hypot(placed[0] - column, placed[1] - row)).toBeLessThan(CLOSE_PX);
+  }
 });
 
 test("unsaved clicks of a crashed window are not lost", async ({ app, page, context }) => {
@@ -327,6 +360,19 @@ test("the scale is set by two clicks and holds for the film", async ({ app, page
   await dialog.getByRole("button", { name: /set the scale/i }).click();
   await expect(dialog).toBeHidden();
   await expect(page.getByTestId("spacing")).toContainText("ball");
+  // What moved is said, once, in the strip beside the film.
+  const moved = page.getByText(/^Scale: 0\.2000 → 0\.\d{4} mm per row; film \d+ → \d+ mm high$/);
+  await expect(moved).toBeVisible();
+  await shot(page, "measure-scale-moved");
+  await page.getByRole("button", { name: "Dismiss" }).click();
+  await expect(moved).toHaveCount(0);
+  // A scale that makes the film larger than any film of a spine is refused by the program.
+  await page.getByRole("button", { name: "Scale" }).click();
+  await page.mouse.click(box.x + box.width / 2, box.y + 200);
+  await page.mouse.click(box.x + box.width / 2, box.y + 220);
+  await dialog.getByLabel(/true diameter/i).fill("150");
+  await dialog.getByRole("button", { name: /set the scale/i }).click();
+  await expect(dialog.getByRole("alert")).toContainText("no film of a spine is more than 2500 mm");
 });
 
 test("a finished reading cannot be changed", async ({ app, page }) => {

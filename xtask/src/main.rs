@@ -5,6 +5,7 @@ mod book;
 mod checks;
 mod cohorts;
 mod fuzz;
+mod node;
 mod notebooks;
 mod oracle;
 mod outside;

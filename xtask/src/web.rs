@@ -4,6 +4,7 @@ use std::fs;
 use std::path::Path;
 
 use crate::checks::built;
+use crate::node;
 use crate::plan::Plan;
 use crate::run;
 
@@ -32,6 +33,7 @@ pub fn browser(plan: &Plan<'_>) -> Result<(), String> {
 
 /// What the lock file names, installed once for each of its versions.
 pub fn provide_packages(root: &Path) -> Result<(), String> {
+    node::check(root)?;
     let web = root.join("web");
     let read = |path: &Path| fs::read_to_string(path);
     let lock = web.join("package-lock.json");
@@ -40,7 +42,7 @@ pub fn provide_packages(root: &Path) -> Result<(), String> {
     if read(&stamp).is_ok_and(|had| had == wanted) {
         return Ok(());
     }
-    let help = "\n  help: Node 20 with npm, and once a network, are needed";
+    let help = "\n  help: npm and once a network are needed";
     npm(root, &["ci", "--no-audit", "--no-fund"], &[]).map_err(|reason| reason + help)?;
     fs::write(&stamp, wanted).map_err(|error| format!("{}: {error}", stamp.display()))
 }

@@ -8,6 +8,12 @@ use rust_embed::RustEmbed;
 #[folder = "$OUT_DIR/web"]
 struct Pages;
 
+/// Whether the browser app was built before this program; else its address shows a page that says how to build it.
+#[must_use]
+pub fn has_app() -> bool {
+    Pages::iter().any(|name| name.starts_with("assets/"))
+}
+
 /// A file of the app; the app itself at `/`.
 pub async fn serve(uri: Uri) -> Response {
     let path = uri.path().trim_start_matches('/');

@@ -26,7 +26,7 @@ pub fn routes() -> OpenApiRouter<AppState> {
 }
 
 /// Server-sent events `change` with a `Change`. A blinded reader receives own changes only. The stream ends with the
-/// session, and when the role of the account or its grant is another one.
+/// session, and when the role of the account, its grant or what blinding hides from it is another one: the page then asks again.
 #[utoipa::path(get, path = "/api/studies/{study}/changes", params(("study" = String, Path)),
     responses((status = 200, content_type = "text/event-stream", body = Change),
         (status = 404, body = Problem)))]
@@ -41,8 +41,12 @@ async fn changes(
     let messages = BroadcastStream::new(state.changes().subscribe());
     let secret = session::secret_of(&state, &headers).unwrap_or_default();
     let (asked, who) = (study.clone(), user.clone());
-    let role = state.ask(move |store| who.on_study(store, &asked)).await?;
-    let listener = Listener { state, secret, user, study, role };
+    let found = state.ask(move |store| {
+        let role = who.on_study(store, &asked)?;
+        Ok((role, store.observer(&who.name).visibility(&asked)?))
+    });
+    let (role, visibility) = found.await?;
+    let listener = Listener { state, secret, user, study, role, visibility };
     let every = listener.state.limits().recheck;
     let rechecks = IntervalStream::new(interval_at(Instant::now() + every, every));
     let messages = messages
@@ -68,6 +72,7 @@ struct Listener {
     user: User,
     study: Name,
     role: Role,
+    visibility: Visibility,
 }
 
 impl Listener {
@@ -82,7 +87,7 @@ impl Listener {
         state
             .ask(move |store| {
                 self.still_may(store)?;
-                change.map_or(Ok(None), |change| self.visible(store, change))
+                Ok(change.and_then(|change| self.visible(change)))
             })
             .await
     }
@@ -91,19 +96,22 @@ impl Listener {
     fn still_may(&self, store: &Store) -> Answer<()> {
         let access = self.state.options().access;
         let user = session::user_behind(store, &self.secret, access, self.state.now())?;
-        if user == self.user && user.on_study(store, &self.study)? == self.role {
+        if user == self.user
+            && user.on_study(store, &self.study)? == self.role
+            && store.observer(&user.name).visibility(&self.study)? == self.visibility
+        {
             return Ok(());
         }
         Err(Failure::not_found())
     }
 
     /// A change as this user may see it, if at all.
-    fn visible(&self, store: &Store, change: Change) -> Answer<Option<Change>> {
+    fn visible(&self, change: Change) -> Option<Change> {
         let own = change.who == self.user.name.as_str();
-        Ok(match store.observer(&self.user.name).visibility(&self.study)? {
+        match self.visibility {
             Visibility::Open => Some(change),
             Visibility::Reader => own.then_some(Change { film: None, ..change }),
             Visibility::Apart => Some(Change { reading: None, revision: None, ..change }),
-        })
+        }
     }
 }

@@ -35,6 +35,7 @@ pub mod synthetic;
 mod words;
 
 pub use app::{app, openapi};
+pub use assets::has_app;
 pub use guard::MAX_UPLOAD_BYTES;
 pub use limits::{Pace, ServeLimits, Shares, UploadLimits, UploadRoom};
 pub use listen::Server;

@@ -113,6 +113,9 @@ pub(crate) fn digest(row: &Row<'_>) -> Result<Hash, StoreError> {
     Ok(Hash::of(Value::from(cells).to_string().as_bytes()))
 }
 
+/// Action of entries on a study that was taken out as a report, and not changed.
+pub(crate) const REPORT: &str = "report";
+
 /// Statement for the last entry on an object.
 struct Seals<'a>(Statement<'a>);
 

@@ -8,11 +8,12 @@ use spineline::anatomy::Posture;
 use spineline_files::CaseFile;
 
 use crate::assembly;
+use crate::audit::REPORT;
 use crate::connection::Store;
 use crate::error::StoreError;
 use crate::films::{self, FilmRecord};
 use crate::journal;
-use crate::names::{Name, ReadingId};
+use crate::names::{Name, ReadingId, Signature};
 use crate::readings;
 use crate::state::ReadingState;
 
@@ -96,6 +97,19 @@ impl Store {
         let text = spineline_files::to_text(&written(&case, &by_posture));
         spineline_files::parse_case(&text)?;
         Ok(ExportedCase { text, remarks })
+    }
+}
+
+impl Store {
+    /// Writes into the log who took a report of a study out of the store. The study is not changed by it.
+    ///
+    /// # Errors
+    /// [`StoreError::Unknown`], and errors of writing.
+    pub fn log_report(&mut self, study: &Name, by: &Signature) -> Result<(), StoreError> {
+        self.write(by, |ledger| {
+            films::study(ledger.transaction, study)?;
+            ledger.seal(REPORT, "studies", &study.as_str()).map(drop)
+        })
     }
 }
 

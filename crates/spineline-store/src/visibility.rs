@@ -2,6 +2,7 @@
 
 use rusqlite::OptionalExtension;
 
+use crate::audit::REPORT;
 use crate::connection::Store;
 use crate::error::StoreError;
 use crate::event::Event;
@@ -131,7 +132,8 @@ impl Store {
             own_readings AS (SELECT id FROM readings WHERE film IN (SELECT id FROM own_films)),
             objects (object) AS ({objects})
             SELECT sequence, time_ms FROM audit WHERE sequence = (
-                SELECT max((SELECT max(sequence) FROM audit WHERE audit.object = objects.object))
+                SELECT max((SELECT max(sequence) FROM audit
+                    WHERE audit.object = objects.object AND action <> '{REPORT}'))
                 FROM objects WHERE object IS NOT NULL)"
         );
         let mut statement = self.connection.prepare(&query)?;

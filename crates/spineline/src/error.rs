@@ -197,6 +197,17 @@ fn place_of_film(error: &MeasureError) -> ErrorPlace {
         E::Spacing { posture, value, .. } => {
             ErrorPlace { value: Some(*value), ..on_film(*posture) }
         }
+        E::FilmTooLarge { posture, fault } => ErrorPlace {
+            value: Some(fault.size_mm),
+            limit: Some(fault.limit_mm),
+            ..on_film(*posture)
+        },
+        E::BodySize { posture, level, size_mm, least_mm, most_mm, .. } => ErrorPlace {
+            level: Some(*level),
+            value: Some(*size_mm),
+            limit: Some(if size_mm < least_mm { *least_mm } else { *most_mm }),
+            ..on_film(*posture)
+        },
         E::TopMissing { posture, highest } => ErrorPlace { level: *highest, ..on_film(*posture) },
         E::BaseMissing { posture, lowest } => {
             ErrorPlace { level: Some(*lowest), ..on_film(*posture) }

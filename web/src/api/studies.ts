@@ -16,6 +16,10 @@ export const createDemo = () => answerOf(api.POST("/api/studies/demo"));
 export const importCase = (body: Api<"CaseImport">) =>
   answerOf(api.POST("/api/studies/case", { body }));
 
+/** Plans blinded readings. */
+export const planReadings = (study: string, body: Api<"NewPlan">) =>
+  answerOf(api.POST("/api/studies/{study}/plan", { ...of(study), body }));
+
 export const editFilm = (film: number, body: Api<"FilmChange">) =>
   answerOf(api.POST("/api/films/{film}/edits", { params: { path: { film } }, body }));
 
@@ -37,6 +41,10 @@ export const loadModel = (study: string, body: Api<"LoadRequest">, signal: Abort
   answerOf(api.POST("/api/studies/{study}/load", { ...of(study), body, signal }));
 
 export const casePath = (study: string): string => `/api/studies/${encodeURIComponent(study)}/case`;
+
+/** The HTML report, which a browser saves as a file. */
+export const reportPath = (study: string): string =>
+  `/api/studies/${encodeURIComponent(study)}/report`;
 
 export const thumbnailPath = (film: number): string => `/api/films/${film}/thumbnail`;
 

@@ -1,8 +1,10 @@
 import { beginReading, readReading } from "../api/readings";
 import { editFilm, readStudy } from "../api/studies";
 import type { Api } from "../api/types";
+import { backAfter } from "../shell/loaded.svelte";
 import { nameTab } from "./keeping";
 import { Marking } from "./marking.svelte";
+import { movedText } from "./scale";
 
 type FilmSummary = Api<"FilmSummary">;
 type ReadingSummary = Api<"ReadingSummary">;
@@ -23,6 +25,7 @@ export class StudyPage {
   #film = $state<number | null>(null);
   #burst: ReturnType<typeof setTimeout> | null = null;
   #openings = 0;
+  #isClosed = false;
 
   readonly film = $derived(this.films.find(({ film }) => film === this.#film) ?? null);
 
@@ -45,6 +48,22 @@ export class StudyPage {
     return (
       this.detail !== null && this.detail.summary.role !== "reader" && !this.detail.plan?.blinded
     );
+  }
+
+  /** Whether blinded readings can be planned: nobody has read the study. */
+  get mayPlan(): boolean {
+    return (
+      this.detail !== null &&
+      this.detail.summary.role === "admin" &&
+      !this.detail.plan &&
+      this.films.length > 0 &&
+      this.films.every(({ readings }) => readings.length === 0)
+    );
+  }
+
+  /** Whether the films are hidden from this person, who reads them under codes on another page. */
+  get isHidden(): boolean {
+    return this.detail?.plan?.blinded === true && this.films.length === 0;
   }
 
   async refresh(): Promise<void> {
@@ -80,10 +99,15 @@ export class StudyPage {
   async begin(): Promise<void> {
     const film = this.film;
     if (!film) return;
+    const repeat = this.nextRepeat;
     await this.#tried("The reading could not be started", async () => {
-      const view = await beginReading(film.film, { repeat: this.nextRepeat });
+      // An earlier attempt without an answer may have begun it.
       await this.refresh();
-      await this.openReading(view.reading);
+      const now = this.films.find((one) => one.film === film.film);
+      const begun = now?.readings.find((one) => one.mine && one.repeat === repeat);
+      const { reading } = begun ?? (await beginReading(film.film, { repeat }));
+      await this.refresh();
+      await this.openReading(reading);
     });
   }
 
@@ -93,7 +117,9 @@ export class StudyPage {
     return async (edit) => {
       if (!seen) return;
       try {
-        await editFilm(seen.film, { expected_revision: seen.revision, edit });
+        const edited = await editFilm(seen.film, { expected_revision: seen.revision, edit });
+        if (edit.kind === "scale")
+          this.changeNotice = movedText(seen, edited, this.marking?.reading.vertebrae ?? []);
       } finally {
         // After a refusal the shown record is outdated.
         await Promise.all([this.refresh(), this.marking?.reload()]);
@@ -120,6 +146,7 @@ export class StudyPage {
   }
 
   close(): void {
+    this.#isClosed = true;
     if (this.#burst) clearTimeout(this.#burst);
     this.#close();
   }
@@ -134,12 +161,21 @@ export class StudyPage {
     this.marking = null;
   }
 
+  /** Attempts again when the connection or the session is back; other errors are shown. */
   async #tried(what: string, attempt: () => Promise<void>): Promise<void> {
-    try {
-      await attempt();
-      this.problem = null;
-    } catch (error) {
-      this.problem = { what, error };
+    while (!this.#isClosed) {
+      try {
+        await attempt();
+        this.problem = null;
+        return;
+      } catch (error) {
+        const back = backAfter(error);
+        if (!back) {
+          this.problem = { what, error };
+          return;
+        }
+        await back;
+      }
     }
   }
 }

@@ -1,5 +1,6 @@
 import { afterEach, expect, it, vi } from "vitest";
 
+import { connection } from "../shell/connection.svelte";
 import { StudyPage } from "./page.svelte";
 import { reading } from "./reading.fixture";
 
@@ -28,4 +29,22 @@ it("loads the study and the reading again after a lost connection", async () => 
   expect(page.marking?.reading.notes).toEqual(["4"]);
   expect(page.marking?.revision).toBe(4);
   page.close();
+});
+
+it("waits for the program without a message, and shows what it refuses", async () => {
+  const page = new StudyPage("S-1");
+  vi.stubGlobal("fetch", () => Promise.reject(new TypeError("no connection")));
+  const loaded = page.refresh();
+  await vi.waitFor(() => expect(connection.lost).toBe(true));
+  expect(page.problem).toBeNull();
+  vi.stubGlobal("fetch", () => Promise.resolve(Response.json({ summary: { films: [] } })));
+  await connection.retry();
+  await loaded;
+  expect(page.problem).toBeNull();
+  expect(page.films).toEqual([]);
+
+  const refusal = { code: "not_found", message: "there is no such study" };
+  vi.stubGlobal("fetch", () => Promise.resolve(Response.json(refusal, { status: 404 })));
+  await page.refresh();
+  expect(page.problem?.what).toBe("The study could not be loaded");
 });

@@ -23,7 +23,7 @@ export class Loaded<T> {
 }
 
 /** What must be back before the next attempt; null where the person decides. */
-function backAfter(error: unknown): Promise<void> | null {
+export function backAfter(error: unknown): Promise<void> | null {
   if (error instanceof Unreachable) return connection.back();
   if (error instanceof Refusal && error.status === 401) return session.back();
   return null;

@@ -55,6 +55,10 @@ export function addressOf(page: Page): string {
   }
 }
 
+/** The address without the film, which a page changes without being created again. */
+export const studyAddressOf = (page: Page): string =>
+  addressOf(page.name === "measure" ? { name: page.name, study: page.study } : page);
+
 class Router {
   page = $state<Page>(pageOf(window.location.hash));
 
@@ -68,6 +72,11 @@ class Router {
 
   go(page: Page): void {
     window.location.hash = addressOf(page);
+  }
+
+  /** Goes to a page in place of the current one, to which the browser then does not return. */
+  replace(page: Page): void {
+    window.location.replace(addressOf(page));
   }
 }
 

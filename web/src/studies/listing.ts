@@ -67,3 +67,7 @@ export function scaleTrouble(study: Study): string | null {
   ].filter(Boolean);
   return parts.length ? parts.join("; ") : null;
 }
+
+/** Whether a study with this status has results, and so a model and a report. */
+export const hasResults = (status: Api<"StudyStatus">): boolean =>
+  ["modelled", "not_converged", "measured"].includes(status);

@@ -66,6 +66,11 @@ pub fn run(args: &ServeArgs) -> Result<Ending, Failure> {
             "warning: other users of this machine have access to {store} (permissions {mode}), which holds films and names of\n  readers; close it with: chmod 600 {store}\n"
         ));
     }
+    if !spineline_server::has_app() {
+        say(
+            "warning: the browser app is not in this program: its address shows a page that says so.\n  build the app with `cargo xtask web` (needs Node), then build the program again\n",
+        );
+    }
     let decoder = std::env::current_exe()
         .map_err(|error| Failure::internal(format!("this program cannot find itself: {error}")))?;
     let options = ServeOptions {

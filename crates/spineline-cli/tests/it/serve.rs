@@ -110,3 +110,23 @@ fn f70_loopback_is_the_default() {
     let line = first_line(folder.path(), &arguments);
     assert!(line.starts_with("http://127.0.0.1:") && !line.contains("token"), "{line}");
 }
+
+#[test]
+fn a_program_without_the_app_says_so_before_its_address() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let mut server = Program::new(assert_cmd::cargo::cargo_bin("spineline"))
+        .current_dir(folder.path())
+        .args(["serve", "new.spineline", "--port", "0"])
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .expect("a server");
+    let mut line = String::new();
+    let output = server.stdout.take().expect("its output");
+    BufReader::new(output).read_line(&mut line).expect("an address");
+    server.kill().expect("killed");
+    let told = server.wait_with_output().expect("an end").stderr;
+    let told = String::from_utf8_lossy(&told);
+    // The page of a program without the app loads no script.
+    assert_eq!(told.contains("cargo xtask web"), !spineline_server::has_app(), "{told}");
+}

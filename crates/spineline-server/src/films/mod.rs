@@ -6,7 +6,7 @@ mod uploads;
 use axum::extract::State;
 use axum::http::{HeaderValue, StatusCode, header};
 use axum::response::{IntoResponse, Response};
-use spineline::measure::Calibration;
+use spineline::measure::{Calibration, ImageGeometry};
 use spineline::spatial::Pixel;
 use spineline_store::{FilmEdit, FilmId, FilmRecord, ReadingId, Role, StoreError};
 use utoipa_axum::router::OpenApiRouter;
@@ -20,7 +20,7 @@ use crate::session::User;
 use crate::state::AppState;
 use crate::{studies, words};
 
-pub use screen::keep_thumbnails;
+pub use screen::{keep_thumbnails, picture};
 
 pub fn routes() -> OpenApiRouter<AppState> {
     OpenApiRouter::new()
@@ -129,6 +129,10 @@ fn film_edit(film: &FilmRecord, edit: FilmEditName) -> Answer<FilmEdit> {
             let spacing = calibration.spacing().map_err(|error| {
                 Failure::new(StatusCode::UNPROCESSABLE_ENTITY, "scale", error.to_string())
                     .help("place two points on an object of known length")
+            })?;
+            ImageGeometry { spacing: Some(spacing), ..image }.check_size().map_err(|error| {
+                Failure::new(StatusCode::UNPROCESSABLE_ENTITY, "scale", error.to_string())
+                    .help("check the true length and the two points")
             })?;
             FilmEdit::Spacing(spacing)
         }

@@ -3,12 +3,13 @@
 use std::sync::Arc;
 
 use spineline_films::{ChildLimits, FilmFile, decode_in_child};
-use spineline_store::{Hash, Store, Thumbnails};
+use spineline_store::{FilmRecord, Hash, Store, StoreError, Thumbnails};
 
 use crate::film_cache::{Screen, draw_thumbnails};
 use crate::problem::Answer;
 use crate::result_cache::computed;
 use crate::state::AppState;
+use crate::words;
 
 /// A film of the store, decoded.
 pub async fn screen(state: &AppState, content: &Hash) -> Answer<Arc<Screen>> {
@@ -24,6 +25,17 @@ pub async fn screen(state: &AppState, content: &Hash) -> Answer<Arc<Screen>> {
     let screen = computed(move || Arc::new(Screen::of(&film))).await?;
     state.films().keep(content, screen.clone());
     Ok(screen)
+}
+
+/// A film of the store as a PNG file of a size for paper, as it is shown.
+pub async fn picture(state: &AppState, film: &FilmRecord) -> Answer<Vec<u8>> {
+    const ROWS: u32 = 800;
+    let image =
+        spineline_files::parse_image(&film.image, film.posture).map_err(StoreError::from)?;
+    let (aspect, rows) = (words::pixel_aspect(image.spacing), ROWS.min(image.rows));
+    let _permit = state.films().decoding().await?;
+    let (file, inverted) = (stored(state, &film.content).await?, film.inverted);
+    computed(move || file.display(None, inverted).thumbnail(rows, aspect).to_png()).await
 }
 
 /// Thumbnails of a film in the store.

@@ -12,6 +12,7 @@ mod overlay;
 mod preview;
 mod record;
 mod reliability;
+mod report;
 mod simulated;
 mod study;
 mod summary;
@@ -30,6 +31,7 @@ pub fn routes() -> OpenApiRouter<AppState> {
         .routes(routes!(preview::preview))
         .routes(routes!(record::record))
         .routes(routes!(study::analysis_file))
+        .routes(routes!(report::report))
         .routes(routes!(study::findings))
         .routes(routes!(study::overlay))
         .routes(routes!(model::model))

@@ -3,6 +3,7 @@
 use axum::extract::State;
 use axum::response::Response;
 use chrono::{SecondsFormat, Utc};
+use spineline::analysis::{Analysis, Case};
 use spineline::anatomy::Posture;
 use spineline_files::{AnalysisFile, CaseFile, FilmOrigin, ProgramRun, Provenance, Request};
 use spineline_store::FilmId;
@@ -20,6 +21,9 @@ use crate::session::User;
 use crate::state::AppState;
 use crate::words::{marked_text, progress};
 
+/// This program and its version, as files name what wrote them.
+pub const PROGRAM: &str = concat!("spineline ", env!("CARGO_PKG_VERSION"));
+
 /// The analysis file of a study, as `spineline analyze` writes it.
 #[utoipa::path(get, path = "/api/studies/{study}/analysis.json",
     params(("study" = String, Path)),
@@ -31,23 +35,25 @@ pub async fn analysis_file(
 ) -> Answer<Response> {
     let study = open_study(&state, &user, &study).await?;
     let result = study_result(&state, &study).await?;
+    let file = computed(move || {
+        let case = result.current.usable_case();
+        result.analysed().map(|analysis| spineline_files::to_text(&file_of(analysis, &case)))
+    });
+    let text = file.await??;
+    Ok(attachment(&format!("{study}-analysis.json"), "application/json", text))
+}
+
+/// The analysis file of an analysis of this case. Its input is the store; the case is part of the file.
+pub fn file_of(analysis: &Analysis, case: &Case) -> AnalysisFile {
     let run = ProgramRun {
-        program: concat!("spineline ", env!("CARGO_PKG_VERSION")).to_owned(),
+        program: PROGRAM.to_owned(),
         command: vec!["spineline".to_owned(), "serve".to_owned()],
         date_utc: Utc::now().to_rfc3339_opts(SecondsFormat::Secs, true),
     };
-    let text = computed(move || {
-        result.analysed().map(|analysis| {
-            // Its input is the store; the case is part of the file.
-            let films = FilmOrigin::of([analysis.synthetic]);
-            let request = Request { options: analysis.options.clone(), ..Request::default() };
-            let provenance = Provenance::new(run, films, Vec::new()).asking(&request);
-            let case = CaseFile::from_case(&result.current.usable_case());
-            spineline_files::to_text(&AnalysisFile::new(analysis, case, provenance))
-        })
-    });
-    let text = text.await??;
-    Ok(attachment(&format!("{study}-analysis.json"), text))
+    let films = FilmOrigin::of([analysis.synthetic]);
+    let request = Request { options: analysis.options.clone(), ..Request::default() };
+    let provenance = Provenance::new(run, films, Vec::new()).asking(&request);
+    AnalysisFile::new(analysis, CaseFile::from_case(case), provenance)
 }
 
 /// Clinical angles and rotations of a study.

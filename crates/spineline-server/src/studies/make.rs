@@ -227,6 +227,11 @@ fn prepared_film(
         spacing,
         patient_left: film.patient_left.0,
     };
+    geometry.check_size().map_err(|error| {
+        let posture = film.posture.0;
+        refused(&format!("{posture}: {error}"))
+            .help("enter another scale, or use the film without one")
+    })?;
     let extension = if upload.kind == FilmKind::Dicom { "dcm" } else { "png" };
     let posture = film.posture.0.key();
     let source = FilmSource {

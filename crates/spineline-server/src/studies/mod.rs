@@ -4,8 +4,11 @@ mod make;
 mod summary;
 
 use axum::extract::State;
+use axum::http::StatusCode;
 use axum::response::Response;
-use spineline_store::{Name, Next, PlanDesign, Role, Store, Timestamp, Visibility};
+use spineline_store::{
+    Access, Account, Name, Next, PlanDesign, Role, Store, Timestamp, Visibility,
+};
 use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
 
@@ -13,7 +16,7 @@ use crate::access::{self, study_name};
 use crate::api::{Change, NewPlan, NextReading, PlanView, Problem, StudyDetail, StudySummary};
 use crate::attachment::attachment;
 use crate::extract::{Json, Path};
-use crate::problem::Answer;
+use crate::problem::{Answer, Failure};
 use crate::readings;
 use crate::session::User;
 use crate::state::AppState;
@@ -99,7 +102,7 @@ fn plan_view(
     Ok(Some(PlanView { blinded: visibility != Visibility::Open, next }))
 }
 
-/// Plans blinded readings.
+/// Plans blinded readings. With accounts, every observer needs one that may edit the study.
 #[utoipa::path(post, path = "/api/studies/{study}/plan", params(("study" = String, Path)), request_body = NewPlan,
     responses((status = 200, body = StudyDetail), (status = 403, body = Problem),
         (status = 404, body = Problem), (status = 409, body = Problem),
@@ -116,6 +119,9 @@ async fn plan(
         user.need_on_study(store, &study, Role::Admin)?;
         let observers = new.observers.iter().map(|name| Name::new(name));
         let observers = observers.collect::<Result<Vec<_>, _>>()?;
+        if asker.options().access == Access::Accounts {
+            observers.iter().try_for_each(|name| may_read(store, &study, name))?;
+        }
         let NewPlan { repeats, washout_days, seed, .. } = new;
         let design = PlanDesign { repeats, washout_days, seed };
         store.reading_plan(&study, &observers, design, &user.sign(now))?;
@@ -123,6 +129,25 @@ async fn plan(
         detail(&asker, store, &user, &study)
     });
     detail.await.map(Json)
+}
+
+/// Refuses an observer who could not place landmarks in the study.
+fn may_read(store: &Store, study: &Name, observer: &Name) -> Answer<()> {
+    let account = store.accounts()?.into_iter().find(|account| account.name == *observer);
+    let trouble = match account {
+        None => "has no account",
+        Some(account) if !account.enabled => "has a disabled account",
+        Some(Account { name, role, .. }) => {
+            match (User { name, role }).need_on_study(store, study, Role::Editor) {
+                Ok(_) => return Ok(()),
+                Err(_) => "may not place landmarks in this study",
+            }
+        }
+    };
+    let message = format!("the observer {observer} {trouble}");
+    Err(Failure::new(StatusCode::UNPROCESSABLE_ENTITY, "observer", message).help(
+        "an observer needs an enabled account with the role `editor`, and that role in the study",
+    ))
 }
 
 /// A change of the study as a whole.
@@ -148,5 +173,5 @@ async fn case_file(
         }
         Ok(store.export_case(&study)?)
     });
-    Ok(attachment(&file, case.await?.text))
+    Ok(attachment(&file, "application/json", case.await?.text))
 }

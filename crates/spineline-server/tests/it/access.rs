@@ -84,3 +84,26 @@ fn a_reader_of_a_study_cannot_place_landmarks() {
     let answer = app.account("reader").post("/api/readings/1/events", &body);
     assert_eq!(answer.status, StatusCode::NOT_FOUND);
 }
+
+#[test]
+fn observers_of_a_plan_need_accounts_that_may_edit() {
+    let app = App::with_accounts();
+    let lead = app.account("lead");
+    let plan = |observer: &str| {
+        let body = json!({ "observers": [observer], "repeats": 1, "washout_days": 0, "seed": 1 });
+        lead.post("/api/studies/S-1/plan", &body)
+    };
+    for (observer, why) in [
+        ("stranger", "has no account"),
+        ("reader", "may not place landmarks"),
+        ("nobody", "may not place landmarks"),
+    ] {
+        let answer = plan(observer);
+        assert_eq!(answer.status, StatusCode::UNPROCESSABLE_ENTITY, "{observer}");
+        assert_eq!(answer.code(), "observer");
+        assert!(answer.text().contains(why), "{}", answer.text());
+    }
+    let refused = app.account("editor").post("/api/studies/S-1/plan", &json!({}));
+    assert_ne!(refused.status, StatusCode::OK, "plans are made by admins");
+    assert_eq!(plan("editor").status, StatusCode::OK);
+}

@@ -13,8 +13,10 @@ mod numbers;
 mod openapi;
 mod privacy;
 mod repeated_films;
+mod report;
 mod results;
 mod routes;
+mod scales;
 mod sessions;
 mod streams;
 #[path = "../../../spineline-cli/tests/it/unpacked.rs"]

@@ -64,6 +64,23 @@ fn a_stream_ends_at_once_with_the_rights_that_it_began_with() {
 }
 
 #[test]
+fn a_stream_ends_when_a_plan_hides_the_study() {
+    let app = app(Duration::from_secs(3600));
+    let (lead, editor, reader) =
+        (app.account("lead"), app.account("editor"), app.account("reader"));
+    let mut streams = [listen(&lead), listen(&editor), listen(&reader)];
+    assert!(!streams[1].ends_within(A_MOMENT));
+    let plan = json!({ "observers": ["editor"], "repeats": 1, "washout_days": 0, "seed": 1 });
+    assert_eq!(lead.post("/api/studies/S-1/plan", &plan).status, StatusCode::OK);
+    for stream in &mut streams {
+        assert!(stream.ends_within(ENOUGH), "what each of them sees is another thing now");
+    }
+    let detail = editor.get("/api/studies/S-1").json();
+    assert_eq!(detail["plan"]["blinded"], true);
+    assert_eq!(detail["summary"]["films"], json!([]));
+}
+
+#[test]
 fn a_stream_ends_when_another_program_takes_the_account() {
     let app = app(Duration::from_millis(50));
     let mut stream = listen(&app.account("editor"));

@@ -16,6 +16,16 @@ impl Calibrator {
     /// Every object.
     pub const ALL: [Self; 2] = [Self::Ball, Self::Ruler];
 
+    /// Least and largest true length: a ball of another size does not lie beside a patient, and a ruler is no longer than
+    /// the longest films (assumption).
+    #[must_use]
+    pub const fn lengths_mm(self) -> [f64; 2] {
+        match self {
+            Self::Ball => [1.0, 200.0],
+            Self::Ruler => [1.0, 2000.0],
+        }
+    }
+
     /// The name used in files.
     #[must_use]
     pub const fn key(self) -> &'static str {
@@ -58,6 +68,21 @@ pub enum CalibrationError {
         value: f64,
         /// What it must be.
         must: &'static str,
+    },
+    /// A length that the object does not have.
+    #[error(
+        "the length of the {} is {value_mm} mm, and must be {least_mm} to {most_mm} mm",
+        calibrator.key()
+    )]
+    Length {
+        /// The object.
+        calibrator: Calibrator,
+        /// What was given.
+        value_mm: f64,
+        /// The least.
+        least_mm: f64,
+        /// The most.
+        most_mm: f64,
     },
     /// Points too close for their standard deviation.
     #[error(
@@ -113,7 +138,7 @@ impl Calibration {
         }
         let column_mm = self.length_mm / apart_px;
         if !is_spacing(column_mm) || !is_spacing(aspect * column_mm) {
-            let must = "a length that gives pixels above 0.0001 mm";
+            let must = "a length that gives pixels above 0.0001 mm and of at most 5 mm";
             return Err(CalibrationError::Value {
                 what: "length in mm",
                 value: self.length_mm,
@@ -152,6 +177,11 @@ impl Calibration {
             if good { Ok(()) } else { Err(CalibrationError::Value { what, value, must }) }
         };
         positive("length in mm", self.length_mm)?;
+        let (calibrator, value_mm) = (self.calibrator, self.length_mm);
+        let [least_mm, most_mm] = calibrator.lengths_mm();
+        if !(least_mm..=most_mm).contains(&value_mm) {
+            return Err(CalibrationError::Length { calibrator, value_mm, least_mm, most_mm });
+        }
         positive("height of a pixel over its width", self.pixel_aspect)?;
         not_negative("standard deviation of the length in mm", self.length_sd_mm)?;
         not_negative("standard deviation of a point in pixels", self.click_sd_px)?;

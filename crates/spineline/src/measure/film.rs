@@ -20,7 +20,43 @@ pub struct ImageGeometry {
     pub patient_left: ImageSide,
 }
 
+/// A scale that makes a film larger than any film of a spine.
+#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+#[error(
+    "its scale makes it {size_mm:.0} mm {side}, and no film of a spine is more than {limit_mm:.0} mm {side}"
+)]
+#[non_exhaustive]
+pub struct FilmTooLarge {
+    /// `wide` or `high`.
+    pub side: &'static str,
+    /// What the film would be.
+    pub size_mm: f64,
+    /// The most.
+    pub limit_mm: f64,
+}
+
 impl ImageGeometry {
+    /// Largest side of a film of a spine: more than whole-body films of the tallest people (assumption).
+    pub const LARGEST_SIDE_MM: f64 = 2500.0;
+
+    /// Refuses a scale that makes the film larger than any film of a spine; a film without a scale is of any size.
+    ///
+    /// # Errors
+    /// The side that is too long, its size and the limit.
+    pub fn check_size(&self) -> Result<(), FilmTooLarge> {
+        let Some(spacing) = self.spacing else { return Ok(()) };
+        let limit_mm = Self::LARGEST_SIDE_MM;
+        for (side, pixels, mm) in
+            [("wide", self.columns, spacing.column_mm), ("high", self.rows, spacing.row_mm)]
+        {
+            let size_mm = f64::from(pixels) * mm;
+            if size_mm > limit_mm {
+                return Err(FilmTooLarge { side, size_mm, limit_mm });
+            }
+        }
+        Ok(())
+    }
+
     /// A place of the picture in millimetres, `y` to the patient's left and `z` up the film; in pixels where the picture
     /// has no spacing.
     ///

@@ -1,4 +1,4 @@
-use super::{Film, FilmLandmarks, ImageGeometry, Outline};
+use super::{Film, FilmLandmarks, ImageGeometry, Outline, VertebraLandmarks};
 use crate::anatomy::{Level, Levels};
 use crate::spatial::{Angle, Frontal, Pixel};
 
@@ -133,6 +133,16 @@ pub fn body_widths(film: &Film, levels: Levels) -> Vec<Option<f64>> {
     body_shapes(film, levels).into_iter().map(width).collect()
 }
 
+/// Mean height of the two sides and mean width of the endplates of one body, in the film's millimetres or in pixels.
+pub(super) fn body_shape(image: &ImageGeometry, landmark: &VertebraLandmarks) -> [f64; 2] {
+    let corners = landmark.corners.map(|corner| image.frontal(corner));
+    let upper = corners.superior_left.distance_mm(corners.superior_right);
+    let lower = corners.inferior_left.distance_mm(corners.inferior_right);
+    let left = corners.superior_left.distance_mm(corners.inferior_left);
+    let right = corners.superior_right.distance_mm(corners.inferior_right);
+    [0.5 * (left + right), 0.5 * (upper + lower)]
+}
+
 /// Mean height of the two sides and mean width of the endplates of some bodies, as [`body_widths`].
 pub(crate) fn body_shapes(film: &Film, levels: Levels) -> Vec<Option<[f64; 2]>> {
     let FilmLandmarks::Corners { image, readings, .. } = &film.landmarks else {
@@ -140,16 +150,7 @@ pub(crate) fn body_shapes(film: &Film, levels: Levels) -> Vec<Option<[f64; 2]>> 
     };
     let shape = |level: Level| {
         let landmarks = readings.iter().filter_map(|reading| reading.vertebrae.get(&level));
-        let shapes: Vec<[f64; 2]> = landmarks
-            .map(|landmark| {
-                let corners = landmark.corners.map(|corner| image.frontal(corner));
-                let upper = corners.superior_left.distance_mm(corners.superior_right);
-                let lower = corners.inferior_left.distance_mm(corners.inferior_right);
-                let left = corners.superior_left.distance_mm(corners.inferior_left);
-                let right = corners.superior_right.distance_mm(corners.inferior_right);
-                [0.5 * (left + right), 0.5 * (upper + lower)]
-            })
-            .collect();
+        let shapes: Vec<[f64; 2]> = landmarks.map(|landmark| body_shape(image, landmark)).collect();
         let mean =
             |side: usize| shapes.iter().map(|shape| shape[side]).sum::<f64>() / shapes.len() as f64;
         (!shapes.is_empty()).then(|| [mean(0), mean(1)])

@@ -217,8 +217,10 @@ pub enum LateralFault {
         /// Reading.
         id: ReadingId,
     },
-    /// The distance between pixels is no positive number.
-    #[error("lateral film: {direction} spacing is {value} mm, and must be above 0.0001 mm")]
+    /// The distance between pixels is none that a film has.
+    #[error(
+        "lateral film: {direction} spacing is {value} mm, and must be above 0.0001 mm and at most 5 mm"
+    )]
     Spacing {
         /// Which of the two spacings.
         direction: &'static str,

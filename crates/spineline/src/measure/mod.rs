@@ -45,8 +45,8 @@ pub use evidence::{
     CalibrationType, SpacingEvidence, SpacingJudgement, SpacingRemark, judge_spacing,
 };
 pub use film::{
-    Film, FilmLandmarks, IliacCrests, ImageGeometry, Placement, PlacementSource, Reading,
-    ReadingId, VertebraLandmarks,
+    Film, FilmLandmarks, FilmTooLarge, IliacCrests, ImageGeometry, Placement, PlacementSource,
+    Reading, ReadingId, VertebraLandmarks,
 };
 pub use film_length::{FilmLength, FilmLengthRule, FilmScale};
 pub(crate) use frame::body_shapes;
@@ -113,8 +113,10 @@ pub enum MeasureError {
         /// Vertebrae marked.
         count: usize,
     },
-    /// The distance between pixels is no positive number.
-    #[error("{posture} film: {direction} spacing is {value} mm, and must be above 0.0001 mm")]
+    /// The distance between pixels is none that a film has.
+    #[error(
+        "{posture} film: {direction} spacing is {value} mm, and must be above 0.0001 mm and at most 5 mm"
+    )]
     Spacing {
         /// Film.
         posture: Posture,
@@ -122,6 +124,34 @@ pub enum MeasureError {
         direction: &'static str,
         /// What it is.
         value: f64,
+    },
+    /// With its scale the film would be larger than any film of a spine.
+    #[error("{posture} film: {fault}")]
+    FilmTooLarge {
+        /// Film.
+        posture: Posture,
+        /// Its size and the limit.
+        fault: FilmTooLarge,
+    },
+    /// With the scale of its film a body has a size that no vertebra has.
+    #[error(
+        "{posture} film, observer {id}: {level} is {size_mm:.1} mm {side}, and no vertebral body is outside of {least_mm} to {most_mm} mm"
+    )]
+    BodySize {
+        /// Film.
+        posture: Posture,
+        /// Reading.
+        id: ReadingId,
+        /// Vertebra.
+        level: Level,
+        /// `wide` or `high`.
+        side: &'static str,
+        /// Mean of the two endplates, or of the two walls.
+        size_mm: f64,
+        /// The least.
+        least_mm: f64,
+        /// The most.
+        most_mm: f64,
     },
     /// The film does not show enough of the thoracic spine.
     #[error(
@@ -313,6 +343,8 @@ impl MeasureError {
             Self::NoObserver { .. } => "no_observer",
             Self::AxesExchanged { .. } => "axes_exchanged",
             Self::Spacing { .. } => "spacing",
+            Self::FilmTooLarge { .. } => "film_too_large",
+            Self::BodySize { .. } => "body_size",
             Self::TopMissing { .. }
             | Self::BaseMissing { .. }
             | Self::NoCommonEnd { .. }
@@ -346,6 +378,12 @@ impl MeasureError {
                 "landmarks are [column, row]: exchange the two numbers of every landmark of this reading"
             }
             Self::Spacing { .. } => "state the distance between pixel centres in mm",
+            Self::FilmTooLarge { .. } => {
+                "correct the scale of the film: a decimal comma or a distance in other units makes it ten times wrong"
+            }
+            Self::BodySize { .. } => {
+                "correct the scale of the film, or the corners of this vertebra"
+            }
             Self::TopMissing { posture, .. } => of_film(
                 *posture,
                 "mark the vertebrae of the erect film upwards to T6 at least; no analysis can do without this film",

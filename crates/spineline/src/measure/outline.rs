@@ -1,6 +1,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::corners::normal_tilt;
+use super::frame::body_shape;
 use super::interpolation::interpolate;
 use super::midline::warn_of_source;
 use super::order::typical_distance_mm;
@@ -272,7 +273,10 @@ fn place_film(
     }
     let iliac_normal = iliac_crests.map(|crests| iliac_normal(image, crests));
     let (readings, scale) = match image.spacing {
-        Some(spacing) => (readings, LengthScale::of(&spacing)),
+        Some(spacing) => {
+            check_body_sizes(film)?;
+            (readings, LengthScale::of(&spacing))
+        }
         None => scaled_from_pixels(posture, readings, warnings),
     };
     let per_mm = 1.0 / scale.pixels_per_mm.unwrap_or(1.0);
@@ -286,6 +290,38 @@ pub(super) fn check_spacing(posture: Posture, image: &ImageGeometry) -> Result<(
     for (direction, value) in [("column", spacing.column_mm), ("row", spacing.row_mm)] {
         if !is_spacing(value) {
             return Err(MeasureError::Spacing { posture, direction, value });
+        }
+    }
+    image.check_size().map_err(|fault| MeasureError::FilmTooLarge { posture, fault })
+}
+
+/// Widths and heights of vertebral bodies on films, from small children to the largest adults on a film magnified by
+/// half, with a wide margin (assumption): what lies outside is an error of the scale or of a corner.
+const BODY_WIDTHS_MM: [f64; 2] = [5.0, 150.0];
+const BODY_HEIGHTS_MM: [f64; 2] = [2.0, 100.0];
+
+/// Refuses bodies of a size that no vertebra has, on a film with a scale.
+fn check_body_sizes(film: &Film) -> Result<(), MeasureError> {
+    let FilmLandmarks::Corners { image, readings, .. } = &film.landmarks else { return Ok(()) };
+    for reading in readings {
+        for (&level, landmark) in &reading.vertebrae {
+            let [height_mm, width_mm] = body_shape(image, landmark);
+            for (side, size_mm, [least_mm, most_mm]) in
+                [("wide", width_mm, BODY_WIDTHS_MM), ("high", height_mm, BODY_HEIGHTS_MM)]
+            {
+                if !(least_mm..=most_mm).contains(&size_mm) {
+                    let (posture, id) = (film.posture, reading.id.clone());
+                    return Err(MeasureError::BodySize {
+                        posture,
+                        id,
+                        level,
+                        side,
+                        size_mm,
+                        least_mm,
+                        most_mm,
+                    });
+                }
+            }
         }
     }
     Ok(())

@@ -153,7 +153,7 @@ impl Spacing {
         Self { column_mm, row_mm, plane, source: SpacingSource::Stated, relative_sd: None }
     }
 
-    /// Whether both distances can be meant: some real films carry a spacing of zero.
+    /// Whether both distances can be meant, from 0.0001 mm to 5 mm: some real films carry a spacing of zero.
     #[must_use]
     pub fn is_plausible(&self) -> bool {
         [self.column_mm, self.row_mm].into_iter().all(is_spacing)
@@ -166,13 +166,17 @@ impl Spacing {
     }
 }
 
-/// A distance between pixels that can be meant: positive, finite, and not the `0.000` that some devices write.
+/// A distance between pixels that can be meant: finite, not the `0.000` that some devices write, and fine enough for the
+/// corners of a vertebra.
 pub(crate) fn is_spacing(mm: f64) -> bool {
-    mm.is_finite() && mm > MIN_SPACING_MM
+    mm > MIN_SPACING_MM && mm <= MAX_SPACING_MM
 }
 
 /// No detector has finer pixels.
 pub(crate) const MIN_SPACING_MM: f64 = 1e-4;
+
+/// On coarser pixels a thoracic body is three or four of them high, and has no corners (assumption).
+pub(crate) const MAX_SPACING_MM: f64 = 5.0;
 
 /// The unit of a measured film: what its millimetres are, and the uncertainty of their scale.
 #[derive(Debug, Clone, Copy, PartialEq)]

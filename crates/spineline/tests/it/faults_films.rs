@@ -189,7 +189,7 @@ fn a_corner_off_the_picture_is_refused_with_its_place() {
 #[test]
 fn a_spacing_that_is_not_positive_is_refused() {
     // Oracle: pixels have a distance; some real files say "0.000".
-    for value in [0.0, -0.1, f64::NAN, f64::INFINITY, 1e-5] {
+    for value in [0.0, -0.1, f64::NAN, f64::INFINITY, 1e-5, 5.1] {
         let mut case = exact_case(0);
         spacing(landmarks(film_mut(&mut case, Posture::Traction)).0).row_mm = value;
         let error = refused_in_measure(&case, &["traction", "row", &value.to_string()]);
@@ -199,6 +199,46 @@ fn a_spacing_that_is_not_positive_is_refused() {
         let error = refused_in_measure(&case, &["erect", "column", &value.to_string()]);
         assert!(matches!(error, MeasureError::Spacing { direction: "column", .. }), "{error:?}");
     }
+}
+
+#[test]
+fn a_film_larger_than_any_film_is_refused_with_its_size() {
+    // Oracle: the size of the film is its pixels times their distance; a decimal comma read as nothing is a factor of ten.
+    let mut case = exact_case(0);
+    let image = landmarks(film_mut(&mut case, Posture::Neutral)).0;
+    let rows = f64::from(image.rows);
+    spacing(image).row_mm = 2510.0 / rows;
+    let error = refused_in_measure(&case, &["neutral", "2510 mm high", "2500 mm"]);
+    assert!(matches!(error, MeasureError::FilmTooLarge { .. }), "{error:?}");
+    let mut case = exact_case(0);
+    let image = landmarks(film_mut(&mut case, Posture::Neutral)).0;
+    image.spacing = None;
+    assert_eq!(image.check_size(), Ok(()), "a film without a scale has no size");
+}
+
+#[test]
+fn a_body_of_a_size_that_no_vertebra_has_is_refused() {
+    // Oracle: corners moved apart by hand; the width is their distance.
+    let mut case = exact_case(0);
+    let (image, _, readings) = landmarks(film_mut(&mut case, Posture::Erect));
+    let column_mm = spacing(image).column_mm;
+    let body = readings[0].vertebrae.get_mut(&Level::T9).expect("marked");
+    let wide_px = 160.0 / column_mm;
+    let middle =
+        0.5 * (body.corners.superior_left.column_px + body.corners.superior_right.column_px);
+    let left = (body.corners.superior_left.column_px - middle).signum();
+    let by = left * 0.5 * wide_px;
+    body.corners.superior_left.column_px = middle + by;
+    body.corners.inferior_left.column_px = middle + by;
+    body.corners.superior_right.column_px = middle - by;
+    body.corners.inferior_right.column_px = middle - by;
+    let columns = image.columns;
+    image.columns = columns.max(4000);
+    let error = refused_in_measure(&case, &["erect", "T9", "mm wide", "150 mm"]);
+    assert!(
+        matches!(error, MeasureError::BodySize { level: Level::T9, side: "wide", .. }),
+        "{error:?}"
+    );
 }
 
 #[test]

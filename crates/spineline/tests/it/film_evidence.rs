@@ -196,6 +196,15 @@ fn implausible_clicks_and_lengths_are_refused() {
         let bad = Calibration { length_mm, ..ruler(far, 1.0) };
         assert!(matches!(bad.spacing(), Err(CalibrationError::Value { .. })), "{length_mm}");
     }
+    for (calibrator, length_mm) in
+        [(Calibrator::Ball, 254.0), (Calibrator::Ball, 0.5), (Calibrator::Ruler, 2001.0)]
+    {
+        let bad = Calibration { calibrator, length_mm, ..ruler(far, 1.0) };
+        assert!(matches!(bad.spacing(), Err(CalibrationError::Length { .. })), "{length_mm}");
+    }
+    // 5.1 mm a pixel.
+    let coarse = Calibration { length_mm: 1530.0, ..ruler(far, 1.0) };
+    assert!(matches!(coarse.spacing(), Err(CalibrationError::Value { .. })));
     let lost = ruler([Pixel::new(f64::NAN, 0.0), far[1]], 1.0);
     assert!(matches!(
         lost.spacing(),
