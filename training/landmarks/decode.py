@@ -11,17 +11,21 @@ LEAST_PEAK = 0.10
 """A centre's probability below which no vertebra is looked for."""
 STEP_OVER_HEIGHT = 1.37
 """Distance between neighbouring centres over the vertebrae's height: geometric mean of the training films."""
-STEP_SPREAD, TURN_SPREAD_RAD = 0.22, 0.30
+STEP_SPREAD, TURN_SPREAD_RAD = 0.20, 0.30
 """Spread of the logarithm of a step, and of its direction, beyond which a neighbour is doubted: twice that of the training films."""
-SKIP_COST = 0.4
+SKIP_COST = 0.8
 """Cost of a vertebra that no peak shows."""
-WORST_LINK = 1.5
+WORST_LINK = 2.5
 """Cost of a step beyond which two peaks are not neighbours."""
+LEVEL_WEIGHT, LEVEL_GAIN = 0.08, 2.0
+"""Weight of the logarithm of a level's probability beside a peak's; a level of probability exp(-2) neither gains nor loses."""
 LEVEL_FLOOR = 0.01
 """Least probability of a level: no single vertebra decides on the count."""
 LEVEL_TEMPER = 4.0
 """Neighbouring vertebrae err together: their votes for a level count as much as a quarter of them."""
 LEAST_SHARE = 0.90
+BEYOND_PEAK, END_PEAK = 0.25, 0.35
+"""Levels are doubtful where a stronger peak than the first follows T1 or L5, or where T1 or L5 is weaker than the second."""
 LEAST_VERTEBRAE, LEAST_MEAN_PEAK = 11, 0.30
 """A film with fewer vertebrae, or with weaker ones, is refused."""
 SD_FACTOR = 1.0
@@ -107,31 +111,41 @@ def link_cost(upper, lower, steps):
 
 
 def chain_of(peaks):
-    """The chain of peaks, from above, with the largest sum of probabilities less costs. A missing vertebra is put between."""
+    """The chain of peaks, from above, with the largest sum of probabilities and agreement of levels, less costs of steps.
+
+    A state is a peak as a level, from T1 (0) to L5 (16). The next peak is the next level, or the next but one: then a vertebra
+    that no peak shows is put between. Returns the chain and the level of its first vertebra.
+    """
     peaks = sorted(peaks, key=lambda peak: peak.centre[1])
-    total, before = [], []
+    if not peaks:
+        return [], 0
+    total = np.zeros((len(peaks), 17))
+    before = {}
     for j, lower in enumerate(peaks):
-        best, link = lower.probability, None
+        own = lower.probability + LEVEL_WEIGHT * (np.log(np.maximum(lower.levels, LEVEL_FLOOR)) + LEVEL_GAIN)
+        total[j] = own
         for i in range(j):
             for steps in (1, 2):
                 cost = link_cost(peaks[i], lower, steps)
-                if cost < WORST_LINK and total[i] - cost + lower.probability > best:
-                    best, link = total[i] - cost + lower.probability, (i, steps)
-        total.append(best)
-        before.append(link)
-    if not peaks:
-        return []
-    j, chain = int(np.argmax(total)), []
+                if cost > WORST_LINK:
+                    continue
+                for level in range(steps, 17):
+                    value = total[i, level - steps] - cost + own[level]
+                    if value > total[j, level]:
+                        total[j, level] = value
+                        before[j, level] = (i, level - steps)
+    j, level = np.unravel_index(int(np.argmax(total)), total.shape)
+    state, chain = (int(j), int(level)), []
     while True:
-        chain.append(peaks[j])
-        if before[j] is None:
-            break
-        i, steps = before[j]
-        if steps == 2:
-            upper, lower = peaks[i], peaks[j]
-            chain.append(Peak((upper.centre + lower.centre) / 2, (upper.corners + lower.corners) / 2, 0.0, np.full(17, 1 / 17), seen=False))
-        j = i
-    return chain[::-1]
+        chain.append(peaks[state[0]])
+        last = before.get(state)
+        if last is None:
+            return chain[::-1], state[1]
+        if state[1] - last[1] == 2:
+            upper, lower = peaks[last[0]], peaks[state[0]]
+            middle, corners = (upper.centre + lower.centre) / 2, (upper.corners + lower.corners) / 2
+            chain.append(Peak(middle, corners, 0.0, np.full(17, 1 / 17), seen=False))
+        state = last
 
 
 def shares_of_levels(chain, temper):
@@ -146,21 +160,43 @@ def shares_of_levels(chain, temper):
     return first, softmax(scores / temper)
 
 
-def counted(chain):
-    """The level of the chain's first vertebra, its probability, and why it is doubtful."""
+def beyond(peaks, chain):
+    """The strongest peaks that could be the next vertebra above and below the chain."""
+    above, below = 0.0, 0.0
+    for peak in peaks:
+        if peak.centre[1] < chain[0].centre[1] and link_cost(peak, chain[0], 1) < 1.0:
+            above = max(above, peak.probability)
+        if peak.centre[1] > chain[-1].centre[1] and link_cost(chain[-1], peak, 1) < 1.0:
+            below = max(below, peak.probability)
+    return above, below
+
+
+def counted(peaks, chain, start):
+    """The probability of `start` as the level of the chain's first vertebra, and why it is doubtful."""
     first, shares = shares_of_levels(chain, LEVEL_TEMPER)
-    best = int(np.argmax(shares))
+    best = start + len(chain) - 1
     third = max(len(chain) // 3, 1)
     reasons = []
-    above = shares_of_levels(chain[:third], 1.0)
-    below = shares_of_levels(chain[-third:], 1.0)
-    if above[0][int(np.argmax(above[1]))] != first[best]:
+    from_above = shares_of_levels(chain[:third], 1.0)
+    from_below = shares_of_levels(chain[-third:], 1.0)
+    if from_above[0][int(np.argmax(from_above[1]))] != start:
         reasons.append("the count from above disagrees")
-    if below[0][int(np.argmax(below[1]))] - (len(chain) - third) != first[best]:
+    if from_below[0][int(np.argmax(from_below[1]))] - (len(chain) - third) != start:
         reasons.append("the count from below disagrees")
     if shares[best] < LEAST_SHARE:
         reasons.append("another count is likely as well")
-    return int(first[best]), float(shares[best]), reasons
+    above, below = beyond(peaks, chain)
+    if above > BEYOND_PEAK:
+        reasons.append("a vertebra may follow above")
+    if below > BEYOND_PEAK:
+        reasons.append("a vertebra may follow below")
+    if min(chain[0].probability, chain[-1].probability) < END_PEAK:
+        reasons.append("the first or last vertebra is weak")
+    if len(chain) < 17:
+        reasons.append(f"{len(chain)} vertebrae of 17")
+    if not all(peak.seen for peak in chain):
+        reasons.append("a vertebra is filled in between two others")
+    return float(shares[best]), reasons
 
 
 def corners_from_patches(kernel, fine, centres):
@@ -185,17 +221,15 @@ def read(kernel, grey, passes=1):
     """Reads a film. `grey`: rows x columns of any unit, bones bright or dark."""
     grid, left, top = coarse_input(grey)
     out = kernel.run("film", grid[None, None])[0]
-    chain = chain_of(peaks_of(out))
+    peaks = peaks_of(out)
+    chain, start = chain_of(peaks)
     reading = Reading()
     seen = [peak.probability for peak in chain if peak.seen]
     if len(seen) < LEAST_VERTEBRAE or np.mean(seen) < LEAST_MEAN_PEAK:
         reading.refused = f"no frontal spine found: {len(seen)} vertebrae in a row"
         return reading
-    start, reading.level_share, reading.reasons = counted(chain)
-    kept = [(start + place, peak) for place, peak in enumerate(chain) if 0 <= start + place < 17]
-    if len(kept) < LEAST_VERTEBRAE:
-        reading.refused = f"no frontal spine found: {len(kept)} vertebrae between T1 and L5"
-        return reading
+    reading.level_share, reading.reasons = counted(peaks, chain, start)
+    kept = [(start + place, peak) for place, peak in enumerate(chain)]
     fine = reduced(grey, FINE_WIDTH, FINE_HEIGHT)
     coarse = grid_scale(grey)
     to_film = lambda points: (points - [left, top]) / coarse
@@ -208,10 +242,6 @@ def read(kernel, grey, passes=1):
     for (level, peak), quad, spread, height in zip(kept, corners / fine_scale, spreads * SD_FACTOR, heights):
         confidence = peak.probability * float(np.exp(-((spread.mean() / height) / 0.25) ** 2))
         reading.vertebrae.append(Vertebra(LEVELS[level], quad, spread / fine_scale.mean(), confidence, peak.seen))
-    if len(kept) < 17:
-        reading.reasons.append(f"{len(kept)} vertebrae of 17")
-    if any(not peak.seen for _, peak in kept):
-        reading.reasons.append("a vertebra is filled in between two others")
     reading.levels_doubtful = bool(reading.reasons)
     return reading
 

@@ -58,7 +58,7 @@ def main():
     pictures = np.array([patch(fine, *frame) for frame in zip(centres, down, lengths)])
     corners, spreads = corners_from_patches(kernel, fine, centres)
     peaks = peaks_of(out)
-    chain = chain_of(peaks)
+    chain, start = chain_of(peaks)
     reading = read(kernel, grey)
     result = {
         "film": {"width": WIDTH, "height": HEIGHT, **samples(grey)},
@@ -72,7 +72,8 @@ def main():
         "patch_spreads": spreads.round(4).tolist(),
         "peaks": [[*peak.centre.round(3).tolist(), round(peak.probability, 5)] for peak in peaks],
         "chain": [[*peak.centre.round(3).tolist(), peak.seen] for peak in chain],
-        "count": counted(chain)[:2] if chain else None,
+        "first_level": start,
+        "count": counted(peaks, chain, start),
         "sd_factor": SD_FACTOR,
         "reading": {
             "refused": reading.refused, "levels_doubtful": reading.levels_doubtful, "level_share": reading.level_share,
