@@ -11,9 +11,9 @@ LEAST_PEAK = 0.10
 """A centre's probability below which no vertebra is looked for."""
 STEP_OVER_HEIGHT = 1.37
 """Distance between neighbouring centres over the vertebrae's height: geometric mean of the training films."""
-STEP_SPREAD, TURN_SPREAD_RAD = 0.20, 0.30
+STEP_SPREAD, TURN_SPREAD_RAD = 0.15, 0.30
 """Spread of the logarithm of a step, and of its direction, beyond which a neighbour is doubted: twice that of the training films."""
-SKIP_COST = 0.8
+SKIP_COST = 0.5
 """Cost of a vertebra that no peak shows."""
 WORST_LINK = 2.5
 """Cost of a step beyond which two peaks are not neighbours."""
@@ -24,7 +24,7 @@ LEVEL_FLOOR = 0.01
 LEVEL_TEMPER = 4.0
 """Neighbouring vertebrae err together: their votes for a level count as much as a quarter of them."""
 LEAST_SHARE = 0.90
-BEYOND_PEAK, END_PEAK = 0.25, 0.35
+BEYOND_PEAK, END_PEAK = 0.50, 0.35
 """Levels are doubtful where a stronger peak than the first follows T1 or L5, or where T1 or L5 is weaker than the second."""
 LEAST_VERTEBRAE, LEAST_MEAN_PEAK = 11, 0.30
 """A film with fewer vertebrae, or with weaker ones, is refused."""

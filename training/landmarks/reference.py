@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import torch
 from data import FINE_HEIGHT, FINE_WIDTH, coarse_input, reduced
-from decode import SD_FACTOR, chain_of, corners_from_patches, counted, peaks_of, read
+from decode import SD_FACTOR, Peak, chain_of, corners_from_patches, counted, peaks_of, read
 from export import OUT
 from kernel import Kernel
 from patches import frames, patch
@@ -19,20 +19,44 @@ FILE = OUT.parent / "tests/reference.json"
 
 
 def film():
-    """A drawn spine: 17 bright blocks along a curve, on a grey ground. Integers in 0..255, by integer rounding of a formula."""
+    """A drawn trunk: darker lungs with ribs, and 17 blocks with pedicles along a curve. Rounded to integers in 0..255."""
     x, y = np.meshgrid(np.arange(WIDTH) + 0.5, np.arange(HEIGHT) + 0.5)
-    grey = 60 + 40 * y / HEIGHT + 25 * np.cos((x - WIDTH / 2) / 160)
+    aside = np.abs(x - WIDTH / 2)
+    lung = np.exp(-(((y / HEIGHT - 0.33) / 0.16) ** 4))
+    grey = 90 + 60 * y / HEIGHT - 80 * lung * (1 - np.exp(-((aside / 150) ** 4)))
+    grey = grey + 25 * lung * np.clip(np.cos((y - 0.25 * aside) * 2 * np.pi / 90), 0, 1) * (aside > 70)
     for index in range(17):
         t = index / 16
-        cx, cy = WIDTH / 2 + 60 * np.sin(4.2 * t), 120 + 1640 * (0.72 * t + 0.28 * t * t)
-        tilt = np.arctan(60 * 4.2 * np.cos(4.2 * t) / (1640 * (0.72 + 0.56 * t)))
-        half_height, half_width = 28 + 19 * t, 50 + 38 * t
+        step = 1640 * (0.72 + 0.56 * t) / 16
+        cx, cy = WIDTH / 2 + 70 * np.sin(4.2 * t), 110 + 1640 * (0.72 * t + 0.28 * t * t)
+        tilt = np.arctan(70 * 4.2 * np.cos(4.2 * t) / (16 * step))
+        high, wide = 0.73 * step / 2, 1.7 * 0.73 * step / 2
         u = (x - cx) * np.cos(tilt) - (y - cy) * np.sin(tilt)
         v = (x - cx) * np.sin(tilt) + (y - cy) * np.cos(tilt)
-        inside = np.maximum(np.abs(u) / half_width, np.abs(v) / half_height)
-        edge = np.clip((1.08 - inside) / 0.16, 0, 1)
-        grey = grey + edge * (70 + 25 * np.clip((inside - 0.75) * 4, 0, 1))
+        out = np.maximum(np.abs(u) / wide, np.abs(v) / high)
+        grey = grey + np.clip((1.1 - out) / 0.2, 0, 1) * (35 + 20 * np.clip((out - 0.75) * 4, 0, 1))
+        for side in (-1, 1):
+            ring = np.hypot((u - side * 0.72 * wide) / (0.16 * wide), (v + 0.1 * high) / (0.34 * high))
+            grey = grey + 30 * np.exp(-(((ring - 1) / 0.35) ** 2))
     return np.floor(np.clip(grey, 0, 255) + 0.5).astype(np.uint8)
+
+
+def made_peaks():
+    """Peaks by a formula: 17 vertebrae of which the 8th has no peak, one of the neck, and two false ones. Checks the chain alone."""
+    peaks = []
+    for index in range(-1, 17):
+        if index == 7:
+            continue
+        height = 11.0 + 0.5 * index
+        middle = np.array([96 + 14 * np.sin(0.3 * index), 30 + 15 * index + 0.33 * index * index])
+        levels = np.full(17, 0.2 / 15)
+        levels[max(index, 0)] += 0.5
+        levels[min(max(index + (1 if index % 3 else -1), 0), 16)] += 0.3
+        peaks.append((middle, height, 0.3 + 0.02 * (index + 1), levels))
+    for x, y in ((130.0, 120.0), (96.0, 200.0)):
+        peaks.append((np.array([x, y]), 9.0, 0.2, np.full(17, 1 / 17)))
+    quad = np.array([[-0.8, -0.5], [0.8, -0.5], [-0.8, 0.5], [0.8, 0.5]])
+    return [Peak(middle, middle + quad * height, probability, levels) for middle, height, probability, levels in peaks]
 
 
 def samples(values, count=48):
@@ -60,7 +84,18 @@ def main():
     peaks = peaks_of(out)
     chain, start = chain_of(peaks)
     reading = read(kernel, grey)
+    made = made_peaks()
+    made_chain, made_start = chain_of(made)
     result = {
+        "made": {
+            "peaks": [
+                {"corners": p.corners.round(5).tolist(), "probability": round(p.probability, 5), "levels": p.levels.round(6).tolist()}
+                for p in made
+            ],
+            "chain": [[*p.centre.round(4).tolist(), p.seen] for p in made_chain],
+            "first_level": made_start,
+            "count": counted(made, made_chain, made_start),
+        },
         "film": {"width": WIDTH, "height": HEIGHT, **samples(grey)},
         "coarse": {"left": left, "top": top, **samples(grid)},
         "film_out": samples(out, 104),
