@@ -121,8 +121,12 @@ def negatives(dicom):
 
         for path in sorted(Path(dicom).rglob("*.dcm")):
             try:
-                pixels = pydicom.dcmread(path, force=True).pixel_array.astype(float)
-            except Exception:
+                dataset = pydicom.dcmread(path, force=True)
+                if "TransferSyntaxUID" not in dataset.file_meta:
+                    dataset.file_meta.TransferSyntaxUID = pydicom.uid.ImplicitVRLittleEndian
+                pixels = dataset.pixel_array.astype(float)
+            except Exception as error:  # pydicom has no decoder, or the file is damaged
+                print(path.name, "not decoded:", type(error).__name__)
                 continue
             pixels = pixels[0] if pixels.ndim == 3 and pixels.shape[-1] > 4 else pixels
             pixels = pixels.mean(axis=-1) if pixels.ndim == 3 else pixels

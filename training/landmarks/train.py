@@ -2,7 +2,7 @@
 
     python training/landmarks/train.py path/to/aasce --out DIR
 
-Seeded. About an hour on two cores; bf16 on processors that have it, so that other machines give other last digits.
+Seeded. About 40 minutes on two free cores, two hours on busy ones. It calculates in bf16, and another processor gives other last digits.
 """
 
 import argparse
@@ -126,17 +126,18 @@ def patch_loss(out, targets):
     return entropy + distance, (distance.item(), entropy.item())
 
 
-def fit(network, data, batch, rate, loss, bf16, log, workers):
+def fit(network, data, batch, rate, loss, log, workers):
+    """One cycle of the rate, in bf16 where the processor has it."""
     optimiser = torch.optim.AdamW(network.parameters(), lr=rate, weight_decay=0.01)
     steps = len(data) // batch
     schedule = torch.optim.lr_scheduler.OneCycleLR(optimiser, rate, total_steps=steps, pct_start=0.1)
     loader = torch.utils.data.DataLoader(data, batch, num_workers=workers, drop_last=True, prefetch_factor=4)
-    network.train().to(memory_format=torch.channels_last if bf16 else torch.contiguous_format)
+    network.train().to(memory_format=torch.channels_last)
     start, sums = time.time(), []
     for step, (x, *targets) in enumerate(loader):
         x = x.flatten(0, 1) if x.dim() == 5 else x
-        x = x.contiguous(memory_format=torch.channels_last) if bf16 else x
-        with torch.autocast("cpu", torch.bfloat16, enabled=bf16):
+        x = x.contiguous(memory_format=torch.channels_last)
+        with torch.autocast("cpu", torch.bfloat16):
             out = network(x)
         value, parts = loss(out, *targets)
         optimiser.zero_grad()
@@ -150,31 +151,34 @@ def fit(network, data, batch, rate, loss, bf16, log, workers):
             sums = []
 
 
+STAGES = {
+    "film": [(1500, 3e-3, 21), (1900, 2e-3, 22), (550, 1.5e-3, 23), (900, 1.5e-3, 24)],
+    "patch": [(800, 3e-3, 21), (1400, 2e-3, 22), (900, 1.5e-3, 23)],
+}
+"""Steps, largest rate and seed of each stage. A stage goes on from the weights of the one before."""
+
+
 def main():
     parser = argparse.ArgumentParser()
     parser.add_argument("data")
     parser.add_argument("--out", required=True, type=Path)
     parser.add_argument("--network", choices=["film", "patch", "both"], default="both")
-    parser.add_argument("--film-steps", type=int, default=1800)
-    parser.add_argument("--patch-steps", type=int, default=1400)
-    parser.add_argument("--start", type=Path, help="folder with weights to go on from")
-    parser.add_argument("--rate", type=float, default=3e-3)
-    parser.add_argument("--seed", type=int, default=21)
     parser.add_argument("--workers", type=int, default=1)
-    parser.add_argument("--threads", type=int, default=1)
+    parser.add_argument("--threads", type=int, default=1, help="more than one wastes time on a busy machine")
     options = parser.parse_args()
-    torch.manual_seed(options.seed)
     torch.set_num_threads(options.threads)
     options.out.mkdir(parents=True, exist_ok=True)
     films = read_films(options.data, parts=("train",))
-    runs = [("film", film_plan, Canvases, options.film_steps, 8, film_loss, True),
-            ("patch", patch_plan, Patches, options.patch_steps, 4, patch_loss, True)]
-    for name, plan, kind, steps, batch, loss, bf16 in runs:
-        if options.network in (name, "both"):
-            network = Network(plan())
-            if options.start:
-                network.load_state_dict(torch.load(options.start / f"{name}.pt"))
-            fit(network, kind(films, options.seed, steps * batch), batch, options.rate, loss, bf16, name, options.workers)
+    for name, plan, kind, batch, loss in (
+        ("film", film_plan, Canvases, 8, film_loss),
+        ("patch", patch_plan, Patches, 4, patch_loss),
+    ):
+        if options.network not in (name, "both"):
+            continue
+        torch.manual_seed(STAGES[name][0][2])
+        network = Network(plan())
+        for steps, rate, seed in STAGES[name]:
+            fit(network, kind(films, seed, steps * batch), batch, rate, loss, name, options.workers)
             torch.save(network.state_dict(), options.out / f"{name}.pt")
 
 
