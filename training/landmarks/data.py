@@ -77,6 +77,12 @@ def coarse_input(grey):
     return grid, left, top
 
 
+def grid_scale(grey):
+    """Coarse pixels per pixel in x and y."""
+    width, height = reduced_size(grey.shape, COARSE_WIDTH, COARSE_HEIGHT)
+    return np.array([width / grey.shape[1], height / grey.shape[0]])
+
+
 def grey_of(path):
     return np.asarray(Image.open(path).convert("L"))
 

@@ -3,7 +3,7 @@
 from dataclasses import dataclass, field
 
 import numpy as np
-from data import COARSE_HEIGHT, COARSE_WIDTH, FINE_HEIGHT, FINE_WIDTH, LEVELS, coarse_input, reduced, reduced_size
+from data import FINE_HEIGHT, FINE_WIDTH, LEVELS, coarse_input, grid_scale, reduced
 from patches import MAP, PATCH, frames, from_patch, patch
 
 CELL, UNIT = 4.0, 16.0
@@ -245,9 +245,3 @@ def read(kernel, grey, passes=1):
         reading.vertebrae.append(Vertebra(LEVELS[level], quad, spread / fine_scale.mean(), confidence, peak.seen))
     reading.levels_doubtful = bool(reading.reasons)
     return reading
-
-
-def grid_scale(grey):
-    """Coarse pixels per pixel in x and y."""
-    width, height = reduced_size(grey.shape, COARSE_WIDTH, COARSE_HEIGHT)
-    return np.array([width / grey.shape[1], height / grey.shape[0]])
