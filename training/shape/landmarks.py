@@ -14,6 +14,7 @@ LEVELS = ["L5", "L4", "L3", "L2", "L1", *(f"T{number}" for number in range(12, 0
 class Film:
     """A film of the training split."""
 
+    name: str
     patient: str
     corners: np.ndarray
     """17 vertebrae (L5 to T1) x 4 corners (superior left, superior right, inferior left, inferior right: the patient's) x 2:
@@ -45,5 +46,5 @@ def read_films(data):
         values = np.array([float(value) for value in row])
         # T1 first; upper left, upper right, lower left, lower right as seen. The patient's left is the right of the picture.
         seen = np.stack([values[:68] * width, -values[68:] * height], axis=1).reshape(17, 4, 2)
-        films.append(Film(patient_of(name), seen[::-1][:, [1, 0, 3, 2]]))
+        films.append(Film(name, patient_of(name), seen[::-1][:, [1, 0, 3, 2]]))
     return films

@@ -1,10 +1,13 @@
 """Learns the shape of erect spines and writes the table that the library contains.
 
     python training/shape/train.py path/to/aasce
+    python training/shape/train.py path/to/aasce --split train --out FILE
 
-Needs numpy. The same data give the same bytes.
+The second form leaves out the validation and test patients of training/landmarks/split.py, so that the shape can be judged on
+them. Needs numpy. The same data give the same bytes.
 """
 
+import argparse
 import sys
 from pathlib import Path
 
@@ -24,7 +27,20 @@ def rows(names, mean, covariance):
 
 
 def main():
-    films = read_films(sys.argv[1])
+    parser = argparse.ArgumentParser()
+    parser.add_argument("data")
+    parser.add_argument("--split", choices=["all", "train"], default="all")
+    parser.add_argument("--out", type=Path, help="file to write; needed with --split train")
+    options = parser.parse_args()
+    films = read_films(options.data)
+    if options.split == "train":
+        if options.out is None:
+            parser.error("--split train needs --out FILE: the library's table is of all films")
+        sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "landmarks"))
+        from split import part_of
+
+        films = [film for film in films if part_of(film.name) == "train"]
+    out = options.out or OUT
     mean, angles, lengths = shape.learn(films)
     head = HEAD.format(films=len(films), patients=len({film.patient for film in films}))
     lines = [
@@ -32,8 +48,8 @@ def main():
         *rows(shape.ANGLES, [0.0] * len(shape.ANGLES), angles),
         *rows(shape.LENGTHS, mean, lengths),
     ]
-    OUT.write_text("\n".join(lines) + "\n", encoding="utf-8")
-    print(f"{len(films)} films: {OUT.stat().st_size / 1e3:.0f} kB")
+    out.write_text("\n".join(lines) + "\n", encoding="utf-8")
+    print(f"{len(films)} films: {out.stat().st_size / 1e3:.0f} kB")
 
 
 if __name__ == "__main__":
