@@ -47,6 +47,10 @@ pub(crate) fn main_turn(spine: &ErectSpine, shape: &ChainShape) -> f64 {
     high - low
 }
 
+/// After so many steps that were once made smaller, they grow again: one place that is hard to pass must not make the rest of the
+/// way endless.
+const MAX_EQUAL_STEPS: usize = 200;
+
 /// Steps a force from zero until a measure of the shape reaches a target, then halves the last step.
 ///
 /// `solve` continues from the force before; `None` if the target is not reached.
@@ -58,8 +62,10 @@ pub(crate) fn force_for<S: Clone, L>(
     reached: impl Fn(&ChainShape) -> bool,
 ) -> Option<(f64, ChainShape, L)> {
     let (mut low_n, mut low_state) = (0.0, start);
+    let first_step_n = step_n;
     let mut step_n = step_n;
     let mut found = None;
+    let mut equal_steps = 0;
     while step_n.abs() > 1e-9 * most_n {
         let mut state = low_state.clone();
         let force_n = low_n + step_n;
@@ -73,12 +79,15 @@ pub(crate) fn force_for<S: Clone, L>(
             }
             Some(_) => {
                 (low_n, low_state) = (force_n, state);
+                equal_steps += 1;
                 if found.is_some() {
                     step_n *= 0.5;
+                } else if equal_steps > MAX_EQUAL_STEPS && step_n.abs() < first_step_n.abs() {
+                    (step_n, equal_steps) = (2.0 * step_n, 0);
                 }
             }
             // No equilibrium at this step: a smaller one.
-            None => step_n *= 0.5,
+            None => (step_n, equal_steps) = (0.5 * step_n, 0),
         }
     }
     found
