@@ -24,10 +24,27 @@ pub fn unpacked(bytes: &[u8]) -> Vec<Vec<u8>> {
 
 /// Whether a file holds a text: as it is, in UTF-16, in hexadecimal digits, or written for an address.
 pub fn holds(bytes: &[u8], text: &str) -> bool {
+    first_held(bytes, &[text]).is_some()
+}
+
+/// The first of some texts that a file holds. It is unpacked once for all of them.
+pub fn first_held<'a>(bytes: &[u8], texts: &[&'a str]) -> Option<&'a str> {
+    // Bytes that are no UTF-8 are exchanged one by one, and the letters beside them stay.
+    let parts = unpacked(bytes);
+    let parts: Vec<_> = parts.iter().map(|part| String::from_utf8_lossy(part)).collect();
+    let is_held = |text: &&str| {
+        let forms = forms(text);
+        parts.iter().any(|part| forms.iter().any(|form| part.contains(form.as_str())))
+    };
+    texts.iter().find(|text| is_held(text)).copied()
+}
+
+/// The ways in which a text may stand in a file.
+fn forms(text: &str) -> [String; 7] {
     let hex = |bytes: &[u8]| bytes.iter().map(|byte| format!("{byte:02x}")).collect::<String>();
     // Of UTF-16 the zero bytes between letters, which either order of bytes has.
     let wide = text.chars().map(String::from).collect::<Vec<_>>().join("\0");
-    let forms = [
+    [
         text.to_owned(),
         text.replace('-', "%2D"),
         hex(text.as_bytes()),
@@ -35,12 +52,7 @@ pub fn holds(bytes: &[u8], text: &str) -> bool {
         hex(wide.as_bytes()),
         hex(wide.as_bytes()).to_ascii_uppercase(),
         wide,
-    ];
-    unpacked(bytes).iter().any(|part| {
-        // Bytes that are no UTF-8 are exchanged one by one, and the letters beside them stay.
-        let part = String::from_utf8_lossy(part);
-        forms.iter().any(|form| part.contains(form.as_str()))
-    })
+    ]
 }
 
 /// The contents of the streams that stand in some bytes.
@@ -48,6 +60,10 @@ fn packed(bytes: &[u8]) -> Vec<Vec<u8>> {
     let mut found = Vec::new();
     for at in 0..bytes.len() {
         let rest = &bytes[at..];
+        // Most bytes begin none of them.
+        if !matches!(rest[0], 0x1f | b'P' | b'b') && rest[0] & 0x0f != 8 {
+            continue;
+        }
         if rest.starts_with(b"\x1f\x8b\x08") {
             found.extend(decoded(GzDecoder::new(rest)));
         } else if rest.starts_with(b"PK\x03\x04") {
@@ -111,11 +127,19 @@ fn deflated_data_set(bytes: &[u8]) -> Option<&[u8]> {
 
 /// Base64 up to the first byte that is not of it.
 fn base64(bytes: &[u8]) -> Vec<u8> {
-    const LETTERS: &[u8; 64] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-    let digit = |byte: &u8| LETTERS.iter().position(|letter| letter == byte);
+    let digit = |&byte: &u8| {
+        Some(match byte {
+            b'A'..=b'Z' => byte - b'A',
+            b'a'..=b'z' => byte - b'a' + 26,
+            b'0'..=b'9' => byte - b'0' + 52,
+            b'+' => 62,
+            b'/' => 63,
+            _ => return None,
+        })
+    };
     let (mut held, mut bits, mut out) = (0_u32, 0, Vec::new());
     for value in bytes.iter().map_while(digit) {
-        held = ((held << 6) | value as u32) & 0xfff;
+        held = ((held << 6) | u32::from(value)) & 0xfff;
         bits += 6;
         if bits >= 8 {
             bits -= 8;
