@@ -15,7 +15,7 @@ from kernel import Kernel
 from patches import frames, patch
 
 WIDTH, HEIGHT = 700, 1900
-FILE = OUT.parent / "tests/reference.json"
+FILE = OUT.parent / "src/reference.json"
 
 
 def film():

@@ -1,0 +1,257 @@
+//! Vertebrae on a frontal radiograph of an erect spine: picture in, four corners of every vertebra with their uncertainty out.
+//!
+//! Two small networks, trained from scratch on public films, run here in plain arithmetic: the same picture gives the same bits on
+//! every machine. The first one sees the whole film on a small grid and gives centres, rough corners and levels; vertebrae are the chain
+//! of centres that looks most like a spine. The second one sees a patch around each vertebra and places its corners.
+//!
+//! It was shown films of erect adolescents with scoliosis, and nothing else: no bends, no lateral films, no adults, no implants.
+//! `training/landmarks/README.md` is its model card. What it finds is a proposal, to be looked at by a person.
+//!
+//! ```
+//! use spineline::anatomy::ImageSide;
+//! use spineline_detect::{Picture, Refusal, detect};
+//!
+//! // An empty picture shows no spine.
+//! let values = vec![0.0; 400 * 800];
+//! let picture = Picture { columns: 400, rows: 800, pixel_aspect: 1.0, patient_left: ImageSide::Right, values: &values };
+//! assert!(matches!(detect(&picture), Err(Refusal::NoSpine { .. })));
+//! ```
+
+#![cfg_attr(test, allow(clippy::float_cmp, reason = "tests compare with exact values"))]
+
+mod chain;
+mod grid;
+mod kernel;
+mod patches;
+#[cfg(test)]
+mod reference;
+mod weights;
+
+use spineline::anatomy::{ImageSide, Level};
+use spineline::measure::Corners;
+use spineline::spatial::Pixel;
+
+use chain::{Chain, chain_of, doubts, peaks_of};
+use grid::{Grid, coarse_input};
+
+/// A film with fewer vertebrae in a row is refused.
+const MIN_VERTEBRAE: usize = 12;
+/// A film whose lowest vertebra lies above L2 is refused: a chest film shows a part of the spine as well. T1 is zero.
+const MIN_LAST_LEVEL: usize = 13;
+/// A film whose vertebrae are found with a smaller mean probability is refused.
+const MIN_MEAN_PROBABILITY: f64 = 0.30;
+/// Largest size of the film from which patches are taken.
+const FINE: [usize; 2] = [512, 896];
+/// Confidence falls to 1/e where the deviation of the corners is this part of the height.
+const CONFIDENCE_SD_SHARE: f64 = 0.25;
+/// A side of the films that are looked at, at least.
+const MIN_SIDE_PX: usize = 64;
+
+/// A film's grey values, whatever their unit, bright bones or dark ones.
+#[derive(Debug, Clone, Copy)]
+pub struct Picture<'a> {
+    /// Pixels in a row.
+    pub columns: usize,
+    /// Rows.
+    pub rows: usize,
+    /// Height of a pixel over its width.
+    pub pixel_aspect: f64,
+    /// The side of the picture on which the patient's left is.
+    pub patient_left: ImageSide,
+    /// Row by row from the top.
+    pub values: &'a [f32],
+}
+
+impl Picture<'_> {
+    /// Whether a place lies on it; the centre of the first pixel is at zero.
+    fn holds(&self, place: Pixel) -> bool {
+        let within = |value: f64, count: usize| (-0.5..count as f64 - 0.5).contains(&value);
+        within(place.column_px, self.columns) && within(place.row_px, self.rows)
+    }
+}
+
+/// A vertebra that was found.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct DetectedVertebra {
+    /// Which one, by the count of the whole chain.
+    pub level: Level,
+    /// Its corners.
+    pub corners: Corners<Pixel>,
+    /// Standard deviation of a coordinate of a corner, as a part of the height of the body.
+    pub sd_share: f64,
+    /// From 0 to 1.
+    pub confidence: f64,
+    /// Whether it was seen; else it was put between its neighbours.
+    pub is_seen: bool,
+}
+
+/// Why the levels of a film may be shifted, or vertebrae be missing.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Doubt {
+    /// The upper third of the chain alone gives another count.
+    CountFromAbove,
+    /// The lower third of the chain alone gives another count.
+    CountFromBelow,
+    /// Another count is nearly as probable.
+    OtherCount {
+        /// Probability of the count that was taken.
+        probability: f64,
+    },
+    /// Another vertebra may follow above the uppermost one.
+    MoreAbove,
+    /// Another vertebra may follow below the lowest one.
+    MoreBelow,
+    /// The uppermost or the lowest vertebra is improbable.
+    WeakEnd,
+    /// Fewer than 17 vertebrae.
+    Incomplete {
+        /// Vertebrae that were found.
+        found: usize,
+    },
+    /// A vertebra was put between two others.
+    FilledIn,
+    /// Vertebrae with a corner beyond the edge of the film were left out.
+    BeyondEdge {
+        /// How many.
+        vertebrae: usize,
+    },
+}
+
+impl std::fmt::Display for Doubt {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::CountFromAbove => f.write_str("counted from above, the levels are others"),
+            Self::CountFromBelow => f.write_str("counted from below, the levels are others"),
+            Self::OtherCount { probability } => {
+                write!(f, "these levels have a probability of {:.0} % only", 100.0 * probability)
+            }
+            Self::MoreAbove => f.write_str("another vertebra may follow above"),
+            Self::MoreBelow => f.write_str("another vertebra may follow below"),
+            Self::WeakEnd => f.write_str("the uppermost or the lowest vertebra is improbable"),
+            Self::Incomplete { found } => write!(f, "{found} of 17 vertebrae were found"),
+            Self::BeyondEdge { vertebrae } => {
+                write!(
+                    f,
+                    "{vertebrae} of them would lie beyond the edge of the film and are left out"
+                )
+            }
+            Self::FilledIn => {
+                f.write_str("a vertebra was not seen, and put between its neighbours")
+            }
+        }
+    }
+}
+
+/// The vertebrae of a film.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Detection {
+    /// Vertebrae, caudal first.
+    pub vertebrae: Vec<DetectedVertebra>,
+    /// Why the levels may be shifted by one or more; empty where nothing speaks for it.
+    pub doubts: Vec<Doubt>,
+}
+
+/// Why nothing is proposed for a film.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum Refusal {
+    /// The picture shows no frontal spine.
+    #[error(
+        "no frontal spine was found: {vertebrae} vertebrae in a row, and {} down to L2 or lower are needed at least; place the landmarks by hand",
+        MIN_VERTEBRAE
+    )]
+    NoSpine {
+        /// Vertebrae in a row.
+        vertebrae: usize,
+    },
+    /// The picture has too few pixels, or its values do not fill it.
+    #[error(
+        "a picture of {columns} × {rows} pixels is no film (at least {} × {})",
+        MIN_SIDE_PX,
+        MIN_SIDE_PX
+    )]
+    NoFilm {
+        /// Columns.
+        columns: usize,
+        /// Rows.
+        rows: usize,
+    },
+}
+
+/// Finds the vertebrae on a film.
+///
+/// # Errors
+/// [`Refusal`] where the picture shows no frontal spine, or is no film.
+pub fn detect(picture: &Picture<'_>) -> Result<Detection, Refusal> {
+    let &Picture { columns, rows, pixel_aspect, values, .. } = picture;
+    let is_filled = columns.checked_mul(rows) == Some(values.len());
+    let is_shaped = pixel_aspect.is_finite() && (0.1..=10.0).contains(&pixel_aspect);
+    if columns.min(rows) < MIN_SIDE_PX || !is_filled || !is_shaped {
+        return Err(Refusal::NoFilm { columns, rows });
+    }
+    let coarse = coarse_input(picture);
+    let peaks = peaks_of(&weights::film(coarse.grid.clone()));
+    let chain = chain_of(&peaks).ok_or(Refusal::NoSpine { vertebrae: 0 })?;
+    let seen = chain.peaks.iter().filter(|peak| peak.is_seen).map(|peak| peak.probability);
+    let count = seen.clone().count();
+    let is_weak = seen.sum::<f64>() < MIN_MEAN_PROBABILITY * count as f64;
+    let last_level = chain.first_level + chain.peaks.len() - 1;
+    if count < MIN_VERTEBRAE || is_weak || last_level < MIN_LAST_LEVEL {
+        return Err(Refusal::NoSpine { vertebrae: count });
+    }
+    let mut vertebrae = placed(picture, &coarse, &chain);
+    vertebrae.reverse();
+    let mut doubts = doubts(&peaks, &chain);
+    let found = vertebrae.len();
+    vertebrae.retain(|one| one.corners.points().into_iter().all(|corner| picture.holds(corner)));
+    if vertebrae.len() < found {
+        doubts.push(Doubt::BeyondEdge { vertebrae: found - vertebrae.len() });
+    }
+    Ok(Detection { vertebrae, doubts })
+}
+
+/// The corners of the vertebrae, by the second network.
+fn placed(picture: &Picture<'_>, coarse: &grid::Coarse, chain: &Chain) -> Vec<DetectedVertebra> {
+    let fine = Grid::reduced(picture, FINE);
+    let per_pixel = |grid: &Grid| {
+        [grid.columns as f64 / picture.columns as f64, grid.rows as f64 / picture.rows as f64]
+    };
+    let (fine_scale, coarse_scale) = (per_pixel(&fine), coarse.scale);
+    let centres: Vec<[f64; 2]> = chain
+        .peaks
+        .iter()
+        .map(|peak| {
+            [0, 1].map(|axis| {
+                (peak.centre[axis] - coarse.corner[axis]) / coarse_scale[axis] * fine_scale[axis]
+            })
+        })
+        .collect();
+    let placed = patches::corners(&fine, &centres);
+    let bodies = chain.peaks.iter().zip(placed).zip(chain.first_level..);
+    bodies
+        .map(|((peak, body), level)| {
+            // The centre of the first pixel is at zero.
+            let seen = body.corners.map(|place| {
+                Pixel::new(place[0] / fine_scale[0] - 0.5, place[1] / fine_scale[1] - 0.5)
+            });
+            let sd_share = body.sd / body.height();
+            let doubt = (sd_share / CONFIDENCE_SD_SHARE).powi(2);
+            DetectedVertebra {
+                level: Level::ALL[Level::ALL.len() - 1 - level],
+                corners: patients(seen, picture.patient_left),
+                sd_share,
+                confidence: peak.probability * (-doubt).exp(),
+                is_seen: peak.is_seen,
+            }
+        })
+        .collect()
+}
+
+/// Corners as seen (upper left, upper right, lower left, lower right) by the patient's sides.
+fn patients([ul, ur, ll, lr]: [Pixel; 4], patient_left: ImageSide) -> Corners<Pixel> {
+    let [superior_left, superior_right, inferior_left, inferior_right] = match patient_left {
+        ImageSide::Left => [ul, ur, ll, lr],
+        ImageSide::Right => [ur, ul, lr, ll],
+    };
+    Corners { superior_left, superior_right, inferior_left, inferior_right }
+}

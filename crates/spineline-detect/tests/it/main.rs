@@ -1,0 +1,3 @@
+//! Pictures that show no frontal spine.
+
+mod refusals;
