@@ -175,3 +175,10 @@ export function farthest(a: ReadingView, b: ReadingView): number {
   );
   return Math.max(...distances);
 }
+
+/** The middle of a wall of another reading. */
+export function wallOf(truth: ReadingView, level: string, side: "left" | "right"): FilmPoint {
+  const above = cornerOf(truth, level, `superior_${side}`);
+  const below = cornerOf(truth, level, `inferior_${side}`);
+  return [(above[0] + below[0]) / 2, (above[1] + below[1]) / 2];
+}

@@ -1,16 +1,8 @@
 import type { Api } from "../src/api/types";
-import type { FilmPoint } from "../src/measure/viewport";
 import { expect, shot, test } from "./app";
-import { FilmPage, LEVELS, cornerOf, farthest } from "./marking";
+import { CORNERS, FilmPage, LEVELS, cornerOf, farthest, wallOf } from "./marking";
 
 type ReadingView = Api<"ReadingView">;
-
-/** The middle of a wall of another reading. */
-function wallOf(truth: ReadingView, level: string, side: "left" | "right"): FilmPoint {
-  const above = cornerOf(truth, level, `superior_${side}`);
-  const below = cornerOf(truth, level, `inferior_${side}`);
-  return [(above[0] + below[0]) / 2, (above[1] + below[1]) / 2];
-}
 
 /** Mean height of the vertebrae. */
 function height(truth: ReadingView): number {
@@ -49,7 +41,8 @@ test("a film is marked by two clicks per vertebra, accepted at once and undone a
   await film.saved();
   await expect(page.locator("[data-proposal]")).toHaveCount(0);
   const accepted = await film.reading();
-  expect(accepted.vertebrae.map(({ origin }) => origin)).toEqual(LEVELS.map(() => "accepted"));
+  const origins = accepted.vertebrae.flatMap(({ corners }) => corners.map(({ origin }) => origin));
+  expect(origins).toEqual(LEVELS.flatMap(() => CORNERS.map(() => "accepted")));
   // The worst corner of all lies within half a vertebral height of another reader's.
   expect(farthest(accepted, truth)).toBeLessThan(0.5 * height(truth));
   expect(clicks + 2).toBeLessThanOrEqual(34);
@@ -62,4 +55,35 @@ test("a film is marked by two clicks per vertebra, accepted at once and undone a
   // Corner by corner stays one key away.
   await page.keyboard.press("t");
   await expect(film.target).toContainText("superior endplate, patient’s left");
+});
+
+test("vertebrae are proposed on request and accepted one by one", async ({ app, page }) => {
+  await app.open(page);
+  const film = await FilmPage.ofDemo(page);
+  const truth = await film.truth();
+  // Two vertebrae say where the next ones lie.
+  for (const level of LEVELS.slice(0, 2)) {
+    for (const corner of CORNERS) await film.click(cornerOf(truth, level, corner));
+  }
+  await film.saved();
+  await page.keyboard.press("p");
+  const drawn = page.locator("[data-proposal]");
+  await expect(drawn.first()).toBeVisible();
+  const before = await drawn.count();
+  expect(before).toBeGreaterThan(1);
+  await shot(page, "measure-proposals");
+  await page.keyboard.press("a");
+  await film.saved();
+  const third = LEVELS[2]!;
+  await expect(page.locator(`[data-proposal="${third}"]`)).toHaveCount(0);
+  const accepted = (await film.reading()).vertebrae.filter(({ corners }) =>
+    corners.some(({ origin }) => origin === "accepted"),
+  );
+  expect(accepted.map(({ level }) => level)).toEqual([third]);
+  await expect(page.getByRole("button", { name: /accepted as proposed/ })).toHaveCount(1);
+  await page.keyboard.press("p");
+  await expect(page.getByRole("button", { name: /^Propose/ })).toHaveAttribute(
+    "aria-pressed",
+    "false",
+  );
 });

@@ -47,6 +47,8 @@ cargo xtask COMMAND
   reliability
            compare ICC, errors and correlations with pingouin and scipy
   films    compare films of phantoms with pydicom
+  landmarks
+           judge completed and detected landmarks on X-rays of unseen patients (SPINELINE_DATA names the folder of the data)
   exchange compare landmarks with highdicom, pydicom and DCMTK, tables with pyarrow and pandas, typeset reports with qpdf
   python   test the Python package and its types; measure import and calls
   notebooks
@@ -156,6 +158,7 @@ fn steps(command: &str) -> Option<Vec<Step>> {
         "engines" => vec![engines],
         "reliability" => vec![reliability],
         "films" => vec![films],
+        "landmarks" => vec![Step::new("landmarks", &[Tool::Python], outside::landmarks)],
         "exchange" => vec![exchange.usual()],
         _ => return None,
     })

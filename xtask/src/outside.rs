@@ -1,6 +1,8 @@
 //! The program beside programs of others: each check is a Python project below `validation/`.
 
 use std::path::{Path, PathBuf};
+use std::sync::{Mutex, PoisonError};
+use std::thread;
 
 use crate::checks::built;
 use crate::plan::Plan;
@@ -37,14 +39,44 @@ pub fn attack(plan: &Plan<'_>) -> Result<(), String> {
     python::project(plan.root, "attack", &script, Path::new("debug/spineline"), &passed_on)
 }
 
-/// Makes the Python environments of all checks.
-pub fn provide_environments(root: &Path) -> Result<(), String> {
-    for name in ["engines", "reliability", "films", "exchange", "attack"] {
-        python::environment(root, name, &project(root, name).join("requirements.txt"))?;
-    }
-    package::environment(root)?;
-    notebooks::environment(root).map(|_| ())
+/// Completed and detected landmarks on X-rays of patients that the models were not learned from; their data are not in the
+/// project.
+pub fn landmarks(plan: &Plan<'_>) -> Result<(), String> {
+    let data = std::env::var("SPINELINE_DATA")
+        .map_err(|_| "the variable SPINELINE_DATA must name the folder that holds `aasce`")?;
+    let complete = python::text(&built(plan, "examples/complete")?)?;
+    let data = python::text(&Path::new(&data).join("aasce"))?;
+    let passed_on = ["--data".to_owned(), data, "--complete".to_owned(), complete];
+    let script = project(plan.root, "landmarks").join("compare.py");
+    python::project(plan.root, "landmarks", &script, Path::new("debug/spineline"), &passed_on)
 }
+
+/// Makes the Python environments of all checks, two at a time: each is a network and a disk, and half a core.
+pub fn provide_environments(root: &Path) -> Result<(), String> {
+    let projects = ["engines", "reliability", "films", "exchange", "attack"];
+    let own = projects.map(|name| {
+        move || {
+            let requirements = project(root, name).join("requirements.txt");
+            python::environment(root, name, &requirements).map(drop)
+        }
+    });
+    let others: [Provide<'_>; 2] = [
+        Box::new(|| package::environment(root).map(drop)),
+        Box::new(|| notebooks::environment(root).map(drop)),
+    ];
+    let all = own.into_iter().map(|make| Box::new(make) as Provide<'_>).chain(others);
+    let waiting = Mutex::new(all.collect::<Vec<_>>());
+    let next = || waiting.lock().unwrap_or_else(PoisonError::into_inner).pop();
+    let work = || std::iter::from_fn(next).try_for_each(|make| make());
+    thread::scope(|scope| {
+        let beside = scope.spawn(work);
+        let own = work();
+        beside.join().expect("it returns its faults").and(own)
+    })
+}
+
+/// What makes one environment.
+type Provide<'a> = Box<dyn FnOnce() -> Result<(), String> + Send + 'a>;
 
 fn project(root: &Path, name: &str) -> PathBuf {
     root.join("validation").join(name)

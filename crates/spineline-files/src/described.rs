@@ -5,7 +5,7 @@ use spineline::analysis::{Grouping, Sex};
 use spineline::anatomy::{ImageSide, Named, Posture, Region};
 use spineline::clinical::EndRule;
 use spineline::evaluate::Baseline;
-use spineline::measure::{PlacementSource, SpacingPlane, TiltRule};
+use spineline::measure::{Origin, PlacementSource, SpacingPlane, TiltRule};
 use spineline::multibody::{Support, Timing};
 use spineline::personalize::FitTarget;
 
@@ -47,6 +47,23 @@ impl Described for PlacementSource {
             Self::SurfaceMidline => {
                 "A midline of the back surface: levels by arc length, none of them seen."
             }
+        }
+    }
+}
+
+impl Described for Origin {
+    const DEFINITION: &'static str = "OriginKey";
+    const DESCRIPTION: &'static str = "How the place of a corner came about.";
+
+    fn meaning(self) -> &'static str {
+        match self {
+            Self::Clicked => "A person clicked it.",
+            Self::Completed => {
+                "Completed from other landmarks of the film; nobody has looked at it."
+            }
+            Self::Detected => "A program found it in the picture; nobody has looked at it.",
+            Self::Accepted => "A person accepted a place that a program proposed.",
+            Self::Adjusted => "A person moved a place that a program had proposed.",
         }
     }
 }

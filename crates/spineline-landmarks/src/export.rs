@@ -73,6 +73,10 @@ impl LandmarkTarget<'_> {
         if confidences && landmarks().any(|landmark| landmark.confidence.is_some()) {
             left_out.push("confidences");
         }
+        // Without the walls that corners were completed from, their origin alone would not say how uncertain they are.
+        if landmarks().any(|landmark| !landmark.is_placed()) {
+            left_out.push("which corners a program found, and so their uncertainty");
+        }
         left_out
     }
 }

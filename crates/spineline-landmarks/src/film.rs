@@ -319,7 +319,7 @@ impl Points<Pixel> {
     ) -> Result<BTreeMap<Level, VertebraLandmarks>, LandmarkError> {
         let landmark = |(level, corners)| {
             let confidence = self.confidences(level, reading)?;
-            Ok((level, VertebraLandmarks { corners, axis_clockwise: None, confidence }))
+            Ok((level, VertebraLandmarks { confidence, ..VertebraLandmarks::clicked(corners) }))
         };
         self.bodies(reading)?.into_iter().map(landmark).collect()
     }

@@ -4,6 +4,8 @@
 //! attached; [`embedded`] gets the analysis back. Nothing here has files, a clock or a network: the date is given, and
 //! the same input has the same bytes, as long as the fonts within have all letters.
 
+#![cfg_attr(test, allow(clippy::float_cmp, reason = "tests compare with exact values"))]
+
 mod attached;
 mod columns;
 mod page;

@@ -85,7 +85,7 @@ impl Readers {
         });
         let [superior_left, superior_right, inferior_left, inferior_right] = moved;
         let corners = Corners { superior_left, superior_right, inferior_left, inferior_right };
-        VertebraLandmarks { corners, axis_clockwise, confidence: None }
+        VertebraLandmarks { axis_clockwise, ..VertebraLandmarks::clicked(corners) }
     }
 }
 

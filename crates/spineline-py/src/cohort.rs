@@ -83,7 +83,7 @@ struct Row {
     found: Result<Found, Fault>,
 }
 
-/// What was found for a case.
+/// The results of a case.
 struct Found {
     analysis: Analysis,
     subject: Subject,

@@ -12,9 +12,9 @@ use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
 
 use crate::api::{Problem, StudyDetail};
+use crate::decoded::keep_thumbnails;
 use crate::extract::Json;
 use crate::film_cache::draw_thumbnails;
-use crate::films::keep_thumbnails;
 use crate::problem::{Answer, Failure};
 use crate::result_cache::computed;
 use crate::session::User;

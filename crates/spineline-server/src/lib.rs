@@ -9,6 +9,7 @@ mod assets;
 mod attachment;
 mod changes;
 mod channel;
+mod decoded;
 mod demo;
 pub mod extract;
 mod film_cache;

@@ -11,7 +11,6 @@ use spineline::measure::{
 use spineline::spatial::{Angle, Pixel};
 
 use crate::error::StoreError;
-use crate::event::Corner;
 use crate::films::{self, FilmRecord};
 use crate::names::Name;
 use crate::readings::ReadingRecord;
@@ -63,16 +62,19 @@ fn marked(reading: &ReadingRecord, state: &ReadingState) -> Reading<VertebraLand
 
 /// The landmarks of a vertebra, if all four corners are placed.
 fn landmark(landmarks: &VertebraReading) -> Option<VertebraLandmarks> {
-    let corner = |corner| landmarks.corners.get(&corner).copied().map(pixel);
+    let corners = landmarks.placed().map(|corner| corner.map(pixel));
+    let corners = Corners {
+        superior_left: corners.superior_left?,
+        superior_right: corners.superior_right?,
+        inferior_left: corners.inferior_left?,
+        inferior_right: corners.inferior_right?,
+    };
     Some(VertebraLandmarks {
-        corners: Corners {
-            superior_left: corner(Corner::SuperiorLeft)?,
-            superior_right: corner(Corner::SuperiorRight)?,
-            inferior_left: corner(Corner::InferiorLeft)?,
-            inferior_right: corner(Corner::InferiorRight)?,
-        },
+        origins: landmarks.corner_origins(),
+        walls: [Side::Left, Side::Right].map(|side| landmarks.walls.get(&side).copied().map(pixel)),
         axis_clockwise: landmarks.axis_deg.map(Angle::from_deg),
-        confidence: None,
+        sd_share: landmarks.sd_share,
+        ..VertebraLandmarks::clicked(corners)
     })
 }
 

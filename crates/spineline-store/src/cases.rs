@@ -5,7 +5,10 @@ use std::fmt;
 use serde_json::Value;
 use spineline::analysis::{Subject, check_repeated};
 use spineline::anatomy::Posture;
-use spineline::measure::{Film, FilmLandmarks, IliacCrests, Reading, VertebraLandmarks};
+use spineline::measure::{
+    Corners, Film, FilmLandmarks, IliacCrests, Origin, Reading, VertebraLandmarks,
+};
+use spineline::spatial::Pixel;
 use spineline_files::{FileError, LevelKey};
 
 use crate::accounts::{self, Role};
@@ -265,9 +268,28 @@ impl CaseReading {
         let mut events = Vec::new();
         for (&level, landmark) in &reading.vertebrae {
             let level = LevelKey(level);
-            for (corner, place) in Corner::ALL.into_iter().zip(landmark.corners.points()) {
-                let (column_px, row_px) = (place.column_px, place.row_px);
-                events.push(Event::PlaceCorner { level, corner, column_px, row_px });
+            for (side, wall) in
+                [PatientSide::Left, PatientSide::Right].into_iter().zip(landmark.walls)
+            {
+                let Some(Pixel { column_px, row_px }) = wall else { continue };
+                events.push(Event::PlaceWall { level, side, column_px, row_px });
+            }
+            let corners = Corner::ALL.into_iter().zip(landmark.corners.points());
+            if landmark.origins == Corners::all(Origin::Clicked) {
+                for (corner, Pixel { column_px, row_px }) in corners {
+                    events.push(Event::PlaceCorner { level, corner, column_px, row_px });
+                }
+            } else {
+                let corners =
+                    corners.map(|(corner, place)| (corner, [place.column_px, place.row_px]));
+                let origins = Corner::ALL.into_iter().zip(landmark.origins.points());
+                let origins = origins.filter(|(_, origin)| *origin != Origin::Clicked);
+                events.push(Event::TakeVertebra {
+                    level,
+                    corners: corners.collect(),
+                    origins: origins.map(|(corner, origin)| (corner, origin.into())).collect(),
+                    sd_share: landmark.sd_share,
+                });
             }
             if let Some(axis) = landmark.axis_clockwise {
                 let axis_deg = Some(spineline_files::written_axis_deg(axis));

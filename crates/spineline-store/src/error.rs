@@ -38,6 +38,16 @@ pub enum StoreError {
         /// Newest schema known here.
         supported: i64,
     },
+    /// Written by a development build.
+    #[error(
+        "the study store has schema {found}, of a development build; this program reads schema {supported}"
+    )]
+    OlderSchema {
+        /// Schema of the file.
+        found: i64,
+        /// Schema of this program.
+        supported: i64,
+    },
     /// Neither file nor folder may be written.
     #[error("the store cannot be written: its file or folder is read-only")]
     ReadOnly,
@@ -234,6 +244,9 @@ impl StoreError {
             Self::AlreadyExists { .. } | Self::Exists { .. } => "choose another name",
             Self::NotAStore { .. } => "name a file that Spineline created as a store",
             Self::NewerSchema { .. } => "install a newer Spineline; the file was not touched",
+            Self::OlderSchema { .. } => {
+                "export its studies with the program that wrote it, and add them to a new store; the file was not touched"
+            }
             Self::Damaged { .. } => "keep a copy of the file, verify it, and restore a backup",
             Self::ReadOnly | Self::CannotOpen => {
                 "give this user the right to write the file and its folder, or copy the store elsewhere"

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 use spineline::anatomy::Side;
+use spineline::measure::{Corners, Origin};
 use spineline_files::LevelKey;
 use utoipa::ToSchema;
 
@@ -25,6 +26,14 @@ impl Corner {
     /// All four.
     pub const ALL: [Self; 4] =
         [Self::SuperiorLeft, Self::SuperiorRight, Self::InferiorLeft, Self::InferiorRight];
+
+    /// All four, each in its own place.
+    pub const EACH: Corners<Self> = Corners {
+        superior_left: Self::SuperiorLeft,
+        superior_right: Self::SuperiorRight,
+        inferior_left: Self::InferiorLeft,
+        inferior_right: Self::InferiorRight,
+    };
 
     /// The name used in files.
     #[must_use]
@@ -67,19 +76,51 @@ pub struct AcceptedVertebra {
     /// Its corners, column and row in pixels.
     #[schema(value_type = std::collections::BTreeMap<String, [f64; 2]>)]
     pub corners: BTreeMap<Corner, [f64; 2]>,
+    /// Standard deviation of a corner as a part of the height of the body, where a program found them in the picture; none
+    /// where they were completed from other landmarks.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub sd_share: Option<f64>,
 }
 
-/// How the corners of a vertebra came about.
+/// How the place of a corner came about.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, ToSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum CornerOrigin {
-    /// Every corner was clicked.
+    /// Clicked, or imported without saying how it came about.
     #[default]
     Clicked,
-    /// The reader accepted corners that the program expected.
+    /// Completed from other landmarks of the film; nobody has looked at it.
+    Completed,
+    /// Found by a program in the picture; nobody has looked at it.
+    Detected,
+    /// The reader accepted a place that the program proposed.
     Accepted,
-    /// The reader accepted them, and then moved a corner.
+    /// The reader moved a place that the program had proposed.
     Adjusted,
+}
+
+impl From<CornerOrigin> for Origin {
+    fn from(origin: CornerOrigin) -> Self {
+        match origin {
+            CornerOrigin::Clicked => Self::Clicked,
+            CornerOrigin::Completed => Self::Completed,
+            CornerOrigin::Detected => Self::Detected,
+            CornerOrigin::Accepted => Self::Accepted,
+            CornerOrigin::Adjusted => Self::Adjusted,
+        }
+    }
+}
+
+impl From<Origin> for CornerOrigin {
+    fn from(origin: Origin) -> Self {
+        match origin {
+            Origin::Clicked => Self::Clicked,
+            Origin::Completed => Self::Completed,
+            Origin::Detected => Self::Detected,
+            Origin::Accepted => Self::Accepted,
+            Origin::Adjusted => Self::Adjusted,
+        }
+    }
 }
 
 /// One action of a reader, as JSON with a `kind`. Places are in pixels of the film, column and row, sub-pixel.
@@ -126,6 +167,21 @@ pub enum Event {
     AcceptCorners {
         /// The vertebrae, each with its four corners.
         vertebrae: Vec<AcceptedVertebra>,
+    },
+    /// Take a vertebra with its corners as a case file has it, of which a program found some.
+    TakeVertebra {
+        /// Vertebra.
+        #[schema(value_type = String)]
+        level: LevelKey,
+        /// Its four corners, column and row in pixels.
+        #[schema(value_type = std::collections::BTreeMap<String, [f64; 2]>)]
+        corners: BTreeMap<Corner, [f64; 2]>,
+        /// Origins of the corners that were not clicked.
+        #[schema(value_type = std::collections::BTreeMap<String, CornerOrigin>)]
+        origins: BTreeMap<Corner, CornerOrigin>,
+        /// Standard deviation of a corner as a part of the height of the body, where it is stated.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        sd_share: Option<f64>,
     },
     /// Set an axis by hand, or reset it to the corners.
     SetAxis {
@@ -174,4 +230,14 @@ pub enum Event {
         /// Text.
         text: String,
     },
+}
+
+impl Event {
+    /// Whether it makes sense only where the program may propose corners.
+    pub(crate) const fn needs_proposals(&self) -> bool {
+        matches!(
+            self,
+            Self::AcceptCorners { .. } | Self::PlaceWall { .. } | Self::TakeVertebra { .. }
+        )
+    }
 }

@@ -187,6 +187,12 @@ pub(crate) fn append(
     events: &[Event],
 ) -> Result<Acknowledged, StoreError> {
     let mut last = Err(StoreError::NoEvent);
+    if events.iter().any(Event::needs_proposals)
+        && !readings::allows_proposals(ledger.transaction, reading)?
+    {
+        let reason = "the plan of these readings allows no proposals: place every corner";
+        return Err(StoreError::BadEvent { reading, reason });
+    }
     for event in events {
         let state = ReadingState::replay(&known, false);
         if let Some(reason) = state.objection(event) {

@@ -30,6 +30,9 @@ pub struct PlanDesign {
     pub washout_days: u32,
     /// Seed of the order and of the codes; the same seed gives the same plan of the same study.
     pub seed: u64,
+    /// Whether readers see vertebrae that the program proposes, and may accept them. Readers who do share its model, so that
+    /// their agreement is better than that of clicks.
+    pub proposals: bool,
 }
 
 /// The name of a film in one reading of one observer. It does not reveal study, posture, repeat or other readings.
@@ -137,8 +140,15 @@ impl Store {
             let plan = next_id(transaction, "plans", "id")?;
             let seed = design.seed.to_string();
             transaction.execute(
-                "INSERT INTO plans VALUES (?1, ?2, ?3, ?4, ?5)",
-                params![plan, study.as_str(), design.repeats, design.washout_days, seed],
+                "INSERT INTO plans VALUES (?1, ?2, ?3, ?4, ?5, ?6)",
+                params![
+                    plan,
+                    study.as_str(),
+                    design.repeats,
+                    design.washout_days,
+                    seed,
+                    design.proposals
+                ],
             )?;
             ledger.seal("plan", "plans", &plan)?;
             let films: Vec<FilmId> = films.iter().map(|film| film.id).collect();

@@ -144,3 +144,13 @@ fn read(row: &Row<'_>) -> Result<ReadingRecord, StoreError> {
         rest_from: maybe(row.get("rest_from_ms")?)?,
     })
 }
+
+/// Whether proposals may be shown and accepted in a reading: always without a plan.
+pub(crate) fn allows_proposals(
+    connection: &Connection,
+    reading: ReadingId,
+) -> Result<bool, StoreError> {
+    let forbidden = "SELECT 1 FROM readings JOIN films ON films.id = readings.film
+        JOIN plans ON plans.study = films.study WHERE readings.id = ?1 AND plans.proposals = 0";
+    Ok(!connection.prepare(forbidden)?.exists([reading.0])?)
+}

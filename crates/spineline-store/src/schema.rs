@@ -1,8 +1,8 @@
 //! The tables of a store, and the recognition of a store file.
 //!
-//! There is one schema, version 1. A version 2 would be a second script beside `schema.sql`, which leads from 1 to 2: a
-//! new store runs both, and [`Store::open`](crate::Store::open) verifies an older store, copies it, and runs the second
-//! script with new log entries for all rows that it changed, in one transaction.
+//! There is one schema, version 2. Version 1 was that of development builds, and its stores are refused. A version 3 would be a
+//! second script beside `schema.sql`, which leads from 2 to 3: a new store runs both, and [`Store::open`](crate::Store::open)
+//! verifies an older store, copies it, and runs the second script with new log entries for all rows that it changed, in one transaction.
 
 use std::path::Path;
 use std::time::Duration;
@@ -21,7 +21,7 @@ const APPLICATION_ID: i64 = 0x5370_5374;
 const SCHEMA: &str = include_str!("schema.sql");
 
 /// Its version, which this program reads and writes.
-const VERSION: i64 = 1;
+const VERSION: i64 = 2;
 
 /// Default time that a write waits for another program.
 const BUSY_TIMEOUT: Duration = Duration::from_secs(5);
@@ -84,7 +84,7 @@ pub(crate) fn number(connection: &Connection, pragma: &str) -> Result<i64, Store
 /// Refuses a file that is not a store of this schema.
 ///
 /// # Errors
-/// [`StoreError::NotAStore`], [`StoreError::NewerSchema`].
+/// [`StoreError::NotAStore`], [`StoreError::NewerSchema`], [`StoreError::OlderSchema`].
 pub(crate) fn check(connection: &Connection, path: &Path) -> Result<(), StoreError> {
     let not_ours = || StoreError::NotAStore { path: path.to_owned() };
     match number(connection, "application_id") {
@@ -95,6 +95,7 @@ pub(crate) fn check(connection: &Connection, path: &Path) -> Result<(), StoreErr
     match number(connection, "user_version")? {
         VERSION => Ok(()),
         found if found > VERSION => Err(StoreError::NewerSchema { found, supported: VERSION }),
+        found if found > 0 => Err(StoreError::OlderSchema { found, supported: VERSION }),
         _ => Err(not_ours()),
     }
 }

@@ -95,7 +95,9 @@ CREATE TABLE plans (
     study TEXT NOT NULL UNIQUE REFERENCES studies (id),
     repeats INTEGER NOT NULL CHECK (repeats >= 1),
     washout_days INTEGER NOT NULL CHECK (washout_days >= 0),
-    seed TEXT NOT NULL
+    seed TEXT NOT NULL,
+    -- Whether readers see vertebrae that the program proposes, and may accept them.
+    proposals INTEGER NOT NULL CHECK (proposals IN (0, 1))
 ) STRICT;
 
 CREATE TABLE slots (

@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use spineline::anatomy::{Level, Side};
+use spineline::measure::{Corners, Origin};
 
 use crate::event::{AcceptedVertebra, Corner, CornerOrigin, Event};
 
@@ -11,8 +12,10 @@ use crate::event::{AcceptedVertebra, Corner, CornerOrigin, Event};
 pub struct VertebraReading {
     /// Corners placed so far, `[column, row]` in pixels.
     pub corners: BTreeMap<Corner, [f64; 2]>,
-    /// How they came about.
-    pub origin: CornerOrigin,
+    /// Those of them that a program proposed: accepted as they were, or moved since.
+    pub origins: BTreeMap<Corner, CornerOrigin>,
+    /// Standard deviation of a corner as a part of the height of the body, where a program found them in the picture.
+    pub sd_share: Option<f64>,
     /// Midpoints of its walls by the patient's side, where it was marked by them.
     pub walls: BTreeMap<Side, [f64; 2]>,
     /// Axis turned by hand, against the image's vertical, positive clockwise as seen with square pixels, that is in millimetres
@@ -21,6 +24,18 @@ pub struct VertebraReading {
 }
 
 impl VertebraReading {
+    /// Its corners, as far as it has them, `[column, row]` in pixels.
+    #[must_use]
+    pub fn placed(&self) -> Corners<Option<[f64; 2]>> {
+        Corner::EACH.map(|corner| self.corners.get(&corner).copied())
+    }
+
+    /// How each of its corners came about.
+    #[must_use]
+    pub fn corner_origins(&self) -> Corners<Origin> {
+        Corner::EACH.map(|corner| self.origins.get(&corner).copied().unwrap_or_default().into())
+    }
+
     /// Whether all four corners are placed.
     #[must_use]
     pub fn is_complete(&self) -> bool {
@@ -97,8 +112,8 @@ impl ReadingState {
             | Event::MoveCorner { level, corner, column_px, row_px } => {
                 let vertebra = self.vertebrae.entry(level.0).or_default();
                 vertebra.corners.insert(corner, [column_px, row_px]);
-                if vertebra.origin == CornerOrigin::Accepted {
-                    vertebra.origin = CornerOrigin::Adjusted;
+                if let Some(origin) = vertebra.origins.get_mut(&corner) {
+                    *origin = CornerOrigin::Adjusted;
                 }
             }
             Event::PlaceWall { level, side, column_px, row_px } => {
@@ -106,11 +121,19 @@ impl ReadingState {
                 vertebra.walls.insert(side.into(), [column_px, row_px]);
             }
             Event::AcceptCorners { ref vertebrae } => {
-                for AcceptedVertebra { level, corners } in vertebrae {
+                for AcceptedVertebra { level, corners, sd_share } in vertebrae {
                     let vertebra = self.vertebrae.entry(level.0).or_default();
                     vertebra.corners.clone_from(corners);
-                    vertebra.origin = CornerOrigin::Accepted;
+                    vertebra.origins =
+                        corners.keys().map(|&corner| (corner, CornerOrigin::Accepted)).collect();
+                    vertebra.sd_share = *sd_share;
                 }
+            }
+            Event::TakeVertebra { level, ref corners, ref origins, sd_share } => {
+                let vertebra = self.vertebrae.entry(level.0).or_default();
+                vertebra.corners.clone_from(corners);
+                vertebra.origins.clone_from(origins);
+                vertebra.sd_share = sd_share;
             }
             Event::SetAxis { level, axis_deg } => {
                 let vertebra = self.vertebrae.entry(level.0).or_default();
@@ -148,15 +171,16 @@ impl ReadingState {
                 (placed && on_film(&[*column_px, *row_px]), "only a placed corner can be moved")
             }
             Event::AcceptCorners { vertebrae } => {
-                let whole = |one: &AcceptedVertebra| one.corners.len() == Corner::ALL.len();
-                let places = vertebrae.iter().flat_map(|one| one.corners.values());
+                let whole = |one: &AcceptedVertebra| is_whole(&one.corners, one.sd_share);
                 (
-                    !vertebrae.is_empty()
-                        && vertebrae.iter().all(whole)
-                        && places.flatten().all(|&x| on_film(&[x])),
-                    "accepted vertebrae need four corners each, within a million pixels",
+                    !vertebrae.is_empty() && vertebrae.iter().all(whole),
+                    "accepted vertebrae need four corners each, within a million pixels, and no negative deviation",
                 )
             }
+            Event::TakeVertebra { corners, sd_share, .. } => (
+                is_whole(corners, *sd_share),
+                "a vertebra needs four corners, within a million pixels, and no negative deviation",
+            ),
             Event::SetAxis { axis_deg, .. } => {
                 let turned = axis_deg.is_none_or(|deg| deg.is_finite() && deg.abs() <= 90.0);
                 (turned, "an axis must be within 90° of the vertical")
@@ -182,6 +206,14 @@ impl ReadingState {
         };
         (!sound).then_some(reason)
     }
+}
+
+/// Whether all four corners lie within the limits, with a deviation that is none below zero.
+fn is_whole(corners: &BTreeMap<Corner, [f64; 2]>, sd_share: Option<f64>) -> bool {
+    let inside = |x: &f64| x.is_finite() && x.abs() <= MAX_COORDINATE_PX;
+    corners.len() == Corner::ALL.len()
+        && corners.values().flatten().all(inside)
+        && sd_share.is_none_or(|sd| sd.is_finite() && sd >= 0.0)
 }
 
 /// Larger than any film; catches errors of units.

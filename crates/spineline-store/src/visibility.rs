@@ -35,6 +35,8 @@ pub struct SeenReading {
     pub study: Study,
     /// The film's code, where the reading is blinded: then nothing else of film and study may be shown.
     pub code: Option<FilmCode>,
+    /// Whether proposals may be shown and accepted.
+    pub proposals: bool,
     events: Vec<Event>,
 }
 
@@ -81,7 +83,8 @@ impl ObserverView<'_> {
             code = Some(slot.ok_or(StoreError::NotYours { reading })?.code);
         }
         let events = journal::events(&snapshot, reading)?;
-        Ok(SeenReading { record, film, study, code, events })
+        let proposals = readings::allows_proposals(&snapshot, reading)?;
+        Ok(SeenReading { record, film, study, code, proposals, events })
     }
 }
 

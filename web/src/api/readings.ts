@@ -16,6 +16,10 @@ export const beginBlindedReading = (code: string) =>
 export const recordEvents = (reading: number, body: Api<"NewEvent">) =>
   answerOf(api.POST("/api/readings/{reading}/events", { ...of(reading), body }));
 
+/** Vertebrae that the program finds in the picture. */
+export const detectVertebrae = (reading: number) =>
+  answerOf(api.POST("/api/readings/{reading}/detection", of(reading)));
+
 export const finishReading = (reading: number, body: Api<"Finish">) =>
   answerOf(api.POST("/api/readings/{reading}/finish", { ...of(reading), body }));
 

@@ -34,7 +34,11 @@ export const KEYS: readonly { keys: string; text: string }[] = [
   { keys: "Click, or C then Enter", text: "place the requested corner" },
   { keys: "C", text: "crosshair for placing landmarks: arrows move it, Shift in large steps" },
   { keys: "T", text: "two clicks per vertebra, on the middle of its walls; or four corners" },
-  { keys: "A, or Enter after two clicks", text: "accept the proposed corners" },
+  { keys: "P", text: "propose all vertebrae, from what is marked or from the picture" },
+  {
+    keys: "A, or Enter after two clicks",
+    text: "accept the proposed corners of the next vertebra, or of all that have both clicks",
+  },
   { keys: "N", text: "skip the optional vertebrae and go to the iliac crests" },
   { keys: "[ ]  Tab", text: "select the previous or next landmark" },
   {
@@ -128,7 +132,7 @@ function markKeys(viewer: Viewer, marking: Marking, targets: KeyTargets): Action
   const level = marking.selected && "level" in marking.selected ? marking.selected.level : null;
   const place = (): void => {
     if (viewer.crosshair) targets.placeAt(viewer.crosshair);
-    else if (marking.way === "walls" && marking.proposals.length > 0) marking.acceptProposals();
+    else if (marking.way === "walls" && marking.acceptable.length > 0) marking.acceptProposals();
     else viewer.toggleCrosshair(expected(marking));
   };
   const step = (by: 1 | -1) => () => {
@@ -143,6 +147,7 @@ function markKeys(viewer: Viewer, marking: Marking, targets: KeyTargets): Action
     " ": () => viewer.crosshair && place(),
     a: () => marking.acceptProposals(),
     t: () => marking.toggleWay(),
+    p: () => void marking.togglePropose(),
     n: () => marking.jumpToCrests(),
     "[": step(-1),
     "]": step(1),

@@ -1,6 +1,6 @@
 import { expect, it } from "vitest";
 
-import { accepting, shownProposals } from "./proposals";
+import { acceptable, accepting, openProposals } from "./proposals";
 import { reading } from "./reading.fixture";
 import { landmarkAt, proposedAt } from "./hit";
 import {
@@ -12,8 +12,10 @@ import {
   stepsAfter,
   withEvents,
   missingWall,
+  nextLandmark,
   wordsOfEvent,
   type Event,
+  type ReadingView,
   type VertebraView,
 } from "./landmarks";
 
@@ -63,20 +65,25 @@ it("grabs the nearest landmark within reach", () => {
 /** L4 without landmarks. */
 function vertebra(with_: Partial<VertebraView>): VertebraView {
   const walls = { left_px: null, right_px: null };
-  const nothing = { level: "L4", corners: [], origin: "clicked", walls, complete: false } as const;
+  const nothing = { level: "L4", corners: [], walls, complete: false } as const;
   return { ...nothing, corners: [], midpoint_px: null, axis: null, ...with_ };
 }
 
+const origin = "completed" as const;
 const L4 = {
   level: "L4",
   sd_percent: 9,
+  sd_share: null,
   corners: [
-    { corner: "superior_left" as const, px: [10, 10] },
-    { corner: "superior_right" as const, px: [30, 10] },
-    { corner: "inferior_right" as const, px: [30, 30] },
-    { corner: "inferior_left" as const, px: [10, 30] },
+    { corner: "superior_left" as const, px: [10, 10], origin },
+    { corner: "superior_right" as const, px: [30, 10], origin },
+    { corner: "inferior_right" as const, px: [30, 30], origin },
+    { corner: "inferior_left" as const, px: [10, 30], origin },
   ],
 };
+const WALLS = { way: "walls", onRequest: false } as const;
+const offered = (of: ReadingView, how: Parameters<typeof acceptable>[3] = WALLS) =>
+  acceptable(of, openProposals(of, []), nextLandmark(of, how.way), how);
 
 it("shows the proposals of vertebrae with both walls, and accepts them as one change", () => {
   const walls: Event[] = [
@@ -84,24 +91,34 @@ it("shows the proposals of vertebrae with both walls, and accepts them as one ch
     { kind: "place_wall", level: "L4", side: "right", column_px: 30, row_px: 20 },
   ];
   const one = { ...withEvents(reading(), walls.slice(0, 1)), proposals: [L4] };
-  expect(shownProposals(one, null, "walls")).toEqual([]);
+  expect(offered(one)).toEqual([]);
   expect(missingWall(one, "L4")).toEqual({ kind: "wall", level: "L4", side: "right" });
   const both = { ...withEvents(reading(), walls), proposals: [L4] };
-  expect(shownProposals(both, null, "walls")).toEqual([L4]);
+  expect(offered(both)).toEqual([L4]);
   expect(landmarkAt(both, VIEW, [10, 20], 3, null)).toMatchObject({ kind: "wall", side: "left" });
 
   const event = accepting([L4]);
   expect(wordsOfEvent(event)).toBe("corners accepted of L4");
   const accepted = withEvents(both, [event]);
-  expect(accepted.vertebrae).toMatchObject([{ origin: "accepted", complete: true }]);
-  expect(accepted.vertebrae[0]!.corners).toEqual(expect.arrayContaining(L4.corners));
-  expect(shownProposals(accepted, null, "walls")).toEqual([]);
+  expect(accepted.vertebrae).toMatchObject([{ complete: true }]);
+  const corners = L4.corners.map((corner) => ({ ...corner, origin: "accepted" }));
+  expect(accepted.vertebrae[0]!.corners).toEqual(expect.arrayContaining(corners));
+  expect(offered(accepted)).toEqual([]);
+  const move = placing(accepted, { kind: "corner", level: "L4", corner: "superior_left" }, [11, 9]);
+  const moved = withEvents(accepted, [move]).vertebrae[0]!.corners;
+  expect(moved.map(({ origin: how }) => how).sort()).toEqual([
+    "accepted",
+    "accepted",
+    "accepted",
+    "adjusted",
+  ]);
   expect(missingWall(accepted, "L4")).toBeNull();
 });
 
 it("offers the corners of a proposal", () => {
-  const corners = [{ corner: "inferior_left" as const, px: [50, 60] }];
-  const found = proposedAt([{ level: "L3", corners, sd_percent: 9 }], VIEW, [52, 60], 10);
+  const corners = [{ corner: "inferior_left" as const, px: [50, 60], origin }];
+  const L3 = { level: "L3", corners, sd_percent: 9, sd_share: null };
+  const found = proposedAt([L3], VIEW, [52, 60], 10);
   expect(found).toEqual({ kind: "corner", level: "L3", corner: "inferior_left" });
 });
 

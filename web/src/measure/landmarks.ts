@@ -154,8 +154,10 @@ function withEvent(reading: ReadingView, event: Event): ReadingView {
     case "move_corner": {
       const px = [event.column_px, event.row_px];
       return changed(reading, event.level, (vertebra) => {
-        const others = vertebra.corners.filter(({ corner }) => corner !== event.corner);
-        const corners = [...others, { corner: event.corner, px }];
+        const before = vertebra.corners.find(({ corner }) => corner === event.corner);
+        const others = vertebra.corners.filter((one) => one !== before);
+        const origin = (before?.origin ?? "clicked") === "clicked" ? "clicked" : "adjusted";
+        const corners = [...others, { corner: event.corner, px, origin } as const];
         return { ...vertebra, corners, complete: corners.length === CORNERS.length };
       });
     }
@@ -173,9 +175,8 @@ function withEvent(reading: ReadingView, event: Event): ReadingView {
             ...vertebra,
             corners: CORNERS.flatMap((corner) => {
               const px = corners[corner];
-              return px ? [{ corner, px }] : [];
+              return px ? [{ corner, px, origin: "accepted" } as const] : [];
             }),
-            origin: "accepted",
             complete: true,
           })),
         reading,
@@ -218,7 +219,6 @@ function changed(
   const empty: VertebraView = {
     level,
     corners: [],
-    origin: "clicked",
     walls: { left_px: null, right_px: null },
     complete: false,
     midpoint_px: null,
@@ -280,6 +280,8 @@ export function wordsOfEvent(event: Event): string {
       return `${event.level} – ${wallWords(event.side)} to ${at(event.column_px, event.row_px)}`;
     case "accept_corners":
       return `corners accepted of ${event.vertebrae.map(({ level }) => level).join(", ")}`;
+    case "take_vertebra":
+      return `corners of ${event.level} as in a file`;
     case "set_axis":
       return event.axis_deg === null || event.axis_deg === undefined
         ? `${event.level} – axis follows the corners`

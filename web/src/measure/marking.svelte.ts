@@ -28,51 +28,18 @@ import {
   type Landmark,
   type ReadingView,
 } from "./landmarks";
+import { AGAIN_MS, AGAIN_TIMES, type Lost, type Trouble } from "./lost";
 import * as proposing from "./proposals";
 import { Outbox, type SaveState } from "./outbox";
 import { CRESTS, targetOf, type Chosen } from "./target";
+import { TURN_MS, turnedIn, type PreviewWish, type Turning } from "./turning";
 import type { FilmPoint } from "./viewport";
 
 type Preview = Api<"Preview">;
 type LiveView = Api<"LiveView">;
 
-/** Events that were not recorded, with the reason. */
-export interface Lost {
-  readonly events: readonly Event[];
-  readonly why: "conflict" | "left_behind";
-  /** Times at which other windows left events. */
-  readonly since_ms?: number;
-  /** Whether such a window may still be open. */
-  readonly mayBeOpen?: boolean;
-  readonly forget: () => void;
-}
-
-/** A failed change and its error. */
-export interface Trouble {
-  readonly what: string;
-  readonly error: unknown;
-}
-
-/** A dragged axis: the program computes its angle, which comes with an answer. */
-interface Turning {
-  readonly level: string;
-  readonly towards: FilmPoint;
-}
-
-interface PreviewWish {
-  readonly events: readonly Event[];
-  readonly turn?: Turning;
-  /** Time of the pointer's move. */
-  readonly at: number;
-}
-
 /** An older request of a drag is cancelled for a newer one. A younger one may finish, so that a fast drag still shows results. */
 const PATIENCE_MS = 250;
-/** Number and interval of checks for events of windows that have just closed. */
-const AGAIN_TIMES = 5;
-const AGAIN_MS = 800;
-/** Time that a dropped axis waits for its angle. */
-const TURN_MS = 5_000;
 
 /** A reading in progress: recorded events, events being sent, and the current drag. */
 export class Marking {
@@ -87,8 +54,16 @@ export class Marking {
   #chosen = $state.raw<Chosen>(null);
   saving = $state.raw<SaveState>({ kind: "saved" });
   selected = $state.raw<Landmark | null>(null);
-  /** How vertebrae are marked. */
-  way = $state.raw<proposing.Way>(proposing.lastWay());
+  /** How this browser marks vertebrae, where proposals are allowed. */
+  #way = $state.raw<proposing.Way>(proposing.lastWay());
+  /** Whether all proposals are drawn. */
+  proposes = $state(false);
+  /** Whether the program looks for vertebrae in the picture. */
+  detects = $state(false);
+  /** Why the levels of its proposals may be shifted. */
+  doubt = $state.raw<string | null>(null);
+  /** What it found there. */
+  #found = $state.raw<proposing.Proposal[]>([]);
   lost = $state.raw<Lost | null>(null);
   /** The last failure. */
   trouble = $state.raw<Trouble | null>(null);
@@ -99,6 +74,8 @@ export class Marking {
   readonly reading = $derived(
     withEvents(this.#preview?.reading ?? this.#recorded, [...this.#pending, ...this.#draft]),
   );
+  /** How vertebrae are marked: without proposals, two clicks have no corners. */
+  readonly way = $derived<proposing.Way>(this.#recorded.proposals_allowed ? this.#way : "corners");
   readonly live = $derived(this.#preview?.live ?? this.#live);
   readonly changeable = $derived(this.#recorded.mine && !this.#recorded.finished);
   readonly target = $derived(
@@ -106,12 +83,21 @@ export class Marking {
       ? targetOf(this.reading, this.#recorded, this.#pending, this.#chosen, this.way)
       : null,
   );
-  /** Proposals to draw and to accept. */
-  readonly proposals = $derived<readonly proposing.Proposal[]>(
-    this.changeable && (this.way === "walls" || this.#pending.length === 0)
-      ? proposing.shownProposals(this.reading, this.target, this.way)
+  readonly mayPropose = $derived(this.changeable && this.#recorded.proposals_allowed);
+  readonly #open = $derived(
+    this.mayPropose && (this.way === "walls" || this.#pending.length === 0)
+      ? proposing.openProposals(this.reading, this.#found)
       : [],
   );
+  /** Proposals that one key accepts. */
+  readonly acceptable = $derived(
+    proposing.acceptable(this.reading, this.#open, this.target, {
+      way: this.way,
+      onRequest: this.proposes,
+    }),
+  );
+  /** Proposals to draw. */
+  readonly proposals = $derived(this.proposes ? this.#open : this.acceptable);
   readonly dragging = $derived(this.#draft.length > 0);
 
   /** Last place of the dragged axis, and whether its angle there is known. */
@@ -244,9 +230,24 @@ export class Marking {
     this.#wish({ events: this.#pending });
   }
 
-  /** Accepts the proposals that are drawn, as one change. */
+  /** Draws the proposals of all vertebrae, or of those to be accepted only; finds them in the picture where too little is marked. */
+  async togglePropose(): Promise<void> {
+    if (!this.mayPropose || this.detects) return;
+    this.proposes = !this.proposes;
+    this.said = this.proposes
+      ? "vertebrae proposed; accept them one by one"
+      : "no vertebra proposed";
+    if (!this.proposes || this.#open.length > 0) return;
+    this.detects = true;
+    const { found, doubt, trouble } = await proposing.detected(this.#recorded.reading);
+    this.detects = false;
+    [this.#found, this.doubt] = [found, doubt];
+    if (trouble) this.trouble = trouble;
+  }
+
+  /** Accepts the proposals of the vertebrae that the reader has looked at, as one change. */
   acceptProposals(): void {
-    const { proposals } = this;
+    const proposals = this.acceptable;
     // A place that is on its way to the program moves them.
     if (proposals.length === 0 || this.#pending.length > 0) return;
     this.#record([proposing.accepting(proposals)]);
@@ -255,8 +256,9 @@ export class Marking {
 
   /** Marks by walls in place of corners, or back. */
   toggleWay(): void {
-    this.way = this.way === "walls" ? "corners" : "walls";
-    proposing.keepWay(this.way);
+    if (!this.mayPropose) return;
+    this.#way = this.way === "walls" ? "corners" : "walls";
+    proposing.keepWay(this.#way);
     this.said = this.way === "walls" ? "two clicks per vertebra" : "four clicks per vertebra";
   }
 
@@ -466,7 +468,9 @@ export class Marking {
 
   /** A dragged corner of a proposal accepts the other three corners too. */
   #placingAt(landmark: Landmark, at: FilmPoint): Event[] {
-    const proposal = "level" in landmark && proposing.proposalOf(this.#recorded, landmark.level);
+    // Those of the recorded reading: the drag itself must not make its proposal vanish.
+    const open = proposing.openProposals(this.#recorded, this.#found);
+    const proposal = "level" in landmark && open.find(({ level }) => level === landmark.level);
     const isPlaced = this.#recorded.vertebrae.some(
       (one) => "level" in landmark && one.level === landmark.level && one.corners.length > 0,
     );
@@ -492,9 +496,4 @@ export class Marking {
     }
     if (left && this.lost === null) this.lost = { ...left, why: "left_behind" };
   }
-}
-
-function turnedIn(preview: Preview, level: string): Event | null {
-  const axis = preview.reading.vertebrae.find((vertebra) => vertebra.level === level)?.axis;
-  return axis ? { kind: "set_axis", level, axis_deg: axis.axis_deg } : null;
 }

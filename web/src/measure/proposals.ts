@@ -1,6 +1,8 @@
+import { detectVertebrae } from "../api/readings";
 import type { Api } from "../api/types";
 import { lasting } from "../shell/storage.svelte";
 import type { Corner, Event, Landmark, ReadingView } from "./landmarks";
+import type { Trouble } from "./lost";
 import { filmPoint, type FilmPoint } from "./viewport";
 
 export type Proposal = Api<"Proposal">;
@@ -28,31 +30,61 @@ export function proposedPlace(proposal: Proposal, corner: Corner): FilmPoint | n
   return px ? filmPoint(px) : null;
 }
 
+/** The proposals of vertebrae without a corner. */
+export function openProposals(reading: ReadingView, found: readonly Proposal[]): Proposal[] {
+  const of = (level: string) => reading.vertebrae.find((one) => one.level === level);
+  const hasWall = (level: string): boolean => {
+    const walls = of(level)?.walls;
+    return walls?.left_px != null || walls?.right_px != null;
+  };
+  // What the reader has marked says more than the picture, whose levels may be shifted: never both.
+  const all =
+    reading.proposals.length > 0 ? reading.proposals : found.filter(({ level }) => !hasWall(level));
+  return all.filter(({ level }) => (of(level)?.corners.length ?? 0) === 0);
+}
+
 /**
- * The proposals to draw and to accept: those of vertebrae with both walls, and without walls that of the next vertebra.
- * A vertebra with a corner has none.
+ * The proposals that one key accepts: those of all vertebrae whose walls the reader has marked, else that of the next vertebra alone.
+ * Without its walls a vertebra is proposed for two clicks only on request.
  */
-export function shownProposals(
+export function acceptable(
   reading: ReadingView,
+  open: readonly Proposal[],
   target: Landmark | null,
-  way: Way,
-): readonly Proposal[] {
-  const shown = reading.proposals.filter(({ level }) => {
-    const vertebra = reading.vertebrae.find((one) => one.level === level);
-    if (vertebra && vertebra.corners.length > 0) return false;
-    if (way === "walls") return vertebra?.walls.left_px != null && vertebra.walls.right_px != null;
-    return target?.kind === "corner" && target.level === level;
-  });
-  return shown;
+  { way, onRequest }: { way: Way; onRequest: boolean },
+): Proposal[] {
+  if (way === "walls") {
+    const walled = open.filter(({ level }) => {
+      const walls = reading.vertebrae.find((one) => one.level === level)?.walls;
+      return walls?.left_px != null && walls.right_px != null;
+    });
+    if (walled.length > 0 || !onRequest) return walled;
+  }
+  return open.filter(({ level }) => target && "level" in target && target.level === level);
 }
 
 /** The event that accepts proposals. */
 export function accepting(proposals: readonly Proposal[]): Event {
-  const vertebrae = proposals.map(({ level, corners }) => ({
+  const vertebrae = proposals.map(({ level, corners, sd_share }) => ({
     level,
+    ...(sd_share == null ? {} : { sd_share }),
     corners: Object.fromEntries(
       corners.map(({ corner, px }): [string, [number, number]] => [corner, [px[0]!, px[1]!]]),
     ),
   }));
   return { kind: "accept_corners", vertebrae };
+}
+
+/** The vertebrae that the program finds in the picture, and what to know about them. */
+export async function detected(
+  reading: number,
+): Promise<{ found: Proposal[]; doubt: string | null; trouble: Trouble | null }> {
+  const what = "No vertebrae found in the picture";
+  try {
+    const { proposals, refused, doubt } = await detectVertebrae(reading);
+    const trouble = refused ? { what, error: refused } : null;
+    return { found: proposals, doubt: doubt ?? null, trouble };
+  } catch (error) {
+    return { found: [], doubt: null, trouble: { what, error } };
+  }
 }

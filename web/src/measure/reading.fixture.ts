@@ -31,6 +31,7 @@ export function reading(): ReadingView {
     order: ["L4", "L3", "L2"],
     next: { kind: "corner", level: "L4", corner: "superior_left" },
     next_by_walls: { kind: "wall", level: "L4", side: "left" },
+    proposals_allowed: true,
     proposals: [],
     faults: [],
     conflicts: [],

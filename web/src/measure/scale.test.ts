@@ -5,10 +5,10 @@ import { barLength_mm, meanWidth_mm, movedText } from "./scale";
 const film = { rows: 4000, row_mm: 0.2, pixel_aspect: 2 };
 const body = {
   corners: [
-    { corner: "superior_left" as const, px: [100, 0] },
-    { corner: "superior_right" as const, px: [400, 40] },
-    { corner: "inferior_right" as const, px: [400, 240] },
-    { corner: "inferior_left" as const, px: [100, 200] },
+    { corner: "superior_left" as const, px: [100, 0], origin: "clicked" as const },
+    { corner: "superior_right" as const, px: [400, 40], origin: "clicked" as const },
+    { corner: "inferior_right" as const, px: [400, 240], origin: "clicked" as const },
+    { corner: "inferior_left" as const, px: [100, 200], origin: "clicked" as const },
   ],
 };
 

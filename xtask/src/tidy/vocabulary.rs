@@ -63,7 +63,7 @@ fn fault(place: &str, number: usize, name: &str) -> String {
     format!("{place}:{number}: `{name}` is a name to avoid; {LIST} has the term")
 }
 
-/// The names to avoid that are checked, of the last column of the tables.
+/// The names to avoid that are checked, of the last column of the tables, in alphabetical order.
 fn avoided(list: &str) -> Vec<String> {
     let rows = list.lines().filter(|line| line.starts_with('|'));
     let rows: Vec<Vec<&str>> =
@@ -73,16 +73,15 @@ fn avoided(list: &str) -> Vec<String> {
     let names =
         rows.iter().filter_map(|cells| cells.get(2)).flat_map(|cell| cell.split([',', ';']));
     let checked = |name: &&str| {
-        !name.contains(['(', ')'])
+        *name != "not to be called"
+            && !name.contains(['(', ')'])
             && !terms.contains(name)
             && (name.contains(' ') || WORDS.contains(name))
     };
+    let mut names: Vec<String> = names.map(str::trim).filter(checked).map(str::to_owned).collect();
+    names.sort();
+    names.dedup();
     names
-        .map(str::trim)
-        .filter(checked)
-        .filter(|name| *name != "not to be called")
-        .map(str::to_owned)
-        .collect()
 }
 
 /// Hands on every name that a text contains as whole words, in the singular or with an `s`.
@@ -124,7 +123,7 @@ mod tests {
 
     #[test]
     fn names_of_several_words_and_listed_words_are_avoided() {
-        assert_eq!(avoided(TABLE), ["lean", "slant", "curve angle", "own line"]);
+        assert_eq!(avoided(TABLE), ["curve angle", "lean", "own line", "slant"]);
     }
 
     #[test]

@@ -192,6 +192,7 @@ impl Case {
                 endplates: None,
                 readings: 1,
                 interpolated: None,
+                program: None,
             })
             .collect();
         Outline {

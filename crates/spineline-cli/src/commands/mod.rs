@@ -5,6 +5,7 @@ mod analyze;
 mod check;
 mod completions;
 mod decode_film;
+mod detect;
 mod export;
 mod film;
 mod import;
@@ -96,6 +97,9 @@ pub enum Command {
     Export(export::ExportArgs),
     /// Inspect radiographs: metadata, reliability of spacing and view, preview
     Film(film::FilmArgs),
+    /// Find the vertebrae on films of erect spines and write them as cases, to be looked at (experimental)
+    #[command(after_help = detect::EXAMPLES)]
+    Detect(detect::DetectArgs),
     /// Decode the film on the standard input, with limits on memory and time
     #[command(hide = true)]
     DecodeFilm,
@@ -135,6 +139,7 @@ pub fn run(command: Command) -> Result<Ending, Failure> {
         Command::Phantom(args) => phantom::run(&args),
         Command::Export(args) => export::run(&args),
         Command::Film(args) => film::run(&args),
+        Command::Detect(args) => detect::run(&args),
         Command::DecodeFilm => decode_film::run(),
         Command::Schema(args) => schema::run(&args),
         Command::Stiffness(args) => stiffness::run(&args),

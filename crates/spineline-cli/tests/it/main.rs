@@ -3,6 +3,7 @@
 mod cohort_list;
 mod commands;
 mod comparison;
+mod detect;
 mod endings;
 mod endless;
 mod exchange;

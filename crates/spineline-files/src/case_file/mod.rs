@@ -8,8 +8,8 @@ use serde::{Deserialize, Serialize};
 use spineline::analysis::{Case, Sex, Subject};
 use spineline::anatomy::Posture;
 use spineline::measure::{
-    Corners, Film, FilmLandmarks, IliacCrests, Placement, PlacementSource, Reading, ReadingId,
-    SpacingPlane, VertebraLandmarks,
+    Corners, Film, FilmLandmarks, IliacCrests, Origin, Placement, PlacementSource, Reading,
+    ReadingId, SpacingPlane, VertebraLandmarks,
 };
 use spineline::spatial::{Angle, Frontal, Pixel};
 
@@ -145,6 +145,18 @@ struct VertebraRecord {
     /// inferior right.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     confidence: Option<[f64; 4]>,
+    /// How each corner came about: superior left, superior right, inferior left, inferior right. Absent where all were clicked.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    origins: Option<[Key<Origin>; 4]>,
+    /// Midpoint of the wall on the patient's left, where the vertebra was marked by its walls.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    left_wall: Option<[f64; 2]>,
+    /// Midpoint of the wall on the patient's right.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    right_wall: Option<[f64; 2]>,
+    /// Standard deviation of a corner's coordinate as a part of the height of the body, where a program found the corners.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    sd_share: Option<f64>,
     /// Midpoint in any frontal frame of the film: `[y to the patient's left, z cranial]`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     location_mm: Option<[f64; 2]>,
@@ -385,20 +397,19 @@ impl VertebraRecord {
         let placed = (self.location_mm, self.tilt_deg);
         match (corners, placed) {
             ([Some(sl), Some(sr), Some(il), Some(ir)], (None, None)) => {
+                let corners = corners_of([sl, sr, il, ir].map(pixel));
                 Some(Kind::Marked(VertebraLandmarks {
-                    corners: Corners {
-                        superior_left: pixel(sl),
-                        superior_right: pixel(sr),
-                        inferior_left: pixel(il),
-                        inferior_right: pixel(ir),
-                    },
+                    origins: self
+                        .origins
+                        .map_or_else(Corners::default, |all| corners_of(all.map(|key| key.0))),
+                    walls: [self.left_wall, self.right_wall].map(|wall| wall.map(pixel)),
                     axis_clockwise: self.axis_deg.map(Angle::from_deg),
                     confidence: self.confidence.map(corners_of),
+                    sd_share: self.sd_share,
+                    ..VertebraLandmarks::clicked(corners)
                 }))
             }
-            ([None, None, None, None], (Some([y, z]), Some(tilt)))
-                if self.axis_deg.is_none() && self.confidence.is_none() =>
-            {
+            ([None, None, None, None], (Some([y, z]), Some(tilt))) if !self.has_marks() => {
                 let location = Frontal::new(y, z);
                 Some(Kind::Measured(Placement::new(location, Angle::from_deg(tilt))))
             }
@@ -406,8 +417,24 @@ impl VertebraRecord {
         }
     }
 
+    /// Whether it holds something that only a vertebra with corners has.
+    fn has_marks(&self) -> bool {
+        self.axis_deg.is_some()
+            || self.confidence.is_some()
+            || self.origins.is_some()
+            || self.left_wall.is_some()
+            || self.right_wall.is_some()
+            || self.sd_share.is_some()
+    }
+
     fn marked(landmark: &VertebraLandmarks) -> Self {
+        let [left_wall, right_wall] = landmark.walls.map(|wall| wall.map(pair));
+        let is_clicked = landmark.origins == Corners::all(Origin::Clicked);
         Self {
+            origins: (!is_clicked).then(|| landmark.origins.points().map(Key)),
+            left_wall,
+            right_wall,
+            sd_share: landmark.sd_share,
             superior_left: Some(pair(landmark.corners.superior_left)),
             superior_right: Some(pair(landmark.corners.superior_right)),
             inferior_left: Some(pair(landmark.corners.inferior_left)),
@@ -434,9 +461,9 @@ pub fn written_axis_deg(axis: Angle) -> f64 {
     (axis.deg() * 1e9).round() / 1e9
 }
 
-fn corners_of(
-    [superior_left, superior_right, inferior_left, inferior_right]: [f64; 4],
-) -> Corners<f64> {
+fn corners_of<P>(
+    [superior_left, superior_right, inferior_left, inferior_right]: [P; 4],
+) -> Corners<P> {
     Corners { superior_left, superior_right, inferior_left, inferior_right }
 }
 

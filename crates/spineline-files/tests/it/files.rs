@@ -3,8 +3,8 @@
 use spineline::analysis::{Analysis, AnalysisOptions, Case, analyze};
 use spineline::anatomy::{ImageSide, Level, Posture};
 use spineline::measure::{
-    Corners, FilmLandmarks, LateralCorners, LateralFilm, Placement, PlacementSource, Reading,
-    ReadingId, Spacing, SpacingPlane, SpacingSource,
+    Corners, FilmLandmarks, LateralCorners, LateralFilm, Origin, Placement, PlacementSource,
+    Reading, ReadingId, Spacing, SpacingPlane, SpacingSource,
 };
 use spineline::multibody::{Load, Solution, Statics, StiffnessLibrary};
 use spineline::spatial::{Angle, Frontal, Pixel};
@@ -76,6 +76,33 @@ fn confidences_and_estimated_levels_are_kept_in_a_case() {
     assert!(matches!(refused(&corners), FileError::LengthsOfCorners { .. }));
     let negative = text.replacen("\"relative_sd\": 0.02", "\"relative_sd\": -0.02", 1);
     assert!(matches!(refused(&negative), FileError::ScaleSd { .. }));
+}
+
+#[test]
+fn origins_walls_and_deviations_round_trip_and_are_absent_where_all_was_clicked() {
+    let mut case = phantom(&Readers::default()).case;
+    assert!(!to_text(&CaseFile::from_case(&case)).contains("origins"));
+    let FilmLandmarks::Corners { readings, .. } = &mut case.films[0].landmarks else {
+        panic!("a marked film")
+    };
+    let landmark = readings[0].vertebrae.values_mut().next().expect("a vertebra");
+    let accepted = Corners::all(Origin::Accepted);
+    landmark.origins = Corners { inferior_right: Origin::Adjusted, ..accepted };
+    landmark.walls = [Some(Pixel::new(1200.25, 900.5)), None];
+    landmark.sd_share = Some(0.0625);
+    let text = to_text(&CaseFile::from_case(&case));
+    let again = parse_case(&text).expect("our own file");
+    assert_eq!(text, to_text(&CaseFile::from_case(&again)));
+    let FilmLandmarks::Corners { readings: read, .. } = &again.films[0].landmarks else {
+        panic!("a marked film")
+    };
+    let FilmLandmarks::Corners { readings, .. } = &case.films[0].landmarks else {
+        panic!("a marked film")
+    };
+    assert_eq!(read[0].vertebrae.values().next(), readings[0].vertebrae.values().next());
+    // A location and a tilt have no corners whose origin could be stated.
+    let mixed = text.replacen("\"accepted\"", "\"guessed\"", 1);
+    assert!(parse_case(&mixed).is_err(), "an unknown origin");
 }
 
 #[test]

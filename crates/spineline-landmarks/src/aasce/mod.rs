@@ -46,8 +46,7 @@ fn film_of(
             *place = pixel(column, row, &format!("{at}, {level}"))?;
         }
         let corners = from_image_sides(places, patient_left);
-        vertebrae
-            .insert(level, VertebraLandmarks { corners, axis_clockwise: None, confidence: None });
+        vertebrae.insert(level, VertebraLandmarks::clicked(corners));
     }
     Ok(MarkedFilm {
         posture: hint.posture,

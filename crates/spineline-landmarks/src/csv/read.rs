@@ -239,7 +239,11 @@ impl Table<'_> {
                 match reading.get(&level) {
                     Some((_, first)) => return Err(twice(*first)),
                     None => {
-                        let landmarks = VertebraLandmarks { corners, axis_clockwise, confidence };
+                        let landmarks = VertebraLandmarks {
+                            axis_clockwise,
+                            confidence,
+                            ..VertebraLandmarks::clicked(corners)
+                        };
                         reading.insert(level, (landmarks, line))
                     }
                 };

@@ -260,10 +260,7 @@ impl List {
                         inferior_left: to_pixel(body.inferior_left)?,
                         inferior_right: to_pixel(body.inferior_right)?,
                     };
-                    vertebrae.insert(
-                        level,
-                        VertebraLandmarks { corners, axis_clockwise: None, confidence: None },
-                    );
+                    vertebrae.insert(level, VertebraLandmarks::clicked(corners));
                 }
                 let crests = match self.points.crests(&self.at)? {
                     Some([left, right]) => {
@@ -279,11 +276,8 @@ impl List {
                 match hint.image {
                     Some(image) => {
                         let to_pixel = |p: Lps| image.pixel(frontal(p));
-                        let landmark = |body: Corners<Lps>| VertebraLandmarks {
-                            corners: body.map(to_pixel),
-                            axis_clockwise: None,
-                            confidence: None,
-                        };
+                        let landmark =
+                            |body: Corners<Lps>| VertebraLandmarks::clicked(body.map(to_pixel));
                         let vertebrae =
                             bodies.into_iter().map(|(l, body)| (l, landmark(body))).collect();
                         let crests = self.points.crests(&self.at)?;
@@ -315,9 +309,8 @@ impl List {
             placed.insert(
                 level,
                 Placement {
-                    location,
-                    tilt: TiltRule::default().tilt_of(&body),
                     endplates: Some(body.measure_endplates()),
+                    ..Placement::new(location, TiltRule::default().tilt_of(&body))
                 },
             );
         }

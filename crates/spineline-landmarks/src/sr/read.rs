@@ -136,10 +136,8 @@ impl Report {
             corners(items, codes::TILT, at)?;
         let corners = Corners { superior_left, superior_right, inferior_left, inferior_right };
         let axis_clockwise = axis(items, at)?;
-        match self
-            .vertebrae
-            .insert(level, VertebraLandmarks { corners, axis_clockwise, confidence: None })
-        {
+        let landmarks = VertebraLandmarks { axis_clockwise, ..VertebraLandmarks::clicked(corners) };
+        match self.vertebrae.insert(level, landmarks) {
             None => Ok(()),
             Some(_) => Err(twice(at, level.name())),
         }

@@ -1,5 +1,7 @@
 //! The tests of this crate that see it from outside, in one executable so that they are linked once.
 
+#![allow(clippy::float_cmp, reason = "tests compare with exact values")]
+
 mod baselines;
 mod counter_examples;
 mod hypotheses;

@@ -57,6 +57,8 @@ pub struct ReadingView {
     pub next: Option<ExpectedLandmark>,
     /// The next landmark where vertebrae are marked by their walls.
     pub next_by_walls: Option<ExpectedLandmark>,
+    /// Whether vertebrae may be proposed and accepted; a plan of blinded readings may forbid it.
+    pub proposals_allowed: bool,
     /// Expected corners of the vertebrae without a corner, in the guided order; part of the reading only after a person has accepted or
     /// moved them.
     pub proposals: Vec<Proposal>,
@@ -92,8 +94,6 @@ pub struct VertebraView {
     pub level: String,
     /// Corners placed so far.
     pub corners: Vec<CornerView>,
-    /// How they came about.
-    pub origin: CornerOrigin,
     /// Midpoints of its walls, where it was marked by them.
     pub walls: SidesView,
     /// Whether all four corners are placed.
@@ -104,13 +104,15 @@ pub struct VertebraView {
     pub axis: Option<AxisView>,
 }
 
-/// A placed corner.
+/// A corner, placed or proposed.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct CornerView {
     /// Name of the corner.
     pub corner: Corner,
     /// Place.
     pub px: [f64; 2],
+    /// How the place came about.
+    pub origin: CornerOrigin,
 }
 
 /// The axis of a vertebra.
@@ -172,6 +174,19 @@ pub struct Proposal {
     pub corners: Vec<CornerView>,
     /// Standard deviation of a corner in percent of the vertebra's height.
     pub sd_percent: f64,
+    /// The same as a part of the height, to be accepted with the corners, where they were found in the picture.
+    pub sd_share: Option<f64>,
+}
+
+/// Vertebrae found in a picture.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct DetectionView {
+    /// Why nothing is proposed, as text.
+    pub refused: Option<String>,
+    /// Why the levels may be shifted, as text.
+    pub doubt: Option<String>,
+    /// The vertebrae, caudal first.
+    pub proposals: Vec<Proposal>,
 }
 
 /// Events for a reading.
@@ -180,7 +195,7 @@ pub struct Proposal {
 pub struct NewEvent {
     /// Revision that the requester has seen.
     pub expected_revision: u64,
-    /// The events, all recorded or none; an accepted proposal is four of them.
+    /// The events, all recorded or none.
     pub events: Vec<Event>,
 }
 

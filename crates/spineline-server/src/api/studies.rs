@@ -187,6 +187,13 @@ pub struct NewPlan {
     pub washout_days: u32,
     /// Seed of the order.
     pub seed: u64,
+    /// Whether readers see vertebrae that the program proposes, and may accept them.
+    #[serde(default = "allowed")]
+    pub proposals: bool,
+}
+
+const fn allowed() -> bool {
+    true
 }
 
 /// An uploaded film that is not part of a study yet.

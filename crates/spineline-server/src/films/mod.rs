@@ -1,6 +1,5 @@
 //! Films: pixels, thumbnails, and changes of their records.
 
-mod screen;
 mod uploads;
 
 use axum::extract::State;
@@ -18,9 +17,7 @@ use crate::extract::{Json, Path};
 use crate::problem::{Answer, Failure};
 use crate::session::User;
 use crate::state::AppState;
-use crate::{studies, words};
-
-pub use screen::{keep_thumbnails, picture};
+use crate::{decoded, studies, words};
 
 pub fn routes() -> OpenApiRouter<AppState> {
     OpenApiRouter::new()
@@ -140,7 +137,7 @@ fn film_edit(film: &FilmRecord, edit: FilmEditName) -> Answer<FilmEdit> {
 }
 
 async fn pixels(state: &AppState, film: &FilmRecord) -> Answer<Response> {
-    let screen = screen::screen(state, &film.content).await?;
+    let screen = decoded::screen(state, &film.content).await?;
     let image =
         spineline_files::parse_image(&film.image, film.posture).map_err(StoreError::from)?;
     let [center, width] = screen.default_window;
@@ -161,7 +158,7 @@ async fn pixels(state: &AppState, film: &FilmRecord) -> Answer<Response> {
 }
 
 async fn thumbnail(state: &AppState, film: &FilmRecord) -> Answer<Response> {
-    let thumbnails = screen::thumbnails(state, &film.content).await?;
+    let thumbnails = decoded::thumbnails(state, &film.content).await?;
     Ok(png(if film.inverted { thumbnails.inverted } else { thumbnails.plain }))
 }
 

@@ -14,8 +14,8 @@ use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
 
 use super::png;
-use super::screen::decode;
 use crate::api::{Notice, Problem, Severity, SpacingView, UploadView, Wire};
+use crate::decoded::decode;
 use crate::extract::{Json, Path, unread};
 use crate::film_cache::{Upload, draw_thumbnails};
 use crate::guard::declared_bytes;

@@ -52,6 +52,7 @@ fn words(change: &Value) -> String {
             let levels: Vec<&str> = vertebrae.iter().filter_map(|v| v["level"].as_str()).collect();
             format!("corners accepted of {}", levels.join(", "))
         }
+        Some("take_vertebra") => format!("corners of {} as in a file", word("level")),
         Some("set_axis") => match &change["axis_deg"] {
             Value::Null => format!("{} axis reset to its corners", word("level")),
             axis => format!("{} axis to {axis}°", word("level")),

@@ -1,5 +1,6 @@
 //! Readings: begin, record, undo, finish.
 
+mod detection;
 mod lost;
 mod view;
 
@@ -27,6 +28,7 @@ pub fn routes() -> OpenApiRouter<AppState> {
         .routes(routes!(begin_planned))
         .routes(routes!(reading))
         .routes(routes!(finish))
+        .routes(routes!(detection::detection))
 }
 
 /// Begins a reading of a film.

@@ -4,8 +4,7 @@ use std::collections::BTreeMap;
 
 use spineline::anatomy::{Level, Side};
 use spineline::measure::{
-    CornerName, Corners, ImageGeometry, NextLandmark, PartialLandmarks, PartialReading,
-    ProposedVertebra,
+    CornerName, ImageGeometry, NextLandmark, PartialLandmarks, PartialReading, ProposedVertebra,
 };
 use spineline::spatial::{Angle, Pixel};
 use spineline_store::{
@@ -82,20 +81,20 @@ fn view_of(
         vertebrae: landmarks
             .vertebrae
             .iter()
-            .map(|(&level, landmark)| {
-                vertebra(&image, level, landmark, state.vertebrae[&level].origin)
-            })
+            .map(|(&level, landmark)| vertebra(&image, level, landmark))
             .collect(),
         crests: SidesView { left_px: crest(Side::Left), right_px: crest(Side::Right) },
         notes: state.notes.clone(),
         order: PartialReading::order().map(|level| level.to_string()).to_vec(),
         next: landmarks.next().map(next_landmark),
-        next_by_walls: landmarks.next_by_walls().map(next_landmark),
-        proposals: landmarks
-            .propose(&image, (!is_blinded).then_some(film.posture))
-            .iter()
-            .map(proposal_view)
-            .collect(),
+        next_by_walls: landmarks.next_by_walls().filter(|_| seen.proposals).map(next_landmark),
+        proposals_allowed: seen.proposals,
+        proposals: if seen.proposals {
+            let posture = (!is_blinded).then_some(film.posture);
+            landmarks.propose(&image, posture).iter().map(proposal_view).collect()
+        } else {
+            Vec::new()
+        },
         faults: faults(&landmarks, &image, posture),
         conflicts,
     })
@@ -108,17 +107,11 @@ fn landmarks(state: &ReadingState) -> PartialReading {
         .iter()
         .map(|(&level, landmarks)| {
             let place = |&[column, row]: &[f64; 2]| Pixel::new(column, row);
-            let corner = |name| landmarks.corners.get(&name).map(place);
-            let corners = Corners {
-                superior_left: corner(Corner::SuperiorLeft),
-                superior_right: corner(Corner::SuperiorRight),
-                inferior_left: corner(Corner::InferiorLeft),
-                inferior_right: corner(Corner::InferiorRight),
-            };
             (
                 level,
                 PartialLandmarks {
-                    corners,
+                    corners: landmarks.placed().map(|corner| corner.as_ref().map(place)),
+                    origins: landmarks.corner_origins(),
                     walls: [Side::Left, Side::Right]
                         .map(|side| landmarks.walls.get(&side).map(place)),
                     axis_clockwise: landmarks.axis_deg.map(Angle::from_deg),
@@ -131,15 +124,11 @@ fn landmarks(state: &ReadingState) -> PartialReading {
     PartialReading { vertebrae, crests }
 }
 
-fn vertebra(
-    image: &ImageGeometry,
-    level: Level,
-    landmark: &PartialLandmarks,
-    origin: CornerOrigin,
-) -> VertebraView {
+fn vertebra(image: &ImageGeometry, level: Level, landmark: &PartialLandmarks) -> VertebraView {
     let corners = CornerName::ORDER.into_iter().filter_map(|name| {
         let place = name.of(&landmark.corners)?;
-        Some(CornerView { corner: corner(name), px: pair(place) })
+        let origin = name.of(&landmark.origins).into();
+        Some(CornerView { corner: corner(name), px: pair(place), origin })
     });
     let body = landmark.body(image);
     let axis = body.map(|body| AxisView {
@@ -152,7 +141,6 @@ fn vertebra(
     VertebraView {
         level: level.to_string(),
         corners: corners.collect(),
-        origin,
         walls: SidesView {
             left_px: landmark.walls[0].map(pair),
             right_px: landmark.walls[1].map(pair),
@@ -191,17 +179,21 @@ fn side_view(side: Side) -> PatientSide {
     }
 }
 
+/// A corner that the program proposes; corners are placed to 0.01 px at best.
+pub(super) fn corner_view(name: CornerName, place: Pixel, origin: CornerOrigin) -> CornerView {
+    let px = pair(place).map(|px| (px * 100.0).round() / 100.0);
+    CornerView { corner: corner(name), px, origin }
+}
+
 fn proposal_view(proposal: &ProposedVertebra) -> ProposalView {
-    let corners = CornerName::ORDER.into_iter().map(|name| {
-        let place = name.of(&proposal.corners);
-        // Corners are placed to 0.01 px at best.
-        let px = pair(place).map(|px| (px * 100.0).round() / 100.0);
-        CornerView { corner: corner(name), px }
-    });
+    let corners = CornerName::ORDER
+        .into_iter()
+        .map(|name| corner_view(name, name.of(&proposal.corners), CornerOrigin::Completed));
     ProposalView {
         level: proposal.level.to_string(),
         corners: corners.collect(),
         sd_percent: (100.0 * proposal.sd_share).round(),
+        sd_share: None,
     }
 }
 

@@ -122,8 +122,8 @@ async fn plan(
         if asker.options().access == Access::Accounts {
             observers.iter().try_for_each(|name| may_read(store, &study, name))?;
         }
-        let NewPlan { repeats, washout_days, seed, .. } = new;
-        let design = PlanDesign { repeats, washout_days, seed };
+        let NewPlan { repeats, washout_days, seed, proposals, .. } = new;
+        let design = PlanDesign { repeats, washout_days, seed, proposals };
         store.reading_plan(&study, &observers, design, &user.sign(now))?;
         asker.changes().send(&study, of_study(&user));
         detail(&asker, store, &user, &study)

@@ -17,21 +17,35 @@ pub fn decoding() -> ServeOptions {
     ServeOptions { decoder, ..options(Access::Token) }
 }
 
-fn app() -> App {
+pub fn app() -> App {
     App::with_token().restarted(decoding())
 }
 
-fn demo(browser: &Browser<'_>) -> Value {
+pub fn demo(browser: &Browser<'_>) -> Value {
     let answer = browser.post("/api/studies/demo", &Value::Null);
     assert_eq!(answer.status, StatusCode::OK, "{}", answer.text());
     answer.json()
+}
+
+/// The study `blind`: a plan needs one without readings, so it has the films of the demonstration alone.
+pub fn add_unread_study(app: &App, lead: &Browser<'_>) {
+    demo(lead);
+    let mut store = spineline_store::Store::open(&app.store_path()).expect("the store");
+    let by = crate::browser::by("Ann");
+    let study = crate::browser::name("blind");
+    let record = spineline_store::Study { id: study.clone(), label: None, synthetic: true };
+    store.add_study(&record, &by).expect("a study");
+    for film in store.films(&crate::browser::name("demo-rod-01")).expect("films") {
+        let bytes = store.content(&film.content).expect("bytes");
+        store.add_film(&study, film.posture, &bytes, &film.image, &by).expect("a film");
+    }
 }
 
 fn corner(level: &str, corner: &str, column: f64, row: f64) -> Value {
     json!({ "kind": "place_corner", "level": level, "corner": corner, "column_px": column, "row_px": row })
 }
 
-fn record(
+pub fn record(
     browser: &Browser<'_>,
     reading: i64,
     revision: u64,
@@ -41,7 +55,7 @@ fn record(
     browser.post(&format!("/api/readings/{reading}/events"), &body)
 }
 
-fn begin(browser: &Browser<'_>, film: i64) -> i64 {
+pub fn begin(browser: &Browser<'_>, film: i64) -> i64 {
     let begun = browser.post(&format!("/api/films/{film}/readings"), &json!({ "repeat": 1 }));
     assert_eq!(begun.status, StatusCode::OK, "{}", begun.text());
     begun.json()["reading"].as_i64().expect("a number")
@@ -324,18 +338,7 @@ fn an_invalid_file_is_refused_without_quoting_its_content() {
 fn no_answer_to_a_blinded_reader_contains_a_posture() {
     let app = app();
     let lead = app.observer("Ann");
-    // A plan needs a study without readings: the demonstration's case without them.
-    demo(&lead);
-    let mut store = spineline_store::Store::open(&app.store_path()).expect("the store");
-    let by = crate::browser::by("Ann");
-    let study = crate::browser::name("blind");
-    let record = spineline_store::Study { id: study.clone(), label: None, synthetic: true };
-    store.add_study(&record, &by).expect("a study");
-    for film in store.films(&crate::browser::name("demo-rod-01")).expect("films") {
-        let bytes = store.content(&film.content).expect("bytes");
-        store.add_film(&study, film.posture, &bytes, &film.image, &by).expect("a film");
-    }
-    drop(store);
+    add_unread_study(&app, &lead);
     let plan = json!({ "observers": ["Bob"], "repeats": 2, "washout_days": 0, "seed": 3 });
     assert_eq!(lead.post("/api/studies/blind/plan", &plan).status, StatusCode::OK);
 
@@ -438,55 +441,4 @@ fn films_of_two_patients_or_of_a_leg_are_refused_until_confirmed() {
         let made = browser.post("/api/studies", &new);
         assert_eq!(made.status, StatusCode::OK, "{study}: {}", made.text());
     }
-}
-
-#[test]
-fn a_vertebra_is_marked_by_its_walls_and_its_expected_corners_are_accepted() {
-    let app = app();
-    let browser = app.observer("Ann");
-    let study = demo(&browser);
-    let film = study["summary"]["films"][0]["film"].as_i64().expect("a number");
-    let reading = begin(&browser, film);
-    let wall = |level: &str, side: &str, column: f64, row: f64| json!({ "kind": "place_wall", "level": level, "side": side, "column_px": column, "row_px": row });
-    // The patient's left is on the left of this picture.
-    let walls = [
-        wall("L4", "left", 900.0, 2060.0),
-        wall("L4", "right", 1130.0, 2060.0),
-        wall("L3", "left", 905.0, 1880.0),
-        wall("L3", "right", 1125.0, 1880.0),
-    ];
-    let marked = record(&browser, reading, 0, json!(walls)).json()["reading"].clone();
-    assert_eq!(marked["next_by_walls"], json!({ "kind": "wall", "level": "L2", "side": "left" }));
-    assert_eq!(marked["next"]["level"], "L4", "no corner is placed");
-    assert_eq!(marked["vertebrae"][0]["walls"]["left_px"], json!([900.0, 2060.0]));
-    let proposals = marked["proposals"].as_array().expect("proposals");
-    let levels: Vec<&str> = proposals.iter().filter_map(|one| one["level"].as_str()).collect();
-    assert_eq!(levels[..3], ["L4", "L3", "L2"]);
-    let sd = |index: usize| proposals[index]["sd_percent"].as_f64().expect("a number");
-    assert!(sd(0) > 0.0 && sd(0) < sd(2), "{} and {}", sd(0), sd(2));
-
-    let accepted: Vec<Value> = proposals[..2].iter().map(accepted_vertebra).collect();
-    let event = json!([{ "kind": "accept_corners", "vertebrae": accepted }]);
-    let whole = record(&browser, reading, 4, event).json()["reading"].clone();
-    assert_eq!(whole["vertebrae"][1]["origin"], "accepted");
-    assert_eq!(whole["vertebrae"][1]["complete"], true);
-    assert_eq!(whole["undoable"], 5, "acceptance is one change");
-    let moved = json!([{ "kind": "move_corner", "level": "L3", "corner": "superior_left", "column_px": 906.0, "row_px": 1820.0 }]);
-    let moved = record(&browser, reading, 5, moved).json()["reading"].clone();
-    assert_eq!(moved["vertebrae"][0]["origin"], "accepted");
-    assert_eq!(moved["vertebrae"][1]["origin"], "adjusted");
-
-    let mut short = accepted[0].clone();
-    short["corners"].as_object_mut().expect("corners").remove("superior_left");
-    let refused =
-        record(&browser, reading, 6, json!([{ "kind": "accept_corners", "vertebrae": [short] }]));
-    assert_eq!(refused.status, StatusCode::UNPROCESSABLE_ENTITY, "{}", refused.text());
-}
-
-/// A proposal as it is accepted.
-fn accepted_vertebra(proposal: &Value) -> Value {
-    let corners = proposal["corners"].as_array().expect("corners").iter();
-    let named =
-        corners.map(|one| (one["corner"].as_str().expect("a name").to_owned(), one["px"].clone()));
-    json!({ "level": proposal["level"], "corners": named.collect::<serde_json::Map<_, _>>() })
 }

@@ -9,6 +9,7 @@ mod crowd;
 mod example;
 mod films;
 mod guards;
+mod marking;
 mod numbers;
 mod openapi;
 mod privacy;

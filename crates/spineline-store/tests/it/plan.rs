@@ -11,7 +11,7 @@ use spineline_store::{
 use crate::session::{by, create, film_bytes, image, minute, name, place};
 
 const DAY: i64 = 24 * 60;
-const DESIGN: PlanDesign = PlanDesign { repeats: 2, washout_days: 14, seed: 7 };
+const DESIGN: PlanDesign = PlanDesign { repeats: 2, washout_days: 14, seed: 7, proposals: true };
 
 fn planned(folder: &tempfile::TempDir, file: &str, study: &str, design: PlanDesign) -> Store {
     let mut store = create(&folder.path().join(file));

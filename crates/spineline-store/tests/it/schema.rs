@@ -13,7 +13,7 @@ use crate::session::{by, film_bytes, image, name};
 
 const SCHEMA: &str = include_str!("../../src/schema.sql");
 /// The schema that this program writes.
-const VERSION: i64 = 1;
+const VERSION: i64 = 2;
 const TIME_MS: i64 = 1_700_000_000_000;
 
 fn sha256(bytes: impl AsRef<[u8]>) -> String {
@@ -54,7 +54,7 @@ fn write_store(path: &Path, films: i64) {
     use serde_json::json;
     let raw = Connection::open(path).expect("a database");
     raw.execute_batch(SCHEMA).expect("the schema");
-    raw.execute_batch("PRAGMA application_id = 1399870324; PRAGMA user_version = 1; BEGIN")
+    raw.execute_batch("PRAGMA application_id = 1399870324; PRAGMA user_version = 2; BEGIN")
         .expect("marks");
     let mut writer = Writer { raw, entries: 0, hash: String::new() };
     writer.log("store", "");
@@ -146,6 +146,24 @@ fn a_store_of_a_newer_program_is_refused_and_not_changed() {
             "{refused:?}"
         );
     }
+    assert!(fs::read(&path).expect("bytes") == before);
+}
+
+#[test]
+fn a_store_of_a_development_build_is_refused_and_not_changed() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("store");
+    drop(crate::session::create(&path));
+    let raw = Connection::open(&path).expect("a database");
+    raw.execute_batch("PRAGMA user_version = 1; PRAGMA journal_mode = DELETE")
+        .expect("an older schema");
+    drop(raw);
+    let before = fs::read(&path).expect("bytes");
+    let refused = Store::open(&path).expect_err("older");
+    assert!(
+        matches!(refused, StoreError::OlderSchema { found: 1, supported: VERSION }),
+        "{refused:?}"
+    );
     assert!(fs::read(&path).expect("bytes") == before);
 }
 

@@ -21,7 +21,7 @@ use crate::curve::{
 use crate::error::Error;
 use crate::hypothesis::HypothesisFit;
 use crate::measure::{
-    Film, FilmLengthRule, FilmReadings, InterpolationError, Noise, Outline, TiltRule,
+    Film, FilmLengthRule, FilmReadings, InterpolationError, Outline, OutlineNoise, TiltRule,
     common_levels, outline_of, seen_levels, warn_of_implausible_landmarks, warn_of_shortened_chain,
 };
 use crate::motion::{Motion, least_windows, mean_least};
@@ -73,7 +73,7 @@ pub fn analyze_movement(case: &Case, options: &AnalysisOptions) -> Result<Analys
 #[derive(Debug, Clone)]
 pub(crate) struct OtherReadings<'a> {
     /// Deviations of the films' measured values, in the order of the postures.
-    pub noise: Vec<Noise>,
+    pub noise: Vec<OutlineNoise>,
     /// Loads near which those of these readings are expected.
     pub loads: Option<PreferredLoads>,
     /// Models near which those of these readings are expected.
@@ -112,7 +112,7 @@ impl Movement {
     fn of(
         case: &Case,
         options: &AnalysisOptions,
-        known: Option<(&[Noise], &[InterpolationError])>,
+        known: Option<(&[OutlineNoise], &[InterpolationError])>,
         warnings: &mut Warnings,
     ) -> Result<Self, Error> {
         let (readings, outlines) = measure(case, options.tilt, known, warnings)?;
@@ -237,7 +237,7 @@ impl Mechanics {
 fn measure(
     case: &Case,
     tilt: TiltRule,
-    known: Option<(&[Noise], &[InterpolationError])>,
+    known: Option<(&[OutlineNoise], &[InterpolationError])>,
     warnings: &mut Warnings,
 ) -> Result<(Vec<FilmReadings>, Vec<Outline>), Error> {
     check_age(case.subject.age_years)?;
@@ -257,7 +257,7 @@ fn measure(
     }
     if let Some((noise, errors)) = known {
         for (outline, noise) in outlines.iter_mut().zip(noise) {
-            outline.noise = *noise;
+            noise.give_to(outline);
             errors.iter().for_each(|error| error.add_to(outline));
         }
     }

@@ -170,7 +170,8 @@ fn line_tilt(outline: &Outline) -> Angle {
 
 /// In rad.
 fn noise_limit(a: &Outline, b: &Outline) -> f64 {
-    MAX_NOISE_FACTOR * a.noise.tilt.rad().hypot(b.noise.tilt.rad())
+    let [a, b] = [a, b].map(|outline| outline.noise_over(&outline.vertebrae).tilt.rad());
+    MAX_NOISE_FACTOR * a.hypot(b)
 }
 
 /// Root mean square of the differences of tilts about their mean, in rad: a lateral tilt of the whole patient makes no difference.

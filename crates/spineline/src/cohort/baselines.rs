@@ -209,7 +209,9 @@ impl BaselinesOverPatients {
 
     /// Which of the other loads and bases do not predict better than the best prediction without mechanics.
     fn hypotheses_sentence(&self, role: FilmRole, best: Baseline) -> Option<String> {
-        let of_best = |test: &&BaselineTest<Hypothesis>| test.role == role && test.baseline == best;
+        let of_best = |test: &&BaselineTest<Hypothesis>| {
+            test.role == role && test.baseline == best && test.holm_p.is_some()
+        };
         let tests: Vec<_> = self.hypothesis_tests.iter().filter(of_best).collect();
         let behind: Vec<String> = tests
             .iter()

@@ -285,11 +285,11 @@ fn orders_of(outline: &Outline) -> std::ops::RangeInclusive<usize> {
 
 fn graph_rows(outline: &Outline, t_mm: &[f64], terms: usize) -> Rows {
     let end_mm = t_mm[t_mm.len() - 1];
-    let noise = outline.noise;
     let measured = measured_above_base(outline, t_mm);
     let mut matrix = DMatrix::zeros(2 * measured.len(), terms);
     let mut target = DVector::zeros(2 * measured.len());
     for (i, (vertebra, t)) in measured.into_iter().enumerate() {
+        let noise = outline.noise_of(vertebra);
         let slope = -vertebra.tilt.rad().tan();
         let slope_sd = noise.tilt.rad() * (1.0 + slope * slope);
         target[2 * i] = vertebra.location.y_mm / noise.location_mm;
@@ -304,12 +304,12 @@ fn graph_rows(outline: &Outline, t_mm: &[f64], terms: usize) -> Rows {
 
 fn parametric_rows(outline: &Outline, t_mm: &[f64], terms: usize) -> Rows {
     let end_mm = t_mm[t_mm.len() - 1];
-    let noise = outline.noise;
     let measured = measured_above_base(outline, t_mm);
     let mut matrix = DMatrix::zeros(3 * measured.len(), 2 * terms);
     let mut target = DVector::zeros(3 * measured.len());
     for (i, (vertebra, t)) in measured.into_iter().enumerate() {
         // The tangent has no component across the measured axis: cos θ y' + sin θ (1 + z') = 0.
+        let noise = outline.noise_of(vertebra);
         let (sin, cos) = vertebra.tilt.rad().sin_cos();
         target[3 * i] = vertebra.location.y_mm / noise.location_mm;
         target[3 * i + 1] = (vertebra.location.z_mm - t) / noise.location_mm;

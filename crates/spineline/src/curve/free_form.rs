@@ -261,8 +261,9 @@ fn rows(outline: &Outline, t_mm: &[f64]) -> (DMatrix<f64>, DVector<f64>) {
     for (row, (i, vertebra)) in measured.into_iter().enumerate() {
         let part = t_mm[i] / height_mm;
         let slope = -vertebra.tilt.rad().tan();
-        let slope_sd = outline.noise.tilt.rad() * (1.0 + slope * slope);
-        let place_sd = outline.noise.location_mm / height_mm;
+        let noise = outline.noise_of(vertebra);
+        let slope_sd = noise.tilt.rad() * (1.0 + slope * slope);
+        let place_sd = noise.location_mm / height_mm;
         target[2 * row] = vertebra.location.y_mm / height_mm / place_sd;
         target[2 * row + 1] = slope / slope_sd;
         for j in 1..=TERMS {

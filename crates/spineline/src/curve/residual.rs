@@ -50,9 +50,11 @@ impl CurveFit {
                 is_outlier: false,
             })
             .collect();
-        let places =
-            outliers(all.iter().map(CurveResidual::distance_mm), outline.noise.location_mm);
-        let tilts = outliers(all.iter().map(|r| r.tilt.rad()), outline.noise.tilt.rad());
+        let noise = || outline.measured().skip(1).map(|(_, vertebra)| outline.noise_of(vertebra));
+        let distances = all.iter().map(CurveResidual::distance_mm);
+        let places = outliers(distances.zip(noise().map(|noise| noise.location_mm)));
+        let turns = all.iter().map(|r| r.tilt.rad());
+        let tilts = outliers(turns.zip(noise().map(|noise| noise.tilt.rad())));
         for ((residual, place), tilt) in all.iter_mut().zip(places).zip(tilts) {
             residual.is_outlier = place || tilt;
         }
@@ -60,13 +62,15 @@ impl CurveFit {
     }
 }
 
-fn outliers(values: impl Iterator<Item = f64>, noise: f64) -> Vec<bool> {
-    let squares: Vec<f64> = values.map(|value| value * value).collect();
-    let total: f64 = squares.iter().sum();
+/// Of residuals, each with the standard deviation of its measurement.
+fn outliers(values: impl Iterator<Item = (f64, f64)>) -> Vec<bool> {
+    let squares: Vec<[f64; 2]> =
+        values.map(|(value, noise)| [value * value, noise * noise]).collect();
+    let total: f64 = squares.iter().map(|[square, _]| square).sum();
     let others = (squares.len().max(2) - 1) as f64;
-    let is_beyond = |square: &f64| {
-        let variance = ((total - square) / others).max(noise * noise);
-        *square > OUTLIER_SD * OUTLIER_SD * variance
+    let is_beyond = |&[square, noise]: &[f64; 2]| {
+        let variance = ((total - square) / others).max(noise);
+        square > OUTLIER_SD * OUTLIER_SD * variance
     };
     squares.iter().map(is_beyond).collect()
 }
@@ -80,7 +84,7 @@ mod tests {
         // Fourteen residuals of 1, one of them 5: its own square would widen three deviations to 4.9.
         let mut values = [1.0; 14];
         values[6] = -5.0;
-        let found = outliers(values.iter().copied(), 0.1);
+        let found = outliers(values.iter().map(|value| (*value, 0.1)));
         assert_eq!(found.iter().filter(|is| **is).count(), 1);
         assert!(found[6]);
     }
@@ -89,7 +93,7 @@ mod tests {
     fn what_a_measurement_scatters_is_no_outlier() {
         let mut values = [1e-6; 14];
         values[0] = 0.5;
-        assert!(outliers(values.iter().copied(), 0.25).iter().all(|is| !is));
-        assert!(outliers([0.8, 0.0].into_iter(), 0.25)[0]);
+        assert!(outliers(values.iter().map(|value| (*value, 0.25))).iter().all(|is| !is));
+        assert!(outliers([(0.8, 0.25), (0.0, 0.25)].into_iter())[0]);
     }
 }

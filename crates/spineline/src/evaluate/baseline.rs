@@ -223,7 +223,8 @@ impl<'a> TopFit<'a> {
         let last = film.vertebrae.len() - 1;
         let tilt = |outline: &Outline| outline.vertebrae[last].tilt;
         // A tilt against L4 has the noise of two.
-        let sd = f64::sqrt(2.0) * film.noise.tilt.rad().hypot(erect.noise.tilt.rad());
+        let [film_sd, erect_sd] = [film, erect].map(|outline| outline.noise_of_ends().tilt.rad());
+        let sd = f64::sqrt(2.0) * film_sd.hypot(erect_sd);
         let turn = (tilt(film) - tilt(erect)).wrapped().rad();
         Self {
             links: Links::of(erect),

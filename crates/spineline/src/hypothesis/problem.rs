@@ -237,7 +237,7 @@ impl<'a> ShapeProblem<'a> {
                     outline: film.outline,
                     loaded: LoadedFilm::new(hypothesis, film, spine)?,
                     first: spine.groups.len() + i * per_film,
-                    rows: weights.of_vertebrae(film.outline, spine.model),
+                    rows: ShapeWeights::of_vertebrae(film.outline, Some(spine.erect), spine.model),
                     weights,
                 })
             })

@@ -1,7 +1,7 @@
 use std::collections::BTreeMap;
 use std::fmt;
 
-use super::{Corners, EndplateTilts, Spacing, SpacingPlane};
+use super::{Corners, EndplateTilts, Origin, ProgramNoise, Spacing, SpacingPlane};
 use crate::anatomy::{ImageSide, Level, Posture, named};
 use crate::spatial::{Angle, Frontal, Pixel};
 
@@ -130,10 +130,32 @@ impl fmt::Display for ReadingId {
 pub struct VertebraLandmarks {
     /// The corners of its body.
     pub corners: Corners<Pixel>,
+    /// How each of them came about.
+    pub origins: Corners<Origin>,
+    /// The midpoints of its left and right wall, where it was marked by them.
+    pub walls: [Option<Pixel>; 2],
     /// Its axis where it was turned by hand: against the image's vertical, positive clockwise as seen.
     pub axis_clockwise: Option<Angle>,
     /// Confidence of each corner from 0 to 1, where a program found them; `None` where a person placed them.
     pub confidence: Option<Corners<f64>>,
+    /// Standard deviation of a corner's coordinate as a part of the height of the body, where a program found the corners in the
+    /// picture and stated it.
+    pub sd_share: Option<f64>,
+}
+
+impl VertebraLandmarks {
+    /// Corners that a person clicked.
+    #[must_use]
+    pub const fn clicked(corners: Corners<Pixel>) -> Self {
+        Self {
+            corners,
+            origins: Corners::all(Origin::Clicked),
+            walls: [None; 2],
+            axis_clockwise: None,
+            confidence: None,
+            sd_share: None,
+        }
+    }
 }
 
 /// A vertebra as measured on one reading, or by another program, in any frontal frame of its film.
@@ -145,13 +167,15 @@ pub struct Placement {
     pub tilt: Angle,
     /// Tilts of its two endplates; `None` where its corners are not known.
     pub endplates: Option<EndplateTilts>,
+    /// What its corners that a program found add to its noise; `None` where a person placed all of them.
+    pub program: Option<ProgramNoise>,
 }
 
 impl Placement {
     /// A location and a tilt without corners.
     #[must_use]
     pub const fn new(location: Frontal, tilt: Angle) -> Self {
-        Self { location, tilt, endplates: None }
+        Self { location, tilt, endplates: None, program: None }
     }
 }
 

@@ -176,7 +176,9 @@ fn log_length_variance(outline: &Outline) -> f64 {
     let variance_mm2 = |(i, vertebra): (usize, &MeasuredVertebra)| {
         let below = if i > 0 { unit(i - 1) } else { Frontal::default() };
         let above = if i < last { unit(i) } else { Frontal::default() };
-        let sd_mm = vertebra.interpolated.map_or(outline.noise.location_mm, |i| i.location_sd_mm);
+        let sd_mm = vertebra
+            .interpolated
+            .map_or_else(|| outline.noise_of(vertebra).location_mm, |i| i.location_sd_mm);
         let rate = below - above;
         rate.dot(rate) * sd_mm.powi(2)
     };
@@ -210,6 +212,6 @@ impl Outline {
     /// Standard deviation of a coordinate of the top relative to the base.
     #[must_use]
     pub fn top_sd_mm(&self) -> f64 {
-        self.noise.location_mm * f64::sqrt(2.0)
+        self.noise_of_ends().location_mm * f64::sqrt(2.0)
     }
 }

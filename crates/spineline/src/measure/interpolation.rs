@@ -89,5 +89,6 @@ pub(super) fn interpolate(
         endplates: None,
         readings: 0,
         interpolated: Some(interpolation),
+        program: None,
     }
 }

@@ -8,15 +8,17 @@ use std::collections::BTreeMap;
 use std::fmt;
 
 use super::order::{out_of_order_words, steps};
-use super::{CornerFault, Corners, ImageGeometry, Placement};
+use super::{CornerFault, Corners, ImageGeometry, Origin, Placement};
 use crate::anatomy::{Level, Side};
 use crate::spatial::{Angle, Frontal, Pixel};
 
 /// A vertebra of which some corners are placed.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct PartialLandmarks {
-    /// The corners placed so far.
+    /// The corners that it has so far.
     pub corners: Corners<Option<Pixel>>,
+    /// How they came about.
+    pub origins: Corners<Origin>,
     /// The midpoints of its left and right wall, where it was marked by them.
     pub walls: [Option<Pixel>; 2],
     /// Its axis where it was turned by hand.

@@ -1,9 +1,10 @@
 //! The next landmark, and its expected place.
 
-use super::completion::{Click, Clicks, Mark, complete};
+use super::completion::{Clicks, complete};
+use super::program_corners::clicks_on;
 use super::{Corners, ImageGeometry, PartialLandmarks, PartialReading};
 use crate::anatomy::{Level, Posture, Side, named};
-use crate::spatial::{Frontal, Pixel};
+use crate::spatial::Pixel;
 
 /// A corner by endplate and by the patient's side.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -38,6 +39,16 @@ impl CornerName {
     pub const ORDER: [Self; 4] =
         [Self::SuperiorLeft, Self::SuperiorRight, Self::InferiorRight, Self::InferiorLeft];
 
+    /// This one of four corners, to be changed.
+    pub(crate) const fn of_mut<P>(self, corners: &mut Corners<P>) -> &mut P {
+        match self {
+            Self::SuperiorLeft => &mut corners.superior_left,
+            Self::SuperiorRight => &mut corners.superior_right,
+            Self::InferiorRight => &mut corners.inferior_right,
+            Self::InferiorLeft => &mut corners.inferior_left,
+        }
+    }
+
     /// This one of four corners.
     #[must_use]
     pub const fn of<P: Copy>(self, corners: &Corners<P>) -> P {
@@ -60,6 +71,10 @@ pub enum NextLandmark {
     /// The tip of an iliac crest.
     Crest(Side),
 }
+
+/// Largest standard deviation of a proposed corner, as a part of the height of its body: two of them are a body, so that a
+/// proposal beyond it may lie on the neighbour (assumption).
+const MAX_SD_SHARE: f64 = 0.5;
 
 /// A vertebra where it is to be expected.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -127,22 +142,18 @@ impl PartialReading {
         open.map(|(side, _)| NextLandmark::Crest(side))
     }
 
-    /// Corners and walls of all vertebrae without a fault of their own.
+    /// What a person placed on all vertebrae without a fault of their own: corners, and walls where there is none. Accepted
+    /// corners are none of it: they would confirm the model that proposed them.
     #[must_use]
     pub fn clicks(&self, image: &ImageGeometry) -> Clicks {
         let faulty = self.faulty_levels(image);
         let sound = self.vertebrae.iter().filter(|(level, _)| !faulty.contains(level));
         let vertebrae = sound.flat_map(|(&level, landmark)| {
-            let click =
-                move |mark, place: Option<Pixel>| place.map(|place| Click { level, mark, place });
-            let corners =
-                CornerName::ALL.map(|name| click(Mark::Corner(name), name.of(&landmark.corners)));
-            let [left, right] = landmark.walls;
-            // Four corners that were accepted come from the walls, and others outweigh them.
-            let walls = [(Side::Left, left), (Side::Right, right)]
-                .map(|(side, place)| click(Mark::Wall(side), place))
-                .map(|wall| wall.filter(|_| landmark.complete().is_none()));
-            corners.into_iter().chain(walls).flatten()
+            let placed = CornerName::ALL.map(|name| {
+                let is_placed = name.of(&landmark.origins).is_placed();
+                name.of(&landmark.corners).filter(|_| is_placed).map(|place| (name, place))
+            });
+            clicks_on(level, placed, landmark.walls)
         });
         Clicks { vertebrae: vertebrae.collect(), midline: Vec::new() }
     }
@@ -150,8 +161,8 @@ impl PartialReading {
     /// The vertebrae without a corner, from L4 to T2 and then T1 and L5, as [`complete`] expects them from all that is
     /// marked; none where fewer than two clicks are.
     ///
-    /// Corners beyond the edge are drawn to it; a vertebra whose centre lies beyond is not proposed. `posture` is `None` where
-    /// it is not known, as in blinded readings.
+    /// A vertebra with a corner beyond the edge is not proposed, nor one that is so uncertain that it may be its neighbour
+    /// ([`MAX_SD_SHARE`]). `posture` is `None` where it is not known, as in blinded readings.
     #[must_use]
     pub fn propose(
         &self,
@@ -168,22 +179,12 @@ impl PartialReading {
             return Vec::new();
         };
         let proposed = levels.into_iter().filter_map(|level| {
-            let corners = completion.corners(level);
-            let centre = corners.points().into_iter().fold(Frontal::default(), |a, b| a + b) * 0.25;
-            image.contains(image.pixel(centre)).then(|| ProposedVertebra {
-                level,
-                corners: corners.map(|corner| on_picture(image, image.pixel(corner))),
-                sd_share: completion.sd_mm(level) / corners.height_mm(),
-            })
+            let sd_share = completion.sd_mm(level) / completion.corners(level).height_mm();
+            let corners = completion.corners_px(image, level);
+            let is_on_film = corners.points().into_iter().all(|corner| image.contains(corner));
+            let is_known = is_on_film && sd_share <= MAX_SD_SHARE;
+            is_known.then_some(ProposedVertebra { level, corners, sd_share })
         });
         proposed.collect()
     }
-}
-
-fn on_picture(image: &ImageGeometry, place: Pixel) -> Pixel {
-    let last = |count: u32| f64::from(count.saturating_sub(1));
-    Pixel::new(
-        place.column_px.clamp(0.0, last(image.columns)),
-        place.row_px.clamp(0.0, last(image.rows)),
-    )
 }

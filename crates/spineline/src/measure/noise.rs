@@ -1,6 +1,6 @@
 use std::collections::BTreeMap;
 
-use super::Placement;
+use super::{MeasuredVertebra, Outline, Placement, ProgramNoise};
 use crate::anatomy::Level;
 use crate::spatial::Angle;
 
@@ -27,20 +27,23 @@ impl Noise {
         Self { location_mm: 0.25, tilt: Angle::from_deg(0.7), measured: false };
 
     /// Rounding to a pixel and to 0.1° leaves at least about so much.
-    const FLOOR_LOCATION_MM: f64 = 0.03;
-    const FLOOR_TILT: Angle = Angle::from_deg(0.03);
+    pub(super) const FLOOR_LOCATION_MM: f64 = 0.03;
+    pub(super) const FLOOR_TILT: Angle = Angle::from_deg(0.03);
 
-    /// Of means, from the standard deviation of the readings.
+    /// Of means, from the standard deviation of the readings of vertebrae whose corners were placed by all: what a program completes is
+    /// alike in all readings and says nothing of readers.
     pub(super) fn of_means(
         observers: &[&str],
         placed: &[BTreeMap<Level, Placement>],
         means: &BTreeMap<Level, (Placement, usize)>,
     ) -> Self {
+        let means: BTreeMap<&Level, &(Placement, usize)> =
+            means.iter().filter(|(_, (mean, _))| mean.program.is_none()).collect();
         let [mut location, mut tilt] = [ReadingSquares::default(), ReadingSquares::default()];
-        for (level, (mean, _)) in means {
+        for (level, (mean, _)) in &means {
             let own = || {
                 let marked = placed.iter().zip(observers);
-                marked.filter_map(|(reading, by)| Some((*by, reading.get(level)?)))
+                marked.filter_map(|(reading, by)| Some((*by, reading.get(*level)?)))
             };
             location.add(own().map(|(by, place)| (by, place.location.y_mm - mean.location.y_mm)));
             location.add(own().map(|(by, place)| (by, place.location.z_mm - mean.location.z_mm)));
@@ -58,6 +61,54 @@ impl Noise {
             tilt: Angle::from_rad(tilt.max(Noise::FLOOR_TILT.rad())),
             measured: true,
         }
+    }
+}
+
+/// The noise of all vertebrae of a film, to be held while its landmarks move.
+#[derive(Debug, Clone)]
+pub(crate) struct OutlineNoise {
+    film: Noise,
+    program: BTreeMap<Level, ProgramNoise>,
+}
+
+impl OutlineNoise {
+    pub fn of(outline: &Outline) -> Self {
+        let own = outline.vertebrae.iter().filter_map(|v| Some((v.level, v.program?)));
+        Self { film: outline.noise, program: own.collect() }
+    }
+
+    pub fn give_to(&self, outline: &mut Outline) {
+        outline.noise = self.film;
+        for vertebra in &mut outline.vertebrae {
+            vertebra.program = self.program.get(&vertebra.level).copied();
+        }
+    }
+}
+
+impl Outline {
+    /// Root mean square of the noise of some vertebrae; exactly the film's where a person placed all their corners.
+    pub(crate) fn noise_over<'a>(
+        &self,
+        vertebrae: impl IntoIterator<Item = &'a MeasuredVertebra>,
+    ) -> Noise {
+        let all: Vec<&MeasuredVertebra> = vertebrae.into_iter().collect();
+        if all.iter().all(|vertebra| vertebra.program.is_none()) {
+            return self.noise;
+        }
+        let mean = |of: &dyn Fn(Noise) -> f64| {
+            let squares = all.iter().map(|vertebra| of(self.noise_of(vertebra)).powi(2));
+            (squares.sum::<f64>() / all.len() as f64).sqrt()
+        };
+        Noise {
+            location_mm: mean(&|noise| noise.location_mm),
+            tilt: Angle::from_rad(mean(&|noise| noise.tilt.rad())),
+            measured: self.noise.measured,
+        }
+    }
+
+    /// That of its base and top.
+    pub(crate) fn noise_of_ends(&self) -> Noise {
+        self.noise_over(self.vertebrae.first().into_iter().chain(self.vertebrae.last()))
     }
 }
 

@@ -6,12 +6,12 @@ use super::interpolation::interpolate;
 use super::midline::warn_of_source;
 use super::order::typical_distance_mm;
 use super::outline_checks::{check_marked, warn_of_gaps, warn_of_interpolated};
-use super::placing::warn_of_unusable_ends;
+use super::placing::{warn_of_program_corners, warn_of_unusable_ends};
 use super::spacing::is_spacing;
 use super::{
     EndplateTilts, Film, FilmLandmarks, FilmLength, IliacCrests, ImageGeometry, Interpolation,
-    LengthScale, MeasureError, Noise, Placement, Reading, ReadingId, SpacingPlane, TiltRule,
-    common_levels, measure_readings, seen_levels, warn_of_shortened_chain,
+    LengthScale, MeasureError, Noise, Placement, ProgramNoise, Reading, ReadingId, SpacingPlane,
+    TiltRule, common_levels, measure_readings, seen_levels, warn_of_shortened_chain,
 };
 use crate::anatomy::{Level, Levels, Posture};
 use crate::spatial::{Angle, Frontal};
@@ -32,9 +32,18 @@ pub struct MeasuredVertebra {
     pub readings: usize,
     /// For a vertebra that no reading marked: from what it was interpolated, and how uncertain it is.
     pub interpolated: Option<Interpolation>,
+    /// What corners that a program found add to its noise; `None` where a person placed all of them.
+    pub program: Option<ProgramNoise>,
 }
 
 impl MeasuredVertebra {
+    /// Standard deviations beyond those of landmarks, of an interpolated vertebra or of corners that a program found.
+    pub(crate) fn own_noise(&self) -> Option<Noise> {
+        let interpolated = self.interpolated.map(|found| (found.location_sd_mm, found.tilt_sd));
+        let own = interpolated.or(self.program.map(|found| (found.location_mm, found.tilt)));
+        own.map(|(location_mm, tilt)| Noise { location_mm, tilt, measured: false })
+    }
+
     /// Whether some reading marked it.
     #[must_use]
     pub const fn is_measured(&self) -> bool {
@@ -100,6 +109,12 @@ impl Outline {
         self.vertebrae.iter().chain(&self.others).find(|vertebra| vertebra.level == level)
     }
 
+    /// The noise of a vertebra that some reading marked: that of the film, or more where a program found its corners.
+    #[must_use]
+    pub fn noise_of(&self, vertebra: &MeasuredVertebra) -> Noise {
+        vertebra.program.map_or(self.noise, |program| program.beside(self.noise))
+    }
+
     /// The locations of the model's vertebrae.
     pub fn locations(&self) -> impl Iterator<Item = Frontal> {
         self.vertebrae.iter().map(|vertebra| vertebra.location)
@@ -163,6 +178,7 @@ pub(crate) fn outline_of(
 ) -> Result<Outline, MeasureError> {
     let posture = film.posture;
     warn_of_unusable_ends(film, warnings);
+    warn_of_program_corners(film, warnings);
     let PlacedFilm { readings: placed, scale, iliac_normal, iliac_middle } =
         place_film(film, readings, warnings)?;
     let on_film = average(&placed);
@@ -178,8 +194,17 @@ pub(crate) fn outline_of(
             let location = (placement.location - base.location).rotated(-base.tilt);
             let tilt = (placement.tilt - base.tilt).wrapped();
             let endplates = placement.endplates.map(|tilts| tilts.against(base.tilt));
-            let interpolated = None;
-            (level, MeasuredVertebra { level, location, tilt, endplates, readings, interpolated })
+            let (interpolated, program) = (None, placement.program);
+            let vertebra = MeasuredVertebra {
+                level,
+                location,
+                tilt,
+                endplates,
+                readings,
+                interpolated,
+                program,
+            };
+            (level, vertebra)
         })
         .collect();
     check_marked(posture, &mut in_global, &scale, warnings)?;
@@ -304,7 +329,10 @@ const BODY_HEIGHTS_MM: [f64; 2] = [2.0, 100.0];
 fn check_body_sizes(film: &Film) -> Result<(), MeasureError> {
     let FilmLandmarks::Corners { image, readings, .. } = &film.landmarks else { return Ok(()) };
     for reading in readings {
-        for (&level, landmark) in &reading.vertebrae {
+        // No result needs L5 or T1, which are left out where they are unusable.
+        for (&level, landmark) in
+            reading.vertebrae.iter().filter(|(l, _)| l.model_index().is_some())
+        {
             let [height_mm, width_mm] = body_shape(image, landmark);
             for (side, size_mm, [least_mm, most_mm]) in
                 [("wide", width_mm, BODY_WIDTHS_MM), ("high", height_mm, BODY_HEIGHTS_MM)]
@@ -388,6 +416,9 @@ fn scaled_from_pixels(
         if typical_mm > 0.0 && length_px > 0.0 { length_px / typical_mm } else { 1.0 };
     for placement in placed.iter_mut().flat_map(BTreeMap::values_mut) {
         placement.location = placement.location * (1.0 / pixels_per_mm);
+        if let Some(program) = &mut placement.program {
+            program.location_mm /= pixels_per_mm;
+        }
     }
     let scale = LengthScale {
         plane: SpacingPlane::Pixels,
@@ -449,7 +480,9 @@ fn mean_placement(all: &[Placement]) -> Placement {
         superior: mean(all[0].superior, &mut all.iter().map(|tilts| tilts.superior)),
         inferior: mean(all[0].inferior, &mut all.iter().map(|tilts| tilts.inferior)),
     });
-    Placement { location, tilt, endplates }
+    let programs: Vec<Option<ProgramNoise>> = all.iter().map(|p| p.program).collect();
+    let program = ProgramNoise::of_mean(&programs);
+    Placement { location, tilt, endplates, program }
 }
 
 /// The identity of a reading in errors and tests.

@@ -5,8 +5,8 @@ use std::collections::BTreeMap;
 use super::confidence::check_confidence;
 use super::plausibility::fits_exchanged;
 use super::{
-    CornerFault, Corners, Film, FilmLandmarks, ImageGeometry, MeasureError, Placement, Reading,
-    TiltRule, VertebraLandmarks,
+    CornerFault, Corners, Film, FilmLandmarks, ImageGeometry, MeasureError, Placement,
+    ProgramCorners, Reading, TiltRule, VertebraLandmarks,
 };
 use crate::anatomy::{Level, Posture};
 use crate::spatial::Frontal;
@@ -86,6 +86,33 @@ pub(super) fn warn_of_unusable_ends(film: &Film, warnings: &mut Warnings) {
     }
 }
 
+/// Says which vertebrae have corners that nobody looked at, and where completed corners have no landmarks to come from.
+pub(super) fn warn_of_program_corners(film: &Film, warnings: &mut Warnings) {
+    let FilmLandmarks::Corners { image, readings, .. } = &film.landmarks else { return };
+    for reading in readings {
+        let id = &reading.id;
+        let not_reviewed: Vec<String> = reading
+            .vertebrae
+            .iter()
+            .filter(|(_, landmark)| !landmark.is_reviewed())
+            .map(|(level, _)| level.to_string())
+            .collect();
+        if !not_reviewed.is_empty() {
+            let text = format!(
+                "observer {id}: corners of {} were found by a program, and nobody has accepted or moved them: look at them on the film",
+                not_reviewed.join(", ")
+            );
+            warnings.film(Step::Measure, "corners_not_reviewed", film.posture, text);
+        }
+        if let Err(error) = ProgramCorners::of(image, Some(film.posture), reading) {
+            let text = format!(
+                "observer {id}: some corners are said to be completed, but their uncertainty is not known ({error}); they count as clicked ones"
+            );
+            warnings.film(Step::Measure, "completed_without_landmarks", film.posture, text);
+        }
+    }
+}
+
 fn place_usable(
     (posture, image): (Posture, &ImageGeometry),
     reading: &Reading<VertebraLandmarks>,
@@ -127,14 +154,20 @@ fn place_usable(
             }
         }
     }
+    // Where what was marked does not complete them, the corners count as placed, with a warning.
+    let by_program = ProgramCorners::of(image, Some(posture), reading).ok().flatten();
     Ok(bodies
         .iter()
         .map(|(&level, body)| {
-            let by_hand = reading.vertebrae[&level].axis_clockwise;
+            let landmark = &reading.vertebrae[&level];
+            let by_hand = landmark.axis_clockwise;
             let tilt =
                 by_hand.map_or_else(|| rule.tilt_of(body), |axis| image.tilt_from_clockwise(axis));
             let endplates = Some(body.measure_endplates());
-            (level, Placement { location: centres[&level], tilt, endplates })
+            let program = by_program
+                .as_ref()
+                .and_then(|corners| corners.noise(image, (level, landmark), rule));
+            (level, Placement { location: centres[&level], tilt, endplates, program })
         })
         .collect())
 }

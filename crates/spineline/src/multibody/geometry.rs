@@ -1,5 +1,5 @@
 use crate::anatomy::{Level, Morphometry, SagittalProfile};
-use crate::measure::{Interpolation, Outline};
+use crate::measure::{MeasuredVertebra, Noise, Outline};
 use crate::spatial::{Angle, Frontal, Mat3, Vec3, rotation_x, rotation_y, rotation_z};
 
 /// One joint, fixed in its inferior vertebra.
@@ -40,8 +40,9 @@ pub struct SpineModel {
     pub axes: Vec<Mat3>,
     /// Joints, one fewer than vertebrae.
     pub joints: Vec<Joint>,
-    /// Vertebrae that the erect film does not show, and how uncertain they are.
-    pub interpolated: Vec<Option<Interpolation>>,
+    /// Standard deviations of vertebrae that the erect film does not show, or whose corners a program found there, beyond those of
+    /// landmarks.
+    pub uncertain: Vec<Option<Noise>>,
 }
 
 impl SpineModel {
@@ -76,8 +77,8 @@ impl SpineModel {
             .zip(midpoints_mm.windows(2))
             .map(|(inferior, pair)| centre_offset_mm(inferior, (pair[1] - pair[0]).norm()))
             .collect();
-        let interpolated = erect.vertebrae.iter().map(|vertebra| vertebra.interpolated).collect();
-        Self { interpolated, ..Self::from_poses(midpoints_mm, axes, &offsets) }
+        let uncertain = erect.vertebrae.iter().map(MeasuredVertebra::own_noise).collect();
+        Self { uncertain, ..Self::from_poses(midpoints_mm, axes, &offsets) }
     }
 
     /// Joins vertebrae by joints whose centres are given in the axes of the inferior vertebra.
@@ -108,7 +109,7 @@ impl SpineModel {
                 }
             })
             .collect();
-        Self { interpolated: vec![None; midpoints_mm.len()], midpoints_mm, axes, joints }
+        Self { uncertain: vec![None; midpoints_mm.len()], midpoints_mm, axes, joints }
     }
 
     /// Centres of the joints of vertebrae that stand like this, such as a shape under load.

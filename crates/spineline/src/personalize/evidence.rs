@@ -33,7 +33,8 @@ pub struct FilmEvidence {
     pub erect_tilt_sd: Angle,
     /// The vertebrae that the joints connect.
     pub levels: Levels,
-    /// Variances of the tilts of every vertebra, in rad²; `None` where no film interpolates one, so that all are alike.
+    /// Variances of the tilts of every vertebra, in rad²; `None` where no film interpolates one and a person placed all
+    /// corners, so that all are alike.
     pub tilt_variances: Option<TiltVariances>,
 }
 
@@ -48,12 +49,14 @@ pub struct TiltVariances {
 
 impl TiltVariances {
     fn of(film: &Outline, erect: &Outline) -> Option<Self> {
-        if [film, erect].iter().all(|outline| outline.interpolated().next().is_none()) {
+        let alike = |v: &MeasuredVertebra| v.interpolated.is_none() && v.program.is_none();
+        if [film, erect].iter().all(|outline| outline.vertebrae.iter().all(alike)) {
             return None;
         }
         let [film, erect] = [film, erect].map(|outline| {
-            let sd =
-                |v: &MeasuredVertebra| v.interpolated.map_or(outline.noise.tilt, |i| i.tilt_sd);
+            let sd = |v: &MeasuredVertebra| {
+                v.interpolated.map_or_else(|| outline.noise_of(v).tilt, |i| i.tilt_sd)
+            };
             outline.vertebrae.iter().map(|v| sd(v).rad().powi(2)).collect()
         });
         Some(Self { film, erect })
@@ -118,8 +121,8 @@ impl FilmEvidence {
             .collect();
         Self {
             joints,
-            tilt_sd: film.noise.tilt,
-            erect_tilt_sd: erect.noise.tilt,
+            tilt_sd: film.noise_over(&film.vertebrae).tilt,
+            erect_tilt_sd: erect.noise_over(&erect.vertebrae).tilt,
             levels,
             tilt_variances: TiltVariances::of(film, erect),
         }

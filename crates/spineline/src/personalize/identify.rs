@@ -40,7 +40,7 @@ use crate::least_squares::{FitStatus, Minimum, minimize};
 /// # Definition
 /// Residuals count in standard deviations of their measurement. Where the fit leaves more than those explain, every
 /// deviation and limit below is widened by [`Identifiability::variance_factor`]; where it leaves less, by nothing. A prior is
-/// not widened. The scales of the films ([`crate::measure::FilmLength`]) are held at what was found before the fit: everything
+/// not widened. The scales of the films ([`crate::measure::FilmLength`]) are held at the values found before the fit: everything
 /// here is conditional on them.
 ///
 /// # References

@@ -132,7 +132,7 @@ impl<'a> Problem<'a> {
                     lateral_tilt: locations[locations.len() - 1].lateral_tilt(),
                     locations,
                     tilts: film.outline.vertebrae.iter().map(|v| v.tilt).collect(),
-                    rows: weights.of_vertebrae(film.outline, model),
+                    rows: ShapeWeights::of_vertebrae(film.outline, None, model),
                     weights,
                     parameters: logs.chain((0..components).map(Parameter::Load)).collect(),
                     solution: Solution::default(),

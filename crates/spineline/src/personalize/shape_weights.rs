@@ -1,6 +1,6 @@
 //! Weights of locations and tilts in the fit of a whole shape, for every fit of one.
 
-use crate::measure::{Interpolation, Noise, Outline};
+use crate::measure::{MeasuredVertebra, Noise, Outline};
 use crate::multibody::SpineModel;
 use crate::spatial::{Angle, Frontal};
 
@@ -28,20 +28,32 @@ impl ShapeWeights {
         }
     }
 
-    /// Of one vertebra: where the erect film does not show it, the model's own place of it is less certain.
-    pub fn with_model(self, interpolated: Option<&Interpolation>) -> Self {
-        let Some(found) = interpolated else { return self };
+    /// Of one vertebra: where the erect film does not show it, or a program found its corners there, the model's own place of
+    /// it is less certain.
+    pub fn with_model(self, uncertain: Option<&Noise>) -> Self {
+        let Some(found) = uncertain else { return self };
         Self {
-            location_sd_mm: self.location_sd_mm.hypot(found.location_sd_mm),
-            tilt_sd_rad: self.tilt_sd_rad.hypot(found.tilt_sd.rad()),
+            location_sd_mm: self.location_sd_mm.hypot(found.location_mm),
+            tilt_sd_rad: self.tilt_sd_rad.hypot(found.tilt.rad()),
         }
     }
 
     /// The vertebrae above the base that a film shows, by their place, and the weights of each; those that it does not show
-    /// take no part in a fit.
-    pub fn of_vertebrae(self, film: &Outline, model: &SpineModel) -> Vec<(usize, Self)> {
-        let above_base = film.measured().filter(|(i, _)| *i > 0);
-        above_base.map(|(i, _)| (i, self.with_model(model.interpolated[i].as_ref()))).collect()
+    /// take no part in a fit. With the erect film, the weights are those of the difference from it.
+    pub fn of_vertebrae(
+        film: &Outline,
+        erect: Option<&Outline>,
+        model: &SpineModel,
+    ) -> Vec<(usize, Self)> {
+        let weights = |(i, vertebra): (usize, &MeasuredVertebra)| {
+            let own = film.noise_of(vertebra);
+            let weights = match erect {
+                None => Self::of_film(&own),
+                Some(erect) => Self::of_difference(&own, &erect.noise),
+            };
+            (i, weights.with_model(model.uncertain[i].as_ref()))
+        };
+        film.measured().filter(|(i, _)| *i > 0).map(weights).collect()
     }
 
     /// Residuals of a vertebra that lies so far off and is turned by so much.

@@ -42,6 +42,9 @@ const ANGLES: [(&str, &str); 2] = [
 ///
 /// Subjects are nested: vertebrae in films, films in cases. An observer of the same name is one observer in all cases.
 /// Readings of one case that are given twice are left as they were first.
+///
+/// A vertebra with corners that a program found and nobody has looked at is no reading, and is left out: two readings by one model
+/// agree whatever the film shows. Accepted corners count, and are counted, since readers share the model that proposed them.
 #[must_use]
 pub fn film_quantities(cases: &[(&str, &[FilmReadings])]) -> Vec<RatedQuantity> {
     let units: BTreeSet<&str> = cases
@@ -61,7 +64,19 @@ pub fn film_quantities(cases: &[(&str, &[FilmReadings])]) -> Vec<RatedQuantity> 
             let place = format!("{case}/{}", film.posture.key());
             let references = references(&film.readings);
             for reading in &film.readings {
-                insert(&mut all, &place, reading, &references);
+                let is_read = |vertebra: &&Placement| {
+                    vertebra.program.is_none_or(|program| program.is_reviewed)
+                };
+                let read = reading.vertebrae.values().filter(is_read);
+                let accepted = read.clone().filter(|vertebra| vertebra.program.is_some()).count();
+                let not_reviewed = reading.vertebrae.len() - read.count();
+                for quantity in &mut all {
+                    quantity.not_reviewed += not_reviewed;
+                    quantity.accepted += accepted;
+                }
+                let mut reading = reading.clone();
+                reading.vertebrae.retain(|_, vertebra| is_read(&&*vertebra));
+                insert(&mut all, &place, &reading, &references);
             }
         }
     }

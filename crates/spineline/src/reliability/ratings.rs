@@ -14,6 +14,10 @@ pub struct RatedQuantity {
     pub unit: String,
     /// What it is, and what its subjects are.
     pub meaning: String,
+    /// Readings of a vertebra that were left out, since nobody has looked at what a program found.
+    pub not_reviewed: usize,
+    /// Readings of a vertebra with corners that a reader accepted from a program.
+    pub accepted: usize,
     cells: BTreeMap<String, BTreeMap<Reader, f64>>,
 }
 
@@ -25,7 +29,7 @@ impl RatedQuantity {
         meaning: impl Into<String>,
     ) -> Self {
         let (key, unit, meaning) = (key.into(), unit.into(), meaning.into());
-        Self { key, unit, meaning, cells: BTreeMap::new() }
+        Self { key, unit, meaning, not_reviewed: 0, accepted: 0, cells: BTreeMap::new() }
     }
 
     /// Adds a reading; `false`, and nothing is changed, where this observer's repeat of this subject is there already.

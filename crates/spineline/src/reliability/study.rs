@@ -69,6 +69,16 @@ pub enum Remark {
     PerfectAgreement,
     /// Two subjects make an interval that says next to nothing.
     TwoSubjects,
+    /// Vertebrae that a program marked and nobody has looked at are left out.
+    NotReviewed {
+        /// Readings of a vertebra.
+        readings: usize,
+    },
+    /// Readers accepted corners that a program had proposed.
+    Accepted {
+        /// Readings of a vertebra.
+        readings: usize,
+    },
 }
 
 impl Remark {
@@ -82,6 +92,8 @@ impl Remark {
             Self::NegativeIcc => "negative_icc",
             Self::PerfectAgreement => "perfect_agreement",
             Self::TwoSubjects => "two_subjects",
+            Self::NotReviewed { .. } => "not_reviewed",
+            Self::Accepted { .. } => "accepted",
         }
     }
 }
@@ -113,6 +125,16 @@ impl fmt::Display for Remark {
             Self::TwoSubjects => {
                 write!(f, "two subjects: the intervals are too wide to be informative")
             }
+            Self::NotReviewed { readings } => write!(
+                f,
+                "{} found by a program, and accepted or moved by nobody, left out",
+                crate::warning::counted(*readings, "vertebra reading")
+            ),
+            Self::Accepted { readings } => write!(
+                f,
+                "{} with corners that readers accepted from the program: readers share its model, so their agreement is better than that of clicks",
+                crate::warning::counted(*readings, "vertebra reading")
+            ),
         }
     }
 }
@@ -230,7 +252,7 @@ fn assess_design(
         bland_altman,
         remarks: Vec::new(),
     };
-    found.remarks = remarks(&found, squares.is_ok_and(|squares| squares.is_perfect()));
+    found.remarks = remarks(quantity, &found, squares.is_ok_and(|squares| squares.is_perfect()));
     found
 }
 
@@ -248,8 +270,14 @@ fn outcome(
     }
 }
 
-fn remarks(found: &DesignReliability, perfect: bool) -> Vec<Remark> {
+fn remarks(quantity: &RatedQuantity, found: &DesignReliability, perfect: bool) -> Vec<Remark> {
     let mut remarks = Vec::new();
+    if quantity.not_reviewed > 0 {
+        remarks.push(Remark::NotReviewed { readings: quantity.not_reviewed });
+    }
+    if quantity.accepted > 0 {
+        remarks.push(Remark::Accepted { readings: quantity.accepted });
+    }
     if found.raters.len() < 2 {
         return remarks;
     }

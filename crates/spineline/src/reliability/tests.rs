@@ -1,6 +1,9 @@
 //! Tables whose statistics are known from elsewhere: published, by hand, or by an identity of algebra.
 
 use super::*;
+use crate::anatomy::{Level, Posture};
+use crate::measure::{FilmReadings, Placement, ProgramNoise, Reading, ReadingId};
+use crate::spatial::{Angle, Frontal};
 
 /// Table 2 of [shrout-fleiss-1979]: six targets, four judges.
 const SHROUT_FLEISS: [[f64; 4]; 6] = [
@@ -254,4 +257,48 @@ fn an_observer_with_fewer_repeats_is_compared_and_remarked() {
     assert_eq!(found.designs[1].design, Design::InterObserverSingle { repeat: 2 });
     assert_eq!(found.designs[1].subjects, 5);
     assert_eq!(found.designs[3].statistic(ICC[0]), Err(Undefined::OneRepeat));
+}
+
+/// One vertebra after the other, read by two observers with the same values.
+fn film(program: Option<ProgramNoise>) -> FilmReadings {
+    let readings = ["A", "B"].map(|observer| {
+        let vertebrae = Level::MODEL.into_iter().enumerate().map(|(i, level)| {
+            let location = Frontal::new((i * i) as f64, 25.0 * i as f64);
+            (level, Placement { program, ..Placement::new(location, Angle::from_deg(i as f64)) })
+        });
+        Reading { id: ReadingId::new(observer, 1), vertebrae: vertebrae.collect() }
+    });
+    let (posture, length_unit) = (Posture::Erect, "mm".to_owned());
+    FilmReadings { posture, length_unit, readings: readings.to_vec() }
+}
+
+#[test]
+fn what_a_program_marked_and_nobody_looked_at_is_no_agreement() {
+    let noise = ProgramNoise {
+        location_mm: 1.0,
+        tilt: Angle::from_deg(1.0),
+        placed_share: 0.0,
+        placed_tilt_share: 0.0,
+        is_reviewed: false,
+    };
+    let assessed = |film: FilmReadings| {
+        film_quantities(&[("P1", &[film])]).iter().map(assess).collect::<Vec<_>>()
+    };
+    for quantity in assessed(film(Some(noise))) {
+        for design in quantity.designs {
+            assert_eq!(design.subjects, 0);
+            assert!(design.remarks.contains(&Remark::NotReviewed { readings: 30 }));
+        }
+    }
+    let accepted = ProgramNoise { is_reviewed: true, ..noise };
+    for quantity in assessed(film(Some(accepted))) {
+        assert!(quantity.designs[0].subjects > 0);
+        assert!(quantity.designs[0].remarks.contains(&Remark::Accepted { readings: 30 }));
+    }
+    for quantity in assessed(film(None)) {
+        let told = |remark: &Remark| {
+            matches!(remark, Remark::Accepted { .. } | Remark::NotReviewed { .. })
+        };
+        assert!(!quantity.designs.iter().any(|design| design.remarks.iter().any(told)));
+    }
 }

@@ -8,8 +8,8 @@ use super::stream::stream;
 use crate::analysis::{Analysis, Case};
 use crate::anatomy::{Level, Posture};
 use crate::measure::{
-    Film, FilmLandmarks, ImageGeometry, InterpolationError, Noise, Outline, Placement, Reading,
-    ReadingSquares, VertebraLandmarks,
+    CornerName, Corners, Film, FilmLandmarks, ImageGeometry, InterpolationError, Noise, Origin,
+    Outline, Placement, ProgramCorners, Reading, ReadingSquares, VertebraLandmarks,
 };
 use crate::spatial::{Angle, Frontal, Pixel};
 
@@ -56,6 +56,8 @@ pub struct FilmNoise {
     pub source: NoiseSource,
     /// What is moved.
     pub landmarks: VertebraNoise,
+    /// Corners of all readings that a program found: they move together, by their own covariance.
+    pub program_corners: usize,
 }
 
 /// Standard deviation of a film's landmarks.
@@ -84,6 +86,8 @@ pub enum VertebraNoise {
 pub(super) struct NoisyCase {
     case: Case,
     pub films: Vec<FilmNoise>,
+    /// Of every film, the corners of every reading that a program found.
+    program: Vec<Vec<Option<ProgramCorners>>>,
     /// Vertebrae that a film does not show.
     interpolated: Vec<(Posture, Level)>,
     seed: u64,
@@ -107,32 +111,49 @@ impl NoisyCase {
                 }
             }
         }
-        let films = case
+        let program: Vec<_> = case.films.iter().map(program_corners).collect();
+        let mut films = case
             .films
             .iter()
             .zip(&nominal.postures)
             .map(|(film, posture)| film_noise(&case, film, &posture.outline, noise))
-            .collect::<Result<_, _>>()?;
+            .collect::<Result<Vec<FilmNoise>, _>>()?;
+        for (film, corners) in films.iter_mut().zip(&program) {
+            film.program_corners =
+                corners.iter().flatten().map(|corners| corners.corners().len()).sum();
+        }
         let interpolated = nominal.postures.iter().flat_map(|posture| {
             let outline = &posture.outline;
             outline.interpolated().map(|(vertebra, _)| (outline.posture, vertebra.level))
         });
-        Ok(Self { case, films, interpolated: interpolated.collect(), seed })
+        Ok(Self { case, films, program, interpolated: interpolated.collect(), seed })
     }
 
     /// The case of one replicate, and errors of its interpolated vertebrae: every replicate has a random stream of its own.
     pub fn replicate(&self, index: u64) -> (Case, Vec<InterpolationError>) {
         let mut draw = Draw(stream(self.seed, &self.case.id, index));
         let mut case = self.case.clone();
-        for (film, noise) in case.films.iter_mut().zip(&self.films) {
+        let films = case.films.iter_mut().zip(&self.films).zip(&self.program);
+        for ((film, noise), program) in films {
             match (&mut film.landmarks, &noise.landmarks) {
                 (
                     FilmLandmarks::Corners { image, iliac_crests, readings },
                     VertebraNoise::Corners { sd_px, axis_sd, .. },
                 ) => {
-                    for landmark in readings.iter_mut().flat_map(|r| r.vertebrae.values_mut()) {
-                        move_landmarks(landmark, image, *sd_px, *axis_sd, &mut draw);
+                    for (reading, corners) in readings.iter_mut().zip(program) {
+                        let found = corners.as_ref().map_or(&[][..], ProgramCorners::corners);
+                        for (&level, landmark) in &mut reading.vertebrae {
+                            let is_moved = |name| !found.contains(&(level, name));
+                            move_landmarks(
+                                (landmark, image),
+                                is_moved,
+                                *sd_px,
+                                *axis_sd,
+                                &mut draw,
+                            );
+                        }
                     }
+                    move_together(image, readings, program, &mut draw);
                     for crest in iliac_crests.iter_mut().flat_map(|c| [&mut c.left, &mut c.right]) {
                         *crest = draw.pixel(*crest, *sd_px);
                     }
@@ -174,8 +195,8 @@ impl Draw {
 }
 
 fn move_landmarks(
-    landmark: &mut VertebraLandmarks,
-    image: &ImageGeometry,
+    (landmark, image): (&mut VertebraLandmarks, &ImageGeometry),
+    is_moved: impl Fn(CornerName) -> bool,
     sd_px: [f64; 2],
     axis_sd: Option<Angle>,
     draw: &mut Draw,
@@ -184,15 +205,40 @@ fn move_landmarks(
         let sd = axis_sd.unwrap_or_else(|| equivalent_axis_sd(landmark, image, sd_px));
         landmark.axis_clockwise = Some(axis + sd * draw.normal());
     }
-    let corners = &mut landmark.corners;
-    for corner in [
-        &mut corners.superior_left,
-        &mut corners.superior_right,
-        &mut corners.inferior_left,
-        &mut corners.inferior_right,
-    ] {
+    for name in CornerName::ALL.into_iter().filter(|&name| is_moved(name)) {
+        let corner = name.of_mut(&mut landmark.corners);
         *corner = draw.pixel(*corner, sd_px);
     }
+}
+
+/// Moves the corners that a program found. Readings share its model, so that one corner has the same deviates in all of them.
+fn move_together(
+    image: &ImageGeometry,
+    readings: &mut [Reading<VertebraLandmarks>],
+    program: &[Option<ProgramCorners>],
+    draw: &mut Draw,
+) {
+    let mut shared: BTreeMap<(Level, CornerName), [f64; 2]> = BTreeMap::new();
+    for (reading, corners) in readings.iter_mut().zip(program) {
+        let Some(corners) = corners else { continue };
+        let own = corners.corners().iter();
+        let deviates: Vec<[f64; 2]> = own
+            .map(|&corner| *shared.entry(corner).or_insert_with(|| [draw.normal(), draw.normal()]))
+            .collect();
+        corners.move_by(image, &deviates, &mut reading.vertebrae);
+        // Their noise is held at the case's, and must not be computed again.
+        for landmark in reading.vertebrae.values_mut() {
+            landmark.origins = Corners::all(Origin::Clicked);
+        }
+    }
+}
+
+/// The corners of every reading of a film that a program found.
+fn program_corners(film: &Film) -> Vec<Option<ProgramCorners>> {
+    let FilmLandmarks::Corners { image, readings, .. } = &film.landmarks else { return Vec::new() };
+    // What was not completed counts as clicked, as in the analysis, which warns of it.
+    let of = |reading| ProgramCorners::of(image, Some(film.posture), reading).ok().flatten();
+    readings.iter().map(of).collect()
 }
 
 /// Effect of the corners' standard deviation on the lateral tilt of the line through the endplates' centres: each centre is
@@ -249,7 +295,8 @@ fn film_noise(
         },
     };
     let sd_mm = image.spacing.map(|_| [sd_px[0] * steps[0], sd_px[1] * steps[1]]);
-    Ok(FilmNoise { posture, source, landmarks: VertebraNoise::Corners { sd_px, sd_mm, axis_sd } })
+    let landmarks = VertebraNoise::Corners { sd_px, sd_mm, axis_sd };
+    Ok(FilmNoise { posture, source, landmarks, program_corners: 0 })
 }
 
 /// A film's deviation is that of means over its readings; one reading has more.
@@ -270,10 +317,12 @@ fn placement_noise(
             location_sd_mm: of_means.location_mm * root,
             tilt_sd: of_means.tilt * root,
         },
+        program_corners: 0,
     }
 }
 
-/// Deviation of a corner's coordinate between the readings of one film, pooled over films, vertebrae and corners; over films
+/// Deviation of a corner's coordinate between the readings of one film, pooled over films, vertebrae and corners that
+/// persons placed; over films
 /// with a spacing in millimetres, over those without in pixels. `None` where nothing was read twice.
 fn pooled_corners(case: &Case, with_spacing: bool) -> Option<f64> {
     let mut pool = ReadingSquares::default();
@@ -283,15 +332,14 @@ fn pooled_corners(case: &Case, with_spacing: bool) -> Option<f64> {
             continue;
         }
         for landmarks in by_level(readings).values() {
-            for corner in 0..4 {
-                let place =
-                    |landmark: &VertebraLandmarks| image.frontal(landmark.corners.points()[corner]);
-                pool.add(
-                    landmarks.iter().map(|(observer, landmark)| (*observer, place(landmark).y_mm)),
-                );
-                pool.add(
-                    landmarks.iter().map(|(observer, landmark)| (*observer, place(landmark).z_mm)),
-                );
+            for corner in CornerName::ALL {
+                let placed = || {
+                    let placed =
+                        landmarks.iter().filter(|(_, one)| corner.of(&one.origins).is_placed());
+                    placed.map(|(by, one)| (*by, image.frontal(corner.of(&one.corners))))
+                };
+                pool.add(placed().map(|(observer, place)| (observer, place.y_mm)));
+                pool.add(placed().map(|(observer, place)| (observer, place.z_mm)));
             }
         }
     }

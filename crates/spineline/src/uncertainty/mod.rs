@@ -48,6 +48,7 @@ pub use tally::{FailureCount, MultiplierSpread, QuantitySpread, Spread, Tally, U
 use crate::action::LineKind;
 use crate::analysis::{Analysis, Case, OtherReadings, analyze_known};
 use crate::anatomy::Posture;
+use crate::measure::OutlineNoise;
 use crate::personalize::FitStatus;
 use landmarks::NoisyCase;
 
@@ -120,7 +121,7 @@ impl<'a> MonteCarlo<'a> {
             nominal,
             noisy: NoisyCase::new(case, nominal, noise, seed)?,
             known: OtherReadings {
-                noise: nominal.postures.iter().map(|posture| posture.outline.noise).collect(),
+                noise: nominal.postures.iter().map(|p| OutlineNoise::of(&p.outline)).collect(),
                 loads: nominal.preferred_loads(),
                 models: &nominal.models,
             },

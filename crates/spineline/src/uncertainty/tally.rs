@@ -259,5 +259,11 @@ fn words_of(noise: &FilmNoise) -> String {
             format!("locations {location_sd_mm:.2} mm, tilts {tilt_sd:.2}")
         }
     };
-    format!("{size} per reading, {source}")
+    let program = match noise.program_corners {
+        0 => String::new(),
+        count => format!(
+            "; {count} corners that a program found move together, by the covariance of the completion or their stated deviation"
+        ),
+    };
+    format!("{size} per reading, {source}{program}")
 }

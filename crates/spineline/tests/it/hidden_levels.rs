@@ -152,7 +152,7 @@ fn a_vertebra_hidden_on_the_erect_film_leaves_the_patient_analysed() {
     hide(film_mut(&mut case, Posture::Erect), |level| level == Level::T5);
     let found = analyzed(&case, &on_a_table());
     let place = found.levels().index_of(Level::T5).expect("still of the model");
-    assert!(found.spine.interpolated[place].is_some());
+    assert!(found.spine.uncertain[place].is_some());
     // Oracle: the errors of the films with the vertebra known, and the uncertainty of its place.
     for (a, b) in whole.models.iter().zip(&found.models) {
         let [a, b] = [a, b].map(|model| model.mean_location_error_mm(true).expect("two bends"));

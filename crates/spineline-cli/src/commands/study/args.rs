@@ -69,6 +69,9 @@ pub enum StudyCommand {
         /// Seed of the random order
         #[arg(long, default_value_t = 1)]
         seed: u64,
+        /// Show no proposed vertebrae: observers who accept them share the program's model, and agree better than by clicks
+        #[arg(long)]
+        no_proposals: bool,
     },
     /// Print the code of the film that an observer reads next
     Next {

@@ -42,8 +42,11 @@ pub fn run(args: &StudyArgs) -> Result<Ending, Failure> {
             Ok(Ending::Done)
         }
         StudyCommand::List { .. } => print(&list(&view(path)?).map_err(fail)?),
-        StudyCommand::Plan { study, observers, repeats, washout_days, seed, .. } => {
-            let design = PlanDesign { repeats: *repeats, washout_days: *washout_days, seed: *seed };
+        StudyCommand::Plan {
+            study, observers, repeats, washout_days, seed, no_proposals, ..
+        } => {
+            let (repeats, washout_days, seed) = (*repeats, *washout_days, *seed);
+            let design = PlanDesign { repeats, washout_days, seed, proposals: !no_proposals };
             plan(path, study, observers, design, &by()?)
         }
         StudyCommand::Next { study, observer, .. } => next(path, study, observer),
@@ -73,10 +76,11 @@ fn plan(
     let observers = observers.iter().map(|o| store_name(o)).collect::<Result<Vec<_>, _>>()?;
     let readings = store.reading_plan(&store_name(study)?, &observers, design, by).map_err(fail)?;
     print(&format!(
-        "Planned {}: every observer reads every film {}, {} apart, in a random order each.\n",
+        "Planned {}: every observer reads every film {}, {} apart, in a random order each{}.\n",
         counted(readings, "reading"),
         counted(design.repeats, "time"),
-        counted(design.washout_days, "day")
+        counted(design.washout_days, "day"),
+        if design.proposals { "" } else { ", without proposed vertebrae" }
     ))
 }
 

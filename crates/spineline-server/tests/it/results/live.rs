@@ -231,7 +231,7 @@ fn blinded_readers_see_no_results() {
     let case = phantom().case;
     let (running, reading) = serve_reading(|store| {
         add_study(store, "S1", &case);
-        let design = PlanDesign { repeats: 1, washout_days: 1, seed: 1 };
+        let design = PlanDesign { repeats: 1, washout_days: 1, seed: 1, proposals: true };
         store.reading_plan(&name("S1"), &[name(READER)], design, &by("lead")).expect("a plan");
         let who = name(READER);
         let next = store.observer(&who).next_film_for(&name("S1"), by(READER).at).expect("a plan");

@@ -7,20 +7,23 @@
 //! On films that are not erect the rotations of the joints have more freedom.
 //!
 //! # References
-//! Landmarks: [wu-boostnet-2017]; model card in `training/shape`. The figures of `docs/completion.md` are of films of
+//! Landmarks: [wu-boostnet-2017]; model card in `training/shape`. The figures of `docs/proposals.md` are of films of
 //! patients it was not learned from.
 
 mod clicks;
 mod model;
 mod shape;
 
-use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
+use nalgebra::{Cholesky, DMatrix, DVector, Dyn, Matrix2};
 
 pub use self::clicks::{Click, Clicks, Mark};
 use self::clicks::{Equations, PlacedClicks};
-use self::model::{ShapeModel, model_of};
-use self::shape::{CORNERS, FIRST_LENGTH, LENGTHS, LEVELS, PARAMETERS, Shape, corners_at};
-use super::{Corners, ImageGeometry};
+pub use self::model::ShapeModel;
+use self::model::model_of;
+use self::shape::{
+    CORNERS, FIRST_LENGTH, LENGTHS, LEVELS, PARAMETERS, Shape, coordinate, corners_at,
+};
+use super::{CornerName, Corners, ImageGeometry};
 use crate::anatomy::{Level, Posture};
 use crate::spatial::{Angle, Frontal, Pixel};
 
@@ -84,10 +87,20 @@ impl Completion {
     }
 
     /// Covariance of all corners in mm² (px² of the frontal frame where no spacing is known): levels from L5 to T1, corners in
-    /// the order of [`CornerName::ALL`](crate::measure::CornerName::ALL), towards the patient's left and cranial; 136 × 136.
+    /// the order of [`CornerName::ALL`], towards the patient's left and cranial; 136 × 136.
     #[must_use]
     pub const fn covariance_mm2(&self) -> &DMatrix<f64> {
         &self.covariance_mm2
+    }
+
+    /// Covariance of two corners in mm²; those of one corner with itself are its own.
+    pub(crate) fn corner_covariance_mm2(
+        &self,
+        (level, corner): (Level, CornerName),
+        (other, other_corner): (Level, CornerName),
+    ) -> Matrix2<f64> {
+        let (row, column) = (coordinate(level, corner), coordinate(other, other_corner));
+        self.covariance_mm2.fixed_view::<2, 2>(row, column).into_owned()
     }
 
     /// Standard deviation of the corners of a vertebra: the root of the mean of all coordinates' variances.
@@ -136,6 +149,18 @@ pub fn complete(
     posture: Option<Posture>,
     clicks: &Clicks,
 ) -> Result<Completion, CompletionError> {
+    complete_by(model_of(posture), image, clicks)
+}
+
+/// As [`complete`], by a model of other films, such as one that leaves out the patients on whom it is tried.
+///
+/// # Errors
+/// [`CompletionError`].
+pub fn complete_by(
+    model: &ShapeModel,
+    image: &ImageGeometry,
+    clicks: &Clicks,
+) -> Result<Completion, CompletionError> {
     let count = clicks.vertebrae.len();
     let bad = clicks.vertebrae.iter().find(|click| !click.place.is_finite());
     if let Some(&Click { level, .. }) = bad {
@@ -145,7 +170,6 @@ pub fn complete(
     if count < 2 || !placed.lie_apart() {
         return Err(CompletionError::TooFew { clicks: count });
     }
-    let model = model_of(posture);
     let start = start(model, &placed.of_vertebrae());
     let Fit { shape, normal, iterations } = fit(model, start, &placed)?;
     let jacobian = shape.jacobian();

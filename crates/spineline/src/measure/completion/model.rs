@@ -15,19 +15,22 @@ const TABLE: &str = include_str!("erect_spines.txt");
 /// one side and the other, 5° to 10° per joint [white-panjabi-1990], rounded up; traction straightens by no more.
 const BEND_SD: Angle = Angle::from_deg(6.0);
 
-/// Gaussian of the parameters of a shape; place and direction of the film are unknown.
-#[derive(Debug)]
-pub(super) struct ShapeModel {
+/// What spines look like: a Gaussian of the parameters of a shape; place and direction of the film are unknown.
+#[derive(Debug, Clone)]
+pub struct ShapeModel {
     /// Means of the parameters; zero for place and direction.
-    pub mean: DVector<f64>,
+    pub(super) mean: DVector<f64>,
     /// Inverse of their covariance; zero for place and direction, and for the common scale of all lengths.
-    pub precision: DMatrix<f64>,
+    pub(super) precision: DMatrix<f64>,
 }
 
 /// The model for films of a posture; the joints of other films than erect ones have more freedom.
 pub(super) fn model_of(posture: Option<Posture>) -> &'static ShapeModel {
-    static ERECT: LazyLock<ShapeModel> = LazyLock::new(|| ShapeModel::of_table(TABLE, Angle::ZERO));
-    static OTHER: LazyLock<ShapeModel> = LazyLock::new(|| ShapeModel::of_table(TABLE, BEND_SD));
+    fn own(bend_sd: Angle) -> ShapeModel {
+        ShapeModel::of_table(TABLE, bend_sd).expect("the library's own table is one")
+    }
+    static ERECT: LazyLock<ShapeModel> = LazyLock::new(|| own(Angle::ZERO));
+    static OTHER: LazyLock<ShapeModel> = LazyLock::new(|| own(BEND_SD));
     match posture {
         Some(Posture::Erect) => &ERECT,
         _ => &OTHER,
@@ -35,10 +38,24 @@ pub(super) fn model_of(posture: Option<Posture>) -> &'static ShapeModel {
 }
 
 impl ShapeModel {
+    /// The shape of erect spines from a table as `training/shape/train.py` writes it, of other films than the library's own.
+    ///
+    /// `None` where the text is no such table.
+    #[must_use]
+    pub fn of_erect(table: &str) -> Option<Self> {
+        Self::of_table(table, Angle::ZERO)
+    }
+
     /// From the table of the erect films, with the standard deviation of what joints turn from there.
-    fn of_table(table: &str, bend_sd: Angle) -> Self {
-        let rows: Vec<Vec<f64>> =
-            table.lines().filter(|line| !line.starts_with('#')).map(numbers).collect();
+    fn of_table(table: &str, bend_sd: Angle) -> Option<Self> {
+        let lines = table.lines().filter(|line| !line.starts_with('#'));
+        let rows: Vec<Vec<f64>> = lines.map(numbers).collect::<Option<_>>()?;
+        // A row has its mean, and covariances with the rows of its block before it and with itself.
+        let length = |row: usize| if row < ANGLES { row + 2 } else { row - ANGLES + 2 };
+        let is_whole = |(row, values): (usize, &Vec<f64>)| values.len() == length(row);
+        if rows.len() != ANGLES + LENGTHS || !rows.iter().enumerate().all(is_whole) {
+            return None;
+        }
         let mut mean = DVector::zeros(PARAMETERS);
         for (parameter, row) in rows.iter().enumerate() {
             mean[FIRST_ANGLE + parameter] = row[0];
@@ -47,15 +64,13 @@ impl ShapeModel {
         for joint in 0..LEVELS - 1 {
             angles[(joint, joint)] += bend_sd.rad().powi(2);
         }
-        let inverse = |covariance: DMatrix<f64>| {
-            covariance.cholesky().expect("the table's covariance is one").inverse()
-        };
-        let lengths = without_scale(inverse(symmetric(&rows[ANGLES..])));
+        let inverse = |covariance: DMatrix<f64>| Some(covariance.cholesky()?.inverse());
+        let lengths = without_scale(inverse(symmetric(&rows[ANGLES..]))?);
         let mut precision = DMatrix::zeros(PARAMETERS, PARAMETERS);
-        for (first, block) in [(FIRST_ANGLE, inverse(angles)), (FIRST_LENGTH, lengths)] {
+        for (first, block) in [(FIRST_ANGLE, inverse(angles)?), (FIRST_LENGTH, lengths)] {
             precision.view_mut((first, first), block.shape()).copy_from(&block);
         }
-        Self { mean, precision }
+        Some(Self { mean, precision })
     }
 }
 
@@ -67,8 +82,10 @@ fn without_scale(precision: DMatrix<f64>) -> DMatrix<f64> {
 }
 
 /// The numbers of a line, after the two words of its name.
-fn numbers(line: &str) -> Vec<f64> {
-    line.split(' ').skip(2).map(|word| word.parse().expect("a number of the table")).collect()
+fn numbers(line: &str) -> Option<Vec<f64>> {
+    let numbers =
+        line.split(' ').skip(2).map(|word| word.parse().ok().filter(|n: &f64| n.is_finite()));
+    numbers.collect()
 }
 
 /// A symmetric matrix from the ends of rows that hold its lower triangle.
@@ -84,14 +101,21 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_table_has_a_line_for_every_angle_and_length() {
-        let rows: Vec<Vec<f64>> =
-            TABLE.lines().filter(|line| !line.starts_with('#')).map(numbers).collect();
-        assert_eq!(rows.len(), ANGLES + LENGTHS);
-        for (index, row) in rows.iter().enumerate() {
-            let block = if index < ANGLES { index } else { index - ANGLES };
-            assert_eq!(row.len(), block + 2);
-            assert!(row[1 + block] > 0.0, "a variance");
-        }
+    fn a_table_that_is_cut_or_damaged_is_none() {
+        assert!(ShapeModel::of_erect(TABLE).is_some());
+        let cut = &TABLE[..TABLE.len() / 2];
+        assert!(ShapeModel::of_erect(cut).is_none());
+        assert!(ShapeModel::of_erect("").is_none());
+        assert!(ShapeModel::of_erect(&TABLE.replacen("0.0", "NaN", 3)).is_none());
+    }
+
+    #[test]
+    fn joints_of_other_films_are_freer_and_nothing_else_is() {
+        let [erect, other] = [Some(Posture::Erect), None].map(model_of);
+        assert_eq!(erect.mean, other.mean);
+        let joint = |model: &ShapeModel| model.precision[(FIRST_ANGLE, FIRST_ANGLE)];
+        assert!(joint(other) < joint(erect));
+        let length = |model: &ShapeModel| model.precision[(FIRST_LENGTH, FIRST_LENGTH)];
+        assert_eq!(length(other), length(erect));
     }
 }

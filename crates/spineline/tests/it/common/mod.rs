@@ -144,11 +144,16 @@ pub fn mirrored(case: &Case) -> Case {
 pub fn move_landmarks(film: &mut Film, turn: Angle, shift: Frontal) {
     let (image, crests, readings) = landmarks(film);
     let old = *image;
-    image.columns += 40_000;
-    image.rows += 40_000;
+    // A quarter of the largest film on each side.
+    const MARGIN_MM: f64 = 900.0;
+    let [columns, rows] = old.spacing.map_or([9_000.0; 2], |spacing| {
+        [(MARGIN_MM / spacing.column_mm).floor(), (MARGIN_MM / spacing.row_mm).floor()]
+    });
+    image.columns += 2 * columns as u32;
+    image.rows += 2 * rows as u32;
     let middle = Frontal::new(
-        old.frontal(Pixel::new(20_000.0, 0.0)).y_mm,
-        old.frontal(Pixel::new(0.0, 20_000.0)).z_mm,
+        old.frontal(Pixel::new(columns, 0.0)).y_mm,
+        old.frontal(Pixel::new(0.0, rows)).z_mm,
     );
     let moved = |place: Pixel| old.pixel(old.frontal(place).rotated(turn) + shift + middle);
     for landmark in readings.iter_mut().flat_map(|reading| reading.vertebrae.values_mut()) {
@@ -233,6 +238,7 @@ pub fn outline(posture: Posture, vertebrae: &[(Frontal, Angle)]) -> Outline {
             endplates: None,
             readings: 1,
             interpolated: None,
+            program: None,
         })
         .collect();
     Outline {

@@ -1,0 +1,81 @@
+//! Completes corners of films from clicks: JSON in, JSON out. `validation/landmarks` judges what comes out.
+//!
+//! In: `{"table": "text of a shape table, or null", "films": [{"columns", "rows", "clicks": [[level, mark, column, row], …]}, …]}`;
+//! marks are corners (`superior_left`), `left_wall`, `right_wall`, `superior_endplate`, `inferior_endplate`, `centre`, and `midline` (of any
+//! level). The patient's left is on the right of the picture. Out, per film: `{level: {"corners": [[column, row] × 4], "sd": px}}`.
+
+use std::collections::BTreeMap;
+use std::io::{self, Read, Write};
+
+use serde::Deserialize;
+use spineline::anatomy::{ImageSide, Level, Named, Posture, Side};
+use spineline::measure::completion::{Click, Clicks, Mark, ShapeModel, complete, complete_by};
+use spineline::measure::{CornerName, ImageGeometry};
+use spineline::spatial::Pixel;
+
+#[derive(Deserialize)]
+struct Request {
+    table: Option<String>,
+    films: Vec<Film>,
+}
+
+#[derive(Deserialize)]
+struct Film {
+    columns: u32,
+    rows: u32,
+    clicks: Vec<(String, String, f64, f64)>,
+}
+
+fn main() -> io::Result<()> {
+    let mut text = String::new();
+    io::stdin().read_to_string(&mut text)?;
+    let request: Request = serde_json::from_str(&text)?;
+    let model = match &request.table {
+        Some(table) => Some(
+            ShapeModel::of_erect(table)
+                .ok_or_else(|| io::Error::other("this is no shape table"))?,
+        ),
+        None => None,
+    };
+    let films: Vec<_> = request.films.iter().map(|film| completed(film, model.as_ref())).collect();
+    io::stdout().write_all(&serde_json::to_vec(&films)?)
+}
+
+/// Corners and deviation of every level; `null` where the clicks complete nothing.
+fn completed(
+    film: &Film,
+    model: Option<&ShapeModel>,
+) -> Option<BTreeMap<String, serde_json::Value>> {
+    let &Film { columns, rows, .. } = film;
+    let patient_left = ImageSide::Right;
+    let image = ImageGeometry { columns, rows, spacing: None, patient_left };
+    let mut clicks = Clicks::default();
+    for (level, mark, column, row) in &film.clicks {
+        let place = Pixel::new(*column, *row);
+        let mark = match mark.as_str() {
+            "midline" => {
+                clicks.midline.push(place);
+                continue;
+            }
+            "left_wall" => Mark::Wall(Side::Left),
+            "right_wall" => Mark::Wall(Side::Right),
+            "superior_endplate" => Mark::SuperiorEndplate,
+            "inferior_endplate" => Mark::InferiorEndplate,
+            "centre" => Mark::Centre,
+            corner => Mark::Corner(<CornerName as Named>::from_key(corner)?),
+        };
+        let level = Level::ALL.into_iter().find(|one| one.name() == level)?;
+        clicks.vertebrae.push(Click { level, mark, place });
+    }
+    let found = match model {
+        Some(model) => complete_by(model, &image, &clicks),
+        None => complete(&image, Some(Posture::Erect), &clicks),
+    };
+    let found = found.ok()?;
+    let of = |level: Level| {
+        let corners = found.corners_px(&image, level).points();
+        let corners = corners.map(|corner| [corner.column_px, corner.row_px]);
+        (level.to_string(), serde_json::json!({ "corners": corners, "sd": found.sd_mm(level) }))
+    };
+    Some(Level::ALL.into_iter().map(of).collect())
+}

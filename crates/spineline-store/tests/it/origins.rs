@@ -1,0 +1,145 @@
+//! How corners came about: from a reader's clicks to a case file and back into a store.
+
+use spineline::anatomy::{Level, Posture};
+use spineline::measure::{Corners, FilmLandmarks, Origin};
+use spineline_files::LevelKey;
+use spineline_store::{
+    AcceptedVertebra, Corner, Event, NewCase, Next, PatientSide, PlanDesign, ReadingId, Store,
+    StoreError, Study,
+};
+
+use crate::session::{by, create, film_bytes, image, minute, name, place};
+
+const BODY: [(Corner, [f64; 2]); 4] = [
+    (Corner::SuperiorLeft, [400.0, 1000.0]),
+    (Corner::SuperiorRight, [600.0, 1004.0]),
+    (Corner::InferiorLeft, [398.0, 1100.0]),
+    (Corner::InferiorRight, [602.0, 1103.0]),
+];
+
+fn accept(level: Level) -> Event {
+    let vertebra = AcceptedVertebra {
+        level: LevelKey(level),
+        corners: BODY.into_iter().collect(),
+        sd_share: None,
+    };
+    Event::AcceptCorners { vertebrae: vec![vertebra] }
+}
+
+fn wall(level: Level, side: PatientSide, column_px: f64) -> Event {
+    Event::PlaceWall { level: LevelKey(level), side, column_px, row_px: 1050.0 }
+}
+
+/// A study with a film and an open reading of observer A.
+fn begun(folder: &tempfile::TempDir) -> (Store, ReadingId) {
+    let mut store = create(&folder.path().join("store"));
+    let (id, lead) = (name("S-1"), by("lead", 1));
+    store
+        .add_study(&Study { id: id.clone(), label: None, synthetic: true }, &lead)
+        .expect("a study");
+    let mut image = image();
+    image["file"] = "erect.dcm".into();
+    let film = store.add_film(&id, Posture::Erect, &film_bytes(1), &image, &lead).expect("a film");
+    let reading = store.begin_reading(film.film, 1, &by("A", 2)).expect("a reading");
+    (store, reading)
+}
+
+fn record(store: &mut Store, reading: ReadingId, events: &[Event]) {
+    for event in events {
+        let revision = store.reading_state(reading).expect("a reading").revision;
+        store.record(reading, event, revision, &by("A", 3)).expect("an event");
+    }
+}
+
+#[test]
+fn a_moved_corner_of_an_accepted_vertebra_is_adjusted_and_one_undo_takes_it_back() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (mut store, reading) = begun(&folder);
+    let level = LevelKey(Level::T9);
+    let moved =
+        Event::MoveCorner { level, corner: Corner::SuperiorLeft, column_px: 401.0, row_px: 999.0 };
+    record(&mut store, reading, &[accept(Level::T9), moved]);
+    let origins = |store: &Store| {
+        store.reading_state(reading).expect("a reading").vertebrae[&Level::T9].corner_origins()
+    };
+    let accepted = Corners::all(Origin::Accepted);
+    assert_eq!(origins(&store), Corners { superior_left: Origin::Adjusted, ..accepted });
+    record(&mut store, reading, &[Event::Undo]);
+    assert_eq!(origins(&store), accepted);
+    record(&mut store, reading, &[Event::Undo]);
+    assert!(store.reading_state(reading).expect("a reading").vertebrae.is_empty());
+}
+
+#[test]
+fn origins_and_walls_reach_the_case_and_another_store() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (mut store, reading) = begun(&folder);
+    let clicked = BODY.map(|(corner, [column, row])| place(Level::T8, corner, column, row - 140.0));
+    let level = LevelKey(Level::T9);
+    let moved =
+        Event::MoveCorner { level, corner: Corner::InferiorLeft, column_px: 397.0, row_px: 1101.0 };
+    let walls =
+        [wall(Level::T9, PatientSide::Left, 399.0), wall(Level::T9, PatientSide::Right, 601.0)];
+    let events = [&clicked[..], &walls, &[accept(Level::T9), moved]].concat();
+    record(&mut store, reading, &events);
+    let revision = store.reading_state(reading).expect("a reading").revision;
+    store.finish_reading(reading, revision, &by("A", 4)).expect("the end");
+    let text = store.export_case(&name("S-1")).expect("a case").text;
+    let case = spineline_files::parse_case(&text).expect("its own file");
+    let FilmLandmarks::Corners { readings, .. } = &case.films[0].landmarks else {
+        panic!("a marked film")
+    };
+    let t9 = &readings[0].vertebrae[&Level::T9];
+    let accepted = Corners::all(Origin::Accepted);
+    assert_eq!(t9.origins, Corners { inferior_left: Origin::Adjusted, ..accepted });
+    assert_eq!(t9.walls.map(|wall| wall.map(|place| place.column_px)), [Some(399.0), Some(601.0)]);
+    assert!(readings[0].vertebrae[&Level::T8].is_placed());
+    // What another store makes of it exports the same.
+    let mut other = create(&folder.path().join("other"));
+    let new = NewCase::read(&text, |_| Ok::<_, StoreError>(film_bytes(1))).expect("a case");
+    other.add_case(&new, &by("lead", 5)).expect("a study");
+    assert_eq!(other.export_case(new.id()).expect("a case").text, text);
+}
+
+#[test]
+fn a_plan_without_proposals_takes_clicked_corners_only() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let mut store = create(&folder.path().join("store"));
+    let (id, lead) = (name("S-1"), by("lead", 1));
+    store
+        .add_study(&Study { id: id.clone(), label: None, synthetic: true }, &lead)
+        .expect("a study");
+    store.add_film(&id, Posture::Erect, &film_bytes(1), &image(), &lead).expect("a film");
+    let design = PlanDesign { repeats: 1, washout_days: 0, seed: 1, proposals: false };
+    store.reading_plan(&id, &[name("A")], design, &lead).expect("a plan");
+    let Next::Begin(film) =
+        store.observer(&name("A")).next_film_for(&id, minute(2)).expect("a plan")
+    else {
+        panic!("a film to read")
+    };
+    let reading = store.begin_planned(&film.code, &by("A", 2)).expect("a reading");
+    assert!(!store.observer(&name("A")).reading(reading).expect("its own").proposals);
+    for event in [accept(Level::T9), wall(Level::T9, PatientSide::Left, 399.0)] {
+        let refused = store.record(reading, &event, 0, &by("A", 3));
+        assert!(matches!(refused, Err(StoreError::BadEvent { .. })), "{refused:?}");
+    }
+    record(&mut store, reading, &[place(Level::T9, Corner::SuperiorLeft, 400.0, 1000.0)]);
+}
+
+#[test]
+fn vertebrae_that_are_not_whole_are_not_accepted() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (mut store, reading) = begun(&folder);
+    let mut refuse = |event: Event| {
+        let refused = store.record(reading, &event, 0, &by("A", 3));
+        assert!(matches!(refused, Err(StoreError::BadEvent { .. })), "{refused:?}");
+    };
+    refuse(Event::AcceptCorners { vertebrae: Vec::new() });
+    for (corners, sd_share) in
+        [(&BODY[..3], None), (&BODY[..], Some(-0.1)), (&BODY[..], Some(f64::NAN))]
+    {
+        let corners = corners.iter().copied().collect();
+        let vertebra = AcceptedVertebra { level: LevelKey(Level::T9), corners, sd_share };
+        refuse(Event::AcceptCorners { vertebrae: vec![vertebra] });
+    }
+}

@@ -1,0 +1,81 @@
+//! How a landmark came about.
+
+use super::{Corners, VertebraLandmarks};
+use crate::anatomy::named;
+
+/// How the place of a corner came about.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Origin {
+    /// A person clicked it, or another program gave it without saying how.
+    #[default]
+    Clicked,
+    /// It was completed from other landmarks of the film ([`complete`](super::completion::complete)); nobody has looked at it.
+    Completed,
+    /// A program found it in the picture; nobody has looked at it.
+    Detected,
+    /// A person looked at a place that a program proposed, and accepted it.
+    Accepted,
+    /// A person moved a place that a program had proposed.
+    Adjusted,
+}
+
+named!(Origin);
+
+impl Origin {
+    /// Every origin.
+    pub const ALL: [Self; 5] =
+        [Self::Clicked, Self::Completed, Self::Detected, Self::Accepted, Self::Adjusted];
+
+    /// The name used in files.
+    #[must_use]
+    pub const fn key(self) -> &'static str {
+        match self {
+            Self::Clicked => "clicked",
+            Self::Completed => "completed",
+            Self::Detected => "detected",
+            Self::Accepted => "accepted",
+            Self::Adjusted => "adjusted",
+        }
+    }
+
+    /// Whether a person chose the place, so that its error is that of a click.
+    ///
+    /// Who accepts a proposed place sees large errors of it, not small ones: its error stays that of the program.
+    #[must_use]
+    pub const fn is_placed(self) -> bool {
+        matches!(self, Self::Clicked | Self::Adjusted)
+    }
+
+    /// Whether a person has looked at it.
+    #[must_use]
+    pub const fn is_reviewed(self) -> bool {
+        !matches!(self, Self::Completed | Self::Detected)
+    }
+}
+
+impl Corners<Origin> {
+    /// The same origin of all four corners.
+    #[must_use]
+    pub const fn all(origin: Origin) -> Self {
+        Self {
+            superior_left: origin,
+            superior_right: origin,
+            inferior_left: origin,
+            inferior_right: origin,
+        }
+    }
+}
+
+impl VertebraLandmarks {
+    /// Whether a person placed all four corners.
+    #[must_use]
+    pub fn is_placed(&self) -> bool {
+        self.origins.points().into_iter().all(Origin::is_placed)
+    }
+
+    /// Whether a person has looked at all four corners.
+    #[must_use]
+    pub fn is_reviewed(&self) -> bool {
+        self.origins.points().into_iter().all(Origin::is_reviewed)
+    }
+}

@@ -1,0 +1,256 @@
+//! Corners of a reading that a program found and nobody placed: how uncertain they are, together and by vertebra.
+//!
+//! Completed corners share the shape that they were completed with, so that their errors are correlated over the spine: their
+//! covariance is that of the completion from the landmarks that a person placed. Detected corners state a standard
+//! deviation of their own. Fits weigh every vertebra by its own variance; replicates of a Monte Carlo draw all corners together.
+
+use std::collections::BTreeMap;
+
+use nalgebra::{DMatrix, DVector, SMatrix, SVector};
+
+use super::completion::{Click, Clicks, CompletionError, Mark, complete};
+use super::{
+    CornerName, Corners, ImageGeometry, Noise, Origin, Reading, TiltRule, VertebraLandmarks,
+};
+use crate::anatomy::{Level, Posture, Side};
+use crate::spatial::{Angle, Frontal, Pixel};
+
+/// What corners that a program found add to the noise of a vertebra, in one reading or in the mean of several.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ProgramNoise {
+    /// Standard deviation of a coordinate of the location by these corners.
+    pub location_mm: f64,
+    /// Standard deviation of the tilt by them; zero for an axis set by hand.
+    pub tilt: Angle,
+    /// The part of the vertebra's corners that a person placed, from 0 to 1.
+    pub placed_share: f64,
+    /// The same for the tilt: 1 where the axis was set by hand.
+    pub placed_tilt_share: f64,
+    /// Whether a person has looked at all of them.
+    pub is_reviewed: bool,
+}
+
+impl ProgramNoise {
+    /// The noise of the vertebra, whose placed corners are as rough as the film's.
+    pub(super) fn beside(&self, film: Noise) -> Noise {
+        let total =
+            |share: f64, placed: f64, own: f64| (share * placed * placed + own * own).sqrt();
+        let location_mm = total(self.placed_share, film.location_mm, self.location_mm);
+        let tilt = total(self.placed_tilt_share, film.tilt.rad(), self.tilt.rad());
+        Noise {
+            // No program is surer than rounding to a pixel lets a reader be.
+            location_mm: location_mm.max(Noise::FLOOR_LOCATION_MM),
+            tilt: Angle::from_rad(tilt.max(Noise::FLOOR_TILT.rad())),
+            measured: film.measured,
+        }
+    }
+
+    /// Of a mean over readings, of which some may be placed. The readings share the model that completed them, so that
+    /// its part does not become smaller by averaging.
+    pub(super) fn of_mean(readings: &[Option<Self>]) -> Option<Self> {
+        readings.iter().any(Option::is_some).then(|| {
+            let mean = |of: &dyn Fn(&Self) -> f64, placed: f64| {
+                let all = readings.iter().map(|one| one.as_ref().map_or(placed, of));
+                all.sum::<f64>() / readings.len() as f64
+            };
+            Self {
+                location_mm: mean(&|one| one.location_mm.powi(2), 0.0).sqrt(),
+                tilt: Angle::from_rad(mean(&|one| one.tilt.rad().powi(2), 0.0).sqrt()),
+                placed_share: mean(&|one| one.placed_share, 1.0),
+                placed_tilt_share: mean(&|one| one.placed_tilt_share, 1.0),
+                is_reviewed: readings.iter().flatten().all(|one| one.is_reviewed),
+            }
+        })
+    }
+}
+
+/// The corners of one reading that nobody placed, and their covariance.
+#[derive(Debug, Clone)]
+pub(crate) struct ProgramCorners {
+    corners: Vec<(Level, CornerName)>,
+    /// Lower triangular factor of the covariance of their coordinates in the film's frontal frame.
+    factor_mm: DMatrix<f64>,
+}
+
+impl ProgramCorners {
+    /// `None` where a person placed all corners.
+    ///
+    /// # Errors
+    /// [`CompletionError`] where corners are said to be completed, and what was marked does not complete them.
+    pub fn of(
+        image: &ImageGeometry,
+        posture: Option<Posture>,
+        reading: &Reading<VertebraLandmarks>,
+    ) -> Result<Option<Self>, CompletionError> {
+        let unplaced = |(&level, landmark): (&Level, &VertebraLandmarks)| {
+            let (origins, is_stated) = (landmark.origins, landmark.sd_share.is_some());
+            // Detected corners without a deviation of their own count as rough as clicks.
+            let counts = move |origin: Origin| {
+                !origin.is_placed() && (is_stated || origin != Origin::Detected)
+            };
+            let names = CornerName::ALL.into_iter();
+            names.filter(move |name| counts(name.of(&origins))).map(move |name| (level, name))
+        };
+        let corners: Vec<(Level, CornerName)> =
+            reading.vertebrae.iter().flat_map(unplaced).collect();
+        if corners.is_empty() {
+            return Ok(None);
+        }
+        let stated = |level: Level| reading.vertebrae[&level].sd_share;
+        let completion = if corners.iter().any(|&(level, _)| stated(level).is_none()) {
+            Some(complete(image, posture, &clicks_of(&reading.vertebrae))?)
+        } else {
+            None
+        };
+        let mut covariance = DMatrix::zeros(2 * corners.len(), 2 * corners.len());
+        for (i, &(level, name)) in corners.iter().enumerate() {
+            if let Some(share) = stated(level) {
+                let body = reading.vertebrae[&level].corners.map(|corner| image.frontal(corner));
+                let variance = (share * body.height_mm()).powi(2);
+                (covariance[(2 * i, 2 * i)], covariance[(2 * i + 1, 2 * i + 1)]) =
+                    (variance, variance);
+                continue;
+            }
+            let Some(completion) = &completion else { continue };
+            for (j, &(other, other_name)) in corners.iter().enumerate() {
+                if stated(other).is_none() {
+                    let block =
+                        completion.corner_covariance_mm2((level, name), (other, other_name));
+                    covariance.fixed_view_mut::<2, 2>(2 * i, 2 * j).copy_from(&block);
+                }
+            }
+        }
+        if let Some(completion) = &completion {
+            // Where landmarks came after the corners, these are no longer what they would be completed to: that is their error too.
+            let off = |(level, name): (Level, CornerName)| {
+                let own = image.frontal(name.of(&reading.vertebrae[&level].corners));
+                let off = own - name.of(&completion.corners(level));
+                if stated(level).is_some() { Frontal::default() } else { off }
+            };
+            let off = corners.iter().flat_map(|&corner| [off(corner).y_mm, off(corner).z_mm]);
+            let off = DVector::from_iterator(covariance.nrows(), off);
+            covariance += &off * off.transpose();
+        }
+        // Corners that their marks determine exactly leave the covariance singular to rounding.
+        let floor = 1e-18 + 1e-12 * covariance.trace() / covariance.nrows() as f64;
+        (0..covariance.nrows()).for_each(|i| covariance[(i, i)] += floor);
+        let iterations = completion.as_ref().map_or(0, super::completion::Completion::iterations);
+        let factor = covariance.cholesky().ok_or(CompletionError::NotConverged { iterations })?;
+        Ok(Some(Self { corners, factor_mm: factor.unpack() }))
+    }
+
+    /// What they add to the noise of a vertebra; `None` where it has none of them.
+    pub fn noise(
+        &self,
+        image: &ImageGeometry,
+        (level, landmark): (Level, &VertebraLandmarks),
+        rule: TiltRule,
+    ) -> Option<ProgramNoise> {
+        let own: Vec<(usize, CornerName)> = (self.corners.iter().enumerate())
+            .filter(|(_, (of, _))| *of == level)
+            .map(|(i, &(_, name))| (i, name))
+            .collect();
+        if own.is_empty() {
+            return None;
+        }
+        let body = landmark.corners.map(|corner| image.frontal(corner));
+        let rates = rates_of(&body, rule);
+        // Deviations of location (two coordinates) and tilt per independent standard deviate.
+        let mut spread = DMatrix::zeros(3, self.factor_mm.ncols());
+        for &(i, name) in &own {
+            let rate = rates.fixed_columns::<2>(2 * name as usize);
+            spread += rate * self.factor_mm.rows(2 * i, 2);
+        }
+        let variance = |row: usize| spread.row(row).norm_squared();
+        let by_hand = landmark.axis_clockwise.is_some();
+        let placed_share = 1.0 - own.len() as f64 / CornerName::ALL.len() as f64;
+        Some(ProgramNoise {
+            location_mm: (0.5 * (variance(0) + variance(1))).sqrt(),
+            tilt: if by_hand { Angle::ZERO } else { Angle::from_rad(variance(2).sqrt()) },
+            placed_share,
+            placed_tilt_share: if by_hand { 1.0 } else { placed_share },
+            is_reviewed: landmark.is_reviewed(),
+        })
+    }
+
+    /// The corners.
+    pub fn corners(&self) -> &[(Level, CornerName)] {
+        &self.corners
+    }
+
+    /// The corners of a reading, moved together by independent standard deviates, two per corner.
+    pub fn move_by(
+        &self,
+        image: &ImageGeometry,
+        deviates: &[[f64; 2]],
+        vertebrae: &mut BTreeMap<Level, VertebraLandmarks>,
+    ) {
+        let deviates =
+            DVector::from_iterator(2 * deviates.len(), deviates.iter().copied().flatten());
+        let moved_mm = &self.factor_mm * deviates;
+        for (i, (level, name)) in self.corners.iter().enumerate() {
+            let Some(landmark) = vertebrae.get_mut(level) else { continue };
+            let corner = name.of_mut(&mut landmark.corners);
+            let off = Frontal::new(moved_mm[2 * i], moved_mm[2 * i + 1]);
+            *corner = image.pixel(image.frontal(*corner) + off);
+        }
+    }
+}
+
+/// The landmarks that a person placed on these vertebrae: corners, and the walls of vertebrae without one.
+pub(super) fn clicks_of(vertebrae: &BTreeMap<Level, VertebraLandmarks>) -> Clicks {
+    let of = |(&level, landmark): (&Level, &VertebraLandmarks)| {
+        let placed = CornerName::ALL.map(|name| {
+            let place = name.of(&landmark.corners);
+            name.of(&landmark.origins).is_placed().then_some((name, place))
+        });
+        clicks_on(level, placed, landmark.walls)
+    };
+    Clicks { vertebrae: vertebrae.iter().flat_map(of).collect(), midline: Vec::new() }
+}
+
+/// Clicks on one vertebra: the corners that were placed, or the walls where there is none.
+pub(super) fn clicks_on(
+    level: Level,
+    placed: [Option<(CornerName, Pixel)>; 4],
+    walls: [Option<Pixel>; 2],
+) -> Vec<Click> {
+    let corners = placed.into_iter().flatten();
+    let clicks: Vec<Click> =
+        corners.map(|(name, place)| Click { level, mark: Mark::Corner(name), place }).collect();
+    if !clicks.is_empty() {
+        return clicks;
+    }
+    let walls = [Side::Left, Side::Right].into_iter().zip(walls);
+    let wall = |(side, place): (Side, Option<Pixel>)| {
+        Some(Click { level, mark: Mark::Wall(side), place: place? })
+    };
+    walls.filter_map(wall).collect()
+}
+
+/// Derivatives of location and tilt by the coordinates of the corners, in the order of [`CornerName::ALL`]; by differences.
+fn rates_of(body: &Corners<Frontal>, rule: TiltRule) -> SMatrix<f64, 3, 8> {
+    let step_mm = 1e-4 * body.height_mm();
+    let mut rates = SMatrix::<f64, 3, 8>::zeros();
+    for name in CornerName::ALL {
+        for (axis, step) in
+            [Frontal::new(step_mm, 0.0), Frontal::new(0.0, step_mm)].into_iter().enumerate()
+        {
+            let at = |step: Frontal| {
+                let mut moved = *body;
+                let corner = name.of_mut(&mut moved);
+                *corner = *corner + step;
+                (moved.measure_location().unwrap_or_default(), rule.tilt_of(&moved))
+            };
+            let ((ahead, tilt_ahead), (behind, tilt_behind)) = (at(step), at(step * -1.0));
+            let location = (ahead - behind) * (0.5 / step_mm);
+            let tilt = (tilt_ahead - tilt_behind).wrapped().rad() * (0.5 / step_mm);
+            let rate = SVector::from([location.y_mm, location.z_mm, tilt]);
+            rates.set_column(2 * name as usize + axis, &rate);
+        }
+    }
+    rates
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,22 @@
+import type { Event } from "./landmarks";
+
+/** Number and interval of checks for events of windows that have just closed. */
+export const AGAIN_TIMES = 5;
+export const AGAIN_MS = 800;
+
+/** Events that were not recorded, with the reason. */
+export interface Lost {
+  readonly events: readonly Event[];
+  readonly why: "conflict" | "left_behind";
+  /** Times at which other windows left events. */
+  readonly since_ms?: number;
+  /** Whether such a window may still be open. */
+  readonly mayBeOpen?: boolean;
+  readonly forget: () => void;
+}
+
+/** A failed change and its error. */
+export interface Trouble {
+  readonly what: string;
+  readonly error: unknown;
+}
