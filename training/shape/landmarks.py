@@ -1,11 +1,14 @@
 """Reads the AASCE landmarks: corners of 17 vertebrae per film, in pixels, in the patient's order."""
 
 import csv
-import re
+import sys
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "landmarks"))
+from split import patient_of  # noqa: E402
 
 LEVELS = ["L5", "L4", "L3", "L2", "L1", *(f"T{number}" for number in range(12, 0, -1))]
 
@@ -15,15 +18,10 @@ class Film:
     """A film of the training split."""
 
     name: str
-    patient: str
+    patient: int
     corners: np.ndarray
     """17 vertebrae (L5 to T1) x 4 corners (superior left, superior right, inferior left, inferior right: the patient's) x 2:
     to the patient's left, and cranial, in pixels."""
-
-
-def patient_of(file_name):
-    """File names end in a letter per film, as in `...-162 A AP.jpg`."""
-    return re.sub(r"\s*[A-Z]?\s*(AP|PA).*$", "", file_name).strip()
 
 
 def read_films(data):

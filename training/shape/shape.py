@@ -58,3 +58,12 @@ def learn(films, shrinkage=0.05):
     mean = lengths.mean(axis=0)
     shrunk = lambda matrix: (1 - shrinkage) * matrix + shrinkage * np.diag(np.diag(matrix))
     return mean, shrunk(angles.T @ angles / len(films)), shrunk(np.cov(lengths.T))
+
+
+def table(films):
+    """The lines of the library's table: name, mean, and covariances with the names before it and with itself."""
+    mean, angles, lengths = learn(films)
+    for names, means, covariance in ((ANGLES, [0.0] * len(ANGLES), angles), (LENGTHS, mean, lengths)):
+        for index, name in enumerate(names):
+            values = [means[index], *covariance[index, : index + 1]]
+            yield " ".join([name, *(f"{value:.4g}" for value in values)])

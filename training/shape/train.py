@@ -8,22 +8,17 @@ them. Needs numpy. The same data give the same bytes.
 """
 
 import argparse
-import sys
 from pathlib import Path
 
 import shape
 from landmarks import read_films
+from split import part_of
 
 OUT = Path(__file__).resolve().parents[2] / "crates/spineline/src/measure/completion/erect_spines.txt"
-HEAD = """# Shape of erect scoliotic spines on frontal X-rays: {films} films of {patients} patients, with their mirror images.
+HEAD = """# Shape of erect scoliotic spines on frontal X-rays: {films} films of at least {patients} patients, with their mirror images.
+# The licence of the data is known second-hand only: see the model card before this table is published.
 # Learned by training/shape/train.py from landmarks of AASCE 2019 [wu-boostnet-2017]; model card: training/shape/README.md.
 # A line: name, mean, and covariances with the names before it and with itself. Angles in rad, lengths as logarithms."""
-
-
-def rows(names, mean, covariance):
-    for index, name in enumerate(names):
-        values = [mean[index], *covariance[index, : index + 1]]
-        yield " ".join([name, *(f"{value:.4g}" for value in values)])
 
 
 def main():
@@ -36,19 +31,10 @@ def main():
     if options.split == "train":
         if options.out is None:
             parser.error("--split train needs --out FILE: the library's table is of all films")
-        sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "landmarks"))
-        from split import part_of
-
         films = [film for film in films if part_of(film.name) == "train"]
     out = options.out or OUT
-    mean, angles, lengths = shape.learn(films)
     head = HEAD.format(films=len(films), patients=len({film.patient for film in films}))
-    lines = [
-        head,
-        *rows(shape.ANGLES, [0.0] * len(shape.ANGLES), angles),
-        *rows(shape.LENGTHS, mean, lengths),
-    ]
-    out.write_text("\n".join(lines) + "\n", encoding="utf-8")
+    out.write_text("\n".join([head, *shape.table(films)]) + "\n", encoding="utf-8")
     print(f"{len(films)} films: {out.stat().st_size / 1e3:.0f} kB")
 
 
