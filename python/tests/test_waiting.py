@@ -29,7 +29,7 @@ case = sl.phantom()
 data = json.loads(case.to_json())
 for film in data["films"]:
     readings = film["readings"]
-    film["readings"] = [one | {{"repeat": one["repeat"] + 3 * k}} for k in range(100) for one in readings]
+    film["readings"] = [one | {{"repeat": one["repeat"] + 3 * k}} for k in range(500) for one in readings]
 read_often = sl.Case.from_json(json.dumps(data))
 a = sl.analyze(case)
 threading.Timer(0.3, os.kill, (os.getpid(), signal.SIGINT)).start()
