@@ -161,8 +161,8 @@ impl PartialReading {
     /// The vertebrae without a corner, from L4 to T2 and then T1 and L5, as [`complete`] expects them from all that is
     /// marked; none where fewer than two clicks are.
     ///
-    /// A vertebra with a corner beyond the edge is not proposed, nor one that is so uncertain that it may be its neighbour
-    /// ([`MAX_SD_SHARE`]). `posture` is `None` where it is not known, as in blinded readings.
+    /// A vertebra with a corner beyond the edge is not proposed, nor one that is so uncertain that it may be its neighbour:
+    /// with a standard deviation above half the height of its body. `posture` is `None` where it is not known, as in blinded readings.
     #[must_use]
     pub fn propose(
         &self,
