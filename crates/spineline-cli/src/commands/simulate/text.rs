@@ -1,34 +1,35 @@
-//! One simulation as text.
-
-use std::fmt::Write;
+//! One simulation as a report for the terminal.
 
 use spineline::clinical::convex_side;
 use spineline::multibody::{Equilibrium, ForceSign, Goal, PathEnding, Support};
 use spineline::response::{
-    ActingKind, GoalEquilibrium, SpineAngles, Verdict, acting_loads, erect_shape,
+    ActingKind, CurveAngles, GoalEquilibrium, SpineAngles, Verdict, acting_loads, erect_shape,
     largest_displacement_mm, largest_hinge, measure_angles,
 };
 use spineline::spatial::{Angle, moment_words, vector_words};
 use spineline_files::SimulationWarning;
-use spineline_report::document::{Column, Notice, NoticeKind, Table};
+use spineline_report::document::{Column, Document, Notice, NoticeKind, Section, Table};
 use spineline_report::terminal;
 
 use super::outcome::Outcome;
 use super::words::{load_words, timing_words};
+use crate::run::provenance::generator;
 
-/// The whole report of one simulation.
+/// The whole report as text.
 pub fn report(outcome: &Outcome) -> String {
-    let mut text = head(outcome);
-    text.push_str(&ending_text(outcome));
-    text.push('\n');
-    if let Some(result) = outcome.response.result() {
-        text.push_str(&result_text(outcome, result));
-        text.push_str(&angles_text(outcome, result));
-    }
-    text.push_str(&solutions_text(outcome));
-    text.push_str(&events_text(outcome));
-    text.extend(notices(outcome).iter().map(|one| terminal::notice(one, terminal::WIDTH)));
-    text
+    let mut sections = vec![target(outcome), ending(outcome)];
+    sections.extend(outcome.response.result().map(|result| shape(outcome, result)));
+    sections.push(path(outcome));
+    sections.retain(|section| !section.blocks.is_empty());
+    let document = Document {
+        title: "Simulation".to_owned(),
+        subject: subject(outcome),
+        generator: generator(),
+        banners: Vec::new(),
+        sections,
+        analysis: String::new(),
+    };
+    terminal::terminal(&document, terminal::WIDTH)
 }
 
 /// The warnings.
@@ -40,37 +41,42 @@ pub fn notices(outcome: &Outcome) -> Vec<Notice> {
     outcome.warnings.iter().map(notice).collect()
 }
 
-fn head(outcome: &Outcome) -> String {
+fn subject(outcome: &Outcome) -> String {
     let model = &outcome.model;
     let synthetic = if model.synthetic { " · SYNTHETIC" } else { "" };
     let support = match model.support {
         Support::Free => "free",
         Support::Frontal => "frontal",
     };
-    let mut text = format!(
-        "{}{synthetic} · model with the {} · {support} support · forces in {}\n",
+    format!(
+        "{}{synthetic} · model with the {} · {support} support · forces in {}",
         model.case_id,
         model.line.replace('_', " "),
         model.force_unit()
-    );
+    )
+}
+
+/// The loads, and what is searched for.
+fn target(outcome: &Outcome) -> Section {
+    let mut section = Section::new("target", "");
     for (number, load) in outcome.loads.loads.iter().enumerate() {
-        let _ = writeln!(text, "  load {}: {}", number + 1, load_words(load));
+        section.paragraph(format!("Load {}: {}", number + 1, load_words(load)));
     }
-    let _ = match outcome.response.goal {
-        Goal::FullLoad => writeln!(text, "  target: the shape under these loads"),
-        Goal::LateralTilt(tilt) => writeln!(
-            text,
-            "  target: the factor of the proportional loads for a lateral tilt of {} of {}, up to {:.4} in either direction",
+    section.paragraph(match outcome.response.goal {
+        Goal::FullLoad => "Target: the shape under these loads".to_owned(),
+        Goal::LateralTilt(tilt) => format!(
+            "Target: the factor of the proportional loads for a lateral tilt of {} of {}, up to {:.4} in either direction",
             ends(outcome),
             tilt.leaning(),
             outcome.response.largest_factor
         ),
-    };
-    text
+    });
+    section
 }
 
 /// The status first, then what it means and what to do.
-fn ending_text(outcome: &Outcome) -> String {
+fn ending(outcome: &Outcome) -> Section {
+    let mut section = Section::new("ending", "");
     let ending = outcome.response.ending;
     let meaning = match ending {
         PathEnding::Converged if !outcome.response.is_complete() => {
@@ -88,52 +94,62 @@ fn ending_text(outcome: &Outcome) -> String {
         other => format!("NO RESULT: {}", other.meaning()),
     };
     let name = ending.key().replace('_', " ");
-    let status = format!("{} · {meaning}", name.to_uppercase());
-    let mut text = terminal::paragraph(&status, terminal::WIDTH, "");
+    section.paragraph(format!("{} · {meaning}", name.to_uppercase()));
     if let (None, Some(point)) = (outcome.response.result(), outcome.response.nearest()) {
-        let _ = writeln!(
-            text,
-            "  nearest shape on the path: factor {:.4} of the {} loads, lateral tilt {}, largest joint rotation {:.1}°",
+        section.paragraph(format!(
+            "Nearest shape on the path: factor {:.4} of the {} loads, lateral tilt {}, largest joint rotation {:.1}°",
             point.factor,
             timing_words(point.timing),
             point.deformed.lateral_tilt().leaning(),
             largest_hinge(&point.deformed).2.abs().deg()
-        );
+        ));
     }
-    text
+    section
 }
 
-fn result_text(outcome: &Outcome, result: &Equilibrium) -> String {
-    let mut text = String::new();
+/// The shape that is the result.
+fn shape(outcome: &Outcome, result: &Equilibrium) -> Section {
+    let mut section = Section::new("shape", "");
+    section.table(numbers(outcome, result));
+    section.table(forces(outcome, result));
+    section.table(angles(outcome, result));
+    section
+}
+
+fn numbers(outcome: &Outcome, result: &Equilibrium) -> Table {
     let levels = &outcome.model.levels;
-    let shape = &result.deformed;
-    let (vertebra, moved_mm) = largest_displacement_mm(&outcome.model.spine, shape);
-    let (joint, axis, turn) = largest_hinge(shape);
+    let (vertebra, moved_mm) = largest_displacement_mm(&outcome.model.spine, &result.deformed);
+    let (joint, axis, turn) = largest_hinge(&result.deformed);
     let axis = ["lateral", "flexion", "axial"][axis];
-    let _ = writeln!(text, "factor of proportional loads {:.6}", result.factor);
-    let _ =
-        writeln!(text, "largest displacement         {moved_mm:.1} mm, at {}", levels[vertebra]);
-    let _ = writeln!(
-        text,
-        "largest joint rotation       {:.1}° ({axis}, {}/{})",
-        turn.abs().deg(),
-        levels[joint],
-        levels[joint + 1]
+    let mut table = Table::new("", vec![Column::words("Shape under load"), Column::words("Value")]);
+    let mut add = |name: &str, value: String| table.row(vec![name.to_owned(), value]);
+    add("Factor of proportional loads", format!("{:.6}", result.factor));
+    add("Largest displacement", format!("{moved_mm:.1} mm, at {}", levels[vertebra]));
+    add(
+        "Largest joint rotation",
+        format!("{:.1}° ({axis}, {}/{})", turn.abs().deg(), levels[joint], levels[joint + 1]),
     );
-    let _ = writeln!(
-        text,
-        "residual                     {:.0e} rad; smallest singular value {:.3} (1 unloaded, 0 at a limit or branch point)",
-        result.residual_rad, result.smallest_singular_value
+    add("Residual", format!("{:.0e} rad", result.residual_rad));
+    add(
+        "Smallest singular value",
+        format!("{:.3} (1 unloaded, 0 at a limit or branch point)", result.smallest_singular_value),
     );
-    text.push_str(&forces_text(outcome, result));
-    text.push('\n');
-    text
+    table
 }
 
 /// The force or moment of each load in the final shape; slices of gravity are left out.
-fn forces_text(outcome: &Outcome, result: &Equilibrium) -> String {
+fn forces(outcome: &Outcome, result: &Equilibrium) -> Table {
     let (model, placed) = (&outcome.model, &outcome.placed);
-    let mut text = String::new();
+    let columns = vec![
+        Column::words("Load"),
+        Column::words("Acts on"),
+        Column::words(format!("Force in {}", model.force_unit())),
+        Column::words("Moment (force × mm)"),
+    ];
+    let mut table = Table::new("", columns);
+    let mut add = |load: usize, place: String, force: String, moment: String| {
+        table.row(vec![(load + 1).to_string(), place, force, moment]);
+    };
     let acting =
         acting_loads(&placed.loading, &result.deformed, result.factor, &result.spring_forces_n);
     for load in acting {
@@ -141,35 +157,22 @@ fn forces_text(outcome: &Outcome, result: &Equilibrium) -> String {
         if placed.load_of_item.iter().filter(|other| **other == number).count() > 1 {
             continue;
         }
-        let level = model.levels[load.vertebra];
-        let words = match load.kind {
-            ActingKind::Force(force) => vector_words(force.into()),
-            ActingKind::Moment(moment) => format!("{} (force × mm)", moment_words(moment.into())),
+        let (force, moment) = match load.kind {
+            ActingKind::Force(force) => (vector_words(force.into()), String::new()),
+            ActingKind::Moment(moment) => (String::new(), moment_words(moment.into())),
         };
-        let _ = writeln!(
-            text,
-            "load {:<3} acts on {level:<4}        {words} · {}",
-            number + 1,
-            model.force_unit()
-        );
+        add(number, model.levels[load.vertebra].to_string(), force, moment);
     }
     for ((force, moment), (number, rod)) in
         result.rod_reactions.iter().zip(placed.load_of_rod.iter().zip(&placed.loading.rods))
     {
-        let level = model.levels[rod.superior];
-        let _ = writeln!(
-            text,
-            "load {:<3} rod holds {level:<4}      {}; moment (force × mm) {} · {}",
-            number + 1,
-            vector_words((*force).into()),
-            moment_words((*moment).into()),
-            model.force_unit()
-        );
+        let place = format!("{}, held by the rod", model.levels[rod.superior]);
+        add(*number, place, vector_words((*force).into()), moment_words((*moment).into()));
     }
-    text
+    table
 }
 
-fn angles_text(outcome: &Outcome, result: &Equilibrium) -> String {
+fn angles(outcome: &Outcome, result: &Equilibrium) -> Table {
     let before = measure_angles(&erect_shape(&outcome.model.spine), &outcome.places);
     let after = measure_angles(&result.deformed, &outcome.places);
     let columns = vec![
@@ -182,9 +185,7 @@ fn angles_text(outcome: &Outcome, result: &Equilibrium) -> String {
     let has_cobb = before.curves.iter().all(|curve| curve.ends.cobb.is_some());
     for (name, pick) in [(if has_cobb { "Cobb" } else { "Tilt range" }, 0), ("Ferguson", 1)] {
         for (now, then) in after.curves.iter().zip(&before.curves) {
-            let of = |curve: &spineline::response::CurveAngles| {
-                [curve.ends.size(), curve.ferguson][pick]
-            };
+            let of = |curve: &CurveAngles| [curve.ends.size(), curve.ferguson][pick];
             table.row(vec![
                 format!("{name}, {}", now.region),
                 convex_words(of(then)),
@@ -195,12 +196,12 @@ fn angles_text(outcome: &Outcome, result: &Equilibrium) -> String {
     }
     let SpineAngles { lateral_tilt: tilt, .. } = after;
     table.row(vec![
-        format!("lateral tilt of {}", ends(outcome)),
+        format!("Lateral tilt of {}", ends(outcome)),
         before.lateral_tilt.leaning(),
         tilt.leaning(),
         (tilt - before.lateral_tilt).wrapped().leaning(),
     ]);
-    format!("{}\n", terminal::table(&table, terminal::WIDTH))
+    table
 }
 
 /// The base and the top of the model, such as `L4-T2`.
@@ -223,13 +224,29 @@ fn change_words(before: Angle, after: Angle) -> String {
     format!("{} {word}", more.abs())
 }
 
-/// Every shape that meets the target, where there is a choice or no result.
-fn solutions_text(outcome: &Outcome) -> String {
-    let response = &outcome.response;
-    let is_plain = response.goal == Goal::FullLoad && response.ending == PathEnding::Converged;
-    if response.equilibria.is_empty() || is_plain {
-        return String::new();
+/// The shapes that meet the target and the events on the way, then the warnings.
+fn path(outcome: &Outcome) -> Section {
+    let mut section = Section::new("path", "");
+    section.table(solutions(outcome));
+    for signed in &outcome.response.paths {
+        let way = match signed.sign {
+            ForceSign::Positive => "",
+            ForceSign::Negative => " (loads against their direction)",
+        };
+        for event in &signed.path.events {
+            let name = event.kind.key().replace('_', " ");
+            let (factor, timing) = (event.factor, timing_words(event.timing));
+            section.paragraph(format!(
+                "Event: {name} at a factor of {factor:.4} of the {timing} loads{way}"
+            ));
+        }
     }
+    notices(outcome).into_iter().for_each(|notice| section.notice(notice));
+    section
+}
+
+/// Every shape that meets the target, where there is a choice or no result.
+fn solutions(outcome: &Outcome) -> Table {
     let columns = vec![
         Column::words("Shapes that meet the target"),
         Column::numbers("Factor"),
@@ -240,6 +257,10 @@ fn solutions_text(outcome: &Outcome) -> String {
         Column::words("Verdict"),
     ];
     let mut table = Table::new("", columns);
+    let response = &outcome.response;
+    if response.goal == Goal::FullLoad && response.ending == PathEnding::Converged {
+        return table;
+    }
     for met in &response.equilibria {
         let equilibrium = &met.equilibrium;
         let way = match met.sign {
@@ -256,8 +277,7 @@ fn solutions_text(outcome: &Outcome) -> String {
             verdict_words(met).to_owned(),
         ]);
     }
-    // One line per shape, whatever its length.
-    format!("{}\n", terminal::table(&table, usize::MAX))
+    table
 }
 
 fn verdict_words(met: &GoalEquilibrium) -> &'static str {
@@ -268,24 +288,4 @@ fn verdict_words(met: &GoalEquilibrium) -> &'static str {
         Verdict::BeyondHumanRange => "not chosen: beyond the human range of motion",
         Verdict::BeyondBranchPoint => "not chosen: beyond a branch point (buckled)",
     }
-}
-
-fn events_text(outcome: &Outcome) -> String {
-    let mut text = String::new();
-    for signed in &outcome.response.paths {
-        let way = match signed.sign {
-            ForceSign::Positive => "",
-            ForceSign::Negative => " (loads against their direction)",
-        };
-        for event in &signed.path.events {
-            let _ = writeln!(
-                text,
-                "{} at a factor of {:.4} of the {} loads{way}",
-                event.kind.key().replace('_', " "),
-                event.factor,
-                timing_words(event.timing)
-            );
-        }
-    }
-    text
 }
