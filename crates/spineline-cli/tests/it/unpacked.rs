@@ -3,6 +3,7 @@
 use std::io::Read;
 
 use flate2::read::{DeflateDecoder, GzDecoder, ZlibDecoder};
+use memchr::memmem;
 
 /// Streams within streams.
 const DEPTH: usize = 4;
@@ -29,14 +30,12 @@ pub fn holds(bytes: &[u8], text: &str) -> bool {
 
 /// The first of some texts that a file holds. It is unpacked once for all of them.
 pub fn first_held<'a>(bytes: &[u8], texts: &[&'a str]) -> Option<&'a str> {
-    // Bytes that are no UTF-8 are exchanged one by one, and the letters beside them stay.
     let parts = unpacked(bytes);
-    let parts: Vec<_> = parts.iter().map(|part| String::from_utf8_lossy(part)).collect();
-    let is_held = |text: &&str| {
-        let forms = forms(text);
-        parts.iter().any(|part| forms.iter().any(|form| part.contains(form.as_str())))
+    let is_held = |form: &String| {
+        let finder = memmem::Finder::new(form);
+        parts.iter().any(|part| finder.find(part).is_some())
     };
-    texts.iter().find(|text| is_held(text)).copied()
+    texts.iter().find(|text| forms(text).iter().any(is_held)).copied()
 }
 
 /// The ways in which a text may stand in a file.
