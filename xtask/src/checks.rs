@@ -52,14 +52,15 @@ pub fn lint(plan: &Plan<'_>) -> Result<(), String> {
     cargo_on(plan, &["clippy", "--all-targets"], &["--", "--deny", "warnings"], &[])
 }
 
-/// All tests but slow studies, with nextest where it is installed.
+/// All tests but slow studies, with nextest where it is installed; long tests in a full run only (`.config/nextest.toml`).
 pub fn test(plan: &Plan<'_>) -> Result<(), String> {
     built(plan, "spineline")?;
     // What changes the machine for a moment is asked for.
     let variables: &[(&str, &str)] =
         if plan.is_full() { &[("SPINELINE_MOUNT_SMALL_DISKS", "1")] } else { &[] };
     if tools::has_nextest() {
-        cargo_on(plan, &["nextest", "run"], &[], variables)
+        let profile = if plan.is_full() { "full" } else { "default" };
+        cargo_on(plan, &["nextest", "run", "--profile", profile], &[], variables)
     } else {
         cargo_on(plan, &["test", "--lib", "--bins", "--tests"], &[], variables)
     }
