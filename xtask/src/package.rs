@@ -13,12 +13,16 @@ use crate::{cargo, python, run, web};
 /// The name of its Python environment.
 const ENVIRONMENT: &str = "package";
 
+/// The tests that use the program, by file.
+const WHEEL_TESTS: [&str; 4] =
+    ["test_wheel.py", "test_analysis.py", "test_models.py", "test_tables.py"];
+
 /// The interpreter of the environment in which the package is built and tested.
 pub fn environment(root: &Path) -> Result<PathBuf, String> {
     python::environment(root, ENVIRONMENT, &root.join("python/tests/requirements.txt"))
 }
 
-/// Builds the wheel: the browser app where Node is there, the program, then the native module.
+/// Builds the wheel: the browser app where Node is there, the program with typeset reports, then the native module.
 pub fn wheel(root: &Path) -> Result<PathBuf, String> {
     let start = Instant::now();
     if Tool::Npm.is_there() {
@@ -26,7 +30,8 @@ pub fn wheel(root: &Path) -> Result<PathBuf, String> {
     } else {
         println!("Node.js is missing: the program of this wheel has no browser app");
     }
-    cargo(root, &["build", "--release", "--locked", "--package", "spineline-cli"])?;
+    let program = ["build", "--release", "--locked", "--package", "spineline-cli"];
+    cargo(root, &[&program[..], &["--features", "pdf"]].concat())?;
     let target = python::target()?;
     let scripts = root.join("python/spineline.data/scripts");
     let program = Path::new("spineline").with_extension(EXE_EXTENSION);
@@ -62,7 +67,7 @@ pub fn test(plan: &Plan<'_>) -> Result<(), String> {
         ("PYTHONDONTWRITEBYTECODE", "1"),
     ];
     let folder = root.join("python");
-    pytest(root, &staged, &interpreter, &variables)?;
+    pytest(root, &staged, &interpreter, &variables, &[""])?;
     run(&folder, &interpreter, &["-m", "mypy"], &[])?;
     run(&folder, &interpreter, &["-m", "pyright", "--pythonpath", &interpreter], &[])?;
     let measure = python::text(&folder.join("tests/measure.py"))?;
@@ -76,10 +81,14 @@ fn pytest(
     from: &Path,
     interpreter: &str,
     variables: &[(&str, &str)],
+    files: &[&str],
 ) -> Result<(), String> {
-    let tests = python::text(&root.join("python/tests"))?;
+    let tests = root.join("python/tests");
+    let tests: Vec<String> =
+        files.iter().map(|file| python::text(&tests.join(file))).collect::<Result<_, _>>()?;
     let config = python::text(&root.join("python/pyproject.toml"))?;
-    let arguments = ["-m", "pytest", "--quiet", "--config-file", &config, &tests];
+    let mut arguments = vec!["-m", "pytest", "--quiet", "--config-file", &config];
+    arguments.extend(tests.iter().map(String::as_str));
     run(from, interpreter, &arguments, variables)
 }
 
@@ -93,10 +102,11 @@ pub fn with_wheel(root: &Path) -> Result<PathBuf, String> {
     Ok(interpreter)
 }
 
-/// Tests what the wheel has installed.
+/// Tests what the wheel has installed: its program beside its module. The same sources have passed all tests before.
 fn test_wheel(root: &Path) -> Result<(), String> {
     let interpreter = python::text(&with_wheel(root)?)?;
-    pytest(root, &python::target()?, &interpreter, &[("PYTHONDONTWRITEBYTECODE", "1")])
+    let variables = [("PYTHONDONTWRITEBYTECODE", "1")];
+    pytest(root, &python::target()?, &interpreter, &variables, &WHEEL_TESTS)
 }
 
 /// The package with the native module that the tests have built, below the target folder.
