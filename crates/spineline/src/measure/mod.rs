@@ -25,6 +25,7 @@ mod interpolation;
 mod lateral;
 mod marking;
 mod marking_proposal;
+mod means;
 mod midline;
 mod neighbours;
 mod noise;

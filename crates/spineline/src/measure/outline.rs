@@ -3,6 +3,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use super::corners::normal_tilt;
 use super::frame::body_shape;
 use super::interpolation::interpolate;
+use super::means::average;
 use super::midline::warn_of_source;
 use super::order::typical_distance_mm;
 use super::outline_checks::{check_marked, warn_of_gaps, warn_of_interpolated};
@@ -447,42 +448,6 @@ fn check_crests(
 
 fn iliac_normal(image: &ImageGeometry, crests: IliacCrests) -> Angle {
     normal_tilt(image.frontal(crests.left) - image.frontal(crests.right))
-}
-
-/// Mean over the readings that marked a level, and their number.
-fn average(placed: &[BTreeMap<Level, Placement>]) -> BTreeMap<Level, (Placement, usize)> {
-    let mut values: BTreeMap<Level, Vec<Placement>> = BTreeMap::new();
-    for reading in placed {
-        for (&level, &placement) in reading {
-            values.entry(level).or_default().push(placement);
-        }
-    }
-    values.into_iter().map(|(level, all)| (level, (mean_placement(&all), all.len()))).collect()
-}
-
-/// Mean of some placements, of which there is at least one.
-fn mean_placement(all: &[Placement]) -> Placement {
-    // Sums in a fixed order: the order of the readings must not reach the last bit.
-    let mut all = all.to_vec();
-    all.sort_by(|a, b| {
-        let key = |p: &Placement| [p.location.y_mm, p.location.z_mm, p.tilt.rad()];
-        key(a).partial_cmp(&key(b)).expect("readings were checked to be finite")
-    });
-    let n = all.len() as f64;
-    let location = all.iter().fold(Frontal::default(), |sum, p| sum + p.location) * (1.0 / n);
-    // Against one of them, so that a film held upside down averages as any other.
-    let mean = |first: Angle, tilts: &mut dyn Iterator<Item = Angle>| {
-        first + tilts.fold(Angle::ZERO, |sum, tilt| sum + (tilt - first).wrapped()) * (1.0 / n)
-    };
-    let tilt = mean(all[0].tilt, &mut all.iter().map(|p| p.tilt));
-    let endplates: Option<Vec<EndplateTilts>> = all.iter().map(|p| p.endplates).collect();
-    let endplates = endplates.map(|all| EndplateTilts {
-        superior: mean(all[0].superior, &mut all.iter().map(|tilts| tilts.superior)),
-        inferior: mean(all[0].inferior, &mut all.iter().map(|tilts| tilts.inferior)),
-    });
-    let programs: Vec<Option<ProgramNoise>> = all.iter().map(|p| p.program).collect();
-    let program = ProgramNoise::of_mean(&programs);
-    Placement { location, tilt, endplates, program }
 }
 
 /// The identity of a reading in errors and tests.
