@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use super::{EndplateTilts, Placement, ProgramNoise};
+use super::{EndplateTilts, Placement, ProgramNoise, VertebraOrigin};
 use crate::anatomy::Level;
 use crate::spatial::{Angle, Frontal};
 
@@ -41,5 +41,7 @@ fn mean_placement(all: &[Placement]) -> Placement {
     });
     let programs: Vec<Option<ProgramNoise>> = all.iter().map(|p| p.program).collect();
     let program = ProgramNoise::of_mean(&programs);
-    Placement { location, tilt, endplates, program }
+    let origins: Option<Vec<VertebraOrigin>> = all.iter().map(|p| p.origin).collect();
+    let origin = origins.and_then(|all| all.into_iter().reduce(VertebraOrigin::and));
+    Placement { location, tilt, endplates, program, origin }
 }

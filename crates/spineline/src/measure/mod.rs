@@ -62,7 +62,7 @@ pub use marking_proposal::{CornerName, NextLandmark, ProposedVertebra};
 pub use midline::{Midline, MidlineEnd, MidlineError, MidlinePoint};
 pub use noise::Noise;
 pub(crate) use noise::{OutlineNoise, ReadingSquares};
-pub use origin::Origin;
+pub use origin::{Origin, VertebraOrigin};
 pub(crate) use outline::outline_of;
 pub use outline::{MeasuredVertebra, Outline, check_landmarks, measure_film};
 pub use plausibility::{judge_landmarks, judge_reading};

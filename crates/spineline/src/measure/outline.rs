@@ -12,7 +12,8 @@ use super::spacing::is_spacing;
 use super::{
     EndplateTilts, Film, FilmLandmarks, FilmLength, IliacCrests, ImageGeometry, Interpolation,
     LengthScale, MeasureError, Noise, Placement, ProgramNoise, Reading, ReadingId, SpacingPlane,
-    TiltRule, common_levels, measure_readings, seen_levels, warn_of_shortened_chain,
+    TiltRule, VertebraOrigin, common_levels, measure_readings, seen_levels,
+    warn_of_shortened_chain,
 };
 use crate::anatomy::{Level, Levels, Posture};
 use crate::spatial::{Angle, Frontal};
@@ -35,6 +36,8 @@ pub struct MeasuredVertebra {
     pub interpolated: Option<Interpolation>,
     /// What corners that a program found add to its noise; `None` where a person placed all of them.
     pub program: Option<ProgramNoise>,
+    /// How its corners came about in all readings; `None` where they are not known, and for an interpolated vertebra.
+    pub origin: Option<VertebraOrigin>,
 }
 
 impl MeasuredVertebra {
@@ -195,7 +198,7 @@ pub(crate) fn outline_of(
             let location = (placement.location - base.location).rotated(-base.tilt);
             let tilt = (placement.tilt - base.tilt).wrapped();
             let endplates = placement.endplates.map(|tilts| tilts.against(base.tilt));
-            let (interpolated, program) = (None, placement.program);
+            let (interpolated, program, origin) = (None, placement.program, placement.origin);
             let vertebra = MeasuredVertebra {
                 level,
                 location,
@@ -204,6 +207,7 @@ pub(crate) fn outline_of(
                 readings,
                 interpolated,
                 program,
+                origin,
             };
             (level, vertebra)
         })

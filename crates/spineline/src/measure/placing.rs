@@ -6,7 +6,7 @@ use super::confidence::check_confidence;
 use super::plausibility::fits_exchanged;
 use super::{
     CornerFault, Corners, Film, FilmLandmarks, ImageGeometry, MeasureError, Placement,
-    ProgramCorners, Reading, TiltRule, VertebraLandmarks,
+    ProgramCorners, Reading, TiltRule, VertebraLandmarks, VertebraOrigin,
 };
 use crate::anatomy::{Level, Posture};
 use crate::spatial::Frontal;
@@ -167,7 +167,8 @@ fn place_usable(
             let program = by_program
                 .as_ref()
                 .and_then(|corners| corners.noise(image, (level, landmark), rule));
-            (level, Placement { location: centres[&level], tilt, endplates, program })
+            let origin = Some(VertebraOrigin::of(&landmark.origins));
+            (level, Placement { location: centres[&level], tilt, endplates, program, origin })
         })
         .collect())
 }

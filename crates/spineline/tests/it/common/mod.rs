@@ -239,6 +239,7 @@ pub fn outline(posture: Posture, vertebrae: &[(Frontal, Angle)]) -> Outline {
             readings: 1,
             interpolated: None,
             program: None,
+            origin: None,
         })
         .collect();
     Outline {
