@@ -106,11 +106,13 @@ fn a_vertebra_has_the_origin_of_its_corners() {
     for film in &mut case.films {
         let FilmLandmarks::Corners { readings, .. } = &mut film.landmarks else { continue };
         for reading in readings {
-            let mut of = |level: Level| {
-                &mut reading.vertebrae.get_mut(&level).expect("all are marked").origins
-            };
-            *of(Level::T8) = Corners::all(Origin::Adjusted);
-            of(Level::T9).inferior_left = Origin::Adjusted;
+            for (level, landmark) in &mut reading.vertebrae {
+                match level {
+                    Level::T8 => landmark.origins = Corners::all(Origin::Adjusted),
+                    Level::T9 => landmark.origins.inferior_left = Origin::Adjusted,
+                    _ => {}
+                }
+            }
         }
     }
     let analysis = analyze(&case, &AnalysisOptions::default()).expect("a phantom");

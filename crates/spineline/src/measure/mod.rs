@@ -38,6 +38,7 @@ mod plausibility;
 mod program_corners;
 mod readings;
 mod seen_levels;
+mod shared_errors;
 mod spacing;
 mod tilt;
 mod view;
@@ -72,6 +73,8 @@ pub use program_corners::ProgramNoise;
 pub use readings::{FilmReadings, measure_readings};
 pub use seen_levels::shows_enough;
 pub(crate) use seen_levels::{common_levels, seen_levels, warn_of_shortened_chain};
+pub use shared_errors::SharedErrors;
+pub(crate) use shared_errors::{ErrorRate, Measured, Whitening};
 pub use spacing::{LengthScale, Spacing, SpacingPlane, SpacingSource};
 pub use tilt::{EndplateTilts, TiltRule};
 pub use view::{

@@ -7,12 +7,12 @@ use super::means::average;
 use super::midline::warn_of_source;
 use super::order::typical_distance_mm;
 use super::outline_checks::{check_marked, warn_of_gaps, warn_of_interpolated};
-use super::placing::{warn_of_program_corners, warn_of_unusable_ends};
+use super::placing::{program_corners, warn_of_unusable_ends};
 use super::spacing::is_spacing;
 use super::{
     EndplateTilts, Film, FilmLandmarks, FilmLength, IliacCrests, ImageGeometry, Interpolation,
-    LengthScale, MeasureError, Noise, Placement, ProgramNoise, Reading, ReadingId, SpacingPlane,
-    TiltRule, VertebraOrigin, common_levels, measure_readings, seen_levels,
+    LengthScale, MeasureError, Noise, Placement, ProgramNoise, Reading, ReadingId, SharedErrors,
+    SpacingPlane, TiltRule, VertebraOrigin, common_levels, measure_readings, seen_levels,
     warn_of_shortened_chain,
 };
 use crate::anatomy::{Level, Levels, Posture};
@@ -77,6 +77,8 @@ pub struct Outline {
     pub l4_midpoint_on_film: Frontal,
     /// Deviation of the measured values.
     pub noise: Noise,
+    /// Errors that vertebrae share whose corners a program found; `None` where a person placed all corners.
+    pub shared_errors: Option<SharedErrors>,
     /// What its lengths are measured in.
     pub scale: LengthScale,
     /// Its length against the erect film's; locations are at the erect length, as far as the rule of lengths takes them there.
@@ -170,19 +172,19 @@ pub fn measure_film(
     let seen = [(film.posture, seen_levels(&readings))];
     let levels = common_levels(&seen)?;
     warn_of_shortened_chain(levels, &seen, warnings);
-    outline_of(film, &readings, levels, warnings)
+    outline_of((film, &readings), levels, rule, warnings)
 }
 
 /// The outline of a film whose readings were measured before; its base and its top are marked.
 pub(crate) fn outline_of(
-    film: &Film,
-    readings: &[Reading<Placement>],
+    (film, readings): (&Film, &[Reading<Placement>]),
     levels: Levels,
+    rule: TiltRule,
     warnings: &mut Warnings,
 ) -> Result<Outline, MeasureError> {
     let posture = film.posture;
     warn_of_unusable_ends(film, warnings);
-    warn_of_program_corners(film, warnings);
+    let program = program_corners(film, warnings);
     let PlacedFilm { readings: placed, scale, iliac_normal, iliac_middle } =
         place_film(film, readings, warnings)?;
     let on_film = average(&placed);
@@ -214,6 +216,8 @@ pub(crate) fn outline_of(
         .collect();
     check_marked(posture, &mut in_global, &scale, warnings)?;
     let noise = Noise::of_means(&observers, &placed, &on_film);
+    let shared_errors =
+        SharedErrors::of_film((film, &program), rule, &in_global, (base.tilt, &scale));
     let vertebrae = vertebrae_of(posture, levels, &in_global, &noise)?;
     warn_of_interpolated(posture, &vertebrae, &scale, warnings);
     let iliac_normal = iliac_normal.map(|normal| (normal - base.tilt).wrapped());
@@ -236,6 +240,7 @@ pub(crate) fn outline_of(
         l4_on_film: base.tilt,
         l4_midpoint_on_film: base.location,
         noise,
+        shared_errors,
         scale,
         length: FilmLength::ERECT,
         readings: placed.len(),
