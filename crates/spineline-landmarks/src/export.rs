@@ -73,9 +73,14 @@ impl LandmarkTarget<'_> {
         if confidences && landmarks().any(|landmark| landmark.confidence.is_some()) {
             left_out.push("confidences");
         }
-        // Without the walls that corners were completed from, their origin alone would not say how uncertain they are.
-        if landmarks().any(|landmark| !landmark.is_placed()) {
-            left_out.push("which corners a program found, and so their uncertainty");
+        // All formats have the origins of corners; how uncertain these are, they say without the rest only where corners were placed.
+        let states_uncertainty = |landmark: &VertebraLandmarks| {
+            landmark.walls != [None; 2] || landmark.sd_share.is_some()
+        };
+        if self != Self::Csv && landmarks().any(states_uncertainty) {
+            left_out.push(
+                "walls that corners were completed from and deviations of detected ones, and so their uncertainty",
+            );
         }
         left_out
     }

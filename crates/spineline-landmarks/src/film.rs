@@ -3,15 +3,16 @@
 use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
-use spineline::anatomy::{ImageSide, Level, Posture};
+use spineline::anatomy::{ImageSide, Level, Named, Posture};
 use spineline::measure::{
-    CornerName, Corners, Film, FilmLandmarks, IliacCrests, ImageGeometry, Placement,
+    CornerName, Corners, Film, FilmLandmarks, IliacCrests, ImageGeometry, Origin, Placement,
     PlacementSource, Reading, ReadingId, SpacingPlane, VertebraLandmarks, check_landmarks,
 };
 use spineline::spatial::Pixel;
+use spineline_files::nearest;
 
 use super::LandmarkError;
-use super::names::{PointName, coordinate};
+use super::names::{PointName, coordinate, shown};
 
 /// A format of landmarks.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -194,11 +195,13 @@ impl MarkedFilm {
 pub(super) struct Points<P> {
     found: BTreeMap<PointName, (P, String)>,
     confidences: BTreeMap<PointName, f64>,
+    origins: BTreeMap<PointName, Origin>,
 }
 
 impl<P> Default for Points<P> {
     fn default() -> Self {
-        Self { found: BTreeMap::new(), confidences: BTreeMap::new() }
+        let (found, confidences, origins) = Default::default();
+        Self { found, confidences, origins }
     }
 }
 
@@ -214,6 +217,22 @@ impl<P: Copy> Points<P> {
             self.confidences.insert(name, confidence(value, at)?);
         }
         Ok(())
+    }
+
+    /// The origin of a point, where the file states it.
+    pub fn set_origin(&mut self, name: PointName, origin: Option<Origin>) {
+        self.origins.extend(origin.map(|origin| (name, origin)));
+    }
+
+    /// The origins of a body's corners; one without is clicked.
+    pub fn origins(&self, level: Level) -> Corners<Origin> {
+        let mut origins = Corners::all(Origin::Clicked);
+        for corner in CornerName::ALL {
+            if let Some(&own) = self.origins.get(&PointName::Corner(level, corner)) {
+                *corner.of_mut(&mut origins) = own;
+            }
+        }
+        origins
     }
 
     /// The confidences of a body's corners; those of one, two or three corners are an error.
@@ -319,7 +338,9 @@ impl Points<Pixel> {
     ) -> Result<BTreeMap<Level, VertebraLandmarks>, LandmarkError> {
         let landmark = |(level, corners)| {
             let confidence = self.confidences(level, reading)?;
-            Ok((level, VertebraLandmarks { confidence, ..VertebraLandmarks::clicked(corners) }))
+            let origins = self.origins(level);
+            let clicked = VertebraLandmarks::clicked(corners);
+            Ok((level, VertebraLandmarks { confidence, origins, ..clicked }))
         };
         self.bodies(reading)?.into_iter().map(landmark).collect()
     }
@@ -339,6 +360,22 @@ pub(super) fn confidence(value: f64, at: &str) -> Result<f64, LandmarkError> {
         value: value.to_string(),
         expected: "a confidence from 0 to 1",
     })
+}
+
+/// The origin of a corner by its name in files.
+pub(super) fn origin(name: &str, at: &str) -> Result<Origin, LandmarkError> {
+    Origin::from_key(name).ok_or_else(|| LandmarkError::Unknown {
+        at: at.to_owned(),
+        what: "origin",
+        name: shown(name),
+        nearest: nearest(&shown(name), &Origin::ALL.map(Origin::key)),
+    })
+}
+
+/// The origins of a vertebra for a file; `None` where a person clicked all corners, as a file without them says.
+pub(super) fn stated_origins(landmark: &VertebraLandmarks) -> Option<[Origin; 4]> {
+    let is_clicked = landmark.origins == Corners::all(Origin::Clicked);
+    (!is_clicked).then(|| landmark.origins.points())
 }
 
 /// A pixel with plausible coordinates.

@@ -143,6 +143,11 @@ fn measured<'a>() -> Vec<Column<VertebraRow<'a>>> {
             "whether the film does not show the vertebra, so that its measured values are interpolated between its neighbours",
             |row| Some(!row.item.measured().is_measured()),
         ),
+        text(
+            "origin",
+            "how its corners came about: `clicked`, `completed`, `detected`, `accepted` or `adjusted`, and `mixed` where corners or readings differ; empty where no corners are known",
+            |row| row.item.measured().origin.map(|origin| origin.key().to_owned()),
+        ),
     ]
 }
 

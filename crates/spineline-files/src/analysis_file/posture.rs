@@ -4,7 +4,9 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use spineline::analysis::{LineComparison, PostureAnalysis, PreferredLine};
 use spineline::curve::{CurveFit, CurveForm};
-use spineline::measure::{FilmLength, FilmScale, Interpolation, LengthScale, MeasuredVertebra};
+use spineline::measure::{
+    FilmLength, FilmScale, Interpolation, LengthScale, MeasuredVertebra, Origin, VertebraOrigin,
+};
 use spineline::motion::SegmentEstimate;
 use spineline::personalize::{Crossing, LineTest};
 use spineline::spatial::{Angle, Frontal};
@@ -29,6 +31,11 @@ pub(super) struct PostureRecord {
     /// location errors. Absent where all are marked.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     interpolated: BTreeMap<LevelKey, InterpolatedRecord>,
+    /// How the corners of vertebrae came about that a person did not click in all readings: `completed`, `detected`, `accepted`,
+    /// `adjusted`, or `mixed` where corners or readings differ; the case has the origin of each corner. Absent where all were
+    /// clicked.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    origins: BTreeMap<LevelKey, String>,
     /// Lateral tilt of the line L4→T2 against the normal of the iliac line, or L4's axis.
     amplitude_deg: f64,
     noise: NoiseRecord,
@@ -267,6 +274,13 @@ impl EstimateRecord {
     }
 }
 
+/// The origin of a vertebra that was not clicked.
+fn origin(vertebra: &MeasuredVertebra) -> Option<(LevelKey, String)> {
+    let origin = vertebra.origin?;
+    let is_clicked = origin == VertebraOrigin::Alike(Origin::Clicked);
+    (!is_clicked).then(|| (LevelKey(vertebra.level), origin.key().to_owned()))
+}
+
 impl PostureRecord {
     /// The record of a posture; distances between segments are those on the erect film, in its scale.
     pub fn new(p: &PostureAnalysis, erect: &LengthScale) -> Self {
@@ -304,6 +318,7 @@ impl PostureRecord {
             locations_px: points(point_px),
             tilts_deg: by_level(vertebrae.iter().map(|v| v.tilt.deg()), levels),
             interpolated: p.outline.interpolated().map(interpolated).collect(),
+            origins: vertebrae.iter().filter_map(origin).collect(),
             amplitude_deg: p.outline.amplitude().deg(),
             noise: NoiseRecord {
                 location_mm: scale.mm(p.outline.noise.location_mm),

@@ -3,10 +3,10 @@
 use serde_json::Value;
 use spineline::analysis::{Analysis, AnalysisOptions, Case, analyze};
 use spineline::anatomy::{Level, Posture};
-use spineline::measure::FilmLandmarks;
+use spineline::measure::{Corners, FilmLandmarks, Origin};
 use spineline_files::{
-    AnalysisFile, CaseFile, FilmOrigin, ModelFile, ProgramRun, Provenance, Request, parse_load,
-    parse_model, to_text,
+    AnalysisFile, CaseFile, FilmOrigin, ModelFile, ProgramRun, Provenance, Request, parse_analysis,
+    parse_load, parse_model, to_text,
 };
 use spineline_phantom::{Readers, Truth, generate};
 
@@ -64,6 +64,29 @@ fn an_analysis_file_marks_interpolated_vertebrae_and_has_only_what_is_seen() {
     let case = whole();
     let file = json(&analyzed(&case), &case);
     assert!(file["postures"]["left_bending"].get("interpolated").is_none());
+}
+
+#[test]
+fn an_analysis_file_states_origins_where_a_person_did_not_click() {
+    let mut case = whole();
+    for film in case.films.iter_mut().filter(|film| film.posture == Posture::LeftBending) {
+        let FilmLandmarks::Corners { readings, .. } = &mut film.landmarks else { continue };
+        for landmark in readings.iter_mut().flat_map(|reading| reading.vertebrae.iter_mut()) {
+            match landmark {
+                (Level::T8, landmark) => landmark.origins = Corners::all(Origin::Adjusted),
+                (Level::T9, landmark) => landmark.origins.superior_left = Origin::Adjusted,
+                _ => {}
+            }
+        }
+    }
+    let file = json(&analyzed(&case), &case);
+    let expected = serde_json::json!({ "T9": "mixed", "T8": "adjusted" });
+    assert_eq!(file["postures"]["left_bending"]["origins"], expected);
+    // Where all corners were clicked there is no such key.
+    assert!(file["postures"]["erect"].get("origins").is_none());
+    // What the file says is enough to compute it again.
+    let stored = parse_analysis(&to_text(&file)).expect("our own file");
+    assert_eq!(json(&analyzed(&stored.case), &stored.case)["postures"], file["postures"]);
 }
 
 #[test]

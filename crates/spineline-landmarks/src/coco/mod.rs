@@ -5,10 +5,58 @@
 //! the centre of the first pixel, as in Spineline. Keypoints of visibility 0 were not placed.
 //!
 //! `keypoint_scores` of an annotation are confidences of its keypoints from 0 to 1, and `score` is one for all of them.
-//! Files of Spineline name the film of an image and the observer and repeat of an annotation in `spineline`.
+//! Files of Spineline name the film of an image and the observer and repeat of an annotation in `spineline`. Where a person did not
+//! click all corners of a vertebra, the `attributes` of its annotation are `superior_left_origin` and so on.
 
 mod read;
 mod write;
 
 pub use read::parse_coco;
 pub(super) use write::{CocoFilm, write};
+
+use serde::{Deserialize, Serialize};
+use spineline::measure::{CornerName, Origin};
+
+use crate::LandmarkError;
+use crate::film::origin;
+use crate::names::PointName;
+
+/// Origins of the corners of a vertebra among the attributes of an annotation, which are texts and numbers in other programs.
+#[derive(Debug, Clone, Default, Serialize, Deserialize)]
+struct Origins {
+    superior_left_origin: Option<String>,
+    superior_right_origin: Option<String>,
+    inferior_left_origin: Option<String>,
+    inferior_right_origin: Option<String>,
+}
+
+impl From<[Origin; 4]> for Origins {
+    fn from(origins: [Origin; 4]) -> Self {
+        let [
+            superior_left_origin,
+            superior_right_origin,
+            inferior_left_origin,
+            inferior_right_origin,
+        ] = origins.map(|origin| Some(origin.key().to_owned()));
+        Self {
+            superior_left_origin,
+            superior_right_origin,
+            inferior_left_origin,
+            inferior_right_origin,
+        }
+    }
+}
+
+impl Origins {
+    /// That of a keypoint, where it is stated.
+    fn of(&self, name: PointName, at: &str) -> Result<Option<Origin>, LandmarkError> {
+        let PointName::Corner(_, corner) = name else { return Ok(None) };
+        let key = match corner {
+            CornerName::SuperiorLeft => &self.superior_left_origin,
+            CornerName::SuperiorRight => &self.superior_right_origin,
+            CornerName::InferiorLeft => &self.inferior_left_origin,
+            CornerName::InferiorRight => &self.inferior_right_origin,
+        };
+        key.as_ref().map(|key| origin(key, at)).transpose()
+    }
+}

@@ -4,6 +4,7 @@ use serde::Deserialize;
 use spineline::measure::{CornerName, Reading, ReadingId};
 use spineline::spatial::Pixel;
 
+use super::Origins;
 use crate::film::{Points, merge_crests, pixel};
 use crate::identity::Identity;
 use crate::json::parse_foreign;
@@ -50,6 +51,7 @@ struct Annotation {
     keypoint_scores: Option<Vec<f64>>,
     /// Confidence of all of them.
     score: Option<f64>,
+    attributes: Option<serde_json::Value>,
     #[serde(default, rename = "spineline")]
     identity: Identity,
 }
@@ -149,6 +151,12 @@ impl Annotation {
         if let Some(scores) = self.keypoint_scores.as_ref().filter(|s| s.len() != names.len()) {
             return Err(count(scores.len(), "keypoint_scores"));
         }
+        // Attributes of other programs are theirs.
+        let origins: Origins = self
+            .attributes
+            .as_ref()
+            .and_then(|found| serde_json::from_value(found.clone()).ok())
+            .unwrap_or_default();
         for (place, (name, values)) in names.iter().zip(self.keypoints.chunks_exact(3)).enumerate()
         {
             let at = format!("{at}, `{name}`");
@@ -158,6 +166,7 @@ impl Annotation {
                     points.insert(*name, pixel(values[0], values[1], &at)?, &at)?;
                     let score = self.keypoint_scores.as_ref().map(|scores| scores[place]);
                     points.set_confidence(*name, score.or(self.score), &at)?;
+                    points.set_origin(*name, origins.of(*name, &at)?);
                 }
                 other => {
                     return Err(LandmarkError::Value {

@@ -3,6 +3,8 @@ use spineline::anatomy::{Level, Posture};
 use spineline::measure::{CornerName, IliacCrests, ImageGeometry, Reading, VertebraLandmarks};
 use spineline::spatial::Pixel;
 
+use super::Origins;
+use crate::film::stated_origins;
 use crate::identity::Identity;
 use crate::names::{CREST_LEFT, CREST_RIGHT};
 
@@ -48,6 +50,8 @@ struct Annotation {
     bbox: [f64; 4],
     area: f64,
     iscrowd: u8,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    attributes: Option<Origins>,
     spineline: Identity,
 }
 
@@ -70,12 +74,13 @@ pub fn write(films: Vec<CocoFilm<'_>>) -> String {
                 let identity = Identity::default().with_reading(&reading.id);
                 let points = landmark.corners.points();
                 let scores = landmark.confidence.map(|corners| corners.points());
-                annotations.push((image_id, category(level)), &points, scores, identity);
+                let origins = stated_origins(landmark).map(Origins::from);
+                annotations.push((image_id, category(level)), &points, (scores, origins), identity);
             }
         }
         if let Some(crests) = film.iliac_crests {
             let points = [crests.left, crests.right];
-            annotations.push((image_id, CRESTS_ID), &points, None, Identity::default());
+            annotations.push((image_id, CRESTS_ID), &points, (None, None), Identity::default());
         }
         images.push(Image {
             id: image_id,
@@ -118,7 +123,7 @@ impl Annotations {
         &mut self,
         (image_id, category_id): (usize, usize),
         points: &[Pixel],
-        keypoint_scores: Option<[f64; 4]>,
+        (keypoint_scores, attributes): (Option<[f64; 4]>, Option<Origins>),
         spineline: Identity,
     ) {
         let range = |value: fn(&Pixel) -> f64| {
@@ -141,6 +146,7 @@ impl Annotations {
             bbox: [column, row, width, height],
             area: width * height,
             iscrowd: 0,
+            attributes,
             spineline,
         });
     }

@@ -4,13 +4,17 @@
 //! `observer`, `repeat` and `axis_clockwise_deg` need not. A row whose vertebra is `iliac_crests` holds the tips of the
 //! patient's left and right crest in the `superior_left` and `superior_right` columns, and nothing in the other corners.
 //! Confidences of corners that a program found, from 0 to 1, stand in `superior_left_confidence` and so on: all four or none
-//! of them. A film that another program measured has `location_left_mm`, `location_cranial_mm` and `tilt_right_deg` in place of
+//! of them. How corners came about (`clicked`, `completed`, `detected`, `accepted`, `adjusted`) stands in
+//! `superior_left_origin` and so on, an empty cell being a clicked corner; the walls that corners were completed from in
+//! `left_wall_column_px` and so on, and the standard deviation of detected corners, as a part of the body's height, in
+//! `corner_sd_share`. A film that another program measured has `location_left_mm`, `location_cranial_mm` and `tilt_right_deg` in place of
 //! corners.
 //!
 //! # Separators
 //! The heading decides: commas, semicolons or tabs, and only one of them. Beside commas the decimal mark is a point. Beside
 //! semicolons and tabs it may be a comma or a point, but the same one in the whole file, and nothing separates thousands.
 
+mod columns;
 mod read;
 mod write;
 
@@ -47,6 +51,20 @@ pub(super) const CONFIDENCES: [&str; 4] = [
     "inferior_left_confidence",
     "inferior_right_confidence",
 ];
+
+/// Origin of each corner, in the same order.
+pub(super) const ORIGINS: [&str; 4] = [
+    "superior_left_origin",
+    "superior_right_origin",
+    "inferior_left_origin",
+    "inferior_right_origin",
+];
+
+/// Column and row of the middles of the left and the right wall.
+pub(super) const WALLS: [&str; 4] =
+    ["left_wall_column_px", "left_wall_row_px", "right_wall_column_px", "right_wall_row_px"];
+
+pub(super) const SD_SHARE: &str = "corner_sd_share";
 
 /// What makes a spreadsheet take a cell for a formula.
 pub(super) fn starts_formula(cell: &str) -> bool {

@@ -2,15 +2,18 @@ use std::collections::BTreeMap;
 
 use csv::{ByteRecord, ReaderBuilder, Trim};
 use spineline::anatomy::{Level, Named, Posture};
-use spineline::measure::{Corners, IliacCrests, Placement, Reading, ReadingId, VertebraLandmarks};
-use spineline::spatial::{Angle, Frontal};
+use spineline::measure::{
+    Corners, IliacCrests, Origin, Placement, Reading, ReadingId, VertebraLandmarks,
+};
+use spineline::spatial::{Angle, Frontal, Pixel};
 use spineline_files::nearest;
 
+use super::columns::{Columns, Values};
 use super::{
-    AXIS, CONFIDENCES, CORNERS, CRESTS, MAX_ROWS, OBSERVER, PLACED, POSTURE, REPEAT, VERTEBRA,
-    starts_formula,
+    AXIS, CONFIDENCES, CORNERS, CRESTS, MAX_ROWS, OBSERVER, ORIGINS, PLACED, POSTURE, REPEAT,
+    SD_SHARE, VERTEBRA, WALLS, starts_formula,
 };
-use crate::film::{confidence, merge_crests, pixel};
+use crate::film::{confidence, merge_crests, origin, pixel};
 use crate::names::{coordinate, observer, parse_level, shown};
 use crate::{
     LandmarkError, LandmarkFile, LandmarkFormat, LandmarkHint, LandmarkReadings, MarkedFilm,
@@ -89,100 +92,6 @@ fn read(reader: &mut csv::Reader<&[u8]>, record: &mut ByteRecord) -> Result<bool
     })
 }
 
-/// Where the columns stand.
-struct Columns {
-    count: usize,
-    vertebra: usize,
-    posture: Option<usize>,
-    observer: Option<usize>,
-    repeat: Option<usize>,
-    axis: Option<usize>,
-    confidences: Option<[usize; 4]>,
-    values: Values,
-}
-
-enum Values {
-    Corners([usize; 8]),
-    Placements([usize; 3]),
-}
-
-impl Columns {
-    fn of(heading: &ByteRecord) -> Result<Self, LandmarkError> {
-        let places = places(heading)?;
-        let get = |name: &str| places.get(name).copied();
-        let need = |name: &'static str| {
-            get(name).ok_or_else(|| LandmarkError::Missing {
-                at: "line 1".to_owned(),
-                what: format!("the column `{name}`"),
-            })
-        };
-        let placed = PLACED.iter().any(|name| get(name).is_some());
-        let of_corners = || CORNERS.iter().chain(&CONFIDENCES).chain([&AXIS]);
-        if placed && of_corners().any(|name| get(name).is_some()) {
-            return Err(LandmarkError::Ambiguous {
-                at: "line 1".to_owned(),
-                reason:
-                    "the table has columns of corners and of locations; only one kind is allowed"
-                        .to_owned(),
-            });
-        }
-        let values = if placed {
-            let [left, cranial, tilt] = PLACED;
-            Values::Placements([need(left)?, need(cranial)?, need(tilt)?])
-        } else {
-            let mut corners = [0; 8];
-            for (place, name) in corners.iter_mut().zip(CORNERS) {
-                *place = need(name)?;
-            }
-            Values::Corners(corners)
-        };
-        let confidences = if CONFIDENCES.iter().any(|name| get(name).is_some()) {
-            let mut columns = [0; 4];
-            for (place, name) in columns.iter_mut().zip(CONFIDENCES) {
-                *place = need(name)?;
-            }
-            Some(columns)
-        } else {
-            None
-        };
-        Ok(Self {
-            count: heading.len(),
-            vertebra: need(VERTEBRA)?,
-            posture: get(POSTURE),
-            observer: get(OBSERVER),
-            repeat: get(REPEAT),
-            axis: get(AXIS),
-            confidences,
-            values,
-        })
-    }
-}
-
-/// Where every column of a heading is.
-fn places(heading: &ByteRecord) -> Result<BTreeMap<&'static str, usize>, LandmarkError> {
-    let known: Vec<&'static str> = [POSTURE, OBSERVER, REPEAT, VERTEBRA, AXIS]
-        .into_iter()
-        .chain(CORNERS)
-        .chain(PLACED)
-        .chain(CONFIDENCES)
-        .collect();
-    let mut places = BTreeMap::new();
-    for (place, cell) in heading.iter().enumerate() {
-        let at = || format!("line 1, column {}", place + 1);
-        let name = String::from_utf8_lossy(cell);
-        let Some(&column) = known.iter().find(|known| **known == name) else {
-            let nearest = nearest(&shown(&name), &known);
-            let name = shown(&name);
-            return Err(LandmarkError::Unknown { at: at(), what: "column", name, nearest });
-        };
-        if places.insert(column, place).is_some() {
-            let what = format!("the column `{column}`");
-            return Err(LandmarkError::Duplicate { at: at(), what, first: None });
-        }
-    }
-    Ok(places)
-}
-
 /// Rows of one film read so far.
 #[derive(Default)]
 struct FilmRows {
@@ -230,22 +139,19 @@ impl Table<'_> {
                     }
                     _ => None,
                 };
-                let confidence = self.confidence(record, line)?;
-                let [superior_left, superior_right, inferior_left, inferior_right] = points;
-                let corners =
-                    Corners { superior_left, superior_right, inferior_left, inferior_right };
+                let landmarks = VertebraLandmarks {
+                    axis_clockwise,
+                    confidence: self.confidence(record, line)?,
+                    origins: self.origins(record, line)?,
+                    walls: self.walls(record, line)?,
+                    sd_share: self.sd_share(record, line)?,
+                    ..VertebraLandmarks::clicked(in_order(points))
+                };
                 let film = self.films.entry(posture).or_default();
                 let reading = film.landmarks.entry(id.clone()).or_default();
                 match reading.get(&level) {
                     Some((_, first)) => return Err(twice(*first)),
-                    None => {
-                        let landmarks = VertebraLandmarks {
-                            axis_clockwise,
-                            confidence,
-                            ..VertebraLandmarks::clicked(corners)
-                        };
-                        reading.insert(level, (landmarks, line))
-                    }
+                    None => reading.insert(level, (landmarks, line)),
                 };
             }
             Values::Placements(columns) => {
@@ -278,8 +184,56 @@ impl Table<'_> {
             let value = self.number(record, columns[i], line, CONFIDENCES[i])?;
             values[i] = confidence(value, &place(line, CONFIDENCES[i]))?;
         }
-        let [superior_left, superior_right, inferior_left, inferior_right] = values;
-        Ok(Some(Corners { superior_left, superior_right, inferior_left, inferior_right }))
+        Ok(Some(in_order(values)))
+    }
+
+    /// The origins of a row; a corner without one is clicked.
+    fn origins(&self, record: &ByteRecord, line: u64) -> Result<Corners<Origin>, LandmarkError> {
+        let mut origins = [Origin::Clicked; 4];
+        for (i, column) in self.columns.origins.into_iter().flatten().enumerate() {
+            let cell = text(record, column, line, ORIGINS[i])?;
+            if !cell.is_empty() {
+                origins[i] = origin(cell, &place(line, ORIGINS[i]))?;
+            }
+        }
+        Ok(in_order(origins))
+    }
+
+    /// The middles of the walls of a row, each with both coordinates or none.
+    fn walls(
+        &mut self,
+        record: &ByteRecord,
+        line: u64,
+    ) -> Result<[Option<Pixel>; 2], LandmarkError> {
+        let mut walls = [None; 2];
+        let Some(columns) = self.columns.walls else { return Ok(walls) };
+        for (side, wall) in walls.iter_mut().enumerate() {
+            let [column, row] = [2 * side, 2 * side + 1];
+            if [column, row].iter().all(|&i| record[columns[i]].is_empty()) {
+                continue;
+            }
+            let [column, row] =
+                [column, row].map(|i| self.number(record, columns[i], line, WALLS[i]));
+            *wall = Some(pixel(column?, row?, &format!("line {line}"))?);
+        }
+        Ok(walls)
+    }
+
+    /// The deviation of detected corners as a part of the body's height.
+    fn sd_share(&mut self, record: &ByteRecord, line: u64) -> Result<Option<f64>, LandmarkError> {
+        let Some(column) = self.columns.sd_share.filter(|&column| !record[column].is_empty())
+        else {
+            return Ok(None);
+        };
+        let share = self.number(record, column, line, SD_SHARE)?;
+        if share > 0.0 {
+            return Ok(Some(share));
+        }
+        Err(LandmarkError::Value {
+            at: place(line, SD_SHARE),
+            value: share.to_string(),
+            expected: "a standard deviation above zero",
+        })
     }
 
     fn crests(
@@ -319,7 +273,7 @@ impl Table<'_> {
         record: &ByteRecord,
         line: u64,
         columns: [usize; 8],
-    ) -> Result<[spineline::spatial::Pixel; 4], LandmarkError> {
+    ) -> Result<[Pixel; 4], LandmarkError> {
         let mut values = [0.0; 8];
         for i in 0..8 {
             values[i] = self.number(record, columns[i], line, CORNERS[i])?;
@@ -429,6 +383,13 @@ impl Table<'_> {
             remarks: Vec::new(),
         })
     }
+}
+
+/// Corners from values in the order of the columns.
+fn in_order<T>(
+    [superior_left, superior_right, inferior_left, inferior_right]: [T; 4],
+) -> Corners<T> {
+    Corners { superior_left, superior_right, inferior_left, inferior_right }
 }
 
 fn readings<T>(rows: BTreeMap<ReadingId, BTreeMap<Level, (T, u64)>>) -> Vec<Reading<T>> {

@@ -1,10 +1,14 @@
 use csv::{Terminator, WriterBuilder};
-use spineline::measure::{Film, FilmLandmarks, Reading};
+use spineline::measure::{Film, FilmLandmarks, Origin, Reading, VertebraLandmarks};
 use spineline::spatial::Pixel;
 
 use super::read::guarded;
-use super::{AXIS, CONFIDENCES, CORNERS, CRESTS, OBSERVER, PLACED, POSTURE, REPEAT, VERTEBRA};
+use super::{
+    AXIS, CONFIDENCES, CORNERS, CRESTS, OBSERVER, ORIGINS, PLACED, POSTURE, REPEAT, SD_SHARE,
+    VERTEBRA, WALLS,
+};
 use crate::LandmarkExportError;
+use crate::film::stated_origins;
 
 /// The table of some films, all of one kind; commas, points, line feeds.
 pub fn write(films: &[&Film]) -> Result<String, LandmarkExportError> {
@@ -14,20 +18,21 @@ pub fn write(films: &[&Film]) -> Result<String, LandmarkExportError> {
         return Err(LandmarkExportError::MixedKinds);
     }
     // Columns that no film needs are left out.
-    let with_confidence = films.iter().any(|film| has_confidence(film));
+    let optional: Vec<Optional> = Optional::ALL
+        .into_iter()
+        .filter(|part| films.iter().any(|film| part.is_in(film)))
+        .collect();
     let mut heading = vec![POSTURE, OBSERVER, REPEAT, VERTEBRA];
     if marked > 0 {
         heading.extend(CORNERS);
         heading.push(AXIS);
-        if with_confidence {
-            heading.extend(CONFIDENCES);
-        }
+        heading.extend(optional.iter().flat_map(|part| part.columns()));
     } else {
         heading.extend(PLACED);
     }
     let mut rows = vec![heading.into_iter().map(str::to_owned).collect()];
     for film in films {
-        add_film(film, with_confidence, &mut rows)?;
+        add_film(film, &optional, &mut rows)?;
     }
     let mut table = WriterBuilder::new().terminator(Terminator::Any(b'\n')).from_writer(Vec::new());
     let encode = |error: String| LandmarkExportError::Encode(error);
@@ -38,15 +43,59 @@ pub fn write(films: &[&Film]) -> Result<String, LandmarkExportError> {
     String::from_utf8(bytes).map_err(|error| encode(error.to_string()))
 }
 
-fn has_confidence(film: &Film) -> bool {
-    let FilmLandmarks::Corners { readings, .. } = &film.landmarks else { return false };
-    let mut landmarks = readings.iter().flat_map(|reading| reading.vertebrae.values());
-    landmarks.any(|landmark| landmark.confidence.is_some())
+/// Columns after those of corners and axes.
+#[derive(Clone, Copy)]
+enum Optional {
+    Confidences,
+    Origins,
+    Walls,
+    SdShare,
+}
+
+impl Optional {
+    const ALL: [Self; 4] = [Self::Confidences, Self::Origins, Self::Walls, Self::SdShare];
+
+    fn columns(self) -> &'static [&'static str] {
+        match self {
+            Self::Confidences => &CONFIDENCES,
+            Self::Origins => &ORIGINS,
+            Self::Walls => &WALLS,
+            Self::SdShare => &[SD_SHARE],
+        }
+    }
+
+    /// Whether some vertebra of a film has a value.
+    fn is_in(self, film: &Film) -> bool {
+        let FilmLandmarks::Corners { readings, .. } = &film.landmarks else { return false };
+        let mut landmarks = readings.iter().flat_map(|reading| reading.vertebrae.values());
+        landmarks.any(|landmark| self.cells(landmark).iter().any(|cell| !cell.is_empty()))
+    }
+
+    fn cells(self, landmark: &VertebraLandmarks) -> Vec<String> {
+        let four = |values: Option<[String; 4]>| values.unwrap_or_default().to_vec();
+        match self {
+            Self::Confidences => {
+                let values = landmark.confidence.map(|corners| corners.points());
+                four(values.map(|values| values.map(|value| value.to_string())))
+            }
+            Self::Origins => four(
+                stated_origins(landmark).map(|origins| origins.map(Origin::key).map(str::to_owned)),
+            ),
+            Self::Walls => {
+                let wall = |place: Option<Pixel>| match place {
+                    Some(place) => [place.column_px.to_string(), place.row_px.to_string()],
+                    None => Default::default(),
+                };
+                landmark.walls.into_iter().flat_map(wall).collect()
+            }
+            Self::SdShare => vec![landmark.sd_share.map_or(String::new(), |sd| sd.to_string())],
+        }
+    }
 }
 
 fn add_film(
     film: &Film,
-    with_confidence: bool,
+    optional: &[Optional],
     rows: &mut Vec<Vec<String>>,
 ) -> Result<(), LandmarkExportError> {
     let posture = film.posture.key();
@@ -56,7 +105,8 @@ fn add_film(
                 let mut row =
                     vec![posture.to_owned(), String::new(), String::new(), CRESTS.to_owned()];
                 row.extend(cells([crests.left, crests.right]));
-                row.extend(vec![String::new(); if with_confidence { 9 } else { 5 }]);
+                let more: usize = optional.iter().map(|part| part.columns().len()).sum();
+                row.extend(vec![String::new(); 5 + more]);
                 rows.push(row);
             }
             for reading in readings {
@@ -68,12 +118,7 @@ fn add_film(
                     row.push(axis.map_or(String::new(), |axis| {
                         ((axis.deg() * 1e9).round() / 1e9).to_string()
                     }));
-                    if with_confidence {
-                        let confidences = landmark.confidence.map(|corners| corners.points());
-                        row.extend(confidences.map_or_else(Default::default, |values| {
-                            values.map(|value| value.to_string())
-                        }));
-                    }
+                    row.extend(optional.iter().flat_map(|part| part.cells(landmark)));
                     rows.push(row);
                 }
             }

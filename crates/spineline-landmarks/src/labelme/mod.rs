@@ -5,7 +5,8 @@
 //! One whose uppermost side has a tilt of more than 40° could be meant in two ways, and is refused; so is a mixture of points and
 //! quadrilaterals for one vertebra.
 //!
-//! A shape may have a `score`, the confidence of a program from 0 to 1. Files of Spineline name film, observer and repeat in
+//! A shape may have a `score`, the confidence of a program from 0 to 1, and one of the flags `origin_clicked`, `origin_completed`,
+//! `origin_detected`, `origin_accepted` and `origin_adjusted`; without one it was clicked. Files of Spineline name film, observer and repeat in
 //! `spineline`, which labelme keeps when it saves.
 
 mod read;
@@ -14,5 +15,12 @@ mod write;
 pub use read::parse_labelme;
 pub(super) use write::write;
 
+use spineline::measure::Origin;
+
 /// labelme counts from the corner of the first pixel, and Spineline from its centre.
 const HALF_PIXEL: f64 = 0.5;
+
+/// The flag of a point of an origin.
+fn flag(origin: Origin) -> String {
+    format!("origin_{}", origin.key())
+}

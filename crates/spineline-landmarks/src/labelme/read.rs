@@ -1,9 +1,11 @@
+use std::collections::BTreeMap;
+
 use serde::Deserialize;
 use spineline::anatomy::ImageSide;
-use spineline::measure::{CornerName, Reading};
+use spineline::measure::{CornerName, Origin, Reading};
 use spineline::spatial::{Angle, Pixel};
 
-use super::HALF_PIXEL;
+use super::{HALF_PIXEL, flag};
 use crate::film::{Points, from_image_sides, pixel};
 use crate::identity::Identity;
 use crate::json::parse_foreign;
@@ -34,6 +36,8 @@ struct Shape {
     shape_type: Option<String>,
     /// Confidence of what a program found.
     score: Option<f64>,
+    #[serde(default)]
+    flags: Option<BTreeMap<String, bool>>,
 }
 
 /// Reads an annotation of labelme.
@@ -48,6 +52,7 @@ pub fn parse_labelme(bytes: &[u8], hint: &LandmarkHint) -> Result<LandmarkFile, 
         for (name, point) in landmarks_of(shape, hint, &at)? {
             points.insert(name, point, &at)?;
             points.set_confidence(name, shape.score, &at)?;
+            points.set_origin(name, origin_of(shape, &at)?);
         }
     }
     if points.is_empty() {
@@ -70,6 +75,23 @@ pub fn parse_labelme(bytes: &[u8], hint: &LandmarkHint) -> Result<LandmarkFile, 
     };
     let remarks = points.remarks();
     Ok(LandmarkFile { format: LandmarkFormat::Labelme, films: vec![film], remarks })
+}
+
+/// The origin that a shape is flagged with; other flags are the user's own.
+fn origin_of(shape: &Shape, at: &str) -> Result<Option<Origin>, LandmarkError> {
+    let set = |origin: &Origin| {
+        let flags = shape.flags.as_ref();
+        flags.is_some_and(|flags| flags.get(&flag(*origin)).copied().unwrap_or(false))
+    };
+    let found: Vec<Origin> = Origin::ALL.into_iter().filter(set).collect();
+    match found[..] {
+        [] => Ok(None),
+        [one] => Ok(Some(one)),
+        _ => Err(LandmarkError::Ambiguous {
+            at: at.to_owned(),
+            reason: "it is flagged with several origins".to_owned(),
+        }),
+    }
 }
 
 /// The landmark of a point, or the four corners of a quadrilateral.

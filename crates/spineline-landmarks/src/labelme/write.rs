@@ -1,9 +1,14 @@
+use std::collections::BTreeMap;
+
 use serde::Serialize;
 use spineline::anatomy::Level;
-use spineline::measure::{CornerName, IliacCrests, ImageGeometry, Reading, VertebraLandmarks};
+use spineline::measure::{
+    CornerName, IliacCrests, ImageGeometry, Origin, Reading, VertebraLandmarks,
+};
 use spineline::spatial::Pixel;
 
-use super::HALF_PIXEL;
+use super::{HALF_PIXEL, flag};
+use crate::film::stated_origins;
 use crate::identity::Identity;
 use crate::names::PointName;
 
@@ -33,7 +38,7 @@ struct Shape {
     points: [[f64; 2]; 1],
     group_id: Option<()>,
     shape_type: &'static str,
-    flags: Nothing,
+    flags: BTreeMap<String, bool>,
     #[serde(skip_serializing_if = "Option::is_none")]
     score: Option<f64>,
 }
@@ -50,8 +55,8 @@ pub fn write(
         shapes.extend(corners(level, landmark));
     }
     if let Some(crests) = iliac_crests {
-        shapes.push(Shape::new(PointName::CrestLeft, crests.left, None));
-        shapes.push(Shape::new(PointName::CrestRight, crests.right, None));
+        shapes.push(Shape::new(PointName::CrestLeft, crests.left, None, None));
+        shapes.push(Shape::new(PointName::CrestRight, crests.right, None, None));
     }
     let annotation = Annotation {
         version: VERSION,
@@ -69,20 +74,22 @@ pub fn write(
 fn corners(level: Level, landmark: &VertebraLandmarks) -> [Shape; 4] {
     let points = landmark.corners.points();
     let confidences = landmark.confidence.map(|corners| corners.points());
+    let origins = stated_origins(landmark);
     std::array::from_fn(|i| {
         let name = PointName::Corner(level, CornerName::ALL[i]);
-        Shape::new(name, points[i], confidences.map(|values| values[i]))
+        let score = confidences.map(|values| values[i]);
+        Shape::new(name, points[i], score, origins.map(|origins| origins[i]))
     })
 }
 
 impl Shape {
-    fn new(name: PointName, point: Pixel, score: Option<f64>) -> Self {
+    fn new(name: PointName, point: Pixel, score: Option<f64>, origin: Option<Origin>) -> Self {
         Self {
             label: name.to_string(),
             points: [[point.column_px + HALF_PIXEL, point.row_px + HALF_PIXEL]],
             group_id: None,
             shape_type: "point",
-            flags: Nothing {},
+            flags: origin.into_iter().map(|origin| (flag(origin), true)).collect(),
             score,
         }
     }

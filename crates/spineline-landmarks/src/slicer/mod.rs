@@ -11,7 +11,8 @@
 //!
 //! # What Slicer keeps
 //! Slicer drops keys that it does not know when it saves a list, but keeps the description of every point. What the list is
-//! about therefore stands there, as a small JSON object: film, observer, repeat, frame and pixel spacing.
+//! about therefore stands there, as a small JSON object: film, observer, repeat, frame and pixel spacing, and the origin of a point that
+//! nobody clicked.
 //!
 //! # References
 //! Slicer's schema of markups, version 1.0.3.
@@ -39,6 +40,9 @@ struct Description {
     /// Column and row spacing that the coordinates were made with, in the image's frame.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     spacing_mm: Option<[f64; 2]>,
+    /// How the point came about, where nobody clicked it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    origin: Option<String>,
 }
 
 /// Points may be off their plane by rounding only.

@@ -5,11 +5,11 @@ use spineline::anatomy::{Level, Named, Posture};
 use spineline::measure::{
     Corners, IliacCrests, Placement, Reading, ReadingId, TiltRule, VertebraLandmarks,
 };
-use spineline::spatial::Frontal;
+use spineline::spatial::{Frontal, Pixel};
 use spineline_files::nearest;
 
 use super::{Description, PLANE_TOLERANCE_MM, SlicerFrame};
-use crate::film::{Points, merge_crests, pixel};
+use crate::film::{Points, merge_crests, origin, pixel};
 use crate::json::parse_foreign;
 use crate::names::{PointName, coordinate, observer, shown};
 use crate::{
@@ -138,6 +138,8 @@ fn gather(
             *place = coordinate(value * unit_mm, &at)? * sign;
         }
         list.points.insert(name, lps, &at)?;
+        let about = own_description(point).and_then(|about| about.origin);
+        list.points.set_origin(name, about.map(|key| origin(&key, &at)).transpose()?);
     }
     Ok(())
 }
@@ -208,12 +210,18 @@ fn unit_mm(markup: &Markup, at: &str) -> Result<f64, LandmarkError> {
     }
 }
 
+/// The description of a point, where it is ours: any other text there is the user's own.
+fn own_description(point: &ControlPoint) -> Option<Description> {
+    serde_json::from_str(&point.description).ok()
+}
+
 /// The description that the points of a list share, where it is ours; points added in Slicer have none.
 fn description(markup: &Markup, at: &str) -> Result<Option<Description>, LandmarkError> {
     let mut found: Option<Description> = None;
     for point in &markup.control_points {
-        // Any other text there is the user's own.
-        let Ok(about) = serde_json::from_str::<Description>(&point.description) else { continue };
+        let Some(about) = own_description(point) else { continue };
+        // What its points have of their own.
+        let about = Description { origin: None, ..about };
         if about.spineline != 1 || about.repeat == 0 {
             return Err(LandmarkError::Value {
                 at: format!("{at}, `{}`, description", shown(&point.label)),
@@ -260,7 +268,7 @@ impl List {
                         inferior_left: to_pixel(body.inferior_left)?,
                         inferior_right: to_pixel(body.inferior_right)?,
                     };
-                    vertebrae.insert(level, VertebraLandmarks::clicked(corners));
+                    vertebrae.insert(level, self.landmark(level, corners));
                 }
                 let crests = match self.points.crests(&self.at)? {
                     Some([left, right]) => {
@@ -276,10 +284,10 @@ impl List {
                 match hint.image {
                     Some(image) => {
                         let to_pixel = |p: Lps| image.pixel(frontal(p));
-                        let landmark =
-                            |body: Corners<Lps>| VertebraLandmarks::clicked(body.map(to_pixel));
-                        let vertebrae =
-                            bodies.into_iter().map(|(l, body)| (l, landmark(body))).collect();
+                        let landmark = |(level, body): (Level, Corners<Lps>)| {
+                            (level, self.landmark(level, body.map(to_pixel)))
+                        };
+                        let vertebrae = bodies.into_iter().map(landmark).collect();
                         let crests = self.points.crests(&self.at)?;
                         let crests = crests.map(|[left, right]| IliacCrests {
                             left: to_pixel(left),
@@ -293,6 +301,11 @@ impl List {
             }
         }
         Ok(())
+    }
+
+    fn landmark(&self, level: Level, corners: Corners<Pixel>) -> VertebraLandmarks {
+        let origins = self.points.origins(level);
+        VertebraLandmarks { origins, ..VertebraLandmarks::clicked(corners) }
     }
 
     fn placements(

@@ -1,9 +1,10 @@
 use serde_json::{Value, json};
-use spineline::measure::{CornerName, Film, FilmLandmarks};
+use spineline::measure::{CornerName, Film, FilmLandmarks, Origin};
 use spineline::spatial::Pixel;
 
 use super::{Description, SlicerFrame};
 use crate::LandmarkExportError;
+use crate::film::stated_origins;
 use crate::names::PointName;
 
 const SCHEMA: &str = "https://raw.githubusercontent.com/slicer/slicer/master/Modules/Loadable/Markups/Resources/Schema/markups-schema-v1.0.3.json#";
@@ -23,16 +24,20 @@ pub fn write(film: &Film) -> Result<String, LandmarkExportError> {
             repeat: reading.id.repeat,
             frame: SlicerFrame::Image,
             spacing_mm: Some(steps),
+            origin: None,
         };
         let mut points = Vec::new();
         // The crests belong to the film; its first list carries them.
         if let Some(crests) = iliac_crests.filter(|_| place == 0) {
-            points.push((PointName::CrestLeft, crests.left));
-            points.push((PointName::CrestRight, crests.right));
+            points.push((PointName::CrestLeft, crests.left, None));
+            points.push((PointName::CrestRight, crests.right, None));
         }
         for (&level, landmark) in &reading.vertebrae {
-            let named = CornerName::ALL.into_iter().zip(landmark.corners.points());
-            points.extend(named.map(|(corner, point)| (PointName::Corner(level, corner), point)));
+            let origins = stated_origins(landmark);
+            points.extend(CornerName::ALL.into_iter().map(|corner| {
+                let origin = origins.map(|origins| origins[corner as usize]);
+                (PointName::Corner(level, corner), corner.of(&landmark.corners), origin)
+            }));
         }
         lists.push(list(&description, &points, steps)?);
     }
@@ -48,16 +53,17 @@ pub fn write(film: &Film) -> Result<String, LandmarkExportError> {
 
 fn list(
     about: &Description,
-    points: &[(PointName, Pixel)],
+    points: &[(PointName, Pixel, Option<Origin>)],
     [column_mm, row_mm]: [f64; 2],
 ) -> Result<Value, LandmarkExportError> {
-    let description = serde_json::to_string(about)
-        .map_err(|error| LandmarkExportError::Encode(error.to_string()))?;
-    let control: Vec<Value> = points
+    let control = points
         .iter()
         .enumerate()
-        .map(|(place, (name, point))| {
-            json!({
+        .map(|(place, (name, point, origin))| {
+            let origin = origin.map(|origin| origin.key().to_owned());
+            let description = serde_json::to_string(&Description { origin, ..about.clone() })
+                .map_err(|error| LandmarkExportError::Encode(error.to_string()))?;
+            Ok(json!({
                 "id": (place + 1).to_string(),
                 "label": name.to_string(),
                 "description": description,
@@ -68,9 +74,9 @@ fn list(
                 "locked": false,
                 "visibility": true,
                 "positionStatus": "defined",
-            })
+            }))
         })
-        .collect();
+        .collect::<Result<Vec<Value>, LandmarkExportError>>()?;
     Ok(json!({
         "type": "Fiducial",
         "name": format!("{} {} {}", about.film, about.observer, about.repeat),

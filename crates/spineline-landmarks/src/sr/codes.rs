@@ -1,6 +1,7 @@
 //! Coded concepts.
 
 use spineline::anatomy::{Level, Posture, Region, Side};
+use spineline::measure::{CornerName, Origin};
 
 /// Designator of our own coding scheme; its values have at most the 16 characters of a Code Value.
 pub const SCHEME: &str = "99SPINELINE";
@@ -89,6 +90,31 @@ pub const fn posture(posture: Posture) -> Code {
         Posture::RightBending => Code("right_bending", SCHEME, "Bending to the right"),
         Posture::Neutral => Code("neutral", SCHEME, "Lying at rest"),
         Posture::Traction => Code("traction", SCHEME, "Lying under traction"),
+    }
+}
+
+/// The name of the origin of a corner.
+pub const fn origin_of(corner: CornerName) -> Code {
+    match corner {
+        CornerName::SuperiorLeft => Code("origin-sup-left", SCHEME, "Origin, superior left corner"),
+        CornerName::SuperiorRight => {
+            Code("origin-sup-right", SCHEME, "Origin, superior right corner")
+        }
+        CornerName::InferiorLeft => Code("origin-inf-left", SCHEME, "Origin, inferior left corner"),
+        CornerName::InferiorRight => {
+            Code("origin-inf-right", SCHEME, "Origin, inferior right corner")
+        }
+    }
+}
+
+/// How a corner came about.
+pub const fn origin(origin: Origin) -> Code {
+    match origin {
+        Origin::Clicked => Code("clicked", SCHEME, "Clicked by a person"),
+        Origin::Completed => Code("completed", SCHEME, "Completed from other landmarks"),
+        Origin::Detected => Code("detected", SCHEME, "Found by a program in the picture"),
+        Origin::Accepted => Code("accepted", SCHEME, "Proposed by a program, accepted by a person"),
+        Origin::Adjusted => Code("adjusted", SCHEME, "Proposed by a program, moved by a person"),
     }
 }
 

@@ -1,7 +1,7 @@
 //! DICOM reports of landmarks: Comprehensive SR after the template TID 1500 (Measurement Report), one per reading.
 //!
 //! A report holds one measurement group (TID 1501) per vertebra with its site, its tilt and its location, inferred from the
-//! four corners on the radiograph; one for the iliac line; and one per curve with its Cobb angle. The observer is the code that
+//! four corners on the radiograph, with the origin of each corner where a person did not click all; one for the iliac line; and one per curve with its Cobb angle. The observer is the code that
 //! the case has for a reader, so that a report is no more personal than the radiograph that it is about.
 //!
 //! Places of a spatial coordinate count from the *corner* of the first pixel; ours count from its centre, so half a pixel is

@@ -4,13 +4,15 @@ use dicom_core::Tag;
 use dicom_dictionary_std::{tags, uids};
 use dicom_object::InMemDicomObject;
 use spineline::anatomy::{Level, Named, Posture};
-use spineline::measure::{Corners, IliacCrests, Reading, ReadingId, VertebraLandmarks};
+use spineline::measure::{
+    CornerName, Corners, IliacCrests, Origin, Reading, ReadingId, VertebraLandmarks,
+};
 use spineline::spatial::{Angle, Pixel};
 use spineline_films::read_data_set;
 
 use super::HALF_PIXEL;
 use super::codes::{self, Code};
-use crate::film::pixel;
+use crate::film::{origin, pixel};
 use crate::names::observer;
 use crate::{LandmarkError, LandmarkReadings, MarkedFilm};
 
@@ -136,7 +138,9 @@ impl Report {
             corners(items, codes::TILT, at)?;
         let corners = Corners { superior_left, superior_right, inferior_left, inferior_right };
         let axis_clockwise = axis(items, at)?;
-        let landmarks = VertebraLandmarks { axis_clockwise, ..VertebraLandmarks::clicked(corners) };
+        let clicked = VertebraLandmarks::clicked(corners);
+        let landmarks =
+            VertebraLandmarks { axis_clockwise, origins: origins(items, at)?, ..clicked };
         match self.vertebrae.insert(level, landmarks) {
             None => Ok(()),
             Some(_) => Err(twice(at, level.name())),
@@ -159,6 +163,17 @@ fn axis(items: &[InMemDicomObject], at: &str) -> Result<Option<Angle>, LandmarkE
         what: "the axis in degrees".to_owned(),
     })?;
     Ok(Some(Angle::from_deg(degrees)))
+}
+
+/// The origins of the corners of a vertebra; one that is not stated is clicked.
+fn origins(items: &[InMemDicomObject], at: &str) -> Result<Corners<Origin>, LandmarkError> {
+    let mut origins = Corners::all(Origin::Clicked);
+    for corner in CornerName::ALL {
+        if let Some((value, _)) = coded(items, codes::origin_of(corner)) {
+            *corner.of_mut(&mut origins) = origin(&value, at)?;
+        }
+    }
+    Ok(origins)
 }
 
 /// The places from which a number was derived.

@@ -6,7 +6,7 @@ use dicom_object::{FileMetaTableBuilder, InMemDicomObject};
 use sha2::{Digest, Sha256};
 use spineline::anatomy::Level;
 use spineline::clinical::convex_side;
-use spineline::measure::{Corners, EndplateTilts, VertebraLandmarks};
+use spineline::measure::{CornerName, Corners, EndplateTilts, VertebraLandmarks};
 use spineline::spatial::{Angle, Frontal, Pixel};
 
 use super::codes::{self, Code};
@@ -16,6 +16,7 @@ use super::item::{
 };
 use super::{HALF_PIXEL, ReportOf};
 use crate::LandmarkExportError;
+use crate::film::stated_origins;
 
 const MODEL: &str = concat!("spineline ", env!("CARGO_PKG_VERSION"));
 
@@ -266,6 +267,10 @@ fn vertebra(
     let axis =
         landmark.axis_clockwise.map(|axis| number(codes::AXIS, axis.deg(), codes::DEGREE, vec![]));
     measured.extend(axis);
+    let origins = CornerName::ALL.into_iter().zip(stated_origins(landmark).into_iter().flatten());
+    measured.extend(origins.map(|(corner, origin)| {
+        code(Relation::Contains, codes::origin_of(corner), codes::origin(origin))
+    }));
     let sites = [codes::vertebra(level)];
     let endplates = body.measure_endplates();
     Ok((endplates, group(report, level.name(), codes::VERTEBRA, &sites, measured)))

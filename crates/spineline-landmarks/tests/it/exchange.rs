@@ -17,7 +17,7 @@ use spineline_landmarks::{
 use spineline_phantom::{Readers, Truth, generate};
 
 /// A phantom whose films hang as asked, with pixels twice as high as wide.
-fn case(patient_left: ImageSide) -> Case {
+pub fn case(patient_left: ImageSide) -> Case {
     let mut case = generate(2, Truth::Rod, &Readers::default(), 5).expect("subject 3 exists").case;
     for film in &mut case.films {
         let FilmLandmarks::Corners { image, readings, iliac_crests } = &mut film.landmarks else {
@@ -52,7 +52,7 @@ fn case(patient_left: ImageSide) -> Case {
     case
 }
 
-fn image(film: &Film) -> ImageGeometry {
+pub fn image(film: &Film) -> ImageGeometry {
     match &film.landmarks {
         FilmLandmarks::Corners { image, .. } => *image,
         FilmLandmarks::Placements { .. } => panic!("phantoms have corners"),
@@ -215,7 +215,7 @@ fn a_list_in_the_patients_frame_is_converted_to_pixels() {
     }
 }
 
-fn source(size: (u32, u32), posture: Posture) -> SourceImage {
+pub fn source(size: (u32, u32), posture: Posture) -> SourceImage {
     SourceImage {
         sop_class_uid: "1.2.840.10008.5.1.4.1.1.1.1".to_owned(),
         sop_instance_uid: format!("2.25.{}", 100 + posture as u32),
@@ -324,7 +324,7 @@ fn locations_of_another_program_are_read_from_a_table() {
 }
 
 /// The corners of an annotated film, without what labelme and COCO cannot hold: axes set by hand.
-fn without_axes(mut case: Case) -> Case {
+pub fn without_axes(mut case: Case) -> Case {
     for film in &mut case.films {
         let FilmLandmarks::Corners { readings, .. } = &mut film.landmarks else { continue };
         for landmark in readings.iter_mut().flat_map(|reading| reading.vertebrae.values_mut()) {
@@ -355,7 +355,7 @@ fn with_confidences(case: Case) -> Case {
 }
 
 /// The films that an export gives when it is read back; readings of one film may stand in several files.
-fn read_back(case: &Case, target: LandmarkTarget<'_>) -> Vec<Film> {
+pub fn read_back(case: &Case, target: LandmarkTarget<'_>) -> Vec<Film> {
     let mut films: BTreeMap<Posture, Film> = BTreeMap::new();
     for file in export_landmarks(case, None, target).expect("corners") {
         for found in read(&file.bytes).films {

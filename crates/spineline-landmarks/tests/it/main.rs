@@ -6,3 +6,4 @@ mod aasce;
 mod exchange;
 mod faults;
 mod midlines;
+mod origins;

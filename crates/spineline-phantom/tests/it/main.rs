@@ -14,3 +14,4 @@ mod marking;
 mod phantoms;
 mod radiographs;
 mod recovery;
+mod shared_errors;

@@ -162,13 +162,13 @@ fn the_crests_follow_the_vertebrae() {
 }
 
 /// Deviates of a standard normal distribution, one after the other.
-fn normals(seed: u64) -> impl FnMut() -> f64 {
+pub fn normals(seed: u64) -> impl FnMut() -> f64 {
     let mut rng = ChaCha12Rng::seed_from_u64(seed);
     move || StandardNormal.sample(&mut rng)
 }
 
 /// A reading of a film by the middles of all walls, clicked with this error, and the corners completed from them.
-fn read_by_walls(film: &TrueFilm, sd_mm: f64, draw: &mut impl FnMut() -> f64) -> Film {
+pub fn read_by_walls(film: &TrueFilm, sd_mm: f64, draw: &mut impl FnMut() -> f64) -> Film {
     let image = film.image;
     let mut walls = BTreeMap::new();
     let mut clicks = Clicks::default();

@@ -7,6 +7,7 @@ use parquet::record::Field;
 use spineline::analysis::{AnalysisOptions, Case, analyze};
 use spineline::anatomy::{Level, Posture};
 use spineline::hypothesis::{Hypothesis, LoadShape};
+use spineline::measure::{Corners, FilmLandmarks, Origin};
 use spineline::spatial::Angle;
 use spineline::uncertainty::{LandmarkNoise, MonteCarlo};
 use spineline_phantom::{Readers, Truth, generate};
@@ -97,6 +98,38 @@ fn rows_equal_the_analysis() {
     assert!(table(&all, "uncertainty").rows() > 100);
     assert!(table(&all, "hypotheses").rows() >= 4);
     assert!(table(&all, "reliability").rows() > 50, "six readings per film");
+}
+
+#[test]
+fn a_vertebra_has_the_origin_of_its_corners() {
+    let mut case = case(0);
+    for film in &mut case.films {
+        let FilmLandmarks::Corners { readings, .. } = &mut film.landmarks else { continue };
+        for reading in readings {
+            for (level, landmark) in &mut reading.vertebrae {
+                match level {
+                    Level::T8 => landmark.origins = Corners::all(Origin::Adjusted),
+                    Level::T9 => landmark.origins.inferior_left = Origin::Adjusted,
+                    _ => {}
+                }
+            }
+        }
+    }
+    let analysis = analyze(&case, &AnalysisOptions::default()).expect("a phantom");
+    let subject = &case.subject;
+    let all = tables(&[Patient { analysis: &analysis, subject, identified: None, spread: None }]);
+    let vertebrae = table(&all, "vertebrae");
+    let origins = texts(vertebrae, "origin");
+    let levels = texts(vertebrae, "level");
+    assert!(!levels.is_empty());
+    for (level, origin) in levels.iter().zip(origins) {
+        let expected = match level.as_str() {
+            "T8" => "adjusted",
+            "T9" => "mixed",
+            _ => "clicked",
+        };
+        assert_eq!(origin, expected, "{level}");
+    }
 }
 
 #[test]

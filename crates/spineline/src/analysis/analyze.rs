@@ -252,7 +252,7 @@ fn measure(
     warn_of_shortened_chain(levels, &seen, warnings);
     let mut outlines = Vec::new();
     for (film, measured) in films.iter().zip(&readings) {
-        outlines.push(outline_of(film, &measured.readings, levels, warnings)?);
+        outlines.push(outline_of((film, &measured.readings), levels, tilt, warnings)?);
         warn_of_implausible_landmarks(film, warnings);
     }
     if let Some((noise, errors)) = known {

@@ -3,7 +3,7 @@ use nalgebra::{DMatrix, DMatrixView, DVector, Matrix3, Vector3};
 use super::series::{Series, for_each_basis};
 use super::{Curve, CurveForm, MIN_TURN, find_inflections};
 use crate::anatomy::{Levels, Posture};
-use crate::measure::{MeasuredVertebra, Outline};
+use crate::measure::{ErrorRate, Measured, MeasuredVertebra, Outline, Whitening};
 use crate::spatial::{Angle, Frontal};
 use crate::warning::{Step, Warnings};
 
@@ -158,6 +158,8 @@ fn left_out_errors(outline: &Outline, form: CurveForm) -> Result<Vec<(usize, f64
     let (q, r) = rows.matrix.clone().qr().unpack();
     let mut residual = rows.target.clone();
     let mut errors = Vec::new();
+    let by_blocks = rows.by_blocks();
+    let q_by_blocks = by_blocks.as_ref().map(|by_blocks| by_blocks * &q);
     for order in 2..=*orders.end() {
         let column = q.column(order - 2);
         if r[(order - 2, order - 2)] == 0.0 {
@@ -166,8 +168,13 @@ fn left_out_errors(outline: &Outline, form: CurveForm) -> Result<Vec<(usize, f64
         }
         residual.axpy(-column.dot(&rows.target), &column, 1.0);
         if orders.contains(&order) {
-            let q = q.columns(0, order - 1);
-            errors.push((order, left_out_error(rows.block, &q, &residual)));
+            let error = match by_blocks.as_ref().zip(q_by_blocks.as_ref()) {
+                None => left_out_error(rows.block, &q.columns(0, order - 1), &residual),
+                Some((by_blocks, q)) => {
+                    left_out_error(rows.block, &q.columns(0, order - 1), &(by_blocks * &residual))
+                }
+            };
+            errors.push((order, error));
         }
     }
     Ok(errors)
@@ -193,11 +200,27 @@ fn least_residual_with_two_inflections<'a>(
         .min_by(|a, b| combined(a).total_cmp(&combined(b)))
 }
 
-/// The weighted rows of the fit: `matrix · coefficients ≈ target`, in blocks of one vertebra each.
+/// The weighted rows of the fit: `matrix · coefficients ≈ target`, in blocks of one vertebra each. Where vertebrae share errors, they are
+/// mixed to independent rows.
 pub(super) struct Rows {
     pub matrix: DMatrix<f64>,
     pub target: DVector<f64>,
     block: usize,
+    whitening: Option<Whitening>,
+}
+
+impl Rows {
+    fn whitened(mut self, whitening: Option<Whitening>) -> Self {
+        if let Some(whitening) = &whitening {
+            whitening.apply_to_rows(&mut self.matrix, &mut self.target);
+        }
+        Self { whitening, ..self }
+    }
+
+    /// From these rows to those of one vertebra each; `None` where they are that.
+    fn by_blocks(&self) -> Option<DMatrix<f64>> {
+        self.whitening.as_ref()?.by_blocks(self.block)
+    }
 }
 
 pub(super) fn weighted_rows(
@@ -233,7 +256,13 @@ fn fit_order(outline: &Outline, form: CurveForm, order: usize) -> Result<CurveFi
         end_mm,
     };
     let residual = &rows.target - &rows.matrix * &solution;
-    let left_out = left_out_error(rows.block, &q.columns(0, q.ncols()), &residual);
+    let left_out = match rows.by_blocks() {
+        None => left_out_error(rows.block, &q.columns(0, q.ncols()), &residual),
+        Some(by_blocks) => {
+            let q = &by_blocks * q;
+            left_out_error(rows.block, &q.columns(0, q.ncols()), &(by_blocks * &residual))
+        }
+    };
     // L4 is met by construction and does not count.
     let count = outline.measured().count() - 1;
     let mean_square = |squares: f64| (squares / count as f64).sqrt();
@@ -299,7 +328,9 @@ fn graph_rows(outline: &Outline, t_mm: &[f64], terms: usize) -> Rows {
             matrix[(2 * i + 1, k)] = derivative / slope_sd;
         });
     }
-    Rows { matrix, target, block: 2 }
+    let rates = error_rates(outline, &[Measured::Left, Measured::Tilt]);
+    let rows = Rows { matrix, target, block: 2, whitening: None };
+    rows.whitened(outline.whitening_given_base(&rates))
 }
 
 fn parametric_rows(outline: &Outline, t_mm: &[f64], terms: usize) -> Rows {
@@ -321,10 +352,28 @@ fn parametric_rows(outline: &Outline, t_mm: &[f64], terms: usize) -> Rows {
             matrix[(3 * i + 2, terms + k)] = sin * derivative / noise.tilt.rad();
         });
     }
-    Rows { matrix, target, block: 3 }
+    let rates = error_rates(outline, &[Measured::Left, Measured::Cranial, Measured::Tilt]);
+    let rows = Rows { matrix, target, block: 3, whitening: None };
+    rows.whitened(outline.whitening_given_base(&rates))
 }
 
-/// Root mean square of the residuals that each vertebra would have, were it left out: `(I - H_ii)⁻¹ r_i` per block.
+/// How the rows of these numbers of all vertebrae above the base change with their errors. A tilt error turns the slope, and the tangent
+/// across the axis, the other way.
+fn error_rates(outline: &Outline, measured: &[Measured]) -> Vec<ErrorRate> {
+    let of_vertebra = |(place, vertebra): (usize, &MeasuredVertebra)| {
+        let noise = outline.noise_of(vertebra);
+        let rate = move |of: &Measured| match of {
+            Measured::Left | Measured::Cranial => (place, *of, 1.0 / noise.location_mm),
+            Measured::Tilt => (place, *of, -1.0 / noise.tilt.rad()),
+        };
+        measured.iter().map(rate).collect::<Vec<_>>()
+    };
+    outline.measured().skip(1).flat_map(of_vertebra).collect()
+}
+
+/// Root mean square of the residuals that each vertebra would have, were it left out: `(I - H_ii)⁻¹ r_i` per block. Where vertebrae
+/// share errors, it is predicted with what the others say of its error, and `H` and `r` are in units of the error that is left
+/// ([`Whitening::by_blocks`]).
 ///
 /// T2 takes no part: without it the curve would have to reach beyond its data, which no use of it ever asks for, and
 /// which punishes high orders for what they do outside of the spine.

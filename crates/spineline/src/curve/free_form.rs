@@ -14,7 +14,7 @@ use nalgebra::{DMatrix, DVector, Matrix2};
 
 use super::{CurveFit, CurveForm, Inflection};
 use crate::anatomy::Level;
-use crate::measure::Outline;
+use crate::measure::{Measured, Outline};
 
 /// Sines of the process.
 const TERMS: usize = 24;
@@ -278,6 +278,14 @@ fn rows(outline: &Outline, t_mm: &[f64]) -> (DMatrix<f64>, DVector<f64>) {
         matrix[(2 * row, TERMS)] = 1.0 / place_sd;
         matrix[(2 * row, TERMS + 1)] = part / place_sd;
         matrix[(2 * row + 1, TERMS + 1)] = 1.0 / slope_sd;
+    }
+    let rates = outline.measured().flat_map(|(place, vertebra)| {
+        let noise = outline.noise_of(vertebra);
+        let location = (place, Measured::Left, 1.0 / noise.location_mm);
+        [location, (place, Measured::Tilt, -1.0 / noise.tilt.rad())]
+    });
+    if let Some(whitening) = outline.whitening(&rates.collect::<Vec<_>>()) {
+        whitening.apply_to_rows(&mut matrix, &mut target);
     }
     (matrix, target)
 }

@@ -10,7 +10,7 @@ use crate::multibody::{
     GeneralStatics, LoadItem, Loading, MAX_HINGE_RAD, NewtonWork, ShapeParameter, Solution,
     SpineModel,
 };
-use crate::personalize::{MULTIPLIER_BOUNDS, ROWS_PER_VERTEBRA, ShapeWeights};
+use crate::personalize::{MULTIPLIER_BOUNDS, ROWS_PER_VERTEBRA, ShapeRows, ShapeWeights};
 use crate::spatial::{Angle, Frontal, Mat3, Vec3};
 
 /// Steps in which loads grow from zero where Newton does not get to them at once.
@@ -203,8 +203,8 @@ pub(super) struct FittedFilm<'a> {
     /// Place of its components among the unknowns; the base's angle follows them.
     pub first: usize,
     weights: ShapeWeights,
-    /// The vertebrae that have rows, by their place, with their weights.
-    rows: Vec<(usize, ShapeWeights)>,
+    /// The vertebrae that have rows.
+    rows: ShapeRows,
 }
 
 /// Residuals of all films for given unknowns: `ln α` of every group, then per film the components and perhaps the base's angle.
@@ -237,7 +237,7 @@ impl<'a> ShapeProblem<'a> {
                     outline: film.outline,
                     loaded: LoadedFilm::new(hypothesis, film, spine)?,
                     first: spine.groups.len() + i * per_film,
-                    rows: ShapeWeights::of_vertebrae(film.outline, Some(spine.erect), spine.model),
+                    rows: ShapeRows::new(film.outline, Some(spine.erect), spine.model),
                     weights,
                 })
             })
@@ -252,7 +252,7 @@ impl<'a> ShapeProblem<'a> {
 
     /// Rows of the shapes of all films.
     fn shape_rows(&self) -> usize {
-        self.films.iter().map(|film| ROWS_PER_VERTEBRA * film.rows.len()).sum()
+        self.films.iter().map(|film| film.rows.count()).sum()
     }
 
     /// Rows of what was measured: a base of known deviation counts as one measured number per film.
@@ -306,7 +306,7 @@ impl<'a> ShapeProblem<'a> {
                 return false;
             }
             self.film_rows(index, row, system);
-            row += ROWS_PER_VERTEBRA * self.films[index].rows.len();
+            row += self.films[index].rows.count();
         }
         if self.hypothesis.base == Base::Noisy {
             let first = self.shape_rows();
@@ -325,7 +325,7 @@ impl<'a> ShapeProblem<'a> {
         let g = self.spine.groups.len();
         let film = &self.films[index];
         let free = g + self.hypothesis.load.components() + self.hypothesis.base.angles();
-        for (place, &(i, weights)) in film.rows.iter().enumerate() {
+        for (place, &(i, weights)) in film.rows.vertebrae.iter().enumerate() {
             let vertebra = &film.outline.vertebrae[i];
             let row = row + ROWS_PER_VERTEBRA * place;
             let off = film.loaded.location(i) - vertebra.location;
@@ -343,6 +343,7 @@ impl<'a> ShapeProblem<'a> {
                 }
             }
         }
+        film.rows.whiten_system(row, system);
     }
 
     /// Sum of squares of what was measured.

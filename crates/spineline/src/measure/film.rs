@@ -1,7 +1,7 @@
 use std::collections::BTreeMap;
 use std::fmt;
 
-use super::{Corners, EndplateTilts, Origin, ProgramNoise, Spacing, SpacingPlane};
+use super::{Corners, EndplateTilts, Origin, ProgramNoise, Spacing, SpacingPlane, VertebraOrigin};
 use crate::anatomy::{ImageSide, Level, Posture, named};
 use crate::spatial::{Angle, Frontal, Pixel};
 
@@ -169,13 +169,15 @@ pub struct Placement {
     pub endplates: Option<EndplateTilts>,
     /// What its corners that a program found add to its noise; `None` where a person placed all of them.
     pub program: Option<ProgramNoise>,
+    /// How its corners came about; `None` where they are not known.
+    pub origin: Option<VertebraOrigin>,
 }
 
 impl Placement {
     /// A location and a tilt without corners.
     #[must_use]
     pub const fn new(location: Frontal, tilt: Angle) -> Self {
-        Self { location, tilt, endplates: None, program: None }
+        Self { location, tilt, endplates: None, program: None, origin: None }
     }
 }
 

@@ -4,7 +4,7 @@
 //! its plane, magnification differs, and landmarks lie differently. A factor per film takes that difference out before films
 //! are compared; no angle depends on it.
 
-use super::{LengthScale, MeasuredVertebra, Outline, SpacingPlane};
+use super::{LengthScale, Measured, MeasuredVertebra, Outline, SpacingPlane};
 use crate::spatial::Frontal;
 
 /// How lengths of several films of one patient are compared.
@@ -173,13 +173,23 @@ fn log_length_variance(outline: &Outline) -> f64 {
         link * (1.0 / link.norm_mm())
     };
     let last = vertebrae.len() - 1;
-    let variance_mm2 = |(i, vertebra): (usize, &MeasuredVertebra)| {
+    let rate = |i: usize| {
         let below = if i > 0 { unit(i - 1) } else { Frontal::default() };
         let above = if i < last { unit(i) } else { Frontal::default() };
+        below - above
+    };
+    if outline.has_shared_errors() {
+        let rates = (0..=last).flat_map(|i| {
+            let Frontal { y_mm, z_mm } = rate(i);
+            [(i, Measured::Left, y_mm), (i, Measured::Cranial, z_mm)]
+        });
+        return outline.variance_of(&rates.collect::<Vec<_>>()) / outline.polygon_mm().powi(2);
+    }
+    let variance_mm2 = |(i, vertebra): (usize, &MeasuredVertebra)| {
         let sd_mm = vertebra
             .interpolated
             .map_or_else(|| outline.noise_of(vertebra).location_mm, |i| i.location_sd_mm);
-        let rate = below - above;
+        let rate = rate(i);
         rate.dot(rate) * sd_mm.powi(2)
     };
     let sum_mm2: f64 = vertebrae.iter().enumerate().map(variance_mm2).sum();
@@ -212,6 +222,11 @@ impl Outline {
     /// Standard deviation of a coordinate of the top relative to the base.
     #[must_use]
     pub fn top_sd_mm(&self) -> f64 {
-        self.noise_of_ends().location_mm * f64::sqrt(2.0)
+        if !self.has_shared_errors() {
+            return self.noise_of_ends().location_mm * f64::sqrt(2.0);
+        }
+        let top = self.vertebrae.len() - 1;
+        let of = |measured| self.variance_of(&[(top, measured, 1.0), (0, measured, -1.0)]);
+        (0.5 * (of(Measured::Left) + of(Measured::Cranial))).sqrt()
     }
 }

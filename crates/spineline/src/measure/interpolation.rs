@@ -90,5 +90,6 @@ pub(super) fn interpolate(
         readings: 0,
         interpolated: Some(interpolation),
         program: None,
+        origin: None,
     }
 }

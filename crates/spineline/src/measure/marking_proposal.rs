@@ -40,7 +40,7 @@ impl CornerName {
         [Self::SuperiorLeft, Self::SuperiorRight, Self::InferiorRight, Self::InferiorLeft];
 
     /// This one of four corners, to be changed.
-    pub(crate) const fn of_mut<P>(self, corners: &mut Corners<P>) -> &mut P {
+    pub const fn of_mut<P>(self, corners: &mut Corners<P>) -> &mut P {
         match self {
             Self::SuperiorLeft => &mut corners.superior_left,
             Self::SuperiorRight => &mut corners.superior_right,

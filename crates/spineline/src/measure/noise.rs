@@ -1,6 +1,6 @@
 use std::collections::BTreeMap;
 
-use super::{MeasuredVertebra, Outline, Placement, ProgramNoise};
+use super::{MeasuredVertebra, Outline, Placement, ProgramNoise, SharedErrors};
 use crate::anatomy::Level;
 use crate::spatial::Angle;
 
@@ -69,12 +69,14 @@ impl Noise {
 pub(crate) struct OutlineNoise {
     film: Noise,
     program: BTreeMap<Level, ProgramNoise>,
+    shared: Option<SharedErrors>,
 }
 
 impl OutlineNoise {
     pub fn of(outline: &Outline) -> Self {
         let own = outline.vertebrae.iter().filter_map(|v| Some((v.level, v.program?)));
-        Self { film: outline.noise, program: own.collect() }
+        let shared = outline.shared_errors.clone();
+        Self { film: outline.noise, program: own.collect(), shared }
     }
 
     pub fn give_to(&self, outline: &mut Outline) {
@@ -82,6 +84,7 @@ impl OutlineNoise {
         for vertebra in &mut outline.vertebrae {
             vertebra.program = self.program.get(&vertebra.level).copied();
         }
+        outline.shared_errors.clone_from(&self.shared);
     }
 }
 

@@ -53,6 +53,39 @@ impl Origin {
     }
 }
 
+/// How the corners of a vertebra came about, over all of them and all readings.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum VertebraOrigin {
+    /// All alike.
+    Alike(Origin),
+    /// Of several origins.
+    Mixed,
+}
+
+impl VertebraOrigin {
+    /// Of the corners of one reading.
+    #[must_use]
+    pub fn of(corners: &Corners<Origin>) -> Self {
+        let [first, rest @ ..] = corners.points();
+        if rest.iter().all(|one| *one == first) { Self::Alike(first) } else { Self::Mixed }
+    }
+
+    /// With another reading.
+    #[must_use]
+    pub fn and(self, other: Self) -> Self {
+        if self == other { self } else { Self::Mixed }
+    }
+
+    /// The name used in files: that of the origin, or `mixed`.
+    #[must_use]
+    pub const fn key(self) -> &'static str {
+        match self {
+            Self::Alike(origin) => origin.key(),
+            Self::Mixed => "mixed",
+        }
+    }
+}
+
 impl Corners<Origin> {
     /// The same origin of all four corners.
     #[must_use]

@@ -3,15 +3,17 @@ use std::collections::{BTreeMap, BTreeSet};
 use super::corners::normal_tilt;
 use super::frame::body_shape;
 use super::interpolation::interpolate;
+use super::means::average;
 use super::midline::warn_of_source;
 use super::order::typical_distance_mm;
 use super::outline_checks::{check_marked, warn_of_gaps, warn_of_interpolated};
-use super::placing::{warn_of_program_corners, warn_of_unusable_ends};
+use super::placing::{program_corners, warn_of_unusable_ends};
 use super::spacing::is_spacing;
 use super::{
     EndplateTilts, Film, FilmLandmarks, FilmLength, IliacCrests, ImageGeometry, Interpolation,
-    LengthScale, MeasureError, Noise, Placement, ProgramNoise, Reading, ReadingId, SpacingPlane,
-    TiltRule, common_levels, measure_readings, seen_levels, warn_of_shortened_chain,
+    LengthScale, MeasureError, Noise, Placement, ProgramNoise, Reading, ReadingId, SharedErrors,
+    SpacingPlane, TiltRule, VertebraOrigin, common_levels, measure_readings, seen_levels,
+    warn_of_shortened_chain,
 };
 use crate::anatomy::{Level, Levels, Posture};
 use crate::spatial::{Angle, Frontal};
@@ -34,6 +36,8 @@ pub struct MeasuredVertebra {
     pub interpolated: Option<Interpolation>,
     /// What corners that a program found add to its noise; `None` where a person placed all of them.
     pub program: Option<ProgramNoise>,
+    /// How its corners came about in all readings; `None` where they are not known, and for an interpolated vertebra.
+    pub origin: Option<VertebraOrigin>,
 }
 
 impl MeasuredVertebra {
@@ -73,6 +77,8 @@ pub struct Outline {
     pub l4_midpoint_on_film: Frontal,
     /// Deviation of the measured values.
     pub noise: Noise,
+    /// Errors that vertebrae share whose corners a program found; `None` where a person placed all corners.
+    pub shared_errors: Option<SharedErrors>,
     /// What its lengths are measured in.
     pub scale: LengthScale,
     /// Its length against the erect film's; locations are at the erect length, as far as the rule of lengths takes them there.
@@ -166,19 +172,19 @@ pub fn measure_film(
     let seen = [(film.posture, seen_levels(&readings))];
     let levels = common_levels(&seen)?;
     warn_of_shortened_chain(levels, &seen, warnings);
-    outline_of(film, &readings, levels, warnings)
+    outline_of((film, &readings), levels, rule, warnings)
 }
 
 /// The outline of a film whose readings were measured before; its base and its top are marked.
 pub(crate) fn outline_of(
-    film: &Film,
-    readings: &[Reading<Placement>],
+    (film, readings): (&Film, &[Reading<Placement>]),
     levels: Levels,
+    rule: TiltRule,
     warnings: &mut Warnings,
 ) -> Result<Outline, MeasureError> {
     let posture = film.posture;
     warn_of_unusable_ends(film, warnings);
-    warn_of_program_corners(film, warnings);
+    let program = program_corners(film, warnings);
     let PlacedFilm { readings: placed, scale, iliac_normal, iliac_middle } =
         place_film(film, readings, warnings)?;
     let on_film = average(&placed);
@@ -194,7 +200,7 @@ pub(crate) fn outline_of(
             let location = (placement.location - base.location).rotated(-base.tilt);
             let tilt = (placement.tilt - base.tilt).wrapped();
             let endplates = placement.endplates.map(|tilts| tilts.against(base.tilt));
-            let (interpolated, program) = (None, placement.program);
+            let (interpolated, program, origin) = (None, placement.program, placement.origin);
             let vertebra = MeasuredVertebra {
                 level,
                 location,
@@ -203,12 +209,15 @@ pub(crate) fn outline_of(
                 readings,
                 interpolated,
                 program,
+                origin,
             };
             (level, vertebra)
         })
         .collect();
     check_marked(posture, &mut in_global, &scale, warnings)?;
     let noise = Noise::of_means(&observers, &placed, &on_film);
+    let shared_errors =
+        SharedErrors::of_film((film, &program), rule, &in_global, (base.tilt, &scale));
     let vertebrae = vertebrae_of(posture, levels, &in_global, &noise)?;
     warn_of_interpolated(posture, &vertebrae, &scale, warnings);
     let iliac_normal = iliac_normal.map(|normal| (normal - base.tilt).wrapped());
@@ -231,6 +240,7 @@ pub(crate) fn outline_of(
         l4_on_film: base.tilt,
         l4_midpoint_on_film: base.location,
         noise,
+        shared_errors,
         scale,
         length: FilmLength::ERECT,
         readings: placed.len(),
@@ -447,42 +457,6 @@ fn check_crests(
 
 fn iliac_normal(image: &ImageGeometry, crests: IliacCrests) -> Angle {
     normal_tilt(image.frontal(crests.left) - image.frontal(crests.right))
-}
-
-/// Mean over the readings that marked a level, and their number.
-fn average(placed: &[BTreeMap<Level, Placement>]) -> BTreeMap<Level, (Placement, usize)> {
-    let mut values: BTreeMap<Level, Vec<Placement>> = BTreeMap::new();
-    for reading in placed {
-        for (&level, &placement) in reading {
-            values.entry(level).or_default().push(placement);
-        }
-    }
-    values.into_iter().map(|(level, all)| (level, (mean_placement(&all), all.len()))).collect()
-}
-
-/// Mean of some placements, of which there is at least one.
-fn mean_placement(all: &[Placement]) -> Placement {
-    // Sums in a fixed order: the order of the readings must not reach the last bit.
-    let mut all = all.to_vec();
-    all.sort_by(|a, b| {
-        let key = |p: &Placement| [p.location.y_mm, p.location.z_mm, p.tilt.rad()];
-        key(a).partial_cmp(&key(b)).expect("readings were checked to be finite")
-    });
-    let n = all.len() as f64;
-    let location = all.iter().fold(Frontal::default(), |sum, p| sum + p.location) * (1.0 / n);
-    // Against one of them, so that a film held upside down averages as any other.
-    let mean = |first: Angle, tilts: &mut dyn Iterator<Item = Angle>| {
-        first + tilts.fold(Angle::ZERO, |sum, tilt| sum + (tilt - first).wrapped()) * (1.0 / n)
-    };
-    let tilt = mean(all[0].tilt, &mut all.iter().map(|p| p.tilt));
-    let endplates: Option<Vec<EndplateTilts>> = all.iter().map(|p| p.endplates).collect();
-    let endplates = endplates.map(|all| EndplateTilts {
-        superior: mean(all[0].superior, &mut all.iter().map(|tilts| tilts.superior)),
-        inferior: mean(all[0].inferior, &mut all.iter().map(|tilts| tilts.inferior)),
-    });
-    let programs: Vec<Option<ProgramNoise>> = all.iter().map(|p| p.program).collect();
-    let program = ProgramNoise::of_mean(&programs);
-    Placement { location, tilt, endplates, program }
 }
 
 /// The identity of a reading in errors and tests.

@@ -6,7 +6,7 @@ use super::confidence::check_confidence;
 use super::plausibility::fits_exchanged;
 use super::{
     CornerFault, Corners, Film, FilmLandmarks, ImageGeometry, MeasureError, Placement,
-    ProgramCorners, Reading, TiltRule, VertebraLandmarks,
+    ProgramCorners, Reading, TiltRule, VertebraLandmarks, VertebraOrigin,
 };
 use crate::anatomy::{Level, Posture};
 use crate::spatial::Frontal;
@@ -86,9 +86,11 @@ pub(super) fn warn_of_unusable_ends(film: &Film, warnings: &mut Warnings) {
     }
 }
 
-/// Says which vertebrae have corners that nobody looked at, and where completed corners have no landmarks to come from.
-pub(super) fn warn_of_program_corners(film: &Film, warnings: &mut Warnings) {
-    let FilmLandmarks::Corners { image, readings, .. } = &film.landmarks else { return };
+/// The corners of every reading that a program found. Says which vertebrae have corners that nobody looked at, and where completed
+/// corners have no landmarks to come from.
+pub(super) fn program_corners(film: &Film, warnings: &mut Warnings) -> Vec<Option<ProgramCorners>> {
+    let FilmLandmarks::Corners { image, readings, .. } = &film.landmarks else { return Vec::new() };
+    let mut all = Vec::new();
     for reading in readings {
         let id = &reading.id;
         let not_reviewed: Vec<String> = reading
@@ -104,13 +106,15 @@ pub(super) fn warn_of_program_corners(film: &Film, warnings: &mut Warnings) {
             );
             warnings.film(Step::Measure, "corners_not_reviewed", film.posture, text);
         }
-        if let Err(error) = ProgramCorners::of(image, Some(film.posture), reading) {
+        all.push(ProgramCorners::of(image, Some(film.posture), reading).unwrap_or_else(|error| {
             let text = format!(
                 "observer {id}: some corners are said to be completed, but their uncertainty is not known ({error}); they count as clicked ones"
             );
             warnings.film(Step::Measure, "completed_without_landmarks", film.posture, text);
-        }
+            None
+        }));
     }
+    all
 }
 
 fn place_usable(
@@ -167,7 +171,8 @@ fn place_usable(
             let program = by_program
                 .as_ref()
                 .and_then(|corners| corners.noise(image, (level, landmark), rule));
-            (level, Placement { location: centres[&level], tilt, endplates, program })
+            let origin = Some(VertebraOrigin::of(&landmark.origins));
+            (level, Placement { location: centres[&level], tilt, endplates, program, origin })
         })
         .collect())
 }

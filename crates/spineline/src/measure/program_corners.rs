@@ -2,7 +2,8 @@
 //!
 //! Completed corners share the shape that they were completed with, so that their errors are correlated over the spine: their
 //! covariance is that of the completion from the landmarks that a person placed. Detected corners state a standard
-//! deviation of their own. Fits weigh every vertebra by its own variance; replicates of a Monte Carlo draw all corners together.
+//! deviation of their own. Fits weigh residuals by the covariance of all vertebrae (module `shared_errors`); replicates of a
+//! Monte Carlo draw all corners together.
 
 use std::collections::BTreeMap;
 
@@ -146,6 +147,28 @@ impl ProgramCorners {
         (level, landmark): (Level, &VertebraLandmarks),
         rule: TiltRule,
     ) -> Option<ProgramNoise> {
+        let spread = self.spread(image, (level, landmark), rule)?;
+        let own = self.corners.iter().filter(|(of, _)| *of == level).count();
+        let variance = |row: usize| spread.row(row).norm_squared();
+        let by_hand = landmark.axis_clockwise.is_some();
+        let placed_share = 1.0 - own as f64 / CornerName::ALL.len() as f64;
+        Some(ProgramNoise {
+            location_mm: (0.5 * (variance(0) + variance(1))).sqrt(),
+            tilt: Angle::from_rad(variance(2).sqrt()),
+            placed_share,
+            placed_tilt_share: if by_hand { 1.0 } else { placed_share },
+            is_reviewed: landmark.is_reviewed(),
+        })
+    }
+
+    /// Errors of location (two coordinates) and tilt of a vertebra per independent standard deviate, in the film's frontal frame; `None`
+    /// where it has none of the corners. An axis set by hand does not depend on them.
+    pub fn spread(
+        &self,
+        image: &ImageGeometry,
+        (level, landmark): (Level, &VertebraLandmarks),
+        rule: TiltRule,
+    ) -> Option<DMatrix<f64>> {
         let own: Vec<(usize, CornerName)> = (self.corners.iter().enumerate())
             .filter(|(_, (of, _))| *of == level)
             .map(|(i, &(_, name))| (i, name))
@@ -155,22 +178,20 @@ impl ProgramCorners {
         }
         let body = landmark.corners.map(|corner| image.frontal(corner));
         let rates = rates_of(&body, rule);
-        // Deviations of location (two coordinates) and tilt per independent standard deviate.
-        let mut spread = DMatrix::zeros(3, self.factor_mm.ncols());
+        let mut spread = DMatrix::zeros(3, self.deviates());
         for &(i, name) in &own {
             let rate = rates.fixed_columns::<2>(2 * name as usize);
             spread += rate * self.factor_mm.rows(2 * i, 2);
         }
-        let variance = |row: usize| spread.row(row).norm_squared();
-        let by_hand = landmark.axis_clockwise.is_some();
-        let placed_share = 1.0 - own.len() as f64 / CornerName::ALL.len() as f64;
-        Some(ProgramNoise {
-            location_mm: (0.5 * (variance(0) + variance(1))).sqrt(),
-            tilt: if by_hand { Angle::ZERO } else { Angle::from_rad(variance(2).sqrt()) },
-            placed_share,
-            placed_tilt_share: if by_hand { 1.0 } else { placed_share },
-            is_reviewed: landmark.is_reviewed(),
-        })
+        if landmark.axis_clockwise.is_some() {
+            spread.row_mut(2).fill(0.0);
+        }
+        Some(spread)
+    }
+
+    /// Independent standard deviates that the errors of all corners are made of.
+    pub fn deviates(&self) -> usize {
+        self.factor_mm.ncols()
     }
 
     /// The corners.

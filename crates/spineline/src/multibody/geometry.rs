@@ -1,3 +1,5 @@
+use nalgebra::DMatrix;
+
 use crate::anatomy::{Level, Morphometry, SagittalProfile};
 use crate::measure::{MeasuredVertebra, Noise, Outline};
 use crate::spatial::{Angle, Frontal, Mat3, Vec3, rotation_x, rotation_y, rotation_z};
@@ -43,6 +45,9 @@ pub struct SpineModel {
     /// Standard deviations of vertebrae that the erect film does not show, or whose corners a program found there, beyond those of
     /// landmarks.
     pub uncertain: Vec<Option<Noise>>,
+    /// Covariance of the same errors over all vertebrae, with those of the frame that the base gives: left, cranial and tilt of each, in
+    /// mm and rad. `None` where they are independent.
+    pub shared_errors: Option<DMatrix<f64>>,
 }
 
 impl SpineModel {
@@ -78,7 +83,8 @@ impl SpineModel {
             .map(|(inferior, pair)| centre_offset_mm(inferior, (pair[1] - pair[0]).norm()))
             .collect();
         let uncertain = erect.vertebrae.iter().map(MeasuredVertebra::own_noise).collect();
-        Self { uncertain, ..Self::from_poses(midpoints_mm, axes, &offsets) }
+        let shared_errors = erect.model_covariance();
+        Self { uncertain, shared_errors, ..Self::from_poses(midpoints_mm, axes, &offsets) }
     }
 
     /// Joins vertebrae by joints whose centres are given in the axes of the inferior vertebra.
@@ -109,7 +115,8 @@ impl SpineModel {
                 }
             })
             .collect();
-        Self { uncertain: vec![None; midpoints_mm.len()], midpoints_mm, axes, joints }
+        let uncertain = vec![None; midpoints_mm.len()];
+        Self { uncertain, shared_errors: None, midpoints_mm, axes, joints }
     }
 
     /// Centres of the joints of vertebrae that stand like this, such as a shape under load.

@@ -1,5 +1,7 @@
 //! The evidence of one film on every joint, before any model is fitted.
 
+use nalgebra::DMatrix;
+
 use crate::anatomy::{Level, Levels};
 use crate::measure::{MeasuredVertebra, Outline};
 use crate::multibody::{JointGroups, Load, SpineModel, StiffnessLibrary, disc_mm};
@@ -33,33 +35,36 @@ pub struct FilmEvidence {
     pub erect_tilt_sd: Angle,
     /// The vertebrae that the joints connect.
     pub levels: Levels,
-    /// Variances of the tilts of every vertebra, in rad²; `None` where no film interpolates one and a person placed all
-    /// corners, so that all are alike.
-    pub tilt_variances: Option<TiltVariances>,
+    /// Covariances of the tilts of the vertebrae, in rad²; `None` where no film interpolates one and a person placed all
+    /// corners, so that all are independent and alike.
+    pub tilt_covariances: Option<TiltCovariances>,
 }
 
-/// Variances of tilts, by vertebra, in rad².
+/// Covariances of the tilts of all vertebrae of a film, in rad².
 #[derive(Debug, Clone, PartialEq)]
-pub struct TiltVariances {
+pub struct TiltCovariances {
     /// On the film.
-    pub film: Vec<f64>,
+    pub film: DMatrix<f64>,
     /// On the erect film.
-    pub erect: Vec<f64>,
+    pub erect: DMatrix<f64>,
 }
 
-impl TiltVariances {
+impl TiltCovariances {
     fn of(film: &Outline, erect: &Outline) -> Option<Self> {
         let alike = |v: &MeasuredVertebra| v.interpolated.is_none() && v.program.is_none();
         if [film, erect].iter().all(|outline| outline.vertebrae.iter().all(alike)) {
             return None;
         }
-        let [film, erect] = [film, erect].map(|outline| {
-            let sd = |v: &MeasuredVertebra| {
-                v.interpolated.map_or_else(|| outline.noise_of(v).tilt, |i| i.tilt_sd)
-            };
-            outline.vertebrae.iter().map(|v| sd(v).rad().powi(2)).collect()
-        });
+        let [film, erect] = [film, erect].map(Outline::tilt_covariance);
         Some(Self { film, erect })
+    }
+
+    /// Variance of the rotation of one joint.
+    fn of_joint(&self, joint: usize) -> f64 {
+        let (low, high) = ((joint, joint), (joint + 1, joint + 1));
+        let Self { film, erect } = self;
+        let shared = film[(joint, joint + 1)] + erect[(joint, joint + 1)];
+        film[low] + film[high] + erect[low] + erect[high] - 2.0 * shared
     }
 }
 
@@ -124,24 +129,21 @@ impl FilmEvidence {
             tilt_sd: film.noise_over(&film.vertebrae).tilt,
             erect_tilt_sd: erect.noise_over(&erect.vertebrae).tilt,
             levels,
-            tilt_variances: TiltVariances::of(film, erect),
+            tilt_covariances: TiltCovariances::of(film, erect),
         }
     }
 
-    /// Standard deviation of the rotation of one joint, whose vertebrae may be interpolated.
+    /// Standard deviation of the rotation of one joint, whose vertebrae may be interpolated, or share errors of completed corners.
     #[must_use]
     pub fn joint_rotation_sd(&self, joint: usize) -> Angle {
-        let Some(TiltVariances { film, erect }) = &self.tilt_variances else {
-            return self.rotation_sd();
-        };
-        let variance = film[joint] + film[joint + 1] + erect[joint] + erect[joint + 1];
-        Angle::from_rad(variance.sqrt())
+        let Some(covariances) = &self.tilt_covariances else { return self.rotation_sd() };
+        Angle::from_rad(covariances.of_joint(joint).sqrt())
     }
 
-    /// Weight of one joint's rotation: 1, or less next to an interpolated vertebra.
+    /// Weight of one joint's rotation alone: 1, or less next to an interpolated vertebra.
     #[must_use]
     pub(crate) fn joint_weight(&self, joint: usize) -> f64 {
-        match self.tilt_variances {
+        match self.tilt_covariances {
             None => 1.0,
             Some(_) => (self.rotation_sd().rad() / self.joint_rotation_sd(joint).rad()).powi(2),
         }

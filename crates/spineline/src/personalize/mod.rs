@@ -38,7 +38,7 @@ pub use identify::{
 };
 pub use line_test::{Crossing, LineTest, ProposedLine, SIGNIFICANCE};
 pub use preferred::PreferredLoads;
-pub(crate) use shape_weights::{ROWS_PER_VERTEBRA, ShapeWeights};
+pub(crate) use shape_weights::{ROWS_PER_VERTEBRA, ShapeRows, ShapeWeights};
 pub use start::Start;
 
 use crate::anatomy::{Posture, named};

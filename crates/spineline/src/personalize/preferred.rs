@@ -464,7 +464,7 @@ mod tests {
             tilt_sd: Angle::from_deg(0.5),
             erect_tilt_sd: Angle::from_deg(0.5),
             levels: Levels::between(Level::L4, Level::L3).expect("neighbours"),
-            tilt_variances: None,
+            tilt_covariances: None,
         };
         let load = Load::Frontal { depth_mm: 0.0 };
         let before = film(joint).responses(&load)[0];

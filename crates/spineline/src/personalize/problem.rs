@@ -6,7 +6,7 @@ use super::estimate::{EstimatedLoads, estimate_load, estimate_loads};
 use super::evidence::FilmEvidence;
 use super::fit::Known;
 use super::rows::{ferguson_rows, shape_rows};
-use super::shape_weights::{ROWS_PER_VERTEBRA, ShapeWeights};
+use super::shape_weights::{ShapeRows, ShapeWeights};
 use super::start::{Start, closed_form, majority_signs};
 use super::{FitFilm, FitSettings, FitTarget, Gauge, MULTIPLIER_BOUNDS};
 use crate::clinical::ferguson_angle;
@@ -38,8 +38,8 @@ pub(super) struct FilmData {
     pub lateral_tilt: Angle,
     /// Of the film's noise.
     weights: ShapeWeights,
-    /// The vertebrae that have rows, by their place, with their weights.
-    pub rows: Vec<(usize, ShapeWeights)>,
+    /// The vertebrae that have rows.
+    pub rows: ShapeRows,
     pub parameters: Vec<Parameter>,
     pub solution: Solution,
 }
@@ -81,7 +81,7 @@ fn rows_of(film: &FilmData, settings: &FitSettings<'_>) -> usize {
     match (settings.target, settings.gauge) {
         (FitTarget::Ferguson, Gauge::FrozenForce) => 4,
         (FitTarget::Ferguson, _) => 3,
-        (FitTarget::Shape, _) => ROWS_PER_VERTEBRA * film.rows.len(),
+        (FitTarget::Shape, _) => film.rows.count(),
     }
 }
 
@@ -132,7 +132,7 @@ impl<'a> Problem<'a> {
                     lateral_tilt: locations[locations.len() - 1].lateral_tilt(),
                     locations,
                     tilts: film.outline.vertebrae.iter().map(|v| v.tilt).collect(),
-                    rows: ShapeWeights::of_vertebrae(film.outline, None, model),
+                    rows: ShapeRows::new(film.outline, None, model),
                     weights,
                     parameters: logs.chain((0..components).map(Parameter::Load)).collect(),
                     solution: Solution::default(),

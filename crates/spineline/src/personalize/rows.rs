@@ -77,7 +77,8 @@ fn ferguson_rates(
     }
 }
 
-/// Locations and tilts of every mobile vertebra that the film shows, in standard deviations.
+/// Locations and tilts of every mobile vertebra that the film shows, in standard deviations, and independent where vertebrae share
+/// errors.
 pub(super) fn shape_rows(
     film: &FilmData,
     groups: usize,
@@ -87,15 +88,16 @@ pub(super) fn shape_rows(
 ) {
     let solution = &film.solution;
     let first = film.first.expect("the loads of a whole shape are unknown");
-    let rows = ROWS_PER_VERTEBRA * film.rows.len();
+    let rows = film.rows.count();
     let residuals = &mut system.residuals.as_mut_slice()[row..row + rows];
     for (&(i, weights), residuals) in
-        film.rows.iter().zip(residuals.chunks_exact_mut(ROWS_PER_VERTEBRA))
+        film.rows.vertebrae.iter().zip(residuals.chunks_exact_mut(ROWS_PER_VERTEBRA))
     {
         let off = solution.deformed.location(i) - film.locations[i];
         let turn = solution.deformed.tilt(i) - film.tilts[i];
         residuals.copy_from_slice(&weights.residuals(off, turn));
     }
+    film.rows.whiten(&mut system.residuals.as_mut_slice()[row..row + rows]);
     if wanted == Wanted::Residuals {
         return;
     }
@@ -104,11 +106,12 @@ pub(super) fn shape_rows(
         let start = column * system.jacobian.nrows() + row;
         let column = &mut system.jacobian.as_mut_slice()[start..start + rows];
         for (&(i, weights), rates) in
-            film.rows.iter().zip(column.chunks_exact_mut(ROWS_PER_VERTEBRA))
+            film.rows.vertebrae.iter().zip(column.chunks_exact_mut(ROWS_PER_VERTEBRA))
         {
             let location = solution.location_rate(p, i);
             let tilt = solution.tilt_rate(p, i);
             rates.copy_from_slice(&weights.derivatives(location, tilt));
         }
+        film.rows.whiten(column);
     }
 }

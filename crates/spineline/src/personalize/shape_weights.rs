@@ -1,6 +1,7 @@
 //! Weights of locations and tilts in the fit of a whole shape, for every fit of one.
 
-use crate::measure::{MeasuredVertebra, Noise, Outline};
+use crate::least_squares::System;
+use crate::measure::{ErrorRate, Measured, MeasuredVertebra, Noise, Outline, Whitening};
 use crate::multibody::SpineModel;
 use crate::spatial::{Angle, Frontal};
 
@@ -38,24 +39,6 @@ impl ShapeWeights {
         }
     }
 
-    /// The vertebrae above the base that a film shows, by their place, and the weights of each; those that it does not show
-    /// take no part in a fit. With the erect film, the weights are those of the difference from it.
-    pub fn of_vertebrae(
-        film: &Outline,
-        erect: Option<&Outline>,
-        model: &SpineModel,
-    ) -> Vec<(usize, Self)> {
-        let weights = |(i, vertebra): (usize, &MeasuredVertebra)| {
-            let own = film.noise_of(vertebra);
-            let weights = match erect {
-                None => Self::of_film(&own),
-                Some(erect) => Self::of_difference(&own, &erect.noise),
-            };
-            (i, weights.with_model(model.uncertain[i].as_ref()))
-        };
-        film.measured().filter(|(i, _)| *i > 0).map(weights).collect()
-    }
-
     /// Residuals of a vertebra that lies so far off and is turned by so much.
     pub fn residuals(&self, off: Frontal, turn: Angle) -> [f64; ROWS_PER_VERTEBRA] {
         let sd_mm = self.location_sd_mm;
@@ -67,4 +50,64 @@ impl ShapeWeights {
         let per_mm = 1.0 / self.location_sd_mm;
         [location.y_mm * per_mm, location.z_mm * per_mm, tilt / self.tilt_sd_rad]
     }
+}
+
+/// The vertebrae above the base that a film shows, and how their residuals are weighted; those that it does not show take no part
+/// in a fit.
+#[derive(Debug, Clone)]
+pub(crate) struct ShapeRows {
+    /// By their place, with the standard deviations that their residuals are divided by.
+    pub vertebrae: Vec<(usize, ShapeWeights)>,
+    /// Where vertebrae share errors: what makes the divided residuals independent.
+    whitening: Option<Whitening>,
+}
+
+impl ShapeRows {
+    /// With the erect film, the weights are those of the difference from it.
+    pub fn new(film: &Outline, erect: Option<&Outline>, model: &SpineModel) -> Self {
+        let weights = |(i, vertebra): (usize, &MeasuredVertebra)| {
+            let own = film.noise_of(vertebra);
+            let weights = match erect {
+                None => ShapeWeights::of_film(&own),
+                Some(erect) => ShapeWeights::of_difference(&own, &erect.noise),
+            };
+            (i, weights.with_model(model.uncertain[i].as_ref()))
+        };
+        let vertebrae: Vec<(usize, ShapeWeights)> =
+            film.measured().filter(|(i, _)| *i > 0).map(weights).collect();
+        let whitening = film.difference_covariance(erect, model.shared_errors.as_ref());
+        let whitening = whitening.and_then(|all| Whitening::of(&all, &error_rates(&vertebrae)));
+        Self { vertebrae, whitening }
+    }
+
+    /// Rows of the film in a system.
+    pub fn count(&self) -> usize {
+        ROWS_PER_VERTEBRA * self.vertebrae.len()
+    }
+
+    /// Makes the divided residuals from a row of a system on independent, or their derivatives by one unknown.
+    pub fn whiten(&self, rows: &mut [f64]) {
+        if let Some(whitening) = &self.whitening {
+            whitening.apply(rows);
+        }
+    }
+
+    /// The same for the residuals and all derivatives of a system.
+    pub fn whiten_system(&self, row: usize, system: &mut System) {
+        let own = row..row + self.count();
+        self.whiten(&mut system.residuals.as_mut_slice()[own.clone()]);
+        let stride = system.jacobian.nrows();
+        for column in system.jacobian.as_mut_slice().chunks_exact_mut(stride) {
+            self.whiten(&mut column[own.clone()]);
+        }
+    }
+}
+
+fn error_rates(vertebrae: &[(usize, ShapeWeights)]) -> Vec<ErrorRate> {
+    let of_vertebra = |(place, weights): &(usize, ShapeWeights)| {
+        let (per_mm, per_rad) = (1.0 / weights.location_sd_mm, 1.0 / weights.tilt_sd_rad);
+        let (left, cranial) = (Measured::Left, Measured::Cranial);
+        [(*place, left, per_mm), (*place, cranial, per_mm), (*place, Measured::Tilt, per_rad)]
+    };
+    vertebrae.iter().flat_map(of_vertebra).collect()
 }

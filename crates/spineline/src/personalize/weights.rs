@@ -10,14 +10,14 @@ pub(super) enum Precision {
     /// Neighbouring joints share a vertebra on every film alike, and all films share the erect one at every joint alike: the
     /// covariance is the product of one over films and one over joints, and so is its inverse.
     Product { films: DMatrix<f64>, joints: DMatrix<f64> },
-    /// Some vertebra is interpolated on some film, and its tilt is less certain than the others': the whole matrix, over the
-    /// joints of the first film, then over those of the next one.
+    /// Some vertebra is interpolated on some film, and its tilt is less certain than the others', or vertebrae share errors of
+    /// completed corners: the whole matrix, over the joints of the first film, then over those of the next one.
     Whole { matrix: DMatrix<f64>, films: usize, joints: usize },
 }
 
 impl Precision {
     pub fn new(films: &[&FilmEvidence], joints: usize) -> Option<Self> {
-        if films.iter().any(|film| film.tilt_variances.is_some()) {
+        if films.iter().any(|film| film.tilt_covariances.is_some()) {
             let matrix = whole_covariance(films, joints).cholesky()?.inverse();
             return Some(Self::Whole { matrix, films: films.len(), joints });
         }
@@ -70,24 +70,23 @@ impl Precision {
 
 /// Covariance of the rotations of all films: differences of neighbouring tilts, minus those of the erect film that all share.
 fn whole_covariance(films: &[&FilmEvidence], joints: usize) -> DMatrix<f64> {
-    let differences = |variances: &[f64]| {
-        DMatrix::from_fn(joints, joints, |a: usize, b: usize| match a.abs_diff(b) {
-            0 => variances[a] + variances[a + 1],
-            1 => -variances[a.max(b)],
-            _ => 0.0,
+    let differences = |tilts: &DMatrix<f64>| {
+        DMatrix::from_fn(joints, joints, |a, b| {
+            tilts[(a, b)] - tilts[(a, b + 1)] - tilts[(a + 1, b)] + tilts[(a + 1, b + 1)]
         })
     };
-    let alike = |sd: Angle| vec![sd.rad().powi(2); joints + 1];
+    let alike =
+        |sd: Angle| DMatrix::from_diagonal_element(joints + 1, joints + 1, sd.rad().powi(2));
     let mut covariance = DMatrix::zeros(films.len() * joints, films.len() * joints);
     // The erect film is one and the same.
-    let erect = films.iter().find_map(|film| film.tilt_variances.as_ref());
+    let erect = films.iter().find_map(|film| film.tilt_covariances.as_ref());
     for (i, film) in films.iter().enumerate() {
         let erect = erect.map_or_else(|| alike(film.erect_tilt_sd), |v| v.erect.clone());
         let shared = differences(&erect);
         for k in 0..films.len() {
             covariance.view_mut((i * joints, k * joints), (joints, joints)).copy_from(&shared);
         }
-        let own = film.tilt_variances.as_ref();
+        let own = film.tilt_covariances.as_ref();
         let own = own.map_or_else(|| alike(film.tilt_sd), |variances| variances.film.clone());
         let mut block = covariance.view_mut((i * joints, i * joints), (joints, joints));
         block += differences(&own);
@@ -243,21 +242,23 @@ pub(super) fn scale_columns(matrix: &mut DMatrix<f64>) -> DVector<f64> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::evidence::TiltVariances;
+    use super::super::evidence::TiltCovariances;
     use super::*;
     use crate::anatomy::Levels;
 
     fn film(sd_deg: f64, spelled_out: bool) -> FilmEvidence {
         let levels = Levels::COMPLETE;
         let [film, erect] = [sd_deg, 0.7].map(Angle::from_deg);
-        let alike = |sd: Angle| vec![sd.rad().powi(2); levels.len()];
-        let variances = TiltVariances { film: alike(film), erect: alike(erect) };
+        let alike = |sd: Angle| {
+            DMatrix::from_diagonal_element(levels.len(), levels.len(), sd.rad().powi(2))
+        };
+        let covariances = TiltCovariances { film: alike(film), erect: alike(erect) };
         FilmEvidence {
             joints: Vec::new(),
             tilt_sd: film,
             erect_tilt_sd: erect,
             levels,
-            tilt_variances: spelled_out.then_some(variances),
+            tilt_covariances: spelled_out.then_some(covariances),
         }
     }
 
@@ -284,7 +285,7 @@ mod tests {
         // Oracle: with a tilt that is not known at all, opposite errors of the joints beside it have no weight, and their sum
         // has as much as the rotation of one joint over both.
         let mut unknown = film(0.5, true);
-        unknown.tilt_variances.as_mut().expect("spelled out").film[7] = 1e6;
+        unknown.tilt_covariances.as_mut().expect("spelled out").film[(7, 7)] = 1e6;
         let precision = Precision::new(&[&unknown], 14).expect("positive definite");
         let weight = |of: [f64; 2]| {
             let column = DMatrix::from_fn(14, 1, |i, _| match i {

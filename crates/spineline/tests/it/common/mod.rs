@@ -239,6 +239,7 @@ pub fn outline(posture: Posture, vertebrae: &[(Frontal, Angle)]) -> Outline {
             readings: 1,
             interpolated: None,
             program: None,
+            origin: None,
         })
         .collect();
     Outline {
@@ -251,6 +252,7 @@ pub fn outline(posture: Posture, vertebrae: &[(Frontal, Angle)]) -> Outline {
         l4_on_film: Angle::ZERO,
         l4_midpoint_on_film: Frontal::default(),
         noise: Noise::ONE_READING,
+        shared_errors: None,
         scale: LengthScale::stated(SpacingPlane::Patient, None),
         length: FilmLength::ERECT,
         readings: 1,

@@ -1,0 +1,47 @@
+//! Means over readings.
+
+use std::collections::BTreeMap;
+
+use super::{EndplateTilts, Placement, ProgramNoise, VertebraOrigin};
+use crate::anatomy::Level;
+use crate::spatial::{Angle, Frontal};
+
+/// Mean over the readings that marked a level, and their number.
+pub(super) fn average(
+    placed: &[BTreeMap<Level, Placement>],
+) -> BTreeMap<Level, (Placement, usize)> {
+    let mut values: BTreeMap<Level, Vec<Placement>> = BTreeMap::new();
+    for reading in placed {
+        for (&level, &placement) in reading {
+            values.entry(level).or_default().push(placement);
+        }
+    }
+    values.into_iter().map(|(level, all)| (level, (mean_placement(&all), all.len()))).collect()
+}
+
+/// Mean of some placements, of which there is at least one.
+fn mean_placement(all: &[Placement]) -> Placement {
+    // Sums in a fixed order: the order of the readings must not reach the last bit.
+    let mut all = all.to_vec();
+    all.sort_by(|a, b| {
+        let key = |p: &Placement| [p.location.y_mm, p.location.z_mm, p.tilt.rad()];
+        key(a).partial_cmp(&key(b)).expect("readings were checked to be finite")
+    });
+    let n = all.len() as f64;
+    let location = all.iter().fold(Frontal::default(), |sum, p| sum + p.location) * (1.0 / n);
+    // Against one of them, so that a film held upside down averages as any other.
+    let mean = |first: Angle, tilts: &mut dyn Iterator<Item = Angle>| {
+        first + tilts.fold(Angle::ZERO, |sum, tilt| sum + (tilt - first).wrapped()) * (1.0 / n)
+    };
+    let tilt = mean(all[0].tilt, &mut all.iter().map(|p| p.tilt));
+    let endplates: Option<Vec<EndplateTilts>> = all.iter().map(|p| p.endplates).collect();
+    let endplates = endplates.map(|all| EndplateTilts {
+        superior: mean(all[0].superior, &mut all.iter().map(|tilts| tilts.superior)),
+        inferior: mean(all[0].inferior, &mut all.iter().map(|tilts| tilts.inferior)),
+    });
+    let programs: Vec<Option<ProgramNoise>> = all.iter().map(|p| p.program).collect();
+    let program = ProgramNoise::of_mean(&programs);
+    let origins: Option<Vec<VertebraOrigin>> = all.iter().map(|p| p.origin).collect();
+    let origin = origins.and_then(|all| all.into_iter().reduce(VertebraOrigin::and));
+    Placement { location, tilt, endplates, program, origin }
+}
