@@ -193,6 +193,7 @@ impl Case {
                 readings: 1,
                 interpolated: None,
                 program: None,
+                origin: None,
             })
             .collect();
         Outline {
@@ -212,6 +213,7 @@ impl Case {
             scale: LengthScale::stated(SpacingPlane::Patient, None),
             length: FilmLength::ERECT,
             readings: 1,
+            shared_errors: None,
         }
     }
 }
