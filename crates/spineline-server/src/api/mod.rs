@@ -5,6 +5,7 @@
 //! anterior, y to the patient's left, z cranial. Texts are shown to people without change.
 
 mod cohort;
+mod exports;
 mod live;
 mod model;
 mod named;
@@ -14,6 +15,7 @@ mod studies;
 mod words;
 
 pub use cohort::*;
+pub use exports::*;
 pub use live::*;
 pub use model::*;
 pub use named::*;

@@ -3,6 +3,7 @@
 
 mod cohort;
 mod curves;
+mod exports;
 mod findings;
 mod live;
 mod load;
@@ -12,7 +13,6 @@ mod overlay;
 mod preview;
 mod record;
 mod reliability;
-mod report;
 mod simulated;
 mod study;
 mod summary;
@@ -30,8 +30,7 @@ pub fn routes() -> OpenApiRouter<AppState> {
         .routes(routes!(live::live))
         .routes(routes!(preview::preview))
         .routes(routes!(record::record))
-        .routes(routes!(study::analysis_file))
-        .routes(routes!(report::report))
+        .merge(exports::routes())
         .routes(routes!(study::findings))
         .routes(routes!(study::overlay))
         .routes(routes!(model::model))
