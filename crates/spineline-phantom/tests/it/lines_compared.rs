@@ -62,7 +62,6 @@ fn the_verdict_on_the_models_is_that_of_the_sentences() {
         let verdict = analysis.models_verdict(&compared).expect("models");
         let words = analysis.headline(&compared).join(" ");
         let says = |text: &str| words.contains(text);
-        eprintln!("{truth:?} {index} {verdict:?} {words}");
         assert_eq!(verdict == ModelsVerdict::DoubtedFilm, says("Check the films first"), "{words}");
         match verdict {
             ModelsVerdict::Supported => assert!(says("predicts") && says("do not contradict")),
