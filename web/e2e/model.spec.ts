@@ -11,9 +11,20 @@ async function pretend(page: Page, view = modelView(), patient_left = "image_lef
   const detail = { summary: { films: [{ posture: "erect", patient_left }] } };
   await page.route("**/api/studies/phantom-rod-01", (route) => route.fulfill({ json: detail }));
   await page.route("**/api/studies/phantom-rod-01/model", (route) => route.fulfill({ json: view }));
+  await page.route("**/api/studies/phantom-rod-01/replicates", (route) =>
+    route.fulfill({ json: replicates(route.request().method() === "POST" ? 40 : 0) }),
+  );
   await page.route("**/api/studies/phantom-rod-01/load", (route) =>
     route.fulfill({ json: loadAnswer(route.request().postDataJSON() as Api<"LoadRequest">) }),
   );
+}
+
+/** Replicates at their begin, on their way, or done. */
+function replicates(done: number): Api<"ReplicatesView"> {
+  const intervals =
+    done === 200 ? [{ label: "Cobb angle", value: "48.2°", interval: "46.9° to 49.6°" }] : [];
+  const state = done === 0 ? "none" : done === 200 ? "done" : "running";
+  return { state, done, asked: 200, intervals, texts: [] };
 }
 
 async function openModel(app: App, page: Page): Promise<void> {
@@ -313,6 +324,30 @@ test("a load is applied by keyboard alone and announced", async ({ app, page }) 
   await page.getByLabel("Sideways, in N").fill("35");
   await page.getByLabel("Sideways, in N").press("Enter");
   await expect(page.getByText(/35 N to the patient's right on T2 ·/)).toBeVisible();
+});
+
+test("intervals are computed in the background, and can be cancelled", async ({ app, page }) => {
+  await pretend(page);
+  await openModel(app, page);
+  const asked: string[] = [];
+  let done = 0;
+  await page.route("**/api/studies/phantom-rod-01/replicates", (route) => {
+    const method = route.request().method();
+    asked.push(method);
+    if (method === "DELETE")
+      return route.fulfill({ json: { ...replicates(0), state: "cancelled" } });
+    return route.fulfill({ json: replicates(asked.includes("POST") ? done : 0) });
+  });
+  done = 80;
+  await page.getByRole("button", { name: "Compute 200 replicates" }).click();
+  await expect(page.getByText("80 of 200 replicates")).toBeVisible();
+  await page.getByRole("button", { name: "Cancel" }).click();
+  await expect(page.getByText(/^Cancelled\./)).toBeVisible();
+  expect(asked).toContain("DELETE");
+  done = 200;
+  await page.getByRole("button", { name: "Compute 200 replicates" }).click();
+  await expect(page.getByRole("cell", { name: "46.9° to 49.6°" })).toBeVisible();
+  await expectAccessible(page);
 });
 
 test("the whole page is usable on a tablet", async ({ app, page }) => {

@@ -13,11 +13,13 @@ mod overlay;
 mod preview;
 mod record;
 mod reliability;
+mod replicates;
 mod simulated;
 mod study;
 mod summary;
 mod words;
 
+pub use replicates::ReplicateJobs;
 pub use summary::summary;
 
 use utoipa_axum::router::OpenApiRouter;
@@ -31,6 +33,7 @@ pub fn routes() -> OpenApiRouter<AppState> {
         .routes(routes!(preview::preview))
         .routes(routes!(record::record))
         .merge(exports::routes())
+        .merge(replicates::routes())
         .routes(routes!(study::findings))
         .routes(routes!(study::overlay))
         .routes(routes!(model::model))

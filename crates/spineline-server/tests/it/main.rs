@@ -15,6 +15,7 @@ mod numbers;
 mod openapi;
 mod privacy;
 mod repeated_films;
+mod replicates;
 mod results;
 mod routes;
 mod scales;

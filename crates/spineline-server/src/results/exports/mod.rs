@@ -70,20 +70,22 @@ pub async fn export(
         ExportName::DicomSr => landmarks::sources(&state, &result).await?,
         _ => Default::default(),
     };
+    let job = state.replicates().of(&result);
     let made = computed(move || {
+        let uncertainty = job.as_ref().and_then(|job| job.uncertainty());
         let case = result.current.usable_case();
         let analysis = result.analysed()?;
         match export {
             ExportName::Report | ExportName::Pdf | ExportName::Figures => {
-                report::download(export, analysis, &case, &pictures)
+                report::download(export, analysis, &case, (&pictures, uncertainty))
             }
             ExportName::Analysis => Ok(Download {
                 ending: "-analysis.json",
                 kind: JSON,
                 bytes: spineline_files::to_text(&file_of(analysis, &case)).into_bytes(),
             }),
-            ExportName::TablesCsv => tables::csv(analysis, &case),
-            ExportName::TablesParquet => tables::parquet(analysis, &case),
+            ExportName::TablesCsv => tables::csv(analysis, &case, uncertainty),
+            ExportName::TablesParquet => tables::parquet(analysis, &case, uncertainty),
             ExportName::Slicer => landmarks::slicer(analysis, &case),
             ExportName::DicomSr => landmarks::dicom_sr(analysis, &case, &sources),
         }

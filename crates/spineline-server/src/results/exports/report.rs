@@ -1,6 +1,7 @@
 //! The report of a study, as `spineline report` writes it, and its figures.
 
 use spineline::analysis::{Analysis, Case};
+use spineline::uncertainty::Uncertainty;
 use spineline_report::figures::FilmPicture;
 use spineline_report::patient::{self, Patient};
 use spineline_report::{Document, html, png};
@@ -31,14 +32,14 @@ pub fn download(
     export: ExportName,
     analysis: &Analysis,
     case: &Case,
-    pictures: &[FilmPicture],
+    (pictures, uncertainty): (&[FilmPicture], Option<&Uncertainty>),
 ) -> Answer<Download> {
     let document = patient::report(&Patient {
         case,
         analysis,
         pictures,
         identifiability: None,
-        uncertainty: None,
+        uncertainty,
         generator: PROGRAM,
         json: &spineline_files::to_line(&file_of(analysis, case)),
     });

@@ -1,6 +1,7 @@
 //! The tables of a study, as `spineline analyze --tables` writes them.
 
 use spineline::analysis::{Analysis, Case};
+use spineline::uncertainty::Uncertainty;
 use spineline_files::to_text;
 use spineline_tables::{OptionalTables, Patient, Table, TableError, dictionary, tables};
 
@@ -8,27 +9,26 @@ use super::archive::archive;
 use super::{Download, internal, provenance};
 use crate::problem::Answer;
 
-pub fn csv(analysis: &Analysis, case: &Case) -> Answer<Download> {
-    written(analysis, case, "-tables-csv.zip", "csv", |table| {
+pub fn csv(analysis: &Analysis, case: &Case, spread: Option<&Uncertainty>) -> Answer<Download> {
+    written((analysis, case, spread), "-tables-csv.zip", "csv", |table| {
         table.to_csv().map(String::into_bytes)
     })
 }
 
-pub fn parquet(analysis: &Analysis, case: &Case) -> Answer<Download> {
+pub fn parquet(analysis: &Analysis, case: &Case, spread: Option<&Uncertainty>) -> Answer<Download> {
     let origin = to_text(&provenance(analysis));
-    written(analysis, case, "-tables-parquet.zip", "parquet", |table| {
+    written((analysis, case, spread), "-tables-parquet.zip", "parquet", |table| {
         table.to_parquet(&[("spineline.provenance", &origin)])
     })
 }
 
 fn written(
-    analysis: &Analysis,
-    case: &Case,
+    (analysis, case, spread): (&Analysis, &Case, Option<&Uncertainty>),
     ending: &'static str,
     form: &str,
     write: impl Fn(&Table) -> Result<Vec<u8>, TableError>,
 ) -> Answer<Download> {
-    let patients = [Patient { analysis, subject: &case.subject, identified: None, spread: None }];
+    let patients = [Patient { analysis, subject: &case.subject, identified: None, spread }];
     let mut files = Vec::new();
     for table in tables(&patients) {
         let bytes = write(&table).map_err(|error| internal(&error))?;
