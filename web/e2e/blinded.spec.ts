@@ -218,7 +218,14 @@ async function image(film: FilmPage): Promise<Api<"ReadingImage">> {
 
 /** Values that reveal more about a study and its films than their codes. */
 function forbidden(films: Api<"FilmSummary">[]): string[] {
-  const ofStudy = ["findings", "model", "analysis.json", "report", "case", "reliability"];
+  const ofStudy = [
+    "findings",
+    "model",
+    "exports/analysis",
+    "exports/report",
+    "case",
+    "reliability",
+  ];
   return [
     ...ofStudy.map((what) => `/api/studies/${STUDY}/${what}`),
     ...films.flatMap(({ film }) => [

@@ -60,7 +60,11 @@ export function study(id: string, more: Partial<Api<"StudySummary">> = {}): Api<
 
 const LABELS = ["pilot", "before brace", null, "second opinion", null];
 const STATUSES: [Api<"StudyStatus">, string][] = [
-  ["modelled", "three lines of action fitted, all converged"],
+  [
+    "modelled",
+    "a line predicts films better than without mechanics, and the bends do not contradict it",
+  ],
+  ["unsupported", "the bends contradict every line of action"],
   ["measured", "the erect film is measured; no bending film is"],
   ["marking", "12 of 15 vertebrae on the erect film"],
   ["to_mark", "no film is marked"],
@@ -74,7 +78,7 @@ export function manyStudies(count: number): Api<"StudySummary">[] {
   return Array.from({ length: count }, (_, index) => {
     const [status, status_text] = STATUSES[index % STATUSES.length] ?? STATUSES[0]!;
     const size_deg = 22 + ((index * 7.3) % 41);
-    const isMeasured = ["modelled", "measured", "not_converged"].includes(status);
+    const isMeasured = ["modelled", "unsupported", "measured", "not_converged"].includes(status);
     const postures = index % 4 === 3 ? POSTURES.slice(0, 3) : POSTURES;
     return study(`S-${String(count - index).padStart(3, "0")}`, {
       label: LABELS[index % LABELS.length] ?? null,

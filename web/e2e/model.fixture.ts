@@ -238,8 +238,8 @@ export function loadAnswer(request: Api<"LoadRequest">): Api<"LoadAnswer"> {
     converged: part === 1,
     status_text:
       part === 1
-        ? "equilibrium, residual 2·10⁻⁹ N·mm"
-        : `NO RESULT: there is no equilibrium near; the shape at ${(part * 100).toFixed(0)} % of the load is shown`,
+        ? "Equilibrium, reached from the erect spine"
+        : `Not a result: there is no equilibrium near. The shape at ${(part * 100).toFixed(0)} % of the load is shown`,
     load_text: `${Math.abs(force[1]!).toFixed(0)} N to the patient's ${force[1]! >= 0 ? "left" : "right"} on ${request.level}`,
     part,
     shape: curved(24, -force[1]! * 0.4 * part),

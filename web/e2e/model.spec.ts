@@ -11,9 +11,20 @@ async function pretend(page: Page, view = modelView(), patient_left = "image_lef
   const detail = { summary: { films: [{ posture: "erect", patient_left }] } };
   await page.route("**/api/studies/phantom-rod-01", (route) => route.fulfill({ json: detail }));
   await page.route("**/api/studies/phantom-rod-01/model", (route) => route.fulfill({ json: view }));
+  await page.route("**/api/studies/phantom-rod-01/replicates", (route) =>
+    route.fulfill({ json: replicates(route.request().method() === "POST" ? 40 : 0) }),
+  );
   await page.route("**/api/studies/phantom-rod-01/load", (route) =>
     route.fulfill({ json: loadAnswer(route.request().postDataJSON() as Api<"LoadRequest">) }),
   );
+}
+
+/** Replicates at their begin, on their way, or done. */
+function replicates(done: number): Api<"ReplicatesView"> {
+  const intervals =
+    done === 200 ? [{ label: "Cobb angle", value: "48.2°", interval: "46.9° to 49.6°" }] : [];
+  const state = done === 0 ? "none" : done === 200 ? "done" : "running";
+  return { state, done, asked: 200, intervals, texts: [] };
 }
 
 async function openModel(app: App, page: Page): Promise<void> {
@@ -136,7 +147,7 @@ test("the demo's model is computed and drawn, and responds to a load", async ({ 
   await page.mouse.up();
   // The picture did not move during the drag: the load is horizontal.
   await expect(page.getByLabel("Up or down, in N")).toHaveValue("0");
-  await expect(page.getByText("Equilibrium", { exact: true })).toBeVisible();
+  await expect(page.getByText(/^Equilibrium, reached/)).toBeVisible();
   expect((await steady(page, view)).equals(rest)).toBe(false);
   await shot(page, "model-of-the-demo-load");
 });
@@ -264,7 +275,7 @@ test("the spine follows a dragged load", async ({ app, page }) => {
   await page.mouse.move(x, y);
   await page.mouse.down();
   await page.mouse.move(x - 70, y, { steps: 15 });
-  await expect(page.getByText("Equilibrium", { exact: true })).toBeVisible();
+  await expect(page.getByText(/^Equilibrium, reached/)).toBeVisible();
   // From behind, the left of the picture is the patient's left.
   await expect(page.getByText(/\d+ N to the patient's left on T7 · largest/)).toBeVisible();
   await page.mouse.up();
@@ -283,9 +294,8 @@ test("the spine follows a dragged load", async ({ app, page }) => {
   await page.mouse.down();
   await page.mouse.move(x - 300, y, { steps: 8 });
   await page.mouse.up();
-  await expect(page.getByText("No equilibrium", { exact: true })).toBeVisible();
   await expect(
-    page.locator("span", { hasText: /NO RESULT: .* the shape at \d+ % of the load is shown/ }),
+    page.locator("strong", { hasText: /Not a result: .* The shape at \d+ % of the load is shown/ }),
   ).toBeVisible();
   await steady(page, view);
   await shot(page, "model-load-without-equilibrium");
@@ -306,7 +316,7 @@ test("a load is applied by keyboard alone and announced", async ({ app, page }) 
   await page.keyboard.press("Shift+ArrowLeft");
   await page.keyboard.press("Shift+ArrowLeft");
   const spoken = page.locator("[aria-live=polite]").filter({ hasText: "T2" });
-  await expect(spoken).toContainText("20 N to the patient's left on T2; equilibrium");
+  await expect(spoken).toContainText("20 N to the patient's left on T2; Equilibrium");
   await expect(page.getByLabel("Sideways, in N")).toHaveValue("20");
 
   await page.getByLabel("Sideways: direction").selectOption("patient’s right");
@@ -314,6 +324,30 @@ test("a load is applied by keyboard alone and announced", async ({ app, page }) 
   await page.getByLabel("Sideways, in N").fill("35");
   await page.getByLabel("Sideways, in N").press("Enter");
   await expect(page.getByText(/35 N to the patient's right on T2 ·/)).toBeVisible();
+});
+
+test("intervals are computed in the background, and can be cancelled", async ({ app, page }) => {
+  await pretend(page);
+  await openModel(app, page);
+  const asked: string[] = [];
+  let done = 0;
+  await page.route("**/api/studies/phantom-rod-01/replicates", (route) => {
+    const method = route.request().method();
+    asked.push(method);
+    if (method === "DELETE")
+      return route.fulfill({ json: { ...replicates(0), state: "cancelled" } });
+    return route.fulfill({ json: replicates(asked.includes("POST") ? done : 0) });
+  });
+  done = 80;
+  await page.getByRole("button", { name: "Compute 200 replicates" }).click();
+  await expect(page.getByText("80 of 200 replicates")).toBeVisible();
+  await page.getByRole("button", { name: "Cancel" }).click();
+  await expect(page.getByText(/^Cancelled\./)).toBeVisible();
+  expect(asked).toContain("DELETE");
+  done = 200;
+  await page.getByRole("button", { name: "Compute 200 replicates" }).click();
+  await expect(page.getByRole("cell", { name: "46.9° to 49.6°" })).toBeVisible();
+  await expectAccessible(page);
 });
 
 test("the whole page is usable on a tablet", async ({ app, page }) => {
@@ -350,7 +384,7 @@ test("without WebGL the model is shown in two dimensions with a message", async 
   await page.getByRole("button", { name: "Load by hand" }).click();
   await page.getByLabel("Sideways, in N").fill("40");
   await page.getByLabel("Sideways, in N").press("Enter");
-  await expect(page.getByText("Equilibrium", { exact: true })).toBeVisible();
+  await expect(page.getByText(/^Equilibrium, reached/)).toBeVisible();
   await expectAccessible(page);
   await shot(page, "model-without-webgl-load");
   await browser.close();

@@ -2,11 +2,12 @@ import { readFile } from "node:fs/promises";
 
 import type { Page } from "@playwright/test";
 
-import { expect, shot, test } from "./app";
+import { expect, expectAccessible, shot, test } from "./app";
 import { answerWith, cohort } from "./made";
 import { get } from "./wire";
 
 const STUDY = "demo-rod-01";
+const NO_DICOM = { code: "refused", message: "erect film: it is not a DICOM file", help: "…" };
 
 /** Fails if a page on paper is dark, cut, or shows tools of the screen. */
 async function expectPlainPaper(page: Page): Promise<void> {
@@ -37,7 +38,33 @@ async function expectPlainPaper(page: Page): Promise<void> {
   expect(look.isCut).toBe(false);
 }
 
-test("Measure, Model and Cohort print plainly and lead to the report", async ({ app, page }) => {
+/** Saves files from the menu of the model page, and is told of one that cannot be written. */
+async function exportFiles(page: Page): Promise<void> {
+  await page.getByRole("button", { name: "Export…" }).click();
+  const dialog = page.getByRole("dialog", { name: "Export" });
+  for (const [button, name, start] of [
+    ["Landmarks for 3D Slicer", "demo-rod-01-slicer.zip", "PK"],
+    ["OSIM", "demo-rod-01-inflection_line.osim", "<?xml"],
+  ] as const) {
+    const saved = page.waitForEvent("download");
+    await dialog.getByRole("button", { name: button }).click();
+    const file = await saved;
+    expect(file.suggestedFilename()).toBe(name);
+    const bytes = await readFile(await file.path());
+    expect(bytes.subarray(0, start.length).toString()).toBe(start);
+    await expect(dialog.getByRole("status")).toHaveText(`${button} is saved.`);
+  }
+  await answerWith(page, `/api/studies/${STUDY}/exports/dicom_sr`, NO_DICOM, 422);
+  await dialog.getByRole("button", { name: "Landmarks as DICOM SR" }).click();
+  await expect(dialog.getByText(NO_DICOM.message)).toBeVisible();
+  await expectAccessible(page);
+  await page.keyboard.press("Escape");
+}
+
+test("Measure, Model and Cohort print plainly and lead to the report and other files", async ({
+  app,
+  page,
+}) => {
   await app.open(page);
   await page.getByRole("button", { name: "Open a demo" }).click();
   const link = page.getByRole("link", { name: "Report", exact: true });
@@ -58,7 +85,8 @@ test("Measure, Model and Cohort print plainly and lead to the report", async ({ 
     await shot(page, `print-${place}`);
     await page.emulateMedia({ media: "screen" });
   }
-  expect((await get(page, `/api/studies/${STUDY}/report`)).status).toBe(200);
+  await exportFiles(page);
+  expect((await get(page, `/api/studies/${STUDY}/exports/report`)).status).toBe(200);
   await answerWith(page, "/api/cohort", cohort());
   await page.goto(new URL("#/cohort", app.address).href);
   await expect(page.getByRole("link", { name: /^Report of S-/ }).first()).toBeVisible();

@@ -38,7 +38,7 @@ pub use film::{
 pub use labelme::parse_labelme;
 pub use midline::parse_midlines;
 pub use slicer::parse_slicer;
-pub use sr::{ReportOf, SourceImage, read_source, read_sr, write_sr};
+pub use sr::{ReportOf, SourceImage, parse_source, read_source, read_sr, write_sr};
 
 /// Maximum size of a file of landmarks.
 pub const MAX_BYTES: u64 = 64 << 20;

@@ -14,6 +14,7 @@ mod world;
 
 use std::fmt;
 
+use chrono::{DateTime, Datelike, Timelike, Utc};
 use spineline_report::Document;
 use spineline_report::fonts::{Font, Fonts};
 use typst::foundations::{Datetime, Smart};
@@ -39,6 +40,22 @@ pub struct Made {
     pub minute: u8,
     /// Of 60.
     pub second: u8,
+}
+
+impl Made {
+    /// This time; `None` before Christ and after the year 65535.
+    #[must_use]
+    pub fn of(time: DateTime<Utc>) -> Option<Self> {
+        // All of them are below 60, and fit.
+        Some(Self {
+            year: u16::try_from(time.year()).ok()?,
+            month: time.month() as u8,
+            day: time.day() as u8,
+            hour: time.hour() as u8,
+            minute: time.minute() as u8,
+            second: time.second() as u8,
+        })
+    }
 }
 
 impl fmt::Display for Made {

@@ -63,6 +63,8 @@ pub async fn study_result(state: &AppState, study: &Name) -> Answer<Arc<StudyRes
             let (state, name) = (state.clone(), study.clone());
             computed(move || {
                 let result = Arc::new(StudyResult::of(&name, current));
+                // The list of studies needs it, and asks while it holds the store.
+                result.compared();
                 state.results().keep(sequence, &result);
                 result
             })

@@ -3,11 +3,11 @@
 use axum::http::header;
 use axum::response::{IntoResponse, Response};
 
-/// Text that a browser saves as a file. A study's name is always a valid file name.
-pub fn attachment(file: &str, kind: &str, text: String) -> Response {
+/// What a browser saves as a file. A study's name is always a valid file name.
+pub fn attachment(file: &str, kind: &str, content: impl IntoResponse) -> Response {
     let headers = [
         (header::CONTENT_TYPE, kind.to_owned()),
         (header::CONTENT_DISPOSITION, format!("attachment; filename=\"{file}\"")),
     ];
-    (headers, text).into_response()
+    (headers, content).into_response()
 }

@@ -2,10 +2,10 @@
 
 use std::collections::BTreeMap;
 use std::fmt;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 use axum::http::StatusCode;
-use spineline::analysis::{Analysis, AnalysisOptions, analyze};
+use spineline::analysis::{Analysis, AnalysisOptions, LinesCompared, ModelsVerdict, analyze};
 use spineline::anatomy::Posture;
 use spineline_store::{CaseReadings, CurrentCase, CurrentFilm, Name, Store, StoreError};
 
@@ -39,6 +39,8 @@ pub struct StudyResult {
     pub current: CurrentCase,
     /// Outcome.
     pub outcome: Outcome,
+    /// The lines compared, which takes as long as the analysis: computed where it is first asked for.
+    compared: OnceLock<Option<LinesCompared>>,
 }
 
 impl StudyResult {
@@ -57,7 +59,7 @@ impl StudyResult {
         } else {
             Outcome::Waiting
         };
-        Self { study: study.clone(), current, outcome }
+        Self { study: study.clone(), current, outcome, compared: OnceLock::new() }
     }
 
     /// The analysis, where there is one.
@@ -66,6 +68,16 @@ impl StudyResult {
             Outcome::Analysed(analysis) => Some(analysis),
             Outcome::Waiting | Outcome::Refused { .. } => None,
         }
+    }
+
+    /// The lines of action compared, where there is an analysis.
+    pub fn compared(&self) -> Option<&LinesCompared> {
+        self.compared.get_or_init(|| self.analysis().map(Analysis::compare_lines)).as_ref()
+    }
+
+    /// What the films say of the models, where there are models.
+    pub fn models_verdict(&self) -> Option<ModelsVerdict> {
+        self.analysis()?.models_verdict(self.compared()?)
     }
 
     /// The analysis, or the reason for its absence.

@@ -17,6 +17,7 @@ use crate::limits::ServeLimits;
 use crate::overview_cache::OverviewCache;
 use crate::problem::Answer;
 use crate::result_cache::{ResultCache, computed};
+use crate::results::ReplicateJobs;
 
 /// Concurrent comparisons of passwords, of 19 MB each.
 const MAX_PASSWORDS: usize = 2;
@@ -58,6 +59,7 @@ struct Shared {
     overviews: OverviewCache,
     changes: Channel,
     results: ResultCache,
+    replicates: ReplicateJobs,
 }
 
 impl fmt::Debug for AppState {
@@ -87,6 +89,7 @@ impl AppState {
             overviews: OverviewCache::default(),
             changes: Channel::default(),
             results: ResultCache::default(),
+            replicates: ReplicateJobs::default(),
         };
         Self { shared: Arc::new(shared) }
     }
@@ -102,6 +105,11 @@ impl AppState {
     /// Analyses of studies.
     pub(crate) fn results(&self) -> &ResultCache {
         &self.shared.results
+    }
+
+    /// Replicates in the background.
+    pub(crate) fn replicates(&self) -> &ReplicateJobs {
+        &self.shared.replicates
     }
 
     /// Decoded films and uploads.

@@ -113,8 +113,8 @@ pub(crate) fn digest(row: &Row<'_>) -> Result<Hash, StoreError> {
     Ok(Hash::of(Value::from(cells).to_string().as_bytes()))
 }
 
-/// Action of entries on a study that was taken out as a report, and not changed.
-pub(crate) const REPORT: &str = "report";
+/// What actions of entries begin with on a study that was taken out as a file, and not changed.
+pub(crate) const EXPORT: &str = "export_";
 
 /// Statement for the last entry on an object.
 struct Seals<'a>(Statement<'a>);

@@ -8,7 +8,7 @@ use spineline::anatomy::Posture;
 use spineline_files::CaseFile;
 
 use crate::assembly;
-use crate::audit::REPORT;
+use crate::audit::EXPORT;
 use crate::connection::Store;
 use crate::error::StoreError;
 use crate::films::{self, FilmRecord};
@@ -101,14 +101,20 @@ impl Store {
 }
 
 impl Store {
-    /// Writes into the log who took a report of a study out of the store. The study is not changed by it.
+    /// Writes into the log who took a study out of the store, and as what, such as `report`: the action is `export_report`.
+    /// The study is not changed by it.
     ///
     /// # Errors
     /// [`StoreError::Unknown`], and errors of writing.
-    pub fn log_report(&mut self, study: &Name, by: &Signature) -> Result<(), StoreError> {
+    pub fn log_export(
+        &mut self,
+        study: &Name,
+        form: &str,
+        by: &Signature,
+    ) -> Result<(), StoreError> {
         self.write(by, |ledger| {
             films::study(ledger.transaction, study)?;
-            ledger.seal(REPORT, "studies", &study.as_str()).map(drop)
+            ledger.seal(&format!("{EXPORT}{form}"), "studies", &study.as_str()).map(drop)
         })
     }
 }

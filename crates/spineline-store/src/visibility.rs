@@ -2,7 +2,7 @@
 
 use rusqlite::OptionalExtension;
 
-use crate::audit::REPORT;
+use crate::audit::EXPORT;
 use crate::connection::Store;
 use crate::error::StoreError;
 use crate::event::Event;
@@ -136,7 +136,7 @@ impl Store {
             objects (object) AS ({objects})
             SELECT sequence, time_ms FROM audit WHERE sequence = (
                 SELECT max((SELECT max(sequence) FROM audit
-                    WHERE audit.object = objects.object AND action <> '{REPORT}'))
+                    WHERE audit.object = objects.object AND substr(action, 1, length('{EXPORT}')) <> '{EXPORT}'))
                 FROM objects WHERE object IS NOT NULL)"
         );
         let mut statement = self.connection.prepare(&query)?;

@@ -42,10 +42,6 @@ export const loadModel = (study: string, body: Api<"LoadRequest">, signal: Abort
 
 export const casePath = (study: string): string => `/api/studies/${encodeURIComponent(study)}/case`;
 
-/** The HTML report, which a browser saves as a file. */
-export const reportPath = (study: string): string =>
-  `/api/studies/${encodeURIComponent(study)}/report`;
-
 export const thumbnailPath = (film: number): string => `/api/films/${film}/thumbnail`;
 
 export const uploadThumbnailPath = (upload: string): string =>

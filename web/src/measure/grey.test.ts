@@ -1,6 +1,6 @@
 import { expect, it } from "vitest";
 
-import { adjusted, greyTable, limited, windowOfPicture } from "./grey";
+import { adjusted, greyTable, limited, windowOfPart, windowOfPicture } from "./grey";
 
 const red = (colour: number): number => colour & 0xff;
 
@@ -37,4 +37,21 @@ it("excludes the darkest and the brightest percent", () => {
   const window = windowOfPicture({ columns: 1000, rows: 1, values }, 4095);
   expect(window.centre - window.width / 2).toBe(510);
   expect(window.centre + window.width / 2).toBe(1490);
+});
+
+it("stretches the contrast of a part, and not its noise", () => {
+  const values = new Uint16Array(10_000).fill(4000);
+  for (let row = 40; row < 60; row += 1)
+    for (let column = 40; column < 60; column += 1)
+      values[100 * row + column] = 1000 + 40 * (column % 20);
+  const plane = { columns: 100, rows: 100, values };
+  const whole = { centre: 2048, width: 4096 };
+  const part = windowOfPart(plane, [49.5, 49.5], 9, whole, 4095);
+  expect(part.centre).toBeCloseTo(1380, -2);
+  expect(part.width).toBeGreaterThan(512);
+  expect(part.width).toBeLessThan(800);
+  // Beside the square there is one brightness.
+  expect(windowOfPart(plane, [5, 5], 3, whole, 4095)).toMatchObject({ centre: 4000, width: 512 });
+  // At the edge of the picture.
+  expect(windowOfPart(plane, [-2, 99.4], 9, whole, 4095).width).toBe(512);
 });

@@ -51,6 +51,28 @@ export function windowOfPicture(plane: Plane, max: number): GreyWindow {
   return limited({ centre: (darkest + brightest) / 2, width: brightest - darkest }, max);
 }
 
+/**
+ * The window of a square part of a picture, which shows what is hardly seen in the window of the whole; at least an eighth
+ * as wide as that one, so that it does not show noise alone.
+ */
+export function windowOfPart(
+  { columns, rows, values }: Plane,
+  [column, row]: readonly [number, number],
+  reach: number,
+  whole: GreyWindow,
+  max: number,
+): GreyWindow {
+  const bound = (at: number, last: number): number => Math.min(last, Math.max(0, Math.round(at)));
+  const [left, right] = [bound(column - reach, columns - 1), bound(column + reach, columns - 1)];
+  const [top, bottom] = [bound(row - reach, rows - 1), bound(row + reach, rows - 1)];
+  const wide = right - left + 1;
+  const part = new Uint16Array(wide * (bottom - top + 1));
+  for (let y = top; y <= bottom; y += 1)
+    part.set(values.subarray(y * columns + left, y * columns + right + 1), (y - top) * wide);
+  const { centre, width } = windowOfPicture({ columns: part.length, rows: 1, values: part }, max);
+  return { centre, width: Math.max(width, whole.width / 8) };
+}
+
 /** The value that `below` pixels do not reach. */
 function valueAt(counts: Uint32Array, below: number): number {
   let seen = 0;

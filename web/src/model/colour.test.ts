@@ -20,15 +20,20 @@ describe("the stiffness scale", () => {
     expect(onScale(stops, 0.5)).toBe("#804020");
   });
 
-  it("is lighter for stiffer joints", () => {
+  it("is lighter for stiffer joints, in both themes", () => {
     const file = fileURLToPath(new URL("../theme/tokens.css", import.meta.url));
-    const theme = readFileSync(file, "utf8");
-    const light = STIFFNESS_TOKENS.map((token) => {
-      const found = new RegExp(`${token}: #(..)(..)(..);`).exec(theme);
-      const [r = 0, g = 0, b = 0] = (found ?? []).slice(1).map((part) => Number.parseInt(part, 16));
-      return 0.2126 * r + 0.7152 * g + 0.0722 * b;
-    });
-    expect(light.every((value) => value > 0)).toBe(true);
-    expect(light).toEqual(light.toSorted((a, b) => a - b));
+    const themes = readFileSync(file, "utf8").split("@media");
+    expect(themes).toHaveLength(2);
+    for (const theme of themes) {
+      const light = STIFFNESS_TOKENS.map((token) => {
+        const found = new RegExp(`${token}: #(..)(..)(..);`).exec(theme);
+        const [r = 0, g = 0, b = 0] = (found ?? [])
+          .slice(1)
+          .map((part) => Number.parseInt(part, 16));
+        return 0.2126 * r + 0.7152 * g + 0.0722 * b;
+      });
+      expect(light.every((value) => value > 0)).toBe(true);
+      expect(light).toEqual(light.toSorted((a, b) => a - b));
+    }
   });
 });

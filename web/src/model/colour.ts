@@ -1,15 +1,22 @@
+import { MediaQuery } from "svelte/reactivity";
+
 import { at } from "./shapes";
 
 /** Tokens of the stiffness scale, softest first: equal steps of lightness, so that colour-blind readers see the order. */
 export const STIFFNESS_TOKENS = [0, 1, 2, 3, 4, 5, 6].map((step) => `--stiffness-${step}`);
 
+const light = new MediaQuery("(prefers-color-scheme: light)");
 const known = new Map<string, string>();
 
-/** Value of a colour of the theme. It is constant and cached, because reading it triggers a layout. */
+/** The theme that the system asks for; it may change while a page is open. */
+export const themeName = (): "light" | "dark" => (light.current ? "light" : "dark");
+
+/** Value of a colour of the theme. It is cached for each theme, because reading it triggers a layout. */
 export function themeColour(token: string): string {
+  const key = `${themeName()} ${token}`;
   const colour =
-    known.get(token) ?? getComputedStyle(document.documentElement).getPropertyValue(token).trim();
-  known.set(token, colour);
+    known.get(key) ?? getComputedStyle(document.documentElement).getPropertyValue(token).trim();
+  known.set(key, colour);
   return colour;
 }
 

@@ -13,7 +13,7 @@ describe("words", () => {
   });
 
   it("name every status once", () => {
-    expect(new Set(statuses).size).toBe(7);
+    expect(new Set(statuses).size).toBe(8);
   });
 
   it("count", () => {

@@ -39,6 +39,7 @@ const STATUSES: Words<Api<"StudyStatus">> = {
   marking: "Landmarks incomplete",
   measured: "Measured",
   modelled: "Modelled",
+  unsupported: "Modelled, not supported",
   not_converged: "Not converged",
   refused: "Contradicted",
   blinded: "Blinded",

@@ -70,4 +70,4 @@ export function scaleTrouble(study: Study): string | null {
 
 /** Whether a study with this status has results, and so a model and a report. */
 export const hasResults = (status: Api<"StudyStatus">): boolean =>
-  ["modelled", "not_converged", "measured"].includes(status);
+  ["modelled", "unsupported", "not_converged", "measured"].includes(status);

@@ -1,6 +1,6 @@
 //! A report as PDF, dated by its run.
 
-use chrono::{DateTime, Datelike, Timelike, Utc};
+use chrono::{DateTime, Utc};
 use spineline_pdf::{Made, PdfError};
 use spineline_report::Document;
 
@@ -20,20 +20,8 @@ pub fn pdf(document: &Document, date_utc: &str) -> Result<Vec<u8>, Failure> {
 /// The date of a run, as RFC 3339 has it.
 fn made(date_utc: &str) -> Result<Made, Failure> {
     let date = date_utc.parse::<DateTime<Utc>>().ok();
-    let date = date.and_then(|date| Some((u16::try_from(date.year()).ok()?, date)));
-    let Some((year, date)) = date else {
-        return Err(Failure::usage(format!(
-            "{date_utc} is no date for a PDF; expected a year of our time"
-        )));
-    };
-    // All of them are below 60, and fit.
-    Ok(Made {
-        year,
-        month: date.month() as u8,
-        day: date.day() as u8,
-        hour: date.hour() as u8,
-        minute: date.minute() as u8,
-        second: date.second() as u8,
+    date.and_then(Made::of).ok_or_else(|| {
+        Failure::usage(format!("{date_utc} is no date for a PDF; expected a year of our time"))
     })
 }
 

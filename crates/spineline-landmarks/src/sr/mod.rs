@@ -18,7 +18,7 @@ mod source;
 mod write;
 
 pub use read::read_sr;
-pub use source::read_source;
+pub use source::{parse_source, read_source};
 pub use write::write_sr;
 
 use spineline::anatomy::{Posture, Region};

@@ -13,11 +13,19 @@ use crate::LandmarkExportError;
 /// # Errors
 /// [`LandmarkExportError::Source`] for a file that is no DICOM or has no identifiers.
 pub fn read_source(path: &Path) -> Result<SourceImage, LandmarkExportError> {
-    let unfit = |reason: &str| LandmarkExportError::Source(format!("{}: {reason}", path.display()));
     let place = Place::File(path.to_owned());
     let bytes = read(&place, &IntakeLimits::default())
         .map_err(|error| LandmarkExportError::Source(error.to_string()))?;
-    let object = read_data_set(&bytes).map_err(|error| unfit(&error.to_string()))?;
+    parse_source(&bytes, &path.display().to_string())
+}
+
+/// The same from the bytes of a file; errors call it by this name.
+///
+/// # Errors
+/// As [`read_source`].
+pub fn parse_source(bytes: &[u8], name: &str) -> Result<SourceImage, LandmarkExportError> {
+    let unfit = |reason: &str| LandmarkExportError::Source(format!("{name}: {reason}"));
+    let object = read_data_set(bytes).map_err(|error| unfit(&error.to_string()))?;
     let text = |tag: Tag| -> String {
         let value = object.get(tag).and_then(|element| element.to_str().ok());
         value.map(|text| text.trim_matches(['\0', ' ']).to_owned()).unwrap_or_default()

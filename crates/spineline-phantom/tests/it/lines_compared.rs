@@ -1,7 +1,9 @@
 //! Lines on the same films: what is left out stays out, numbers are counted, and the truth decides which line predicts.
 
 use spineline::action::LineKind;
-use spineline::analysis::{Analysis, AnalysisOptions, FilmRole, LinesCompared, analyze};
+use spineline::analysis::{
+    Analysis, AnalysisOptions, FilmRole, LinesCompared, ModelsVerdict, analyze,
+};
 use spineline::anatomy::Posture;
 use spineline::cohort::{Cohort, CohortPatient, ErrorKind};
 use spineline::multibody::Support;
@@ -47,6 +49,36 @@ fn a_left_out_bend_does_not_change_the_stiffness_that_predicts_it() {
     for model in first.left_out.iter().flat_map(|bend| &bend.models) {
         assert_eq!(model.postures.iter().filter(|s| s.fitted).count(), 1);
     }
+}
+
+/// The verdict as one value says what the sentences say, and every value occurs.
+#[test]
+fn the_verdict_on_the_models_is_that_of_the_sentences() {
+    let mut seen = Vec::new();
+    for (truth, index) in Truth::EVERY.into_iter().flat_map(|t| (0..3).map(move |i| (t, i))) {
+        let phantom = generate(index, truth, &Readers::default(), 1).expect("a phantom");
+        let analysis = analyzed(&phantom);
+        let compared = analysis.compare_lines();
+        let verdict = analysis.models_verdict(&compared).expect("models");
+        let words = analysis.headline(&compared).join(" ");
+        let says = |text: &str| words.contains(text);
+        assert_eq!(verdict == ModelsVerdict::DoubtedFilm, says("Check the films first"), "{words}");
+        match verdict {
+            ModelsVerdict::Supported => assert!(says("predicts") && says("do not contradict")),
+            ModelsVerdict::Contradicted => {
+                assert!(says("The bends contradict") && !says("do not contradict"), "{words}");
+            }
+            ModelsVerdict::NoBetter | ModelsVerdict::DoubtedFilm => {}
+        }
+        seen.push(verdict);
+    }
+    for one in [ModelsVerdict::Supported, ModelsVerdict::Contradicted, ModelsVerdict::NoBetter] {
+        assert!(seen.contains(&one), "{one}");
+    }
+    let mut alone = exact(0, Truth::Rod);
+    alone.case.films.retain(|film| film.posture == Posture::Erect);
+    let analysis = analyzed(&alone);
+    assert_eq!(analysis.models_verdict(&analysis.compare_lines()), None);
 }
 
 #[test]

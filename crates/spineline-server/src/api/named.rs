@@ -6,7 +6,7 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use spineline::action::LineKind;
 use spineline::anatomy::{ImageSide, Named, Posture, Side};
 use spineline::measure::{Calibrator, SpacingPlane};
-use spineline_files::by_key;
+use spineline_files::{ExportFormat, by_key};
 use spineline_store::{Access, Role};
 use utoipa::openapi::RefOr;
 use utoipa::openapi::schema::{ObjectBuilder, Schema, Type};
@@ -73,6 +73,8 @@ pub type ImageSideName = Wire<ImageSide>;
 pub type PlaneName = Wire<SpacingPlane>;
 /// Kind of a line of action.
 pub type LineName = Wire<LineKind>;
+/// Format of a model for other multibody programs.
+pub type ModelFormatName = Wire<ExportFormat>;
 /// Object of known size in the picture.
 pub type CalibratorName = Wire<Calibrator>;
 /// Highest permission of an account; a study may grant less.
@@ -105,6 +107,11 @@ impl Described for LineKind {
     const DESCRIPTION: &'static str = "Kind of a line of action.";
     /// The interface has no line given by hand.
     const VALUES: &'static [Self] = &[Self::Inflection, Self::Iliac, Self::Estimated];
+}
+
+impl Described for ExportFormat {
+    const SCHEMA: &'static str = "ModelFormatName";
+    const DESCRIPTION: &'static str = "Format of a model for other multibody programs.";
 }
 
 impl Described for Calibrator {

@@ -15,8 +15,10 @@ pub enum StudyStatus {
     Marking,
     /// The curve and its angles are measured; there is no model.
     Measured,
-    /// All fitted models converged.
+    /// All fitted models converged, and the films support one.
     Modelled,
+    /// All fitted models converged, and the films support none: the verdict says why.
+    Unsupported,
     /// A model did not converge.
     NotConverged,
     /// Landmarks contradict each other.

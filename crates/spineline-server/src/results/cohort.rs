@@ -138,7 +138,7 @@ fn cells(analysis: Option<&Analysis>) -> Vec<CohortCell> {
         cell("inflections", of(&|a| Some(a.inflections.all.len() as f64)), 0),
         cell("segments", of(&|a| Some(a.chain.segments as f64)), 0),
         cell("segment length (mm)", of(&|a| a.scale().mm(a.chain.segment_mm)), 4),
-        cell("rotation at inflection (m°)", of(&inflection_rotation_mdeg), 1),
+        cell("rotation at inflection (0.001°)", of(&inflection_rotation_mdeg), 1),
     ];
     for kind in LINES {
         for (films, fitted) in [("fitted", true), ("held out", false)] {
@@ -185,7 +185,7 @@ fn charts(analyses: &[&Analysis], cohort: &Cohort) -> Vec<BoxChart> {
         errors("Location errors on held-out films", true),
         chart(
             "Rotation from the erect posture",
-            "rotation (m°)",
+            "rotation (0.001°)",
             rotations.iter().filter_map(|(label, values)| box_of(label, values)).collect(),
         ),
         chart(

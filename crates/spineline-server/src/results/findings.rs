@@ -75,15 +75,16 @@ fn texts(motion: &Motion, inflections: Option<&[SegmentEstimate; 2]>) -> Vec<Str
     let places = ["L2–T9", "T7–T4"];
     let windows = places.iter().zip(motion.least).enumerate();
     let text = |(window, (name, least)): (usize, (&&str, usize))| {
-        let turns = motion.rotations.get(least).map_or(0.0, |angle| 1000.0 * angle.deg());
+        let turns = motion.rotations.get(least).map_or(0.0, |angle| angle.deg());
         let beside = inflections.map_or_else(String::new, |pair| {
             let SegmentEstimate { segment, distance_segments, rotation, .. } = pair[window];
+            let plural = if distance_segments == 1 { "" } else { "s" };
             format!(
-                "; the inflection is segment {segment}, at a distance of {distance_segments} segments, and rotates {:.1} m°",
-                1000.0 * rotation.deg()
+                "; the inflection is segment {segment}, at a distance of {distance_segments} segment{plural}, and rotates {:.4}°",
+                rotation.deg()
             )
         });
-        format!("{name}: least-rotating segment {least}, {turns:.1} m°{beside}")
+        format!("{name}: least-rotating segment {least}, {turns:.4}°{beside}")
     };
     windows.map(text).collect()
 }

@@ -86,7 +86,7 @@ fn loaded(
     let spine = &analysis.spine;
     let erect = erect_shape(spine);
     let found = if force_n == Vec3::zeros() {
-        let status_text = "no load: the erect shape".to_owned();
+        let status_text = "No load: the erect shape".to_owned();
         Found { deformed: erect.clone(), part: 1.0, status_text, converged: true }
     } else {
         equilibrium(analysis, model, vertebra, force_n, &erect)?
@@ -118,13 +118,13 @@ fn equilibrium(
         respond(&statics, &loading, Goal::FullLoad, 1.0, &mut |_, _| ControlFlow::Continue(()))
             .map_err(|error| refused(error.to_string(), error.help()))?;
     if let Some(result) = response.result() {
-        let status_text = "equilibrium, reached from the erect spine".to_owned();
+        let status_text = "Equilibrium, reached from the erect spine".to_owned();
         let deformed = result.deformed.clone();
         return Ok(Found { deformed, part: 1.0, status_text, converged: true });
     }
     let (part, deformed) = response.last_reached(&analysis.spine).unwrap_or((0.0, erect));
     let status_text = format!(
-        "NO RESULT: {}; the shape at {:.0} % of the load is shown",
+        "Not a result: {}. The shape at {:.0} % of the load is shown",
         response.ending.meaning(),
         100.0 * part
     );

@@ -3,6 +3,7 @@
 
 mod cohort;
 mod curves;
+mod exports;
 mod findings;
 mod live;
 mod load;
@@ -12,12 +13,13 @@ mod overlay;
 mod preview;
 mod record;
 mod reliability;
-mod report;
+mod replicates;
 mod simulated;
 mod study;
 mod summary;
 mod words;
 
+pub use replicates::ReplicateJobs;
 pub use summary::summary;
 
 use utoipa_axum::router::OpenApiRouter;
@@ -30,8 +32,8 @@ pub fn routes() -> OpenApiRouter<AppState> {
         .routes(routes!(live::live))
         .routes(routes!(preview::preview))
         .routes(routes!(record::record))
-        .routes(routes!(study::analysis_file))
-        .routes(routes!(report::report))
+        .merge(exports::routes())
+        .merge(replicates::routes())
         .routes(routes!(study::findings))
         .routes(routes!(study::overlay))
         .routes(routes!(model::model))

@@ -59,7 +59,7 @@ fn view(result: &StudyResult, analysis: &Analysis) -> ModelView {
             })
             .collect(),
         lines: lines.filter_map(|(model, relative)| line(analysis, model, relative)).collect(),
-        verdict: analysis.verdict(&analysis.compare_lines()),
+        verdict: result.compared().map(|lines| analysis.verdict(lines)).unwrap_or_default(),
         notices: model_notices(result, analysis),
     }
 }

@@ -1,11 +1,7 @@
 //! A study's results from its finished readings.
 
 use axum::extract::State;
-use axum::response::Response;
-use chrono::{SecondsFormat, Utc};
-use spineline::analysis::{Analysis, Case};
 use spineline::anatomy::Posture;
-use spineline_files::{AnalysisFile, CaseFile, FilmOrigin, ProgramRun, Provenance, Request};
 use spineline_store::FilmId;
 
 use super::live::overlay_of;
@@ -13,48 +9,12 @@ use super::{findings as findings_of, notices};
 use crate::access::open_study;
 use crate::access::study_result;
 use crate::api::{FilmOverlay, LiveStatus, LiveView, Problem};
-use crate::attachment::attachment;
 use crate::extract::{Json, Path};
 use crate::problem::{Answer, Failure};
 use crate::result_cache::{Outcome, StudyResult, computed};
 use crate::session::User;
 use crate::state::AppState;
 use crate::words::{marked_text, progress};
-
-/// This program and its version, as files name what wrote them.
-pub const PROGRAM: &str = concat!("spineline ", env!("CARGO_PKG_VERSION"));
-
-/// The analysis file of a study, as `spineline analyze` writes it.
-#[utoipa::path(get, path = "/api/studies/{study}/analysis.json",
-    params(("study" = String, Path)),
-    responses((status = 200, content_type = "application/json"), (status = 409, body = Problem)))]
-pub async fn analysis_file(
-    State(state): State<AppState>,
-    user: User,
-    Path(study): Path<String>,
-) -> Answer<Response> {
-    let study = open_study(&state, &user, &study).await?;
-    let result = study_result(&state, &study).await?;
-    let file = computed(move || {
-        let case = result.current.usable_case();
-        result.analysed().map(|analysis| spineline_files::to_text(&file_of(analysis, &case)))
-    });
-    let text = file.await??;
-    Ok(attachment(&format!("{study}-analysis.json"), "application/json", text))
-}
-
-/// The analysis file of an analysis of this case. Its input is the store; the case is part of the file.
-pub fn file_of(analysis: &Analysis, case: &Case) -> AnalysisFile {
-    let run = ProgramRun {
-        program: PROGRAM.to_owned(),
-        command: vec!["spineline".to_owned(), "serve".to_owned()],
-        date_utc: Utc::now().to_rfc3339_opts(SecondsFormat::Secs, true),
-    };
-    let films = FilmOrigin::of([analysis.synthetic]);
-    let request = Request { options: analysis.options.clone(), ..Request::default() };
-    let provenance = Provenance::new(run, films, Vec::new()).asking(&request);
-    AnalysisFile::new(analysis, CaseFile::from_case(case), provenance)
-}
 
 /// Clinical angles and rotations of a study.
 #[utoipa::path(get, path = "/api/studies/{study}/findings", params(("study" = String, Path)),

@@ -1,7 +1,9 @@
 //! A study in the list.
 
-use spineline_store::{Name, Store, StoreError};
 use std::sync::Arc;
+
+use spineline::analysis::ModelsVerdict;
+use spineline_store::{Name, Store, StoreError};
 
 use super::{curves, notices};
 use crate::User;
@@ -89,14 +91,15 @@ fn status(result: &StudyResult) -> (StudyStatus, String) {
             (StudyStatus::ToMark, "no finished reading".to_owned())
         }
         Outcome::Waiting => (StudyStatus::Marking, progress(&result.current)),
-        Outcome::Analysed(analysis) if analysis.models.is_empty() => {
-            (StudyStatus::Measured, "curve and angles; no model".to_owned())
-        }
-        Outcome::Analysed(analysis) if analysis.is_converged() => {
-            (StudyStatus::Modelled, format!("{} models, all converged", analysis.models.len()))
-        }
-        Outcome::Analysed(_) => {
+        Outcome::Analysed(analysis) if !analysis.is_converged() => {
             (StudyStatus::NotConverged, "a fit or a simulation did not converge".to_owned())
         }
+        Outcome::Analysed(_) => match result.models_verdict() {
+            Some(verdict @ ModelsVerdict::Supported) => {
+                (StudyStatus::Modelled, verdict.to_string())
+            }
+            Some(verdict) => (StudyStatus::Unsupported, verdict.to_string()),
+            None => (StudyStatus::Measured, "curve and angles; no model".to_owned()),
+        },
     }
 }

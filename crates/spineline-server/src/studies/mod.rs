@@ -166,12 +166,15 @@ async fn case_file(
 ) -> Answer<Response> {
     let study = study_name(&study)?;
     let file = format!("{study}.json");
+    let by = user.sign(state.now());
     let case = state.ask(move |store| {
         user.on_study(store, &study)?;
         if store.observer(&user.name).visibility(&study)? != Visibility::Open {
             return Err(access::blinded());
         }
-        Ok(store.export_case(&study)?)
+        let case = store.export_case(&study)?;
+        store.log_export(&study, "case", &by)?;
+        Ok(case)
     });
     Ok(attachment(&file, "application/json", case.await?.text))
 }

@@ -27,6 +27,9 @@ fn filled(path: &str, study: &str, [film, reading]: [i64; 2], upload: &str) -> S
         "{film}" => film.to_string(),
         "{reading}" => reading.to_string(),
         "{upload}" => upload.to_owned(),
+        "{export}" => "tables_csv".to_owned(),
+        "{line}" => "inflection_line".to_owned(),
+        "{format}" => "osim".to_owned(),
         part => {
             assert!(!part.starts_with('{'), "no value for {part}");
             part.to_owned()
@@ -97,7 +100,7 @@ fn no_download_names_a_patient_or_a_place() {
         }
     }
     assert!(with_content > 25, "only {with_content} answers had a content");
-    for file in ["case", "analysis.json"] {
+    for file in ["case", "exports/analysis"] {
         let answer = browser.get(&format!("/api/studies/demo-rod-01/{file}"));
         assert!(answer.header("content-disposition").starts_with("attachment"), "{file}");
         assert!(!answer.json().is_null(), "{file}");
@@ -109,7 +112,7 @@ fn an_analysis_file_names_its_program_and_no_command_line() {
     let app = App::with_token().restarted(decoding());
     let browser = app.observer("Ann");
     assert_eq!(browser.post("/api/studies/demo", &Value::Null).status, StatusCode::OK);
-    let file = browser.get("/api/studies/demo-rod-01/analysis.json").json();
+    let file = browser.get("/api/studies/demo-rod-01/exports/analysis").json();
     assert_eq!(file["provenance"]["command"], json!(["spineline", "serve"]));
     assert_eq!(file["provenance"]["inputs"], json!([]));
 }

@@ -42,6 +42,9 @@ fn filled(path: &str, study: &str) -> String {
         "{study}" => study.to_owned(),
         "{name}" => "lead".to_owned(),
         "{film}" => "2".to_owned(),
+        "{export}" => "analysis".to_owned(),
+        "{line}" => "inflection_line".to_owned(),
+        "{format}" => "osim".to_owned(),
         part if part.starts_with('{') => "1".to_owned(),
         part => part.to_owned(),
     });

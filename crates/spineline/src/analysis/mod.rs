@@ -13,6 +13,7 @@ mod headline;
 mod hypotheses;
 mod identification;
 mod models;
+mod models_verdict;
 mod options;
 mod preference;
 mod result;
@@ -30,6 +31,7 @@ pub use comparison::{
 pub use compatibility::{BendEvidence, Compatibility};
 pub use identification::{Identification, MultiplierVerdict};
 pub use models::LineModel;
+pub use models_verdict::ModelsVerdict;
 pub use options::{AnalysisOptions, Grouping};
 pub use preference::{LineComparison, LineCrossing, PreferredLine};
 pub use result::{Analysis, PostureAnalysis};

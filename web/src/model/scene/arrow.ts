@@ -16,19 +16,36 @@ const UP = new Vector3(0, 1, 0);
 /** Half the width of an arrow's head, as a part of its length. */
 export const HEAD_GIRTH = 0.36;
 
+/** Opacity of a line where the spine hides it. */
+export const HIDDEN = 0.3;
+
 /** A straight rod between two points. */
 export class Rod {
   readonly mesh: Mesh<CylinderGeometry, MeshBasicMaterial>;
   ends: [Vector3, Vector3] = [new Vector3(), new Vector3()];
   radius_mm = 0;
+  #ghost: Mesh<CylinderGeometry, MeshBasicMaterial> | null = null;
 
   constructor(geometry: CylinderGeometry) {
     this.mesh = new Mesh(geometry, new MeshBasicMaterial());
   }
 
-  /** Never hidden by other objects. */
-  putOnTop(): void {
-    putOnTop(this.mesh);
+  /** Seen faintly where other objects hide it, so that a line neither covers the spine nor is lost behind it. */
+  shineThrough(): void {
+    const ghost = new MeshBasicMaterial({ depthTest: false, transparent: true, opacity: HIDDEN });
+    this.#ghost = new Mesh(this.mesh.geometry, ghost);
+    this.#ghost.renderOrder = 1;
+    this.mesh.add(this.#ghost);
+  }
+
+  paint(colour: string): void {
+    this.mesh.material.color.set(colour);
+    this.#ghost?.material.color.set(colour);
+  }
+
+  dispose(): void {
+    this.mesh.material.dispose();
+    this.#ghost?.material.dispose();
   }
 
   set(from: Vector3, to: Vector3, radius_mm: number): void {

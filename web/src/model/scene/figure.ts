@@ -21,8 +21,10 @@ export type Tone = "erect" | "measured" | "simulated" | "not_a_result";
 /** Colours of the theme that the picture needs. */
 export interface Palette {
   bone: string;
+  boneSimulated: string;
+  boneDoubtful: string;
+  /** Outlines and joints. */
   measured: string;
-  simulated: string;
   contradiction: string;
   force: string;
   quiet: string;
@@ -255,8 +257,6 @@ function hatch(material: MeshPhongMaterial, isOn: () => boolean): void {
 
 /** The colour of the bodies of a spine. */
 export function boneColour(palette: Palette, tone: Tone): Color {
-  const light = new Color(palette.measured);
-  if (tone === "simulated") return light.lerp(new Color(palette.simulated), 0.62);
-  if (tone === "not_a_result") return light.multiplyScalar(0.35);
-  return light.lerp(new Color(palette.bone), 0.6);
+  if (tone === "simulated") return new Color(palette.boneSimulated);
+  return new Color(tone === "not_a_result" ? palette.boneDoubtful : palette.bone);
 }

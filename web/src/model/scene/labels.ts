@@ -14,6 +14,18 @@ export interface Label {
   aside_mm?: number;
 }
 
+/** A label's corner above a place and within the window: beside the arrow it would cover the line or the spine. */
+function above(
+  node: HTMLElement,
+  [x, y]: [number, number],
+  left: number,
+  width: number,
+): [number, number] {
+  const { offsetWidth: wide, offsetHeight: high } = node;
+  const furthest = Math.max(left, left + width - wide);
+  return [Math.min(Math.max(x - wide / 2, left), furthest), Math.max(0, y - high - 4)];
+}
+
 /** Labels over the canvas, hidden from screen readers because tables and texts contain the same. */
 export class Labels {
   readonly #nodes: HTMLElement[] = [];
@@ -44,12 +56,9 @@ export class Labels {
         (label.shift?.[0] ?? 0) -
         (label.aside_mm ?? 0) * pixelsPerMm;
       const y = ((1 - point.y) / 2) * height + (label.shift?.[1] ?? 0);
-      let back = label.aside_mm === undefined ? "" : " translate(-100%, -50%)";
-      // A long label near the edge is drawn to the left of its place.
-      if (label.kind === "force" && x + node.offsetWidth > left + width) {
-        back = ` translate(calc(-100% - ${2 * (label.shift?.[0] ?? 0)}px))`;
-      }
-      node.style.transform = `translate(${x.toFixed(1)}px, ${y.toFixed(1)}px)${back}`;
+      const [atX, atY] = label.kind === "force" ? above(node, [x, y], left, width) : [x, y];
+      const back = label.aside_mm === undefined ? "" : " translate(-100%, -50%)";
+      node.style.transform = `translate(${atX.toFixed(1)}px, ${atY.toFixed(1)}px)${back}`;
     });
   }
 

@@ -1,7 +1,7 @@
 import { Vector3, type Camera } from "three";
 
 import { at, placed, type BodySize, type Point, type Shape } from "../shapes";
-import { HEAD_GIRTH, type Arrow, type Rod } from "./arrow";
+import { HEAD_GIRTH, HIDDEN, type Arrow, type Rod } from "./arrow";
 import { boneColour, type Palette, type Tone } from "./figure";
 import { hull, type Place } from "./hull";
 import { rimPoints } from "./vertebra";
@@ -96,8 +96,14 @@ export class Sketch {
     pen.rect(window.left, 0, window.width, window.height);
     pen.clip();
     pen.lineJoin = "round";
+    const drawLines = (): void => {
+      for (const line of marks.lines) if (line.mesh.visible) this.#rod(line, window, project);
+    };
+    drawLines();
     for (const spine of spines) this.#spine(spine, project);
-    for (const line of marks.lines) if (line.mesh.visible) this.#rod(line, window, project);
+    pen.globalAlpha = HIDDEN;
+    drawLines();
+    pen.globalAlpha = 1;
     for (const arrow of marks.arrows) if (arrow.group.visible) this.#arrow(arrow, window, project);
     pen.restore();
   }

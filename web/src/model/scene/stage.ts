@@ -60,6 +60,8 @@ export interface StageListener {
 
 const DISTANCE_MM = 3000;
 const FORCE_ARROW_MM = 55;
+/** Room above the arrow for its label. */
+const FORCE_LABEL_MM = 24;
 /** Distance from the lowest body to the grid. */
 const GROUND_MM = 12;
 const MARGIN_MM = 26;
@@ -123,7 +125,7 @@ export class Stage {
     this.#renderer.setScissorTest(true);
     this.#scene.background = new Color(palette.background);
     const [low, high] = [new Vector3(...range[0]), new Vector3(...range[1])];
-    high.z += FORCE_ARROW_MM;
+    high.z += FORCE_ARROW_MM + FORCE_LABEL_MM;
     low.z -= GROUND_MM;
     this.#centre = low.clone().add(high).multiplyScalar(0.5);
     const wide = Math.max(high.x - this.#centre.x, high.y - this.#centre.y);
@@ -253,7 +255,7 @@ export class Stage {
       this.#parts,
     ])
       part.dispose();
-    for (const line of this.#lines) line.mesh.material.dispose();
+    for (const line of this.#lines) line.dispose();
     this.#sketch?.dispose();
     this.#rod.dispose();
     this.#head.dispose();
@@ -271,7 +273,7 @@ export class Stage {
   #showLines(picture: Picture): void {
     while (this.#lines.length < picture.lines.length) {
       const rod = new Rod(this.#rod);
-      rod.putOnTop();
+      rod.shineThrough();
       this.#lines.push(rod);
       this.#scene.add(rod.mesh);
     }
@@ -285,7 +287,7 @@ export class Stage {
       const upward = line.direction[2] < 0 ? -1 : 1;
       const [foot, head] = [footOn(line, low as Point), footOn(line, high as Point)];
       const along = new Vector3(...line.direction).multiplyScalar(upward);
-      rod.mesh.material.color.set(line.colour);
+      rod.paint(line.colour);
       // A line across the spine meets both ends at the same place and is still visible.
       const short = Math.max(0, MIN_LINE_MM - foot.distanceTo(head)) / 2;
       rod.set(
@@ -301,8 +303,7 @@ export class Stage {
       const [from, tip] = force as [Point, Point];
       this.#force.set(from, tip, this.palette.force);
       const top = from[2] > tip[2] ? from : tip;
-      if (picture.force)
-        labels.push({ text: picture.force, at: top, kind: "force", shift: [10, 4] });
+      if (picture.force) labels.push({ text: picture.force, at: top, kind: "force" });
     }
     this.#staticLabels = labels;
   }

@@ -175,7 +175,7 @@ fn invalid_loads_are_refused_with_a_message() {
 #[test]
 fn the_analysis_file_equals_that_of_the_command_line() {
     let (running, analysis) = running();
-    let file = running.get("/api/studies/S1/analysis.json");
+    let file = running.get("/api/studies/S1/exports/analysis");
     let stored = spineline_files::parse_analysis(&file.to_string()).expect("enough to repeat it");
     let own = spineline_files::AnalysisFile::new(&analysis, stored.case_file, stored.provenance);
     let own = serde_json::to_value(own).expect("JSON");

@@ -1,0 +1,65 @@
+//! The landmarks of a study for other programs, as `spineline export` writes them.
+
+use std::collections::BTreeMap;
+
+use axum::http::StatusCode;
+use chrono::Utc;
+use spineline::analysis::{Analysis, Case};
+use spineline::anatomy::{Posture, Region};
+use spineline::clinical::CobbEnds;
+use spineline_landmarks::{
+    LandmarkExportError, LandmarkTarget, SourceImage, export_landmarks, parse_source,
+};
+
+use super::archive::archive;
+use super::{Download, provenance};
+use crate::problem::{Answer, Failure};
+use crate::result_cache::StudyResult;
+use crate::state::AppState;
+
+/// Identifiers of the films, from their DICOM files.
+pub async fn sources(
+    state: &AppState,
+    result: &StudyResult,
+) -> Answer<BTreeMap<Posture, SourceImage>> {
+    let mut sources = BTreeMap::new();
+    for film in result.current.films.iter().filter(|film| film.is_usable()) {
+        let (content, posture) = (film.record.content.clone(), film.record.posture);
+        let bytes = state.store(move |store| store.content(&content)).await?;
+        let name = format!("{posture} film");
+        sources.insert(posture, parse_source(&bytes, &name).map_err(|error| refused(&error))?);
+    }
+    Ok(sources)
+}
+
+pub fn slicer(analysis: &Analysis, case: &Case) -> Answer<Download> {
+    written(analysis, case, "-slicer.zip", LandmarkTarget::Slicer)
+}
+
+pub fn dicom_sr(
+    analysis: &Analysis,
+    case: &Case,
+    sources: &BTreeMap<Posture, SourceImage>,
+) -> Answer<Download> {
+    let curves: Vec<(Region, CobbEnds)> =
+        analysis.clinical.iter().map(|curve| (curve.region, curve.ends)).collect();
+    let now = Utc::now();
+    let [date, time] = ["%Y%m%d", "%H%M%S"].map(|form| now.format(form).to_string());
+    let target = LandmarkTarget::DicomSr { sources, curves: &curves, written: [&date, &time] };
+    written(analysis, case, "-dicom-sr.zip", target)
+}
+
+fn written(
+    analysis: &Analysis,
+    case: &Case,
+    ending: &'static str,
+    target: LandmarkTarget<'_>,
+) -> Answer<Download> {
+    let files = export_landmarks(case, None, target).map_err(|error| refused(&error))?;
+    let files = files.into_iter().map(|file| (file.name, file.bytes)).collect();
+    archive(ending, files, provenance(analysis))
+}
+
+fn refused(error: &LandmarkExportError) -> Failure {
+    Failure::new(StatusCode::UNPROCESSABLE_ENTITY, "refused", error.to_string()).help(error.help())
+}

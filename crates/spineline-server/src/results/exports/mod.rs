@@ -1,0 +1,126 @@
+//! A study's results as files. Each file that is taken out has an entry in the log of the store.
+
+mod archive;
+mod landmarks;
+mod menu;
+mod model;
+mod report;
+mod tables;
+
+use axum::extract::State;
+use axum::response::Response;
+use chrono::{SecondsFormat, Utc};
+use spineline::analysis::{Analysis, Case};
+use spineline_files::{AnalysisFile, CaseFile, FilmOrigin, ProgramRun, Provenance, Request};
+use spineline_store::Name;
+use utoipa_axum::router::OpenApiRouter;
+use utoipa_axum::routes;
+
+use crate::access::{open_study, study_result};
+use crate::api::{ExportName, Problem};
+use crate::attachment::attachment;
+use crate::extract::Path;
+use crate::problem::Answer;
+use crate::result_cache::computed;
+use crate::session::User;
+use crate::state::AppState;
+
+/// This program and its version, as files name what wrote them.
+pub const PROGRAM: &str = concat!("spineline ", env!("CARGO_PKG_VERSION"));
+
+const ZIP: &str = "application/zip";
+const JSON: &str = "application/json";
+
+pub fn routes() -> OpenApiRouter<AppState> {
+    OpenApiRouter::new()
+        .routes(routes!(menu::exports))
+        .routes(routes!(export))
+        .routes(routes!(model::export_model))
+}
+
+/// A file to download.
+struct Download {
+    /// What follows the study in its name.
+    ending: &'static str,
+    kind: &'static str,
+    bytes: Vec<u8>,
+}
+
+/// The results of a study from its finished readings as a file. The log of the store has an entry for it.
+#[utoipa::path(get, path = "/api/studies/{study}/exports/{export}",
+    params(("study" = String, Path), ("export" = ExportName, Path)),
+    responses((status = 200, content_type = "application/octet-stream"),
+        (status = 403, body = Problem), (status = 404, body = Problem),
+        (status = 409, body = Problem), (status = 422, body = Problem)))]
+pub async fn export(
+    State(state): State<AppState>,
+    user: User,
+    Path((study, export)): Path<(String, ExportName)>,
+) -> Answer<Response> {
+    let study = open_study(&state, &user, &study).await?;
+    let result = study_result(&state, &study).await?;
+    result.analysed()?;
+    let pictures = match export {
+        ExportName::Report | ExportName::Pdf | ExportName::Figures => {
+            report::pictures(&state, &result).await?
+        }
+        _ => Vec::new(),
+    };
+    let sources = match export {
+        ExportName::DicomSr => landmarks::sources(&state, &result).await?,
+        _ => Default::default(),
+    };
+    let job = state.replicates().of(&result);
+    let made = computed(move || {
+        let uncertainty = job.as_ref().and_then(|job| job.uncertainty());
+        let case = result.current.usable_case();
+        let analysis = result.analysed()?;
+        match export {
+            ExportName::Report | ExportName::Pdf | ExportName::Figures => {
+                report::download(export, analysis, &case, (&pictures, uncertainty))
+            }
+            ExportName::Analysis => Ok(Download {
+                ending: "-analysis.json",
+                kind: JSON,
+                bytes: spineline_files::to_text(&file_of(analysis, &case)).into_bytes(),
+            }),
+            ExportName::TablesCsv => tables::csv(analysis, &case, uncertainty),
+            ExportName::TablesParquet => tables::parquet(analysis, &case, uncertainty),
+            ExportName::Slicer => landmarks::slicer(analysis, &case),
+            ExportName::DicomSr => landmarks::dicom_sr(analysis, &case, &sources),
+        }
+    });
+    let download = made.await??;
+    log(&state, &user, &study, export.key()).await?;
+    Ok(attachment(&format!("{study}{}", download.ending), download.kind, download.bytes))
+}
+
+async fn log(state: &AppState, user: &User, study: &Name, form: &'static str) -> Answer<()> {
+    let (study, by) = (study.clone(), user.sign(state.now()));
+    state.store(move |store| store.log_export(&study, form, &by)).await
+}
+
+/// The analysis file of an analysis of this case. Its input is the store; the case is part of the file.
+pub fn file_of(analysis: &Analysis, case: &Case) -> AnalysisFile {
+    AnalysisFile::new(analysis, CaseFile::from_case(case), provenance(analysis))
+}
+
+fn provenance(analysis: &Analysis) -> Provenance {
+    let run = ProgramRun {
+        program: PROGRAM.to_owned(),
+        command: vec!["spineline".to_owned(), "serve".to_owned()],
+        date_utc: Utc::now().to_rfc3339_opts(SecondsFormat::Secs, true),
+    };
+    let films = FilmOrigin::of([analysis.synthetic]);
+    let request = Request { options: analysis.options.clone(), ..Request::default() };
+    Provenance::new(run, films, Vec::new()).asking(&request)
+}
+
+/// A writer of this program that failed on its own results.
+fn internal(reason: &dyn std::fmt::Display) -> crate::problem::Failure {
+    crate::problem::Failure::new(
+        axum::http::StatusCode::INTERNAL_SERVER_ERROR,
+        "internal",
+        format!("the file could not be written: {reason}"),
+    )
+}

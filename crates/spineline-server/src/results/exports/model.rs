@@ -1,0 +1,61 @@
+//! The model of one line of action for other multibody programs.
+
+use axum::extract::State;
+use axum::http::StatusCode;
+use axum::response::Response;
+use spineline::anatomy::Named;
+use spineline::personalize::FitStatus;
+use spineline_files::{ModelFile, parse_model, to_text};
+
+use super::{PROGRAM, internal, log, provenance};
+use crate::access::{open_study, study_result};
+use crate::api::{LineName, ModelFormatName, Problem};
+use crate::attachment::attachment;
+use crate::extract::Path;
+use crate::problem::{Answer, Failure};
+use crate::result_cache::{StudyResult, computed};
+use crate::session::User;
+use crate::state::AppState;
+
+/// The model of a line of action in the format of another program. The log of the store has an entry for it.
+#[utoipa::path(get, path = "/api/studies/{study}/models/{line}/{format}",
+    params(("study" = String, Path), ("line" = LineName, Path), ("format" = ModelFormatName, Path)),
+    responses((status = 200, content_type = "application/xml"), (status = 403, body = Problem),
+        (status = 404, body = Problem), (status = 409, body = Problem),
+        (status = 422, body = Problem)))]
+pub async fn export_model(
+    State(state): State<AppState>,
+    user: User,
+    Path((study, line, format)): Path<(String, LineName, ModelFormatName)>,
+) -> Answer<Response> {
+    let study = open_study(&state, &user, &study).await?;
+    let result = study_result(&state, &study).await?;
+    let text = computed(move || text(&result, line, format)).await??;
+    log(&state, &user, &study, format.0.key()).await?;
+    let ending = match format.0.key() {
+        "mjcf" => "xml",
+        other => other,
+    };
+    let name = format!("{study}-{}.{ending}", line.0.key());
+    Ok(attachment(&name, "application/xml", text))
+}
+
+fn text(result: &StudyResult, line: LineName, format: ModelFormatName) -> Answer<String> {
+    let analysis = result.analysed()?;
+    let model = analysis.models.iter().find(|model| model.kind == line.0);
+    let model = model.ok_or_else(|| {
+        let text = format!("this study has no model with the {}", line.0);
+        Failure::new(StatusCode::CONFLICT, "no_model", text).help("choose a line that has a model")
+    })?;
+    if model.fit.status != FitStatus::Converged {
+        let text = format!("the fit of the {} did not converge", line.0);
+        return Err(Failure::new(StatusCode::CONFLICT, "no_model", text)
+            .help("its springs are not a result; choose another line"));
+    }
+    let file = ModelFile::new(analysis, model, PROGRAM).with_provenance(provenance(analysis));
+    let stored = parse_model(&to_text(&file)).map_err(|error| internal(&error))?;
+    spineline_files::export(&stored, format.0, PROGRAM).map_err(|error| {
+        Failure::new(StatusCode::UNPROCESSABLE_ENTITY, "refused", error.to_string())
+            .help(error.help())
+    })
+}

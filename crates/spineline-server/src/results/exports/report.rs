@@ -1,0 +1,83 @@
+//! The report of a study, as `spineline report` writes it, and its figures.
+
+use spineline::analysis::{Analysis, Case};
+use spineline::uncertainty::Uncertainty;
+use spineline_report::figures::FilmPicture;
+use spineline_report::patient::{self, Patient};
+use spineline_report::{Document, html, png};
+
+use super::archive::archive;
+use super::{Download, PROGRAM, file_of, internal, provenance};
+use crate::api::ExportName;
+use crate::decoded::picture;
+use crate::problem::Answer;
+use crate::result_cache::StudyResult;
+use crate::state::AppState;
+
+/// Pixels of a PNG per unit of the figure: sharp in print at 16 cm.
+const PNG_SCALE: f32 = 2.0;
+
+/// The films with landmarks that are used, as pictures.
+pub async fn pictures(state: &AppState, result: &StudyResult) -> Answer<Vec<FilmPicture>> {
+    let mut pictures = Vec::new();
+    for film in result.current.films.iter().filter(|film| film.is_usable()) {
+        let png = picture(state, &film.record).await?;
+        pictures.push(FilmPicture { posture: film.record.posture, png });
+    }
+    Ok(pictures)
+}
+
+/// The report as HTML or PDF, or its figures.
+pub fn download(
+    export: ExportName,
+    analysis: &Analysis,
+    case: &Case,
+    (pictures, uncertainty): (&[FilmPicture], Option<&Uncertainty>),
+) -> Answer<Download> {
+    let document = patient::report(&Patient {
+        case,
+        analysis,
+        pictures,
+        identifiability: None,
+        uncertainty,
+        generator: PROGRAM,
+        json: &spineline_files::to_line(&file_of(analysis, case)),
+    });
+    match export {
+        ExportName::Figures => figures(&document, analysis),
+        ExportName::Pdf => {
+            let bytes = pdf(&document)?;
+            Ok(Download { ending: ".pdf", kind: "application/pdf", bytes })
+        }
+        _ => Ok(Download {
+            ending: ".html",
+            kind: "text/html; charset=utf-8",
+            bytes: html(&document).into_bytes(),
+        }),
+    }
+}
+
+fn figures(document: &Document, analysis: &Analysis) -> Answer<Download> {
+    let mut files = Vec::new();
+    for figure in document.figures() {
+        let pixels = png(&figure.svg, PNG_SCALE).map_err(|error| internal(&error))?;
+        files.push((format!("{}.svg", figure.name), figure.svg.clone().into_bytes()));
+        files.push((format!("{}.png", figure.name), pixels));
+    }
+    archive("-figures.zip", files, provenance(analysis))
+}
+
+#[cfg(feature = "pdf")]
+fn pdf(document: &Document) -> Answer<Vec<u8>> {
+    let made = spineline_pdf::Made::of(chrono::Utc::now())
+        .ok_or_else(|| internal(&"the clock of this machine has no valid year"))?;
+    spineline_pdf::pdf(document, made).map_err(|error| internal(&error))
+}
+
+#[cfg(not(feature = "pdf"))]
+fn pdf(_: &Document) -> Answer<Vec<u8>> {
+    use crate::problem::Failure;
+    let text = "this program was built without PDF";
+    Err(Failure::new(axum::http::StatusCode::CONFLICT, "no_pdf", text)
+        .help("save the HTML report and print it from a browser, or build with `--features pdf`"))
+}

@@ -1,0 +1,41 @@
+//! The tables of a study, as `spineline analyze --tables` writes them.
+
+use spineline::analysis::{Analysis, Case};
+use spineline::uncertainty::Uncertainty;
+use spineline_files::to_text;
+use spineline_tables::{OptionalTables, Patient, Table, TableError, dictionary, tables};
+
+use super::archive::archive;
+use super::{Download, internal, provenance};
+use crate::problem::Answer;
+
+pub fn csv(analysis: &Analysis, case: &Case, spread: Option<&Uncertainty>) -> Answer<Download> {
+    written((analysis, case, spread), "-tables-csv.zip", "csv", |table| {
+        table.to_csv().map(String::into_bytes)
+    })
+}
+
+pub fn parquet(analysis: &Analysis, case: &Case, spread: Option<&Uncertainty>) -> Answer<Download> {
+    let origin = to_text(&provenance(analysis));
+    written((analysis, case, spread), "-tables-parquet.zip", "parquet", |table| {
+        table.to_parquet(&[("spineline.provenance", &origin)])
+    })
+}
+
+fn written(
+    (analysis, case, spread): (&Analysis, &Case, Option<&Uncertainty>),
+    ending: &'static str,
+    form: &str,
+    write: impl Fn(&Table) -> Result<Vec<u8>, TableError>,
+) -> Answer<Download> {
+    let patients = [Patient { analysis, subject: &case.subject, identified: None, spread }];
+    let mut files = Vec::new();
+    for table in tables(&patients) {
+        let bytes = write(&table).map_err(|error| internal(&error))?;
+        files.push((format!("{}.{form}", table.name), bytes));
+    }
+    let meanings = dictionary(OptionalTables::of(&patients));
+    let text = meanings.to_csv().map_err(|error| internal(&error))?;
+    files.push((format!("{}.csv", meanings.name), text.into_bytes()));
+    archive(ending, files, provenance(analysis))
+}

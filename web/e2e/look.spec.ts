@@ -1,0 +1,83 @@
+import type { Page } from "@playwright/test";
+
+import { expect, expectAccessible, shot, test } from "./app";
+import { answerWith, cohort, manyStudies } from "./made";
+import { send } from "./wire";
+
+const STUDY = "demo-rod-01";
+/** A phone, a tablet, a small and a large screen. */
+const SIZES = [
+  [390, 844],
+  [820, 1180],
+  [1280, 720],
+  [1920, 1080],
+] as const;
+const THEMES = ["light", "dark"] as const;
+
+/** Every page, with a text that shows that it is loaded. */
+const PAGES = [
+  ["studies", "#/studies", "S-014"],
+  ["new", "#/new", "New study"],
+  ["import", "#/import", "Import a case file"],
+  ["cohort", "#/cohort", "MDC95"],
+  ["access", "#/access", "spineline account add"],
+  ["measure", `#/studies/${STUDY}/measure`, "Rotation of segments from erect"],
+  ["model", `#/studies/${STUDY}/model`, "Which line explains the films?"],
+] as const;
+
+/** What is wider than its place and scrolls sideways, other than a table in its frame. */
+async function tooWide(page: Page): Promise<string[]> {
+  return page.evaluate(() => {
+    const scrolls = (element: Element) =>
+      element.scrollWidth > element.clientWidth + 1 &&
+      ["auto", "scroll"].includes(getComputedStyle(element).overflowX) &&
+      !element.matches(".table-box, .scroll");
+    const found = [...document.querySelectorAll("body *")].filter(scrolls);
+    const words = found.map((element) => element.outerHTML.slice(0, 90));
+    return document.scrollingElement!.scrollWidth > innerWidth ? ["the window", ...words] : words;
+  });
+}
+
+/** What is too wide on any screen; axe checks the phone in light and the small screen in dark. */
+async function lookAt(page: Page, name: string): Promise<string[]> {
+  const wide: string[] = [];
+  for (const [width, height] of SIZES) {
+    await page.setViewportSize({ width, height });
+    for (const part of await tooWide(page)) wide.push(`${name} at ${width}: ${part}`);
+    for (const colorScheme of THEMES) {
+      const isChecked = width === (colorScheme === "light" ? 390 : 1280);
+      if (!isChecked && !process.env.SPINELINE_SHOTS) continue;
+      await page.emulateMedia({ colorScheme });
+      if (isChecked) await expectAccessible(page);
+      if (process.env.SPINELINE_SHOTS) await shot(page, `look-${name}-${width}-${colorScheme}`);
+    }
+  }
+  return wide;
+}
+
+test("every page fits phones and large screens, in light and dark", async ({ app, page }) => {
+  await app.open(page);
+  expect((await send(page, "POST", "/api/studies/demo", {})).status).toBe(200);
+  await answerWith(page, "/api/studies", manyStudies(14));
+  await answerWith(page, "/api/cohort", cohort());
+  const wide: string[] = [];
+  for (const [name, address, sign] of PAGES) {
+    await page.goto(new URL(address, app.address).href);
+    await expect(page.getByText(sign).first()).toBeVisible({ timeout: 60_000 });
+    wide.push(...(await lookAt(page, name)));
+  }
+  await page.goto(new URL(`#/studies/${STUDY}/measure`, app.address).href);
+  await page.setViewportSize({ width: 1280, height: 720 });
+  await page.getByRole("button", { name: /^begin reading/i }).click();
+  await expect(page.getByTestId("target")).toContainText("L4", { timeout: 60_000 });
+  // The next landmark is readable, and all levels are in view.
+  const next = page.getByText("superior endplate, patient’s left");
+  expect(
+    await next.evaluate((words) => words.scrollWidth <= words.parentElement!.clientWidth),
+  ).toBe(true);
+  await expect(page.getByRole("button", { name: /^Crests/ })).toBeInViewport();
+  wide.push(...(await lookAt(page, "marking")));
+  await page.setViewportSize({ width: 390, height: 844 });
+  await expect(page.getByText(/placed on a larger screen/)).toBeVisible();
+  expect(wide).toEqual([]);
+});

@@ -1,0 +1,28 @@
+import { answerOf, api, askBytes } from "./client";
+import type { Api } from "./types";
+
+const of = (study: string): string => `/api/studies/${encodeURIComponent(study)}`;
+
+/** What the program writes of a study. */
+export const listExports = () => answerOf(api.GET("/api/exports"));
+
+export const exportPath = (study: string, name: Api<"ExportName">): string =>
+  `${of(study)}/exports/${name}`;
+
+export const modelPath = (
+  study: string,
+  line: Api<"LineName">,
+  format: Api<"ModelFormatName">,
+): string => `${of(study)}/models/${line}/${format}`;
+
+/** Saves the file at an address under the name that the program gives it; a refusal is thrown. */
+export async function save(address: string, signal: AbortSignal): Promise<void> {
+  const response = await askBytes(address, signal);
+  const stated = response.headers.get("content-disposition") ?? "";
+  const link = document.createElement("a");
+  link.download = /filename="([^"]+)"/.exec(stated)?.[1] ?? "";
+  link.href = URL.createObjectURL(await response.blob());
+  link.click();
+  // The browser has the bytes when the click is handled.
+  setTimeout(() => URL.revokeObjectURL(link.href), 0);
+}
