@@ -13,6 +13,7 @@ import pytest
 import spineline as sl
 
 CORNERS = ("superior_left", "superior_right", "inferior_left", "inferior_right")
+RING = ("superior_left", "superior_right", "inferior_right", "inferior_left")
 
 
 def landmarks(case: sl.Case, posture: str) -> dict[str, list[object]]:
@@ -153,3 +154,29 @@ def test_landmark_files_of_other_programs_are_read(program: Path, tmp_path: Path
     )
     ours, theirs = (json.loads(one.to_json())["films"][0]["readings"] for one in (found, case))
     assert np.allclose(corners_px(ours), corners_px(theirs), atol=1e-6)
+
+
+def test_bodies_by_quadrilaterals_need_no_more_than_the_side_that_is_given() -> None:
+    # A subject without endplates so steep that a quadrilateral does not tell them from walls.
+    case = sl.phantom("rod", subject=4)
+    film = json.loads(case.to_json())["films"][0]
+    image, (reading, *_) = film["image"], film["readings"]
+    # labelme counts from the corner of a pixel.
+    shapes = [
+        {
+            "label": level,
+            "shape_type": "polygon",
+            "points": [[vertebra[corner][0] + 0.5, vertebra[corner][1] + 0.5] for corner in RING],
+        }
+        for level, vertebra in reading["vertebrae"].items()
+    ]
+    size = {"imageWidth": image["columns"], "imageHeight": image["rows"]}
+    found = sl.Case.from_landmarks(
+        json.dumps({"version": "5.0", "imagePath": "a.png", "shapes": shapes, **size}),
+        film="erect",
+        mm_per_px=(image["column_spacing_mm"], image["row_spacing_mm"]),
+        patient_left=image["patient_left"].replace("_", "-"),
+        size_px=(image["columns"], image["rows"]),
+    )
+    ours = json.loads(found.to_json())["films"][0]["readings"]
+    assert np.allclose(corners_px(ours), corners_px([reading]), atol=1e-6)

@@ -51,23 +51,35 @@ fn films(text: &str, given: &Given<'_>) -> Result<Vec<Film>, Fault> {
     let help = "give `film`, such as \"erect\", or a column `posture`";
     let known = given.film.map(|film| posture(film).map_err(|reason| Fault::new(reason, help)));
     let known: Option<Posture> = known.transpose()?;
-    let hint = LandmarkHint { posture: known, ..LandmarkHint::default() };
+    let patient_left = side(given.patient_left)?;
+    let hint = LandmarkHint {
+        posture: known,
+        patient_left: Some(patient_left),
+        ..LandmarkHint::default()
+    };
     let file = parse_landmarks(text.as_bytes(), &hint)?;
     let film = |marked: MarkedFilm| {
-        let image = image(&marked, given)?;
+        let image = image(&marked, patient_left, given)?;
         Ok(marked.into_film(known, image)?)
     };
     file.films.into_iter().map(film).collect()
 }
 
+/// The side of the picture that shows the patient's left.
+fn side(patient_left: &str) -> Result<ImageSide, Fault> {
+    of_spelling(patient_left).ok_or_else(|| {
+        let text = format!("`patient_left` is `{patient_left}`");
+        Fault::new(text, "give \"image-left\" or \"image-right\"")
+    })
+}
+
 /// How the picture lies; `None` for locations, which have none.
-fn image(marked: &MarkedFilm, given: &Given<'_>) -> Result<Option<ImageGeometry>, Fault> {
+fn image(
+    marked: &MarkedFilm,
+    patient_left: ImageSide,
+    given: &Given<'_>,
+) -> Result<Option<ImageGeometry>, Fault> {
     let LandmarkReadings::Corners(readings) = &marked.landmarks else { return Ok(None) };
-    let patient_left: Option<ImageSide> = of_spelling(given.patient_left);
-    let Some(patient_left) = patient_left else {
-        let text = format!("`patient_left` is `{}`", given.patient_left);
-        return Err(Fault::new(text, "give \"image-left\" or \"image-right\""));
-    };
     let plane = SpacingPlane::from_key(given.plane).filter(|plane| *plane != SpacingPlane::Pixels);
     let Some(plane) = plane else {
         let text = format!("`plane` is `{}`", given.plane);

@@ -25,6 +25,7 @@ mod overview_cache;
 mod pace;
 mod problem;
 mod readings;
+mod replicate_jobs;
 mod result_cache;
 mod results;
 mod seats;

@@ -16,8 +16,8 @@ use crate::hosts::Hosts;
 use crate::limits::ServeLimits;
 use crate::overview_cache::OverviewCache;
 use crate::problem::Answer;
+use crate::replicate_jobs::ReplicateJobs;
 use crate::result_cache::{ResultCache, computed};
-use crate::results::ReplicateJobs;
 
 /// Concurrent comparisons of passwords, of 19 MB each.
 const MAX_PASSWORDS: usize = 2;

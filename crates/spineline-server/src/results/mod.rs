@@ -19,7 +19,6 @@ mod study;
 mod summary;
 mod words;
 
-pub use replicates::ReplicateJobs;
 pub use summary::summary;
 
 use utoipa_axum::router::OpenApiRouter;

@@ -165,11 +165,14 @@ impl Analysis {
         let size = simulation.force_n.abs();
         // A positive force runs along the line's direction.
         let along = simulation.line.direction * simulation.force_n.signum();
-        let way = along.lateral_tilt().leaning();
+        let (way, upwards) =
+            if along.z_mm < 0.0 { ("caudal", along * -1.0) } else { ("cranial", along) };
+        let tilt = upwards.lateral_tilt().leaning();
+        let way = format!("{way} along a line with a lateral tilt of {tilt}");
         if model.is_absolute(self.options.gauge) {
-            format!("{size:.0} N, lateral tilt {way}")
+            format!("{size:.0} N, {way}")
         } else {
-            format!("relative force {size:.0} (not newtons), lateral tilt {way}")
+            format!("relative force {size:.0} (not newtons), {way}")
         }
     }
 

@@ -1,9 +1,6 @@
 //! Intervals of a study's results by landmark noise: replicates in the background, with progress and cancel.
 
-mod jobs;
 mod view;
-
-pub use jobs::ReplicateJobs;
 
 use std::ops::Range;
 use std::sync::Arc;
@@ -20,10 +17,10 @@ use crate::access::{open_study, study_result};
 use crate::api::{Problem, ReplicatesRequest, ReplicatesView};
 use crate::extract::{Json, Path};
 use crate::problem::{Answer, Failure};
+use crate::replicate_jobs::{Ending, Job};
 use crate::result_cache::{StudyResult, computed};
 use crate::session::User;
 use crate::state::AppState;
-use jobs::{Ending, Job};
 use view::view;
 
 /// Seed of the random streams, as that of the command line.

@@ -6,8 +6,8 @@ use spineline::analysis::Analysis;
 use spineline::anatomy::Posture;
 use spineline::uncertainty::{AnalysisQuantity, QuantitySpread, QuantityUnit, Uncertainty};
 
-use super::jobs::{Ending, Job};
 use crate::api::{IntervalView, ReplicatesState, ReplicatesView};
+use crate::replicate_jobs::{Ending, Job};
 
 /// State, progress and intervals of a computation.
 pub fn view(job: Option<&Job>) -> ReplicatesView {
