@@ -128,48 +128,52 @@ test("a plan hides films, readers and results until all readings are finished", 
   await eve.close();
 });
 
-test("an admin chooses the observers among the accounts that may read", async ({ app, page }) => {
-  const PASSWORD = "a password that is long enough";
-  await app.open(page, "lead");
-  await makeStudy(page);
-  await app.kill();
-  for (const [name, role] of [
-    ["lead", "admin"],
-    ["anna", "editor"],
-    ["ben", "editor"],
-    ["carl", "reader"],
-  ] as const) {
-    const add = ["account", "add", name, "--role", role, "--password-stdin", app.store];
-    await runProgramWith(`${PASSWORD}\n`, ...add);
-  }
-  await runProgram("account", "grant", "anna", STUDY, "--role", "editor", app.store);
-  await app.start("--accounts");
-  const signedIn = async (name: string): Promise<Page> => {
-    const page_ = await page.context().browser()!.newPage();
-    await usePages(page_);
-    await page_.goto(new URL(`#/studies/${STUDY}/measure`, app.address).href);
-    await page_.getByRole("textbox", { name: "Account" }).fill(name);
-    await page_.getByLabel("Password", { exact: true }).fill(PASSWORD);
-    await page_.getByRole("button", { name: "Sign in" }).click();
-    return page_;
-  };
-  const [lead, anna] = [await signedIn("lead"), await signedIn("anna")];
-  await expect(anna.getByRole("link", { name: /left bending/i })).toBeVisible();
-  await expect(anna.getByRole("button", { name: "Plan blinded readings…" })).toHaveCount(0);
+test(
+  "an admin chooses the observers among the accounts that may read",
+  { tag: "@long" },
+  async ({ app, page }) => {
+    const PASSWORD = "a password that is long enough";
+    await app.open(page, "lead");
+    await makeStudy(page);
+    await app.kill();
+    for (const [name, role] of [
+      ["lead", "admin"],
+      ["anna", "editor"],
+      ["ben", "editor"],
+      ["carl", "reader"],
+    ] as const) {
+      const add = ["account", "add", name, "--role", role, "--password-stdin", app.store];
+      await runProgramWith(`${PASSWORD}\n`, ...add);
+    }
+    await runProgram("account", "grant", "anna", STUDY, "--role", "editor", app.store);
+    await app.start("--accounts");
+    const signedIn = async (name: string): Promise<Page> => {
+      const page_ = await page.context().browser()!.newPage();
+      await usePages(page_);
+      await page_.goto(new URL(`#/studies/${STUDY}/measure`, app.address).href);
+      await page_.getByRole("textbox", { name: "Account" }).fill(name);
+      await page_.getByLabel("Password", { exact: true }).fill(PASSWORD);
+      await page_.getByRole("button", { name: "Sign in" }).click();
+      return page_;
+    };
+    const [lead, anna] = [await signedIn("lead"), await signedIn("anna")];
+    await expect(anna.getByRole("link", { name: /left bending/i })).toBeVisible();
+    await expect(anna.getByRole("button", { name: "Plan blinded readings…" })).toHaveCount(0);
 
-  await lead.getByRole("button", { name: "Plan blinded readings…" }).click();
-  const plan = lead.getByRole("dialog", { name: "Plan blinded readings" });
-  for (const unable of ["ben", "carl"]) {
-    await expect(plan.getByRole("checkbox", { name: unable })).toBeDisabled();
-  }
-  await plan.getByRole("checkbox", { name: "anna" }).check();
-  await expect(plan).toContainText("4 readings");
-  await shot(lead, "blinded-plan-accounts");
-  await plan.getByRole("button", { name: "Make the plan" }).click();
-  await expect(plan).toBeHidden();
-  await expect(anna.getByRole("heading", { name: /^next film/i })).toBeVisible();
-  for (const one of [lead, anna]) await one.context().close();
-});
+    await lead.getByRole("button", { name: "Plan blinded readings…" }).click();
+    const plan = lead.getByRole("dialog", { name: "Plan blinded readings" });
+    for (const unable of ["ben", "carl"]) {
+      await expect(plan.getByRole("checkbox", { name: unable })).toBeDisabled();
+    }
+    await plan.getByRole("checkbox", { name: "anna" }).check();
+    await expect(plan).toContainText("4 readings");
+    await shot(lead, "blinded-plan-accounts");
+    await plan.getByRole("button", { name: "Make the plan" }).click();
+    await expect(plan).toBeHidden();
+    await expect(anna.getByRole("heading", { name: /^next film/i })).toBeVisible();
+    for (const one of [lead, anna]) await one.context().close();
+  },
+);
 
 /** Two films of a phantom, dropped on the page. */
 async function makeStudy(page: Page): Promise<void> {
@@ -236,24 +240,25 @@ function forbidden(films: Api<"FilmSummary">[]): string[] {
   ];
 }
 
-test("a reader who has finished sees so, and a reader who must wait sees until when", async ({
-  app,
-  page,
-}) => {
-  await app.open(page);
-  await FilmPage.ofDemo(page);
-  const study = /studies\/([^/]+)/.exec(page.url())![1]!;
-  const until_ms = Date.UTC(2027, 2, 4, 12);
-  let next: object = { kind: "wait", until_ms };
-  await page.route(`**/api/studies/${study}`, async (route) => {
-    const answer = await route.fetch();
-    await route.fulfill({ json: { ...(await answer.json()), plan: { blinded: true, next } } });
-  });
-  const address = page.url().replace(/#.*/, `#/studies/${study}/read`);
-  await page.goto(address);
-  await expect(page.getByRole("heading", { name: /4 mar 2027/i })).toBeVisible();
-  await shot(page, "blinded-wait");
-  next = { kind: "done" };
-  await page.reload();
-  await expect(page.getByRole("heading", { name: /all films are read/i })).toBeVisible();
-});
+test(
+  "a reader who has finished sees so, and a reader who must wait sees until when",
+  { tag: "@long" },
+  async ({ app, page }) => {
+    await app.open(page);
+    await FilmPage.ofDemo(page);
+    const study = /studies\/([^/]+)/.exec(page.url())![1]!;
+    const until_ms = Date.UTC(2027, 2, 4, 12);
+    let next: object = { kind: "wait", until_ms };
+    await page.route(`**/api/studies/${study}`, async (route) => {
+      const answer = await route.fetch();
+      await route.fulfill({ json: { ...(await answer.json()), plan: { blinded: true, next } } });
+    });
+    const address = page.url().replace(/#.*/, `#/studies/${study}/read`);
+    await page.goto(address);
+    await expect(page.getByRole("heading", { name: /4 mar 2027/i })).toBeVisible();
+    await shot(page, "blinded-wait");
+    next = { kind: "done" };
+    await page.reload();
+    await expect(page.getByRole("heading", { name: /all films are read/i })).toBeVisible();
+  },
+);

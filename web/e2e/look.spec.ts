@@ -55,29 +55,33 @@ async function lookAt(page: Page, name: string): Promise<string[]> {
   return wide;
 }
 
-test("every page fits phones and large screens, in light and dark", async ({ app, page }) => {
-  await app.open(page);
-  expect((await send(page, "POST", "/api/studies/demo", {})).status).toBe(200);
-  await answerWith(page, "/api/studies", manyStudies(14));
-  await answerWith(page, "/api/cohort", cohort());
-  const wide: string[] = [];
-  for (const [name, address, sign] of PAGES) {
-    await page.goto(new URL(address, app.address).href);
-    await expect(page.getByText(sign).first()).toBeVisible({ timeout: 60_000 });
-    wide.push(...(await lookAt(page, name)));
-  }
-  await page.goto(new URL(`#/studies/${STUDY}/measure`, app.address).href);
-  await page.setViewportSize({ width: 1280, height: 720 });
-  await page.getByRole("button", { name: /^begin reading/i }).click();
-  await expect(page.getByTestId("target")).toContainText("L4", { timeout: 60_000 });
-  // The next landmark is readable, and all levels are in view.
-  const next = page.getByText("superior endplate, patient’s left");
-  expect(
-    await next.evaluate((words) => words.scrollWidth <= words.parentElement!.clientWidth),
-  ).toBe(true);
-  await expect(page.getByRole("button", { name: /^Crests/ })).toBeInViewport();
-  wide.push(...(await lookAt(page, "marking")));
-  await page.setViewportSize({ width: 390, height: 844 });
-  await expect(page.getByText(/placed on a larger screen/)).toBeVisible();
-  expect(wide).toEqual([]);
-});
+test(
+  "every page fits phones and large screens, in light and dark",
+  { tag: "@long" },
+  async ({ app, page }) => {
+    await app.open(page);
+    expect((await send(page, "POST", "/api/studies/demo", {})).status).toBe(200);
+    await answerWith(page, "/api/studies", manyStudies(14));
+    await answerWith(page, "/api/cohort", cohort());
+    const wide: string[] = [];
+    for (const [name, address, sign] of PAGES) {
+      await page.goto(new URL(address, app.address).href);
+      await expect(page.getByText(sign).first()).toBeVisible({ timeout: 60_000 });
+      wide.push(...(await lookAt(page, name)));
+    }
+    await page.goto(new URL(`#/studies/${STUDY}/measure`, app.address).href);
+    await page.setViewportSize({ width: 1280, height: 720 });
+    await page.getByRole("button", { name: /^begin reading/i }).click();
+    await expect(page.getByTestId("target")).toContainText("L4", { timeout: 60_000 });
+    // The next landmark is readable, and all levels are in view.
+    const next = page.getByText("superior endplate, patient’s left");
+    expect(
+      await next.evaluate((words) => words.scrollWidth <= words.parentElement!.clientWidth),
+    ).toBe(true);
+    await expect(page.getByRole("button", { name: /^Crests/ })).toBeInViewport();
+    wide.push(...(await lookAt(page, "marking")));
+    await page.setViewportSize({ width: 390, height: 844 });
+    await expect(page.getByText(/placed on a larger screen/)).toBeVisible();
+    expect(wide).toEqual([]);
+  },
+);

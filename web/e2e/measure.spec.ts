@@ -424,19 +424,23 @@ test("a scale bar shows lengths at every zoom", async ({ app, page }) => {
   }
 });
 
-test("landmarks are recorded without browser storage, with one message", async ({ app, page }) => {
-  await page.addInitScript(() => {
-    Storage.prototype.setItem = () => {
-      throw new DOMException("full", "QuotaExceededError");
-    };
-  });
-  const { film, truth } = await atL4(app, page);
-  await film.mark(truth, "L4");
-  await film.saved();
-  expect(farthest(await film.reading(), truth)).toBeLessThan(CLOSE_PX);
-  const told = page.getByText("This browser cannot store data for this page");
-  await expect(told).toBeVisible();
-  await expectAccessible(page);
-  await page.getByRole("button", { name: "Dismiss" }).click();
-  await expect(told).toHaveCount(0);
-});
+test(
+  "landmarks are recorded without browser storage, with one message",
+  { tag: "@long" },
+  async ({ app, page }) => {
+    await page.addInitScript(() => {
+      Storage.prototype.setItem = () => {
+        throw new DOMException("full", "QuotaExceededError");
+      };
+    });
+    const { film, truth } = await atL4(app, page);
+    await film.mark(truth, "L4");
+    await film.saved();
+    expect(farthest(await film.reading(), truth)).toBeLessThan(CLOSE_PX);
+    const told = page.getByText("This browser cannot store data for this page");
+    await expect(told).toBeVisible();
+    await expectAccessible(page);
+    await page.getByRole("button", { name: "Dismiss" }).click();
+    await expect(told).toHaveCount(0);
+  },
+);

@@ -12,38 +12,42 @@ import { get, send } from "./wire";
 const PASSWORD = "a password that is long enough";
 const [SHARED, OTHER] = ["phantom-rod-01", "of-ab-alone"];
 
-test("two editors see each other's changes and do not overwrite them", async ({ app, browser }) => {
-  test.setTimeout(300_000);
-  await twoStudies(app);
-  await account(app, "lead", "admin");
-  for (const [name, role] of [
-    ["ab", "editor"],
-    ["cd", "editor"],
-    ["ef", "reader"],
-  ] as const) {
-    await account(app, name, role);
-    await runProgram("account", "grant", name, SHARED, "--role", role, app.store);
-  }
-  await runProgram("account", "grant", "ab", OTHER, "--role", "editor", app.store);
-  await app.start("--accounts");
-  const [ab, cd] = [await signedIn(browser, app, "ab"), await signedIn(browser, app, "cd")];
+test(
+  "two editors see each other's changes and do not overwrite them",
+  { tag: "@long" },
+  async ({ app, browser }) => {
+    test.setTimeout(300_000);
+    await twoStudies(app);
+    await account(app, "lead", "admin");
+    for (const [name, role] of [
+      ["ab", "editor"],
+      ["cd", "editor"],
+      ["ef", "reader"],
+    ] as const) {
+      await account(app, name, role);
+      await runProgram("account", "grant", name, SHARED, "--role", role, app.store);
+    }
+    await runProgram("account", "grant", "ab", OTHER, "--role", "editor", app.store);
+    await app.start("--accounts");
+    const [ab, cd] = [await signedIn(browser, app, "ab"), await signedIn(browser, app, "cd")];
 
-  // A study without a grant is neither in the list nor at its address.
-  await expect(ab.getByRole("article")).toHaveCount(2);
-  await expect(cd.getByRole("article")).toHaveCount(1);
-  await expect(cd.getByRole("article")).toContainText(SHARED);
-  await cd.goto(new URL(`#/studies/${OTHER}/measure`, app.address).href);
-  await expect(cd.getByRole("alert")).toBeVisible();
-  await shot(cd, "people-no-grant");
-  expect((await get(cd, `/api/studies/${OTHER}`)).status).toBe(404);
+    // A study without a grant is neither in the list nor at its address.
+    await expect(ab.getByRole("article")).toHaveCount(2);
+    await expect(cd.getByRole("article")).toHaveCount(1);
+    await expect(cd.getByRole("article")).toContainText(SHARED);
+    await cd.goto(new URL(`#/studies/${OTHER}/measure`, app.address).href);
+    await expect(cd.getByRole("alert")).toBeVisible();
+    await shot(cd, "people-no-grant");
+    expect((await get(cd, `/api/studies/${OTHER}`)).status).toBe(404);
 
-  await readAtOnce(app, ab, cd);
-  await scaleAtOnce(ab, cd);
+    await readAtOnce(app, ab, cd);
+    await scaleAtOnce(ab, cd);
 
-  const ef = await signedIn(browser, app, "ef");
-  await expectLooking(app, ef);
-  for (const page of [ab, cd, ef]) await page.context().close();
-});
+    const ef = await signedIn(browser, app, "ef");
+    await expectLooking(app, ef);
+    for (const page of [ab, cd, ef]) await page.context().close();
+  },
+);
 
 /** Each finishes a reading, and the other one's list of readings is updated. */
 async function readAtOnce(app: App, ab: Page, cd: Page): Promise<void> {

@@ -61,36 +61,37 @@ async function exportFiles(page: Page): Promise<void> {
   await page.keyboard.press("Escape");
 }
 
-test("Measure, Model and Cohort print plainly and lead to the report and other files", async ({
-  app,
-  page,
-}) => {
-  await app.open(page);
-  await page.getByRole("button", { name: "Open a demo" }).click();
-  const link = page.getByRole("link", { name: "Report", exact: true });
-  await expect(link).toBeVisible({ timeout: 120_000 });
-  const saved = page.waitForEvent("download");
-  await link.click();
-  const file = await saved;
-  expect(file.suggestedFilename()).toBe(`${STUDY}.html`);
-  const text = await readFile(await file.path(), "utf8");
-  expect(text).toMatch(/^<!DOCTYPE html>/);
-  expect(text).toContain("Patient report");
+test(
+  "Measure, Model and Cohort print plainly and lead to the report and other files",
+  { tag: "@long" },
+  async ({ app, page }) => {
+    await app.open(page);
+    await page.getByRole("button", { name: "Open a demo" }).click();
+    const link = page.getByRole("link", { name: "Report", exact: true });
+    await expect(link).toBeVisible({ timeout: 120_000 });
+    const saved = page.waitForEvent("download");
+    await link.click();
+    const file = await saved;
+    expect(file.suggestedFilename()).toBe(`${STUDY}.html`);
+    const text = await readFile(await file.path(), "utf8");
+    expect(text).toMatch(/^<!DOCTYPE html>/);
+    expect(text).toContain("Patient report");
 
-  for (const place of ["measure", "model"]) {
-    await page.emulateMedia({ media: "screen" });
-    await page.goto(new URL(`#/studies/${STUDY}/${place}`, app.address).href);
-    await expect(link).toBeVisible({ timeout: 60_000 });
+    for (const place of ["measure", "model"]) {
+      await page.emulateMedia({ media: "screen" });
+      await page.goto(new URL(`#/studies/${STUDY}/${place}`, app.address).href);
+      await expect(link).toBeVisible({ timeout: 60_000 });
+      await expectPlainPaper(page);
+      await shot(page, `print-${place}`);
+      await page.emulateMedia({ media: "screen" });
+    }
+    await exportFiles(page);
+    expect((await get(page, `/api/studies/${STUDY}/exports/report`)).status).toBe(200);
+    await answerWith(page, "/api/cohort", cohort());
+    await page.goto(new URL("#/cohort", app.address).href);
+    await expect(page.getByRole("link", { name: /^Report of S-/ }).first()).toBeVisible();
     await expectPlainPaper(page);
-    await shot(page, `print-${place}`);
-    await page.emulateMedia({ media: "screen" });
-  }
-  await exportFiles(page);
-  expect((await get(page, `/api/studies/${STUDY}/exports/report`)).status).toBe(200);
-  await answerWith(page, "/api/cohort", cohort());
-  await page.goto(new URL("#/cohort", app.address).href);
-  await expect(page.getByRole("link", { name: /^Report of S-/ }).first()).toBeVisible();
-  await expectPlainPaper(page);
-  await expect(page.getByRole("columnheader", { name: "main Cobb (°)" })).toContainText("Cobb");
-  await shot(page, "print-cohort");
-});
+    await expect(page.getByRole("columnheader", { name: "main Cobb (°)" })).toContainText("Cobb");
+    await shot(page, "print-cohort");
+  },
+);

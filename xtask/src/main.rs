@@ -30,8 +30,8 @@ cargo xtask COMMAND
 
   test [--full]
            format, tidy, lints, all tests, documentation and its examples, the browser app in Chromium, other programs.
-           --full adds typeset reports, exchange formats, full small disks and the slow studies, and fails where a tool is
-           missing
+           --full adds typeset reports, exchange formats, full small disks, long tests and the slow studies, and fails
+           where a tool is missing
   quick [--base REV]
            format, tidy, lints, and the quick tests of the crates that a change touches and of those that depend on them;
            the change is what differs from REV (the last commit, unless told otherwise)
@@ -142,7 +142,7 @@ fn steps(command: &str) -> Option<Vec<Step>> {
             Step::new("doc examples", &[], checks::doctest),
             lint,
             Step::new("docs", &[], checks::rustdoc),
-            browser.alone(),
+            Step::new("browser", &[Tool::Npm, Tool::Chromium], web::browser_in_short).alone(),
             attack,
             studies,
         ],

@@ -20,15 +20,25 @@ pub fn build(root: &Path) -> Result<(), String> {
     Ok(())
 }
 
-/// Drives the app in Chromium as a person does.
+/// Drives the app in Chromium as a person does, in every test.
 pub fn browser(plan: &Plan<'_>) -> Result<(), String> {
+    drive(plan, &[])
+}
+
+/// The same without long tests, which a full run has.
+pub fn browser_in_short(plan: &Plan<'_>) -> Result<(), String> {
+    drive(plan, if plan.is_full() { &[] } else { &["--", "--grep-invert", "@long"] })
+}
+
+fn drive(plan: &Plan<'_>, chosen: &[&str]) -> Result<(), String> {
     if !plan.root.join("web/dist/index.html").exists() {
         build(plan.root)?;
     }
     provide_packages(plan.root)?;
     let program = built(plan, "spineline")?;
     let program = program.to_str().ok_or("the target folder's name is not UTF-8")?;
-    npm(plan.root, &["run", "--silent", "e2e"], &[("SPINELINE_PROGRAM", program)])
+    let arguments = [&["run", "--silent", "e2e"], chosen].concat();
+    npm(plan.root, &arguments, &[("SPINELINE_PROGRAM", program)])
 }
 
 /// What the lock file names, installed once for each of its versions.
