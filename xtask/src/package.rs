@@ -14,16 +14,20 @@ use crate::{cargo, python, run, web};
 const ENVIRONMENT: &str = "package";
 
 /// The tests that use the program, by file.
-const WHEEL_TESTS: [&str; 4] =
-    ["test_wheel.py", "test_analysis.py", "test_models.py", "test_tables.py"];
+const WHEEL_TESTS: [&str; 3] = ["test_analysis.py", "test_models.py", "test_tables.py"];
 
 /// The interpreter of the environment in which the package is built and tested.
 pub fn environment(root: &Path) -> Result<PathBuf, String> {
     python::environment(root, ENVIRONMENT, &root.join("python/tests/requirements.txt"))
 }
 
-/// Builds the wheel: the browser app where Node is there, the program with typeset reports, then the native module.
+/// Builds the wheel as it is given to people: its program writes typeset reports.
 pub fn wheel(root: &Path) -> Result<PathBuf, String> {
+    wheel_with(root, &["--features", "pdf"])
+}
+
+/// Builds a wheel: the browser app where Node is there, the program with these features, then the native module.
+fn wheel_with(root: &Path, features: &[&str]) -> Result<PathBuf, String> {
     let start = Instant::now();
     if Tool::Npm.is_there() {
         web::build(root)?;
@@ -31,7 +35,7 @@ pub fn wheel(root: &Path) -> Result<PathBuf, String> {
         println!("Node.js is missing: the program of this wheel has no browser app");
     }
     let program = ["build", "--release", "--locked", "--package", "spineline-cli"];
-    cargo(root, &[&program[..], &["--features", "pdf"]].concat())?;
+    cargo(root, &[&program[..], features].concat())?;
     let target = python::target()?;
     let scripts = root.join("python/spineline.data/scripts");
     let program = Path::new("spineline").with_extension(EXE_EXTENSION);
@@ -92,9 +96,10 @@ fn pytest(
     run(from, interpreter, &arguments, variables)
 }
 
-/// Builds the wheel and installs it in an environment of its own, whose interpreter it gives.
+/// Builds a wheel and installs it in an environment of its own, whose interpreter it gives. It has no typesetter, which
+/// is most of a release build, and which other tests cover.
 pub fn with_wheel(root: &Path) -> Result<PathBuf, String> {
-    let wheel = python::text(&wheel(root)?)?;
+    let wheel = python::text(&wheel_with(root, &[])?)?;
     let requirements = root.join("python/tests/requirements.txt");
     let interpreter = python::environment(root, "wheel", &requirements)?;
     let install = ["-m", "pip", "install", "--quiet", "--force-reinstall", "--no-deps", &wheel];
