@@ -3,8 +3,8 @@ import { defineConfig } from "@playwright/test";
 export default defineConfig({
   testDir: "e2e",
   outputDir: "test-results",
-  // Every test starts its own server and store; a browser waits for its server for a third of the time.
-  workers: 3,
+  // Every test starts its own server and store; two at a time leave one core for each.
+  workers: 2,
   fullyParallel: true,
   // Long timeouts for busy machines.
   timeout: 240_000,
