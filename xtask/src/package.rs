@@ -71,7 +71,7 @@ pub fn test(plan: &Plan<'_>) -> Result<(), String> {
         ("PYTHONDONTWRITEBYTECODE", "1"),
     ];
     let folder = root.join("python");
-    pytest(root, &staged, &interpreter, &variables, &[""])?;
+    pytest(root, &staged, &interpreter, &variables, &["."])?;
     run(&folder, &interpreter, &["-m", "mypy"], &[])?;
     run(&folder, &interpreter, &["-m", "pyright", "--pythonpath", &interpreter], &[])?;
     let measure = python::text(&folder.join("tests/measure.py"))?;

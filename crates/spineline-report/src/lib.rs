@@ -27,5 +27,5 @@ pub use document::{Document, file_stem};
 pub use embedded::embedded;
 pub use html::{html, html_fragment};
 pub use markdown::markdown;
-pub use png::{PngError, png};
+pub use png::{PRINT_SCALE, PngError, png};
 pub use terminal::terminal;

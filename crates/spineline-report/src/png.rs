@@ -7,6 +7,9 @@ use resvg::usvg::{Options, Tree};
 
 use crate::fonts::Fonts;
 
+/// Pixels of a PNG per unit of the figure that are sharp in print at 16 cm.
+pub const PRINT_SCALE: f32 = 2.0;
+
 /// A figure that could not be drawn.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
@@ -27,7 +30,7 @@ pub enum PngError {
     Encode(String),
 }
 
-/// A figure as PNG on white, with so many pixels per unit of the SVG: 2 is sharp in print at 16 cm.
+/// A figure as PNG on white, with so many pixels per unit of the SVG, such as [`PRINT_SCALE`].
 ///
 /// # Errors
 /// [`PngError`]

@@ -42,6 +42,16 @@ impl Named for ExportFormat {
 }
 
 impl ExportFormat {
+    /// The ending of its files.
+    #[must_use]
+    pub const fn file_ending(self) -> &'static str {
+        match self {
+            Self::Mjcf => "xml",
+            Self::Osim => "osim",
+            Self::Urdf => "urdf",
+        }
+    }
+
     /// The programs that read it.
     #[must_use]
     pub const fn programs(self) -> &'static str {

@@ -5,6 +5,7 @@ use spineline::anatomy::Side;
 use spineline::clinical::ClinicalCurve;
 use spineline::motion::{Motion, SegmentEstimate};
 use spineline::spatial::Angle;
+use spineline::warning::counted;
 
 use super::curves::size_of;
 use super::words::length_unit;
@@ -78,9 +79,9 @@ fn texts(motion: &Motion, inflections: Option<&[SegmentEstimate; 2]>) -> Vec<Str
         let turns = motion.rotations.get(least).map_or(0.0, |angle| angle.deg());
         let beside = inflections.map_or_else(String::new, |pair| {
             let SegmentEstimate { segment, distance_segments, rotation, .. } = pair[window];
-            let plural = if distance_segments == 1 { "" } else { "s" };
             format!(
-                "; the inflection is segment {segment}, at a distance of {distance_segments} segment{plural}, and rotates {:.4}°",
+                "; the inflection is segment {segment}, at a distance of {}, and rotates {:.4}°",
+                counted(distance_segments, "segment"),
                 rotation.deg()
             )
         });

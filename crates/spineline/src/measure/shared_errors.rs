@@ -52,7 +52,7 @@ pub struct SharedErrors {
 impl SharedErrors {
     /// Of the means over the readings of a film, by their corners that a program found; `None` where there are none.
     ///
-    /// `frame` is the tilt of `G` on the film, and the scale of its lengths.
+    /// The last argument is the frame: the tilt of `G` on the film, and the scale of its lengths.
     pub(super) fn of_film(
         (film, program): (&Film, &[Option<ProgramCorners>]),
         rule: TiltRule,
@@ -224,7 +224,10 @@ impl Outline {
                 covariance[(row, row)] += if is_tilt { tilt } else { location };
             }
         }
-        Some(of_model.map_or_else(|| covariance.clone(), |of_model| &covariance + of_model))
+        Some(match of_model {
+            Some(of_model) => covariance + of_model,
+            None => covariance,
+        })
     }
 
     /// Variance of a sum of errors of measured numbers.

@@ -5,16 +5,13 @@ use std::path::{Path, PathBuf};
 use spineline_files::{InputFile, Provenance, ProvenanceFile, to_text};
 use spineline_report::document::{Figure, Notice, NoticeKind};
 use spineline_report::fonts::Fonts;
-use spineline_report::{Document, html, markdown, png};
+use spineline_report::{Document, PRINT_SCALE, html, markdown, png};
 
 use super::args::{FormName, ReportArgs};
 use crate::run::failure::{Ending, Failure};
 use crate::run::outputs::{Outputs, print, print_notices};
 use crate::run::pdf;
 use crate::run::threads::map_all;
-
-/// Pixels of a PNG per unit of its SVG.
-const PNG_SCALE: f32 = 2.0;
 
 /// The file of a report, checked before any work; named after its subject unless the user names it.
 ///
@@ -86,7 +83,7 @@ impl Report<'_> {
     ) -> Result<(), Failure> {
         let figures: Vec<&Figure> = self.document.figures().collect();
         let written = map_all("figures", &figures, threads, |figure| {
-            let pixels = png(&figure.svg, PNG_SCALE)
+            let pixels = png(&figure.svg, PRINT_SCALE)
                 .map_err(|error| Failure::internal(format!("{}: {error}", figure.name)))?;
             let add = |ending: &str, content: &[u8]| {
                 let name = format!("{}-{}.{ending}", self.stem, figure.name);

@@ -32,11 +32,7 @@ pub async fn export_model(
     let result = study_result(&state, &study).await?;
     let text = computed(move || text(&result, line, format)).await??;
     log(&state, &user, &study, format.0.key()).await?;
-    let ending = match format.0.key() {
-        "mjcf" => "xml",
-        other => other,
-    };
-    let name = format!("{study}-{}.{ending}", line.0.key());
+    let name = format!("{study}-{}.{}", line.0.key(), format.0.file_ending());
     Ok(attachment(&name, "application/xml", text))
 }
 

@@ -4,7 +4,7 @@ use spineline::analysis::{Analysis, Case};
 use spineline::uncertainty::Uncertainty;
 use spineline_report::figures::FilmPicture;
 use spineline_report::patient::{self, Patient};
-use spineline_report::{Document, html, png};
+use spineline_report::{Document, PRINT_SCALE, html, png};
 
 use super::archive::archive;
 use super::{Download, PROGRAM, file_of, internal, provenance};
@@ -13,9 +13,6 @@ use crate::decoded::picture;
 use crate::problem::Answer;
 use crate::result_cache::StudyResult;
 use crate::state::AppState;
-
-/// Pixels of a PNG per unit of the figure: sharp in print at 16 cm.
-const PNG_SCALE: f32 = 2.0;
 
 /// The films with landmarks that are used, as pictures.
 pub async fn pictures(state: &AppState, result: &StudyResult) -> Answer<Vec<FilmPicture>> {
@@ -60,7 +57,7 @@ pub fn download(
 fn figures(document: &Document, analysis: &Analysis) -> Answer<Download> {
     let mut files = Vec::new();
     for figure in document.figures() {
-        let pixels = png(&figure.svg, PNG_SCALE).map_err(|error| internal(&error))?;
+        let pixels = png(&figure.svg, PRINT_SCALE).map_err(|error| internal(&error))?;
         files.push((format!("{}.svg", figure.name), figure.svg.clone().into_bytes()));
         files.push((format!("{}.png", figure.name), pixels));
     }
