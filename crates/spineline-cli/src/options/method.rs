@@ -15,70 +15,54 @@ use spineline::spatial::Angle;
 use spineline_files::StoredRotationPrior;
 use spineline_files::method_text::{
     Choice, ChosenHypotheses, Prior, StiffnessSource, curve_turn, end_vertebrae, film_lengths,
-    gauge, given_line, hypotheses, inflection_sites, order_rule, prior, read_rotation_prior,
-    stiffness_source,
+    gauge, given_line, hypotheses, inflection_sites, option_named, order_rule, prior,
+    read_rotation_prior, stiffness_source,
 };
 
 use super::choice::choice;
 use crate::run::failure::Failure;
 
-/// Choices of the method.
+fn help_of(name: &str) -> &'static str {
+    option_named(name).help
+}
+
+fn default_of(name: &str) -> &'static str {
+    option_named(name).default
+}
+
+/// Choices of the method, with the texts of the list of all options.
 #[derive(Args)]
 #[command(next_help_heading = "Method")]
 pub struct MethodArgs {
-    /// Polynomial order of the curves: `leave-one-out`, `paper`, or a number from 4 to 12
-    #[arg(long, value_name = "RULE", default_value = "leave-one-out", value_parser = order_rule)]
+    #[arg(long, help = help_of("order_rule"), value_name = "RULE", default_value = default_of("order_rule"), value_parser = order_rule)]
     order_rule: OrderRule,
-    /// Scale constraint (gauge) of stiffness and force: `geometric-mean`, `frozen-force`, or `known-force:POSTURE=NEWTON`
-    /// such as known-force:traction=120
-    #[arg(long, value_name = "GAUGE", default_value = "geometric-mean", value_parser = gauge)]
+    #[arg(long, help = help_of("gauge"), value_name = "GAUGE", default_value = default_of("gauge"), value_parser = gauge)]
     gauge: Gauge,
-    /// Support of the patient; the paper's is `free`
-    #[arg(long, value_parser = choice::<Support>(), default_value = Support::default().spelling())]
+    #[arg(long, help = help_of("support"), value_parser = choice::<Support>(), default_value = default_of("support"))]
     support: Support,
-    /// Quantity that the stiffness is fitted to
-    #[arg(long, value_parser = choice::<FitTarget>(), default_value = FitTarget::Shape.spelling())]
+    #[arg(long, help = help_of("fit"), value_parser = choice::<FitTarget>(), default_value = default_of("fit"))]
     fit: FitTarget,
-    /// Landmarks from which the tilt of a vertebra is measured
-    #[arg(long, value_parser = choice::<TiltRule>(), default_value = TiltRule::Endplates.spelling())]
+    #[arg(long, help = help_of("tilt"), value_parser = choice::<TiltRule>(), default_value = default_of("tilt"))]
     tilt: TiltRule,
-    /// Lengths of the films: `per-film` (each has a scale of its own against the erect film; standard deviation 3.3 % where
-    /// films do not state the error of theirs), that standard deviation in percent, or `as-marked` (one scale, as in the
-    /// paper)
-    #[arg(long, value_name = "RULE", default_value = "per-film", value_parser = film_lengths)]
+    #[arg(long, help = help_of("film_lengths"), value_name = "RULE", default_value = default_of("film_lengths"), value_parser = film_lengths)]
     film_lengths: FilmLengthRule,
-    /// End vertebrae of Cobb angles: `erect` (the most tilted ones of the erect film, kept on every film), `each-film`, or
-    /// REGION=LEVEL/LEVEL such as main-thoracic=T12/T5
-    #[arg(long, value_name = "CHOICE", default_value = "erect", value_parser = end_vertebrae)]
+    #[arg(long, help = help_of("end_vertebrae"), value_name = "CHOICE", default_value = default_of("end_vertebrae"), value_parser = end_vertebrae)]
     end_vertebrae: EndChoice,
-    /// Joints that share a stiffness multiplier
-    #[arg(long, value_parser = choice::<Grouping>(), default_value = Grouping::Regional.spelling())]
+    #[arg(long, help = help_of("multipliers"), value_parser = choice::<Grouping>(), default_value = default_of("multipliers"))]
     multipliers: Grouping,
-    /// Log-normal prior of the multipliers about their mean: `none`, a standard deviation of ln such as 0.3, or `in-vivo`
-    /// (0.5, the standard deviation between segments of living scoliotic spines)
-    #[arg(long, value_name = "none|in-vivo|SD", default_value = "none", value_parser = prior)]
+    #[arg(long, help = help_of("prior"), value_name = "none|in-vivo|SD", default_value = default_of("prior"), value_parser = prior)]
     prior: Prior,
-    /// Distribution of joint rotations that `spineline learn-prior` learned from other patients, for the predictions without
-    /// mechanics that models are compared with [default: published mobilities]
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, help = help_of("rotation_prior"), value_name = "FILE")]
     rotation_prior: Option<PathBuf>,
-    /// Stiffness table to start from: `paper`, `in-vitro`, `intact-chest` or `scoliotic-in-vivo` (`spineline stiffness` prints
-    /// them), or a file
-    #[arg(long, value_name = "TABLE|FILE", default_value = "paper", value_parser = stiffness_source)]
+    #[arg(long, help = help_of("stiffness"), value_name = "TABLE|FILE", default_value = default_of("stiffness"), value_parser = stiffness_source)]
     stiffness: StiffnessSource,
-    /// Inflections set by hand, caudal first, each a vertebra or a disc, such as L1/T12,T6 [default: found on the erect film]
-    #[arg(long, value_name = "SITE,SITE", value_parser = inflection_sites)]
+    #[arg(long, help = help_of("inflections"), value_name = "SITE,SITE", value_parser = inflection_sites)]
     inflections: Option<[Site; 2]>,
-    /// Minimum angle of a curve between inflections, in degrees
-    #[arg(long, alias = "min-lobe", value_name = "DEG", default_value = "5", value_parser = curve_turn)]
+    #[arg(long, help = help_of("min_curve"), alias = "min-lobe", value_name = "DEG", default_value = default_of("min_curve"), value_parser = curve_turn)]
     min_curve: Angle,
-    /// Additional line of action: POSTURE=Y,Z,TILT with a point in mm and the lateral tilt from cranial in degrees, positive
-    /// to the right; may be repeated
-    #[arg(long, value_name = "LINE", value_parser = given_line)]
+    #[arg(long, help = help_of("given_line"), value_name = "LINE", value_parser = given_line)]
     given_line: Vec<(Posture, LineOfAction)>,
-    /// Compare other loads and base supports with the paper's line, on fitted and left-out films: `all`, or names such as
-    /// couple,weight,inflection-line+free-base (see docs/models.md)
-    #[arg(long, value_name = "all|NAME,NAME", value_parser = hypotheses)]
+    #[arg(long, help = help_of("compare_models"), value_name = "all|NAME,NAME", value_parser = hypotheses)]
     compare_models: Option<ChosenHypotheses>,
 }
 

@@ -10,16 +10,21 @@
 //! assert_eq!(error.to_string(), "unknown option `suport`; did you mean `support`?");
 //! ```
 
+mod catalogue;
 mod choice;
+mod chosen;
 mod ends;
 mod parse;
 mod values;
 
+pub use catalogue::{MethodOption, NamedValue, OPTION_NAMES, OPTIONS, OptionValues, option_named};
 pub use choice::{Choice, of_spelling};
+pub use chosen::{ChosenOption, ChosenOptions, study_options};
 pub use ends::end_vertebrae;
 pub use parse::{
     ChosenHypotheses, Prior, StiffnessSource, curve_turn, film_lengths, gauge, given_line,
-    hypotheses, inflection_sites, noise, order_rule, prior, read_rotation_prior, stiffness_source,
+    hypotheses, inflection_sites, noise, order_rule, prior, read_rotation_prior, site_text,
+    stiffness_source,
 };
 pub use values::{number, posture};
 
@@ -32,25 +37,6 @@ use spineline::personalize::Gauge;
 
 use crate::FileError;
 use crate::json::nearest;
-
-/// The names of all options of the method; `-` and `_` are the same in them.
-pub const OPTION_NAMES: [&str; 15] = [
-    "order_rule",
-    "gauge",
-    "support",
-    "fit",
-    "tilt",
-    "film_lengths",
-    "end_vertebrae",
-    "multipliers",
-    "prior",
-    "rotation_prior",
-    "stiffness",
-    "inflections",
-    "min_curve",
-    "given_line",
-    "compare_models",
-];
 
 /// An option that cannot be used.
 #[derive(Debug, thiserror::Error)]
@@ -189,6 +175,14 @@ mod tests {
             let mut options = AnalysisOptions::default();
             set_option(&mut options, name, value).expect(name);
             assert_ne!(options, AnalysisOptions::default(), "{name}");
+        }
+    }
+
+    #[test]
+    fn sites_are_written_as_they_are_read() {
+        for text in ["L1/T12,T6", "L4,T3/T2"] {
+            let sites = inflection_sites(text).expect("two sites");
+            assert_eq!(sites.map(site_text).join(","), text);
         }
     }
 

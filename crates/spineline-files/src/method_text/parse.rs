@@ -178,6 +178,16 @@ pub fn inflection_sites(text: &str) -> Result<[Site; 2], String> {
     }
 }
 
+/// A site as [`inflection_sites`] reads it.
+#[must_use]
+pub fn site_text(site: Site) -> String {
+    if site.inferior == site.superior {
+        site.inferior.to_string()
+    } else {
+        format!("{}/{}", site.inferior, site.superior)
+    }
+}
+
 /// A line of action of a film: `POSTURE=Y,Z,TILT`.
 ///
 /// # Errors

@@ -97,14 +97,29 @@ impl Inflections {
     /// Puts the pair where the user has pointed.
     #[must_use]
     pub fn picked(mut self, fit: &CurveFit, sites: [Site; 2]) -> Self {
-        let at = |site: Site| {
-            let t = |level: Level| fit.vertebra_t_mm[fit.levels.nearest_index(level)];
-            inflection_at(fit, 0.5 * (t(site.inferior) + t(site.superior)))
-        };
-        let mut pair = sites.map(at);
+        let mut pair = sites.map(|site| inflection_at(fit, fit.site_mm(site)));
         pair.sort_by(|a, b| a.t_mm.total_cmp(&b.t_mm));
         self.pair = Some(pair);
         self
+    }
+}
+
+impl CurveFit {
+    /// All places that a user can point at on the curve, caudal first: its vertebrae, and the discs between them.
+    pub fn sites(&self) -> impl Iterator<Item = Site> {
+        let levels = self.levels.as_slice();
+        levels.iter().enumerate().flat_map(|(place, &level)| {
+            let disc =
+                levels.get(place + 1).map(|&above| Site { inferior: level, superior: above });
+            std::iter::once(Site { inferior: level, superior: level }).chain(disc)
+        })
+    }
+
+    /// Parameter of a place on the curve: that of the vertebra, or halfway between two.
+    #[must_use]
+    pub fn site_mm(&self, site: Site) -> f64 {
+        let t = |level: Level| self.vertebra_t_mm[self.levels.nearest_index(level)];
+        0.5 * (t(site.inferior) + t(site.superior))
     }
 }
 
