@@ -17,7 +17,7 @@ use crate::error::StoreError;
 use crate::names::{Hash, Signature};
 
 /// Tables whose rows the log covers, each with the word that its objects begin with and its key.
-pub(crate) const TABLES: [(&str, &str, &str); 10] = [
+pub(crate) const TABLES: [(&str, &str, &str); 11] = [
     ("contents", "content", "hash"),
     ("studies", "study", "id"),
     ("films", "film", "id"),
@@ -28,6 +28,7 @@ pub(crate) const TABLES: [(&str, &str, &str); 10] = [
     ("conflicts", "conflict", "id"),
     ("accounts", "account", "name"),
     ("grants", "grant", "id"),
+    ("options", "options", "study"),
 ];
 
 /// Object of an entry without a row.

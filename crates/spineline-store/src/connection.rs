@@ -51,19 +51,20 @@ impl Store {
         }
     }
 
-    /// Opens a store for reading and writing.
+    /// Opens a store for reading and writing. One of an older schema gets the tables that it lacks.
     ///
     /// # Errors
     /// [`StoreError::NotFound`], [`StoreError::NotAStore`], [`StoreError::NewerSchema`], [`StoreError::ReadOnly`];
     /// none of them has changed the file.
     pub fn open(path: &Path) -> Result<Self, StoreError> {
-        let connection = connect(path, OpenFlags::SQLITE_OPEN_READ_WRITE)?;
+        let mut connection = connect(path, OpenFlags::SQLITE_OPEN_READ_WRITE)?;
         // SQLite opens for reading where it may not write.
         if connection.is_readonly(MAIN_DB)? {
             return Err(StoreError::ReadOnly);
         }
         schema::configure(&connection)?;
         schema::write_ahead(&connection)?;
+        schema::upgrade(&mut connection)?;
         Ok(Self::over(connection))
     }
 

@@ -6,6 +6,7 @@ use rusqlite::Connection;
 use spineline::analysis::Case;
 use spineline::anatomy::{Level, Posture};
 use spineline::measure::{Film, ReadingId as Reader, shows_enough};
+use spineline_files::method_text::ChosenOptions;
 
 use crate::assembly;
 use crate::connection::Store;
@@ -14,6 +15,7 @@ use crate::event::Event;
 use crate::films::{self, FilmRecord};
 use crate::journal;
 use crate::names::{Name, ReadingId};
+use crate::options;
 use crate::readings::{self, ReadingRecord};
 use crate::state::{ReadingState, VertebraReading};
 
@@ -69,6 +71,8 @@ pub struct CurrentCase {
     pub case: Case,
     /// The open reading with all finished readings of its film, to compare it with them.
     pub compared: Option<ComparedReading>,
+    /// Model options with which it is analysed.
+    pub options: ChosenOptions,
 }
 
 /// A reading among all others of its film.
@@ -152,7 +156,8 @@ impl Store {
             films.push(CurrentFilm { record: film, readings: chosen.len(), marked, finished });
         }
         let case = assembly::case(study, synthetic, landmarks);
-        Ok(CurrentCase { films, case, compared })
+        let options = options::of_study(&snapshot, study)?.chosen;
+        Ok(CurrentCase { films, case, compared, options })
     }
 
     fn finished<'r>(

@@ -1,8 +1,9 @@
 //! The tables of a store, and the recognition of a store file.
 //!
-//! There is one schema, version 2. Version 1 was that of development builds, and its stores are refused. A version 3 would be a
-//! second script beside `schema.sql`, which leads from 2 to 3: a new store runs both, and [`Store::open`](crate::Store::open)
-//! verifies an older store, copies it, and runs the second script with new log entries for all rows that it changed, in one transaction.
+//! The schema is version 3. Version 1 was that of development builds, and its stores are refused. `schema_3.sql` leads from version 2
+//! to 3: a new store runs both scripts, and [`Store::open`](crate::Store::open) runs the second one on a store of version 2, in one
+//! transaction. It only adds tables. [`Store::view`](crate::Store::view) reads a store of version 2 as it is. A script that changes rows would need
+//! a copy of the store and new log entries for them.
 
 use std::path::Path;
 use std::time::Duration;
@@ -17,11 +18,17 @@ use crate::names::Signature;
 /// `SpSt`, the application identifier of store files.
 const APPLICATION_ID: i64 = 0x5370_5374;
 
-/// The definition of every table.
+/// The definition of every table of version 2.
 const SCHEMA: &str = include_str!("schema.sql");
 
-/// Its version, which this program reads and writes.
-const VERSION: i64 = 2;
+/// What version 3 adds.
+const ADDED: &str = include_str!("schema_3.sql");
+
+/// The version that this program writes.
+const VERSION: i64 = 3;
+
+/// The oldest version that it reads.
+const OLDEST: i64 = 2;
 
 /// Default time that a write waits for another program.
 const BUSY_TIMEOUT: Duration = Duration::from_secs(5);
@@ -56,7 +63,7 @@ pub(crate) fn create(connection: &mut Connection, by: &Signature) -> Result<bool
     if objects > 0 || number(&transaction, "application_id")? != 0 {
         return Ok(false);
     }
-    build(&transaction)?;
+    build(&transaction, VERSION)?;
     transaction.pragma_update(None, "application_id", APPLICATION_ID)?;
     Ledger { transaction: &transaction, by }.note("create")?;
     transaction.commit()?;
@@ -64,11 +71,39 @@ pub(crate) fn create(connection: &mut Connection, by: &Signature) -> Result<bool
     Ok(true)
 }
 
-fn build(transaction: &Transaction<'_>) -> Result<(), StoreError> {
+fn build(transaction: &Transaction<'_>, version: i64) -> Result<(), StoreError> {
     transaction.execute_batch(SCHEMA)?;
     transaction.execute("INSERT INTO head VALUES (1, 0, '', ?1)", [i64::MIN])?;
+    transaction.pragma_update(None, "user_version", OLDEST)?;
+    if version > OLDEST { add(transaction) } else { Ok(()) }
+}
+
+/// Leads a store of version 2 to version 3.
+fn add(transaction: &Transaction<'_>) -> Result<(), StoreError> {
+    transaction.execute_batch(ADDED)?;
     transaction.pragma_update(None, "user_version", VERSION)?;
     Ok(())
+}
+
+/// Brings a store of an older version, which [`check`] accepts, to this one; no effect on others.
+///
+/// # Errors
+/// [`StoreError::Full`], [`StoreError::Busy`] and the like, which change nothing.
+pub(crate) fn upgrade(connection: &mut Connection) -> Result<(), StoreError> {
+    if number(connection, "user_version")? == VERSION {
+        return Ok(());
+    }
+    let transaction = connection.transaction_with_behavior(TransactionBehavior::Immediate)?;
+    // Another program may have done it meanwhile.
+    if number(&transaction, "user_version")? == OLDEST {
+        add(&transaction)?;
+    }
+    Ok(transaction.commit()?)
+}
+
+/// Whether a store has this table: one of version 2 lacks some while it is only viewed.
+pub(crate) fn has_table(connection: &Connection, table: &str) -> Result<bool, StoreError> {
+    Ok(connection.prepare("SELECT 1 FROM sqlite_schema WHERE name = ?1")?.exists([table])?)
 }
 
 pub(crate) fn write_ahead(connection: &Connection) -> Result<(), StoreError> {
@@ -93,7 +128,7 @@ pub(crate) fn check(connection: &Connection, path: &Path) -> Result<(), StoreErr
         Err(other) => return Err(other),
     }
     match number(connection, "user_version")? {
-        VERSION => Ok(()),
+        OLDEST..=VERSION => Ok(()),
         found if found > VERSION => Err(StoreError::NewerSchema { found, supported: VERSION }),
         found if found > 0 => Err(StoreError::OlderSchema { found, supported: VERSION }),
         _ => Err(not_ours()),
@@ -109,10 +144,10 @@ pub(crate) fn definitions(connection: &Connection) -> Result<Vec<(String, String
     Ok(rows.collect::<Result<_, _>>()?)
 }
 
-/// The definitions that a store should have.
-pub(crate) fn expected_definitions() -> Result<Vec<(String, String)>, StoreError> {
+/// The definitions that a store of this version should have.
+pub(crate) fn expected_definitions(version: i64) -> Result<Vec<(String, String)>, StoreError> {
     let mut connection = Connection::open_in_memory()?;
     let transaction = connection.transaction()?;
-    build(&transaction)?;
+    build(&transaction, version)?;
     definitions(&transaction)
 }

@@ -195,7 +195,9 @@ fn integrity(connection: &Connection, findings: &mut Vec<Finding>) -> Result<(),
 }
 
 fn definitions(connection: &Connection, findings: &mut Vec<Finding>) -> Result<(), StoreError> {
-    let mut expected = schema::expected_definitions()?.into_iter().collect::<BTreeMap<_, _>>();
+    let version = schema::number(connection, "user_version")?;
+    let expected = schema::expected_definitions(version)?;
+    let mut expected = expected.into_iter().collect::<BTreeMap<_, _>>();
     for (name, sql) in schema::definitions(connection)? {
         if expected.remove(&name) != Some(sql) {
             findings.push(Finding::Definition { name });
@@ -238,10 +240,9 @@ fn rows(connection: &Connection, findings: &mut Vec<Finding>) -> Result<(), Stor
             sealed.insert(object, digest);
         }
     }
-    let mut present = connection.prepare("SELECT 1 FROM sqlite_schema WHERE name = ?1")?;
     for (table, word, column) in TABLES {
         // Each row of a dropped table is reported as missing.
-        if !present.exists([table])? {
+        if !schema::has_table(connection, table)? {
             continue;
         }
         let mut query =

@@ -99,12 +99,14 @@ pub struct LastChange {
 
 /// Objects of a study whose changes may change its results.
 const RESULT_OBJECTS: &str = "SELECT 'study/' || ?1
+    UNION ALL SELECT 'options/' || ?1
     UNION ALL SELECT 'film/' || id FROM own_films
     UNION ALL SELECT 'reading/' || id FROM own_readings";
 /// The other objects of a study: its plan, the last click of every reading, and lost changes.
 const OTHER_OBJECTS: &str = "SELECT 'plan/' || id FROM plans WHERE study = ?1
     UNION ALL SELECT 'event/' || (SELECT sequence FROM events
         WHERE reading = own_readings.id ORDER BY revision DESC LIMIT 1) FROM own_readings
+    UNION ALL SELECT 'conflict/' || (SELECT max(id) FROM conflicts WHERE object = 'options/' || ?1)
     UNION ALL SELECT 'conflict/' || (SELECT max(id) FROM conflicts
         WHERE object = 'film/' || own_films.id) FROM own_films
     UNION ALL SELECT 'conflict/' || (SELECT max(id) FROM conflicts
@@ -120,7 +122,7 @@ impl Store {
         self.last_entry(study, &format!("{RESULT_OBJECTS} UNION ALL {OTHER_OBJECTS}"))
     }
 
-    /// When a study, a film of it, or the beginning or end of a reading changed last. Events of open readings do not change
+    /// When a study, its model options, a film of it, or the beginning or end of a reading changed last. Events of open readings do not change
     /// results.
     ///
     /// # Errors

@@ -8,6 +8,7 @@ mod current_case;
 mod history;
 mod journal;
 mod locks;
+mod options;
 mod origins;
 mod plan;
 mod schema;

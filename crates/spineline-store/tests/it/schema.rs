@@ -7,13 +7,17 @@ use std::path::Path;
 use rusqlite::{Connection, params};
 use sha2::{Digest, Sha256};
 use spineline::anatomy::{Level, Posture};
-use spineline_store::{Corner, Event, FilmEdit, FilmId, ReadingId, Store, StoreError};
+use spineline_files::method_text::ChosenOptions;
+use spineline_store::{
+    Corner, Event, FilmEdit, FilmId, ReadingId, Store, StoreError, StudyOptions,
+};
 
+use crate::options::option;
 use crate::session::{by, film_bytes, image, name};
 
 const SCHEMA: &str = include_str!("../../src/schema.sql");
 /// The schema that this program writes.
-const VERSION: i64 = 2;
+const VERSION: i64 = 3;
 const TIME_MS: i64 = 1_700_000_000_000;
 
 fn sha256(bytes: impl AsRef<[u8]>) -> String {
@@ -106,16 +110,27 @@ fn write_store(path: &Path, films: i64) {
     writer.raw.execute_batch("COMMIT; PRAGMA journal_mode = WAL").expect("committed");
 }
 
+fn version_of(path: &Path) -> i64 {
+    let raw = Connection::open(path).expect("a database");
+    raw.pragma_query_value(None, "user_version", |row| row.get(0)).expect("a version")
+}
+
+/// The writer makes schema 2, which lacks the options of studies.
 #[test]
 fn a_store_with_the_described_schema_is_read_and_written() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("store");
     write_store(&path, 3);
+    let study = name("S-1");
     let viewed = Store::view(&path).expect("a store");
     assert!(viewed.verify(None).expect("verifiable").is_clean());
+    assert_eq!(viewed.study_options(&study).expect("none yet"), StudyOptions::default());
     drop(viewed);
+    assert_eq!(version_of(&path), 2, "viewing changes nothing");
     let mut store = Store::open(&path).expect("a store");
-    assert!(store.verify(None).expect("verifiable").is_clean());
+    assert_eq!(version_of(&path), VERSION);
+    let verified = store.verify(None).expect("verifiable");
+    assert!(verified.is_clean(), "{verified:?}");
     let readings = store.readings(&name("S-1")).expect("readings");
     assert_eq!(readings.len(), 3);
     assert_eq!(readings[0].rest_from.map(|time| time.unix_ms()), Some(TIME_MS + 4000));
@@ -125,6 +140,8 @@ fn a_store_with_the_described_schema_is_read_and_written() {
     let refused = store.reading_state(ReadingId(4));
     assert!(matches!(refused, Err(StoreError::Unknown { .. })), "{refused:?}");
     store.edit_film(FilmId(1), FilmEdit::Inverted(true), 0, &by("lead", 0)).expect("a new thing");
+    let chosen = ChosenOptions::new(&[option("support", "free")]).expect("valid");
+    store.set_study_options(&study, &chosen, 0, &by("lead", 0)).expect("the new table");
     assert!(store.verify(None).expect("verifiable").is_clean());
 }
 

@@ -1,0 +1,12 @@
+-- From schema 2 to 3: tables only, so that no row and no entry of the log changes.
+
+-- Model options of a study: a JSON array of names and values, which differ from the defaults. Edits are numbered, so that a
+-- stale one is noticed. A study without a row has the defaults.
+CREATE TABLE options (
+    study TEXT PRIMARY KEY REFERENCES studies (id),
+    chosen TEXT NOT NULL,
+    revision INTEGER NOT NULL
+) STRICT;
+
+CREATE TRIGGER options_are_never_deleted BEFORE DELETE ON options
+BEGIN SELECT RAISE (ABORT, 'options are reset, never deleted'); END;

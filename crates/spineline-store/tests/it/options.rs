@@ -1,0 +1,69 @@
+//! Model options of a study.
+
+use spineline_files::method_text::{ChosenOption, ChosenOptions};
+use spineline_store::{CaseReadings, Finding, Store, StoreError, StudyOptions};
+
+use crate::session::{by, create, name, run};
+
+pub fn option(name: &str, value: &str) -> ChosenOption {
+    ChosenOption { name: name.to_owned(), value: value.to_owned() }
+}
+
+fn chosen(options: &[ChosenOption]) -> ChosenOptions {
+    ChosenOptions::new(options).expect("valid")
+}
+
+#[test]
+fn options_are_kept_logged_and_reset_and_a_stale_change_is_kept_beside_them() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("store");
+    let mut store = create(&path);
+    (0..3).for_each(|step| run(&mut store, step).expect("a step"));
+    let (study, lead) = (name("S-1"), by("lead", 100));
+    assert_eq!(store.study_options(&study).expect("a study"), StudyOptions::default());
+    let free = chosen(&[option("support", "free")]);
+    let first = store.set_study_options(&study, &free, 0, &lead).expect("a change");
+    assert_eq!(first.revision, 1);
+    for changed in [store.last_change(&study), store.last_result_change(&study)] {
+        assert_eq!(changed.expect("a change").sequence as u64, first.sequence);
+    }
+    let stale = store.set_study_options(&study, &ChosenOptions::default(), 0, &lead);
+    assert!(matches!(&stale, Err(StoreError::Conflict { expected: 0, found: 1, .. })), "{stale:?}");
+    drop(store);
+
+    let mut store = Store::open(&path).expect("a store");
+    let kept = StudyOptions { chosen: free.clone(), revision: 1 };
+    assert_eq!(store.study_options(&study).expect("options"), kept);
+    let current = store.current_case(&study, CaseReadings::Finished).expect("a case");
+    assert_eq!(current.options, free);
+    let sequence = store.last_result_change(&study).expect("a change").sequence;
+    assert_eq!(sequence as u64, first.sequence, "a lost change changes no results");
+    store.set_study_options(&study, &ChosenOptions::default(), 1, &lead).expect("a reset");
+    let last = store.audit_log().expect("a log").pop().expect("an entry");
+    assert_eq!((last.action.as_str(), last.object.as_str()), ("reset", "options/S-1"));
+    let reset = StudyOptions { chosen: ChosenOptions::default(), revision: 2 };
+    assert_eq!(store.study_options(&study).expect("options"), reset);
+    assert!(store.verify(None).expect("verifiable").is_clean());
+    let unknown = store.set_study_options(&name("S-2"), &free, 0, &lead);
+    assert!(matches!(unknown, Err(StoreError::Unknown { .. })), "{unknown:?}");
+}
+
+#[test]
+fn edited_options_are_damage_and_never_other_options() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("store");
+    let mut store = create(&path);
+    run(&mut store, 0).expect("a study");
+    let study = name("S-1");
+    let free = chosen(&[option("support", "free")]);
+    store.set_study_options(&study, &free, 0, &by("lead", 100)).expect("a change");
+    drop(store);
+    let raw = rusqlite::Connection::open(&path).expect("a database");
+    raw.execute("UPDATE options SET chosen = '[]'", []).expect("an edit by hand");
+    drop(raw);
+    let store = Store::open(&path).expect("a store");
+    let found = store.study_options(&study);
+    assert!(matches!(found, Err(StoreError::Damaged { .. })), "{found:?}");
+    let changed = Finding::RowChanged { object: "options/S-1".to_owned() };
+    assert!(store.verify(None).expect("verifiable").findings.contains(&changed));
+}
