@@ -5,8 +5,9 @@ use std::fmt;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 use axum::http::StatusCode;
-use spineline::analysis::{Analysis, AnalysisOptions, LinesCompared, ModelsVerdict, analyze};
+use spineline::analysis::{Analysis, LinesCompared, ModelsVerdict, analyze};
 use spineline::anatomy::Posture;
+use spineline_files::method_text::missing_known_force;
 use spineline_store::{CaseReadings, CurrentCase, CurrentFilm, Name, Store, StoreError};
 
 use crate::problem::{Answer, Failure};
@@ -44,22 +45,16 @@ pub struct StudyResult {
 }
 
 impl StudyResult {
-    /// Analyses a case.
+    /// Analyses a case with the options of its study.
     pub fn of(study: &Name, current: CurrentCase) -> Self {
         let has_erect = current.film(Posture::Erect).is_some_and(CurrentFilm::is_usable);
-        let outcome = if has_erect {
-            match analyze(&current.usable_case(), &AnalysisOptions::default()) {
-                Ok(analysis) => Outcome::Analysed(Box::new(analysis)),
-                Err(error) => Outcome::Refused {
-                    code: error.code(),
-                    text: error.to_string(),
-                    help: error.help().to_owned(),
-                },
-            }
-        } else {
-            Outcome::Waiting
-        };
+        let outcome = if has_erect { analysed(&current) } else { Outcome::Waiting };
         Self { study: study.clone(), current, outcome, compared: OnceLock::new() }
+    }
+
+    /// The model options that differ from the defaults, where any does.
+    pub fn options_text(&self) -> Option<String> {
+        Some(self.current.options.words()).filter(|words| !words.is_empty())
     }
 
     /// The analysis, where there is one.
@@ -98,6 +93,33 @@ impl StudyResult {
             }
         }
     }
+}
+
+/// The analysis of a case with the options of its study.
+fn analysed(current: &CurrentCase) -> Outcome {
+    let case = current.usable_case();
+    let options = match current.options.options() {
+        Ok(options) => options,
+        Err(error) => return refused_options(error.to_string()),
+    };
+    if let Some(posture) = missing_known_force(&options, &case) {
+        return refused_options(format!(
+            "the scale constraint `known-force` names the {posture} film, and no such film takes part in the analysis"
+        ));
+    }
+    match analyze(&case, &options) {
+        Ok(analysis) => Outcome::Analysed(Box::new(analysis)),
+        Err(error) => Outcome::Refused {
+            code: error.code(),
+            text: error.to_string(),
+            help: error.help().to_owned(),
+        },
+    }
+}
+
+fn refused_options(text: String) -> Outcome {
+    let help = "change this model option, or reset it to its default".to_owned();
+    Outcome::Refused { code: "option", text, help }
 }
 
 /// Results by study, each with its last change; events of unfinished readings do not count.

@@ -35,6 +35,8 @@ pub struct CohortRow {
     pub status: StudyStatus,
     /// Reason for its exclusion from the statistics; null if it is included.
     pub excluded: Option<String>,
+    /// Model options that differ from the defaults; absent where none does.
+    pub options_text: Option<String>,
     /// Cells, with the same headings for every study.
     pub cells: Vec<CohortCell>,
 }

@@ -28,6 +28,8 @@ pub struct LiveView {
     pub overlay: Option<FilmOverlay>,
     /// Results of the whole study; absent while its erect film is not complete.
     pub study: Option<StudyFindings>,
+    /// Model options that differ from the defaults; absent where none does.
+    pub options_text: Option<String>,
     /// Warnings and contradictions, worst first.
     pub notices: Vec<Notice>,
 }
@@ -43,6 +45,8 @@ pub struct FilmOverlay {
     pub curve_text: String,
     /// Inflections of the erect curve; in other postures, the places of the same segments.
     pub inflections: Vec<LabelledPoint>,
+    /// Places where inflections can be picked by hand, caudal first; none on other films than the erect one.
+    pub sites: Vec<SitePoint>,
     /// From each measured midpoint to the curve.
     pub residuals: Vec<Residual>,
     /// End vertebrae of the curves, with extended endplates and their angle.
@@ -51,6 +55,15 @@ pub struct FilmOverlay {
     pub lines: Vec<LineOverlay>,
     /// Least-rotating segments of this posture.
     pub least_rotating: Vec<LabelledPoint>,
+}
+
+/// A place on the erect curve where an inflection can be picked.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct SitePoint {
+    /// A vertebra, such as `T6`, or the disc between two, such as `L1/T12`, as the option `inflections` spells it.
+    pub site: String,
+    /// Place.
+    pub px: [f64; 2],
 }
 
 /// A point with a name.

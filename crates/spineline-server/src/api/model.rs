@@ -16,6 +16,8 @@ pub struct ModelView {
     pub profile_text: String,
     /// Meaning of forces and stiffness, such as `only ratios are known: …`.
     pub gauge_text: String,
+    /// Model options that differ from the defaults; absent where none does.
+    pub options_text: Option<String>,
     /// Unit and plane of lengths, such as `patient mm`.
     pub length_unit: String,
     /// Sizes of the vertebral bodies, L4 to T2.

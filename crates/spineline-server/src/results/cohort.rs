@@ -8,6 +8,7 @@ use spineline::analysis::Analysis;
 use spineline::anatomy::Posture;
 use spineline::cohort::{Clustered, Cohort, CohortPatient};
 use spineline::evaluate::statistics::{Summary, box_summary};
+use spineline_files::method_text::ChosenOptions;
 use spineline_store::StoreError;
 
 use super::summary::{ResultSummary, known, of_result, summary};
@@ -95,7 +96,27 @@ fn cohort_notices(members: &[Member]) -> Vec<Notice> {
         let text = "all statistics of this page pool synthetic and real studies";
         notices::notice(Severity::Warning, "synthetic_mixed", text)
     });
-    notices::sorted(synthetic.into_iter().chain(mixed).collect())
+    notices::sorted(synthetic.into_iter().chain(mixed).chain(other_options(members)).collect())
+}
+
+/// Whether the statistics pool studies that were analysed with different model options, or with none of the defaults.
+fn other_options(members: &[Member]) -> Option<Notice> {
+    let counted: Vec<&ChosenOptions> = members
+        .iter()
+        .filter(|member| excluded(member).is_none())
+        .filter_map(|member| Some(&member.result.as_ref()?.current.options))
+        .collect();
+    let changed = counted.iter().filter(|options| !options.all().is_empty()).count();
+    let (severity, text) = if counted.windows(2).any(|pair| pair[0] != pair[1]) {
+        let text = format!(
+            "{changed} of {} studies in the statistics have model options that are not the defaults: the statistics pool results that were not made alike",
+            counted.len()
+        );
+        (Severity::Warning, text)
+    } else {
+        (Severity::Note, format!("model options of all studies: {}", counted.first()?.words()))
+    };
+    (changed > 0).then(|| notices::notice(severity, "options_changed", text))
 }
 
 /// Reason for the exclusion of a study from the statistics.
@@ -116,6 +137,7 @@ fn row(member: &Member) -> CohortRow {
         synthetic: member.synthetic,
         status: member.summary.status,
         excluded: excluded(member),
+        options_text: member.result.as_ref().and_then(|result| result.options_text()),
         cells: cells(analysis),
     }
 }

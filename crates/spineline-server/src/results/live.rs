@@ -74,7 +74,8 @@ fn of_film(result: &StudyResult, film: FilmId) -> LiveView {
         None
     };
     let notices = film_notices(result, posture, fault.as_ref());
-    LiveView { status, status_text, overlay, study, notices }
+    let options_text = result.options_text();
+    LiveView { status, status_text, overlay, study, options_text, notices }
 }
 
 /// Why the film of the reading cannot be measured, or is no film of its own.

@@ -9,6 +9,7 @@ mod live;
 mod load;
 mod model;
 mod notices;
+mod options;
 mod overlay;
 mod preview;
 mod record;
@@ -31,6 +32,7 @@ pub fn routes() -> OpenApiRouter<AppState> {
         .routes(routes!(live::live))
         .routes(routes!(preview::preview))
         .routes(routes!(record::record))
+        .merge(options::routes())
         .merge(exports::routes())
         .merge(replicates::routes())
         .routes(routes!(study::findings))

@@ -45,6 +45,7 @@ fn view(result: &StudyResult, analysis: &Analysis) -> ModelView {
         synthetic: analysis.synthetic,
         profile_text: analysis.profile_words().to_owned(),
         gauge_text: analysis.gauge_words().to_owned(),
+        options_text: result.options_text(),
         length_unit: drawn_unit(analysis.scale()).to_owned(),
         bodies: bodies(result, analysis),
         erect: deformed_shape(&analysis.spine, &erect),

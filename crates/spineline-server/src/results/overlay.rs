@@ -1,18 +1,19 @@
 //! An analysis as lines and points over one of its films, in the film's pixels.
 
-use spineline::analysis::{Analysis, AnalysisOptions, PostureAnalysis};
+use spineline::analysis::{Analysis, PostureAnalysis};
 use spineline::anatomy::{Level, Posture};
 use spineline::clinical::endplate_line;
-use spineline::curve::{CurveFit, fit_curve};
+use spineline::curve::{CurveFit, Site, fit_curve};
 use spineline::measure::{
-    Film, FilmFrame, LengthScale, Outline, TiltRule, body_widths, endplate_centres, measure_film,
+    Film, FilmFrame, LengthScale, Outline, body_widths, endplate_centres, measure_film,
 };
 use spineline::spatial::{Frontal, Pixel};
 use spineline::warning::Warnings;
 
 use super::curves::{curve_text, size_of};
-use crate::api::{CobbOverlay, FilmOverlay, LabelledPoint, LineOverlay, Residual, Wire};
+use crate::api::{CobbOverlay, FilmOverlay, LabelledPoint, LineOverlay, Residual, SitePoint, Wire};
 use crate::result_cache::StudyResult;
+use spineline_files::method_text::site_text;
 
 /// Points of the drawn curve.
 const CURVE_POINTS: u32 = 120;
@@ -34,9 +35,9 @@ pub fn of_film(result: &StudyResult, posture: Posture) -> Option<FilmOverlay> {
         overlay.least_rotating = drawing.least_rotating();
         return Some(overlay);
     }
-    let outline = measure_film(film, TiltRule::default(), &mut Warnings::default()).ok()?;
-    let rule = AnalysisOptions::default().order_rule;
-    let fit = fit_curve(&outline, rule, &mut Warnings::default()).ok()?;
+    let options = result.current.options.options().ok()?;
+    let outline = measure_film(film, options.tilt, &mut Warnings::default()).ok()?;
+    let fit = fit_curve(&outline, options.order_rule, &mut Warnings::default()).ok()?;
     Some(curve_alone(&FilmFrame::of(film, &outline)?, &outline, &fit))
 }
 
@@ -44,7 +45,18 @@ fn px(place: Pixel) -> [f64; 2] {
     [place.column_px, place.row_px]
 }
 
-/// A fitted curve with its residuals.
+/// Where inflections can be picked on the erect curve: vertebrae and discs, caudal first; none on other films.
+fn sites(frame: &FilmFrame, fit: &CurveFit, posture: Posture) -> Vec<SitePoint> {
+    if posture != Posture::Erect {
+        return Vec::new();
+    }
+    let point = |site: Site| SitePoint {
+        site: site_text(site),
+        px: px(frame.pixel(fit.curve.point(fit.site_mm(site)))),
+    };
+    fit.sites().map(point).collect()
+}
+
 fn curve_alone(frame: &FilmFrame, outline: &Outline, fit: &CurveFit) -> FilmOverlay {
     let at = |i: u32| fit.curve.end_mm() * f64::from(i) / f64::from(CURVE_POINTS - 1);
     let residuals = fit.residuals(outline);
@@ -70,6 +82,7 @@ fn curve_alone(frame: &FilmFrame, outline: &Outline, fit: &CurveFit) -> FilmOver
             fit.rmse_tilt
         ),
         inflections: Vec::new(),
+        sites: sites(frame, fit, outline.posture),
         residuals: residuals.iter().map(residual).collect(),
         cobb: Vec::new(),
         lines: Vec::new(),

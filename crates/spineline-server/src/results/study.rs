@@ -44,6 +44,7 @@ fn view(result: &StudyResult) -> LiveView {
         status_text,
         overlay: None,
         study: result.analysis().map(findings_of::of_study),
+        options_text: result.options_text(),
         notices: notices::of_result(result),
     }
 }

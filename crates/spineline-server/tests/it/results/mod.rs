@@ -3,4 +3,5 @@
 mod cohort;
 mod live;
 mod model;
+mod options;
 mod server;

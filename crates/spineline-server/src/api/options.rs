@@ -1,0 +1,69 @@
+//! Model options of a study.
+
+use serde::{Deserialize, Serialize};
+use utoipa::ToSchema;
+
+/// The options with which a study is analysed.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct OptionsView {
+    /// Number of changes, to be sent with a change.
+    pub revision: u64,
+    /// Whether the requester may change them.
+    pub may_change: bool,
+    /// Every option, in the order of the command line.
+    pub options: Vec<OptionView>,
+    /// What differs from the defaults; absent where nothing does.
+    pub changed_text: Option<String>,
+}
+
+/// One option.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct OptionView {
+    /// Its name.
+    pub name: String,
+    /// What it is, in a few words.
+    pub title: String,
+    /// What it does, and the values that it takes.
+    pub help: String,
+    /// Its value.
+    pub value: String,
+    /// The value where none is chosen.
+    pub default: String,
+    /// Whether the value is another than the default.
+    pub is_changed: bool,
+    /// Whether `values` are all values that it takes.
+    pub is_closed: bool,
+    /// Values to choose from.
+    pub values: Vec<OptionValueView>,
+}
+
+/// A value of an option.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct OptionValueView {
+    /// How it is spelled.
+    pub value: String,
+    /// What it means; empty where the spelling says it.
+    pub help: String,
+}
+
+/// A change of options.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+pub struct OptionsChange {
+    /// Revision that the change is based on.
+    pub expected_revision: u64,
+    /// Whether all options that the change does not name are reset.
+    pub reset: bool,
+    /// Options with their new values. An empty value resets an option.
+    pub options: Vec<OptionChange>,
+}
+
+/// The new value of an option.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+pub struct OptionChange {
+    /// Its name.
+    pub name: String,
+    /// Its value, spelled as on the command line.
+    pub value: String,
+}

@@ -1,0 +1,111 @@
+//! Model options of a study. Every result of the study is made with them.
+
+use axum::extract::State;
+use axum::http::StatusCode;
+use spineline_files::method_text::{
+    ChosenOption, ChosenOptions, MethodOption, OptionError, OptionValues, study_options,
+};
+use spineline_store::{Name, Role, Store, StudyOptions};
+use utoipa_axum::router::OpenApiRouter;
+use utoipa_axum::routes;
+
+use crate::access::open_study;
+use crate::api::{Change, OptionValueView, OptionView, OptionsChange, OptionsView, Problem};
+use crate::extract::{Json, Path};
+use crate::problem::{Answer, Failure};
+use crate::session::User;
+use crate::state::AppState;
+
+pub fn routes() -> OpenApiRouter<AppState> {
+    OpenApiRouter::new().routes(routes!(options, change))
+}
+
+/// The model options of a study.
+#[utoipa::path(get, path = "/api/studies/{study}/options", params(("study" = String, Path)),
+    responses((status = 200, body = OptionsView), (status = 403, body = Problem),
+        (status = 404, body = Problem)))]
+async fn options(
+    State(state): State<AppState>,
+    user: User,
+    Path(study): Path<String>,
+) -> Answer<Json<OptionsView>> {
+    let study = open_study(&state, &user, &study).await?;
+    state.ask(move |store| view(store, &user, &study)).await.map(Json)
+}
+
+/// Changes the model options of a study. Results that were computed with others are computed again.
+#[utoipa::path(put, path = "/api/studies/{study}/options", params(("study" = String, Path)),
+    request_body = OptionsChange,
+    responses((status = 200, body = OptionsView), (status = 403, body = Problem),
+        (status = 404, body = Problem), (status = 409, body = Problem),
+        (status = 422, body = Problem)))]
+async fn change(
+    State(state): State<AppState>,
+    user: User,
+    Path(study): Path<String>,
+    Json(wanted): Json<OptionsChange>,
+) -> Answer<Json<OptionsView>> {
+    let study = open_study(&state, &user, &study).await?;
+    let by = user.sign(state.now());
+    let asker = state.clone();
+    let changed = state.ask(move |store| {
+        user.need_on_study(store, &study, Role::Editor)?;
+        let chosen = changed(&store.study_options(&study)?.chosen, &wanted).map_err(refused)?;
+        let edited = store.set_study_options(&study, &chosen, wanted.expected_revision, &by);
+        // A refused change is reported too, because it is kept.
+        let who = user.name.to_string();
+        asker.changes().send(&study, Change { who, film: None, reading: None, revision: None });
+        edited?;
+        view(store, &user, &study)
+    });
+    changed.await.map(Json)
+}
+
+/// The options after a change.
+fn changed(now: &ChosenOptions, wanted: &OptionsChange) -> Result<ChosenOptions, OptionError> {
+    let names: Vec<String> = wanted.options.iter().map(|one| one.name.replace('-', "_")).collect();
+    let kept = now.all().iter().filter(|one| !wanted.reset && !names.contains(&one.name)).cloned();
+    let new = wanted.options.iter().filter(|one| !one.value.trim().is_empty());
+    let new = new.map(|one| ChosenOption { name: one.name.clone(), value: one.value.clone() });
+    ChosenOptions::new(&kept.chain(new).collect::<Vec<_>>())
+}
+
+fn refused(error: OptionError) -> Failure {
+    Failure::new(StatusCode::UNPROCESSABLE_ENTITY, "option", error.to_string())
+        .help("nothing was changed: choose another value, or leave it empty for the default")
+}
+
+fn view(store: &Store, user: &User, study: &Name) -> Answer<OptionsView> {
+    let StudyOptions { chosen, revision } = store.study_options(study)?;
+    Ok(OptionsView {
+        revision,
+        may_change: user.on_study(store, study)? >= Role::Editor,
+        options: study_options().map(|option| option_view(option, &chosen)).collect(),
+        changed_text: Some(chosen.words()).filter(|words| !words.is_empty()),
+    })
+}
+
+fn option_view(option: &MethodOption, chosen: &ChosenOptions) -> OptionView {
+    let value = chosen.value(option.name);
+    let (is_closed, values) = match option.values {
+        OptionValues::Named(all) => {
+            let named = all().into_iter();
+            (true, named.map(|one| (one.spelling, one.help)).collect::<Vec<_>>())
+        }
+        OptionValues::Text(some) => (false, some.iter().map(|&value| (value, "")).collect()),
+        OptionValues::File => (false, Vec::new()),
+    };
+    let values = values
+        .into_iter()
+        .map(|(value, help)| OptionValueView { value: value.to_owned(), help: help.to_owned() });
+    OptionView {
+        name: option.name.to_owned(),
+        title: option.title.to_owned(),
+        help: option.help.to_owned(),
+        value: value.unwrap_or(option.default).to_owned(),
+        default: option.default.to_owned(),
+        is_changed: value.is_some(),
+        is_closed,
+        values: values.collect(),
+    }
+}

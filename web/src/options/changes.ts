@@ -1,0 +1,14 @@
+import type { Api } from "../api/types";
+
+/** Values as they are written, by the name of the option. */
+export type Draft = Record<string, string>;
+
+export const draftOf = (view: Api<"OptionsView">): Draft =>
+  Object.fromEntries(view.options.map(({ name, value }) => [name, value]));
+
+/** The options whose written value is another than the stored one. */
+export const changesOf = (view: Api<"OptionsView">, draft: Draft): Api<"OptionChange">[] =>
+  view.options.flatMap(({ name, value }) => {
+    const written = (draft[name] ?? value).trim();
+    return written === value ? [] : [{ name, value: written }];
+  });

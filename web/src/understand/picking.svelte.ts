@@ -1,0 +1,97 @@
+import { changeOptions, readOptions } from "../api/options";
+import type { Api } from "../api/types";
+
+const OPTION = "inflections";
+
+/** Inflections of a study picked by hand: two places on the erect curve, the lower one first. */
+export class Picking {
+  /** Options of the study, once they are loaded. */
+  #view = $state.raw<Api<"OptionsView"> | null>(null);
+  /** Whether a click on the film picks a place. */
+  active = $state(false);
+  lower = $state("");
+  upper = $state("");
+  busy = $state(false);
+  problem = $state.raw<unknown>(null);
+  /** Earlier values, the last one last. */
+  #before = $state.raw<string[]>([]);
+
+  readonly mayChange = $derived(this.#view?.may_change ?? false);
+  /** The value of the option; empty where the inflections are found on the erect film. */
+  readonly value = $derived(this.#view?.options.find(({ name }) => name === OPTION)?.value ?? "");
+  readonly canUndo = $derived(this.#before.length > 0);
+
+  constructor(
+    readonly study: string,
+    /** Called after a change: the results are other ones. */
+    readonly onchange: () => void,
+  ) {}
+
+  async load(): Promise<void> {
+    this.#view = await readOptions(this.study);
+    this.#follow();
+  }
+
+  begin(): void {
+    this.active = true;
+    this.lower = "";
+    this.upper = "";
+    this.problem = null;
+  }
+
+  cancel(): void {
+    this.active = false;
+    this.problem = null;
+    this.#follow();
+  }
+
+  /** A place was clicked: the lower inflection first, then the upper one, which saves both. */
+  pick(site: string): void {
+    if (this.lower === "" || this.upper !== "") {
+      this.lower = site;
+      this.upper = "";
+    } else {
+      this.upper = site;
+      void this.set(`${this.lower},${this.upper}`);
+    }
+  }
+
+  /** Saves the places; an empty value finds them on the erect film again. */
+  async set(value: string): Promise<void> {
+    const was = this.value;
+    if (await this.#save(value)) this.#before = [...this.#before, was];
+  }
+
+  async undo(): Promise<void> {
+    const was = this.#before.at(-1);
+    if (was !== undefined && (await this.#save(was))) this.#before = this.#before.slice(0, -1);
+  }
+
+  async #save(value: string): Promise<boolean> {
+    if (!this.#view) return false;
+    this.busy = true;
+    this.problem = null;
+    try {
+      const change = { expected_revision: this.#view.revision, reset: false };
+      const options = [{ name: OPTION, value }];
+      this.#view = await changeOptions(this.study, { ...change, options });
+      this.active = false;
+      this.#follow();
+      this.onchange();
+      return true;
+    } catch (error) {
+      this.problem = error;
+      // Somebody else may have changed the options.
+      this.#view = await readOptions(this.study).catch(() => this.#view);
+      return false;
+    } finally {
+      this.busy = false;
+    }
+  }
+
+  #follow(): void {
+    const [lower = "", upper = ""] = this.value.split(",");
+    this.lower = lower;
+    this.upper = upper;
+  }
+}
