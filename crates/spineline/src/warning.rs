@@ -162,6 +162,11 @@ impl Warnings {
         self.add(Warning { line: Some(line), posture, ..Warning::new(step, code, message) });
     }
 
+    /// Adds the problems of others that are not there yet.
+    pub fn merge(&mut self, others: &Self) {
+        others.0.iter().for_each(|warning| self.add(warning.clone()));
+    }
+
     fn add(&mut self, warning: Warning) {
         if !self.0.contains(&warning) {
             self.0.push(warning);

@@ -15,6 +15,7 @@
 //! | [`lenke_types`], [`exclusions`] | none: counts over a cohort |
 //! | [`case_overview`] | none: all postures of one patient side by side |
 //! | [`predictions`] | none: left-out bends, measured and predicted, on the first page |
+//! | [`profiles`] | none: profile likelihoods of the multipliers |
 //! | [`noise_study`] | none: the paper's claims over landmark noise |
 //! | [`loaded_spine`] | none: a model under loads, from behind and from the right |
 //!
@@ -42,6 +43,7 @@ mod overview;
 mod page;
 mod panel;
 mod prediction;
+mod profile;
 mod rotation;
 mod spines;
 mod style;
@@ -59,6 +61,7 @@ pub use loaded::{LoadedSpine, loaded_spine};
 pub use noise::{NoiseCurve, NoisePanel, NoiseRow, NoiseTruth, noise_study};
 pub use overview::case_overview;
 pub use prediction::predictions;
+pub use profile::profiles;
 pub use rotation::rotations;
 pub use spines::{force_path, measured_and_simulated};
 pub use views::spine_in_space;

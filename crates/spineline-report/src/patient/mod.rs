@@ -5,6 +5,7 @@ mod grouped;
 mod measured;
 mod method;
 mod model;
+pub mod parts;
 mod short;
 mod summary;
 mod uncertainty;

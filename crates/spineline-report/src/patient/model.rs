@@ -70,6 +70,7 @@ pub fn stiffness(patient: &Patient<'_>) -> Section {
     section.table(springs(analysis));
     if let Some(found) = patient.identifiability {
         uncertainty::identifiability(&mut section, analysis, found);
+        uncertainty::profiles(&mut section, analysis, found);
     }
     section
 }
@@ -270,6 +271,7 @@ pub fn comparison(analysis: &Analysis, found: &LinesCompared) -> Section {
         return section;
     }
     section.table(same_films(found));
+    section.paragraph(found.choice_words().unwrap_or_default());
     let numbers = "Numbers fitted: free multipliers + forces + parameters of a free line. A bend that is left out is predicted with the stiffness fitted to the other bend.";
     for text in [numbers.to_owned()].into_iter().chain(not_compared(found)) {
         section.notice(Notice::new(NoticeKind::Note, text));

@@ -6,7 +6,8 @@ use spineline::personalize::{Identifiability, MultiplierInformation, ProfileEnd}
 use spineline::uncertainty::{AnalysisQuantity, QuantityUnit, Uncertainty};
 use spineline::warning::counted;
 
-use crate::document::{Column, Notice, NoticeKind, Section, Table};
+use crate::document::{Column, Figure, Notice, NoticeKind, Section, Table};
+use crate::figures;
 use crate::phrases::none;
 
 /// An interval of a multiplier from its profile.
@@ -72,6 +73,14 @@ pub fn identifiability(
         table.note = "Intervals are conditional on the scales of the films against the erect one, which were found before the fit and are held. Their error is not in these intervals; `--replicates` finds them anew with every set of landmarks.".to_owned();
     }
     section.table(table);
+}
+
+/// The same as a picture.
+pub fn profiles(section: &mut Section, analysis: &Analysis, found: &[Option<Identifiability>]) {
+    if let Some(svg) = figures::profiles(analysis, found) {
+        let caption = "Rise of the sum of squares where one multiplier is held at another value.";
+        section.figure(Figure::new("profiles", caption, svg));
+    }
 }
 
 /// What limits the knowledge of one model's multipliers.

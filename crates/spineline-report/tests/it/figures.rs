@@ -12,7 +12,7 @@ use spineline::spatial::{Angle, Frontal};
 use spineline_report::figures::{
     EstimateGroup, EstimateSample, InflectionSample, LocationErrorSample, case_overview,
     force_path, inflection_distances, least_rotating_estimates, location_errors,
-    measured_and_simulated, rotations,
+    measured_and_simulated, profiles, rotations,
 };
 
 /// Turn of every vertebra against the one below, in degrees: three curves, scaled, and a bend of one side.
@@ -277,4 +277,19 @@ fn many_boxes_are_named_in_the_legend() {
     }
     let svg = location_errors(&many, "all films", true).expect("values");
     assert!(!svg.contains("n = 504") && svg.contains(">504<") && svg.contains("in the legend"));
+}
+
+#[test]
+fn a_profile_has_a_panel_per_converged_line_and_a_name_per_multiplier() {
+    let analysis = analysis(true, &Posture::ALL);
+    let found: Vec<_> =
+        analysis.models.iter().map(|model| analysis.identifiability(model)).collect();
+    let svg = profiles(&analysis, &found).expect("converged fits");
+    assert!(svg.to_lowercase().contains("synthetic"));
+    assert_eq!(svg.matches("rise of the sum of squares").count(), found.iter().flatten().count());
+    for name in analysis.models[0].groups.names() {
+        assert!(svg.contains(&name.replace('_', " ")), "{name}");
+    }
+    assert_eq!(svg, profiles(&analysis, &found).expect("the same"));
+    assert_eq!(profiles(&analysis, &vec![None; found.len()]), None);
 }

@@ -161,6 +161,9 @@ impl std::fmt::Display for ProfileVerdict {
 }
 
 impl Profile {
+    /// Rise of the sum of squares at the ends of the 95 % interval: 95 % of chi-squared on one degree of freedom.
+    pub const LIMIT: f64 = 3.841_458_820_694_124;
+
     /// What it says.
     #[must_use]
     pub fn verdict(&self) -> ProfileVerdict {
@@ -180,8 +183,6 @@ impl Profile {
     }
 }
 
-/// 95 % of chi-squared on one degree of freedom.
-const LIMIT: f64 = 3.841_458_820_694_124;
 /// A rise that is lower than this is a better fit, and no rounding.
 const IMPROVEMENT: f64 = 1e-3;
 /// Most points on one side, before and while its end is narrowed down.
@@ -327,13 +328,13 @@ impl<'p, 'a> ConvergedFit<'p, 'a> {
                 return ProfileEnd::Lost(inside.0);
             };
             points.push(ProfilePoint { log_multiplier: value, rise });
-            if rise >= LIMIT {
+            if rise >= Profile::LIMIT {
                 return self.narrow(group, inside, (value, rise), &x, points);
             }
             known = x;
             inside = (value, rise);
             // Far from the end, longer strides.
-            if rise < 0.25 * LIMIT {
+            if rise < 0.25 * Profile::LIMIT {
                 step *= 1.5;
             }
         }
@@ -353,16 +354,17 @@ impl<'p, 'a> ConvergedFit<'p, 'a> {
         let root = |rise: f64| rise.max(0.0).sqrt();
         for _ in 0..MAX_BISECTIONS {
             let width = outside.0 - inside.0;
-            if width.abs() < NARROW || (outside.1 - LIMIT).abs() < 0.01 {
+            if width.abs() < NARROW || (outside.1 - Profile::LIMIT).abs() < 0.01 {
                 break;
             }
-            let part = (LIMIT.sqrt() - root(inside.1)) / (root(outside.1) - root(inside.1));
+            let part =
+                (Profile::LIMIT.sqrt() - root(inside.1)) / (root(outside.1) - root(inside.1));
             let value = inside.0 + width * part.clamp(0.1, 0.9);
             let Some((rise, _)) = self.held(group, value, known) else {
                 return ProfileEnd::Lost(inside.0);
             };
             points.push(ProfilePoint { log_multiplier: value, rise });
-            *(if rise >= LIMIT { &mut outside } else { &mut inside }) = (value, rise);
+            *(if rise >= Profile::LIMIT { &mut outside } else { &mut inside }) = (value, rise);
         }
         ProfileEnd::At(outside.0)
     }

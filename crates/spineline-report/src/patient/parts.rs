@@ -1,0 +1,33 @@
+//! Parts of a patient's report by themselves, for pages that show one of them.
+
+use spineline::analysis::{Analysis, LinesCompared};
+use spineline::personalize::Identifiability;
+
+use super::{measured, model, short, uncertainty};
+use crate::document::Section;
+use crate::hypotheses;
+
+/// The lines of action beside predictions without mechanics, and the line of best fit of every film.
+#[must_use]
+pub fn lines(analysis: &Analysis, compared: &LinesCompared) -> Vec<Section> {
+    vec![
+        short::short(analysis, compared),
+        model::comparison(analysis, compared),
+        measured::line(analysis),
+    ]
+}
+
+/// What the bending films say of every multiplier, by model.
+#[must_use]
+pub fn identifiability(analysis: &Analysis, found: &[Option<Identifiability>]) -> Section {
+    let mut section = Section::new("identifiability", "What the films say of every multiplier");
+    uncertainty::identifiability(&mut section, analysis, found);
+    uncertainty::profiles(&mut section, analysis, found);
+    section
+}
+
+/// Other loads and bases beside the lines; `None` where the analysis has none.
+#[must_use]
+pub fn models(analysis: &Analysis, compared: &LinesCompared) -> Option<Section> {
+    hypotheses::of_patient(analysis, compared)
+}
