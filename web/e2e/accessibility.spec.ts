@@ -106,3 +106,17 @@ test("signing in again, and a program that does not answer", async ({ app, page 
   await expect(page.getByText("The program does not answer.")).toBeVisible();
   await expectAccessible(page);
 });
+
+test("the evidence and the model options of a study without results", async ({ app, page }) => {
+  const refusal = { code: "not_ready", message: "there is no erect film" };
+  await answerWith(page, "/api/studies/S-1/lines", refusal, 409);
+  await answerWith(page, "/api/studies/S-1/model", refusal, 409);
+  await app.open(page);
+  await page.goto(new URL("#/studies/S-1/evidence", app.address).href);
+  await expect(page.getByRole("alert")).toContainText("there is no erect film");
+  await expectAccessible(page);
+  await page.goto(new URL("#/studies/S-1/model", app.address).href);
+  await page.getByRole("button", { name: "Model options…" }).click();
+  await expect(page.getByRole("dialog").getByRole("alert")).toBeVisible();
+  await expectAccessible(page);
+});

@@ -23,6 +23,7 @@ const PAGES = [
   ["access", "#/access", "spineline account add"],
   ["measure", `#/studies/${STUDY}/measure`, "Rotation of segments from erect"],
   ["model", `#/studies/${STUDY}/model`, "Which line explains the films?"],
+  ["evidence", `#/studies/${STUDY}/evidence`, "Mean location errors"],
 ] as const;
 
 /** What is wider than its place and scrolls sideways, other than a table in its frame. */

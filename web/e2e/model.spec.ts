@@ -11,7 +11,7 @@ async function pretend(page: Page, view = modelView(), patient_left = "image_lef
   const detail = { summary: { films: [{ posture: "erect", patient_left }] } };
   await page.route("**/api/studies/phantom-rod-01", (route) => route.fulfill({ json: detail }));
   await page.route("**/api/studies/phantom-rod-01/model", (route) => route.fulfill({ json: view }));
-  await page.route("**/api/studies/phantom-rod-01/replicates", (route) =>
+  await page.route("**/api/studies/phantom-rod-01/computations/replicates", (route) =>
     route.fulfill({ json: replicates(route.request().method() === "POST" ? 40 : 0) }),
   );
   await page.route("**/api/studies/phantom-rod-01/load", (route) =>
@@ -20,11 +20,11 @@ async function pretend(page: Page, view = modelView(), patient_left = "image_lef
 }
 
 /** Replicates at their begin, on their way, or done. */
-function replicates(done: number): Api<"ReplicatesView"> {
+function replicates(done: number): Api<"ComputationView"> {
   const intervals =
     done === 200 ? [{ label: "Cobb angle", value: "48.2°", interval: "46.9° to 49.6°" }] : [];
   const state = done === 0 ? "none" : done === 200 ? "done" : "running";
-  return { state, done, asked: 200, intervals, texts: [] };
+  return { name: "replicates", state, done, asked: 200, intervals, sections: [], texts: [] };
 }
 
 async function openModel(app: App, page: Page): Promise<void> {
@@ -331,7 +331,7 @@ test("intervals are computed in the background, and can be cancelled", async ({ 
   await openModel(app, page);
   const asked: string[] = [];
   let done = 0;
-  await page.route("**/api/studies/phantom-rod-01/replicates", (route) => {
+  await page.route("**/api/studies/phantom-rod-01/computations/replicates", (route) => {
     const method = route.request().method();
     asked.push(method);
     if (method === "DELETE")

@@ -132,7 +132,7 @@ test("every page of a mixed store has its heading and throws nothing", async ({ 
   const addresses = [
     ...["studies", "new", "import", "cohort", "access"].map((place) => `#/${place}`),
     ...studies.flatMap((study) =>
-      ["measure", "model", "read"].map((place) => `#/studies/${study}/${place}`),
+      ["measure", "model", "evidence", "read"].map((place) => `#/studies/${study}/${place}`),
     ),
   ];
   const bob = await page.context().browser()!.newPage();
@@ -147,10 +147,10 @@ test("every page of a mixed store has its heading and throws nothing", async ({ 
     for (const address of addresses) {
       await one.goto(new URL(address, app.address).href);
       await expect(one.getByRole("heading", { level: 1 }).first(), address).toBeVisible();
-      await expect(one.getByText(/^(Opening|Loading|Building|Computing).*…$/), address).toHaveCount(
-        0,
-        { timeout: 60_000 },
-      );
+      await expect(
+        one.getByText(/^(Opening|Loading|Building|Computing|Comparing).*…$/),
+        address,
+      ).toHaveCount(0, { timeout: 60_000 });
       await expect(one.getByRole("heading", { name: BROKEN }), address).toHaveCount(0);
       expect(thrown, address).toEqual([]);
     }

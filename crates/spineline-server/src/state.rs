@@ -13,10 +13,10 @@ use crate::film_cache::FilmCache;
 use crate::guard_rate::Attempts;
 use crate::guard_token::OneTimeToken;
 use crate::hosts::Hosts;
+use crate::jobs::Jobs;
 use crate::limits::ServeLimits;
 use crate::overview_cache::OverviewCache;
 use crate::problem::Answer;
-use crate::replicate_jobs::ReplicateJobs;
 use crate::result_cache::{ResultCache, computed};
 
 /// Concurrent comparisons of passwords, of 19 MB each.
@@ -59,7 +59,7 @@ struct Shared {
     overviews: OverviewCache,
     changes: Channel,
     results: ResultCache,
-    replicates: ReplicateJobs,
+    jobs: Jobs,
 }
 
 impl fmt::Debug for AppState {
@@ -89,7 +89,7 @@ impl AppState {
             overviews: OverviewCache::default(),
             changes: Channel::default(),
             results: ResultCache::default(),
-            replicates: ReplicateJobs::default(),
+            jobs: Jobs::default(),
         };
         Self { shared: Arc::new(shared) }
     }
@@ -107,9 +107,9 @@ impl AppState {
         &self.shared.results
     }
 
-    /// Replicates in the background.
-    pub(crate) fn replicates(&self) -> &ReplicateJobs {
-        &self.shared.replicates
+    /// Computations in the background.
+    pub(crate) fn jobs(&self) -> &Jobs {
+        &self.shared.jobs
     }
 
     /// Decoded films and uploads.

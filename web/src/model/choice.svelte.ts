@@ -26,7 +26,8 @@ export class Choice {
   flat = $state(false);
 
   constructor(readonly view: Api<"ModelView">) {
-    const line = view.lines.find((one) => one.converged) ?? view.lines[0];
+    const automatic = view.lines.find((one) => one.converged && one.kind === view.automatic);
+    const line = automatic ?? view.lines.find((one) => one.converged) ?? view.lines[0];
     if (line) this.kind = line.kind;
     const film = line?.postures.find((one) => one.fitted) ?? line?.postures[0];
     if (film) this.posture = film.posture;

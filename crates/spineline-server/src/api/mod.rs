@@ -5,25 +5,25 @@
 //! anterior, y to the patient's left, z cranial. Texts are shown to people without change.
 
 mod cohort;
+mod computations;
 mod exports;
 mod live;
 mod model;
 mod named;
 mod options;
 mod readings;
-mod replicates;
 mod session;
 mod studies;
 mod words;
 
 pub use cohort::*;
+pub use computations::*;
 pub use exports::*;
 pub use live::*;
 pub use model::*;
 pub use named::*;
 pub use options::*;
 pub use readings::*;
-pub use replicates::*;
 pub use session::*;
 pub use studies::*;
 pub use words::*;

@@ -28,6 +28,10 @@ pub struct ModelView {
     pub measured: Vec<MeasuredShape>,
     /// One model per line of action; the notices give the reason for an absent result.
     pub lines: Vec<LineModelView>,
+    /// The line that predicts films best which it was not fitted to, where lines can be compared.
+    pub automatic: Option<LineName>,
+    /// Why, as text.
+    pub automatic_text: Option<String>,
     /// Comparison of the lines as text.
     pub verdict: Vec<String>,
     /// Warnings and contradictions, worst first.

@@ -2,6 +2,7 @@
 //! The library computes everything from the current case of a study; this module converts it to text and pixels.
 
 mod cohort;
+mod computations;
 mod curves;
 mod exports;
 mod findings;
@@ -14,7 +15,7 @@ mod overlay;
 mod preview;
 mod record;
 mod reliability;
-mod replicates;
+mod sections;
 mod simulated;
 mod study;
 mod summary;
@@ -34,7 +35,8 @@ pub fn routes() -> OpenApiRouter<AppState> {
         .routes(routes!(record::record))
         .merge(options::routes())
         .merge(exports::routes())
-        .merge(replicates::routes())
+        .merge(computations::routes())
+        .routes(routes!(sections::lines))
         .routes(routes!(study::findings))
         .routes(routes!(study::overlay))
         .routes(routes!(model::model))

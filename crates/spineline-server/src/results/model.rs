@@ -1,7 +1,7 @@
 //! The personalised models of a study in 3D.
 
 use axum::extract::State;
-use spineline::analysis::{Analysis, Identification, LineModel, MultiplierVerdict};
+use spineline::analysis::{Analysis, Identification, LineModel, LinesCompared, MultiplierVerdict};
 use spineline::anatomy::{Level, Posture};
 use spineline::measure::{LengthScale, SpacingPlane, body_widths};
 use spineline::personalize::FitStatus;
@@ -60,6 +60,8 @@ fn view(result: &StudyResult, analysis: &Analysis) -> ModelView {
             })
             .collect(),
         lines: lines.filter_map(|(model, relative)| line(analysis, model, relative)).collect(),
+        automatic: result.compared().and_then(|found| Wire::of(found.best_predictor()?.0)),
+        automatic_text: result.compared().and_then(LinesCompared::choice_words),
         verdict: result.compared().map(|lines| analysis.verdict(lines)).unwrap_or_default(),
         notices: model_notices(result, analysis),
     }

@@ -5,6 +5,7 @@
 mod access;
 mod accounts;
 mod browser;
+mod computations;
 mod crowd;
 mod example;
 mod exports;
@@ -15,7 +16,6 @@ mod numbers;
 mod openapi;
 mod privacy;
 mod repeated_films;
-mod replicates;
 mod results;
 mod routes;
 mod scales;

@@ -27,6 +27,7 @@ fn filled(path: &str, study: &str, [film, reading]: [i64; 2], upload: &str) -> S
         "{film}" => film.to_string(),
         "{reading}" => reading.to_string(),
         "{upload}" => upload.to_owned(),
+        "{computation}" => "identifiability".to_owned(),
         "{export}" => "tables_csv".to_owned(),
         "{line}" => "inflection_line".to_owned(),
         "{format}" => "osim".to_owned(),

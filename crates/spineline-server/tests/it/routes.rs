@@ -42,6 +42,7 @@ fn filled(path: &str, study: &str) -> String {
         "{study}" => study.to_owned(),
         "{name}" => "lead".to_owned(),
         "{film}" => "2".to_owned(),
+        "{computation}" => "identifiability".to_owned(),
         "{export}" => "analysis".to_owned(),
         "{line}" => "inflection_line".to_owned(),
         "{format}" => "osim".to_owned(),

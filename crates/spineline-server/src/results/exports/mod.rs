@@ -11,7 +11,10 @@ use axum::extract::State;
 use axum::response::Response;
 use chrono::{SecondsFormat, Utc};
 use spineline::analysis::{Analysis, Case};
-use spineline_files::{AnalysisFile, CaseFile, FilmOrigin, ProgramRun, Provenance, Request};
+use spineline::uncertainty::LandmarkNoise;
+use spineline_files::{
+    AnalysisFile, CaseFile, FilmOrigin, ProgramRun, Provenance, Replicates, Request,
+};
 use spineline_store::Name;
 use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
@@ -20,6 +23,7 @@ use crate::access::{open_study, study_result};
 use crate::api::{ExportName, Problem};
 use crate::attachment::attachment;
 use crate::extract::Path;
+use crate::jobs::Computed;
 use crate::problem::Answer;
 use crate::result_cache::computed;
 use crate::session::User;
@@ -70,22 +74,21 @@ pub async fn export(
         ExportName::DicomSr => landmarks::sources(&state, &result).await?,
         _ => Default::default(),
     };
-    let job = state.replicates().of(&result);
+    let found = state.jobs().computed(&result);
     let made = computed(move || {
-        let uncertainty = job.as_ref().and_then(|job| job.uncertainty());
         let case = result.current.usable_case();
-        let analysis = result.analysed()?;
+        let analysis = found.models().map_or_else(|| result.analysed(), Ok)?;
         match export {
             ExportName::Report | ExportName::Pdf | ExportName::Figures => {
-                report::download(export, analysis, &case, (&pictures, uncertainty))
+                report::download(export, analysis, &case, (&pictures, &found))
             }
             ExportName::Analysis => Ok(Download {
                 ending: "-analysis.json",
                 kind: JSON,
-                bytes: spineline_files::to_text(&file_of(analysis, &case)).into_bytes(),
+                bytes: spineline_files::to_text(&file_of(analysis, &case, &found)).into_bytes(),
             }),
-            ExportName::TablesCsv => tables::csv(analysis, &case, uncertainty),
-            ExportName::TablesParquet => tables::parquet(analysis, &case, uncertainty),
+            ExportName::TablesCsv => tables::csv(analysis, &case, &found),
+            ExportName::TablesParquet => tables::parquet(analysis, &case, &found),
             ExportName::Slicer => landmarks::slicer(analysis, &case),
             ExportName::DicomSr => landmarks::dicom_sr(analysis, &case, &sources),
         }
@@ -100,9 +103,27 @@ async fn log(state: &AppState, user: &User, study: &Name, form: &'static str) ->
     state.store(move |store| store.log_export(&study, form, &by)).await
 }
 
-/// The analysis file of an analysis of this case. Its input is the store; the case is part of the file.
-pub fn file_of(analysis: &Analysis, case: &Case) -> AnalysisFile {
-    AnalysisFile::new(analysis, CaseFile::from_case(case), provenance(analysis))
+/// The analysis file of an analysis of this case, with what was computed in the background. Its input is the store; the case
+/// is part of the file.
+fn file_of(analysis: &Analysis, case: &Case, found: &Computed) -> AnalysisFile {
+    let request = Request {
+        options: analysis.options.clone(),
+        replicates: found.uncertainty().map(|found| Replicates {
+            count: found.requested,
+            noise: LandmarkNoise::Measured,
+            seed: found.seed,
+        }),
+        identifiability: found.identifiability().is_some(),
+    };
+    let origin = provenance(analysis).asking(&request);
+    let mut file = AnalysisFile::new(analysis, CaseFile::from_case(case), origin);
+    if let Some(found) = found.identifiability() {
+        file = file.with_identifiability(analysis, found);
+    }
+    if let Some(found) = found.uncertainty() {
+        file = file.with_uncertainty(analysis, found);
+    }
+    file
 }
 
 fn provenance(analysis: &Analysis) -> Provenance {

@@ -1,7 +1,6 @@
 //! The report of a study, as `spineline report` writes it, and its figures.
 
 use spineline::analysis::{Analysis, Case};
-use spineline::uncertainty::Uncertainty;
 use spineline_report::figures::FilmPicture;
 use spineline_report::patient::{self, Patient};
 use spineline_report::{Document, PRINT_SCALE, html, png};
@@ -10,6 +9,7 @@ use super::archive::archive;
 use super::{Download, PROGRAM, file_of, internal, provenance};
 use crate::api::ExportName;
 use crate::decoded::picture;
+use crate::jobs::Computed;
 use crate::problem::Answer;
 use crate::result_cache::StudyResult;
 use crate::state::AppState;
@@ -29,16 +29,16 @@ pub fn download(
     export: ExportName,
     analysis: &Analysis,
     case: &Case,
-    (pictures, uncertainty): (&[FilmPicture], Option<&Uncertainty>),
+    (pictures, found): (&[FilmPicture], &Computed),
 ) -> Answer<Download> {
     let document = patient::report(&Patient {
         case,
         analysis,
         pictures,
-        identifiability: None,
-        uncertainty,
+        identifiability: found.identifiability(),
+        uncertainty: found.uncertainty(),
         generator: PROGRAM,
-        json: &spineline_files::to_line(&file_of(analysis, case)),
+        json: &spineline_files::to_line(&file_of(analysis, case, found)),
     });
     match export {
         ExportName::Figures => figures(&document, analysis),

@@ -1,34 +1,39 @@
 //! The tables of a study, as `spineline analyze --tables` writes them.
 
 use spineline::analysis::{Analysis, Case};
-use spineline::uncertainty::Uncertainty;
 use spineline_files::to_text;
 use spineline_tables::{OptionalTables, Patient, Table, TableError, dictionary, tables};
 
 use super::archive::archive;
 use super::{Download, internal, provenance};
+use crate::jobs::Computed;
 use crate::problem::Answer;
 
-pub fn csv(analysis: &Analysis, case: &Case, spread: Option<&Uncertainty>) -> Answer<Download> {
-    written((analysis, case, spread), "-tables-csv.zip", "csv", |table| {
+pub fn csv(analysis: &Analysis, case: &Case, found: &Computed) -> Answer<Download> {
+    written((analysis, case, found), "-tables-csv.zip", "csv", |table| {
         table.to_csv().map(String::into_bytes)
     })
 }
 
-pub fn parquet(analysis: &Analysis, case: &Case, spread: Option<&Uncertainty>) -> Answer<Download> {
+pub fn parquet(analysis: &Analysis, case: &Case, found: &Computed) -> Answer<Download> {
     let origin = to_text(&provenance(analysis));
-    written((analysis, case, spread), "-tables-parquet.zip", "parquet", |table| {
+    written((analysis, case, found), "-tables-parquet.zip", "parquet", |table| {
         table.to_parquet(&[("spineline.provenance", &origin)])
     })
 }
 
 fn written(
-    (analysis, case, spread): (&Analysis, &Case, Option<&Uncertainty>),
+    (analysis, case, found): (&Analysis, &Case, &Computed),
     ending: &'static str,
     form: &str,
     write: impl Fn(&Table) -> Result<Vec<u8>, TableError>,
 ) -> Answer<Download> {
-    let patients = [Patient { analysis, subject: &case.subject, identified: None, spread }];
+    let patients = [Patient {
+        analysis,
+        subject: &case.subject,
+        identified: found.identifiability(),
+        spread: found.uncertainty(),
+    }];
     let mut files = Vec::new();
     for table in tables(&patients) {
         let bytes = write(&table).map_err(|error| internal(&error))?;

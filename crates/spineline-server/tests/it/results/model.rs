@@ -43,6 +43,10 @@ fn models_equal_those_of_the_exported_case() {
         farthest_mm(&points(&model["erect"]["midpoints_mm"]), &analysis.spine.midpoints_mm)
             < SAME_MM
     );
+    let compared = analysis.compare_lines();
+    let (automatic, _) = compared.best_predictor().expect("compared lines");
+    assert_eq!(model["automatic"], automatic.key());
+    assert_eq!(model["automatic_text"], json!(compared.choice_words()));
     let lines = model["lines"].as_array().expect("lines");
     assert_eq!(lines.len(), analysis.models.len());
     for (line, expected) in lines.iter().zip(&analysis.models) {

@@ -1,31 +1,62 @@
-//! Replicates as the browser shows them.
+//! Computations as the browser shows them.
 
 use std::sync::atomic::Ordering;
 
 use spineline::analysis::Analysis;
 use spineline::anatomy::Posture;
 use spineline::uncertainty::{AnalysisQuantity, QuantitySpread, QuantityUnit, Uncertainty};
+use spineline_report::document::Section;
+use spineline_report::patient::parts;
 
-use crate::api::{IntervalView, ReplicatesState, ReplicatesView};
-use crate::replicate_jobs::{Ending, Job};
+use crate::api::{ComputationName, ComputationState, ComputationView, IntervalView};
+use crate::jobs::{Ending, Found, Job};
+use crate::results::sections::section_view;
 
-/// State, progress and intervals of a computation.
-pub fn view(job: Option<&Job>) -> ReplicatesView {
-    let Some(job) = job else {
-        let state = ReplicatesState::None;
-        return ReplicatesView { state, done: 0, asked: 0, intervals: vec![], texts: vec![] };
+/// State, progress and results of a computation.
+pub fn view(name: ComputationName, job: Option<&Job>) -> ComputationView {
+    let mut view = ComputationView {
+        name,
+        state: ComputationState::None,
+        done: 0,
+        asked: 0,
+        intervals: Vec::new(),
+        sections: Vec::new(),
+        texts: Vec::new(),
     };
-    let (state, intervals, texts) = match job.ending.get() {
-        None => (ReplicatesState::Running, Vec::new(), Vec::new()),
-        Some(Ending::Cancelled) => (ReplicatesState::Cancelled, Vec::new(), Vec::new()),
-        Some(Ending::Failed(why)) => (ReplicatesState::Failed, Vec::new(), vec![why.clone()]),
+    let Some(job) = job else { return view };
+    view.done = job.done.load(Ordering::Relaxed);
+    view.asked = job.asked;
+    view.state = match job.ending.get() {
+        None => ComputationState::Running,
+        Some(Ending::Cancelled) => ComputationState::Cancelled,
+        Some(Ending::Failed(why)) => {
+            view.texts = vec![why.clone()];
+            ComputationState::Failed
+        }
         Some(Ending::Done(found)) => {
-            let rows = job.result.analysis().map(|analysis| intervals(analysis, found));
-            (ReplicatesState::Done, rows.unwrap_or_default(), texts(found))
+            add(&mut view, job, found);
+            ComputationState::Done
         }
     };
-    let done = job.done.load(Ordering::Relaxed);
-    ReplicatesView { state, done, asked: job.asked, intervals, texts }
+    view
+}
+
+fn add(view: &mut ComputationView, job: &Job, found: &Found) {
+    // Computations are of results that were analysed.
+    let Some(analysis) = job.result.analysis() else { return };
+    let sections: Vec<Section> = match found {
+        Found::Replicates(found) => {
+            view.intervals = intervals(analysis, found);
+            view.texts = texts(found);
+            Vec::new()
+        }
+        Found::Identifiability(found) => vec![parts::identifiability(analysis, found)],
+        Found::Models(found) => {
+            let compared = job.result.compared();
+            compared.and_then(|compared| parts::models(found, compared)).into_iter().collect()
+        }
+    };
+    view.sections = sections.into_iter().map(section_view).collect();
 }
 
 fn texts(found: &Uncertainty) -> Vec<String> {

@@ -1,0 +1,45 @@
+//! Other loads and base supports beside the lines of action.
+
+use std::sync::Arc;
+
+use axum::http::StatusCode;
+use spineline::analysis::{Analysis, AnalysisOptions, analyze};
+use spineline::hypothesis::Hypothesis;
+
+use super::in_turns;
+use crate::jobs::{Found, Job};
+use crate::problem::{Answer, Failure};
+use crate::result_cache::StudyResult;
+use crate::state::AppState;
+
+/// One step per load and base.
+pub fn steps() -> u64 {
+    Hypothesis::compared().len() as u64
+}
+
+/// The analysis with all loads and bases, one after another; `None` where it was cancelled.
+pub async fn all(state: &AppState, job: &Arc<Job>) -> Answer<Option<Found>> {
+    let found = in_turns(state, job, 1, |result, places| {
+        let compared = Hypothesis::compared();
+        let chosen = places.filter_map(|place| compared.get(usize::try_from(place).ok()?));
+        chosen.map(|&one| with(result, one)).collect()
+    });
+    let Some(found) = found.await? else { return Ok(None) };
+    let mut all = job.result.analysed()?.clone();
+    all.options.hypotheses = Hypothesis::compared();
+    for one in found {
+        all.hypotheses.extend(one.hypotheses);
+        all.warnings.merge(&one.warnings);
+    }
+    Ok(Some(Found::Models(Box::new(all))))
+}
+
+/// The analysis with one load and base.
+fn with(result: &StudyResult, hypothesis: Hypothesis) -> Answer<Analysis> {
+    let base = &result.analysed()?.options;
+    let options = AnalysisOptions { hypotheses: vec![hypothesis], ..base.clone() };
+    analyze(&result.current.usable_case(), &options).map_err(|error| {
+        Failure::new(StatusCode::UNPROCESSABLE_ENTITY, error.code(), error.to_string())
+            .help(error.help())
+    })
+}

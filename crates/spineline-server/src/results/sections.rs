@@ -1,0 +1,70 @@
+//! Parts of the report as the browser shows them: texts, tables and pictures are those of the report.
+
+use axum::extract::State;
+use spineline_report::document::{Block, Section, Table};
+use spineline_report::patient::parts;
+
+use crate::access::{open_study, study_result};
+use crate::api::{BlockView, ColumnView, Problem, SectionView};
+use crate::extract::{Json, Path};
+use crate::problem::Answer;
+use crate::result_cache::computed;
+use crate::session::User;
+use crate::state::AppState;
+
+/// The lines of action beside predictions without mechanics, the automatic choice, and the line of best fit of every film.
+#[utoipa::path(get, path = "/api/studies/{study}/lines", params(("study" = String, Path)),
+    responses((status = 200, body = Vec<SectionView>), (status = 403, body = Problem),
+        (status = 409, body = Problem), (status = 422, body = Problem)))]
+pub async fn lines(
+    State(state): State<AppState>,
+    user: User,
+    Path(study): Path<String>,
+) -> Answer<Json<Vec<SectionView>>> {
+    let study = open_study(&state, &user, &study).await?;
+    let result = study_result(&state, &study).await?;
+    result.analysed()?;
+    let made = computed(move || {
+        let analysis = result.analysed()?;
+        let sections = result.compared().map(|compared| parts::lines(analysis, compared));
+        Ok(sections.unwrap_or_default().into_iter().map(section_view).collect())
+    });
+    made.await?.map(Json)
+}
+
+/// A part of a report.
+pub fn section_view(section: Section) -> SectionView {
+    SectionView {
+        id: section.id.to_owned(),
+        title: section.title,
+        blocks: section.blocks.into_iter().map(block_view).collect(),
+    }
+}
+
+fn block_view(block: Block) -> BlockView {
+    match block {
+        Block::Heading(text) => BlockView::Heading { text },
+        Block::Paragraph(text) => BlockView::Paragraph { text },
+        Block::Notice(notice) => BlockView::Notice {
+            word: notice.kind.word().to_owned(),
+            text: match notice.place.as_str() {
+                "" => notice.text,
+                place => format!("{place}: {}", notice.text),
+            },
+        },
+        Block::Table(table) => table_view(table),
+        Block::Figure(figure) => {
+            BlockView::Figure { name: figure.name, caption: figure.caption, svg: figure.svg }
+        }
+    }
+}
+
+fn table_view(table: Table) -> BlockView {
+    let columns = table.columns.into_iter();
+    BlockView::Table {
+        caption: table.caption,
+        columns: columns.map(|one| ColumnView { head: one.head, numeric: one.numeric }).collect(),
+        rows: table.rows,
+        note: table.note,
+    }
+}
