@@ -79,6 +79,17 @@ pub struct Job {
 }
 
 impl Job {
+    fn new(result: &Arc<StudyResult>, kind: JobKind, asked: u64) -> Self {
+        Self {
+            result: Arc::clone(result),
+            kind,
+            asked,
+            done: AtomicU64::new(0),
+            ending: OnceLock::new(),
+            cancelled: AtomicBool::new(false),
+        }
+    }
+
     /// Whether it was cancelled.
     pub fn is_cancelled(&self) -> bool {
         self.cancelled.load(Ordering::Relaxed)
@@ -141,6 +152,21 @@ impl Jobs {
         Computed(kinds.into_iter().filter_map(|kind| self.of(result, kind)).collect())
     }
 
+    /// Takes up what was computed of these results before, where nothing else is known of them.
+    pub fn recall(&self, result: &Arc<StudyResult>, kind: JobKind, asked: u64, found: Found) {
+        let mut jobs = self.jobs.lock().unwrap_or_else(PoisonError::into_inner);
+        let key = (result.study.clone(), kind);
+        if jobs.get(&key).is_none_or(|job| !Arc::ptr_eq(&job.result, result)) {
+            let job = Job::new(result, kind, asked);
+            job.done.store(asked, Ordering::Relaxed);
+            // It is new, so that nothing has ended it before.
+            let _ = job.ending.set(Ending::Done(found));
+            if let Some(older) = jobs.insert(key, Arc::new(job)) {
+                older.cancel();
+            }
+        }
+    }
+
     /// Begins a computation of these results, and cancels that of older ones; `None` where one of these runs.
     pub fn begin(&self, result: &Arc<StudyResult>, kind: JobKind, asked: u64) -> Option<Arc<Job>> {
         let mut jobs = self.jobs.lock().unwrap_or_else(PoisonError::into_inner);
@@ -151,14 +177,7 @@ impl Jobs {
             }
             job.cancel();
         }
-        let job = Arc::new(Job {
-            result: Arc::clone(result),
-            kind,
-            asked,
-            done: AtomicU64::new(0),
-            ending: OnceLock::new(),
-            cancelled: AtomicBool::new(false),
-        });
+        let job = Arc::new(Job::new(result, kind, asked));
         jobs.insert(key, Arc::clone(&job));
         Some(job)
     }

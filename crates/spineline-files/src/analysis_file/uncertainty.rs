@@ -96,7 +96,7 @@ impl UncertaintyRecord {
                 .failures
                 .iter()
                 .map(|failure| FailureRecord {
-                    code: failure.code.to_owned(),
+                    code: failure.code.to_string(),
                     line: failure.line.map(|line| line.key().to_owned()),
                     posture: failure.posture.map(Into::into),
                     count: failure.count,

@@ -50,6 +50,24 @@ fn replicates_are_computed_and_shown_and_cancelled() {
     let report = lead.get("/api/studies/demo-rod-01/exports/report").text();
     assert!(report.contains("Effect of landmark noise on the results"));
 
+    // Kept over a restart for these landmarks and options, and for no others.
+    let app = app.restarted(decoding());
+    let lead = app.observer("Ann");
+    let report = lead.get("/api/studies/demo-rod-01/exports/report").text();
+    assert!(report.contains("Effect of landmark noise on the results"));
+    assert_eq!(lead.get(PATH).json(), done);
+    let change = |revision: u64, value: &str| {
+        json!({
+            "expected_revision": revision, "reset": false,
+            "options": [{ "name": "support", "value": value }]
+        })
+    };
+    let options = "/api/studies/demo-rod-01/options";
+    assert_eq!(lead.put(options, &change(0, "free")).status, StatusCode::OK);
+    assert_eq!(lead.get(PATH).json()["state"], "none");
+    assert_eq!(lead.put(options, &change(1, "")).status, StatusCode::OK);
+    assert_eq!(lead.get(PATH).json(), done);
+
     assert_eq!(lead.post(PATH, &json!({ "count": 2000 })).status, StatusCode::OK);
     let twice = lead.post(PATH, &json!({ "count": 10 }));
     assert_eq!((twice.status, twice.code().as_str()), (StatusCode::CONFLICT, "running"));

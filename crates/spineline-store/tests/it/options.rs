@@ -1,7 +1,7 @@
-//! Model options of a study.
+//! Model options of a study, and kept computations.
 
 use spineline_files::method_text::{ChosenOption, ChosenOptions};
-use spineline_store::{CaseReadings, Finding, Store, StoreError, StudyOptions};
+use spineline_store::{CaseReadings, Finding, KeptComputation, Store, StoreError, StudyOptions};
 
 use crate::session::{by, create, name, run};
 
@@ -66,4 +66,35 @@ fn edited_options_are_damage_and_never_other_options() {
     assert!(matches!(found, Err(StoreError::Damaged { .. })), "{found:?}");
     let changed = Finding::RowChanged { object: "options/S-1".to_owned() };
     assert!(store.verify(None).expect("verifiable").findings.contains(&changed));
+}
+
+#[test]
+fn a_kept_computation_is_that_of_its_inputs_only_and_damage_is_noticed() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("store");
+    let mut store = create(&path);
+    run(&mut store, 0).expect("a study");
+    let study = name("S-1");
+    let head = store.head().expect("a head");
+    assert_eq!(store.computation(&study, "replicates").expect("readable"), None);
+    for asked in [5, 7] {
+        let kept = KeptComputation::new("inputs", asked, "found".to_owned());
+        store.keep_computation(&study, "replicates", &kept).expect("kept");
+    }
+    let read = |store: &Store| {
+        store.computation(&study, "replicates").expect("readable").expect("a computation")
+    };
+    let kept = read(&store);
+    assert_eq!((kept.asked, kept.found.as_str()), (7, "found"));
+    assert!(kept.is_of("inputs") && !kept.is_of("other inputs"));
+    assert_eq!(store.head().expect("a head"), head, "it is no record");
+    assert!(store.verify(None).expect("verifiable").is_clean());
+    let unknown = store.keep_computation(&name("S-2"), "replicates", &kept);
+    assert!(matches!(unknown, Err(StoreError::Unknown { .. })), "{unknown:?}");
+    drop(store);
+    let raw = rusqlite::Connection::open(&path).expect("a database");
+    raw.execute("UPDATE computations SET found = 'other'", []).expect("an edit by hand");
+    drop(raw);
+    let store = Store::open(&path).expect("a store");
+    assert!(!read(&store).is_of("inputs"), "an edited row is not used");
 }

@@ -2,7 +2,7 @@
 
 use crate::action::LineKind;
 use crate::analysis::{Analysis, LineModel, PostureAnalysis};
-use crate::anatomy::{Level, Posture, Region};
+use crate::anatomy::{Level, Posture, Region, named};
 use crate::evaluate::Simulation;
 use crate::personalize::FitStatus;
 use crate::spatial::Angle;
@@ -80,6 +80,10 @@ pub enum Absent {
 }
 
 impl Absent {
+    /// Every reason.
+    pub const ALL: [Self; 4] =
+        [Self::NoInflections, Self::NotMeasured, Self::FitNotConverged, Self::ForceNotFound];
+
     /// The name used in files.
     #[must_use]
     pub const fn key(self) -> &'static str {
@@ -91,6 +95,8 @@ impl Absent {
         }
     }
 }
+
+named!(Absent);
 
 /// What a number counts in, as people see it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -1,3 +1,4 @@
+use std::borrow::Cow;
 use std::collections::BTreeMap;
 
 use super::distribution::Distribution;
@@ -88,10 +89,10 @@ impl QuantitySpread {
 }
 
 /// How often something ended without result.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq)]
 pub struct FailureCount {
     /// What: the code of an error, `fit_not_converged` or `force_not_found`.
-    pub code: &'static str,
+    pub code: Cow<'static, str>,
     /// In the model of which line; `None` where the whole analysis stopped.
     pub line: Option<LineKind>,
     /// On which film.
@@ -178,7 +179,12 @@ impl<'a> Tally<'a> {
             let absent = counted.absent.into_iter().collect();
             QuantitySpread { quantity, nominal: counted.nominal, count, absent, spread }
         };
-        let failure = |((code, line, posture), count)| FailureCount { code, line, posture, count };
+        let failure = |((code, line, posture), count)| FailureCount {
+            code: Cow::Borrowed(code),
+            line,
+            posture,
+            count,
+        };
         Uncertainty {
             seed: self.of.seed,
             requested,

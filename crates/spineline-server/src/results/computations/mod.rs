@@ -1,5 +1,6 @@
 //! What takes longer than a page waits, computed in the background with progress and cancel.
 
+mod kept;
 mod models;
 mod replicates;
 mod view;
@@ -21,6 +22,7 @@ use crate::problem::{Answer, Failure};
 use crate::result_cache::{StudyResult, computed};
 use crate::session::User;
 use crate::state::AppState;
+pub use kept::recall;
 use view::view;
 
 pub fn routes() -> OpenApiRouter<AppState> {
@@ -47,6 +49,7 @@ async fn computation(
     Path((study, name)): Path<(String, ComputationName)>,
 ) -> Answer<Json<ComputationView>> {
     let result = analysed(&state, &user, &study, Role::Reader).await?;
+    recall(&state, &result).await?;
     let job = state.jobs().of(&result, kind_of(name));
     computed(move || view(name, job.as_deref())).await.map(Json)
 }
@@ -141,6 +144,7 @@ async fn run(state: AppState, job: Arc<Job>) {
     };
     // A job runs once, so that nothing has ended it before.
     let _ = job.ending.set(ending);
+    kept::keep(&state, &job).await;
 }
 
 /// One step after another in its turn, each with its number; `None` where they were cancelled.

@@ -12,7 +12,7 @@ use crate::result_cache::{StudyResult, computed};
 use crate::state::AppState;
 
 /// Seed of the random streams, as that of the command line.
-const SEED: u64 = 1;
+pub const SEED: u64 = 1;
 const MAX_COUNT: u64 = 2000;
 /// Replicates between two looks at the progress: a cancel waits for them.
 const BLOCK: u64 = 4;
@@ -46,7 +46,11 @@ pub async fn all(state: &AppState, job: &Arc<Job>) -> Answer<Option<Found>> {
     Ok(Some(Found::Replicates(Box::new(uncertainty.await??))))
 }
 
-fn with_monte_carlo<T>(result: &StudyResult, work: impl FnOnce(&MonteCarlo<'_>) -> T) -> Answer<T> {
+/// What replicates of a result are drawn from.
+pub fn with_monte_carlo<T>(
+    result: &StudyResult,
+    work: impl FnOnce(&MonteCarlo<'_>) -> T,
+) -> Answer<T> {
     let analysis = result.analysed()?;
     let case = result.current.usable_case();
     let noise = LandmarkNoise::Measured;

@@ -19,6 +19,7 @@ use spineline_store::Name;
 use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
 
+use super::computations;
 use crate::access::{open_study, study_result};
 use crate::api::{ExportName, Problem};
 use crate::attachment::attachment;
@@ -74,6 +75,7 @@ pub async fn export(
         ExportName::DicomSr => landmarks::sources(&state, &result).await?,
         _ => Default::default(),
     };
+    computations::recall(&state, &result).await?;
     let found = state.jobs().computed(&result);
     let made = computed(move || {
         let case = result.current.usable_case();
