@@ -15,6 +15,7 @@ use crate::guard_token::OneTimeToken;
 use crate::hosts::Hosts;
 use crate::limits::ServeLimits;
 use crate::overview_cache::OverviewCache;
+use crate::pad_jobs::PadMapJobs;
 use crate::problem::Answer;
 use crate::replicate_jobs::ReplicateJobs;
 use crate::result_cache::{ResultCache, computed};
@@ -60,6 +61,7 @@ struct Shared {
     changes: Channel,
     results: ResultCache,
     replicates: ReplicateJobs,
+    pad_maps: PadMapJobs,
 }
 
 impl fmt::Debug for AppState {
@@ -90,6 +92,7 @@ impl AppState {
             changes: Channel::default(),
             results: ResultCache::default(),
             replicates: ReplicateJobs::default(),
+            pad_maps: PadMapJobs::default(),
         };
         Self { shared: Arc::new(shared) }
     }
@@ -110,6 +113,11 @@ impl AppState {
     /// Replicates in the background.
     pub(crate) fn replicates(&self) -> &ReplicateJobs {
         &self.shared.replicates
+    }
+
+    /// Pads that are tried in the background.
+    pub(crate) fn pad_maps(&self) -> &PadMapJobs {
+        &self.shared.pad_maps
     }
 
     /// Decoded films and uploads.

@@ -7,6 +7,8 @@
 mod cohort;
 mod exports;
 mod live;
+mod load_file;
+mod loads;
 mod model;
 mod named;
 mod readings;
@@ -18,6 +20,8 @@ mod words;
 pub use cohort::*;
 pub use exports::*;
 pub use live::*;
+pub use load_file::*;
+pub use loads::*;
 pub use model::*;
 pub use named::*;
 pub use readings::*;

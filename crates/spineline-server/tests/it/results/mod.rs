@@ -2,5 +2,7 @@
 
 mod cohort;
 mod live;
+mod loads;
 mod model;
+mod pad_map;
 mod server;
