@@ -5,6 +5,7 @@ export type Page =
   | { name: "import" }
   | { name: "measure"; study: string; film?: number }
   | { name: "model"; study: string }
+  | { name: "plan"; study: string }
   | { name: "read"; study: string }
   | { name: "cohort" }
   | { name: "access" };
@@ -17,6 +18,7 @@ export function pageOf(hash: string): Page {
   if (first === "access") return { name: "access" };
   if (first === "studies" && study) {
     if (third === "model") return { name: "model", study };
+    if (third === "plan") return { name: "plan", study };
     if (third === "read") return { name: "read", study };
     const film = Number(fourth);
     return { name: "measure", study, ...(fourth && Number.isInteger(film) ? { film } : {}) };
@@ -46,6 +48,8 @@ export function addressOf(page: Page): string {
       return "#/access";
     case "model":
       return `#/studies/${encodeURIComponent(page.study)}/model`;
+    case "plan":
+      return `#/studies/${encodeURIComponent(page.study)}/plan`;
     case "read":
       return `#/studies/${encodeURIComponent(page.study)}/read`;
     case "measure": {

@@ -19,6 +19,7 @@ describe("addresses", () => {
     { name: "measure", study: "S-017" },
     { name: "measure", study: "S-017", film: 3 },
     { name: "model", study: "a.b_c-1" },
+    { name: "plan", study: "a.b_c-1" },
     { name: "read", study: "S-017" },
   ];
 
