@@ -7,7 +7,7 @@ use spineline::response::{
     ActingKind, CurveAngles, GoalEquilibrium, Response, SpineAngles, Verdict, acting_loads,
     erect_shape, largest_displacement_mm, largest_hinge, measure_angles,
 };
-use spineline::spatial::{Angle, moment_words, vector_words};
+use spineline::spatial::{Angle, moment_words, sideways_words, vector_words};
 
 use crate::document::{Column, Table};
 
@@ -127,6 +127,15 @@ impl LoadedTables<'_> {
             (tilt - before.lateral_tilt).wrapped().leaning(),
         ]);
         let [base, top] = self.end_names();
+        let uppermost = self.levels.len().saturating_sub(1);
+        let [then, now] =
+            [&erect_shape(self.model), &result.deformed].map(|shape| shape.tilt(uppermost));
+        table.row(vec![
+            format!("Tilt of {top} against {base}"),
+            then.leaning(),
+            now.leaning(),
+            (now - then).wrapped().leaning(),
+        ]);
         table.row(vec![
             format!("{top} from the axis of {base}"),
             sideways_words(before.top_offset_mm),
@@ -245,11 +254,6 @@ fn change_words(before: Angle, after: Angle) -> String {
     let more = after.abs() - before.abs();
     let word = if more.rad() < 0.0 { "less" } else { "more" };
     format!("{} {word}", more.abs())
-}
-
-fn sideways_words(left_mm: f64) -> String {
-    let side = if left_mm < 0.0 { "right" } else { "left" };
-    format!("{:.1} mm {side}", left_mm.abs())
 }
 
 fn verdict_words(met: &GoalEquilibrium) -> &'static str {

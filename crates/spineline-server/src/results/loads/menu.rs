@@ -2,7 +2,7 @@
 
 use spineline::anatomy::Side;
 use spineline::clinical::convex_side;
-use spineline::multibody::Timing;
+use spineline::multibody::{Support, Timing};
 use spineline::response::{CurveChange, erect_shape, measure_angles};
 use spineline_files::{AppliedLoad, DIRECTIONS, Key, LevelKey, StoredModel};
 
@@ -14,6 +14,9 @@ const LIMITS: [&str; 3] = [
     "The model has no rib cage, no muscles, no skin and no contact: what they carry or limit is missing from every number",
     "The base is fixed and the top is free: a load that nothing opposes also tilts the whole spine",
 ];
+
+/// What a support in the frontal plane does to loads.
+const FRONTAL: &str = "The model bends sideways only: what a load does to the front, to the back or about the spine moves nothing";
 
 /// Sizes of the examples: small beside what the springs of a spine carry, so that each of them has a result on most spines.
 const FORCE: f64 = 20.0;
@@ -29,6 +32,7 @@ pub fn menu(model: &StoredModel) -> LoadMenu {
         load: FileLoad(record.load(model.top())),
         doubt: record.doubt().map(|doubt| doubt.message),
     });
+    let frontal = (model.support == Support::Frontal).then_some(FRONTAL);
     LoadMenu {
         force_unit: model.force_unit().to_owned(),
         force_symbol: if model.absolute { "N" } else { "rel. units" }.to_owned(),
@@ -38,7 +42,7 @@ pub fn menu(model: &StoredModel) -> LoadMenu {
         directions: DIRECTIONS
             .map(|(name, vector)| NamedDirection { name: name.to_owned(), vector })
             .to_vec(),
-        limits: LIMITS.map(str::to_owned).to_vec(),
+        limits: LIMITS.into_iter().chain(frontal).map(str::to_owned).collect(),
     }
 }
 
@@ -173,7 +177,9 @@ mod tests {
         assert_eq!(LoadFile::new(loads).faults(&model), []);
         assert_eq!(menu.levels.first().map(String::as_str), Some("L3"));
         assert!(menu.films.iter().any(|film| film.posture == Wire(Posture::Traction)));
-        assert!(menu.limits.iter().any(|text| text.contains("Research only")));
+        let says = |words: &str| menu.limits.iter().any(|text| text.contains(words));
+        assert!(says("Research only") && says("no rib cage, no muscles"));
+        assert_eq!(says("bends sideways only"), model.support == Support::Frontal);
     }
 
     #[test]

@@ -1,10 +1,11 @@
 //! A model under loads as the browser shows it.
 
 use spineline::analysis::Analysis;
+use spineline::clinical::sacral_line_offset_mm;
 use spineline::evaluate::location_errors_mm;
 use spineline::multibody::{Deformed, Equilibrium, PathPoint, Timing};
 use spineline::response::{ActingKind, CurveChange, acting_loads, erect_shape, measure_angles};
-use spineline::spatial::Frontal;
+use spineline::spatial::{Frontal, sideways_words};
 use spineline_files::{AppliedLoad, LoadFault, LoadFile, Simulated};
 use spineline_report::document::Table;
 use spineline_report::loaded_tables::LoadedTables;
@@ -56,7 +57,11 @@ pub fn view(analysis: &Analysis, simulated: &Simulated) -> LoadedModel {
     let loaded = LoadedView {
         converged: result.is_some(),
         texts: tables.ending().into_iter().chain(tables.events()).collect(),
-        angles: of_result(&|found| tables.angles(found)),
+        angles: of_result(&|found| {
+            let mut table = tables.angles(found);
+            balance(analysis, &found.deformed).into_iter().for_each(|row| table.row(row));
+            table
+        }),
         forces: of_result(&|found| tables.forces(found)),
         numbers: of_result(&|found| tables.numbers(found)),
         solutions: text_table(tables.solutions()),
@@ -73,6 +78,24 @@ fn text_table(table: Table) -> TextTable {
         numeric: column.numeric,
     };
     TextTable { columns: table.columns.into_iter().map(column).collect(), rows: table.rows }
+}
+
+/// Coronal balance before and after, where the erect film has a vertical.
+fn balance(analysis: &Analysis, shape: &Deformed) -> Option<Vec<String>> {
+    let erect = &analysis.erect().outline;
+    let top = shape.midpoints_mm.len() - 1;
+    let offset_mm = |shape: &Deformed| sacral_line_offset_mm(erect, shape.location(top));
+    let (before, after) = (offset_mm(&erect_shape(&analysis.spine))?, offset_mm(shape)?);
+    let reference = analysis.balance.as_ref()?.reference.words();
+    Some(vec![
+        format!(
+            "Coronal balance: {} from the vertical through {reference}",
+            analysis.levels().top()
+        ),
+        sideways_words(before),
+        sideways_words(after),
+        sideways_words(after - before),
+    ])
 }
 
 fn warnings(simulated: &Simulated) -> Vec<Notice> {

@@ -71,6 +71,7 @@ fn each_example_has_a_result_with_angles_before_and_after() {
         };
         assert_eq!((of("Cobb"), of("Ferguson")), (3, 3));
         assert_eq!((of("Lateral tilt of L4-T2"), of("T2 from the axis of L4")), (1, 1));
+        assert_eq!((of("Tilt of T2 against L4"), of("Coronal balance: T2 from")), (1, 1));
         let steps = simulation["steps"].as_array().expect("steps");
         assert!(steps.len() > 2 && steps.len() <= 42);
         assert_eq!(steps.last().expect("steps")["label"], "All loads: the result");
@@ -94,6 +95,29 @@ fn a_pull_on_both_sides_moves_the_spine_to_both_sides() {
     };
     let (left, right) = (y_mm(15.0), y_mm(-15.0));
     assert!(left > 1.0 && right < -1.0, "{left} {right}");
+}
+
+/// The phantom stands upright on its film: T2 moves along the horizontal as much as in the frame of L4, but for L4's tilt.
+#[test]
+fn the_balance_changes_as_the_uppermost_vertebra_moves() {
+    let running = running();
+    let load = json!([{ "kind": "force_at_point", "level": "T2", "force_n": [0.0, 12.0, 0.0] }]);
+    let answer = running.post(PATH, &file(&load));
+    let rows = answer["simulation"]["angles"]["rows"].as_array().expect("rows");
+    let change_mm = |name: &str| {
+        let named = |row: &&Value| row[0].as_str().is_some_and(|text| text.starts_with(name));
+        let cells = rows.iter().find(named).expect("a row").as_array().expect("cells");
+        let left_mm = |cell: &Value| {
+            let text = cell.as_str().expect("text");
+            let size: f64 = text.split(' ').next().and_then(|n| n.parse().ok()).expect("a number");
+            if text.ends_with("right") { -size } else { size }
+        };
+        // Rounded to a tenth of a millimetre each.
+        assert!((left_mm(&cells[3]) - (left_mm(&cells[2]) - left_mm(&cells[1]))).abs() < 0.151);
+        left_mm(&cells[3])
+    };
+    let (balance, offset) = (change_mm("Coronal balance"), change_mm("T2 from the axis of L4"));
+    assert!(offset > 5.0 && balance > 0.8 * offset && balance < 1.2 * offset, "{balance} {offset}");
 }
 
 #[test]
