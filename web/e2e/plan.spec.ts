@@ -159,6 +159,16 @@ test("the path is a slider, and the traction film is compared with its predictio
   await expect(page.getByText("under the loads", { exact: true })).toBeVisible();
   await shot(page, "plan-traction");
   await expectAccessible(page);
+  await page.getByRole("button", { name: "3D", exact: true }).click();
+  const space = page.getByRole("application", { name: "Spine in three dimensions" });
+  await expect(space.getByText("Seen from behind")).toBeVisible();
+  await expect(
+    page.getByText(/^Spine before and under the loads, seen from behind/),
+  ).toBeAttached();
+  await expectAccessible(page);
+  // Drawn in full after a rest.
+  await page.waitForTimeout(1500);
+  await shot(page, "plan-3d");
 });
 
 test("one pad is tried everywhere, and a press on a cell adds it", async ({ app, page }) => {

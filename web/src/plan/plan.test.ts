@@ -1,6 +1,7 @@
 import { afterEach, beforeEach, expect, it, vi } from "vitest";
 
 import type { Point } from "../model/shapes";
+import { arrowOf, endsOf } from "./arrows";
 import { fieldsOf, loadsOf, moved, pointed, textOf, valueOf, type Load } from "./loads";
 import { Plan } from "./plan.svelte";
 
@@ -136,4 +137,13 @@ it("has fields with units for every value of a kind", () => {
   const weight = { kind: "gravity", body_weight_n: 20 } as Load;
   expect([valueOf(weight, "timing"), valueOf(PAD, "timing")]).toEqual(["held", "growing"]);
   expect(valueOf({ kind: "force_at_point" } as Load, "point_in_vertebra_mm")).toEqual([0, 0, 0]);
+});
+
+it("draws a pad towards its vertebra and a pull away from it, on the side from which it is seen", () => {
+  const arrow = { load: 0, point_mm: [0, 10, 100], vector: [0, 4, 0], is_moment: false, part: 1 };
+  expect(endsOf(arrow, false)).toEqual({ from: [0, 10, 100], tip: [0, 65, 100] });
+  expect(endsOf(arrow, true)).toEqual({ from: [0, -45, 100], tip: [0, 10, 100] });
+  expect(arrowOf(arrow, false, -1)).toMatchObject({ x1: -10, x2: -65, y1: -100, y2: -100 });
+  expect(arrowOf({ ...arrow, vector: [1, 0, 0] }, false, 1)).toBeNull();
+  expect(endsOf({ ...arrow, is_moment: true }, false)).toBeNull();
 });
