@@ -52,7 +52,9 @@ pub use error::FileError;
 pub use export::{ExportError, ExportFormat, export};
 pub use json::{file_format, nearest, parse_json};
 pub use keys::{Key, LevelKey};
-pub use load_file::{AppliedLoad, DIRECTIONS, LoadFile, PlacedLoads, direction, parse_load};
+pub use load_file::{
+    AppliedLoad, DIRECTIONS, LoadFault, LoadFile, PlacedLoads, direction, parse_load,
+};
 pub use model_file::{LoadRecord, ModelFile, StoredModel, parse_model};
 pub use provenance::{
     FilmOrigin, InputFile, ProgramRun, Provenance, ProvenanceFile, parse_provenance,

@@ -7,11 +7,10 @@ use spineline::clinical::{CurvePlaces, RegionBounds};
 use spineline::multibody::{SpineModel, Support};
 use spineline::spatial::{Angle, Mat3, Vec3};
 
-use crate::FileError;
-use crate::Provenance;
 use crate::error::NEIGHBOURS_MM;
 use crate::json::parse;
 use crate::keys::{Key, LevelKey};
+use crate::{FileError, Provenance};
 
 const FORMAT: &str = "spineline-model";
 const VERSION: u32 = 1;

@@ -236,7 +236,7 @@ struct Writer<'a> {
 
 impl Writer<'_> {
     fn angles(&self, shape: &Deformed) -> AnglesRecord {
-        let SpineAngles { lateral_tilt: tilt, curves } = measure_angles(shape, self.places);
+        let SpineAngles { lateral_tilt: tilt, curves, .. } = measure_angles(shape, self.places);
         let key = Key::<Region>;
         AnglesRecord {
             lateral_tilt_right_deg: tilt.deg(),

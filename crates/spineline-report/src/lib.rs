@@ -15,6 +15,7 @@ pub mod figures;
 pub mod fonts;
 mod html;
 mod hypotheses;
+pub mod loaded_tables;
 mod markdown;
 pub mod patient;
 mod phrases;

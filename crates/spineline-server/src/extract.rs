@@ -29,16 +29,36 @@ impl<T: DeserializeOwned> FromRequest<AppState> for Json<T> {
     type Rejection = Failure;
 
     async fn from_request(request: Request, state: &AppState) -> Result<Self, Failure> {
-        if !is_json(request.headers()) {
-            return Err(Failure::new(
-                StatusCode::UNSUPPORTED_MEDIA_TYPE,
-                "not_json",
-                "the body must be JSON with Content-Type: application/json",
-            ));
-        }
-        let body = Bytes::from_request(request, state).await.map_err(|refused| unread(&refused))?;
+        let body = json_body(request, state).await?;
         serde_json::from_slice(&body).map(Self).map_err(|error| bad(&error))
     }
+}
+
+/// The text of a JSON body, for files with messages of their own.
+#[derive(Debug, Clone)]
+pub struct JsonText(pub String);
+
+impl FromRequest<AppState> for JsonText {
+    type Rejection = Failure;
+
+    async fn from_request(request: Request, state: &AppState) -> Result<Self, Failure> {
+        let body = json_body(request, state).await?;
+        let text = String::from_utf8(body.into()).map_err(|_| {
+            Failure::new(StatusCode::BAD_REQUEST, "bad_json", "the body is not UTF-8")
+        })?;
+        Ok(Self(text))
+    }
+}
+
+async fn json_body(request: Request, state: &AppState) -> Result<Bytes, Failure> {
+    if !is_json(request.headers()) {
+        return Err(Failure::new(
+            StatusCode::UNSUPPORTED_MEDIA_TYPE,
+            "not_json",
+            "the body must be JSON with Content-Type: application/json",
+        ));
+    }
+    Bytes::from_request(request, state).await.map_err(|refused| unread(&refused))
 }
 
 fn is_json(headers: &HeaderMap) -> bool {

@@ -24,6 +24,7 @@ mod limits;
 mod listen;
 mod overview_cache;
 mod pace;
+mod pad_jobs;
 mod problem;
 mod readings;
 mod result_cache;

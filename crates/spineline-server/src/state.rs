@@ -16,6 +16,7 @@ use crate::hosts::Hosts;
 use crate::jobs::Jobs;
 use crate::limits::ServeLimits;
 use crate::overview_cache::OverviewCache;
+use crate::pad_jobs::PadMapJobs;
 use crate::problem::Answer;
 use crate::result_cache::{ResultCache, computed};
 
@@ -60,6 +61,7 @@ struct Shared {
     changes: Channel,
     results: ResultCache,
     jobs: Jobs,
+    pad_maps: PadMapJobs,
 }
 
 impl fmt::Debug for AppState {
@@ -90,6 +92,7 @@ impl AppState {
             changes: Channel::default(),
             results: ResultCache::default(),
             jobs: Jobs::default(),
+            pad_maps: PadMapJobs::default(),
         };
         Self { shared: Arc::new(shared) }
     }
@@ -110,6 +113,11 @@ impl AppState {
     /// Computations in the background.
     pub(crate) fn jobs(&self) -> &Jobs {
         &self.shared.jobs
+    }
+
+    /// Pads that are tried in the background.
+    pub(crate) fn pad_maps(&self) -> &PadMapJobs {
+        &self.shared.pad_maps
     }
 
     /// Decoded films and uploads.

@@ -101,8 +101,12 @@ export async function answerOf<T>(asked: Promise<{ data?: T }>): Promise<T> {
 }
 
 /** Requests the bytes at an address. */
-export function askBytes(address: string, signal: AbortSignal): Promise<Response> {
-  return send(new Request(new URL(address, location.origin), { signal }));
+export function askBytes(
+  address: string,
+  signal: AbortSignal,
+  how: RequestInit = {},
+): Promise<Response> {
+  return send(new Request(new URL(address, location.origin), { ...how, signal }));
 }
 
 /** Uploads a file and reports the fraction sent, from 0 to 1. `fetch` reports no progress. */

@@ -17,11 +17,20 @@ export const modelPath = (
 
 /** Saves the file at an address under the name that the program gives it; a refusal is thrown. */
 export async function save(address: string, signal: AbortSignal): Promise<void> {
-  const response = await askBytes(address, signal);
+  await saveAnswer(await askBytes(address, signal));
+}
+
+/** Saves what was answered under the name that the program gives it. */
+export async function saveAnswer(response: Response): Promise<void> {
   const stated = response.headers.get("content-disposition") ?? "";
+  saveBlob(await response.blob(), /filename="([^"]+)"/.exec(stated)?.[1] ?? "");
+}
+
+/** Saves a file. */
+export function saveBlob(blob: Blob, name: string): void {
   const link = document.createElement("a");
-  link.download = /filename="([^"]+)"/.exec(stated)?.[1] ?? "";
-  link.href = URL.createObjectURL(await response.blob());
+  link.download = name;
+  link.href = URL.createObjectURL(blob);
   link.click();
   // The browser has the bytes when the click is handled.
   setTimeout(() => URL.revokeObjectURL(link.href), 0);

@@ -6,6 +6,7 @@ export type Page =
   | { name: "measure"; study: string; film?: number }
   | { name: "model"; study: string }
   | { name: "evidence"; study: string }
+  | { name: "plan"; study: string }
   | { name: "read"; study: string }
   | { name: "cohort" }
   | { name: "access" };
@@ -19,6 +20,7 @@ export function pageOf(hash: string): Page {
   if (first === "studies" && study) {
     if (third === "model") return { name: "model", study };
     if (third === "evidence") return { name: "evidence", study };
+    if (third === "plan") return { name: "plan", study };
     if (third === "read") return { name: "read", study };
     const film = Number(fourth);
     return { name: "measure", study, ...(fourth && Number.isInteger(film) ? { film } : {}) };
@@ -50,6 +52,8 @@ export function addressOf(page: Page): string {
       return `#/studies/${encodeURIComponent(page.study)}/model`;
     case "evidence":
       return `#/studies/${encodeURIComponent(page.study)}/evidence`;
+    case "plan":
+      return `#/studies/${encodeURIComponent(page.study)}/plan`;
     case "read":
       return `#/studies/${encodeURIComponent(page.study)}/read`;
     case "measure": {

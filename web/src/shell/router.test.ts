@@ -20,6 +20,7 @@ describe("addresses", () => {
     { name: "measure", study: "S-017", film: 3 },
     { name: "model", study: "a.b_c-1" },
     { name: "evidence", study: "S-017" },
+    { name: "plan", study: "a.b_c-1" },
     { name: "read", study: "S-017" },
   ];
 

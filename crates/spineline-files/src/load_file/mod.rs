@@ -1,6 +1,7 @@
 //! The file of loads.
 
 mod place;
+mod words;
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -10,7 +11,7 @@ use crate::FileError;
 use crate::json::parse;
 use crate::keys::{Key, LevelKey};
 
-pub use place::PlacedLoads;
+pub use place::{LoadFault, PlacedLoads};
 
 const FORMAT: &str = "spineline-load";
 const VERSION: u32 = 1;

@@ -78,7 +78,41 @@ impl AppliedLoad {
     }
 }
 
+/// Why one load of a file cannot be applied.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct LoadFault {
+    /// Which load of the file, from 0.
+    pub load: usize,
+    /// Why.
+    pub reason: String,
+    /// Remedy.
+    pub help: &'static str,
+}
+
 impl LoadFile {
+    /// Why loads cannot be applied to a model: for every load that alone cannot be, and else for the first one that cannot be with
+    /// the others. Empty where [`LoadFile::place`] succeeds.
+    #[must_use]
+    pub fn faults(&self, model: &StoredModel) -> Vec<LoadFault> {
+        let fault = |load: usize, error: FileError| match error {
+            FileError::Load { reason, help, .. } => LoadFault { load, reason, help },
+            other => LoadFault { load, reason: other.to_string(), help: other.help() },
+        };
+        let alone = self.loads.iter().enumerate().filter_map(|(number, load)| {
+            let error = Self::new(vec![load.clone()]).place(model).err()?;
+            Some(fault(number, error))
+        });
+        let faults: Vec<LoadFault> = alone.collect();
+        if !faults.is_empty() {
+            return faults;
+        }
+        let together = self.place(model).err().map(|error| match error {
+            FileError::Load { number, .. } => fault(number - 1, error),
+            other => fault(0, other),
+        });
+        together.into_iter().collect()
+    }
+
     /// Puts the loads on the vertebrae of a model.
     ///
     /// # Errors

@@ -1,5 +1,6 @@
 //! A personalised model under loads: from the files of both to everything that is shown of the result.
 
+mod film_force;
 mod warnings;
 
 use spineline::clinical::CurvePlaces;

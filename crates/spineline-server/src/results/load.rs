@@ -8,7 +8,7 @@ use spineline::analysis::{Analysis, LineModel};
 use spineline::anatomy::Level;
 use spineline::multibody::{BodyLoad, Deformed, GeneralStatics, Goal, Loading};
 use spineline::response::{
-    CurveAngles, SpineAngles, erect_shape, largest_displacement_mm, measure_angles, respond,
+    CurveChange, SpineAngles, erect_shape, largest_displacement_mm, measure_angles, respond,
 };
 use spineline::spatial::{Mat3, Vec3, vector_words};
 
@@ -164,13 +164,7 @@ fn texts(analysis: &Analysis, erect: &Deformed, shape: &Deformed) -> Vec<String>
 
 /// The largest curve of the erect spine before and after.
 fn curve_text(before: &SpineAngles, after: &SpineAngles) -> Option<String> {
-    let both = before.curves.iter().zip(&after.curves);
-    let size = |curve: &CurveAngles| curve.ends.size();
-    let (before, after) =
-        both.max_by(|a, b| size(a.0).abs().rad().total_cmp(&size(b.0).abs().rad()))?;
-    // In the direction of the erect curve; negative if the curve is reversed.
-    let sign = if size(before).rad() < 0.0 { -1.0 } else { 1.0 };
-    let name = if before.ends.cobb.is_some() { "Cobb angle" } else { "tilt range" };
-    let [before_size, after_size] = [size(before), size(after)].map(|angle| angle * sign);
-    Some(format!("{} curve: {name} {after_size} instead of {before_size}", before.region))
+    let change = CurveChange::between(before, after)?;
+    let CurveChange { region, before, after, .. } = change;
+    Some(format!("{region} curve: {} {after} instead of {before}", change.size_name()))
 }

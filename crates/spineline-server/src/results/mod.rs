@@ -8,10 +8,12 @@ mod exports;
 mod findings;
 mod live;
 mod load;
+mod loads;
 mod model;
 mod notices;
 mod options;
 mod overlay;
+mod pad_map;
 mod preview;
 mod record;
 mod reliability;
@@ -41,6 +43,8 @@ pub fn routes() -> OpenApiRouter<AppState> {
         .routes(routes!(study::overlay))
         .routes(routes!(model::model))
         .routes(routes!(load::load))
+        .merge(loads::routes())
+        .merge(pad_map::routes())
         .routes(routes!(cohort::cohort))
         .routes(routes!(reliability::reliability))
 }

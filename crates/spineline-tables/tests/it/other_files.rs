@@ -99,6 +99,7 @@ fn shapes_on_a_path() {
         point: &point,
         angles: SpineAngles {
             lateral_tilt: angle(0.0),
+            top_offset_mm: 0.0,
             curves: vec![
                 curve(Region::ThoracolumbarLumbar, Some(0.75)),
                 curve(Region::MainThoracic, None),

@@ -68,6 +68,27 @@ impl Balance {
     pub const MISSING: &'static str = "Not measured: trunk shift (no rib margins are marked), shoulder obliquity (no clavicles or acromia are marked), and neutral vertebrae (no pedicles are marked)";
 }
 
+/// What stands for the centre of the sacrum on an erect film, and where it is.
+fn sacral_centre(erect: &Outline) -> (SacralReference, Frontal) {
+    let l5 = || erect.others.iter().find(|vertebra| vertebra.level == Level::L5);
+    erect
+        .iliac_middle
+        .map(|middle| (SacralReference::IliacCrests, middle))
+        .or_else(|| l5().map(|l5| (SacralReference::L5, l5.location)))
+        .unwrap_or((SacralReference::Base, erect.vertebrae[0].location))
+}
+
+/// Distance of a point from the central sacral vertical line of an erect film, positive to the patient's left; `None` for a film
+/// whose vertical is not known.
+///
+/// The pelvis is fixed to the base of a model, so that this measures shapes under loads too.
+#[must_use]
+pub fn sacral_line_offset_mm(erect: &Outline, point: Frontal) -> Option<f64> {
+    let (_, sacral) = sacral_centre(erect);
+    // In a frame whose third axis is the film's vertical.
+    Some((point - sacral).rotated(-erect.vertical?).y_mm)
+}
+
 /// Measures the balance of an erect film; `None` for a film whose vertical is not known.
 #[must_use]
 pub fn measure_balance(
@@ -76,15 +97,10 @@ pub fn measure_balance(
     curves: &[ClinicalCurve],
 ) -> Option<Balance> {
     let vertical = erect.vertical?;
-    let others = |level| erect.others.iter().find(|vertebra| vertebra.level == level);
-    let (reference, sacral) = erect
-        .iliac_middle
-        .map(|middle| (SacralReference::IliacCrests, middle))
-        .or_else(|| others(Level::L5).map(|l5| (SacralReference::L5, l5.location)))
-        .unwrap_or((SacralReference::Base, erect.vertebrae[0].location));
-    // In a frame whose third axis is the film's vertical.
-    let left_mm = |point: Frontal| (point - sacral).rotated(-vertical).y_mm;
-    let top = others(Level::T1).or(erect.vertebrae.last())?;
+    let (reference, _) = sacral_centre(erect);
+    let left_mm = |point: Frontal| sacral_line_offset_mm(erect, point);
+    let t1 = erect.others.iter().find(|vertebra| vertebra.level == Level::T1);
+    let top = t1.or(erect.vertebrae.last())?;
     let superior = |level: Level| {
         let endplates = erect.vertebra(level)?.endplates?;
         Some((endplates.superior - vertical).wrapped())
@@ -92,15 +108,15 @@ pub fn measure_balance(
     let place = |level: Level| erect.vertebra(level).map(|vertebra| vertebra.location);
     let mut apical_translation_mm = [0.0; 3];
     for curve in curves {
-        apical_translation_mm[curve.region.index()] = left_mm(place(curve.apex)?);
+        apical_translation_mm[curve.region.index()] = left_mm(place(curve.apex)?)?;
     }
     let apex = regions.bounds[Region::MainThoracic.index()].apex;
-    let off_mm = |i: &usize| left_mm(erect.vertebrae[*i].location).abs();
+    let off_mm = |i: &usize| left_mm(erect.vertebrae[*i].location).map_or(f64::INFINITY, f64::abs);
     let stable = (0..apex).min_by(|a, b| off_mm(a).total_cmp(&off_mm(b)))?;
     Some(Balance {
         reference,
         plumb_level: top.level,
-        coronal_balance_mm: left_mm(top.location),
+        coronal_balance_mm: left_mm(top.location)?,
         apical_translation_mm,
         t1_tilt: superior(Level::T1),
         l4_tilt: superior(Level::L4),

@@ -12,7 +12,7 @@ mod places;
 mod regions;
 mod shares;
 
-pub use balance::{Balance, SacralReference, measure_balance};
+pub use balance::{Balance, SacralReference, measure_balance, sacral_line_offset_mm};
 pub use curves::{
     ClinicalCurve, EndChoice, EndRule, LenkeType, film_tilts, lenke_type, measure_curves,
 };

@@ -227,14 +227,21 @@ pub fn simulate(
         tilts: (0..measured.len()).map(|i| deformed.tilt(i)).collect(),
         ferguson_difference,
         compared: film.measured().skip(1).map(|(_, vertebra)| vertebra.level).collect(),
-        location_errors_mm: film
-            .measured()
-            .skip(1)
-            .map(|(i, vertebra)| locations[i].distance_mm(vertebra.location))
-            .collect(),
+        location_errors_mm: location_errors_mm(&locations, film),
         locations,
         contradicted: Vec::new(),
     }
+}
+
+/// Distance of every vertebra above the base from where a film shows it, caudal first; vertebrae that the film does not show are
+/// left out.
+///
+/// # Panics
+/// If the locations are not those of the film's vertebrae.
+#[must_use]
+pub fn location_errors_mm(locations: &[Frontal], film: &Outline) -> Vec<f64> {
+    let shown = film.measured().skip(1);
+    shown.map(|(i, vertebra)| locations[i].distance_mm(vertebra.location)).collect()
 }
 
 /// Forces that were found with the errors of their Ferguson angles, the best first: a shape that met its target always comes

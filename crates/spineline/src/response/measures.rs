@@ -25,6 +25,8 @@ pub struct CurveAngles {
 pub struct SpineAngles {
     /// Lateral tilt of the line from the lowest to the uppermost vertebra.
     pub lateral_tilt: Angle,
+    /// Distance of the uppermost vertebra's midpoint from the cranial axis of the lowest one; positive to the patient's left.
+    pub top_offset_mm: f64,
     /// Curves, in the order of the places.
     pub curves: Vec<CurveAngles>,
 }
@@ -43,7 +45,54 @@ pub fn measure_angles(shape: &Deformed, places: &[CurvePlaces]) -> SpineAngles {
         ends: place.angles(&tilts),
         ferguson: place.ferguson(&locations),
     };
-    SpineAngles { lateral_tilt: shape.lateral_tilt(), curves: places.iter().map(angles).collect() }
+    SpineAngles {
+        lateral_tilt: shape.lateral_tilt(),
+        top_offset_mm: locations.last().map_or(0.0, |top| top.y_mm),
+        curves: places.iter().map(angles).collect(),
+    }
+}
+
+/// The largest curve of the erect spine, before and after.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct CurveChange {
+    /// Which curve.
+    pub region: Region,
+    /// Whether the sizes are Cobb angles; else they are tilt ranges.
+    pub is_cobb: bool,
+    /// Size of the erect curve; not negative.
+    pub before: Angle,
+    /// Size in the direction of the erect curve: negative where the curve is reversed.
+    pub after: Angle,
+}
+
+impl CurveChange {
+    /// Between the angles of two shapes at the same places; `None` without curves.
+    #[must_use]
+    pub fn between(erect: &SpineAngles, after: &SpineAngles) -> Option<Self> {
+        let size = |curve: &CurveAngles| curve.ends.size();
+        let both = erect.curves.iter().zip(&after.curves);
+        let (erect, after) =
+            both.max_by(|a, b| size(a.0).abs().rad().total_cmp(&size(b.0).abs().rad()))?;
+        let sign = if size(erect).rad() < 0.0 { -1.0 } else { 1.0 };
+        Some(Self {
+            region: erect.region,
+            is_cobb: erect.ends.cobb.is_some(),
+            before: size(erect) * sign,
+            after: size(after) * sign,
+        })
+    }
+
+    /// What the size is called.
+    #[must_use]
+    pub const fn size_name(&self) -> &'static str {
+        if self.is_cobb { "Cobb angle" } else { "tilt range" }
+    }
+
+    /// Growth of the curve; negative where it is corrected.
+    #[must_use]
+    pub fn growth(&self) -> Angle {
+        self.after - self.before
+    }
 }
 
 /// The unloaded spine as a shape.

@@ -7,13 +7,15 @@
 
 mod acting;
 mod measures;
+mod pads;
 mod search;
 
 pub use acting::{ActingKind, ActingLoad, acting_loads};
 pub use measures::{
-    CurveAngles, SpineAngles, UNUSUAL_HINGE, erect_shape, largest_displacement_mm, largest_hinge,
-    measure_angles,
+    CurveAngles, CurveChange, SpineAngles, UNUSUAL_HINGE, erect_shape, largest_displacement_mm,
+    largest_hinge, measure_angles,
 };
+pub use pads::{PadEffect, PadReached, PadTrial, try_pad};
 pub use search::{
     GoalEquilibrium, OnSignedPoint, Response, SignedPath, Verdict, direction_word, largest_factor,
     respond,

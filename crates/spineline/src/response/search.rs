@@ -114,14 +114,29 @@ impl Response {
     pub fn last_reached(&self, erect: &SpineModel) -> Option<(f64, &Deformed)> {
         let result = self.result().map(|equilibrium| (equilibrium.factor, &equilibrium.deformed));
         result.or_else(|| {
-            let first = &self.paths.first()?.path;
-            let reached = |point: &&PathPoint| {
-                point.limit_points == 0
-                    && point.branch_points == 0
-                    && point.deformed.beyond_human_range(erect).is_none()
-            };
-            let last = first.points.iter().take_while(reached).last()?;
+            let last = self.reached_points(erect).last()?;
             Some((last.factor, &last.deformed))
+        })
+    }
+
+    /// The shapes that the spine takes one after another, without snapping, buckling or leaving the human range: those before
+    /// the result, or without one those before the loads had to stop.
+    ///
+    /// # Panics
+    /// If `erect` is not the model that was loaded.
+    pub fn reached_points<'a>(&'a self, erect: &SpineModel) -> impl Iterator<Item = &'a PathPoint> {
+        let result = self.result();
+        let sign = result.and(self.equilibria.first()).map(|met| met.sign);
+        let path = self.paths.iter().find(|signed| sign.is_none_or(|sign| signed.sign == sign));
+        let points = path.into_iter().flat_map(|signed| &signed.path.points);
+        points.take_while(move |point| {
+            let before = result.is_none_or(|result| {
+                point.timing == Timing::Constant || point.factor.abs() < result.factor.abs()
+            });
+            before
+                && point.limit_points == 0
+                && point.branch_points == 0
+                && point.deformed.beyond_human_range(erect).is_none()
         })
     }
 

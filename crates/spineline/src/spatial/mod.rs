@@ -14,7 +14,7 @@ mod words;
 pub use angle::Angle;
 pub use frontal::{Frontal, Pixel};
 pub use sine::{is_small, sin_cos, small_sin_cos};
-pub use words::{moment_words, vector_words};
+pub use words::{moment_words, sideways_words, vector_words};
 
 /// A vector of three components; millimetres, newtons or newton millimetres as its name says.
 pub type Vec3 = nalgebra::Vector3<f64>;

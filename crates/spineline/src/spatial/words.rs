@@ -13,6 +13,18 @@ pub fn vector_words(vector: [f64; 3]) -> String {
     parts(vector, [["anterior", "posterior"], ["left", "right"], ["cranial", "caudal"]])
 }
 
+/// A distance to one side, such as `12.3 mm left`.
+#[must_use]
+pub fn sideways_words(left_mm: f64) -> String {
+    let size = format!("{:.1}", left_mm.abs());
+    match size.as_str() {
+        // A distance that rounds to zero has no side.
+        "0.0" => format!("{size} mm"),
+        _ if left_mm < 0.0 => format!("{size} mm right"),
+        _ => format!("{size} mm left"),
+    }
+}
+
 /// A moment on a vertebra by what it does, such as `5000.0 bending right, 200.0 flexing`.
 #[must_use]
 pub fn moment_words(moment: [f64; 3]) -> String {

@@ -3,7 +3,7 @@
 use crate::common::{analyzed, exact_case, film_mut, landmarks, move_landmarks, on_a_table};
 use spineline::analysis::Case;
 use spineline::anatomy::{Level, Posture, Region};
-use spineline::clinical::{Balance, SacralReference};
+use spineline::clinical::{Balance, SacralReference, sacral_line_offset_mm};
 use spineline::measure::FilmLandmarks;
 use spineline::spatial::{Angle, Frontal};
 
@@ -40,6 +40,22 @@ fn distances_are_those_of_the_film_in_millimetres() {
             assert!((mm - left_mm(centre(curve.apex))).abs() < ROUNDING, "{}", curve.region);
         }
     }
+}
+
+#[test]
+fn the_offset_of_any_point_is_that_of_the_balance() {
+    let analysis = analyzed(&exact_case(0), &on_a_table());
+    let (erect, balance) =
+        (&analysis.erect().outline, analysis.balance.as_ref().expect("a vertical"));
+    let top = erect.vertebrae.last().expect("vertebrae").location;
+    let offset_mm = |point| sacral_line_offset_mm(erect, point).expect("a vertical");
+    assert!((offset_mm(top) - balance.coronal_balance_mm).abs() < ROUNDING);
+    // Along the vertical of the film nothing changes; across it, every millimetre counts.
+    let vertical = erect.vertical.expect("a vertical");
+    let up = Frontal::new(0.0, 50.0).rotated(vertical);
+    let left = Frontal::new(7.0, 0.0).rotated(vertical);
+    assert!((offset_mm(top + up) - offset_mm(top)).abs() < ROUNDING);
+    assert!((offset_mm(top + left) - offset_mm(top) - 7.0).abs() < ROUNDING);
 }
 
 #[test]

@@ -10,8 +10,8 @@ use spineline::multibody::{
     PathEnding, Rod, SpineModel, Support, Timing,
 };
 use spineline::response::{
-    ActingKind, Response, Verdict, acting_loads, erect_shape, largest_factor, measure_angles,
-    respond,
+    ActingKind, CurveChange, PadTrial, Response, Verdict, acting_loads, erect_shape,
+    largest_factor, measure_angles, respond, try_pad,
 };
 use spineline::spatial::{Angle, Mat3, Vec3};
 
@@ -274,4 +274,82 @@ fn the_range_counts_rotations_from_the_erect_shape_of_any_axis() {
     assert!((column.rotation.deg() - 92.4).abs() < 1e-9);
     let joint = bent(27.1).expect("beyond the limit of a joint");
     assert_eq!((joint.vertebrae[1] - joint.vertebrae[0], joint.limit), (1, MAX_HUMAN_JOINT));
+}
+
+/// A pad has its stiffness and its displacement, and a trial has its force: both must be the same equilibrium.
+#[test]
+fn a_tried_pad_pushes_with_its_force_once_it_is_a_spring() {
+    /// Of the force, in newtons, and of angles, in degrees: Newton ends far below.
+    const SAME: f64 = 1e-6;
+    let model = spine(0).1;
+    let springs = springs(&model);
+    let statics =
+        GeneralStatics::new(&model, springs.clone(), Support::Frontal).expect("sound springs");
+    let erect = erect_shape(&model);
+    let locations: Vec<_> = (0..15).map(|i| erect.location(i)).collect();
+    let tilts: Vec<_> = (0..15).map(|i| erect.tilt(i)).collect();
+    let places = CurvePlaces::usual(Levels::COMPLETE, &locations, &tilts).expect("L4 to T2");
+    let trials = PadTrial::all(15, 40.0, 2);
+    assert_eq!(trials.len(), 14 * 2 * 2);
+    let (mut found, mut corrected, mut worsened) = (0, 0, 0);
+    for trial in trials {
+        let mut go_on = |_, _: &_| ControlFlow::Continue(());
+        let effect = try_pad(&statics, &places, trial, &mut go_on).expect("a sound load");
+        let Some(reached) = effect.reached else { continue };
+        let n_per_mm = 3.0;
+        let pad = BodyLoad::Pad {
+            point_in_vertebra_mm: Vec3::zeros(),
+            direction: trial.direction(),
+            n_per_mm,
+            advance_mm: effect.advance_mm(n_per_mm).expect("a result"),
+        };
+        let loading = Loading::single(trial.vertebra, pad);
+        let response =
+            respond(&statics, &loading, Goal::FullLoad, 1.0, &mut go_on).expect("a sound load");
+        let result = response.result().expect("the pad only makes the spine stiffer");
+        let [(_, force_n)] = result.spring_forces_n[..] else { panic!("one pad") };
+        assert!((force_n - trial.force_n).abs() < SAME, "{trial:?}: {force_n}");
+        let [before, after] =
+            [&erect, &result.deformed].map(|shape| measure_angles(shape, &places));
+        let own = CurveChange::between(&before, &after).expect("three curves");
+        let tried = reached.curve.expect("three curves");
+        assert!((own.after - tried.after).deg().abs() < SAME, "{trial:?}");
+        found += 1;
+        corrected += usize::from(tried.growth().deg() < 0.0);
+        worsened += usize::from(tried.growth().deg() > 0.0);
+    }
+    assert!(found > 40 && corrected > 10 && worsened > 10, "{found} {corrected} {worsened}");
+}
+
+#[test]
+fn the_reached_shapes_grow_up_to_the_result_or_end_before_the_spine_snaps() {
+    let model = spine(0).1;
+    let springs = springs(&model);
+    let goal = Goal::FullLoad;
+    let (_, bent) = push(&model, &springs, Vec3::new(0.0, 50.0, 0.0), goal);
+    let result = bent.result().expect("a small load");
+    let factors: Vec<f64> = bent.reached_points(&model).map(|point| point.factor).collect();
+    assert!(factors.len() > 1 && factors.is_sorted() && factors[0] == 0.0, "{factors:?}");
+    assert!(factors.iter().all(|factor| *factor < result.factor));
+    assert_eq!(bent.last_reached(&model).map(|(factor, _)| factor), Some(result.factor));
+    let (_, folded) = push(&model, &springs, Vec3::new(0.0, 0.0, -5000.0), goal);
+    assert!(folded.result().is_none());
+    let last = folded.reached_points(&model).last().expect("the unloaded spine");
+    assert!(last.factor < 1.0 && last.deformed.beyond_human_range(&model).is_none());
+}
+
+#[test]
+fn the_largest_erect_curve_is_measured_before_and_after() {
+    let model = spine(0).1;
+    let erect = erect_shape(&model);
+    let locations: Vec<_> = (0..15).map(|i| erect.location(i)).collect();
+    let tilts: Vec<_> = (0..15).map(|i| erect.tilt(i)).collect();
+    let places = CurvePlaces::usual(Levels::COMPLETE, &locations, &tilts).expect("L4 to T2");
+    let angles = measure_angles(&erect, &places);
+    let same = CurveChange::between(&angles, &angles).expect("three curves");
+    let sizes = angles.curves.iter().map(|curve| curve.ends.size().abs().deg());
+    assert!((same.before.deg() - sizes.fold(0.0, f64::max)).abs() < 1e-12);
+    assert_eq!((same.before, same.growth().deg()), (same.after, 0.0));
+    assert!((angles.top_offset_mm - erect.midpoints_mm[14].y).abs() < 1e-12);
+    assert_eq!(CurveChange::between(&measure_angles(&erect, &[]), &angles), None);
 }

@@ -1,6 +1,5 @@
 //! From the command line to loads.
 
-use spineline::action::Application;
 use spineline::anatomy::Posture;
 use spineline::multibody::Timing;
 use spineline::spatial::Vec3;
@@ -75,25 +74,10 @@ fn of_posture(
         let place = args.model.display().to_string();
         return Err(Failure::input(&place, &text, "choose one of these, or use --push"));
     };
-    let mut notes = Vec::new();
-    if record.status != "converged" {
-        let text = format!(
-            "the analysis found no force for the {posture} film ({}); this is the one whose shape came nearest",
-            record.status
-        );
-        notes.push(SimulationWarning::new("load_not_found", text));
-    }
-    let size_n = args.force.map_or(record.force_n, |force| force.copysign(record.force_n));
-    let force_n = (Vec3::from(record.direction) * size_n).into();
-    let level = LevelKey(model.top());
-    let timing = Timing::Proportional.into();
-    let load = match record.application.0 {
-        Application::Fixed => {
-            AppliedLoad::ForceOnLine { level, force_n, point_mm: record.point_mm, timing }
-        }
-        Application::AtT2 => {
-            AppliedLoad::ForceAtPoint { level, force_n, point_in_vertebra_mm: [0.0; 3], timing }
-        }
+    let notes = record.doubt().into_iter().collect();
+    let load = match args.force {
+        Some(force) => record.with_force(force.copysign(record.force_n)).load(model.top()),
+        None => record.load(model.top()),
     };
     Ok((LoadFile::new(vec![load]), notes))
 }

@@ -4,7 +4,6 @@ mod args;
 mod loads;
 mod outcome;
 mod text;
-mod words;
 
 pub use args::{EXAMPLES, SimulateArgs};
 

@@ -7,13 +7,14 @@ use spineline::multibody::Goal;
 use spineline::response::{OnSignedPoint, measure_angles};
 use spineline::spatial::Angle;
 use spineline_files::{
-    LoadFile, Simulated, SimulationError, SimulationFile, SimulationWarning, StoredModel,
+    AppliedLoad, LoadFile, Simulated, SimulationError, SimulationFile, SimulationWarning,
+    StoredModel,
 };
 use spineline_report::figures::{LoadedSpine, loaded_spine};
+use spineline_report::loaded_tables::LoadedTables;
 use spineline_tables::{LoadedShape, Table, path_table};
 
 use super::args::SimulateArgs;
-use super::words::load_words;
 use crate::run::failure::Failure;
 use crate::run::provenance::generator;
 
@@ -80,9 +81,23 @@ impl Outcome {
         self.0.file(&generator())
     }
 
+    /// Its texts and tables.
+    pub fn tables(&self) -> LoadedTables<'_> {
+        LoadedTables {
+            force_unit: self.model.force_unit(),
+            levels: &self.model.levels,
+            model: &self.model.spine,
+            places: &self.places,
+            loading: &self.placed.loading,
+            load_of_item: &self.placed.load_of_item,
+            load_of_rod: &self.placed.load_of_rod,
+            response: &self.response,
+        }
+    }
+
     /// The picture.
     pub fn svg(&self) -> String {
-        let words: Vec<String> = self.loads.loads.iter().map(load_words).collect();
+        let words: Vec<String> = self.loads.loads.iter().map(AppliedLoad::words).collect();
         loaded_spine(&LoadedSpine {
             case_id: &self.model.case_id,
             synthetic: self.model.synthetic,

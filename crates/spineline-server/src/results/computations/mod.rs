@@ -98,7 +98,7 @@ async fn cancel(
 }
 
 /// The results of a study that the user may see, with at least this role.
-async fn analysed(
+pub async fn analysed(
     state: &AppState,
     user: &User,
     study: &str,

@@ -100,7 +100,8 @@ pub async fn export(
     Ok(attachment(&format!("{study}{}", download.ending), download.kind, download.bytes))
 }
 
-async fn log(state: &AppState, user: &User, study: &Name, form: &'static str) -> Answer<()> {
+/// Writes into the log of the store that a file was taken out.
+pub async fn log(state: &AppState, user: &User, study: &Name, form: &'static str) -> Answer<()> {
     let (study, by) = (study.clone(), user.sign(state.now()));
     state.store(move |store| store.log_export(&study, form, &by)).await
 }
@@ -128,7 +129,7 @@ fn file_of(analysis: &Analysis, case: &Case, found: &Computed) -> AnalysisFile {
     file
 }
 
-fn provenance(analysis: &Analysis) -> Provenance {
+pub fn provenance(analysis: &Analysis) -> Provenance {
     let run = ProgramRun {
         program: PROGRAM.to_owned(),
         command: vec!["spineline".to_owned(), "serve".to_owned()],
@@ -140,7 +141,7 @@ fn provenance(analysis: &Analysis) -> Provenance {
 }
 
 /// A writer of this program that failed on its own results.
-fn internal(reason: &dyn std::fmt::Display) -> crate::problem::Failure {
+pub fn internal(reason: &dyn std::fmt::Display) -> crate::problem::Failure {
     crate::problem::Failure::new(
         axum::http::StatusCode::INTERNAL_SERVER_ERROR,
         "internal",

@@ -4,10 +4,9 @@ use axum::extract::State;
 use axum::http::StatusCode;
 use axum::response::Response;
 use spineline::anatomy::Named;
-use spineline::personalize::FitStatus;
-use spineline_files::{ModelFile, parse_model, to_text};
 
-use super::{PROGRAM, internal, log, provenance};
+use super::super::loads::stored_model;
+use super::{PROGRAM, log};
 use crate::access::{open_study, study_result};
 use crate::api::{LineName, ModelFormatName, Problem};
 use crate::attachment::attachment;
@@ -37,19 +36,7 @@ pub async fn export_model(
 }
 
 fn text(result: &StudyResult, line: LineName, format: ModelFormatName) -> Answer<String> {
-    let analysis = result.analysed()?;
-    let model = analysis.models.iter().find(|model| model.kind == line.0);
-    let model = model.ok_or_else(|| {
-        let text = format!("this study has no model with the {}", line.0);
-        Failure::new(StatusCode::CONFLICT, "no_model", text).help("choose a line that has a model")
-    })?;
-    if model.fit.status != FitStatus::Converged {
-        let text = format!("the fit of the {} did not converge", line.0);
-        return Err(Failure::new(StatusCode::CONFLICT, "no_model", text)
-            .help("its springs are not a result; choose another line"));
-    }
-    let file = ModelFile::new(analysis, model, PROGRAM).with_provenance(provenance(analysis));
-    let stored = parse_model(&to_text(&file)).map_err(|error| internal(&error))?;
+    let stored = stored_model(result, line)?;
     spineline_files::export(&stored, format.0, PROGRAM).map_err(|error| {
         Failure::new(StatusCode::UNPROCESSABLE_ENTITY, "refused", error.to_string())
             .help(error.help())

@@ -2,6 +2,8 @@
 
 mod cohort;
 mod live;
+mod loads;
 mod model;
 mod options;
+mod pad_map;
 mod server;

@@ -82,6 +82,15 @@ impl Timing {
             Self::Proportional => "growing",
         }
     }
+
+    /// As a word for people.
+    #[must_use]
+    pub const fn word(self) -> &'static str {
+        match self {
+            Self::Constant => "constant",
+            Self::Proportional => "proportional",
+        }
+    }
 }
 
 named!(Timing);

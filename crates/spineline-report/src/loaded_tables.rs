@@ -1,0 +1,267 @@
+//! A spine under loads as texts and tables.
+
+use spineline::anatomy::Level;
+use spineline::clinical::{CurvePlaces, convex_side};
+use spineline::multibody::{Equilibrium, ForceSign, Goal, Loading, PathEnding, SpineModel};
+use spineline::response::{
+    ActingKind, CurveAngles, GoalEquilibrium, Response, SpineAngles, Verdict, acting_loads,
+    erect_shape, largest_displacement_mm, largest_hinge, measure_angles,
+};
+use spineline::spatial::{Angle, moment_words, sideways_words, vector_words};
+
+use crate::document::{Column, Table};
+
+/// A personalised spine and its response to loads.
+#[derive(Debug, Clone, Copy)]
+pub struct LoadedTables<'a> {
+    /// Unit of forces.
+    pub force_unit: &'a str,
+    /// The vertebrae by name.
+    pub levels: &'a [Level],
+    /// The unloaded spine.
+    pub model: &'a SpineModel,
+    /// Between which vertebrae angles are measured.
+    pub places: &'a [CurvePlaces],
+    /// Loads.
+    pub loading: &'a Loading,
+    /// For every item of the loading, the place of its load in the file, from 0.
+    pub load_of_item: &'a [usize],
+    /// The same for every rod.
+    pub load_of_rod: &'a [usize],
+    /// Response of the spine.
+    pub response: &'a Response,
+}
+
+impl LoadedTables<'_> {
+    /// The shape in numbers.
+    #[must_use]
+    pub fn numbers(&self, result: &Equilibrium) -> Table {
+        let levels = self.levels;
+        let (vertebra, moved_mm) = largest_displacement_mm(self.model, &result.deformed);
+        let (joint, axis, turn) = largest_hinge(&result.deformed);
+        let axis = ["lateral", "flexion", "axial"][axis];
+        let mut table =
+            Table::new("", vec![Column::words("Shape under load"), Column::words("Value")]);
+        let mut add = |name: &str, value: String| table.row(vec![name.to_owned(), value]);
+        add("Factor of proportional loads", format!("{:.6}", result.factor));
+        add("Largest displacement", format!("{moved_mm:.1} mm, at {}", levels[vertebra]));
+        add(
+            "Largest joint rotation",
+            format!("{:.1}° ({axis}, {}/{})", turn.abs().deg(), levels[joint], levels[joint + 1]),
+        );
+        add("Residual", format!("{:.0e} rad", result.residual_rad));
+        add(
+            "Smallest singular value",
+            format!(
+                "{:.3} (1 unloaded, 0 at a limit or branch point)",
+                result.smallest_singular_value
+            ),
+        );
+        table
+    }
+
+    /// The force or moment of each load in the final shape; slices of gravity are left out.
+    #[must_use]
+    pub fn forces(&self, result: &Equilibrium) -> Table {
+        let columns = vec![
+            Column::words("Load"),
+            Column::words("Acts on"),
+            Column::words(format!("Force in {}", self.force_unit)),
+            Column::words("Moment (force × mm)"),
+        ];
+        let mut table = Table::new("", columns);
+        let mut add = |load: usize, place: String, force: String, moment: String| {
+            table.row(vec![(load + 1).to_string(), place, force, moment]);
+        };
+        let acting =
+            acting_loads(self.loading, &result.deformed, result.factor, &result.spring_forces_n);
+        for load in acting {
+            let number = self.load_of_item[load.item];
+            if self.load_of_item.iter().filter(|other| **other == number).count() > 1 {
+                continue;
+            }
+            let (force, moment) = match load.kind {
+                ActingKind::Force(force) => (vector_words(force.into()), String::new()),
+                ActingKind::Moment(moment) => (String::new(), moment_words(moment.into())),
+            };
+            add(number, self.levels[load.vertebra].to_string(), force, moment);
+        }
+        for ((force, moment), (number, rod)) in
+            result.rod_reactions.iter().zip(self.load_of_rod.iter().zip(&self.loading.rods))
+        {
+            let place = format!("{}, held by the rod", self.levels[rod.superior]);
+            add(*number, place, vector_words((*force).into()), moment_words((*moment).into()));
+        }
+        table
+    }
+
+    /// Angles and the place of the uppermost vertebra before and after.
+    #[must_use]
+    pub fn angles(&self, result: &Equilibrium) -> Table {
+        let before = measure_angles(&erect_shape(self.model), self.places);
+        let after = measure_angles(&result.deformed, self.places);
+        let columns = vec![
+            Column::words("Angle"),
+            Column::numbers("Erect"),
+            Column::numbers("Under load"),
+            Column::numbers("Change"),
+        ];
+        let mut table = Table::new("", columns);
+        let has_cobb = before.curves.iter().all(|curve| curve.ends.cobb.is_some());
+        for (name, pick) in [(if has_cobb { "Cobb" } else { "Tilt range" }, 0), ("Ferguson", 1)] {
+            for (now, then) in after.curves.iter().zip(&before.curves) {
+                let of = |curve: &CurveAngles| [curve.ends.size(), curve.ferguson][pick];
+                table.row(vec![
+                    format!("{name}, {}", now.region),
+                    convex_words(of(then)),
+                    convex_words(of(now)),
+                    change_words(of(then), of(now)),
+                ]);
+            }
+        }
+        let SpineAngles { lateral_tilt: tilt, top_offset_mm, .. } = after;
+        table.row(vec![
+            format!("Lateral tilt of {}", self.ends()),
+            before.lateral_tilt.leaning(),
+            tilt.leaning(),
+            (tilt - before.lateral_tilt).wrapped().leaning(),
+        ]);
+        let [base, top] = self.end_names();
+        let uppermost = self.levels.len().saturating_sub(1);
+        let [then, now] =
+            [&erect_shape(self.model), &result.deformed].map(|shape| shape.tilt(uppermost));
+        table.row(vec![
+            format!("Tilt of {top} against {base}"),
+            then.leaning(),
+            now.leaning(),
+            (now - then).wrapped().leaning(),
+        ]);
+        table.row(vec![
+            format!("{top} from the axis of {base}"),
+            sideways_words(before.top_offset_mm),
+            sideways_words(top_offset_mm),
+            sideways_words(top_offset_mm - before.top_offset_mm),
+        ]);
+        table
+    }
+
+    /// Every shape that meets the target, where there is a choice or no result.
+    #[must_use]
+    pub fn solutions(&self) -> Table {
+        let columns = vec![
+            Column::words("Shapes that meet the target"),
+            Column::numbers("Factor"),
+            Column::numbers("Limit points"),
+            Column::numbers("Branch points"),
+            Column::numbers("Largest joint rotation"),
+            Column::numbers(format!("Lateral tilt of {}", self.ends())),
+            Column::words("Verdict"),
+        ];
+        let mut table = Table::new("", columns);
+        let response = self.response;
+        if response.goal == Goal::FullLoad && response.ending == PathEnding::Converged {
+            return table;
+        }
+        for met in &response.equilibria {
+            let equilibrium = &met.equilibrium;
+            let way = match met.sign {
+                ForceSign::Positive => "loads along their direction",
+                ForceSign::Negative => "loads against their direction",
+            };
+            table.row(vec![
+                way.to_owned(),
+                format!("{:.6}", equilibrium.factor),
+                equilibrium.limit_points.to_string(),
+                equilibrium.branch_points.to_string(),
+                format!("{:.1}°", largest_hinge(&equilibrium.deformed).2.abs().deg()),
+                equilibrium.deformed.lateral_tilt().leaning(),
+                verdict_words(met).to_owned(),
+            ]);
+        }
+        table
+    }
+
+    /// The status first, then what it means and what to do; without a result also the shape that is nearest to the target.
+    #[must_use]
+    pub fn ending(&self) -> Vec<String> {
+        let ending = self.response.ending;
+        let meaning = match ending {
+            PathEnding::Converged if !self.response.is_complete() => {
+                "a shape that meets the target, reached from the erect spine; the path was lost beyond it, where there may be more".to_owned()
+            }
+            PathEnding::Converged => {
+                "the only shape that meets the target within the limits, reached from the erect spine".to_owned()
+            }
+            PathEnding::SeveralEquilibria => {
+                "several shapes meet the target; the first one that the erect spine reaches is the result".to_owned()
+            }
+            PathEnding::Interrupted => {
+                "NO RESULT: interrupted; the files hold the path so far".to_owned()
+            }
+            other => format!("NO RESULT: {}", other.meaning()),
+        };
+        let name = ending.key().replace('_', " ");
+        let mut texts = vec![format!("{} · {meaning}", name.to_uppercase())];
+        if let (None, Some(point)) = (self.response.result(), self.response.nearest()) {
+            texts.push(format!(
+                "Nearest shape on the path: factor {:.4} of the {} loads, lateral tilt {}, largest joint rotation {:.1}°",
+                point.factor,
+                point.timing.word(),
+                point.deformed.lateral_tilt().leaning(),
+                largest_hinge(&point.deformed).2.abs().deg()
+            ));
+        }
+        texts
+    }
+
+    /// Limit and branch points on the way.
+    #[must_use]
+    pub fn events(&self) -> Vec<String> {
+        let events = self.response.paths.iter().flat_map(|signed| {
+            let way = match signed.sign {
+                ForceSign::Positive => "",
+                ForceSign::Negative => " (loads against their direction)",
+            };
+            signed.path.events.iter().map(move |event| {
+                let name = event.kind.key().replace('_', " ");
+                let (factor, timing) = (event.factor, event.timing.word());
+                format!("Event: {name} at a factor of {factor:.4} of the {timing} loads{way}")
+            })
+        });
+        events.collect()
+    }
+
+    /// The base and the top of the model, such as `L4-T2`.
+    #[must_use]
+    pub fn ends(&self) -> String {
+        self.end_names().join("-")
+    }
+
+    fn end_names(&self) -> [&'static str; 2] {
+        [self.levels.first(), self.levels.last()].map(|level| level.map_or("?", |l| l.name()))
+    }
+}
+
+fn convex_words(angle: Angle) -> String {
+    let side = convex_side(angle).map_or_else(String::new, |side| format!(" convex {side}"));
+    format!("{}{side}", angle.abs())
+}
+
+fn change_words(before: Angle, after: Angle) -> String {
+    if before.side() != after.side() {
+        return "reversed".to_owned();
+    }
+    let more = after.abs() - before.abs();
+    let word = if more.rad() < 0.0 { "less" } else { "more" };
+    format!("{} {word}", more.abs())
+}
+
+fn verdict_words(met: &GoalEquilibrium) -> &'static str {
+    match met.verdict {
+        Verdict::Reached => "chosen: smallest factor on the erect branch",
+        Verdict::Later => "not chosen: larger factor, or later on the path",
+        Verdict::BeyondLimitPoint => "not chosen: beyond a limit point (snapped)",
+        Verdict::BeyondHumanRange => "not chosen: beyond the human range of motion",
+        Verdict::BeyondBranchPoint => "not chosen: beyond a branch point (buckled)",
+    }
+}

@@ -1,0 +1,235 @@
+//! Loads that people put on a model.
+
+use serde::{Deserialize, Serialize};
+use utoipa::ToSchema;
+
+use super::{FileLoad, LevelError, Notice, PostureName, Shape, SideName};
+
+/// What can be put on the model of one line of action.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct LoadMenu {
+    /// Unit of forces: `N`, or a text that warns where only ratios are known.
+    pub force_unit: String,
+    /// The same in short, for fields.
+    pub force_symbol: String,
+    /// Levels that carry loads, the lowest one first; the base below them is fixed.
+    pub levels: Vec<String>,
+    /// Kinds of loads, with an example of each.
+    pub kinds: Vec<LoadKind>,
+    /// Forces that the analysis found for films.
+    pub films: Vec<FilmForce>,
+    /// Directions in the patient's terms.
+    pub directions: Vec<NamedDirection>,
+    /// What the numbers are for, and what the model does not have.
+    pub limits: Vec<String>,
+}
+
+/// A kind of load.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct LoadKind {
+    /// Its name for people.
+    pub label: String,
+    /// What it does.
+    pub text: String,
+    /// An example to begin with.
+    pub example: FileLoad,
+}
+
+/// The force of a film.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct FilmForce {
+    /// Posture.
+    pub posture: PostureName,
+    /// It as a load.
+    pub load: FileLoad,
+    /// Why it is doubtful, where it is.
+    pub doubt: Option<String>,
+}
+
+/// A direction.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct NamedDirection {
+    /// Such as `left`: the patient's.
+    pub name: String,
+    /// Unit vector.
+    #[schema(value_type = Vec<f64>, min_items = 3, max_items = 3)]
+    pub vector: [f64; 3],
+}
+
+/// The model under loads.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct LoadedModel {
+    /// Each load as text.
+    pub loads: Vec<String>,
+    /// Why loads cannot be applied; then there is no simulation.
+    pub faults: Vec<LoadFaultView>,
+    /// The simulation.
+    pub simulation: Option<LoadedView>,
+}
+
+/// Why a load cannot be applied.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
+pub struct LoadFaultView {
+    /// Which load, from 0.
+    pub load: usize,
+    /// Why, and what to do.
+    pub text: String,
+}
+
+/// What a model does under loads.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct LoadedView {
+    /// Whether there is a result.
+    pub converged: bool,
+    /// The ending by name and what it means, the shape nearest to the target where there is no result, and events on the way.
+    pub texts: Vec<String>,
+    /// Angles before and after; without rows where there is no result.
+    pub angles: TextTable,
+    /// Forces and moments on the vertebrae.
+    pub forces: TextTable,
+    /// Other numbers of the result.
+    pub numbers: TextTable,
+    /// Every shape that meets the target, where there is a choice or no result.
+    pub solutions: TextTable,
+    /// Warnings.
+    pub notices: Vec<Notice>,
+    /// Shapes on the way, the erect one first; the last one is the result where there is one.
+    pub steps: Vec<LoadStep>,
+    /// The result beside other films; empty without a result.
+    pub films: Vec<FilmComparison>,
+}
+
+/// A table of texts.
+#[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
+pub struct TextTable {
+    /// Columns.
+    pub columns: Vec<TextColumn>,
+    /// Rows, each with a cell per column.
+    pub rows: Vec<Vec<String>>,
+}
+
+/// A column.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
+pub struct TextColumn {
+    /// Its head, with a unit where it has one.
+    pub head: String,
+    /// Whether it is one of numbers.
+    pub numeric: bool,
+}
+
+/// A shape on the way of the loads.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct LoadStep {
+    /// Part of the loads, such as `45 % of the proportional loads`.
+    pub label: String,
+    /// The largest curve and the lateral tilt.
+    pub text: String,
+    /// The spine.
+    pub shape: Shape,
+    /// Forces on it.
+    pub arrows: Vec<LoadArrow>,
+}
+
+/// A force or moment in space.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct LoadArrow {
+    /// Which load, from 0.
+    pub load: usize,
+    /// Where it acts.
+    #[schema(value_type = Vec<f64>, min_items = 3, max_items = 3)]
+    pub point_mm: [f64; 3],
+    /// Force, or moment.
+    #[schema(value_type = Vec<f64>, min_items = 3, max_items = 3)]
+    pub vector: [f64; 3],
+    /// Whether it is a moment.
+    pub is_moment: bool,
+    /// Length of the drawn arrow over that of the strongest one; 0 for moments.
+    pub part: f64,
+}
+
+/// A result beside what another film shows.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct FilmComparison {
+    /// The film.
+    pub posture: PostureName,
+    /// Mean distance of the midpoints.
+    pub mean_mm: f64,
+    /// Distance per level.
+    pub errors: Vec<LevelError>,
+}
+
+/// Pads to be tried.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+pub struct PadMapRequest {
+    /// Largest force, in the units of the model.
+    pub largest_force: f64,
+    /// Stiffness of the pads, in these units per mm.
+    pub n_per_mm: f64,
+}
+
+/// Where a map of pads stands.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum PadMapState {
+    /// Nobody has asked for the current results.
+    None,
+    /// It runs, or waits for that of another study.
+    Running,
+    /// All pads were tried.
+    Done,
+    /// It was cancelled.
+    Cancelled,
+    /// It failed; the texts say why.
+    Failed,
+}
+
+/// What one pad does at every level and towards both sides.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct PadMapView {
+    /// State.
+    pub state: PadMapState,
+    /// Pads that were tried.
+    pub done: u64,
+    /// Pads to be tried.
+    pub asked: u64,
+    /// Largest force that was asked for.
+    pub largest_force: Option<f64>,
+    /// Columns, where it is done.
+    pub columns: Vec<PadMapColumn>,
+    /// Rows, the uppermost level first.
+    pub rows: Vec<PadMapRow>,
+    /// What was computed, and what failed.
+    pub texts: Vec<String>,
+}
+
+/// Direction and force of a column.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct PadMapColumn {
+    /// Side to which the pads push.
+    pub towards: SideName,
+    /// Force as text.
+    pub force: String,
+}
+
+/// A level.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct PadMapRow {
+    /// Level.
+    pub level: String,
+    /// One cell per column.
+    pub cells: Vec<PadMapCell>,
+}
+
+/// What one pad does.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct PadMapCell {
+    /// Change of the largest curve, or the name of the ending where there is no result.
+    pub text: String,
+    /// The pad and both angles, or why there is no result.
+    pub title: String,
+    /// Change over the largest change of the map, from -1 (correction) to 1; `None` without a result.
+    pub part: Option<f64>,
+    /// The pad as a load.
+    pub load: Option<FileLoad>,
+}

@@ -1,0 +1,196 @@
+//! What can be put on a model, with an example of each kind.
+
+use spineline::anatomy::Side;
+use spineline::clinical::convex_side;
+use spineline::multibody::{Support, Timing};
+use spineline::response::{CurveChange, erect_shape, measure_angles};
+use spineline_files::{AppliedLoad, DIRECTIONS, Key, LevelKey, StoredModel};
+
+use crate::api::{FileLoad, FilmForce, LoadKind, LoadMenu, NamedDirection, Wire};
+
+/// What the numbers are for, and what the model does not have.
+const LIMITS: [&str; 3] = [
+    "Research only: these numbers are no basis for a treatment",
+    "The model has no rib cage, no muscles, no skin and no contact: what they carry or limit is missing from every number",
+    "The base is fixed and the top is free: a load that nothing opposes also tilts the whole spine",
+];
+
+/// What a support in the frontal plane does to loads.
+const FRONTAL: &str = "The model bends sideways only: what a load does to the front, to the back or about the spine moves nothing";
+
+/// Sizes of the examples: small beside what the springs of a spine carry, so that each of them has a result on most spines.
+const FORCE: f64 = 20.0;
+const MOMENT: f64 = 2000.0;
+const SPRING_PER_MM: f64 = 2.0;
+const ADVANCE_MM: f64 = 10.0;
+/// Distance of a strap's end from the spine.
+const STRAP_MM: f64 = 150.0;
+
+pub fn menu(model: &StoredModel) -> LoadMenu {
+    let films = model.loads.iter().map(|record| FilmForce {
+        posture: Wire(record.posture.0),
+        load: FileLoad(record.load(model.top())),
+        doubt: record.doubt().map(|doubt| doubt.message),
+    });
+    let frontal = (model.support == Support::Frontal).then_some(FRONTAL);
+    LoadMenu {
+        force_unit: model.force_unit().to_owned(),
+        force_symbol: if model.absolute { "N" } else { "rel. units" }.to_owned(),
+        levels: model.levels.iter().skip(1).map(ToString::to_string).collect(),
+        kinds: kinds(model),
+        films: films.collect(),
+        directions: DIRECTIONS
+            .map(|(name, vector)| NamedDirection { name: name.to_owned(), vector })
+            .to_vec(),
+        limits: LIMITS.into_iter().chain(frontal).map(str::to_owned).collect(),
+    }
+}
+
+/// One example of each kind that the page offers.
+fn kinds(model: &StoredModel) -> Vec<LoadKind> {
+    let (vertebra, towards) = against_the_curve(model);
+    let (level, top) = (LevelKey(model.levels[vertebra]), LevelKey(model.top()));
+    let sideways = match towards {
+        Side::Left => 1.0,
+        Side::Right => -1.0,
+    };
+    let timing: Key<Timing> = Timing::Proportional.into();
+    let point_in_vertebra_mm = [0.0; 3];
+    let at = model.spine.midpoints_mm[vertebra];
+    let force =
+        |level, force_n| AppliedLoad::ForceAtPoint { level, force_n, point_in_vertebra_mm, timing };
+    let kind = |label: &str, text: &str, example| LoadKind {
+        label: label.to_owned(),
+        text: text.to_owned(),
+        example: FileLoad(example),
+    };
+    vec![
+        kind(
+            "Pad",
+            "a frictionless pad: a spring that touches the erect spine and is then pushed in along one direction",
+            AppliedLoad::Pad {
+                level,
+                point_in_vertebra_mm,
+                direction: [0.0, sideways, 0.0],
+                n_per_mm: SPRING_PER_MM,
+                advance_mm: ADVANCE_MM,
+                timing,
+            },
+        ),
+        kind(
+            "Strap",
+            "a spring to a point of the ground, slack on the erect spine and then shortened",
+            AppliedLoad::Strap {
+                level,
+                point_in_vertebra_mm,
+                anchor_mm: [at.x, at.y + sideways * STRAP_MM, at.z],
+                n_per_mm: SPRING_PER_MM,
+                shortening_mm: ADVANCE_MM,
+                timing,
+            },
+        ),
+        kind(
+            "Rod",
+            "a stiff rod that keeps the pose of two vertebrae relative to each other, or changes it",
+            rod(model, vertebra, timing),
+        ),
+        kind(
+            "Traction",
+            "a force upwards on the uppermost vertebra",
+            force(top, [0.0, 0.0, FORCE]),
+        ),
+        kind(
+            "Weight",
+            "the weight of trunk, head and arms in addition to that on the erect film",
+            AppliedLoad::Gravity {
+                body_weight_n: FORCE,
+                down: [0.0, 0.0, -1.0],
+                timing: Timing::Constant.into(),
+            },
+        ),
+        kind(
+            "Force",
+            "a force of fixed direction at the midpoint of a vertebra",
+            force(level, [0.0, sideways * FORCE, 0.0]),
+        ),
+        kind(
+            "Moment",
+            "a moment of fixed direction on a vertebra",
+            AppliedLoad::Moment { level, moment_nmm: [-sideways * MOMENT, 0.0, 0.0], timing },
+        ),
+    ]
+}
+
+/// A rod over the curve, from two vertebrae below to two above, as far as there are vertebrae.
+fn rod(model: &StoredModel, apex: usize, timing: Key<Timing>) -> AppliedLoad {
+    let superior = (apex + 2).min(model.levels.len() - 1);
+    let inferior = superior.saturating_sub(4);
+    let level = |vertebra: usize| LevelKey(model.levels[vertebra]);
+    AppliedLoad::Rod {
+        inferior: level(inferior),
+        superior: level(superior),
+        shift_mm: [0.0; 3],
+        turn_deg: [0.0; 3],
+        timing,
+    }
+}
+
+/// The apex of the largest curve, and the side of its concavity; the uppermost vertebra where no curve is measured.
+fn against_the_curve(model: &StoredModel) -> (usize, Side) {
+    let places = model.curves.as_deref().unwrap_or_default();
+    let angles = measure_angles(&erect_shape(&model.spine), places);
+    let largest = CurveChange::between(&angles, &angles).map(|curve| curve.region);
+    let mut curves = places.iter().zip(&angles.curves);
+    match curves.find(|(_, curve)| Some(curve.region) == largest) {
+        Some((place, curve)) => {
+            let convex = convex_side(curve.ends.size());
+            let towards = if convex == Some(Side::Left) { Side::Right } else { Side::Left };
+            (place.bounds.apex.max(1), towards)
+        }
+        None => (model.levels.len() - 1, Side::Left),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use spineline::analysis::{AnalysisOptions, analyze};
+    use spineline_files::{LoadFile, ModelFile, parse_model, to_text};
+    use spineline_phantom::{Readers, Truth, generate};
+
+    use spineline::anatomy::{Level, Posture};
+
+    use super::*;
+
+    fn model() -> StoredModel {
+        let phantom = generate(0, Truth::Rod, &Readers::exact(), 1).expect("subject 1 exists");
+        let analysis = analyze(&phantom.case, &AnalysisOptions::default()).expect("a phantom");
+        let text = to_text(&ModelFile::new(&analysis, &analysis.models[0], "test"));
+        parse_model(&text).expect("our own file")
+    }
+
+    #[test]
+    fn every_example_can_be_applied_and_all_of_them_together() {
+        let model = model();
+        let menu = menu(&model);
+        let loads: Vec<AppliedLoad> = menu.kinds.into_iter().map(|kind| kind.example.0).collect();
+        assert_eq!(loads.len(), 7);
+        assert_eq!(LoadFile::new(loads).faults(&model), []);
+        assert_eq!(menu.levels.first().map(String::as_str), Some("L3"));
+        assert!(menu.films.iter().any(|film| film.posture == Wire(Posture::Traction)));
+        let says = |words: &str| menu.limits.iter().any(|text| text.contains(words));
+        assert!(says("Research only") && says("no rib cage, no muscles"));
+        assert_eq!(says("bends sideways only"), model.support == Support::Frontal);
+    }
+
+    #[test]
+    fn the_first_pad_pushes_the_apex_of_the_largest_curve_towards_its_concavity() {
+        let model = model();
+        let (vertebra, towards) = against_the_curve(&model);
+        let (base, top) = (model.spine.midpoints_mm[0], model.spine.midpoints_mm[14]);
+        let at = model.spine.midpoints_mm[vertebra];
+        let straight = base.y + (top.y - base.y) * (at.z - base.z) / (top.z - base.z);
+        let bulges_left = at.y > straight;
+        assert_eq!(towards, if bulges_left { Side::Right } else { Side::Left });
+        assert!(model.levels[vertebra] > Level::L4);
+    }
+}

@@ -1,0 +1,181 @@
+//! Loads that people put on a model: the same files and the same simulation as `spineline simulate --load`.
+
+mod menu;
+mod view;
+
+use std::ops::ControlFlow;
+
+use axum::extract::State;
+use axum::http::StatusCode;
+use axum::response::Response;
+use spineline::analysis::{Analysis, LineModel};
+use spineline::multibody::Goal;
+use spineline::personalize::FitStatus;
+use spineline_files::{
+    LoadFile, ModelFile, Simulated, SimulationError, StoredModel, parse_load, parse_model, to_text,
+};
+use utoipa_axum::router::OpenApiRouter;
+use utoipa_axum::routes;
+
+use super::exports::{PROGRAM, internal, log, provenance};
+use crate::access::{open_study, study_result};
+use crate::api::{FileOfLoads, LineName, LoadMenu, LoadedModel, Problem};
+use crate::attachment::attachment;
+use crate::extract::{Json, JsonText, Path};
+use crate::problem::{Answer, Failure};
+use crate::result_cache::{StudyResult, computed};
+use crate::session::User;
+use crate::state::AppState;
+
+/// More loads than any plan has.
+const MAX_LOADS: usize = 100;
+
+pub fn routes() -> OpenApiRouter<AppState> {
+    OpenApiRouter::new()
+        .routes(routes!(load_menu, simulate_loads))
+        .routes(routes!(simulation_file))
+        .routes(routes!(model_file))
+}
+
+/// What can be put on the model of a line of action.
+#[utoipa::path(get, path = "/api/studies/{study}/loads/{line}",
+    params(("study" = String, Path), ("line" = LineName, Path)),
+    responses((status = 200, body = LoadMenu), (status = 403, body = Problem),
+        (status = 404, body = Problem), (status = 409, body = Problem),
+        (status = 422, body = Problem)))]
+async fn load_menu(
+    State(state): State<AppState>,
+    user: User,
+    Path((study, line)): Path<(String, LineName)>,
+) -> Answer<Json<LoadMenu>> {
+    let study = open_study(&state, &user, &study).await?;
+    let result = study_result(&state, &study).await?;
+    computed(move || stored_model(&result, line).map(|model| menu::menu(&model))).await?.map(Json)
+}
+
+/// The model of a line of action under the loads of a file.
+#[utoipa::path(post, path = "/api/studies/{study}/loads/{line}",
+    params(("study" = String, Path), ("line" = LineName, Path)), request_body = FileOfLoads,
+    responses((status = 200, body = LoadedModel), (status = 403, body = Problem),
+        (status = 404, body = Problem), (status = 409, body = Problem),
+        (status = 422, body = Problem)))]
+async fn simulate_loads(
+    State(state): State<AppState>,
+    user: User,
+    Path((study, line)): Path<(String, LineName)>,
+    JsonText(text): JsonText,
+) -> Answer<Json<LoadedModel>> {
+    let study = open_study(&state, &user, &study).await?;
+    let result = study_result(&state, &study).await?;
+    let answer = computed(move || {
+        let (loads, model) = (parsed(&text)?, stored_model(&result, line)?);
+        let faults = loads.faults(&model);
+        if !faults.is_empty() {
+            return Ok(view::faulty(&loads, faults));
+        }
+        let simulated = simulated(model, loads)?;
+        Ok(view::view(result.analysed()?, &simulated))
+    });
+    answer.await?.map(Json)
+}
+
+/// The same simulation as a file. The log of the store has an entry for it.
+#[utoipa::path(post, path = "/api/studies/{study}/loads/{line}/simulation",
+    params(("study" = String, Path), ("line" = LineName, Path)), request_body = FileOfLoads,
+    responses((status = 200, content_type = "application/json"), (status = 403, body = Problem),
+        (status = 404, body = Problem), (status = 409, body = Problem),
+        (status = 422, body = Problem)))]
+async fn simulation_file(
+    State(state): State<AppState>,
+    user: User,
+    Path((study, line)): Path<(String, LineName)>,
+    JsonText(text): JsonText,
+) -> Answer<Response> {
+    let study = open_study(&state, &user, &study).await?;
+    let result = study_result(&state, &study).await?;
+    let made = computed(move || {
+        let simulated = simulated(stored_model(&result, line)?, parsed(&text)?)?;
+        let file = simulated.file(PROGRAM).with_provenance(provenance(result.analysed()?));
+        Ok::<_, Failure>(to_text(&file))
+    });
+    let text = made.await??;
+    log(&state, &user, &study, "simulation").await?;
+    let name = format!("{study}-{}-simulation.json", line.0.key());
+    Ok(attachment(&name, "application/json", text))
+}
+
+/// The model of a line of action as `spineline simulate` reads it. The log of the store has an entry for it.
+#[utoipa::path(get, path = "/api/studies/{study}/loads/{line}/model",
+    params(("study" = String, Path), ("line" = LineName, Path)),
+    responses((status = 200, content_type = "application/json"), (status = 403, body = Problem),
+        (status = 404, body = Problem), (status = 409, body = Problem),
+        (status = 422, body = Problem)))]
+async fn model_file(
+    State(state): State<AppState>,
+    user: User,
+    Path((study, line)): Path<(String, LineName)>,
+) -> Answer<Response> {
+    let study = open_study(&state, &user, &study).await?;
+    let result = study_result(&state, &study).await?;
+    let text = computed(move || model_text(&result, line)).await??;
+    log(&state, &user, &study, "model").await?;
+    let name = format!("{study}-{}-model.json", line.0.key());
+    Ok(attachment(&name, "application/json", text))
+}
+
+fn refused(text: impl Into<String>, help: &str) -> Failure {
+    Failure::new(StatusCode::UNPROCESSABLE_ENTITY, "refused", text).help(help)
+}
+
+fn parsed(text: &str) -> Answer<LoadFile> {
+    let loads = parse_load(text).map_err(|error| refused(error.to_string(), error.help()))?;
+    let count = loads.loads.len();
+    if count > MAX_LOADS {
+        let text = format!("the file has {count} loads; the limit is {MAX_LOADS}");
+        return Err(refused(text, "the command line takes more: `spineline simulate --load`"));
+    }
+    Ok(loads)
+}
+
+/// The model of a line of action whose fit gave springs.
+///
+/// # Errors
+/// A refusal where the study has no such model.
+pub fn fitted_model(result: &StudyResult, line: LineName) -> Answer<(&Analysis, &LineModel)> {
+    let analysis = result.analysed()?;
+    let no_model =
+        |text: String, help| Failure::new(StatusCode::CONFLICT, "no_model", text).help(help);
+    let model = analysis.models.iter().find(|model| model.kind == line.0).ok_or_else(|| {
+        let text = format!("this study has no model with the {}", line.0);
+        no_model(text, "choose a line that has a model")
+    })?;
+    if model.fit.status != FitStatus::Converged {
+        let text = format!("the fit of the {} did not converge", line.0);
+        return Err(no_model(text, "its springs are not a result; choose another line"));
+    }
+    Ok((analysis, model))
+}
+
+/// The file of a model.
+///
+/// # Errors
+/// As [`fitted_model`].
+pub fn model_text(result: &StudyResult, line: LineName) -> Answer<String> {
+    let (analysis, model) = fitted_model(result, line)?;
+    let file = ModelFile::new(analysis, model, PROGRAM).with_provenance(provenance(analysis));
+    Ok(to_text(&file))
+}
+
+/// A model as it is read back from its file, so that the results are those of the file.
+///
+/// # Errors
+/// As [`fitted_model`].
+pub fn stored_model(result: &StudyResult, line: LineName) -> Answer<StoredModel> {
+    parse_model(&model_text(result, line)?).map_err(|error| internal(&error))
+}
+
+fn simulated(model: StoredModel, loads: LoadFile) -> Answer<Simulated> {
+    let mut go_on = |_, _: &_| ControlFlow::Continue(());
+    Simulated::of(model, loads, Goal::FullLoad, None, Vec::new(), &mut go_on)
+        .map_err(|error: SimulationError| refused(error.to_string(), error.help()))
+}

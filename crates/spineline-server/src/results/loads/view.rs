@@ -1,0 +1,212 @@
+//! A model under loads as the browser shows it.
+
+use spineline::analysis::Analysis;
+use spineline::clinical::sacral_line_offset_mm;
+use spineline::evaluate::location_errors_mm;
+use spineline::multibody::{Deformed, Equilibrium, PathPoint, Timing};
+use spineline::response::{ActingKind, CurveChange, acting_loads, erect_shape, measure_angles};
+use spineline::spatial::{Frontal, sideways_words};
+use spineline_files::{AppliedLoad, LoadFault, LoadFile, Simulated};
+use spineline_report::document::Table;
+use spineline_report::loaded_tables::LoadedTables;
+
+use super::super::notices;
+use super::super::simulated::deformed_shape;
+use crate::api::{
+    FilmComparison, LevelError, LoadArrow, LoadFaultView, LoadStep, LoadedModel, LoadedView,
+    Notice, Severity, TextColumn, TextTable, Wire,
+};
+
+/// Shapes on the way that are sent; a path with more is thinned.
+const MAX_STEPS: usize = 40;
+
+/// Loads that cannot be applied.
+pub fn faulty(loads: &LoadFile, faults: Vec<LoadFault>) -> LoadedModel {
+    let fault = |fault: LoadFault| LoadFaultView {
+        load: fault.load,
+        text: format!("{}: {}", fault.reason, fault.help),
+    };
+    LoadedModel {
+        loads: words(loads),
+        faults: faults.into_iter().map(fault).collect(),
+        simulation: None,
+    }
+}
+
+fn words(loads: &LoadFile) -> Vec<String> {
+    loads.loads.iter().map(AppliedLoad::words).collect()
+}
+
+/// A simulation.
+pub fn view(analysis: &Analysis, simulated: &Simulated) -> LoadedModel {
+    let response = &simulated.response;
+    let tables = LoadedTables {
+        force_unit: simulated.model.force_unit(),
+        levels: &simulated.model.levels,
+        model: &simulated.model.spine,
+        places: &simulated.places,
+        loading: &simulated.placed.loading,
+        load_of_item: &simulated.placed.load_of_item,
+        load_of_rod: &simulated.placed.load_of_rod,
+        response,
+    };
+    let result = response.result();
+    let of_result = |table: &dyn Fn(&Equilibrium) -> Table| {
+        result.map(table).map(text_table).unwrap_or_default()
+    };
+    let loaded = LoadedView {
+        converged: result.is_some(),
+        texts: tables.ending().into_iter().chain(tables.events()).collect(),
+        angles: of_result(&|found| {
+            let mut table = tables.angles(found);
+            balance(analysis, &found.deformed).into_iter().for_each(|row| table.row(row));
+            table
+        }),
+        forces: of_result(&|found| tables.forces(found)),
+        numbers: of_result(&|found| tables.numbers(found)),
+        solutions: text_table(tables.solutions()),
+        notices: warnings(simulated),
+        steps: steps(simulated),
+        films: result.map(|found| films(analysis, &found.deformed)).unwrap_or_default(),
+    };
+    LoadedModel { loads: words(&simulated.loads), faults: Vec::new(), simulation: Some(loaded) }
+}
+
+fn text_table(table: Table) -> TextTable {
+    let column = |column: spineline_report::document::Column| TextColumn {
+        head: column.head,
+        numeric: column.numeric,
+    };
+    TextTable { columns: table.columns.into_iter().map(column).collect(), rows: table.rows }
+}
+
+/// Coronal balance before and after, where the erect film has a vertical.
+fn balance(analysis: &Analysis, shape: &Deformed) -> Option<Vec<String>> {
+    let erect = &analysis.erect().outline;
+    let top = shape.midpoints_mm.len() - 1;
+    let offset_mm = |shape: &Deformed| sacral_line_offset_mm(erect, shape.location(top));
+    let (before, after) = (offset_mm(&erect_shape(&analysis.spine))?, offset_mm(shape)?);
+    let reference = analysis.balance.as_ref()?.reference.words();
+    Some(vec![
+        format!(
+            "Coronal balance: {} from the vertical through {reference}",
+            analysis.levels().top()
+        ),
+        sideways_words(before),
+        sideways_words(after),
+        sideways_words(after - before),
+    ])
+}
+
+fn warnings(simulated: &Simulated) -> Vec<Notice> {
+    let warning = |warning: &spineline_files::SimulationWarning| {
+        notices::notice(Severity::Warning, &warning.code, warning.message.clone())
+    };
+    simulated.warnings.iter().map(warning).collect()
+}
+
+/// The shapes that the spine takes one after another, and the result.
+fn steps(simulated: &Simulated) -> Vec<LoadStep> {
+    let response = &simulated.response;
+    let points: Vec<&PathPoint> = response.reached_points(&simulated.model.spine).collect();
+    let last = points.len().saturating_sub(1);
+    let every = points.len().div_ceil(MAX_STEPS).max(1);
+    // Without a result the last shape is where the loads had to stop, and stays.
+    let kept = points.iter().enumerate().filter(|(i, _)| i % every == 0 || *i == last);
+    let mut steps: Vec<LoadStep> = kept
+        .map(|(_, point)| {
+            let factor = if point.timing == Timing::Proportional { point.factor } else { 0.0 };
+            let label =
+                format!("{:.0} % of the {} loads", 100.0 * point.factor, point.timing.word());
+            step(simulated, label, &point.deformed, factor, &[])
+        })
+        .collect();
+    if let Some(result) = response.result() {
+        let label = "All loads: the result".to_owned();
+        let forces = &result.spring_forces_n;
+        steps.push(step(simulated, label, &result.deformed, result.factor, forces));
+    }
+    steps
+}
+
+fn step(
+    simulated: &Simulated,
+    label: String,
+    shape: &Deformed,
+    factor: f64,
+    spring_forces_n: &[(usize, f64)],
+) -> LoadStep {
+    let places = &simulated.places;
+    let [before, after] =
+        [&erect_shape(&simulated.model.spine), shape].map(|shape| measure_angles(shape, places));
+    let tilt = format!("lateral tilt {}", after.lateral_tilt.leaning());
+    let text = match CurveChange::between(&before, &after) {
+        Some(change) => {
+            let CurveChange { region, after, .. } = change;
+            format!("{region} {} {after}; {tilt}", change.size_name())
+        }
+        None => tilt,
+    };
+    LoadStep {
+        label,
+        text,
+        shape: deformed_shape(&simulated.model.spine, shape),
+        arrows: arrows(simulated, shape, factor, spring_forces_n),
+    }
+}
+
+/// Forces and moments of loads; slices of gravity are left out.
+fn arrows(
+    simulated: &Simulated,
+    shape: &Deformed,
+    factor: f64,
+    spring_forces_n: &[(usize, f64)],
+) -> Vec<LoadArrow> {
+    let placed = &simulated.placed;
+    let acting = acting_loads(&placed.loading, shape, factor, spring_forces_n);
+    let alone = |item: usize| {
+        let load = placed.load_of_item[item];
+        placed.load_of_item.iter().filter(|other| **other == load).count() == 1
+    };
+    let size = |kind: &ActingKind| match kind {
+        ActingKind::Force(force) => force.norm(),
+        ActingKind::Moment(_) => 0.0,
+    };
+    let acting: Vec<_> = acting.into_iter().filter(|load| alone(load.item)).collect();
+    let strongest = acting.iter().map(|load| size(&load.kind)).fold(f64::MIN_POSITIVE, f64::max);
+    let arrow = |load: &spineline::response::ActingLoad| {
+        let (vector, is_moment) = match load.kind {
+            ActingKind::Force(force) => (force, false),
+            ActingKind::Moment(moment) => (moment, true),
+        };
+        LoadArrow {
+            load: placed.load_of_item[load.item],
+            point_mm: load.point_mm.into(),
+            vector: vector.into(),
+            is_moment,
+            part: size(&load.kind) / strongest,
+        }
+    };
+    acting.iter().map(arrow).collect()
+}
+
+/// The result beside every other film.
+fn films(analysis: &Analysis, shape: &Deformed) -> Vec<FilmComparison> {
+    let locations: Vec<Frontal> =
+        (0..shape.midpoints_mm.len()).map(|vertebra| shape.location(vertebra)).collect();
+    let compared = analysis.postures.iter().skip(1).filter_map(|posture| {
+        let film = &posture.outline;
+        let errors_mm = location_errors_mm(&locations, film);
+        let shown = film.measured().skip(1).map(|(_, vertebra)| vertebra.level);
+        let errors: Vec<LevelError> = shown
+            .zip(&errors_mm)
+            .map(|(level, &error_mm)| LevelError { level: level.to_string(), error_mm })
+            .collect();
+        (!errors.is_empty()).then(|| FilmComparison {
+            posture: Wire(film.posture),
+            mean_mm: errors_mm.iter().sum::<f64>() / errors_mm.len() as f64,
+            errors,
+        })
+    });
+    compared.collect()
+}

@@ -1,0 +1,154 @@
+//! What one pad does at every level: tried on all cores in the background, with progress and cancel.
+
+mod view;
+
+use std::num::NonZeroUsize;
+use std::ops::ControlFlow;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Arc, Mutex, PoisonError};
+use std::thread;
+
+use axum::extract::State;
+use axum::http::StatusCode;
+use spineline::multibody::GeneralStatics;
+use spineline::response::{PadEffect, PadTrial, try_pad};
+use spineline_store::Role;
+use utoipa_axum::router::OpenApiRouter;
+use utoipa_axum::routes;
+
+use super::computations::analysed;
+use super::loads::stored_model;
+use crate::api::{LineName, PadMapRequest, PadMapView, Problem};
+use crate::extract::{Json, Path};
+use crate::pad_jobs::{PadMapEnding, PadMapJob};
+use crate::problem::{Answer, Failure};
+use crate::result_cache::computed;
+use crate::session::User;
+use crate::state::AppState;
+use view::view;
+
+/// Equal steps of the force up to the largest one.
+const STEPS: u32 = 4;
+/// More than any pad pushes, and the stiffest of them.
+const MAX_FORCE: f64 = 10_000.0;
+const MAX_PER_MM: f64 = 1_000.0;
+
+pub fn routes() -> OpenApiRouter<AppState> {
+    OpenApiRouter::new().routes(routes!(pad_map, compute_pad_map, cancel_pad_map))
+}
+
+/// The pads that were tried on the model of a line of action.
+#[utoipa::path(get, path = "/api/studies/{study}/loads/{line}/pad-map",
+    params(("study" = String, Path), ("line" = LineName, Path)),
+    responses((status = 200, body = PadMapView), (status = 403, body = Problem),
+        (status = 409, body = Problem)))]
+async fn pad_map(
+    State(state): State<AppState>,
+    user: User,
+    Path((study, line)): Path<(String, LineName)>,
+) -> Answer<Json<PadMapView>> {
+    let result = analysed(&state, &user, &study, Role::Reader).await?;
+    Ok(Json(view(state.pad_maps().of(&result, line).as_deref())))
+}
+
+/// Tries pads in the background.
+#[utoipa::path(post, path = "/api/studies/{study}/loads/{line}/pad-map",
+    params(("study" = String, Path), ("line" = LineName, Path)), request_body = PadMapRequest,
+    responses((status = 200, body = PadMapView), (status = 403, body = Problem),
+        (status = 409, body = Problem), (status = 422, body = Problem)))]
+async fn compute_pad_map(
+    State(state): State<AppState>,
+    user: User,
+    Path((study, line)): Path<(String, LineName)>,
+    Json(request): Json<PadMapRequest>,
+) -> Answer<Json<PadMapView>> {
+    let result = analysed(&state, &user, &study, Role::Editor).await?;
+    check("largest force", request.largest_force, MAX_FORCE)?;
+    check("stiffness per mm", request.n_per_mm, MAX_PER_MM)?;
+    let of = Arc::clone(&result);
+    let model = computed(move || stored_model(&of, line)).await??;
+    let trials = PadTrial::all(model.levels.len(), request.largest_force, STEPS);
+    let job = PadMapJob::new(result, (line, model), request, trials);
+    let job = state.pad_maps().begin(job).ok_or_else(|| {
+        Failure::new(StatusCode::CONFLICT, "running", "pads are being tried on this study")
+            .help("wait for them, or cancel them")
+    })?;
+    tokio::spawn(run(state, Arc::clone(&job)));
+    Ok(Json(view(Some(&job))))
+}
+
+/// Cancels the trials after the running ones.
+#[utoipa::path(delete, path = "/api/studies/{study}/loads/{line}/pad-map",
+    params(("study" = String, Path), ("line" = LineName, Path)),
+    responses((status = 200, body = PadMapView), (status = 403, body = Problem),
+        (status = 409, body = Problem)))]
+async fn cancel_pad_map(
+    State(state): State<AppState>,
+    user: User,
+    Path((study, line)): Path<(String, LineName)>,
+) -> Answer<Json<PadMapView>> {
+    let result = analysed(&state, &user, &study, Role::Editor).await?;
+    let job = state.pad_maps().of(&result, line);
+    if let Some(job) = &job {
+        job.cancel();
+    }
+    Ok(Json(view(job.as_deref())))
+}
+
+fn check(what: &str, value: f64, limit: f64) -> Answer<()> {
+    if value > 0.0 && value <= limit {
+        return Ok(());
+    }
+    let text = format!("{what}: {value}; it must be above 0 and at most {limit}");
+    Err(Failure::new(StatusCode::UNPROCESSABLE_ENTITY, "refused", text).help("correct this number"))
+}
+
+async fn run(state: AppState, job: Arc<PadMapJob>) {
+    // The semaphore is never closed.
+    let _turn = state.pad_maps().turns.acquire().await;
+    let of = Arc::clone(&job);
+    let ending = match computed(move || tried(&of)).await.and_then(|found| found) {
+        Ok(Some(found)) => PadMapEnding::Done(found),
+        Ok(None) => PadMapEnding::Cancelled,
+        Err(failure) => PadMapEnding::Failed(failure.into_problem().message),
+    };
+    // A job runs once, so that nothing has ended it before.
+    let _ = job.ending.set(ending);
+}
+
+/// The effects of all pads, in the order of the trials; `None` where they were cancelled.
+fn tried(job: &PadMapJob) -> Answer<Option<Vec<PadEffect>>> {
+    let PadMapJob { model, trials, .. } = job;
+    let refused = |text: String| {
+        Failure::new(StatusCode::UNPROCESSABLE_ENTITY, "refused", text)
+            .help("read the notices of the model")
+    };
+    let springs = model.stiffness.iter().copied();
+    let statics = GeneralStatics::new(&model.spine, springs, model.support)
+        .map_err(|error| refused(error.to_string()))?;
+    let places = model.curves.as_deref().unwrap_or_default();
+    let (next, found) = (AtomicUsize::new(0), Mutex::new(vec![None; trials.len()]));
+    let work = || {
+        loop {
+            let place = next.fetch_add(1, Ordering::Relaxed);
+            let Some(&trial) = trials.get(place).filter(|_| !job.is_cancelled()) else { return };
+            let mut on_point = |_, _: &_| {
+                if job.is_cancelled() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+            };
+            let effect = try_pad(&statics, places, trial, &mut on_point);
+            if let Some(slot) = found.lock().unwrap_or_else(PoisonError::into_inner).get_mut(place)
+            {
+                *slot = Some(effect);
+            }
+            job.done.fetch_add(1, Ordering::Relaxed);
+        }
+    };
+    let cores = thread::available_parallelism().map_or(1, NonZeroUsize::get);
+    thread::scope(|scope| (0..cores).for_each(|_| drop(scope.spawn(work))));
+    if job.is_cancelled() {
+        return Ok(None);
+    }
+    let found = found.into_inner().unwrap_or_else(PoisonError::into_inner);
+    let effects = found.into_iter().flatten().collect::<Result<Vec<PadEffect>, _>>();
+    effects.map(Some).map_err(|error| refused(error.to_string()))
+}

@@ -1,0 +1,181 @@
+//! The map of pads as the browser shows it.
+
+use std::sync::atomic::Ordering;
+
+use spineline::anatomy::Side;
+use spineline::multibody::Timing;
+use spineline::response::{CurveChange, PadEffect, PadTrial};
+use spineline::spatial::Angle;
+use spineline_files::{AppliedLoad, LevelKey, StoredModel};
+
+use super::STEPS;
+use crate::api::{FileLoad, PadMapCell, PadMapColumn, PadMapRow, PadMapState, PadMapView, Wire};
+use crate::pad_jobs::{PadMapEnding, PadMapJob};
+
+/// State, progress and map of a computation.
+pub fn view(job: Option<&PadMapJob>) -> PadMapView {
+    let mut view = PadMapView {
+        state: PadMapState::None,
+        done: 0,
+        asked: 0,
+        largest_force: None,
+        columns: Vec::new(),
+        rows: Vec::new(),
+        texts: Vec::new(),
+    };
+    let Some(job) = job else { return view };
+    view.done = job.done.load(Ordering::Relaxed);
+    view.asked = job.trials.len() as u64;
+    view.largest_force = Some(job.request.largest_force);
+    view.state = match job.ending.get() {
+        None => PadMapState::Running,
+        Some(PadMapEnding::Cancelled) => PadMapState::Cancelled,
+        Some(PadMapEnding::Failed(why)) => {
+            view.texts.push(why.clone());
+            PadMapState::Failed
+        }
+        Some(PadMapEnding::Done(found)) => {
+            let map = Map { job, largest_rad: largest_rad(found) };
+            view.columns = columns(&job.trials);
+            view.rows = map.rows(found);
+            view.texts = texts(&job.model, found);
+            PadMapState::Done
+        }
+    };
+    view
+}
+
+fn largest_rad(found: &[PadEffect]) -> f64 {
+    let changes = found.iter().filter_map(|effect| effect.reached?.curve);
+    changes.map(|curve| curve.growth().rad().abs()).fold(f64::MIN_POSITIVE, f64::max)
+}
+
+/// The trials of one level: those of one side after those of the other.
+fn per_level() -> usize {
+    2 * STEPS as usize
+}
+
+fn columns(trials: &[PadTrial]) -> Vec<PadMapColumn> {
+    let column = |trial: &PadTrial| PadMapColumn {
+        towards: Wire(trial.towards),
+        force: force_text(trial.force_n),
+    };
+    trials.iter().take(per_level()).map(column).collect()
+}
+
+/// With its sign, unless it rounds to nothing.
+fn change_text(change: Angle) -> String {
+    match format!("{:+.1}°", change.deg()) {
+        text if text.ends_with("0.0°") && text.len() == "+0.0°".len() => "0.0°".to_owned(),
+        text => text.replace('-', "−"),
+    }
+}
+
+/// Three digits, without zeros at the end.
+fn force_text(force: f64) -> String {
+    let places = if force >= 100.0 {
+        0
+    } else if force >= 10.0 {
+        1
+    } else {
+        2
+    };
+    let text = format!("{force:.places$}");
+    if places == 0 { text } else { text.trim_end_matches('0').trim_end_matches('.').to_owned() }
+}
+
+fn texts(model: &StoredModel, found: &[PadEffect]) -> Vec<String> {
+    let failed = found.iter().filter(|effect| effect.reached.is_none()).count();
+    let curve = found.iter().find_map(|effect| effect.reached?.curve);
+    let size = curve.map_or_else(
+        || "no curve is measured on this model".to_owned(),
+        |curve| {
+            format!(
+                "change of the {} of the largest curve ({}, {} erect)",
+                curve.size_name(),
+                curve.region,
+                curve.before
+            )
+        },
+    );
+    let mut texts = vec![format!(
+        "Each number: {size} by one pad alone, at the midpoint of the vertebra. Forces in {}.",
+        model.force_unit()
+    )];
+    if failed > 0 {
+        texts.push(format!(
+            "{failed} of {} pads have no result; their cells name the ending.",
+            found.len()
+        ));
+    }
+    texts
+}
+
+struct Map<'a> {
+    job: &'a PadMapJob,
+    largest_rad: f64,
+}
+
+impl Map<'_> {
+    fn rows(&self, found: &[PadEffect]) -> Vec<PadMapRow> {
+        let movable = self.job.model.levels.iter().skip(1);
+        let rows = movable.zip(found.chunks(per_level())).map(|(level, effects)| PadMapRow {
+            level: level.to_string(),
+            cells: effects.iter().map(|effect| self.cell(level.name(), effect)).collect(),
+        });
+        let mut rows: Vec<PadMapRow> = rows.collect();
+        rows.reverse();
+        rows
+    }
+
+    fn cell(&self, level: &str, effect: &PadEffect) -> PadMapCell {
+        let trial = effect.trial;
+        let pad = format!(
+            "{} to the patient's {} on {level}",
+            force_text(trial.force_n),
+            match trial.towards {
+                Side::Left => "left",
+                Side::Right => "right",
+            }
+        );
+        let Some(reached) = effect.reached else {
+            return PadMapCell {
+                text: effect.ending.key().replace('_', " "),
+                title: format!("{pad}: no result; {}", effect.ending.meaning()),
+                part: None,
+                load: None,
+            };
+        };
+        let load = self.load(effect);
+        match reached.curve {
+            Some(curve) => {
+                let CurveChange { region, before, after, .. } = curve;
+                let size = curve.size_name();
+                PadMapCell {
+                    text: change_text(curve.growth()),
+                    title: format!(
+                        "{pad}: {region} {size} {after} instead of {before}; lateral tilt {}",
+                        reached.lateral_tilt.leaning()
+                    ),
+                    part: Some(curve.growth().rad() / self.largest_rad),
+                    load,
+                }
+            }
+            None => PadMapCell { text: "no curve".to_owned(), title: pad, part: None, load },
+        }
+    }
+
+    /// The pad with its displacement.
+    fn load(&self, effect: &PadEffect) -> Option<FileLoad> {
+        let n_per_mm = self.job.request.n_per_mm;
+        let level = *self.job.model.levels.get(effect.trial.vertebra)?;
+        Some(FileLoad(AppliedLoad::Pad {
+            level: LevelKey(level),
+            point_in_vertebra_mm: [0.0; 3],
+            direction: effect.trial.direction().into(),
+            n_per_mm,
+            advance_mm: effect.advance_mm(n_per_mm)?,
+            timing: Timing::Proportional.into(),
+        }))
+    }
+}

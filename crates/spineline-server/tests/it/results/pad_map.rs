@@ -1,0 +1,83 @@
+//! Pads in the background: progress, cancel, and a map whose pads do what it says.
+
+use std::thread::sleep;
+use std::time::Duration;
+
+use axum::http::StatusCode;
+use serde_json::{Value, json};
+use spineline_store::Access;
+
+use super::server::{READER, add_read_study, phantom};
+use crate::browser::{App, Browser};
+
+const LOADS: &str = "/api/studies/S1/loads/inflection_line";
+const PATH: &str = "/api/studies/S1/loads/inflection_line/pad-map";
+
+fn ended(lead: &Browser<'_>) -> Value {
+    for _ in 0..1200 {
+        let view = lead.get(PATH).json();
+        if view["state"] != "running" {
+            return view;
+        }
+        sleep(Duration::from_millis(50));
+    }
+    panic!("the trials do not end");
+}
+
+#[test]
+fn pads_are_tried_shown_and_cancelled() {
+    let app = App::new(Access::Token, |store| add_read_study(store, "S1", &phantom().case));
+    let lead = app.observer(READER);
+    assert_eq!(lead.get(PATH).json()["state"], "none");
+    for (force, stiffness) in [(0.0, 2.0), (40.0, -1.0), (1e9, 2.0)] {
+        let request = json!({ "largest_force": force, "n_per_mm": stiffness });
+        assert_eq!(lead.post(PATH, &request).status, StatusCode::UNPROCESSABLE_ENTITY);
+    }
+    let request = json!({ "largest_force": 30.0, "n_per_mm": 2.0 });
+    let begun = lead.post(PATH, &request);
+    assert_eq!((begun.status, begun.json()["asked"].as_u64()), (StatusCode::OK, Some(112)));
+    let done = ended(&lead);
+    assert_eq!((&done["state"], &done["done"]), (&json!("done"), &json!(112)), "{done}");
+    let rows = done["rows"].as_array().expect("rows");
+    assert_eq!(
+        (rows.len(), &rows[0]["level"], &rows[13]["level"]),
+        (14, &json!("T2"), &json!("L3"))
+    );
+    assert_eq!(done["columns"].as_array().map(Vec::len), Some(8));
+    assert_eq!(done["columns"][7], json!({ "towards": "left", "force": "30" }));
+
+    // The pad of a cell, applied as a spring, changes the curve as the cell says.
+    let cells = rows.iter().flat_map(|row| row["cells"].as_array().expect("cells"));
+    let best = cells.filter(|cell| cell["part"].is_number());
+    let best =
+        best.min_by(|a, b| a["part"].as_f64().partial_cmp(&b["part"].as_f64()).expect("numbers"));
+    let best = best.expect("a cell with a result");
+    assert!(best["part"].as_f64().is_some_and(|part| part < 0.0), "some pad corrects the curve");
+    let file = json!({ "format": "spineline-load", "version": 1, "loads": [best["load"]] });
+    let answer = lead.post(LOADS, &file).json();
+    let steps = answer["simulation"]["steps"].as_array().expect("steps").clone();
+    let after = steps.last().expect("the result")["text"].as_str().expect("text");
+    // Such as `30 to the patient's left on T8: Main thoracic Cobb angle 31.2° instead of 34.4°`.
+    let title = best["title"].as_str().expect("a title");
+    let (_, told) = title.split_once(": ").expect("pad and angles");
+    let (told, _) = told.split_once(" instead of ").expect("both angles");
+    assert!(after.starts_with(told), "{after} does not begin with {told}");
+    let forces = answer["simulation"]["forces"]["rows"].to_string();
+    assert!(forces.contains("30.0 ") || !title.starts_with("30 "), "{forces}");
+}
+
+#[test]
+fn a_cancelled_map_shows_no_numbers() {
+    let app = App::new(Access::Token, |store| add_read_study(store, "S1", &phantom().case));
+    let lead = app.observer(READER);
+    let request = json!({ "largest_force": 60.0, "n_per_mm": 2.0 });
+    assert_eq!(lead.post(PATH, &request).status, StatusCode::OK);
+    assert_eq!(lead.delete(PATH).status, StatusCode::OK);
+    let view = ended(&lead);
+    // On a fast machine it may have been done before.
+    if view["state"] == "cancelled" {
+        assert_eq!((&view["rows"], &view["columns"]), (&json!([]), &json!([])));
+    } else {
+        assert_eq!(view["done"], view["asked"]);
+    }
+}

@@ -1,0 +1,53 @@
+import { answerOf, api, askBytes } from "./client";
+import type { Api } from "./types";
+
+type LineName = Api<"LineName">;
+
+const of = (study: string, line: LineName) => ({ params: { path: { study, line } } });
+
+const path = (study: string, line: LineName): string =>
+  `/api/studies/${encodeURIComponent(study)}/loads/${line}`;
+
+/** What can be put on the model of a line of action. */
+export const readLoadMenu = (study: string, line: LineName, signal: AbortSignal) =>
+  answerOf(api.GET("/api/studies/{study}/loads/{line}", { ...of(study, line), signal }));
+
+/** The model under the loads of a file, which is sent as it is written. */
+export const simulateLoads = (study: string, line: LineName, file: string, signal: AbortSignal) =>
+  answerOf(
+    api.POST("/api/studies/{study}/loads/{line}", {
+      ...of(study, line),
+      // The program reads the text itself, so that its messages name lines of the file.
+      body: {} as Api<"LoadFile">,
+      bodySerializer: () => file,
+      signal,
+    }),
+  );
+
+/** The file of the model, as `spineline simulate` reads it. */
+export const modelFilePath = (study: string, line: LineName): string =>
+  `${path(study, line)}/model`;
+
+/** The file of a simulation. */
+export const askSimulationFile = (
+  study: string,
+  line: LineName,
+  file: string,
+  signal: AbortSignal,
+): Promise<Response> =>
+  askBytes(`${path(study, line)}/simulation`, signal, {
+    method: "POST",
+    headers: { "Content-Type": "application/json" },
+    body: file,
+  });
+
+/** The pads that were tried on the current results. */
+export const readPadMap = (study: string, line: LineName) =>
+  answerOf(api.GET("/api/studies/{study}/loads/{line}/pad-map", of(study, line)));
+
+/** Tries pads in the background. */
+export const computePadMap = (study: string, line: LineName, body: Api<"PadMapRequest">) =>
+  answerOf(api.POST("/api/studies/{study}/loads/{line}/pad-map", { ...of(study, line), body }));
+
+export const cancelPadMap = (study: string, line: LineName) =>
+  answerOf(api.DELETE("/api/studies/{study}/loads/{line}/pad-map", of(study, line)));
