@@ -28,8 +28,13 @@ export class Picking {
   ) {}
 
   async load(): Promise<void> {
-    this.#view = await readOptions(this.study);
-    this.#follow();
+    const view = await readOptions(this.study);
+    // An answer that is older than a change of one's own says nothing new.
+    if (this.#view && view.revision < this.#view.revision) return;
+    const was = this.#view && this.value;
+    this.#view = view;
+    // Places that are being chosen stay, unless the option itself has changed.
+    if (was !== this.value) this.#follow();
   }
 
   begin(): void {
