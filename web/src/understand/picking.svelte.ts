@@ -9,6 +9,8 @@ export class Picking {
   #view = $state.raw<Api<"OptionsView"> | null>(null);
   /** Whether a click on the film picks a place. */
   active = $state(false);
+  /** Whether the lists of places are open; they stay so when the page is drawn anew. */
+  listsOpen = $state(false);
   lower = $state("");
   upper = $state("");
   busy = $state(false);
