@@ -188,7 +188,7 @@ test("one pad is tried everywhere, and a press on a cell adds it", async ({ app,
 });
 
 /** A map with a correction, a growth and a pad without a result. */
-function padMap(state: Api<"PadMapState">): Api<"PadMapView"> {
+function padMap(state: Api<"ComputationState">): Api<"PadMapView"> {
   const [done, asked] = [state === "done" ? 2 : 1, 2];
   const empty = { state, done, asked, largest_force: 40, columns: [], rows: [], texts: [] };
   if (state !== "done") return empty;
@@ -212,7 +212,7 @@ test("the trials show their progress, can be cancelled, and name their failures"
   page,
 }) => {
   await openPlan(app, page);
-  let state: Api<"PadMapState"> = "running";
+  let state: Api<"ComputationState"> = "running";
   await page.route("**/pad-map", (route) => {
     if (route.request().method() === "DELETE") state = "cancelled";
     return route.fulfill({ json: padMap(state) });

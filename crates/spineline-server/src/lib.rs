@@ -9,6 +9,7 @@ mod assets;
 mod attachment;
 mod changes;
 mod channel;
+mod computation_jobs;
 mod decoded;
 mod demo;
 pub mod extract;

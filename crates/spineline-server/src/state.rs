@@ -9,11 +9,11 @@ use spineline_store::{Access, Store, StoreError, Timestamp};
 use tokio::sync::Semaphore;
 
 use crate::channel::Channel;
+use crate::computation_jobs::ComputationJobs;
 use crate::film_cache::FilmCache;
 use crate::guard_rate::Attempts;
 use crate::guard_token::OneTimeToken;
 use crate::hosts::Hosts;
-use crate::jobs::Jobs;
 use crate::limits::ServeLimits;
 use crate::overview_cache::OverviewCache;
 use crate::pad_jobs::PadMapJobs;
@@ -60,7 +60,7 @@ struct Shared {
     overviews: OverviewCache,
     changes: Channel,
     results: ResultCache,
-    jobs: Jobs,
+    jobs: ComputationJobs,
     pad_maps: PadMapJobs,
 }
 
@@ -91,7 +91,7 @@ impl AppState {
             overviews: OverviewCache::default(),
             changes: Channel::default(),
             results: ResultCache::default(),
-            jobs: Jobs::default(),
+            jobs: ComputationJobs::default(),
             pad_maps: PadMapJobs::default(),
         };
         Self { shared: Arc::new(shared) }
@@ -111,7 +111,7 @@ impl AppState {
     }
 
     /// Computations in the background.
-    pub(crate) fn jobs(&self) -> &Jobs {
+    pub(crate) fn jobs(&self) -> &ComputationJobs {
         &self.shared.jobs
     }
 

@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
-use super::{FileLoad, LevelError, Notice, PostureName, Shape, SideName};
+use super::{ComputationState, FileLoad, LevelError, Notice, PostureName, Shape, SideName};
 
 /// What can be put on the model of one line of action.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
@@ -168,27 +168,11 @@ pub struct PadMapRequest {
     pub n_per_mm: f64,
 }
 
-/// Where a map of pads stands.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum PadMapState {
-    /// Nobody has asked for the current results.
-    None,
-    /// It runs, or waits for that of another study.
-    Running,
-    /// All pads were tried.
-    Done,
-    /// It was cancelled.
-    Cancelled,
-    /// It failed; the texts say why.
-    Failed,
-}
-
 /// What one pad does at every level and towards both sides.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct PadMapView {
     /// State.
-    pub state: PadMapState,
+    pub state: ComputationState,
     /// Pads that were tried.
     pub done: u64,
     /// Pads to be tried.

@@ -6,7 +6,8 @@ use spineline_files::{CaseFile, parse_uncertainty, to_line, uncertainty_text};
 use spineline_store::KeptComputation;
 
 use super::replicates::{SEED, with_monte_carlo};
-use crate::jobs::{Ending, Found, Job, JobKind};
+use crate::computation_jobs::{ComputationJob, Found, JobKind};
+use crate::jobs::Ending;
 use crate::problem::Answer;
 use crate::result_cache::{StudyResult, computed};
 use crate::results::exports::PROGRAM;
@@ -27,7 +28,7 @@ fn inputs(result: &StudyResult) -> Answer<String> {
 }
 
 /// Keeps finished replicates. A store that cannot be written keeps nothing: the page has them all the same.
-pub async fn keep(state: &AppState, job: &Arc<Job>) {
+pub async fn keep(state: &AppState, job: &Arc<ComputationJob>) {
     let of = Arc::clone(job);
     let made = computed(move || {
         let Some(Ending::Done(Found::Replicates(found))) = of.ending.get() else { return None };
@@ -59,7 +60,8 @@ pub async fn recall(state: &AppState, result: &Arc<StudyResult>) -> Answer<()> {
         if fits { parse_uncertainty(&kept.found, empty) } else { None }
     });
     if let Some(found) = found.await? {
-        state.jobs().recall(result, JobKind::Replicates, asked, Found::Replicates(Box::new(found)));
+        let found = Found::Replicates(Box::new(found));
+        state.jobs().recall(result, (JobKind::Replicates, ()), asked, found);
     }
     Ok(())
 }

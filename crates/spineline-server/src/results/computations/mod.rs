@@ -16,8 +16,8 @@ use utoipa_axum::routes;
 
 use crate::access::{open_study, study_result};
 use crate::api::{ComputationName, ComputationRequest, ComputationView, Problem};
+use crate::computation_jobs::{ComputationJob, Found, JobKind};
 use crate::extract::{Json, Path};
-use crate::jobs::{Ending, Found, Job, JobKind};
 use crate::problem::{Answer, Failure};
 use crate::result_cache::{StudyResult, computed};
 use crate::session::User;
@@ -70,11 +70,11 @@ async fn compute(
     let result = analysed(&state, &user, &study, Role::Editor).await?;
     let kind = kind_of(name);
     let asked = steps(&result, kind, &request)?;
-    let job = state.jobs().begin(&result, kind, asked).ok_or_else(|| {
+    let job = state.jobs().begin(&result, (kind, ()), asked).ok_or_else(|| {
         Failure::new(StatusCode::CONFLICT, "running", "this is being computed")
             .help("wait for it, or cancel it")
     })?;
-    tokio::spawn(run(state, Arc::clone(&job)));
+    tokio::spawn(run(state, kind, Arc::clone(&job)));
     Ok(Json(view(name, Some(&job))))
 }
 
@@ -131,26 +131,20 @@ fn steps(result: &StudyResult, kind: JobKind, request: &ComputationRequest) -> A
     }
 }
 
-async fn run(state: AppState, job: Arc<Job>) {
-    let found = match job.kind {
+async fn run(state: AppState, kind: JobKind, job: Arc<ComputationJob>) {
+    let found = match kind {
         JobKind::Replicates => replicates::all(&state, &job).await,
         JobKind::Identifiability => identifiability(&state, &job).await,
         JobKind::Models => models::all(&state, &job).await,
     };
-    let ending = match found {
-        Ok(Some(found)) => Ending::Done(found),
-        Ok(None) => Ending::Cancelled,
-        Err(failure) => Ending::Failed(failure.into_problem().message),
-    };
-    // A job runs once, so that nothing has ended it before.
-    let _ = job.ending.set(ending);
+    job.end(found);
     kept::keep(&state, &job).await;
 }
 
 /// One step after another in its turn, each with its number; `None` where they were cancelled.
 async fn in_turns<T: Send + 'static>(
     state: &AppState,
-    job: &Arc<Job>,
+    job: &Arc<ComputationJob>,
     block: u64,
     work: impl Fn(&StudyResult, std::ops::Range<u64>) -> Answer<Vec<T>> + Clone + Send + 'static,
 ) -> Answer<Option<Vec<T>>> {
@@ -170,7 +164,7 @@ async fn in_turns<T: Send + 'static>(
 }
 
 /// What the films say of the multipliers, one model of a line after another.
-async fn identifiability(state: &AppState, job: &Arc<Job>) -> Answer<Option<Found>> {
+async fn identifiability(state: &AppState, job: &Arc<ComputationJob>) -> Answer<Option<Found>> {
     let found = in_turns(state, job, 1, |result, places| {
         let analysis = result.analysed()?;
         let models = places.filter_map(|place| analysis.models.get(usize::try_from(place).ok()?));

@@ -7,7 +7,7 @@ use spineline::analysis::{Analysis, AnalysisOptions, analyze};
 use spineline::hypothesis::Hypothesis;
 
 use super::in_turns;
-use crate::jobs::{Found, Job};
+use crate::computation_jobs::{ComputationJob, Found};
 use crate::problem::{Answer, Failure};
 use crate::result_cache::StudyResult;
 use crate::state::AppState;
@@ -18,7 +18,7 @@ pub fn steps() -> u64 {
 }
 
 /// The analysis with all loads and bases, one after another; `None` where it was cancelled.
-pub async fn all(state: &AppState, job: &Arc<Job>) -> Answer<Option<Found>> {
+pub async fn all(state: &AppState, job: &Arc<ComputationJob>) -> Answer<Option<Found>> {
     let found = in_turns(state, job, 1, |result, places| {
         let compared = Hypothesis::compared();
         let chosen = places.filter_map(|place| compared.get(usize::try_from(place).ok()?));

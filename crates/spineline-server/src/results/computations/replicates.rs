@@ -6,7 +6,7 @@ use axum::http::StatusCode;
 use spineline::uncertainty::{LandmarkNoise, MonteCarlo, Replicate};
 
 use super::in_turns;
-use crate::jobs::{Found, Job};
+use crate::computation_jobs::{ComputationJob, Found};
 use crate::problem::{Answer, Failure};
 use crate::result_cache::{StudyResult, computed};
 use crate::state::AppState;
@@ -28,7 +28,7 @@ pub fn checked(count: u64) -> Answer<u64> {
 }
 
 /// All replicates, block by block; `None` where they were cancelled.
-pub async fn all(state: &AppState, job: &Arc<Job>) -> Answer<Option<Found>> {
+pub async fn all(state: &AppState, job: &Arc<ComputationJob>) -> Answer<Option<Found>> {
     let found = in_turns(state, job, BLOCK, |result, places| {
         with_monte_carlo(result, |monte_carlo| -> Vec<Replicate> {
             places.map(|index| monte_carlo.replicate(index)).collect()

@@ -9,11 +9,12 @@ use spineline_report::document::Section;
 use spineline_report::patient::parts;
 
 use crate::api::{ComputationName, ComputationState, ComputationView, IntervalView};
-use crate::jobs::{Ending, Found, Job};
+use crate::computation_jobs::{ComputationJob, Found};
+use crate::jobs::Ending;
 use crate::results::sections::section_view;
 
 /// State, progress and results of a computation.
-pub fn view(name: ComputationName, job: Option<&Job>) -> ComputationView {
+pub fn view(name: ComputationName, job: Option<&ComputationJob>) -> ComputationView {
     let mut view = ComputationView {
         name,
         state: ComputationState::None,
@@ -26,22 +27,16 @@ pub fn view(name: ComputationName, job: Option<&Job>) -> ComputationView {
     let Some(job) = job else { return view };
     view.done = job.done.load(Ordering::Relaxed);
     view.asked = job.asked;
-    view.state = match job.ending.get() {
-        None => ComputationState::Running,
-        Some(Ending::Cancelled) => ComputationState::Cancelled,
-        Some(Ending::Failed(why)) => {
-            view.texts = vec![why.clone()];
-            ComputationState::Failed
-        }
-        Some(Ending::Done(found)) => {
-            add(&mut view, job, found);
-            ComputationState::Done
-        }
-    };
+    view.state = job.state();
+    match job.ending.get() {
+        Some(Ending::Failed(why)) => view.texts = vec![why.clone()],
+        Some(Ending::Done(found)) => add(&mut view, job, found),
+        Some(Ending::Cancelled) | None => {}
+    }
     view
 }
 
-fn add(view: &mut ComputationView, job: &Job, found: &Found) {
+fn add(view: &mut ComputationView, job: &ComputationJob, found: &Found) {
     // Computations are of results that were analysed.
     let Some(analysis) = job.result.analysis() else { return };
     let sections: Vec<Section> = match found {

@@ -20,9 +20,9 @@ use super::computations::analysed;
 use super::loads::stored_model;
 use crate::api::{LineName, PadMapRequest, PadMapView, Problem};
 use crate::extract::{Json, Path};
-use crate::pad_jobs::{PadMapEnding, PadMapJob};
+use crate::pad_jobs::{PadMapJob, PadMapWork};
 use crate::problem::{Answer, Failure};
-use crate::result_cache::computed;
+use crate::result_cache::{StudyResult, computed};
 use crate::session::User;
 use crate::state::AppState;
 use view::view;
@@ -48,7 +48,7 @@ async fn pad_map(
     Path((study, line)): Path<(String, LineName)>,
 ) -> Answer<Json<PadMapView>> {
     let result = analysed(&state, &user, &study, Role::Reader).await?;
-    Ok(Json(view(state.pad_maps().of(&result, line).as_deref())))
+    Ok(Json(view(map_of(&state, &result, line).as_deref())))
 }
 
 /// Tries pads in the background.
@@ -68,8 +68,9 @@ async fn compute_pad_map(
     let of = Arc::clone(&result);
     let model = computed(move || stored_model(&of, line)).await??;
     let trials = PadTrial::all(model.levels.len(), request.largest_force, STEPS);
-    let job = PadMapJob::new(result, (line, model), request, trials);
-    let job = state.pad_maps().begin(job).ok_or_else(|| {
+    let asked = trials.len() as u64;
+    let work = PadMapWork { line, request, model, trials };
+    let job = state.pad_maps().begin(&result, ((), work), asked).ok_or_else(|| {
         Failure::new(StatusCode::CONFLICT, "running", "pads are being tried on this study")
             .help("wait for them, or cancel them")
     })?;
@@ -88,11 +89,16 @@ async fn cancel_pad_map(
     Path((study, line)): Path<(String, LineName)>,
 ) -> Answer<Json<PadMapView>> {
     let result = analysed(&state, &user, &study, Role::Editor).await?;
-    let job = state.pad_maps().of(&result, line);
+    let job = map_of(&state, &result, line);
     if let Some(job) = &job {
         job.cancel();
     }
     Ok(Json(view(job.as_deref())))
+}
+
+/// The map of this line; that of another line is none.
+fn map_of(state: &AppState, result: &Arc<StudyResult>, line: LineName) -> Option<Arc<PadMapJob>> {
+    state.pad_maps().of(result, ()).filter(|job| job.work.line == line)
 }
 
 fn check(what: &str, value: f64, limit: f64) -> Answer<()> {
@@ -107,18 +113,12 @@ async fn run(state: AppState, job: Arc<PadMapJob>) {
     // The semaphore is never closed.
     let _turn = state.pad_maps().turns.acquire().await;
     let of = Arc::clone(&job);
-    let ending = match computed(move || tried(&of)).await.and_then(|found| found) {
-        Ok(Some(found)) => PadMapEnding::Done(found),
-        Ok(None) => PadMapEnding::Cancelled,
-        Err(failure) => PadMapEnding::Failed(failure.into_problem().message),
-    };
-    // A job runs once, so that nothing has ended it before.
-    let _ = job.ending.set(ending);
+    job.end(computed(move || tried(&of)).await.and_then(|found| found));
 }
 
 /// The effects of all pads, in the order of the trials; `None` where they were cancelled.
 fn tried(job: &PadMapJob) -> Answer<Option<Vec<PadEffect>>> {
-    let PadMapJob { model, trials, .. } = job;
+    let PadMapWork { model, trials, .. } = &job.work;
     let refused = |text: String| {
         Failure::new(StatusCode::UNPROCESSABLE_ENTITY, "refused", text)
             .help("read the notices of the model")

@@ -9,13 +9,16 @@ use spineline::spatial::Angle;
 use spineline_files::{AppliedLoad, LevelKey, StoredModel};
 
 use super::STEPS;
-use crate::api::{FileLoad, PadMapCell, PadMapColumn, PadMapRow, PadMapState, PadMapView, Wire};
-use crate::pad_jobs::{PadMapEnding, PadMapJob};
+use crate::api::{
+    ComputationState, FileLoad, PadMapCell, PadMapColumn, PadMapRow, PadMapView, Wire,
+};
+use crate::jobs::Ending;
+use crate::pad_jobs::PadMapJob;
 
 /// State, progress and map of a computation.
 pub fn view(job: Option<&PadMapJob>) -> PadMapView {
     let mut view = PadMapView {
-        state: PadMapState::None,
+        state: ComputationState::None,
         done: 0,
         asked: 0,
         largest_force: None,
@@ -25,23 +28,19 @@ pub fn view(job: Option<&PadMapJob>) -> PadMapView {
     };
     let Some(job) = job else { return view };
     view.done = job.done.load(Ordering::Relaxed);
-    view.asked = job.trials.len() as u64;
-    view.largest_force = Some(job.request.largest_force);
-    view.state = match job.ending.get() {
-        None => PadMapState::Running,
-        Some(PadMapEnding::Cancelled) => PadMapState::Cancelled,
-        Some(PadMapEnding::Failed(why)) => {
-            view.texts.push(why.clone());
-            PadMapState::Failed
-        }
-        Some(PadMapEnding::Done(found)) => {
+    view.asked = job.asked;
+    view.largest_force = Some(job.work.request.largest_force);
+    view.state = job.state();
+    match job.ending.get() {
+        Some(Ending::Failed(why)) => view.texts.push(why.clone()),
+        Some(Ending::Done(found)) => {
             let map = Map { job, largest_rad: largest_rad(found) };
-            view.columns = columns(&job.trials);
+            view.columns = columns(&job.work.trials);
             view.rows = map.rows(found);
-            view.texts = texts(&job.model, found);
-            PadMapState::Done
+            view.texts = texts(&job.work.model, found);
         }
-    };
+        Some(Ending::Cancelled) | None => {}
+    }
     view
 }
 
@@ -118,7 +117,7 @@ struct Map<'a> {
 
 impl Map<'_> {
     fn rows(&self, found: &[PadEffect]) -> Vec<PadMapRow> {
-        let movable = self.job.model.levels.iter().skip(1);
+        let movable = self.job.work.model.levels.iter().skip(1);
         let rows = movable.zip(found.chunks(per_level())).map(|(level, effects)| PadMapRow {
             level: level.to_string(),
             cells: effects.iter().map(|effect| self.cell(level.name(), effect)).collect(),
@@ -167,8 +166,8 @@ impl Map<'_> {
 
     /// The pad with its displacement.
     fn load(&self, effect: &PadEffect) -> Option<FileLoad> {
-        let n_per_mm = self.job.request.n_per_mm;
-        let level = *self.job.model.levels.get(effect.trial.vertebra)?;
+        let n_per_mm = self.job.work.request.n_per_mm;
+        let level = *self.job.work.model.levels.get(effect.trial.vertebra)?;
         Some(FileLoad(AppliedLoad::Pad {
             level: LevelKey(level),
             point_in_vertebra_mm: [0.0; 3],

@@ -1,0 +1,82 @@
+//! Computations in the background, and what they have found.
+
+use std::sync::Arc;
+
+use spineline::analysis::Analysis;
+use spineline::personalize::Identifiability;
+use spineline::uncertainty::Uncertainty;
+
+use crate::jobs::{Ending, Job, Jobs};
+use crate::result_cache::StudyResult;
+
+/// All computations.
+pub type ComputationJobs = Jobs<JobKind, (), Found>;
+/// A computation from one result.
+pub type ComputationJob = Job<(), Found>;
+
+/// What is computed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum JobKind {
+    /// The effect of landmark noise.
+    Replicates,
+    /// What the films say of every multiplier.
+    Identifiability,
+    /// Other loads and bases than the lines.
+    Models,
+}
+
+/// What a computation has found.
+#[derive(Debug)]
+pub enum Found {
+    /// The effect of landmark noise on the numbers.
+    Replicates(Box<Uncertainty>),
+    /// By model of a line; `None` where its fit did not converge.
+    Identifiability(Vec<Option<Identifiability>>),
+    /// The analysis with the other loads and bases.
+    Models(Box<Analysis>),
+}
+
+/// The computations of one result, as far as they are done.
+#[derive(Debug, Default)]
+pub struct Computed(Vec<Arc<ComputationJob>>);
+
+impl Computed {
+    /// What the noise of landmarks does to the results.
+    pub fn uncertainty(&self) -> Option<&Uncertainty> {
+        self.0.iter().find_map(|job| match found(job)? {
+            Found::Replicates(found) => Some(&**found),
+            _ => None,
+        })
+    }
+
+    /// What the films say of every multiplier, by model.
+    pub fn identifiability(&self) -> Option<&[Option<Identifiability>]> {
+        self.0.iter().find_map(|job| match found(job)? {
+            Found::Identifiability(found) => Some(&found[..]),
+            _ => None,
+        })
+    }
+
+    /// The analysis with other loads and bases.
+    pub fn models(&self) -> Option<&Analysis> {
+        self.0.iter().find_map(|job| match found(job)? {
+            Found::Models(found) => Some(&**found),
+            _ => None,
+        })
+    }
+}
+
+impl ComputationJobs {
+    /// What is computed of these results.
+    pub fn computed(&self, result: &Arc<StudyResult>) -> Computed {
+        let kinds = [JobKind::Replicates, JobKind::Identifiability, JobKind::Models];
+        Computed(kinds.into_iter().filter_map(|kind| self.of(result, kind)).collect())
+    }
+}
+
+fn found(job: &ComputationJob) -> Option<&Found> {
+    match job.ending.get()? {
+        Ending::Done(found) => Some(found),
+        Ending::Cancelled | Ending::Failed(_) => None,
+    }
+}
