@@ -123,6 +123,7 @@ fn steps(command: &str) -> Option<Vec<Step>> {
     let films = Step::new("films", &[Tool::Python], outside::films);
     let exchange = Step::new("exchange", &[Tool::Python, Tool::Dcmtk], outside::exchange).full();
     let package = Step::new("python", &[Tool::Python], package::test);
+    let wheel = Step::new("wheel", &[Tool::Python], |plan| package::test_wheel(plan.root)).full();
     let notebooks = Step::new("notebooks", &[Tool::Python], notebooks::test).full();
     let attack = Step::new("attack", &[Tool::Python], outside::attack).full();
     let studies = Step::new("studies", &[], checks::slow_studies).full();
@@ -137,11 +138,13 @@ fn steps(command: &str) -> Option<Vec<Step>> {
             reliability.beside(),
             films.beside(),
             exchange.beside(),
-            package,
-            notebooks,
+            package.beside(),
             Step::new("doc examples", &[], checks::doctest),
             lint,
             Step::new("docs", &[], checks::rustdoc),
+            // Both write where the Python step reads, or where the lints look.
+            notebooks.alone(),
+            wheel.alone(),
             Step::new("browser", &[Tool::Npm, Tool::Chromium], web::browser_in_short).alone(),
             attack,
             studies,

@@ -58,7 +58,7 @@ fn wheel_with(root: &Path, features: &[&str]) -> Result<PathBuf, String> {
     Ok(wheel)
 }
 
-/// Tests the package and its types: the module as the tests have built it, and in a full run the wheel as well.
+/// Tests the package and its types, with the native module that the tests have built.
 pub fn test(plan: &Plan<'_>) -> Result<(), String> {
     let root = plan.root;
     let interpreter = python::text(&environment(root)?)?;
@@ -75,8 +75,7 @@ pub fn test(plan: &Plan<'_>) -> Result<(), String> {
     run(&folder, &interpreter, &["-m", "mypy"], &[])?;
     run(&folder, &interpreter, &["-m", "pyright", "--pythonpath", &interpreter], &[])?;
     let measure = python::text(&folder.join("tests/measure.py"))?;
-    run(&staged, &interpreter, &[&measure], &variables)?;
-    if plan.is_full() { test_wheel(root) } else { Ok(()) }
+    run(&staged, &interpreter, &[&measure], &variables)
 }
 
 /// Runs the tests from another folder, so that the sources are not taken for the package.
@@ -108,7 +107,7 @@ pub fn with_wheel(root: &Path) -> Result<PathBuf, String> {
 }
 
 /// Tests what the wheel has installed: its program beside its module. The same sources have passed all tests before.
-fn test_wheel(root: &Path) -> Result<(), String> {
+pub fn test_wheel(root: &Path) -> Result<(), String> {
     let interpreter = python::text(&with_wheel(root)?)?;
     let variables = [("PYTHONDONTWRITEBYTECODE", "1")];
     pytest(root, &python::target()?, &interpreter, &variables, &WHEEL_TESTS)
