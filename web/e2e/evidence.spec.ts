@@ -1,10 +1,10 @@
 import { expect, expectAccessible, shot, test } from "./app";
 
-for (const [scheme, width] of [
-  ["dark", 1280],
-  ["light", 390],
+for (const [scheme, width, tag] of [
+  ["dark", 1280, []],
+  ["light", 390, ["@long"]],
 ] as const) {
-  test.describe(`${scheme}, ${width} px`, () => {
+  test.describe(`${scheme}, ${width} px`, { tag: [...tag] }, () => {
     test.use({ colorScheme: scheme, viewport: { width, height: 844 } });
 
     test("lines, multipliers and other models have the tables and pictures of the report", async ({

@@ -48,8 +48,12 @@ test("landmarks of a whole film are placed, and results appear", async ({ app, p
   await shot(page, "measure-all-marked");
 });
 
-for (const deviceScaleFactor of [1, 1.25, 2]) {
-  test.describe(`at ${deviceScaleFactor} device pixels per CSS pixel`, () => {
+for (const [deviceScaleFactor, tag] of [
+  [1, []],
+  [1.25, ["@long"]],
+  [2, []],
+] as const) {
+  test.describe(`at ${deviceScaleFactor} device pixels per CSS pixel`, { tag: [...tag] }, () => {
     test.use({ deviceScaleFactor });
 
     test("painted pixels and clicks agree with film coordinates", async ({ app, page }) => {

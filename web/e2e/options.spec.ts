@@ -16,11 +16,11 @@ async function openModel(page: Page): Promise<void> {
   await expect(page.getByRole("button", { name: "Options…" })).toBeVisible();
 }
 
-for (const [scheme, width] of [
-  ["dark", 1280],
-  ["light", 390],
+for (const [scheme, width, tag] of [
+  ["dark", 1280, []],
+  ["light", 390, ["@long"]],
 ] as const) {
-  test.describe(`${scheme}, ${width} px`, () => {
+  test.describe(`${scheme}, ${width} px`, { tag: [...tag] }, () => {
     test.use({ colorScheme: scheme, viewport: { width, height: 844 } });
 
     test("model options are changed, shown beside the results, and reset", async ({

@@ -37,10 +37,15 @@ pub fn built(plan: &Plan<'_>, name: &str) -> Result<PathBuf, String> {
     Ok(python::target()?.join("debug").join(name).with_extension(std::env::consts::EXE_EXTENSION))
 }
 
-/// The native module of the Python package, with what the tests have built: the same crates and features.
+/// The native module of the Python package, with what the tests have built: the same crates and features. It is built once in
+/// a run, as the program is.
 pub fn native_module(plan: &Plan<'_>) -> Result<PathBuf, String> {
-    built(plan, "spineline")?;
-    cargo_on(plan, &["build", "--quiet"], &["--lib", "--tests"], &[])?;
+    static IS_BUILT: AtomicBool = AtomicBool::new(false);
+    if !IS_BUILT.load(Ordering::Acquire) {
+        built(plan, "spineline")?;
+        cargo_on(plan, &["build", "--quiet"], &["--lib", "--tests"], &[])?;
+        IS_BUILT.store(true, Ordering::Release);
+    }
     Ok(python::target()?.join("debug").join(package::module_file()))
 }
 
@@ -54,7 +59,8 @@ pub fn lint(plan: &Plan<'_>) -> Result<(), String> {
 
 /// All tests but slow studies, with nextest where it is installed; long tests in a full run only (`.config/nextest.toml`).
 pub fn test(plan: &Plan<'_>) -> Result<(), String> {
-    built(plan, "spineline")?;
+    // Steps beside others find it built.
+    native_module(plan)?;
     // What changes the machine for a moment is asked for.
     let variables: &[(&str, &str)] =
         if plan.is_full() { &[("SPINELINE_MOUNT_SMALL_DISKS", "1")] } else { &[] };

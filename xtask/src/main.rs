@@ -115,6 +115,8 @@ fn steps(command: &str) -> Option<Vec<Step>> {
     let advisories = Step::new("advisories", &[], advisories::check);
     let tidy = Step::new("tidy", &[], |plan| tidy::run(plan.root));
     let lint = Step::new("lints", &[], checks::lint);
+    // While the browser app and the program are built, which leave network and disk free.
+    let environments = Step::new("environments", &[Tool::Python], outside::provide_environments);
     // Before the program is built, which embeds it.
     let web = Step::new("web", &[Tool::Npm], |plan| web::build(plan.root));
     let browser = Step::new("browser", &[Tool::Npm, Tool::Chromium], web::browser);
@@ -132,6 +134,7 @@ fn steps(command: &str) -> Option<Vec<Step>> {
             format,
             tidy,
             advisories,
+            environments.beside(),
             web,
             Step::new("tests", &[], checks::test),
             engines.beside(),

@@ -5,7 +5,7 @@ use std::sync::{Mutex, PoisonError};
 use std::thread;
 
 use crate::checks::built;
-use crate::plan::Plan;
+use crate::plan::{Extent, Plan};
 use crate::{notebooks, package, python};
 
 /// Exported models in MuJoCo, Pinocchio and OpenSim: shapes under load.
@@ -26,7 +26,7 @@ pub fn films(plan: &Plan<'_>) -> Result<(), String> {
 /// Exported landmarks in highdicom, pydicom and DCMTK: every point; tables in pyarrow and pandas: every value; typeset
 /// reports in qpdf.
 pub fn exchange(plan: &Plan<'_>) -> Result<(), String> {
-    let full = Plan::new(plan.root, crate::plan::Extent::Full);
+    let full = Plan::new(plan.root, Extent::Full);
     compare(&full, "exchange")
 }
 
@@ -51,21 +51,25 @@ pub fn landmarks(plan: &Plan<'_>) -> Result<(), String> {
     python::project(plan.root, "landmarks", &script, Path::new("debug/spineline"), &passed_on)
 }
 
-/// Makes the Python environments of all checks, two at a time: each is a network and a disk, and half a core.
-pub fn provide_environments(root: &Path) -> Result<(), String> {
-    let projects = ["engines", "reliability", "films", "exchange", "attack"];
-    let own = projects.map(|name| {
-        move || {
+/// Makes the Python environments of the checks of a plan, two at a time: each is a network and a disk, and half a core.
+pub fn provide_environments(plan: &Plan<'_>) -> Result<(), String> {
+    let root = plan.root;
+    let projects: &[&str] = match plan.extent {
+        Extent::Usual => &["engines", "reliability", "films"],
+        Extent::Full => &["engines", "reliability", "films", "exchange", "attack"],
+    };
+    let own = projects.iter().map(|name| -> Provide<'_> {
+        Box::new(|| {
             let requirements = project(root, name).join("requirements.txt");
             python::environment(root, name, &requirements).map(drop)
-        }
+        })
     });
-    let others: [Provide<'_>; 2] = [
-        Box::new(|| package::environment(root).map(drop)),
-        Box::new(|| notebooks::environment(root).map(drop)),
-    ];
-    let all = own.into_iter().map(|make| Box::new(make) as Provide<'_>).chain(others);
-    let waiting = Mutex::new(all.collect::<Vec<_>>());
+    let notebooks = plan
+        .is_full()
+        .then(|| -> Provide<'_> { Box::new(|| notebooks::environment(root).map(drop)) });
+    let package: Provide<'_> = Box::new(|| package::environment(root).map(drop));
+    // The last one is taken first: the largest.
+    let waiting = Mutex::new(own.chain(notebooks).chain([package]).collect::<Vec<_>>());
     let next = || waiting.lock().unwrap_or_else(PoisonError::into_inner).pop();
     let work = || std::iter::from_fn(next).try_for_each(|make| make());
     thread::scope(|scope| {

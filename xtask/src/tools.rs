@@ -3,6 +3,7 @@
 use std::path::Path;
 use std::process::{Command, Stdio};
 
+use crate::plan::{Extent, Plan};
 use crate::{outside, run, web};
 
 /// A program that a check needs.
@@ -74,7 +75,7 @@ pub fn setup(root: &Path) -> Result<(), String> {
         run(root, "cargo", &["install", "--locked", "cargo-nextest"], &[])?;
     }
     web::provide_packages(root)?;
-    outside::provide_environments(root)
+    outside::provide_environments(&Plan::new(root, Extent::Full))
 }
 
 /// Installs tools as Debian packages, as root or through `sudo`.
