@@ -10,7 +10,7 @@ use spineline::hypothesis::{
 use crate::document::{Column, Section, Table};
 use crate::phrases::{none, with_interval};
 
-const LEGEND: &str = "Location errors in mm and rotation errors in degrees, one mean per patient. Fitted: stiffness and loads fitted to both bends. Left out: a bend predicted with the stiffness of the other bend and the smallest load that brings the top near. Load fitted: the same with the load fitted to the whole shape. Held out: neutral and traction films, as left out. Rotation errors: root mean square over the joints; the rotation of a base counts at the lowest joint. Counter-rotating: joints per bend that turn against the load. AICc and BIC: differences from the first row. Best: patients in whom no other load has a smaller left-out error, or a smaller AICc. Lost: films without a prediction (no equilibrium, or a shape beyond the human range of motion) and fits without a result.";
+const LEGEND: &str = "Location errors in mm and rotation errors in degrees, one mean per patient. Fitted: stiffness and loads fitted to both bends. Left out: a bend predicted with the stiffness of the other bend and the smallest load that brings the top near. With prior: the same with the most probable load for the location of the top and the distribution of joint rotations. With tilt: the same with the tilt of the top. Load fitted: the same with the load fitted to the whole shape. Held out: neutral and traction films, as left out. Rotation errors: root mean square over the joints; the rotation of a base counts at the lowest joint. Counter-rotating: joints per bend that turn against the load. AICc and BIC: differences from the first row. Best: patients in whom no other load has a smaller left-out error, or a smaller AICc. Lost: films without a prediction (no equilibrium, or a shape beyond the human range of motion) and fits without a result.";
 
 /// The hypotheses of one patient or several, each with whether the patient is synthetic; `None` if none was requested.
 ///
@@ -91,6 +91,8 @@ fn table(block: &HypothesisComparison, caption: String) -> Table {
         Column::numbers("Free"),
         Column::numbers("Fitted (mm)"),
         Column::numbers("Left out (mm)"),
+        Column::numbers("With prior (mm)"),
+        Column::numbers("With tilt (mm)"),
         Column::numbers("Load fitted (mm)"),
         Column::numbers("Held out (mm)"),
         Column::numbers("Fitted (°)"),
@@ -110,7 +112,7 @@ fn table(block: &HypothesisComparison, caption: String) -> Table {
 
 fn row(summary: &HypothesisSummary) -> Vec<String> {
     let number = |value: Option<f64>| value.map_or_else(none, |value| format!("{value:.1}"));
-    let of = |values: &[Option<f64>; 4], role: Role| {
+    let of = |values: &[Option<f64>], role: Role| {
         values[Role::ALL.iter().position(|one| *one == role).expect("it is one of all")]
     };
     let mm = |role| number(of(&summary.location_mm, role));
@@ -120,6 +122,8 @@ fn row(summary: &HypothesisSummary) -> Vec<String> {
         summary.free.to_string(),
         mm(Role::Fitted),
         mm(Role::LeftOut),
+        mm(Role::LeftOutWithPrior),
+        mm(Role::LeftOutWithTilt),
         mm(Role::LeftOutLoadFitted),
         mm(Role::HeldOut),
         deg(Role::Fitted),

@@ -382,9 +382,11 @@ fn columns_of_hypotheses<'a>() -> Vec<Column<PredictedRow<'a>>> {
             |row| Some(row.item.fit.hypothesis.key()),
         ),
         text("posture", "film", |row| Some(row.item.prediction.posture.key().to_owned())),
-        text("role", "`fitted`, `held_out`, `left_out` or `left_out_load_fitted`", |row| {
-            Some(row.item.prediction.role.key().to_owned())
-        }),
+        text(
+            "role",
+            "`fitted`, `held_out`, `left_out`, `left_out_with_prior`, `left_out_with_tilt` or `left_out_load_fitted`",
+            |row| Some(row.item.prediction.role.key().to_owned()),
+        ),
         text("fit_status", "how the fit to all bends ended", |row| {
             Some(row.item.fit.ending_key().to_owned())
         }),

@@ -39,7 +39,8 @@ pub(super) struct HypothesisRecord {
 struct PredictionRecord {
     posture: Key<Posture>,
     /// `fitted`; `held_out` (neutral, traction); `left_out` (a bend by the stiffness of the other, load by T2's place);
-    /// `left_out_load_fitted` (the same, load by the whole shape).
+    /// `left_out_with_prior` (the same, load by T2's place and the distribution of joint rotations); `left_out_with_tilt` (the
+    /// same, and T2's tilt); `left_out_load_fitted` (the same, load by the whole shape).
     role: String,
     /// Components of the load: N, N·mm for couples, the body's weight for `weight`; relative where no force is known.
     components: Vec<f64>,

@@ -94,6 +94,33 @@ fn two_forces_predict_best_where_two_bent_the_spine() {
 }
 
 #[test]
+fn one_component_needs_no_more_than_the_place_of_t2() {
+    // Oracle: the search along the path of equilibria, which knows neither joint rotations nor the tilt. Two numbers determine a
+    // load of one component and the scale of the film, so that a wide prior hardly moves them.
+    let compared = comparison(Truth::Pull, &[LoadShape::IliacLine].map(Hypothesis::of));
+    let [iliac] = &compared.hypotheses[..] else { panic!("one load") };
+    let by_place = location_mm(iliac, Role::LeftOut);
+    for role in [Role::LeftOutWithPrior, Role::LeftOutWithTilt] {
+        let mm = location_mm(iliac, role);
+        assert!((mm - by_place).abs() < 0.1, "{role:?}: {mm:.3} mm, by place {by_place:.3} mm");
+    }
+}
+
+#[test]
+fn the_tilt_of_t2_determines_a_free_line() {
+    // Oracle: truth. Three components, of which the films were bent by one that is among them, by a force spread over the
+    // spine, or by rotations that no load made.
+    let free = [Hypothesis::of(LoadShape::FreeLine)];
+    for truth in [Truth::Rod, Truth::Lateral, Truth::Bend] {
+        let compared = comparison(truth, &free);
+        let of = |role| location_mm(&compared.hypotheses[0], role);
+        let [place, tilt] = [Role::LeftOut, Role::LeftOutWithTilt].map(of);
+        assert!(tilt < place, "{truth:?}: {tilt:.2} mm with tilt, {place:.2} mm by place");
+        assert!(tilt < 1.5, "{truth:?}: {tilt:.2} mm with tilt");
+    }
+}
+
+#[test]
 fn a_free_base_predicts_best_where_the_base_was_rotated() {
     let bases = Base::ALL.map(|base| Hypothesis { load: LoadShape::InflectionLine, base });
     let compared = comparison(Truth::TurnedBase, &bases);

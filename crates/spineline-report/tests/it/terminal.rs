@@ -218,6 +218,8 @@ fn requested_loads_and_bases_are_shown() {
                 one.free.to_string(),
                 mm(Role::Fitted),
                 mm(Role::LeftOut),
+                mm(Role::LeftOutWithPrior),
+                mm(Role::LeftOutWithTilt),
                 mm(Role::LeftOutLoadFitted),
                 mm(Role::HeldOut),
                 deg(Role::Fitted),

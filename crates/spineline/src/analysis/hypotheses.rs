@@ -2,6 +2,7 @@
 
 use super::findings::Findings;
 use crate::clinical::{RegionBounds, ferguson_angle};
+use crate::evaluate::RotationPrior;
 use crate::hypothesis::{HypothesisFilm, HypothesisFit, LossReason, Spine, fit_hypothesis};
 use crate::multibody::{MAX_HUMAN_COLUMN, MAX_HUMAN_JOINT};
 use crate::personalize::FitStatus;
@@ -18,11 +19,17 @@ pub(super) fn fit_hypotheses(
         return Vec::new();
     }
     let groups = findings.joint_groups();
+    let erect = &findings.erect().outline;
+    let given = findings.options.rotation_prior.as_ref();
+    let rotations = given
+        .and_then(|prior| prior.of(erect.levels()))
+        .unwrap_or_else(|| RotationPrior::published(erect.levels()));
     let spine = Spine {
         model: findings.spine,
         library: findings.library,
         groups: &groups,
-        erect: &findings.erect().outline,
+        erect,
+        rotations: &rotations,
         support: findings.options.support,
         depth_mm: findings.depth_mm(),
         apex: largest_apex(findings),

@@ -230,8 +230,12 @@ impl PatientHypothesis {
             let role = match film.role {
                 Role::LeftOut => FilmRole::LeftOutBend,
                 Role::HeldOut => FilmRole::HeldOut,
-                // A load that was fitted to the film predicts nothing.
-                Role::Fitted | Role::LeftOutLoadFitted => return None,
+                // A load that was fitted to the film predicts nothing, and what knows more of a film than T2's place is not
+                // compared with what does not.
+                Role::Fitted
+                | Role::LeftOutWithPrior
+                | Role::LeftOutWithTilt
+                | Role::LeftOutLoadFitted => return None,
             };
             Some((film.posture, role, film.location_errors_mm.clone()))
         });

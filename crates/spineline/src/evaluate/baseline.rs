@@ -6,7 +6,7 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::rotation_prior::RotationPrior;
-use crate::anatomy::{Level, Posture, Side, named};
+use crate::anatomy::{Level, Posture, named};
 use crate::least_squares::{FitStatus, System, minimize};
 use crate::measure::{FilmScale, Outline};
 use crate::spatial::{Angle, Frontal};
@@ -114,6 +114,17 @@ pub fn joint_rotations(erect: &Outline, film: &Outline) -> Vec<Angle> {
     (1..film.vertebrae.len()).map(|i| (turn(i) - turn(i - 1)).wrapped()).collect()
 }
 
+/// How far the top turns from the erect film against the base, and the standard deviation of that by the noise of both films'
+/// tilts.
+pub(crate) fn turn_of_top(erect: &Outline, film: &Outline) -> [Angle; 2] {
+    let last = film.vertebrae.len() - 1;
+    let tilt = |outline: &Outline| outline.vertebrae[last].tilt;
+    // A tilt against L4 has the noise of two.
+    let [film_sd, erect_sd] = [film, erect].map(|outline| outline.noise_of_ends().tilt.rad());
+    let sd = f64::sqrt(2.0) * film_sd.hypot(erect_sd);
+    [(tilt(film) - tilt(erect)).wrapped(), Angle::from_rad(sd)]
+}
+
 /// Joint rotations before a film: `mean + basis x`, where `x` are either free or standard normal.
 struct Rotations {
     mean: DVector<f64>,
@@ -158,8 +169,7 @@ pub fn predict_from_prior(
     erect: &Outline,
     film: &Outline,
 ) -> BaselinePrediction {
-    let sign = if film.posture.bend() == Some(Side::Left) { -1.0 } else { 1.0 };
-    let joints = prior.mean().iter().map(|joint| sign * joint.rad());
+    let joints = prior.mean_of(film.posture).into_iter().map(Angle::rad);
     let mean = DVector::from_iterator(prior.mean().len(), joints);
     let rotations = Rotations { mean, basis: prior.root().clone(), is_free: false };
     predict_rotations(baseline, &rotations, erect, film)
@@ -221,17 +231,12 @@ impl<'a> TopFit<'a> {
         film: &'a Outline,
     ) -> Self {
         let last = film.vertebrae.len() - 1;
-        let tilt = |outline: &Outline| outline.vertebrae[last].tilt;
-        // A tilt against L4 has the noise of two.
-        let [film_sd, erect_sd] = [film, erect].map(|outline| outline.noise_of_ends().tilt.rad());
-        let sd = f64::sqrt(2.0) * film_sd.hypot(erect_sd);
-        let turn = (tilt(film) - tilt(erect)).wrapped().rad();
         Self {
             links: Links::of(erect),
             rotations,
             film,
             top: film.vertebrae[last].location * film.length.scale.factor,
-            turn: baseline.knows_tilt().then_some([turn, sd]),
+            turn: baseline.knows_tilt().then(|| turn_of_top(erect, film).map(Angle::rad)),
         }
     }
 

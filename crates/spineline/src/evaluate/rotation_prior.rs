@@ -3,7 +3,7 @@
 use nalgebra::DMatrix;
 
 use super::mobility::published_lateral_bending;
-use crate::anatomy::Levels;
+use crate::anatomy::{Levels, Posture, Side};
 use crate::spatial::Angle;
 
 /// Normal distribution of the joint rotations of a bend to the right; those of a bend to the left are its mirror image.
@@ -187,6 +187,13 @@ impl RotationPrior {
         &self.mean
     }
 
+    /// Mean rotation of every joint in a posture: mirrored for a bend to the left.
+    #[must_use]
+    pub fn mean_of(&self, posture: Posture) -> Vec<Angle> {
+        let sign = if posture.bend() == Some(Side::Left) { -1.0 } else { 1.0 };
+        self.mean.iter().map(|&joint| joint * sign).collect()
+    }
+
     /// Covariance of the rotations, in rad².
     #[must_use]
     pub const fn covariance_rad2(&self) -> &DMatrix<f64> {
@@ -200,7 +207,7 @@ impl RotationPrior {
     }
 
     /// Lower triangle whose product with its transpose is the covariance.
-    pub(super) const fn root(&self) -> &DMatrix<f64> {
+    pub(crate) const fn root(&self) -> &DMatrix<f64> {
         &self.root
     }
 

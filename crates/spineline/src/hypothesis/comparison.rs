@@ -10,9 +10,9 @@ pub struct HypothesisSummary {
     /// Free numbers of a patient's fit, beside the size of its residuals; the most of any patient.
     pub free: usize,
     /// Location errors by role, in the order of [`Role::ALL`], in mm.
-    pub location_mm: [Option<f64>; 4],
+    pub location_mm: [Option<f64>; Role::ALL.len()],
     /// Root mean squares of the rotations' errors by role, in degrees.
-    pub rotation_deg: [Option<f64>; 4],
+    pub rotation_deg: [Option<f64>; Role::ALL.len()],
     /// Joints per fitted film that turn against the load.
     pub against: Option<f64>,
     /// AICc less that of the first hypothesis of the comparison.

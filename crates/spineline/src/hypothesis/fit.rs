@@ -2,6 +2,7 @@
 
 use nalgebra::DVector;
 
+use super::from_top::predict_from_top;
 use super::prediction::{predict, prediction};
 use super::problem::{LoadedFilm, ShapeProblem, statics};
 use super::start::{JointResponses, alternate};
@@ -21,14 +22,25 @@ pub enum Role {
     HeldOut,
     /// A bend; stiffness was fitted to the other one, and the load is the one that brings T2 nearest.
     LeftOut,
+    /// A bend; stiffness was fitted to the other one, and the load is the most probable one for T2's place and the
+    /// distribution of joint rotations.
+    LeftOutWithPrior,
+    /// The same for T2's place and tilt.
+    LeftOutWithTilt,
     /// A bend; stiffness was fitted to the other one, and the load to the whole shape of this one.
     LeftOutLoadFitted,
 }
 
 impl Role {
     /// All of them.
-    pub const ALL: [Self; 4] =
-        [Self::Fitted, Self::HeldOut, Self::LeftOut, Self::LeftOutLoadFitted];
+    pub const ALL: [Self; 6] = [
+        Self::Fitted,
+        Self::HeldOut,
+        Self::LeftOut,
+        Self::LeftOutWithPrior,
+        Self::LeftOutWithTilt,
+        Self::LeftOutLoadFitted,
+    ];
 
     /// The name used in files.
     #[must_use]
@@ -37,6 +49,8 @@ impl Role {
             Self::Fitted => "fitted",
             Self::HeldOut => "held_out",
             Self::LeftOut => "left_out",
+            Self::LeftOutWithPrior => "left_out_with_prior",
+            Self::LeftOutWithTilt => "left_out_with_tilt",
             Self::LeftOutLoadFitted => "left_out_load_fitted",
         }
     }
@@ -219,9 +233,16 @@ pub fn fit_hypothesis(
             let logs = other
                 .filter(|other| other.status != FitStatus::NotEvaluable)
                 .map(|other| other.log_multipliers(spine));
-            let near = logs.as_ref().ok_or(LossReason::NoEquilibrium);
-            let near = near.and_then(|logs| predict(hypothesis, spine, &left, logs, Role::LeftOut));
-            record(&left, Role::LeftOut, near);
+            let predictions: [(Role, PredictLeftOut); 3] = [
+                (Role::LeftOut, predict),
+                (Role::LeftOutWithPrior, predict_from_top),
+                (Role::LeftOutWithTilt, predict_from_top),
+            ];
+            for (role, predict) in predictions {
+                let known = logs.as_ref().ok_or(LossReason::NoEquilibrium);
+                let found = known.and_then(|logs| predict(hypothesis, spine, &left, logs, role));
+                record(&left, role, found);
+            }
             let role = Role::LeftOutLoadFitted;
             let own = logs
                 .and_then(|logs| fit_to(hypothesis, spine, &[left], Some(logs)))
@@ -232,6 +253,9 @@ pub fn fit_hypothesis(
     }
     Some(fit)
 }
+
+/// How a bend is predicted with the stiffness of the other one.
+type PredictLeftOut = fn(Hypothesis, &Spine<'_>, &HypothesisFilm<'_>, &[f64], Role) -> Predicted;
 
 /// A prediction, or why there is none.
 pub(super) type Predicted = Result<ShapePrediction, LossReason>;

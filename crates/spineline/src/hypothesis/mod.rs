@@ -14,7 +14,9 @@
 //!
 //! # What decides
 //! Never the fit. Films that were not fitted ([`Role::HeldOut`], [`Role::LeftOut`]) are predicted from T2's place alone, two
-//! numbers for every hypothesis; [`Criteria`] count the parameters of the fit.
+//! numbers for every hypothesis; [`Criteria`] count the parameters of the fit. Two numbers do not determine a load of several
+//! components and the film's scale. So bends are predicted in two more ways, with what predictions without mechanics know too: a
+//! distribution of joint rotations ([`Role::LeftOutWithPrior`]), and T2's tilt beside it ([`Role::LeftOutWithTilt`]).
 //!
 //! # References
 //! [jalalian-loa], [petit-2004]; [burnham-2002] for the criteria.
@@ -24,6 +26,7 @@
 mod comparison;
 mod criteria;
 mod fit;
+mod from_top;
 mod loads;
 mod near_t2;
 mod prediction;
@@ -37,6 +40,7 @@ pub use fit::{
     fit_hypothesis,
 };
 
+use crate::evaluate::RotationPrior;
 use crate::measure::Outline;
 use crate::multibody::{JointGroups, SpineModel, StiffnessLibrary, Support};
 use crate::spatial::Frontal;
@@ -253,6 +257,8 @@ pub struct Spine<'a> {
     pub groups: &'a JointGroups,
     /// The erect film.
     pub erect: &'a Outline,
+    /// What is known of joint rotations before a film.
+    pub rotations: &'a RotationPrior,
     /// What holds the patient.
     pub support: Support,
     /// Sagittal place of lines fixed in space.

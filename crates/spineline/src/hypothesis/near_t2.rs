@@ -57,7 +57,7 @@ pub(super) fn nearest_t2(
 
 /// The largest amount of one component: the limit of a force along a line, for the sum of all forces; moments as pairs of forces at
 /// both ends of the spine.
-fn largest(loaded: &LoadedFilm, log_multipliers: &[f64], spine: &Spine<'_>) -> f64 {
+pub(super) fn largest(loaded: &LoadedFilm, log_multipliers: &[f64], spine: &Spine<'_>) -> f64 {
     let midpoints = &spine.model.midpoints_mm;
     let length_mm = (midpoints[midpoints.len() - 1] - midpoints[0]).norm();
     let unit_n: f64 = loaded.units.iter().flatten().map(|unit| unit.force_n(length_mm)).sum();
@@ -69,7 +69,7 @@ fn largest(loaded: &LoadedFilm, log_multipliers: &[f64], spine: &Spine<'_>) -> f
 }
 
 /// `size² = |factor · x|²`; `None` where the components do not differ.
-fn size_factor(
+pub(super) fn size_factor(
     loaded: &LoadedFilm,
     joints: usize,
     count: usize,

@@ -6,6 +6,7 @@ use super::problem::{LoadedFilm, statics};
 use super::start::JointResponses;
 use super::{Hypothesis, HypothesisFilm, Spine};
 use crate::evaluate::{ScaledPrediction, at_scale_of_top};
+use crate::measure::FilmScale;
 use crate::spatial::{Angle, Frontal};
 
 /// The film under the load that brings T2 nearest, at the scale that T2 and its prior give.
@@ -31,13 +32,22 @@ pub(super) fn predict(
     if !converged {
         return Err(LossReason::NoEquilibrium);
     }
+    Ok(with_scale(prediction, scale, film))
+}
+
+/// A prediction at a scale of its own, in the lengths of the film as it was given.
+pub(super) fn with_scale(
+    prediction: ShapePrediction,
+    scale: FilmScale,
+    film: &HypothesisFilm<'_>,
+) -> ShapePrediction {
     let factor = scale.factor / film.outline.length.scale.factor;
-    Ok(ShapePrediction {
+    ShapePrediction {
         scale,
         locations: prediction.locations.iter().map(|&location| location * factor).collect(),
         location_errors_mm: prediction.location_errors_mm.iter().map(|mm| mm * factor).collect(),
         ..prediction
-    })
+    }
 }
 
 fn predict_scaled(

@@ -43,6 +43,8 @@ pub use matching::{
     ForceMatch, ForceSign, MatchStatus, amplitude_matches, match_amplitude, match_t2,
 };
 pub(crate) use matching::{MAX_FORCE_PER_STIFFNESS, MAX_HINGE_RAD, OneComponent};
-pub(crate) use nearest::{SeveralComponents, nearest_from_starts, nearest_on_path};
+pub(crate) use nearest::{
+    SeveralComponents, nearest_from_starts, nearest_on_path, starts_of_sizes,
+};
 pub use stiffness::{JointGroups, JointStiffness, StiffnessError, StiffnessLibrary, Support};
 pub use stiffness_tables::StiffnessTable;

@@ -94,7 +94,7 @@ pub(crate) fn nearest_from_starts(
     place: Frontal,
 ) -> Option<DVector<f64>> {
     let mut minima = Vec::new();
-    for start in starts(size, started) {
+    for start in starts_of_sizes(size, started) {
         let Some(components) = minimum_from(load, size, place, start) else { continue };
         // From the unloaded spine, as the shape is computed that is shown.
         load.restart();
@@ -107,7 +107,8 @@ pub(crate) fn nearest_from_starts(
     smallest_near_t2(minima, least_mm).map(|found| found.components)
 }
 
-fn starts(size: &DMatrix<f64>, started: usize) -> Vec<DVector<f64>> {
+/// No load, and each of the first `started` components by itself, both ways and in several sizes.
+pub(crate) fn starts_of_sizes(size: &DMatrix<f64>, started: usize) -> Vec<DVector<f64>> {
     let none = DVector::zeros(size.ncols());
     let mut starts = vec![none.clone()];
     for i in 0..started {

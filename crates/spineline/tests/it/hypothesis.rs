@@ -3,6 +3,7 @@
 use spineline::action::LineOfAction;
 use spineline::analysis::{Analysis, AnalysisOptions, analyze};
 use spineline::anatomy::{Levels, Posture};
+use spineline::evaluate::RotationPrior;
 use spineline::hypothesis::{
     Base, Hypothesis, HypothesisFilm, HypothesisFit, LoadShape, LossReason, LostPrediction, Role,
     Spine, fit_hypothesis,
@@ -143,6 +144,7 @@ fn fitted(analysis: &Analysis, hypothesis: Hypothesis, turn: Angle) -> Hypothesi
         library: &analysis.options.library,
         groups: &groups,
         erect: &analysis.erect().outline,
+        rotations: &RotationPrior::published(analysis.levels()),
         support: Support::Frontal,
         depth_mm: 0.0,
         apex: 7,
