@@ -11,7 +11,7 @@ use spineline_files::{
 };
 use spineline_films::{DicomFilm, Encoding, FilmPolarity, View, write_dicom};
 use spineline_landmarks::{LandmarkTarget, ReportOf, SourceImage, export_landmarks, write_sr};
-use spineline_phantom::{Readers, Truth, generate};
+use spineline_phantom::{Readers, SpaceSetup, Truth, generate, generate_in_space};
 
 /// A valid file for one target.
 #[derive(Debug, Clone)]
@@ -56,6 +56,9 @@ pub fn seeds() -> Result<Vec<Seed>, Box<dyn std::error::Error>> {
     let case = &phantom.case;
     let analysis = analyze(case, &Default::default())?;
     all.put("case", "phantom", to_text(&CaseFile::from_case(case)));
+    let in_space =
+        generate_in_space(&SpaceSetup { corner_sd_mm: 0.5, ..SpaceSetup::default() }).case;
+    all.put("case", "lateral", to_text(&CaseFile::from_case(&in_space)));
     let model = ModelFile::new(&analysis, &analysis.models[0], "seeds");
     all.put("other_files", "model", to_text(&model));
     let provenance = Provenance::new(run(), FilmOrigin::Synthetic, Vec::new());

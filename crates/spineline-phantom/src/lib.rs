@@ -36,6 +36,7 @@ mod movement;
 mod radiograph;
 mod readers;
 mod rod;
+mod space;
 mod subjects;
 mod truth;
 
@@ -43,6 +44,9 @@ pub use build::{Build, Construction};
 pub use film::{Polarity, TrueFilm};
 pub use radiograph::Radiograph;
 pub use readers::Readers;
+pub use space::{
+    EndplateHabit, SagittalShape, SpacePhantom, SpaceSetup, TrueBody, generate_in_space,
+};
 pub use subjects::{SUBJECTS, TableRow};
 
 use rand_chacha::ChaCha12Rng;

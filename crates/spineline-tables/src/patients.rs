@@ -166,7 +166,7 @@ fn findings<'a>() -> Vec<Column<PatientRow<'a>>> {
             "sagittal_profile",
             "`measured` on the lateral film, or that of a `population`",
             |row| {
-                let measured = row.analysis.lateral_measured;
+                let measured = row.analysis.space.is_some();
                 Some(if measured { "measured" } else { "population" }.to_owned())
             },
         ),

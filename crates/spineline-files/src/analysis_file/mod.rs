@@ -5,6 +5,7 @@ mod hypothesis;
 mod identifiability;
 mod model;
 mod posture;
+mod space;
 mod stored;
 mod uncertainty;
 
@@ -28,6 +29,7 @@ use hypothesis::HypothesisRecord;
 use identifiability::IdentifiabilityRecord;
 use model::ModelRecord;
 use posture::PostureRecord;
+use space::SpaceRecord;
 use spineline::uncertainty::Uncertainty;
 use spineline::warning::Warning;
 pub use stored::{PICTURE_WARNINGS, StoredAnalysis, parse_analysis, parse_case_within};
@@ -61,6 +63,9 @@ pub struct AnalysisFile {
     clinical: ClinicalRecord,
     /// Where the spine's sagittal profile comes from: `measured` on the lateral film, or a `population`'s.
     sagittal_profile: String,
+    /// The erect spine in space; absent without a lateral film.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    space: Option<SpaceRecord>,
     postures: BTreeMap<Key<Posture>, PostureRecord>,
     /// Reliability of the readings, by quantity; `null` where every film was read once.
     reliability: Option<Vec<QuantityRecord>>,
@@ -243,8 +248,9 @@ impl AnalysisFile {
                 .map(|part| TurnRecord { turn_deg: part.turn.deg() })
                 .collect(),
             clinical: ClinicalRecord::new(analysis),
-            sagittal_profile: if analysis.lateral_measured { "measured" } else { "population" }
+            sagittal_profile: if analysis.space.is_some() { "measured" } else { "population" }
                 .to_owned(),
+            space: SpaceRecord::new(analysis),
             postures: analysis
                 .postures
                 .iter()

@@ -1,4 +1,4 @@
-//! The lateral film of a case: it gives the sagittal profile.
+//! The lateral film of a case: with the erect film it gives the sagittal profile.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -14,12 +14,15 @@ use crate::keys::{ByLevel, Key, LevelKey};
 #[serde(deny_unknown_fields)]
 pub(super) struct LateralRecord {
     image: LateralImageRecord,
+    /// Whether it was exposed together with the erect film, as biplanar scanners do; then both have one scale and one vertical.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    simultaneous: bool,
     /// One entry per observer and repeat; empty without landmarks.
     #[serde(default)]
     readings: Vec<LateralReadingRecord>,
 }
 
-/// Only angles are taken from this picture, so the plane of its spacing does not matter.
+/// The scale of this picture is found beside the erect film, so the plane of its spacing does not matter.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 struct LateralImageRecord {
@@ -83,6 +86,7 @@ impl LateralRecord {
                 Spacing::stated(column_mm, row_mm, SpacingPlane::Unknown)
             }),
             patient_anterior: image.patient_anterior.0,
+            simultaneous: self.simultaneous,
             readings: readings.collect(),
         }
     }
@@ -99,6 +103,7 @@ impl LateralRecord {
                 sha256: None,
                 inverted: false,
             },
+            simultaneous: film.simultaneous,
             readings: film.readings.iter().map(LateralReadingRecord::of).collect(),
         }
     }

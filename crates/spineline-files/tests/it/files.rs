@@ -136,6 +136,7 @@ fn spacing_provenance_picture_file_and_lateral_film_round_trip() {
         rows: 4000,
         spacing: Some(Spacing::stated(0.1, 0.2, SpacingPlane::Unknown)),
         patient_anterior: ImageSide::Right,
+        simultaneous: true,
         readings: vec![Reading {
             id: ReadingId::new("A", 2),
             vertebrae: [(Level::L3, corners)].into(),

@@ -21,8 +21,9 @@ use crate::curve::{
 use crate::error::Error;
 use crate::hypothesis::HypothesisFit;
 use crate::measure::{
-    Film, FilmLengthRule, FilmReadings, InterpolationError, Outline, OutlineNoise, TiltRule,
-    common_levels, outline_of, seen_levels, warn_of_implausible_landmarks, warn_of_shortened_chain,
+    Film, FilmLengthRule, FilmReadings, InterpolationError, Outline, OutlineNoise, SpatialOutline,
+    TiltRule, common_levels, outline_of, seen_levels, warn_of_implausible_landmarks,
+    warn_of_shortened_chain,
 };
 use crate::motion::{Motion, least_windows, mean_least};
 use crate::multibody::{SpineModel, StiffnessLibrary};
@@ -103,8 +104,8 @@ struct Movement {
     inflection_segments: Option<[usize; 2]>,
     mean_least_segments: Option<[usize; 2]>,
     spine: SpineModel,
+    space: Option<SpatialOutline>,
     library: StiffnessLibrary,
-    lateral_measured: bool,
     postures: Vec<PostureAnalysis>,
 }
 
@@ -130,7 +131,7 @@ impl Movement {
             .pair
             .map(|pair| pair.map(|inflection| poses[0].nearest_segment(inflection.erect)));
         // Step 6 comes before step 4: the rotations of joints on the films need the unloaded spine.
-        let (spine, lateral_measured) = unloaded_spine(case, &outlines[0], options, warnings)?;
+        let (spine, space) = unloaded_spine(case, &outlines[0], options, warnings)?;
         let library = options.library.between(outlines[0].levels());
         let motions = motions(&outlines, &fits[0], &poses);
         let mean_least_segments = mean_least_segments(&outlines, &motions);
@@ -152,8 +153,8 @@ impl Movement {
             inflection_segments,
             mean_least_segments,
             spine,
+            space,
             library,
-            lateral_measured,
             postures,
         })
     }
@@ -201,7 +202,7 @@ impl Movement {
             lenke: self.curves.lenke,
             spine: self.spine,
             library: self.library,
-            lateral_measured: self.lateral_measured,
+            space: self.space,
             models: mechanics.models,
             hypotheses: mechanics.hypotheses,
             options: options.clone(),
@@ -340,20 +341,22 @@ fn lay_chain(
     Ok((chain, poses))
 }
 
-/// The unloaded spine, and whether its sagittal profile was measured on a lateral film.
+/// The unloaded spine, and what the lateral film shows of it.
 fn unloaded_spine(
     case: &Case,
     erect: &Outline,
     options: &AnalysisOptions,
     warnings: &mut Warnings,
-) -> Result<(SpineModel, bool), Error> {
-    let profile = match &case.lateral {
-        Some(film) => film.measure_profile(&options.profile, warnings)?,
+) -> Result<(SpineModel, Option<SpatialOutline>), Error> {
+    let films =
+        case.films.iter().find(|film| film.posture == Posture::Erect).zip(case.lateral.as_ref());
+    let space = match films {
+        Some((film, lateral)) => SpatialOutline::measure((film, erect), lateral, warnings)?,
         None => None,
     };
-    let measured = profile.is_some();
-    let profile = profile.unwrap_or_else(|| options.profile.clone());
-    Ok((SpineModel::from_outline(erect, &profile), measured))
+    let measured = space.as_ref().map(|found| found.profile(&options.profile));
+    let profile = measured.unwrap_or_else(|| options.profile.clone());
+    Ok((SpineModel::from_outline(erect, &profile), space))
 }
 
 /// Step 4: the movement of every posture from the erect one, which has none.

@@ -8,7 +8,7 @@ use crate::clinical::{
 };
 use crate::curve::{CurveFit, InflectionIntervals, Inflections};
 use crate::hypothesis::HypothesisFit;
-use crate::measure::{FilmReadings, LengthScale, Outline};
+use crate::measure::{FilmReadings, LengthScale, Outline, SpatialOutline};
 use crate::motion::{Motion, SegmentEstimate};
 use crate::multibody::{SpineModel, StiffnessLibrary};
 use crate::personalize::evidence::FilmEvidence;
@@ -73,8 +73,9 @@ pub struct Analysis {
     pub spine: SpineModel,
     /// Springs of its joints before personalisation: those of the options, for the joints that the films show.
     pub library: StiffnessLibrary,
-    /// Whether its sagittal profile was measured on a lateral film; else it is a population's.
-    pub lateral_measured: bool,
+    /// The erect spine in space, from the erect and the lateral film; `None` without a lateral film, where the sagittal profile is a
+    /// population's.
+    pub space: Option<SpatialOutline>,
     /// One personalised model per line of action.
     pub models: Vec<LineModel>,
     /// Other loads and bases that were requested.

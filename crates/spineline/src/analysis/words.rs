@@ -135,8 +135,8 @@ impl Analysis {
     /// Where the sagittal shape comes from.
     #[must_use]
     pub const fn profile_words(&self) -> &'static str {
-        if self.lateral_measured {
-            "sagittal profile measured on the lateral film"
+        if self.space.is_some() {
+            "sagittal profile of this patient, from the lateral and the erect film"
         } else {
             "sagittal profile from a population, not from this patient: no lateral film was measured"
         }

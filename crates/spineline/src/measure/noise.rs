@@ -29,6 +29,14 @@ impl Noise {
     /// Rounding to a pixel and to 0.1° leaves at least about so much.
     pub(super) const FLOOR_LOCATION_MM: f64 = 0.03;
     pub(super) const FLOOR_TILT: Angle = Angle::from_deg(0.03);
+    /// The same of a corner: the crossing of a body's diagonals has half of its deviation.
+    pub(super) const FLOOR_CORNER_MM: f64 = 2.0 * Self::FLOOR_LOCATION_MM;
+
+    /// Standard deviation of a coordinate of a corner: twice that of the crossing of a body's diagonals.
+    #[must_use]
+    pub const fn corner_mm(&self) -> f64 {
+        2.0 * self.location_mm
+    }
 
     /// Of means, from the standard deviation of the readings of vertebrae whose corners were placed by all: what a program completes is
     /// alike in all readings and says nothing of readers.

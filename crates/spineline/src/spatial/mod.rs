@@ -8,11 +8,13 @@
 
 mod angle;
 mod frontal;
+mod orientation;
 mod sine;
 mod words;
 
 pub use angle::Angle;
 pub use frontal::{Frontal, Pixel};
+pub use orientation::Orientation;
 pub use sine::{is_small, sin_cos, small_sin_cos};
 pub use words::{moment_words, sideways_words, vector_words};
 

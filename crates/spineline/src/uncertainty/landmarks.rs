@@ -90,6 +90,8 @@ pub(super) struct NoisyCase {
     program: Vec<Vec<Option<ProgramCorners>>>,
     /// Vertebrae that a film does not show.
     interpolated: Vec<(Posture, Level)>,
+    /// Of a column and a row of a corner on the lateral film; zero where nothing was measured on it.
+    lateral_sd_px: [f64; 2],
     seed: u64,
 }
 
@@ -111,6 +113,9 @@ impl NoisyCase {
                 }
             }
         }
+        if let Some(lateral) = &mut case.lateral {
+            lateral.readings.sort_by(|a, b| a.id.cmp(&b.id));
+        }
         let program: Vec<_> = case.films.iter().map(program_corners).collect();
         let mut films = case
             .films
@@ -126,7 +131,9 @@ impl NoisyCase {
             let outline = &posture.outline;
             outline.interpolated().map(|(vertebra, _)| (outline.posture, vertebra.level))
         });
-        Ok(Self { case, films, program, interpolated: interpolated.collect(), seed })
+        let lateral_sd_px = lateral_sd_px(&case, nominal, noise);
+        let interpolated = interpolated.collect();
+        Ok(Self { case, films, program, interpolated, lateral_sd_px, seed })
     }
 
     /// The case of one replicate, and errors of its interpolated vertebrae: every replicate has a random stream of its own.
@@ -177,6 +184,13 @@ impl NoisyCase {
             deviations: [draw.normal(), draw.normal(), draw.normal()],
         };
         let errors = self.interpolated.iter().map(error).collect();
+        // Last, so that the other films move as they do without a lateral film.
+        let bodies = case.lateral.iter_mut().flat_map(|film| &mut film.readings);
+        for body in bodies.flat_map(|reading| reading.vertebrae.values_mut()) {
+            for corner in body.places_mut() {
+                *corner = draw.pixel(*corner, self.lateral_sd_px);
+            }
+        }
         (case, errors)
     }
 }
@@ -297,6 +311,23 @@ fn film_noise(
     let sd_mm = image.spacing.map(|_| [sd_px[0] * steps[0], sd_px[1] * steps[1]]);
     let landmarks = VertebraNoise::Corners { sd_px, sd_mm, axis_sd };
     Ok(FilmNoise { posture, source, landmarks, program_corners: 0 })
+}
+
+/// Deviation of a corner of one reading of the lateral film.
+fn lateral_sd_px(case: &Case, nominal: &Analysis, noise: LandmarkNoise) -> [f64; 2] {
+    let Some((film, space)) = case.lateral.as_ref().zip(nominal.space.as_ref()) else {
+        return [0.0; 2];
+    };
+    if let LandmarkNoise::Pixels(sd_px) = noise {
+        return [sd_px; 2];
+    }
+    let marked: usize = film.readings.iter().map(|reading| reading.vertebrae.len()).sum();
+    let levels: BTreeSet<Level> =
+        film.readings.iter().flat_map(|reading| reading.vertebrae.keys().copied()).collect();
+    let of_one = (marked as f64 / levels.len() as f64).sqrt();
+    let sd = of_one * space.corner_sd_mm / space.alignment.scale;
+    let steps = film.spacing.map_or([1.0, 1.0], |spacing| [spacing.column_mm, spacing.row_mm]);
+    steps.map(|step| sd / step)
 }
 
 /// A film's deviation is that of means over its readings; one reading has more.

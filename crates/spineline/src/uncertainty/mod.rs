@@ -6,8 +6,10 @@
 //! readings is the default standard deviation ([`LandmarkNoise::Measured`]). The distribution of a quantity over replicates
 //! shows the effect of that noise. Its random numbers depend on the seed, the case's identifier and the number of the replicate.
 //!
-//! Three things are held at what the case itself gives: the deviations by which films are weighted ([`crate::measure::Noise`]:
-//! perturbed readings contain noise twice, and would give too large ones), the options, and a lateral film.
+//! The corners of a lateral film are perturbed too, with their own deviation ([`crate::measure::SpatialOutline`]).
+//!
+//! Two things are held at what the case itself gives: the deviations by which frontal films are weighted ([`crate::measure::Noise`]:
+//! perturbed readings contain noise twice, and would give too large ones), and the options.
 //!
 //! # What it does not say
 //! Noise that all readers share, the error of the erect film's own scale, the choice of levels and the model's own faults are

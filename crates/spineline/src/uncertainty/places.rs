@@ -45,6 +45,7 @@ impl AnalysisQuantity {
             Self::LocationY(posture, level)
             | Self::LocationZ(posture, level)
             | Self::Tilt(posture, level) => Place { level: Some(level), ..Place::of_film(posture) },
+            Self::Pitch(level) => Place { level: Some(level), ..Place::of_film(Posture::Erect) },
             Self::Cobb(posture, region)
             | Self::TiltRange(posture, region)
             | Self::Ferguson(posture, region) => {

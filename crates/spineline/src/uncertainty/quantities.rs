@@ -20,6 +20,8 @@ pub enum AnalysisQuantity {
     LocationZ(Posture, Level),
     /// Tilt of a vertebra against L4.
     Tilt(Posture, Level),
+    /// Pitch of a vertebra in space, from the erect and the lateral film.
+    Pitch(Level),
     /// Cobb angle, between endplates.
     Cobb(Posture, Region),
     /// Difference of the tilts of the end vertebrae.
@@ -148,6 +150,8 @@ pub(super) fn all_of(nominal: &Analysis, kinds: &[LineKind]) -> Vec<AnalysisQuan
             all.extend([Q::Cobb, Q::TiltRange, Q::Ferguson].map(|angle| angle(posture, region)));
         }
     }
+    let in_space = nominal.space.iter().flat_map(|space| &space.vertebrae);
+    all.extend(in_space.map(|vertebra| Q::Pitch(vertebra.level)));
     let is_free = |posture: &Posture| {
         nominal.posture(*posture).is_some_and(|film| film.outline.length.is_free())
     };
@@ -191,6 +195,11 @@ impl AnalysisQuantity {
             | Self::Cobb(..)
             | Self::TiltRange(..)
             | Self::Ferguson(..) => self.of_film(analysis),
+            Self::Pitch(level) => {
+                let space = analysis.space.as_ref().ok_or(Absent::NotMeasured)?;
+                let vertebra = space.vertebra(level).ok_or(Absent::NotMeasured)?;
+                Ok(vertebra.orientation.pitch.deg())
+            }
             Self::FilmScale(posture) => Ok(found(analysis, posture)?.outline.length.scale.factor),
             Self::LeastSegment(..)
             | Self::LeastDistanceSegments(..)
@@ -343,9 +352,11 @@ impl AnalysisQuantity {
     /// An angle is the same after so many degrees; a line after half a turn.
     pub(super) const fn period_deg(self) -> Option<f64> {
         match self {
-            Self::Tilt(..) | Self::Cobb(..) | Self::TiltRange(..) | Self::Ferguson(..) => {
-                Some(360.0)
-            }
+            Self::Tilt(..)
+            | Self::Pitch(_)
+            | Self::Cobb(..)
+            | Self::TiltRange(..)
+            | Self::Ferguson(..) => Some(360.0),
             Self::LineTilt(..) => Some(180.0),
             _ => None,
         }

@@ -20,6 +20,7 @@ impl AnalysisQuantity {
             Self::LocationY(..)
             | Self::LocationZ(..)
             | Self::Tilt(..)
+            | Self::Pitch(_)
             | Self::SegmentLength
             | Self::LeastSegment(..)
             | Self::LeastDistance(..)
@@ -41,6 +42,7 @@ impl AnalysisQuantity {
             Self::LocationY(..) => "location_y",
             Self::LocationZ(..) => "location_z",
             Self::Tilt(..) => "tilt",
+            Self::Pitch(_) => "pitch_3d",
             Self::Cobb(..) => "cobb",
             Self::TiltRange(..) => "tilt_range",
             Self::Ferguson(..) => "ferguson",
@@ -94,6 +96,7 @@ impl AnalysisQuantity {
             | Self::LocationError(..)
             | Self::MeanLocationError(..) => length,
             Self::Tilt(..)
+            | Self::Pitch(_)
             | Self::Cobb(..)
             | Self::TiltRange(..)
             | Self::Ferguson(..)
@@ -119,6 +122,7 @@ impl AnalysisQuantity {
             Self::LocationY(..) => "lateral coordinate, to the patient's left",
             Self::LocationZ(..) => "height",
             Self::Tilt(..) => "tilt relative to the base, positive to the right",
+            Self::Pitch(_) => "pitch in space (3-D), flexion positive",
             Self::Cobb(..) => "Cobb angle between endplates, positive where convex to the left",
             Self::TiltRange(..) => {
                 "difference of the tilts of the end vertebrae, positive where convex to the left"

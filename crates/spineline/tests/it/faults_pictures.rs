@@ -4,15 +4,16 @@
 #![expect(clippy::disallowed_methods, reason = "the oracle has its own formulas")]
 
 use crate::common::{
-    analyzed, assert_near, exact_case, film_mut, landmarks, on_a_table, phantom, refused, spacing,
+    analyzed, assert_near, exact_case, film_mut, landmarks, measured, on_a_table, phantom,
+    placement_film, refused, spacing,
 };
 use spineline::analysis::{Analysis, Case};
 use spineline::anatomy::{ImageSide, Level, Posture, SagittalProfile};
 use spineline::measure::{
-    CornerFault, LateralCorners, LateralFilm, MeasureError, Reading, ReadingId, Spacing,
-    SpacingPlane,
+    CornerFault, Film, LateralCorners, LateralFilm, MeasureError, Outline, Reading, ReadingId,
+    Spacing, SpacingPlane, SpatialOutline,
 };
-use spineline::spatial::Pixel;
+use spineline::spatial::{Angle, Frontal, Pixel};
 use spineline::warning::Warnings;
 use spineline_phantom::{Readers, Truth};
 
@@ -112,8 +113,21 @@ fn lateral(
         rows: 6000,
         spacing: Some(Spacing::stated(column_mm, row_mm, SpacingPlane::Unknown)),
         patient_anterior: anterior,
+        simultaneous: false,
         readings: vec![Reading { id: ReadingId::new("A", 1), vertebrae }],
     }
+}
+
+/// The erect film of a straight spine, each vertebra as high as on the lateral film.
+fn straight(lateral: &LateralFilm) -> (Film, Outline) {
+    let outline = lateral.measure(&mut Warnings::default()).expect("a good film");
+    let vertebrae = outline
+        .vertebrae
+        .iter()
+        .map(|seen| (seen.level, Frontal::new(0.0, seen.location.z_mm), Angle::ZERO));
+    let film = placement_film(Posture::Erect, vertebrae);
+    let outline = measured(&film);
+    (film, outline)
 }
 
 #[test]
@@ -123,8 +137,10 @@ fn a_lateral_film_gives_its_profile_for_either_direction_of_view() {
         for row_mm in [0.1, 0.2] {
             let film = lateral(&truth, anterior, 0.1, row_mm);
             let mut warnings = Warnings::default();
-            let found = film.measure_profile(&SagittalProfile::default(), &mut warnings);
+            let (erect, outline) = straight(&film);
+            let found = SpatialOutline::measure((&erect, &outline), &film, &mut warnings);
             let found = found.expect("a good film").expect("marked");
+            let found = found.profile(&SagittalProfile::default());
             for (found, truth) in found.turns_deg.iter().zip(truth.turns_deg) {
                 assert_near(*found, truth, 1e-9, "turn of a joint in degrees");
             }
@@ -138,16 +154,18 @@ fn vertebrae_hidden_by_the_shoulders_have_the_populations_angles() {
     let truth = SagittalProfile::template(40.0, 55.0);
     let template = SagittalProfile::default();
     let mut film = lateral(&truth, ImageSide::Left, 0.1, 0.1);
+    let (erect, outline) = straight(&film);
     film.readings[0].vertebrae.retain(|&level, _| level <= Level::T5);
     let mut warnings = Warnings::default();
-    let found = film.measure_profile(&template, &mut warnings).expect("good").expect("marked");
+    let mut measure =
+        |film: &LateralFilm| SpatialOutline::measure((&erect, &outline), film, &mut warnings);
+    let found = measure(&film).expect("good").expect("marked").profile(&template);
     // T5/T4, T4/T3 and T3/T2.
     assert_eq!(found.turns_deg[11..], template.turns_deg[11..]);
     assert_near(found.turns_deg[10], truth.turns_deg[10], 1e-9, "T6/T5");
-    assert!(warnings.has("lateral_incomplete"));
     film.readings.clear();
-    assert_eq!(film.measure_profile(&template, &mut warnings), Ok(None));
-    assert!(warnings.has("lateral_not_marked"));
+    assert_eq!(measure(&film), Ok(None));
+    assert!(warnings.has("lateral_incomplete") && warnings.has("lateral_not_marked"));
 }
 
 #[test]
@@ -157,7 +175,7 @@ fn the_models_spine_takes_the_profile_of_the_lateral_film() {
     let curved = SagittalProfile::template(60.0, 70.0);
     case.lateral = Some(lateral(&curved, ImageSide::Left, 0.1, 0.1));
     let analysis = analyzed(&case, &on_a_table());
-    assert!(analysis.lateral_measured && !flat.lateral_measured);
+    assert!(analysis.space.is_some() && flat.space.is_none());
     // More kyphosis and lordosis put the mid-spine farther from the line L4-T2.
     let depth = |a: &Analysis| a.spine.midpoints_mm.iter().fold(0.0f64, |m, p| m.max(p.x.abs()));
     assert!(depth(&analysis) > depth(&flat) + 1.0, "{} {}", depth(&analysis), depth(&flat));
@@ -167,7 +185,7 @@ fn the_models_spine_takes_the_profile_of_the_lateral_film() {
 fn swapped_corners_on_a_lateral_film_are_reported_by_name() {
     let mut film = lateral(&SagittalProfile::default(), ImageSide::Left, 0.1, 0.1);
     film.patient_anterior = ImageSide::Right;
-    let error = film.measure_profile(&SagittalProfile::default(), &mut Warnings::default());
+    let error = film.measure(&mut Warnings::default());
     let error = error.expect_err("the patient looks the other way");
     assert!(
         matches!(
@@ -179,7 +197,7 @@ fn swapped_corners_on_a_lateral_film_are_reported_by_name() {
     let mut film = lateral(&SagittalProfile::default(), ImageSide::Left, 0.1, 0.1);
     let t7 = film.readings[0].vertebrae.get_mut(&Level::T7).expect("marked");
     std::mem::swap(&mut t7.superior_anterior, &mut t7.inferior_anterior);
-    let error = film.measure_profile(&SagittalProfile::default(), &mut Warnings::default());
+    let error = film.measure(&mut Warnings::default());
     let text = error.expect_err("crossed").to_string();
     assert!(
         text.contains("lateral") && text.contains("T7") && text.contains("A (repeat 1)"),
@@ -242,8 +260,7 @@ fn odd_corners_of_a_lateral_film_are_named() {
             front.row_px + part * (back.row_px - front.row_px),
         );
         let mut warnings = Warnings::default();
-        let measured = film.measure_profile(&SagittalProfile::default(), &mut warnings);
-        assert!(measured.is_ok_and(|profile| profile.is_some()));
+        assert!(film.measure(&mut warnings).is_ok());
         let warning = warnings.all().iter().find(|warning| warning.code == code);
         let text = &warning.unwrap_or_else(|| panic!("no {code}: {warnings:?}")).message;
         assert!(text.contains("lateral film") && text.contains("T7"), "{text}");

@@ -26,6 +26,7 @@ mod oracle_hand;
 mod properties;
 mod response;
 mod rotation_prior;
+mod space;
 mod stiffness_tables;
 mod uncertainty;
 mod verification_beam;

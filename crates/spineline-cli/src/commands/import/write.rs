@@ -206,6 +206,7 @@ fn case(case_id: &str, films: &[ResolvedFilm], landmarks: &LandmarksByPosture) -
             rows: film.rows,
             spacing: film.spacing,
             patient_anterior: film.side,
+            simultaneous: false,
             readings: Vec::new(),
         }),
     }

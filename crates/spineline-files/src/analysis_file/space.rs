@@ -1,0 +1,103 @@
+//! The erect spine in space.
+
+use std::collections::BTreeMap;
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use spineline::analysis::Analysis;
+use spineline::measure::{FilmAlignment, SpatialOutline, SpatialVertebra};
+
+use crate::keys::LevelKey;
+
+/// The erect spine from the erect and the lateral film together. `2d` is as a film shows it, `3d` is in space.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub(super) struct SpaceRecord {
+    alignment: AlignmentRecord,
+    /// Standard deviation of a coordinate of a corner on the lateral film; absent where the erect film has no spacing.
+    corner_sd_mm: Option<f64>,
+    /// Where it comes from: how `readings` differ, or `assumed` for one careful reading.
+    corner_sd_from: String,
+    /// Vertebrae on both films.
+    vertebrae: BTreeMap<LevelKey, VertebraRecord>,
+}
+
+/// The lateral film against the erect one, from the heights of the vertebrae on both.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+struct AlignmentRecord {
+    /// Whether both films were exposed together, so that nothing but a missing scale was estimated.
+    simultaneous: bool,
+    /// Length unit of the erect film for one of the lateral film.
+    scale: f64,
+    scale_relative_sd: f64,
+    /// Turn of the lateral film in its plane; positive where the spine looks more flexed than it is.
+    turn_deg: f64,
+    turn_sd_deg: f64,
+    /// Root mean square of the differences of height that are left; absent where the erect film has no spacing.
+    residual_mm: Option<f64>,
+    /// What the noise of the landmarks leads to expect.
+    expected_mm: Option<f64>,
+    vertebrae: usize,
+}
+
+/// One vertebra by the line through the centres of both endplates.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+struct VertebraRecord {
+    /// From the lowest vertebra on both films: anterior, left, cranial by the vertical of the films; absent where the erect film has no
+    /// spacing.
+    place_mm: Option<[f64; 3]>,
+    /// Against the vertical of the erect film; positive to the patient's right.
+    tilt_2d_deg: f64,
+    tilt_2d_sd_deg: f64,
+    /// On the lateral film, with its turn taken out; flexion positive.
+    pitch_2d_deg: f64,
+    /// In space; flexion positive.
+    pitch_3d_deg: f64,
+    pitch_3d_sd_deg: f64,
+}
+
+impl SpaceRecord {
+    /// `None` without a lateral film.
+    pub fn new(analysis: &Analysis) -> Option<Self> {
+        let found = analysis.space.as_ref()?;
+        let mm = |mm: f64| analysis.scale().mm(mm);
+        let vertebrae = found.vertebrae.iter();
+        let record = |vertebra: &SpatialVertebra| {
+            let place_mm = mm(0.0).map(|_| vertebra.place_mm.into());
+            (LevelKey(vertebra.level), VertebraRecord::new(found, vertebra, place_mm))
+        };
+        Some(Self {
+            alignment: AlignmentRecord::new(&found.alignment, mm),
+            corner_sd_mm: mm(found.corner_sd_mm),
+            corner_sd_from: if found.is_measured { "readings" } else { "assumed" }.to_owned(),
+            vertebrae: vertebrae.map(record).collect(),
+        })
+    }
+}
+
+impl AlignmentRecord {
+    fn new(found: &FilmAlignment, mm: impl Fn(f64) -> Option<f64>) -> Self {
+        Self {
+            simultaneous: found.simultaneous,
+            scale: found.scale,
+            scale_relative_sd: found.relative_scale_sd(),
+            turn_deg: found.turn.deg(),
+            turn_sd_deg: found.turn_sd().deg(),
+            residual_mm: mm(found.residual_mm),
+            expected_mm: mm(found.expected_mm),
+            vertebrae: found.vertebrae,
+        }
+    }
+}
+
+impl VertebraRecord {
+    fn new(space: &SpatialOutline, vertebra: &SpatialVertebra, place_mm: Option<[f64; 3]>) -> Self {
+        Self {
+            place_mm,
+            tilt_2d_deg: vertebra.orientation.tilt.deg(),
+            tilt_2d_sd_deg: vertebra.tilt_sd.deg(),
+            pitch_2d_deg: vertebra.lateral_pitch.deg(),
+            pitch_3d_deg: vertebra.orientation.pitch.deg(),
+            pitch_3d_sd_deg: space.pitch_sd(vertebra).deg(),
+        }
+    }
+}

@@ -1,0 +1,180 @@
+//! A lateral film → location and pitch of every vertebra on it: what no frontal film shows.
+
+mod fault;
+mod outline;
+
+pub use fault::LateralFault;
+pub use outline::{LateralOutline, LateralVertebra};
+
+use super::bodies::{CheckedFilm, ReadBodies};
+use super::order::{MIN_SPACING_SHARE, steps};
+use super::outline::{nameless, repeated};
+use super::plausibility::warn_of_corners;
+use super::spacing::is_spacing;
+use super::{
+    CornerFault, Corners, ImageGeometry, MeasureError, Placement, Reading, ReadingId, Spacing,
+};
+use crate::anatomy::{ImageSide, Level};
+use crate::spatial::{Frontal, Pixel};
+use crate::warning::Warnings;
+
+/// The four corners of a vertebral body seen from the side.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LateralCorners {
+    /// Superior endplate, front.
+    pub superior_anterior: Pixel,
+    /// Superior endplate, back.
+    pub superior_posterior: Pixel,
+    /// Inferior endplate, front.
+    pub inferior_anterior: Pixel,
+    /// Inferior endplate, back.
+    pub inferior_posterior: Pixel,
+}
+
+/// A film from the side, of the standing patient.
+///
+/// Its scale and how it hung are found beside the erect film ([`SpatialOutline`](super::SpatialOutline)); the ratio of its
+/// spacings is taken as stated.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LateralFilm {
+    /// Number of columns.
+    pub columns: u32,
+    /// Number of rows.
+    pub rows: u32,
+    /// Distances between its pixels; `None` where unknown: then pixels are taken as square.
+    pub spacing: Option<Spacing>,
+    /// The side of the picture on which the patient's front is.
+    pub patient_anterior: ImageSide,
+    /// Whether it was exposed together with the erect film, as biplanar scanners do: then both have one scale and one vertical.
+    pub simultaneous: bool,
+    /// The readings; a film without landmarks has none, and the population's profile is used.
+    pub readings: Vec<Reading<LateralCorners>>,
+}
+
+impl LateralFilm {
+    /// Locations and pitches of the marked vertebrae as this film shows them, means over the readings.
+    ///
+    /// # Errors
+    /// [`MeasureError::Lateral`] and [`MeasureError::LateralFilm`] name reading, vertebra and fault.
+    pub fn measure(&self, warnings: &mut Warnings) -> Result<LateralOutline, MeasureError> {
+        self.check_film()?;
+        for reading in &self.readings {
+            for (&level, corners) in &reading.vertebrae {
+                self.check_body(&reading.id, level, &self.body(corners))?;
+            }
+        }
+        let bodies: Vec<ReadBodies<'_>> = self.bodies();
+        check_order(&bodies)?;
+        warn_of_corners(CheckedFilm::Lateral, &bodies, warnings);
+        Ok(LateralOutline::of(&bodies, self.spacing.is_some(), self.simultaneous))
+    }
+
+    /// Refuses corners that make no body, or one that lies the wrong way round.
+    fn check_body(
+        &self,
+        id: &ReadingId,
+        level: Level,
+        body: &Corners<Frontal>,
+    ) -> Result<(), MeasureError> {
+        let fault = |fault| Err(MeasureError::Lateral { id: id.clone(), level, fault });
+        match body.measure_location() {
+            Err(found) => fault(found),
+            Ok(_) if !body.points_along(Frontal::new(0.0, 1.0)) => fault(CornerFault::UpsideDown),
+            Ok(_) if !body.sides_agree() => fault(CornerFault::SidesExchanged),
+            Ok(_) => Ok(()),
+        }
+    }
+
+    /// What a frontal film is refused for too: observers, spacing, and landmarks outside of the picture.
+    fn check_film(&self) -> Result<(), LateralFault> {
+        let spacings = self.spacing.map(|s| [("column", s.column_mm), ("row", s.row_mm)]);
+        for (direction, value) in spacings.into_iter().flatten() {
+            if !is_spacing(value) {
+                return Err(LateralFault::Spacing { direction, value });
+            }
+        }
+        if let Some(nameless) = nameless(&self.readings) {
+            return Err(LateralFault::NoObserver { repeat: nameless.id.repeat });
+        }
+        if let Some(twice) = repeated(&self.readings) {
+            return Err(LateralFault::DuplicateReading { id: twice.id.clone() });
+        }
+        let (columns, rows) = (self.columns, self.rows);
+        let image = ImageGeometry { columns, rows, spacing: None, patient_left: ImageSide::Left };
+        for reading in &self.readings {
+            for (&level, corners) in &reading.vertebrae {
+                let outside = corners.places().into_iter().find(|&corner| !image.contains(corner));
+                if let Some(Pixel { column_px, row_px }) = outside {
+                    let id = reading.id.clone();
+                    return Err(if column_px.is_finite() && row_px.is_finite() {
+                        LateralFault::OffImage { id, level, column_px, row_px, columns, rows }
+                    } else {
+                        LateralFault::NotFinite { id, level }
+                    });
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn bodies(&self) -> Vec<ReadBodies<'_>> {
+        self.readings.iter().map(|one| ReadBodies::of(one, |marked| self.body(marked))).collect()
+    }
+
+    /// A body in millimetres, seen so that the front is on the left: what is positive there is anterior, as left is on a
+    /// frontal film.
+    fn body(&self, marked: &LateralCorners) -> Corners<Frontal> {
+        let [superior_left, superior_right, inferior_left, inferior_right] =
+            marked.places().map(|place| self.sagittal(place));
+        Corners { superior_left, superior_right, inferior_left, inferior_right }
+    }
+
+    fn sagittal(&self, place: Pixel) -> Frontal {
+        let (column_mm, row_mm) = self.spacing.map_or((1.0, 1.0), |s| (s.column_mm, s.row_mm));
+        let forward = match self.patient_anterior {
+            ImageSide::Left => -1.0,
+            ImageSide::Right => 1.0,
+        };
+        Frontal::new(forward * column_mm * place.column_px, -row_mm * place.row_px)
+    }
+}
+
+impl LateralCorners {
+    /// The corners, to be moved.
+    pub(crate) fn places_mut(&mut self) -> [&mut Pixel; 4] {
+        [
+            &mut self.superior_anterior,
+            &mut self.superior_posterior,
+            &mut self.inferior_anterior,
+            &mut self.inferior_posterior,
+        ]
+    }
+
+    fn places(&self) -> [Pixel; 4] {
+        [
+            self.superior_anterior,
+            self.superior_posterior,
+            self.inferior_anterior,
+            self.inferior_posterior,
+        ]
+    }
+}
+
+/// Every vertebra lies above the next lower one, along the axes of both.
+fn check_order(readings: &[ReadBodies<'_>]) -> Result<(), MeasureError> {
+    for reading in readings {
+        let mut placed = Vec::new();
+        for &(level, body) in &reading.bodies {
+            let fault = |fault| MeasureError::Lateral { id: reading.id.clone(), level, fault };
+            let (location, tilt) = (body.measure_location().map_err(fault)?, body.measure_tilt());
+            placed.push((level, Placement::new(location, tilt)));
+        }
+        if let Some(step) = steps(&placed).into_iter().find(|step| step.is_out_of_order()) {
+            let (inferior, superior, share) = (step.inferior, step.superior, step.share);
+            let (id, limit) = (reading.id.clone(), MIN_SPACING_SHARE);
+            let fault = LateralFault::OutOfOrder { id, inferior, superior, share, limit };
+            return Err(fault.into());
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,196 @@
+//! The lateral film against the frontal one: scale and turn in its plane, from the heights of vertebrae that both show.
+
+use nalgebra::{DMatrix, DVector, Matrix2};
+
+use crate::spatial::{Angle, Frontal};
+
+/// How a lateral film lies to the frontal film of the same posture.
+///
+/// # Definition
+/// A point of the lateral film at `x` to the front and `z` up the film has the height
+/// `c + scale (z cos turn + x sin turn)` on the frontal film. The three numbers are those of least squares over the midpoints of the
+/// vertebrae on both films, weighed by their noise, with a normal prior on the turn. Where the heights differ by more than their noise,
+/// the covariance grows with the residual.
+///
+/// # Assumptions
+/// The frontal film hangs upright. The patient keeps the shape between the exposures and turns by a right angle. Rays are parallel. Two films
+/// that were exposed together have one vertical, and one scale where both have a spacing.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FilmAlignment {
+    /// Whether both films were exposed together, so that nothing but a missing scale was estimated.
+    pub simultaneous: bool,
+    /// Millimetres of the frontal film for one unit of the lateral film.
+    pub scale: f64,
+    /// By how much the lateral film shows the spine turned; positive where it looks more flexed than it is.
+    pub turn: Angle,
+    /// Covariance of the logarithm of the scale and of the turn in rad; zero for what was not estimated.
+    pub covariance: Matrix2<f64>,
+    /// Root mean square of the differences of height that are left.
+    pub residual_mm: f64,
+    /// What it is expected to be by the noise of the landmarks.
+    pub expected_mm: f64,
+    /// Vertebrae that both films show.
+    pub vertebrae: usize,
+}
+
+/// The height of a vertebra on the frontal film, and its place on the lateral one.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct HeightPair {
+    pub height_mm: f64,
+    pub lateral: Frontal,
+    /// Of the height on the frontal film.
+    pub sd_mm: f64,
+    /// Of a coordinate on the lateral film, in its own unit, or in mm where that is assumed.
+    pub lateral_sd: LateralSd,
+}
+
+/// Deviation of a coordinate on the lateral film.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum LateralSd {
+    Film(f64),
+    Millimetres(f64),
+}
+
+impl LateralSd {
+    /// Of the crossing of a body's diagonals, from that of its corners.
+    pub fn halved(self) -> Self {
+        match self {
+            Self::Film(sd) => Self::Film(0.5 * sd),
+            Self::Millimetres(sd) => Self::Millimetres(0.5 * sd),
+        }
+    }
+
+    /// In millimetres of the frontal film.
+    pub fn mm(self, scale: f64) -> f64 {
+        match self {
+            Self::Film(sd) => sd * scale,
+            Self::Millimetres(sd) => sd,
+        }
+    }
+}
+
+/// What is to be estimated.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Exposure {
+    pub simultaneous: bool,
+    /// Whether both films have millimetres.
+    pub has_scale: bool,
+}
+
+impl Exposure {
+    const fn scale_is_known(self) -> bool {
+        self.simultaneous && self.has_scale
+    }
+}
+
+/// Least squares over the heights.
+struct Fit {
+    scale: f64,
+    turn: f64,
+    covariance: Matrix2<f64>,
+    residuals_mm: Vec<f64>,
+    sds_mm: Vec<f64>,
+}
+
+impl FilmAlignment {
+    /// Standard deviation of the turn before the films are compared (assumption): films hang upright to within a few degrees.
+    pub const TURN_SD: Angle = Angle::from_deg(2.0);
+
+    /// From at least two vertebrae at different heights; `None` where they give no scale.
+    pub(super) fn estimate(pairs: &[HeightPair], exposure: Exposure) -> Option<Self> {
+        let start = first_scale(pairs)?;
+        let scale = if exposure.scale_is_known() { 1.0 } else { start };
+        let first = fit(pairs, exposure, scale, 1.0)?;
+        // Differences beyond the noise are taken as further noise.
+        let estimated = if exposure.simultaneous { 1 } else { 3 };
+        let freedom = pairs.len().saturating_sub(estimated).max(1) as f64;
+        let squares = first.residuals_mm.iter().zip(&first.sds_mm);
+        let excess = (squares.map(|(r, sd)| (r / sd).powi(2)).sum::<f64>() / freedom).max(1.0);
+        let found = fit(pairs, exposure, first.scale, excess.sqrt())?;
+        let mean_square = |all: &[f64]| all.iter().map(|mm| mm * mm).sum::<f64>();
+        Some(Self {
+            simultaneous: exposure.simultaneous,
+            scale: found.scale,
+            turn: Angle::from_rad(found.turn),
+            covariance: found.covariance,
+            residual_mm: (mean_square(&found.residuals_mm) / freedom).sqrt(),
+            expected_mm: (mean_square(&first.sds_mm) / pairs.len() as f64).sqrt(),
+            vertebrae: pairs.len(),
+        })
+    }
+
+    /// A place of the lateral film, from another one: to the front and up, in millimetres, with the turn taken out.
+    #[must_use]
+    pub fn from_film_mm(&self, place: Frontal, origin: Frontal) -> Frontal {
+        (place - origin).rotated(self.turn) * self.scale
+    }
+
+    /// Standard deviation of the scale, as a part of it.
+    #[must_use]
+    pub fn relative_scale_sd(&self) -> f64 {
+        self.covariance[(0, 0)].sqrt()
+    }
+
+    /// Standard deviation of the turn.
+    #[must_use]
+    pub fn turn_sd(&self) -> Angle {
+        Angle::from_rad(self.covariance[(1, 1)].sqrt())
+    }
+}
+
+/// From the highest and the lowest vertebra.
+fn first_scale(pairs: &[HeightPair]) -> Option<f64> {
+    let (first, last) = (pairs.first()?, pairs.last()?);
+    let scale = (last.height_mm - first.height_mm) / (last.lateral.z_mm - first.lateral.z_mm);
+    (pairs.len() > 1 && scale.is_finite() && scale > 0.0).then_some(scale)
+}
+
+/// Weighed by the noise times `excess`.
+fn fit(pairs: &[HeightPair], exposure: Exposure, scale: f64, excess: f64) -> Option<Fit> {
+    let n = pairs.len();
+    let sds_mm: Vec<f64> =
+        pairs.iter().map(|pair| pair.sd_mm.hypot(pair.lateral_sd.mm(scale))).collect();
+    let mean = |of: &dyn Fn(&HeightPair) -> f64| pairs.iter().map(of).sum::<f64>() / n as f64;
+    let middle = Frontal::new(mean(&|p| p.lateral.y_mm), mean(&|p| p.lateral.z_mm));
+    let middle_mm = mean(&|p| p.height_mm);
+    // Columns: the height as such, up and to the front. A known scale leaves the first one free.
+    let columns = match exposure {
+        known if known.scale_is_known() => 1,
+        together if together.simultaneous => 2,
+        _ => 3,
+    };
+    let mut rows = DMatrix::zeros(n + 1, columns);
+    let mut right = DVector::zeros(n + 1);
+    for (i, (pair, sd_mm)) in pairs.iter().zip(&sds_mm).enumerate() {
+        let lateral = pair.lateral - middle;
+        let all = [1.0, lateral.z_mm, lateral.y_mm];
+        let known_mm = if columns == 1 { scale * lateral.z_mm } else { 0.0 };
+        right[i] = (pair.height_mm - middle_mm - known_mm) / (sd_mm * excess);
+        for (column, value) in all.into_iter().take(columns).enumerate() {
+            rows[(i, column)] = value / (sd_mm * excess);
+        }
+    }
+    if columns == 3 {
+        rows[(n, 2)] = 1.0 / (scale * FilmAlignment::TURN_SD.rad());
+    }
+    let inverse = (rows.transpose() * &rows).try_inverse()?;
+    let solution = &inverse * rows.transpose() * &right;
+    let residuals = &right - &rows * &solution;
+    let residuals_mm =
+        residuals.iter().zip(&sds_mm).map(|(residual, sd_mm)| residual * sd_mm * excess).collect();
+    if columns == 1 {
+        let covariance = Matrix2::zeros();
+        return Some(Fit { scale, turn: 0.0, covariance, residuals_mm, sds_mm });
+    }
+    let (up, front) = (solution[1], if columns == 3 { solution[2] } else { 0.0 });
+    let scale = up.hypot(front);
+    let mut covariance = Matrix2::zeros();
+    // Rates of the logarithm of the scale and of the turn with both slopes.
+    let rates = Matrix2::new(up, front, -front, up) / (scale * scale);
+    let slopes =
+        Matrix2::from_fn(|i, j| if i.max(j) + 1 < columns { inverse[(i + 1, j + 1)] } else { 0.0 });
+    covariance += rates * slopes * rates.transpose();
+    let is_usable = scale.is_finite() && up > 0.0;
+    let turn = Angle::from_sin_cos(front, up).rad();
+    is_usable.then_some(Fit { scale, turn, covariance, residuals_mm, sds_mm })
+}

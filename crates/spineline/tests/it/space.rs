@@ -1,0 +1,223 @@
+//! The erect spine in space, from two films of phantoms that one projection made.
+
+use spineline::analysis::{AnalysisOptions, analyze, analyze_movement};
+use spineline::anatomy::{Level, SagittalProfile};
+use spineline::measure::{SpatialOutline, TiltRule, measure_film};
+use spineline::spatial::{Angle, Orientation};
+use spineline::uncertainty::{AnalysisQuantity, LandmarkNoise, MonteCarlo};
+use spineline::warning::Warnings;
+use spineline_phantom::{
+    EndplateHabit, SagittalShape, SpacePhantom, SpaceSetup, generate_in_space,
+};
+
+use crate::common::{Draw, assert_near};
+
+const HABITS: [EndplateHabit; 2] = [EndplateHabit::Rim, EndplateHabit::MiddleLine];
+
+fn measured(phantom: &SpacePhantom) -> (SpatialOutline, Warnings) {
+    let mut warnings = Warnings::default();
+    let erect = &phantom.case.films[0];
+    let outline = measure_film(erect, TiltRule::default(), &mut warnings).expect("a good film");
+    let lateral = phantom.case.lateral.as_ref().expect("both films");
+    let found = SpatialOutline::measure((erect, &outline), lateral, &mut warnings);
+    (found.expect("a good film").expect("all vertebrae on both films"), warnings)
+}
+
+/// The pitch of a body from its axis alone: its elevation from the frontal plane.
+fn true_pitch(phantom: &SpacePhantom, level: Level) -> Angle {
+    let axis = phantom.body(level).expect("every level").cranial;
+    Angle::from_sin_cos(axis.x, axis.y.hypot(axis.z))
+}
+
+#[test]
+fn exact_landmarks_give_the_pitch_in_space_whatever_the_rotation_and_the_reader() {
+    for shape in SagittalShape::ALL {
+        for rotation in [0.0, 10.0, 20.0, 30.0] {
+            for (seed, habit) in (0..).zip(HABITS) {
+                let setup = SpaceSetup {
+                    shape,
+                    habit,
+                    apical_rotation: Angle::from_deg(rotation),
+                    largest_tilt: Angle::from_deg(35.0),
+                    lateral_scale: 1.13,
+                    seed,
+                    ..SpaceSetup::default()
+                };
+                let phantom = generate_in_space(&setup);
+                let (found, warnings) = measured(&phantom);
+                assert!(!warnings.has("lateral_heights_differ") && !warnings.has("lateral_turned"));
+                assert_eq!(found.vertebrae.len(), Level::ALL.len());
+                assert_near(found.alignment.scale, 1.0 / 1.13, 1e-9, "scale");
+                for vertebra in &found.vertebrae {
+                    let body = phantom.body(vertebra.level).expect("every level");
+                    let pitch = vertebra.orientation.pitch.deg();
+                    assert_near(pitch, true_pitch(&phantom, vertebra.level).deg(), 1e-6, "pitch");
+                    let off = vertebra.orientation.cranial().cross(&body.cranial).norm();
+                    assert!(off < 1e-8, "{}: normal off by {off:e}", vertebra.level);
+                    let place = body.midpoint_mm - phantom.bodies[0].midpoint_mm;
+                    assert!((vertebra.place_mm - place).norm() < 1e-6);
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn the_turns_of_the_model_are_those_in_space() {
+    let phantom = generate_in_space(&SpaceSetup::default());
+    let (found, _) = measured(&phantom);
+    let profile = found.profile(&SagittalProfile::default());
+    for (pair, turn_deg) in Level::MODEL.windows(2).zip(profile.turns_deg) {
+        let turn = true_pitch(&phantom, pair[1]) - true_pitch(&phantom, pair[0]);
+        assert_near(turn_deg, turn.deg(), 1e-6, "turn");
+    }
+    let analysis = analyze(&phantom.case, &AnalysisOptions::default()).expect("a good case");
+    assert_eq!(analysis.space, Some(found));
+    let joint = &analysis.spine.joints[8].inferior_from_superior;
+    let cranial = [8, 9].map(|i| phantom.body(Level::MODEL[i]).expect("every level").cranial);
+    assert_near(joint[(2, 2)], cranial[0].dot(&cranial[1]), 1e-3, "cosine between two axes");
+}
+
+/// Angles that a reader sees on the lateral film, over the pitch in space, at 25° of tilt.
+#[test]
+fn without_correction_the_habits_of_readers_differ_by_a_fifth() {
+    let stands = Orientation {
+        tilt: Angle::from_deg(25.0),
+        pitch: Angle::from_deg(10.0),
+        axial: Angle::ZERO,
+    };
+    let [over, under] = [stands.lateral_pitch(), stands.middle_line_pitch()];
+    assert_near(over.rad().tan(), stands.pitch.rad().tan() / stands.tilt.rad().cos(), 1e-12, "rim");
+    assert_near(
+        under.rad().tan(),
+        stands.pitch.rad().tan() * stands.tilt.rad().cos(),
+        1e-12,
+        "middle",
+    );
+    let difference = (over.rad() - under.rad()) / stands.pitch.rad();
+    assert!((0.18..0.22).contains(&difference), "{difference}");
+    // The same on the films of a phantom, whose prisms know nothing of these formulas.
+    for habit in HABITS {
+        let setup = SpaceSetup { habit, ..SpaceSetup::default() };
+        let phantom = generate_in_space(&setup);
+        let (found, _) = measured(&phantom);
+        for vertebra in &found.vertebrae {
+            let stands = vertebra.orientation;
+            let expected = match habit {
+                EndplateHabit::MiddleLine => stands.middle_line_pitch(),
+                // Wider than deep, so that the long axis is not that of a round endplate.
+                EndplateHabit::Rim => continue,
+            };
+            for endplate in vertebra.endplates {
+                assert_near(endplate.deg(), expected.deg(), 1e-6, "endplate");
+            }
+        }
+    }
+}
+
+/// Errors over their deviations, with all landmarks perturbed as the assumption for one careful reading says, and with turned films.
+#[test]
+fn errors_are_as_large_as_their_deviations_say() {
+    let mut squares = [[0.0; 2]; 4];
+    let mut draw = Draw::new(23);
+    let mut add = |kind: usize, share: f64| {
+        squares[kind][0] += share * share;
+        squares[kind][1] += 1.0;
+    };
+    for seed in 0..200 {
+        // The sum of twelve uniform numbers is nearly normal.
+        let deviate = (0..12).map(|_| draw.between(-0.5, 0.5)).sum::<f64>();
+        let turn = Angle::from_deg(2.0) * deviate;
+        let setup = SpaceSetup {
+            shape: SagittalShape::ALL[seed as usize % 5],
+            habit: HABITS[seed as usize % 2],
+            apical_rotation: Angle::from_deg(draw.between(0.0, 30.0)),
+            largest_tilt: Angle::from_deg(draw.between(5.0, 35.0)),
+            corner_sd_mm: 0.5,
+            lateral_scale: draw.between(0.9, 1.15),
+            lateral_turn: turn,
+            seed,
+        };
+        let phantom = generate_in_space(&setup);
+        let (found, _) = measured(&phantom);
+        let error = |level: Level| {
+            let pitch = found.vertebra(level).expect("both films").orientation.pitch;
+            (pitch - true_pitch(&phantom, level)).rad()
+        };
+        for vertebra in &found.vertebrae {
+            add(0, error(vertebra.level) / found.pitch_sd(vertebra).rad());
+            let true_axis = phantom.body(vertebra.level).expect("every level").cranial;
+            let off = vertebra.orientation.cranial().cross(&true_axis).norm();
+            add(1, off / found.axis_sd(vertebra).rad());
+        }
+        let place =
+            |level: Level| found.vertebrae.iter().position(|v| v.level == level).expect("both");
+        let [t5, t12] = [Level::T5, Level::T12].map(place);
+        let covariance = found.pitch_covariance();
+        let variance = covariance[(t5, t5)] + covariance[(t12, t12)] - 2.0 * covariance[(t5, t12)];
+        add(2, (error(Level::T5) - error(Level::T12)) / variance.sqrt());
+        add(3, (found.alignment.turn - turn).rad() / found.alignment.turn_sd().rad());
+    }
+    for ([sum, n], what) in squares.into_iter().zip(["pitch", "axis", "kyphosis", "turn"]) {
+        let share = (sum / n).sqrt();
+        println!("{what}: {share:.3}");
+        assert!((0.8..1.15).contains(&share), "{what}: {share} of the stated deviation");
+    }
+}
+
+#[test]
+fn a_turned_lateral_film_and_one_of_another_patient_are_reported() {
+    let setup = SpaceSetup { lateral_turn: Angle::from_deg(6.0), ..SpaceSetup::default() };
+    let phantom = generate_in_space(&setup);
+    let (found, warnings) = measured(&phantom);
+    assert!(warnings.has("lateral_turned") && !warnings.has("lateral_heights_differ"));
+    assert_near(found.alignment.turn.deg(), 6.0, 3.0 * found.alignment.turn_sd().deg(), "turn");
+    // Taken as exposed together, the films contradict each other.
+    let mut together = phantom.clone();
+    if let Some(lateral) = &mut together.case.lateral {
+        lateral.simultaneous = true;
+    }
+    let (found, warnings) = measured(&together);
+    assert_eq!((found.alignment.scale, found.alignment.turn), (1.0, Angle::ZERO));
+    assert!(warnings.has("lateral_heights_differ"));
+}
+
+#[test]
+fn a_film_exposed_together_gives_the_pitch_without_an_estimate() {
+    let setup = SpaceSetup { corner_sd_mm: 0.3, ..SpaceSetup::default() };
+    let mut phantom = generate_in_space(&setup);
+    let free = measured(&phantom).0;
+    if let Some(lateral) = &mut phantom.case.lateral {
+        lateral.simultaneous = true;
+    }
+    let (found, warnings) = measured(&phantom);
+    assert!(!warnings.has("lateral_heights_differ"));
+    assert_eq!(found.alignment.turn_sd(), Angle::ZERO);
+    assert!(found.pitch_sd(&found.vertebrae[9]) < free.pitch_sd(&free.vertebrae[9]));
+    // Without a spacing its scale is found all the same.
+    if let Some(lateral) = &mut phantom.case.lateral {
+        lateral.spacing = None;
+    }
+    let found = measured(&phantom).0;
+    assert_near(found.alignment.scale, 0.1, 1e-3, "mm per pixel");
+    assert_eq!(found.alignment.turn, Angle::ZERO);
+}
+
+#[test]
+fn replicates_vary_a_pitch_by_its_deviation() {
+    let setup = SpaceSetup { corner_sd_mm: 0.5, ..SpaceSetup::default() };
+    let phantom = generate_in_space(&setup);
+    let nominal = analyze_movement(&phantom.case, &AnalysisOptions::default()).expect("good");
+    let monte_carlo = MonteCarlo::new(&phantom.case, &nominal, LandmarkNoise::Measured, 1);
+    let monte_carlo = monte_carlo.expect("sound noise");
+    let mut tally = monte_carlo.tally();
+    (0..150).for_each(|index| tally.add(&monte_carlo.replicate(index)));
+    let found = tally.finish(150);
+    let space = nominal.space.as_ref().expect("both films");
+    for level in [Level::L3, Level::T12, Level::T8, Level::T4] {
+        let spread = found.of(AnalysisQuantity::Pitch(level)).expect("measured");
+        let stated = space.pitch_sd(space.vertebra(level).expect("both films")).deg();
+        let share = spread.spread.expect("values").sd / stated;
+        assert!((0.8..1.2).contains(&share), "{level}: {share} of the stated deviation");
+    }
+}
