@@ -23,6 +23,7 @@ mod patients;
 mod postures;
 mod reliability;
 mod reproduction;
+mod space;
 mod statistics;
 mod table;
 mod uncertainty;
@@ -69,11 +70,13 @@ pub struct OptionalTables {
     pub uncertainty: bool,
     /// Other loads and bases.
     pub hypotheses: bool,
+    /// The erect spine in space, from a lateral film.
+    pub space: bool,
 }
 
 impl OptionalTables {
     /// Everything.
-    pub const ALL: Self = Self { uncertainty: true, hypotheses: true };
+    pub const ALL: Self = Self { uncertainty: true, hypotheses: true, space: true };
 
     /// Those that are made for some or other patients.
     #[must_use]
@@ -81,6 +84,7 @@ impl OptionalTables {
         Self {
             uncertainty: self.uncertainty || other.uncertainty,
             hypotheses: self.hypotheses || other.hypotheses,
+            space: self.space || other.space,
         }
     }
 
@@ -90,6 +94,7 @@ impl OptionalTables {
         Self {
             uncertainty: patients.iter().any(|patient| patient.spread.is_some()),
             hypotheses: patients.iter().any(|p| !p.analysis.options.hypotheses.is_empty()),
+            space: patients.iter().any(|patient| patient.analysis.space.is_some()),
         }
     }
 }
@@ -116,6 +121,9 @@ fn tables_of(patients: &[Patient<'_>], optional: OptionalTables) -> Vec<Table> {
     ];
     if optional.hypotheses {
         all.push(models::hypotheses(patients));
+    }
+    if optional.space {
+        all.push(space::vertebrae(patients));
     }
     if optional.uncertainty {
         all.push(uncertainty::table(patients));

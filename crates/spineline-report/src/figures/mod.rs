@@ -17,6 +17,7 @@
 //! | [`predictions`] | none: left-out bends, measured and predicted, on the first page |
 //! | [`profiles`] | none: profile likelihoods of the multipliers |
 //! | [`noise_study`] | none: the paper's claims over landmark noise |
+//! | [`lateral_bias`] | none: what a lateral film shows of the pitch of a tilted vertebra |
 //! | [`loaded_spine`] | none: a model under loads, from behind and from the right |
 //!
 //! # Conventions
@@ -37,6 +38,7 @@ mod counts;
 mod films;
 mod frontal;
 mod identification;
+mod lateral_bias;
 mod loaded;
 mod noise;
 mod overview;
@@ -57,6 +59,7 @@ pub use cohort::{
 pub use counts::{FlowStep, exclusions, lenke_types};
 pub use films::{FilmPicture, films};
 pub use identification::line_identification;
+pub use lateral_bias::lateral_bias;
 pub use loaded::{LoadedSpine, loaded_spine};
 pub use noise::{NoiseCurve, NoisePanel, NoiseRow, NoiseTruth, noise_study};
 pub use overview::case_overview;

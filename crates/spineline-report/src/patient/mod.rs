@@ -7,6 +7,7 @@ mod method;
 mod model;
 pub mod parts;
 mod short;
+mod space;
 mod summary;
 mod uncertainty;
 
@@ -48,6 +49,7 @@ pub fn report(patient: &Patient<'_>) -> Document {
     let compared = analysis.compare_lines();
     let mut sections = vec![short::short(analysis, &compared), verdict(analysis, &compared)];
     sections.push(measured::films(patient));
+    sections.extend(space::both_films(analysis));
     sections.push(measured::movement(analysis));
     sections.push(measured::line(analysis));
     sections.push(model::simulated(analysis));

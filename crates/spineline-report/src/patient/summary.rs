@@ -2,7 +2,7 @@
 
 use spineline::analysis::Analysis;
 
-use super::{Patient, measured, model, sentences, uncertainty};
+use super::{Patient, measured, model, sentences, space, uncertainty};
 use crate::document::{Column, Document, Notice, Section, Table};
 use crate::hypotheses;
 
@@ -28,7 +28,9 @@ pub fn summary(patient: &Patient<'_>) -> Document {
     let notes = [NUMBERS.to_owned()].into_iter().chain(model::not_compared(&compared));
     let note = notes.collect::<Vec<_>>().join(" ");
     comparison.table(Table { note, ..model::same_films(&compared) });
-    let mut sections = vec![verdict, films(analysis), line, errors, stiffness, comparison];
+    let mut sections = vec![verdict, films(analysis)];
+    sections.extend(space::both_films(analysis));
+    sections.extend([line, errors, stiffness, comparison]);
     sections.extend(hypotheses::of_patient(analysis, &compared));
     if let Some(found) = patient.identifiability {
         let title = "Identifiability of the multipliers from the bending films";

@@ -1,8 +1,9 @@
 //! Reports contain the required texts, escape user text, and embed their analysis.
 
 use spineline::analysis::{Analysis, AnalysisOptions, Case, FilmRole, Subject, analyze};
+use spineline::anatomy::Level;
 use spineline::evaluate::Baseline;
-use spineline_phantom::{Readers, Truth, generate};
+use spineline_phantom::{Readers, SpaceSetup, Truth, generate, generate_in_space};
 use spineline_report::cohort::{Refusal, Refused};
 use spineline_report::document::{Block, NoticeKind, Section, Table};
 use spineline_report::{Document, embedded, html, markdown, patient, png};
@@ -119,6 +120,16 @@ fn a_patient_report_has_every_section_and_the_main_finding_first() {
         assert!(figure.svg.contains("synthetic"), "{}", figure.name);
         assert!(!figure.svg.contains("NaN"), "{}", figure.name);
     }
+}
+
+#[test]
+fn a_lateral_film_adds_the_spine_in_space() {
+    let case = generate_in_space(&SpaceSetup::default()).case;
+    let document = document(&case);
+    let found = section(&document, "both-films");
+    let text = format!("{:?}", found.blocks);
+    assert!(text.contains("The lateral film was aligned to the erect one"), "{text}");
+    assert_eq!(tables(found)[0].rows.len(), Level::ALL.len());
 }
 
 #[test]

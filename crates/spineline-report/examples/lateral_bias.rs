@@ -1,0 +1,5 @@
+//! Writes the figure of what a lateral film shows of a tilted vertebra: `docs/images/lateral-bias.svg`.
+
+fn main() {
+    print!("{}", spineline_report::figures::lateral_bias());
+}

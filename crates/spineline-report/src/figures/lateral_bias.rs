@@ -1,0 +1,64 @@
+//! The bias of a lateral film without correction.
+
+use spineline::spatial::{Angle, Orientation};
+
+use super::page::{Page, Sample};
+use super::panel::{Axis, Panel, Ticks};
+use super::style::{BLACK, BLUE, Ink, VERMILLION};
+
+/// Tilts up to which the figure goes.
+const LARGEST_TILT_DEG: f64 = 40.0;
+
+/// What a lateral film shows of a pitch of 20° in space, over the frontal tilt of the vertebra: by its axis and by either habit of
+/// reading its endplates.
+#[must_use]
+pub fn lateral_bias() -> String {
+    let true_pitch = Angle::from_deg(20.0);
+    let mut page = Page::new("A lateral film misjudges the pitch of a tilted vertebra", false);
+    page.notes.push(
+        "Round endplates square to the axis of the vertebra, no axial rotation, parallel rays. The pitch in space is 20°."
+            .to_owned(),
+    );
+    let x = Axis {
+        label: "tilt of the vertebra on the frontal film (deg)".to_owned(),
+        range: [0.0, LARGEST_TILT_DEG],
+        step: 10.0,
+        ticks: Ticks::Numbers,
+    };
+    let y = Axis {
+        label: "pitch (deg)".to_owned(),
+        range: [14.0, 26.0],
+        step: 2.0,
+        ticks: Ticks::Numbers,
+    };
+    let mut panel = Panel::new(x, y, [page.inner_px() - 84.0, 360.0]);
+    type Shown = fn(&Orientation) -> Angle;
+    let curves: [(&str, Ink, Shown); 3] = [
+        (
+            "without correction: axis, or endplates by the outline of their rims",
+            Ink::new(VERMILLION, "8 3", 2.0),
+            Orientation::lateral_pitch,
+        ),
+        ("corrected by the frontal film", Ink::new(BLACK, "", 2.2), |stands| {
+            Orientation::of_axis(stands.tilt, stands.lateral_pitch()).pitch
+        }),
+        (
+            "without correction: endplates by their middle lines",
+            Ink::new(BLUE, "2 2", 2.0),
+            Orientation::middle_line_pitch,
+        ),
+    ];
+    for (name, ink, shown) in curves {
+        let places = (0..=80).map(|i| {
+            let tilt_deg = LARGEST_TILT_DEG * f64::from(i) / 80.0;
+            let tilt = Angle::from_deg(tilt_deg);
+            let stands = Orientation { tilt, pitch: true_pitch, axial: Angle::ZERO };
+            (tilt_deg, shown(&stands).deg())
+        });
+        let curve = panel.trace(ink, places);
+        panel.marks.push(curve);
+        page.legend.push((Sample::Stroke(ink, None), name.to_owned()));
+    }
+    page.rows.push(vec![panel]);
+    page.into_svg()
+}
