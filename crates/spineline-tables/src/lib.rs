@@ -124,6 +124,7 @@ fn tables_of(patients: &[Patient<'_>], optional: OptionalTables) -> Vec<Table> {
     }
     if optional.space {
         all.push(space::vertebrae(patients));
+        all.push(space::measures(patients));
     }
     if optional.uncertainty {
         all.push(uncertainty::table(patients));

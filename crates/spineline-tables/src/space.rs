@@ -1,5 +1,6 @@
 //! The erect spine in space, from the erect and the lateral film.
 
+use spineline::clinical::SpatialNumber;
 use spineline::measure::{SpatialOutline, SpatialVertebra};
 use spineline::spatial::Vec3;
 
@@ -26,6 +27,54 @@ pub(crate) fn vertebrae(patients: &[Patient<'_>]) -> Table {
     }
     let row = "patient × vertebra on the erect and the lateral film";
     keyed("space_vertebrae", row, [places(), angles()]).fill(&rows)
+}
+
+/// One row per patient and number of the spine in space.
+pub(crate) fn measures(patients: &[Patient<'_>]) -> Table {
+    let mut rows: Vec<NumberRow<'_>> = Vec::new();
+    for patient in patients {
+        let found = patient.analysis.spatial_measures();
+        let numbers = found.map(|found| found.numbers(patient.analysis.scale()));
+        rows.extend(numbers.into_iter().flatten().map(|number| patient.row(number)));
+    }
+    keyed("space_measures", "patient × number of the spine in space", [numbers()]).fill(&rows)
+}
+
+type NumberRow<'a> = Row<'a, SpatialNumber>;
+
+fn numbers<'a>() -> Vec<Column<NumberRow<'a>>> {
+    vec![
+        text(
+            "quantity",
+            "kyphosis or lordosis by `endplates` or `axes`; `curve_frontal`, `curve_lateral`, `curve_largest` (in the plane of maximum curvature) and `curve_convexity` (0 front, 90 left, 180 back) by axes; `spinal_length`",
+            |row| Some(row.item.key.to_owned()),
+        ),
+        text("between", "vertebrae between which it is measured, the upper one first", |row| {
+            Some(row.item.between.clone())
+        }),
+        text("region", "region of a curve", |row| {
+            row.item.region.map(|region| region.key().to_owned())
+        }),
+        text("dimension", "`2-D` on one film, `3-D` in space", |row| {
+            Some(row.item.dimension.key().to_owned())
+        }),
+        text("unit", "`deg`, `mm`, or `px` where the erect film has no spacing", |row| {
+            Some(row.item.unit.to_owned())
+        }),
+        number("value", Unit::Stated, "its value", |row| Some(row.item.value)),
+        number(
+            "sd",
+            Unit::Stated,
+            "its standard deviation by the landmarks and the alignment of the lateral film",
+            |row| Some(row.item.sd),
+        ),
+        number("interval_95_low", Unit::Stated, "lower end of its 95 % interval", |row| {
+            Some(row.item.interval_95()[0])
+        }),
+        number("interval_95_high", Unit::Stated, "upper end of it", |row| {
+            Some(row.item.interval_95()[1])
+        }),
+    ]
 }
 
 fn place_mm(row: &VertebraRow<'_>, part: fn(&Vec3) -> f64) -> Option<f64> {

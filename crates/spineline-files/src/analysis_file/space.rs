@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use spineline::analysis::Analysis;
+use spineline::clinical::{SpatialMeasures, SpatialNumber};
 use spineline::measure::{FilmAlignment, SpatialOutline, SpatialVertebra};
 
 use crate::keys::LevelKey;
@@ -19,6 +20,41 @@ pub(super) struct SpaceRecord {
     corner_sd_from: String,
     /// Vertebrae on both films.
     vertebrae: BTreeMap<LevelKey, VertebraRecord>,
+    /// Kyphosis, lordosis, planes of maximum curvature and length, each named 2-D (one film) or 3-D (in space).
+    measures: Vec<MeasureRecord>,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+struct MeasureRecord {
+    /// Such as `kyphosis_t5_t12_axes`, `curve_largest` or `spinal_length`.
+    quantity: String,
+    /// Vertebrae between which it is measured, the upper one first.
+    between: String,
+    /// Region of a curve.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    region: Option<String>,
+    /// `2-D` or `3-D`.
+    dimension: String,
+    /// `deg`, `mm`, or `px` where the erect film has no spacing.
+    unit: String,
+    value: f64,
+    sd: f64,
+    interval_95: [f64; 2],
+}
+
+impl MeasureRecord {
+    fn new(number: &SpatialNumber) -> Self {
+        Self {
+            quantity: number.key.to_owned(),
+            between: number.between.clone(),
+            region: number.region.map(|region| region.key().to_owned()),
+            dimension: number.dimension.key().to_owned(),
+            unit: number.unit.to_owned(),
+            value: number.value,
+            sd: number.sd,
+            interval_95: number.interval_95(),
+        }
+    }
 }
 
 /// The lateral film against the erect one, from the heights of the vertebrae on both.
@@ -70,6 +106,11 @@ impl SpaceRecord {
             corner_sd_mm: mm(found.corner_sd_mm),
             corner_sd_from: if found.is_measured { "readings" } else { "assumed" }.to_owned(),
             vertebrae: vertebrae.map(record).collect(),
+            measures: SpatialMeasures::of(found, &analysis.clinical)
+                .numbers(analysis.scale())
+                .iter()
+                .map(MeasureRecord::new)
+                .collect(),
         })
     }
 }

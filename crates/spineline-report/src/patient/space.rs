@@ -1,6 +1,7 @@
 //! The erect spine in space, from the erect and the lateral film.
 
 use spineline::analysis::Analysis;
+use spineline::clinical::SpatialMeasures;
 use spineline::measure::SpatialOutline;
 
 use crate::document::{Column, Section, Table};
@@ -10,8 +11,34 @@ pub fn both_films(analysis: &Analysis) -> Option<Section> {
     let found = analysis.space.as_ref()?;
     let mut section = Section::new("both-films", "The erect and the lateral film together");
     section.paragraph(found.alignment_words(analysis.scale()));
+    section.table(measures(analysis, &SpatialMeasures::of(found, &analysis.clinical)));
     section.table(pitches(found));
     Some(section)
+}
+
+/// Kyphosis, lordosis, planes of maximum curvature and length.
+fn measures(analysis: &Analysis, found: &SpatialMeasures) -> Table {
+    let columns = vec![
+        Column::words("Number"),
+        Column::words("Between"),
+        Column::words("2-D or 3-D"),
+        Column::words("Value ± sd"),
+        Column::words("95 % interval"),
+    ];
+    let mut table = Table::new("The erect spine in space", columns);
+    for number in found.numbers(analysis.scale()) {
+        let [low, high] = number.interval_95();
+        let curve = number.region.map(|region| format!("{region}: "));
+        table.row(vec![
+            format!("{}{}", curve.unwrap_or_default(), number.label),
+            number.between.clone(),
+            number.dimension.key().to_owned(),
+            number.text(),
+            format!("{low:.1} to {high:.1}"),
+        ]);
+    }
+    table.note = "2-D: on one film. 3-D: in space. Endplates are read as clinicians do, from the superior endplate of the upper to the inferior one of the lower vertebra; they include the wedges of both bodies, axes do not. S1 is no landmark.".to_owned();
+    table
 }
 
 /// The pitch of every vertebra as the lateral film shows it, and in space.

@@ -113,6 +113,13 @@ fn a_lateral_film_adds_the_vertebrae_in_space() {
     let larger =
         film.iter().zip(space).filter(|(film, space)| film.map(f64::abs) >= space.map(f64::abs));
     assert_eq!(larger.count(), Level::ALL.len(), "a film overstates pitch");
+    let measures = table(&all, "space_measures");
+    let measured = analysis.spatial_measures().expect("both films").numbers(analysis.scale());
+    assert_eq!(measures.rows(), measured.len());
+    assert!(texts(measures, "dimension").iter().all(|text| text == "2-D" || text == "3-D"));
+    let [value, low, high] =
+        ["value", "interval_95_low", "interval_95_high"].map(|name| numbers(measures, name));
+    assert!((0..measures.rows()).all(|row| low[row] < value[row] && value[row] < high[row]));
 }
 
 #[test]

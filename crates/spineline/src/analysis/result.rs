@@ -4,7 +4,8 @@ use super::{AnalysisOptions, LineModel};
 use crate::anatomy::{Levels, Posture};
 use crate::chain::{Chain, ChainPose};
 use crate::clinical::{
-    Balance, ClinicalCurve, CobbEnds, CurvePlaces, LenkeType, RegionBounds, Regions, film_tilts,
+    Balance, ClinicalCurve, CobbEnds, CurvePlaces, LenkeType, RegionBounds, Regions,
+    SpatialMeasures, film_tilts,
 };
 use crate::curve::{CurveFit, InflectionIntervals, Inflections};
 use crate::hypothesis::HypothesisFit;
@@ -111,6 +112,14 @@ impl Analysis {
             Some(CurvePlaces::between(*bounds, ends, &erect))
         };
         self.regions.bounds.iter().zip(&self.clinical).filter_map(place).collect()
+    }
+
+    /// Kyphosis, lordosis, planes of maximum curvature and length of the erect spine in space; `None` without a lateral film.
+    ///
+    /// Computed on request, because no other result depends on it.
+    #[must_use]
+    pub fn spatial_measures(&self) -> Option<SpatialMeasures> {
+        self.space.as_ref().map(|space| SpatialMeasures::of(space, &self.clinical))
     }
 
     /// How well the readings repeat, by quantity; empty where every film was read once.

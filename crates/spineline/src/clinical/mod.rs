@@ -11,6 +11,7 @@ mod largest;
 mod places;
 mod regions;
 mod shares;
+mod space;
 
 pub use balance::{Balance, SacralReference, measure_balance, sacral_line_offset_mm};
 pub use curves::{
@@ -20,3 +21,7 @@ pub use largest::largest_tilt_difference;
 pub use places::{CobbEnds, CurvePlaces, EndAngles, convex_side, endplate_line};
 pub use regions::{RegionBounds, Regions, ferguson_angle};
 pub use shares::JointShares;
+pub use space::{
+    Dimension, MaximumCurvature, SagittalAngle, SagittalPart, SpatialMeasures, SpatialNumber,
+    SpinalLength,
+};

@@ -1,6 +1,8 @@
 //! The marked vertebral bodies of one film, frontal or lateral, for checks of their corners.
 
-use super::{Corners, Film, FilmLandmarks, Reading, ReadingId};
+use std::collections::BTreeMap;
+
+use super::{Corners, Film, FilmLandmarks, Noise, Reading, ReadingId, ReadingSquares};
 use crate::anatomy::{Level, Posture};
 use crate::spatial::Frontal;
 use crate::warning::{Step, Warnings};
@@ -86,4 +88,33 @@ pub(super) fn median(mut values: Vec<f64>) -> f64 {
     values.sort_by(f64::total_cmp);
     let middle = values.len() / 2;
     if values.len() % 2 == 1 { values[middle] } else { 0.5 * (values[middle - 1] + values[middle]) }
+}
+
+/// Standard deviation of a coordinate of a corner, mean over the readings, from how they differ, in the unit of the bodies; `None` where
+/// nothing was read twice.
+pub(super) fn corner_sd(readings: &[ReadBodies<'_>]) -> Option<f64> {
+    let mut marked: BTreeMap<Level, Vec<(&str, &Corners<Frontal>)>> = BTreeMap::new();
+    for reading in readings {
+        for (level, body) in &reading.bodies {
+            marked.entry(*level).or_default().push((&reading.id.observer, body));
+        }
+    }
+    let mut pool = ReadingSquares::default();
+    for bodies in marked.values() {
+        for corner in 0..4 {
+            let places = || bodies.iter().map(|(by, body)| (*by, body.points()[corner]));
+            pool.add(places().map(|(by, place)| (by, place.y_mm)));
+            pool.add(places().map(|(by, place)| (by, place.z_mm)));
+        }
+    }
+    let readings = marked.values().map(Vec::len).sum::<usize>() as f64 / marked.len() as f64;
+    // Rounding to a pixel leaves at least about so much, and pixels are no smaller than that in mm.
+    Some((pool.variance()? / readings).sqrt().max(Noise::FLOOR_CORNER_MM))
+}
+
+/// Standard deviations across and along the axis of the crossing of a body's diagonals, from that of a corner: the error of either diagonal
+/// there is that of the mean of its ends.
+pub(super) fn crossing_sd(corner_sd: f64, width: f64, height: f64) -> [f64; 2] {
+    let diagonal = width.hypot(height);
+    [diagonal / height, diagonal / width].map(|share| 0.5 * corner_sd * share)
 }

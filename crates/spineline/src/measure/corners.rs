@@ -168,6 +168,12 @@ impl Corners<Frontal> {
         self.axis().norm_mm()
     }
 
+    /// Mean length of both endplates.
+    pub(super) fn mean_width_mm(&self) -> f64 {
+        0.5 * (self.superior_left.distance_mm(self.superior_right)
+            + self.inferior_left.distance_mm(self.inferior_right))
+    }
+
     /// The longer over the shorter of opposite sides: left and right, superior and inferior.
     pub(super) fn side_ratios(&self) -> [f64; 2] {
         let ratio = |a: f64, b: f64| a.max(b) / a.min(b);

@@ -39,6 +39,10 @@ impl AnalysisQuantity {
             | Self::SegmentLength
             | Self::InflectionCount
             | Self::InflectionPair => Place::NONE,
+            Self::Sagittal(_) | Self::SpinalLength => Place::of_film(Posture::Erect),
+            Self::LargestCurve(region) | Self::Convexity(region) => {
+                Place { region: Some(region), ..Place::of_film(Posture::Erect) }
+            }
             Self::InflectionY(end) | Self::InflectionZ(end) | Self::InflectionArc(end) => {
                 Place { end: Some(end), ..Place::NONE }
             }

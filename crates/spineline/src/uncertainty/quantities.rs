@@ -3,6 +3,7 @@
 use crate::action::LineKind;
 use crate::analysis::{Analysis, LineModel, PostureAnalysis};
 use crate::anatomy::{Level, Posture, Region, named};
+use crate::clinical::{SagittalPart, SpatialMeasures};
 use crate::evaluate::Simulation;
 use crate::personalize::FitStatus;
 use crate::spatial::Angle;
@@ -22,6 +23,14 @@ pub enum AnalysisQuantity {
     Tilt(Posture, Level),
     /// Pitch of a vertebra in space, from the erect and the lateral film.
     Pitch(Level),
+    /// Kyphosis or lordosis in space, between axes.
+    Sagittal(SagittalPart),
+    /// Size of a curve in its plane of maximum curvature.
+    LargestCurve(Region),
+    /// Direction of the convexity in that plane.
+    Convexity(Region),
+    /// Length of the spine in space.
+    SpinalLength,
     /// Cobb angle, between endplates.
     Cobb(Posture, Region),
     /// Difference of the tilts of the end vertebrae.
@@ -152,6 +161,12 @@ pub(super) fn all_of(nominal: &Analysis, kinds: &[LineKind]) -> Vec<AnalysisQuan
     }
     let in_space = nominal.space.iter().flat_map(|space| &space.vertebrae);
     all.extend(in_space.map(|vertebra| Q::Pitch(vertebra.level)));
+    if let Some(found) = nominal.spatial_measures() {
+        all.extend(found.sagittal.iter().map(|angle| Q::Sagittal(angle.part)));
+        let curves = found.curves.iter();
+        all.extend(curves.flat_map(|c| [Q::LargestCurve(c.region), Q::Convexity(c.region)]));
+        all.push(Q::SpinalLength);
+    }
     let is_free = |posture: &Posture| {
         nominal.posture(*posture).is_some_and(|film| film.outline.length.is_free())
     };
@@ -195,11 +210,11 @@ impl AnalysisQuantity {
             | Self::Cobb(..)
             | Self::TiltRange(..)
             | Self::Ferguson(..) => self.of_film(analysis),
-            Self::Pitch(level) => {
-                let space = analysis.space.as_ref().ok_or(Absent::NotMeasured)?;
-                let vertebra = space.vertebra(level).ok_or(Absent::NotMeasured)?;
-                Ok(vertebra.orientation.pitch.deg())
-            }
+            Self::Pitch(_)
+            | Self::Sagittal(_)
+            | Self::LargestCurve(_)
+            | Self::Convexity(_)
+            | Self::SpinalLength => self.in_space(analysis).ok_or(Absent::NotMeasured),
             Self::FilmScale(posture) => Ok(found(analysis, posture)?.outline.length.scale.factor),
             Self::LeastSegment(..)
             | Self::LeastDistanceSegments(..)
@@ -208,6 +223,21 @@ impl AnalysisQuantity {
             | Self::ComparisonDistance(_) => self.of_motion(analysis),
             _ => self.of_model(analysis, nominal),
         }
+    }
+
+    fn in_space(self, analysis: &Analysis) -> Option<f64> {
+        let space = analysis.space.as_ref()?;
+        let measures = || SpatialMeasures::of(space, &analysis.clinical);
+        Some(match self {
+            Self::Pitch(level) => space.vertebra(level)?.orientation.pitch.deg(),
+            Self::Sagittal(part) => measures().sagittal(part)?.axes_3d.deg(),
+            Self::LargestCurve(region) => measures().curve(region)?.angle_3d.deg(),
+            Self::Convexity(region) => measures().curve(region)?.convexity_3d.deg(),
+            Self::SpinalLength => {
+                measures().length.length_3d_mm * analysis.scale().pixels_per_mm.unwrap_or(1.0)
+            }
+            _ => return None,
+        })
     }
 
     fn of_curve(self, analysis: &Analysis) -> Result<f64, Absent> {
@@ -354,6 +384,9 @@ impl AnalysisQuantity {
         match self {
             Self::Tilt(..)
             | Self::Pitch(_)
+            | Self::Sagittal(_)
+            | Self::LargestCurve(_)
+            | Self::Convexity(_)
             | Self::Cobb(..)
             | Self::TiltRange(..)
             | Self::Ferguson(..) => Some(360.0),

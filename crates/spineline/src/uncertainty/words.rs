@@ -3,6 +3,7 @@
 use super::{AnalysisQuantity, QuantityUnit, Uncertainty};
 use crate::analysis::Analysis;
 use crate::anatomy::Posture;
+use crate::clinical::SagittalPart;
 
 impl Uncertainty {
     /// A caveat on the intervals.
@@ -43,6 +44,14 @@ impl AnalysisQuantity {
             Self::LocationZ(..) => "location_z",
             Self::Tilt(..) => "tilt",
             Self::Pitch(_) => "pitch_3d",
+            Self::Sagittal(part) => match part {
+                SagittalPart::KyphosisT5T12 => "kyphosis_t5_t12_3d",
+                SagittalPart::KyphosisT1T12 => "kyphosis_t1_t12_3d",
+                SagittalPart::LordosisL1L5 => "lordosis_l1_l5_3d",
+            },
+            Self::LargestCurve(_) => "curve_largest_3d",
+            Self::Convexity(_) => "curve_convexity_3d",
+            Self::SpinalLength => "spinal_length_3d",
             Self::Cobb(..) => "cobb",
             Self::TiltRange(..) => "tilt_range",
             Self::Ferguson(..) => "ferguson",
@@ -91,12 +100,16 @@ impl AnalysisQuantity {
             | Self::InflectionZ(_)
             | Self::InflectionArc(_)
             | Self::LeastDistance(..)
+            | Self::SpinalLength
             | Self::ComparisonDistance(_)
             | Self::LineOffset(..)
             | Self::LocationError(..)
             | Self::MeanLocationError(..) => length,
             Self::Tilt(..)
             | Self::Pitch(_)
+            | Self::Sagittal(_)
+            | Self::LargestCurve(_)
+            | Self::Convexity(_)
             | Self::Cobb(..)
             | Self::TiltRange(..)
             | Self::Ferguson(..)
@@ -123,6 +136,14 @@ impl AnalysisQuantity {
             Self::LocationZ(..) => "height",
             Self::Tilt(..) => "tilt relative to the base, positive to the right",
             Self::Pitch(_) => "pitch in space (3-D), flexion positive",
+            Self::Sagittal(part) => match part {
+                SagittalPart::KyphosisT5T12 => "kyphosis T5–T12 in space (3-D), axes",
+                SagittalPart::KyphosisT1T12 => "kyphosis T1–T12 in space (3-D), axes",
+                SagittalPart::LordosisL1L5 => "lordosis L1–L5 in space (3-D), axes",
+            },
+            Self::LargestCurve(_) => "curve in its plane of maximum curvature (3-D)",
+            Self::Convexity(_) => "direction of its convexity (3-D), 0 front, 90 left, 180 back",
+            Self::SpinalLength => "length of the spine in space (3-D)",
             Self::Cobb(..) => "Cobb angle between endplates, positive where convex to the left",
             Self::TiltRange(..) => {
                 "difference of the tilts of the end vertebrae, positive where convex to the left"

@@ -1,9 +1,12 @@
 //! The erect spine in space, from two films of phantoms that one projection made.
 
+#![expect(clippy::disallowed_methods, reason = "the oracle has its own formulas")]
+
 use spineline::analysis::{AnalysisOptions, analyze, analyze_movement};
 use spineline::anatomy::{Level, SagittalProfile};
+use spineline::clinical::{SagittalPart, SpatialMeasures};
 use spineline::measure::{SpatialOutline, TiltRule, measure_film};
-use spineline::spatial::{Angle, Orientation};
+use spineline::spatial::{Angle, Orientation, Vec3};
 use spineline::uncertainty::{AnalysisQuantity, LandmarkNoise, MonteCarlo};
 use spineline::warning::Warnings;
 use spineline_phantom::{
@@ -160,7 +163,6 @@ fn errors_are_as_large_as_their_deviations_say() {
     }
     for ([sum, n], what) in squares.into_iter().zip(["pitch", "axis", "kyphosis", "turn"]) {
         let share = (sum / n).sqrt();
-        println!("{what}: {share:.3}");
         assert!((0.8..1.15).contains(&share), "{what}: {share} of the stated deviation");
     }
 }
@@ -220,4 +222,75 @@ fn replicates_vary_a_pitch_by_its_deviation() {
         let share = spread.spread.expect("values").sd / stated;
         assert!((0.8..1.2).contains(&share), "{level}: {share} of the stated deviation");
     }
+}
+
+/// Kyphosis and lordosis by the true axes.
+#[test]
+fn kyphosis_and_lordosis_in_space_are_those_of_the_true_axes() {
+    for shape in SagittalShape::ALL {
+        let phantom = generate_in_space(&SpaceSetup { shape, ..SpaceSetup::default() });
+        let (found, _) = measured(&phantom);
+        let measures = SpatialMeasures::of(&found, &[]);
+        assert_eq!(measures.sagittal.len(), SagittalPart::ALL.len());
+        for angle in &measures.sagittal {
+            let [low, high] = angle.part.ends().map(|level| true_pitch(&phantom, level));
+            let turn = match angle.part {
+                SagittalPart::LordosisL1L5 => low - high,
+                _ => high - low,
+            };
+            assert_near(angle.axes_3d.deg(), turn.deg(), 1e-6, angle.part.key());
+            assert!(turn.deg() > 0.0, "{shape:?}: {}", angle.part.key());
+        }
+        let polygon: f64 = phantom
+            .bodies
+            .windows(2)
+            .map(|pair| (pair[1].midpoint_mm - pair[0].midpoint_mm).norm())
+            .sum();
+        assert_near(measures.length.length_3d_mm, polygon, 1e-6, "length");
+        assert!(measures.length.length_2d_mm < polygon);
+        assert_eq!(measures.length.ends, [Level::L5, Level::T1]);
+    }
+}
+
+/// On no vertical plane is the angle between the true axes of a curve's ends larger.
+#[test]
+fn no_plane_shows_a_larger_curve_than_that_of_maximum_curvature() {
+    let phantom = generate_in_space(&SpaceSetup::default());
+    let analysis = analyze_movement(&phantom.case, &AnalysisOptions::default()).expect("good");
+    let measures = analysis.spatial_measures().expect("both films");
+    assert_eq!(measures.curves.len(), analysis.clinical.len());
+    for curve in &measures.curves {
+        let axis = |level| phantom.body(level).expect("every level").cranial;
+        let [low, high] = [curve.ends.inferior, curve.ends.superior].map(axis);
+        let angle = |axis: Vec3, azimuth: f64| {
+            let (sin, cos) = azimuth.to_radians().sin_cos();
+            Angle::from_sin_cos(axis.x * cos + axis.y * sin, axis.z)
+        };
+        let shown = |azimuth: f64| (angle(high, azimuth) - angle(low, azimuth)).deg();
+        let largest = (0..3600).map(|i| shown(0.1 * f64::from(i))).fold(0.0, f64::max);
+        assert_near(curve.angle_3d.deg(), largest, 1e-3, "angle");
+        assert!(curve.angle_3d >= curve.frontal_2d && curve.angle_3d >= curve.lateral_2d);
+        // The convexity lies opposite to where the upper axis leans.
+        assert_near(shown(curve.convexity_3d.deg() + 180.0), largest, 1e-3, "convexity");
+    }
+}
+
+#[test]
+fn replicates_vary_the_numbers_in_space_by_their_deviations() {
+    let setup = SpaceSetup { corner_sd_mm: 0.5, ..SpaceSetup::default() };
+    let phantom = generate_in_space(&setup);
+    let nominal = analyze_movement(&phantom.case, &AnalysisOptions::default()).expect("good");
+    let monte_carlo = MonteCarlo::new(&phantom.case, &nominal, LandmarkNoise::Measured, 1);
+    let monte_carlo = monte_carlo.expect("sound noise");
+    let mut tally = monte_carlo.tally();
+    (0..150).for_each(|index| tally.add(&monte_carlo.replicate(index)));
+    let found = tally.finish(150);
+    let measures = nominal.spatial_measures().expect("both films");
+    let sd = |quantity| found.spread(quantity).expect("measured").sd;
+    for angle in &measures.sagittal {
+        let share = sd(AnalysisQuantity::Sagittal(angle.part)) / angle.sd_3d.deg();
+        assert!((0.8..1.2).contains(&share), "{}: {share}", angle.part.key());
+    }
+    let share = sd(AnalysisQuantity::SpinalLength) / measures.length.sd_3d_mm;
+    assert!((0.8..1.2).contains(&share), "length: {share}");
 }

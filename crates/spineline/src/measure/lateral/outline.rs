@@ -1,8 +1,8 @@
 use std::collections::BTreeMap;
 
 use crate::anatomy::Level;
-use crate::measure::bodies::ReadBodies;
-use crate::measure::{Corners, Noise, ReadingSquares};
+use crate::measure::Corners;
+use crate::measure::bodies::{ReadBodies, corner_sd};
 use crate::spatial::{Angle, Frontal};
 
 /// One vertebra as a lateral film shows it.
@@ -19,6 +19,8 @@ pub struct LateralVertebra {
     pub endplates: [Angle; 2],
     /// Distance between the centres of the endplates, in the unit of the location.
     pub height: f64,
+    /// Mean length of the endplates, in the same unit.
+    pub depth: f64,
     /// Readings that marked it.
     pub readings: usize,
 }
@@ -49,7 +51,7 @@ impl LateralOutline {
         let vertebrae = marked.iter().filter_map(|(&level, bodies)| mean_vertebra(level, bodies));
         Self {
             vertebrae: vertebrae.collect(),
-            corner_sd: corner_sd(&marked, has_spacing),
+            corner_sd: corner_sd(readings),
             has_spacing,
             simultaneous,
         }
@@ -80,6 +82,7 @@ fn mean_vertebra(level: Level, bodies: &[(&str, &Corners<Frontal>)]) -> Option<L
         pitch: angle(&|v| v.pitch),
         endplates: [0, 1].map(|end: usize| angle(&|v| v.endplates[end])),
         height: mean(&|v| v.height),
+        depth: mean(&|v| v.depth),
         readings: all.len(),
     })
 }
@@ -93,25 +96,7 @@ fn seen(level: Level, body: &Corners<Frontal>) -> Option<LateralVertebra> {
         pitch: -body.measure_tilt(),
         endplates: [-endplates.superior, -endplates.inferior],
         height: body.height_mm(),
+        depth: body.mean_width_mm(),
         readings: 1,
     })
-}
-
-/// Of a mean over the readings, from how they differ.
-fn corner_sd(
-    marked: &BTreeMap<Level, Vec<(&str, &Corners<Frontal>)>>,
-    has_spacing: bool,
-) -> Option<f64> {
-    let mut pool = ReadingSquares::default();
-    for bodies in marked.values() {
-        for corner in 0..4 {
-            let places = || bodies.iter().map(|(by, body)| (*by, body.points()[corner]));
-            pool.add(places().map(|(by, place)| (by, place.y_mm)));
-            pool.add(places().map(|(by, place)| (by, place.z_mm)));
-        }
-    }
-    let readings = marked.values().map(Vec::len).sum::<usize>() as f64 / marked.len() as f64;
-    let of_mean = (pool.variance()? / readings).sqrt();
-    // Rounding to a pixel leaves at least about so much; pixels themselves are no millimetres.
-    Some(if has_spacing { of_mean.max(Noise::FLOOR_CORNER_MM) } else { of_mean.max(0.3) })
 }

@@ -2,6 +2,8 @@
 
 use nalgebra::{DMatrix, DVector, Matrix2};
 
+use crate::measure::bodies::crossing_sd;
+use crate::measure::lateral::LateralVertebra;
 use crate::spatial::{Angle, Frontal};
 
 /// How a lateral film lies to the frontal film of the same posture.
@@ -52,11 +54,12 @@ pub(super) enum LateralSd {
 }
 
 impl LateralSd {
-    /// Of the crossing of a body's diagonals, from that of its corners.
-    pub fn halved(self) -> Self {
+    /// Of the height of the crossing of a body's diagonals, from that of its corners.
+    pub fn upwards(self, body: &LateralVertebra) -> Self {
+        let upwards = |corner_sd: f64| crossing_sd(corner_sd, body.depth, body.height)[1];
         match self {
-            Self::Film(sd) => Self::Film(0.5 * sd),
-            Self::Millimetres(sd) => Self::Millimetres(0.5 * sd),
+            Self::Film(sd) => Self::Film(upwards(sd)),
+            Self::Millimetres(sd) => Self::Millimetres(upwards(sd)),
         }
     }
 

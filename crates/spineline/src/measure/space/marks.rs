@@ -3,8 +3,9 @@
 use std::collections::BTreeMap;
 
 use crate::anatomy::Level;
+use crate::measure::bodies::{ReadBodies, corner_sd, crossing_sd};
 use crate::measure::means::average;
-use crate::measure::{Film, FilmLandmarks, MeasureError, Outline, TiltRule, measure_readings};
+use crate::measure::{Film, MeasureError, Outline, TiltRule, measure_readings};
 use crate::spatial::{Angle, Frontal};
 
 /// One vertebra on the frontal film, upright as that film hung.
@@ -13,7 +14,8 @@ pub(super) struct FrontalMark {
     pub location_mm: Frontal,
     /// Of the line through the centres of both endplates.
     pub axis_tilt: Angle,
-    pub location_sd_mm: f64,
+    /// Of the location, to the left and upwards.
+    pub location_sd_mm: [f64; 2],
     pub tilt_sd: Angle,
 }
 
@@ -25,34 +27,41 @@ pub(super) fn frontal_marks(
     let readings = measure_readings(film, TiltRule::Axis)?;
     let placed: Vec<_> = readings.into_iter().map(|reading| reading.vertebrae).collect();
     let per_mm = outline.scale.pixels_per_mm.unwrap_or(1.0);
-    let heights = axis_heights(film);
+    let bodies = ReadBodies::of_film(film);
+    let measured_sd = corner_sd(&bodies);
     let marks = average(&placed).into_iter().filter_map(|(level, (placement, _))| {
-        let noise = outline.noise_of(outline.vertebra(level)?);
-        let by_corners = |height: &f64| Angle::from_rad(noise.corner_mm() * per_mm / height);
+        let vertebra = outline.vertebra(level)?;
+        let noise = outline.noise_of(vertebra);
+        // How a program's corners differ between readings says nothing of their error.
+        let corner_sd = match (measured_sd, vertebra.program) {
+            (Some(sd), None) => sd,
+            _ => noise.corner_mm() * per_mm,
+        };
+        let (location_sd_mm, tilt_sd) = match mean_shape(&bodies, level) {
+            Some([width, height]) => {
+                let crossing = crossing_sd(corner_sd, width, height);
+                (crossing.map(|sd| sd / per_mm), Angle::from_rad(corner_sd / height))
+            }
+            None => ([noise.location_mm; 2], noise.tilt),
+        };
         let mark = FrontalMark {
             location_mm: placement.location * (1.0 / per_mm),
             axis_tilt: placement.tilt,
-            location_sd_mm: noise.location_mm,
-            tilt_sd: heights.get(&level).map_or(noise.tilt, by_corners),
+            location_sd_mm,
+            tilt_sd,
         };
         Some((level, mark))
     });
     Ok(marks.collect())
 }
 
-/// Mean distances between the centres of the endplates, in the film's millimetres or pixels.
-fn axis_heights(film: &Film) -> BTreeMap<Level, f64> {
-    let FilmLandmarks::Corners { image, readings, .. } = &film.landmarks else {
-        return BTreeMap::new();
-    };
-    let mut all: BTreeMap<Level, Vec<f64>> = BTreeMap::new();
-    for (&level, landmark) in readings.iter().flat_map(|reading| &reading.vertebrae) {
-        let body = landmark.corners.map(|corner| image.frontal(corner));
-        all.entry(level).or_default().push(body.height_mm());
-    }
-    let mean = |mut heights: Vec<f64>| {
-        heights.sort_by(f64::total_cmp);
-        heights.iter().sum::<f64>() / heights.len() as f64
-    };
-    all.into_iter().map(|(level, heights)| (level, mean(heights))).collect()
+/// Mean width of a body and mean distance between the centres of its endplates, in the film's millimetres or pixels.
+fn mean_shape(readings: &[ReadBodies<'_>], level: Level) -> Option<[f64; 2]> {
+    let bodies = readings.iter().filter_map(|reading| reading.body(level));
+    let mut shapes: Vec<[f64; 2]> =
+        bodies.map(|body| [body.mean_width_mm(), body.height_mm()]).collect();
+    // Sums in a fixed order: the order of the readings must not reach the last bit.
+    shapes.sort_by(|a, b| a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1])));
+    let mean = |side: usize| shapes.iter().map(|one| one[side]).sum::<f64>() / shapes.len() as f64;
+    (!shapes.is_empty()).then(|| [mean(0), mean(1)])
 }

@@ -7,6 +7,7 @@ pub use alignment::FilmAlignment;
 
 use nalgebra::DMatrix;
 
+use super::bodies::crossing_sd;
 use super::lateral::LateralVertebra;
 use super::{
     Film, LateralFilm, LateralOutline, LengthScale, MeasureError, Noise, Outline, SpacingPlane,
@@ -34,8 +35,10 @@ pub struct SpatialVertebra {
     pub tilt_sd: Angle,
     /// Standard deviation of the angle of the axis on the lateral film, without that of the film's turn.
     pub lateral_sd: Angle,
-    /// Standard deviation of a coordinate of the midpoint by the landmarks on the frontal film, and on the lateral one.
-    pub place_sd_mm: [f64; 2],
+    /// Standard deviation of the angle of an endplate there, likewise.
+    pub endplate_sd: Angle,
+    /// Standard deviations of the midpoint by the landmarks: to the front by the lateral film, to the left and upwards by the frontal one.
+    pub place_sd_mm: Vec3,
 }
 
 /// The erect spine as far as both films show it.
@@ -120,8 +123,8 @@ impl SpatialOutline {
             .map(|(mark, side)| HeightPair {
                 height_mm: mark.location_mm.z_mm,
                 lateral: side.location,
-                sd_mm: mark.location_sd_mm,
-                lateral_sd: corner.halved(),
+                sd_mm: mark.location_sd_mm[1],
+                lateral_sd: corner.upwards(side),
             })
             .collect();
         let Some(alignment) = FilmAlignment::estimate(&pairs, exposure) else { return Ok(None) };
@@ -139,7 +142,15 @@ impl SpatialOutline {
                 endplates: side.endplates.map(|angle| angle - alignment.turn),
                 tilt_sd: mark.tilt_sd,
                 lateral_sd: Angle::from_rad(corner_sd_mm / (alignment.scale * side.height)),
-                place_sd_mm: [mark.location_sd_mm, 0.5 * corner_sd_mm],
+                // Both ends of it have an error.
+                endplate_sd: Angle::from_rad(
+                    corner_sd_mm * f64::sqrt(2.0) / (alignment.scale * side.depth),
+                ),
+                place_sd_mm: {
+                    let [left, up] = mark.location_sd_mm;
+                    let [ahead, _] = crossing_sd(corner_sd_mm, side.depth, side.height);
+                    Vec3::new(ahead, left, up)
+                },
             }
         };
         Ok(Some(Self {

@@ -1,0 +1,129 @@
+use super::SpatialMeasures;
+use crate::anatomy::{Region, named};
+use crate::measure::LengthScale;
+use crate::spatial::Angle;
+
+/// Whether a number is what one film shows, or one in space.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Dimension {
+    /// On one film.
+    TwoD,
+    /// In space.
+    ThreeD,
+}
+
+impl Dimension {
+    /// Both.
+    pub const ALL: [Self; 2] = [Self::TwoD, Self::ThreeD];
+
+    /// The name, as people see it and in files.
+    #[must_use]
+    pub const fn key(self) -> &'static str {
+        match self {
+            Self::TwoD => "2-D",
+            Self::ThreeD => "3-D",
+        }
+    }
+}
+
+named!(Dimension);
+
+/// One number of the spine in space, as reports, tables and files show it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SpatialNumber {
+    /// Its name in files.
+    pub key: &'static str,
+    /// In words.
+    pub label: &'static str,
+    /// The vertebrae between which it is measured, the upper one first.
+    pub between: String,
+    /// The region, for a number of a curve.
+    pub region: Option<Region>,
+    /// On a film or in space.
+    pub dimension: Dimension,
+    /// `deg`, `mm`, or `px` where the erect film has no spacing.
+    pub unit: &'static str,
+    /// Its value.
+    pub value: f64,
+    /// Its standard deviation by the landmarks and the alignment of the lateral film.
+    pub sd: f64,
+}
+
+impl SpatialNumber {
+    /// 95 % interval by its standard deviation, taken as that of a normal error.
+    #[must_use]
+    pub fn interval_95(&self) -> [f64; 2] {
+        let half = 1.959_963_984_540_054 * self.sd;
+        [self.value - half, self.value + half]
+    }
+
+    /// Number and unit with the standard deviation: `32.1 ± 1.4°`.
+    #[must_use]
+    pub fn text(&self) -> String {
+        match self.unit {
+            "deg" => format!("{:.1} ± {:.1}°", self.value, self.sd),
+            unit => format!("{:.1} ± {:.1} {unit}", self.value, self.sd),
+        }
+    }
+}
+
+impl SpatialMeasures {
+    /// All of them, each named 2-D or 3-D; `scale` is that of the erect film.
+    #[must_use]
+    pub fn numbers(&self, scale: &LengthScale) -> Vec<SpatialNumber> {
+        use Dimension::{ThreeD, TwoD};
+        let mut all = Vec::new();
+        for angle in &self.sagittal {
+            let [low, high] = angle.part.ends();
+            let [endplates, axes] = angle.part.names();
+            let mut add = |(key, label), dimension, [value, sd]: [Angle; 2]| {
+                let between = format!("{high}–{low}");
+                all.push(degrees(key, label, between, None, dimension, [value, sd]));
+            };
+            add(endplates, TwoD, [angle.endplates_2d, angle.endplates_sd]);
+            add(axes, TwoD, [angle.axes_2d, angle.axes_2d_sd]);
+            add(axes, ThreeD, [angle.axes_3d, angle.sd_3d]);
+        }
+        for curve in &self.curves {
+            let mut add = |key, label, dimension, values: [Angle; 2]| {
+                let between = format!("{}–{}", curve.ends.superior, curve.ends.inferior);
+                all.push(degrees(key, label, between, Some(curve.region), dimension, values));
+            };
+            let frontal = [curve.frontal_2d, curve.frontal_sd];
+            add("curve_frontal", "curve on the erect film, axes", TwoD, frontal);
+            let lateral = [curve.lateral_2d, curve.lateral_sd];
+            add("curve_lateral", "curve on the lateral film, axes", TwoD, lateral);
+            let largest = [curve.angle_3d, curve.angle_sd];
+            add("curve_largest", "curve in its plane of maximum curvature", ThreeD, largest);
+            let label = "direction of its convexity (0 front, 90 left, 180 back, −90 right)";
+            add("curve_convexity", label, ThreeD, [curve.convexity_3d, curve.convexity_sd]);
+        }
+        let [low, high] = self.length.ends;
+        let factor = scale.pixels_per_mm.unwrap_or(1.0);
+        let length = |dimension, [value, sd]: [f64; 2]| SpatialNumber {
+            key: "spinal_length",
+            label: "length of the spine through its midpoints",
+            between: format!("{high}–{low}"),
+            region: None,
+            dimension,
+            unit: if scale.pixels_per_mm.is_some() { "px" } else { "mm" },
+            value: value * factor,
+            sd: sd * factor,
+        };
+        all.push(length(TwoD, [self.length.length_2d_mm, self.length.sd_2d_mm]));
+        all.push(length(ThreeD, [self.length.length_3d_mm, self.length.sd_3d_mm]));
+        all
+    }
+}
+
+fn degrees(
+    key: &'static str,
+    label: &'static str,
+    between: String,
+    region: Option<Region>,
+    dimension: Dimension,
+    [value, sd]: [Angle; 2],
+) -> SpatialNumber {
+    let (value, sd) = (value.deg(), sd.deg());
+    SpatialNumber { key, label, between, region, dimension, unit: "deg", value, sd }
+}
