@@ -56,8 +56,12 @@ pub fn seeds() -> Result<Vec<Seed>, Box<dyn std::error::Error>> {
     let case = &phantom.case;
     let analysis = analyze(case, &Default::default())?;
     all.put("case", "phantom", to_text(&CaseFile::from_case(case)));
-    let in_space =
-        generate_in_space(&SpaceSetup { corner_sd_mm: 0.5, ..SpaceSetup::default() }).case;
+    let in_space = generate_in_space(&SpaceSetup {
+        corner_sd_mm: 0.5,
+        pedicles: true,
+        ..SpaceSetup::default()
+    })
+    .case;
     all.put("case", "lateral", to_text(&CaseFile::from_case(&in_space)));
     let model = ModelFile::new(&analysis, &analysis.models[0], "seeds");
     all.put("other_files", "model", to_text(&model));

@@ -82,6 +82,9 @@ impl LandmarkTarget<'_> {
                 "walls that corners were completed from and deviations of detected ones, and so their uncertainty",
             );
         }
+        if self != Self::Csv && landmarks().any(|landmark| landmark.pedicles != [None; 2]) {
+            left_out.push("pedicles");
+        }
         left_out
     }
 }

@@ -8,7 +8,7 @@ use rand_chacha::ChaCha12Rng;
 use rand_chacha::rand_core::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};
 use spineline::analysis::{Case, Subject};
-use spineline::anatomy::{ImageSide, Level, Morphometry, Posture};
+use spineline::anatomy::{ImageSide, Level, Morphometry, PediclePlace, Posture};
 use spineline::measure::{
     Corners, Film, FilmLandmarks, ImageGeometry, LateralCorners, LateralFilm, Reading, ReadingId,
     Spacing, SpacingPlane, VertebraLandmarks,
@@ -70,6 +70,8 @@ pub struct SpaceSetup {
     pub apical_rotation: Angle,
     /// How endplates are read.
     pub habit: EndplateHabit,
+    /// Whether the pedicles are read too.
+    pub pedicles: bool,
     /// Standard deviation of a coordinate of a corner, on the film.
     pub corner_sd_mm: f64,
     /// A length on the lateral film over that on the frontal film.
@@ -87,6 +89,7 @@ impl Default for SpaceSetup {
             largest_tilt: Angle::from_deg(25.0),
             apical_rotation: Angle::ZERO,
             habit: EndplateHabit::MiddleLine,
+            pedicles: false,
             corner_sd_mm: 0.0,
             lateral_scale: 1.0,
             lateral_turn: Angle::ZERO,
@@ -160,11 +163,18 @@ pub fn generate_in_space(setup: &SpaceSetup) -> SpacePhantom {
         bodies.iter().map(|body| (body.level, corners(body))).collect()
     };
     let [from_front, from_side] = [read(&frontal), read(&lateral)];
+    let mut film = frontal_film(&frontal, from_front);
+    if let (true, FilmLandmarks::Corners { readings, .. }) = (setup.pedicles, &mut film.landmarks) {
+        for (body, landmark) in bodies.iter().zip(readings[0].vertebrae.values_mut()) {
+            let places = frontal.pedicles(body);
+            landmark.pedicles = places.map(|place| Some(frontal.pixel(noise(place))));
+        }
+    }
     let case = Case {
         id: format!("phantom-space-{}", setup.seed),
         synthetic: true,
         subject: Subject::default(),
-        films: vec![frontal_film(&frontal, from_front)],
+        films: vec![film],
         lateral: Some(lateral_film(&lateral, from_side)),
     };
     SpacePhantom { case, bodies }
@@ -253,6 +263,14 @@ impl View {
         let add =
             |centre: [f64; 2], sense: f64| [centre[0] + sense * end[0], centre[1] + sense * end[1]];
         [add(above, 1.0), add(above, -1.0), add(below, 1.0), add(below, -1.0)]
+    }
+
+    /// The left and the right pedicle.
+    fn pedicles(&self, body: &TrueBody) -> [[f64; 2]; 2] {
+        let PediclePlace { beside_mm, behind_mm } = PediclePlace::of(body.level);
+        [beside_mm, -beside_mm].map(|left_mm| {
+            self.seen(body.midpoint_mm + body.left * left_mm - body.anterior * behind_mm)
+        })
     }
 
     /// The lowest midpoint lies in the lower middle of the picture.

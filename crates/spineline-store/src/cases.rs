@@ -56,6 +56,8 @@ pub enum CaseRemark {
     Subject,
     /// Confidences of landmarks that a program found.
     Confidences,
+    /// Pedicles.
+    Pedicles,
 }
 
 impl fmt::Display for CaseRemark {
@@ -67,6 +69,7 @@ impl fmt::Display for CaseRemark {
             Self::Confidences => {
                 "the study store does not hold the confidences of landmarks: keep the case file"
             }
+            Self::Pedicles => "the study store does not hold pedicles: keep the case file",
             Self::Subject => "the study store does not hold sex, age and Lenke class: keep the case file",
         })
     }
@@ -190,6 +193,9 @@ impl NewCase {
         if case.films.iter().any(has_confidences) {
             remarks.push(CaseRemark::Confidences);
         }
+        if case.films.iter().any(has_pedicles) {
+            remarks.push(CaseRemark::Pedicles);
+        }
         let study = Study { id, label: None, synthetic: case.synthetic };
         Ok(Self { study, films, remarks })
     }
@@ -252,6 +258,12 @@ impl NewCase {
         self.study.id = id;
         self
     }
+}
+
+fn has_pedicles(film: &Film) -> bool {
+    let FilmLandmarks::Corners { readings, .. } = &film.landmarks else { return false };
+    let mut landmarks = readings.iter().flat_map(|reading| reading.vertebrae.values());
+    landmarks.any(|landmark| landmark.pedicles != [None; 2])
 }
 
 fn has_confidences(film: &Film) -> bool {

@@ -72,11 +72,13 @@ pub struct OptionalTables {
     pub hypotheses: bool,
     /// The erect spine in space, from a lateral film.
     pub space: bool,
+    /// Axial rotations, from pedicles.
+    pub axial: bool,
 }
 
 impl OptionalTables {
     /// Everything.
-    pub const ALL: Self = Self { uncertainty: true, hypotheses: true, space: true };
+    pub const ALL: Self = Self { uncertainty: true, hypotheses: true, space: true, axial: true };
 
     /// Those that are made for some or other patients.
     #[must_use]
@@ -85,6 +87,7 @@ impl OptionalTables {
             uncertainty: self.uncertainty || other.uncertainty,
             hypotheses: self.hypotheses || other.hypotheses,
             space: self.space || other.space,
+            axial: self.axial || other.axial,
         }
     }
 
@@ -95,6 +98,7 @@ impl OptionalTables {
             uncertainty: patients.iter().any(|patient| patient.spread.is_some()),
             hypotheses: patients.iter().any(|p| !p.analysis.options.hypotheses.is_empty()),
             space: patients.iter().any(|patient| patient.analysis.space.is_some()),
+            axial: patients.iter().any(|patient| !patient.analysis.axial.is_empty()),
         }
     }
 }
@@ -125,6 +129,9 @@ fn tables_of(patients: &[Patient<'_>], optional: OptionalTables) -> Vec<Table> {
     if optional.space {
         all.push(space::vertebrae(patients));
         all.push(space::measures(patients));
+    }
+    if optional.axial {
+        all.push(space::axial(patients));
     }
     if optional.uncertainty {
         all.push(uncertainty::table(patients));

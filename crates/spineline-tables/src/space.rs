@@ -1,11 +1,11 @@
 //! The erect spine in space, from the erect and the lateral film.
 
 use spineline::clinical::SpatialNumber;
-use spineline::measure::{SpatialOutline, SpatialVertebra};
-use spineline::spatial::Vec3;
+use spineline::measure::{AxialRotation, SpatialOutline, SpatialVertebra};
+use spineline::spatial::{Angle, Vec3};
 
 use crate::Patient;
-use crate::define::{Column, Row, Unit, keyed, number, text};
+use crate::define::{Column, Row, Unit, count, keyed, number, text};
 use crate::table::Table;
 
 /// A vertebra on both films.
@@ -123,5 +123,47 @@ fn angles<'a>() -> Vec<Column<VertebraRow<'a>>> {
             "its standard deviation by the landmarks and the turn of the lateral film",
             |row| Some(row.item.space.pitch_sd(row.item.vertebra).deg()),
         ),
+    ]
+}
+
+type AxialRow<'a> = Row<'a, &'a AxialRotation>;
+
+/// One row per patient and vertebra whose pedicles are marked.
+pub(crate) fn axial(patients: &[Patient<'_>]) -> Table {
+    let mut rows: Vec<AxialRow<'_>> = Vec::new();
+    for patient in patients {
+        rows.extend(patient.analysis.axial.iter().map(|found| patient.row(found)));
+    }
+    let row = "patient × vertebra whose pedicles are marked on the erect film";
+    keyed("axial_rotation", row, [rotations()]).fill(&rows)
+}
+
+fn rotations<'a>() -> Vec<Column<AxialRow<'a>>> {
+    vec![
+        text("level", "vertebra", |row| Some(row.item.level.to_string())),
+        number(
+            "axial_3d",
+            Unit::Degrees,
+            "axial rotation by the distance between the pedicles (Stokes); positive where the front of the vertebra turns to the patient's left",
+            |row| Some(row.item.stokes.deg()),
+        ),
+        number(
+            "axial_3d_sd",
+            Unit::Degrees,
+            "its standard deviation by the landmarks and by how vertebrae differ between people",
+            |row| Some(row.item.sd.deg()),
+        ),
+        number(
+            "drerup",
+            Unit::Degrees,
+            "the same by the width of the body (Drerup); empty where the pedicles lie too far out for it",
+            |row| row.item.drerup.map(Angle::deg),
+        ),
+        text("nash_moe", "grade of Nash and Moe, `0` to `IV`", |row| {
+            Some(row.item.grade.key().to_owned())
+        }),
+        count("readings", "number of readings that marked both pedicles", |row| {
+            Some(row.item.readings as i64)
+        }),
     ]
 }

@@ -220,6 +220,7 @@ fn place_of_film(error: &MeasureError) -> ErrorPlace {
         },
         E::NotFinite { posture, level, .. }
         | E::Corners { posture, level, .. }
+        | E::Pedicles { posture, level, .. }
         | E::OffImage { posture, level, .. } => {
             ErrorPlace { level: Some(*level), ..on_film(*posture) }
         }

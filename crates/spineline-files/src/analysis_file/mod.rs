@@ -29,7 +29,7 @@ use hypothesis::HypothesisRecord;
 use identifiability::IdentifiabilityRecord;
 use model::ModelRecord;
 use posture::PostureRecord;
-use space::SpaceRecord;
+use space::{AxialRecord, SpaceRecord};
 use spineline::uncertainty::Uncertainty;
 use spineline::warning::Warning;
 pub use stored::{PICTURE_WARNINGS, StoredAnalysis, parse_analysis, parse_case_within};
@@ -66,6 +66,9 @@ pub struct AnalysisFile {
     /// The erect spine in space; absent without a lateral film.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     space: Option<SpaceRecord>,
+    /// Axial rotations of vertebrae whose pedicles are marked; absent where none are, and then unknown.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    axial_rotation: BTreeMap<LevelKey, AxialRecord>,
     postures: BTreeMap<Key<Posture>, PostureRecord>,
     /// Reliability of the readings, by quantity; `null` where every film was read once.
     reliability: Option<Vec<QuantityRecord>>,
@@ -251,6 +254,7 @@ impl AnalysisFile {
             sagittal_profile: if analysis.space.is_some() { "measured" } else { "population" }
                 .to_owned(),
             space: SpaceRecord::new(analysis),
+            axial_rotation: analysis.axial.iter().map(AxialRecord::new).collect(),
             postures: analysis
                 .postures
                 .iter()

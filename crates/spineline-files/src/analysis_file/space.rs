@@ -5,8 +5,9 @@ use std::collections::BTreeMap;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use spineline::analysis::Analysis;
-use spineline::clinical::{SpatialMeasures, SpatialNumber};
-use spineline::measure::{FilmAlignment, SpatialOutline, SpatialVertebra};
+use spineline::clinical::SpatialNumber;
+use spineline::measure::{AxialRotation, FilmAlignment, SpatialOutline, SpatialVertebra};
+use spineline::spatial::Angle;
 
 use crate::keys::LevelKey;
 
@@ -106,7 +107,8 @@ impl SpaceRecord {
             corner_sd_mm: mm(found.corner_sd_mm),
             corner_sd_from: if found.is_measured { "readings" } else { "assumed" }.to_owned(),
             vertebrae: vertebrae.map(record).collect(),
-            measures: SpatialMeasures::of(found, &analysis.clinical)
+            measures: analysis
+                .spatial_measures()?
                 .numbers(analysis.scale())
                 .iter()
                 .map(MeasureRecord::new)
@@ -140,5 +142,31 @@ impl VertebraRecord {
             pitch_3d_deg: vertebra.orientation.pitch.deg(),
             pitch_3d_sd_deg: space.pitch_sd(vertebra).deg(),
         }
+    }
+}
+
+/// Axial rotation of a vertebra from its pedicles on the erect film.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub(super) struct AxialRecord {
+    /// After Stokes; positive where its front turns to the patient's left.
+    axial_3d_deg: f64,
+    axial_3d_sd_deg: f64,
+    /// After Drerup.
+    drerup_deg: Option<f64>,
+    /// Grade of Nash and Moe: `0` to `IV`.
+    nash_moe: String,
+    readings: usize,
+}
+
+impl AxialRecord {
+    pub fn new(found: &AxialRotation) -> (LevelKey, Self) {
+        let record = Self {
+            axial_3d_deg: found.stokes.deg(),
+            axial_3d_sd_deg: found.sd.deg(),
+            drerup_deg: found.drerup.map(Angle::deg),
+            nash_moe: found.grade.key().to_owned(),
+            readings: found.readings,
+        };
+        (LevelKey(found.level), record)
     }
 }

@@ -154,6 +154,12 @@ struct VertebraRecord {
     /// Midpoint of the wall on the patient's right.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     right_wall: Option<[f64; 2]>,
+    /// Centre of the pedicle on the patient's left, as the film shows it; with the right one it gives the axial rotation.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    left_pedicle: Option<[f64; 2]>,
+    /// Centre of the pedicle on the patient's right.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    right_pedicle: Option<[f64; 2]>,
     /// Standard deviation of a corner's coordinate as a part of the height of the body, where a program found the corners.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     sd_share: Option<f64>,
@@ -403,6 +409,8 @@ impl VertebraRecord {
                         .origins
                         .map_or_else(Corners::default, |all| corners_of(all.map(|key| key.0))),
                     walls: [self.left_wall, self.right_wall].map(|wall| wall.map(pixel)),
+                    pedicles: [self.left_pedicle, self.right_pedicle]
+                        .map(|pedicle| pedicle.map(pixel)),
                     axis_clockwise: self.axis_deg.map(Angle::from_deg),
                     confidence: self.confidence.map(corners_of),
                     sd_share: self.sd_share,
@@ -424,16 +432,21 @@ impl VertebraRecord {
             || self.origins.is_some()
             || self.left_wall.is_some()
             || self.right_wall.is_some()
+            || self.left_pedicle.is_some()
+            || self.right_pedicle.is_some()
             || self.sd_share.is_some()
     }
 
     fn marked(landmark: &VertebraLandmarks) -> Self {
         let [left_wall, right_wall] = landmark.walls.map(|wall| wall.map(pair));
+        let [left_pedicle, right_pedicle] = landmark.pedicles.map(|pedicle| pedicle.map(pair));
         let is_clicked = landmark.origins == Corners::all(Origin::Clicked);
         Self {
             origins: (!is_clicked).then(|| landmark.origins.points().map(Key)),
             left_wall,
             right_wall,
+            left_pedicle,
+            right_pedicle,
             sd_share: landmark.sd_share,
             superior_left: Some(pair(landmark.corners.superior_left)),
             superior_right: Some(pair(landmark.corners.superior_right)),

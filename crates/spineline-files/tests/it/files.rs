@@ -13,7 +13,7 @@ use spineline_files::{
     AnalysisFile, CaseFile, FileError, FilmOrigin, FilmSource, InputFile, ModelFile, ProgramRun,
     Provenance, Request, StiffnessFile, parse_case, parse_model, parse_stiffness, to_text,
 };
-use spineline_phantom::{Phantom, Readers, Truth, generate};
+use spineline_phantom::{Phantom, Readers, SpaceSetup, Truth, generate, generate_in_space};
 
 fn phantom(readers: &Readers) -> Phantom {
     generate(2, Truth::Rod, readers, 5).expect("subject 3 exists")
@@ -103,6 +103,14 @@ fn origins_walls_and_deviations_round_trip_and_are_absent_where_all_was_clicked(
     // A location and a tilt have no corners whose origin could be stated.
     let mixed = text.replacen("\"accepted\"", "\"guessed\"", 1);
     assert!(parse_case(&mixed).is_err(), "an unknown origin");
+}
+
+#[test]
+fn pedicles_round_trip() {
+    let setup = SpaceSetup { pedicles: true, ..SpaceSetup::default() };
+    let case = generate_in_space(&setup).case;
+    let read = parse_case(&to_text(&CaseFile::from_case(&case))).expect("our own file");
+    assert_eq!(read.films, case.films);
 }
 
 #[test]

@@ -4,8 +4,8 @@ use csv::ByteRecord;
 use spineline_files::nearest;
 
 use super::{
-    AXIS, CONFIDENCES, CORNERS, OBSERVER, ORIGINS, PLACED, POSTURE, REPEAT, SD_SHARE, VERTEBRA,
-    WALLS,
+    AXIS, CONFIDENCES, CORNERS, OBSERVER, ORIGINS, PEDICLES, PLACED, POSTURE, REPEAT, SD_SHARE,
+    VERTEBRA, WALLS,
 };
 use crate::LandmarkError;
 use crate::names::shown;
@@ -21,6 +21,7 @@ pub(super) struct Columns {
     pub confidences: Option<[usize; 4]>,
     pub origins: Option<[usize; 4]>,
     pub walls: Option<[usize; 4]>,
+    pub pedicles: Option<[usize; 4]>,
     pub sd_share: Option<usize>,
     pub values: Values,
 }
@@ -42,7 +43,7 @@ impl Columns {
         };
         let placed = PLACED.iter().any(|name| get(name).is_some());
         let of_corners = || {
-            let more = CONFIDENCES.iter().chain(&ORIGINS).chain(&WALLS);
+            let more = CONFIDENCES.iter().chain(&ORIGINS).chain(&WALLS).chain(&PEDICLES);
             CORNERS.iter().chain(more).chain([&AXIS, &SD_SHARE])
         };
         if placed && of_corners().any(|name| get(name).is_some()) {
@@ -83,6 +84,7 @@ impl Columns {
             confidences: all_or_none(CONFIDENCES)?,
             origins: all_or_none(ORIGINS)?,
             walls: all_or_none(WALLS)?,
+            pedicles: all_or_none(PEDICLES)?,
             sd_share: get(SD_SHARE),
             values,
         })
@@ -98,6 +100,7 @@ fn places(heading: &ByteRecord) -> Result<BTreeMap<&'static str, usize>, Landmar
         .chain(CONFIDENCES)
         .chain(ORIGINS)
         .chain(WALLS)
+        .chain(PEDICLES)
         .collect();
     let mut places = BTreeMap::new();
     for (place, cell) in heading.iter().enumerate() {

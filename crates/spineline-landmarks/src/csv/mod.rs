@@ -7,7 +7,7 @@
 //! of them. How corners came about (`clicked`, `completed`, `detected`, `accepted`, `adjusted`) stands in
 //! `superior_left_origin` and so on, an empty cell being a clicked corner; the walls that corners were completed from in
 //! `left_wall_column_px` and so on, and the standard deviation of detected corners, as a part of the body's height, in
-//! `corner_sd_share`. A film that another program measured has `location_left_mm`, `location_cranial_mm` and `tilt_right_deg` in place of
+//! `corner_sd_share`. The centres of the pedicles stand in `left_pedicle_column_px` and so on. A film that another program measured has `location_left_mm`, `location_cranial_mm` and `tilt_right_deg` in place of
 //! corners.
 //!
 //! # Separators
@@ -58,6 +58,14 @@ pub(super) const ORIGINS: [&str; 4] = [
     "superior_right_origin",
     "inferior_left_origin",
     "inferior_right_origin",
+];
+
+/// Column and row of the centres of the left and the right pedicle.
+pub(super) const PEDICLES: [&str; 4] = [
+    "left_pedicle_column_px",
+    "left_pedicle_row_px",
+    "right_pedicle_column_px",
+    "right_pedicle_row_px",
 ];
 
 /// Column and row of the middles of the left and the right wall.

@@ -10,8 +10,8 @@ use spineline_files::nearest;
 
 use super::columns::{Columns, Values};
 use super::{
-    AXIS, CONFIDENCES, CORNERS, CRESTS, MAX_ROWS, OBSERVER, ORIGINS, PLACED, POSTURE, REPEAT,
-    SD_SHARE, VERTEBRA, WALLS, starts_formula,
+    AXIS, CONFIDENCES, CORNERS, CRESTS, MAX_ROWS, OBSERVER, ORIGINS, PEDICLES, PLACED, POSTURE,
+    REPEAT, SD_SHARE, VERTEBRA, WALLS, starts_formula,
 };
 use crate::film::{confidence, merge_crests, origin, pixel};
 use crate::names::{coordinate, observer, parse_level, shown};
@@ -143,7 +143,8 @@ impl Table<'_> {
                     axis_clockwise,
                     confidence: self.confidence(record, line)?,
                     origins: self.origins(record, line)?,
-                    walls: self.walls(record, line)?,
+                    walls: self.sides(record, line, self.columns.walls, WALLS)?,
+                    pedicles: self.sides(record, line, self.columns.pedicles, PEDICLES)?,
                     sd_share: self.sd_share(record, line)?,
                     ..VertebraLandmarks::clicked(in_order(points))
                 };
@@ -199,24 +200,26 @@ impl Table<'_> {
         Ok(in_order(origins))
     }
 
-    /// The middles of the walls of a row, each with both coordinates or none.
-    fn walls(
+    /// The left and the right place of a row in these columns, each with both coordinates or none.
+    fn sides(
         &mut self,
         record: &ByteRecord,
         line: u64,
+        columns: Option<[usize; 4]>,
+        names: [&'static str; 4],
     ) -> Result<[Option<Pixel>; 2], LandmarkError> {
-        let mut walls = [None; 2];
-        let Some(columns) = self.columns.walls else { return Ok(walls) };
-        for (side, wall) in walls.iter_mut().enumerate() {
+        let mut sides = [None; 2];
+        let Some(columns) = columns else { return Ok(sides) };
+        for (side, place) in sides.iter_mut().enumerate() {
             let [column, row] = [2 * side, 2 * side + 1];
             if [column, row].iter().all(|&i| record[columns[i]].is_empty()) {
                 continue;
             }
             let [column, row] =
-                [column, row].map(|i| self.number(record, columns[i], line, WALLS[i]));
-            *wall = Some(pixel(column?, row?, &format!("line {line}"))?);
+                [column, row].map(|i| self.number(record, columns[i], line, names[i]));
+            *place = Some(pixel(column?, row?, &format!("line {line}"))?);
         }
-        Ok(walls)
+        Ok(sides)
     }
 
     /// The deviation of detected corners as a part of the body's height.

@@ -4,8 +4,8 @@ use spineline::spatial::Pixel;
 
 use super::read::guarded;
 use super::{
-    AXIS, CONFIDENCES, CORNERS, CRESTS, OBSERVER, ORIGINS, PLACED, POSTURE, REPEAT, SD_SHARE,
-    VERTEBRA, WALLS,
+    AXIS, CONFIDENCES, CORNERS, CRESTS, OBSERVER, ORIGINS, PEDICLES, PLACED, POSTURE, REPEAT,
+    SD_SHARE, VERTEBRA, WALLS,
 };
 use crate::LandmarkExportError;
 use crate::film::stated_origins;
@@ -49,17 +49,20 @@ enum Optional {
     Confidences,
     Origins,
     Walls,
+    Pedicles,
     SdShare,
 }
 
 impl Optional {
-    const ALL: [Self; 4] = [Self::Confidences, Self::Origins, Self::Walls, Self::SdShare];
+    const ALL: [Self; 5] =
+        [Self::Confidences, Self::Origins, Self::Walls, Self::Pedicles, Self::SdShare];
 
     fn columns(self) -> &'static [&'static str] {
         match self {
             Self::Confidences => &CONFIDENCES,
             Self::Origins => &ORIGINS,
             Self::Walls => &WALLS,
+            Self::Pedicles => &PEDICLES,
             Self::SdShare => &[SD_SHARE],
         }
     }
@@ -81,16 +84,20 @@ impl Optional {
             Self::Origins => four(
                 stated_origins(landmark).map(|origins| origins.map(Origin::key).map(str::to_owned)),
             ),
-            Self::Walls => {
-                let wall = |place: Option<Pixel>| match place {
-                    Some(place) => [place.column_px.to_string(), place.row_px.to_string()],
-                    None => Default::default(),
-                };
-                landmark.walls.into_iter().flat_map(wall).collect()
-            }
+            Self::Walls => sides(landmark.walls),
+            Self::Pedicles => sides(landmark.pedicles),
             Self::SdShare => vec![landmark.sd_share.map_or(String::new(), |sd| sd.to_string())],
         }
     }
+}
+
+/// Column and row of the left and of the right place.
+fn sides(places: [Option<Pixel>; 2]) -> Vec<String> {
+    let cells = |place: Option<Pixel>| match place {
+        Some(place) => [place.column_px.to_string(), place.row_px.to_string()],
+        None => Default::default(),
+    };
+    places.into_iter().flat_map(cells).collect()
 }
 
 fn add_film(

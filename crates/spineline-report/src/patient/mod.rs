@@ -50,6 +50,7 @@ pub fn report(patient: &Patient<'_>) -> Document {
     let mut sections = vec![short::short(analysis, &compared), verdict(analysis, &compared)];
     sections.push(measured::films(patient));
     sections.extend(space::both_films(analysis));
+    sections.extend(space::axial(analysis));
     sections.push(measured::movement(analysis));
     sections.push(measured::line(analysis));
     sections.push(model::simulated(analysis));

@@ -5,13 +5,14 @@ use spineline::clinical::SpatialMeasures;
 use spineline::measure::SpatialOutline;
 
 use crate::document::{Column, Section, Table};
+use crate::phrases::none;
 
 /// What the two films give together; `None` without a lateral film.
 pub fn both_films(analysis: &Analysis) -> Option<Section> {
     let found = analysis.space.as_ref()?;
     let mut section = Section::new("both-films", "The erect and the lateral film together");
     section.paragraph(found.alignment_words(analysis.scale()));
-    section.table(measures(analysis, &SpatialMeasures::of(found, &analysis.clinical)));
+    section.table(measures(analysis, &analysis.spatial_measures()?));
     section.table(pitches(found));
     Some(section)
 }
@@ -62,4 +63,29 @@ fn pitches(found: &SpatialOutline) -> Table {
     }
     table.note = "By the line through the centres of both endplates. A lateral film overstates the pitch of a tilted vertebra; its endplates look different by how they are read, that line does not.".to_owned();
     table
+}
+
+/// Axial rotations from pedicles; `None` where none are marked.
+pub fn axial(analysis: &Analysis) -> Option<Section> {
+    let columns = vec![
+        Column::words("Vertebra"),
+        Column::words("Front turned (Stokes)"),
+        Column::numbers("sd (°)"),
+        Column::words("Drerup (°, left positive)"),
+        Column::words("Nash–Moe"),
+    ];
+    let mut table = Table::new("Axial rotation on the erect film (3-D)", columns);
+    for found in &analysis.axial {
+        table.row(vec![
+            found.level.to_string(),
+            found.words(),
+            format!("{:.1}", found.sd.deg()),
+            found.drerup.map_or_else(none, |angle| format!("{:.1}", angle.deg())),
+            found.grade.key().to_owned(),
+        ]);
+    }
+    table.note = "From the pedicles. Vertebrae without marked pedicles are not listed: their rotation is not known, and zero in the model.".to_owned();
+    let mut section = Section::new("axial-rotation", "Axial rotation");
+    section.table(table);
+    (!analysis.axial.is_empty()).then_some(section)
 }

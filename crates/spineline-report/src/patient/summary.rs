@@ -30,6 +30,7 @@ pub fn summary(patient: &Patient<'_>) -> Document {
     comparison.table(Table { note, ..model::same_films(&compared) });
     let mut sections = vec![verdict, films(analysis)];
     sections.extend(space::both_films(analysis));
+    sections.extend(space::axial(analysis));
     sections.extend([line, errors, stiffness, comparison]);
     sections.extend(hypotheses::of_patient(analysis, &compared));
     if let Some(found) = patient.identifiability {

@@ -124,8 +124,10 @@ fn a_patient_report_has_every_section_and_the_main_finding_first() {
 
 #[test]
 fn a_lateral_film_adds_the_spine_in_space() {
-    let case = generate_in_space(&SpaceSetup::default()).case;
+    let setup = SpaceSetup { pedicles: true, ..SpaceSetup::default() };
+    let case = generate_in_space(&setup).case;
     let document = document(&case);
+    assert_eq!(tables(section(&document, "axial-rotation"))[0].rows.len(), Level::ALL.len());
     let found = section(&document, "both-films");
     let text = format!("{:?}", found.blocks);
     assert!(text.contains("The lateral film was aligned to the erect one"), "{text}");

@@ -102,7 +102,8 @@ fn rows_equal_the_analysis() {
 
 #[test]
 fn a_lateral_film_adds_the_vertebrae_in_space() {
-    let case = generate_in_space(&SpaceSetup::default()).case;
+    let setup = SpaceSetup { pedicles: true, ..SpaceSetup::default() };
+    let case = generate_in_space(&setup).case;
     let analysis = analyze(&case, &AnalysisOptions::default()).expect("a phantom");
     let patient =
         Patient { analysis: &analysis, subject: &case.subject, identified: None, spread: None };
@@ -113,6 +114,7 @@ fn a_lateral_film_adds_the_vertebrae_in_space() {
     let larger =
         film.iter().zip(space).filter(|(film, space)| film.map(f64::abs) >= space.map(f64::abs));
     assert_eq!(larger.count(), Level::ALL.len(), "a film overstates pitch");
+    assert_eq!(table(&all, "axial_rotation").rows(), Level::ALL.len());
     let measures = table(&all, "space_measures");
     let measured = analysis.spatial_measures().expect("both films").numbers(analysis.scale());
     assert_eq!(measures.rows(), measured.len());
@@ -203,7 +205,7 @@ fn csv_and_parquet_round_trip() {
 fn the_dictionary_lists_exactly_the_columns() {
     let all = everything(&case(2));
     // Phantoms of bends have no lateral film.
-    let told = dictionary(OptionalTables { space: false, ..OptionalTables::ALL });
+    let told = dictionary(OptionalTables { space: false, axial: false, ..OptionalTables::ALL });
     let [tables, columns, units, kinds, meanings] =
         ["table", "column", "unit", "type", "meaning"].map(|column| texts(&told, column));
     let told: Vec<(&str, &str)> =

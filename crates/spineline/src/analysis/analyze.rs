@@ -2,6 +2,7 @@
 
 use super::checks::{
     check_age, check_outlines, check_postures, warn_of_length, warn_of_shifted_levels,
+    warn_of_unknown_rotation,
 };
 use super::findings::Findings;
 use super::hypotheses::fit_hypotheses;
@@ -21,9 +22,9 @@ use crate::curve::{
 use crate::error::Error;
 use crate::hypothesis::HypothesisFit;
 use crate::measure::{
-    Film, FilmLengthRule, FilmReadings, InterpolationError, Outline, OutlineNoise, SpatialOutline,
-    TiltRule, common_levels, outline_of, seen_levels, warn_of_implausible_landmarks,
-    warn_of_shortened_chain,
+    AxialRotation, Film, FilmLengthRule, FilmReadings, InterpolationError, Outline, OutlineNoise,
+    SpatialOutline, TiltRule, axial_rotations, common_levels, outline_of, seen_levels,
+    warn_of_implausible_landmarks, warn_of_shortened_chain,
 };
 use crate::motion::{Motion, least_windows, mean_least};
 use crate::multibody::{SpineModel, StiffnessLibrary};
@@ -105,6 +106,7 @@ struct Movement {
     mean_least_segments: Option<[usize; 2]>,
     spine: SpineModel,
     space: Option<SpatialOutline>,
+    axial: Vec<AxialRotation>,
     library: StiffnessLibrary,
     postures: Vec<PostureAnalysis>,
 }
@@ -131,7 +133,11 @@ impl Movement {
             .pair
             .map(|pair| pair.map(|inflection| poses[0].nearest_segment(inflection.erect)));
         // Step 6 comes before step 4: the rotations of joints on the films need the unloaded spine.
-        let (spine, space) = unloaded_spine(case, &outlines[0], options, warnings)?;
+        let UnloadedSpine { spine, space, axial } =
+            unloaded_spine(case, &outlines[0], options, warnings)?;
+        if space.is_some() && axial.is_empty() {
+            warn_of_unknown_rotation(&curves.clinical, warnings);
+        }
         let library = options.library.between(outlines[0].levels());
         let motions = motions(&outlines, &fits[0], &poses);
         let mean_least_segments = mean_least_segments(&outlines, &motions);
@@ -154,6 +160,7 @@ impl Movement {
             mean_least_segments,
             spine,
             space,
+            axial,
             library,
             postures,
         })
@@ -203,6 +210,7 @@ impl Movement {
             spine: self.spine,
             library: self.library,
             space: self.space,
+            axial: self.axial,
             models: mechanics.models,
             hypotheses: mechanics.hypotheses,
             options: options.clone(),
@@ -341,22 +349,38 @@ fn lay_chain(
     Ok((chain, poses))
 }
 
-/// The unloaded spine, and what the lateral film shows of it.
+/// The unloaded spine, with what the lateral film and the pedicles show of it.
+struct UnloadedSpine {
+    spine: SpineModel,
+    space: Option<SpatialOutline>,
+    axial: Vec<AxialRotation>,
+}
+
 fn unloaded_spine(
     case: &Case,
     erect: &Outline,
     options: &AnalysisOptions,
     warnings: &mut Warnings,
-) -> Result<(SpineModel, Option<SpatialOutline>), Error> {
-    let films =
-        case.films.iter().find(|film| film.posture == Posture::Erect).zip(case.lateral.as_ref());
-    let space = match films {
+) -> Result<UnloadedSpine, Error> {
+    let film = case.films.iter().find(|film| film.posture == Posture::Erect);
+    let space = match film.zip(case.lateral.as_ref()) {
         Some((film, lateral)) => SpatialOutline::measure((film, erect), lateral, warnings)?,
         None => None,
     };
+    let axial = match film {
+        Some(film) => axial_rotations(film, erect)?,
+        None => Vec::new(),
+    };
     let measured = space.as_ref().map(|found| found.profile(&options.profile));
-    let profile = measured.unwrap_or_else(|| options.profile.clone());
-    Ok((SpineModel::from_outline(erect, &profile), space))
+    let mut profile = measured.unwrap_or_else(|| options.profile.clone());
+    for found in &axial {
+        let place = found.level.model_index().and_then(|i| profile.axial_deg.get_mut(i));
+        if let Some(axial_deg) = place {
+            *axial_deg = found.stokes.deg();
+        }
+    }
+    let spine = SpineModel::from_outline(erect, &profile);
+    Ok(UnloadedSpine { spine, space, axial })
 }
 
 /// Step 4: the movement of every posture from the erect one, which has none.

@@ -1,6 +1,7 @@
 //! Consistency checks between the films of one patient, before they are analysed together.
 
 use crate::anatomy::{Levels, Posture, Side};
+use crate::clinical::ClinicalCurve;
 use crate::error::CaseError;
 use crate::measure::{Film, FilmLength, Outline, body_widths, same_landmarks};
 use crate::spatial::Angle;
@@ -181,4 +182,23 @@ pub(super) fn warn_of_shifted_levels(erect: &Film, film: &Film, warnings: &mut W
             warnings.film(Step::Measure, "levels_may_be_shifted", film.posture, text);
         }
     }
+}
+
+/// Apical rotation for every degree of a curve's size: 22° in curves of about 60° before surgery (assumption).
+const ROTATION_PER_DEGREE: f64 = 0.37;
+/// Size of a curve below which its vertebrae turn little.
+const MIN_TURNING: Angle = Angle::from_deg(20.0);
+
+/// Where a lateral film makes the model one in space, its axial rotation must not be taken for measured.
+pub(super) fn warn_of_unknown_rotation(curves: &[ClinicalCurve], warnings: &mut Warnings) {
+    let sizes = curves.iter().map(|curve| curve.erect_size().abs());
+    let largest = sizes.fold(Angle::ZERO, |most, size| if size > most { size } else { most });
+    if largest < MIN_TURNING {
+        return;
+    }
+    let text = format!(
+        "no pedicles are marked, so the axial rotation of the vertebrae is not known and is zero in the model: apices of curves of {largest:.0} usually turn by about {:.0}; mark both pedicles of the vertebrae around the apex",
+        largest * ROTATION_PER_DEGREE
+    );
+    warnings.film(Step::Measure, "axial_rotation_unknown", Posture::Erect, text);
 }

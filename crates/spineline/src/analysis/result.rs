@@ -9,7 +9,7 @@ use crate::clinical::{
 };
 use crate::curve::{CurveFit, InflectionIntervals, Inflections};
 use crate::hypothesis::HypothesisFit;
-use crate::measure::{FilmReadings, LengthScale, Outline, SpatialOutline};
+use crate::measure::{AxialRotation, FilmReadings, LengthScale, Outline, SpatialOutline};
 use crate::motion::{Motion, SegmentEstimate};
 use crate::multibody::{SpineModel, StiffnessLibrary};
 use crate::personalize::evidence::FilmEvidence;
@@ -72,6 +72,8 @@ pub struct Analysis {
     pub lenke: Option<LenkeType>,
     /// The unloaded spine.
     pub spine: SpineModel,
+    /// Axial rotations of the vertebrae whose pedicles are marked on the erect film; empty where none are, and zero is unknown.
+    pub axial: Vec<AxialRotation>,
     /// Springs of its joints before personalisation: those of the options, for the joints that the films show.
     pub library: StiffnessLibrary,
     /// The erect spine in space, from the erect and the lateral film; `None` without a lateral film, where the sagittal profile is a
@@ -119,7 +121,7 @@ impl Analysis {
     /// Computed on request, because no other result depends on it.
     #[must_use]
     pub fn spatial_measures(&self) -> Option<SpatialMeasures> {
-        self.space.as_ref().map(|space| SpatialMeasures::of(space, &self.clinical))
+        self.space.as_ref().map(|space| SpatialMeasures::of(space, &self.clinical, &self.axial))
     }
 
     /// How well the readings repeat, by quantity; empty where every film was read once.

@@ -6,6 +6,7 @@ mod levels;
 mod line_kind;
 mod morphometry;
 mod named;
+mod pedicles;
 mod posture;
 mod trunk;
 
@@ -15,5 +16,6 @@ pub use line_kind::LineKind;
 pub use morphometry::{Morphometry, SagittalProfile};
 pub(crate) use named::named;
 pub use named::{Named, UnknownKey};
+pub use pedicles::PediclePlace;
 pub use posture::{ImageSide, Posture, Region, Side};
 pub use trunk::{trunk_weight_share, trunk_weight_shares};

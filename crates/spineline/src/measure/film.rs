@@ -134,6 +134,8 @@ pub struct VertebraLandmarks {
     pub origins: Corners<Origin>,
     /// The midpoints of its left and right wall, where it was marked by them.
     pub walls: [Option<Pixel>; 2],
+    /// The centres of its left and right pedicle, as the film shows them.
+    pub pedicles: [Option<Pixel>; 2],
     /// Its axis where it was turned by hand: against the image's vertical, positive clockwise as seen.
     pub axis_clockwise: Option<Angle>,
     /// Confidence of each corner from 0 to 1, where a program found them; `None` where a person placed them.
@@ -151,6 +153,7 @@ impl VertebraLandmarks {
             corners,
             origins: Corners::all(Origin::Clicked),
             walls: [None; 2],
+            pedicles: [None; 2],
             axis_clockwise: None,
             confidence: None,
             sd_share: None,

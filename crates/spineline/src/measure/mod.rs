@@ -12,6 +12,7 @@
 //! # References
 //! [jalalian-loa], section 2.1 and figure 3.
 
+mod axial;
 mod bodies;
 mod calibration;
 pub mod completion;
@@ -44,6 +45,8 @@ mod spacing;
 mod tilt;
 mod view;
 
+pub(crate) use axial::axial_rotations;
+pub use axial::{AxialRotation, NashMoe, PedicleFault};
 pub use calibration::{Calibration, CalibrationError, Calibrator};
 pub use corners::{CornerFault, Corners};
 pub use evidence::{
@@ -285,6 +288,18 @@ pub enum MeasureError {
         /// What is wrong with them.
         fault: CornerFault,
     },
+    /// Two pedicles that give no rotation.
+    #[error("{posture} film, observer {id}, {level}: {fault}")]
+    Pedicles {
+        /// Film.
+        posture: Posture,
+        /// Reading.
+        id: ReadingId,
+        /// Vertebra.
+        level: Level,
+        /// What is wrong with them.
+        fault: PedicleFault,
+    },
     /// Anything else that is wrong with the lateral film.
     #[error(transparent)]
     LateralFilm(#[from] LateralFault),
@@ -365,6 +380,7 @@ impl MeasureError {
             Self::OffImage { .. } => "off_image",
             Self::Crests { .. } => "crests",
             Self::Corners { .. } | Self::Lateral { .. } => "corners",
+            Self::Pedicles { .. } => "pedicles",
             Self::LateralFilm(fault) => fault.code(),
             Self::FilmMirrored { .. } => "film_mirrored",
             Self::OutOfOrder { .. } => "out_of_order",
@@ -426,6 +442,7 @@ impl MeasureError {
                 "mark the superior tips of both crests again, or leave `iliac_crests_px` out"
             }
             Self::Corners { fault, .. } => fault.help(),
+            Self::Pedicles { fault, .. } => fault.help(),
             Self::Lateral { .. } => {
                 "mark this vertebra's superior and inferior corners again, anterior ones on the side of `patient_anterior`"
             }

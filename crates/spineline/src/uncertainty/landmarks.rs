@@ -219,6 +219,9 @@ fn move_landmarks(
         let sd = axis_sd.unwrap_or_else(|| equivalent_axis_sd(landmark, image, sd_px));
         landmark.axis_clockwise = Some(axis + sd * draw.normal());
     }
+    for pedicle in landmark.pedicles.iter_mut().flatten() {
+        *pedicle = draw.pixel(*pedicle, sd_px);
+    }
     for name in CornerName::ALL.into_iter().filter(|&name| is_moved(name)) {
         let corner = name.of_mut(&mut landmark.corners);
         *corner = draw.pixel(*corner, sd_px);

@@ -227,7 +227,7 @@ impl AnalysisQuantity {
 
     fn in_space(self, analysis: &Analysis) -> Option<f64> {
         let space = analysis.space.as_ref()?;
-        let measures = || SpatialMeasures::of(space, &analysis.clinical);
+        let measures = || SpatialMeasures::of(space, &analysis.clinical, &analysis.axial);
         Some(match self {
             Self::Pitch(level) => space.vertebra(level)?.orientation.pitch.deg(),
             Self::Sagittal(part) => measures().sagittal(part)?.axes_3d.deg(),

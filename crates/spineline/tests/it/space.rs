@@ -136,6 +136,7 @@ fn errors_are_as_large_as_their_deviations_say() {
             habit: HABITS[seed as usize % 2],
             apical_rotation: Angle::from_deg(draw.between(0.0, 30.0)),
             largest_tilt: Angle::from_deg(draw.between(5.0, 35.0)),
+            pedicles: false,
             corner_sd_mm: 0.5,
             lateral_scale: draw.between(0.9, 1.15),
             lateral_turn: turn,
@@ -230,7 +231,7 @@ fn kyphosis_and_lordosis_in_space_are_those_of_the_true_axes() {
     for shape in SagittalShape::ALL {
         let phantom = generate_in_space(&SpaceSetup { shape, ..SpaceSetup::default() });
         let (found, _) = measured(&phantom);
-        let measures = SpatialMeasures::of(&found, &[]);
+        let measures = SpatialMeasures::of(&found, &[], &[]);
         assert_eq!(measures.sagittal.len(), SagittalPart::ALL.len());
         for angle in &measures.sagittal {
             let [low, high] = angle.part.ends().map(|level| true_pitch(&phantom, level));
@@ -250,6 +251,16 @@ fn kyphosis_and_lordosis_in_space_are_those_of_the_true_axes() {
         assert!(measures.length.length_2d_mm < polygon);
         assert_eq!(measures.length.ends, [Level::L5, Level::T1]);
     }
+}
+
+/// As the guide says.
+#[test]
+fn a_lateral_film_shows_two_degrees_of_kyphosis_too_many() {
+    let (found, _) = measured(&generate_in_space(&SpaceSetup::default()));
+    let measures = SpatialMeasures::of(&found, &[], &[]);
+    let angle = measures.sagittal(SagittalPart::KyphosisT5T12).expect("both films");
+    assert_near(angle.axes_2d.deg(), 31.5, 0.05, "2-D");
+    assert_near(angle.axes_3d.deg(), 29.5, 0.05, "3-D");
 }
 
 /// On no vertical plane is the angle between the true axes of a curve's ends larger.

@@ -63,7 +63,8 @@ struct GrowingTable<'a> {
 impl<'a> TablesFolder<'a> {
     /// Without any table.
     pub const fn new(path: &'a Path, formats: &'a [TableFormat], outputs: &'a Outputs) -> Self {
-        let optional = OptionalTables { uncertainty: false, hypotheses: false, space: false };
+        let optional =
+            OptionalTables { uncertainty: false, hypotheses: false, space: false, axial: false };
         Self { path, formats, outputs, tables: Vec::new(), optional, patients: 0 }
     }
 

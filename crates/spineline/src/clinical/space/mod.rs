@@ -6,7 +6,7 @@ pub use numbers::{Dimension, SpatialNumber};
 
 use super::{ClinicalCurve, CobbEnds};
 use crate::anatomy::{Level, Region, named};
-use crate::measure::{SpatialOutline, SpatialVertebra};
+use crate::measure::{AxialRotation, SpatialOutline, SpatialVertebra};
 use crate::spatial::{Angle, Vec3};
 
 /// A part of the spine whose sagittal angle is measured.
@@ -148,18 +148,27 @@ pub struct SpatialMeasures {
     pub sagittal: Vec<SagittalAngle>,
     /// One per clinical curve whose end vertebrae are on both films.
     pub curves: Vec<MaximumCurvature>,
+    /// Axial rotations of the apices of clinical curves whose pedicles are marked.
+    pub apices: Vec<(Region, AxialRotation)>,
     /// Length of the spine.
     pub length: SpinalLength,
 }
 
 impl SpatialMeasures {
-    /// Of the spine on both films, with its clinical curves.
+    /// Of the spine on both films, with its clinical curves and the axial rotations that pedicles give.
     #[must_use]
-    pub fn of(space: &SpatialOutline, curves: &[ClinicalCurve]) -> Self {
+    pub fn of(space: &SpatialOutline, curves: &[ClinicalCurve], axial: &[AxialRotation]) -> Self {
         let parts = SagittalPart::ALL.into_iter();
         Self {
             sagittal: parts.filter_map(|part| sagittal_angle(space, part)).collect(),
             curves: curves.iter().filter_map(|curve| maximum_curvature(space, curve)).collect(),
+            apices: curves
+                .iter()
+                .filter_map(|curve| {
+                    let found = axial.iter().find(|found| found.level == curve.apex)?;
+                    Some((curve.region, *found))
+                })
+                .collect(),
             length: spinal_length(space),
         }
     }

@@ -98,6 +98,16 @@ impl SpatialMeasures {
             let label = "direction of its convexity (0 front, 90 left, 180 back, −90 right)";
             add("curve_convexity", label, ThreeD, [curve.convexity_3d, curve.convexity_sd]);
         }
+        for (region, found) in &self.apices {
+            all.push(degrees(
+                "apical_rotation",
+                "axial rotation of the apex, its front to the left positive",
+                found.level.to_string(),
+                Some(*region),
+                ThreeD,
+                [found.stokes, found.sd],
+            ));
+        }
         let [low, high] = self.length.ends;
         let factor = scale.pixels_per_mm.unwrap_or(1.0);
         let length = |dimension, [value, sd]: [f64; 2]| SpatialNumber {

@@ -1,0 +1,249 @@
+//! Axial rotation of vertebrae from their pedicles on a frontal film.
+
+use std::fmt;
+
+use super::{Film, FilmLandmarks, MeasureError, Outline, VertebraLandmarks};
+use crate::anatomy::{Level, Morphometry, PediclePlace, Side, named};
+use crate::spatial::{Angle, Frontal, Pixel};
+
+/// How far the pedicle of the convex side has moved to the midline of the body.
+///
+/// # Definition
+/// By the distance of the pedicle that is nearer to the midline, as a part of half of the distance between both: 0.9 and more is
+/// grade 0, from 2/3 on grade I, from 1/3 on grade II, from 0 on grade III; beyond the midline it is grade IV. The limits follow the thirds of
+/// the half body (assumption).
+///
+/// # References
+/// [nash-moe-1969].
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum NashMoe {
+    /// No rotation.
+    Zero,
+    /// The pedicle has left its place.
+    One,
+    /// It is in the middle third.
+    Two,
+    /// It is at the midline.
+    Three,
+    /// It is beyond the midline.
+    Four,
+}
+
+impl NashMoe {
+    /// Every grade.
+    pub const ALL: [Self; 5] = [Self::Zero, Self::One, Self::Two, Self::Three, Self::Four];
+
+    /// The name, as in files.
+    #[must_use]
+    pub const fn key(self) -> &'static str {
+        match self {
+            Self::Zero => "0",
+            Self::One => "I",
+            Self::Two => "II",
+            Self::Three => "III",
+            Self::Four => "IV",
+        }
+    }
+
+    fn of(nearer_share: f64) -> Self {
+        match nearer_share {
+            share if share >= 0.9 => Self::Zero,
+            share if share >= 2.0 / 3.0 => Self::One,
+            share if share >= 1.0 / 3.0 => Self::Two,
+            share if share >= 0.0 => Self::Three,
+            _ => Self::Four,
+        }
+    }
+}
+
+named!(NashMoe);
+
+/// The axial rotation of one vertebra, about its own axis; positive where its front turns to the patient's left.
+///
+/// # Definition
+/// A pedicle lies `beside` the sagittal plane of the vertebra and `behind` the centre of the body ([`PediclePlace`]). Across the
+/// axis of the body, which the frontal film shows without error of the pitch, the pedicles lie at
+/// `±beside cos ψ - behind sin ψ` to the left of the centre. With the sum and the difference of both places
+/// `tan ψ = -(beside / behind) sum / difference` (Stokes), which needs the ratio of a typical vertebra alone and no scale. The sum over the
+/// width of the body, `sin ψ = -sum / (2 behind)` with `behind` as a part of the width, is the other method (after Drerup).
+///
+/// # References
+/// [stokes-1986], [drerup-1984].
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct AxialRotation {
+    /// Which vertebra.
+    pub level: Level,
+    /// By the distance between the pedicles.
+    pub stokes: Angle,
+    /// By the width of the body; `None` where the pedicles lie farther out than it lets them.
+    pub drerup: Option<Angle>,
+    /// Standard deviation of the first one, by landmarks and by the variation of the ratio between people.
+    pub sd: Angle,
+    /// Grade.
+    pub grade: NashMoe,
+    /// Readings that marked both pedicles.
+    pub readings: usize,
+}
+
+impl AxialRotation {
+    /// The side to which the front of the vertebra turns.
+    #[must_use]
+    pub fn side(&self) -> Option<Side> {
+        // Positive about a vertical axis is to the left.
+        self.stokes.side().map(|side| if side == Side::Right { Side::Left } else { Side::Right })
+    }
+
+    /// In words, such as `12.3° to the left`.
+    #[must_use]
+    pub fn words(&self) -> String {
+        match self.side() {
+            Some(side) => format!("{} to the {side}", self.stokes.abs()),
+            None => self.stokes.abs().to_string(),
+        }
+    }
+}
+
+/// Why two pedicles give no rotation.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum PedicleFault {
+    /// One of them is no number, or lies outside of the picture.
+    OffImage,
+    /// The left one lies on the right of the other, across the axis of the body.
+    SidesExchanged,
+    /// One lies more than the width of the body from its centre.
+    FarFromBody,
+}
+
+impl PedicleFault {
+    /// What the user can do about it.
+    #[must_use]
+    pub const fn help(self) -> &'static str {
+        match self {
+            Self::OffImage => "mark both pedicles of this vertebra again, or remove them",
+            Self::SidesExchanged => {
+                "left and right are the patient's: exchange the two pedicles of this vertebra"
+            }
+            Self::FarFromBody => {
+                "mark the pedicles of this vertebra again: they lie within the outline of its body"
+            }
+        }
+    }
+}
+
+impl fmt::Display for PedicleFault {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::OffImage => "a pedicle does not lie on the picture",
+            Self::SidesExchanged => "its left and right pedicles are exchanged",
+            Self::FarFromBody => "a pedicle lies beside its body",
+        })
+    }
+}
+
+/// Axial rotations of all vertebrae of a film on which both pedicles are marked, caudal first: means over readings.
+///
+/// # Errors
+/// [`MeasureError::Pedicles`] names film, reading, vertebra and fault.
+pub(crate) fn axial_rotations(
+    film: &Film,
+    outline: &Outline,
+) -> Result<Vec<AxialRotation>, MeasureError> {
+    let FilmLandmarks::Corners { image, readings, .. } = &film.landmarks else {
+        return Ok(Vec::new());
+    };
+    let mut found = Vec::new();
+    for level in Level::ALL {
+        let mut places: Vec<PediclePair> = Vec::new();
+        for reading in readings {
+            let Some(landmark) = reading.vertebrae.get(&level) else { continue };
+            let [Some(left), Some(right)] = landmark.pedicles else { continue };
+            let fault = |fault| MeasureError::Pedicles {
+                posture: film.posture,
+                id: reading.id.clone(),
+                level,
+                fault,
+            };
+            if ![left, right].into_iter().all(|place| image.contains(place)) {
+                return Err(fault(PedicleFault::OffImage));
+            }
+            let pair = PediclePair::of(landmark, |place| image.frontal(place)).map_err(fault)?;
+            places.push(pair);
+        }
+        let Some(mean) = PediclePair::mean(places.clone()) else { continue };
+        let Some(vertebra) = outline.vertebra(level) else { continue };
+        let per_mm = outline.scale.pixels_per_mm.unwrap_or(1.0);
+        let corner_sd = outline.noise_of(vertebra).corner_mm() * per_mm;
+        found.push(mean.rotation(level, corner_sd, places.len()));
+    }
+    Ok(found)
+}
+
+/// The pedicles of one body across its axis, from its centre to the left, and its width, in the unit of the film.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct PediclePair {
+    left: f64,
+    right: f64,
+    width: f64,
+}
+
+impl PediclePair {
+    fn of(
+        landmark: &VertebraLandmarks,
+        frontal: impl Fn(Pixel) -> Frontal,
+    ) -> Result<Self, PedicleFault> {
+        let body = landmark.corners.map(&frontal);
+        // Across the axis the mean of the corners is twice as sure as the crossing of the diagonals.
+        let corners = body.points().into_iter();
+        let centre = corners.fold(Frontal::default(), |sum, corner| sum + corner) * 0.25;
+        let across = |place: Option<Pixel>| {
+            place.map(|place| (frontal(place) - centre).rotated(-body.measure_tilt()).y_mm)
+        };
+        let [left, right] = landmark.pedicles.map(across);
+        let (left, right) = left.zip(right).ok_or(PedicleFault::OffImage)?;
+        let width = body.mean_width_mm();
+        if left <= right {
+            return Err(PedicleFault::SidesExchanged);
+        }
+        if left.abs().max(right.abs()) > width {
+            return Err(PedicleFault::FarFromBody);
+        }
+        Ok(Self { left, right, width })
+    }
+
+    fn mean(mut all: Vec<Self>) -> Option<Self> {
+        // The order of the readings must not reach the last bit.
+        all.sort_by(|a, b| a.left.total_cmp(&b.left).then(a.right.total_cmp(&b.right)));
+        let share = 1.0 / all.len() as f64;
+        let mean = |of: fn(&Self) -> f64| all.iter().map(of).sum::<f64>() * share;
+        let pair =
+            Self { left: mean(|p| p.left), right: mean(|p| p.right), width: mean(|p| p.width) };
+        (!all.is_empty()).then_some(pair)
+    }
+
+    fn rotation(self, level: Level, corner_sd: f64, readings: usize) -> AxialRotation {
+        let place = PediclePlace::of(level);
+        let (sum, difference) = (self.left + self.right, self.left - self.right);
+        let ratio = place.beside_mm / place.behind_mm;
+        let tangent = -ratio * sum / difference;
+        let stokes = Angle::from_sin_cos(tangent, 1.0);
+        // The centre of the body has a quarter of a corner's variance, and enters the sum twice.
+        let of_sum = 3.0_f64.sqrt() * corner_sd / difference;
+        let of_difference = 2.0_f64.sqrt() * corner_sd * sum / difference.powi(2);
+        let landmarks = ratio * of_sum.hypot(of_difference);
+        let people = tangent * PediclePlace::RATIO_SD;
+        let sd = landmarks.hypot(people) / (1.0 + tangent * tangent);
+        let typical = Morphometry::of(level);
+        let width_mm = 0.5 * (typical.superior_width_mm + typical.inferior_width_mm);
+        let sine = -sum / (2.0 * self.width * place.behind_mm / width_mm);
+        let nearer = self.left.min(-self.right);
+        AxialRotation {
+            level,
+            stokes,
+            drerup: (sine.abs() <= 1.0)
+                .then(|| Angle::from_sin_cos(sine, (1.0 - sine * sine).sqrt())),
+            sd: Angle::from_rad(sd),
+            grade: NashMoe::of(2.0 * nearer / difference),
+            readings,
+        }
+    }
+}

@@ -1,0 +1,146 @@
+//! Axial rotation from pedicles, on films of phantoms whose prisms are turned by a known angle.
+
+use spineline::analysis::{Analysis, AnalysisOptions, analyze, analyze_movement};
+use spineline::anatomy::{Level, Posture};
+use spineline::measure::{AxialRotation, MeasureError, NashMoe, PedicleFault};
+use spineline::spatial::{Angle, Pixel};
+use spineline_phantom::{
+    EndplateHabit, SagittalShape, SpacePhantom, SpaceSetup, generate_in_space,
+};
+
+use crate::common::{assert_near, landmarks_mut};
+
+fn movement(phantom: &SpacePhantom) -> Analysis {
+    analyze_movement(&phantom.case, &AnalysisOptions::default()).expect("a good case")
+}
+
+fn rotation(analysis: &Analysis, level: Level) -> &AxialRotation {
+    analysis.axial.iter().find(|found| found.level == level).expect("both pedicles are marked")
+}
+
+#[test]
+fn exact_pedicles_give_the_rotation_whatever_tilt_and_pitch() {
+    for (seed, shape) in (0..).zip(SagittalShape::ALL) {
+        for turned in [-30.0, 0.0, 12.0, 30.0] {
+            for habit in [EndplateHabit::Rim, EndplateHabit::MiddleLine] {
+                let setup = SpaceSetup {
+                    shape,
+                    habit,
+                    apical_rotation: Angle::from_deg(turned),
+                    largest_tilt: Angle::from_deg(30.0),
+                    pedicles: true,
+                    seed,
+                    ..SpaceSetup::default()
+                };
+                let phantom = generate_in_space(&setup);
+                let analysis = movement(&phantom);
+                assert_eq!(analysis.axial.len(), Level::ALL.len());
+                for found in &analysis.axial {
+                    let truth = phantom.body(found.level).expect("every level").axial;
+                    assert_near(found.stokes.deg(), truth.deg(), 1e-6, "axial rotation");
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn the_width_of_the_body_gives_nearly_the_same() {
+    let setup = SpaceSetup {
+        apical_rotation: Angle::from_deg(15.0),
+        pedicles: true,
+        ..SpaceSetup::default()
+    };
+    let analysis = movement(&generate_in_space(&setup));
+    for found in &analysis.axial {
+        let drerup = found.drerup.expect("within the body").deg();
+        // The phantom's endplates are as wide above as below, and a turned body looks narrower.
+        assert_near(drerup, found.stokes.deg(), 2.5, "by the width of the body");
+    }
+}
+
+#[test]
+fn small_rotations_have_the_errors_that_are_stated() {
+    let (mut sum, mut n) = (0.0, 0.0);
+    for seed in 0..100 {
+        let setup = SpaceSetup {
+            apical_rotation: Angle::from_deg(3.0),
+            pedicles: true,
+            corner_sd_mm: 0.5,
+            seed,
+            ..SpaceSetup::default()
+        };
+        let phantom = generate_in_space(&setup);
+        for found in &movement(&phantom).axial {
+            let truth = phantom.body(found.level).expect("every level").axial;
+            sum += ((found.stokes - truth).rad() / found.sd.rad()).powi(2);
+            n += 1.0;
+        }
+    }
+    let share = f64::sqrt(sum / n);
+    assert!((0.8..1.15).contains(&share), "{share} of the stated deviation");
+}
+
+#[test]
+fn the_grade_follows_the_rotation_and_the_side_is_the_patients() {
+    let mut last = NashMoe::Zero;
+    for turned in [0.0, 7.0, 17.0, 28.0, 55.0] {
+        let setup = SpaceSetup {
+            apical_rotation: Angle::from_deg(turned),
+            pedicles: true,
+            ..SpaceSetup::default()
+        };
+        let found = *rotation(&movement(&generate_in_space(&setup)), Level::L5);
+        assert!(found.grade >= last, "{turned}: {}", found.grade.key());
+        assert!(turned == 0.0 || found.words().ends_with("to the left"), "{}", found.words());
+        last = found.grade;
+    }
+    assert_eq!(last, NashMoe::Four);
+}
+
+#[test]
+fn the_model_takes_the_rotation_and_without_pedicles_says_that_it_is_unknown() {
+    let setup = SpaceSetup {
+        apical_rotation: Angle::from_deg(20.0),
+        largest_tilt: Angle::from_deg(30.0),
+        pedicles: true,
+        ..SpaceSetup::default()
+    };
+    let phantom = generate_in_space(&setup);
+    let known = analyze(&phantom.case, &AnalysisOptions::default()).expect("a good case");
+    assert!(!known.warnings.has("axial_rotation_unknown"));
+    let found = rotation(&known, Level::T8).stokes;
+    let axes = known.spine.axes[known.levels().index_of(Level::T8).expect("of the model")];
+    // In `Rx Ry Rz` the rotation is between the first two entries of the first row.
+    assert_near(Angle::from_sin_cos(-axes[(0, 1)], axes[(0, 0)]).rad(), found.rad(), 1e-9, "axes");
+    let measures = known.spatial_measures().expect("both films");
+    assert_eq!(measures.apices.len(), known.clinical.len());
+    let unknown = movement(&generate_in_space(&SpaceSetup { pedicles: false, ..setup }));
+    assert!(unknown.axial.is_empty() && unknown.warnings.has("axial_rotation_unknown"));
+}
+
+#[test]
+fn wrong_pedicles_are_refused_by_name() {
+    let setup = SpaceSetup { pedicles: true, ..SpaceSetup::default() };
+    let good = generate_in_space(&setup).case;
+    let refused = |change: &dyn Fn(&mut [Option<Pixel>; 2])| {
+        let mut case = good.clone();
+        change(&mut landmarks_mut(&mut case, Posture::Erect, Level::T8).pedicles);
+        let error = analyze_movement(&case, &AnalysisOptions::default()).expect_err("refused");
+        assert!(error.to_string().contains("erect film") && error.to_string().contains("T8"));
+        assert_eq!(error.code(), "pedicles");
+        match error {
+            spineline::error::Error::Measure(MeasureError::Pedicles { fault, .. }) => fault,
+            other => panic!("{other}"),
+        }
+    };
+    assert_eq!(refused(&|places| places.swap(0, 1)), PedicleFault::SidesExchanged);
+    let moved = |places: &mut [Option<Pixel>; 2], columns: f64| {
+        if let Some(place) = &mut places[0] {
+            place.column_px += columns;
+        }
+    };
+    assert_eq!(refused(&|places| moved(places, 1e6)), PedicleFault::OffImage);
+    assert_eq!(refused(&|places| moved(places, f64::NAN)), PedicleFault::OffImage);
+    assert_eq!(refused(&|places| moved(places, -800.0)), PedicleFault::FarFromBody);
+}
