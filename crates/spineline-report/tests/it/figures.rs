@@ -296,9 +296,9 @@ fn a_profile_has_a_panel_per_converged_line_and_a_name_per_multiplier() {
 
 #[test]
 fn the_picture_of_the_guide_is_the_one_that_the_code_draws() {
-    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/images/lateral-bias.svg");
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/guide/src/lateral-bias.svg");
     let again =
-        "cargo run -p spineline-report --example lateral_bias > docs/images/lateral-bias.svg";
+        "cargo run -p spineline-report --example lateral_bias > docs/guide/src/lateral-bias.svg";
     let kept = std::fs::read_to_string(path).expect(again);
     assert!(kept == spineline_report::figures::lateral_bias(), "out of date: {again}");
 }

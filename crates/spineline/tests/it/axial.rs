@@ -86,6 +86,7 @@ fn the_grade_follows_the_rotation_and_the_side_is_the_patients() {
     let mut last = NashMoe::Zero;
     for turned in [0.0, 7.0, 17.0, 28.0, 55.0] {
         let setup = SpaceSetup {
+            habit: EndplateHabit::Rim,
             apical_rotation: Angle::from_deg(turned),
             pedicles: true,
             ..SpaceSetup::default()
