@@ -17,6 +17,7 @@ mod calibration;
 pub mod completion;
 mod confidence;
 mod corners;
+mod drawn;
 mod evidence;
 mod film;
 mod film_length;
@@ -45,6 +46,7 @@ mod view;
 
 pub use calibration::{Calibration, CalibrationError, Calibrator};
 pub use corners::{CornerFault, Corners};
+pub use drawn::{DrawnAngle, DrawnFault, DrawnLength, DrawnLine};
 pub use evidence::{
     CalibrationType, SpacingEvidence, SpacingJudgement, SpacingRemark, judge_spacing,
 };
