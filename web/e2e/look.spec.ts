@@ -22,6 +22,7 @@ const PAGES = [
   ["cohort", "#/cohort", "MDC95"],
   ["access", "#/access", "spineline account add"],
   ["measure", `#/studies/${STUDY}/measure`, "Rotation of segments from erect"],
+  ["films", `#/studies/${STUDY}/films`, "mm (patient)"],
   ["model", `#/studies/${STUDY}/model`, "Which line explains the films?"],
   ["evidence", `#/studies/${STUDY}/evidence`, "Mean location errors"],
 ] as const;

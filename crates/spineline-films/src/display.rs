@@ -69,6 +69,8 @@ pub struct ScreenValues {
     /// Centre and width of the file's own window in these values; for a table, of the values that it does not show as
     /// black or as white.
     pub default_window: [f64; 2],
+    /// The same of all tables and windows of the file, in its order; empty where it has none.
+    pub file_windows: Vec<[f64; 2]>,
 }
 
 impl FilmFile {
@@ -153,15 +155,17 @@ impl FilmFile {
             ModalityTransform::Rescale { slope, .. } => (modality.apply(zero), sign * slope),
             ModalityTransform::Lut(_) => (f64::from(zero), sign),
         };
-        let default_grey: Vec<u8> = (0..=most - least)
-            .map(|value| grey(&voi, modality_offset + modality_step * f64::from(value), invert))
-            .collect();
-        let default_window = match &voi {
+        let greys = |voi: &Voi| -> Vec<u8> {
+            (0..=most - least)
+                .map(|value| grey(voi, modality_offset + modality_step * f64::from(value), invert))
+                .collect()
+        };
+        let window_of = |voi: &Voi| match voi {
             Voi::Window(window) => [
                 (window.center - modality_offset) / modality_step,
                 window.width / modality_step.abs(),
             ],
-            Voi::Lut(_) => span(&default_grey),
+            Voi::Lut(_) => span(&greys(voi)),
         };
         ScreenValues {
             columns: self.columns,
@@ -169,8 +173,9 @@ impl FilmFile {
             values: self.map(low, &table),
             modality_offset,
             modality_step,
-            default_grey,
-            default_window,
+            default_grey: greys(&voi),
+            default_window: window_of(&voi),
+            file_windows: self.look.voi.iter().map(window_of).collect(),
         }
     }
 

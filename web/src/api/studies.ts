@@ -23,6 +23,10 @@ export const planReadings = (study: string, body: Api<"NewPlan">) =>
 export const editFilm = (film: number, body: Api<"FilmChange">) =>
   answerOf(api.POST("/api/films/{film}/edits", { params: { path: { film } }, body }));
 
+/** Measures a length or an angle on a film; nothing is stored. */
+export const measureDrawn = (film: number, body: Api<"DrawnRequest">, signal: AbortSignal) =>
+  answerOf(api.POST("/api/films/{film}/drawn", { params: { path: { film } }, body, signal }));
+
 export const readFindings = (study: string, signal: AbortSignal) =>
   answerOf(api.GET("/api/studies/{study}/findings", { ...of(study), signal }));
 

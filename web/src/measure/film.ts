@@ -1,4 +1,5 @@
 import { askBytes } from "../api/client";
+import type { Api } from "../api/types";
 import { limited, type GreyWindow } from "./grey";
 import { Pyramid, inSlices } from "./pyramid";
 
@@ -9,9 +10,17 @@ export interface FilmPicture {
   readonly aspect: number;
   /** Maximum brightness. */
   readonly max: number;
-  /** Window from the file. */
+  /** Window to begin with: the file's first one, or the whole range where it has none. */
   readonly window: GreyWindow;
+  /** All windows that a DICOM file has. */
+  readonly fileWindows: readonly GreyWindow[];
   readonly pyramid: Pyramid;
+}
+
+/** The picture of a film without an open reading. */
+export function imageOf(film: Api<"FilmSummary">): Api<"ReadingImage"> {
+  const { columns, rows, pixel_aspect, patient_left, plane, spacing_text, inverted } = film;
+  return { columns, rows, pixel_aspect, patient_left, plane, spacing_text, inverted };
 }
 
 /** The last films stay in memory, so that they need no second download. */
@@ -67,8 +76,19 @@ export function pictureOf(headers: Headers, bytes: ArrayBuffer): FilmPicture {
     aspect: number("pixel-aspect"),
     max,
     window: limited(window, max),
+    fileWindows: fileWindows(headers).map((one) => limited(one, max)),
     pyramid: new Pyramid({ columns, rows, values }),
   };
+}
+
+/** Centre and width of each window, such as `2048 4096, 2600 1200`. */
+function fileWindows(headers: Headers): GreyWindow[] {
+  const text = headers.get("x-spineline-file-windows") ?? "";
+  return text.split(",").flatMap((window) => {
+    const [centre, width] = window.trim().split(" ").map(Number);
+    const isWindow = Number.isFinite(centre) && Number.isFinite(width);
+    return isWindow ? [{ centre: centre!, width: width! }] : [];
+  });
 }
 
 function greatest(values: Uint16Array): number {

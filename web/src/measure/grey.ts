@@ -42,12 +42,19 @@ export function adjusted(
 }
 
 /** The window from the darkest to the brightest percent of the picture. */
-export function windowOfPicture(plane: Plane, max: number): GreyWindow {
+export const windowOfPicture = (plane: Plane, max: number): GreyWindow =>
+  windowOfShares(plane, [0.01, 0.99], max);
+
+/** The window between two parts of the pixels, in the order of their brightness. */
+export function windowOfShares(
+  { values }: Plane,
+  [darker, brighter]: readonly [number, number],
+  max: number,
+): GreyWindow {
   const counts = new Uint32Array(max + 1);
-  for (const value of plane.values) counts[Math.min(max, value)]! += 1;
-  const hundredth = plane.values.length / 100;
-  const darkest = valueAt(counts, hundredth);
-  const brightest = valueAt(counts, 99 * hundredth);
+  for (const value of values) counts[Math.min(max, value)]! += 1;
+  const darkest = valueAt(counts, darker * values.length);
+  const brightest = valueAt(counts, brighter * values.length);
   return limited({ centre: (darkest + brightest) / 2, width: brightest - darkest }, max);
 }
 

@@ -1,3 +1,4 @@
+import type { Drawing } from "./drawing.svelte";
 import type { Marking } from "./marking.svelte";
 import { placeOf, type Landmark } from "./landmarks";
 import { proposalOf, proposedPlace } from "./proposals";
@@ -8,10 +9,14 @@ import type { CssPoint, FilmPoint } from "./viewport";
 export interface KeyTargets {
   viewer: Viewer;
   marking: Marking | null;
+  /** The length or the angle that is being drawn. */
+  drawing: Drawing | null;
   /** Places a landmark at the crosshair. */
   placeAt(at: FilmPoint): void;
   invert(): void;
   toggleLayer(number: number): void;
+  /** Whether lengths and angles can be measured: not in a blinded reading. */
+  canDraw: boolean;
 }
 
 const ARROWS: Record<string, CssPoint> = {
@@ -51,6 +56,12 @@ export const KEYS: readonly { keys: string; text: string }[] = [
   { keys: "+  −  F", text: "zoom in, zoom out, fit" },
   { keys: "Space and drag, H", text: "move the film" },
   { keys: "Right button, W", text: "window and level" },
+  { keys: "V", text: "the next preset of window and level" },
+  { keys: "Q  M", text: "turn the picture 90° clockwise, mirror it; for display only" },
+  {
+    keys: "D  G",
+    text: "measure a length, an angle: click, or C then Enter; Esc begins anew. Nothing is stored",
+  },
   { keys: "I", text: "invert the grey levels" },
   { keys: "L", text: "loupe" },
   { keys: "1 – 7", text: "show or hide a layer" },
@@ -76,20 +87,29 @@ function withControl(event: KeyboardEvent, { marking }: KeyTargets): boolean {
   return true;
 }
 
-function onArrow([x, y]: CssPoint, large: boolean, { viewer, marking }: KeyTargets): boolean {
+function onArrow([x, y]: CssPoint, large: boolean, targets: KeyTargets): boolean {
+  const { viewer, marking, drawing } = targets;
   const by = (step: number): CssPoint => [x * step, y * step];
   if (viewer.tool === "window") viewer.drawGrey(by(GREY_CSS));
-  else if (marking?.selected) marking.nudge(by(large ? LARGE_NUDGE : NUDGE));
+  else if (marking?.selected && !drawing) nudge(viewer, marking, by(large ? LARGE_NUDGE : NUDGE));
   else if (viewer.crosshair) {
     viewer.moveCrosshair(by(large ? LARGE_CROSSHAIR_CSS : CROSSHAIR_CSS));
   } else viewer.panBy(by(-PAN_CSS));
   return true;
 }
 
+/** Moves the selected landmark, or rotates its axis, as it is seen on the screen. */
+function nudge(viewer: Viewer, marking: Marking, [x, y]: CssPoint): void {
+  const { mirrored } = viewer.view.turn;
+  if (marking.selected?.kind !== "axis") marking.nudge(viewer.alongFilm([x, y]));
+  // On a mirrored picture, clockwise as seen is anticlockwise on the film.
+  else marking.nudge(mirrored ? [-x, -y] : [x, y]);
+}
+
 /** Goes through the landmarks of one vertebra; after the last one, the Tab key leaves the film. */
-function onTab(by: 1 | -1, { viewer, marking }: KeyTargets): boolean {
+function onTab(by: 1 | -1, { viewer, marking, drawing }: KeyTargets): boolean {
   const before = marking?.selected;
-  if (!marking || !before || before.kind === "crest") return false;
+  if (!marking || drawing || !before || before.kind === "crest") return false;
   const moved = marking.step(by);
   const after = marking.selected;
   const stays = moved && after !== null && after.kind !== "crest" && after.level === before.level;
@@ -104,18 +124,23 @@ function onLetter(key: string, targets: KeyTargets): boolean {
     targets.toggleLayer(Number(key));
     return true;
   }
-  const action =
-    viewKeys(viewer, targets)[key] ?? (marking && markKeys(viewer, marking, targets)[key]);
+  const { drawing } = targets;
+  const ofTool = drawing
+    ? drawKeys(viewer, drawing)
+    : marking && markKeys(viewer, marking, targets);
+  const ofView = viewKeys(viewer, targets);
+  const action = ofView[key] ?? ofTool?.[key];
   action?.();
-  return action !== null && action !== undefined;
+  return action !== undefined;
 }
 
 type Actions = Partial<Record<string, () => void>>;
 
 function viewKeys(viewer: Viewer, targets: KeyTargets): Actions {
-  const toggle = (tool: "pan" | "window") => () => {
+  const toggle = (tool: "pan" | "window" | "length" | "angle") => () => {
     viewer.tool = viewer.tool === tool ? "mark" : tool;
   };
+  const measures = targets.canDraw ? { d: toggle("length"), g: toggle("angle") } : {};
   return {
     "+": () => viewer.zoomBy(ZOOM),
     "=": () => viewer.zoomBy(ZOOM),
@@ -123,8 +148,30 @@ function viewKeys(viewer: Viewer, targets: KeyTargets): Actions {
     f: () => viewer.fit(),
     h: toggle("pan"),
     w: toggle("window"),
+    v: () => viewer.nextPreset(),
+    q: () => viewer.turn(),
+    m: () => viewer.mirror(),
+    ...measures,
     i: () => targets.invert(),
     l: () => (viewer.loupe = !viewer.loupe),
+  };
+}
+
+function drawKeys(viewer: Viewer, drawing: Drawing): Actions {
+  const place = (): void => {
+    if (viewer.crosshair) drawing.placeAt(viewer.crosshair);
+    else viewer.toggleCrosshair();
+  };
+  return {
+    c: () => viewer.toggleCrosshair(),
+    Enter: place,
+    " ": () => viewer.crosshair && place(),
+    Delete: () => drawing.clear(),
+    Escape: () => {
+      if (drawing.ends.length > 0) drawing.clear();
+      else if (viewer.crosshair) viewer.crosshair = null;
+      else viewer.tool = "mark";
+    },
   };
 }
 

@@ -18,8 +18,9 @@ import {
   type ReadingView,
   type VertebraView,
 } from "./landmarks";
+import { UPRIGHT } from "./turn";
 
-const VIEW = { scale: 1, aspect: 1, left: -0.5, top: -0.5 };
+const VIEW = { scale: 1, aspect: 1, left: -0.5, top: -0.5, turn: UPRIGHT };
 
 it("shows events before they are recorded", () => {
   const before = reading();

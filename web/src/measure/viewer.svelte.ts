@@ -1,10 +1,15 @@
 import type { FilmPicture } from "./film";
-import { adjusted, greyTable, limited, windowOfPicture, type GreyWindow } from "./grey";
+import { adjusted, greyTable, type GreyWindow } from "./grey";
+import { presetsOf, sameWindow } from "./presets";
+import { UPRIGHT, clockwise, flipped, type Turn } from "./turn";
 import {
+  alongFilm,
+  cssOf,
   filmOf,
   fit,
   pan,
   reveal,
+  turned,
   zoom,
   type CssPoint,
   type FilmPoint,
@@ -14,14 +19,14 @@ import {
 } from "./viewport";
 
 /** Tool of the left button. */
-export type Tool = "mark" | "pan" | "window" | "scale";
+export type Tool = "mark" | "pan" | "window" | "scale" | "length" | "angle";
 
 /** View of a film. It is not part of a reading. */
 export class Viewer {
   picture = $state.raw<FilmPicture | null>(null);
   size = $state.raw<Size>({ width: 0, height: 0 });
   devicePixelRatio = $state(1);
-  view = $state.raw<Viewport>({ scale: 1, aspect: 1, left: 0, top: 0 });
+  view = $state.raw<Viewport>({ scale: 1, aspect: 1, left: 0, top: 0, turn: UPRIGHT });
   window = $state.raw<GreyWindow>({ centre: 0.5, width: 1 });
   inverted = $state(false);
   tool = $state<Tool>("mark");
@@ -38,6 +43,8 @@ export class Viewer {
     this.picture ? greyTable(this.window, this.inverted, this.picture.max) : new Uint32Array(1),
   );
   #fitted = true;
+  /** Another film that is moved and zoomed with this one. */
+  #linked: Viewer | null = null;
 
   get film(): FilmSize {
     const { columns, rows, aspect } = this.picture ?? { columns: 1, rows: 1, aspect: 1 };
@@ -47,18 +54,53 @@ export class Viewer {
   show(picture: FilmPicture): void {
     this.picture = picture;
     this.window = picture.window;
-    this.fit();
+    this.view = { ...this.view, turn: UPRIGHT };
+    this.#fit();
   }
 
   resize(size: Size, devicePixelRatio: number): void {
     this.size = size;
     this.devicePixelRatio = devicePixelRatio;
-    if (this.#fitted) this.fit();
+    if (this.#fitted) this.#fit();
+  }
+
+  /** Moves and zooms another film with this one from now on, or none. */
+  link(other: Viewer | null): void {
+    this.#linked = other;
+  }
+
+  /** What is moved by a person here. */
+  get #moved(): Viewer[] {
+    return this.#linked ? [this, this.#linked] : [this];
   }
 
   fit(): void {
+    for (const viewer of this.#moved) viewer.#fit();
+  }
+
+  #fit(): void {
     this.#fitted = true;
-    this.view = fit(this.film, this.size);
+    this.view = fit(this.film, this.size, this.view.turn);
+  }
+
+  /** Turns a quarter clockwise, for display only. */
+  turn(): void {
+    this.#turn(clockwise(this.view.turn));
+  }
+
+  /** Exchanges left and right of the screen, for display only. */
+  mirror(): void {
+    this.#turn(flipped(this.view.turn));
+  }
+
+  /** Shows the film as it is stored. */
+  upright(): void {
+    this.#turn(UPRIGHT);
+  }
+
+  #turn(turn: Turn): void {
+    this.view = turned(this.view, turn, this.film, this.size);
+    if (this.#fitted) this.#fit();
   }
 
   get middle(): CssPoint {
@@ -66,11 +108,19 @@ export class Viewer {
   }
 
   zoomBy(factor: number, at: CssPoint = this.middle): void {
+    for (const viewer of this.#moved) viewer.#zoomBy(factor, at);
+  }
+
+  #zoomBy(factor: number, at: CssPoint): void {
     this.#fitted = false;
     this.view = zoom(this.view, factor, at, this.film, this.size);
   }
 
   panBy(by: CssPoint): void {
+    for (const viewer of this.#moved) viewer.#panBy(by);
+  }
+
+  #panBy(by: CssPoint): void {
     this.#fitted = false;
     this.view = pan(this.view, by, this.film, this.size);
   }
@@ -90,20 +140,22 @@ export class Viewer {
     this.window = adjusted(this.window, change, this.picture.max);
   }
 
-  windowAsFilmed(): void {
-    if (this.picture) this.window = this.picture.window;
+  /** A step on the screen as a step along columns and rows. */
+  alongFilm(step: CssPoint): CssPoint {
+    return alongFilm(this.view.turn, step);
   }
 
-  windowFull(): void {
-    if (!this.picture) return;
-    const { max } = this.picture;
-    this.window = limited({ centre: max / 2, width: max }, max);
-  }
+  /** Presets of window and level for this film. */
+  readonly presets = $derived.by(() => {
+    void this.grown;
+    return this.picture ? presetsOf(this.picture) : [];
+  });
 
-  windowOfPicture(): void {
-    if (!this.picture) return;
-    const { levels } = this.picture.pyramid;
-    this.window = windowOfPicture(levels.at(-1)!, this.picture.max);
+  /** The next preset after the current one. */
+  nextPreset(): void {
+    const now = this.presets.findIndex(({ window }) => sameWindow(window, this.window));
+    const next = this.presets[(now + 1) % Math.max(1, this.presets.length)];
+    if (next) this.window = next.window;
   }
 
   toggleCrosshair(at: FilmPoint | null = null): void {
@@ -115,8 +167,8 @@ export class Viewer {
   moveCrosshair([x, y]: CssPoint): void {
     if (!this.crosshair) return;
     const { columns, rows } = this.film;
-    const column = this.crosshair[0] + x / this.view.scale;
-    const row = this.crosshair[1] + y / (this.view.scale * this.view.aspect);
+    const [nowX, nowY] = cssOf(this.view, this.crosshair);
+    const [column, row] = filmOf(this.view, [nowX + x, nowY + y]);
     this.crosshair = [
       Math.min(columns - 0.5, Math.max(-0.5, column)),
       Math.min(rows - 0.5, Math.max(-0.5, row)),

@@ -1,6 +1,18 @@
 import { describe, expect, it } from "vitest";
 
-import { cssOf, filmOf, fit, pan, reveal, zoom, type FilmPoint } from "./viewport";
+import { UPRIGHT, clockwise, flipped, turnText, type Turn } from "./turn";
+import {
+  alongFilm,
+  boxOf,
+  cssOf,
+  filmOf,
+  fit,
+  pan,
+  reveal,
+  turned,
+  zoom,
+  type FilmPoint,
+} from "./viewport";
 
 const SIZE = { width: 701.5, height: 613.25 };
 const ROUNDING_PX = 1e-9;
@@ -45,7 +57,7 @@ describe.each([0.5, 1, 2])("pixels %s times as high as wide", (aspect) => {
 const film = { columns: 3000, rows: 4000, aspect: 1 };
 
 it("has the centre of the first pixel at zero", () => {
-  const view = { scale: 4, aspect: 2, left: 100, top: 50 };
+  const view = { scale: 4, aspect: 2, left: 100, top: 50, turn: UPRIGHT };
   expect(cssOf(view, [0, 0])).toEqual([102, 54]);
   expect(filmOf(view, [102, 54])).toEqual([0, 0]);
 });
@@ -69,4 +81,66 @@ it("moves a hidden place just into view", () => {
   const hidden = filmOf(view, [300, SIZE.height + 500]);
   const [x, y] = cssOf(reveal(view, hidden, 80, film, SIZE), hidden);
   close([x, y], [300, SIZE.height - 80]);
+});
+
+const MIRRORED: Turn = { mirrored: true, quarters: 0 };
+
+/** All eight ways to show a film. */
+const TURNS: Turn[] = [UPRIGHT, MIRRORED].flatMap((first) => {
+  const turns = [first];
+  while (turns.length < 4) turns.push(clockwise(turns.at(-1)!));
+  return turns;
+});
+
+describe.each(TURNS)("shown %o", (turn) => {
+  const film = { columns: 300, rows: 400, aspect: 2 };
+  const view = zoom(fit(film, SIZE, turn), 3.1, [311.2, 205.9], film, SIZE);
+
+  it("converts places and steps to the screen and back", () => {
+    const place: FilmPoint = [120.437, 277.019];
+    const at = cssOf(view, place);
+    close(filmOf(view, at), place);
+    const [across, down] = alongFilm(turn, [30, -12]);
+    const moved = filmOf(view, [at[0] + 30, at[1] - 12]);
+    close(
+      [moved[0] - place[0], moved[1] - place[1]],
+      [across / view.scale, down / (view.scale * film.aspect)],
+    );
+  });
+
+  it("fits the whole film into the view", () => {
+    const { left, top, width, height } = boxOf(fit(film, SIZE, turn), film);
+    close([2 * left + width, 2 * top + height], [SIZE.width, SIZE.height]);
+    expect(Math.min(left, top)).toBeCloseTo(12, 9);
+  });
+
+  it("keeps the middle of the view while it is turned on", () => {
+    const middle = [SIZE.width / 2, SIZE.height / 2] as const;
+    const before = filmOf(view, middle);
+    for (const next of [clockwise(turn), flipped(turn)])
+      close(filmOf(turned(view, next, film, SIZE), middle), before);
+  });
+
+  it("is turned on the screen, whatever it was before", () => {
+    const direction = (one: Turn, by: FilmPoint): readonly number[] => {
+      const at = { scale: 1, aspect: 1, left: 0, top: 0, turn: one };
+      const [x, y] = cssOf(at, [0, 0]);
+      const to = cssOf(at, by);
+      return [to[0] - x, to[1] - y];
+    };
+    for (const by of [
+      [1, 0],
+      [0, 1],
+    ] as const) {
+      const [x, y] = direction(turn, by);
+      close(direction(clockwise(turn), by), [-y!, x!]);
+      close(direction(flipped(turn), by), [-x!, y!]);
+    }
+  });
+});
+
+it("says how a film is turned, and nothing of one that is not", () => {
+  expect(turnText(UPRIGHT)).toBeNull();
+  expect(turnText(flipped(clockwise(UPRIGHT)))).toMatch(/^Shown mirrored, then turned 90° anti/);
+  expect(turnText(clockwise(clockwise(flipped(flipped(UPRIGHT)))))).toMatch(/^Shown turned 180°\./);
 });

@@ -4,6 +4,7 @@ export type Page =
   | { name: "new-study" }
   | { name: "import" }
   | { name: "measure"; study: string; film?: number }
+  | { name: "films"; study: string }
   | { name: "model"; study: string }
   | { name: "evidence"; study: string }
   | { name: "plan"; study: string }
@@ -18,6 +19,7 @@ export function pageOf(hash: string): Page {
   if (first === "cohort") return { name: "cohort" };
   if (first === "access") return { name: "access" };
   if (first === "studies" && study) {
+    if (third === "films") return { name: "films", study };
     if (third === "model") return { name: "model", study };
     if (third === "evidence") return { name: "evidence", study };
     if (third === "plan") return { name: "plan", study };
@@ -48,6 +50,8 @@ export function addressOf(page: Page): string {
       return "#/cohort";
     case "access":
       return "#/access";
+    case "films":
+      return `#/studies/${encodeURIComponent(page.study)}/films`;
     case "model":
       return `#/studies/${encodeURIComponent(page.study)}/model`;
     case "evidence":

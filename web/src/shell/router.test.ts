@@ -18,6 +18,7 @@ describe("addresses", () => {
     { name: "access" },
     { name: "measure", study: "S-017" },
     { name: "measure", study: "S-017", film: 3 },
+    { name: "films", study: "S-017" },
     { name: "model", study: "a.b_c-1" },
     { name: "evidence", study: "S-017" },
     { name: "plan", study: "a.b_c-1" },

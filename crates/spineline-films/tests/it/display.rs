@@ -163,6 +163,19 @@ fn values_for_a_viewer_carry_their_scale() {
 }
 
 #[test]
+fn values_for_a_viewer_have_all_windows_of_the_file() {
+    let mut maker = Maker::new(3, 1, &[10, 20, 40]);
+    let windows = |maker: &Maker| read(&maker.file(EXPLICIT)).unwrap().screen_values().file_windows;
+    assert_eq!(windows(&maker), Vec::<[f64; 2]>::new());
+    maker.text((0x28, 0x1050), "DS", "20\\30").text((0x28, 0x1051), "DS", "10\\12");
+    // The smallest value of the picture is 0 for the viewer.
+    assert_eq!(windows(&maker), [[10.0, 10.0], [20.0, 12.0]]);
+    maker.text((0x28, 4), "CS", "MONOCHROME1");
+    // The largest one is.
+    assert_eq!(windows(&maker), [[20.0, 10.0], [10.0, 12.0]]);
+}
+
+#[test]
 fn packed_tables_of_8_bits_are_read() {
     let mut maker = Maker::new(3, 1, &[0, 1, 2]);
     let item = [

@@ -6,6 +6,7 @@
 
 mod cohort;
 mod computations;
+mod drawn;
 mod exports;
 mod live;
 mod load_file;
@@ -20,6 +21,7 @@ mod words;
 
 pub use cohort::*;
 pub use computations::*;
+pub use drawn::*;
 pub use exports::*;
 pub use live::*;
 pub use load_file::*;

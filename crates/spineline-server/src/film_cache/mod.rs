@@ -8,7 +8,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use axum::body::Bytes;
 use axum::http::StatusCode;
 use spineline::measure::judge_spacing;
-use spineline_films::FilmFile;
+use spineline_films::{FilmFile, FilmKind};
 use spineline_store::{Hash, Thumbnails};
 use tokio::sync::{Semaphore, SemaphorePermit};
 
@@ -34,6 +34,8 @@ pub struct Screen {
     pub rows: u32,
     /// Centre and width in these values.
     pub default_window: [f64; 2],
+    /// The same of all windows and tables that a DICOM file has; of no other file.
+    pub file_windows: Vec<[f64; 2]>,
     /// Maximum value.
     pub max: u16,
 }
@@ -55,6 +57,10 @@ impl Screen {
             columns: values.columns,
             rows: values.rows,
             default_window: values.default_window,
+            file_windows: match film.kind {
+                FilmKind::Dicom => values.file_windows,
+                FilmKind::Png | FilmKind::Jpeg | FilmKind::Tiff => Vec::new(),
+            },
         }
     }
 }

@@ -1,5 +1,6 @@
 //! Films: pixels, thumbnails, and changes of their records.
 
+mod drawn;
 mod uploads;
 
 use axum::extract::State;
@@ -26,6 +27,7 @@ pub fn routes() -> OpenApiRouter<AppState> {
         .routes(routes!(film_thumbnail))
         .routes(routes!(reading_thumbnail))
         .routes(routes!(edit))
+        .merge(drawn::routes())
         .merge(uploads::routes())
 }
 
@@ -141,18 +143,21 @@ async fn pixels(state: &AppState, film: &FilmRecord) -> Answer<Response> {
     let image =
         spineline_files::parse_image(&film.image, film.posture).map_err(StoreError::from)?;
     let [center, width] = screen.default_window;
+    let of_file: Vec<String> =
+        screen.file_windows.iter().map(|[center, width]| format!("{center} {width}")).collect();
     let numbers = [
-        ("x-spineline-columns", f64::from(screen.columns)),
-        ("x-spineline-rows", f64::from(screen.rows)),
-        ("x-spineline-pixel-aspect", words::pixel_aspect(image.spacing)),
-        ("x-spineline-window-center", center),
-        ("x-spineline-window-width", width),
-        ("x-spineline-max", f64::from(screen.max)),
+        ("x-spineline-columns", screen.columns.to_string()),
+        ("x-spineline-rows", screen.rows.to_string()),
+        ("x-spineline-pixel-aspect", words::pixel_aspect(image.spacing).to_string()),
+        ("x-spineline-window-center", center.to_string()),
+        ("x-spineline-window-width", width.to_string()),
+        ("x-spineline-max", screen.max.to_string()),
+        ("x-spineline-file-windows", of_file.join(", ")),
     ];
     let mut response = screen.bytes.clone().into_response();
     let headers = response.headers_mut();
     for (name, number) in numbers {
-        headers.insert(name, HeaderValue::from_str(&number.to_string()).expect("digits"));
+        headers.insert(name, HeaderValue::from_str(&number).expect("digits"));
     }
     Ok(response)
 }

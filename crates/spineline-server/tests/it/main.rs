@@ -7,6 +7,7 @@ mod accounts;
 mod browser;
 mod computations;
 mod crowd;
+mod drawn;
 mod example;
 mod exports;
 mod films;

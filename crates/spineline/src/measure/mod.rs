@@ -18,6 +18,7 @@ mod calibration;
 pub mod completion;
 mod confidence;
 mod corners;
+mod drawn;
 mod evidence;
 mod film;
 mod film_length;
@@ -49,6 +50,7 @@ pub(crate) use axial::axial_rotations;
 pub use axial::{AxialRotation, NashMoe, PedicleFault};
 pub use calibration::{Calibration, CalibrationError, Calibrator};
 pub use corners::{CornerFault, Corners};
+pub use drawn::{DrawnAngle, DrawnFault, DrawnLength, DrawnLine};
 pub use evidence::{
     CalibrationType, SpacingEvidence, SpacingJudgement, SpacingRemark, judge_spacing,
 };

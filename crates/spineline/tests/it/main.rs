@@ -8,6 +8,7 @@ mod cobb;
 mod common;
 mod confidence;
 mod curves;
+mod drawn_lines;
 mod faults;
 mod faults_contradictions;
 mod faults_films;

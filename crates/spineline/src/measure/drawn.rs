@@ -1,0 +1,196 @@
+use super::{Calibration, ImageGeometry, LengthScale, SpacingPlane};
+use crate::spatial::{Angle, Frontal, Pixel};
+
+/// A line that a person draws on a film to measure a length or an angle. It is a landmark of no reading.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct DrawnLine {
+    /// One end.
+    pub from: Pixel,
+    /// Other end.
+    pub to: Pixel,
+}
+
+/// The length of a drawn line.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct DrawnLength {
+    /// Length in the millimetres of [`DrawnLength::scale`]; in pixels where the film has no scale.
+    pub length_mm: f64,
+    /// Its standard deviation by the two clicks alone, in the same unit.
+    pub click_sd_mm: f64,
+    /// What the length is measured in, with the error of the film's scale.
+    pub scale: LengthScale,
+}
+
+/// The angle between two drawn lines.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct DrawnAngle {
+    /// The smaller angle between the lines, from 0° to 90°, whatever the order of their ends.
+    pub angle: Angle,
+    /// Its standard deviation by the four clicks. The error of the scale does not count: it changes both directions alike.
+    pub click_sd: Angle,
+}
+
+/// A drawn line that measures nothing.
+#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum DrawnFault {
+    /// An end beside the picture, or no number.
+    #[error(
+        "an end at column {:.1}, row {:.1} lies outside of the {columns} × {rows} picture",
+        place.column_px,
+        place.row_px
+    )]
+    OffPicture {
+        /// The end.
+        place: Pixel,
+        /// Columns of the picture.
+        columns: u32,
+        /// Rows of the picture.
+        rows: u32,
+    },
+    /// Ends too close for their standard deviation.
+    #[error(
+        "the ends of a line are {apart_px:.1} pixels apart, and the minimum is {least_px:.1} (ten times the standard deviation of a click)"
+    )]
+    TooNear {
+        /// Distance between the ends, in widths of a pixel.
+        apart_px: f64,
+        /// The least.
+        least_px: f64,
+    },
+}
+
+impl ImageGeometry {
+    /// What lengths between places of this picture are measured in; a pixel stands for a millimetre where it has no spacing.
+    #[must_use]
+    pub fn length_scale(&self) -> LengthScale {
+        let pixels = LengthScale {
+            plane: SpacingPlane::Pixels,
+            source: None,
+            relative_sd: None,
+            pixels_per_mm: Some(1.0),
+        };
+        self.spacing.as_ref().map_or(pixels, LengthScale::of)
+    }
+
+    /// The length of a drawn line, by the spacing of columns and that of rows.
+    ///
+    /// With the sides `y` and `z` of the line and the size `c` × `r` of a pixel, its variance by the clicks is
+    /// `2 σ² (c² y² + r² z²) / (y² + z²)`, to first order; `σ` is [`Calibration::CLICK_SD_PX`].
+    ///
+    /// # Errors
+    /// [`DrawnFault`].
+    ///
+    /// ```
+    /// use spineline::anatomy::ImageSide;
+    /// use spineline::measure::{DrawnLine, ImageGeometry, Spacing, SpacingPlane};
+    /// use spineline::spatial::Pixel;
+    /// let image = ImageGeometry {
+    ///     columns: 400, rows: 500, patient_left: ImageSide::Left,
+    ///     spacing: Some(Spacing::stated(0.5, 0.2, SpacingPlane::Patient)),
+    /// };
+    /// let line = DrawnLine { from: Pixel::new(10.0, 10.0), to: Pixel::new(70.0, 210.0) };
+    /// let length = image.drawn_length(&line)?;
+    /// assert!((length.length_mm - 50.0).abs() < 1e-12);
+    /// assert_eq!(length.text(), "50.0 ± 0.2 mm");
+    /// # Ok::<(), spineline::measure::DrawnFault>(())
+    /// ```
+    pub fn drawn_length(&self, line: &DrawnLine) -> Result<DrawnLength, DrawnFault> {
+        let way = self.way(line)?;
+        let by_click = self.by_click(Frontal::new(way.y_mm.abs(), way.z_mm.abs()));
+        Ok(DrawnLength {
+            length_mm: way.norm_mm(),
+            click_sd_mm: by_click / way.norm_mm(),
+            scale: self.length_scale(),
+        })
+    }
+
+    /// The angle between two drawn lines in the patient's frontal plane, where pixels need not be square.
+    ///
+    /// The variance of one direction by its clicks is `2 σ² (c² z² + r² y²) / (y² + z²)²`, to first order, with the
+    /// letters of [`ImageGeometry::drawn_length`].
+    ///
+    /// # Errors
+    /// [`DrawnFault`].
+    ///
+    /// ```
+    /// use spineline::anatomy::ImageSide;
+    /// use spineline::measure::{DrawnLine, ImageGeometry, Spacing, SpacingPlane};
+    /// use spineline::spatial::Pixel;
+    /// let image = ImageGeometry {
+    ///     columns: 400, rows: 500, patient_left: ImageSide::Left,
+    ///     spacing: Some(Spacing::stated(0.2, 0.1, SpacingPlane::Patient)),
+    /// };
+    /// let level = DrawnLine { from: Pixel::new(10.0, 10.0), to: Pixel::new(60.0, 10.0) };
+    /// // Fifty columns and a hundred rows: 10 mm across and 10 mm down.
+    /// let slope = DrawnLine { from: Pixel::new(60.0, 110.0), to: Pixel::new(10.0, 10.0) };
+    /// let angle = image.drawn_angle(&[level, slope])?;
+    /// assert!((angle.angle.deg() - 45.0).abs() < 1e-12);
+    /// # Ok::<(), spineline::measure::DrawnFault>(())
+    /// ```
+    pub fn drawn_angle(&self, lines: &[DrawnLine; 2]) -> Result<DrawnAngle, DrawnFault> {
+        let [a, b] = [self.way(&lines[0])?, self.way(&lines[1])?];
+        let sd_rad = |way: Frontal| {
+            // A click moves the direction by what it moves across the line.
+            let across = Frontal::new(way.z_mm.abs(), way.y_mm.abs());
+            self.by_click(across) / way.dot(way)
+        };
+        Ok(DrawnAngle {
+            angle: Angle::from_sin_cos(a.cross(b).abs(), a.dot(b).abs()),
+            click_sd: Angle::from_rad(sd_rad(a).hypot(sd_rad(b))),
+        })
+    }
+
+    /// From one end of a line to the other.
+    fn way(&self, line: &DrawnLine) -> Result<Frontal, DrawnFault> {
+        let ends = [line.from, line.to];
+        if let Some(&place) = ends.iter().find(|&&place| !self.contains(place)) {
+            let (columns, rows) = (self.columns, self.rows);
+            return Err(DrawnFault::OffPicture { place, columns, rows });
+        }
+        let [from, to] = ends.map(|place| self.frontal(place));
+        let way = to - from;
+        let least_px = 10.0 * Calibration::CLICK_SD_PX;
+        let apart_px = way.norm_mm() / self.pixel_size().y_mm;
+        if apart_px < least_px {
+            return Err(DrawnFault::TooNear { apart_px, least_px });
+        }
+        Ok(way)
+    }
+
+    /// Standard deviation by two clicks of `y Δy + z Δz`, where `y` and `z` are given.
+    fn by_click(&self, weights: Frontal) -> f64 {
+        let size = self.pixel_size();
+        let spread = (weights.y_mm * size.y_mm).hypot(weights.z_mm * size.z_mm);
+        std::f64::consts::SQRT_2 * Calibration::CLICK_SD_PX * spread
+    }
+
+    /// Width and height of a pixel.
+    fn pixel_size(&self) -> Frontal {
+        let to = self.frontal(Pixel::new(1.0, 1.0));
+        Frontal::new(to.y_mm.abs(), to.z_mm.abs())
+    }
+}
+
+impl DrawnLength {
+    /// Standard deviation of the length by the clicks and, where it is known, by the film's scale; in the unit of the length.
+    #[must_use]
+    pub fn sd_mm(&self) -> f64 {
+        self.click_sd_mm.hypot(self.scale.sd_mm(self.length_mm).unwrap_or_default())
+    }
+
+    /// The length in words: `123.4 ± 0.9 mm`, or `842 px` where the film has no scale.
+    #[must_use]
+    pub fn text(&self) -> String {
+        let relative_sd = Some(self.sd_mm() / self.length_mm);
+        LengthScale { relative_sd, ..self.scale }.text(self.length_mm, 1)
+    }
+}
+
+impl DrawnAngle {
+    /// The angle in words: `23.4 ± 0.3°`.
+    #[must_use]
+    pub fn text(&self) -> String {
+        format!("{:.1} ± {:.1}°", self.angle.deg(), self.click_sd.deg())
+    }
+}
