@@ -1,5 +1,6 @@
 //! Tests of files of Spineline, and of models in the formats of other programs.
 
+mod biplanar_lines;
 mod exports;
 mod files;
 mod hidden;
