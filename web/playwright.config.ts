@@ -14,6 +14,8 @@ export default defineConfig({
   reporter: [["list"]],
   use: {
     viewport: { width: 1280, height: 800 },
+    // A press or a screenshot that waits longer hangs: say which one, and try again.
+    actionTimeout: 60_000,
     // `look.spec.ts` has the light theme too.
     colorScheme: "dark",
     // Debian's browser, because Playwright's browsers cannot be downloaded everywhere.

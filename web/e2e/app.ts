@@ -41,6 +41,8 @@ export class App {
     this.process = child;
     await new Promise<void>((resolve, reject) => {
       let text = "";
+      const late = () => reject(new Error(`serve printed no address in 60 s: ${text}`));
+      setTimeout(late, 60_000).unref();
       child.stdout.on("data", (part: Buffer) => {
         text += part.toString();
         // An address is valid once; then the program prints another one.
