@@ -114,15 +114,17 @@ pub fn joint_rotations(erect: &Outline, film: &Outline) -> Vec<Angle> {
     (1..film.vertebrae.len()).map(|i| (turn(i) - turn(i - 1)).wrapped()).collect()
 }
 
-/// How far the top turns from the erect film against the base, and the standard deviation of that by the noise of both films'
-/// tilts.
-pub(crate) fn turn_of_top(erect: &Outline, film: &Outline) -> [Angle; 2] {
+/// How far the top turns from the erect film against the base.
+fn turn_of_top(erect: &Outline, film: &Outline) -> Angle {
     let last = film.vertebrae.len() - 1;
-    let tilt = |outline: &Outline| outline.vertebrae[last].tilt;
+    (film.vertebrae[last].tilt - erect.vertebrae[last].tilt).wrapped()
+}
+
+/// Standard deviation of that turn by the noise of both films' tilts.
+pub(crate) fn turn_of_top_sd(erect: &Outline, film: &Outline) -> Angle {
     // A tilt against L4 has the noise of two.
     let [film_sd, erect_sd] = [film, erect].map(|outline| outline.noise_of_ends().tilt.rad());
-    let sd = f64::sqrt(2.0) * film_sd.hypot(erect_sd);
-    [(tilt(film) - tilt(erect)).wrapped(), Angle::from_rad(sd)]
+    Angle::from_rad(f64::sqrt(2.0) * film_sd.hypot(erect_sd))
 }
 
 /// Joint rotations before a film: `mean + basis x`, where `x` are either free or standard normal.
@@ -236,7 +238,9 @@ impl<'a> TopFit<'a> {
             rotations,
             film,
             top: film.vertebrae[last].location * film.length.scale.factor,
-            turn: baseline.knows_tilt().then(|| turn_of_top(erect, film).map(Angle::rad)),
+            turn: baseline
+                .knows_tilt()
+                .then(|| [turn_of_top(erect, film), turn_of_top_sd(erect, film)].map(Angle::rad)),
         }
     }
 

@@ -13,7 +13,7 @@ mod rotation_prior;
 mod simulate;
 pub mod statistics;
 
-pub(crate) use baseline::turn_of_top;
+pub(crate) use baseline::turn_of_top_sd;
 pub use baseline::{
     Baseline, BaselinePrediction, joint_rotations, predict_baseline, predict_from_prior,
 };

@@ -14,7 +14,7 @@ use super::near_t2::{largest, size_factor};
 use super::prediction::{prediction, with_scale};
 use super::problem::{LoadedFilm, statics};
 use super::{Base, Hypothesis, HypothesisFilm, Spine};
-use crate::evaluate::turn_of_top;
+use crate::evaluate::turn_of_top_sd;
 use crate::least_squares::{FitStatus, System, minimize};
 use crate::measure::FilmScale;
 use crate::multibody::{GeneralStatics, starts_of_sizes};
@@ -114,7 +114,6 @@ impl<'s, 'a> TopFit<'s, 'a> {
         });
         let factor = film.outline.length.scale.factor;
         let weights = ShapeWeights::of_difference(&film.outline.noise, &spine.erect.noise);
-        let [_, turn_sd] = turn_of_top(spine.erect, film.outline);
         Some(Self {
             hypothesis,
             film,
@@ -122,7 +121,8 @@ impl<'s, 'a> TopFit<'s, 'a> {
             groups: log_multipliers.len(),
             top: film.outline.vertebrae.last()?.location * factor,
             top_sd_mm: film.outline.top_sd_mm(),
-            turn_sd: (role == Role::LeftOutWithTilt).then_some(turn_sd),
+            turn_sd: (role == Role::LeftOutWithTilt)
+                .then(|| turn_of_top_sd(spine.erect, film.outline)),
             mean: DVector::from_iterator(joints, mean),
             root: spine.rotations.root().clone(),
             base_sd_rad: weights.tilt_sd_rad,

@@ -169,11 +169,12 @@ pub(crate) fn axial_rotations(
             let pair = PediclePair::of(landmark, |place| image.frontal(place)).map_err(fault)?;
             places.push(pair);
         }
-        let Some(mean) = PediclePair::mean(places.clone()) else { continue };
+        let marked = places.len();
+        let Some(mean) = PediclePair::mean(places) else { continue };
         let Some(vertebra) = outline.vertebra(level) else { continue };
         let per_mm = outline.scale.pixels_per_mm.unwrap_or(1.0);
         let corner_sd = outline.noise_of(vertebra).corner_mm() * per_mm;
-        found.push(mean.rotation(level, corner_sd, places.len()));
+        found.push(mean.rotation(level, corner_sd, marked));
     }
     Ok(found)
 }

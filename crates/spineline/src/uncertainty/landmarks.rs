@@ -324,10 +324,7 @@ fn lateral_sd_px(case: &Case, nominal: &Analysis, noise: LandmarkNoise) -> [f64;
     if let LandmarkNoise::Pixels(sd_px) = noise {
         return [sd_px; 2];
     }
-    let marked: usize = film.readings.iter().map(|reading| reading.vertebrae.len()).sum();
-    let levels: BTreeSet<Level> =
-        film.readings.iter().flat_map(|reading| reading.vertebrae.keys().copied()).collect();
-    let of_one = (marked as f64 / levels.len() as f64).sqrt();
+    let of_one = readings_per_level(&film.readings).sqrt();
     let sd = of_one * space.corner_sd_mm / space.alignment.scale;
     let steps = film.spacing.map_or([1.0, 1.0], |spacing| [spacing.column_mm, spacing.row_mm]);
     steps.map(|step| sd / step)
@@ -339,10 +336,7 @@ fn placement_noise(
     readings: &[Reading<Placement>],
     of_means: Noise,
 ) -> FilmNoise {
-    let marked: usize = readings.iter().map(|reading| reading.vertebrae.len()).sum();
-    let levels: BTreeSet<Level> =
-        readings.iter().flat_map(|reading| reading.vertebrae.keys().copied()).collect();
-    let per_value = if of_means.measured { marked as f64 / levels.len() as f64 } else { 1.0 };
+    let per_value = if of_means.measured { readings_per_level(readings) } else { 1.0 };
     let root = per_value.sqrt();
     FilmNoise {
         posture,
@@ -353,6 +347,14 @@ fn placement_noise(
         },
         program_corners: 0,
     }
+}
+
+/// How often a level is marked, mean over the levels.
+fn readings_per_level<T>(readings: &[Reading<T>]) -> f64 {
+    let marked: usize = readings.iter().map(|reading| reading.vertebrae.len()).sum();
+    let levels: BTreeSet<Level> =
+        readings.iter().flat_map(|reading| reading.vertebrae.keys().copied()).collect();
+    marked as f64 / levels.len() as f64
 }
 
 /// Deviation of a corner's coordinate between the readings of one film, pooled over films, vertebrae and corners that

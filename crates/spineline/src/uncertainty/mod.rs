@@ -151,8 +151,15 @@ impl<'a> MonteCarlo<'a> {
             Ok(analysis) => analysis,
             Err(error) => return Replicate { values: Err(error.code()), endings: Vec::new() },
         };
-        let values = self.quantities.iter().map(|q| q.value(&analysis, self.nominal)).collect();
-        Replicate { values: Ok(values), endings: endings(&analysis) }
+        Replicate { values: Ok(self.values_in(&analysis)), endings: endings(&analysis) }
+    }
+
+    /// One value per quantity of an analysis of this case, or why it has none.
+    fn values_in(&self, analysis: &Analysis) -> Vec<Result<f64, Absent>> {
+        let measures = analysis.spatial_measures();
+        let value =
+            |quantity: &AnalysisQuantity| quantity.value(analysis, measures.as_ref(), self.nominal);
+        self.quantities.iter().map(value).collect()
     }
 
     /// An empty tally of this case's quantities.

@@ -194,8 +194,14 @@ pub(super) fn all_of(nominal: &Analysis, kinds: &[LineKind]) -> Vec<AnalysisQuan
 }
 
 impl AnalysisQuantity {
-    /// Its value in an analysis, in its unit as people see it; `nominal` is the analysis of the case itself.
-    pub(super) fn value(self, analysis: &Analysis, nominal: &Analysis) -> Result<f64, Absent> {
+    /// Its value in an analysis, in its unit as people see it; `measures` are that analysis's numbers in space, and `nominal` is the
+    /// analysis of the case itself.
+    pub(super) fn value(
+        self,
+        analysis: &Analysis,
+        measures: Option<&SpatialMeasures>,
+        nominal: &Analysis,
+    ) -> Result<f64, Absent> {
         match self {
             Self::ChainLength
             | Self::SegmentLength
@@ -214,7 +220,7 @@ impl AnalysisQuantity {
             | Self::Sagittal(_)
             | Self::LargestCurve(_)
             | Self::Convexity(_)
-            | Self::SpinalLength => self.in_space(analysis).ok_or(Absent::NotMeasured),
+            | Self::SpinalLength => self.in_space(analysis, measures).ok_or(Absent::NotMeasured),
             Self::FilmScale(posture) => Ok(found(analysis, posture)?.outline.length.scale.factor),
             Self::LeastSegment(..)
             | Self::LeastDistanceSegments(..)
@@ -225,16 +231,14 @@ impl AnalysisQuantity {
         }
     }
 
-    fn in_space(self, analysis: &Analysis) -> Option<f64> {
-        let space = analysis.space.as_ref()?;
-        let measures = || SpatialMeasures::of(space, &analysis.clinical, &analysis.axial);
+    fn in_space(self, analysis: &Analysis, measures: Option<&SpatialMeasures>) -> Option<f64> {
         Some(match self {
-            Self::Pitch(level) => space.vertebra(level)?.orientation.pitch.deg(),
-            Self::Sagittal(part) => measures().sagittal(part)?.axes_3d.deg(),
-            Self::LargestCurve(region) => measures().curve(region)?.angle_3d.deg(),
-            Self::Convexity(region) => measures().curve(region)?.convexity_3d.deg(),
+            Self::Pitch(level) => analysis.space.as_ref()?.vertebra(level)?.orientation.pitch.deg(),
+            Self::Sagittal(part) => measures?.sagittal(part)?.axes_3d.deg(),
+            Self::LargestCurve(region) => measures?.curve(region)?.angle_3d.deg(),
+            Self::Convexity(region) => measures?.curve(region)?.convexity_3d.deg(),
             Self::SpinalLength => {
-                measures().length.length_3d_mm * analysis.scale().pixels_per_mm.unwrap_or(1.0)
+                measures?.length.length_3d_mm * analysis.scale().pixels_per_mm.unwrap_or(1.0)
             }
             _ => return None,
         })

@@ -122,16 +122,13 @@ pub struct Uncertainty {
 
 impl<'a> Tally<'a> {
     pub(super) fn new(of: &'a MonteCarlo<'a>) -> Self {
-        let counted = |quantity: &AnalysisQuantity| {
-            let nominal = quantity.value(of.nominal, of.nominal);
-            Counted {
-                nominal,
-                reference: nominal.ok(),
-                differences: Distribution::new(),
-                absent: BTreeMap::new(),
-            }
+        let counted = |nominal: Result<f64, Absent>| Counted {
+            nominal,
+            reference: nominal.ok(),
+            differences: Distribution::new(),
+            absent: BTreeMap::new(),
         };
-        let quantities = of.quantities.iter().map(counted).collect();
+        let quantities = of.values_in(of.nominal).into_iter().map(counted).collect();
         Self { of, done: 0, failed: 0, failures: BTreeMap::new(), quantities }
     }
 

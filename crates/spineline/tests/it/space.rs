@@ -2,12 +2,12 @@
 
 #![expect(clippy::disallowed_methods, reason = "the oracle has its own formulas")]
 
-use spineline::analysis::{AnalysisOptions, analyze, analyze_movement};
+use spineline::analysis::{Analysis, AnalysisOptions, analyze, analyze_movement};
 use spineline::anatomy::{Level, SagittalProfile};
 use spineline::clinical::{SagittalPart, SpatialMeasures};
 use spineline::measure::{SpatialOutline, TiltRule, measure_film};
 use spineline::spatial::{Angle, Orientation, Vec3};
-use spineline::uncertainty::{AnalysisQuantity, LandmarkNoise, MonteCarlo};
+use spineline::uncertainty::{AnalysisQuantity, LandmarkNoise, MonteCarlo, Uncertainty};
 use spineline::warning::Warnings;
 use spineline_phantom::{
     EndplateHabit, SagittalShape, SpacePhantom, SpaceSetup, generate_in_space,
@@ -206,8 +206,8 @@ fn a_film_exposed_together_gives_the_pitch_without_an_estimate() {
     assert_eq!(found.alignment.turn, Angle::ZERO);
 }
 
-#[test]
-fn replicates_vary_a_pitch_by_its_deviation() {
+/// The analysis of a phantom with noise, and 150 replicates of it.
+fn replicated() -> (Analysis, Uncertainty) {
     let setup = SpaceSetup { corner_sd_mm: 0.5, ..SpaceSetup::default() };
     let phantom = generate_in_space(&setup);
     let nominal = analyze_movement(&phantom.case, &AnalysisOptions::default()).expect("good");
@@ -216,6 +216,12 @@ fn replicates_vary_a_pitch_by_its_deviation() {
     let mut tally = monte_carlo.tally();
     (0..150).for_each(|index| tally.add(&monte_carlo.replicate(index)));
     let found = tally.finish(150);
+    (nominal, found)
+}
+
+#[test]
+fn replicates_vary_a_pitch_by_its_deviation() {
+    let (nominal, found) = replicated();
     let space = nominal.space.as_ref().expect("both films");
     for level in [Level::L3, Level::T12, Level::T8, Level::T4] {
         let spread = found.of(AnalysisQuantity::Pitch(level)).expect("measured");
@@ -288,14 +294,7 @@ fn no_plane_shows_a_larger_curve_than_that_of_maximum_curvature() {
 
 #[test]
 fn replicates_vary_the_numbers_in_space_by_their_deviations() {
-    let setup = SpaceSetup { corner_sd_mm: 0.5, ..SpaceSetup::default() };
-    let phantom = generate_in_space(&setup);
-    let nominal = analyze_movement(&phantom.case, &AnalysisOptions::default()).expect("good");
-    let monte_carlo = MonteCarlo::new(&phantom.case, &nominal, LandmarkNoise::Measured, 1);
-    let monte_carlo = monte_carlo.expect("sound noise");
-    let mut tally = monte_carlo.tally();
-    (0..150).for_each(|index| tally.add(&monte_carlo.replicate(index)));
-    let found = tally.finish(150);
+    let (nominal, found) = replicated();
     let measures = nominal.spatial_measures().expect("both films");
     let sd = |quantity| found.spread(quantity).expect("measured").sd;
     for angle in &measures.sagittal {
