@@ -1,11 +1,16 @@
 import { execFile, spawn, type ChildProcess } from "node:child_process";
-import { mkdtemp, rm } from "node:fs/promises";
+import { cp, mkdtemp, rm } from "node:fs/promises";
 import { tmpdir } from "node:os";
 import path from "node:path";
 import { promisify } from "node:util";
 
 import AxeBuilder from "@axe-core/playwright";
-import { test as base, expect, type Page } from "@playwright/test";
+import { test as base, expect, request, type Page } from "@playwright/test";
+
+import type { Api } from "../src/api/types";
+
+/** Study of the demonstration. */
+export const DEMO = "demo-rod-01";
 
 /** The program under test. */
 const PROGRAM = process.env.SPINELINE_PROGRAM ?? path.resolve("../target/debug/spineline");
@@ -64,6 +69,20 @@ export class App {
     await ended;
   }
 
+  /** Adds the demo study, as the page of studies does. */
+  async addDemo(): Promise<void> {
+    const { origin, hash } = new URL(this.address);
+    const token = hash.replace("#token=", "");
+    const api = await request.newContext({ baseURL: origin, extraHTTPHeaders: { origin } });
+    const signIn: Api<"SignIn"> = { kind: "token", token, observer: "tester" };
+    const session = await api.post("/api/session", { data: signIn });
+    const { csrf } = (await session.json()) as Api<"SessionView">;
+    const headers = { "x-spineline-csrf": csrf };
+    const made = await api.post("/api/studies/demo", { data: {}, headers });
+    expect(made.status()).toBe(200);
+    await api.dispose();
+  }
+
   /** Opens the app and signs in as an observer. */
   async open(page: Page, observer = "tester"): Promise<void> {
     await usePages(page);
@@ -71,6 +90,12 @@ export class App {
     await page.getByLabel(/your reader name/i).fill(observer);
     await page.getByRole("button", { name: /^open/i }).click();
     await expect(page.getByRole("heading", { name: "Studies", level: 1 })).toBeVisible();
+  }
+
+  /** Opens the app and a page of the demo, which the store has by `test.use({ hasDemo: true })`. */
+  async openDemo(page: Page, place: "measure" | "model" = "measure"): Promise<void> {
+    await this.open(page);
+    await page.evaluate((hash) => (window.location.hash = hash), `#/studies/${DEMO}/${place}`);
   }
 }
 
@@ -86,14 +111,46 @@ export async function runProgramWith(input: string, ...args: string[]): Promise<
   await run;
 }
 
-export const test = base.extend<{ app: App }>({
-  app: async ({}, use) => {
-    const folder = await mkdtemp(path.join(tmpdir(), "spineline-e2e-"));
-    const app = new App(folder);
+async function newApp(): Promise<App> {
+  return new App(await mkdtemp(path.join(tmpdir(), "spineline-e2e-")));
+}
+
+interface Fixtures {
+  /** Whether the store has the demo from the start: drawing its films takes seconds. */
+  hasDemo: boolean;
+  /** A running program with its own store. */
+  app: App;
+}
+
+interface Shared {
+  /** A store with the demo, to be copied. */
+  demoStore: () => Promise<App>;
+}
+
+export const test = base.extend<Fixtures, Shared>({
+  demoStore: [
+    async ({}, use) => {
+      let made: App | null = null;
+      await use(async () => {
+        if (made) return made;
+        const app = await newApp();
+        await app.start();
+        await app.addDemo();
+        await app.kill();
+        return (made = app);
+      });
+      if (made) await rm((made as App).folder, { recursive: true, force: true });
+    },
+    { scope: "worker", timeout: 120_000 },
+  ],
+  hasDemo: [false, { option: true }],
+  app: async ({ hasDemo, demoStore }, use) => {
+    const app = await newApp();
+    if (hasDemo) await cp((await demoStore()).store, app.store, { recursive: true });
     await app.start();
     await use(app);
     await app.kill();
-    await rm(folder, { recursive: true, force: true });
+    await rm(app.folder, { recursive: true, force: true });
   },
 });
 

@@ -240,25 +240,27 @@ function forbidden(films: Api<"FilmSummary">[]): string[] {
   ];
 }
 
-test(
-  "a reader who has finished sees so, and a reader who must wait sees until when",
-  { tag: "@long" },
-  async ({ app, page }) => {
-    await app.open(page);
-    await FilmPage.ofDemo(page);
-    const study = /studies\/([^/]+)/.exec(page.url())![1]!;
-    const until_ms = Date.UTC(2027, 2, 4, 12);
-    let next: object = { kind: "wait", until_ms };
-    await page.route(`**/api/studies/${study}`, async (route) => {
-      const answer = await route.fetch();
-      await route.fulfill({ json: { ...(await answer.json()), plan: { blinded: true, next } } });
-    });
-    const address = page.url().replace(/#.*/, `#/studies/${study}/read`);
-    await page.goto(address);
-    await expect(page.getByRole("heading", { name: /4 mar 2027/i })).toBeVisible();
-    await shot(page, "blinded-wait");
-    next = { kind: "done" };
-    await page.reload();
-    await expect(page.getByRole("heading", { name: /all films are read/i })).toBeVisible();
-  },
-);
+test.describe("of the demo", () => {
+  test.use({ hasDemo: true });
+  test(
+    "a reader who has finished sees so, and a reader who must wait sees until when",
+    { tag: "@long" },
+    async ({ app, page }) => {
+      await FilmPage.ofDemo(app, page);
+      const study = /studies\/([^/]+)/.exec(page.url())![1]!;
+      const until_ms = Date.UTC(2027, 2, 4, 12);
+      let next: object = { kind: "wait", until_ms };
+      await page.route(`**/api/studies/${study}`, async (route) => {
+        const answer = await route.fetch();
+        await route.fulfill({ json: { ...(await answer.json()), plan: { blinded: true, next } } });
+      });
+      const address = page.url().replace(/#.*/, `#/studies/${study}/read`);
+      await page.goto(address);
+      await expect(page.getByRole("heading", { name: /4 mar 2027/i })).toBeVisible();
+      await shot(page, "blinded-wait");
+      next = { kind: "done" };
+      await page.reload();
+      await expect(page.getByRole("heading", { name: /all films are read/i })).toBeVisible();
+    },
+  );
+});

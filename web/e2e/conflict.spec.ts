@@ -1,13 +1,14 @@
 import { expect, shot, test, usePages } from "./app";
 import { FilmPage, cornerOf } from "./marking";
 
+test.use({ hasDemo: true });
+
 test("two windows never overwrite each other: the later change is kept separately", async ({
   app,
   page,
   context,
 }) => {
-  await app.open(page);
-  const first = await FilmPage.ofDemo(page);
+  const first = await FilmPage.ofDemo(app, page);
   const truth = await first.truth();
   const place = cornerOf(truth, "L4", "superior_left");
   const other = await context.newPage();
@@ -44,8 +45,7 @@ test("a duplicated window does not send the other window's unsaved changes", asy
   page,
   context,
 }) => {
-  await app.open(page);
-  const first = await FilmPage.ofDemo(page);
+  const first = await FilmPage.ofDemo(app, page);
   const truth = await first.truth();
   await page.route("**/events", (route) => route.abort());
   await first.click(cornerOf(truth, "L4", "superior_left"));

@@ -1,5 +1,7 @@
 import { expect, expectAccessible, shot, test } from "./app";
 
+test.use({ hasDemo: true });
+
 for (const [scheme, width, tag] of [
   ["dark", 1280, []],
   ["light", 390, ["@long"]],
@@ -12,8 +14,7 @@ for (const [scheme, width, tag] of [
       page,
     }) => {
       test.slow();
-      await app.open(page);
-      await page.getByRole("button", { name: "Open a demo" }).first().click();
+      await app.openDemo(page);
       await page.getByRole("link", { name: "Model →" }).click();
       await page.getByRole("link", { name: "Evidence" }).click();
       await expect(page.getByRole("heading", { level: 1, name: /^Evidence/ })).toBeVisible();

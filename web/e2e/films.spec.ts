@@ -9,6 +9,8 @@ import { filmOf, type FilmPoint } from "../src/measure/viewport";
 import { expect, expectAccessible, runProgram, shot, test, type App } from "./app";
 import { FilmPage, cornerOf, farthest } from "./marking";
 
+test.use({ hasDemo: true });
+
 /** Tolerance between a landmark and its click: places are rounded to 0.001 px. */
 const CLOSE_PX = 0.01;
 /** Texts have one decimal. */
@@ -192,8 +194,7 @@ test("a length is measured with keys alone, and in pixels where a film has no sc
   app,
   page,
 }) => {
-  await app.open(page);
-  await page.getByRole("button", { name: /demo/i }).first().click();
+  await app.openDemo(page);
   const film = new FilmPage(page);
   await film.painted();
   const noScale: Api<"DrawnView"> = { text: "842 px", note: "this film has no scale" };
@@ -225,8 +226,7 @@ test("a length is measured with keys alone, and in pixels where a film has no sc
 });
 
 test("presets of window and level change the picture", async ({ app, page }) => {
-  await app.open(page);
-  await page.getByRole("button", { name: /demo/i }).first().click();
+  await app.openDemo(page);
   const film = new FilmPage(page);
   await film.painted();
   const presets = page.getByRole("combobox", { name: /preset of window/i });
@@ -265,8 +265,7 @@ test("two films are shown side by side, each with its own view, or linked", asyn
   app,
   page,
 }) => {
-  await app.open(page);
-  await page.getByRole("button", { name: /demo/i }).first().click();
+  await app.openDemo(page);
   await page.getByRole("link", { name: "Side by side" }).click();
   const [first, second] = [
     page.getByRole("region", { name: "First film" }),

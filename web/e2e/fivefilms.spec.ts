@@ -3,6 +3,8 @@ import { cssOf, filmOf, type FilmPoint } from "../src/measure/viewport";
 import { expect, test, type App } from "./app";
 import { CORNERS, FilmPage, LEVELS, cornerOf } from "./marking";
 
+test.use({ hasDemo: true });
+
 type ReadingView = Api<"ReadingView">;
 
 /** Time before a click: a practised reader takes a second, with which the test lasts six minutes. */
@@ -80,8 +82,7 @@ test(
   { tag: "@long" },
   async ({ app, page }) => {
     test.setTimeout(1_200_000);
-    await app.open(page);
-    await page.getByRole("button", { name: /demo/i }).first().click();
+    await app.openDemo(page);
     const film = new FilmPage(page);
     const wrong: string[] = [];
     for (const [index, name] of FILMS.entries()) {

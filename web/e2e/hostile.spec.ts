@@ -3,14 +3,15 @@ import { EVIL, expectHarmless, poisonAnswers } from "./hostile";
 import { FilmPage } from "./marking";
 import { requestsElsewhere } from "./wire";
 
+test.use({ hasDemo: true });
+
 test(
   "Measure and Model show hostile texts as text, and no request leaves the machine",
   { tag: "@long" },
   async ({ app, page }) => {
     test.setTimeout(240_000);
     const elsewhere = requestsElsewhere(page, app.address);
-    await app.open(page);
-    const film = await FilmPage.ofDemo(page);
+    const film = await FilmPage.ofDemo(app, page);
 
     // A note that a person writes, stored and returned by the program.
     const notes = page.locator("details").filter({ hasText: "Notes (" });

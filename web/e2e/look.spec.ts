@@ -1,10 +1,10 @@
 import type { Page } from "@playwright/test";
 
-import { expect, expectAccessible, shot, test } from "./app";
+import { DEMO, expect, expectAccessible, shot, test } from "./app";
 import { answerWith, cohort, manyStudies } from "./made";
-import { send } from "./wire";
 
-const STUDY = "demo-rod-01";
+test.use({ hasDemo: true });
+
 /** A phone, a tablet, a small and a large screen. */
 const SIZES = [
   [390, 844],
@@ -21,10 +21,10 @@ const PAGES = [
   ["import", "#/import", "Import a case file"],
   ["cohort", "#/cohort", "MDC95"],
   ["access", "#/access", "spineline account add"],
-  ["measure", `#/studies/${STUDY}/measure`, "Rotation of segments from erect"],
-  ["films", `#/studies/${STUDY}/films`, "mm (patient)"],
-  ["model", `#/studies/${STUDY}/model`, "Which line explains the films?"],
-  ["evidence", `#/studies/${STUDY}/evidence`, "Mean location errors"],
+  ["measure", `#/studies/${DEMO}/measure`, "Rotation of segments from erect"],
+  ["films", `#/studies/${DEMO}/films`, "mm (patient)"],
+  ["model", `#/studies/${DEMO}/model`, "Which line explains the films?"],
+  ["evidence", `#/studies/${DEMO}/evidence`, "Mean location errors"],
 ] as const;
 
 /** What is wider than its place and scrolls sideways, other than a table in its frame. */
@@ -62,7 +62,6 @@ test(
   { tag: "@long" },
   async ({ app, page }) => {
     await app.open(page);
-    expect((await send(page, "POST", "/api/studies/demo", {})).status).toBe(200);
     await answerWith(page, "/api/studies", manyStudies(14));
     await answerWith(page, "/api/cohort", cohort());
     const wide: string[] = [];
@@ -71,7 +70,7 @@ test(
       await expect(page.getByText(sign).first()).toBeVisible({ timeout: 60_000 });
       wide.push(...(await lookAt(page, name)));
     }
-    await page.goto(new URL(`#/studies/${STUDY}/measure`, app.address).href);
+    await page.goto(new URL(`#/studies/${DEMO}/measure`, app.address).href);
     await page.setViewportSize({ width: 1280, height: 720 });
     await page.getByRole("button", { name: /^begin reading/i }).click();
     await expect(page.getByTestId("target")).toContainText("L4", { timeout: 60_000 });

@@ -2,7 +2,7 @@ import type { Page } from "@playwright/test";
 
 import type { Api } from "../src/api/types";
 import { cssOf, filmOf, type FilmPoint, type Viewport } from "../src/measure/viewport";
-import { expect } from "./app";
+import { expect, type App } from "./app";
 
 type ReadingView = Api<"ReadingView">;
 type Corner = Api<"Corner">;
@@ -19,9 +19,9 @@ export const CORNERS: readonly Corner[] = [
 export class FilmPage {
   constructor(readonly page: Page) {}
 
-  /** Creates the demo study and begins a reading of its erect film. */
-  static async ofDemo(page: Page): Promise<FilmPage> {
-    await page.getByRole("button", { name: /demo/i }).first().click();
+  /** Opens the demo study and begins a reading of its erect film. */
+  static async ofDemo(app: App, page: Page): Promise<FilmPage> {
+    await app.openDemo(page);
     const film = new FilmPage(page);
     await film.begin();
     return film;

@@ -5,13 +5,14 @@ import { filmOf, type FilmPoint } from "../src/measure/viewport";
 import { expect, expectAccessible, shot, test, type App } from "./app";
 import { CORNERS, FilmPage, LEVELS, cornerOf, farthest } from "./marking";
 
+test.use({ hasDemo: true });
+
 /** Tolerance between a landmark and its click: places are rounded to 0.001 px. */
 const CLOSE_PX = 0.01;
 
 /** A new reading of the demo's erect film with L4 in the middle, and another reading as reference. */
 async function atL4(app: App, page: Page): Promise<{ film: FilmPage; truth: Api<"ReadingView"> }> {
-  await app.open(page);
-  const film = await FilmPage.ofDemo(page);
+  const film = await FilmPage.ofDemo(app, page);
   const truth = await film.truth();
   await film.lookAt(cornerOf(truth, "L4", "superior_left"), 0.6);
   return { film, truth };
@@ -19,8 +20,7 @@ async function atL4(app: App, page: Page): Promise<{ film: FilmPage; truth: Api<
 
 test("landmarks of a whole film are placed, and results appear", async ({ app, page }) => {
   test.slow();
-  await app.open(page);
-  const film = await FilmPage.ofDemo(page);
+  const film = await FilmPage.ofDemo(app, page);
   await shot(page, "measure-begun");
   await expect(page.locator("[data-side='image-left']")).toBeVisible();
   const truth = await film.truth();
@@ -106,8 +106,7 @@ test("the view of the film does not change while its study is loaded again", asy
   app,
   page,
 }) => {
-  await app.open(page);
-  const film = await FilmPage.ofDemo(page);
+  const film = await FilmPage.ofDemo(app, page);
   const place = cornerOf(await film.truth(), "L4", "superior_left");
   await film.lookAt(place, 0.6);
   const view = await film.view();
@@ -153,8 +152,7 @@ test("a reload keeps all landmarks, and undo still works", async ({ app, page })
 });
 
 test("swapped corners are reported at once and can be undone", async ({ app, page }) => {
-  await app.open(page);
-  const film = await FilmPage.ofDemo(page);
+  const film = await FilmPage.ofDemo(app, page);
   const truth = await film.truth();
   const left = cornerOf(truth, "L4", "superior_left");
   const right = cornerOf(truth, "L4", "superior_right");
@@ -179,8 +177,7 @@ test("swapped corners are reported at once and can be undone", async ({ app, pag
 });
 
 test("a vertebra is placed and corrected with keys alone", async ({ app, page }) => {
-  await app.open(page);
-  const film = await FilmPage.ofDemo(page);
+  const film = await FilmPage.ofDemo(app, page);
   await film.viewer.focus();
   await page.keyboard.press("c");
   const crosshair = page.getByTestId("crosshair");
@@ -239,8 +236,7 @@ test("a proposal is recorded only after a person has accepted or moved it", asyn
   app,
   page,
 }) => {
-  await app.open(page);
-  const film = await FilmPage.ofDemo(page);
+  const film = await FilmPage.ofDemo(app, page);
   const truth = await film.truth();
   for (const level of ["L4", "L3"]) {
     await film.lookAt(cornerOf(truth, level, "superior_left"), 0.6);
@@ -279,8 +275,7 @@ test("a lost connection moves nothing: clicks on the same pixels are saved after
   app,
   page,
 }) => {
-  await app.open(page);
-  const film = await FilmPage.ofDemo(page);
+  const film = await FilmPage.ofDemo(app, page);
   const truth = await film.truth();
   await page.getByRole("button", { name: "Fit" }).click();
   const corners = [
@@ -344,8 +339,7 @@ test("unsaved clicks of a crashed window are not lost", async ({ app, page, cont
 });
 
 test("the scale is set by two clicks and holds for the film", async ({ app, page }) => {
-  await app.open(page);
-  await FilmPage.ofDemo(page);
+  await FilmPage.ofDemo(app, page);
   await page.getByRole("button", { name: "Scale" }).click();
   const box = (await page.getByTestId("viewer").boundingBox())!;
   await page.mouse.click(box.x + box.width / 2, box.y + 200);
@@ -405,8 +399,7 @@ test("a scale bar shows lengths at every zoom", async ({ app, page }) => {
       Object.assign(film, { row_mm, plane: "detector" });
     await route.fulfill({ response, json: detail });
   });
-  await app.open(page);
-  await page.getByRole("button", { name: /demo/i }).first().click();
+  await app.openDemo(page);
   const film = new FilmPage(page);
   await film.painted();
   const bar = page.getByTestId("scale-bar");

@@ -4,6 +4,8 @@ import type { Api } from "../src/api/types";
 import { expectAccessible, expect, shot, test, type App } from "./app";
 import { loadAnswer, modelView } from "./model.fixture";
 
+test.use({ hasDemo: true });
+
 const ADDRESS = "#/studies/phantom-rod-01/model";
 
 /** Answers with a model that has a contradiction, a bound and a line without a result. */
@@ -119,11 +121,7 @@ test("a model is drawn, with its stiffness, its line and its force", async ({ ap
 });
 
 test("the demo's model is computed and drawn, and responds to a load", async ({ app, page }) => {
-  await app.open(page);
-  await page.getByRole("button", { name: "Open a demo" }).first().click();
-  await page.waitForURL(/#\/studies\/[^/]+\/measure/);
-  const study = /#\/studies\/([^/]+)/.exec(page.url())![1]!;
-  await page.evaluate((id) => (window.location.hash = `#/studies/${id}/model`), study);
+  await app.openDemo(page, "model");
   const view = await picture(page);
   const seen = await steady(page, view);
   const [line] = await pixelsNear(page, seen, [INFLECTION]);

@@ -1,17 +1,16 @@
 import type { Page } from "@playwright/test";
 
-import { expect, expectAccessible, shot, test, type App } from "./app";
+import { DEMO, expect, expectAccessible, shot, test, type App } from "./app";
 
-const STUDY = "demo-rod-01";
+test.use({ hasDemo: true });
 
 async function demo(app: App, page: Page): Promise<void> {
-  await app.open(page);
-  await page.getByRole("button", { name: "Open a demo" }).first().click();
+  await app.openDemo(page);
   await expect(page.getByRole("link", { name: "Model →" })).toBeVisible();
 }
 
 async function openModel(page: Page): Promise<void> {
-  await page.evaluate((study) => (window.location.hash = `#/studies/${study}/model`), STUDY);
+  await page.evaluate((study) => (window.location.hash = `#/studies/${study}/model`), DEMO);
   await expect(page.getByRole("heading", { level: 1, name: /^Model/ })).toBeVisible();
   await expect(page.getByRole("button", { name: "Options…" })).toBeVisible();
 }
@@ -78,7 +77,7 @@ test("a known force sets the level of stiffness, and an impossible one is refuse
 
 test("inflections are picked on the film, undone and reset", async ({ app, page }) => {
   await demo(app, page);
-  await page.evaluate((study) => (window.location.hash = `#/studies/${study}`), STUDY);
+  await page.evaluate((study) => (window.location.hash = `#/studies/${study}`), DEMO);
   const section = page.getByRole("region", { name: "Inflections" });
   await expect(section.getByText("Found on the erect film")).toBeVisible();
   await section.getByRole("button", { name: "Pick on the film" }).click();

@@ -3,11 +3,13 @@ import { deflateSync } from "node:zlib";
 import type { Page } from "@playwright/test";
 
 import type { Api } from "../src/api/types";
-import { expect, expectAccessible, shot, test, type App } from "./app";
+import { DEMO, expect, expectAccessible, shot, test, type App } from "./app";
 import { answerWith, cohort } from "./made";
 import { LEVELS } from "./marking";
 import { loadAnswer, modelView } from "./model.fixture";
 import { get, send } from "./wire";
+
+test.use({ hasDemo: true });
 
 const BROKEN = "This page could not be shown";
 
@@ -111,7 +113,7 @@ async function read(
 /** A synthetic study, a real one that was read twice, a refused and a blinded one. */
 async function makeMixedStore(app: App, page: Page): Promise<string[]> {
   await app.open(page, "lead");
-  const demo = (await send<Api<"StudyDetail">>(page, "POST", "/api/studies/demo", {})).body.summary;
+  const demo = (await get<Api<"StudyDetail">>(page, `/api/studies/${DEMO}`)).body.summary;
   const erect = demo.films.find(({ posture }) => posture === "erect")!;
   const other = erect.readings.find(({ complete_levels }) => complete_levels === 15)!;
   const truth = (await get<Api<"ReadingView">>(page, `/api/readings/${other.reading}`)).body;

@@ -6,14 +6,11 @@ import type { Download, Page } from "@playwright/test";
 import type { Api } from "../src/api/types";
 import { expect, expectAccessible, runProgram, shot, test, type App } from "./app";
 
-const STUDY = "demo-rod-01";
+test.use({ hasDemo: true });
 
 /** Opens the page of loads of the demo. */
 async function openPlan(app: App, page: Page): Promise<void> {
-  await app.open(page);
-  await page.getByRole("button", { name: "Open a demo" }).first().click();
-  await page.waitForURL(/#\/studies\/[^/]+\/measure/);
-  await page.evaluate((id) => (window.location.hash = `#/studies/${id}/model`), STUDY);
+  await app.openDemo(page, "model");
   await page.getByRole("link", { name: "Plan of loads" }).click();
   await expect(page.getByRole("heading", { level: 1, name: /^Loads on/ })).toBeVisible();
   await expect(page.getByText(/^Research only: /)).toBeVisible();

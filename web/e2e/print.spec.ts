@@ -2,11 +2,12 @@ import { readFile } from "node:fs/promises";
 
 import type { Page } from "@playwright/test";
 
-import { expect, expectAccessible, shot, test } from "./app";
+import { DEMO, expect, expectAccessible, shot, test } from "./app";
 import { answerWith, cohort } from "./made";
 import { get } from "./wire";
 
-const STUDY = "demo-rod-01";
+test.use({ hasDemo: true });
+
 const NO_DICOM = { code: "refused", message: "erect film: it is not a DICOM file", help: "…" };
 
 /** Fails if a page on paper is dark, cut, or shows tools of the screen. */
@@ -54,7 +55,7 @@ async function exportFiles(page: Page): Promise<void> {
     expect(bytes.subarray(0, start.length).toString()).toBe(start);
     await expect(dialog.getByRole("status")).toHaveText(`${button} is saved.`);
   }
-  await answerWith(page, `/api/studies/${STUDY}/exports/dicom_sr`, NO_DICOM, 422);
+  await answerWith(page, `/api/studies/${DEMO}/exports/dicom_sr`, NO_DICOM, 422);
   await dialog.getByRole("button", { name: "Landmarks as DICOM SR" }).click();
   await expect(dialog.getByText(NO_DICOM.message)).toBeVisible();
   await expectAccessible(page);
@@ -65,28 +66,27 @@ test(
   "Measure, Model and Cohort print plainly and lead to the report and other files",
   { tag: "@long" },
   async ({ app, page }) => {
-    await app.open(page);
-    await page.getByRole("button", { name: "Open a demo" }).click();
+    await app.openDemo(page);
     const link = page.getByRole("link", { name: "Report", exact: true });
     await expect(link).toBeVisible({ timeout: 120_000 });
     const saved = page.waitForEvent("download");
     await link.click();
     const file = await saved;
-    expect(file.suggestedFilename()).toBe(`${STUDY}.html`);
+    expect(file.suggestedFilename()).toBe(`${DEMO}.html`);
     const text = await readFile(await file.path(), "utf8");
     expect(text).toMatch(/^<!DOCTYPE html>/);
     expect(text).toContain("Patient report");
 
     for (const place of ["measure", "model"]) {
       await page.emulateMedia({ media: "screen" });
-      await page.goto(new URL(`#/studies/${STUDY}/${place}`, app.address).href);
+      await page.goto(new URL(`#/studies/${DEMO}/${place}`, app.address).href);
       await expect(link).toBeVisible({ timeout: 60_000 });
       await expectPlainPaper(page);
       await shot(page, `print-${place}`);
       await page.emulateMedia({ media: "screen" });
     }
     await exportFiles(page);
-    expect((await get(page, `/api/studies/${STUDY}/exports/report`)).status).toBe(200);
+    expect((await get(page, `/api/studies/${DEMO}/exports/report`)).status).toBe(200);
     await answerWith(page, "/api/cohort", cohort());
     await page.goto(new URL("#/cohort", app.address).href);
     await expect(page.getByRole("link", { name: /^Report of S-/ }).first()).toBeVisible();

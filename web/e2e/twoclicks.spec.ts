@@ -2,6 +2,8 @@ import type { Api } from "../src/api/types";
 import { expect, shot, test } from "./app";
 import { CORNERS, FilmPage, LEVELS, cornerOf, farthest, wallOf } from "./marking";
 
+test.use({ hasDemo: true });
+
 type ReadingView = Api<"ReadingView">;
 
 /** Mean height of the vertebrae. */
@@ -20,8 +22,7 @@ test("a film is marked by two clicks per vertebra, accepted at once and undone a
   app,
   page,
 }) => {
-  await app.open(page);
-  const film = await FilmPage.ofDemo(page);
+  const film = await FilmPage.ofDemo(app, page);
   const truth = await film.truth();
   await page.getByRole("button", { name: /two clicks/i }).click();
   await expect(film.target).toContainText("middle of the wall, patient’s left");
@@ -58,8 +59,7 @@ test("a film is marked by two clicks per vertebra, accepted at once and undone a
 });
 
 test("vertebrae are proposed on request and accepted one by one", async ({ app, page }) => {
-  await app.open(page);
-  const film = await FilmPage.ofDemo(page);
+  const film = await FilmPage.ofDemo(app, page);
   const truth = await film.truth();
   // Two vertebrae say where the next ones lie.
   for (const level of LEVELS.slice(0, 2)) {

@@ -1,5 +1,7 @@
 import type { Page } from "@playwright/test";
 
+test.use({ hasDemo: true });
+
 import { test, type App } from "../app";
 import { CORNERS, FilmPage, LEVELS, cornerOf } from "../marking";
 import { send } from "../wire";
@@ -8,8 +10,7 @@ import { print, spread } from "./table";
 const MOVES = 150;
 
 test("a dragged corner, and a killed program", async ({ app, page }) => {
-  await app.open(page);
-  const film = await FilmPage.ofDemo(page);
+  const film = await FilmPage.ofDemo(app, page);
   await markAll(page, film);
   const drags = await dragged(page, film);
   const returns = await killed(app, page, film);

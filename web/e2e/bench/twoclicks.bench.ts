@@ -1,12 +1,13 @@
 import { test } from "../app";
 import { FilmPage, LEVELS, wallOf } from "../marking";
 
+test.use({ hasDemo: true });
+
 /** Time that a person takes to aim at a landmark and to click: 40 clicks a minute. */
 const AIM_MS = 1_500;
 
 test("a film of 15 vertebrae by two clicks each, at a person's pace", async ({ app, page }) => {
-  await app.open(page);
-  const film = await FilmPage.ofDemo(page);
+  const film = await FilmPage.ofDemo(app, page);
   const truth = await film.truth();
   await page.keyboard.press("t");
   let actions = 1;
