@@ -178,7 +178,7 @@ test(
 /** Two films of a phantom, dropped on the page. */
 async function makeStudy(page: Page): Promise<void> {
   const phantom = await mkdtemp(path.join(tmpdir(), "spineline-phantom-"));
-  await runProgram("phantom", "--subject", "1", "--films", "--out", phantom);
+  await runProgram("phantom", "--subject", "1", "--films", "--pixel-size", "4", "--out", phantom);
   await page.getByRole("link", { name: "New study" }).first().click();
   const files = ["erect", "left_bending"].map((posture) =>
     path.join(phantom, `phantom-rod-01-${posture}.dcm`),

@@ -18,12 +18,12 @@ const ROUNDED = 0.051;
 
 /** Patient 15 is seen from the front, and its pixels are 0.1 mm wide and 0.125 mm high. */
 const FRONT = "phantom-rod-15";
-const [COLUMN_MM, ROW_MM] = [0.1, 0.125];
+const [COLUMN_MM, ROW_MM] = [0.2, 0.25];
 
 /** A study of a patient seen from the front, with pixels that are not square. */
 async function fromTheFront(app: App, page: Page): Promise<FilmPage> {
   const folder = await mkdtemp(path.join(tmpdir(), "spineline-phantom-"));
-  await runProgram("phantom", "--subject", "15", "--noise", "0", "--films", "--out", folder);
+  await runProgram("phantom", "--subject", "15", "--noise", "0", "--films", "--pixel-size", "2", "--out", folder);
   await app.kill();
   await runProgram("study", "add", app.store, path.join(folder, `${FRONT}.json`));
   await rm(folder, { recursive: true });
@@ -149,7 +149,7 @@ test("lengths and angles are measured in the patient's millimetres and are not s
     }
     await page.getByRole("button", { name: "Length", exact: true }).click();
     await expect(answer).toContainText("Click one end");
-    const [from, to] = [await film.click([1200, 2000]), await film.click([2100, 3100])];
+    const [from, to] = [await film.click([600, 1000]), await film.click([1050, 1550])];
     const length = await number(/^Length [\d.]+ ± [\d.]+ mm/);
     expect(Math.abs(length - Math.hypot(...mm(from, to)))).toBeLessThan(ROUNDED);
     await expect(answer).toContainText("mm (patient)");
@@ -159,10 +159,10 @@ test("lengths and angles are measured in the patient's millimetres and are not s
     await page.getByRole("button", { name: "Angle", exact: true }).click();
     const ends: FilmPoint[] = [];
     for (const place of [
-      [1000, 1200],
-      [2200, 1500],
-      [1100, 2900],
-      [2300, 2500],
+      [500, 600],
+      [1100, 750],
+      [550, 1450],
+      [1150, 1250],
     ] as const)
       ends.push(await film.click(place));
     const angle = await number(/^Angle [\d.]+ ± [\d.]+°/);
@@ -178,7 +178,7 @@ test("lengths and angles are measured in the patient's millimetres and are not s
 
   // An end that is dragged is measured again.
   const was = await number(/^Angle/);
-  const [x, y] = await film.where([2300, 2500]);
+  const [x, y] = await film.where([1150, 1250]);
   await page.mouse.move(x, y);
   await page.mouse.down();
   await page.mouse.move(x + 40, y - 60, { steps: 6 });

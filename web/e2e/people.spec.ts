@@ -161,7 +161,7 @@ async function expectLooking(app: App, ef: Page): Promise<void> {
 async function twoStudies(app: App): Promise<void> {
   await app.kill();
   const folder = await mkdtemp(path.join(tmpdir(), "spineline-phantom-"));
-  await runProgram("phantom", "--subject", "1", "--films", "--out", folder);
+  await runProgram("phantom", "--subject", "1", "--films", "--pixel-size", "4", "--out", folder);
   const file = path.join(folder, `${SHARED}.json`);
   const other = path.join(folder, "other.json");
   await writeFile(other, (await readFile(file, "utf8")).replaceAll(`"${SHARED}"`, `"${OTHER}"`));

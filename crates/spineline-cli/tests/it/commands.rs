@@ -382,7 +382,7 @@ fn a_model_is_exported_for_three_engines_and_unknown_formats_are_refused() {
 #[test]
 fn films_of_a_phantom_are_written_beside_their_case() {
     let here = folder();
-    let command = ["phantom", "--subject", "5", "--films", "--threads", "1", "--out", "cases"];
+    let command = ["phantom", "--subject", "5", "--films", "--pixel-size", "4", "--out", "cases"];
     let (text, _, code) = run(here.path(), &command);
     assert_eq!(code, 0);
     assert!(text.contains("5 synthetic films beside the cases"), "{text}");

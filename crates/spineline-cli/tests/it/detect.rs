@@ -21,7 +21,21 @@ fn blank(columns: u32, rows: u32) -> Vec<u8> {
 #[test]
 fn a_synthetic_film_becomes_a_case_of_corners_that_nobody_has_reviewed() {
     let here = tempdir().expect("a folder");
-    done(here.path(), &["phantom", "--truth", "rod", "--subject", "1", "--films", "--out", "p"]);
+    done(
+        here.path(),
+        &[
+            "phantom",
+            "--truth",
+            "rod",
+            "--subject",
+            "1",
+            "--films",
+            "--pixel-size",
+            "2",
+            "--out",
+            "p",
+        ],
+    );
     let film = "p/phantom-rod-01-erect.dcm";
     let text = done(here.path(), &["detect", film, "--out", "found"]);
     // A drawn film is none of those that the networks were trained on: its levels are not taken for sure.
@@ -48,7 +62,21 @@ fn a_synthetic_film_becomes_a_case_of_corners_that_nobody_has_reviewed() {
 #[test]
 fn a_film_without_a_spine_is_refused_and_the_others_are_kept() {
     let here = tempdir().expect("a folder");
-    done(here.path(), &["phantom", "--truth", "rod", "--subject", "1", "--films", "--out", "p"]);
+    done(
+        here.path(),
+        &[
+            "phantom",
+            "--truth",
+            "rod",
+            "--subject",
+            "1",
+            "--films",
+            "--pixel-size",
+            "2",
+            "--out",
+            "p",
+        ],
+    );
     fs::write(here.path().join("blank.png"), blank(300, 700)).expect("a picture");
     let film = "p/phantom-rod-01-erect.dcm";
     let side = ["--patient-left", "image-left"];

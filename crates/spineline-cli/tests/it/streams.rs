@@ -171,8 +171,7 @@ fn an_output_that_cannot_be_written_is_code_3_with_advice() {
 #[test]
 fn a_case_with_a_mark_of_the_byte_order_enters_a_store() {
     let here = tempfile::tempdir().expect("a place for files");
-    let arguments =
-        ["phantom", "--subject", "1", "--films", "--film-encoding", "rle", "--out", "c"];
+    let arguments = ["phantom", "--subject", "1", "--films", "--pixel-size", "4", "--out", "c"];
     done(here.path(), &arguments);
     let path = here.path().join("c/phantom-rod-01.json");
     let text = fs::read_to_string(&path).expect("a case");

@@ -1,8 +1,9 @@
 //! An app with its own store, and signed-in browsers.
 
+use std::fs;
 use std::future::poll_fn;
 use std::net::SocketAddr;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::pin::Pin;
 use std::task::Context;
 use std::time::Duration;
@@ -98,6 +99,24 @@ impl App {
         Self::over(folder, store, options)
     }
 
+    /// An app over a copy of a kept store.
+    pub fn copy_of(kept: &Path, options: ServeOptions) -> Self {
+        let folder = tempfile::tempdir().expect("a folder");
+        copy(kept, folder.path());
+        let store = Store::open(&folder.path().join("store")).expect("the store");
+        Self::over(folder, store, options)
+    }
+
+    /// Ends the program and keeps the folder of its store in another place.
+    pub fn keep(self, place: &Path) {
+        let Self { runtime, router, state, folder } = self;
+        drop((router, state, runtime));
+        // Copied under another name first: the store is there as a whole or not at all.
+        let beside = place.with_extension("begun");
+        copy(folder.path(), &beside);
+        fs::rename(&beside, place).expect("moved");
+    }
+
     pub fn store_path(&self) -> PathBuf {
         self.folder.path().join("store")
     }
@@ -143,6 +162,14 @@ impl App {
         let answer = browser.sign_in(&account(who, PASSWORD));
         assert_eq!(answer.status, StatusCode::OK, "{}", answer.text());
         browser
+    }
+}
+
+/// Copies the files of a folder.
+fn copy(from: &Path, to: &Path) {
+    fs::create_dir_all(to).expect("a folder");
+    for entry in fs::read_dir(from).expect("a folder").map(|entry| entry.expect("an entry")) {
+        fs::copy(entry.path(), to.join(entry.file_name())).expect("copied");
     }
 }
 

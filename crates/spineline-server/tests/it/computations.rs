@@ -7,7 +7,8 @@ use axum::http::StatusCode;
 use serde_json::{Value, json};
 use spineline::hypothesis::Hypothesis;
 
-use crate::browser::{App, Browser};
+use crate::browser::Browser;
+use crate::demo::app_with_demo;
 use crate::films::decoding;
 
 const PATH: &str = "/api/studies/demo-rod-01/computations/replicates";
@@ -26,9 +27,8 @@ fn ended(lead: &Browser<'_>, path: &str) -> Value {
 
 #[test]
 fn replicates_are_computed_and_shown_and_cancelled() {
-    let app = App::with_token().restarted(decoding());
+    let app = app_with_demo();
     let lead = app.observer("Ann");
-    assert_eq!(lead.post("/api/studies/demo", &Value::Null).status, StatusCode::OK);
     assert_eq!(lead.get(PATH).json()["state"], "none");
     for count in [0, 2001] {
         let refused = lead.post(PATH, &json!({ "count": count }));
@@ -107,9 +107,8 @@ fn parts(view: &Value) -> (Vec<String>, Vec<String>) {
 
 #[test]
 fn identifiability_and_other_models_are_computed_and_exported() {
-    let app = App::with_token().restarted(decoding());
+    let app = app_with_demo();
     let lead = app.observer("Ann");
-    assert_eq!(lead.post("/api/studies/demo", &Value::Null).status, StatusCode::OK);
     let path = |kind: &str| format!("/api/studies/demo-rod-01/computations/{kind}");
     let unknown = lead.get(&path("everything"));
     assert_eq!(unknown.status, StatusCode::NOT_FOUND, "{}", unknown.text());
@@ -153,9 +152,8 @@ fn identifiability_and_other_models_are_computed_and_exported() {
 
 #[test]
 fn the_lines_have_baselines_the_choice_and_pictures() {
-    let app = App::with_token().restarted(decoding());
+    let app = app_with_demo();
     let lead = app.observer("Ann");
-    assert_eq!(lead.post("/api/studies/demo", &Value::Null).status, StatusCode::OK);
     let sections = lead.get("/api/studies/demo-rod-01/lines").json();
     let (cells, pictures) = parts(&json!({ "sections": sections }));
     assert_eq!(pictures, ["predictions", "line"]);

@@ -4,7 +4,7 @@ use axum::http::StatusCode;
 use serde_json::{Value, json};
 
 use crate::browser::Browser;
-use crate::films::{app, demo};
+use crate::demo::{app_with_demo, demo};
 
 fn film(browser: &Browser<'_>) -> (i64, f64) {
     let film = &demo(browser)["summary"]["films"][0];
@@ -17,7 +17,7 @@ fn length(rows: f64) -> Value {
 
 #[test]
 fn a_drawn_length_is_in_the_patients_millimetres_and_is_stored_nowhere() {
-    let app = app();
+    let app = app_with_demo();
     let browser = app.observer("Ann");
     let (film, row_mm) = film(&browser);
     let study = || browser.get("/api/studies/demo-rod-01").text();
@@ -38,7 +38,7 @@ fn a_drawn_length_is_in_the_patients_millimetres_and_is_stored_nowhere() {
 
 #[test]
 fn a_line_that_measures_nothing_is_refused_with_its_limit() {
-    let app = app();
+    let app = app_with_demo();
     let browser = app.observer("Ann");
     let (film, _) = film(&browser);
     let path = format!("/api/films/{film}/drawn");
@@ -51,7 +51,7 @@ fn a_line_that_measures_nothing_is_refused_with_its_limit() {
 
 #[test]
 fn pixels_come_with_the_windows_of_a_dicom_file() {
-    let app = app();
+    let app = app_with_demo();
     let browser = app.observer("Ann");
     let (film, _) = film(&browser);
     let pixels = browser.get(&format!("/api/films/{film}/pixels"));

@@ -10,16 +10,7 @@ use spineline_store::Store;
 use zip::ZipArchive;
 
 use crate::browser::{Answer, App, Browser, name};
-use crate::films::decoding;
-
-const STUDY: &str = "demo-rod-01";
-
-fn with_demo() -> App {
-    let app = App::with_token().restarted(decoding());
-    let made = app.observer("Ann").post("/api/studies/demo", &Value::Null);
-    assert_eq!(made.status, StatusCode::OK, "{}", made.text());
-    app
-}
+use crate::demo::{STUDY, app_with_demo};
 
 /// A download, which must be named after the study.
 fn taken(lead: &Browser<'_>, path: &str, ending: &str) -> Answer {
@@ -59,7 +50,7 @@ fn logged(app: &App, count: usize) -> Vec<String> {
 
 #[test]
 fn a_report_is_saved_and_logged_and_changes_nothing() {
-    let app = with_demo();
+    let app = app_with_demo();
     let lead = app.observer("Ann");
     let seen = || lead.get(&format!("/api/studies/{STUDY}")).json()["summary"].clone();
     let before = seen();
@@ -83,7 +74,7 @@ fn a_report_is_saved_and_logged_and_changes_nothing() {
 
 #[test]
 fn analysis_tables_and_figures_are_those_of_the_command_line() {
-    let app = with_demo();
+    let app = app_with_demo();
     let lead = app.observer("Ann");
     let analysis = taken(&lead, "exports/analysis", "-analysis.json");
     spineline_files::parse_analysis(&analysis.text()).expect("an analysis that can be repeated");
@@ -106,7 +97,7 @@ fn analysis_tables_and_figures_are_those_of_the_command_line() {
 
 #[test]
 fn landmarks_and_models_are_read_back() {
-    let app = with_demo();
+    let app = app_with_demo();
     let lead = app.observer("Ann");
     let slicer = unpacked(&taken(&lead, "exports/slicer", "-slicer.zip").body);
     assert_eq!(slicer.len(), 1 + 5, "five films");

@@ -8,6 +8,7 @@ use spineline_server::{ServeLimits, ServeOptions};
 use spineline_store::Access;
 
 use crate::browser::{App, Browser, options};
+use crate::demo::{add_demo, app_with_demo, demo};
 
 /// A program that decodes films: the example, which is built beside the tests.
 pub fn decoding() -> ServeOptions {
@@ -21,15 +22,8 @@ pub fn app() -> App {
     App::with_token().restarted(decoding())
 }
 
-pub fn demo(browser: &Browser<'_>) -> Value {
-    let answer = browser.post("/api/studies/demo", &Value::Null);
-    assert_eq!(answer.status, StatusCode::OK, "{}", answer.text());
-    answer.json()
-}
-
 /// The study `blind`: a plan needs one without readings, so it has the films of the demonstration alone.
-pub fn add_unread_study(app: &App, lead: &Browser<'_>) {
-    demo(lead);
+pub fn add_unread_study(app: &App) {
     let mut store = spineline_store::Store::open(&app.store_path()).expect("the store");
     let by = crate::browser::by("Ann");
     let study = crate::browser::name("blind");
@@ -66,7 +60,7 @@ fn thumbnails_and_scales_of_films_survive_a_restart() {
     let app = app();
     let browser = app.observer("Ann");
     let film = |study: &Value| study["summary"]["films"][0].clone();
-    let before = film(&demo(&browser));
+    let before = film(&add_demo(&browser));
     let id = before["film"].as_i64().expect("a number");
     let small = browser.get(&format!("/api/films/{id}/thumbnail")).body;
     drop(browser);
@@ -83,7 +77,7 @@ fn thumbnails_and_scales_of_films_survive_a_restart() {
 
 #[test]
 fn a_reading_is_recorded_undone_reloaded_and_finished() {
-    let app = app();
+    let app = app_with_demo();
     let browser = app.observer("Ann");
     let study = demo(&browser);
     assert_eq!(study["summary"]["id"], "demo-rod-01");
@@ -143,7 +137,7 @@ fn a_reading_is_recorded_undone_reloaded_and_finished() {
 
 #[test]
 fn f58_two_sessions_of_one_observer_lose_no_change() {
-    let app = app();
+    let app = app_with_demo();
     let browser = app.observer("Ann");
     let film = demo(&browser)["summary"]["films"][0]["film"].as_i64().expect("a number");
     let reading = begin(&browser, film);
@@ -187,7 +181,7 @@ fn f58_two_sessions_of_one_observer_lose_no_change() {
 
 #[test]
 fn f59_a_stale_edit_of_a_film_is_refused_and_kept() {
-    let app = app();
+    let app = app_with_demo();
     let browser = app.observer("Ann");
     let film = demo(&browser)["summary"]["films"][0]["film"].as_i64().expect("a number");
     let edit = |revision: u64, edit: Value| {
@@ -217,8 +211,7 @@ fn demo_film(app: &App, number: usize) -> Vec<u8> {
 }
 
 /// A DICOM film with a patient's name, which is the demonstration's with the name exchanged for another of its length.
-pub fn film_of(browser: &Browser<'_>, app: &App) -> Vec<u8> {
-    demo(browser);
+pub fn film_of(app: &App) -> Vec<u8> {
     let mut bytes = demo_film(app, 0);
     let old = b"PHANTOM^ROD01";
     let at = bytes.windows(old.len()).position(|part| part == old).expect("the name");
@@ -232,9 +225,9 @@ pub fn upload(browser: &Browser<'_>, bytes: Vec<u8>) -> crate::browser::Answer {
 
 #[test]
 fn a_patients_name_reaches_neither_answers_nor_the_store() {
-    let app = app();
+    let app = app_with_demo();
     let browser = app.observer("Ann");
-    let bytes = film_of(&browser, &app);
+    let bytes = film_of(&app);
     let uploaded = upload(&browser, bytes);
     assert_eq!(uploaded.status, StatusCode::OK, "{}", uploaded.text());
     let view = uploaded.json();
@@ -264,14 +257,14 @@ fn with_room(per_account: usize, in_all: usize, kept: Duration) -> App {
     limits.uploads.per_account.films = per_account;
     limits.uploads.in_all.films = in_all;
     limits.uploads.kept = kept;
-    App::with_token().restarted(ServeOptions { limits, ..decoding() })
+    app_with_demo().restarted(ServeOptions { limits, ..decoding() })
 }
 
 #[test]
 fn uploads_that_no_study_uses_have_a_limit_that_says_what_to_do() {
     let app = with_room(2, 3, Duration::from_secs(3600));
     let (ann, bob) = (app.observer("Ann"), app.observer("Bob"));
-    let bytes = film_of(&ann, &app);
+    let bytes = film_of(&app);
     let id = |answer: crate::browser::Answer| {
         assert_eq!(answer.status, StatusCode::OK, "{}", answer.text());
         answer.json()["upload"].as_str().expect("a name").to_owned()
@@ -312,7 +305,7 @@ fn uploads_that_no_study_uses_have_a_limit_that_says_what_to_do() {
 fn uploads_that_no_study_uses_are_dropped_in_time() {
     let app = with_room(1, 1, Duration::ZERO);
     let ann = app.observer("Ann");
-    let bytes = film_of(&ann, &app);
+    let bytes = film_of(&app);
     for _ in 0..3 {
         let view = upload(&ann, bytes.clone());
         assert_eq!(view.status, StatusCode::OK, "{}", view.text());
@@ -336,9 +329,9 @@ fn an_invalid_file_is_refused_without_quoting_its_content() {
 
 #[test]
 fn no_answer_to_a_blinded_reader_contains_a_posture() {
-    let app = app();
+    let app = app_with_demo();
     let lead = app.observer("Ann");
-    add_unread_study(&app, &lead);
+    add_unread_study(&app);
     let plan = json!({ "observers": ["Bob"], "repeats": 2, "washout_days": 0, "seed": 3 });
     assert_eq!(lead.post("/api/studies/blind/plan", &plan).status, StatusCode::OK);
 
@@ -389,9 +382,8 @@ fn with_text(mut bytes: Vec<u8>, [group, element]: [u16; 2], vr: &[u8; 2], value
 
 #[test]
 fn another_part_of_the_body_is_reported_at_the_upload() {
-    let app = app();
+    let app = app_with_demo();
     let browser = app.observer("Ann");
-    demo(&browser);
     for (part, doubted) in [("BREAST", true), ("LEG ", true), ("SPINE ", false)] {
         let bytes = with_text(demo_film(&app, 0), [0x18, 0x15], b"CS", part);
         let view = upload(&browser, bytes).json();
@@ -407,9 +399,8 @@ fn another_part_of_the_body_is_reported_at_the_upload() {
 
 #[test]
 fn films_of_two_patients_or_of_a_leg_are_refused_until_confirmed() {
-    let app = app();
+    let app = app_with_demo();
     let browser = app.observer("Ann");
-    demo(&browser);
     let film = |number: usize, posture: &str, [id, sex, part]: [&str; 3]| {
         let bytes = with_text(demo_film(&app, number), [0x10, 0x20], b"LO", id);
         let bytes = with_text(bytes, [0x10, 0x40], b"CS", sex);

@@ -7,6 +7,7 @@ mod accounts;
 mod browser;
 mod computations;
 mod crowd;
+mod demo;
 mod drawn;
 mod example;
 mod exports;

@@ -3,11 +3,12 @@
 use axum::http::StatusCode;
 use serde_json::{Value, json};
 
-use crate::films::{add_unread_study, app, begin, demo, record};
+use crate::demo::{app_with_demo, demo};
+use crate::films::{add_unread_study, begin, record};
 
 #[test]
 fn a_vertebra_is_marked_by_its_walls_and_its_expected_corners_are_accepted() {
-    let app = app();
+    let app = app_with_demo();
     let browser = app.observer("Ann");
     let study = demo(&browser);
     let film = study["summary"]["films"][0]["film"].as_i64().expect("a number");
@@ -64,7 +65,7 @@ fn accepted_vertebra(proposal: &Value) -> Value {
 
 #[test]
 fn vertebrae_are_found_in_the_picture_and_accepted_with_their_deviation() {
-    let app = app();
+    let app = app_with_demo();
     let browser = app.observer("Ann");
     let study = demo(&browser);
     let film = study["summary"]["films"][0]["film"].as_i64().expect("a number");
@@ -89,9 +90,9 @@ fn vertebrae_are_found_in_the_picture_and_accepted_with_their_deviation() {
 
 #[test]
 fn a_plan_without_proposals_shows_none_and_takes_none() {
-    let app = app();
+    let app = app_with_demo();
     let lead = app.observer("Ann");
-    add_unread_study(&app, &lead);
+    add_unread_study(&app);
     let plan = json!({ "observers": ["Bob"], "repeats": 1, "washout_days": 0, "seed": 3, "proposals": false });
     assert_eq!(lead.post("/api/studies/blind/plan", &plan).status, StatusCode::OK);
     let reader = app.observer("Bob");

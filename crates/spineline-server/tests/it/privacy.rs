@@ -1,11 +1,12 @@
 //! No answer names a patient, a folder or a home: every route that gives something out is searched, packed parts included.
 
 use axum::http::StatusCode;
-use serde_json::{Value, json};
+use serde_json::json;
 use spineline_server::openapi;
 
 use crate::browser::{Answer, App, Browser};
-use crate::films::{decoding, film_of, upload};
+use crate::demo::app_with_demo;
+use crate::films::{film_of, upload};
 use crate::unpacked::{holds, wrapped};
 
 /// The name in the demonstration's films, the one in the uploaded film, and the label of its study.
@@ -73,9 +74,9 @@ fn uploaded_study(browser: &Browser<'_>, bytes: Vec<u8>) -> [i64; 2] {
 
 #[test]
 fn no_download_names_a_patient_or_a_place() {
-    let app = App::with_token().restarted(decoding());
+    let app = app_with_demo();
     let browser = app.observer("Ann");
-    let bytes = film_of(&browser, &app);
+    let bytes = film_of(&app);
     assert!(holds(&bytes, PATIENTS[1]), "the film has a name");
     let own = uploaded_study(&browser, bytes.clone());
     let demo = browser.get("/api/studies/demo-rod-01").json();
@@ -110,9 +111,8 @@ fn no_download_names_a_patient_or_a_place() {
 
 #[test]
 fn an_analysis_file_names_its_program_and_no_command_line() {
-    let app = App::with_token().restarted(decoding());
+    let app = app_with_demo();
     let browser = app.observer("Ann");
-    assert_eq!(browser.post("/api/studies/demo", &Value::Null).status, StatusCode::OK);
     let file = browser.get("/api/studies/demo-rod-01/exports/analysis").json();
     assert_eq!(file["provenance"]["command"], json!(["spineline", "serve"]));
     assert_eq!(file["provenance"]["inputs"], json!([]));

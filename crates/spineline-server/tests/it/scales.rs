@@ -1,16 +1,15 @@
 //! Scales that nobody can mean.
 
 use axum::http::StatusCode;
-use serde_json::{Value, json};
+use serde_json::json;
 
-use crate::browser::App;
-use crate::films::decoding;
+use crate::demo::{app_with_demo, demo};
 
 #[test]
 fn lengths_and_films_that_nobody_has_are_refused_with_their_limits() {
-    let app = App::with_token().restarted(decoding());
+    let app = app_with_demo();
     let browser = app.observer("Ann");
-    let made = browser.post("/api/studies/demo", &Value::Null).json();
+    let made = demo(&browser);
     let film = made["summary"]["films"][0]["film"].as_i64().expect("a film");
     for (calibrator, to_px, length_mm, limit) in [
         ("ball", 200.0, 254.0, "1 to 200 mm"),

@@ -57,6 +57,7 @@ pub fn run(args: &PhantomArgs) -> Result<Ending, Failure> {
     let build = build(args)?;
     let made = |number: usize| {
         let phantom = generate_built(number - 1, truth, &readers, args.seed, build)?;
+        let phantom = phantom.coarser(args.pixel_size);
         Ok(if percent > 0.0 {
             phantom.with_film_lengths(0.01 * percent, number - 1, args.seed)
         } else {
