@@ -1,9 +1,11 @@
 //! The checks that cargo runs.
 
+use std::fs::File;
 use std::path::{Path, PathBuf};
+use std::process::Command;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use crate::plan::Plan;
+use crate::plan::{self, Plan};
 use crate::{cargo, package, python, run, tools};
 
 /// Typesetting is most of a build, and a feature of its own.
@@ -90,9 +92,37 @@ pub fn rustdoc(plan: &Plan<'_>) -> Result<(), String> {
 }
 
 /// Quick tests of some crates and of all that depend on them.
-pub fn quick_test(root: &Path, changed: &[String]) -> Result<(), String> {
-    let filter: Vec<String> = changed.iter().map(|name| format!("rdeps(={name})")).collect();
-    let filter = filter.join(" + ");
-    let arguments = ["nextest", "run", "--profile", "quick", "--filterset", &filter];
-    cargo(root, &[&arguments[..], &WITHOUT_PDF].concat())
+pub struct QuickTests {
+    filter: String,
+    /// What nextest says of the built tests. With it a run asks cargo for nothing, and so waits for no other build.
+    binaries: PathBuf,
+}
+
+impl QuickTests {
+    pub fn new(changed: &[String]) -> Result<Self, String> {
+        let filter: Vec<String> = changed.iter().map(|name| format!("rdeps(={name})")).collect();
+        let binaries = plan::output_file("quick-tests.json")?.0;
+        Ok(Self { filter: filter.join(" + "), binaries })
+    }
+
+    pub fn build(&self, root: &Path) -> Result<(), String> {
+        let command =
+            ["nextest", "list", "--list-type", "binaries-only", "--message-format", "json"];
+        let arguments = [&command[..], &["--filterset", &self.filter], &WITHOUT_PDF].concat();
+        println!("» cargo {}", arguments.join(" "));
+        let file = File::create(&self.binaries)
+            .map_err(|error| format!("{}: {error}", self.binaries.display()))?;
+        let status = Command::new("cargo").args(arguments).current_dir(root).stdout(file).status();
+        match status {
+            Ok(status) if status.success() => Ok(()),
+            Ok(_) => Err("the tests could not be built".to_owned()),
+            Err(error) => Err(format!("`cargo` could not be started: {error}")),
+        }
+    }
+
+    pub fn run(&self, root: &Path) -> Result<(), String> {
+        let binaries = python::text(&self.binaries)?;
+        let command = ["nextest", "run", "--profile", "quick", "--filterset", &self.filter];
+        cargo(root, &[&command[..], &["--binaries-metadata", &binaries]].concat())
+    }
 }

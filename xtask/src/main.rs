@@ -110,7 +110,7 @@ fn main() -> ExitCode {
 }
 
 /// The steps of a command that has nothing but steps.
-fn steps(command: &str) -> Option<Vec<Step>> {
+fn steps(command: &str) -> Option<Vec<Step<'static>>> {
     let format = Step::new("format", &[], checks::format);
     let advisories = Step::new("advisories", &[], advisories::check);
     let tidy = Step::new("tidy", &[], |plan| tidy::run(plan.root));

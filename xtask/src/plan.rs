@@ -21,15 +21,15 @@ pub enum Extent {
 }
 
 /// One thing that must hold; the error says what does not.
-pub type Check = fn(&Plan<'_>) -> Result<(), String>;
+type Check<'a> = Box<dyn Fn(&Plan<'_>) -> Result<(), String> + Sync + 'a>;
 
 /// A named check and the tools that it needs.
-pub struct Step {
+pub struct Step<'a> {
     name: &'static str,
     tools: &'static [Tool],
     extent: Extent,
     place: Place,
-    check: Check,
+    check: Check<'a>,
 }
 
 /// When a step runs.
@@ -43,9 +43,13 @@ enum Place {
     Alone,
 }
 
-impl Step {
-    pub fn new(name: &'static str, tools: &'static [Tool], check: Check) -> Self {
-        Self { name, tools, extent: Extent::Usual, place: Place::InTurn, check }
+impl<'a> Step<'a> {
+    pub fn new(
+        name: &'static str,
+        tools: &'static [Tool],
+        check: impl Fn(&Plan<'_>) -> Result<(), String> + Sync + 'a,
+    ) -> Self {
+        Self { name, tools, extent: Extent::Usual, place: Place::InTurn, check: Box::new(check) }
     }
 
     /// The same step, run by `--full` alone.
@@ -105,9 +109,9 @@ fn joined(handle: ScopedJoinHandle<'_, Ended>) -> Ended {
 }
 
 /// A new file for the output of a step, below the target folder.
-fn output_file(name: &str) -> Result<(PathBuf, File), String> {
+pub fn output_file(name: &str) -> Result<(PathBuf, File), String> {
     let folder = python::target()?.join("xtask");
-    let path = folder.join(format!("{name}.log"));
+    let path = folder.join(name);
     let file = fs::create_dir_all(&folder).and_then(|()| File::create(&path));
     file.map(|file| (path.clone(), file)).map_err(|error| format!("{}: {error}", path.display()))
 }
@@ -125,8 +129,8 @@ impl<'a> Plan<'a> {
     ///
     /// Missing tools are listed first. On a terminal they are offered for installation. Steps without their tools are
     /// left out and named, except where everything was asked for: then nothing begins.
-    pub fn run(&self, steps: &[Step]) -> Result<(), String> {
-        let steps: Vec<&Step> =
+    pub fn run(&self, steps: &[Step<'_>]) -> Result<(), String> {
+        let steps: Vec<&Step<'_>> =
             steps.iter().filter(|step| self.is_full() || step.extent == Extent::Usual).collect();
         self.provide_tools(&steps)?;
         let start = Instant::now();
@@ -154,7 +158,7 @@ impl<'a> Plan<'a> {
         result
     }
 
-    fn run_step(&self, step: &Step) -> Ended {
+    fn run_step(&self, step: &Step<'_>) -> Ended {
         let missing: Vec<&str> =
             step.tools.iter().filter(|tool| !tool.is_there()).map(|tool| tool.name()).collect();
         let start = Instant::now();
@@ -167,8 +171,8 @@ impl<'a> Plan<'a> {
     }
 
     /// Runs a step with its output in a file, and shows that when it has ended.
-    fn run_beside(&self, step: &Step) -> Ended {
-        let log = match output_file(step.name) {
+    fn run_beside(&self, step: &Step<'_>) -> Ended {
+        let log = match output_file(&format!("{}.log", step.name)) {
             Ok(log) => log,
             Err(reason) => {
                 let result = Err(format!("{}: {reason}", step.name));
@@ -185,7 +189,7 @@ impl<'a> Plan<'a> {
         ended
     }
 
-    fn provide_tools(&self, steps: &[&Step]) -> Result<(), String> {
+    fn provide_tools(&self, steps: &[&Step<'_>]) -> Result<(), String> {
         let mut missing: Vec<Tool> = steps
             .iter()
             .flat_map(|step| step.tools)

@@ -4,26 +4,32 @@ use std::collections::BTreeSet;
 use std::path::Path;
 use std::process::Command;
 
+use crate::checks::{self, QuickTests};
 use crate::plan::{Extent, Plan, Step};
-use crate::{checks, tidy};
+use crate::tidy;
 
 /// Checks what differs from a revision, files that git does not know yet included.
 pub fn run(root: &Path, base: &str) -> Result<(), String> {
     let mut files = git(root, &["diff", "--name-only", base])?;
     files.extend(git(root, &["ls-files", "--others", "--exclude-standard"])?);
     let changed: Vec<String> = crates_of(root, &files)?.into_iter().collect();
+    let format = Step::new("format", &[], checks::format);
+    let tidy = Step::new("tidy", &[], |plan| tidy::run(plan.root));
     let plan = Plan::new(root, Extent::Usual);
-    plan.run(&[
-        Step::new("format", &[], checks::format),
-        Step::new("tidy", &[], |plan| tidy::run(plan.root)),
-    ])?;
     if changed.is_empty() {
         println!("no crate differs from {base}");
-        return Ok(());
+        return plan.run(&[format, tidy]);
     }
     println!("changed: {}", changed.join(", "));
-    checks::quick_test(root, &changed)?;
-    checks::lint(&plan)
+    let tests = QuickTests::new(&changed)?;
+    plan.run(&[
+        format.beside(),
+        tidy.beside(),
+        Step::new("build", &[], |plan| tests.build(plan.root)),
+        // The lints of the core alone leave a core of the machine free.
+        Step::new("lints", &[], checks::lint).beside(),
+        Step::new("tests", &[], |plan| tests.run(plan.root)),
+    ])
 }
 
 fn git(root: &Path, arguments: &[&str]) -> Result<BTreeSet<String>, String> {
