@@ -23,7 +23,18 @@ const [COLUMN_MM, ROW_MM] = [0.2, 0.25];
 /** A study of a patient seen from the front, with pixels that are not square. */
 async function fromTheFront(app: App, page: Page): Promise<FilmPage> {
   const folder = await mkdtemp(path.join(tmpdir(), "spineline-phantom-"));
-  await runProgram("phantom", "--subject", "15", "--noise", "0", "--films", "--pixel-size", "2", "--out", folder);
+  await runProgram(
+    "phantom",
+    "--subject",
+    "15",
+    "--noise",
+    "0",
+    "--films",
+    "--pixel-size",
+    "2",
+    "--out",
+    folder,
+  );
   await app.kill();
   await runProgram("study", "add", app.store, path.join(folder, `${FRONT}.json`));
   await rm(folder, { recursive: true });

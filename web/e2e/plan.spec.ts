@@ -181,6 +181,18 @@ test("one pad is tried everywhere, and a press on a cell adds it", async ({ app,
   await expect(table(page, "Angles and place").getByText(`${after}°`).first()).toBeVisible();
   await map.scrollIntoViewIfNeeded();
   await shot(page, "plan-map");
+
+  // A second pad beside the first one.
+  await expect(page.getByLabel("Beside the loads of the plan")).toBeChecked();
+  await page.getByRole("button", { name: "Try one pad everywhere" }).click();
+  await expect(page.getByText(/beside the one load that the plan had/)).toBeVisible();
+  const second = map.getByRole("button", { name: /^10 to the patient's left on T4/ });
+  const both = / ([\d.]+)° instead of/.exec((await second.getAttribute("title")) ?? "")?.[1];
+  expect(both).not.toBe(after);
+  await second.click();
+  await expect(table(page, "Angles and place").getByText(`${both}°`).first()).toBeVisible();
+  await map.scrollIntoViewIfNeeded();
+  await shot(page, "plan-map-beside");
   await expectAccessible(page);
 });
 

@@ -19,7 +19,18 @@ test.describe("with films of one phantom", () => {
 
   test.beforeAll(async () => {
     phantom = await mkdtemp(path.join(tmpdir(), "spineline-phantom-"));
-    await runProgram("phantom", "--truth", "rod", "--subject", "1", "--films", "--pixel-size", "2", "--out", phantom);
+    await runProgram(
+      "phantom",
+      "--truth",
+      "rod",
+      "--subject",
+      "1",
+      "--films",
+      "--pixel-size",
+      "2",
+      "--out",
+      phantom,
+    );
     await writeFile(path.join(phantom, "garbage.dcm"), "this is no picture\n".repeat(400));
   });
 

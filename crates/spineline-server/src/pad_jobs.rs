@@ -1,5 +1,6 @@
 //! Maps of pads in the background.
 
+use spineline::multibody::Loading;
 use spineline::response::{PadEffect, PadTrial};
 use spineline_files::StoredModel;
 
@@ -16,8 +17,10 @@ pub type PadMapJob = Job<PadMapWork, Vec<PadEffect>>;
 pub struct PadMapWork {
     /// Line of action whose model is loaded.
     pub line: LineName,
-    /// Force and stiffness.
+    /// Force, stiffness and other loads.
     pub request: PadMapRequest,
+    /// The other loads on the model.
+    pub others: Loading,
     /// The model.
     pub model: StoredModel,
     /// The pads.

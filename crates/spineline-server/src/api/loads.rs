@@ -166,6 +166,9 @@ pub struct PadMapRequest {
     pub largest_force: f64,
     /// Stiffness of the pads, in these units per mm.
     pub n_per_mm: f64,
+    /// The loads beside which each pad is tried.
+    #[serde(default)]
+    pub beside: Vec<FileLoad>,
 }
 
 /// What one pad does at every level and towards both sides.

@@ -52,32 +52,39 @@ pub fn measure_angles(shape: &Deformed, places: &[CurvePlaces]) -> SpineAngles {
     }
 }
 
-/// The largest curve of the erect spine, before and after.
+/// One curve of a spine, before and after.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CurveChange {
     /// Which curve.
     pub region: Region,
     /// Whether the sizes are Cobb angles; else they are tilt ranges.
     pub is_cobb: bool,
-    /// Size of the erect curve; not negative.
+    /// Size before; not negative.
     pub before: Angle,
-    /// Size in the direction of the erect curve: negative where the curve is reversed.
+    /// Size after, in the direction of before: negative where the curve is reversed.
     pub after: Angle,
 }
 
 impl CurveChange {
-    /// Between the angles of two shapes at the same places; `None` without curves.
+    /// Of the largest erect curve, between the angles of two shapes at the same places; `None` without curves.
     #[must_use]
     pub fn between(erect: &SpineAngles, after: &SpineAngles) -> Option<Self> {
+        Self::of_largest(erect, [erect, after])
+    }
+
+    /// Of the largest erect curve, from one loaded shape to another one; `None` without curves.
+    #[must_use]
+    pub fn of_largest(erect: &SpineAngles, [before, after]: [&SpineAngles; 2]) -> Option<Self> {
         let size = |curve: &CurveAngles| curve.ends.size();
-        let both = erect.curves.iter().zip(&after.curves);
-        let (erect, after) =
-            both.max_by(|a, b| size(a.0).abs().rad().total_cmp(&size(b.0).abs().rad()))?;
-        let sign = if size(erect).rad() < 0.0 { -1.0 } else { 1.0 };
+        let all = erect.curves.iter().zip(before.curves.iter().zip(&after.curves));
+        let larger =
+            |a: &CurveAngles, b: &CurveAngles| size(a).abs().rad().total_cmp(&size(b).abs().rad());
+        let (_, (before, after)) = all.max_by(|(a, _), (b, _)| larger(a, b))?;
+        let sign = if size(before).rad() < 0.0 { -1.0 } else { 1.0 };
         Some(Self {
-            region: erect.region,
-            is_cobb: erect.ends.cobb.is_some(),
-            before: size(erect) * sign,
+            region: before.region,
+            is_cobb: before.ends.cobb.is_some(),
+            before: size(before) * sign,
             after: size(after) * sign,
         })
     }

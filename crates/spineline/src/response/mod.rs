@@ -15,7 +15,7 @@ pub use measures::{
     CurveAngles, CurveChange, SpineAngles, UNUSUAL_HINGE, erect_shape, largest_displacement_mm,
     largest_hinge, measure_angles,
 };
-pub use pads::{PadEffect, PadReached, PadTrial, try_pad};
+pub use pads::{OtherLoads, OtherLoadsError, PadEffect, PadReached, PadTrial, try_pad};
 pub use search::{
     GoalEquilibrium, OnSignedPoint, Response, SignedPath, Verdict, direction_word, largest_factor,
     respond,

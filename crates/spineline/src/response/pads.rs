@@ -1,10 +1,12 @@
 use super::{CurveChange, OnSignedPoint, erect_shape, measure_angles, respond};
 use crate::anatomy::Side;
 use crate::clinical::CurvePlaces;
-use crate::multibody::{BodyLoad, GeneralStatics, Goal, Loading, LoadingError, PathEnding};
+use crate::multibody::{
+    BodyLoad, Deformed, GeneralStatics, Goal, LoadItem, Loading, LoadingError, PathEnding, Timing,
+};
 use crate::spatial::{Angle, Vec3};
 
-/// A pad that is tried alone on the erect spine, at a vertebra's midpoint.
+/// A pad that is tried at a vertebra's midpoint.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PadTrial {
     /// Which vertebra, from the fixed one upwards.
@@ -41,6 +43,50 @@ impl PadTrial {
     }
 }
 
+/// The loads beside which pads are tried, and the spine under them alone.
+#[derive(Debug, Clone, PartialEq)]
+pub struct OtherLoads {
+    loading: Loading,
+    shape: Deformed,
+}
+
+impl OtherLoads {
+    /// Loads the spine with them; without any it is the erect one. `on_point` is called for every point of the path and may break
+    /// off.
+    ///
+    /// # Errors
+    /// [`OtherLoadsError`]: a load that cannot be applied, or loads under which the spine has no equilibrium.
+    pub fn new(
+        statics: &GeneralStatics<'_>,
+        loading: Loading,
+        on_point: OnSignedPoint<'_>,
+    ) -> Result<Self, OtherLoadsError> {
+        if loading.items.is_empty() && loading.rods.is_empty() {
+            return Ok(Self { loading, shape: erect_shape(statics.model()) });
+        }
+        let response = respond(statics, &loading, Goal::FullLoad, 1.0, on_point)?;
+        match response.result() {
+            Some(result) => Ok(Self { shape: result.deformed.clone(), loading }),
+            None => Err(OtherLoadsError::NoResult { ending: response.ending }),
+        }
+    }
+}
+
+/// Why pads cannot be tried beside other loads.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum OtherLoadsError {
+    /// One of them cannot be applied to this spine.
+    #[error(transparent)]
+    Loading(#[from] LoadingError),
+    /// The spine has no equilibrium under them.
+    #[error("the other loads have no result: {}", ending.meaning())]
+    NoResult {
+        /// How the search ended.
+        ending: PathEnding,
+    },
+}
+
 /// What a pad does.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PadEffect {
@@ -55,9 +101,9 @@ pub struct PadEffect {
 /// A spine beside a pad.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PadReached {
-    /// How far the vertebra's midpoint moved along the push.
+    /// How far the vertebra's midpoint moved along the push, from the erect spine.
     pub travel_mm: f64,
-    /// The largest curve of the erect spine; `None` where no curve is measured.
+    /// The largest erect curve without the pad, and with it; `None` where no curve is measured.
     pub curve: Option<CurveChange>,
     /// Lateral tilt of the line from the lowest to the uppermost vertebra.
     pub lateral_tilt: Angle,
@@ -73,7 +119,7 @@ impl PadEffect {
     }
 }
 
-/// Pushes one pad against the erect spine until it has its force.
+/// Pushes one pad against the spine until it has its force; other loads grow with it, or are there before it.
 ///
 /// In the end a frictionless pad is a force of fixed direction at the point that it touches, whatever its stiffness: so the force
 /// is given, and the displacement of the pad is found ([`PadEffect::advance_mm`]). `on_point` is called for every point of the
@@ -86,22 +132,29 @@ impl PadEffect {
 /// If a place is not a vertebra of the spine.
 pub fn try_pad(
     statics: &GeneralStatics<'_>,
+    others: &OtherLoads,
     places: &[CurvePlaces],
     trial: PadTrial,
     on_point: OnSignedPoint<'_>,
 ) -> Result<PadEffect, LoadingError> {
     let force_n = trial.direction() * trial.force_n;
     let push = BodyLoad::ForceAtPoint { force_n, point_in_vertebra_mm: Vec3::zeros() };
-    let loading = Loading::single(trial.vertebra, push);
+    let mut loading = others.loading.clone();
+    loading.items.push(LoadItem {
+        vertebra: trial.vertebra,
+        load: push,
+        timing: Timing::Proportional,
+    });
     let response = respond(statics, &loading, Goal::FullLoad, 1.0, on_point)?;
     let erect = erect_shape(statics.model());
     let reached = response.result().map(|result| {
         let shape = &result.deformed;
         let moved = shape.midpoints_mm[trial.vertebra] - erect.midpoints_mm[trial.vertebra];
-        let [before, after] = [&erect, shape].map(|shape| measure_angles(shape, places));
+        let [unloaded, before, after] =
+            [&erect, &others.shape, shape].map(|shape| measure_angles(shape, places));
         PadReached {
             travel_mm: moved.dot(&trial.direction()),
-            curve: CurveChange::between(&before, &after),
+            curve: CurveChange::of_largest(&unloaded, [&before, &after]),
             lateral_tilt: after.lateral_tilt,
         }
     });

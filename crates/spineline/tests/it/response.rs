@@ -3,15 +3,15 @@
 use std::ops::ControlFlow;
 
 use crate::common::spine;
-use spineline::anatomy::Levels;
+use spineline::anatomy::{Levels, Side};
 use spineline::clinical::CurvePlaces;
 use spineline::multibody::{
-    BodyLoad, ForceSign, GeneralStatics, Goal, Loading, MAX_HUMAN_COLUMN, MAX_HUMAN_JOINT,
-    PathEnding, Rod, SpineModel, Support, Timing,
+    BodyLoad, ForceSign, GeneralStatics, Goal, LoadItem, Loading, MAX_HUMAN_COLUMN,
+    MAX_HUMAN_JOINT, PathEnding, Rod, SpineModel, Support, Timing,
 };
 use spineline::response::{
-    ActingKind, CurveChange, PadTrial, Response, Verdict, acting_loads, erect_shape,
-    largest_factor, measure_angles, respond, try_pad,
+    ActingKind, CurveChange, OtherLoads, OtherLoadsError, PadTrial, Response, Verdict,
+    acting_loads, erect_shape, largest_factor, measure_angles, respond, try_pad,
 };
 use spineline::spatial::{Angle, Mat3, Vec3};
 
@@ -276,6 +276,13 @@ fn the_range_counts_rotations_from_the_erect_shape_of_any_axis() {
     assert_eq!((joint.vertebrae[1] - joint.vertebrae[0], joint.limit), (1, MAX_HUMAN_JOINT));
 }
 
+fn usual_places(model: &SpineModel) -> [CurvePlaces; 3] {
+    let erect = erect_shape(model);
+    let locations: Vec<_> = (0..15).map(|i| erect.location(i)).collect();
+    let tilts: Vec<_> = (0..15).map(|i| erect.tilt(i)).collect();
+    CurvePlaces::usual(Levels::COMPLETE, &locations, &tilts).expect("L4 to T2")
+}
+
 /// A pad has its stiffness and its displacement, and a trial has its force: both must be the same equilibrium.
 #[test]
 fn a_tried_pad_pushes_with_its_force_once_it_is_a_spring() {
@@ -286,15 +293,15 @@ fn a_tried_pad_pushes_with_its_force_once_it_is_a_spring() {
     let statics =
         GeneralStatics::new(&model, springs.clone(), Support::Frontal).expect("sound springs");
     let erect = erect_shape(&model);
-    let locations: Vec<_> = (0..15).map(|i| erect.location(i)).collect();
-    let tilts: Vec<_> = (0..15).map(|i| erect.tilt(i)).collect();
-    let places = CurvePlaces::usual(Levels::COMPLETE, &locations, &tilts).expect("L4 to T2");
+    let places = usual_places(&model);
     let trials = PadTrial::all(15, 40.0, 2);
+    let none = OtherLoads::new(&statics, Loading::default(), &mut |_, _| ControlFlow::Continue(()));
+    let none = none.expect("no load is no fault");
     assert_eq!(trials.len(), 14 * 2 * 2);
     let (mut found, mut corrected, mut worsened) = (0, 0, 0);
     for trial in trials {
         let mut go_on = |_, _: &_| ControlFlow::Continue(());
-        let effect = try_pad(&statics, &places, trial, &mut go_on).expect("a sound load");
+        let effect = try_pad(&statics, &none, &places, trial, &mut go_on).expect("a sound load");
         let Some(reached) = effect.reached else { continue };
         let n_per_mm = 3.0;
         let pad = BodyLoad::Pad {
@@ -321,6 +328,49 @@ fn a_tried_pad_pushes_with_its_force_once_it_is_a_spring() {
     assert!(found > 40 && corrected > 10 && worsened > 10, "{found} {corrected} {worsened}");
 }
 
+/// Oracle: all loads as those of one plan, with the pad as a spring.
+#[test]
+fn a_pad_beside_other_loads_is_a_load_of_their_plan() {
+    const SAME: f64 = 1e-6;
+    let model = spine(0).1;
+    let springs = springs(&model);
+    let statics = GeneralStatics::new(&model, springs, Support::Frontal).expect("sound springs");
+    let mut go_on = |_, _: &_| ControlFlow::Continue(());
+    let places = usual_places(&model);
+    let trial = PadTrial { vertebra: 9, towards: Side::Left, force_n: 25.0 };
+    let force = |force_n| BodyLoad::ForceAtPoint { force_n, point_in_vertebra_mm: Vec3::zeros() };
+    for timing in [Timing::Constant, Timing::Proportional] {
+        let item = LoadItem { vertebra: 14, load: force(Vec3::new(0.0, 3.0, 8.0)), timing };
+        let traction = Loading { items: vec![item], rods: Vec::new() };
+        let others = OtherLoads::new(&statics, traction.clone(), &mut go_on).expect("a result");
+        let effect = try_pad(&statics, &others, &places, trial, &mut go_on).expect("a sound load");
+        let n_per_mm = 3.0;
+        let pad = BodyLoad::Pad {
+            point_in_vertebra_mm: Vec3::zeros(),
+            direction: trial.direction(),
+            n_per_mm,
+            advance_mm: effect.advance_mm(n_per_mm).expect("a result"),
+        };
+        let mut plan = traction.clone();
+        plan.items.push(LoadItem { vertebra: 9, load: pad, timing: Timing::Proportional });
+        let [before, after] = [&traction, &plan].map(|loading| {
+            let goal = Goal::FullLoad;
+            let response = respond(&statics, loading, goal, 1.0, &mut go_on).expect("sound loads");
+            let shape = &response.result().expect("small loads").deformed;
+            measure_angles(shape, &places)
+        });
+        let unloaded = measure_angles(&erect_shape(&model), &places);
+        let own = CurveChange::of_largest(&unloaded, [&before, &after]).expect("three curves");
+        let tried = effect.reached.and_then(|reached| reached.curve).expect("three curves");
+        for (a, b) in [(own.before, tried.before), (own.after, tried.after)] {
+            assert!((a - b).deg().abs() < SAME, "{timing:?}: {own:?} {tried:?}");
+        }
+    }
+    let snapping = Loading::single(14, force(Vec3::new(0.0, 0.0, -1e6)));
+    let refused = OtherLoads::new(&statics, snapping, &mut go_on).expect_err("no spine bears this");
+    assert!(matches!(refused, OtherLoadsError::NoResult { .. }), "{refused}");
+}
+
 #[test]
 fn the_reached_shapes_grow_up_to_the_result_or_end_before_the_spine_snaps() {
     let model = spine(0).1;
@@ -342,9 +392,7 @@ fn the_reached_shapes_grow_up_to_the_result_or_end_before_the_spine_snaps() {
 fn the_largest_erect_curve_is_measured_before_and_after() {
     let model = spine(0).1;
     let erect = erect_shape(&model);
-    let locations: Vec<_> = (0..15).map(|i| erect.location(i)).collect();
-    let tilts: Vec<_> = (0..15).map(|i| erect.tilt(i)).collect();
-    let places = CurvePlaces::usual(Levels::COMPLETE, &locations, &tilts).expect("L4 to T2");
+    let places = usual_places(&model);
     let angles = measure_angles(&erect, &places);
     let same = CurveChange::between(&angles, &angles).expect("three curves");
     let sizes = angles.curves.iter().map(|curve| curve.ends.size().abs().deg());

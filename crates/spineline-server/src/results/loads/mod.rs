@@ -123,18 +123,24 @@ async fn model_file(
     Ok(attachment(&name, "application/json", text))
 }
 
-fn refused(text: impl Into<String>, help: &str) -> Failure {
+pub fn refused(text: impl Into<String>, help: &str) -> Failure {
     Failure::new(StatusCode::UNPROCESSABLE_ENTITY, "refused", text).help(help)
 }
 
 fn parsed(text: &str) -> Answer<LoadFile> {
     let loads = parse_load(text).map_err(|error| refused(error.to_string(), error.help()))?;
+    check_count(&loads)?;
+    Ok(loads)
+}
+
+/// Refuses more loads than any plan has.
+pub fn check_count(loads: &LoadFile) -> Answer<()> {
     let count = loads.loads.len();
     if count > MAX_LOADS {
-        let text = format!("the file has {count} loads; the limit is {MAX_LOADS}");
+        let text = format!("there are {count} loads; the limit is {MAX_LOADS}");
         return Err(refused(text, "the command line takes more: `spineline simulate --load`"));
     }
-    Ok(loads)
+    Ok(())
 }
 
 /// The model of a line of action whose fit gave springs.

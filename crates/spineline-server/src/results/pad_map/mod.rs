@@ -11,13 +11,14 @@ use std::thread;
 use axum::extract::State;
 use axum::http::StatusCode;
 use spineline::multibody::GeneralStatics;
-use spineline::response::{PadEffect, PadTrial, try_pad};
+use spineline::response::{OtherLoads, PadEffect, PadTrial, try_pad};
+use spineline_files::LoadFile;
 use spineline_store::Role;
 use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
 
 use super::computations::analysed;
-use super::loads::stored_model;
+use super::loads::{check_count, refused, stored_model};
 use crate::api::{LineName, PadMapRequest, PadMapView, Problem};
 use crate::extract::{Json, Path};
 use crate::pad_jobs::{PadMapJob, PadMapWork};
@@ -67,9 +68,13 @@ async fn compute_pad_map(
     check("stiffness per mm", request.n_per_mm, MAX_PER_MM)?;
     let of = Arc::clone(&result);
     let model = computed(move || stored_model(&of, line)).await??;
+    let others = LoadFile::new(request.beside.iter().map(|load| load.0.clone()).collect());
+    check_count(&others)?;
+    let others =
+        others.place(&model).map_err(|error| refused(error.to_string(), error.help()))?.loading;
     let trials = PadTrial::all(model.levels.len(), request.largest_force, STEPS);
     let asked = trials.len() as u64;
-    let work = PadMapWork { line, request, model, trials };
+    let work = PadMapWork { line, request, others, model, trials };
     let job = state.pad_maps().begin(&result, ((), work), asked).ok_or_else(|| {
         Failure::new(StatusCode::CONFLICT, "running", "pads are being tried on this study")
             .help("wait for them, or cancel them")
@@ -106,7 +111,7 @@ fn check(what: &str, value: f64, limit: f64) -> Answer<()> {
         return Ok(());
     }
     let text = format!("{what}: {value}; it must be above 0 and at most {limit}");
-    Err(Failure::new(StatusCode::UNPROCESSABLE_ENTITY, "refused", text).help("correct this number"))
+    Err(refused(text, "correct this number"))
 }
 
 async fn run(state: AppState, job: Arc<PadMapJob>) {
@@ -118,15 +123,16 @@ async fn run(state: AppState, job: Arc<PadMapJob>) {
 
 /// The effects of all pads, in the order of the trials; `None` where they were cancelled.
 fn tried(job: &PadMapJob) -> Answer<Option<Vec<PadEffect>>> {
-    let PadMapWork { model, trials, .. } = &job.work;
-    let refused = |text: String| {
-        Failure::new(StatusCode::UNPROCESSABLE_ENTITY, "refused", text)
-            .help("read the notices of the model")
-    };
+    let PadMapWork { model, trials, others, .. } = &job.work;
+    let unusable = |text: String| refused(text, "read the notices of the model");
     let springs = model.stiffness.iter().copied();
     let statics = GeneralStatics::new(&model.spine, springs, model.support)
-        .map_err(|error| refused(error.to_string()))?;
+        .map_err(|error| unusable(error.to_string()))?;
     let places = model.curves.as_deref().unwrap_or_default();
+    let mut go_on = |_, _: &_| ControlFlow::Continue(());
+    let others = OtherLoads::new(&statics, others.clone(), &mut go_on).map_err(|error| {
+        refused(error.to_string(), "change the loads of the plan, or try the pads alone")
+    })?;
     let (next, found) = (AtomicUsize::new(0), Mutex::new(vec![None; trials.len()]));
     let work = || {
         loop {
@@ -135,7 +141,7 @@ fn tried(job: &PadMapJob) -> Answer<Option<Vec<PadEffect>>> {
             let mut on_point = |_, _: &_| {
                 if job.is_cancelled() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
             };
-            let effect = try_pad(&statics, places, trial, &mut on_point);
+            let effect = try_pad(&statics, &others, places, trial, &mut on_point);
             if let Some(slot) = found.lock().unwrap_or_else(PoisonError::into_inner).get_mut(place)
             {
                 *slot = Some(effect);
@@ -150,5 +156,5 @@ fn tried(job: &PadMapJob) -> Answer<Option<Vec<PadEffect>>> {
     }
     let found = found.into_inner().unwrap_or_else(PoisonError::into_inner);
     let effects = found.into_iter().flatten().collect::<Result<Vec<PadEffect>, _>>();
-    effects.map(Some).map_err(|error| refused(error.to_string()))
+    effects.map(Some).map_err(|error| unusable(error.to_string()))
 }

@@ -6,14 +6,14 @@ use spineline::anatomy::Side;
 use spineline::multibody::Timing;
 use spineline::response::{CurveChange, PadEffect, PadTrial};
 use spineline::spatial::Angle;
-use spineline_files::{AppliedLoad, LevelKey, StoredModel};
+use spineline_files::{AppliedLoad, LevelKey};
 
 use super::STEPS;
 use crate::api::{
     ComputationState, FileLoad, PadMapCell, PadMapColumn, PadMapRow, PadMapView, Wire,
 };
 use crate::jobs::Ending;
-use crate::pad_jobs::PadMapJob;
+use crate::pad_jobs::{PadMapJob, PadMapWork};
 
 /// State, progress and map of a computation.
 pub fn view(job: Option<&PadMapJob>) -> PadMapView {
@@ -37,7 +37,7 @@ pub fn view(job: Option<&PadMapJob>) -> PadMapView {
             let map = Map { job, largest_rad: largest_rad(found) };
             view.columns = columns(&job.work.trials);
             view.rows = map.rows(found);
-            view.texts = texts(&job.work.model, found);
+            view.texts = texts(&job.work, found);
         }
         Some(Ending::Cancelled) | None => {}
     }
@@ -83,14 +83,14 @@ fn force_text(force: f64) -> String {
     if places == 0 { text } else { text.trim_end_matches('0').trim_end_matches('.').to_owned() }
 }
 
-fn texts(model: &StoredModel, found: &[PadEffect]) -> Vec<String> {
+fn texts(work: &PadMapWork, found: &[PadEffect]) -> Vec<String> {
     let failed = found.iter().filter(|effect| effect.reached.is_none()).count();
     let curve = found.iter().find_map(|effect| effect.reached?.curve);
     let size = curve.map_or_else(
         || "no curve is measured on this model".to_owned(),
         |curve| {
             format!(
-                "change of the {} of the largest curve ({}, {} erect)",
+                "change of the {} of the largest erect curve ({}, {} without the pad)",
                 curve.size_name(),
                 curve.region,
                 curve.before
@@ -98,8 +98,9 @@ fn texts(model: &StoredModel, found: &[PadEffect]) -> Vec<String> {
         },
     );
     let mut texts = vec![format!(
-        "Each number: {size} by one pad alone, at the midpoint of the vertebra. Forces in {}.",
-        model.force_unit()
+        "Each number: {size} by one pad {}, at the midpoint of the vertebra. Forces in {}.",
+        beside(work.request.beside.len()),
+        work.model.force_unit()
     )];
     if failed > 0 {
         texts.push(format!(
@@ -108,6 +109,15 @@ fn texts(model: &StoredModel, found: &[PadEffect]) -> Vec<String> {
         ));
     }
     texts
+}
+
+/// The loads that were on the spine, beside a pad.
+fn beside(others: usize) -> String {
+    match others {
+        0 => "alone".to_owned(),
+        1 => "beside the one load that the plan had".to_owned(),
+        more => format!("beside the {more} loads that the plan had"),
+    }
 }
 
 struct Map<'a> {
