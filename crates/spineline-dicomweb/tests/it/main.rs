@@ -1,0 +1,5 @@
+//! The tests of this crate that see it from outside, in one executable so that they are linked once.
+
+mod answers;
+mod orthanc;
+mod server;
