@@ -2,6 +2,8 @@
 
 use serde_json::Value;
 
+pub const PATIENT_ID: &str = "00100020";
+pub const ACCESSION_NUMBER: &str = "00080050";
 pub const STUDY_UID: &str = "0020000D";
 pub const SERIES_UID: &str = "0020000E";
 pub const INSTANCE_UID: &str = "00080018";
@@ -34,7 +36,7 @@ impl Attributes<'_> {
         Some(text.trim().to_owned()).filter(|text| !text.is_empty())
     }
 
-    /// A number that is none below zero; some servers write numbers as texts.
+    /// A number that is none below zero; some archives write numbers as texts.
     pub fn count(&self, tag: &str) -> Option<u32> {
         let value = self.first(tag)?;
         let text = || value.as_str()?.trim().parse().ok();
@@ -52,7 +54,7 @@ impl Attributes<'_> {
 /// # Errors
 /// What is wrong with it.
 pub fn entries(body: &[u8]) -> Result<Vec<Value>, &'static str> {
-    // Servers without a match answer with nothing, too.
+    // Archives without a match answer with nothing, too.
     if body.is_empty() {
         return Ok(Vec::new());
     }

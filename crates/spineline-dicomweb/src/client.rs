@@ -8,13 +8,13 @@ use ureq::tls::{RootCerts, TlsConfig};
 use ureq::{Agent, Body};
 
 use crate::answer::entries;
+use crate::archive::Archive;
 use crate::error::DicomwebError;
 use crate::multipart::only_part;
 use crate::query::{
     FilmFound, FilmUid, Found, MAX_FOUND, OF_FILM, OF_SERIES, Search, SeriesFound, SeriesUid, film,
     series,
 };
-use crate::server::Server;
 
 /// How long and how much an answer may be.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -31,7 +31,7 @@ pub struct Limits {
     pub film_bytes: u64,
 }
 
-/// Asks servers. It blocks: it belongs on a thread that may wait.
+/// Asks archives. It blocks: it belongs on a thread that may wait.
 #[derive(Debug, Clone)]
 pub struct Client {
     agent: Agent,
@@ -68,11 +68,13 @@ impl Client {
     /// [`DicomwebError`].
     pub fn search(
         &self,
-        server: &Server,
+        archive: &Archive,
         search: &Search,
     ) -> Result<Found<SeriesFound>, DicomwebError> {
-        let (name, value) = search.parameter();
-        self.found(server, "series", &[(name, value)], &OF_SERIES, series)
+        let fields: Vec<&str> = OF_SERIES.into_iter().chain([search.tag()]).collect();
+        self.found(archive, "series", &search.parameters(), &fields, |entry| {
+            if search.holds(entry) { series(entry) } else { Err("it has films of others") }
+        })
     }
 
     /// The films of a series (QIDO-RS).
@@ -81,33 +83,33 @@ impl Client {
     /// [`DicomwebError`].
     pub fn films(
         &self,
-        server: &Server,
+        archive: &Archive,
         of: &SeriesUid,
     ) -> Result<Found<FilmFound>, DicomwebError> {
         let path = format!("studies/{}/series/{}/instances", of.study(), of.series());
-        self.found(server, &path, &[], &OF_FILM, |entry| film(of, entry))
+        self.found(archive, &path, &[], &OF_FILM, |entry| film(of, entry))
     }
 
     /// The DICOM file of a film (WADO-RS), in its own transfer syntax.
     ///
     /// # Errors
     /// [`DicomwebError`].
-    pub fn retrieve(&self, server: &Server, of: &FilmUid) -> Result<Vec<u8>, DicomwebError> {
+    pub fn retrieve(&self, archive: &Archive, of: &FilmUid) -> Result<Vec<u8>, DicomwebError> {
         let (study, series) = (of.series.study(), of.series.series());
         let path = format!("studies/{study}/series/{series}/instances/{}", of.instance());
         let Limits { film, film_bytes, .. } = self.limits;
         // The head of the part comes on top of the film.
-        let (kind, body) = self.get(server, &path, &[], (DICOM, film, film_bytes + (1 << 16)))?;
-        let bytes = only_part(&kind, body).map_err(|what| bad(server, what))?;
+        let (kind, body) = self.get(archive, &path, &[], (DICOM, film, film_bytes + (1 << 16)))?;
+        let bytes = only_part(&kind, body).map_err(|what| bad(archive, what))?;
         if bytes.len() as u64 > film_bytes {
-            return Err(too_large(server, film_bytes));
+            return Err(too_large(archive, film_bytes));
         }
         Ok(bytes)
     }
 
     fn found<T>(
         &self,
-        server: &Server,
+        archive: &Archive,
         path: &str,
         asked: &[(&str, &str)],
         fields: &[&str],
@@ -119,11 +121,11 @@ impl Client {
         let query: Vec<(&str, &str)> =
             asked.iter().copied().chain(fields).chain([("limit", most.as_str())]).collect();
         let Limits { search, search_bytes, .. } = self.limits;
-        let (_, body) = self.get(server, path, &query, (JSON, search, search_bytes))?;
-        let entries = entries(&body).map_err(|what| bad(server, what))?;
+        let (_, body) = self.get(archive, path, &query, (JSON, search, search_bytes))?;
+        let entries = entries(&body).map_err(|what| bad(archive, what))?;
         let all = entries.iter().take(MAX_FOUND).map(read).collect::<Result<_, _>>();
         Ok(Found {
-            all: all.map_err(|what| bad(server, what))?,
+            all: all.map_err(|what| bad(archive, what))?,
             has_more: entries.len() > MAX_FOUND,
         })
     }
@@ -131,21 +133,21 @@ impl Client {
     /// The kind and the body of an answer.
     fn get(
         &self,
-        server: &Server,
+        archive: &Archive,
         path: &str,
         query: &[(&str, &str)],
         (accept, limit, limit_bytes): (&str, Duration, u64),
     ) -> Result<(String, Vec<u8>), DicomwebError> {
-        let fail = |error: ureq::Error| failed(server, &error, limit, limit_bytes);
-        let mut request = self.agent.get(server.address(path)).header("accept", accept);
+        let fail = |error: ureq::Error| failed(archive, &error, limit, limit_bytes);
+        let mut request = self.agent.get(archive.address(path)).header("accept", accept);
         // Escaped: what a user typed is a value and nothing else.
         request = request.query_pairs(query.iter().copied());
-        if let Some(login) = server.login() {
+        if let Some(login) = archive.login() {
             request = request.header("authorization", login);
         }
         let request = request.config().timeout_global(Some(limit)).build();
         let mut answer = request.call().map_err(fail)?;
-        check(server, &answer)?;
+        check(archive, &answer)?;
         let kind = answer.headers().get("content-type").and_then(|kind| kind.to_str().ok());
         let kind = kind.unwrap_or_default().to_owned();
         let body = answer.body_mut().with_config().limit(limit_bytes).read_to_vec();
@@ -153,48 +155,48 @@ impl Client {
     }
 }
 
-fn check(server: &Server, answer: &Response<Body>) -> Result<(), DicomwebError> {
-    let name = || server.name().to_owned();
+fn check(archive: &Archive, answer: &Response<Body>) -> Result<(), DicomwebError> {
+    let name = || archive.name().to_owned();
     match answer.status().as_u16() {
         200..=299 => Ok(()),
-        status @ (401 | 403) => Err(DicomwebError::Login { server: name(), status }),
-        404 | 410 => Err(DicomwebError::NotFound { server: name() }),
-        status @ 300..=399 => Err(DicomwebError::Redirect { server: name(), status }),
-        status => Err(DicomwebError::Refused { server: name(), status }),
+        status @ (401 | 403) => Err(DicomwebError::Login { archive: name(), status }),
+        404 | 410 => Err(DicomwebError::NotFound { archive: name() }),
+        status @ 300..=399 => Err(DicomwebError::Redirect { archive: name(), status }),
+        status => Err(DicomwebError::Refused { archive: name(), status }),
     }
 }
 
 fn failed(
-    server: &Server,
+    archive: &Archive,
     error: &ureq::Error,
     limit: Duration,
     limit_bytes: u64,
 ) -> DicomwebError {
-    let name = server.name().to_owned();
+    let name = archive.name().to_owned();
     match error {
-        ureq::Error::Timeout(_) => DicomwebError::TooSlow { server: name, limit },
-        ureq::Error::BodyExceedsLimit(_) => too_large(server, limit_bytes),
+        ureq::Error::Timeout(_) => DicomwebError::TooSlow { archive: name, limit },
+        ureq::Error::BodyExceedsLimit(_) => too_large(archive, limit_bytes),
         ureq::Error::HostNotFound => {
-            DicomwebError::Unreachable { server: name, reason: "its name is unknown".to_owned() }
+            DicomwebError::Unreachable { archive: name, reason: "its name is unknown".to_owned() }
         }
         ureq::Error::ConnectionFailed => {
-            DicomwebError::Unreachable { server: name, reason: "no connection".to_owned() }
+            DicomwebError::Unreachable { archive: name, reason: "no connection".to_owned() }
         }
         ureq::Error::Io(error) => {
-            DicomwebError::Unreachable { server: name, reason: error.kind().to_string() }
+            DicomwebError::Unreachable { archive: name, reason: error.kind().to_string() }
         }
         ureq::Error::Tls(_) | ureq::Error::Rustls(_) => DicomwebError::Unreachable {
-            server: name,
+            archive: name,
             reason: "its certificate is not trusted, or it does not speak TLS".to_owned(),
         },
-        _ => bad(server, "it is no answer of HTTP"),
+        _ => bad(archive, "it is no answer of HTTP"),
     }
 }
 
-fn bad(server: &Server, what: &'static str) -> DicomwebError {
-    DicomwebError::BadAnswer { server: server.name().to_owned(), what }
+fn bad(archive: &Archive, what: &'static str) -> DicomwebError {
+    DicomwebError::BadAnswer { archive: archive.name().to_owned(), what }
 }
 
-fn too_large(server: &Server, limit_bytes: u64) -> DicomwebError {
-    DicomwebError::TooLarge { server: server.name().to_owned(), limit_bytes }
+fn too_large(archive: &Archive, limit_bytes: u64) -> DicomwebError {
+    DicomwebError::TooLarge { archive: archive.name().to_owned(), limit_bytes }
 }

@@ -1,72 +1,72 @@
-//! What can go wrong between this program and a DICOMweb server. No message quotes an answer or a searched value.
+//! What can go wrong between this program and a DICOMweb archive. No message quotes an answer or a searched value.
 
 use std::time::Duration;
 
-/// A request to a DICOMweb server without a usable answer.
+/// A request to a DICOMweb archive without a usable answer.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum DicomwebError {
     /// No connection.
-    #[error("the server `{server}` cannot be reached: {reason}")]
+    #[error("the archive `{archive}` cannot be reached: {reason}")]
     Unreachable {
-        /// The server.
-        server: String,
+        /// The archive.
+        archive: String,
         /// Why, by the kind of the error.
         reason: String,
     },
     /// It took too long.
-    #[error("the server `{server}` did not answer within {} s", limit.as_secs())]
+    #[error("the archive `{archive}` did not answer within {} s", limit.as_secs())]
     TooSlow {
-        /// The server.
-        server: String,
+        /// The archive.
+        archive: String,
         /// The limit.
         limit: Duration,
     },
     /// It refused the login of this program.
-    #[error("the server `{server}` refuses the login of this program (HTTP {status})")]
+    #[error("the archive `{archive}` refuses the login of this program (HTTP {status})")]
     Login {
-        /// The server.
-        server: String,
+        /// The archive.
+        archive: String,
         /// 401 or 403.
         status: u16,
     },
     /// It has no such film.
-    #[error("the server `{server}` does not have this film")]
+    #[error("the archive `{archive}` does not have this film")]
     NotFound {
-        /// The server.
-        server: String,
+        /// The archive.
+        archive: String,
     },
     /// It sent this program to another address.
     #[error(
-        "the server `{server}` redirects to another address, which is not followed (HTTP {status})"
+        "the archive `{archive}` redirects to another address, which is not followed (HTTP {status})"
     )]
     Redirect {
-        /// The server.
-        server: String,
+        /// The archive.
+        archive: String,
         /// 300 to 399.
         status: u16,
     },
     /// It refused for another reason.
-    #[error("the server `{server}` refused the request (HTTP {status})")]
+    #[error("the archive `{archive}` refused the request (HTTP {status})")]
     Refused {
-        /// The server.
-        server: String,
+        /// The archive.
+        archive: String,
         /// Status of the answer.
         status: u16,
     },
     /// The answer exceeds the limit.
-    #[error("the answer of the server `{server}` exceeds the limit of {} MB", limit_bytes >> 20)]
+    #[error("the answer of the archive `{archive}` exceeds the limit of {} MB", limit_bytes >> 20)]
     TooLarge {
-        /// The server.
-        server: String,
+        /// The archive.
+        archive: String,
         /// The limit.
         limit_bytes: u64,
     },
     /// The answer is none of DICOMweb.
-    #[error("the answer of the server `{server}` cannot be read: {what}")]
+    #[error("the answer of the archive `{archive}` cannot be read: {what}")]
     BadAnswer {
-        /// The server.
-        server: String,
+        /// The archive.
+        archive: String,
         /// What is wrong with it.
         what: &'static str,
     },
@@ -85,7 +85,7 @@ impl DicomwebError {
             }
             Self::NotFound { .. } => "search again: the film may have been moved or deleted",
             Self::Redirect { .. } => {
-                "an administrator gives `spineline serve` the address to which the server redirects"
+                "an administrator gives `spineline serve` the address to which the archive redirects"
             }
             Self::Refused { .. } | Self::BadAnswer { .. } => {
                 "an administrator checks that the address is that of the DICOMweb service (QIDO-RS and WADO-RS)"

@@ -9,15 +9,23 @@ const MAX_VALUE: usize = 64;
 /// Most entries of a list.
 pub(crate) const MAX_FOUND: usize = 100;
 
-/// By what films are found: values that name one patient or one study, so that nobody looks through an archive.
+/// By what films are found: values that name one patient or one order, so that nobody looks through an archive.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum SearchKey {
     /// Patient ID (0010,0020).
     PatientId,
     /// Accession Number (0008,0050).
     AccessionNumber,
-    /// Study Instance UID (0020,000D).
-    StudyUid,
+}
+
+impl SearchKey {
+    /// Name of its parameter, and its tag.
+    const fn attribute(self) -> (&'static str, &'static str) {
+        match self {
+            Self::PatientId => ("PatientID", answer::PATIENT_ID),
+            Self::AccessionNumber => ("AccessionNumber", answer::ACCESSION_NUMBER),
+        }
+    }
 }
 
 /// A search for series. Its value is exact: wildcards are refused.
@@ -25,6 +33,8 @@ pub enum SearchKey {
 pub struct Search {
     key: SearchKey,
     value: String,
+    /// As `YYYYMMDD`.
+    day: Option<String>,
 }
 
 /// Without the value, which names a patient.
@@ -47,9 +57,26 @@ pub enum BadQuery {
     /// A wildcard, a list or a control character.
     #[error("the value has a character that no identifier has (* ? \\ or a control character)")]
     Character,
+    /// Not a date.
+    #[error("the date is not of the form YYYY-MM-DD")]
+    Day,
     /// Not a UID.
     #[error("a UID has digits and dots only, at most {MAX_VALUE} of them")]
     Uid,
+}
+
+impl BadQuery {
+    /// What to do about it.
+    #[must_use]
+    pub const fn help(&self) -> &'static str {
+        match self {
+            Self::Length { .. } | Self::Character => {
+                "type the whole Patient ID or Accession Number, as the archive has it"
+            }
+            Self::Day => "give the day of the film, such as 2024-05-17, or no date",
+            Self::Uid => "search again, and choose from the list",
+        }
+    }
 }
 
 impl Search {
@@ -66,20 +93,37 @@ impl Search {
         if value.chars().any(|c| c.is_control() || matches!(c, '*' | '?' | '\\')) {
             return Err(BadQuery::Character);
         }
-        if key == SearchKey::StudyUid {
-            checked(value)?;
-        }
-        Ok(Self { key, value: value.to_owned() })
+        Ok(Self { key, value: value.to_owned(), day: None })
     }
 
-    /// Name and value of the parameter.
-    pub(crate) fn parameter(&self) -> (&'static str, &str) {
-        let name = match self.key {
-            SearchKey::PatientId => "PatientID",
-            SearchKey::AccessionNumber => "AccessionNumber",
-            SearchKey::StudyUid => "StudyInstanceUID",
-        };
-        (name, &self.value)
+    /// Of one day only, as `YYYY-MM-DD`.
+    ///
+    /// # Errors
+    /// [`BadQuery::Day`].
+    pub fn on(self, day: &str) -> Result<Self, BadQuery> {
+        let digits = day.replace('-', "");
+        if crate::query::day(&digits).as_deref() != Some(day) {
+            return Err(BadQuery::Day);
+        }
+        Ok(Self { day: Some(digits), ..self })
+    }
+
+    /// Names and values of its parameters.
+    pub(crate) fn parameters(&self) -> Vec<(&'static str, &str)> {
+        let day = self.day.as_deref().map(|day| ("StudyDate", day));
+        [(self.key.attribute().0, &self.value[..])].into_iter().chain(day).collect()
+    }
+
+    /// The tag that is searched for, which an answer should have.
+    pub(crate) const fn tag(&self) -> &'static str {
+        self.key.attribute().1
+    }
+
+    /// Whether an entry is of what was searched for. Archives that do not know a parameter answer with everything; an entry
+    /// without the attribute cannot be judged.
+    pub(crate) fn holds(&self, entry: &Value) -> bool {
+        let stated = Attributes(entry).text(self.tag());
+        stated.is_none_or(|stated| stated.eq_ignore_ascii_case(&self.value))
     }
 }
 
@@ -148,12 +192,12 @@ impl FilmUid {
     }
 }
 
-/// What was found, and whether there is more.
+/// Entries of an answer, and whether there is more.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Found<T> {
     /// At most a hundred.
     pub all: Vec<T>,
-    /// Whether the server has more than these.
+    /// Whether the archive has more than these.
     pub has_more: bool,
 }
 

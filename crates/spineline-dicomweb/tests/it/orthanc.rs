@@ -6,7 +6,7 @@ use std::process::{Child, Command, Stdio};
 use std::thread::sleep;
 use std::time::Duration;
 
-use spineline_dicomweb::{Client, Search, SearchKey, Server};
+use spineline_dicomweb::{Archive, Client, Search, SearchKey};
 
 use crate::answers::LIMITS;
 
@@ -50,14 +50,14 @@ fn a_film_is_found_and_retrieved_from_orthanc() {
         .spawn()
         .expect("Orthanc");
     let _running = Running(child);
-    let server = Server::parse(&format!("archive=http://127.0.0.1:{port}/dicom-web"))
-        .and_then(|server| server.with_login("films:secret"))
-        .expect("a server");
+    let archive = Archive::parse(&format!("archive=http://127.0.0.1:{port}/dicom-web"))
+        .and_then(|archive| archive.with_login("films:secret"))
+        .expect("an archive");
     let client = Client::new(LIMITS);
     let search = Search::new(SearchKey::PatientId, "P-07").expect("a search");
     let ready = (0..200).find_map(|_| {
         sleep(Duration::from_millis(100));
-        client.search(&server, &search).ok()
+        client.search(&archive, &search).ok()
     });
     assert_eq!(ready.expect("Orthanc answers").all, []);
 
@@ -68,13 +68,15 @@ fn a_film_is_found_and_retrieved_from_orthanc() {
         .expect("stored")
         .status();
     assert!(status.is_success(), "{status}");
-    let found = client.search(&server, &search).expect("series");
+    let found = client.search(&archive, &search).expect("series");
     let [series] = &found.all[..] else { panic!("{found:?}") };
     assert_eq!(series.modality.as_deref(), Some("DX"));
-    let films = client.films(&server, &series.uid).expect("films");
+    let other = Search::new(SearchKey::PatientId, "P-0").expect("a search");
+    assert_eq!(client.search(&archive, &other).expect("an answer").all, []);
+    let films = client.films(&archive, &series.uid).expect("films");
     let [film] = &films.all[..] else { panic!("{films:?}") };
     assert_eq!((film.columns, film.rows), (Some(2), Some(1)));
-    let bytes = client.retrieve(&server, &film.uid).expect("a film");
+    let bytes = client.retrieve(&archive, &film.uid).expect("a film");
     assert_eq!(bytes, sent);
 }
 

@@ -1,29 +1,30 @@
-//! Servers that an administrator allowed.
+//! Archives that an administrator allowed.
 
 use std::fmt;
+use std::net::IpAddr;
 
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use ureq::http::Uri;
 
-/// Longest name of a server.
+/// Longest name of an archive.
 const MAX_NAME: usize = 32;
 
-/// A DICOMweb server that an administrator allowed.
+/// A DICOMweb archive that an administrator allowed.
 #[derive(Clone, PartialEq, Eq)]
-pub struct Server {
+pub struct Archive {
     name: String,
     /// Without a slash at its end.
     base: String,
-    is_encrypted: bool,
+    is_exposed: bool,
     /// Value of the header `Authorization`.
     login: Option<String>,
 }
 
-/// A server that cannot be meant.
+/// An archive that cannot be meant.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
-pub enum ServerFault {
+pub enum ArchiveFault {
     /// Not `NAME=ADDRESS`.
     #[error("`{text}` is not NAME=ADDRESS, such as archive=https://pacs.clinic.example/dicom-web")]
     Form {
@@ -36,10 +37,10 @@ pub enum ServerFault {
         /// What was given.
         name: String,
     },
-    /// An address that is none of a DICOMweb server.
+    /// An address that is none of a DICOMweb archive.
     #[error("the address of `{name}` {fault}")]
     Address {
-        /// The server.
+        /// The archive.
         name: String,
         /// What is wrong.
         fault: &'static str,
@@ -47,53 +48,57 @@ pub enum ServerFault {
     /// Not `USER:PASSWORD`.
     #[error("the login of `{name}` must be one line USER:PASSWORD")]
     Login {
-        /// The server.
+        /// The archive.
         name: String,
     },
 }
 
-impl Server {
+impl Archive {
     /// Reads `NAME=ADDRESS`; the address is that of the DICOMweb service, below which `studies` and `series` are.
     ///
     /// # Errors
-    /// [`ServerFault`].
-    pub fn parse(text: &str) -> Result<Self, ServerFault> {
+    /// [`ArchiveFault`].
+    pub fn parse(text: &str) -> Result<Self, ArchiveFault> {
         let (name, address) =
-            text.split_once('=').ok_or_else(|| ServerFault::Form { text: text.to_owned() })?;
+            text.split_once('=').ok_or_else(|| ArchiveFault::Form { text: text.to_owned() })?;
         let is_name_byte =
             |byte: u8| byte.is_ascii_lowercase() || byte.is_ascii_digit() || byte == b'-';
         if name.is_empty() || name.len() > MAX_NAME || !name.bytes().all(is_name_byte) {
-            return Err(ServerFault::Name { name: name.to_owned() });
+            return Err(ArchiveFault::Name { name: name.to_owned() });
         }
-        let fault = |fault| ServerFault::Address { name: name.to_owned(), fault };
+        let fault = |fault| ArchiveFault::Address { name: name.to_owned(), fault };
         let uri: Uri = address.parse().map_err(|_| fault("is no address"))?;
-        let is_encrypted = match uri.scheme_str() {
-            Some("https") => true,
-            Some("http") => false,
+        let is_plain = match uri.scheme_str() {
+            Some("https") => false,
+            Some("http") => true,
             _ => return Err(fault("must begin with https:// or http://")),
         };
         let authority = uri.authority().map_or("", |authority| authority.as_str());
         if authority.contains('@') {
             return Err(fault("must be without a user and a password: they belong in a file"));
         }
-        if uri.host().is_none_or(str::is_empty) {
-            return Err(fault("has no host"));
-        }
+        let host =
+            uri.host().filter(|host| !host.is_empty()).ok_or_else(|| fault("has no host"))?;
         if uri.query().is_some() || address.contains('#') {
             return Err(fault("must end with its path"));
         }
         let base = address.trim_end_matches('/').to_owned();
-        Ok(Self { name: name.to_owned(), base, is_encrypted, login: None })
+        Ok(Self {
+            name: name.to_owned(),
+            base,
+            is_exposed: is_plain && !is_loopback(host),
+            login: None,
+        })
     }
 
     /// With a user and a password, as `USER:PASSWORD`; sent as HTTP Basic authentication.
     ///
     /// # Errors
-    /// [`ServerFault::Login`].
-    pub fn with_login(self, login: &str) -> Result<Self, ServerFault> {
+    /// [`ArchiveFault::Login`].
+    pub fn with_login(self, login: &str) -> Result<Self, ArchiveFault> {
         let login = login.trim_end_matches(['\r', '\n']);
         if !login.contains(':') || login.chars().any(char::is_control) {
-            return Err(ServerFault::Login { name: self.name });
+            return Err(ArchiveFault::Login { name: self.name });
         }
         Ok(Self { login: Some(format!("Basic {}", STANDARD.encode(login))), ..self })
     }
@@ -104,10 +109,10 @@ impl Server {
         &self.name
     }
 
-    /// Whether films and logins travel encrypted.
+    /// Whether films and the login go over a network without encryption.
     #[must_use]
-    pub const fn is_encrypted(&self) -> bool {
-        self.is_encrypted
+    pub const fn is_exposed(&self) -> bool {
+        self.is_exposed
     }
 
     /// Value of the header `Authorization`.
@@ -120,10 +125,16 @@ impl Server {
     }
 }
 
+/// Whether a host is this machine.
+fn is_loopback(host: &str) -> bool {
+    let address = host.trim_matches(['[', ']']).parse::<IpAddr>();
+    host.eq_ignore_ascii_case("localhost") || address.is_ok_and(|address| address.is_loopback())
+}
+
 /// Without the login.
-impl fmt::Debug for Server {
+impl fmt::Debug for Archive {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { name, base, .. } = self;
-        f.debug_struct("Server").field("name", name).field("base", base).finish_non_exhaustive()
+        f.debug_struct("Archive").field("name", name).field("base", base).finish_non_exhaustive()
     }
 }
