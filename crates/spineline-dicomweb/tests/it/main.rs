@@ -2,4 +2,5 @@
 
 mod answers;
 mod orthanc;
+mod orthanc_program;
 mod server;

@@ -1,73 +1,21 @@
-//! The same against Orthanc, where Debian's packages `orthanc` and `orthanc-dicomweb` are installed.
-
-use std::net::TcpListener;
-use std::path::Path;
-use std::process::{Child, Command, Stdio};
-use std::thread::sleep;
-use std::time::Duration;
+//! The same against Orthanc, where it is installed.
 
 use spineline_dicomweb::{Archive, Client, Search, SearchKey};
 
 use crate::answers::LIMITS;
-
-const PROGRAM: &str = "/usr/sbin/Orthanc";
-const PLUGIN: &str = "/usr/share/orthanc/plugins/libOrthancDicomWeb.so";
-
-/// Ended with the test.
-struct Running(Child);
-
-impl Drop for Running {
-    fn drop(&mut self) {
-        let _ = self.0.kill();
-        let _ = self.0.wait();
-    }
-}
-
-fn free_port() -> u16 {
-    let listener = TcpListener::bind("127.0.0.1:0").expect("a port");
-    listener.local_addr().expect("an address").port()
-}
+use crate::orthanc_program::Orthanc;
 
 #[test]
 fn a_film_is_found_and_retrieved_from_orthanc() {
-    if !Path::new(PROGRAM).exists() || !Path::new(PLUGIN).exists() {
-        eprintln!("left out: Orthanc is not installed (Debian: orthanc orthanc-dicomweb)");
-        return;
-    }
-    let folder = tempfile::tempdir().expect("a folder");
-    let (port, dicom_port) = (free_port(), free_port());
-    let config = serde_json::json!({
-        "HttpPort": port, "DicomPort": dicom_port, "RemoteAccessAllowed": false,
-        "AuthenticationEnabled": true, "RegisteredUsers": { "films": "secret" },
-        "StorageDirectory": folder.path().join("storage"), "Plugins": [PLUGIN],
-    });
-    let file = folder.path().join("orthanc.json");
-    std::fs::write(&file, config.to_string()).expect("a file");
-    let child = Command::new(PROGRAM)
-        .arg(&file)
-        .stdout(Stdio::null())
-        .stderr(Stdio::null())
-        .spawn()
-        .expect("Orthanc");
-    let _running = Running(child);
-    let archive = Archive::parse(&format!("archive=http://127.0.0.1:{port}/dicom-web"))
+    let Some(orthanc) = Orthanc::start() else { return };
+    let archive = Archive::parse(&format!("archive={}", orthanc.address()))
         .and_then(|archive| archive.with_login("films:secret"))
         .expect("an archive");
     let client = Client::new(LIMITS);
     let search = Search::new(SearchKey::PatientId, "P-07").expect("a search");
-    let ready = (0..200).find_map(|_| {
-        sleep(Duration::from_millis(100));
-        client.search(&archive, &search).ok()
-    });
-    assert_eq!(ready.expect("Orthanc answers").all, []);
-
+    assert_eq!(client.search(&archive, &search).expect("an answer").all, []);
     let sent = dicom_file();
-    let status = ureq::post(format!("http://127.0.0.1:{port}/instances"))
-        .header("authorization", "Basic ZmlsbXM6c2VjcmV0")
-        .send(&sent[..])
-        .expect("stored")
-        .status();
-    assert!(status.is_success(), "{status}");
+    orthanc.store(&sent);
     let found = client.search(&archive, &search).expect("series");
     let [series] = &found.all[..] else { panic!("{found:?}") };
     assert_eq!(series.modality.as_deref(), Some("DX"));
