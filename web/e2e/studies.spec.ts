@@ -4,7 +4,8 @@ import path from "node:path";
 
 import type { Page } from "@playwright/test";
 
-import { expect, runProgram, shot, test, usePages } from "./app";
+import { expect, expectAccessible, runProgram, shot, test, usePages } from "./app";
+import { startArchive } from "./archive";
 import { EVIL, expectHarmless } from "./hostile";
 import { answerWith, manyStudies, study } from "./made";
 import { requestsElsewhere } from "./wire";
@@ -97,6 +98,50 @@ test.describe("with films of one phantom", () => {
     await shot(page, "new-study-doubtful");
     await refused.getByRole("button", { name: "Add anyway" }).click();
     await expect(page).toHaveURL(/#\/studies\/a-leg\/measure/, { timeout: 60_000 });
+  });
+
+  test("a film of an archive is found by keyboard and becomes a study", async ({ app, page }) => {
+    const { address, server } = await startArchive(await readFile(films()[0] ?? ""));
+    await app.kill();
+    await app.start("--dicomweb", `clinic=${address}`);
+    await app.open(page);
+    await page.goto(new URL("#/new", app.address).href);
+    const section = page.getByRole("region", { name: "From an archive" });
+    await section.getByLabel("Patient ID", { exact: true }).fill("locked");
+    await page.keyboard.press("Enter");
+    await expect(section.getByRole("alert")).toContainText("refuses the login of this program");
+    await section.getByLabel("Patient ID", { exact: true }).fill("P-08");
+    await page.keyboard.press("Enter");
+    await expect(section.getByRole("status")).toContainText("no film for this Patient ID");
+    await section.getByLabel("Patient ID", { exact: true }).fill("P-07");
+    await page.keyboard.press("Enter");
+    await expect(section.getByRole("status")).toContainText("1 series is found");
+    await section.getByRole("button", { name: "Show films" }).press("Enter");
+    await section.getByRole("button", { name: /^Open\s+Film 2/ }).press("Enter");
+    await expect(page.getByText("does not have this film")).toBeVisible();
+    await section.getByRole("button", { name: /^Open\s+Film 1/ }).press("Enter");
+    await expect(page.getByText("Synthetic", { exact: true })).toBeVisible({ timeout: 60_000 });
+    for (const colorScheme of ["dark", "light"] as const) {
+      await page.emulateMedia({ colorScheme });
+      await expectAccessible(page);
+      await shot(page, `archive-${colorScheme}`);
+    }
+    await page.setViewportSize({ width: 390, height: 844 });
+    await section.scrollIntoViewIfNeeded();
+    await expectAccessible(page);
+    await shot(page, "archive-phone");
+    expect(await page.evaluate(() => document.documentElement.scrollWidth)).toBe(390);
+    await page.setViewportSize({ width: 1280, height: 800 });
+    await page
+      .getByRole("button", { name: /^Remove/ })
+      .first()
+      .click();
+    await page.getByLabel("Posture").selectOption("erect");
+    await page.getByRole("radio", { name: "right of the picture" }).check();
+    await page.getByRole("textbox", { name: "Identifier" }).fill("of-the-archive");
+    await page.getByRole("button", { name: "Create the study" }).click();
+    await expect(page).toHaveURL(/#\/studies\/of-the-archive\/measure/, { timeout: 60_000 });
+    server.close();
   });
 
   test("a case file is imported with its films", async ({ app, page }) => {

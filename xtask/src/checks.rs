@@ -74,6 +74,11 @@ pub fn test(plan: &Plan<'_>) -> Result<(), String> {
     }
 }
 
+/// Films of an image archive: the tests that ask Orthanc, which pass without a word where it is missing.
+pub fn archive(plan: &Plan<'_>) -> Result<(), String> {
+    cargo_on(plan, &["test", "--quiet", "--test", "it"], &["orthanc"], &[])
+}
+
 /// Studies of minutes over thousands of synthetic patients, which are ignored by other runs. They compute for so long that
 /// a release build pays.
 pub fn slow_studies(plan: &Plan<'_>) -> Result<(), String> {

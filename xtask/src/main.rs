@@ -137,6 +137,7 @@ fn steps(command: &str) -> Option<Vec<Step<'static>>> {
             environments.beside(),
             web,
             Step::new("tests", &[], checks::test),
+            Step::new("archive", &[Tool::Orthanc], checks::archive),
             engines.beside(),
             reliability.beside(),
             films.beside(),

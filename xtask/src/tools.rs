@@ -13,10 +13,15 @@ pub enum Tool {
     Chromium,
     Python,
     Dcmtk,
+    Orthanc,
 }
 
+/// What Debian installs of Orthanc, as the tests look for it.
+const ORTHANC: [&str; 2] =
+    ["/usr/sbin/Orthanc", "/usr/share/orthanc/plugins/libOrthancDicomWeb.so"];
+
 impl Tool {
-    const ALL: [Self; 4] = [Self::Npm, Self::Chromium, Self::Python, Self::Dcmtk];
+    const ALL: [Self; 5] = [Self::Npm, Self::Chromium, Self::Python, Self::Dcmtk, Self::Orthanc];
 
     pub fn name(self) -> &'static str {
         match self {
@@ -24,6 +29,7 @@ impl Tool {
             Self::Chromium => "Chromium",
             Self::Python => "Python 3.11 with venv",
             Self::Dcmtk => "DCMTK",
+            Self::Orthanc => "Orthanc with DICOMweb",
         }
     }
 
@@ -34,6 +40,7 @@ impl Tool {
             Self::Chromium => "drives the browser app",
             Self::Python => "runs the programs that results are compared with",
             Self::Dcmtk => "reads exported DICOM reports",
+            Self::Orthanc => "is the image archive that films are opened from",
         }
     }
 
@@ -44,6 +51,7 @@ impl Tool {
             Self::Chromium => &["chromium"],
             Self::Python => &["python3", "python3-venv"],
             Self::Dcmtk => &["dcmtk"],
+            Self::Orthanc => &["orthanc", "orthanc-dicomweb"],
         }
     }
 
@@ -63,6 +71,7 @@ impl Tool {
                     || answers("python3", &["-m", "venv", "--help"])
             }
             Self::Dcmtk => answers("dsrdump", &["--version"]),
+            Self::Orthanc => ORTHANC.iter().all(|file| Path::new(file).exists()),
         }
     }
 }

@@ -36,6 +36,7 @@ mod rotation_prior_record;
 mod simulated;
 mod simulation_file;
 mod stiffness_file;
+mod stored_identifiability;
 mod stored_uncertainty;
 
 pub use analysis_file::{
@@ -67,6 +68,7 @@ pub use rotation_prior_file::{RotationPriorFile, StoredRotationPrior, parse_rota
 pub use simulated::{Simulated, SimulationError};
 pub use simulation_file::{SimulationFile, SimulationWarning};
 pub use stiffness_file::{StiffnessFile, parse_stiffness};
+pub use stored_identifiability::{identifiability_text, parse_identifiability};
 pub use stored_uncertainty::{parse_uncertainty, uncertainty_text};
 
 use schemars::Schema;

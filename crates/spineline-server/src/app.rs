@@ -14,7 +14,8 @@ use crate::problem::Failure;
 use crate::session::User;
 use crate::state::AppState;
 use crate::{
-    accounts, assets, changes, demo, films, grants, guard, readings, results, session, studies,
+    accounts, archives, assets, changes, demo, films, grants, guard, readings, results, session,
+    studies,
 };
 
 /// Largest body of a request, in bytes. A route that takes films sets a limit of its own.
@@ -36,6 +37,7 @@ fn routes() -> OpenApiRouter<AppState> {
         .merge(studies::routes())
         .merge(demo::routes())
         .merge(films::routes())
+        .merge(archives::routes())
         .merge(readings::routes())
         .merge(changes::routes())
         .merge(results::routes())

@@ -5,6 +5,8 @@ mod access;
 mod accounts;
 pub mod api;
 mod app;
+mod archive_client;
+mod archives;
 mod assets;
 mod attachment;
 mod changes;

@@ -2,6 +2,8 @@
 
 use std::time::Duration;
 
+use spineline_films::FilmLimits;
+
 /// Limits of a server. The default is for use; tests set others.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct ServeLimits {
@@ -16,6 +18,8 @@ pub struct ServeLimits {
     pub recheck: Duration,
     /// Uploaded films that are not in a study.
     pub uploads: UploadLimits,
+    /// How long and how large an answer of an image archive may be.
+    pub archive: spineline_dicomweb::Limits,
 }
 
 /// Places for those who are signed in, and for everybody else: neither takes the other's.
@@ -69,6 +73,13 @@ impl Default for ServeLimits {
                 kept: Duration::from_secs(60 * 60),
                 per_account: UploadRoom { films: 32, bytes: 400 << 20 },
                 in_all: UploadRoom { films: 128, bytes: 800 << 20 },
+            },
+            archive: spineline_dicomweb::Limits {
+                connect: Duration::from_secs(5),
+                search: Duration::from_secs(20),
+                search_bytes: 4 << 20,
+                film: Duration::from_secs(180),
+                film_bytes: FilmLimits::default().file_bytes,
             },
         }
     }

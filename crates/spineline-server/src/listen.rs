@@ -154,6 +154,7 @@ mod tests {
             access: Access::Token,
             hosts: Vec::new(),
             https: false,
+            archives: Vec::new(),
             limits: ServeLimits::default(),
         };
         let address = "127.0.0.1:8765".parse().expect("an address");

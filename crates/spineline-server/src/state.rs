@@ -5,9 +5,11 @@ use std::net::SocketAddr;
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex, PoisonError};
 
+use spineline_dicomweb::Archive;
 use spineline_store::{Access, Store, StoreError, Timestamp};
 use tokio::sync::Semaphore;
 
+use crate::archive_client::Archives;
 use crate::channel::Channel;
 use crate::computation_jobs::ComputationJobs;
 use crate::film_cache::FilmCache;
@@ -36,6 +38,8 @@ pub struct ServeOptions {
     pub hosts: Vec<String>,
     /// Whether a proxy serves it by TLS; cookies are then sent by TLS only.
     pub https: bool,
+    /// Image archives from which users may open films.
+    pub archives: Vec<Archive>,
     /// What it takes at once.
     pub limits: ServeLimits,
 }
@@ -57,6 +61,7 @@ struct Shared {
     strangers_in_flight: Semaphore,
     passwords: Semaphore,
     films: FilmCache,
+    archives: Archives,
     overviews: OverviewCache,
     changes: Channel,
     results: ResultCache,
@@ -76,7 +81,8 @@ impl AppState {
     #[must_use]
     pub fn new(store: Store, address: SocketAddr, options: ServeOptions) -> Self {
         let hosts = Hosts::new(address, &options.hosts);
-        let ServeLimits { requests, uploads, .. } = options.limits;
+        let ServeLimits { requests, uploads, archive, .. } = options.limits;
+        let archives = Archives::new(&options.archives, archive);
         let shared = Shared {
             store: Mutex::new(store),
             address,
@@ -88,6 +94,7 @@ impl AppState {
             strangers_in_flight: Semaphore::new(requests.strangers),
             passwords: Semaphore::new(MAX_PASSWORDS),
             films: FilmCache::new(uploads),
+            archives,
             overviews: OverviewCache::default(),
             changes: Channel::default(),
             results: ResultCache::default(),
@@ -123,6 +130,11 @@ impl AppState {
     /// Decoded films and uploads.
     pub(crate) fn films(&self) -> &FilmCache {
         &self.shared.films
+    }
+
+    /// Image archives.
+    pub(crate) fn archives(&self) -> &Archives {
+        &self.shared.archives
     }
 
     /// What the list of studies shows.

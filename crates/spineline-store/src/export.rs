@@ -117,6 +117,20 @@ impl Store {
             ledger.seal(&format!("{EXPORT}{form}"), "studies", &study.as_str()).map(drop)
         })
     }
+
+    /// Writes into the log who did something with an image archive, such as `retrieve`: the action is `retrieve_NAME`, on the store as a
+    /// whole. It holds nothing of the patient.
+    ///
+    /// # Errors
+    /// Errors of writing.
+    pub fn log_archive(
+        &mut self,
+        what: &str,
+        archive: &str,
+        by: &Signature,
+    ) -> Result<(), StoreError> {
+        self.write(by, |ledger| ledger.note(&format!("{what}_{archive}")))
+    }
 }
 
 fn left_out(reading: ReadingId, state: &ReadingState) -> Vec<ExportRemark> {

@@ -1,13 +1,17 @@
+import { openArchiveFilm } from "../api/archives";
 import { uploadFile } from "../api/client";
 import { discardUpload } from "../api/studies";
 import type { Api } from "../api/types";
 
 const AT_ONCE = 3;
 
-/** A file that is being uploaded. */
+/** How a film comes to the program; reports the fraction sent where it is known. */
+type Way = (onsent: (fraction: number) => void, signal: AbortSignal) => Promise<Api<"UploadView">>;
+
+/** A film that is on its way to the program. */
 export class Sent {
-  /** Fraction sent, 0 to 1. */
-  fraction = $state(0);
+  /** Fraction sent, 0 to 1; null where it is not known. */
+  fraction = $state<number | null>(null);
   /** Content of the file as the program read it. */
   view = $state.raw<Api<"UploadView"> | null>(null);
   /** Why the program refused it. */
@@ -17,7 +21,10 @@ export class Sent {
 
   constructor(
     readonly key: number,
-    readonly file: File,
+    readonly name: string,
+    private readonly way: Way,
+    /** The failed action. */
+    readonly what: string,
   ) {}
 
   get waiting(): boolean {
@@ -27,13 +34,9 @@ export class Sent {
   async send(): Promise<void> {
     this.error = null;
     try {
-      this.view = await uploadFile(
-        this.file,
-        (fraction) => {
-          this.fraction = fraction;
-        },
-        this.#stop.signal,
-      );
+      this.view = await this.way((fraction) => {
+        this.fraction = fraction;
+      }, this.#stop.signal);
     } catch (caught) {
       this.error = caught;
     }
@@ -57,12 +60,17 @@ export class Uploads {
   constructor(private readonly ready: (sent: Sent) => void = () => undefined) {}
 
   add(files: Iterable<File>): void {
-    for (const file of files) {
-      const sent = new Sent(this.#next++, file);
-      this.all.push(sent);
-      this.#queue.push(sent);
-    }
-    this.#go();
+    for (const file of files)
+      this.#add(
+        file.name,
+        (onsent, signal) => uploadFile(file, onsent, signal),
+        "This file was not accepted",
+      );
+  }
+
+  /** Opens a film of an archive. */
+  open(name: string, film: Api<"ArchiveFilmChoice">): void {
+    this.#add(name, (_, signal) => openArchiveFilm(film, signal), "This film was not opened");
   }
 
   again(sent: Sent): void {
@@ -89,6 +97,13 @@ export class Uploads {
   /** The page is left: what no study has taken is not needed. */
   close(): void {
     for (const sent of [...this.all]) this.remove(sent);
+  }
+
+  #add(name: string, way: Way, what: string): void {
+    const sent = new Sent(this.#next++, name, way, what);
+    this.all.push(sent);
+    this.#queue.push(sent);
+    this.#go();
   }
 
   #go(): void {

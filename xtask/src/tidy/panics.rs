@@ -7,8 +7,9 @@ use std::path::Path;
 use super::{read, sources};
 
 /// Crates that read files, requests or streams.
-const READERS: [&str; 10] = [
+const READERS: [&str; 11] = [
     "spineline-cli",
+    "spineline-dicomweb",
     "spineline-files",
     "spineline-films",
     "spineline-landmarks",

@@ -407,7 +407,15 @@ mod unix {
         // It cannot listen where another program does, and ends after the warning.
         let taken = std::net::TcpListener::bind("127.0.0.1:0").expect("a port");
         let port = taken.local_addr().expect("an address").port().to_string();
-        let error = refused(here.path(), &["serve", "s.spineline", "--port", &port], 3);
-        assert!(error.contains("0644") && error.contains("chmod 600"), "{error}");
+        let login = here.path().join("clinic.login");
+        fs::write(&login, "films:secret\n").expect("a file");
+        fs::set_permissions(&login, fs::Permissions::from_mode(0o640)).expect("permissions");
+        let archive = ["--dicomweb", "clinic=http://192.0.2.1/dicom-web"];
+        let serve = ["serve", "s.spineline", "--port", &port];
+        let login = ["--dicomweb-login", "clinic=clinic.login"];
+        let error = refused(here.path(), &[&serve[..], &archive, &login].concat(), 3);
+        assert!(error.contains("0644") && error.contains("chmod 600 s.spineline"), "{error}");
+        assert!(error.contains("0640") && error.contains("chmod 600 clinic.login"), "{error}");
+        assert!(error.contains("not encrypted") && !error.contains("secret"), "{error}");
     }
 }

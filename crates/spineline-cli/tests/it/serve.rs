@@ -130,3 +130,24 @@ fn a_program_without_the_app_says_so_before_its_address() {
     // The page of a program without the app loads no script.
     assert_eq!(told.contains("cargo xtask web"), !spineline_server::has_app(), "{told}");
 }
+
+#[test]
+fn archives_need_a_name_an_address_and_a_login_from_a_file() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let login = folder.path().join("clinic.login");
+    std::fs::write(&login, "no colon, but a secret\n").expect("a file");
+    let archive = ["--dicomweb", "clinic=http://127.0.0.1:8042/dicom-web"];
+    for (arguments, code, expected) in [
+        (&["--dicomweb", "clinic"][..], 2, "NAME=ADDRESS"),
+        (&["--dicomweb", "clinic=ftp://a.example"], 2, "https://"),
+        (&["--dicomweb-login", "clinic=clinic.login"], 2, "no --dicomweb names"),
+        (&[archive, archive].concat(), 2, "twice"),
+        (&[archive, ["--dicomweb-login", "clinic"]].concat(), 2, "NAME=FILE"),
+        (&[archive, ["--dicomweb-login", "clinic=none"]].concat(), 3, "none"),
+        (&[archive, ["--dicomweb-login", "clinic=clinic.login"]].concat(), 3, "USER:PASSWORD"),
+    ] {
+        let arguments = [&["serve", "s.spineline", "--port", "0"][..], arguments].concat();
+        let refused = output_of(&run(folder.path(), &arguments, "").failure().code(code));
+        assert!(refused.contains(expected) && !refused.contains("secret"), "{refused}");
+    }
+}

@@ -2,6 +2,7 @@
 
 use spineline::analysis::{Analysis, AnalysisOptions, Grouping};
 use spineline::curve::{InflectionChoice, OrderRule};
+use spineline::measure::{FilmLengthRule, TiltRule};
 use spineline::multibody::{StiffnessLibrary, Support};
 use spineline::personalize::{FitTarget, Gauge};
 
@@ -64,6 +65,44 @@ pub(crate) fn options(generator: &str, options: &AnalysisOptions) -> Table {
     add("Prior of the multipliers", prior);
     add("Stiffness table", library_words(&options.library));
     table
+}
+
+/// The options that differ from the defaults, with what was chosen; empty for the defaults.
+///
+/// The distribution of joint rotations and the compared loads change no model and have sections of their own.
+pub(crate) fn changed(options: &AnalysisOptions) -> String {
+    let usual = AnalysisOptions::default();
+    let [chosen, defaults] = [options, &usual].map(|one| self::options("", one).rows);
+    let rows = chosen.into_iter().zip(defaults).filter(|(chosen, usual)| chosen != usual);
+    let mut words: Vec<String> = rows.map(|(chosen, _)| chosen.join(": ")).collect();
+    let mut add = |differs: bool, text: &str| words.extend(differs.then(|| text.to_owned()));
+    add(options.tilt != usual.tilt, tilt_words(options.tilt));
+    let lengths = format!("Lengths of the films: {}", length_words(options.film_lengths));
+    add(options.film_lengths != usual.film_lengths, &lengths);
+    add(options.ends != usual.ends, "End vertebrae of Cobb angles: chosen otherwise");
+    add(options.segment_window != usual.segment_window, "Number of segments: given");
+    add(options.profile != usual.profile, "Sagittal shape: given");
+    add(!options.given_lines.is_empty(), "Given line of action: added");
+    words.join("; ")
+}
+
+const fn tilt_words(rule: TiltRule) -> &'static str {
+    match rule {
+        TiltRule::Endplates => "Tilts: by both endplates",
+        TiltRule::Axis => "Tilts: by the line through the centres of the endplates (the paper)",
+    }
+}
+
+fn length_words(rule: FilmLengthRule) -> String {
+    match rule {
+        FilmLengthRule::PerFilm { relative_sd } => {
+            format!(
+                "every film has a scale of its own, standard deviation {:.1} %",
+                100.0 * relative_sd
+            )
+        }
+        FilmLengthRule::AsMarked => "one scale for all films (the paper)".to_owned(),
+    }
 }
 
 fn order_words(rule: OrderRule) -> String {

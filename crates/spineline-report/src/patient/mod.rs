@@ -11,7 +11,7 @@ mod space;
 mod summary;
 mod uncertainty;
 
-use spineline::analysis::{Analysis, Case, LinesCompared};
+use spineline::analysis::{Analysis, AnalysisOptions, Case, LinesCompared};
 use spineline::personalize::Identifiability;
 use spineline::uncertainty::Uncertainty;
 
@@ -65,7 +65,10 @@ pub fn report(patient: &Patient<'_>) -> Document {
         title: "Patient report".to_owned(),
         subject: analysis.case_id.clone(),
         generator: patient.generator.to_owned(),
-        banners: banners(analysis.synthetic),
+        banners: banners(analysis.synthetic)
+            .into_iter()
+            .chain(of_options(&analysis.options))
+            .collect(),
         sections,
         analysis: patient.json.to_owned(),
     }
@@ -78,6 +81,13 @@ pub(crate) fn banners(synthetic: bool) -> Vec<Notice> {
         "Research software, not a medical device: not to be used for diagnosis or treatment.";
     let texts = synthetic.then_some(generated).into_iter().chain([device]);
     texts.map(|text| Notice::new(NoticeKind::Banner, text)).collect()
+}
+
+/// A notice of the model options that differ from the defaults, where any does.
+fn of_options(options: &AnalysisOptions) -> Option<Notice> {
+    let changed = method::changed(options);
+    let text = format!("Model options are not the defaults. {changed}.");
+    (!changed.is_empty()).then(|| Notice::new(NoticeKind::Banner, text))
 }
 
 /// The verdict in sentences.

@@ -3,6 +3,8 @@
 use spineline::analysis::{Analysis, AnalysisOptions, Case, FilmRole, Subject, analyze};
 use spineline::anatomy::Level;
 use spineline::evaluate::Baseline;
+use spineline::measure::{FilmLengthRule, TiltRule};
+use spineline::multibody::Support;
 use spineline_phantom::{Readers, SpaceSetup, Truth, generate, generate_in_space};
 use spineline_report::cohort::{Refusal, Refused};
 use spineline_report::document::{Block, NoticeKind, Section, Table};
@@ -120,6 +122,25 @@ fn a_patient_report_has_every_section_and_the_main_finding_first() {
         assert!(figure.svg.contains("synthetic"), "{}", figure.name);
         assert!(!figure.svg.contains("NaN"), "{}", figure.name);
     }
+}
+
+#[test]
+fn a_banner_names_the_options_that_differ_from_the_defaults() {
+    let case = case(0);
+    assert_eq!(document(&case).banners.len(), 2, "the defaults have none");
+    let options = AnalysisOptions {
+        support: Support::Free,
+        tilt: TiltRule::Axis,
+        film_lengths: FilmLengthRule::AsMarked,
+        ..AnalysisOptions::default()
+    };
+    let analysis = analyze(&case, &options).expect("a phantom is sound");
+    let banners = patient::report(&shown(&case, &analysis, JSON)).banners;
+    let text = &banners[2].text;
+    for part in ["not the defaults", "Support: free", "Tilts: by the line", "one scale for all"] {
+        assert!(text.contains(part), "{part}: {text}");
+    }
+    assert!(!text.contains("gauge") && !text.contains("Stiffness"), "{text}");
 }
 
 #[test]

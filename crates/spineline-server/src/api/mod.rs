@@ -4,6 +4,7 @@
 //! the centre of the first pixel at zero. Points `[y, z]` and `[x, y, z]` are in the global frame in millimetres: x
 //! anterior, y to the patient's left, z cranial. Texts are shown to people without change.
 
+mod archives;
 mod cohort;
 mod computations;
 mod drawn;
@@ -19,6 +20,7 @@ mod session;
 mod studies;
 mod words;
 
+pub use archives::*;
 pub use cohort::*;
 pub use computations::*;
 pub use drawn::*;

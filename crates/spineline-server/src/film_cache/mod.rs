@@ -16,7 +16,7 @@ use crate::limits::UploadLimits;
 use crate::problem::{Answer, Failure};
 use crate::words;
 
-pub use uploads::{Upload, Uploads};
+pub use uploads::{Reservation, Upload, Uploads};
 
 /// Room for decoded films.
 const ROOM_BYTES: usize = 300 << 20;

@@ -3,6 +3,8 @@
 mod drawn;
 mod uploads;
 
+pub use uploads::stage;
+
 use axum::extract::State;
 use axum::http::{HeaderValue, StatusCode, header};
 use axum::response::{IntoResponse, Response};

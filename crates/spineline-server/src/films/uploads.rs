@@ -17,7 +17,7 @@ use super::png;
 use crate::api::{Notice, Problem, Severity, SpacingView, UploadView, Wire};
 use crate::decoded::decode;
 use crate::extract::{Json, Path, unread};
-use crate::film_cache::{Upload, draw_thumbnails};
+use crate::film_cache::{Reservation, Upload, draw_thumbnails};
 use crate::guard::declared_bytes;
 use crate::problem::{Answer, Failure};
 use crate::result_cache::computed;
@@ -55,13 +55,26 @@ async fn upload(
     // There is room for the file before any of it is read.
     let room = state.films().uploads.reserve(&user.name, bytes, state.now())?;
     let body = Bytes::from_request(request, &state).await;
-    let bytes: Vec<u8> = body.map_err(|refused| refusal(&refused))?.into();
+    let bytes = body.map_err(|refused| refusal(&refused))?.into();
+    stage(&state, &user, room, bytes).await.map(Json)
+}
+
+/// Decodes the file of a film and keeps it for a study, wherever it came from.
+///
+/// # Errors
+/// A file that is no film, or exceeds a limit.
+pub async fn stage(
+    state: &AppState,
+    user: &User,
+    room: Reservation,
+    bytes: Vec<u8>,
+) -> Answer<UploadView> {
     let _permit = state.films().decoding().await?;
-    let film = decode(&state, bytes.clone()).await?;
+    let film = decode(state, bytes.clone()).await?;
     let (upload, mut view) = computed(move || look(&film, bytes)).await?;
     view.notices.extend(state.films().uploads.twins(&user.name, &upload, state.now()));
     view.upload = room.keep(upload, state.now());
-    Ok(Json(view))
+    Ok(view)
 }
 
 fn refusal(refused: &BytesRejection) -> Failure {

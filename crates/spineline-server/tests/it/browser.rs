@@ -184,6 +184,7 @@ pub fn options(access: Access) -> ServeOptions {
         access,
         hosts: Vec::new(),
         https: false,
+        archives: Vec::new(),
         limits: ServeLimits::default(),
     }
 }

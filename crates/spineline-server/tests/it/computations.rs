@@ -140,6 +140,15 @@ fn identifiability_and_other_models_are_computed_and_exported() {
     assert!(request.identifiability);
     assert_eq!(request.options.hypotheses, Hypothesis::compared());
 
+    // What the films say is kept over a restart; the comparison of models is not.
+    let said = lead.get(&path("identifiability")).json();
+    let app = app.restarted(decoding());
+    let lead = app.observer("Ann");
+    assert_eq!(lead.get(&path("identifiability")).json(), said);
+    let report = lead.get("/api/studies/demo-rod-01/exports/report").text();
+    assert!(report.contains("Profile likelihood of the multipliers"));
+    assert_eq!(lead.get(&path("models")).json()["state"], "none");
+
     // Other options are other results.
     let change = json!({
         "expected_revision": 0, "reset": false,
@@ -147,7 +156,9 @@ fn identifiability_and_other_models_are_computed_and_exported() {
     });
     let changed = lead.put("/api/studies/demo-rod-01/options", &change);
     assert_eq!(changed.status, StatusCode::OK);
-    assert_eq!(lead.get(&path("models")).json()["state"], "none");
+    for kind in ["identifiability", "models"] {
+        assert_eq!(lead.get(&path(kind)).json()["state"], "none", "{kind}");
+    }
 }
 
 #[test]

@@ -371,7 +371,12 @@ fn record_one(browser: &Browser<'_>, reading: i64) -> crate::browser::Answer {
 }
 
 /// Gives an attribute of an explicit little endian file another text of even length.
-fn with_text(mut bytes: Vec<u8>, [group, element]: [u16; 2], vr: &[u8; 2], value: &str) -> Vec<u8> {
+pub fn with_text(
+    mut bytes: Vec<u8>,
+    [group, element]: [u16; 2],
+    vr: &[u8; 2],
+    value: &str,
+) -> Vec<u8> {
     let head = [&group.to_le_bytes()[..], &element.to_le_bytes()[..], &vr[..]].concat();
     let at = bytes.windows(head.len()).position(|part| part == head).expect("the attribute") + 6;
     let old = usize::from(u16::from_le_bytes([bytes[at], bytes[at + 1]]));

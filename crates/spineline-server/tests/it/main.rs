@@ -4,10 +4,15 @@
 
 mod access;
 mod accounts;
+mod archives;
 mod browser;
 mod computations;
 mod crowd;
 mod demo;
+#[path = "../../../spineline-dicomweb/tests/it/orthanc_program.rs"]
+mod dicomweb_orthanc;
+#[path = "../../../spineline-dicomweb/tests/it/server.rs"]
+mod dicomweb_server;
 mod drawn;
 mod example;
 mod exports;

@@ -1,8 +1,11 @@
-//! Replicates that are kept with the study, over a restart of the program.
+//! Computations that are kept with the study, over a restart of the program.
 
 use std::sync::Arc;
 
-use spineline_files::{CaseFile, parse_uncertainty, to_line, uncertainty_text};
+use spineline_files::{
+    CaseFile, identifiability_text, parse_identifiability, parse_uncertainty, to_line,
+    uncertainty_text,
+};
 use spineline_store::KeptComputation;
 
 use super::replicates::{SEED, with_monte_carlo};
@@ -13,55 +16,100 @@ use crate::result_cache::{StudyResult, computed};
 use crate::results::exports::PROGRAM;
 use crate::state::AppState;
 
-/// Name of the computation in the store.
-const KIND: &str = "replicates";
-
-/// Everything that replicates are computed from, with the numbers of the case itself: another version of the program has others.
-fn inputs(result: &StudyResult) -> Answer<String> {
-    let case = to_line(&CaseFile::from_case(&result.current.usable_case()));
-    let options = to_line(&result.current.options);
-    with_monte_carlo(result, |monte_carlo| {
-        let nominal = monte_carlo.tally().finish(0).quantities;
-        let values: Vec<String> = nominal.iter().map(|one| format!("{:?}", one.nominal)).collect();
-        format!("{PROGRAM}\n{SEED}\n{case}\n{options}\n{}", values.join("\n"))
-    })
+/// What is kept.
+#[derive(Debug, Clone, Copy)]
+enum Kept {
+    Replicates,
+    Identifiability,
 }
 
-/// Keeps finished replicates. A store that cannot be written keeps nothing: the page has them all the same.
+impl Kept {
+    const ALL: [Self; 2] = [Self::Replicates, Self::Identifiability];
+
+    /// Its name in the store.
+    const fn key(self) -> &'static str {
+        match self {
+            Self::Replicates => "replicates",
+            Self::Identifiability => "identifiability",
+        }
+    }
+
+    const fn job(self) -> JobKind {
+        match self {
+            Self::Replicates => JobKind::Replicates,
+            Self::Identifiability => JobKind::Identifiability,
+        }
+    }
+
+    /// Everything that it is computed from, with the numbers of the case itself: another version of the program has others.
+    fn inputs(self, result: &StudyResult) -> Answer<String> {
+        let case = to_line(&CaseFile::from_case(&result.current.usable_case()));
+        let options = to_line(&result.current.options);
+        let numbers = match self {
+            Self::Replicates => with_monte_carlo(result, |monte_carlo| {
+                let nominal = monte_carlo.tally().finish(0).quantities;
+                let values = nominal.iter().map(|one| format!("{:?}", one.nominal));
+                values.collect::<Vec<_>>().join("\n")
+            })?,
+            Self::Identifiability => {
+                let models = result.analysed()?.models.iter();
+                let fits = models.map(|model| format!("{:?}", model.fit.log_multipliers));
+                fits.collect::<Vec<_>>().join("\n")
+            }
+        };
+        Ok(format!("{PROGRAM}\n{SEED}\n{case}\n{options}\n{numbers}"))
+    }
+
+    /// Reads what was kept; `None` where it is not of these results.
+    fn read(self, result: &StudyResult, kept: &KeptComputation) -> Option<Found> {
+        if !self.inputs(result).is_ok_and(|inputs| kept.is_of(&inputs)) {
+            return None;
+        }
+        match self {
+            Self::Replicates => {
+                let empty = with_monte_carlo(result, |one| one.tally().finish(kept.asked)).ok()?;
+                let found = parse_uncertainty(&kept.found, empty)?;
+                Some(Found::Replicates(Box::new(found)))
+            }
+            Self::Identifiability => parse_identifiability(&kept.found).map(Found::Identifiability),
+        }
+    }
+}
+
+/// Keeps a finished computation. A store that cannot be written keeps nothing: the page has it all the same.
 pub async fn keep(state: &AppState, job: &Arc<ComputationJob>) {
     let of = Arc::clone(job);
     let made = computed(move || {
-        let Some(Ending::Done(Found::Replicates(found))) = of.ending.get() else { return None };
-        let inputs = inputs(&of.result).ok()?;
-        Some(KeptComputation::new(&inputs, of.asked, uncertainty_text(found)))
+        let Some(Ending::Done(found)) = of.ending.get() else { return None };
+        let (kind, text) = match found {
+            Found::Replicates(found) => (Kept::Replicates, uncertainty_text(found)),
+            Found::Identifiability(found) => (Kept::Identifiability, identifiability_text(found)),
+            Found::Models(_) => return None,
+        };
+        let inputs = kind.inputs(&of.result).ok()?;
+        Some((kind.key(), KeptComputation::new(&inputs, of.asked, text)))
     });
-    let Ok(Some(kept)) = made.await else { return };
+    let Ok(Some((key, kept))) = made.await else { return };
     let study = job.result.study.clone();
-    let _ = state.store(move |store| store.keep_computation(&study, KIND, &kept)).await;
+    let _ = state.store(move |store| store.keep_computation(&study, key, &kept)).await;
 }
 
-/// Makes kept replicates of these results known, where nothing is known of them yet.
+/// Makes what is kept of these results known, where nothing is known of it yet.
 ///
 /// # Errors
 /// Errors of reading the store.
 pub async fn recall(state: &AppState, result: &Arc<StudyResult>) -> Answer<()> {
-    if state.jobs().of(result, JobKind::Replicates).is_some() {
-        return Ok(());
-    }
-    let study = result.study.clone();
-    let Some(kept) = state.store(move |store| store.computation(&study, KIND)).await? else {
-        return Ok(());
-    };
-    let of = Arc::clone(result);
-    let asked = kept.asked;
-    let found = computed(move || {
-        let empty = with_monte_carlo(&of, |one| one.tally().finish(kept.asked)).ok()?;
-        let fits = inputs(&of).is_ok_and(|inputs| kept.is_of(&inputs));
-        if fits { parse_uncertainty(&kept.found, empty) } else { None }
-    });
-    if let Some(found) = found.await? {
-        let found = Found::Replicates(Box::new(found));
-        state.jobs().recall(result, (JobKind::Replicates, ()), asked, found);
+    for kind in Kept::ALL {
+        if state.jobs().of(result, kind.job()).is_some() {
+            continue;
+        }
+        let study = result.study.clone();
+        let kept = state.store(move |store| store.computation(&study, kind.key())).await?;
+        let Some(kept) = kept else { continue };
+        let (of, asked) = (Arc::clone(result), kept.asked);
+        if let Some(found) = computed(move || kind.read(&of, &kept)).await? {
+            state.jobs().recall(result, (kind.job(), ()), asked, found);
+        }
     }
     Ok(())
 }

@@ -1,5 +1,7 @@
 //! `spineline serve`: the browser app, on this machine by default.
 
+mod archives;
+
 use std::net::{IpAddr, Ipv4Addr, SocketAddr};
 use std::path::PathBuf;
 
@@ -13,6 +15,8 @@ use crate::run::interrupt;
 use crate::run::messages::say;
 use crate::run::outputs::print;
 
+use archives::ArchiveArgs;
+
 /// What a user types.
 pub const EXAMPLES: &str = "\
 Examples:
@@ -20,9 +24,15 @@ Examples:
   spineline serve clinic.spineline --port 9000
   spineline serve clinic.spineline --accounts
   spineline serve clinic.spineline --bind 192.168.1.20 --host spine.clinic.example --https
+  spineline serve --dicomweb clinic=https://pacs.clinic.example/dicom-web --dicomweb-login clinic=clinic.login
 
 Without accounts, the printed address signs in one browser; a new one is printed after each use. Addresses other than this
-machine's own require accounts (`spineline account add NAME --role admin STORE`). Ctrl-C stops the server.";
+machine's own require accounts (`spineline account add NAME --role admin STORE`). Ctrl-C stops the server.
+
+With --dicomweb, who may make studies can also open films from that archive, found by Patient ID or Accession Number. The
+program asks no other address. The address is that of the DICOMweb service (QIDO-RS and WADO-RS), such as
+http://localhost:8042/dicom-web for Orthanc. Keep a login in a file that only you can read (chmod 600). The log of the store
+says who searched and who opened a film.";
 
 /// Port, unless another program has it.
 const PORT: u16 = 8765;
@@ -53,9 +63,13 @@ pub struct ServeArgs {
     /// Behind a TLS proxy: cookies are sent over https only, and browsers must use https
     #[arg(long)]
     https: bool,
+
+    #[command(flatten)]
+    archives: ArchiveArgs,
 }
 
 pub fn run(args: &ServeArgs) -> Result<Ending, Failure> {
+    let archives = args.archives.read()?;
     let store = open(args)?;
     let access =
         if args.accounts || !args.bind.is_loopback() { Access::Accounts } else { Access::Token };
@@ -79,6 +93,7 @@ pub fn run(args: &ServeArgs) -> Result<Ending, Failure> {
         access,
         hosts: args.hosts.clone(),
         https: args.https,
+        archives,
         limits: ServeLimits::default(),
     };
     let runtime = tokio::runtime::Builder::new_multi_thread()

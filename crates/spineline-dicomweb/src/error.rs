@@ -1,0 +1,96 @@
+//! What can go wrong between this program and a DICOMweb archive. No message quotes an answer or a searched value.
+
+use std::time::Duration;
+
+/// A request to a DICOMweb archive without a usable answer.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum DicomwebError {
+    /// No connection.
+    #[error("the archive `{archive}` cannot be reached: {reason}")]
+    Unreachable {
+        /// The archive.
+        archive: String,
+        /// Why, by the kind of the error.
+        reason: String,
+    },
+    /// It took too long.
+    #[error("the archive `{archive}` did not answer within {} s", limit.as_secs())]
+    TooSlow {
+        /// The archive.
+        archive: String,
+        /// The limit.
+        limit: Duration,
+    },
+    /// It refused the login of this program.
+    #[error("the archive `{archive}` refuses the login of this program (HTTP {status})")]
+    Login {
+        /// The archive.
+        archive: String,
+        /// 401 or 403.
+        status: u16,
+    },
+    /// It has no such film.
+    #[error("the archive `{archive}` does not have this film")]
+    NotFound {
+        /// The archive.
+        archive: String,
+    },
+    /// It sent this program to another address.
+    #[error(
+        "the archive `{archive}` redirects to another address, which is not followed (HTTP {status})"
+    )]
+    Redirect {
+        /// The archive.
+        archive: String,
+        /// 300 to 399.
+        status: u16,
+    },
+    /// It refused for another reason.
+    #[error("the archive `{archive}` refused the request (HTTP {status})")]
+    Refused {
+        /// The archive.
+        archive: String,
+        /// Status of the answer.
+        status: u16,
+    },
+    /// The answer exceeds the limit.
+    #[error("the answer of the archive `{archive}` exceeds the limit of {} MB", limit_bytes >> 20)]
+    TooLarge {
+        /// The archive.
+        archive: String,
+        /// The limit.
+        limit_bytes: u64,
+    },
+    /// The answer is none of DICOMweb.
+    #[error("the answer of the archive `{archive}` cannot be read: {what}")]
+    BadAnswer {
+        /// The archive.
+        archive: String,
+        /// What is wrong with it.
+        what: &'static str,
+    },
+}
+
+impl DicomwebError {
+    /// What to do about it.
+    #[must_use]
+    pub const fn help(&self) -> &'static str {
+        match self {
+            Self::Unreachable { .. } | Self::TooSlow { .. } => {
+                "try again; if it stays so, an administrator checks the address and the network"
+            }
+            Self::Login { .. } => {
+                "an administrator checks the login that `spineline serve` was given"
+            }
+            Self::NotFound { .. } => "search again: the film may have been moved or deleted",
+            Self::Redirect { .. } => {
+                "an administrator gives `spineline serve` the address to which the archive redirects"
+            }
+            Self::Refused { .. } | Self::BadAnswer { .. } => {
+                "an administrator checks that the address is that of the DICOMweb service (QIDO-RS and WADO-RS)"
+            }
+            Self::TooLarge { .. } => "export the film from its archive, and upload the file",
+        }
+    }
+}

@@ -1,0 +1,26 @@
+//! Films from image archives that speak DICOMweb: search by QIDO-RS, one film by WADO-RS.
+//!
+//! An [`Archive`] comes from the command line of an administrator. What a user types is a value to search for or a UID of an
+//! answer, never an address: it reaches an archive as an escaped value or as digits and dots alone. Answers have limits of size
+//! and time ([`Limits`]); redirects, proxies of the environment and addresses within answers are not followed. A search answers
+//! without names and dates of birth, even where the archive sends them.
+//!
+//! ```
+//! use spineline_dicomweb::{Archive, ArchiveFault};
+//! let archive = Archive::parse("archive=https://pacs.clinic.example/dicom-web")?;
+//! assert_eq!(archive.name(), "archive");
+//! assert!(Archive::parse("archive=file:///etc/passwd").is_err());
+//! # Ok::<(), ArchiveFault>(())
+//! ```
+
+mod answer;
+mod archive;
+mod client;
+mod error;
+mod multipart;
+mod query;
+
+pub use archive::{Archive, ArchiveFault};
+pub use client::{Client, Limits};
+pub use error::DicomwebError;
+pub use query::{BadQuery, FilmFound, FilmUid, Found, Search, SearchKey, SeriesFound, SeriesUid};

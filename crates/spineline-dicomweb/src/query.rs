@@ -1,0 +1,285 @@
+//! What is searched for, and what is found.
+
+use serde_json::Value;
+
+use crate::answer::{self, Attributes};
+
+/// Longest value of the attributes that can be searched for (LO, SH and UI have at most 64 characters).
+const MAX_VALUE: usize = 64;
+/// Most entries of a list.
+pub(crate) const MAX_FOUND: usize = 100;
+
+/// By what films are found: values that name one patient or one order, so that nobody looks through an archive.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum SearchKey {
+    /// Patient ID (0010,0020).
+    PatientId,
+    /// Accession Number (0008,0050).
+    AccessionNumber,
+}
+
+impl SearchKey {
+    /// Name of its parameter, and its tag.
+    const fn attribute(self) -> (&'static str, &'static str) {
+        match self {
+            Self::PatientId => ("PatientID", answer::PATIENT_ID),
+            Self::AccessionNumber => ("AccessionNumber", answer::ACCESSION_NUMBER),
+        }
+    }
+}
+
+/// A search for series. Its value is exact: wildcards are refused.
+#[derive(Clone, PartialEq, Eq)]
+pub struct Search {
+    key: SearchKey,
+    value: String,
+    /// As `YYYYMMDD`.
+    day: Option<String>,
+}
+
+/// Without the value, which names a patient.
+impl std::fmt::Debug for Search {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Search").field("key", &self.key).finish_non_exhaustive()
+    }
+}
+
+/// A value that cannot be searched for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum BadQuery {
+    /// Nothing, or too much.
+    #[error("the value has {length} characters, and must have 1 to {MAX_VALUE}")]
+    Length {
+        /// Its characters.
+        length: usize,
+    },
+    /// A wildcard, a list or a control character.
+    #[error("the value has a character that no identifier has (* ? \\ or a control character)")]
+    Character,
+    /// Not a date.
+    #[error("the date is not of the form YYYY-MM-DD")]
+    Day,
+    /// Not a UID.
+    #[error("a UID has digits and dots only, at most {MAX_VALUE} of them")]
+    Uid,
+}
+
+impl BadQuery {
+    /// What to do about it.
+    #[must_use]
+    pub const fn help(&self) -> &'static str {
+        match self {
+            Self::Length { .. } | Self::Character => {
+                "type the whole Patient ID or Accession Number, as the archive has it"
+            }
+            Self::Day => "give the day of the film, such as 2024-05-17, or no date",
+            Self::Uid => "search again, and choose from the list",
+        }
+    }
+}
+
+impl Search {
+    /// Checks a value.
+    ///
+    /// # Errors
+    /// [`BadQuery`].
+    pub fn new(key: SearchKey, value: &str) -> Result<Self, BadQuery> {
+        let value = value.trim();
+        let length = value.chars().count();
+        if length == 0 || length > MAX_VALUE {
+            return Err(BadQuery::Length { length });
+        }
+        if value.chars().any(|c| c.is_control() || matches!(c, '*' | '?' | '\\')) {
+            return Err(BadQuery::Character);
+        }
+        Ok(Self { key, value: value.to_owned(), day: None })
+    }
+
+    /// Of one day only, as `YYYY-MM-DD`.
+    ///
+    /// # Errors
+    /// [`BadQuery::Day`].
+    pub fn on(self, day: &str) -> Result<Self, BadQuery> {
+        let digits = day.replace('-', "");
+        if crate::query::day(&digits).as_deref() != Some(day) {
+            return Err(BadQuery::Day);
+        }
+        Ok(Self { day: Some(digits), ..self })
+    }
+
+    /// Names and values of its parameters.
+    pub(crate) fn parameters(&self) -> Vec<(&'static str, &str)> {
+        let day = self.day.as_deref().map(|day| ("StudyDate", day));
+        [(self.key.attribute().0, &self.value[..])].into_iter().chain(day).collect()
+    }
+
+    /// The tag that is searched for, which an answer should have.
+    pub(crate) const fn tag(&self) -> &'static str {
+        self.key.attribute().1
+    }
+
+    /// Whether an entry is of what was searched for. Archives that do not know a parameter answer with everything; an entry
+    /// without the attribute cannot be judged.
+    pub(crate) fn holds(&self, entry: &Value) -> bool {
+        let stated = Attributes(entry).text(self.tag());
+        stated.is_none_or(|stated| stated.eq_ignore_ascii_case(&self.value))
+    }
+}
+
+/// A UID, if it is one: it becomes part of a path.
+fn checked(uid: &str) -> Result<(), BadQuery> {
+    let good = !uid.is_empty()
+        && uid.len() <= MAX_VALUE
+        && uid.bytes().all(|byte| byte.is_ascii_digit() || byte == b'.')
+        && uid.split('.').all(|part| !part.is_empty());
+    if good { Ok(()) } else { Err(BadQuery::Uid) }
+}
+
+/// A series of a study.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct SeriesUid {
+    study: String,
+    series: String,
+}
+
+impl SeriesUid {
+    /// By its UIDs.
+    ///
+    /// # Errors
+    /// [`BadQuery::Uid`].
+    pub fn new(study: &str, series: &str) -> Result<Self, BadQuery> {
+        checked(study)?;
+        checked(series)?;
+        Ok(Self { study: study.to_owned(), series: series.to_owned() })
+    }
+
+    /// Study Instance UID.
+    #[must_use]
+    pub fn study(&self) -> &str {
+        &self.study
+    }
+
+    /// Series Instance UID.
+    #[must_use]
+    pub fn series(&self) -> &str {
+        &self.series
+    }
+}
+
+/// A film of a series.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct FilmUid {
+    /// Its series.
+    pub series: SeriesUid,
+    instance: String,
+}
+
+impl FilmUid {
+    /// By its UID within a series.
+    ///
+    /// # Errors
+    /// [`BadQuery::Uid`].
+    pub fn new(series: SeriesUid, instance: &str) -> Result<Self, BadQuery> {
+        checked(instance)?;
+        Ok(Self { series, instance: instance.to_owned() })
+    }
+
+    /// SOP Instance UID.
+    #[must_use]
+    pub fn instance(&self) -> &str {
+        &self.instance
+    }
+}
+
+/// Entries of an answer, and whether there is more.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Found<T> {
+    /// At most a hundred.
+    pub all: Vec<T>,
+    /// Whether the archive has more than these.
+    pub has_more: bool,
+}
+
+/// A series, without the patient.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct SeriesFound {
+    /// Its UIDs.
+    pub uid: SeriesUid,
+    /// Study Date, as `YYYY-MM-DD`.
+    pub date: Option<String>,
+    /// Modality, such as `DX`.
+    pub modality: Option<String>,
+    /// Study Description and Series Description, as they are there; free text of the archive.
+    pub description: Option<String>,
+    /// Body Part Examined.
+    pub body_part: Option<String>,
+    /// Number of its films.
+    pub films: Option<u32>,
+}
+
+/// A film, without the patient.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct FilmFound {
+    /// Its UIDs.
+    pub uid: FilmUid,
+    /// Instance Number.
+    pub number: Option<u32>,
+    /// Columns.
+    pub columns: Option<u32>,
+    /// Rows.
+    pub rows: Option<u32>,
+    /// View Position, such as `PA`.
+    pub view: Option<String>,
+}
+
+/// Attributes of a series that an answer should have.
+pub(crate) const OF_SERIES: [&str; 6] = [
+    answer::STUDY_DATE,
+    answer::MODALITY,
+    answer::STUDY_DESCRIPTION,
+    answer::SERIES_DESCRIPTION,
+    answer::BODY_PART,
+    answer::SERIES_INSTANCES,
+];
+/// Attributes of a film that an answer should have.
+pub(crate) const OF_FILM: [&str; 4] =
+    [answer::INSTANCE_NUMBER, answer::COLUMNS, answer::ROWS, answer::VIEW_POSITION];
+
+/// # Errors
+/// What is wrong with the entry.
+pub(crate) fn series(entry: &Value) -> Result<SeriesFound, &'static str> {
+    let of = Attributes(entry);
+    let uid = SeriesUid::new(&of.uid(answer::STUDY_UID)?, &of.uid(answer::SERIES_UID)?);
+    let descriptions = [answer::STUDY_DESCRIPTION, answer::SERIES_DESCRIPTION];
+    let mut texts: Vec<String> = descriptions.iter().filter_map(|tag| of.text(tag)).collect();
+    texts.dedup();
+    Ok(SeriesFound {
+        uid: uid.map_err(|_| "a UID is no UID")?,
+        date: of.text(answer::STUDY_DATE).and_then(|date| day(&date)),
+        modality: of.text(answer::MODALITY),
+        description: Some(texts.join(", ")).filter(|text| !text.is_empty()),
+        body_part: of.text(answer::BODY_PART),
+        films: of.count(answer::SERIES_INSTANCES),
+    })
+}
+
+/// # Errors
+/// What is wrong with the entry.
+pub(crate) fn film(of_series: &SeriesUid, entry: &Value) -> Result<FilmFound, &'static str> {
+    let of = Attributes(entry);
+    let uid = FilmUid::new(of_series.clone(), &of.uid(answer::INSTANCE_UID)?);
+    Ok(FilmFound {
+        uid: uid.map_err(|_| "a UID is no UID")?,
+        number: of.count(answer::INSTANCE_NUMBER),
+        columns: of.count(answer::COLUMNS),
+        rows: of.count(answer::ROWS),
+        view: of.text(answer::VIEW_POSITION),
+    })
+}
+
+/// A date of DICOM as `YYYY-MM-DD`.
+fn day(date: &str) -> Option<String> {
+    let is_date = date.len() == 8 && date.bytes().all(|byte| byte.is_ascii_digit());
+    is_date.then(|| format!("{}-{}-{}", &date[..4], &date[4..6], &date[6..]))
+}

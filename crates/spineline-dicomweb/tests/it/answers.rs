@@ -1,0 +1,173 @@
+//! Searches and films from a small server, and everything that can be wrong with its answers.
+
+use std::time::Duration;
+
+use spineline_dicomweb::{
+    Archive, ArchiveFault, BadQuery, Client, DicomwebError, FilmUid, Limits, Search, SearchKey,
+    SeriesUid,
+};
+
+use crate::server::{Reply, serve};
+
+pub const LIMITS: Limits = Limits {
+    connect: Duration::from_secs(2),
+    search: Duration::from_secs(2),
+    search_bytes: 1 << 20,
+    film: Duration::from_secs(5),
+    film_bytes: 1 << 20,
+};
+
+const SERIES: &str = r#"[{
+    "0020000D": {"vr": "UI", "Value": ["1.2.3"]}, "0020000E": {"vr": "UI", "Value": ["1.2.3.4"]},
+    "00080020": {"vr": "DA", "Value": ["20240517"]}, "00080060": {"vr": "CS", "Value": ["DX"]},
+    "00081030": {"vr": "LO", "Value": ["Whole spine"]}, "00180015": {"vr": "CS"},
+    "00201209": {"vr": "IS", "Value": ["2"]}, "00100020": {"vr": "LO", "Value": ["A/1 &x=../ "]},
+    "00100010": {"vr": "PN", "Value": [{"Alphabetic": "DOE^JANE"}]}}]"#;
+
+fn archive(address: &str) -> Archive {
+    Archive::parse(&format!("archive={address}")).expect("an archive")
+}
+
+fn search(value: &str) -> Search {
+    Search::new(SearchKey::PatientId, value).expect("a search")
+}
+
+fn film() -> FilmUid {
+    FilmUid::new(SeriesUid::new("1.2.3", "1.2.3.4").expect("UIDs"), "1.2.3.4.5").expect("a UID")
+}
+
+#[test]
+fn a_search_sends_an_escaped_value_and_finds_series_without_names() {
+    let (address, asked) = serve(|_| Some(Reply::json(SERIES)));
+    let found =
+        Client::new(LIMITS).search(&archive(&address), &search("A/1 &x=../")).expect("series");
+    assert!(!found.has_more);
+    let [series] = &found.all[..] else { panic!("{found:?}") };
+    assert_eq!((series.uid.study(), series.uid.series()), ("1.2.3", "1.2.3.4"));
+    assert_eq!(series.date.as_deref(), Some("2024-05-17"));
+    assert_eq!(series.description.as_deref(), Some("Whole spine"));
+    assert_eq!((series.modality.as_deref(), series.films), (Some("DX"), Some(2)));
+    assert!(!format!("{found:?}").contains("DOE"));
+    let error = Client::new(LIMITS).search(&archive(&address), &search("A/2"));
+    let error = error.expect_err("films of another patient");
+    assert!(matches!(error, DicomwebError::BadAnswer { .. }), "{error}");
+    let on_a_day = search("a/1 &X=../").on("2024-05-17").expect("a day");
+    Client::new(LIMITS).search(&archive(&address), &on_a_day).expect("series");
+    let head = asked.lock().expect("heads").join("\n");
+    assert!(head.starts_with("GET /dicom-web/series?PatientID=A%2F1"), "{head}");
+    assert!(head.contains("%26x%3D") && !head.contains("&x="), "{head}");
+    assert!(head.contains("&StudyDate=20240517&"), "{head}");
+}
+
+#[test]
+fn a_film_comes_byte_by_byte_with_the_login_of_its_server() {
+    let (address, asked) = serve(|_| {
+        let body =
+            b"--b\r\nContent-Type: application/dicom\r\n\r\n\0\xFF\r\n--\r\n--b--\r\n".to_vec();
+        let kind = "multipart/related; type=\"application/dicom\"; boundary=b";
+        Some(Reply { status: 200, kind, more: "", body })
+    });
+    let archive = archive(&address).with_login("films:secret\n").expect("a login");
+    assert!(!format!("{archive:?}").contains("secret"));
+    let bytes = Client::new(LIMITS).retrieve(&archive, &film()).expect("a film");
+    assert_eq!(bytes, b"\0\xFF\r\n--");
+    let head = asked.lock().expect("heads").join("\n");
+    assert!(
+        head.contains("/dicom-web/studies/1.2.3/series/1.2.3.4/instances/1.2.3.4.5 "),
+        "{head}"
+    );
+    assert!(head.contains("Basic ZmlsbXM6c2VjcmV0"), "{head}");
+}
+
+#[test]
+fn redirects_are_not_followed() {
+    let (elsewhere, reached) = serve(|_| Some(Reply::json("[]")));
+    let more: &'static str = Box::leak(format!("location: {elsewhere}/\r\n").into_boxed_str());
+    let (address, _) = serve(move |_| Some(Reply { more, ..Reply::status(302) }));
+    let error = Client::new(LIMITS).search(&archive(&address), &search("P1")).expect_err("refused");
+    assert!(matches!(error, DicomwebError::Redirect { status: 302, .. }), "{error}");
+    assert!(reached.lock().expect("heads").is_empty());
+}
+
+#[test]
+fn refusals_have_types_and_quote_nothing() {
+    for (status, is_right) in [
+        (401, (|e| matches!(e, DicomwebError::Login { .. })) as fn(&DicomwebError) -> bool),
+        (404, |e| matches!(e, DicomwebError::NotFound { .. })),
+        (500, |e| matches!(e, DicomwebError::Refused { status: 500, .. })),
+    ] {
+        let (address, _) = serve(move |_| Some(Reply::status(status)));
+        let error = Client::new(LIMITS).retrieve(&archive(&address), &film()).expect_err("refused");
+        assert!(is_right(&error), "{status}: {error}");
+        assert!(!error.to_string().contains("DOE") && !error.help().is_empty());
+    }
+    for bad in ["{}", "<html>", r#"[{"0020000D": {"Value": ["../1"]}}]"#, "[1]"] {
+        let (address, _) = serve(move |_| Some(Reply::json(bad)));
+        let error = Client::new(LIMITS).search(&archive(&address), &search("P1")).expect_err(bad);
+        assert!(matches!(error, DicomwebError::BadAnswer { .. }), "{bad}: {error}");
+    }
+}
+
+#[test]
+fn large_and_slow_answers_end_at_their_limits() {
+    let (address, _) = serve(|_| {
+        let body = vec![b' '; (1 << 20) + 1];
+        Some(Reply { body, ..Reply::json("") })
+    });
+    let error =
+        Client::new(LIMITS).search(&archive(&address), &search("P1")).expect_err("too large");
+    assert!(matches!(error, DicomwebError::TooLarge { .. }), "{error}");
+    let (address, _) = serve(|_| None);
+    let error =
+        Client::new(LIMITS).search(&archive(&address), &search("P1")).expect_err("too slow");
+    assert!(matches!(error, DicomwebError::TooSlow { .. }), "{error}");
+    let error = Client::new(LIMITS).search(&archive("http://127.0.0.1:9/x"), &search("P1"));
+    assert!(matches!(error, Err(DicomwebError::Unreachable { .. })), "{error:?}");
+}
+
+#[test]
+fn only_addresses_of_servers_are_taken_from_the_command_line() {
+    for bad in [
+        "archive",
+        "Archive=https://a.example",
+        "=https://a.example",
+        "archive=ftp://a.example",
+        "archive=//a.example",
+        "archive=https://user:secret@a.example",
+        "archive=https://a.example/x?y=1",
+        "archive=https://a.example/#x",
+    ] {
+        let fault = Archive::parse(bad).expect_err(bad);
+        assert!(
+            !fault.to_string().contains("secret") || matches!(fault, ArchiveFault::Form { .. })
+        );
+    }
+}
+
+#[test]
+fn plain_http_is_exposed_unless_it_stays_on_this_machine() {
+    for (address, is_exposed) in [
+        ("https://a.example/dicom-web", false),
+        ("http://localhost:8042/dicom-web/", false),
+        ("http://127.0.0.1:8042", false),
+        ("http://[::1]:8042", false),
+        ("http://127.0.0.1.a.example", true),
+        ("http://192.0.2.1", true),
+    ] {
+        assert_eq!(archive(address).is_exposed(), is_exposed, "{address}");
+    }
+}
+
+#[test]
+fn only_exact_values_and_uids_are_searched_for() {
+    for bad in ["", "  ", "*", "A?", "A\\B", "A\nB", &"x".repeat(65)] {
+        assert!(Search::new(SearchKey::PatientId, bad).is_err(), "{bad:?}");
+    }
+    for bad in ["", "2024", "20240517", "2024-05-1", "2024-5-017", "2024-05-17-", "2024–05–17"]
+    {
+        assert_eq!(search("A").on(bad), Err(BadQuery::Day), "{bad:?}");
+    }
+    for bad in ["", "1..2", "../1", "1.2/3", "1.2?x", ".1", "1.", &"1".repeat(65)] {
+        assert_eq!(SeriesUid::new("1.2", bad), Err(BadQuery::Uid), "{bad:?}");
+    }
+}

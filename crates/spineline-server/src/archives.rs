@@ -1,0 +1,131 @@
+//! Films from the image archives that the administrator allowed. A film that is opened is an upload from there on.
+
+use axum::extract::State;
+use spineline_dicomweb::{Client, FilmFound, FilmUid, Search, SeriesFound, SeriesUid};
+use spineline_store::Role;
+use utoipa_axum::router::OpenApiRouter;
+use utoipa_axum::routes;
+
+use crate::api::{
+    ArchiveFilm, ArchiveFilmChoice, ArchiveFilmList, ArchiveSearch, ArchiveSeries,
+    ArchiveSeriesChoice, ArchiveSeriesList, Problem, UploadView,
+};
+use crate::extract::Json;
+use crate::films::stage;
+use crate::problem::Answer;
+use crate::session::User;
+use crate::state::AppState;
+
+pub fn routes() -> OpenApiRouter<AppState> {
+    OpenApiRouter::new()
+        .routes(routes!(archives))
+        .routes(routes!(search))
+        .routes(routes!(films))
+        .routes(routes!(open))
+}
+
+/// Names of the archives from which films can be opened; none where `serve` was started without `--dicomweb`.
+#[utoipa::path(get, path = "/api/archives",
+    responses((status = 200, body = Vec<String>), (status = 401, body = Problem)))]
+async fn archives(State(state): State<AppState>, _user: User) -> Json<Vec<String>> {
+    Json(state.archives().names())
+}
+
+/// Searches an archive for the films of one patient or one order. The log of the store has an entry for it, without the value.
+#[utoipa::path(post, path = "/api/archives/search", request_body = ArchiveSearch,
+    responses((status = 200, body = ArchiveSeriesList), (status = 401, body = Problem),
+        (status = 403, body = Problem), (status = 404, body = Problem),
+        (status = 413, body = Problem), (status = 422, body = Problem),
+        (status = 502, body = Problem), (status = 504, body = Problem)))]
+async fn search(
+    State(state): State<AppState>,
+    user: User,
+    Json(asked): Json<ArchiveSearch>,
+) -> Answer<Json<ArchiveSeriesList>> {
+    user.need(Role::Editor)?;
+    let archives = state.archives();
+    let archive = archives.named(&asked.archive)?;
+    let search = Search::new(asked.key.into(), &asked.value)?;
+    let search = match asked.day {
+        Some(day) => search.on(&day)?,
+        None => search,
+    };
+    let ask = move |client: &Client| client.search(&archive, &search);
+    let found = archives.search(ask).await?;
+    log(&state, &user, "search", asked.archive).await?;
+    let series = found.all.into_iter().map(series).collect();
+    Ok(Json(ArchiveSeriesList { series, has_more: found.has_more }))
+}
+
+/// The films of a series in an archive.
+#[utoipa::path(post, path = "/api/archives/films", request_body = ArchiveSeriesChoice,
+    responses((status = 200, body = ArchiveFilmList), (status = 401, body = Problem),
+        (status = 403, body = Problem), (status = 404, body = Problem),
+        (status = 413, body = Problem), (status = 422, body = Problem),
+        (status = 502, body = Problem), (status = 504, body = Problem)))]
+async fn films(
+    State(state): State<AppState>,
+    user: User,
+    Json(asked): Json<ArchiveSeriesChoice>,
+) -> Answer<Json<ArchiveFilmList>> {
+    user.need(Role::Editor)?;
+    let archives = state.archives();
+    let archive = archives.named(&asked.archive)?;
+    let series = SeriesUid::new(&asked.study, &asked.series)?;
+    let ask = move |client: &Client| client.films(&archive, &series);
+    let found = archives.search(ask).await?;
+    let films = found.all.into_iter().map(film).collect();
+    Ok(Json(ArchiveFilmList { films, has_more: found.has_more }))
+}
+
+/// Opens a film of an archive. It is an upload from there on, with the same checks and limits. The log of the store has an
+/// entry for it.
+#[utoipa::path(post, path = "/api/archives/open", request_body = ArchiveFilmChoice,
+    responses((status = 200, body = UploadView), (status = 401, body = Problem),
+        (status = 403, body = Problem), (status = 404, body = Problem),
+        (status = 413, body = Problem), (status = 422, body = Problem),
+        (status = 429, body = Problem), (status = 502, body = Problem),
+        (status = 504, body = Problem)))]
+async fn open(
+    State(state): State<AppState>,
+    user: User,
+    Json(asked): Json<ArchiveFilmChoice>,
+) -> Answer<Json<UploadView>> {
+    user.need(Role::Editor)?;
+    let archives = state.archives();
+    let archive = archives.named(&asked.archive)?;
+    let film = FilmUid::new(SeriesUid::new(&asked.study, &asked.series)?, &asked.instance)?;
+    let ask = move |client: &Client| client.retrieve(&archive, &film);
+    let bytes = archives.retrieve(ask).await?;
+    log(&state, &user, "retrieve", asked.archive).await?;
+    let room = state.films().uploads.reserve(&user.name, bytes.len() as u64, state.now())?;
+    stage(&state, &user, room, bytes).await.map(Json)
+}
+
+/// Writes into the log of the store who asked an archive, and not for whom.
+async fn log(state: &AppState, user: &User, what: &'static str, archive: String) -> Answer<()> {
+    let by = user.sign(state.now());
+    state.store(move |store| store.log_archive(what, &archive, &by)).await
+}
+
+fn series(found: SeriesFound) -> ArchiveSeries {
+    ArchiveSeries {
+        study: found.uid.study().to_owned(),
+        series: found.uid.series().to_owned(),
+        day: found.date,
+        modality: found.modality,
+        description: found.description,
+        body_part: found.body_part,
+        films: found.films,
+    }
+}
+
+fn film(found: FilmFound) -> ArchiveFilm {
+    ArchiveFilm {
+        instance: found.uid.instance().to_owned(),
+        number: found.number,
+        columns: found.columns,
+        rows: found.rows,
+        view: found.view,
+    }
+}
