@@ -125,6 +125,40 @@ fn large_and_slow_answers_end_at_their_limits() {
     assert!(matches!(error, Err(DicomwebError::Unreachable { .. })), "{error:?}");
 }
 
+/// An answer cut at every place, and with every byte changed.
+fn damaged(whole: &[u8]) -> Vec<Vec<u8>> {
+    let cut = (0..whole.len()).map(|end| whole[..end].to_vec());
+    let changed = (0..whole.len()).map(|at| {
+        let mut bytes = whole.to_vec();
+        bytes[at] ^= 0x15;
+        bytes
+    });
+    cut.chain(changed).collect()
+}
+
+#[test]
+fn damaged_answers_are_films_series_or_errors() {
+    const WHOLE: &[u8] = b"--b\r\nContent-Type: application/dicom\r\n\r\nfilm\r\n--b--\r\n";
+    let client = Client::new(LIMITS);
+    let bodies = damaged(WHOLE);
+    let (count, mut next) = (bodies.len(), bodies.into_iter());
+    let (address, _) = serve(move |_| {
+        let kind = "multipart/related; boundary=b";
+        Some(Reply { status: 200, kind, more: "", body: next.next()? })
+    });
+    let films: Vec<_> = (0..count).map(|_| client.retrieve(&archive(&address), &film())).collect();
+    let is_whole = |film: &Result<Vec<u8>, _>| film.as_deref() == Ok(b"film");
+    assert!(films.iter().any(is_whole) && films.iter().any(Result::is_err));
+    let bodies = damaged(SERIES.as_bytes());
+    let (count, mut next) = (bodies.len(), bodies.into_iter());
+    let (address, _) = serve(move |_| Some(Reply { body: next.next()?, ..Reply::json("") }));
+    for _ in 0..count {
+        if let Err(error) = client.search(&archive(&address), &search("A/1 &x=../")) {
+            assert!(matches!(error, DicomwebError::BadAnswer { .. }), "{error}");
+        }
+    }
+}
+
 #[test]
 fn only_addresses_of_servers_are_taken_from_the_command_line() {
     for bad in [

@@ -28,7 +28,7 @@ impl Reply {
 pub type Asked = Arc<Mutex<Vec<String>>>;
 
 /// Starts a server; gives its address and what it is asked.
-pub fn serve(answer: impl Fn(&str) -> Option<Reply> + Send + 'static) -> (String, Asked) {
+pub fn serve(mut answer: impl FnMut(&str) -> Option<Reply> + Send + 'static) -> (String, Asked) {
     let listener = TcpListener::bind("127.0.0.1:0").expect("a port");
     let address = listener.local_addr().expect("an address");
     let asked = Asked::default();
