@@ -138,7 +138,7 @@ impl Movement {
         if space.is_some() && axial.is_empty() {
             warn_of_unknown_rotation(&curves.clinical, warnings);
         }
-        let library = options.library.between(outlines[0].levels());
+        let library = options.library.between(outlines[0].levels()).under(options.support);
         let motions = motions(&outlines, &fits[0], &poses);
         let mean_least_segments = mean_least_segments(&outlines, &motions);
         let segments = [inflection_segments, mean_least_segments];
