@@ -52,7 +52,7 @@ class MethodOptions(TypedDict, total=False):
     rotation_prior: str | os.PathLike[str]
     """File of ``spineline learn-prior``: how the joints of other patients rotate, for predictions without mechanics."""
     stiffness: str | os.PathLike[str]
-    """Table to start from: ``"paper"``, ``"in-vitro"``, ``"intact-chest"``, ``"scoliotic-in-vivo"``, or a file."""
+    """Table to start from: ``"paper"``, ``"in-vitro"``, ``"intact-chest"``, ``"scoliotic-in-vivo"``, ``"coupled"``, or a file."""
     inflections: str | Sequence[str]
     """Inflections set by hand, caudal first, such as ``("L1/T12", "T6")``."""
     min_curve: float

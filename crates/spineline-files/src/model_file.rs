@@ -4,7 +4,7 @@ use spineline::action::Application;
 use spineline::analysis::{Analysis, LineModel};
 use spineline::anatomy::{Level, Levels, Posture, Region};
 use spineline::clinical::{CurvePlaces, RegionBounds};
-use spineline::multibody::{SpineModel, Support};
+use spineline::multibody::{SpineModel, Support, coupled_matrix};
 use spineline::spatial::{Angle, Mat3, Vec3};
 
 use crate::error::NEIGHBOURS_MM;
@@ -233,7 +233,10 @@ fn joints(analysis: &Analysis, model: &LineModel) -> Vec<JointRecord> {
                 &(spine.midpoints_mm[j] + spine.axes[j] * spine.joints[j].centre_in_inferior_mm),
             ),
             stiffness_nmm_per_rad,
-            stiffness_matrix_nmm_per_rad: None,
+            stiffness_matrix_nmm_per_rad: (row.axial_per_lateral != 0.0).then(|| {
+                let matrix = coupled_matrix(stiffness_nmm_per_rad, row.axial_per_lateral);
+                [0, 1, 2].map(|i| [0, 1, 2].map(|j| matrix[(i, j)]))
+            }),
             nominal_nmm_per_rad: row.nmm_per_rad,
             source: row.source.clone(),
         })

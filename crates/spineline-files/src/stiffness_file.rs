@@ -31,6 +31,10 @@ struct JointRow {
     lateral_nm_per_rad: f64,
     flexion_nm_per_rad: f64,
     axial_nm_per_rad: f64,
+    /// Axial rotation (front to the left) per lateral rotation (to the right) under a pure lateral moment, with free support; absent without
+    /// coupling.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    axial_per_lateral: f64,
     /// Publication or measurement that the values come from.
     source: String,
 }
@@ -51,10 +55,16 @@ impl StiffnessFile {
             superior: row.superior.0,
             nmm_per_rad: [row.lateral_nm_per_rad, row.flexion_nm_per_rad, row.axial_nm_per_rad]
                 .map(newton_millimetres),
+            axial_per_lateral: row.axial_per_lateral,
             source: row.source,
         });
         Ok(StiffnessLibrary::from_rows(rows.collect())?)
     }
+}
+
+#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde passes a reference")]
+fn is_zero(value: &f64) -> bool {
+    *value == 0.0
 }
 
 fn newton_millimetres(newton_metres: f64) -> f64 {
@@ -80,6 +90,7 @@ impl From<&StiffnessLibrary> for StiffnessFile {
                 lateral_nm_per_rad: lateral,
                 flexion_nm_per_rad: flexion,
                 axial_nm_per_rad: axial,
+                axial_per_lateral: row.axial_per_lateral,
                 source: row.source.clone(),
             }
         };

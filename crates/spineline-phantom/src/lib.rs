@@ -45,7 +45,8 @@ pub use film::{Polarity, TrueFilm};
 pub use radiograph::Radiograph;
 pub use readers::Readers;
 pub use space::{
-    EndplateHabit, SagittalShape, SpacePhantom, SpaceSetup, TrueBody, generate_in_space,
+    BentPhantom, EndplateHabit, SagittalShape, SpaceBending, SpacePhantom, SpaceSetup, TrueBody,
+    generate_bends_in_space, generate_in_space,
 };
 pub use subjects::{SUBJECTS, TableRow};
 

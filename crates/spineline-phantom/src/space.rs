@@ -1,6 +1,10 @@
 //! Spines in space, and their frontal and lateral films: vertebral bodies as elliptic prisms on a space curve, seen by one
 //! projection in both views.
 
+mod bends;
+
+pub use bends::{BentPhantom, SpaceBending, generate_bends_in_space};
+
 use std::collections::BTreeMap;
 use std::f64::consts::PI;
 
@@ -10,8 +14,8 @@ use rand_distr::{Distribution, StandardNormal};
 use spineline::analysis::{Case, Subject};
 use spineline::anatomy::{ImageSide, Level, Morphometry, PediclePlace, Posture};
 use spineline::measure::{
-    Corners, Film, FilmLandmarks, ImageGeometry, LateralCorners, LateralFilm, Reading, ReadingId,
-    Spacing, SpacingPlane, VertebraLandmarks,
+    Corners, Film, FilmLandmarks, IliacCrests, ImageGeometry, LateralCorners, LateralFilm, Reading,
+    ReadingId, Spacing, SpacingPlane, VertebraLandmarks,
 };
 use spineline::spatial::{Angle, Pixel, Vec3};
 
@@ -138,36 +142,22 @@ impl SpacePhantom {
 #[must_use]
 pub fn generate_in_space(setup: &SpaceSetup) -> SpacePhantom {
     let bodies = bodies(setup);
-    let mut rng = ChaCha12Rng::seed_from_u64(setup.seed);
-    let mut noise = |place: [f64; 2]| {
-        place.map(|mm| {
-            let deviate: f64 = StandardNormal.sample(&mut rng);
-            mm + setup.corner_sd_mm * deviate
-        })
-    };
-    let frontal = View {
-        across: Vec3::y(),
-        scale: 1.0,
-        turn: Angle::ZERO,
-        side: if setup.seed.is_multiple_of(2) { ImageSide::Left } else { ImageSide::Right },
-    };
+    let mut marker = Marker::new(setup, 0);
+    let frontal = View::frontal(setup);
     let lateral = View {
         across: Vec3::x(),
         scale: setup.lateral_scale,
         turn: setup.lateral_turn,
         side: if setup.seed.is_multiple_of(3) { ImageSide::Right } else { ImageSide::Left },
     };
-    let mut read = |view: &View| -> BTreeMap<Level, [Pixel; 4]> {
-        let mut corners =
-            |body: &TrueBody| view.corners(body, setup.habit).map(|place| view.pixel(noise(place)));
-        bodies.iter().map(|body| (body.level, corners(body))).collect()
-    };
-    let [from_front, from_side] = [read(&frontal), read(&lateral)];
-    let mut film = frontal_film(&frontal, from_front);
+    let [from_front, from_side] =
+        [&frontal, &lateral].map(|view| marker.read(view, &bodies, setup.habit));
+    let crests = marker.crests(&frontal, &bodies[0]);
+    let mut film = frontal_film(&frontal, Posture::Erect, from_front, crests);
     if let (true, FilmLandmarks::Corners { readings, .. }) = (setup.pedicles, &mut film.landmarks) {
         for (body, landmark) in bodies.iter().zip(readings[0].vertebrae.values_mut()) {
             let places = frontal.pedicles(body);
-            landmark.pedicles = places.map(|place| Some(frontal.pixel(noise(place))));
+            landmark.pedicles = places.map(|place| Some(frontal.pixel(marker.noise(place))));
         }
     }
     let case = Case {
@@ -179,6 +169,48 @@ pub fn generate_in_space(setup: &SpaceSetup) -> SpacePhantom {
     };
     SpacePhantom { case, bodies }
 }
+
+/// Reads places on films, each coordinate with an error.
+struct Marker {
+    rng: ChaCha12Rng,
+    sd_mm: f64,
+}
+
+impl Marker {
+    /// `stream` tells the films of a phantom apart.
+    fn new(setup: &SpaceSetup, stream: u64) -> Self {
+        let mut rng = ChaCha12Rng::seed_from_u64(setup.seed);
+        rng.set_stream(stream);
+        Self { rng, sd_mm: setup.corner_sd_mm }
+    }
+
+    fn noise(&mut self, place: [f64; 2]) -> [f64; 2] {
+        place.map(|mm| {
+            let deviate: f64 = StandardNormal.sample(&mut self.rng);
+            mm + self.sd_mm * deviate
+        })
+    }
+
+    fn read(
+        &mut self,
+        view: &View,
+        bodies: &[TrueBody],
+        habit: EndplateHabit,
+    ) -> BTreeMap<Level, [Pixel; 4]> {
+        let mut corners =
+            |body: &TrueBody| view.corners(body, habit).map(|place| view.pixel(self.noise(place)));
+        bodies.iter().map(|body| (body.level, corners(body))).collect()
+    }
+
+    /// Level crests beside L5, which are seen without error.
+    fn crests(&self, view: &View, l5: &TrueBody) -> IliacCrests {
+        let at = |left_mm: f64| view.pixel(view.seen(l5.midpoint_mm + Vec3::y() * left_mm));
+        IliacCrests { left: at(CREST_MM), right: at(-CREST_MM) }
+    }
+}
+
+/// Half of the distance of the crests of an adolescent (assumption).
+const CREST_MM: f64 = 120.0;
 
 /// Bodies on a space curve of given slopes `dx/dz` and `dy/dz`.
 fn bodies(setup: &SpaceSetup) -> Vec<TrueBody> {
@@ -238,6 +270,16 @@ const ROWS: u32 = 7000;
 const PIXEL_MM: f64 = 0.1;
 
 impl View {
+    /// That of the frontal films.
+    fn frontal(setup: &SpaceSetup) -> Self {
+        Self {
+            across: Vec3::y(),
+            scale: 1.0,
+            turn: Angle::ZERO,
+            side: if setup.seed.is_multiple_of(2) { ImageSide::Left } else { ImageSide::Right },
+        }
+    }
+
     /// A vector as this film shows it: across and up. This is the only projection.
     fn seen(&self, vector: Vec3) -> [f64; 2] {
         let (across, up) = (vector.dot(&self.across), vector.z);
@@ -294,7 +336,12 @@ fn spacing() -> Spacing {
     Spacing { relative_sd: Some(0.0), ..Spacing::stated(PIXEL_MM, PIXEL_MM, SpacingPlane::Patient) }
 }
 
-fn frontal_film(view: &View, read: BTreeMap<Level, [Pixel; 4]>) -> Film {
+fn frontal_film(
+    view: &View,
+    posture: Posture,
+    read: BTreeMap<Level, [Pixel; 4]>,
+    crests: IliacCrests,
+) -> Film {
     let landmarks = |[superior_left, superior_right, inferior_left, inferior_right]: [Pixel; 4]| {
         VertebraLandmarks::clicked(Corners {
             superior_left,
@@ -311,8 +358,8 @@ fn frontal_film(view: &View, read: BTreeMap<Level, [Pixel; 4]>) -> Film {
         patient_left: view.side,
     };
     let readings = vec![Reading { id: ReadingId::new("A", 1), vertebrae: vertebrae.collect() }];
-    let landmarks = FilmLandmarks::Corners { image, iliac_crests: None, readings };
-    Film { posture: Posture::Erect, landmarks }
+    let landmarks = FilmLandmarks::Corners { image, iliac_crests: Some(crests), readings };
+    Film { posture, landmarks }
 }
 
 fn lateral_film(view: &View, read: BTreeMap<Level, [Pixel; 4]>) -> LateralFilm {

@@ -116,6 +116,9 @@ impl Error {
             Self::Stiffness(StiffnessError::Value { superior, value, .. }) => {
                 ErrorPlace { level: Some(*superior), value: Some(*value), limit: Some(0.0), ..none }
             }
+            Self::Stiffness(StiffnessError::Coupling { superior, value, .. }) => {
+                ErrorPlace { level: Some(*superior), value: Some(*value), ..none }
+            }
         }
     }
 
@@ -175,7 +178,7 @@ impl Error {
                 "check the spacing of the films: their curves should be about equally long"
             }
             Self::Stiffness(_) => {
-                "give every joint from L4/L3 to T3/T2 one row with three positive values in N·mm/rad"
+                "give every joint from L4/L3 to T3/T2 one row with three positive values in N·mm/rad, and a coupling between -2 and 2"
             }
         }
     }

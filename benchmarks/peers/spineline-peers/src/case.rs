@@ -128,6 +128,7 @@ impl Case {
             inferior: pair[0],
             superior: pair[1],
             nmm_per_rad: joint.stiffness_nmm_per_rad,
+            axial_per_lateral: 0.0,
             source: self.name.clone(),
         });
         StiffnessLibrary::from_rows(rows.collect()).expect("springs of a case are positive")

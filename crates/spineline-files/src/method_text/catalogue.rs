@@ -121,7 +121,7 @@ pub const OPTIONS: [MethodOption; 15] = [
     MethodOption {
         name: "stiffness",
         title: "Stiffness table",
-        help: "Stiffness table to start from: `paper`, `in-vitro`, `intact-chest` or `scoliotic-in-vivo` (`spineline stiffness` prints them), or a file",
+        help: "Stiffness table to start from: `paper`, `in-vitro`, `intact-chest`, `scoliotic-in-vivo` or `coupled` (`spineline stiffness` prints them), or a file",
         default: "paper",
         values: OptionValues::Named(named_values::<StiffnessTable>),
     },

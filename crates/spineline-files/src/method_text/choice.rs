@@ -72,6 +72,7 @@ impl Choice for StiffnessTable {
             Self::InVitro => "in-vitro",
             Self::IntactChest => "intact-chest",
             Self::ScolioticInVivo => "scoliotic-in-vivo",
+            Self::Coupled => "coupled",
         }
     }
 
@@ -81,6 +82,9 @@ impl Choice for StiffnessTable {
             Self::InVitro => "Thoracic segments with costovertebral joints, tested in vitro",
             Self::IntactChest => "The same with the cage of ribs",
             Self::ScolioticInVivo => "Segments of scoliotic patients during surgery",
+            Self::Coupled => {
+                "The paper's, with axial rotation coupled to lateral bending (counts with free support)"
+            }
         }
     }
 }

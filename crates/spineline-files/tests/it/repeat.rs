@@ -36,6 +36,7 @@ fn provenance(request: &Request) -> Provenance {
 fn odd_options() -> AnalysisOptions {
     let defaults = StiffnessLibrary::default();
     let rows = defaults.rows().iter().enumerate().map(|(i, row)| JointStiffness {
+        axial_per_lateral: 0.1 - 0.03 * i as f64,
         nmm_per_rad: row
             .nmm_per_rad
             .map(|value| 1000.0 * (value / 1000.0 * (1.1 + i as f64 / 7.0))),

@@ -15,3 +15,4 @@ mod phantoms;
 mod radiographs;
 mod recovery;
 mod shared_errors;
+mod space_bends;

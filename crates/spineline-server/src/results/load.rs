@@ -10,7 +10,7 @@ use spineline::multibody::{BodyLoad, Deformed, GeneralStatics, Goal, Loading};
 use spineline::response::{
     CurveChange, SpineAngles, erect_shape, largest_displacement_mm, measure_angles, respond,
 };
-use spineline::spatial::{Mat3, Vec3, vector_words};
+use spineline::spatial::{Vec3, vector_words};
 
 use super::simulated::deformed_shape;
 use crate::access::open_study;
@@ -108,8 +108,7 @@ fn equilibrium(
     force_n: Vec3,
     erect: &Deformed,
 ) -> Answer<Found> {
-    let springs = model.stiffness_nmm_per_rad(&analysis.library);
-    let springs = springs.iter().map(|&joint| Mat3::from_diagonal(&Vec3::from(joint)));
+    let springs = model.stiffness_matrices(&analysis.library);
     let statics = GeneralStatics::new(&analysis.spine, springs, analysis.options.support)
         .map_err(|error| refused(error.to_string(), "read the notices of the model"))?;
     let load = BodyLoad::ForceAtPoint { force_n, point_in_vertebra_mm: Vec3::zeros() };

@@ -138,7 +138,7 @@ impl Movement {
         if space.is_some() && axial.is_empty() {
             warn_of_unknown_rotation(&curves.clinical, warnings);
         }
-        let library = options.library.between(outlines[0].levels());
+        let library = options.library.between(outlines[0].levels()).under(options.support);
         let motions = motions(&outlines, &fits[0], &poses);
         let mean_least_segments = mean_least_segments(&outlines, &motions);
         let segments = [inflection_segments, mean_least_segments];
@@ -371,15 +371,17 @@ fn unloaded_spine(
         Some(film) => axial_rotations(film, erect)?,
         None => Vec::new(),
     };
-    let measured = space.as_ref().map(|found| found.profile(&options.profile));
-    let mut profile = measured.unwrap_or_else(|| options.profile.clone());
+    let mut profile = options.profile.clone();
     for found in &axial {
         let place = found.level.model_index().and_then(|i| profile.axial_deg.get_mut(i));
         if let Some(axial_deg) = place {
             *axial_deg = found.stokes.deg();
         }
     }
-    let spine = SpineModel::from_outline(erect, &profile);
+    let spine = match &space {
+        Some(space) => SpineModel::in_space(erect, &profile, space),
+        None => SpineModel::from_outline(erect, &profile),
+    };
     Ok(UnloadedSpine { spine, space, axial })
 }
 

@@ -59,8 +59,8 @@ impl<'a> Findings<'a> {
         }
     }
 
-    /// Sagittal place of the lines: the mean depth of the vertebrae at the inflections; without inflections that of L4 and
-    /// T2, which is zero.
+    /// Sagittal place of the lines: the mean depth of the vertebrae at the inflections; without inflections that of
+    /// the base, which is zero.
     pub fn depth_mm(self) -> f64 {
         let Some(pair) = self.inflections.pair else { return 0.0 };
         let levels = self.levels();

@@ -6,7 +6,9 @@ use super::{Analysis, AnalysisOptions, Grouping, PostureAnalysis};
 use crate::action::{Application, LineKind, LineOfAction};
 use crate::anatomy::Posture;
 use crate::evaluate::{Simulation, Target, predict, simulate};
-use crate::multibody::{ForceSign, JointGroups, Load, MatchStatus, Statics, StiffnessLibrary};
+use crate::multibody::{
+    ForceSign, JointGroups, Load, MatchStatus, Statics, StiffnessLibrary, coupled_matrix,
+};
 use crate::personalize::estimate::{
     EstimatedLoads, components_of, estimate_load, estimate_loads, line_of,
 };
@@ -15,6 +17,7 @@ use crate::personalize::{
     FitFilm, FitSettings, FitStatus, FitTarget, Gauge, Known, Personalization, Start,
     personalize_with,
 };
+use crate::spatial::Mat3;
 use crate::warning::{Step, Warnings};
 
 /// A personalised model for one choice of line, and what it predicts.
@@ -56,6 +59,13 @@ impl LineModel {
                 [lateral * multipliers[group], flexion, axial]
             })
             .collect()
+    }
+
+    /// The same with their coupling, as matrices.
+    #[must_use]
+    pub fn stiffness_matrices(&self, library: &StiffnessLibrary) -> Vec<Mat3> {
+        let springs = self.stiffness_nmm_per_rad(library).into_iter().zip(library.rows());
+        springs.map(|(springs, row)| coupled_matrix(springs, row.axial_per_lateral)).collect()
     }
 
     /// Whether springs and forces are absolute: only where a force is known and was found in the model.

@@ -8,10 +8,10 @@ use crate::least_squares::System;
 use crate::measure::Outline;
 use crate::multibody::{
     GeneralStatics, LoadItem, Loading, MAX_HINGE_RAD, NewtonWork, ShapeParameter, Solution,
-    SpineModel,
+    SpineModel, coupled_matrix,
 };
 use crate::personalize::{MULTIPLIER_BOUNDS, ROWS_PER_VERTEBRA, ShapeRows, ShapeWeights};
-use crate::spatial::{Angle, Frontal, Mat3, Vec3};
+use crate::spatial::{Angle, Frontal, Vec3};
 
 /// Steps in which loads grow from zero where Newton does not get to them at once.
 const GROWTH_STEPS: u32 = 12;
@@ -20,7 +20,8 @@ const GROWTH_STEPS: u32 = 12;
 pub(super) fn statics<'a>(spine: &Spine<'a>, log_multipliers: &[f64]) -> GeneralStatics<'a> {
     let springs = spine.library.rows().iter().zip(spine.groups.of_joint()).map(|(row, &group)| {
         let [lateral, flexion, axial] = row.nmm_per_rad;
-        Mat3::from_diagonal(&Vec3::new(lateral * log_multipliers[group].exp(), flexion, axial))
+        let springs = [lateral * log_multipliers[group].exp(), flexion, axial];
+        coupled_matrix(springs, row.axial_per_lateral)
     });
     GeneralStatics::new(spine.model, springs, spine.support).expect(
         "a library has one positive spring per joint and axis, and multipliers are positive",

@@ -1,7 +1,7 @@
 use nalgebra::DMatrix;
 
 use crate::anatomy::{Level, Morphometry, SagittalProfile};
-use crate::measure::{MeasuredVertebra, Noise, Outline};
+use crate::measure::{MeasuredVertebra, Noise, Outline, SpatialOutline, SpatialVertebra};
 use crate::spatial::{Angle, Frontal, Mat3, Vec3, rotation_x, rotation_y, rotation_z};
 
 /// One joint, fixed in its inferior vertebra.
@@ -66,13 +66,63 @@ impl SpineModel {
         let first = levels.first_joint();
         let pitches = pitches(&locations, &profile.turns_deg[first..first + levels.joints()]);
         let x_mm = depths_mm(&locations, &pitches);
+        Self::standing(erect, profile, &pitches, &x_mm)
+    }
+
+    /// Builds the spine as the erect and the lateral film show it.
+    ///
+    /// The frontal film gives `y`, `z` and tilt of every vertebra, the lateral film pitch and `x` of those that it shows. The others have
+    /// the turns of `profile` from their neighbours; between two that are shown, what is left over is spread evenly over the joints.
+    /// Axial rotations are those of `profile`. Joints are placed as by [`SpineModel::from_outline`].
+    ///
+    /// # Frames
+    /// `G` is the frame of the films, turned about x by the tilt of the base. `x`, pitch and axial rotation are the same in both.
+    ///
+    /// # Assumption
+    /// Those of [`SpatialOutline`]: the erect film hangs upright. An error of the turn of the lateral film turns the whole spine about y.
+    #[must_use]
+    pub fn in_space(erect: &Outline, profile: &SagittalProfile, space: &SpatialOutline) -> Self {
+        let levels = erect.levels();
+        let seen: Vec<_> = levels.iter().map(|level| space.vertebra(level)).collect();
+        let profile = space.profile(profile);
+        let locations: Vec<Frontal> = erect.locations().collect();
+        let first = levels.first_joint();
+        let mut pitches = pitches(&locations, &profile.turns_deg[first..first + levels.joints()]);
+        let off = |(seen, pitch): (&Option<&SpatialVertebra>, &Angle)| {
+            seen.map(|vertebra| (vertebra.orientation.pitch - *pitch).wrapped().rad())
+        };
+        let missing: Vec<Option<f64>> = seen.iter().zip(&pitches).map(off).collect();
+        for (pitch, more_rad) in pitches.iter_mut().zip(spread(&missing)) {
+            *pitch = *pitch + Angle::from_rad(more_rad);
+        }
+        let mut x_mm = depths_mm(&locations, &pitches);
+        let off = |(seen, x_mm): (&Option<&SpatialVertebra>, &f64)| {
+            seen.map(|vertebra| vertebra.place_mm.x - x_mm)
+        };
+        let missing: Vec<Option<f64>> = seen.iter().zip(&x_mm).map(off).collect();
+        let more_mm = spread(&missing);
+        // The origin is the base.
+        for (x_mm, more) in x_mm.iter_mut().zip(&more_mm) {
+            *x_mm += more - more_mm[0];
+        }
+        Self::standing(erect, &profile, &pitches, &x_mm)
+    }
+
+    /// Vertebrae of the erect film with these pitches and depths.
+    fn standing(
+        erect: &Outline,
+        profile: &SagittalProfile,
+        pitches: &[Angle],
+        x_mm: &[f64],
+    ) -> Self {
+        let levels = erect.levels();
         let midpoints_mm: Vec<Vec3> =
-            locations.iter().zip(&x_mm).map(|(p, &x)| Vec3::new(x, p.y_mm, p.z_mm)).collect();
+            erect.locations().zip(x_mm).map(|(p, &x)| Vec3::new(x, p.y_mm, p.z_mm)).collect();
         let axes: Vec<Mat3> = erect
             .vertebrae
             .iter()
-            .zip(&pitches)
-            .zip(&profile.axial_deg[first..])
+            .zip(pitches)
+            .zip(&profile.axial_deg[levels.first_joint()..])
             .map(|((v, &pitch), &axial)| {
                 rotation_x(v.tilt) * rotation_y(pitch) * rotation_z(Angle::from_deg(axial))
             })
@@ -168,6 +218,24 @@ fn pitches(locations: &[Frontal], turns_deg: &[f64]) -> Vec<Angle> {
         }
     }
     pitched(f64::midpoint(low, high))
+}
+
+/// Values where they are known; linear between these, constant beyond, zero where none is known.
+fn spread(known: &[Option<f64>]) -> Vec<f64> {
+    let at: Vec<(usize, f64)> =
+        known.iter().enumerate().filter_map(|(i, value)| Some((i, (*value)?))).collect();
+    let value = |i: usize| {
+        let next = at.partition_point(|(place, _)| *place < i);
+        match (next.checked_sub(1).map(|before| at[before]), at.get(next)) {
+            (None, None) => 0.0,
+            (None, Some((_, value))) => *value,
+            (Some((_, value)), None) => value,
+            (Some((low, from)), Some((high, to))) => {
+                from + (to - from) * (i - low) as f64 / (high - low) as f64
+            }
+        }
+    };
+    (0..known.len()).map(value).collect()
 }
 
 /// Depth of every midpoint: the line between two midpoints has the mean pitch of its vertebrae.

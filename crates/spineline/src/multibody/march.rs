@@ -117,12 +117,14 @@ pub struct Statics<'a> {
 struct Hinges {
     /// Radians per N·mm; zero where a hinge is locked.
     compliance: [f64; 3],
+    /// Axial rotation per lateral rotation at which the axial spring is unstressed.
+    axial_per_lateral: f64,
     /// From this joint's centre to the next one's, in the axes that the hinges have turned; unused above the last joint.
     to_next_mm: Vec3,
 }
 
 impl<'a> Statics<'a> {
-    /// Springs of a library, the lateral ones multiplied per group.
+    /// Springs of a library, the lateral ones multiplied per group, and their coupling where the support lets joints turn axially.
     #[must_use]
     pub fn new(
         model: &'a SpineModel,
@@ -133,8 +135,12 @@ impl<'a> Statics<'a> {
     ) -> Self {
         let stiffness = library.rows().iter().map(|row| row.nmm_per_rad);
         let mut statics = Self::from_stiffness(model, stiffness, groups.of_joint(), support);
-        for (hinges, &group) in statics.hinges.iter_mut().zip(groups.of_joint()) {
+        let joints = statics.hinges.iter_mut().zip(groups.of_joint()).zip(library.rows());
+        for ((hinges, &group), row) in joints {
             hinges.compliance[0] *= (-log_multipliers[group]).exp();
+            if support == Support::Free {
+                hinges.axial_per_lateral = row.axial_per_lateral;
+            }
         }
         statics
     }
@@ -157,6 +163,7 @@ impl<'a> Statics<'a> {
                     Support::Free => [1.0 / x, 1.0 / y, 1.0 / z],
                     Support::Frontal => [1.0 / x, 0.0, 0.0],
                 },
+                axial_per_lateral: 0.0,
                 to_next_mm: joint.rise_in_inferior_mm + joint.inferior_from_superior * next_mm,
             })
             .collect();
@@ -282,7 +289,7 @@ impl<'a> Statics<'a> {
     /// theta_z = m . (R_x R_y e_z) / k_z
     /// ```
     ///
-    /// where `R_x` and `R_y` turn by `theta_x` and `theta_y`. Each angle depends on those before it alone, so that one pass
+    /// where `R_x` and `R_y` turn by `theta_x` and `theta_y` (coupled joints: [`JointStiffness`](super::JointStiffness)). Each angle depends on those before it alone, so that one pass
     /// gives the equilibrium, and its derivatives by the chain rule.
     ///
     /// ```
@@ -342,7 +349,11 @@ impl<'a> Statics<'a> {
         for (j, (joint, hinges)) in self.model.joints.iter().zip(&self.hinges).enumerate() {
             let arm = transfer.in_g(&joint.centre_in_inferior_mm);
             let centre = midpoint + arm;
-            let (turns, directions) = transfer.turn::<SMALL>(&hinges.compliance);
+            let (turns, directions) = if hinges.axial_per_lateral == 0.0 {
+                transfer.turn::<SMALL>(&hinges.compliance)
+            } else {
+                transfer.turn_coupled(&hinges.compliance, hinges.axial_per_lateral)
+            };
             if SMALL && !turns.iter().all(|turn| is_small(*turn)) {
                 return false;
             }
@@ -404,10 +415,23 @@ impl<'a> Statics<'a> {
             let rate = |i: usize, turn: &Vec3| {
                 compliance[i] * (moment_rate.dot(&directions[i]) + turn.dot(&levers[i]))
             };
-            turn += directions[0] * (rate(0, &turn) + stretch);
+            let ratio = self.hinges[j].axial_per_lateral;
+            let lateral = if ratio == 0.0 {
+                rate(0, &turn) + stretch
+            } else {
+                // The axial moment counts too, and its axis turns with the lateral and the flexion hinge.
+                let flexion = |turn: &Vec3| turn + directions[1] * rate(1, turn);
+                let fixed = rate(0, &turn) + stretch;
+                let share = compliance[0] * ratio;
+                let axial_moment =
+                    |turn: &Vec3| moment_rate.dot(&directions[2]) + flexion(turn).dot(&levers[2]);
+                let by_itself = axial_moment(&(turn + directions[0])) - axial_moment(&turn);
+                (fixed + share * axial_moment(&turn)) / (1.0 - share * by_itself)
+            };
+            turn += directions[0] * lateral;
             if compliance[1] != 0.0 || compliance[2] != 0.0 {
                 turn += directions[1] * rate(1, &turn);
-                turn += directions[2] * rate(2, &turn);
+                turn += directions[2] * (rate(2, &turn) + ratio * lateral);
             }
             *next_turned = turn;
             *next_midpoint = centre_rate + turn.cross(rise);

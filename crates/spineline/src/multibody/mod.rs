@@ -3,7 +3,7 @@
 //! # Model
 //! L4 is fixed. Each of the 14 joints sits at the posterior edge of the inferior vertebra's superior endplate and is
 //! three hinges in series, x (lateral), y (flexion), z (axial), in the inferior vertebra's anatomical axes, with a
-//! linear torsion spring on each, unstressed in the erect posture. The force is carried by rigid T2.
+//! linear torsion spring on each, unstressed in the erect posture; lateral and axial spring may be coupled ([`JointStiffness`]). The force is carried by rigid T2.
 //!
 //! # Statics
 //! A line fixed in space is a constant spatial wrench, so the moment `m` about a joint depends only on the joint's own
@@ -46,5 +46,7 @@ pub(crate) use matching::{MAX_FORCE_PER_STIFFNESS, MAX_HINGE_RAD, OneComponent};
 pub(crate) use nearest::{
     SeveralComponents, nearest_from_starts, nearest_on_path, starts_of_sizes,
 };
-pub use stiffness::{JointGroups, JointStiffness, StiffnessError, StiffnessLibrary, Support};
+pub use stiffness::{
+    JointGroups, JointStiffness, StiffnessError, StiffnessLibrary, Support, coupled_matrix,
+};
 pub use stiffness_tables::StiffnessTable;

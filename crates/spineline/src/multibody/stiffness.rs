@@ -1,7 +1,26 @@
 use crate::anatomy::{Level, Levels, Region, named};
 use crate::clinical::Regions;
+use crate::spatial::{Mat3, Vec3};
 
 /// The springs of one joint.
+///
+/// # Equation
+/// Elastic energy of the hinge angles `θ`, in N·mm, with the springs `k` and the coupling `r`:
+///
+/// ```text
+/// V = 1/2 (k_x θ_x² + k_y θ_y² + k_z (θ_z - r θ_x)²)
+/// ```
+///
+/// It is positive for every `r`. A pure lateral moment turns the joint by `θ_x = m / k_x` and `θ_z = r θ_x`, so `k_x` is the stiffness that
+/// a test with free coupled motion measures. Under any moment `m`, with the axes that the hinges have turned,
+///
+/// ```text
+/// k_x θ_x         = m . e_x + r m . (R_x R_y e_z)
+/// k_y θ_y         = m . (R_x e_y)
+/// k_z (θ_z - r θ_x) = m . (R_x R_y e_z)
+/// ```
+///
+/// The first is an equation for `θ_x`, which the march solves to rounding at each joint.
 #[derive(Debug, Clone, PartialEq)]
 pub struct JointStiffness {
     /// Lower vertebra.
@@ -10,8 +29,24 @@ pub struct JointStiffness {
     pub superior: Level,
     /// Lateral, flexion and axial rotational stiffness, in N·mm/rad.
     pub nmm_per_rad: [f64; 3],
+    /// Coupling: axial rotation (front to the left) per lateral rotation (to the right) under a pure lateral moment. Negative where a bend turns the
+    /// front of the vertebra to its own side; zero without coupling.
+    pub axial_per_lateral: f64,
     /// Where the values come from.
     pub source: String,
+}
+
+/// The springs of a joint about x, y and z, with a coupling, as a matrix: the second derivatives of the energy of [`JointStiffness`].
+#[must_use]
+pub fn coupled_matrix(nmm_per_rad: [f64; 3], axial_per_lateral: f64) -> Mat3 {
+    let mut matrix = Mat3::from_diagonal(&Vec3::from(nmm_per_rad));
+    if axial_per_lateral != 0.0 {
+        let shared = axial_per_lateral * nmm_per_rad[2];
+        matrix[(0, 0)] += axial_per_lateral * shared;
+        matrix[(0, 2)] = -shared;
+        matrix[(2, 0)] = -shared;
+    }
+    matrix
 }
 
 /// The springs of the joints before personalisation, caudal first: of all 14, or of those of a shorter spine.
@@ -54,7 +89,22 @@ pub enum StiffnessError {
         /// What was given.
         value: f64,
     },
+    /// A coupling that no joint has.
+    #[error(
+        "joint {inferior}/{superior}: the axial rotation per lateral rotation is {value}, and must lie between -{MAX_COUPLING} and {MAX_COUPLING}; give 0 for a joint without coupling"
+    )]
+    Coupling {
+        /// Lower vertebra.
+        inferior: Level,
+        /// Upper vertebra.
+        superior: Level,
+        /// What was given.
+        value: f64,
+    },
 }
+
+/// Measured joints turn axially by less than they bend; twice that is an error of input (assumption).
+const MAX_COUPLING: f64 = 2.0;
 
 impl StiffnessLibrary {
     /// A library from rows in any order.
@@ -69,6 +119,10 @@ impl StiffnessLibrary {
                 if !(value > 0.0 && value.is_finite()) {
                     return Err(StiffnessError::Value { inferior, superior, axis, value });
                 }
+            }
+            let value = row.axial_per_lateral;
+            if value.is_nan() || value.abs() > MAX_COUPLING {
+                return Err(StiffnessError::Coupling { inferior, superior, value });
             }
         }
         given.sort_by_key(|row| (row.inferior, row.superior));
@@ -100,6 +154,15 @@ impl StiffnessLibrary {
             levels.index_of(row.inferior).is_some() && levels.index_of(row.superior).is_some()
         };
         Self { rows: self.rows.iter().filter(inside).cloned().collect() }
+    }
+
+    /// The springs as a support lets them act: one that locks the axial hinges leaves no coupling.
+    #[must_use]
+    pub fn under(mut self, support: Support) -> Self {
+        if support == Support::Frontal {
+            self.rows.iter_mut().for_each(|row| row.axial_per_lateral = 0.0);
+        }
+        self
     }
 
     /// The rows, caudal first.

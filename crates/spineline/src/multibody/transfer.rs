@@ -56,6 +56,19 @@ impl WrenchTransfer {
         ([angle_x, angle_y, angle_z], [hinge_x.xyz(), hinge_y.xyz(), hinge_z.xyz()])
     }
 
+    /// As [`WrenchTransfer::turn`], where the axial spring is unstressed at `ratio` times the lateral angle.
+    pub fn turn_coupled(&mut self, compliance: &[f64; 3], ratio: f64) -> ([f64; 3], [Vec3; 3]) {
+        let angle_x = coupled_lateral(&self.moment_nmm, compliance, ratio);
+        let Self { axes: [x, y, z], moment_nmm: [mx, my, mz] } = self;
+        let hinge_x = *x;
+        turn_pair::<false>(y, z, my, mz, angle_x);
+        let (hinge_y, angle_y) = (*y, compliance[1] * *my);
+        turn_pair::<false>(z, x, mz, mx, angle_y);
+        let (hinge_z, angle_z) = (*z, ratio * angle_x + compliance[2] * *mz);
+        turn_pair::<false>(x, y, mx, my, angle_z);
+        ([angle_x, angle_y, angle_z], [hinge_x.xyz(), hinge_y.xyz(), hinge_z.xyz()])
+    }
+
     /// A vector of these axes, in `G`.
     #[inline]
     pub fn in_g(&self, vector: &Vec3) -> Vec3 {
@@ -71,6 +84,40 @@ impl WrenchTransfer {
         let column = |i: usize| combine(&self.axes, &inferior_from_superior.column(i).into());
         self.axes = [column(0), column(1), column(2)];
     }
+}
+
+/// The lateral angle of a coupled joint under a moment in the axes of its inferior vertebra: the root of
+///
+/// ```text
+/// f(θ) = θ - C_x (m_x + r (m_x sin θ_y + q cos θ_y)),  θ_y = C_y (m_y cos θ + m_z sin θ),  q = m_z cos θ - m_y sin θ
+/// ```
+///
+/// by Newton, kept between bounds of opposite sign.
+fn coupled_lateral([mx, my, mz]: &[f64; 3], compliance: &[f64; 3], ratio: f64) -> f64 {
+    let size = compliance[0] * Vec3::new(*mx, *my, *mz).norm() * (1.0 + ratio.abs());
+    let (mut low, mut high) = (-size, size);
+    let mut angle = (compliance[0] * (mx + ratio * mz)).clamp(low, high);
+    for _ in 0..60 {
+        let (s, c) = sin_cos(angle);
+        let (p, q) = (my * c + mz * s, mz * c - my * s);
+        let (sy, cy) = sin_cos(compliance[1] * p);
+        let value = angle - compliance[0] * (mx + ratio * (mx * sy + q * cy));
+        if value > 0.0 {
+            high = angle;
+        } else {
+            low = angle;
+        }
+        let flexing = compliance[1] * q;
+        let slope = 1.0 - compliance[0] * ratio * (mx * cy * flexing - sy * flexing * q - cy * p);
+        let newton = angle - value / slope;
+        let next = if newton >= low && newton <= high { newton } else { f64::midpoint(low, high) };
+        let step = (next - angle).abs();
+        angle = next;
+        if step <= 1e-15 {
+            break;
+        }
+    }
+    angle
 }
 
 #[inline]

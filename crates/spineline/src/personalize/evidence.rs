@@ -105,7 +105,11 @@ impl FilmEvidence {
             .zip(library.rows())
             .enumerate()
             .map(|(j, (joint, row))| {
-                let hinge: Vec3 = axes[j].column(0).into();
+                let mut hinge: Vec3 = axes[j].column(0).into();
+                if row.axial_per_lateral != 0.0 {
+                    // For small turns a coupled joint is a hinge about this vector.
+                    hinge += axes[j].column(2) * row.axial_per_lateral;
+                }
                 let centre_mm = midpoints[j] + axes[j] * joint.centre_in_inferior_mm;
                 let [inferior, superior] = [j, j + 1].map(|i| film.vertebrae[i].location);
                 let spacing_mm = (superior - inferior).norm_mm();

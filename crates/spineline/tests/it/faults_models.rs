@@ -60,6 +60,16 @@ fn a_joint_with_two_rows_is_named() {
 }
 
 #[test]
+fn a_coupling_that_no_joint_has_is_named_with_its_value() {
+    for value in [-2.1, f64::NAN, f64::INFINITY] {
+        let mut rows = rows();
+        rows[0].axial_per_lateral = value;
+        let error = refused(rows, &["L4", "L3", "axial rotation", &value.to_string()]);
+        assert!(matches!(error, StiffnessError::Coupling { inferior: Level::L4, .. }));
+    }
+}
+
+#[test]
 fn a_stiffness_that_is_not_positive_is_named_with_axis_and_value() {
     // Oracle: a spring pushes back.
     for (axis, name) in ["lateral", "flexion", "axial"].into_iter().enumerate() {

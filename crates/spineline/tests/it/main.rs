@@ -7,6 +7,7 @@ mod balance;
 mod cobb;
 mod common;
 mod confidence;
+mod coupling;
 mod curves;
 mod drawn_lines;
 mod faults;

@@ -6,7 +6,7 @@ use spineline::analysis::{Analysis, AnalysisOptions, analyze, analyze_movement};
 use spineline::anatomy::{Level, SagittalProfile};
 use spineline::clinical::{SagittalPart, SpatialMeasures};
 use spineline::measure::{SpatialOutline, TiltRule, measure_film};
-use spineline::spatial::{Angle, Orientation, Vec3};
+use spineline::spatial::{Angle, Mat3, Orientation, Vec3};
 use spineline::uncertainty::{AnalysisQuantity, LandmarkNoise, MonteCarlo, Uncertainty};
 use spineline::warning::Warnings;
 use spineline_phantom::{
@@ -79,6 +79,52 @@ fn the_turns_of_the_model_are_those_in_space() {
     let joint = &analysis.spine.joints[8].inferior_from_superior;
     let cranial = [8, 9].map(|i| phantom.body(Level::MODEL[i]).expect("every level").cranial);
     assert_near(joint[(2, 2)], cranial[0].dot(&cranial[1]), 1e-3, "cosine between two axes");
+}
+
+/// Axes of a body: anterior, left and cranial.
+fn true_axes(phantom: &SpacePhantom, level: Level) -> Mat3 {
+    let body = phantom.body(level).expect("every level");
+    Mat3::from_columns(&[body.anterior, body.left, body.cranial])
+}
+
+/// The model stands as the true bodies do, seen from its base; where the lateral film shows nothing, as its neighbours say.
+#[test]
+fn the_model_stands_in_space_as_the_bodies_do() {
+    let setup = SpaceSetup {
+        apical_rotation: Angle::from_deg(20.0),
+        pedicles: true,
+        lateral_scale: 1.1,
+        ..SpaceSetup::default()
+    };
+    let mut phantom = generate_in_space(&setup);
+    let options = AnalysisOptions { tilt: TiltRule::Axis, ..AnalysisOptions::default() };
+    for hidden in [&[][..], &[Level::L4, Level::L3, Level::T7, Level::T2]] {
+        let lateral = phantom.case.lateral.as_mut().expect("both films");
+        lateral.readings[0].vertebrae.retain(|level, _| !hidden.contains(level));
+        let model = analyze_movement(&phantom.case, &options).expect("a good case").spine;
+        assert_eq!(model.midpoints_mm[0], Vec3::zeros());
+        let seen: Vec<usize> = (0..15).filter(|&i| !hidden.contains(&Level::MODEL[i])).collect();
+        let first = seen[0];
+        for &i in &seen {
+            let level = Level::MODEL[i];
+            let pose = |level| {
+                let body = phantom.body(level).expect("every level");
+                (body.midpoint_mm, true_axes(&phantom, level))
+            };
+            let (low, high) = (pose(Level::MODEL[first]), pose(level));
+            let off = model.axes[first].tr_mul(&model.axes[i]) - low.1.tr_mul(&high.1);
+            assert!(off.amax() < 1e-6, "{level}: axes off by {:e}", off.amax());
+            let place = model.midpoints_mm[i] - model.midpoints_mm[first];
+            let off = model.axes[first].tr_mul(&place) - low.1.tr_mul(&(high.0 - low.0));
+            assert!(off.norm() < 1e-5, "{level}: place off by {:e} mm", off.norm());
+        }
+        // What is not seen lies where the turns of a population put it.
+        for (i, place) in model.midpoints_mm.iter().enumerate() {
+            let [own, base] = [i, 0].map(|i| phantom.body(Level::MODEL[i]).expect("every level"));
+            let off = (place.x - (own.midpoint_mm - base.midpoint_mm).x).abs();
+            assert!(off < 8.0, "{}: {off} mm", Level::MODEL[i]);
+        }
+    }
 }
 
 /// Angles that a reader sees on the lateral film, over the pitch in space, at 25° of tilt.

@@ -3,7 +3,7 @@ use super::loading::{LoadItem, Loading, Timing};
 use super::solver::{GeneralStatics, NewtonWork};
 use super::wrench::{Pose, Spatial, first, second};
 use crate::multibody::Solution;
-use crate::spatial::Vec3;
+use crate::spatial::{Mat3, Vec3};
 
 /// What a shape in equilibrium can be differentiated by.
 #[derive(Debug, Clone, Copy)]
@@ -50,7 +50,7 @@ impl GeneralStatics<'_> {
             let moments: Vec<Vec3> = match parameter {
                 ShapeParameter::LogLateral(marked) => (0..vertebrae - 1)
                     .map(|j| match marked[j] {
-                        true => Vec3::x() * (-balance.stiffness[j][(0, 0)] * state.hinges[j].x),
+                        true => Vec3::x() * (-lateral(&balance.stiffness[j]) * state.hinges[j].x),
                         false => Vec3::zeros(),
                     })
                     .collect(),
@@ -82,4 +82,9 @@ impl GeneralStatics<'_> {
             }
         }
     }
+}
+
+/// Lateral stiffness of a joint whose axial hinge turns freely with it.
+fn lateral(stiffness: &Mat3) -> f64 {
+    stiffness[(0, 0)] - stiffness[(0, 2)].powi(2) / stiffness[(2, 2)]
 }
