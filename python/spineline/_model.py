@@ -265,6 +265,30 @@ class Model:
         """
         return write_whole(path, self._native.export("urdf").encode())
 
+    def to_vtk(self, path: str | os.PathLike[str]) -> Path:
+        """Writes the vertebral bodies with their angles as VTK PolyData (`.vtp`), in mm, in the frame of 3D Slicer's files (LPS).
+
+        Whole or not at all. Returns the path.
+
+        Raises
+        ------
+        OSError
+            If it cannot be written.
+        """
+        return write_whole(path, self._native.export("vtp").encode())
+
+    def to_gltf(self, path: str | os.PathLike[str]) -> Path:
+        """Writes the vertebral bodies as glTF 2.0 (`.gltf`), in m, with x left, y cranial, z anterior.
+
+        Whole or not at all. Returns the path.
+
+        Raises
+        ------
+        OSError
+            If it cannot be written.
+        """
+        return write_whole(path, self._native.export("gltf").encode())
+
     def to_json(self) -> str:
         """The text of its file, from which :meth:`from_json` makes an equal model."""
         return self._native.to_json()

@@ -27,6 +27,8 @@ class Exported:
     tables: Path
     analysis: dict
     typeset: Path
+    model: dict
+    bodies: dict[str, Path]
 
 
 class Spineline:
@@ -60,9 +62,13 @@ class Spineline:
         path = folder / "case.json"
         path.write_text(json.dumps(case), encoding="utf-8")
         self.run("analyze", path, "--json", folder / "analysis.json", "--tables", folder / "tables")
+        self.run("analyze", path, "--model", folder / "model.json")
         self.run("export", path, "--to", "dicom-sr", "--written", WRITTEN, "--out", folder / "reports")
         self.run("export", path, "--to", "slicer", "--out", folder / "lists")
         self.run("export", path, "--to", "csv", "--out", folder / "landmarks.csv")
+        bodies = {form: folder / f"bodies.{form}" for form in ("vtp", "gltf")}
+        for form, written in bodies.items():
+            self.run("export", folder / "model.json", "--to", form, "--out", written)
         self.run("report", path, "--to", "pdf", "--out", folder / "report.pdf")
         return Exported(
             name=f"{case['case_id']} {folder.name}",
@@ -73,6 +79,8 @@ class Spineline:
             tables=folder / "tables",
             analysis=json.loads((folder / "analysis.json").read_text(encoding="utf-8")),
             typeset=folder / "report.pdf",
+            model=json.loads((folder / "model.json").read_text(encoding="utf-8")),
+            bodies=bodies,
         )
 
 

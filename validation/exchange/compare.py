@@ -1,4 +1,4 @@
-"""Reads landmarks that `spineline export` writes, tables, and typeset reports, with other programs; compares them with case and analysis.
+"""Reads landmarks that `spineline export` writes, tables, typeset reports and shapes, with other programs; compares them with case, analysis and model.
 
 Usage: python compare.py --program path/to/spineline --out folder
 """
@@ -13,6 +13,7 @@ from pathlib import Path
 import dataframes
 import lists
 import reports
+import shapes
 import tables
 import typeset
 from cases import Spineline
@@ -32,6 +33,7 @@ def main() -> int:
             f"{tables.compare(exported)} rows",
             f"{dataframes.compare(exported)} values",
             f"{typeset.compare(exported)} pages",
+            f"{shapes.compare(exported)} corners",
         )
         print(f"{exported.name}: {', '.join(counts)} agree")
     if shutil.which("dsrdump") is None:

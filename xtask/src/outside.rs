@@ -24,7 +24,7 @@ pub fn films(plan: &Plan<'_>) -> Result<(), String> {
 }
 
 /// Exported landmarks in highdicom, pydicom and DCMTK: every point; tables in pyarrow and pandas: every value; typeset
-/// reports in qpdf.
+/// reports in qpdf; vertebral bodies in VTK.
 pub fn exchange(plan: &Plan<'_>) -> Result<(), String> {
     let full = Plan::new(plan.root, Extent::Full);
     compare(&full, "exchange")

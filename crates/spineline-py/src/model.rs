@@ -100,11 +100,12 @@ impl Model {
         self.text.clone()
     }
 
-    /// The model as another program reads it: `mjcf`, `osim` or `urdf`.
+    /// The model as another program reads it: `mjcf`, `osim`, `urdf`, `vtp` or `gltf`.
     fn export(&self, py: Python<'_>, format: &str) -> PyResult<String> {
         let Some(format) = ExportFormat::from_key(format) else {
             let text = format!("unknown format `{format}`");
-            return Err(Fault::new(text, "give \"mjcf\", \"osim\" or \"urdf\"").raise(py));
+            return Err(Fault::new(text, "give \"mjcf\", \"osim\", \"urdf\", \"vtp\" or \"gltf\"")
+                .raise(py));
         };
         let written = export(&self.model, format, &generator());
         written.map_err(|error| Fault::new(&error, error.help()).raise(py))

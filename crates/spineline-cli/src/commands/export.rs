@@ -35,14 +35,17 @@ Examples:
       opensim.Model('spine.osim').initSystem(), or File > Open Model in OpenSim
   spineline export model.json --to urdf --out spine.urdf
       pinocchio.buildModelFromUrdf('spine.urdf')
+  spineline export model.json --to vtp --out spine.vtp
+  spineline export model.json --to gltf --out spine.gltf
   spineline export CASE.json --to slicer --posture erect --out erect.mrk.json
   spineline export CASE.json --to labelme --posture erect --out erect.json
   spineline export CASE.json --to coco --out landmarks.json
   spineline export CASE.json --to dicom-sr --out reports
 
-All models are in metres, newtons and radians. MJCF and URDF keep x anterior, y left, z cranial; OpenSim has x anterior, \
+MJCF, OpenSim and URDF are in metres, newtons and radians. MJCF and URDF keep x anterior, y left, z cranial; OpenSim has x anterior, \
 y cranial, z right. MJCF and OpenSim contain the springs; URDF has no element for springs, so they are in its `gazebo` \
-elements. The comment at the top of each file lists the loads of the films. Masses and damping \
+elements. `vtp` (VTK, for 3D Slicer and ParaView) and `gltf` have the vertebral bodies as boxes, with lateral tilt, pitch and axial \
+rotation in degrees, and no joints. VTK is in mm, x left, y posterior, z cranial; glTF in metres, x left, y cranial, z anterior. The comment at the top of each model lists the loads of the films. Masses and damping \
 are nominal.
 
 Landmarks are named by the patient's sides. CSV and COCO hold all films in one file; Slicer gets one file per film; \
@@ -55,7 +58,8 @@ pub struct ExportArgs {
     /// Model file, from `spineline analyze CASE --model FILE`; or a case file, for its landmarks
     #[arg(value_name = "MODEL|CASE")]
     file: PathBuf,
-    /// Format: `mjcf` for MuJoCo, `osim` for OpenSim 4, `urdf` for Pinocchio, Gazebo, Drake and others; of landmarks,
+    /// Format: `mjcf` for MuJoCo, `osim` for OpenSim 4, `urdf` for Pinocchio, Gazebo, Drake and others;
+    /// vertebral bodies as `vtp` for 3D Slicer and ParaView, or `gltf`; of landmarks,
     /// `csv`, `slicer` for 3D Slicer, `labelme`, `coco` for COCO keypoints, `dicom-sr` for a DICOM report
     #[arg(long, value_enum, value_name = "FORMAT")]
     to: Target,
@@ -194,7 +198,7 @@ fn read_case_file(path: &Path) -> Result<CaseFile, Failure> {
         FileError::Format { found, .. } if found == "spineline-model" => Failure::input(
             &path.display().to_string(),
             &error,
-            "landmarks belong to a case; export a model to mjcf, osim or urdf",
+            "landmarks belong to a case; export a model to mjcf, osim, urdf, vtp or gltf",
         ),
         _ => Failure::file(path, &error),
     })

@@ -1,9 +1,10 @@
 //! A stored model as bodies, joint frames and hinges in SI units, for all formats.
 
 use spineline::anatomy::Morphometry;
-use spineline::spatial::{Mat3, Vec3};
+use spineline::spatial::{Angle, Mat3, Vec3};
 
 use super::ExportError;
+use super::rotation::body_xyz;
 use crate::StoredModel;
 
 /// Mass of every vertebra in kg, and its moment of inertia in kg·m²: engines refuse bodies without. No equilibrium
@@ -106,6 +107,16 @@ pub(super) struct Vertebra {
     pub(super) disc_m: f64,
 }
 
+impl Vertebra {
+    /// Lateral tilt, pitch and axial rotation in degrees, erect: turns about the anterior axis (positive to the patient's right),
+    /// then the left one (flexion positive), then the cranial one (front to the patient's left positive), as in
+    /// [`Orientation`](spineline::spatial::Orientation).
+    pub(super) fn angles_deg(&self) -> [f64; 3] {
+        let rad = body_xyz(&self.axes);
+        [rad.x, rad.y, rad.z].map(|rad| Angle::from_rad(rad).deg())
+    }
+}
+
 /// The whole spine; joint `i` lies between vertebrae `i` and `i + 1`.
 #[derive(Debug)]
 pub(super) struct Assembly {
@@ -114,33 +125,37 @@ pub(super) struct Assembly {
 }
 
 impl Assembly {
-    /// Converts a model, and refuses values that no engine can represent.
-    pub(super) fn of(model: &StoredModel) -> Result<Self, ExportError> {
-        let spine = &model.spine;
-        assert_eq!(model.levels.len(), spine.midpoints_mm.len(), "every vertebra has its level");
-        let mut vertebrae = Vec::new();
-        for (i, &level) in model.levels.iter().enumerate() {
-            if model.levels[..i].contains(&level) {
-                return Err(ExportError::LevelTwice { level });
-            }
-            let scale = drawn_scale(model, i);
-            let typical = Morphometry::of(level);
-            vertebrae.push(Vertebra {
-                name: level.name(),
-                midpoint_m: spine.midpoints_mm[i] / 1000.0,
-                axes: spine.axes[i],
-                size_m: Vec3::new(
-                    typical.superior_depth_mm,
-                    typical.superior_width_mm,
-                    typical.body_height_mm,
-                ) * (scale / 1000.0),
-                disc_m: typical.disc_above_mm * scale / 1000.0,
-            });
-        }
-        let joints =
-            (0..spine.joints.len()).map(|j| joint(model, j)).collect::<Result<Vec<_>, _>>()?;
-        Ok(Self { vertebrae, joints })
+    /// Joins the vertebrae of a model, and refuses springs that no engine can represent.
+    pub(super) fn of(model: &StoredModel, vertebrae: Vec<Vertebra>) -> Result<Self, ExportError> {
+        let joints = (0..model.spine.joints.len()).map(|j| joint(model, j));
+        Ok(Self { vertebrae, joints: joints.collect::<Result<_, _>>()? })
     }
+}
+
+/// The vertebrae of a model, from the lowest.
+pub(super) fn vertebrae(model: &StoredModel) -> Result<Vec<Vertebra>, ExportError> {
+    let spine = &model.spine;
+    assert_eq!(model.levels.len(), spine.midpoints_mm.len(), "every vertebra has its level");
+    let mut vertebrae = Vec::new();
+    for (i, &level) in model.levels.iter().enumerate() {
+        if model.levels[..i].contains(&level) {
+            return Err(ExportError::LevelTwice { level });
+        }
+        let scale = drawn_scale(model, i);
+        let typical = Morphometry::of(level);
+        vertebrae.push(Vertebra {
+            name: level.name(),
+            midpoint_m: spine.midpoints_mm[i] / 1000.0,
+            axes: spine.axes[i],
+            size_m: Vec3::new(
+                typical.superior_depth_mm,
+                typical.superior_width_mm,
+                typical.body_height_mm,
+            ) * (scale / 1000.0),
+            disc_m: typical.disc_above_mm * scale / 1000.0,
+        });
+    }
+    Ok(vertebrae)
 }
 
 fn joint(model: &StoredModel, j: usize) -> Result<Joint, ExportError> {

@@ -22,19 +22,37 @@ pub(super) struct Dialect {
     pub(super) from_global: fn(&Vec3) -> Vec3,
 }
 
-/// The comment's text.
-pub(super) fn header(model: &StoredModel, generator: &str, dialect: &Dialect) -> String {
+/// What a file of vertebral bodies says of itself, line by line.
+pub(super) fn about_bodies(
+    model: &StoredModel,
+    generator: &str,
+    [format, frame]: [&str; 2],
+) -> Vec<String> {
+    let mut lines = opening(model, &format!("Vertebral bodies of a spine as {format}"), generator);
+    lines.push(format!("Frame: {frame}"));
+    lines.push("Bodies: boxes at the midpoints and in the axes of the vertebrae of the personalised model, erect, unloaded. The origin is the midpoint of the lowest vertebra.".to_owned());
+    lines.push("Angles: lateral tilt about the anterior axis of the patient (positive to the patient's right), then pitch about the left axis (flexion positive), then axial rotation about the cranial one (positive where the front turns to the patient's left). The axial rotation is zero where no pedicles are marked; pitch and depth are those of a population where no lateral film shows them.".to_owned());
+    lines.push("NOMINAL, not measured: the sizes of the boxes, which are typical ones, scaled to the distances between vertebrae.".to_owned());
+    lines
+}
+
+/// Title, maker, warning and case.
+fn opening(model: &StoredModel, title: &str, generator: &str) -> Vec<String> {
     let mut lines = vec![
-        format!(
-            "Personalised multibody model of a spine as {}, written by {generator}.",
-            dialect.format
-        ),
+        format!("{title}, written by {generator}."),
         "Research software, not a medical device.".to_owned(),
         format!("Case: {}", model.case_id),
     ];
     if model.synthetic {
         lines.push("SYNTHETIC: made from synthetic films, not of a patient.".to_owned());
     }
+    lines
+}
+
+/// The comment's text.
+pub(super) fn header(model: &StoredModel, generator: &str, dialect: &Dialect) -> String {
+    let title = format!("Personalised multibody model of a spine as {}", dialect.format);
+    let mut lines = opening(model, &title, generator);
     lines.push(format!("Frame: {}", dialect.frame));
     lines.push("Units: m, kg, s, N, N m/rad, rad.".to_owned());
     lines.push(

@@ -1,22 +1,26 @@
-//! Export of personalised models for other multibody programs: MJCF, OpenSim and URDF.
+//! Export of personalised models for other programs: MJCF, OpenSim and URDF for multibody programs, VTK and glTF for 3-D views.
 //!
-//! The formats hold what [`StoredModel`] holds: bodies in the erect posture, three hinges in series at every joint,
+//! Those for multibody programs hold what [`StoredModel`] holds: bodies in the erect posture, three hinges in series at every joint,
 //! and a linear spring on each. What they ask for beyond that (masses, damping, shapes to draw) is nominal, and moves no
-//! equilibrium. Each file opens with a comment that says what it is, where it came from, and in which frame and units.
+//! equilibrium. Those for 3-D views hold the vertebral bodies only, as boxes. Each file says what it is, where it came from, and
+//! in which frame and units.
 
 mod assembly;
+mod boxes;
+mod gltf;
 mod header;
 mod mjcf;
 mod osim;
 mod rotation;
 mod urdf;
+mod vtp;
 mod xml;
 
 use spineline::anatomy::{Level, Named};
 use spineline::multibody::Support;
 
 use crate::StoredModel;
-use assembly::{Assembly, Axis};
+use assembly::{Assembly, Axis, vertebrae};
 
 /// A format of another program.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -27,16 +31,22 @@ pub enum ExportFormat {
     Osim,
     /// Unified robot description format, with the springs in SDFormat's extension.
     Urdf,
+    /// Vertebral bodies as VTK's XML PolyData.
+    Vtp,
+    /// Vertebral bodies as glTF 2.0, with its data inside.
+    Gltf,
 }
 
 impl Named for ExportFormat {
-    const ALL: &'static [Self] = &[Self::Mjcf, Self::Osim, Self::Urdf];
+    const ALL: &'static [Self] = &[Self::Mjcf, Self::Osim, Self::Urdf, Self::Vtp, Self::Gltf];
 
     fn key(self) -> &'static str {
         match self {
             Self::Mjcf => "mjcf",
             Self::Osim => "osim",
             Self::Urdf => "urdf",
+            Self::Vtp => "vtp",
+            Self::Gltf => "gltf",
         }
     }
 }
@@ -49,6 +59,8 @@ impl ExportFormat {
             Self::Mjcf => "xml",
             Self::Osim => "osim",
             Self::Urdf => "urdf",
+            Self::Vtp => "vtp",
+            Self::Gltf => "gltf",
         }
     }
 
@@ -59,6 +71,17 @@ impl ExportFormat {
             Self::Mjcf => "MuJoCo",
             Self::Osim => "OpenSim 4",
             Self::Urdf => "Pinocchio, Gazebo, Drake and others",
+            Self::Vtp => "3D Slicer and ParaView; vertebral bodies with their angles, no joints",
+            Self::Gltf => "Blender, ParaView and others; vertebral bodies, no joints",
+        }
+    }
+
+    /// The media type of its files.
+    #[must_use]
+    pub const fn media_type(self) -> &'static str {
+        match self {
+            Self::Mjcf | Self::Osim | Self::Urdf | Self::Vtp => "application/xml",
+            Self::Gltf => "model/gltf+json",
         }
     }
 }
@@ -143,11 +166,14 @@ pub fn export(
     for load in &model.loads {
         check_text("status", &load.status)?;
     }
-    let assembly = Assembly::of(model)?;
+    let vertebrae = vertebrae(model)?;
+    let assembly = |vertebrae| Assembly::of(model, vertebrae);
     Ok(match format {
-        ExportFormat::Mjcf => mjcf::text(model, &assembly, generator),
-        ExportFormat::Osim => osim::text(model, &assembly, generator),
-        ExportFormat::Urdf => urdf::text(model, &assembly, generator),
+        ExportFormat::Mjcf => mjcf::text(model, &assembly(vertebrae)?, generator),
+        ExportFormat::Osim => osim::text(model, &assembly(vertebrae)?, generator),
+        ExportFormat::Urdf => urdf::text(model, &assembly(vertebrae)?, generator),
+        ExportFormat::Vtp => vtp::text(model, &vertebrae, generator),
+        ExportFormat::Gltf => gltf::text(model, &vertebrae, generator),
     })
 }
 

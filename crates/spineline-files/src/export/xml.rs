@@ -41,7 +41,12 @@ impl Document {
 
     /// An element that holds a text.
     pub(super) fn text(&mut self, name: &str, text: &str) {
-        self.write(Event::Start(BytesStart::new(name)));
+        self.text_of(name, &[], text);
+    }
+
+    /// An element with attributes that holds a text.
+    pub(super) fn text_of(&mut self, name: &str, attributes: Attributes<'_>, text: &str) {
+        self.write(Event::Start(start(name, attributes)));
         self.write(Event::Text(BytesText::new(text)));
         self.write(Event::End(BytesEnd::new(name)));
     }

@@ -2,9 +2,11 @@
 
 use quick_xml::Reader;
 use quick_xml::events::{BytesStart, Event};
-use spineline::analysis::{AnalysisOptions, analyze};
+use spineline::analysis::{AnalysisOptions, Case, analyze};
+use spineline::anatomy::Posture;
+use spineline::measure::FilmLandmarks;
 use spineline::multibody::{SpineModel, Support};
-use spineline::spatial::{Mat3, Vec3};
+use spineline::spatial::{Angle, Mat3, Pixel, Vec3, rotation_x, rotation_y, rotation_z};
 use spineline_files::{
     ExportError, ExportFormat, ModelFile, StoredModel, export, parse_model, to_text,
 };
@@ -12,7 +14,7 @@ use spineline_phantom::{Readers, Truth, generate};
 
 const FORMATS: [ExportFormat; 3] = [ExportFormat::Mjcf, ExportFormat::Osim, ExportFormat::Urdf];
 
-fn model(support: Support) -> StoredModel {
+pub(super) fn model(support: Support) -> StoredModel {
     let case = generate(0, Truth::Rod, &Readers::exact(), 1).expect("subject 1 exists").case;
     let options = AnalysisOptions { support, ..AnalysisOptions::default() };
     let analysis = analyze(&case, &options).expect("a phantom");
@@ -26,14 +28,14 @@ fn exported(model: &StoredModel, format: ExportFormat) -> String {
 
 /// An element as it was read back: path from the root, attributes, text.
 #[derive(Debug, Default)]
-struct Element {
-    path: String,
+pub(super) struct Element {
+    pub(super) path: String,
     attributes: Vec<(String, String)>,
-    text: String,
+    pub(super) text: String,
 }
 
 impl Element {
-    fn attribute(&self, key: &str) -> &str {
+    pub(super) fn attribute(&self, key: &str) -> &str {
         let found = self.attributes.iter().find(|(name, _)| name == key);
         found.map_or_else(|| panic!("no `{key}` in {self:?}"), |(_, value)| value)
     }
@@ -47,7 +49,7 @@ impl Element {
     }
 }
 
-fn numbers(text: &str) -> Vec<f64> {
+pub(super) fn numbers(text: &str) -> Vec<f64> {
     text.split(' ').map(|n| n.parse().expect("a number")).collect()
 }
 
@@ -64,7 +66,7 @@ fn element(open: &[String], start: &BytesStart<'_>) -> Element {
 }
 
 /// All elements in order, and all comments; anything that is not well-formed panics.
-fn read(text: &str) -> (Vec<Element>, Vec<String>) {
+pub(super) fn read(text: &str) -> (Vec<Element>, Vec<String>) {
     let mut reader = Reader::from_str(text);
     let config = reader.config_mut();
     (config.check_comments, config.check_end_names) = (true, true);
@@ -105,7 +107,7 @@ fn read(text: &str) -> (Vec<Element>, Vec<String>) {
     (all, comments)
 }
 
-fn named<'a>(all: &'a [Element], name: &str) -> Vec<&'a Element> {
+pub(super) fn named<'a>(all: &'a [Element], name: &str) -> Vec<&'a Element> {
     all.iter().filter(|element| element.name() == name).collect()
 }
 
@@ -127,6 +129,7 @@ fn springs(all: &[Element], format: ExportFormat) -> Vec<(String, f64)> {
             .zip(named(all, "springStiffness"))
             .map(|(g, v)| (g.attribute("reference").to_owned(), own(&v.text)))
             .collect(),
+        ExportFormat::Vtp | ExportFormat::Gltf => Vec::new(),
     }
 }
 
@@ -181,7 +184,7 @@ fn urdf_joints_form_a_chain_without_gaps() {
 }
 
 /// Rotation of a unit quaternion, scalar first.
-fn rotation(q: &[f64]) -> Mat3 {
+pub(super) fn rotation(q: &[f64]) -> Mat3 {
     let (w, v) = (q[0], Vec3::new(q[1], q[2], q[3]));
     let turn = |axis: Vec3| axis + 2.0 * w * v.cross(&axis) + 2.0 * v.cross(&v.cross(&axis));
     Mat3::from_columns(&[turn(Vec3::x()), turn(Vec3::y()), turn(Vec3::z())])
@@ -211,6 +214,56 @@ fn mjcf_bodies_have_the_places_of_vertebrae_and_hinges_their_inferior_axes() {
             let at = Vec3::from_column_slice(&hinge.numbers("pos")) * 1000.0;
             assert!((place + axes * at - centre).norm() < MM);
         }
+    }
+}
+
+/// Pedicles of a vertebra that is turned: not in the middle between the sides.
+fn mark_pedicles(case: &mut Case, [left, right]: [f64; 2]) {
+    let film = case.films.iter_mut().find(|film| film.posture == Posture::Erect).expect("erect");
+    let FilmLandmarks::Corners { readings, .. } = &mut film.landmarks else {
+        panic!("a film with corners");
+    };
+    for landmark in readings[0].vertebrae.values_mut() {
+        let corners = landmark.corners;
+        let middle =
+            |a: Pixel, b: Pixel| [(a.column_px + b.column_px) / 2.0, (a.row_px + b.row_px) / 2.0];
+        let to_left = middle(corners.superior_left, corners.inferior_left);
+        let to_right = middle(corners.superior_right, corners.inferior_right);
+        let at = |share: f64| {
+            let [column_px, row_px] =
+                [0, 1].map(|i| to_right[i] + (0.5 + share) * (to_left[i] - to_right[i]));
+            Some(Pixel { column_px, row_px })
+        };
+        landmark.pedicles = [at(left), at(right)];
+    }
+}
+
+#[test]
+fn axial_rotations_from_pedicles_reach_the_bodies_of_every_format() {
+    let mut case = generate(0, Truth::Rod, &Readers::exact(), 1).expect("subject 1 exists").case;
+    mark_pedicles(&mut case, [0.35, -0.25]);
+    let analysis = analyze(&case, &AnalysisOptions::default()).expect("a phantom");
+    let text = to_text(&ModelFile::new(&analysis, &analysis.models[0], "test"));
+    let model = parse_model(&text).expect("our own file");
+    assert_eq!(analysis.axial.len(), model.levels.len());
+    let mjcf = read(&exported(&model, ExportFormat::Mjcf)).0;
+    let urdf = read(&exported(&model, ExportFormat::Urdf)).0;
+    let osim = read(&exported(&model, ExportFormat::Osim)).0;
+    // The lowest vertebra of each file stands in the frame itself, the others in that of the one below.
+    let quaternion = named(&mjcf, "body")[0].numbers("quat");
+    let [roll, pitch, yaw] = named(&urdf, "origin")[0].numbers("rpy")[..] else {
+        panic!("three angles");
+    };
+    let fixed = rotation_z(Angle::from_rad(yaw))
+        * rotation_y(Angle::from_rad(pitch))
+        * rotation_x(Angle::from_rad(roll));
+    for axes in [rotation(&quaternion), fixed] {
+        assert!((axes - model.spine.axes[0]).norm() < 1e-14);
+    }
+    assert!(named(&osim, "orientation").len() > model.levels.len());
+    for (axes, found) in model.spine.axes.iter().zip(&analysis.axial) {
+        let axial = Angle::from_sin_cos(-axes[(0, 1)], axes[(0, 0)]);
+        assert!((axial - found.stokes).deg().abs() < 1e-9 && axial.deg().abs() > 3.0);
     }
 }
 
@@ -286,6 +339,7 @@ fn names_are_escaped_in_every_format() {
                     assert!(plain.chars().all(|c| c.is_ascii_alphanumeric() || "._-".contains(c)));
                     assert!(!plain.is_empty());
                 }
+                ExportFormat::Vtp | ExportFormat::Gltf => {}
             }
         }
     }

@@ -1,6 +1,7 @@
 //! Tests of files of Spineline, and of models in the formats of other programs.
 
 mod biplanar_lines;
+mod bodies;
 mod exports;
 mod files;
 mod hidden;

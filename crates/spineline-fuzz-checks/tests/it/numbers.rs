@@ -5,6 +5,7 @@ use std::ops::ControlFlow;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use spineline::analysis::{AnalysisOptions, analyze};
+use spineline::anatomy::Named;
 use spineline::measure::{
     FilmLandmarks, Placement, PlacementSource, Reading, ReadingId, SpacingPlane,
 };
@@ -158,7 +159,7 @@ fn options_of_any_numbers_are_used_or_refused() {
 fn a_model_of_any_numbers_is_exported_or_refused() {
     let found = panics(&seed("model"), 60, |copy| {
         let Ok(model) = parse_model(copy) else { return };
-        for format in [ExportFormat::Mjcf, ExportFormat::Osim, ExportFormat::Urdf] {
+        for &format in ExportFormat::ALL {
             let _ = export(&model, format, "test");
         }
     });

@@ -67,7 +67,7 @@ pub struct ExportView {
     pub text: String,
 }
 
-/// A format of other multibody programs, for the menu.
+/// A format of other programs, for the menu.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
 pub struct ModelFormatView {
     /// Format.

@@ -111,7 +111,7 @@ impl Described for LineKind {
 
 impl Described for ExportFormat {
     const SCHEMA: &'static str = "ModelFormatName";
-    const DESCRIPTION: &'static str = "Format of a model for other multibody programs.";
+    const DESCRIPTION: &'static str = "Format of a model for other programs.";
 }
 
 impl Described for Calibrator {

@@ -110,13 +110,15 @@ fn landmarks_and_models_are_read_back() {
         ("mjcf", "-inflection_line.xml", "<mujoco"),
         ("osim", "-inflection_line.osim", "<OpenSimDocument"),
         ("urdf", "-inflection_line.urdf", "<robot"),
+        ("vtp", "-inflection_line.vtp", "<VTKFile"),
+        ("gltf", "-inflection_line.gltf", "\"asset\""),
     ] {
         let model = taken(&lead, &format!("models/inflection_line/{format}"), ending);
         assert!(model.text().contains(mark), "{format}");
     }
     assert!(lead.get(&format!("/api/studies/{STUDY}/case")).status.is_success());
-    let all = ["slicer", "dicom_sr", "mjcf", "osim", "urdf", "case"];
-    assert_eq!(logged(&app, 6), all.map(|one| format!("export_{one}")));
+    let all = ["slicer", "dicom_sr", "mjcf", "osim", "urdf", "vtp", "gltf", "case"];
+    assert_eq!(logged(&app, 8), all.map(|one| format!("export_{one}")));
 }
 
 #[test]
@@ -131,7 +133,7 @@ fn the_menu_has_what_this_build_writes() {
         .collect();
     assert_eq!(names.contains(&"pdf"), cfg!(feature = "pdf"));
     assert!(names.contains(&"report") && names.contains(&"dicom_sr"), "{names:?}");
-    assert_eq!(menu["models"].as_array().expect("models").len(), 3);
+    assert_eq!(menu["models"].as_array().expect("models").len(), 5);
 }
 
 #[test]

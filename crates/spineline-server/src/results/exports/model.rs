@@ -1,4 +1,4 @@
-//! The model of one line of action for other multibody programs.
+//! The model of one line of action for other programs.
 
 use axum::extract::State;
 use axum::http::StatusCode;
@@ -32,7 +32,7 @@ pub async fn export_model(
     let text = computed(move || text(&result, line, format)).await??;
     log(&state, &user, &study, format.0.key()).await?;
     let name = format!("{study}-{}.{}", line.0.key(), format.0.file_ending());
-    Ok(attachment(&name, "application/xml", text))
+    Ok(attachment(&name, format.0.media_type(), text))
 }
 
 fn text(result: &StudyResult, line: LineName, format: ModelFormatName) -> Answer<String> {
