@@ -23,7 +23,7 @@ mod tests {
             outwards[i / 2] = if i % 2 == 0 { 1.0 } else { -1.0 };
             assert_eq!((b - a).cross(&(c - b)), outwards);
             assert_eq!(a + c, b + d, "one plane, in a ring");
-            assert_eq!((a + c).dot(&outwards), 1.0);
+            assert_eq!((a + c).component_mul(&outwards.abs()), outwards);
         }
     }
 }
