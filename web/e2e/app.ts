@@ -146,7 +146,8 @@ export const test = base.extend<Fixtures, Shared>({
   hasDemo: [false, { option: true }],
   app: async ({ hasDemo, demoStore }, use) => {
     const app = await newApp();
-    if (hasDemo) await cp((await demoStore()).store, app.store, { recursive: true });
+    // The whole folder: what the killed program wrote last is in a file beside the store.
+    if (hasDemo) await cp((await demoStore()).folder, app.folder, { recursive: true });
     await app.start();
     await use(app);
     await app.kill();
