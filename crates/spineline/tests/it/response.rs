@@ -10,7 +10,7 @@ use spineline::multibody::{
     MAX_HUMAN_JOINT, PathEnding, Rod, SpineModel, Support, Timing,
 };
 use spineline::response::{
-    ActingKind, CurveChange, OtherLoads, OtherLoadsError, PadTrial, Response, Verdict,
+    ActingKind, CurveChange, OtherLoads, OtherLoadsError, PadEffect, PadTrial, Response, Verdict,
     acting_loads, erect_shape, largest_factor, measure_angles, respond, try_pad,
 };
 use spineline::spatial::{Angle, Mat3, Vec3};
@@ -283,6 +283,17 @@ fn usual_places(model: &SpineModel) -> [CurvePlaces; 3] {
     CurvePlaces::usual(Levels::COMPLETE, &locations, &tilts).expect("L4 to T2")
 }
 
+/// A tried pad as a spring that ends with its force.
+fn spring_of(effect: &PadEffect) -> BodyLoad {
+    let n_per_mm = 3.0;
+    BodyLoad::Pad {
+        point_in_vertebra_mm: Vec3::zeros(),
+        direction: effect.trial.direction(),
+        n_per_mm,
+        advance_mm: effect.advance_mm(n_per_mm).expect("a result"),
+    }
+}
+
 /// A pad has its stiffness and its displacement, and a trial has its force: both must be the same equilibrium.
 #[test]
 fn a_tried_pad_pushes_with_its_force_once_it_is_a_spring() {
@@ -303,14 +314,7 @@ fn a_tried_pad_pushes_with_its_force_once_it_is_a_spring() {
         let mut go_on = |_, _: &_| ControlFlow::Continue(());
         let effect = try_pad(&statics, &none, &places, trial, &mut go_on).expect("a sound load");
         let Some(reached) = effect.reached else { continue };
-        let n_per_mm = 3.0;
-        let pad = BodyLoad::Pad {
-            point_in_vertebra_mm: Vec3::zeros(),
-            direction: trial.direction(),
-            n_per_mm,
-            advance_mm: effect.advance_mm(n_per_mm).expect("a result"),
-        };
-        let loading = Loading::single(trial.vertebra, pad);
+        let loading = Loading::single(trial.vertebra, spring_of(&effect));
         let response =
             respond(&statics, &loading, Goal::FullLoad, 1.0, &mut go_on).expect("a sound load");
         let result = response.result().expect("the pad only makes the spine stiffer");
@@ -344,15 +348,12 @@ fn a_pad_beside_other_loads_is_a_load_of_their_plan() {
         let traction = Loading { items: vec![item], rods: Vec::new() };
         let others = OtherLoads::new(&statics, traction.clone(), &mut go_on).expect("a result");
         let effect = try_pad(&statics, &others, &places, trial, &mut go_on).expect("a sound load");
-        let n_per_mm = 3.0;
-        let pad = BodyLoad::Pad {
-            point_in_vertebra_mm: Vec3::zeros(),
-            direction: trial.direction(),
-            n_per_mm,
-            advance_mm: effect.advance_mm(n_per_mm).expect("a result"),
-        };
         let mut plan = traction.clone();
-        plan.items.push(LoadItem { vertebra: 9, load: pad, timing: Timing::Proportional });
+        plan.items.push(LoadItem {
+            vertebra: 9,
+            load: spring_of(&effect),
+            timing: Timing::Proportional,
+        });
         let [before, after] = [&traction, &plan].map(|loading| {
             let goal = Goal::FullLoad;
             let response = respond(&statics, loading, goal, 1.0, &mut go_on).expect("sound loads");
