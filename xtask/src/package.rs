@@ -21,9 +21,9 @@ pub fn environment(root: &Path) -> Result<PathBuf, String> {
     python::environment(root, ENVIRONMENT, &root.join("python/tests/requirements.txt"))
 }
 
-/// Builds the wheel as it is given to people: its program writes typeset reports.
+/// Builds the wheel as it is given to people: its program writes typeset reports and asks encrypted archives.
 pub fn wheel(root: &Path) -> Result<PathBuf, String> {
-    wheel_with(root, &["--features", "pdf"])
+    wheel_with(root, &["--features", "pdf,https"])
 }
 
 /// Builds a wheel: the browser app where Node is there, the program with these features, then the native module.

@@ -7,6 +7,8 @@ use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use ureq::http::Uri;
 
+use crate::encryption;
+
 /// Longest name of an archive.
 const MAX_NAME: usize = 32;
 
@@ -45,6 +47,15 @@ pub enum ArchiveFault {
         /// What is wrong.
         fault: &'static str,
     },
+    /// An encrypted connection, which only a program built with the feature `https` makes.
+    #[error(
+        "`{name}` needs an encrypted connection, which this program was built without: build it with `cargo build \
+         --release --features https`, or use that of the Python wheel"
+    )]
+    Encryption {
+        /// The archive.
+        name: String,
+    },
     /// Not `USER:PASSWORD`.
     #[error("the login of `{name}` must be one line USER:PASSWORD")]
     Login {
@@ -81,6 +92,9 @@ impl Archive {
             uri.host().filter(|host| !host.is_empty()).ok_or_else(|| fault("has no host"))?;
         if uri.query().is_some() || address.contains('#') {
             return Err(fault("must end with its path"));
+        }
+        if !is_plain && !encryption::IS_BUILT {
+            return Err(ArchiveFault::Encryption { name: name.to_owned() });
         }
         let base = address.trim_end_matches('/').to_owned();
         Ok(Self {

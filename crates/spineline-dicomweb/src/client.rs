@@ -1,14 +1,13 @@
 //! Requests, with their limits.
 
-use std::sync::Arc;
 use std::time::Duration;
 
 use ureq::http::Response;
-use ureq::tls::{RootCerts, TlsConfig};
 use ureq::{Agent, Body};
 
 use crate::answer::entries;
 use crate::archive::Archive;
+use crate::encryption;
 use crate::error::DicomwebError;
 use crate::multipart::only_part;
 use crate::query::{
@@ -46,12 +45,7 @@ impl Client {
     /// A client that follows no redirect, uses no proxy of the environment, and trusts the certificates of the system.
     #[must_use]
     pub fn new(limits: Limits) -> Self {
-        let tls = TlsConfig::builder()
-            .root_certs(RootCerts::PlatformVerifier)
-            .unversioned_rustls_crypto_provider(Arc::new(rustls::crypto::ring::default_provider()))
-            .build();
-        let config = Agent::config_builder()
-            .tls_config(tls)
+        let config = encryption::trusting_the_system(Agent::config_builder())
             .proxy(None)
             .max_redirects(0)
             .max_redirects_will_error(false)
@@ -185,7 +179,7 @@ fn failed(
         ureq::Error::Io(error) => {
             DicomwebError::Unreachable { archive: name, reason: error.kind().to_string() }
         }
-        ureq::Error::Tls(_) | ureq::Error::Rustls(_) => DicomwebError::Unreachable {
+        error if encryption::is_fault(error) => DicomwebError::Unreachable {
             archive: name,
             reason: "its certificate is not trusted, or it does not speak TLS".to_owned(),
         },

@@ -3,11 +3,11 @@
 //! An [`Archive`] comes from the command line of an administrator. What a user types is a value to search for or a UID of an
 //! answer, never an address: it reaches an archive as an escaped value or as digits and dots alone. Answers have limits of size
 //! and time ([`Limits`]); redirects, proxies of the environment and addresses within answers are not followed. A search answers
-//! without names and dates of birth, even where the archive sends them.
+//! without names and dates of birth, even where the archive sends them. Encrypted connections need the feature `https`.
 //!
 //! ```
 //! use spineline_dicomweb::{Archive, ArchiveFault};
-//! let archive = Archive::parse("archive=https://pacs.clinic.example/dicom-web")?;
+//! let archive = Archive::parse("archive=http://localhost:8042/dicom-web")?;
 //! assert_eq!(archive.name(), "archive");
 //! assert!(Archive::parse("archive=file:///etc/passwd").is_err());
 //! # Ok::<(), ArchiveFault>(())
@@ -16,6 +16,7 @@
 mod answer;
 mod archive;
 mod client;
+mod encryption;
 mod error;
 mod multipart;
 mod query;

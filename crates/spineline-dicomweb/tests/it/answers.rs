@@ -181,7 +181,6 @@ fn only_addresses_of_servers_are_taken_from_the_command_line() {
 #[test]
 fn plain_http_is_exposed_unless_it_stays_on_this_machine() {
     for (address, is_exposed) in [
-        ("https://a.example/dicom-web", false),
         ("http://localhost:8042/dicom-web/", false),
         ("http://127.0.0.1:8042", false),
         ("http://[::1]:8042", false),
@@ -189,6 +188,18 @@ fn plain_http_is_exposed_unless_it_stays_on_this_machine() {
         ("http://192.0.2.1", true),
     ] {
         assert_eq!(archive(address).is_exposed(), is_exposed, "{address}");
+    }
+}
+
+#[test]
+fn an_encrypted_connection_needs_a_program_that_makes_it() {
+    let parsed = Archive::parse("archive=https://a.example/dicom-web");
+    if cfg!(feature = "https") {
+        assert!(!parsed.expect("an archive").is_exposed());
+    } else {
+        let fault = parsed.expect_err("no encryption");
+        assert_eq!(fault, ArchiveFault::Encryption { name: "archive".to_owned() });
+        assert!(fault.to_string().contains("--features https"), "{fault}");
     }
 }
 

@@ -1,0 +1,35 @@
+//! Encrypted connections, in a program built with the feature `https`.
+
+use ureq::Error;
+use ureq::config::ConfigBuilder;
+use ureq::typestate::AgentScope;
+
+/// Whether `https://` addresses can be asked.
+pub const IS_BUILT: bool = cfg!(feature = "https");
+
+/// Trusts the certificates of the system.
+#[cfg(feature = "https")]
+pub fn trusting_the_system(config: ConfigBuilder<AgentScope>) -> ConfigBuilder<AgentScope> {
+    let provider = rustls::crypto::ring::default_provider();
+    config.tls_config(
+        ureq::tls::TlsConfig::builder()
+            .root_certs(ureq::tls::RootCerts::PlatformVerifier)
+            .unversioned_rustls_crypto_provider(std::sync::Arc::new(provider))
+            .build(),
+    )
+}
+
+/// Changes nothing: no address that needs it is taken.
+#[cfg(not(feature = "https"))]
+pub const fn trusting_the_system(config: ConfigBuilder<AgentScope>) -> ConfigBuilder<AgentScope> {
+    config
+}
+
+/// Whether an encrypted connection could not be made.
+pub const fn is_fault(error: &Error) -> bool {
+    #[cfg(feature = "https")]
+    if matches!(error, Error::Rustls(_)) {
+        return true;
+    }
+    matches!(error, Error::Tls(_) | Error::TlsRequired)
+}
