@@ -119,6 +119,7 @@ fn steps(command: &str) -> Option<Vec<Step<'static>>> {
     let environments = Step::new("environments", &[Tool::Python], outside::provide_environments);
     // Before the program is built, which embeds it.
     let web = Step::new("web", &[Tool::Npm], |plan| web::build(plan.root));
+    let web_checks = Step::new("web checks", &[Tool::Npm], |plan| web::check(plan.root));
     let browser = Step::new("browser", &[Tool::Npm, Tool::Chromium], web::browser);
     let engines = Step::new("engines", &[Tool::Python], outside::engines);
     let reliability = Step::new("reliability", &[Tool::Python], outside::reliability);
@@ -136,6 +137,7 @@ fn steps(command: &str) -> Option<Vec<Step<'static>>> {
             advisories,
             environments.beside(),
             web,
+            web_checks.beside(),
             Step::new("tests", &[], checks::test),
             Step::new("archive", &[Tool::Orthanc], checks::archive),
             engines.beside(),
@@ -160,8 +162,8 @@ fn steps(command: &str) -> Option<Vec<Step<'static>>> {
         "check" => vec![format, tidy, lint],
         "tidy" => vec![tidy],
         "advisories" => vec![advisories],
-        "web" => vec![web],
-        "browser" => vec![web, browser],
+        "web" => vec![web_checks, web],
+        "browser" => vec![web_checks, web, browser],
         "engines" => vec![engines],
         "reliability" => vec![reliability],
         "films" => vec![films],
