@@ -8,14 +8,15 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use crate::plan::{self, Plan};
 use crate::{cargo, package, python, run, tools};
 
-/// Typesetting is most of a build, and a feature of its own.
-const WITHOUT_PDF: [&str; 4] = ["--locked", "--workspace", "--exclude", "spineline-pdf"];
-const WITH_PDF: [&str; 4] = ["--locked", "--workspace", "--features", "spineline-cli/pdf"];
+/// Typesetting is most of a build, encryption is much of one: they are features.
+const USUAL: [&str; 4] = ["--locked", "--workspace", "--exclude", "spineline-pdf"];
+const FULL: [&str; 4] =
+    ["--locked", "--workspace", "--features", "spineline-cli/pdf,spineline-cli/https"];
 
 /// The crates of all cargo commands of a plan. They are always the same: another choice would ask for other features of
 /// what they depend on, and build all of it once more.
 fn crates(plan: &Plan<'_>) -> &'static [&'static str] {
-    if plan.is_full() { &WITH_PDF } else { &WITHOUT_PDF }
+    if plan.is_full() { &FULL } else { &USUAL }
 }
 
 fn cargo_on(
@@ -59,6 +60,18 @@ pub fn lint(plan: &Plan<'_>) -> Result<(), String> {
     cargo_on(plan, &["clippy", "--all-targets"], &["--", "--deny", "warnings"], &[])
 }
 
+/// Clippy as `cargo clippy` calls it in [`lint`], so that the documentation takes the crates that the lints have checked. Should
+/// cargo call it otherwise one day, they are checked once more.
+fn as_linted(root: &Path) -> Result<[(&'static str, String); 2], String> {
+    let output = Command::new("rustc").args(["--print", "sysroot"]).current_dir(root).output();
+    let output = output.map_err(|error| format!("`rustc` could not be started: {error}"))?;
+    let sysroot = String::from_utf8_lossy(&output.stdout);
+    let driver = Path::new(sysroot.trim()).join("bin/clippy-driver");
+    let driver = driver.with_extension(std::env::consts::EXE_EXTENSION);
+    let arguments = ["--deny", "warnings", ""].join("__CLIPPY_HACKERY__");
+    Ok([("RUSTC_WORKSPACE_WRAPPER", python::text(&driver)?), ("CLIPPY_ARGS", arguments)])
+}
+
 /// All tests but slow studies, with nextest where it is installed; long tests in a full run only (`.config/nextest.toml`).
 pub fn test(plan: &Plan<'_>) -> Result<(), String> {
     // Steps beside others find it built.
@@ -91,9 +104,17 @@ pub fn doctest(plan: &Plan<'_>) -> Result<(), String> {
     cargo_on(plan, &["test", "--doc"], &[], &[])
 }
 
+/// Documentation of the libraries.
 pub fn rustdoc(plan: &Plan<'_>) -> Result<(), String> {
-    let command = ["doc", "--no-deps", "--quiet"];
-    cargo_on(plan, &command, &[], &[("RUSTDOCFLAGS", "--deny warnings")])
+    // An example asks for the features that the lints' tests ask for.
+    let command = ["doc", "--no-deps", "--quiet", "--lib", "--example", "dictionary"];
+    let [wrapper, arguments] = as_linted(plan.root)?;
+    let variables = [
+        ("RUSTDOCFLAGS", "--deny warnings"),
+        (wrapper.0, &wrapper.1[..]),
+        (arguments.0, &arguments.1[..]),
+    ];
+    cargo_on(plan, &command, &[], &variables)
 }
 
 /// Quick tests of some crates and of all that depend on them.
@@ -113,7 +134,7 @@ impl QuickTests {
     pub fn build(&self, root: &Path) -> Result<(), String> {
         let command =
             ["nextest", "list", "--list-type", "binaries-only", "--message-format", "json"];
-        let arguments = [&command[..], &["--filterset", &self.filter], &WITHOUT_PDF].concat();
+        let arguments = [&command[..], &["--filterset", &self.filter], &USUAL].concat();
         println!("» cargo {}", arguments.join(" "));
         let file = File::create(&self.binaries)
             .map_err(|error| format!("{}: {error}", self.binaries.display()))?;
