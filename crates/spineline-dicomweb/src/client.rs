@@ -176,13 +176,13 @@ fn failed(
         ureq::Error::ConnectionFailed => {
             DicomwebError::Unreachable { archive: name, reason: "no connection".to_owned() }
         }
-        ureq::Error::Io(error) => {
-            DicomwebError::Unreachable { archive: name, reason: error.kind().to_string() }
-        }
         error if encryption::is_fault(error) => DicomwebError::Unreachable {
             archive: name,
             reason: "its certificate is not trusted, or it does not speak TLS".to_owned(),
         },
+        ureq::Error::Io(error) => {
+            DicomwebError::Unreachable { archive: name, reason: error.kind().to_string() }
+        }
         _ => bad(archive, "it is no answer of HTTP"),
     }
 }

@@ -26,10 +26,18 @@ pub const fn trusting_the_system(config: ConfigBuilder<AgentScope>) -> ConfigBui
 }
 
 /// Whether an encrypted connection could not be made.
-pub const fn is_fault(error: &Error) -> bool {
-    #[cfg(feature = "https")]
-    if matches!(error, Error::Rustls(_)) {
-        return true;
+#[cfg(feature = "https")]
+pub fn is_fault(error: &Error) -> bool {
+    match error {
+        Error::Tls(_) | Error::TlsRequired | Error::Rustls(_) => true,
+        // What is found while a connection begins comes as an error of the connection.
+        Error::Io(error) => error.get_ref().is_some_and(|inner| inner.is::<rustls::Error>()),
+        _ => false,
     }
+}
+
+/// Whether an encrypted connection could not be made.
+#[cfg(not(feature = "https"))]
+pub const fn is_fault(error: &Error) -> bool {
     matches!(error, Error::Tls(_) | Error::TlsRequired)
 }

@@ -203,6 +203,24 @@ fn an_encrypted_connection_needs_a_program_that_makes_it() {
     }
 }
 
+#[cfg(feature = "https")]
+#[test]
+fn a_server_without_encryption_is_named_as_such() {
+    use std::io::{Read, Write};
+    let listener = std::net::TcpListener::bind("127.0.0.1:0").expect("a port");
+    let address = format!("https://{}", listener.local_addr().expect("an address"));
+    std::thread::spawn(move || {
+        for connection in listener.incoming() {
+            let mut connection = connection.expect("a connection");
+            let _ = connection.read(&mut [0; 1 << 14]);
+            let _ = connection.write_all(b"HTTP/1.1 400 Bad Request\r\n\r\n");
+        }
+    });
+    let error = Client::new(LIMITS).search(&archive(&address), &search("A")).expect_err("no TLS");
+    assert!(matches!(error, DicomwebError::Unreachable { .. }), "{error}");
+    assert!(error.to_string().contains("does not speak TLS"), "{error}");
+}
+
 #[test]
 fn only_exact_values_and_uids_are_searched_for() {
     for bad in ["", "  ", "*", "A?", "A\\B", "A\nB", &"x".repeat(65)] {
