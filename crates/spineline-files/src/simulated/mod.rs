@@ -4,8 +4,8 @@ mod film_force;
 mod warnings;
 
 use spineline::clinical::CurvePlaces;
-use spineline::multibody::{GeneralStatics, Goal, LoadingError, PathOptions, SpringError, Timing};
-use spineline::response::{OnSignedPoint, Response, erect_shape, largest_factor, respond};
+use spineline::multibody::{GeneralStatics, Goal, LoadingError, SpringError, Timing};
+use spineline::response::{OnSignedPoint, Response, erect_shape, respond, usual_limit};
 
 use crate::{FileError, LoadFile, PlacedLoads, SimulationFile, SimulationWarning, StoredModel};
 
@@ -79,10 +79,8 @@ impl Simulated {
         let mut warnings = notes;
         let statics = statics(&model)?;
         let places = places(&model, &mut warnings);
-        let factor = limit.unwrap_or_else(|| match goal {
-            Goal::FullLoad => PathOptions::default().largest_factor,
-            Goal::LateralTilt(_) => largest_factor(&model.spine, &model.stiffness, &placed.loading),
-        });
+        let usual = || usual_limit(&model.spine, &model.stiffness, &placed.loading, goal);
+        let factor = limit.unwrap_or_else(usual);
         let response = respond(&statics, &placed.loading, goal, factor, on_point)?;
         warnings.extend(warnings::warnings(&model, &loads, &placed, &response));
         Ok(Self { model, loads, placed, places, response, warnings })

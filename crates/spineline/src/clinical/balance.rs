@@ -78,6 +78,12 @@ fn sacral_centre(erect: &Outline) -> (SacralReference, Frontal) {
         .unwrap_or((SacralReference::Base, erect.vertebrae[0].location))
 }
 
+/// What stands for the centre of the sacrum on an erect film.
+#[must_use]
+pub fn sacral_reference(erect: &Outline) -> SacralReference {
+    sacral_centre(erect).0
+}
+
 /// Distance of a point from the central sacral vertical line of an erect film, positive to the patient's left; `None` for a film
 /// whose vertical is not known.
 ///

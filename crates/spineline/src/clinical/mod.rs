@@ -13,7 +13,9 @@ mod regions;
 mod shares;
 mod space;
 
-pub use balance::{Balance, SacralReference, measure_balance, sacral_line_offset_mm};
+pub use balance::{
+    Balance, SacralReference, measure_balance, sacral_line_offset_mm, sacral_reference,
+};
 pub use curves::{
     ClinicalCurve, EndChoice, EndRule, LenkeType, film_tilts, lenke_type, measure_curves,
 };

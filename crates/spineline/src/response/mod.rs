@@ -6,11 +6,13 @@
 //! the least loaded shape that a spine reaches without snapping or buckling is the one it takes.
 
 mod acting;
+mod loaded;
 mod measures;
 mod pads;
 mod search;
 
 pub use acting::{ActingKind, ActingLoad, acting_loads};
+pub use loaded::{LoadedMeasure, LoadedQuantity, LoadedState, loaded_measures};
 pub use measures::{
     CurveAngles, CurveChange, SpineAngles, UNUSUAL_HINGE, erect_shape, largest_displacement_mm,
     largest_hinge, measure_angles,
@@ -18,5 +20,5 @@ pub use measures::{
 pub use pads::{OtherLoads, OtherLoadsError, PadEffect, PadReached, PadTrial, try_pad};
 pub use search::{
     GoalEquilibrium, OnSignedPoint, Response, SignedPath, Verdict, direction_word, largest_factor,
-    respond,
+    respond, usual_limit,
 };

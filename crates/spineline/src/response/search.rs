@@ -187,6 +187,16 @@ pub fn largest_factor(model: &SpineModel, stiffness: &[Mat3], loading: &Loading)
     if factor.is_finite() { factor } else { PathOptions::default().largest_factor }
 }
 
+/// The factor up to which a search looks where none is given: that of [`PathOptions`] for given loads, [`largest_factor`] for a lateral
+/// tilt.
+#[must_use]
+pub fn usual_limit(model: &SpineModel, stiffness: &[Mat3], loading: &Loading, goal: Goal) -> f64 {
+    match goal {
+        Goal::FullLoad => PathOptions::default().largest_factor,
+        Goal::LateralTilt(_) => largest_factor(model, stiffness, loading),
+    }
+}
+
 /// Called for every point of a path; breaking off leaves the paths as far as they are.
 pub type OnSignedPoint<'o> = &'o mut dyn FnMut(ForceSign, &PathPoint) -> ControlFlow<()>;
 
