@@ -35,8 +35,10 @@
 //! # References
 //! [efron-tibshirani-1993], chapter 6 (parametric bootstrap) and 13 (percentile intervals).
 
+mod centred;
 mod distribution;
 mod landmarks;
+mod loaded;
 mod places;
 mod quantities;
 mod stream;
@@ -44,6 +46,7 @@ mod tally;
 mod words;
 
 pub use landmarks::{FilmNoise, LandmarkNoise, NoiseSource, VertebraNoise};
+pub use loaded::{AppliedLoads, LoadedReplicate, LoadedSpread, LoadedTally, LoadedUncertainty};
 pub use quantities::{Absent, AnalysisQuantity, QuantityUnit};
 pub use tally::{FailureCount, MultiplierSpread, QuantitySpread, Spread, Tally, Uncertainty};
 
@@ -145,13 +148,19 @@ impl<'a> MonteCarlo<'a> {
     /// any order.
     #[must_use]
     pub fn replicate(&self, index: u64) -> Replicate {
+        match self.analysis_of(index) {
+            Ok(analysis) => {
+                Replicate { values: Ok(self.values_in(&analysis)), endings: endings(&analysis) }
+            }
+            Err(code) => Replicate { values: Err(code), endings: Vec::new() },
+        }
+    }
+
+    /// The analysis of one replicate, or the code of the error that stopped it.
+    fn analysis_of(&self, index: u64) -> Result<Analysis, &'static str> {
         let (case, errors) = self.noisy.replicate(index);
         let known = (&self.known, &errors[..]);
-        let analysis = match analyze_known(&case, &self.nominal.options, Some(known)) {
-            Ok(analysis) => analysis,
-            Err(error) => return Replicate { values: Err(error.code()), endings: Vec::new() },
-        };
-        Replicate { values: Ok(self.values_in(&analysis)), endings: endings(&analysis) }
+        analyze_known(&case, &self.nominal.options, Some(known)).map_err(|error| error.code())
     }
 
     /// One value per quantity of an analysis of this case, or why it has none.

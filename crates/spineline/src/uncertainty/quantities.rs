@@ -322,14 +322,7 @@ impl AnalysisQuantity {
 
     fn of_model(self, analysis: &Analysis, nominal: &Analysis) -> Result<f64, Absent> {
         let kind = self.line().ok_or(Absent::NotMeasured)?;
-        let model = analysis.models.iter().find(|model| model.kind == kind);
-        let model = model.ok_or(match kind {
-            LineKind::Inflection if analysis.inflections.pair.is_none() => Absent::NoInflections,
-            _ => Absent::NotMeasured,
-        })?;
-        if model.fit.status != FitStatus::Converged {
-            return Err(Absent::FitNotConverged);
-        }
+        let model = fitted_model(analysis, kind)?;
         match self {
             Self::LogMultiplier(_, group) => {
                 model.fit.log_multipliers.get(group).copied().ok_or(Absent::NotMeasured)
@@ -404,6 +397,19 @@ fn found(analysis: &Analysis, posture: Posture) -> Result<&PostureAnalysis, Abse
     analysis.posture(posture).ok_or(Absent::NotMeasured)
 }
 
+/// The model of a line whose fit converged.
+pub(super) fn fitted_model(analysis: &Analysis, kind: LineKind) -> Result<&LineModel, Absent> {
+    let model = analysis.models.iter().find(|model| model.kind == kind);
+    let model = model.ok_or(match kind {
+        LineKind::Inflection if analysis.inflections.pair.is_none() => Absent::NoInflections,
+        _ => Absent::NotMeasured,
+    })?;
+    match model.fit.status {
+        FitStatus::Converged => Ok(model),
+        _ => Err(Absent::FitNotConverged),
+    }
+}
+
 fn mean_error(model: &LineModel, fitted: bool) -> Result<f64, Absent> {
     // A mean over the films that happened to succeed is another quantity.
     let mut films = model.postures.iter().filter(|s| s.fitted == fitted);
@@ -411,12 +417,6 @@ fn mean_error(model: &LineModel, fitted: bool) -> Result<f64, Absent> {
         return Err(Absent::ForceNotFound);
     }
     model.mean_location_error_mm(fitted).ok_or(Absent::NotMeasured)
-}
-
-/// A difference of angles, as small as their period lets it be.
-pub(super) fn wrapped_deg(difference_deg: f64, period_deg: f64) -> f64 {
-    let turns = 360.0 / period_deg;
-    Angle::from_deg(difference_deg * turns).wrapped().deg() / turns
 }
 
 #[cfg(test)]

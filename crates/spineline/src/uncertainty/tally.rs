@@ -1,11 +1,9 @@
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 
-use super::distribution::Distribution;
-use super::quantities::wrapped_deg;
-use super::{
-    Absent, AnalysisQuantity, FilmNoise, MonteCarlo, NoiseSource, Replicate, VertebraNoise,
-};
+use super::centred::Centred;
+use super::words::noise_words;
+use super::{Absent, AnalysisQuantity, FilmNoise, MonteCarlo, Replicate};
 use crate::action::LineKind;
 use crate::anatomy::Posture;
 
@@ -22,9 +20,7 @@ pub struct Tally<'a> {
 #[derive(Debug, Clone)]
 struct Counted {
     nominal: Result<f64, Absent>,
-    /// Values are taken as differences from it, angles the short way round.
-    reference: Option<f64>,
-    differences: Distribution,
+    values: Centred,
     absent: BTreeMap<Absent, u64>,
 }
 
@@ -122,13 +118,13 @@ pub struct Uncertainty {
 
 impl<'a> Tally<'a> {
     pub(super) fn new(of: &'a MonteCarlo<'a>) -> Self {
-        let counted = |nominal: Result<f64, Absent>| Counted {
+        let counted = |(nominal, quantity): (Result<f64, Absent>, &AnalysisQuantity)| Counted {
             nominal,
-            reference: nominal.ok(),
-            differences: Distribution::new(),
+            values: Centred::around(nominal.ok(), quantity.period_deg()),
             absent: BTreeMap::new(),
         };
-        let quantities = of.values_in(of.nominal).into_iter().map(counted).collect();
+        let quantities = of.values_in(of.nominal).into_iter().zip(&of.quantities).map(counted);
+        let quantities = quantities.collect();
         Self { of, done: 0, failed: 0, failures: BTreeMap::new(), quantities }
     }
 
@@ -146,16 +142,9 @@ impl<'a> Tally<'a> {
                 return;
             }
         };
-        for ((counted, value), quantity) in
-            self.quantities.iter_mut().zip(values).zip(&self.of.quantities)
-        {
+        for (counted, value) in self.quantities.iter_mut().zip(values) {
             match value {
-                Ok(value) => {
-                    let reference = *counted.reference.get_or_insert(*value);
-                    let off = value - reference;
-                    let period = quantity.period_deg();
-                    counted.differences.add(period.map_or(off, |period| wrapped_deg(off, period)));
-                }
+                Ok(value) => counted.values.add(*value),
                 Err(reason) => *counted.absent.entry(*reason).or_default() += 1,
             }
         }
@@ -165,14 +154,7 @@ impl<'a> Tally<'a> {
     #[must_use]
     pub fn finish(self, requested: u64) -> Uncertainty {
         let spread = |(counted, &quantity): (Counted, &AnalysisQuantity)| {
-            let differences = counted.differences;
-            let reference = counted.reference.unwrap_or_default();
-            let (count, mean, sd) = (differences.count(), differences.mean(), differences.sd());
-            let spread = differences.quantiles(Spread::PARTS).map(|quantiles| Spread {
-                mean: reference + mean,
-                sd,
-                quantiles: quantiles.map(|quantile| reference + quantile),
-            });
+            let (count, spread) = (counted.values.count(), counted.values.spread());
             let absent = counted.absent.into_iter().collect();
             QuantitySpread { quantity, nominal: counted.nominal, count, absent, spread }
         };
@@ -210,18 +192,7 @@ impl Uncertainty {
     /// Which noise was added to the landmarks, and where it comes from: a sentence for all films that have the same.
     #[must_use]
     pub fn noise_words(&self) -> Vec<String> {
-        let mut sentences: Vec<(String, Vec<String>)> = Vec::new();
-        for film in &self.noise {
-            let (words, posture) = (words_of(film), film.posture.to_string());
-            match sentences.iter_mut().find(|(other, _)| *other == words) {
-                Some((_, postures)) => postures.push(posture),
-                None => sentences.push((words, vec![posture])),
-            }
-        }
-        sentences
-            .iter()
-            .map(|(words, postures)| format!("{}: {words}", postures.join(", ")))
-            .collect()
+        noise_words(&self.noise)
     }
 
     /// What ended without result, a sentence each.
@@ -244,29 +215,4 @@ impl Uncertainty {
             })
             .collect()
     }
-}
-
-fn words_of(noise: &FilmNoise) -> String {
-    let source = match noise.source {
-        NoiseSource::Readings => "from the variation of the readings of this case",
-        NoiseSource::Assumed => "assumed for one careful reading, because no film was read twice",
-        NoiseSource::Given => "as given",
-    };
-    let size = match noise.landmarks {
-        VertebraNoise::Corners { sd_px: [column, row], sd_mm, axis_sd } => {
-            let mm = sd_mm.map_or_else(String::new, |[y, z]| format!(" ({y:.2} × {z:.2} mm)"));
-            let axis = axis_sd.map_or_else(String::new, |sd| format!(", axes set by hand {sd:.2}"));
-            format!("corners {column:.2} × {row:.2} px{mm}{axis}")
-        }
-        VertebraNoise::Placements { location_sd_mm, tilt_sd } => {
-            format!("locations {location_sd_mm:.2} mm, tilts {tilt_sd:.2}")
-        }
-    };
-    let program = match noise.program_corners {
-        0 => String::new(),
-        count => format!(
-            "; {count} corners that a program found move together, by the covariance of the completion or their stated deviation"
-        ),
-    };
-    format!("{size} per reading, {source}{program}")
 }

@@ -23,6 +23,7 @@ mod general_extremes;
 mod general_march;
 mod hidden_levels;
 mod hypothesis;
+mod loaded_replicates;
 mod nearest_t2;
 mod oracle;
 mod oracle_hand;
