@@ -25,6 +25,7 @@ mod keys;
 mod load_file;
 pub mod method_text;
 mod model_file;
+mod model_source;
 mod options_record;
 mod provenance;
 mod read;
@@ -35,6 +36,7 @@ mod rotation_prior_file;
 mod rotation_prior_record;
 mod simulated;
 mod simulation_file;
+mod simulation_uncertainty;
 mod stiffness_file;
 mod stored_identifiability;
 mod stored_uncertainty;
@@ -57,6 +59,7 @@ pub use load_file::{
     AppliedLoad, DIRECTIONS, LoadFault, LoadFile, PlacedLoads, direction, parse_load,
 };
 pub use model_file::{LoadRecord, ModelFile, StoredModel, parse_model};
+pub use model_source::{ModelSource, ModelSourceError};
 pub use provenance::{
     FilmOrigin, InputFile, ProgramRun, Provenance, ProvenanceFile, parse_provenance,
 };

@@ -154,9 +154,19 @@ pub struct StoredModel {
     pub support: Support,
     /// Loads that were found.
     pub loads: Vec<LoadRecord>,
+    /// Provenance, with the options of the analysis.
+    pub provenance: Option<Provenance>,
 }
 
 impl StoredModel {
+    /// A personalised model of an analysis, as it is read back from its file.
+    ///
+    /// # Errors
+    /// [`FileError`] where no reader takes it, such as for vertebrae at distances that no spine has.
+    pub fn of(analysis: &Analysis, model: &LineModel) -> Result<Self, FileError> {
+        ModelFile::new(analysis, model, "").stored()
+    }
+
     /// Its vertebrae as those of an analysis; `None` where they are not neighbours among L4 to T2.
     #[must_use]
     pub fn known_levels(&self) -> Option<Levels> {
@@ -322,58 +332,65 @@ fn places(records: &[RegionRecord], levels: &[Level]) -> Result<Vec<CurvePlaces>
 /// # Errors
 /// [`FileError`].
 pub fn parse_model(text: &str) -> Result<StoredModel, FileError> {
-    let file: ModelFile = parse(text, FORMAT, VERSION)?;
-    if file.vertebrae.len() != file.joints.len() + 1 {
-        let (vertebrae, joints) = (file.vertebrae.len(), file.joints.len());
-        return Err(FileError::ModelShape { vertebrae, joints });
-    }
-    let levels: Vec<Level> = file.vertebrae.iter().map(|v| v.level.0).collect();
-    if let Some(pair) = levels.windows(2).find(|pair| pair[0] >= pair[1]) {
-        return Err(FileError::ModelOrder { below: pair[0], above: pair[1] });
-    }
-    for (joint, pair) in file.joints.iter().zip(levels.windows(2)) {
-        let (inferior, superior) = (joint.inferior.0, joint.superior.0);
-        if [inferior, superior] != pair {
-            let (lower, upper) = (pair[0], pair[1]);
-            return Err(FileError::ModelJoint { inferior, superior, lower, upper });
+    parse::<ModelFile>(text, FORMAT, VERSION)?.stored()
+}
+
+impl ModelFile {
+    /// What is in it, for a simulation.
+    fn stored(self) -> Result<StoredModel, FileError> {
+        if self.vertebrae.len() != self.joints.len() + 1 {
+            let (vertebrae, joints) = (self.vertebrae.len(), self.joints.len());
+            return Err(FileError::ModelShape { vertebrae, joints });
         }
-    }
-    let curves = file.regions.as_deref().map(|records| places(records, &levels)).transpose()?;
-    let midpoints_mm: Vec<Vec3> =
-        file.vertebrae.iter().map(|v| Vec3::from(v.midpoint_mm)).collect();
-    let axes: Vec<Mat3> =
-        file.vertebrae.iter().map(|v| Mat3::from_columns(&v.axes.map(Vec3::from))).collect();
-    for (&level, axes) in levels.iter().zip(&axes) {
-        let departure = (axes.transpose() * axes - Mat3::identity()).abs().max();
-        let right_handed = axes.determinant() > 0.0;
-        if departure > AXES_TOLERANCE || !right_handed {
-            return Err(FileError::ModelAxes { level, departure, right_handed });
+        let levels: Vec<Level> = self.vertebrae.iter().map(|v| v.level.0).collect();
+        if let Some(pair) = levels.windows(2).find(|pair| pair[0] >= pair[1]) {
+            return Err(FileError::ModelOrder { below: pair[0], above: pair[1] });
         }
-    }
-    check_places(&levels, &midpoints_mm, &axes)?;
-    let centres: Vec<Vec3> = file
-        .joints
-        .iter()
-        .enumerate()
-        .map(|(j, joint)| axes[j].transpose() * (Vec3::from(joint.centre_mm) - midpoints_mm[j]))
-        .collect();
-    Ok(StoredModel {
-        case_id: file.case_id,
-        synthetic: file.synthetic,
-        line: file.line,
-        absolute: file.absolute,
-        levels,
-        spine: SpineModel::from_poses(midpoints_mm, axes, &centres),
-        stiffness_nmm_per_rad: file
+        for (joint, pair) in self.joints.iter().zip(levels.windows(2)) {
+            let (inferior, superior) = (joint.inferior.0, joint.superior.0);
+            if [inferior, superior] != pair {
+                let (lower, upper) = (pair[0], pair[1]);
+                return Err(FileError::ModelJoint { inferior, superior, lower, upper });
+            }
+        }
+        let curves = self.regions.as_deref().map(|records| places(records, &levels)).transpose()?;
+        let midpoints_mm: Vec<Vec3> =
+            self.vertebrae.iter().map(|v| Vec3::from(v.midpoint_mm)).collect();
+        let axes: Vec<Mat3> =
+            self.vertebrae.iter().map(|v| Mat3::from_columns(&v.axes.map(Vec3::from))).collect();
+        for (&level, axes) in levels.iter().zip(&axes) {
+            let departure = (axes.transpose() * axes - Mat3::identity()).abs().max();
+            let right_handed = axes.determinant() > 0.0;
+            if departure > AXES_TOLERANCE || !right_handed {
+                return Err(FileError::ModelAxes { level, departure, right_handed });
+            }
+        }
+        check_places(&levels, &midpoints_mm, &axes)?;
+        let centres: Vec<Vec3> = self
             .joints
             .iter()
-            .map(|joint| joint.stiffness_nmm_per_rad)
-            .collect(),
-        stiffness: file.joints.iter().map(JointRecord::stiffness).collect(),
-        curves,
-        support: file.support.0,
-        loads: file.loads,
-    })
+            .enumerate()
+            .map(|(j, joint)| axes[j].transpose() * (Vec3::from(joint.centre_mm) - midpoints_mm[j]))
+            .collect();
+        Ok(StoredModel {
+            case_id: self.case_id,
+            synthetic: self.synthetic,
+            line: self.line,
+            absolute: self.absolute,
+            levels,
+            spine: SpineModel::from_poses(midpoints_mm, axes, &centres),
+            stiffness_nmm_per_rad: self
+                .joints
+                .iter()
+                .map(|joint| joint.stiffness_nmm_per_rad)
+                .collect(),
+            stiffness: self.joints.iter().map(JointRecord::stiffness).collect(),
+            curves,
+            support: self.support.0,
+            loads: self.loads,
+            provenance: self.provenance,
+        })
+    }
 }
 
 /// Refuses vertebrae that do not lie cranial to each other, or at distances that no body has.

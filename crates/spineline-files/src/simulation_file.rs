@@ -9,8 +9,10 @@ use spineline::response::{
     GoalEquilibrium, Response, SignedPath, SpineAngles, direction_word, erect_shape, measure_angles,
 };
 use spineline::spatial::{Mat3, Vec3};
+use spineline::uncertainty::LoadedUncertainty;
 
 use crate::keys::{ByLevel, JointKey, Key, LevelKey};
+use crate::simulation_uncertainty::SimulationUncertainty;
 use crate::{AppliedLoad, LoadFile, PlacedLoads, Provenance, StoredModel};
 
 /// The response of a personalised model to loads. `G`: x anterior, y left, z cranial, origin at L4's midpoint; mm, N, N·mm,
@@ -51,6 +53,9 @@ pub struct SimulationFile {
     /// Every equilibrium on the path.
     path: Vec<PathRecord>,
     warnings: Vec<SimulationWarning>,
+    /// Effect of landmark noise on the numbers before and under the loads; absent if no replicates were requested.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    uncertainty: Option<SimulationUncertainty>,
 }
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -206,7 +211,15 @@ impl SimulationFile {
             events: response.paths.iter().flat_map(events).collect(),
             path: response.paths.iter().flat_map(|signed| writer.path(signed)).collect(),
             warnings,
+            uncertainty: None,
         }
+    }
+
+    /// The same file with what replicates gave under the loads.
+    #[must_use]
+    pub fn with_uncertainty(mut self, found: &LoadedUncertainty) -> Self {
+        self.uncertainty = Some(SimulationUncertainty::from(found));
+        self
     }
 
     /// The same file with its provenance.

@@ -33,6 +33,7 @@ use space::{AxialRecord, SpaceRecord};
 use spineline::uncertainty::Uncertainty;
 use spineline::warning::Warning;
 pub use stored::{PICTURE_WARNINGS, StoredAnalysis, parse_analysis, parse_case_within};
+pub(crate) use uncertainty::NoiseRecord;
 use uncertainty::UncertaintyRecord;
 
 const FORMAT: &str = "spineline-analysis";

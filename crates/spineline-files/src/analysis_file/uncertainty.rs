@@ -27,7 +27,7 @@ pub(super) struct UncertaintyRecord {
 
 /// Standard deviation of one reading of a film.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-struct NoiseRecord {
+pub(crate) struct NoiseRecord {
     /// `readings` (their standard deviation), `assumed` (no repeated reading) or `given`.
     source: String,
     /// Of a corner's column and row.
@@ -91,7 +91,7 @@ impl UncertaintyRecord {
             done: found.done,
             failed: found.failed,
             seed: found.seed,
-            noise: found.noise.iter().map(|film| (film.posture.into(), noise(film))).collect(),
+            noise: NoiseRecord::of(&found.noise),
             failures: found
                 .failures
                 .iter()
@@ -107,25 +107,34 @@ impl UncertaintyRecord {
     }
 }
 
-fn noise(film: &FilmNoise) -> NoiseRecord {
-    let source = film.source.key().to_owned();
-    match film.landmarks {
-        VertebraNoise::Corners { sd_px, sd_mm, axis_sd } => NoiseRecord {
-            source,
-            corner_sd_px: Some(sd_px),
-            corner_sd_mm: sd_mm,
-            axis_sd_deg: axis_sd.map(Angle::deg),
-            location_sd_mm: None,
-            tilt_sd_deg: None,
-        },
-        VertebraNoise::Placements { location_sd_mm, tilt_sd } => NoiseRecord {
-            source,
-            corner_sd_px: None,
-            corner_sd_mm: None,
-            axis_sd_deg: None,
-            location_sd_mm: Some(location_sd_mm),
-            tilt_sd_deg: Some(tilt_sd.deg()),
-        },
+impl NoiseRecord {
+    /// Of every film.
+    pub fn of(noise: &[FilmNoise]) -> BTreeMap<Key<Posture>, Self> {
+        noise.iter().map(|film| (film.posture.into(), Self::from(film))).collect()
+    }
+}
+
+impl From<&FilmNoise> for NoiseRecord {
+    fn from(film: &FilmNoise) -> Self {
+        let source = film.source.key().to_owned();
+        match film.landmarks {
+            VertebraNoise::Corners { sd_px, sd_mm, axis_sd } => Self {
+                source,
+                corner_sd_px: Some(sd_px),
+                corner_sd_mm: sd_mm,
+                axis_sd_deg: axis_sd.map(Angle::deg),
+                location_sd_mm: None,
+                tilt_sd_deg: None,
+            },
+            VertebraNoise::Placements { location_sd_mm, tilt_sd } => Self {
+                source,
+                corner_sd_px: None,
+                corner_sd_mm: None,
+                axis_sd_deg: None,
+                location_sd_mm: Some(location_sd_mm),
+                tilt_sd_deg: Some(tilt_sd.deg()),
+            },
+        }
     }
 }
 
