@@ -16,6 +16,7 @@ pub mod fonts;
 mod html;
 mod hypotheses;
 pub mod loaded_tables;
+mod loaded_words;
 mod markdown;
 pub mod patient;
 mod phrases;

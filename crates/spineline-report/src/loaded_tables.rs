@@ -1,15 +1,18 @@
 //! A spine under loads as texts and tables.
 
 use spineline::anatomy::Level;
-use spineline::clinical::{CurvePlaces, convex_side};
+use spineline::clinical::{CurvePlaces, sacral_reference};
+use spineline::measure::Outline;
 use spineline::multibody::{Equilibrium, ForceSign, Goal, Loading, PathEnding, SpineModel};
 use spineline::response::{
-    ActingKind, CurveAngles, GoalEquilibrium, Response, SpineAngles, Verdict, acting_loads,
-    erect_shape, largest_displacement_mm, largest_hinge, measure_angles,
+    ActingKind, GoalEquilibrium, LoadedMeasure, LoadedQuantity, LoadedState, Response, Verdict,
+    acting_loads, largest_displacement_mm, largest_hinge, loaded_measures,
 };
-use spineline::spatial::{Angle, moment_words, sideways_words, vector_words};
+use spineline::spatial::{moment_words, vector_words};
+use spineline::uncertainty::LoadedUncertainty;
 
 use crate::document::{Column, Table};
+use crate::loaded_words::{interval_words, measure_words};
 
 /// A personalised spine and its response to loads.
 #[derive(Debug, Clone, Copy)]
@@ -30,7 +33,14 @@ pub struct LoadedTables<'a> {
     pub load_of_rod: &'a [usize],
     /// Response of the spine.
     pub response: &'a Response,
+    /// The erect film, where it is known: its vertical gives the coronal balance.
+    pub film: Option<&'a Outline>,
+    /// Replicates with perturbed landmarks under the same loads, where there are any.
+    pub uncertainty: Option<&'a LoadedUncertainty>,
 }
+
+/// The name of a row of intervals.
+const INTERVAL: &str = "95 % interval";
 
 impl LoadedTables<'_> {
     /// The shape in numbers.
@@ -44,6 +54,11 @@ impl LoadedTables<'_> {
             Table::new("", vec![Column::words("Shape under load"), Column::words("Value")]);
         let mut add = |name: &str, value: String| table.row(vec![name.to_owned(), value]);
         add("Factor of proportional loads", format!("{:.6}", result.factor));
+        let measures = self.measures();
+        let factor = measures.iter().find(|measure| measure.quantity == LoadedQuantity::Factor);
+        if let Some([_, interval, _]) = factor.and_then(|factor| self.interval_words(factor)) {
+            add(&format!("  {INTERVAL}"), interval);
+        }
         add("Largest displacement", format!("{moved_mm:.1} mm, at {}", levels[vertebra]));
         add(
             "Largest joint rotation",
@@ -95,11 +110,15 @@ impl LoadedTables<'_> {
         table
     }
 
-    /// Angles and the place of the uppermost vertebra before and after.
+    /// What is measured before and under the loads.
     #[must_use]
-    pub fn angles(&self, result: &Equilibrium) -> Table {
-        let before = measure_angles(&erect_shape(self.model), self.places);
-        let after = measure_angles(&result.deformed, self.places);
+    pub fn measures(&self) -> Vec<LoadedMeasure> {
+        loaded_measures(self.model, self.places, self.film, self.response)
+    }
+
+    /// Angles and the place of the uppermost vertebra before and after, each with its interval below it where there are replicates.
+    #[must_use]
+    pub fn angles(&self) -> Table {
         let columns = vec![
             Column::words("Angle"),
             Column::numbers("Erect"),
@@ -107,42 +126,51 @@ impl LoadedTables<'_> {
             Column::numbers("Change"),
         ];
         let mut table = Table::new("", columns);
-        let has_cobb = before.curves.iter().all(|curve| curve.ends.cobb.is_some());
-        for (name, pick) in [(if has_cobb { "Cobb" } else { "Tilt range" }, 0), ("Ferguson", 1)] {
-            for (now, then) in after.curves.iter().zip(&before.curves) {
-                let of = |curve: &CurveAngles| [curve.ends.size(), curve.ferguson][pick];
-                table.row(vec![
-                    format!("{name}, {}", now.region),
-                    convex_words(of(then)),
-                    convex_words(of(now)),
-                    change_words(of(then), of(now)),
-                ]);
+        for measure in self.measures() {
+            let Some(name) = self.name(measure.quantity) else { continue };
+            let [erect, loaded, change] = measure_words(&measure);
+            table.row(vec![name, erect, loaded, change]);
+            if let Some([erect, loaded, change]) = self.interval_words(&measure) {
+                table.row(vec![format!("  {INTERVAL}"), erect, loaded, change]);
             }
         }
-        let SpineAngles { lateral_tilt: tilt, top_offset_mm, .. } = after;
-        table.row(vec![
-            format!("Lateral tilt of {}", self.ends()),
-            before.lateral_tilt.leaning(),
-            tilt.leaning(),
-            (tilt - before.lateral_tilt).wrapped().leaning(),
-        ]);
-        let [base, top] = self.end_names();
-        let uppermost = self.levels.len().saturating_sub(1);
-        let [then, now] =
-            [&erect_shape(self.model), &result.deformed].map(|shape| shape.tilt(uppermost));
-        table.row(vec![
-            format!("Tilt of {top} against {base}"),
-            then.leaning(),
-            now.leaning(),
-            (now - then).wrapped().leaning(),
-        ]);
-        table.row(vec![
-            format!("{top} from the axis of {base}"),
-            sideways_words(before.top_offset_mm),
-            sideways_words(top_offset_mm),
-            sideways_words(top_offset_mm - before.top_offset_mm),
-        ]);
         table
+    }
+
+    /// The intervals of the numbers in the table of angles: the name of a row, and one text per state; empty without replicates.
+    #[must_use]
+    pub fn intervals(&self) -> Vec<(String, [String; 3])> {
+        let row = |measure: &LoadedMeasure| {
+            Some((self.name(measure.quantity)?, self.interval_words(measure)?))
+        };
+        self.measures().iter().filter_map(row).collect()
+    }
+
+    /// The name of a quantity's row in the table of angles; the factor has none.
+    fn name(&self, quantity: LoadedQuantity) -> Option<String> {
+        let [base, top] = self.end_names();
+        Some(match quantity {
+            LoadedQuantity::Cobb(region) => format!("Cobb, {region}"),
+            LoadedQuantity::TiltRange(region) => format!("Tilt range, {region}"),
+            LoadedQuantity::Ferguson(region) => format!("Ferguson, {region}"),
+            LoadedQuantity::LateralTilt => format!("Lateral tilt of {}", self.ends()),
+            LoadedQuantity::TopTilt => format!("Tilt of {top} against {base}"),
+            LoadedQuantity::TopOffset => format!("{top} from the axis of {base}"),
+            LoadedQuantity::CoronalBalance => {
+                let reference = self.film.map_or("", |film| sacral_reference(film).words());
+                format!("Coronal balance: {top} from the vertical through {reference}")
+            }
+            LoadedQuantity::Factor => return None,
+        })
+    }
+
+    /// The intervals of a quantity in every state; `None` where it has none.
+    fn interval_words(&self, measure: &LoadedMeasure) -> Option<[String; 3]> {
+        let found = self.uncertainty?;
+        let numbers = measure_words(measure);
+        let words = |state, number: &str| interval_words(found, (measure.quantity, state), number);
+        let words = std::array::from_fn(|i| words(LoadedState::ALL[i], &numbers[i]));
+        words.iter().any(|words| !words.is_empty()).then_some(words)
     }
 
     /// Every shape that meets the target, where there is a choice or no result.
@@ -240,20 +268,6 @@ impl LoadedTables<'_> {
     fn end_names(&self) -> [&'static str; 2] {
         [self.levels.first(), self.levels.last()].map(|level| level.map_or("?", |l| l.name()))
     }
-}
-
-fn convex_words(angle: Angle) -> String {
-    let side = convex_side(angle).map_or_else(String::new, |side| format!(" convex {side}"));
-    format!("{}{side}", angle.abs())
-}
-
-fn change_words(before: Angle, after: Angle) -> String {
-    if before.side() != after.side() {
-        return "reversed".to_owned();
-    }
-    let more = after.abs() - before.abs();
-    let word = if more.rad() < 0.0 { "less" } else { "more" };
-    format!("{} {word}", more.abs())
 }
 
 fn verdict_words(met: &GoalEquilibrium) -> &'static str {

@@ -15,6 +15,7 @@ mod define;
 mod dictionary;
 mod error;
 mod joints;
+mod loaded;
 mod merge;
 mod models;
 mod noise_study;
@@ -36,6 +37,7 @@ pub use chain::chain_table;
 pub use cohort_tests::cohort_tests_table;
 pub use dictionary::{dictionary, dictionary_markdown};
 pub use error::TableError;
+pub use loaded::{LoadedSpine, loaded_measures_table};
 pub use merge::{CsvMerger, MergeError, ParquetMerger, csv_case_ids, parquet_case_ids};
 pub use noise_study::{NoisePoint, noise_study_table};
 pub use path::{LoadedShape, path_table};
@@ -140,13 +142,14 @@ fn tables_of(patients: &[Patient<'_>], optional: OptionalTables) -> Vec<Table> {
 }
 
 /// Tables of other options and commands than `analyze --tables`, without rows.
-fn other_files() -> [Table; 8] {
+fn other_files() -> [Table; 9] {
     [
         chain_table(&[]),
         errors_table(&[]),
         cohort_tests::cohort_tests_columns(),
         noise_study_table(&[]),
         path::path_columns(),
+        loaded::loaded_measures_columns(),
         statistics_table(&[], false),
         reproduction_table(&[]),
         verdicts_table(&[]),

@@ -3,13 +3,12 @@
 use spineline::analysis::{Analysis, Case};
 use spineline::personalize::Identifiability;
 use spineline::uncertainty::Uncertainty;
-use spineline::warning::counted;
 use spineline_files::{AnalysisFile, Request};
-use spineline_report::document::{Notice, NoticeKind};
+use spineline_report::document::Notice;
 use spineline_report::patient::Patient as ReportedPatient;
 use spineline_tables::Patient;
 
-use super::replicates::run_replicates;
+use super::replicates::{interruption, run_replicates};
 use crate::run::failure::Failure;
 use crate::run::threads::map_all;
 
@@ -49,16 +48,7 @@ impl Confidence {
     /// How many replicates count, where they were ended early.
     pub fn interruption(&self, analysis: &Analysis) -> Option<Notice> {
         let found = self.uncertainty.as_ref().filter(|_| self.is_cut_short())?;
-        Some(Notice {
-            kind: NoticeKind::Warning,
-            place: analysis.case_id.clone(),
-            text: format!(
-                "interrupted: {} of {} finished, which count",
-                found.done,
-                counted(found.requested, "replicate")
-            ),
-            code: "interrupted".to_owned(),
-        })
+        Some(interruption(&analysis.case_id, found.done, found.requested))
     }
 
     /// Whether any replicate was finished.

@@ -20,7 +20,7 @@ use uncertainty::UncertaintyArgs;
 pub fn request(method: &MethodArgs, uncertainty: &UncertaintyArgs) -> Result<Request, Failure> {
     Ok(Request {
         options: method.options()?,
-        replicates: uncertainty.replicates(),
+        replicates: uncertainty.replicates.asked(),
         identifiability: uncertainty.identifiability,
     })
 }

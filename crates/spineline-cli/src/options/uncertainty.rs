@@ -12,6 +12,14 @@ pub struct UncertaintyArgs {
     /// Compute which multipliers the bending films identify: profile likelihood, 95 % intervals, weakest direction
     #[arg(long)]
     pub identifiability: bool,
+    #[command(flatten)]
+    pub replicates: ReplicateArgs,
+}
+
+/// Monte Carlo replicates.
+#[derive(Args)]
+#[command(next_help_heading = "Uncertainty")]
+pub struct ReplicateArgs {
     /// Run N Monte Carlo replicates with perturbed landmarks: every number gets a standard deviation and a 95 % interval, in
     /// the report and under `uncertainty` in the JSON. Use 1000 for intervals, 10000 for stable ends of intervals
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(2..=10_000_000))]
@@ -25,9 +33,9 @@ pub struct UncertaintyArgs {
     pub seed: u64,
 }
 
-impl UncertaintyArgs {
+impl ReplicateArgs {
     /// The replicates that were asked for.
-    pub fn replicates(&self) -> Option<Replicates> {
+    pub fn asked(&self) -> Option<Replicates> {
         let count = self.replicates?;
         Some(Replicates { count, noise: self.noise, seed: self.seed })
     }

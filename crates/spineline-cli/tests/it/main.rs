@@ -28,6 +28,7 @@ mod results;
 mod serve;
 mod signals;
 mod simulate;
+mod simulate_replicates;
 mod streams;
 mod study;
 mod tables;

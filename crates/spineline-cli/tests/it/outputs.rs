@@ -28,7 +28,7 @@ t,deg,P1,A,1,1.0,true\nt,deg,P1,B,1,1.5,true\nt,deg,P2,A,1,3.0,true\nt,deg,P2,B,
 t,deg,P3,A,1,5.0,true\nt,deg,P3,B,1,5.3,true\n";
 
 /// Every command with an output of one file; the file comes last.
-const TO_FILE: [&[&str]; 19] = [
+const TO_FILE: [&[&str]; 20] = [
     &["analyze", "case.json", "--json"],
     &["analyze", "case.json", "--csv"],
     &["analyze", "case.json", "--chain"],
@@ -39,6 +39,7 @@ const TO_FILE: [&[&str]; 19] = [
     &["rerun", "analysis.json", "--json"],
     &["simulate", "model.json", "--push", "left", "--force", "10", "--json"],
     &["simulate", "model.json", "--push", "left", "--force", "10", "--csv"],
+    &["simulate", "model.json", "--push", "left", "--force", "10", "--measures"],
     &["simulate", "model.json", "--push", "left", "--force", "10", "--svg"],
     &["export", "model.json", "--to", "mjcf", "--out"],
     &["export", "model.json", "--to", "osim", "--out"],

@@ -23,7 +23,7 @@ use crate::run::threads::map_all;
 const STEM: &str = "cohort";
 
 pub fn run(paths: &[PathBuf], args: &ReportArgs, outputs: Outputs) -> Result<Ending, Failure> {
-    if args.uncertainty.identifiability || args.uncertainty.replicates.is_some() {
+    if args.uncertainty.identifiability || args.uncertainty.replicates.asked().is_some() {
         return Err(Failure::usage(
             "--identifiability and --replicates are for the report of one patient; give one case",
         ));

@@ -9,7 +9,8 @@ use spineline::multibody::Support;
 use spineline_files::{DIRECTIONS, direction};
 
 use crate::options::choice::choice;
-use crate::options::values::{number, posture};
+use crate::options::uncertainty::ReplicateArgs;
+use crate::options::values::{number, posture, threads};
 use crate::run::outputs::OverwriteArgs;
 
 /// Shown below the options.
@@ -27,6 +28,8 @@ Examples:
       find the force for a lateral tilt of L4-T2 of 20 degrees; all solutions are listed
   spineline simulate model.json --load load.json --json out.json --csv path.csv --svg shape.svg
       apply weight, pads, straps, rods and any forces together
+  spineline simulate model.json --push left --force 20 --replicates 200 --case CASE.json
+      95 % intervals: the same force on the models of 200 replicates with perturbed landmarks
 
 A load file; `spineline schema load` explains every kind:
   { \"format\": \"spineline-load\", \"version\": 1, \"loads\": [
@@ -37,7 +40,7 @@ gravity) are applied first and stay; proportional loads (`\"growing\"`) are then
 the wanted lateral tilt.
 
 Exit codes: 0 a result; 2 wrong usage; 3 bad input; 4 no result: a limit or branch point came first, the target is out of \
-reach, the path was lost, or Ctrl-C (the files then hold the path so far; a second Ctrl-C ends the program at once).
+reach, the path was lost, or Ctrl-C (the files then hold the path and the replicates so far; a second Ctrl-C ends the program at once).
 
 Films identify only ratios of stiffness: forces are relative, not newtons, unless the model was made with a known force.";
 
@@ -84,9 +87,21 @@ pub struct SimulateArgs {
     /// Write the path of equilibria as CSV, one row per shape (`-`: standard output)
     #[arg(long, value_name = "FILE", help_heading = "Output")]
     pub csv: Option<PathBuf>,
+    /// Write what is measured before and under the loads as CSV, one row per number, with its interval where there are
+    /// replicates (`-`: standard output)
+    #[arg(long, value_name = "FILE", help_heading = "Output")]
+    pub measures: Option<PathBuf>,
     /// Draw the spine from behind and from the right, erect and loaded, as SVG (`-`: standard output)
     #[arg(long, value_name = "FILE", help_heading = "Output")]
     pub svg: Option<PathBuf>,
+    /// Case file that the model was made from, or an analysis of it: replicates need its landmarks
+    #[arg(long, value_name = "CASE", requires = "replicates", help_heading = "Uncertainty")]
+    pub case: Option<PathBuf>,
+    /// Threads for replicates; 0: all cores. The number does not change the results
+    #[arg(long, default_value = "0", value_parser = threads, requires = "replicates", help_heading = "Uncertainty")]
+    pub threads: usize,
+    #[command(flatten)]
+    pub replicates: ReplicateArgs,
     #[command(flatten)]
     pub overwrite: OverwriteArgs,
 }

@@ -3,6 +3,7 @@
 mod args;
 mod loads;
 mod outcome;
+mod replicates;
 mod text;
 
 pub use args::{EXAMPLES, SimulateArgs};
@@ -11,7 +12,7 @@ use std::ops::ControlFlow;
 use std::path::PathBuf;
 
 use spineline::multibody::{ForceSign, PathPoint};
-use spineline_files::{FilmOrigin, Provenance, to_text};
+use spineline_files::{FilmOrigin, InputFile, Provenance, to_text};
 
 use crate::run::failure::{Ending, Failure};
 use crate::run::inputs::{read_input, read_model};
@@ -19,13 +20,14 @@ use crate::run::outputs::{Outputs, is_stdout, print, print_notices};
 use crate::run::provenance::{in_svg, this_run};
 use crate::run::{interrupt, progress};
 use outcome::Outcome;
+use replicates::Source;
 
 pub fn run(args: &SimulateArgs) -> Result<Ending, Failure> {
-    let paths = [&args.json, &args.csv, &args.svg].into_iter().flatten();
+    let paths = [&args.json, &args.csv, &args.measures, &args.svg].into_iter().flatten();
     let streams = paths.filter(|path| is_stdout(path)).count();
     if streams > 1 {
         return Err(Failure::usage(
-            "only one of --json, --csv and --svg can go to the standard output",
+            "only one of --json, --csv, --measures and --svg can go to the standard output",
         ));
     }
     let outputs = check_outputs(args)?;
@@ -34,7 +36,9 @@ pub fn run(args: &SimulateArgs) -> Result<Ending, Failure> {
         model.support = support;
     }
     let (loads, notes) = loads::of(args, &model)?;
+    let source = Source::of(args, &model)?;
     let outcome = with_progress(|on_point| Outcome::of(args, model, loads, notes, on_point))?;
+    let outcome = outcome.with_replicates(args, source)?;
     outcome.write(args, &outputs)?;
     outputs.commit()?;
     if streams == 0 {
@@ -42,17 +46,24 @@ pub fn run(args: &SimulateArgs) -> Result<Ending, Failure> {
     } else {
         print_notices(&text::notices(&outcome));
     }
-    Ok(if outcome.response.ending.is_usable() { Ending::Done } else { Ending::NotConverged })
+    Ok(if !outcome.response.ending.is_usable() {
+        Ending::NotConverged
+    } else if outcome.interruption().is_some() {
+        Ending::Interrupted
+    } else {
+        Ending::Done
+    })
 }
 
 /// Checks every output before any work.
 fn check_outputs(args: &SimulateArgs) -> Result<Outputs, Failure> {
-    let inputs = std::iter::once(&args.model).chain(&args.load).map(PathBuf::as_path);
+    let inputs = [&args.load, &args.case].into_iter().flatten();
+    let inputs = std::iter::once(&args.model).chain(inputs).map(PathBuf::as_path);
     let outputs = Outputs::new(args.overwrite, inputs);
     for path in [&args.json, &args.svg].into_iter().flatten() {
         outputs.file(path)?;
     }
-    if let Some(path) = &args.csv {
+    for path in [&args.csv, &args.measures].into_iter().flatten() {
         outputs.table(path)?;
     }
     Ok(outputs)
@@ -78,14 +89,22 @@ fn with_progress<T>(
 impl Outcome {
     fn write(&self, args: &SimulateArgs, outputs: &Outputs) -> Result<(), Failure> {
         let inputs = std::iter::once(&args.model).chain(&args.load);
-        let inputs = inputs.map(|path| read_input(path)).collect::<Result<_, _>>()?;
+        let mut inputs: Vec<InputFile> =
+            inputs.map(|path| read_input(path)).collect::<Result<_, _>>()?;
+        inputs.extend(self.source.as_ref().map(|source| source.input().clone()));
         let films = FilmOrigin::of([self.model.synthetic]);
-        let provenance = Provenance::new(this_run()?, films, inputs);
+        let mut provenance = Provenance::new(this_run()?, films, inputs);
+        if let Some(source) = &self.source {
+            provenance = provenance.asking(&source.request());
+        }
         if let Some(path) = &args.json {
             outputs.write(path, to_text(&self.file().with_provenance(provenance.clone())))?;
         }
         if let Some(path) = &args.csv {
             outputs.write_table(path, self.path().to_csv()?, &provenance)?;
+        }
+        if let Some(path) = &args.measures {
+            outputs.write_table(path, self.measures().to_csv()?, &provenance)?;
         }
         if let Some(path) = &args.svg {
             outputs.write(path, in_svg(&self.svg(), &provenance))?;

@@ -6,26 +6,36 @@ use spineline::anatomy::{Region, Side};
 use spineline::multibody::Goal;
 use spineline::response::{OnSignedPoint, measure_angles};
 use spineline::spatial::Angle;
+use spineline::uncertainty::LoadedUncertainty;
 use spineline_files::{
     AppliedLoad, LoadFile, Simulated, SimulationError, SimulationFile, SimulationWarning,
     StoredModel,
 };
-use spineline_report::figures::{LoadedSpine, loaded_spine};
+use spineline_report::document::Notice;
+use spineline_report::figures::{self, loaded_spine};
 use spineline_report::loaded_tables::LoadedTables;
-use spineline_tables::{LoadedShape, Table, path_table};
+use spineline_tables::{LoadedShape, LoadedSpine, Table, loaded_measures_table, path_table};
 
 use super::args::SimulateArgs;
+use super::replicates::Source;
+use crate::analysis::replicates::interruption;
 use crate::run::failure::Failure;
 use crate::run::provenance::generator;
 
 /// A model, its loads, and what it does.
-pub struct Outcome(Simulated);
+pub struct Outcome {
+    simulated: Simulated,
+    /// The case of the model, where replicates are asked for.
+    pub source: Option<Source>,
+    /// What they gave; `None` where none is done.
+    pub uncertainty: Option<LoadedUncertainty>,
+}
 
 impl Deref for Outcome {
     type Target = Simulated;
 
     fn deref(&self) -> &Simulated {
-        &self.0
+        &self.simulated
     }
 }
 
@@ -42,7 +52,8 @@ impl Outcome {
         // What was not given as a file is a matter of the command line.
         let place_name = args.load.as_deref().unwrap_or(&args.model);
         let found = Simulated::of(model, loads, goal, args.largest_factor, notes, on_point);
-        found.map(Self).map_err(|error| match &error {
+        let outcome = |simulated| Self { simulated, source: None, uncertainty: None };
+        found.map(outcome).map_err(|error| match &error {
             SimulationError::Loads(error) => Failure::file(place_name, error),
             SimulationError::NothingGrows => Failure::usage(
                 "--amplitude needs proportional loads, and all loads of this file are constant",
@@ -51,6 +62,40 @@ impl Outcome {
                 Failure::input(&args.model.display().to_string(), text, error.help())
             }
             _ => Failure::input(&place_name.display().to_string(), &error, error.help()),
+        })
+    }
+
+    /// Runs the replicates that are asked for under the same loads.
+    ///
+    /// # Errors
+    /// If the noise cannot be applied to the case.
+    pub fn with_replicates(
+        mut self,
+        args: &SimulateArgs,
+        source: Option<Source>,
+    ) -> Result<Self, Failure> {
+        self.source = source;
+        if let Some(source) = &self.source {
+            self.uncertainty = source.run(args, &self.simulated, &self.tables().measures())?;
+        }
+        Ok(self)
+    }
+
+    /// How many replicates count, where they were ended early.
+    pub fn interruption(&self) -> Option<Notice> {
+        let asked = self.source.as_ref()?.request().replicates?.count;
+        let done = self.uncertainty.as_ref().map_or(0, |found| found.done);
+        (done < asked).then(|| interruption(&self.model.case_id, done, asked))
+    }
+
+    /// What is measured before and under the loads, as a table.
+    pub fn measures(&self) -> Table {
+        loaded_measures_table(LoadedSpine {
+            case_id: &self.model.case_id,
+            synthetic: self.model.synthetic,
+            status: self.response.ending.key(),
+            measures: &self.tables().measures(),
+            uncertainty: self.uncertainty.as_ref(),
         })
     }
 
@@ -78,7 +123,11 @@ impl Outcome {
 
     /// The simulation as a file.
     pub fn file(&self) -> SimulationFile {
-        self.0.file(&generator())
+        let file = self.simulated.file(&generator());
+        match &self.uncertainty {
+            Some(found) => file.with_uncertainty(found),
+            None => file,
+        }
     }
 
     /// Its texts and tables.
@@ -92,13 +141,15 @@ impl Outcome {
             load_of_item: &self.placed.load_of_item,
             load_of_rod: &self.placed.load_of_rod,
             response: &self.response,
+            film: self.source.as_ref().map(Source::film),
+            uncertainty: self.uncertainty.as_ref(),
         }
     }
 
     /// The picture.
     pub fn svg(&self) -> String {
         let words: Vec<String> = self.loads.loads.iter().map(AppliedLoad::words).collect();
-        loaded_spine(&LoadedSpine {
+        loaded_spine(&figures::LoadedSpine {
             case_id: &self.model.case_id,
             synthetic: self.model.synthetic,
             force_unit: self.model.force_unit(),

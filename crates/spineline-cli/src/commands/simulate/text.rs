@@ -1,6 +1,7 @@
 //! One simulation as a report for the terminal.
 
 use spineline::multibody::{Equilibrium, Goal, Support};
+use spineline::uncertainty::LoadedUncertainty;
 use spineline_files::SimulationWarning;
 use spineline_report::document::{Document, Notice, NoticeKind, Section};
 use spineline_report::terminal;
@@ -12,7 +13,7 @@ use crate::run::provenance::generator;
 pub fn report(outcome: &Outcome) -> String {
     let mut sections = vec![target(outcome), ending(outcome)];
     sections.extend(outcome.response.result().map(|result| shape(outcome, result)));
-    sections.push(path(outcome));
+    sections.extend([replicates(outcome), path(outcome)]);
     sections.retain(|section| !section.blocks.is_empty());
     let document = Document {
         title: "Simulation".to_owned(),
@@ -31,7 +32,7 @@ pub fn notices(outcome: &Outcome) -> Vec<Notice> {
         code: warning.code.to_owned(),
         ..Notice::new(NoticeKind::Warning, warning.message.clone())
     };
-    outcome.warnings.iter().map(notice).collect()
+    outcome.warnings.iter().map(notice).chain(outcome.interruption()).collect()
 }
 
 fn subject(outcome: &Outcome) -> String {
@@ -79,7 +80,15 @@ fn shape(outcome: &Outcome, result: &Equilibrium) -> Section {
     let (mut section, tables) = (Section::new("shape", ""), outcome.tables());
     section.table(tables.numbers(result));
     section.table(tables.forces(result));
-    section.table(tables.angles(result));
+    section.table(tables.angles());
+    section
+}
+
+/// How many replicates have a result, the noise, and what the intervals cover.
+fn replicates(outcome: &Outcome) -> Section {
+    let mut section = Section::new("replicates", "");
+    let words = outcome.uncertainty.iter().flat_map(LoadedUncertainty::words);
+    words.for_each(|text| section.paragraph(text));
     section
 }
 

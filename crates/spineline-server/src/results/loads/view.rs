@@ -1,11 +1,11 @@
 //! A model under loads as the browser shows it.
 
 use spineline::analysis::Analysis;
-use spineline::clinical::sacral_line_offset_mm;
 use spineline::evaluate::location_errors_mm;
 use spineline::multibody::{Deformed, Equilibrium, PathPoint, Timing};
 use spineline::response::{ActingKind, CurveChange, acting_loads, erect_shape, measure_angles};
-use spineline::spatial::{Frontal, sideways_words};
+use spineline::spatial::Frontal;
+use spineline::uncertainty::LoadedUncertainty;
 use spineline_files::{AppliedLoad, LoadFault, LoadFile, Simulated};
 use spineline_report::document::Table;
 use spineline_report::loaded_tables::LoadedTables;
@@ -39,29 +39,15 @@ fn words(loads: &LoadFile) -> Vec<String> {
 
 /// A simulation.
 pub fn view(analysis: &Analysis, simulated: &Simulated) -> LoadedModel {
-    let response = &simulated.response;
-    let tables = LoadedTables {
-        force_unit: simulated.model.force_unit(),
-        levels: &simulated.model.levels,
-        model: &simulated.model.spine,
-        places: &simulated.places,
-        loading: &simulated.placed.loading,
-        load_of_item: &simulated.placed.load_of_item,
-        load_of_rod: &simulated.placed.load_of_rod,
-        response,
-    };
-    let result = response.result();
+    let tables = tables(analysis, simulated, None);
+    let result = simulated.response.result();
     let of_result = |table: &dyn Fn(&Equilibrium) -> Table| {
         result.map(table).map(text_table).unwrap_or_default()
     };
     let loaded = LoadedView {
         converged: result.is_some(),
         texts: tables.ending().into_iter().chain(tables.events()).collect(),
-        angles: of_result(&|found| {
-            let mut table = tables.angles(found);
-            balance(analysis, &found.deformed).into_iter().for_each(|row| table.row(row));
-            table
-        }),
+        angles: of_result(&|_| tables.angles()),
         forces: of_result(&|found| tables.forces(found)),
         numbers: of_result(&|found| tables.numbers(found)),
         solutions: text_table(tables.solutions()),
@@ -72,30 +58,32 @@ pub fn view(analysis: &Analysis, simulated: &Simulated) -> LoadedModel {
     LoadedModel { loads: words(&simulated.loads), faults: Vec::new(), simulation: Some(loaded) }
 }
 
+/// The texts and tables of a simulation, with intervals where there are any.
+pub fn tables<'a>(
+    analysis: &'a Analysis,
+    simulated: &'a Simulated,
+    uncertainty: Option<&'a LoadedUncertainty>,
+) -> LoadedTables<'a> {
+    LoadedTables {
+        force_unit: simulated.model.force_unit(),
+        levels: &simulated.model.levels,
+        model: &simulated.model.spine,
+        places: &simulated.places,
+        loading: &simulated.placed.loading,
+        load_of_item: &simulated.placed.load_of_item,
+        load_of_rod: &simulated.placed.load_of_rod,
+        response: &simulated.response,
+        film: Some(&analysis.erect().outline),
+        uncertainty,
+    }
+}
+
 fn text_table(table: Table) -> TextTable {
     let column = |column: spineline_report::document::Column| TextColumn {
         head: column.head,
         numeric: column.numeric,
     };
     TextTable { columns: table.columns.into_iter().map(column).collect(), rows: table.rows }
-}
-
-/// Coronal balance before and after, where the erect film has a vertical.
-fn balance(analysis: &Analysis, shape: &Deformed) -> Option<Vec<String>> {
-    let erect = &analysis.erect().outline;
-    let top = shape.midpoints_mm.len() - 1;
-    let offset_mm = |shape: &Deformed| sacral_line_offset_mm(erect, shape.location(top));
-    let (before, after) = (offset_mm(&erect_shape(&analysis.spine))?, offset_mm(shape)?);
-    let reference = analysis.balance.as_ref()?.reference.words();
-    Some(vec![
-        format!(
-            "Coronal balance: {} from the vertical through {reference}",
-            analysis.levels().top()
-        ),
-        sideways_words(before),
-        sideways_words(after),
-        sideways_words(after - before),
-    ])
 }
 
 fn warnings(simulated: &Simulated) -> Vec<Notice> {

@@ -1,0 +1,75 @@
+//! Replicates of a simulation: the case of the model, and the models of its replicates under the same loads.
+
+use spineline::measure::Outline;
+use spineline::response::LoadedMeasure;
+use spineline::uncertainty::{AppliedLoads, LoadedUncertainty};
+use spineline_files::{InputFile, ModelSource, Replicates, Request, Simulated, StoredModel};
+
+use super::args::SimulateArgs;
+use crate::analysis::replicates::run_loaded_replicates;
+use crate::run::failure::Failure;
+use crate::run::inputs::CaseInput;
+
+/// The case that a model was made from, analysed again, and the replicates that are asked for.
+pub struct Source {
+    case: CaseInput,
+    source: ModelSource,
+    asked: Replicates,
+}
+
+impl Source {
+    /// Of the command line; `None` where no replicates are asked for.
+    ///
+    /// # Errors
+    /// If there is no case, or the model is not made from it.
+    pub fn of(args: &SimulateArgs, model: &StoredModel) -> Result<Option<Self>, Failure> {
+        let Some(asked) = args.replicates.asked() else { return Ok(None) };
+        let Some(path) = &args.case else {
+            return Err(Failure::usage(
+                "--replicates needs --case CASE, the case that the model was made from: a model holds no landmarks to perturb",
+            ));
+        };
+        let case = CaseInput::read(path)?;
+        let source = ModelSource::of(model, &case.case)
+            .map_err(|error| Failure::input(&path.display().to_string(), &error, error.help()))?;
+        Ok(Some(Self { case, source, asked }))
+    }
+
+    /// The file of the case.
+    pub const fn input(&self) -> &InputFile {
+        &self.case.input
+    }
+
+    /// Everything that is asked of the case.
+    pub fn request(&self) -> Request {
+        let options = self.source.analysis.options.clone();
+        Request { options, replicates: Some(self.asked), identifiability: false }
+    }
+
+    /// The erect film.
+    pub fn film(&self) -> &Outline {
+        &self.source.analysis.erect().outline
+    }
+
+    /// Runs the replicates under the loads of a simulation, for what it measures. Ctrl-C ends them early; `None` where none is done then.
+    ///
+    /// # Errors
+    /// If the noise cannot be applied to the case.
+    pub fn run(
+        &self,
+        args: &SimulateArgs,
+        simulated: &Simulated,
+        measures: &[LoadedMeasure],
+    ) -> Result<Option<LoadedUncertainty>, Failure> {
+        let loads = AppliedLoads {
+            kind: self.source.kind,
+            support: simulated.model.support,
+            loading: &simulated.placed.loading,
+            goal: simulated.response.goal,
+            largest_factor: args.largest_factor,
+        };
+        let of = (&self.case.case, &self.source.analysis);
+        let found = run_loaded_replicates(of, (&loads, measures), &self.asked, args.threads)?;
+        Ok((found.done > 0).then_some(found))
+    }
+}

@@ -1,0 +1,107 @@
+//! `simulate --measures`: what is measured before and under loads.
+
+use spineline::response::{LoadedMeasure, LoadedState};
+use spineline::uncertainty::{LoadedSpread, LoadedUncertainty};
+
+use crate::define::{Column, Definition, Unit, count, grouped, number, text, truth};
+use crate::table::Table;
+
+/// A spine before and under loads.
+#[derive(Debug, Clone, Copy)]
+pub struct LoadedSpine<'a> {
+    /// Patient.
+    pub case_id: &'a str,
+    /// Whether the model is that of a synthetic patient.
+    pub synthetic: bool,
+    /// How the search ended.
+    pub status: &'static str,
+    /// What is measured.
+    pub measures: &'a [LoadedMeasure],
+    /// Replicates under the same loads, where requested.
+    pub uncertainty: Option<&'a LoadedUncertainty>,
+}
+
+/// One number.
+struct Number<'a> {
+    spine: LoadedSpine<'a>,
+    measure: LoadedMeasure,
+    state: LoadedState,
+    spread: Option<&'a LoadedSpread>,
+}
+
+/// One row per number of a spine before and under loads.
+#[must_use]
+pub fn loaded_measures_table(spine: LoadedSpine<'_>) -> Table {
+    let numbers = spine.measures.iter().flat_map(|&measure| {
+        LoadedState::ALL.into_iter().map(move |state| Number {
+            spine,
+            measure,
+            state,
+            spread: spine.uncertainty.and_then(|found| found.of(measure.quantity, state)),
+        })
+    });
+    let exists = |row: &Number<'_>| row.measure.value(row.state).is_some() || row.spread.is_some();
+    definition().fill(&numbers.filter(exists).collect::<Vec<_>>())
+}
+
+/// The table without rows.
+pub(crate) fn loaded_measures_columns() -> Table {
+    definition().fill(&[])
+}
+
+fn definition<'a>() -> Definition<Number<'a>> {
+    grouped("loaded_measures", "number of a spine before and under loads", [which(), numbers()])
+}
+
+fn which<'a>() -> Vec<Column<Number<'a>>> {
+    vec![
+        text("case_id", "patient", |row| Some(row.spine.case_id.to_owned())),
+        truth("synthetic", "whether the model is that of a synthetic patient", |row| {
+            Some(row.spine.synthetic)
+        }),
+        text("status", "how the search ended; the same in every row", |row| {
+            Some(row.spine.status.to_owned())
+        }),
+        text(
+            "quantity",
+            "`cobb`, `tilt_range` or `ferguson` of a curve, positive where convex to the patient's left; `lateral_tilt` and `top_tilt`, positive to the right; `top_offset` and `coronal_balance`, positive to the left; or the `factor` of a search",
+            |row| Some(row.measure.quantity.key().to_owned()),
+        ),
+        text("region", "region of a curve", |row| {
+            row.measure.quantity.region().map(|region| region.key().to_owned())
+        }),
+        text("state", "`erect`, `loaded`, or `change`: loaded minus erect", |row| {
+            Some(row.state.key().to_owned())
+        }),
+        text("unit", "`deg`, `mm` or `1`", |row| Some(row.measure.quantity.unit_key().to_owned())),
+    ]
+}
+
+fn numbers<'a>() -> Vec<Column<Number<'a>>> {
+    vec![
+        number("value", Unit::Stated, "value of the model itself", |row| {
+            row.measure.value(row.state)
+        }),
+        number("mean", Unit::Stated, "mean over the replicates with a result", |row| {
+            Some(row.spread?.spread?.mean)
+        }),
+        number("sd", Unit::Stated, "standard deviation over the replicates", |row| {
+            Some(row.spread?.spread?.sd)
+        }),
+        number(
+            "interval_95_low",
+            Unit::Stated,
+            "2.5 % quantile over the replicates: landmark noise and scales of the films, no error of the model",
+            |row| Some(row.spread?.interval_95()?[0]),
+        ),
+        number("interval_95_high", Unit::Stated, "97.5 % quantile, likewise", |row| {
+            Some(row.spread?.interval_95()?[1])
+        }),
+        count("replicates", "number of replicates with a value", |row| {
+            Some(row.spread?.count as i64)
+        }),
+        count("replicates_done", "number of replicates; the others have no result", |row| {
+            Some(row.spine.uncertainty?.done as i64)
+        }),
+    ]
+}
