@@ -25,6 +25,7 @@ mod hosts;
 mod jobs;
 mod limits;
 mod listen;
+mod load_interval_jobs;
 mod overview_cache;
 mod pace;
 mod pad_jobs;

@@ -17,6 +17,7 @@ use crate::guard_rate::Attempts;
 use crate::guard_token::OneTimeToken;
 use crate::hosts::Hosts;
 use crate::limits::ServeLimits;
+use crate::load_interval_jobs::LoadIntervalJobs;
 use crate::overview_cache::OverviewCache;
 use crate::pad_jobs::PadMapJobs;
 use crate::problem::Answer;
@@ -67,6 +68,7 @@ struct Shared {
     results: ResultCache,
     jobs: ComputationJobs,
     pad_maps: PadMapJobs,
+    load_intervals: LoadIntervalJobs,
 }
 
 impl fmt::Debug for AppState {
@@ -100,6 +102,7 @@ impl AppState {
             results: ResultCache::default(),
             jobs: ComputationJobs::default(),
             pad_maps: PadMapJobs::default(),
+            load_intervals: LoadIntervalJobs::default(),
         };
         Self { shared: Arc::new(shared) }
     }
@@ -125,6 +128,11 @@ impl AppState {
     /// Pads that are tried in the background.
     pub(crate) fn pad_maps(&self) -> &PadMapJobs {
         &self.shared.pad_maps
+    }
+
+    /// Intervals under loads that are computed in the background.
+    pub(crate) fn load_intervals(&self) -> &LoadIntervalJobs {
+        &self.shared.load_intervals
     }
 
     /// Decoded films and uploads.

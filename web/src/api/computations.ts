@@ -5,18 +5,30 @@ type Name = Api<"ComputationName">;
 
 const of = (study: string, computation: Name) => ({ params: { path: { study, computation } } });
 
-/** A computation of the current results of a study. */
-export const readComputation = (study: string, name: Name) =>
-  answerOf(api.GET("/api/studies/{study}/computations/{computation}", of(study, name)));
+/** Where a computation in the background stands. */
+export type Progress = Pick<Api<"ComputationView">, "state" | "done" | "asked" | "texts">;
 
-/** Computes in the background. */
-export const compute = (study: string, name: Name, body: Api<"ComputationRequest">) =>
-  answerOf(
-    api.POST("/api/studies/{study}/computations/{computation}", { ...of(study, name), body }),
-  );
+/** A computation in the background: what it has found, its begin and its end. */
+export interface Background<View extends Progress> {
+  read: () => Promise<View>;
+  begin: () => Promise<View>;
+  cancel: () => Promise<View>;
+}
 
-export const cancelComputation = (study: string, name: Name) =>
-  answerOf(api.DELETE("/api/studies/{study}/computations/{computation}", of(study, name)));
+/** A computation of the current results of a study, with so many replicates. */
+export function computationOf(
+  study: string,
+  name: Name,
+  count?: number,
+): Background<Api<"ComputationView">> {
+  const address = "/api/studies/{study}/computations/{computation}";
+  const body = count === undefined ? {} : { count };
+  return {
+    read: () => answerOf(api.GET(address, of(study, name))),
+    begin: () => answerOf(api.POST(address, { ...of(study, name), body })),
+    cancel: () => answerOf(api.DELETE(address, of(study, name))),
+  };
+}
 
 /** The lines of action beside predictions without mechanics, and lines of best fit, as in the report. */
 export const readLines = (study: string, signal?: AbortSignal) =>

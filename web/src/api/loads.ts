@@ -1,4 +1,5 @@
 import { answerOf, api, askBytes } from "./client";
+import type { Background } from "./computations";
 import type { Api } from "./types";
 
 type LineName = Api<"LineName">;
@@ -40,6 +41,21 @@ export const askSimulationFile = (
     headers: { "Content-Type": "application/json" },
     body: file,
   });
+
+/** Intervals of the model under the loads of a file, with so many replicates. */
+export function loadIntervalsOf(
+  study: string,
+  line: LineName,
+  file: () => string,
+  count: number,
+): Background<Api<"LoadIntervalsView">> {
+  const address = "/api/studies/{study}/loads/{line}/intervals";
+  return {
+    read: () => answerOf(api.GET(address, of(study, line))),
+    begin: () => answerOf(api.POST(address, { ...of(study, line), body: { count, file: file() } })),
+    cancel: () => answerOf(api.DELETE(address, of(study, line))),
+  };
+}
 
 /** The pads that were tried on the current results. */
 export const readPadMap = (study: string, line: LineName) =>

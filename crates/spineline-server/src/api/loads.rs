@@ -171,6 +171,42 @@ pub struct PadMapRequest {
     pub beside: Vec<FileLoad>,
 }
 
+/// Intervals that are to be computed of a model under loads.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+pub struct LoadIntervalRequest {
+    /// Number of replicates, 1 to 2000.
+    pub count: u64,
+    /// The text of the load file.
+    pub file: String,
+}
+
+/// 95 % intervals of a model under loads.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
+pub struct LoadIntervalsView {
+    /// State.
+    pub state: ComputationState,
+    /// Replicates that are done.
+    pub done: u64,
+    /// Number of replicates.
+    pub asked: u64,
+    /// The text of the load file that they belong to, as it was sent: under any other loads they are not valid.
+    pub file: String,
+    /// Intervals of the table of angles, where they are done.
+    pub rows: Vec<LoadIntervalRow>,
+    /// What was done, what has no result, and what the intervals cover.
+    pub texts: Vec<String>,
+}
+
+/// Intervals of one row of the table of angles.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
+pub struct LoadIntervalRow {
+    /// First cell of the row in the table.
+    pub label: String,
+    /// Interval for each other cell; empty where there is none.
+    pub intervals: Vec<String>,
+}
+
 /// What one pad does at every level and towards both sides.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct PadMapView {

@@ -8,6 +8,7 @@ mod exports;
 mod findings;
 mod live;
 mod load;
+mod load_intervals;
 mod loads;
 mod model;
 mod notices;
@@ -45,6 +46,7 @@ pub fn routes() -> OpenApiRouter<AppState> {
         .routes(routes!(load::load))
         .merge(loads::routes())
         .merge(pad_map::routes())
+        .merge(load_intervals::routes())
         .routes(routes!(cohort::cohort))
         .routes(routes!(reliability::reliability))
 }

@@ -2,9 +2,10 @@
 
 mod kept;
 mod models;
-mod replicates;
+pub mod replicates;
 mod view;
 
+use std::ops::Range;
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
 
@@ -18,6 +19,7 @@ use crate::access::{open_study, study_result};
 use crate::api::{ComputationName, ComputationRequest, ComputationView, Problem};
 use crate::computation_jobs::{ComputationJob, Found, JobKind};
 use crate::extract::{Json, Path};
+use crate::jobs::Job;
 use crate::problem::{Answer, Failure};
 use crate::result_cache::{StudyResult, computed};
 use crate::session::User;
@@ -142,12 +144,17 @@ async fn run(state: AppState, kind: JobKind, job: Arc<ComputationJob>) {
 }
 
 /// One step after another in its turn, each with its number; `None` where they were cancelled.
-async fn in_turns<T: Send + 'static>(
+pub async fn in_turns<Work, Found, T>(
     state: &AppState,
-    job: &Arc<ComputationJob>,
+    job: &Arc<Job<Work, Found>>,
     block: u64,
-    work: impl Fn(&StudyResult, std::ops::Range<u64>) -> Answer<Vec<T>> + Clone + Send + 'static,
-) -> Answer<Option<Vec<T>>> {
+    work: impl Fn(&Job<Work, Found>, Range<u64>) -> Answer<Vec<T>> + Clone + Send + 'static,
+) -> Answer<Option<Vec<T>>>
+where
+    Work: Send + Sync + 'static,
+    Found: Send + Sync + 'static,
+    T: Send + 'static,
+{
     let mut found = Vec::new();
     for start in (0..job.asked).step_by(usize::try_from(block).unwrap_or(1)) {
         // The semaphore is never closed.
@@ -157,7 +164,7 @@ async fn in_turns<T: Send + 'static>(
         }
         let (of, work) = (Arc::clone(job), work.clone());
         let end = job.asked.min(start + block);
-        found.extend(computed(move || work(&of.result, start..end)).await??);
+        found.extend(computed(move || work(&of, start..end)).await??);
         job.done.store(end, Ordering::Relaxed);
     }
     Ok(Some(found))
@@ -165,8 +172,8 @@ async fn in_turns<T: Send + 'static>(
 
 /// What the films say of the multipliers, one model of a line after another.
 async fn identifiability(state: &AppState, job: &Arc<ComputationJob>) -> Answer<Option<Found>> {
-    let found = in_turns(state, job, 1, |result, places| {
-        let analysis = result.analysed()?;
+    let found = in_turns(state, job, 1, |job, places| {
+        let analysis = job.result.analysed()?;
         let models = places.filter_map(|place| analysis.models.get(usize::try_from(place).ok()?));
         Ok(models.map(|model| analysis.identifiability(model)).collect())
     });

@@ -19,10 +19,10 @@ pub fn steps() -> u64 {
 
 /// The analysis with all loads and bases, one after another; `None` where it was cancelled.
 pub async fn all(state: &AppState, job: &Arc<ComputationJob>) -> Answer<Option<Found>> {
-    let found = in_turns(state, job, 1, |result, places| {
+    let found = in_turns(state, job, 1, |job, places| {
         let compared = Hypothesis::compared();
         let chosen = places.filter_map(|place| compared.get(usize::try_from(place).ok()?));
-        chosen.map(|&one| with(result, one)).collect()
+        chosen.map(|&one| with(&job.result, one)).collect()
     });
     let Some(found) = found.await? else { return Ok(None) };
     let mut all = job.result.analysed()?.clone();

@@ -15,7 +15,7 @@ use crate::state::AppState;
 pub const SEED: u64 = 1;
 const MAX_COUNT: u64 = 2000;
 /// Replicates between two looks at the progress: a cancel waits for them.
-const BLOCK: u64 = 4;
+pub const BLOCK: u64 = 4;
 
 /// The number of replicates, if it is allowed.
 pub fn checked(count: u64) -> Answer<u64> {
@@ -29,8 +29,8 @@ pub fn checked(count: u64) -> Answer<u64> {
 
 /// All replicates, block by block; `None` where they were cancelled.
 pub async fn all(state: &AppState, job: &Arc<ComputationJob>) -> Answer<Option<Found>> {
-    let found = in_turns(state, job, BLOCK, |result, places| {
-        with_monte_carlo(result, |monte_carlo| -> Vec<Replicate> {
+    let found = in_turns(state, job, BLOCK, |job, places| {
+        with_monte_carlo(&job.result, |monte_carlo| -> Vec<Replicate> {
             places.map(|index| monte_carlo.replicate(index)).collect()
         })
     });

@@ -26,6 +26,7 @@ use crate::problem::{Answer, Failure};
 use crate::result_cache::{StudyResult, computed};
 use crate::session::User;
 use crate::state::AppState;
+pub use view::tables;
 
 /// More loads than any plan has.
 const MAX_LOADS: usize = 100;
@@ -79,7 +80,7 @@ async fn simulate_loads(
     answer.await?.map(Json)
 }
 
-/// The same simulation as a file. The log of the store has an entry for it.
+/// The same simulation as a file, with its intervals where they are computed. The log of the store has an entry for it.
 #[utoipa::path(post, path = "/api/studies/{study}/loads/{line}/simulation",
     params(("study" = String, Path), ("line" = LineName, Path)), request_body = FileOfLoads,
     responses((status = 200, content_type = "application/json"), (status = 403, body = Problem),
@@ -93,10 +94,15 @@ async fn simulation_file(
 ) -> Answer<Response> {
     let study = open_study(&state, &user, &study).await?;
     let result = study_result(&state, &study).await?;
+    let intervals = state.load_intervals().of_line(&result, line);
     let made = computed(move || {
-        let simulated = simulated(stored_model(&result, line)?, parsed(&text)?)?;
-        let file = simulated.file(PROGRAM).with_provenance(provenance(result.analysed()?));
-        Ok::<_, Failure>(to_text(&file))
+        let mut file = simulated_file(&result, line, &text)?.file(PROGRAM);
+        let mut origin = provenance(result.analysed()?);
+        if let Some((found, request)) = intervals.as_ref().and_then(|job| job.found_of(&text)) {
+            file = file.with_uncertainty(found);
+            origin = origin.asking(&request);
+        }
+        Ok::<_, Failure>(to_text(&file.with_provenance(origin)))
     });
     let text = made.await??;
     log(&state, &user, &study, "simulation").await?;
@@ -178,6 +184,14 @@ pub fn model_text(result: &StudyResult, line: LineName) -> Answer<String> {
 /// As [`fitted_model`].
 pub fn stored_model(result: &StudyResult, line: LineName) -> Answer<StoredModel> {
     parse_model(&model_text(result, line)?).map_err(|error| internal(&error))
+}
+
+/// The model of a line of action under the loads of a file.
+///
+/// # Errors
+/// As [`fitted_model`]; a refusal where the text is no load file, or its loads cannot be applied.
+pub fn simulated_file(result: &StudyResult, line: LineName, text: &str) -> Answer<Simulated> {
+    simulated(stored_model(result, line)?, parsed(text)?)
 }
 
 fn simulated(model: StoredModel, loads: LoadFile) -> Answer<Simulated> {

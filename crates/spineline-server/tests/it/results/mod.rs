@@ -2,6 +2,7 @@
 
 mod cohort;
 mod live;
+mod load_intervals;
 mod loads;
 mod model;
 mod options;

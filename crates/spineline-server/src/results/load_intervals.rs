@@ -1,0 +1,147 @@
+//! Intervals of a model under loads by landmark noise: replicates in the background, with progress and cancel.
+
+use std::sync::Arc;
+use std::sync::atomic::Ordering;
+
+use axum::extract::State;
+use axum::http::StatusCode;
+use spineline::uncertainty::{LoadedReplicate, LoadedUncertainty};
+use spineline_store::Role;
+use utoipa_axum::router::OpenApiRouter;
+use utoipa_axum::routes;
+
+use super::computations::replicates::{BLOCK, checked, with_monte_carlo};
+use super::computations::{analysed, in_turns};
+use super::loads::{simulated_file, tables};
+use crate::api::{
+    ComputationState, LineName, LoadIntervalRequest, LoadIntervalRow, LoadIntervalsView, Problem,
+};
+use crate::extract::{Json, Path};
+use crate::jobs::Ending;
+use crate::load_interval_jobs::{LoadIntervalJob, LoadIntervalWork};
+use crate::problem::{Answer, Failure};
+use crate::result_cache::computed;
+use crate::session::User;
+use crate::state::AppState;
+
+pub fn routes() -> OpenApiRouter<AppState> {
+    OpenApiRouter::new().routes(routes!(load_intervals, compute_load_intervals, cancel_intervals))
+}
+
+/// Intervals of the model of a line of action under loads, with the load file that they belong to.
+#[utoipa::path(get, path = "/api/studies/{study}/loads/{line}/intervals",
+    params(("study" = String, Path), ("line" = LineName, Path)),
+    responses((status = 200, body = LoadIntervalsView), (status = 403, body = Problem),
+        (status = 409, body = Problem)))]
+async fn load_intervals(
+    State(state): State<AppState>,
+    user: User,
+    Path((study, line)): Path<(String, LineName)>,
+) -> Answer<Json<LoadIntervalsView>> {
+    let result = analysed(&state, &user, &study, Role::Reader).await?;
+    let job = state.load_intervals().of_line(&result, line);
+    computed(move || view(job.as_deref())).await.map(Json)
+}
+
+/// Computes intervals in the background.
+#[utoipa::path(post, path = "/api/studies/{study}/loads/{line}/intervals",
+    params(("study" = String, Path), ("line" = LineName, Path)),
+    request_body = LoadIntervalRequest,
+    responses((status = 200, body = LoadIntervalsView), (status = 403, body = Problem),
+        (status = 409, body = Problem), (status = 422, body = Problem)))]
+async fn compute_load_intervals(
+    State(state): State<AppState>,
+    user: User,
+    Path((study, line)): Path<(String, LineName)>,
+    Json(request): Json<LoadIntervalRequest>,
+) -> Answer<Json<LoadIntervalsView>> {
+    let result = analysed(&state, &user, &study, Role::Editor).await?;
+    let asked = checked(request.count)?;
+    let (of, file) = (Arc::clone(&result), request.file);
+    let work = computed(move || {
+        let simulated = simulated_file(&of, line, &file)?;
+        Ok::<_, Failure>(LoadIntervalWork { line, file, simulated })
+    });
+    let job = state.load_intervals().begin(&result, ((), work.await??), asked);
+    let job = job.ok_or_else(|| {
+        Failure::new(StatusCode::CONFLICT, "running", "intervals are being computed on this study")
+            .help("wait for them, or cancel them")
+    })?;
+    tokio::spawn(run(state, Arc::clone(&job)));
+    Ok(Json(view(Some(&job))))
+}
+
+/// Cancels the replicates after the running ones.
+#[utoipa::path(delete, path = "/api/studies/{study}/loads/{line}/intervals",
+    params(("study" = String, Path), ("line" = LineName, Path)),
+    responses((status = 200, body = LoadIntervalsView), (status = 403, body = Problem),
+        (status = 409, body = Problem)))]
+async fn cancel_intervals(
+    State(state): State<AppState>,
+    user: User,
+    Path((study, line)): Path<(String, LineName)>,
+) -> Answer<Json<LoadIntervalsView>> {
+    let result = analysed(&state, &user, &study, Role::Editor).await?;
+    let job = state.load_intervals().of_line(&result, line);
+    if let Some(job) = &job {
+        job.cancel();
+    }
+    computed(move || view(job.as_deref())).await.map(Json)
+}
+
+async fn run(state: AppState, job: Arc<LoadIntervalJob>) {
+    let found = all(&state, &job).await;
+    job.end(found);
+}
+
+/// All replicates, block by block; `None` where they were cancelled.
+async fn all(state: &AppState, job: &Arc<LoadIntervalJob>) -> Answer<Option<LoadedUncertainty>> {
+    let found = in_turns(state, job, BLOCK, |job, places| {
+        let loads = job.work.loads();
+        with_monte_carlo(&job.result, |monte_carlo| -> Vec<LoadedReplicate> {
+            places.map(|index| monte_carlo.loaded_replicate(index, &loads)).collect()
+        })
+    });
+    let Some(found) = found.await? else { return Ok(None) };
+    let of = Arc::clone(job);
+    let uncertainty = computed(move || {
+        let measures = tables(of.result.analysed()?, &of.work.simulated, None).measures();
+        with_monte_carlo(&of.result, |monte_carlo| {
+            let mut tally = monte_carlo.loaded_tally(&measures);
+            found.iter().for_each(|replicate| tally.add(replicate));
+            tally.finish(of.asked)
+        })
+    });
+    uncertainty.await?.map(Some)
+}
+
+/// State, progress and intervals.
+fn view(job: Option<&LoadIntervalJob>) -> LoadIntervalsView {
+    let mut view = LoadIntervalsView {
+        state: ComputationState::None,
+        done: 0,
+        asked: 0,
+        file: String::new(),
+        rows: Vec::new(),
+        texts: Vec::new(),
+    };
+    let Some(job) = job else { return view };
+    view.done = job.done.load(Ordering::Relaxed);
+    view.asked = job.asked;
+    view.file.clone_from(&job.work.file);
+    view.state = job.state();
+    match (job.ending.get(), job.result.analysis()) {
+        (Some(Ending::Failed(why)), _) => view.texts.push(why.clone()),
+        (Some(Ending::Done(found)), Some(analysis)) => {
+            let rows = tables(analysis, &job.work.simulated, Some(found)).intervals();
+            let row = |(label, intervals): (String, [String; 3])| LoadIntervalRow {
+                label,
+                intervals: intervals.to_vec(),
+            };
+            view.rows = rows.into_iter().map(row).collect();
+            view.texts = found.words();
+        }
+        _ => {}
+    }
+    view
+}
