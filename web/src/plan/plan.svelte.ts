@@ -21,6 +21,8 @@ export class Plan {
   step = $state<number | null>(null);
   /** The film beside which the result is shown. */
   compared = $state<Api<"PostureName"> | null>(null);
+  /** Intervals that were computed last, under these or other loads. */
+  intervals = $state.raw<Api<"LoadIntervalsView"> | null>(null);
   /** Text for screen readers, updated at intervals. */
   spoken = $state("");
 
@@ -61,6 +63,19 @@ export class Plan {
 
   get simulation(): Api<"LoadedView"> | null {
     return this.answer?.simulation ?? null;
+  }
+
+  /** Whether the intervals were computed under other loads than those of the plan. */
+  get areIntervalsOfOthers(): boolean {
+    const { intervals } = this;
+    return (
+      intervals !== null && intervals.state !== "none" && intervals.file !== textOf(this.loads)
+    );
+  }
+
+  /** Intervals of the rows of the table of angles, under the loads as they are. */
+  get intervalRows(): Api<"LoadIntervalRow">[] {
+    return this.isCurrent && !this.areIntervalsOfOthers ? (this.intervals?.rows ?? []) : [];
   }
 
   /** The shape on the way that is shown. */
@@ -155,6 +170,7 @@ export class Plan {
     this.answer = null;
     this.problem = null;
     this.step = null;
+    this.intervals = null;
     this.#ask();
   }
 

@@ -147,3 +147,25 @@ it("draws a pad towards its vertebra and a pull away from it, on the side from w
   expect(arrowOf({ ...arrow, vector: [1, 0, 0] }, false, 1)).toBeNull();
   expect(endsOf({ ...arrow, is_moment: true }, false)).toBeNull();
 });
+
+it("shows intervals with the loads that they were computed for, and with no others", async () => {
+  const own = plan();
+  own.add(PAD);
+  const rows = [{ label: "Cobb", intervals: ["1° to 2°", "", ""] }];
+  const found = { done: 5, asked: 5, file: textOf([PAD]), rows, texts: [] };
+  own.intervals = { ...found, state: "done" };
+  expect(own.intervalRows, "before the numbers of these loads are known").toEqual([]);
+  await settled();
+  expect([own.intervalRows, own.areIntervalsOfOthers]).toEqual([rows, false]);
+  own.edit(0, { ...PAD, advance_mm: 11 }, "0 advance_mm");
+  expect([own.intervalRows, own.areIntervalsOfOthers]).toEqual([[], true]);
+  await settled();
+  expect([own.intervalRows, own.areIntervalsOfOthers]).toEqual([[], true]);
+  own.undo();
+  await settled();
+  expect([own.intervalRows, own.areIntervalsOfOthers]).toEqual([rows, false]);
+  // Another line has other springs.
+  own.again();
+  expect([own.intervals, own.intervalRows]).toEqual([null, []]);
+  own.leave();
+});
