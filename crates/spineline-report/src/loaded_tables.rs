@@ -54,9 +54,9 @@ impl LoadedTables<'_> {
             Table::new("", vec![Column::words("Shape under load"), Column::words("Value")]);
         let mut add = |name: &str, value: String| table.row(vec![name.to_owned(), value]);
         add("Factor of proportional loads", format!("{:.6}", result.factor));
-        let measures = self.measures();
-        let factor = measures.iter().find(|measure| measure.quantity == LoadedQuantity::Factor);
-        if let Some([_, interval, _]) = factor.and_then(|factor| self.interval_words(factor)) {
+        let factor = (LoadedQuantity::Factor, LoadedState::Loaded);
+        let interval = self.uncertainty.map(|found| interval_words(found, factor, ""));
+        if let Some(interval) = interval.filter(|words| !words.is_empty()) {
             add(&format!("  {INTERVAL}"), interval);
         }
         add("Largest displacement", format!("{moved_mm:.1} mm, at {}", levels[vertebra]));
