@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use spineline::uncertainty::{AppliedLoads, LandmarkNoise, LoadedUncertainty};
+use spineline::uncertainty::{LandmarkNoise, LoadedUncertainty};
 use spineline_files::{Replicates, Request, Simulated};
 
 use crate::api::LineName;
@@ -23,19 +23,6 @@ pub struct LoadIntervalWork {
     pub file: String,
     /// The case's own model under these loads.
     pub simulated: Simulated,
-}
-
-impl LoadIntervalWork {
-    /// The loads on every replicate.
-    pub const fn loads(&self) -> AppliedLoads<'_> {
-        AppliedLoads {
-            kind: self.line.0,
-            support: self.simulated.model.support,
-            loading: &self.simulated.placed.loading,
-            goal: self.simulated.response.goal,
-            largest_factor: None,
-        }
-    }
 }
 
 impl LoadIntervalJobs {

@@ -3,9 +3,11 @@
 mod film_force;
 mod warnings;
 
+use spineline::action::LineKind;
 use spineline::clinical::CurvePlaces;
 use spineline::multibody::{GeneralStatics, Goal, LoadingError, SpringError, Timing};
 use spineline::response::{OnSignedPoint, Response, erect_shape, respond, usual_limit};
+use spineline::uncertainty::AppliedLoads;
 
 use crate::{FileError, LoadFile, PlacedLoads, SimulationFile, SimulationWarning, StoredModel};
 
@@ -84,6 +86,18 @@ impl Simulated {
         let response = respond(&statics, &placed.loading, goal, factor, on_point)?;
         warnings.extend(warnings::warnings(&model, &loads, &placed, &response));
         Ok(Self { model, loads, placed, places, response, warnings })
+    }
+
+    /// The same loads and target on the models of replicates, which are fitted with this line of action.
+    #[must_use]
+    pub fn on_replicates(&self, kind: LineKind, largest_factor: Option<f64>) -> AppliedLoads<'_> {
+        AppliedLoads {
+            kind,
+            support: self.model.support,
+            loading: &self.placed.loading,
+            goal: self.response.goal,
+            largest_factor,
+        }
     }
 
     /// The simulation as a file.

@@ -97,7 +97,7 @@ async fn run(state: AppState, job: Arc<LoadIntervalJob>) {
 /// All replicates, block by block; `None` where they were cancelled.
 async fn all(state: &AppState, job: &Arc<LoadIntervalJob>) -> Answer<Option<LoadedUncertainty>> {
     let found = in_turns(state, job, BLOCK, |job, places| {
-        let loads = job.work.loads();
+        let loads = job.work.simulated.on_replicates(job.work.line.0, None);
         with_monte_carlo(&job.result, |monte_carlo| -> Vec<LoadedReplicate> {
             places.map(|index| monte_carlo.loaded_replicate(index, &loads)).collect()
         })

@@ -2,7 +2,7 @@
 
 use spineline::measure::Outline;
 use spineline::response::LoadedMeasure;
-use spineline::uncertainty::{AppliedLoads, LoadedUncertainty};
+use spineline::uncertainty::LoadedUncertainty;
 use spineline_files::{InputFile, ModelSource, Replicates, Request, Simulated, StoredModel};
 
 use super::args::SimulateArgs;
@@ -61,13 +61,7 @@ impl Source {
         simulated: &Simulated,
         measures: &[LoadedMeasure],
     ) -> Result<Option<LoadedUncertainty>, Failure> {
-        let loads = AppliedLoads {
-            kind: self.source.kind,
-            support: simulated.model.support,
-            loading: &simulated.placed.loading,
-            goal: simulated.response.goal,
-            largest_factor: args.largest_factor,
-        };
+        let loads = simulated.on_replicates(self.source.kind, args.largest_factor);
         let of = (&self.case.case, &self.source.analysis);
         let found = run_loaded_replicates(of, (&loads, measures), &self.asked, args.threads)?;
         Ok((found.done > 0).then_some(found))
