@@ -6,6 +6,7 @@ use std::net::SocketAddr;
 use std::path::{Path, PathBuf};
 use std::pin::Pin;
 use std::task::Context;
+use std::thread::sleep;
 use std::time::Duration;
 
 use axum::Router;
@@ -209,6 +210,18 @@ impl Browser<'_> {
 
     pub fn get(&self, path: &str) -> Answer {
         self.send(Method::GET, path, "", Vec::new())
+    }
+
+    /// What the program says of a computation when it is no longer running.
+    pub fn ended(&self, path: &str) -> Value {
+        for _ in 0..4800 {
+            let view = self.get(path).json();
+            if view["state"] != "running" {
+                return view;
+            }
+            sleep(Duration::from_millis(50));
+        }
+        panic!("{path} does not end");
     }
 
     pub fn post(&self, path: &str, body: &Value) -> Answer {

@@ -1,29 +1,13 @@
 //! Computations in the background: progress, cancel, results, and their place in exports.
 
-use std::thread::sleep;
-use std::time::Duration;
-
 use axum::http::StatusCode;
 use serde_json::{Value, json};
 use spineline::hypothesis::Hypothesis;
 
-use crate::browser::Browser;
 use crate::demo::app_with_demo;
 use crate::films::decoding;
 
 const PATH: &str = "/api/studies/demo-rod-01/computations/replicates";
-
-/// What the program says when it is no longer running.
-fn ended(lead: &Browser<'_>, path: &str) -> Value {
-    for _ in 0..2400 {
-        let view = lead.get(path).json();
-        if view["state"] != "running" {
-            return view;
-        }
-        sleep(Duration::from_millis(100));
-    }
-    panic!("{path} does not end");
-}
 
 #[test]
 fn replicates_are_computed_and_shown_and_cancelled() {
@@ -37,7 +21,7 @@ fn replicates_are_computed_and_shown_and_cancelled() {
 
     let begun = lead.post(PATH, &json!({ "count": 5 }));
     assert_eq!((begun.status, &begun.json()["asked"]), (StatusCode::OK, &json!(5)));
-    let done = ended(&lead, PATH);
+    let done = lead.ended(PATH);
     assert_eq!((&done["state"], &done["done"]), (&json!("done"), &json!(5)), "{done}");
     let intervals = done["intervals"].as_array().expect("intervals");
     let has = |word: &str| {
@@ -72,7 +56,7 @@ fn replicates_are_computed_and_shown_and_cancelled() {
     let twice = lead.post(PATH, &json!({ "count": 10 }));
     assert_eq!((twice.status, twice.code().as_str()), (StatusCode::CONFLICT, "running"));
     assert_eq!(lead.delete(PATH).status, StatusCode::OK);
-    let cancelled = ended(&lead, PATH);
+    let cancelled = lead.ended(PATH);
     assert_eq!(cancelled["state"], "cancelled");
     assert!(cancelled["done"].as_u64().is_some_and(|done| done < 2000), "{cancelled}");
 }
@@ -119,13 +103,13 @@ fn identifiability_and_other_models_are_computed_and_exported() {
         assert_eq!(refused.status, StatusCode::UNPROCESSABLE_ENTITY);
         assert_eq!(lead.post(&path, &json!({})).status, StatusCode::OK);
     }
-    let found = ended(&lead, &path("identifiability"));
+    let found = lead.ended(&path("identifiability"));
     assert_eq!((&found["state"], &found["done"]), (&json!("done"), &json!(3)), "{found}");
     let (cells, pictures) = parts(&found);
     assert_eq!(pictures, ["profiles"]);
     assert_eq!(cells.iter().filter(|cell| *cell == "inflection line").count(), 3, "{cells:?}");
 
-    let found = ended(&lead, &path("models"));
+    let found = lead.ended(&path("models"));
     assert_eq!(found["state"], "done", "{found}");
     let (cells, _) = parts(&found);
     for hypothesis in Hypothesis::compared() {

@@ -1,8 +1,5 @@
 //! Intervals under loads in the background: progress, cancel, which loads they belong to, and their place in the saved file.
 
-use std::thread::sleep;
-use std::time::Duration;
-
 use axum::http::StatusCode;
 use serde_json::{Value, json};
 use spineline::anatomy::LineKind;
@@ -16,17 +13,6 @@ use crate::browser::{App, Browser};
 const LOADS: &str = "/api/studies/S1/loads/inflection_line";
 const PATH: &str = "/api/studies/S1/loads/inflection_line/intervals";
 const COUNT: u64 = 12;
-
-fn ended(lead: &Browser<'_>) -> Value {
-    for _ in 0..1200 {
-        let view = lead.get(PATH).json();
-        if view["state"] != "running" {
-            return view;
-        }
-        sleep(Duration::from_millis(50));
-    }
-    panic!("the replicates do not end");
-}
 
 /// The text of a load file with one force at T2.
 fn push(left: f64, up: f64) -> String {
@@ -55,7 +41,7 @@ fn intervals_are_computed_for_the_loads_that_were_sent_and_saved_with_no_others(
     }
     let begun = lead.post(PATH, &request(COUNT, &file)).json();
     assert_eq!((begun["asked"].as_u64(), begun["file"].as_str()), (Some(COUNT), Some(&*file)));
-    let done = ended(&lead);
+    let done = lead.ended(PATH);
     assert_eq!((&done["state"], &done["done"]), (&json!("done"), &json!(COUNT)), "{done}");
 
     // A row for each row of the table of angles, with an interval for each number.
@@ -127,7 +113,7 @@ fn intervals_are_cancelled_and_computed_once_at_a_time() {
     let twice = lead.post(PATH, &request(5, &push(5.0, 0.0)));
     assert_eq!((twice.status, twice.code().as_str()), (StatusCode::CONFLICT, "running"));
     assert_eq!(lead.delete(PATH).status, StatusCode::OK);
-    let cancelled = ended(&lead);
+    let cancelled = lead.ended(PATH);
     assert_eq!((&cancelled["state"], &cancelled["rows"]), (&json!("cancelled"), &json!([])));
     assert!(cancelled["done"].as_u64().is_some_and(|done| done < 2000), "{cancelled}");
 }
@@ -143,7 +129,7 @@ fn loads_that_cannot_be_applied_are_refused_and_those_without_a_result_are_count
         assert!(refused.text().contains(words), "{}", refused.text());
     }
     assert_eq!(lead.post(PATH, &request(4, &push(0.0, -9000.0))).status, StatusCode::OK);
-    let done = ended(&lead);
+    let done = lead.ended(PATH);
     assert_eq!((&done["state"], &done["rows"]), (&json!("done"), &json!([])), "{done}");
     let texts = done["texts"].to_string();
     assert!(texts.contains("with a result, 0 of 4"), "{texts}");

@@ -1,8 +1,5 @@
 //! Pads in the background: progress, cancel, and a map whose pads do what it says.
 
-use std::thread::sleep;
-use std::time::Duration;
-
 use axum::http::StatusCode;
 use serde_json::{Value, json};
 use spineline_store::Access;
@@ -12,17 +9,6 @@ use crate::browser::{App, Browser};
 
 const LOADS: &str = "/api/studies/S1/loads/inflection_line";
 const PATH: &str = "/api/studies/S1/loads/inflection_line/pad-map";
-
-fn ended(lead: &Browser<'_>) -> Value {
-    for _ in 0..1200 {
-        let view = lead.get(PATH).json();
-        if view["state"] != "running" {
-            return view;
-        }
-        sleep(Duration::from_millis(50));
-    }
-    panic!("the trials do not end");
-}
 
 #[test]
 fn pads_are_tried_shown_and_cancelled() {
@@ -36,7 +22,7 @@ fn pads_are_tried_shown_and_cancelled() {
     let request = json!({ "largest_force": 30.0, "n_per_mm": 2.0 });
     let begun = lead.post(PATH, &request);
     assert_eq!((begun.status, begun.json()["asked"].as_u64()), (StatusCode::OK, Some(112)));
-    let done = ended(&lead);
+    let done = lead.ended(PATH);
     assert_eq!((&done["state"], &done["done"]), (&json!("done"), &json!(112)), "{done}");
     let rows = done["rows"].as_array().expect("rows");
     assert_eq!(
@@ -53,7 +39,7 @@ fn pads_are_tried_shown_and_cancelled() {
     let first = best["load"].clone();
     let request = json!({ "largest_force": 20.0, "n_per_mm": 2.0, "beside": [first] });
     assert_eq!(lead.post(PATH, &request).status, StatusCode::OK);
-    let done = ended(&lead);
+    let done = lead.ended(PATH);
     assert!(done["texts"].to_string().contains("beside the one load that the plan had"), "{done}");
     check_cell(&lead, &best_cell(&done), &[first]);
 }
@@ -71,7 +57,7 @@ fn loads_that_cannot_stand_beside_a_pad_are_refused() {
     assert_eq!(refused.status, StatusCode::UNPROCESSABLE_ENTITY);
     assert!(refused.text().contains("L4"), "{}", refused.text());
     assert_eq!(lead.post(PATH, &force("T2", -1e6)).status, StatusCode::OK);
-    let failed = ended(&lead);
+    let failed = lead.ended(PATH);
     assert_eq!(failed["state"], "failed", "{failed}");
     assert!(failed["texts"][0].as_str().is_some_and(|text| text.contains("no result")), "{failed}");
 }
@@ -111,7 +97,7 @@ fn a_cancelled_map_shows_no_numbers() {
     let request = json!({ "largest_force": 60.0, "n_per_mm": 2.0 });
     assert_eq!(lead.post(PATH, &request).status, StatusCode::OK);
     assert_eq!(lead.delete(PATH).status, StatusCode::OK);
-    let view = ended(&lead);
+    let view = lead.ended(PATH);
     // On a fast machine it may have been done before.
     if view["state"] == "cancelled" {
         assert_eq!((&view["rows"], &view["columns"]), (&json!([]), &json!([])));
