@@ -23,6 +23,20 @@ async function saved(download: Promise<Download>, folder: string): Promise<strin
   return place;
 }
 
+/** What the page saves of a plan: where the files are. */
+async function savedFiles(app: App, page: Page) {
+  const take = async (name: string) => {
+    const download = page.waitForEvent("download");
+    await page.getByRole("button", { name }).click();
+    return saved(download, app.folder);
+  };
+  return {
+    loads: await take("Save loads"),
+    simulation: await take("Save simulation"),
+    model: await take("Save model"),
+  };
+}
+
 const table = (page: Page, name: string) => page.getByRole("group", { name, exact: true });
 
 test("loads are added, edited by keyboard and in the picture, undone, and kept over a reload", async ({
@@ -97,16 +111,7 @@ test("the saved files give the command line the same simulation", async ({ app, 
   await page.getByRole("button", { name: "Strap", exact: true }).click();
   await page.getByRole("button", { name: "Traction", exact: true }).first().click();
   await expect(page.getByText(/^CONVERGED · /)).toBeVisible();
-  const take = async (name: string) => {
-    const download = page.waitForEvent("download");
-    await page.getByRole("button", { name }).click();
-    return saved(download, app.folder);
-  };
-  const [loads, simulation, model] = [
-    await take("Save loads"),
-    await take("Save simulation"),
-    await take("Save model"),
-  ];
+  const { loads, simulation, model } = await savedFiles(app, page);
   const own = path.join(app.folder, "own.json");
   await runProgram("simulate", model, "--load", loads, "--json", own);
   const parsed = async (file: string) => {
@@ -259,16 +264,7 @@ test("intervals belong to their loads, and are those of the command line", async
   await expectAccessible(page);
 
   // The command line has the same numbers from the saved files.
-  const take = async (name: string) => {
-    const download = page.waitForEvent("download");
-    await page.getByRole("button", { name }).click();
-    return saved(download, app.folder);
-  };
-  const [loads, simulation, model] = [
-    await take("Save loads"),
-    await take("Save simulation"),
-    await take("Save model"),
-  ];
+  const { loads, simulation, model } = await savedFiles(app, page);
   const { origin } = new URL(page.url());
   const made = await page.request.get(`${origin}/api/studies/${DEMO}/exports/analysis`);
   const analysis = path.join(app.folder, "analysis.json");
