@@ -104,17 +104,19 @@ pub fn doctest(plan: &Plan<'_>) -> Result<(), String> {
     cargo_on(plan, &["test", "--doc"], &[], &[])
 }
 
-/// Documentation of the libraries.
+/// Documentation of the libraries, and of those programs whose name is that of no library.
 pub fn rustdoc(plan: &Plan<'_>) -> Result<(), String> {
+    let command = ["doc", "--no-deps", "--quiet", "--lib"];
+    let programs = ["--bin", "xtask", "--bin", "spineline-peers"];
     // An example asks for the features that the lints' tests ask for.
-    let command = ["doc", "--no-deps", "--quiet", "--lib", "--example", "dictionary"];
+    let targets = [&programs[..], &["--example", "dictionary"]].concat();
     let [wrapper, arguments] = as_linted(plan.root)?;
     let variables = [
         ("RUSTDOCFLAGS", "--deny warnings"),
         (wrapper.0, &wrapper.1[..]),
         (arguments.0, &arguments.1[..]),
     ];
-    cargo_on(plan, &command, &[], &variables)
+    cargo_on(plan, &command, &targets, &variables)
 }
 
 /// Quick tests of some crates and of all that depend on them.
