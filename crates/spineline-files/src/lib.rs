@@ -38,6 +38,7 @@ mod simulated;
 mod simulation_file;
 mod simulation_uncertainty;
 mod stiffness_file;
+mod stored_hypotheses;
 mod stored_identifiability;
 mod stored_uncertainty;
 
@@ -71,8 +72,11 @@ pub use rotation_prior_file::{RotationPriorFile, StoredRotationPrior, parse_rota
 pub use simulated::{Simulated, SimulationError};
 pub use simulation_file::{SimulationFile, SimulationWarning};
 pub use stiffness_file::{StiffnessFile, parse_stiffness};
+pub use stored_hypotheses::{hypotheses_text, parse_hypotheses};
 pub use stored_identifiability::{identifiability_text, parse_identifiability};
-pub use stored_uncertainty::{parse_uncertainty, uncertainty_text};
+pub use stored_uncertainty::{
+    loaded_uncertainty_text, parse_loaded_uncertainty, parse_uncertainty, uncertainty_text,
+};
 
 use schemars::Schema;
 

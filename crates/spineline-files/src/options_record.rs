@@ -100,7 +100,7 @@ impl From<OrderRuleKey> for String {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(try_from = "String", into = "String")]
 #[schemars(with = "String")]
-struct HypothesisKey(Hypothesis);
+pub(crate) struct HypothesisKey(pub(crate) Hypothesis);
 
 impl TryFrom<String> for HypothesisKey {
     type Error = String;

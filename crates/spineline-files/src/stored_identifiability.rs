@@ -41,10 +41,10 @@ enum StoredEnd {
     Lost(f64),
 }
 
-/// A standard deviation that may be infinite, which JSON cannot say.
+/// A number that may be infinite, which JSON cannot say.
 #[derive(Serialize, Deserialize)]
 #[serde(transparent)]
-struct Limit(Option<f64>);
+pub(crate) struct Limit(Option<f64>);
 
 impl From<f64> for Limit {
     fn from(value: f64) -> Self {

@@ -3,7 +3,9 @@
 use serde::{Deserialize, Serialize};
 use spineline::action::LineKind;
 use spineline::anatomy::Posture;
-use spineline::uncertainty::{Absent, FailureCount, QuantitySpread, Spread, Uncertainty};
+use spineline::uncertainty::{
+    Absent, FailureCount, LoadedSpread, LoadedUncertainty, QuantitySpread, Spread, Uncertainty,
+};
 
 use crate::keys::Key;
 
@@ -31,8 +33,28 @@ struct StoredFailure {
 struct StoredSpread {
     count: u64,
     absent: Vec<(Key<Absent>, u64)>,
-    /// Mean, standard deviation, quantiles.
-    spread: Option<(f64, f64, [f64; 5])>,
+    spread: Option<StoredValues>,
+}
+
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct StoredLoaded {
+    done: u64,
+    usable: u64,
+    endings: Vec<(String, u64)>,
+    /// Count and values, in the order of the measures.
+    numbers: Vec<(u64, Option<StoredValues>)>,
+}
+
+/// Mean, standard deviation, quantiles.
+type StoredValues = (f64, f64, [f64; 5]);
+
+fn stored_values(spread: Spread) -> StoredValues {
+    (spread.mean, spread.sd, spread.quantiles)
+}
+
+fn spread_of((mean, sd, quantiles): StoredValues) -> Spread {
+    Spread { mean, sd, quantiles }
 }
 
 /// The replicates of a case as text.
@@ -47,7 +69,7 @@ pub fn uncertainty_text(found: &Uncertainty) -> String {
     let spread = |one: &QuantitySpread| StoredSpread {
         count: one.count,
         absent: one.absent.iter().map(|(why, count)| (Key(*why), *count)).collect(),
-        spread: one.spread.map(|s| (s.mean, s.sd, s.quantiles)),
+        spread: one.spread.map(stored_values),
     };
     crate::to_line(&Stored {
         done: found.done,
@@ -69,7 +91,7 @@ pub fn parse_uncertainty(text: &str, empty: Uncertainty) -> Option<Uncertainty> 
     let spread = |(one, kept): (&QuantitySpread, StoredSpread)| QuantitySpread {
         count: kept.count,
         absent: kept.absent.into_iter().map(|(why, count)| (why.0, count)).collect(),
-        spread: kept.spread.map(|(mean, sd, quantiles)| Spread { mean, sd, quantiles }),
+        spread: kept.spread.map(spread_of),
         ..one.clone()
     };
     let failure = |one: StoredFailure| FailureCount {
@@ -83,6 +105,41 @@ pub fn parse_uncertainty(text: &str, empty: Uncertainty) -> Option<Uncertainty> 
         failed: stored.failed,
         failures: stored.failures.into_iter().map(failure).collect(),
         quantities: spreads.map(spread).collect(),
+        ..empty
+    })
+}
+
+/// The replicates of a model under loads as text.
+#[must_use]
+pub fn loaded_uncertainty_text(found: &LoadedUncertainty) -> String {
+    let endings = found.endings.iter();
+    let number = |one: &LoadedSpread| (one.count, one.spread.map(stored_values));
+    crate::to_line(&StoredLoaded {
+        done: found.done,
+        usable: found.usable,
+        endings: endings.map(|(code, count)| (code.to_string(), *count)).collect(),
+        numbers: found.numbers.iter().map(number).collect(),
+    })
+}
+
+/// Reads what [`loaded_uncertainty_text`] wrote. `empty` is the same model and loads without a replicate, such as an empty
+/// [`LoadedTally`](spineline::uncertainty::LoadedTally) gives; `None` where the text does not belong to it.
+#[must_use]
+pub fn parse_loaded_uncertainty(text: &str, empty: LoadedUncertainty) -> Option<LoadedUncertainty> {
+    let stored: StoredLoaded = serde_json::from_str(text).ok()?;
+    if stored.numbers.len() != empty.numbers.len() {
+        return None;
+    }
+    let numbers = empty.numbers.iter().zip(stored.numbers);
+    let number = |(one, (count, values)): (&LoadedSpread, (u64, Option<StoredValues>))| {
+        LoadedSpread { count, spread: values.map(spread_of), ..one.clone() }
+    };
+    let endings = stored.endings.into_iter();
+    Some(LoadedUncertainty {
+        done: stored.done,
+        usable: stored.usable,
+        endings: endings.map(|(code, count)| (code.into(), count)).collect(),
+        numbers: numbers.map(number).collect(),
         ..empty
     })
 }

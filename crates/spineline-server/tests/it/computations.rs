@@ -124,14 +124,22 @@ fn identifiability_and_other_models_are_computed_and_exported() {
     assert!(request.identifiability);
     assert_eq!(request.options.hypotheses, Hypothesis::compared());
 
-    // What the films say is kept over a restart; the comparison of models is not.
-    let said = lead.get(&path("identifiability")).json();
+    // Both are kept over a restart, for these landmarks and options, with every number and warning.
+    let kinds = ["identifiability", "models"];
+    let said = kinds.map(|kind| lead.get(&path(kind)).json());
+    let written = |text: &str| {
+        let analysis: Value = serde_json::from_str(text).expect("JSON");
+        ["hypotheses", "warnings"].map(|key| analysis[key].clone())
+    };
+    let before = written(&analysis);
     let app = app.restarted(decoding());
     let lead = app.observer("Ann");
-    assert_eq!(lead.get(&path("identifiability")).json(), said);
+    let analysis = lead.get("/api/studies/demo-rod-01/exports/analysis").text();
+    assert_eq!(written(&analysis), before);
+    assert_eq!(kinds.map(|kind| lead.get(&path(kind)).json()), said);
     let report = lead.get("/api/studies/demo-rod-01/exports/report").text();
     assert!(report.contains("Profile likelihood of the multipliers"));
-    assert_eq!(lead.get(&path("models")).json()["state"], "none");
+    assert!(report.contains("Loads and bases compared"));
 
     // Other options are other results.
     let change = json!({

@@ -1,9 +1,12 @@
 //! Other loads and bases than the lines, where requested.
 
+use super::Analysis;
 use super::findings::Findings;
 use crate::clinical::{RegionBounds, ferguson_angle};
 use crate::evaluate::RotationPrior;
-use crate::hypothesis::{HypothesisFilm, HypothesisFit, LossReason, Spine, fit_hypothesis};
+use crate::hypothesis::{
+    Hypothesis, HypothesisFilm, HypothesisFit, LossReason, Spine, fit_hypothesis,
+};
 use crate::multibody::{MAX_HUMAN_COLUMN, MAX_HUMAN_JOINT};
 use crate::personalize::FitStatus;
 use crate::spatial::Frontal;
@@ -47,13 +50,32 @@ pub(super) fn fit_hypotheses(
                 warn_of_endings(&fit, warnings);
                 fits.push(fit);
             }
-            None => {
-                let text = format!("{hypothesis}: no bending film has such a line");
-                warnings.push(Step::Action, "no_line", text);
-            }
+            None => warn_of_no_line(hypothesis, warnings),
         }
     }
     fits
+}
+
+impl Analysis {
+    /// The same analysis with these loads and bases, as [`analyze`](super::analyze) gives it where its options ask for them: for fits
+    /// that were made one by one, or read from a file. Their warnings follow its own.
+    ///
+    /// The fits have to be those to the same films and options; an analysis without bends or without a scale has none.
+    #[must_use]
+    pub fn with_hypotheses(&self, asked: Vec<Hypothesis>, fits: Vec<HypothesisFit>) -> Self {
+        let mut warnings = Warnings::default();
+        for &hypothesis in &asked {
+            match fits.iter().find(|fit| fit.hypothesis == hypothesis) {
+                Some(fit) => warn_of_endings(fit, &mut warnings),
+                None => warn_of_no_line(hypothesis, &mut warnings),
+            }
+        }
+        let mut all = self.clone();
+        all.options.hypotheses = asked;
+        all.hypotheses = fits;
+        all.warnings.merge(&warnings);
+        all
+    }
 }
 
 /// The apex of the erect curve with the largest Ferguson angle.
@@ -63,6 +85,11 @@ fn largest_apex(findings: Findings<'_>) -> usize {
     let bounds = findings.regions.bounds.iter();
     let largest = bounds.max_by(|a, b| size(a).rad().total_cmp(&size(b).rad()));
     largest.expect("there are three regions").apex
+}
+
+fn warn_of_no_line(hypothesis: Hypothesis, warnings: &mut Warnings) {
+    let text = format!("{hypothesis}: no bending film has such a line");
+    warnings.push(Step::Action, "no_line", text);
 }
 
 fn warn_of_endings(fit: &HypothesisFit, warnings: &mut Warnings) {

@@ -2,15 +2,16 @@
 
 use std::sync::Arc;
 
+use spineline::hypothesis::Hypothesis;
 use spineline_files::{
-    CaseFile, identifiability_text, parse_identifiability, parse_uncertainty, to_line,
-    uncertainty_text,
+    CaseFile, hypotheses_text, identifiability_text, parse_hypotheses, parse_identifiability,
+    parse_uncertainty, to_line, uncertainty_text,
 };
 use spineline_store::KeptComputation;
 
+use super::models;
 use super::replicates::{SEED, with_monte_carlo};
 use crate::computation_jobs::{ComputationJob, Found, JobKind};
-use crate::jobs::Ending;
 use crate::problem::Answer;
 use crate::result_cache::{StudyResult, computed};
 use crate::results::exports::PROGRAM;
@@ -21,16 +22,18 @@ use crate::state::AppState;
 enum Kept {
     Replicates,
     Identifiability,
+    Models,
 }
 
 impl Kept {
-    const ALL: [Self; 2] = [Self::Replicates, Self::Identifiability];
+    const ALL: [Self; 3] = [Self::Replicates, Self::Identifiability, Self::Models];
 
     /// Its name in the store.
     const fn key(self) -> &'static str {
         match self {
             Self::Replicates => "replicates",
             Self::Identifiability => "identifiability",
+            Self::Models => "models",
         }
     }
 
@@ -38,26 +41,30 @@ impl Kept {
         match self {
             Self::Replicates => JobKind::Replicates,
             Self::Identifiability => JobKind::Identifiability,
+            Self::Models => JobKind::Models,
         }
     }
 
-    /// Everything that it is computed from, with the numbers of the case itself: another version of the program has others.
+    /// Everything that it is computed from.
     fn inputs(self, result: &StudyResult) -> Answer<String> {
-        let case = to_line(&CaseFile::from_case(&result.current.usable_case()));
-        let options = to_line(&result.current.options);
+        let fits = || -> Answer<String> {
+            let models = result.analysed()?.models.iter();
+            let fits = models.map(|model| format!("{:?}", model.fit.log_multipliers));
+            Ok(fits.collect::<Vec<_>>().join("\n"))
+        };
         let numbers = match self {
             Self::Replicates => with_monte_carlo(result, |monte_carlo| {
                 let nominal = monte_carlo.tally().finish(0).quantities;
                 let values = nominal.iter().map(|one| format!("{:?}", one.nominal));
                 values.collect::<Vec<_>>().join("\n")
             })?,
-            Self::Identifiability => {
-                let models = result.analysed()?.models.iter();
-                let fits = models.map(|model| format!("{:?}", model.fit.log_multipliers));
-                fits.collect::<Vec<_>>().join("\n")
+            Self::Identifiability => fits()?,
+            Self::Models => {
+                let asked = Hypothesis::compared().into_iter().map(Hypothesis::key);
+                format!("{}\n{}", fits()?, asked.collect::<Vec<_>>().join(" "))
             }
         };
-        Ok(format!("{PROGRAM}\n{SEED}\n{case}\n{options}\n{numbers}"))
+        Ok(inputs_with(result, &numbers))
     }
 
     /// Reads what was kept; `None` where it is not of these results.
@@ -72,26 +79,44 @@ impl Kept {
                 Some(Found::Replicates(Box::new(found)))
             }
             Self::Identifiability => parse_identifiability(&kept.found).map(Found::Identifiability),
+            Self::Models => {
+                let fits = parse_hypotheses(&kept.found)?;
+                let compared = models::compared(result.analysis()?, fits);
+                Some(Found::Models(Box::new(compared)))
+            }
         }
     }
 }
 
-/// Keeps a finished computation. A store that cannot be written keeps nothing: the page has it all the same.
-pub async fn keep(state: &AppState, job: &Arc<ComputationJob>) {
+/// Program, case and options, with numbers of the case itself: another version of the program has others.
+pub fn inputs_with(result: &StudyResult, numbers: &str) -> String {
+    let case = to_line(&CaseFile::from_case(&result.current.usable_case()));
+    let options = to_line(&result.current.options);
+    format!("{PROGRAM}\n{SEED}\n{case}\n{options}\n{numbers}")
+}
+
+/// Keeps what a computation has found, before it is shown. A store that cannot be written keeps nothing: the page has it all the same.
+///
+/// # Errors
+/// A panic of the work.
+pub async fn keep(state: &AppState, job: &Arc<ComputationJob>, found: Found) -> Answer<Found> {
     let of = Arc::clone(job);
     let made = computed(move || {
-        let Some(Ending::Done(found)) = of.ending.get() else { return None };
-        let (kind, text) = match found {
+        let (kind, text) = match &found {
             Found::Replicates(found) => (Kept::Replicates, uncertainty_text(found)),
             Found::Identifiability(found) => (Kept::Identifiability, identifiability_text(found)),
-            Found::Models(_) => return None,
+            Found::Models(found) => (Kept::Models, hypotheses_text(&found.hypotheses)),
         };
-        let inputs = kind.inputs(&of.result).ok()?;
-        Some((kind.key(), KeptComputation::new(&inputs, of.asked, text)))
+        let inputs = kind.inputs(&of.result).ok();
+        let kept = inputs.map(|inputs| KeptComputation::new(&inputs, of.asked, text));
+        (found, kind.key(), kept)
     });
-    let Ok(Some((key, kept))) = made.await else { return };
-    let study = job.result.study.clone();
-    let _ = state.store(move |store| store.keep_computation(&study, key, &kept)).await;
+    let (found, key, kept) = made.await?;
+    if let Some(kept) = kept {
+        let study = job.result.study.clone();
+        let _ = state.store(move |store| store.keep_computation(&study, key, &kept)).await;
+    }
+    Ok(found)
 }
 
 /// Makes what is kept of these results known, where nothing is known of it yet.

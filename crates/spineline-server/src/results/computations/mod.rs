@@ -24,7 +24,7 @@ use crate::problem::{Answer, Failure};
 use crate::result_cache::{StudyResult, computed};
 use crate::session::User;
 use crate::state::AppState;
-pub use kept::recall;
+pub use kept::{inputs_with, recall};
 use view::view;
 
 pub fn routes() -> OpenApiRouter<AppState> {
@@ -139,8 +139,11 @@ async fn run(state: AppState, kind: JobKind, job: Arc<ComputationJob>) {
         JobKind::Identifiability => identifiability(&state, &job).await,
         JobKind::Models => models::all(&state, &job).await,
     };
+    let found = match found {
+        Ok(Some(found)) => kept::keep(&state, &job, found).await.map(Some),
+        other => other,
+    };
     job.end(found);
-    kept::keep(&state, &job).await;
 }
 
 /// One step after another in its turn, each with its number; `None` where they were cancelled.

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use axum::http::StatusCode;
 use spineline::analysis::{Analysis, AnalysisOptions, analyze};
-use spineline::hypothesis::Hypothesis;
+use spineline::hypothesis::{Hypothesis, HypothesisFit};
 
 use super::in_turns;
 use crate::computation_jobs::{ComputationJob, Found};
@@ -20,18 +20,18 @@ pub fn steps() -> u64 {
 /// The analysis with all loads and bases, one after another; `None` where it was cancelled.
 pub async fn all(state: &AppState, job: &Arc<ComputationJob>) -> Answer<Option<Found>> {
     let found = in_turns(state, job, 1, |job, places| {
-        let compared = Hypothesis::compared();
-        let chosen = places.filter_map(|place| compared.get(usize::try_from(place).ok()?));
+        let asked = Hypothesis::compared();
+        let chosen = places.filter_map(|place| asked.get(usize::try_from(place).ok()?));
         chosen.map(|&one| with(&job.result, one)).collect()
     });
     let Some(found) = found.await? else { return Ok(None) };
-    let mut all = job.result.analysed()?.clone();
-    all.options.hypotheses = Hypothesis::compared();
-    for one in found {
-        all.hypotheses.extend(one.hypotheses);
-        all.warnings.merge(&one.warnings);
-    }
-    Ok(Some(Found::Models(Box::new(all))))
+    let fits = found.into_iter().flat_map(|one| one.hypotheses).collect();
+    Ok(Some(Found::Models(Box::new(compared(job.result.analysed()?, fits)))))
+}
+
+/// An analysis with all loads and bases that are compared.
+pub fn compared(analysis: &Analysis, fits: Vec<HypothesisFit>) -> Analysis {
+    analysis.with_hypotheses(Hypothesis::compared(), fits)
 }
 
 /// The analysis with one load and base.

@@ -18,6 +18,7 @@ use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
 
 use super::exports::{PROGRAM, internal, log, provenance};
+use super::load_intervals::recall;
 use crate::access::{open_study, study_result};
 use crate::api::{FileOfLoads, LineName, LoadMenu, LoadedModel, Problem};
 use crate::attachment::attachment;
@@ -94,6 +95,8 @@ async fn simulation_file(
 ) -> Answer<Response> {
     let study = open_study(&state, &user, &study).await?;
     let result = study_result(&state, &study).await?;
+    // The intervals of an earlier start of the program are saved too.
+    recall(&state, &result).await?;
     let intervals = state.load_intervals().of_line(&result, line);
     let made = computed(move || {
         let mut file = simulated_file(&result, line, &text)?.file(PROGRAM);

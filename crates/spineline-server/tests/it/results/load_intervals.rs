@@ -8,7 +8,7 @@ use spineline_files::{ModelSource, Simulated, parse_analysis, parse_load, parse_
 use spineline_store::Access;
 
 use super::server::{READER, add_read_study, phantom};
-use crate::browser::{App, Browser};
+use crate::browser::{App, Browser, options};
 
 const LOADS: &str = "/api/studies/S1/loads/inflection_line";
 const PATH: &str = "/api/studies/S1/loads/inflection_line/intervals";
@@ -67,8 +67,21 @@ fn intervals_are_computed_for_the_loads_that_were_sent_and_saved_with_no_others(
     let other = serde_json::from_str(&push(11.0, 0.0)).expect("JSON");
     let saved = lead.post(&format!("{LOADS}/simulation"), &other).json();
     assert_eq!(saved["uncertainty"], Value::Null);
-    let other = lead.get("/api/studies/S1/loads/iliac_line/intervals").json();
-    assert_eq!(other["state"], "none");
+    let of_other_line = "/api/studies/S1/loads/iliac_line/intervals";
+    assert_eq!(lead.get(of_other_line).json()["state"], "none");
+
+    // They are kept over a restart, for these landmarks and options.
+    let app = app.restarted(options(Access::Token));
+    let lead = app.observer(READER);
+    saved_with_the_intervals_of_the_command_line(&lead, &file);
+    assert_eq!(lead.get(PATH).json(), done);
+    assert_eq!(lead.get(of_other_line).json()["state"], "none");
+    let change = json!({
+        "expected_revision": 0, "reset": false,
+        "options": [{ "name": "support", "value": "free" }]
+    });
+    assert_eq!(lead.put("/api/studies/S1/options", &change).status, StatusCode::OK);
+    assert_eq!(lead.get(PATH).json()["state"], "none");
 }
 
 /// Oracle: the library with the files that are saved, as `simulate --replicates` does.

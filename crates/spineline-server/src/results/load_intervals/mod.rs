@@ -1,11 +1,13 @@
 //! Intervals of a model under loads by landmark noise: replicates in the background, with progress and cancel.
 
+mod kept;
+
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
 
 use axum::extract::State;
 use axum::http::StatusCode;
-use spineline::uncertainty::{LoadedReplicate, LoadedUncertainty};
+use spineline::uncertainty::{LoadedReplicate, LoadedTally, LoadedUncertainty};
 use spineline_store::Role;
 use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
@@ -20,9 +22,10 @@ use crate::extract::{Json, Path};
 use crate::jobs::Ending;
 use crate::load_interval_jobs::{LoadIntervalJob, LoadIntervalWork};
 use crate::problem::{Answer, Failure};
-use crate::result_cache::computed;
+use crate::result_cache::{StudyResult, computed};
 use crate::session::User;
 use crate::state::AppState;
+pub use kept::recall;
 
 pub fn routes() -> OpenApiRouter<AppState> {
     OpenApiRouter::new().routes(routes!(load_intervals, compute_load_intervals, cancel_intervals))
@@ -39,6 +42,7 @@ async fn load_intervals(
     Path((study, line)): Path<(String, LineName)>,
 ) -> Answer<Json<LoadIntervalsView>> {
     let result = analysed(&state, &user, &study, Role::Reader).await?;
+    recall(&state, &result).await?;
     let job = state.load_intervals().of_line(&result, line);
     computed(move || view(job.as_deref())).await.map(Json)
 }
@@ -91,6 +95,10 @@ async fn cancel_intervals(
 
 async fn run(state: AppState, job: Arc<LoadIntervalJob>) {
     let found = all(&state, &job).await;
+    let found = match found {
+        Ok(Some(found)) => kept::keep(&state, &job, found).await.map(Some),
+        other => other,
+    };
     job.end(found);
 }
 
@@ -105,14 +113,22 @@ async fn all(state: &AppState, job: &Arc<LoadIntervalJob>) -> Answer<Option<Load
     let Some(found) = found.await? else { return Ok(None) };
     let of = Arc::clone(job);
     let uncertainty = computed(move || {
-        let measures = tables(of.result.analysed()?, &of.work.simulated, None).measures();
-        with_monte_carlo(&of.result, |monte_carlo| {
-            let mut tally = monte_carlo.loaded_tally(&measures);
+        tally(&of.result, &of.work, |mut tally| {
             found.iter().for_each(|replicate| tally.add(replicate));
             tally.finish(of.asked)
         })
     });
     uncertainty.await?.map(Some)
+}
+
+/// An empty tally of replicates for what the case's own model shows under these loads.
+fn tally<T>(
+    result: &StudyResult,
+    work: &LoadIntervalWork,
+    use_it: impl FnOnce(LoadedTally<'_>) -> T,
+) -> Answer<T> {
+    let measures = tables(result.analysed()?, &work.simulated, None).measures();
+    with_monte_carlo(result, |monte_carlo| use_it(monte_carlo.loaded_tally(&measures)))
 }
 
 /// State, progress and intervals.

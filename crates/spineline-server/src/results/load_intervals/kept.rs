@@ -1,0 +1,104 @@
+//! Intervals under loads that are kept with the study, over a restart of the program: the last ones of whichever line and loads.
+
+use std::sync::Arc;
+
+use serde::{Deserialize, Serialize};
+use spineline::uncertainty::LoadedUncertainty;
+use spineline_files::{loaded_uncertainty_text, parse_loaded_uncertainty, to_line};
+use spineline_store::KeptComputation;
+
+use super::tally;
+use crate::api::LineName;
+use crate::load_interval_jobs::{LoadIntervalJob, LoadIntervalWork};
+use crate::problem::Answer;
+use crate::result_cache::{StudyResult, computed};
+use crate::results::computations::inputs_with;
+use crate::results::loads::simulated_file;
+use crate::state::AppState;
+
+/// Its name in the store.
+const KEY: &str = "load_intervals";
+
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Stored {
+    line: LineName,
+    /// The load file as it was sent.
+    file: String,
+    replicates: String,
+}
+
+/// Keeps intervals before they are shown. A store that cannot be written keeps nothing: the page has them all the same.
+///
+/// # Errors
+/// A panic of the work.
+pub async fn keep(
+    state: &AppState,
+    job: &Arc<LoadIntervalJob>,
+    found: LoadedUncertainty,
+) -> Answer<LoadedUncertainty> {
+    let of = Arc::clone(job);
+    let made = computed(move || {
+        let kept = kept(&of, &found).ok();
+        (found, kept)
+    });
+    let (found, kept) = made.await?;
+    if let Some(kept) = kept {
+        let study = job.result.study.clone();
+        let _ = state.store(move |store| store.keep_computation(&study, KEY, &kept)).await;
+    }
+    Ok(found)
+}
+
+fn kept(job: &LoadIntervalJob, found: &LoadedUncertainty) -> Answer<KeptComputation> {
+    let work = &job.work;
+    let empty = tally(&job.result, work, |tally| tally.finish(job.asked))?;
+    let stored = Stored {
+        line: work.line,
+        file: work.file.clone(),
+        replicates: loaded_uncertainty_text(found),
+    };
+    let inputs = inputs(&job.result, work, &empty);
+    Ok(KeptComputation::new(&inputs, job.asked, to_line(&stored)))
+}
+
+/// Makes what is kept of these results known, where nothing is known of them yet.
+///
+/// # Errors
+/// Errors of reading the store.
+pub async fn recall(state: &AppState, result: &Arc<StudyResult>) -> Answer<()> {
+    if state.load_intervals().of(result, ()).is_some() {
+        return Ok(());
+    }
+    let study = result.study.clone();
+    let kept = state.store(move |store| store.computation(&study, KEY)).await?;
+    let Some(kept) = kept else { return Ok(()) };
+    let (of, asked) = (Arc::clone(result), kept.asked);
+    if let Some((work, found)) = computed(move || read(&of, &kept)).await? {
+        state.load_intervals().recall(result, ((), work), asked, found);
+    }
+    Ok(())
+}
+
+/// Reads what was kept; `None` where it is not of these results.
+fn read(
+    result: &StudyResult,
+    kept: &KeptComputation,
+) -> Option<(LoadIntervalWork, LoadedUncertainty)> {
+    let Stored { line, file, replicates } = serde_json::from_str(&kept.found).ok()?;
+    let simulated = simulated_file(result, line, &file).ok()?;
+    let work = LoadIntervalWork { line, file, simulated };
+    let empty = tally(result, &work, |tally| tally.finish(kept.asked)).ok()?;
+    if !kept.is_of(&inputs(result, &work, &empty)) {
+        return None;
+    }
+    Some((work, parse_loaded_uncertainty(&replicates, empty)?))
+}
+
+/// Everything that they are computed from.
+fn inputs(result: &StudyResult, work: &LoadIntervalWork, empty: &LoadedUncertainty) -> String {
+    let values = empty.numbers.iter().map(|one| format!("{:?}", one.nominal));
+    let values = values.collect::<Vec<_>>().join("\n");
+    let numbers = format!("{}\n{}\n{values}", work.line.0.key(), work.file);
+    inputs_with(result, &numbers)
+}
