@@ -36,8 +36,16 @@ fn size_change_words(erect_deg: f64, loaded_deg: f64) -> String {
         return "reversed".to_owned();
     }
     let more_deg = loaded_deg.abs() - erect_deg.abs();
-    let word = if more_deg < 0.0 { "less" } else { "more" };
-    format!("{} {word}", Angle::from_deg(more_deg.abs()))
+    let size = size_words(more_deg);
+    match more_deg {
+        _ if size == size_words(0.0) => size,
+        less if less < 0.0 => format!("{size} less"),
+        _ => format!("{size} more"),
+    }
+}
+
+fn size_words(deg: f64) -> String {
+    Angle::from_deg(deg).abs().to_string()
 }
 
 /// The 95 % interval of a number that stands above it, such as `12.1° to 14.0°`; empty where it has none. Its side is named where the
@@ -71,8 +79,12 @@ pub(crate) fn interval_words(
         LoadedQuantity::TopOffset | LoadedQuantity::CoronalBalance => {
             (" mm", &|mm| format!("{:.1}", mm.abs()))
         }
-        _ => ("", &|deg| Angle::from_deg(deg).abs().to_string()),
+        _ => ("", &size_words),
     };
+    // What is written as zero has no side.
+    if [low, high].map(size) == [0.0, 0.0].map(size) {
+        return format!("{} to {}{unit}", size(0.0), size(0.0));
+    }
     if low < 0.0 && high > 0.0 {
         return format!("{}{unit}{below} to {}{unit}{above}", size(low), size(high));
     }
@@ -159,5 +171,16 @@ mod tests {
         assert_eq!(size_change_words(-30.0, -27.5), "2.5° less");
         assert_eq!(size_change_words(30.0, 31.0), "1.0° more");
         assert_eq!(size_change_words(3.0, -1.0), "reversed");
+    }
+
+    #[test]
+    fn what_is_written_as_zero_has_no_side() {
+        assert_eq!(size_change_words(30.0, 30.01), "0.0°");
+        assert_eq!(size_change_words(30.0, 29.99), "0.0°");
+        let change = LoadedState::Change;
+        assert_eq!(below("0.0°", COBB, 30.0, change, [-0.01, 0.02]), "0.0° to 0.0°");
+        assert_eq!(below("0.0°", COBB, 30.0, change, [0.01, 0.2]), "0.0° to 0.2° more");
+        let offset = LoadedQuantity::TopOffset;
+        assert_eq!(found(offset, 0.0, change, [0.01, 0.02]), "0.0 to 0.0 mm");
     }
 }
