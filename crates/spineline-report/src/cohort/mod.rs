@@ -9,7 +9,7 @@ mod readers;
 use spineline::analysis::{Analysis, Subject};
 use spineline::warning::counted;
 
-use crate::document::{Document, Section};
+use crate::document::{Document, Notice, Section};
 use crate::{hypotheses, patient};
 pub use by_patient::PatientRow;
 pub use people::{Refusal, Refused};
@@ -52,7 +52,7 @@ pub fn report(patients: &Patients<'_>) -> Document {
         title: "Cohort report".to_owned(),
         subject: size(patients.analyses.len()),
         generator: patients.generator.to_owned(),
-        banners: patient::banners(patients.together.synthetic),
+        banners: banners(patients),
         sections,
         analysis: patients.json.to_owned(),
     }
@@ -88,6 +88,13 @@ pub fn summary(
         sections,
         analysis: String::new(),
     }
+}
+
+fn banners(patients: &Patients<'_>) -> Vec<Notice> {
+    let mut all = patient::banners(patients.together.synthetic);
+    // All patients of a run share their options.
+    all.extend(patients.analyses.first().and_then(|first| patient::of_options(&first.options)));
+    all
 }
 
 fn size(patients: usize) -> String {

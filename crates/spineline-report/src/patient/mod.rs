@@ -84,7 +84,7 @@ pub(crate) fn banners(synthetic: bool) -> Vec<Notice> {
 }
 
 /// A notice of the model options that differ from the defaults, where any does.
-fn of_options(options: &AnalysisOptions) -> Option<Notice> {
+pub(crate) fn of_options(options: &AnalysisOptions) -> Option<Notice> {
     let changed = method::changed(options);
     let text = format!("Model options are not the defaults. {changed}.");
     (!changed.is_empty()).then(|| Notice::new(NoticeKind::Banner, text))

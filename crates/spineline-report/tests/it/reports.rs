@@ -141,6 +141,8 @@ fn a_banner_names_the_options_that_differ_from_the_defaults() {
         assert!(text.contains(part), "{part}: {text}");
     }
     assert!(!text.contains("gauge") && !text.contains("Stiffness"), "{text}");
+    let cohort = cohort_report(&[analysis], std::slice::from_ref(&case.subject), &[]);
+    assert_eq!(cohort.banners[2].text, *text);
 }
 
 #[test]
