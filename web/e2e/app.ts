@@ -99,9 +99,9 @@ export class App {
   }
 }
 
-/** Runs a command of the program to its end, such as to make phantoms. */
-export async function runProgram(...args: string[]): Promise<void> {
-  await promisify(execFile)(PROGRAM, args);
+/** Runs a command of the program to its end, such as to make phantoms; gives what it printed. */
+export async function runProgram(...args: string[]): Promise<string> {
+  return (await promisify(execFile)(PROGRAM, args)).stdout;
 }
 
 /** The same with standard input, such as a password. */

@@ -1,6 +1,6 @@
 import type { Page } from "@playwright/test";
 
-import { DEMO, expect, expectAccessible, shot, test, type App } from "./app";
+import { DEMO, expect, expectAccessible, runProgram, shot, test, type App } from "./app";
 
 test.use({ hasDemo: true });
 
@@ -73,6 +73,40 @@ test("a known force sets the level of stiffness, and an impossible one is refuse
   await dialog.getByLabel("Scale constraint (gauge)").fill("known-force:left_bending=80");
   await dialog.getByRole("button", { name: "Apply" }).click();
   await expect(page.getByText("scaled to the known force").first()).toBeVisible();
+});
+
+test("a stiffness table and lines of one's own are kept with the study and named", async ({
+  app,
+  page,
+}) => {
+  await demo(app, page);
+  await openModel(page);
+  const options = page.getByRole("button", { name: "Options…" });
+  await options.click();
+  const dialog = page.getByRole("dialog", { name: "Model options" });
+  const file = dialog.getByLabel("Open a file for “Stiffness table”");
+  const apply = dialog.getByRole("button", { name: "Apply" });
+  const own = (text: string) => ({
+    name: "own.json",
+    mimeType: "application/json",
+    buffer: Buffer.from(text),
+  });
+  await file.setInputFiles(own("{}"));
+  await apply.click();
+  await expect(dialog.getByRole("alert")).toContainText("spineline-stiffness");
+  await file.setInputFiles(own(await runProgram("stiffness", "in-vitro")));
+  await dialog
+    .getByLabel("Given line of action")
+    .fill("left_bending=20,150,-5; right_bending=-20,150,5");
+  await apply.click();
+  await expect(dialog).toBeHidden();
+  await expect(
+    page.getByText(/Stiffness table: own\.json \(SHA-256 [0-9a-f]{12}…\)/),
+  ).toBeVisible();
+  await expect(page.getByRole("button", { name: /^Given line/ })).toBeVisible();
+  await options.click();
+  await expect(dialog.getByLabel(/^Stiffness table/)).toHaveValue(/^own\.json/);
+  await shot(page, "options-file");
 });
 
 test("inflections are picked on the film, undone and reset", async ({ app, page }) => {

@@ -102,6 +102,13 @@ fn analysed(current: &CurrentCase) -> Outcome {
         Ok(options) => options,
         Err(error) => return refused_options(error.to_string()),
     };
+    let prior = current.options.rotation_prior().ok().flatten();
+    if prior.is_some_and(|prior| prior.was_learned_from("", &case.id)) {
+        return refused_options(format!(
+            "the distribution of joint rotations was learned from the case {}, so it cannot predict its films",
+            case.id
+        ));
+    }
     if let Some(posture) = missing_known_force(&options, &case) {
         return refused_options(format!(
             "the scale constraint `known-force` names the {posture} film, and no such film takes part in the analysis"

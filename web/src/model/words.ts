@@ -14,6 +14,7 @@ const LINE_TOKENS: Record<Api<"LineName">, string> = {
   inflection_line: "--inflection-line",
   iliac_line: "--iliac-line",
   estimated_line: "--estimated-line",
+  given_line: "--given-line",
 };
 
 export const identifiedWord = (identified: Identified): string => IDENTIFIED[identified];

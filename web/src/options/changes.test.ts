@@ -11,6 +11,7 @@ const option = (name: string, value: string): Api<"OptionView"> => ({
   default: value,
   is_changed: false,
   is_closed: false,
+  takes_file: false,
   values: [],
 });
 
@@ -27,6 +28,14 @@ test("only what was written anew is sent", () => {
   expect(changesOf(view, { ...draft, inflections: "L1,T6 " })).toEqual([
     { name: "inflections", value: "L1,T6" },
   ]);
+});
+
+test("of an opened file its text is sent, unless something else is chosen after it", () => {
+  const files = { support: { name: "own.json", text: "{}" } };
+  expect(changesOf(view, { ...draftOf(view), support: "own.json" }, files)).toEqual([
+    { name: "support", value: "{}", file: "own.json" },
+  ]);
+  expect(changesOf(view, draftOf(view), files)).toEqual([]);
 });
 
 test("an emptied value is sent, and resets its option", () => {

@@ -56,6 +56,7 @@ const LINES: Words<Api<"LineName">> = {
   inflection_line: "Inflection line",
   iliac_line: "Iliac line",
   estimated_line: "Estimated line",
+  given_line: "Given line",
 };
 
 /** Postures in the usual order. */

@@ -27,6 +27,8 @@ pub struct MethodOption {
 pub enum OptionValues {
     /// These and no others.
     Named(fn() -> Vec<NamedValue>),
+    /// These, or the name of a file.
+    NamedOrFile(fn() -> Vec<NamedValue>),
     /// These, and others that the help describes.
     Text(&'static [&'static str]),
     /// The name of a file.
@@ -123,7 +125,7 @@ pub const OPTIONS: [MethodOption; 15] = [
         title: "Stiffness table",
         help: "Stiffness table to start from: `paper`, `in-vitro`, `intact-chest`, `scoliotic-in-vivo` or `coupled` (`spineline stiffness` prints them), or a file",
         default: "paper",
-        values: OptionValues::Named(named_values::<StiffnessTable>),
+        values: OptionValues::NamedOrFile(named_values::<StiffnessTable>),
     },
     MethodOption {
         name: "inflections",

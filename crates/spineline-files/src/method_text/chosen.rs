@@ -5,10 +5,12 @@ use spineline::analysis::AnalysisOptions;
 use spineline::multibody::StiffnessTable;
 
 use super::catalogue::{MethodOption, OPTIONS};
-use super::{OptionError, named, set_option};
+use super::parse::given_line;
+use super::{Choice, OptionError, named, set_option};
+use crate::{StoredRotationPrior, parse_rotation_prior, parse_stiffness, sha256_hex};
 
-/// Options that a study does not keep, because they name files, or have results of their own.
-const NOT_OF_A_STUDY: [&str; 3] = ["rotation_prior", "given_line", "compare_models"];
+/// Options that a study does not keep, because they have results of their own.
+const NOT_OF_A_STUDY: [&str; 1] = ["compare_models"];
 
 /// An option with its value.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
@@ -16,20 +18,50 @@ const NOT_OF_A_STUDY: [&str; 3] = ["rotation_prior", "given_line", "compare_mode
 pub struct ChosenOption {
     /// Its name.
     pub name: String,
-    /// Its value.
+    /// Its value, or the text of a file.
     pub value: String,
+    /// The name of that file, without its folder; `None` where the value is a word.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub file: Option<String>,
+}
+
+impl ChosenOption {
+    /// A value that is a word.
+    #[must_use]
+    pub fn word(name: &str, value: &str) -> Self {
+        Self { name: name.to_owned(), value: value.to_owned(), file: None }
+    }
+
+    /// The value in a few words: of a file its name, and which one it is.
+    #[must_use]
+    pub fn words(&self) -> String {
+        match &self.file {
+            Some(file) => {
+                let digest = sha256_hex(self.value.as_bytes());
+                format!("{file} (SHA-256 {}…)", &digest[..12])
+            }
+            None => self.value.clone(),
+        }
+    }
+
+    fn refused(&self, reason: impl Into<String>) -> OptionError {
+        let value = self.file.clone().unwrap_or_else(|| self.value.clone());
+        OptionError::Value { name: self.name.clone(), value, reason: reason.into() }
+    }
 }
 
 /// The options of a study that differ from the defaults, each once, in the order of [`OPTIONS`].
 ///
-/// They read no files, so that a value from elsewhere opens none.
+/// They read no files, so that a value from elsewhere opens none: what a file says is kept as its text.
 ///
 /// ```
 /// use spineline_files::method_text::{ChosenOption, ChosenOptions};
 ///
-/// let option = |name: &str, value: &str| ChosenOption { name: name.into(), value: value.into() };
-/// let chosen = ChosenOptions::new(&[option("support", "free"), option("tilt", "endplates")])?;
-/// assert_eq!(chosen.all(), [option("support", "free")]); // the other one is the default
+/// let chosen = ChosenOptions::new(&[
+///     ChosenOption::word("support", "free"),
+///     ChosenOption::word("tilt", "endplates"),
+/// ])?;
+/// assert_eq!(chosen.all(), [ChosenOption::word("support", "free")]); // the other one is the default
 /// # Ok::<(), spineline_files::method_text::OptionError>(())
 /// ```
 #[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize)]
@@ -43,24 +75,24 @@ impl ChosenOptions {
     /// [`OptionError`]: no such option of a study, no such value, or an option twice.
     pub fn new(wanted: &[ChosenOption]) -> Result<Self, OptionError> {
         let mut kept: Vec<ChosenOption> = Vec::new();
-        for ChosenOption { name, value } in wanted {
+        for ChosenOption { name, value, file } in wanted {
             let (name, value) = (name.replace('-', "_"), value.trim().to_owned());
-            if kept.iter().any(|one| one.name == name) {
-                let reason = "the option is given twice".to_owned();
-                return Err(OptionError::Value { name, value, reason });
+            let one = ChosenOption { name, value, file: file.clone() };
+            if kept.iter().any(|other| other.name == one.name) {
+                return Err(one.refused("the option is given twice"));
             }
-            if let Some(option) = OPTIONS.iter().find(|option| option.name == name)
-                && value == option.default
-            {
+            let option = OPTIONS.iter().find(|option| option.name == one.name);
+            if one.file.is_none() && option.is_some_and(|option| option.default == one.value) {
                 continue;
             }
-            kept.push(ChosenOption { name, value });
+            kept.push(one);
         }
         for one in &kept {
             let mut alone = AnalysisOptions::default();
             set(&mut alone, one)?;
         }
         kept.retain(differs);
+        prior_of(&kept)?;
         kept.sort_by_key(|one| OPTIONS.iter().position(|option| option.name == one.name));
         Ok(Self(kept))
     }
@@ -71,10 +103,18 @@ impl ChosenOptions {
         &self.0
     }
 
-    /// The value of an option, where it was chosen.
+    /// An option, where it was chosen.
     #[must_use]
-    pub fn value(&self, name: &str) -> Option<&str> {
-        self.0.iter().find(|one| one.name == name).map(|one| one.value.as_str())
+    pub fn of(&self, name: &str) -> Option<&ChosenOption> {
+        self.0.iter().find(|one| one.name == name)
+    }
+
+    /// The distribution of joint rotations that was chosen.
+    ///
+    /// # Errors
+    /// [`OptionError`], where another version of the program chose it.
+    pub fn rotation_prior(&self) -> Result<Option<StoredRotationPrior>, OptionError> {
+        prior_of(&self.0)
     }
 
     /// The library's options.
@@ -95,8 +135,17 @@ impl ChosenOptions {
         let title = |name: &str| {
             OPTIONS.iter().find(|option| option.name == name).map_or("", |option| option.title)
         };
-        let words = self.0.iter().map(|one| format!("{}: {}", title(&one.name), one.value));
+        let words = self.0.iter().map(|one| format!("{}: {}", title(&one.name), one.words()));
         words.collect::<Vec<_>>().join("; ")
+    }
+
+    /// The files among them in words, each with its option.
+    pub fn files(&self) -> impl Iterator<Item = (&'static str, String)> {
+        let files = self.0.iter().filter(|one| one.file.is_some());
+        files.filter_map(|one| {
+            let option = OPTIONS.iter().find(|option| option.name == one.name)?;
+            Some((option.title, one.words()))
+        })
     }
 }
 
@@ -110,30 +159,74 @@ fn differs(one: &ChosenOption) -> bool {
     set(&mut alone, one).is_ok() && alone != AnalysisOptions::default()
 }
 
+/// The distribution of joint rotations among some options, which has to have been learned with their tilts.
+fn prior_of(all: &[ChosenOption]) -> Result<Option<StoredRotationPrior>, OptionError> {
+    let Some(one) = all.iter().find(|one| one.name == "rotation_prior") else { return Ok(None) };
+    let error = |error| OptionError::File { name: one.name.clone(), error };
+    let stored = parse_rotation_prior(&one.value).map_err(error)?;
+    let mut options = AnalysisOptions::default();
+    if let Some(tilt) = all.iter().find(|one| one.name == "tilt") {
+        set(&mut options, tilt)?;
+    }
+    if stored.tilt != options.tilt {
+        let [learned, asked] = [stored.tilt, options.tilt].map(|rule| rule.spelling());
+        return Err(one.refused(format!(
+            "it was learned with tilts by `{learned}`, and those of the study are by `{asked}`"
+        )));
+    }
+    Ok(Some(stored))
+}
+
 /// Sets one option without reading a file.
 fn set(options: &mut AnalysisOptions, one: &ChosenOption) -> Result<(), OptionError> {
-    let ChosenOption { name, value } = one;
-    let refused =
-        |reason: String| OptionError::Value { name: name.clone(), value: value.clone(), reason };
-    if NOT_OF_A_STUDY.contains(&name.as_str()) {
-        return Err(refused("a study does not keep this option".to_owned()));
+    let in_file = |error| OptionError::File { name: one.name.clone(), error };
+    match (one.name.as_str(), &one.file) {
+        (name, _) if NOT_OF_A_STUDY.contains(&name) => {
+            return Err(one.refused("a study does not keep this option"));
+        }
+        ("stiffness", None) => {
+            let table: StiffnessTable = named(&one.value).map_err(|why| one.refused(why))?;
+            options.library = table.library();
+        }
+        ("stiffness", Some(_)) => {
+            options.library = parse_stiffness(&one.value).map_err(in_file)?;
+        }
+        ("rotation_prior", None) => {
+            return Err(one.refused("expected a file of `spineline learn-prior`"));
+        }
+        ("rotation_prior", Some(_)) => {
+            let stored = parse_rotation_prior(&one.value).map_err(in_file)?;
+            options.rotation_prior = Some(stored.prior);
+        }
+        (_, Some(_)) => return Err(one.refused("this option takes no file")),
+        ("given_line", None) => {
+            for text in one.value.split(';').map(str::trim).filter(|text| !text.is_empty()) {
+                let (posture, line) = given_line(text).map_err(|why| one.refused(why))?;
+                if options.given_lines.iter().any(|(other, _)| *other == posture) {
+                    return Err(one.refused(format!("the {posture} film has two lines")));
+                }
+                options.given_lines.push((posture, line));
+            }
+        }
+        (name, None) => set_option(options, name, &one.value)?,
     }
-    if name == "stiffness" {
-        let table: StiffnessTable = named(value).map_err(refused)?;
-        options.library = table.library();
-        return Ok(());
-    }
-    set_option(options, name, value)
+    Ok(())
 }
 
 #[cfg(test)]
 mod tests {
-    use spineline::multibody::Support;
+    use spineline::multibody::{StiffnessLibrary, Support};
 
+    use super::super::OptionValues;
+    use super::ChosenOption as Chosen;
     use super::*;
 
     fn option(name: &str, value: &str) -> ChosenOption {
-        ChosenOption { name: name.to_owned(), value: value.to_owned() }
+        Chosen::word(name, value)
+    }
+
+    fn file(name: &str, text: &str) -> ChosenOption {
+        Chosen { file: Some("own.json".to_owned()), ..Chosen::word(name, text) }
     }
 
     #[test]
@@ -149,11 +242,11 @@ mod tests {
     fn every_suggested_value_is_read() {
         for of_study in study_options() {
             let values: Vec<&str> = match of_study.values {
-                super::super::OptionValues::Named(all) => {
+                OptionValues::Named(all) | OptionValues::NamedOrFile(all) => {
                     all().iter().map(|one| one.spelling).collect()
                 }
-                super::super::OptionValues::Text(some) => some.to_vec(),
-                super::super::OptionValues::File => panic!("a study reads no files"),
+                OptionValues::Text(some) => some.to_vec(),
+                OptionValues::File => Vec::new(),
             };
             for value in values {
                 ChosenOptions::new(&[option(of_study.name, value)]).expect(value);
@@ -194,8 +287,9 @@ mod tests {
     fn a_study_opens_no_file_and_refuses_what_it_does_not_keep() {
         for (name, value, word) in [
             ("stiffness", "/etc/passwd", "expected one of paper"),
-            ("rotation_prior", "/etc/passwd", "does not keep"),
-            ("given_line", "left_bending=20,150,-5", "does not keep"),
+            ("rotation_prior", "/etc/passwd", "expected a file of"),
+            ("compare_models", "all", "does not keep"),
+            ("given_line", "left_bending=1,2,3; left-bending=4,5,6", "two lines"),
             ("suport", "free", "did you mean `support`?"),
         ] {
             let error = ChosenOptions::new(&[option(name, value)]).expect_err(name).to_string();
@@ -203,5 +297,33 @@ mod tests {
         }
         let twice = [option("support", "free"), option("support", "free")];
         assert!(ChosenOptions::new(&twice).is_err());
+    }
+
+    #[test]
+    fn what_a_file_says_is_kept_as_its_text_and_named_by_its_digest() {
+        let mut table = StiffnessTable::InVitro.library();
+        let text = crate::to_text(&crate::StiffnessFile::from(&table));
+        let chosen = ChosenOptions::new(&[file("stiffness", &text)]).expect("a table");
+        assert_eq!(chosen.options().expect("valid").library, table);
+        let digest = sha256_hex(text.trim().as_bytes());
+        let words = format!("Stiffness table: own.json (SHA-256 {}…)", &digest[..12]);
+        assert_eq!(chosen.words(), words);
+        assert_eq!(chosen.files().count(), 1);
+        let json = serde_json::to_string(&chosen).expect("texts");
+        assert_eq!(serde_json::from_str::<ChosenOptions>(&json).expect("the same"), chosen);
+        // The default as a file is the default.
+        table = StiffnessLibrary::default();
+        let text = crate::to_text(&crate::StiffnessFile::from(&table));
+        assert_eq!(ChosenOptions::new(&[file("stiffness", &text)]).expect("a table").all(), []);
+        for (name, text) in [("stiffness", "{}"), ("rotation_prior", "{}"), ("support", "free")] {
+            assert!(ChosenOptions::new(&[file(name, text)]).is_err(), "{name}");
+        }
+    }
+
+    #[test]
+    fn lines_of_several_films_are_one_option() {
+        let text = "left_bending=20,150,-5; right_bending=-20,150,5";
+        let chosen = ChosenOptions::new(&[option("given_line", text)]).expect("two lines");
+        assert_eq!(chosen.options().expect("valid").given_lines.len(), 2);
     }
 }

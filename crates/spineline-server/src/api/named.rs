@@ -18,21 +18,11 @@ pub trait Described: Named {
     const SCHEMA: &'static str;
     /// Description of the values.
     const DESCRIPTION: &'static str;
-    /// The values that the interface has.
-    const VALUES: &'static [Self] = Self::ALL;
 }
 
 /// A named value, serialised by its name.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Wire<T>(pub T);
-
-impl<T: Described> Wire<T> {
-    /// A value that the interface has; `None` for others.
-    #[must_use]
-    pub fn of(value: T) -> Option<Self> {
-        T::VALUES.contains(&value).then_some(Self(value))
-    }
-}
 
 impl<T: Described> Serialize for Wire<T> {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
@@ -42,13 +32,13 @@ impl<T: Described> Serialize for Wire<T> {
 
 impl<'de, T: Described> Deserialize<'de> for Wire<T> {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        by_key::deserialize(T::VALUES, deserializer).map(Self)
+        by_key::deserialize(T::ALL, deserializer).map(Self)
     }
 }
 
 impl<T: Described> PartialSchema for Wire<T> {
     fn schema() -> RefOr<Schema> {
-        let names = T::VALUES.iter().map(|value| value.key());
+        let names = T::ALL.iter().map(|value| value.key());
         ObjectBuilder::new()
             .schema_type(Type::String)
             .description(Some(T::DESCRIPTION))
@@ -105,8 +95,6 @@ impl Described for SpacingPlane {
 impl Described for LineKind {
     const SCHEMA: &'static str = "LineName";
     const DESCRIPTION: &'static str = "Kind of a line of action.";
-    /// The interface has no line given by hand.
-    const VALUES: &'static [Self] = &[Self::Inflection, Self::Iliac, Self::Estimated];
 }
 
 impl Described for ExportFormat {
@@ -148,14 +136,5 @@ mod tests {
         let text = |schema: RefOr<Schema>| serde_json::to_string(&schema).expect("a schema");
         assert_eq!(text(Wire::<Role>::schema()), text(RoleName::schema()));
         assert_eq!(Wire::<Role>::name(), RoleName::name());
-    }
-
-    #[test]
-    fn values_outside_of_the_interface_are_refused() {
-        assert_eq!(Wire::of(LineKind::Iliac), Some(Wire(LineKind::Iliac)));
-        assert_eq!(Wire::of(LineKind::Given), None);
-        let error = serde_json::from_str::<LineName>("\"given_line\"").expect_err("not there");
-        let text = "unknown variant `given_line`, expected one of `inflection_line`, `iliac_line`, `estimated_line`";
-        assert!(error.to_string().starts_with(text), "{error}");
     }
 }

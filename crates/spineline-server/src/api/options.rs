@@ -25,14 +25,16 @@ pub struct OptionView {
     pub title: String,
     /// What it does, and the values that it takes.
     pub help: String,
-    /// Its value.
+    /// Its value; of a file its name and digest.
     pub value: String,
     /// The value where none is chosen.
     pub default: String,
     /// Whether the value is another than the default.
     pub is_changed: bool,
-    /// Whether `values` are all values that it takes.
+    /// Whether `values` are all values that it takes, other than a file.
     pub is_closed: bool,
+    /// Whether it takes a file.
+    pub takes_file: bool,
     /// Values to choose from.
     pub values: Vec<OptionValueView>,
 }
@@ -64,6 +66,9 @@ pub struct OptionsChange {
 pub struct OptionChange {
     /// Its name.
     pub name: String,
-    /// Its value, spelled as on the command line.
+    /// Its value, spelled as on the command line; or the text of a file, which is kept with the study.
     pub value: String,
+    /// The name of that file.
+    #[serde(default)]
+    pub file: Option<String>,
 }

@@ -59,8 +59,8 @@ fn view(result: &StudyResult, analysis: &Analysis) -> ModelView {
                 }
             })
             .collect(),
-        lines: lines.filter_map(|(model, relative)| line(analysis, model, relative)).collect(),
-        automatic: result.compared().and_then(|found| Wire::of(found.best_predictor()?.0)),
+        lines: lines.map(|(model, relative)| line(analysis, model, relative)).collect(),
+        automatic: result.compared().and_then(|found| Some(Wire(found.best_predictor()?.0))),
         automatic_text: result.compared().and_then(LinesCompared::choice_words),
         verdict: result.compared().map(|lines| analysis.verdict(lines)).unwrap_or_default(),
         notices: model_notices(result, analysis),
@@ -91,11 +91,11 @@ fn bodies(result: &StudyResult, analysis: &Analysis) -> Vec<BodySize> {
     levels.iter().zip(&sizes).map(body).collect()
 }
 
-fn line(analysis: &Analysis, model: &LineModel, relative: &[f64]) -> Option<LineModelView> {
+fn line(analysis: &Analysis, model: &LineModel, relative: &[f64]) -> LineModelView {
     let converged = model.fit.status == FitStatus::Converged
         && model.postures.iter().all(spineline::evaluate::Simulation::is_usable);
-    Some(LineModelView {
-        kind: Wire::of(model.kind)?,
+    LineModelView {
+        kind: Wire(model.kind),
         label: model.kind.to_string(),
         converged,
         status_text: analysis.fit_words(model),
@@ -104,7 +104,7 @@ fn line(analysis: &Analysis, model: &LineModel, relative: &[f64]) -> Option<Line
         postures: model.postures.iter().map(|s| simulated(analysis, model, s)).collect(),
         fitted_error_mm: model.mean_location_error_mm(true),
         held_out_error_mm: model.mean_location_error_mm(false),
-    })
+    }
 }
 
 fn multipliers(analysis: &Analysis, model: &LineModel) -> Vec<MultiplierView> {

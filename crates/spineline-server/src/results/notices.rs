@@ -57,7 +57,7 @@ pub fn of_analysis(analysis: &Analysis) -> Vec<Notice> {
 }
 
 pub fn of_warning(warning: &Warning) -> Notice {
-    let line = warning.line.and_then(Wire::of);
+    let line = warning.line.map(Wire);
     Notice {
         severity: match warning.severity() {
             Kind::Note => Severity::Note,

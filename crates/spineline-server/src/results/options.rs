@@ -3,7 +3,7 @@
 use axum::extract::State;
 use axum::http::StatusCode;
 use spineline_files::method_text::{
-    ChosenOption, ChosenOptions, MethodOption, OptionError, OptionValues, study_options,
+    ChosenOption, ChosenOptions, MethodOption, NamedValue, OptionError, OptionValues, study_options,
 };
 use spineline_store::{Name, Role, Store, StudyOptions};
 use utoipa_axum::router::OpenApiRouter;
@@ -15,6 +15,9 @@ use crate::extract::{Json, Path};
 use crate::problem::{Answer, Failure};
 use crate::session::User;
 use crate::state::AppState;
+
+/// Characters of a file's name that are kept.
+const MAX_FILE_NAME: usize = 100;
 
 pub fn routes() -> OpenApiRouter<AppState> {
     OpenApiRouter::new().routes(routes!(options, change))
@@ -66,8 +69,19 @@ fn changed(now: &ChosenOptions, wanted: &OptionsChange) -> Result<ChosenOptions,
     let names: Vec<String> = wanted.options.iter().map(|one| one.name.replace('-', "_")).collect();
     let kept = now.all().iter().filter(|one| !wanted.reset && !names.contains(&one.name)).cloned();
     let new = wanted.options.iter().filter(|one| !one.value.trim().is_empty());
-    let new = new.map(|one| ChosenOption { name: one.name.clone(), value: one.value.clone() });
+    let new = new.map(|one| ChosenOption {
+        name: one.name.clone(),
+        value: one.value.clone(),
+        file: one.file.as_deref().map(base_name),
+    });
     ChosenOptions::new(&kept.chain(new).collect::<Vec<_>>())
+}
+
+/// A file's name as it is shown: without folders, and not longer than any.
+fn base_name(file: &str) -> String {
+    let name = file.rsplit(['/', '\\']).next().unwrap_or_default();
+    let shown = name.chars().filter(|one| !one.is_control()).take(MAX_FILE_NAME);
+    shown.collect()
 }
 
 fn refused(error: OptionError) -> Failure {
@@ -85,27 +99,33 @@ fn view(store: &Store, user: &User, study: &Name) -> Answer<OptionsView> {
     })
 }
 
+fn named_views(values: &[NamedValue]) -> Vec<OptionValueView> {
+    values.iter().map(|one| value_view(one.spelling, one.help)).collect()
+}
+
+fn value_view(value: &str, help: &str) -> OptionValueView {
+    OptionValueView { value: value.to_owned(), help: help.to_owned() }
+}
+
 fn option_view(option: &MethodOption, chosen: &ChosenOptions) -> OptionView {
-    let value = chosen.value(option.name);
-    let (is_closed, values) = match option.values {
-        OptionValues::Named(all) => {
-            let named = all().into_iter();
-            (true, named.map(|one| (one.spelling, one.help)).collect::<Vec<_>>())
+    let one = chosen.of(option.name);
+    let (is_closed, takes_file, values) = match option.values {
+        OptionValues::Named(all) => (true, false, named_views(&all())),
+        OptionValues::NamedOrFile(all) => (true, true, named_views(&all())),
+        OptionValues::Text(some) => {
+            (false, false, some.iter().map(|value| value_view(value, "")).collect())
         }
-        OptionValues::Text(some) => (false, some.iter().map(|&value| (value, "")).collect()),
-        OptionValues::File => (false, Vec::new()),
+        OptionValues::File => (true, true, vec![value_view("", "")]),
     };
-    let values = values
-        .into_iter()
-        .map(|(value, help)| OptionValueView { value: value.to_owned(), help: help.to_owned() });
     OptionView {
         name: option.name.to_owned(),
         title: option.title.to_owned(),
         help: option.help.to_owned(),
-        value: value.unwrap_or(option.default).to_owned(),
+        value: one.map_or_else(|| option.default.to_owned(), ChosenOption::words),
         default: option.default.to_owned(),
-        is_changed: value.is_some(),
+        is_changed: one.is_some(),
         is_closed,
-        values: values.collect(),
+        takes_file,
+        values,
     }
 }

@@ -144,7 +144,7 @@ impl Drawing<'_> {
                 format!("{}: no result", simulation.status.key().replace('_', " "))
             };
             Some(LineOverlay {
-                kind: Wire::of(model.kind)?,
+                kind: Wire(model.kind),
                 from_px: px(from),
                 to_px: px(to),
                 text: format!("{}: {status}", model.kind),

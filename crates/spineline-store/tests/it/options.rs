@@ -6,7 +6,7 @@ use spineline_store::{CaseReadings, Finding, KeptComputation, Store, StoreError,
 use crate::session::{by, create, name, run};
 
 pub fn option(name: &str, value: &str) -> ChosenOption {
-    ChosenOption { name: name.to_owned(), value: value.to_owned() }
+    ChosenOption::word(name, value)
 }
 
 fn chosen(options: &[ChosenOption]) -> ChosenOptions {

@@ -82,7 +82,8 @@ pub async fn export(
         let analysis = found.models().map_or_else(|| result.analysed(), Ok)?;
         match export {
             ExportName::Report | ExportName::Pdf | ExportName::Figures => {
-                report::download(export, analysis, &case, (&pictures, &found))
+                let options = &result.current.options;
+                report::download(export, analysis, &case, (options, &pictures, &found))
             }
             ExportName::Analysis => Ok(Download {
                 ending: "-analysis.json",

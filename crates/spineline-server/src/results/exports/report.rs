@@ -1,6 +1,8 @@
 //! The report of a study, as `spineline report` writes it, and its figures.
 
 use spineline::analysis::{Analysis, Case};
+use spineline_files::method_text::ChosenOptions;
+use spineline_report::document::{Notice, NoticeKind};
 use spineline_report::figures::FilmPicture;
 use spineline_report::patient::{self, Patient};
 use spineline_report::{Document, PRINT_SCALE, html, png};
@@ -29,9 +31,9 @@ pub fn download(
     export: ExportName,
     analysis: &Analysis,
     case: &Case,
-    (pictures, found): (&[FilmPicture], &Computed),
+    (options, pictures, found): (&ChosenOptions, &[FilmPicture], &Computed),
 ) -> Answer<Download> {
-    let document = patient::report(&Patient {
+    let mut document = patient::report(&Patient {
         case,
         analysis,
         pictures,
@@ -40,6 +42,11 @@ pub fn download(
         generator: PROGRAM,
         json: &spineline_files::to_line(&file_of(analysis, case, found)),
     });
+    // The options of an analysis do not know which files they came from.
+    for (title, file) in options.files() {
+        let text = format!("{title} from the file {file}.");
+        document.banners.push(Notice::new(NoticeKind::Banner, text));
+    }
     match export {
         ExportName::Figures => figures(&document, analysis),
         ExportName::Pdf => {

@@ -94,6 +94,7 @@ fn a_wrong_value_changes_nothing_and_an_impossible_one_is_a_refusal_of_the_resul
         ("order_rule", "3", "4 to 12"),
         ("stiffness", "/etc/passwd", "expected one of paper"),
         ("inflections", "T6,L1", "the caudal site comes first"),
+        ("rotation_prior", "/etc/passwd", "expected a file of"),
     ] {
         let (status, refused) = put(&running, &change(0, &[(name, value)]));
         let message = refused["message"].as_str().unwrap_or_default();
@@ -114,6 +115,50 @@ fn a_wrong_value_changes_nothing_and_an_impossible_one_is_a_refusal_of_the_resul
     let (status, view) = put(&running, &change(1, &[("gauge", "")]));
     assert_eq!((status, &view["changed_text"]), (200, &Value::Null));
     assert_eq!(running.ask("GET", "/api/studies/S1/model", None).0, 200);
+}
+
+#[test]
+fn a_file_and_lines_of_ones_own_are_kept_used_and_named() {
+    let running = serve(|store| add_read_study(store, "S1", &phantom().case));
+    let default_mm = error_mm(&running);
+    let springs = spineline::multibody::StiffnessTable::InVitro.library();
+    let text = spineline_files::to_text(&spineline_files::StiffnessFile::from(&springs));
+    let body = json!({
+        "expected_revision": 0, "reset": false,
+        "options": [
+            { "name": "stiffness", "value": text, "file": "/home/ann/springs.json" },
+            { "name": "given_line", "value": "left_bending=20,150,-5; right_bending=-20,150,5" },
+        ]
+    });
+    let (status, view) = put(&running, &body);
+    assert_eq!(status, 200, "{view}");
+    let shown = option(&view, "stiffness")["value"].as_str().expect("words");
+    assert!(shown.starts_with("springs.json (SHA-256 "), "{shown}");
+    let words = view["changed_text"].as_str().expect("words");
+    assert!(
+        words.contains(shown) && words.contains("Given line of action: left_bending=20,150,-5")
+    );
+
+    let mut options = AnalysisOptions { library: springs, ..AnalysisOptions::default() };
+    for line in ["left_bending=20,150,-5", "right_bending=-20,150,5"] {
+        set_option(&mut options, "given_line", line).expect("a line");
+    }
+    let expected = analyze(&phantom().case, &options).expect("a phantom");
+    let expected_mm = expected.models[0].mean_location_error_mm(true).expect("fitted films");
+    assert!((error_mm(&running) - expected_mm).abs() < SAME_MM && expected_mm != default_mm);
+    let model = running.get("/api/studies/S1/model");
+    assert_eq!(model["lines"][3]["kind"], "given_line");
+
+    // The name of the file stays with the text that it had.
+    let (status, again) = put(&running, &change(1, &[("support", "free")]));
+    assert_eq!((status, &option(&again, "stiffness")["value"]), (200, &json!(shown)), "{again}");
+    for (name, value) in [("stiffness", "{}"), ("rotation_prior", "{}"), ("support", "free")] {
+        let body = json!({
+            "expected_revision": 2, "reset": false,
+            "options": [{ "name": name, "value": value, "file": "own.json" }]
+        });
+        assert_eq!(put(&running, &body).0, 422, "{name}");
+    }
 }
 
 #[test]
