@@ -25,6 +25,11 @@ it("moves a text that would cover one before it to the other side, and then to a
   expect(third).toEqual({ x: 109, y: 69, anchor: "start" });
 });
 
+it("keeps off texts that are drawn already", () => {
+  const [angle] = apart([wanted("48.2°", [100, 50])], VIEW, [wanted("T8", [110, 50])]);
+  expect(angle).toEqual({ x: 91, y: 54, anchor: "end" });
+});
+
 it("keeps a text within the view", () => {
   expect(apart([wanted("48.2°", [590, 50])], VIEW)[0]).toMatchObject({ anchor: "end" });
   expect(apart([wanted("INF", [5, 50], "left")], VIEW)[0]).toMatchObject({ anchor: "start" });

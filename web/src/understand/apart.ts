@@ -32,10 +32,14 @@ const ROWS = [0, 1, -1, 2, -2, 3, -3];
 
 /**
  * Places of texts such that none covers one before it: the first texts have the first choice. Where all places are taken, a
- * text stands at its first one.
+ * text stands at its first one. Some texts are drawn already, at their first place.
  */
-export function apart(wanted: readonly Wanted[], view: Size): Placed[] {
-  const taken: Box[] = [];
+export function apart(
+  wanted: readonly Wanted[],
+  view: Size,
+  drawn: readonly Wanted[] = [],
+): Placed[] {
+  const taken: Box[] = drawn.map((one) => placesOf(one)[0]!.box);
   return wanted.map((one) => {
     const choices = placesOf(one);
     const best =
