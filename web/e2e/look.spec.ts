@@ -24,6 +24,7 @@ const PAGES = [
   ["measure", `#/studies/${DEMO}/measure`, "Rotation of segments from erect"],
   ["films", `#/studies/${DEMO}/films`, "mm (patient)"],
   ["model", `#/studies/${DEMO}/model`, "Which line explains the films?"],
+  ["plan", `#/studies/${DEMO}/plan`, "The base is fixed"],
   ["evidence", `#/studies/${DEMO}/evidence`, "Mean location errors"],
 ] as const;
 
@@ -74,7 +75,9 @@ test(
     await page.setViewportSize({ width: 1280, height: 720 });
     await page.getByRole("button", { name: /^begin reading/i }).click();
     await expect(page.getByTestId("target")).toContainText("L4", { timeout: 60_000 });
-    // The next landmark is readable, and all levels are in view.
+    // The tools are in one row, the next landmark is readable, and all levels are in view.
+    const tools = await page.getByRole("toolbar").first().boundingBox();
+    expect(tools!.height).toBeLessThan(50);
     const next = page.getByText("superior endplate, patient’s left");
     expect(
       await next.evaluate((words) => words.scrollWidth <= words.parentElement!.clientWidth),
