@@ -1,7 +1,7 @@
 //! Descriptions of named values in schemas.
 
 use spineline::action::Application;
-use spineline::analysis::{Grouping, Sex};
+use spineline::analysis::{AxialSource, Grouping, PitchSource, Sex};
 use spineline::anatomy::{ImageSide, Named, Posture, Region};
 use spineline::clinical::EndRule;
 use spineline::evaluate::Baseline;
@@ -89,6 +89,32 @@ impl Described for Support {
         match self {
             Self::Free => "Free above L4.",
             Self::Frontal => "A table: flexion and axial hinges are locked.",
+        }
+    }
+}
+
+impl Described for PitchSource {
+    const DEFINITION: &'static str = "PitchSourceKey";
+    const DESCRIPTION: &'static str = "Where pitch and depth of a vertebra come from.";
+
+    fn meaning(self) -> &'static str {
+        match self {
+            Self::LateralFilm => "Measured: the lateral film shows the vertebra.",
+            Self::Population => "Assumed: the profile of a population.",
+            Self::Given => "Assumed: a profile that the options give.",
+        }
+    }
+}
+
+impl Described for AxialSource {
+    const DEFINITION: &'static str = "AxialSourceKey";
+    const DESCRIPTION: &'static str = "Where the axial rotation of a vertebra comes from.";
+
+    fn meaning(self) -> &'static str {
+        match self {
+            Self::Pedicles => "Measured: both pedicles are marked on the erect film.",
+            Self::Unknown => "Not known, and zero in the model.",
+            Self::Given => "Assumed: the options give it.",
         }
     }
 }

@@ -1,7 +1,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use spineline::action::Application;
-use spineline::analysis::{Analysis, LineModel};
+use spineline::analysis::{Analysis, AxialSource, LineModel, PitchSource};
 use spineline::anatomy::{Level, Levels, Posture, Region};
 use spineline::clinical::{CurvePlaces, RegionBounds};
 use spineline::multibody::{SpineModel, Support, coupled_matrix};
@@ -82,6 +82,15 @@ struct VertebraRecord {
     midpoint_mm: [f64; 3],
     /// Unit vectors in `G`: anterior, left, cranial axis of the vertebra.
     axes: [[f64; 3]; 3],
+    /// Where pitch and depth come from; absent in older files.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pitch_from: Option<Key<PitchSource>>,
+    /// Where the axial rotation comes from; absent in older files.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    axial_rotation_from: Option<Key<AxialSource>>,
+    /// Width of the body between its corners on the erect film, for drawing it; absent where nobody placed them, and in older files.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    width_mm: Option<f64>,
 }
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -142,6 +151,12 @@ pub struct StoredModel {
     pub absolute: bool,
     /// The vertebrae by name, as many as the spine has.
     pub levels: Vec<Level>,
+    /// Where pitch and depth of each come from, in their order; `None` where the file does not say.
+    pub pitch_from: Vec<Option<PitchSource>>,
+    /// Where the axial rotation of each comes from; `None` where the file does not say.
+    pub axial_from: Vec<Option<AxialSource>>,
+    /// Width of each body between its corners on the erect film; `None` where it is not known.
+    pub widths_mm: Vec<Option<f64>>,
     /// Vertebrae and joints.
     pub spine: SpineModel,
     /// Springs of every joint about x, y and z.
@@ -221,12 +236,16 @@ fn vertebrae(analysis: &Analysis) -> Vec<VertebraRecord> {
     let spine = &analysis.spine;
     let column = |m: &Mat3, i: usize| [m[(0, i)], m[(1, i)], m[(2, i)]];
     let places = spine.midpoints_mm.iter().zip(&spine.axes);
+    let mut widths = analysis.widths_mm.iter().copied();
     let vertebrae = analysis.levels().as_slice().iter().zip(places);
     vertebrae
         .map(|(&level, (midpoint_mm, axes))| VertebraRecord {
             level: LevelKey(level),
             midpoint_mm: vector(midpoint_mm),
             axes: [0, 1, 2].map(|axis| column(axes, axis)),
+            pitch_from: Some(analysis.pitch_source(level).into()),
+            axial_rotation_from: Some(analysis.axial_source(level).into()),
+            width_mm: widths.next().flatten(),
         })
         .collect()
 }
@@ -378,6 +397,13 @@ impl ModelFile {
             line: self.line,
             absolute: self.absolute,
             levels,
+            pitch_from: self.vertebrae.iter().map(|v| v.pitch_from.map(|key| key.0)).collect(),
+            axial_from: self
+                .vertebrae
+                .iter()
+                .map(|v| v.axial_rotation_from.map(|key| key.0))
+                .collect(),
+            widths_mm: self.vertebrae.iter().map(|v| v.width_mm).collect(),
             spine: SpineModel::from_poses(midpoints_mm, axes, &centres),
             stiffness_nmm_per_rad: self
                 .joints

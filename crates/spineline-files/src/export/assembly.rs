@@ -1,10 +1,11 @@
 //! A stored model as bodies, joint frames and hinges in SI units, for all formats.
 
+use spineline::analysis::{AxialSource, PitchSource};
 use spineline::anatomy::Morphometry;
 use spineline::spatial::{Angle, Mat3, Vec3};
 
-use super::ExportError;
 use super::rotation::body_xyz;
+use super::{ExportError, ExportFormat};
 use crate::StoredModel;
 
 /// Mass of every vertebra in kg, and its moment of inertia in kg·m²: engines refuse bodies without. No equilibrium
@@ -105,6 +106,12 @@ pub(super) struct Vertebra {
     pub(super) size_m: Vec3,
     /// Drawn height of the disc above.
     pub(super) disc_m: f64,
+    /// Where pitch and depth come from.
+    pub(super) pitch_from: Option<PitchSource>,
+    /// Where the axial rotation comes from.
+    pub(super) axial_from: Option<AxialSource>,
+    /// Whether the drawn width is the patient's.
+    pub(super) width_is_measured: bool,
 }
 
 impl Vertebra {
@@ -126,8 +133,12 @@ pub(super) struct Assembly {
 
 impl Assembly {
     /// Joins the vertebrae of a model, and refuses springs that no engine can represent.
-    pub(super) fn of(model: &StoredModel, vertebrae: Vec<Vertebra>) -> Result<Self, ExportError> {
-        let joints = (0..model.spine.joints.len()).map(|j| joint(model, j));
+    pub(super) fn of(
+        model: &StoredModel,
+        vertebrae: Vec<Vertebra>,
+        format: ExportFormat,
+    ) -> Result<Self, ExportError> {
+        let joints = (0..model.spine.joints.len()).map(|j| joint(model, j, format));
         Ok(Self { vertebrae, joints: joints.collect::<Result<_, _>>()? })
     }
 }
@@ -148,22 +159,25 @@ pub(super) fn vertebrae(model: &StoredModel) -> Result<Vec<Vertebra>, ExportErro
             midpoint_m: spine.midpoints_mm[i] / 1000.0,
             axes: spine.axes[i],
             size_m: Vec3::new(
-                typical.superior_depth_mm,
-                typical.superior_width_mm,
-                typical.body_height_mm,
-            ) * (scale / 1000.0),
+                scale * typical.superior_depth_mm,
+                model.widths_mm[i].unwrap_or(scale * typical.superior_width_mm),
+                scale * typical.body_height_mm,
+            ) / 1000.0,
             disc_m: typical.disc_above_mm * scale / 1000.0,
+            pitch_from: model.pitch_from[i],
+            axial_from: model.axial_from[i],
+            width_is_measured: model.widths_mm[i].is_some(),
         });
     }
     Ok(vertebrae)
 }
 
-fn joint(model: &StoredModel, j: usize) -> Result<Joint, ExportError> {
+fn joint(model: &StoredModel, j: usize, format: ExportFormat) -> Result<Joint, ExportError> {
     let stored = &model.spine.joints[j];
     let name = format!("{}_{}", model.levels[j], model.levels[j + 1]);
     let from_inferior = stored.inferior_from_superior.transpose();
     Ok(Joint {
-        hinges: hinges(model, j, &name)?,
+        hinges: hinges(model, j, &name, format)?,
         name,
         centre_in_inferior_m: stored.centre_in_inferior_mm / 1000.0,
         centre_in_superior_m: from_inferior * -stored.rise_in_inferior_mm / 1000.0,
@@ -173,11 +187,16 @@ fn joint(model: &StoredModel, j: usize) -> Result<Joint, ExportError> {
 }
 
 /// Three uncoupled springs, because the formats have no others.
-fn hinges(model: &StoredModel, j: usize, joint: &str) -> Result<Vec<Hinge>, ExportError> {
+fn hinges(
+    model: &StoredModel,
+    j: usize,
+    joint: &str,
+    format: ExportFormat,
+) -> Result<Vec<Hinge>, ExportError> {
     let (inferior, superior) = (model.levels[j], model.levels[j + 1]);
     let matrix = &model.stiffness[j];
     if Mat3::from_diagonal(&matrix.diagonal()) != *matrix {
-        return Err(ExportError::Coupled { inferior, superior });
+        return Err(ExportError::Coupled { format, inferior, superior });
     }
     let springs = Axis::ALL.into_iter().zip([matrix[(0, 0)], matrix[(1, 1)], matrix[(2, 2)]]);
     springs

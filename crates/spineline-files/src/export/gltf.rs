@@ -9,6 +9,7 @@ use super::assembly::Vertebra;
 use super::boxes::{SIDES, corners};
 use super::header::about_bodies;
 use super::rotation::quaternion;
+use super::standing::key;
 use crate::StoredModel;
 
 /// Format and frame.
@@ -96,6 +97,9 @@ fn node(vertebra: &Vertebra) -> Value {
             "lateral_tilt_deg": lateral_tilt_deg,
             "pitch_deg": pitch_deg,
             "axial_rotation_deg": axial_rotation_deg,
+            "pitch_from": key(vertebra.pitch_from),
+            "axial_rotation_from": key(vertebra.axial_from),
+            "width_is_measured": vertebra.width_is_measured,
         },
     })
 }

@@ -5,6 +5,7 @@ use spineline::multibody::Support;
 use spineline::spatial::Vec3;
 
 use super::assembly::{NOMINAL_INERTIA_KG_M2, NOMINAL_MASS_KG};
+use super::standing::sources;
 use super::xml::{number, vector};
 use crate::{LoadRecord, StoredModel};
 
@@ -31,8 +32,9 @@ pub(super) fn about_bodies(
     let mut lines = opening(model, &format!("Vertebral bodies of a spine as {format}"), generator);
     lines.push(format!("Frame: {frame}"));
     lines.push("Bodies: boxes at the midpoints and in the axes of the vertebrae of the personalised model, erect, unloaded. The origin is the midpoint of the lowest vertebra.".to_owned());
-    lines.push("Angles: lateral tilt about the anterior axis of the patient (positive to the patient's right), then pitch about the left axis (flexion positive), then axial rotation about the cranial one (positive where the front turns to the patient's left). The axial rotation is zero where no pedicles are marked; pitch and depth are those of a population where no lateral film shows them.".to_owned());
-    lines.push("NOMINAL, not measured: the sizes of the boxes, which are typical ones, scaled to the distances between vertebrae.".to_owned());
+    lines.push("Angles: lateral tilt about the anterior axis of the patient (positive to the patient's right), then pitch about the left axis (flexion positive), then axial rotation about the cranial one (positive where the front turns to the patient's left).".to_owned());
+    lines.extend(sources(model));
+    lines.push("NOMINAL, not measured: the depths and heights of the boxes, which are typical ones, scaled to the distances between vertebrae.".to_owned());
     lines
 }
 
@@ -59,6 +61,7 @@ pub(super) fn header(model: &StoredModel, generator: &str, dialect: &Dialect) ->
         "Bodies: vertebrae in the erect posture, unloaded; a body's origin is the vertebra's midpoint. The lowest is fixed."
             .to_owned(),
     );
+    lines.extend(sources(model));
     lines.push(
         "Joints: three hinges in series (lateral, flexion, axial) about the inferior vertebra's anterior, left and cranial axes, each with a linear spring that rests at zero."
             .to_owned(),
@@ -71,7 +74,7 @@ pub(super) fn header(model: &StoredModel, generator: &str, dialect: &Dialect) ->
         level(model.absolute)
     ));
     lines.push(format!(
-        "NOMINAL, not measured, without influence on an equilibrium: mass {} kg and inertia {} kg m2 of a vertebra, damping {} s times the stiffness, and all shapes. Gravity is off.",
+        "NOMINAL, not measured, without influence on an equilibrium: mass {} kg and inertia {} kg m2 of a vertebra, damping {} s times the stiffness, and all shapes but the widths named above. Gravity is off.",
         number(NOMINAL_MASS_KG),
         number(NOMINAL_INERTIA_KG_M2),
         number(dialect.damping_s),

@@ -12,6 +12,7 @@ mod header;
 mod mjcf;
 mod osim;
 mod rotation;
+mod standing;
 mod urdf;
 mod vtp;
 mod xml;
@@ -112,9 +113,12 @@ pub enum ExportError {
     },
     /// Hinges whose springs are coupled.
     #[error(
-        "joint {inferior}/{superior}: its springs couple the three hinges; the format cannot describe this"
+        "joint {inferior}/{superior}: its springs couple the three hinges, and {format} has one spring per hinge",
+        format = format.key()
     )]
     Coupled {
+        /// The format that cannot say it.
+        format: ExportFormat,
         /// Lower vertebra.
         inferior: Level,
         /// Upper vertebra.
@@ -139,7 +143,7 @@ impl ExportError {
                 "write the model again with `spineline analyze CASE --model FILE`"
             }
             Self::Coupled { .. } => {
-                "remove `stiffness_matrix_nmm_per_rad` from the model file; then its three springs are exported"
+                "`--to vtp` and `--to gltf` write the vertebral bodies of this model; for its springs, make a model without coupling: `spineline analyze CASE --stiffness paper --model FILE` with your other options, or with `--support frontal`, which locks the axial hinges"
             }
             Self::Text { .. } => "remove control characters from that text in the model file",
         }
@@ -167,7 +171,7 @@ pub fn export(
         check_text("status", &load.status)?;
     }
     let vertebrae = vertebrae(model)?;
-    let assembly = |vertebrae| Assembly::of(model, vertebrae);
+    let assembly = |vertebrae| Assembly::of(model, vertebrae, format);
     Ok(match format {
         ExportFormat::Mjcf => mjcf::text(model, &assembly(vertebrae)?, generator),
         ExportFormat::Osim => osim::text(model, &assembly(vertebrae)?, generator),

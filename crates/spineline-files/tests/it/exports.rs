@@ -362,5 +362,10 @@ fn values_that_an_engine_cannot_represent_are_refused_by_name() {
     assert!(told.contains("L2/L1") && told.contains("flexion") && told.contains("-1"), "{told}");
     let mut bad = good.clone();
     (bad.stiffness[2][(0, 1)], bad.stiffness[2][(1, 0)]) = (1e3, 1e3);
-    assert!(refused(&bad).to_string().contains("L2/L1: its springs couple"), "{}", refused(&bad));
+    let error = refused(&bad);
+    assert!(error.to_string().contains("L2/L1: its springs couple"), "{error}");
+    assert!(error.to_string().contains("mjcf"), "{error}");
+    for word in ["--to vtp", "--to gltf", "--stiffness paper", "--support frontal"] {
+        assert!(error.help().contains(word), "{}", error.help());
+    }
 }

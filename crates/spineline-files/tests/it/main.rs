@@ -10,3 +10,4 @@ mod loads;
 mod public_cases;
 mod readings;
 mod repeat;
+mod standing;

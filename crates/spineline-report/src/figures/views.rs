@@ -72,7 +72,7 @@ pub fn spine_in_space(analysis: &Analysis) -> Option<(String, Space)> {
     let mut page = Page::new(title, analysis.synthetic);
     let shapes = shapes(analysis);
     page.notes.push(format!(
-        "Vertebrae {} as boxes of typical size about their measured midpoints; {}.",
+        "Vertebrae {} as boxes about their measured midpoints, as wide as their corners on the erect film where a person placed these, of typical depth and height; {}.",
         extent_words(analysis),
         analysis.profile_words()
     ));
@@ -139,7 +139,7 @@ fn layer(shape: &Shape, shown: bool) -> SpaceLayer {
 
 /// The erect shape, then those of the first line's model.
 fn shapes(analysis: &Analysis) -> Vec<Shape> {
-    let sizes = analysis.spine.body_sizes(analysis.levels(), &[]);
+    let sizes = analysis.body_sizes();
     let erect = erect_shape(&analysis.spine);
     let mut all =
         vec![Shape { name: "erect".to_owned(), ink: ERECT, lines: outlines(&erect, &sizes) }];

@@ -9,6 +9,7 @@ use super::hypotheses::fit_hypotheses;
 use super::models::fit_models;
 use super::preference::{PreferredLine, prefer_lines};
 use super::result::{Analysis, PostureAnalysis, is_read_once};
+use super::standing::widths_mm;
 use super::wrong_film::warn_of_wrong_films;
 use super::{AnalysisOptions, Case, LineModel};
 use crate::anatomy::Posture;
@@ -187,6 +188,7 @@ impl Movement {
         mechanics: Mechanics,
         warnings: Warnings,
     ) -> Analysis {
+        let widths_mm = widths_mm(case, &self.postures[0].outline);
         let lines = mechanics.preferred_lines.into_iter().chain(std::iter::repeat(None));
         let postures = self
             .postures
@@ -208,6 +210,7 @@ impl Movement {
             balance: self.curves.balance,
             lenke: self.curves.lenke,
             spine: self.spine,
+            widths_mm,
             library: self.library,
             space: self.space,
             axial: self.axial,

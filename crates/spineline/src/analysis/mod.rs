@@ -17,6 +17,7 @@ mod models_verdict;
 mod options;
 mod preference;
 mod result;
+mod standing;
 mod verdict;
 mod words;
 mod wrong_film;
@@ -35,6 +36,7 @@ pub use models_verdict::ModelsVerdict;
 pub use options::{AnalysisOptions, Grouping};
 pub use preference::{LineComparison, LineCrossing, PreferredLine};
 pub use result::{Analysis, PostureAnalysis};
+pub use standing::{AxialSource, PitchSource};
 pub(crate) use verdict::listed;
 pub use verdict::probability;
 

@@ -74,6 +74,9 @@ pub struct Analysis {
     pub spine: SpineModel,
     /// Axial rotations of the vertebrae whose pedicles are marked on the erect film; empty where none are, and zero is unknown.
     pub axial: Vec<AxialRotation>,
+    /// Widths of its bodies between the corners of the erect film, the base first; `None` where nobody placed them. An empty list where that
+    /// film has no corners.
+    pub widths_mm: Vec<Option<f64>>,
     /// Springs of its joints before personalisation: those of the options, for the joints that the films show.
     pub library: StiffnessLibrary,
     /// The erect spine in space, from the erect and the lateral film; `None` without a lateral film, where the sagittal profile is a
