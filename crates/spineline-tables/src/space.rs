@@ -13,6 +13,8 @@ use crate::table::Table;
 pub(crate) struct InSpace<'a> {
     space: &'a SpatialOutline,
     vertebra: &'a SpatialVertebra,
+    /// Its pitch in a model without the lateral film.
+    template: Option<Angle>,
 }
 
 type VertebraRow<'a> = Row<'a, InSpace<'a>>;
@@ -22,8 +24,12 @@ pub(crate) fn vertebrae(patients: &[Patient<'_>]) -> Table {
     let mut rows: Vec<VertebraRow<'_>> = Vec::new();
     for patient in patients {
         let Some(space) = &patient.analysis.space else { continue };
-        let vertebrae = space.vertebrae.iter();
-        rows.extend(vertebrae.map(|vertebra| patient.row(InSpace { space, vertebra })));
+        let error = patient.analysis.template_error();
+        rows.extend(space.vertebrae.iter().map(|vertebra| {
+            let mut known = error.iter().flat_map(|error| &error.vertebrae);
+            let template = known.find(|v| v.level == vertebra.level).map(|v| v.template);
+            patient.row(InSpace { space, vertebra, template })
+        }));
     }
     let row = "patient × vertebra on the erect and the lateral film";
     keyed("space_vertebrae", row, [places(), angles()]).fill(&rows)
@@ -122,6 +128,12 @@ fn angles<'a>() -> Vec<Column<VertebraRow<'a>>> {
             Unit::Degrees,
             "its standard deviation by the landmarks and the turn of the lateral film",
             |row| Some(row.item.space.pitch_sd(row.item.vertebra).deg()),
+        ),
+        number(
+            "pitch_template",
+            Unit::Degrees,
+            "pitch by the profile of a population, which a model without the lateral film has; empty for vertebrae that are not of the model",
+            |row| row.item.template.map(Angle::deg),
         ),
     ]
 }

@@ -4,9 +4,11 @@ use std::collections::BTreeMap;
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use spineline::analysis::Analysis;
+use spineline::analysis::{Analysis, TemplateError};
 use spineline::clinical::SpatialNumber;
-use spineline::measure::{AxialRotation, FilmAlignment, SpatialOutline, SpatialVertebra};
+use spineline::measure::{
+    AxialRotation, FilmAlignment, LengthScale, SpatialOutline, SpatialVertebra,
+};
 use spineline::spatial::Angle;
 
 use crate::keys::LevelKey;
@@ -23,6 +25,37 @@ pub(super) struct SpaceRecord {
     vertebrae: BTreeMap<LevelKey, VertebraRecord>,
     /// Kyphosis, lordosis, planes of maximum curvature and length, each named 2-D (one film) or 3-D (in space).
     measures: Vec<MeasureRecord>,
+    /// What a model without the lateral film has in place of the measured profile; absent in older files.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    template: Option<TemplateRecord>,
+}
+
+/// The profile of a population less the measured one, over the vertebrae of the model that the lateral film shows.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+struct TemplateRecord {
+    /// Joints between two such vertebrae.
+    joints: usize,
+    /// Root mean square of the differences of turn at these joints.
+    joint_rms_deg: f64,
+    /// Root mean square of the differences of pitch.
+    vertebra_rms_deg: f64,
+    /// Root mean square of the differences of depth; absent where the erect film has no spacing.
+    depth_rms_mm: Option<f64>,
+    /// Pitch of every vertebra by the profile of the population; flexion positive.
+    pitch_deg: BTreeMap<LevelKey, f64>,
+}
+
+impl TemplateRecord {
+    fn new(found: &TemplateError, scale: &LengthScale) -> Self {
+        let vertebrae = found.vertebrae.iter();
+        Self {
+            joints: found.joints,
+            joint_rms_deg: found.joint_rms.deg(),
+            vertebra_rms_deg: found.vertebra_rms.deg(),
+            depth_rms_mm: scale.mm(found.depth_rms_mm),
+            pitch_deg: vertebrae.map(|v| (LevelKey(v.level), v.template.deg())).collect(),
+        }
+    }
 }
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -113,6 +146,9 @@ impl SpaceRecord {
                 .iter()
                 .map(MeasureRecord::new)
                 .collect(),
+            template: analysis
+                .template_error()
+                .map(|error| TemplateRecord::new(&error, analysis.scale())),
         })
     }
 }

@@ -5,7 +5,7 @@ use std::fs;
 use std::path::PathBuf;
 
 use serde_json::{Value, json};
-use spineline::analysis::{AnalysisOptions, analyze};
+use spineline::analysis::{Analysis, AnalysisOptions, analyze};
 use spineline::anatomy::{Level, Morphometry, SagittalProfile};
 use spineline::measure::SpatialOutline;
 use spineline::spatial::Vec3;
@@ -72,7 +72,7 @@ fn body(line: &[[f64; 2]], [top, bottom]: [f64; 2], width_px: f64) -> [[f64; 2];
 }
 
 /// A case of both films. Levels share the height of both lines, T1 to L5, as typical vertebrae do.
-fn case_of(lines: &Lines) -> String {
+fn case_of(id: &str, lines: &Lines) -> String {
     let ends = |line: &[[f64; 2]]| [line[0][1], line[line.len() - 1][1]];
     let [frontal, lateral] = [ends(&lines.frontal), ends(&lines.lateral)];
     let (top, bottom) = (frontal[0].max(lateral[0]), frontal[1].min(lateral[1]));
@@ -103,16 +103,15 @@ fn case_of(lines: &Lines) -> String {
     let from_side = json!({ "columns": PICTURE_PX[0], "rows": PICTURE_PX[1],
         "column_spacing_mm": PIXEL_MM, "row_spacing_mm": PIXEL_MM, "patient_anterior": "image_left" });
     let reading = |vertebrae| json!([{ "observer": "A", "repeat": 1, "vertebrae": vertebrae }]);
-    json!({ "format": "spineline-case", "version": 1, "case_id": "biplanar", "synthetic": false,
+    json!({ "format": "spineline-case", "version": 1, "case_id": id, "synthetic": false,
         "films": [{ "posture": "erect", "image": image, "readings": reading(on_frontal) }],
         "lateral": { "image": from_side, "simultaneous": true, "readings": reading(on_lateral) } })
     .to_string()
 }
 
-fn measured(lines: &Lines) -> SpatialOutline {
-    let case = parse_case(&case_of(lines)).expect("a case");
-    let analysis = analyze(&case, &AnalysisOptions::default()).expect("a sound case");
-    analysis.space.expect("both films show all vertebrae")
+fn analyzed(lines: &Lines) -> Analysis {
+    let case = parse_case(&case_of("biplanar", lines)).expect("a case");
+    analyze(&case, &AnalysisOptions::default()).expect("a sound case")
 }
 
 /// The nearest place of a polyline.
@@ -162,8 +161,9 @@ fn vertebrae_of_biplanar_films_lie_on_the_line_in_space_of_others() {
     let template = SagittalProfile::default();
     let mut of_template: BTreeMap<&str, Vec<f64>> = BTreeMap::new();
     for (number, lines) in patients.iter().enumerate() {
-        let space = measured(lines);
-        let distance = distance_mm(&space, lines);
+        let analysis = analyzed(lines);
+        let space = analysis.space.as_ref().expect("both films show all vertebrae");
+        let distance = distance_mm(space, lines);
         let own = space.profile(&template);
         let [kyphosis, lordosis] =
             [&own.turns_deg[4..14], &own.turns_deg[..3]].map(|turns| turns.iter().sum::<f64>());
@@ -179,12 +179,39 @@ fn vertebrae_of_biplanar_films_lie_on_the_line_in_space_of_others() {
             "file {number}: {distance:.2} mm from their line; T12 to T2 {kyphosis:.0}°, L4 to L1 {lordosis:.0}°; template: {:.1}° at a joint, {farthest:.0}° at most at a vertebra",
             (squares / 14.0).sqrt()
         );
-        of_template.entry("joint").or_default().push((squares / 14.0).sqrt());
-        of_template.entry("vertebra").or_default().push(farthest);
+        let error = analysis.template_error().expect("both films show all vertebrae");
+        let by_hand = (squares / 14.0).sqrt();
+        assert!((error.joint_rms.deg() - by_hand).abs() < 1e-9, "file {number}");
+        of_template.entry("joint").or_default().push(by_hand);
+        of_template.entry("vertebra, the lowest one in place").or_default().push(farthest);
+        let mut add = |what, value| of_template.entry(what).or_default().push(value);
+        add("vertebra, the top above the base: root mean square", error.vertebra_rms.deg());
+        add("vertebra, the top above the base: worst", error.worst().1.deg());
+        add("depth in mm, root mean square", error.depth_rms_mm);
         assert!(distance < 2.0, "file {number}: {distance:.2} mm");
         assert!(space.alignment.residual_mm < 1.0, "heights of one scanner agree");
     }
     for (what, values) in of_template {
-        println!("template, {what}: {:.1}°", values.iter().sum::<f64>() / values.len() as f64);
+        let mean = values.iter().sum::<f64>() / values.len() as f64;
+        let [low, high] = [f64::min, f64::max].map(|of| values.iter().copied().reduce(of));
+        let (low, high) = low.zip(high).expect("at least one patient");
+        println!("template, {what}: {mean:.1} ({low:.1} to {high:.1})");
+    }
+}
+
+/// For the picture of all profiles, by `spineline analyze target/biplanar/*.json --report target/profiles.html`. Its data stay out of
+/// the project.
+#[test]
+#[ignore = "writes cases of real patients to target/biplanar, for a picture of their profiles"]
+fn cases_of_biplanar_films_are_written() {
+    let Some(patients) = patients() else {
+        println!("skipped: SPINELINE_DATA holds no folder `pcdare/xray_lines_upright30`");
+        return;
+    };
+    let folder = PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/../../target/biplanar"));
+    fs::create_dir_all(&folder).expect("a folder");
+    for (number, lines) in patients.iter().enumerate() {
+        let id = format!("biplanar-{:02}", number + 1);
+        fs::write(folder.join(format!("{id}.json")), case_of(&id, lines)).expect("written");
     }
 }

@@ -4,6 +4,7 @@ mod by_patient;
 mod errors;
 mod movement;
 mod people;
+mod profiles;
 mod readers;
 
 use spineline::analysis::{Analysis, Subject};
@@ -37,6 +38,7 @@ pub fn report(patients: &Patients<'_>) -> Document {
     let mut sections = vec![people::verdict(patients), people::flow(patients)];
     sections.push(people::table_1(patients));
     sections.push(people::lenke(patients));
+    sections.extend(profiles::section(patients.analyses));
     sections.push(movement::section(patients.together));
     sections.push(errors::by_kind_of_film(patients.together));
     sections.push(errors::tests(patients.together));

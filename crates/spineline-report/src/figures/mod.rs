@@ -18,6 +18,7 @@
 //! | [`profiles`] | none: profile likelihoods of the multipliers |
 //! | [`noise_study`] | none: the paper's claims over landmark noise |
 //! | [`lateral_bias`] | none: what a lateral film shows of the pitch of a tilted vertebra |
+//! | [`sagittal_profile`], [`sagittal_profiles`] | none: pitch of the vertebrae from the lateral film, beside the profile of a population |
 //! | [`loaded_spine`] | none: a model under loads, from behind and from the right |
 //!
 //! # Conventions
@@ -47,6 +48,7 @@ mod panel;
 mod prediction;
 mod profile;
 mod rotation;
+mod sagittal;
 mod spines;
 mod style;
 mod views;
@@ -66,5 +68,6 @@ pub use overview::case_overview;
 pub use prediction::predictions;
 pub use profile::profiles;
 pub use rotation::rotations;
+pub use sagittal::{sagittal_profile, sagittal_profiles};
 pub use spines::{force_path, measured_and_simulated};
 pub use views::spine_in_space;

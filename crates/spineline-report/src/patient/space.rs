@@ -1,10 +1,11 @@
 //! The erect spine in space, from the erect and the lateral film.
 
-use spineline::analysis::Analysis;
+use spineline::analysis::{Analysis, TemplateError};
 use spineline::clinical::SpatialMeasures;
 use spineline::measure::SpatialOutline;
 
-use crate::document::{Column, Section, Table};
+use crate::document::{Column, Figure, Section, Table};
+use crate::figures;
 use crate::phrases::none;
 
 /// What the two films give together; `None` without a lateral film.
@@ -13,7 +14,16 @@ pub fn both_films(analysis: &Analysis) -> Option<Section> {
     let mut section = Section::new("both-films", "The erect and the lateral film together");
     section.paragraph(found.alignment_words(analysis.scale()));
     section.table(measures(analysis, &analysis.spatial_measures()?));
-    section.table(pitches(found));
+    let template = analysis.template_error();
+    if let Some(error) = &template {
+        section.paragraph(error.words(analysis.scale()));
+    }
+    if let Some(svg) = figures::sagittal_profile(analysis) {
+        let caption =
+            "Sagittal profile of this patient from both films, beside that of a population";
+        section.figure(Figure::new("sagittal-profile", caption, svg));
+    }
+    section.table(pitches(found, template.as_ref()));
     Some(section)
 }
 
@@ -43,15 +53,20 @@ fn measures(analysis: &Analysis, found: &SpatialMeasures) -> Table {
 }
 
 /// The pitch of every vertebra as the lateral film shows it, and in space.
-fn pitches(found: &SpatialOutline) -> Table {
+fn pitches(found: &SpatialOutline, template: Option<&TemplateError>) -> Table {
     let columns = vec![
         Column::words("Vertebra"),
         Column::words("Tilt on the erect film (2-D)"),
         Column::numbers("Pitch on the lateral film (2-D, °)"),
         Column::numbers("Pitch in space (3-D, °)"),
         Column::numbers("sd (°)"),
+        Column::numbers("Population's profile (°)"),
     ];
     let mut table = Table::new("Pitch of the vertebrae, flexion positive", columns);
+    let assumed = |level| {
+        let vertebra = template?.vertebrae.iter().find(|vertebra| vertebra.level == level)?;
+        Some(format!("{:.1}", vertebra.template.deg()))
+    };
     for vertebra in &found.vertebrae {
         table.row(vec![
             vertebra.level.to_string(),
@@ -59,9 +74,10 @@ fn pitches(found: &SpatialOutline) -> Table {
             format!("{:.1}", vertebra.lateral_pitch.deg()),
             format!("{:.1}", vertebra.orientation.pitch.deg()),
             format!("{:.1}", found.pitch_sd(vertebra).deg()),
+            assumed(vertebra.level).unwrap_or_else(none),
         ]);
     }
-    table.note = "By the line through the centres of both endplates. A lateral film overstates the pitch of a tilted vertebra; its endplates look different by how they are read, that line does not.".to_owned();
+    table.note = "By the line through the centres of both endplates. A lateral film overstates the pitch of a tilted vertebra; its endplates look different by how they are read, that line does not. The population's profile is what the model has without a lateral film.".to_owned();
     table
 }
 

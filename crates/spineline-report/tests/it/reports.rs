@@ -5,7 +5,7 @@ use spineline::anatomy::Level;
 use spineline::evaluate::Baseline;
 use spineline::measure::{FilmLengthRule, TiltRule};
 use spineline::multibody::Support;
-use spineline_phantom::{Readers, SpaceSetup, Truth, generate, generate_in_space};
+use spineline_phantom::{Readers, SagittalShape, SpaceSetup, Truth, generate, generate_in_space};
 use spineline_report::cohort::{Refusal, Refused};
 use spineline_report::document::{Block, NoticeKind, Section, Table};
 use spineline_report::{Document, embedded, html, markdown, patient, png};
@@ -157,6 +157,45 @@ fn a_lateral_film_adds_the_spine_in_space() {
     let [measures, pitches] = tables(found)[..] else { panic!("two tables") };
     assert_eq!(pitches.rows.len(), Level::ALL.len());
     assert!(measures.rows.iter().any(|row| row[0].starts_with("kyphosis T5–T12")));
+    assert!(text.contains("the model would have the profile of a population"), "{text}");
+    let assumed = pitches.rows.iter().filter(|row| row[5].parse::<f64>().is_ok());
+    assert_eq!(assumed.count(), Level::MODEL.len(), "L5 and T1 are not of the model");
+    let profile = document.figures().find(|figure| figure.name == "sagittal-profile");
+    let svg = &profile.expect("a picture of the profile").svg;
+    for part in ["synthetic", "From the right", "95 % interval", "T12", "population"] {
+        assert!(svg.contains(part), "{part}");
+    }
+    assert!(!svg.contains("NaN"));
+}
+
+#[test]
+fn patients_with_lateral_films_are_shown_beside_the_population() {
+    let mut cases: Vec<Case> = SagittalShape::ALL
+        .iter()
+        .map(|&shape| generate_in_space(&SpaceSetup { shape, ..SpaceSetup::default() }).case)
+        .collect();
+    cases[0].lateral = None;
+    for (i, case) in cases.iter_mut().enumerate() {
+        case.id = format!("patient-{i}");
+    }
+    let analyses: Vec<Analysis> = cases
+        .iter()
+        .map(|case| analyze(case, &AnalysisOptions::default()).expect("a phantom is sound"))
+        .collect();
+    let subjects: Vec<_> = cases.iter().map(|case| case.subject.clone()).collect();
+    let document = cohort_report(&analyses, &subjects, &[]);
+    let found = section(&document, "profiles");
+    let text = format!("{:?}", found.blocks);
+    assert!(text.contains("4 of 5 patients have a lateral film"), "{text}");
+    let rows = &tables(found)[0].rows;
+    assert_eq!(rows.len(), 4);
+    assert!(rows.iter().all(|row| row[1] == "4"));
+    let figure = document.figures().find(|figure| figure.name == "sagittal-profiles");
+    let svg = &figure.expect("a picture of all profiles").svg;
+    // Two panels with one line per patient each.
+    assert_eq!(svg.matches("data-layer=\"patient\"").count(), 8);
+    let nobody = cohort_report(&analyses[..1], &subjects[..1], &[]);
+    assert!(nobody.sections.iter().all(|section| section.id != "profiles"));
 }
 
 #[test]

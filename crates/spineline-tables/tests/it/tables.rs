@@ -115,6 +115,12 @@ fn a_lateral_film_adds_the_vertebrae_in_space() {
         film.iter().zip(space).filter(|(film, space)| film.map(f64::abs) >= space.map(f64::abs));
     assert_eq!(larger.count(), Level::ALL.len(), "a film overstates pitch");
     assert_eq!(table(&all, "axial_rotation").rows(), Level::ALL.len());
+    let assumed = numbers(vertebrae, "pitch_template_deg");
+    assert_eq!(
+        assumed.iter().flatten().count(),
+        Level::MODEL.len(),
+        "L5 and T1 are not of the model"
+    );
     let measures = table(&all, "space_measures");
     let measured = analysis.spatial_measures().expect("both films").numbers(analysis.scale());
     assert_eq!(measures.rows(), measured.len());

@@ -18,6 +18,7 @@ mod options;
 mod preference;
 mod result;
 mod standing;
+mod template;
 mod verdict;
 mod words;
 mod wrong_film;
@@ -37,6 +38,7 @@ pub use options::{AnalysisOptions, Grouping};
 pub use preference::{LineComparison, LineCrossing, PreferredLine};
 pub use result::{Analysis, PostureAnalysis};
 pub use standing::{AxialSource, PitchSource};
+pub use template::{ProfileVertebra, TemplateError};
 pub(crate) use verdict::listed;
 pub use verdict::probability;
 

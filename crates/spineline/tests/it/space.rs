@@ -2,7 +2,9 @@
 
 #![expect(clippy::disallowed_methods, reason = "the oracle has its own formulas")]
 
-use spineline::analysis::{Analysis, AnalysisOptions, analyze, analyze_movement};
+use spineline::analysis::{
+    Analysis, AnalysisOptions, AxialSource, PitchSource, analyze, analyze_movement,
+};
 use spineline::anatomy::{Level, SagittalProfile};
 use spineline::clinical::{SagittalPart, SpatialMeasures};
 use spineline::measure::{SpatialOutline, TiltRule, measure_film};
@@ -349,4 +351,57 @@ fn replicates_vary_the_numbers_in_space_by_their_deviations() {
     }
     let share = sd(AnalysisQuantity::SpinalLength) / measures.length.sd_3d_mm;
     assert!((0.8..1.2).contains(&share), "length: {share}");
+}
+
+/// Turns of the options that are the patient's own, but for this much more at the joint above L1.
+fn with_turns_off_by(phantom: &SpacePhantom, off_deg: f64) -> Analysis {
+    let (found, _) = measured(phantom);
+    let mut profile = found.profile(&SagittalProfile::default());
+    profile.turns_deg[3] += off_deg;
+    let options = AnalysisOptions { profile, ..AnalysisOptions::default() };
+    analyze(&phantom.case, &options).expect("a good case")
+}
+
+#[test]
+fn the_error_of_a_template_is_the_difference_of_turns_that_it_was_given() {
+    let phantom = generate_in_space(&SpaceSetup { corner_sd_mm: 0.4, ..SpaceSetup::default() });
+    let own = with_turns_off_by(&phantom, 0.0).template_error().expect("a lateral film");
+    assert_eq!((own.vertebrae.len(), own.joints), (15, 14));
+    assert_near(own.joint_rms.deg(), 0.0, 1e-9, "the patient's own turns");
+    // The base of a model of the erect film alone is pitched so that the top stands above it: all vertebrae are off alike.
+    let first = own.vertebrae[0].error();
+    assert!(own.vertebrae.iter().all(|v| (v.error() - first).deg().abs() < 1e-9));
+    let off = with_turns_off_by(&phantom, 10.0).template_error().expect("a lateral film");
+    assert_near(off.joint_rms.deg(), 10.0 / 14.0_f64.sqrt(), 1e-9, "one joint of 14");
+    let step = |i: usize| (off.vertebrae[i + 1].error() - off.vertebrae[i].error()).deg();
+    assert_near(step(3), 10.0, 1e-9, "L1/T12");
+    assert_near(step(4), 0.0, 1e-9, "T12/T11");
+    let squares = off.vertebrae.iter().map(|v| v.error().deg().powi(2)).sum::<f64>();
+    assert_near(off.vertebra_rms.deg(), (squares / 15.0).sqrt(), 1e-9, "all vertebrae");
+    let (worst, most) = off.worst();
+    assert!(off.vertebrae.iter().all(|v| v.error().abs().deg() <= most.deg() + 1e-12));
+    assert_near(
+        off.vertebrae.iter().find(|v| v.level == worst).expect("named").error().abs().deg(),
+        most.deg(),
+        1e-12,
+        "the worst one",
+    );
+}
+
+#[test]
+fn only_vertebrae_on_the_lateral_film_are_compared_with_the_template() {
+    let mut phantom = generate_in_space(&SpaceSetup::default());
+    for reading in &mut phantom.case.lateral.as_mut().expect("both films").readings {
+        reading.vertebrae.retain(|level, _| ![Level::L2, Level::T7, Level::T2].contains(level));
+    }
+    let analysis = analyze(&phantom.case, &AnalysisOptions::default()).expect("a good case");
+    let found = analysis.template_error().expect("a lateral film");
+    assert_eq!((found.vertebrae.len(), found.joints), (12, 9));
+    assert_eq!(analysis.pitch_source(Level::T7), PitchSource::Population);
+    assert_eq!(analysis.pitch_source(Level::T8), PitchSource::LateralFilm);
+    assert_eq!(analysis.axial_source(Level::T8), AxialSource::Unknown);
+    phantom.case.lateral = None;
+    let alone = analyze(&phantom.case, &AnalysisOptions::default()).expect("a good case");
+    assert_eq!(alone.template_error(), None);
+    assert_eq!(alone.pitch_source(Level::T8), PitchSource::Population);
 }

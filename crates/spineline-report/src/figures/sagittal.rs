@@ -1,0 +1,205 @@
+//! Sagittal profiles from lateral films beside the profile of a population.
+
+use kuva::render::render::Primitive;
+use spineline::analysis::{Analysis, ProfileVertebra, TemplateError};
+use spineline::anatomy::Level;
+
+use super::frontal::has_scale;
+use super::page::{Page, Sample};
+use super::panel::{Axis, HeadingKind, Panel, Ticks};
+use super::style::{
+    BLUE, GREY, Ink, Marker, SKY, Shape, TICK_PX, VERMILLION, nice_step, text_width_px,
+};
+
+const TALL_PX: f64 = 380.0;
+const MEASURED: Ink = Ink::new(BLUE, "", 1.8);
+const INTERVAL: Ink = Ink::new(SKY, "", 5.0);
+const TEMPLATE: Ink = Ink::new(VERMILLION, "7 3", 1.8);
+const ZERO: Ink = Ink::new(GREY, "2 3", 1.0);
+/// One of many patients.
+const ONE: Ink = Ink::new(BLUE, "", 0.9);
+/// Of a normal distribution, for 95 %.
+const WIDE: f64 = 1.96;
+
+/// The profile of a patient from the right, and the pitch of every vertebra with its 95 % interval, beside what the model has without a
+/// lateral film. `None` without a lateral film.
+#[must_use]
+pub fn sagittal_profile(analysis: &Analysis) -> Option<String> {
+    let found = analysis.template_error()?;
+    let title = format!("Sagittal profile, case {}", analysis.case_id);
+    let mut page = Page::new(title, analysis.synthetic);
+    page.notes.push(found.words(analysis.scale()));
+    let marker = Marker::new(Shape::Circle, BLUE, true);
+    page.legend = vec![
+        (Sample::Stroke(MEASURED, Some(marker)), "from both films".to_owned()),
+        (Sample::Stroke(INTERVAL, None), "95 % interval".to_owned()),
+        (Sample::Stroke(TEMPLATE, None), "population, without the lateral film".to_owned()),
+    ];
+    let mut row = Vec::new();
+    let mut width_px = page.inner_px() - 92.0;
+    if has_scale(&analysis.erect().outline) {
+        let panel = from_right(&found, analysis.levels().base(), marker);
+        width_px -= panel.frame_px[0] + 92.0;
+        row.push(panel);
+    }
+    let levels: Vec<Level> = analysis.levels().iter().collect();
+    let mut panel = pitch_panel(&levels, [&found], width_px);
+    let [low, high] = [-WIDE, WIDE];
+    let at = places(&levels, &found.vertebrae);
+    let interval = |(x, vertebra): &(f64, &ProfileVertebra)| {
+        let end = |share: f64| (*x, (vertebra.measured + vertebra.sd * share).deg());
+        panel.trace(INTERVAL, [end(low), end(high)])
+    };
+    let intervals: Vec<Primitive> = at.iter().map(interval).collect();
+    panel.layer("interval", intervals);
+    let lines = [
+        panel.trace(TEMPLATE, at.iter().map(|(x, vertebra)| (*x, vertebra.template.deg()))),
+        panel.trace(MEASURED, at.iter().map(|(x, vertebra)| (*x, vertebra.measured.deg()))),
+    ];
+    panel.layer("pitch", lines);
+    panel.points(marker, at.iter().map(|(x, vertebra)| (*x, vertebra.measured.deg())));
+    panel.heading(HeadingKind::Title, "Pitch of the vertebrae, flexion positive");
+    row.push(panel);
+    page.rows.push(row);
+    Some(page.into_svg())
+}
+
+/// Pitches of all patients with a lateral film, and what it is wrong by in each where the profile of a population takes its place. `None`
+/// without such a patient.
+#[must_use]
+pub fn sagittal_profiles(analyses: &[Analysis]) -> Option<String> {
+    let found: Vec<(&Analysis, TemplateError)> =
+        analyses.iter().filter_map(|one| Some((one, one.template_error()?))).collect();
+    if found.is_empty() {
+        return None;
+    }
+    let synthetic = found.iter().any(|(analysis, _)| analysis.synthetic);
+    let mut page = Page::new("Sagittal profiles beside that of a population", synthetic);
+    page.notes.push(
+        "Left: pitch of every vertebra from both films, flexion positive, one line per patient. Right: what the profile of a population is wrong by."
+            .to_owned(),
+    );
+    page.legend = vec![
+        (Sample::Stroke(ONE, None), "a patient".to_owned()),
+        (Sample::Stroke(TEMPLATE, None), "population, mean over these patients".to_owned()),
+    ];
+    let levels = Level::MODEL;
+    let width_px = 0.5 * page.inner_px() - 92.0;
+    let errors = || found.iter().map(|(_, error)| error);
+    let mut pitch = pitch_panel(&levels, errors(), width_px);
+    let mut off = error_panel(&levels, errors(), width_px);
+    for error in errors() {
+        let at = places(&levels, &error.vertebrae);
+        let line = pitch.trace(ONE, at.iter().map(|(x, v)| (*x, v.measured.deg())));
+        pitch.layer("patient", [line]);
+        let line = off.trace(ONE, at.iter().map(|(x, v)| (*x, v.error().deg())));
+        off.layer("patient", [line]);
+    }
+    let mean = (0..levels.len()).filter_map(|i| {
+        let vertebrae = errors().flat_map(|error| &error.vertebrae);
+        let all: Vec<f64> =
+            vertebrae.filter(|v| v.level == levels[i]).map(|v| v.template.deg()).collect();
+        let sum: f64 = all.iter().sum();
+        (!all.is_empty()).then(|| (i as f64 + 0.5, sum / all.len() as f64))
+    });
+    let mean: Vec<(f64, f64)> = mean.collect();
+    let line = pitch.trace(TEMPLATE, mean);
+    pitch.layer("population", [line]);
+    pitch.heading(HeadingKind::Title, "Pitch");
+    off.heading(HeadingKind::Title, "Population less measured");
+    page.rows.push(vec![pitch, off]);
+    Some(page.into_svg())
+}
+
+/// Place of every vertebra on the horizontal axis.
+fn places<'a>(
+    levels: &[Level],
+    vertebrae: &'a [ProfileVertebra],
+) -> Vec<(f64, &'a ProfileVertebra)> {
+    let place = |vertebra: &'a ProfileVertebra| {
+        let i = levels.iter().position(|level| *level == vertebra.level)?;
+        Some((i as f64 + 0.5, vertebra))
+    };
+    vertebrae.iter().filter_map(place).collect()
+}
+
+fn pitch_panel<'a>(
+    levels: &[Level],
+    errors: impl IntoIterator<Item = &'a TemplateError>,
+    width_px: f64,
+) -> Panel {
+    let values = errors.into_iter().flat_map(|error| &error.vertebrae).flat_map(|vertebra| {
+        let wide = vertebra.sd * WIDE;
+        let (low, high) = (vertebra.measured - wide, vertebra.measured + wide);
+        [low, high, vertebra.template].map(|angle| angle.deg())
+    });
+    by_level(levels, values, "pitch (deg)", width_px)
+}
+
+fn error_panel<'a>(
+    levels: &[Level],
+    errors: impl IntoIterator<Item = &'a TemplateError>,
+    width_px: f64,
+) -> Panel {
+    let vertebrae = errors.into_iter().flat_map(|error| &error.vertebrae);
+    by_level(levels, vertebrae.map(|v| v.error().deg()), "error of the pitch (deg)", width_px)
+}
+
+/// A panel with the names of the vertebrae below, from the lowest on the left, and a line at zero.
+fn by_level(
+    levels: &[Level],
+    values: impl Iterator<Item = f64>,
+    label: &str,
+    width_px: f64,
+) -> Panel {
+    let (low, high) = values.fold((0.0_f64, 0.0_f64), |(low, high), v| (low.min(v), high.max(v)));
+    let step = nice_step((high - low).max(1.0), 7.0);
+    let most = levels.len() as f64;
+    let x = Axis { label: String::new(), range: [0.0, most], step: 1.0, ticks: Ticks::None };
+    let y = Axis {
+        label: label.to_owned(),
+        range: [step * (low / step).floor(), step * (high / step).ceil().max(1.0)],
+        step,
+        ticks: Ticks::Numbers,
+    };
+    let mut panel = Panel::new(x, y, [width_px, TALL_PX]);
+    // In two rows where names would meet.
+    let rows = if width_px / most < text_width_px("T12", TICK_PX) + 6.0 { 2 } else { 1 };
+    for (i, level) in levels.iter().enumerate() {
+        panel.name_below(i as f64 + 0.5, i % rows, vec![level.to_string()], false);
+    }
+    let zero = panel.trace(ZERO, [(0.0, 0.0), (most, 0.0)]);
+    panel.layer("zero", [zero]);
+    panel
+}
+
+/// Both profiles from the patient's right, at one scale for both axes.
+fn from_right(found: &TemplateError, base: Level, marker: Marker) -> Panel {
+    let depths = found.vertebrae.iter().flat_map(|v| [v.place_mm[0], v.template_depth_mm]);
+    let heights = found.vertebrae.iter().map(|v| v.place_mm[1]);
+    let around = |values: &mut dyn Iterator<Item = f64>, step: f64| {
+        let (low, high) =
+            values.fold((0.0_f64, 0.0_f64), |(low, high), v| (low.min(v), high.max(v)));
+        [step * (low / step).floor(), step * (high / step).ceil().max(1.0)]
+    };
+    let z = around(&mut heights.chain([0.0]), 50.0);
+    let mut x = around(&mut depths.into_iter(), 20.0);
+    // Room for the label of the axis.
+    let spare = 0.5 * (160.0 - (x[1] - x[0])).max(0.0);
+    x = [20.0 * ((x[0] - spare) / 20.0).floor(), 20.0 * ((x[1] + spare) / 20.0).ceil()];
+    let px_per_mm = TALL_PX / (z[1] - z[0]);
+    let axis = |label: String, range, step| Axis { label, range, step, ticks: Ticks::Numbers };
+    let mut panel = Panel::new(
+        axis(format!("anterior of {base} (mm)"), x, 40.0),
+        axis(format!("cranial of {base} (mm)"), z, 50.0),
+        [px_per_mm * (x[1] - x[0]), TALL_PX],
+    );
+    panel.heading(HeadingKind::Title, "From the right");
+    panel.corners = Some(["BACK", "FRONT"].map(str::to_owned));
+    let measured = || found.vertebrae.iter().map(|v| (v.place_mm[0], v.place_mm[1]));
+    let template = found.vertebrae.iter().map(|v| (v.template_depth_mm, v.place_mm[1]));
+    let lines = [panel.trace(TEMPLATE, template), panel.trace(MEASURED, measured())];
+    panel.layer("profile", lines);
+    panel.points(Marker { radius_px: 2.6, ..marker }, measured());
+    panel
+}
