@@ -243,61 +243,65 @@ test("the trials show their progress, can be cancelled, and name their failures"
   await expect(page.getByText("1 of 2 pads have no result")).toBeVisible();
 });
 
-test("intervals belong to their loads, and are those of the command line", async ({
-  app,
-  page,
-}) => {
-  await openPlan(app, page);
-  await page.getByRole("button", { name: "Pad", exact: true }).press("Enter");
-  await expect(page.getByText(/^CONVERGED · /)).toBeVisible();
-  const angles = table(page, "Angles and place");
-  const cobb = angles.getByRole("row", { name: /^Cobb, main thoracic/i });
-  await expect(cobb.getByText(", 95 % interval")).toHaveCount(0);
-  const begin = page.getByRole("button", { name: "Compute 200 replicates" });
-  await begin.press("Enter");
-  await expect(page.getByText(/of 200 replicates$/)).toBeVisible();
-  await expect(cobb.getByText(", 95 % interval")).toHaveCount(3, { timeout: 120_000 });
-  await expect(page.getByText(/do not cover the errors of the model/)).toBeVisible();
-  await expect(page.getByText(/with a result, \d+ of 200 \(seed 1\)/)).toBeVisible();
-  await angles.scrollIntoViewIfNeeded();
-  await shot(page, "plan-intervals");
-  await expectAccessible(page);
+test(
+  "intervals belong to their loads, and are those of the command line",
+  { tag: "@long" },
+  async ({ app, page }) => {
+    await openPlan(app, page);
+    await page.getByRole("button", { name: "Pad", exact: true }).press("Enter");
+    await expect(page.getByText(/^CONVERGED · /)).toBeVisible();
+    const angles = table(page, "Angles and place");
+    const cobb = angles.getByRole("row", { name: /^Cobb, main thoracic/i });
+    await expect(cobb.getByText(", 95 % interval")).toHaveCount(0);
+    const begin = page.getByRole("button", { name: "Compute 200 replicates" });
+    await begin.press("Enter");
+    await expect(page.getByText(/of 200 replicates$/)).toBeVisible();
+    await expect(cobb.getByText(", 95 % interval")).toHaveCount(3, { timeout: 120_000 });
+    await expect(page.getByText(/do not cover the errors of the model/)).toBeVisible();
+    await expect(page.getByText(/with a result, \d+ of 200 \(seed 1\)/)).toBeVisible();
+    await angles.scrollIntoViewIfNeeded();
+    await shot(page, "plan-intervals");
+    await expectAccessible(page);
 
-  // The command line has the same numbers from the saved files.
-  const { loads, simulation, model } = await savedFiles(app, page);
-  const { origin } = new URL(page.url());
-  const made = await page.request.get(`${origin}/api/studies/${DEMO}/exports/analysis`);
-  const analysis = path.join(app.folder, "analysis.json");
-  await writeFile(analysis, await made.body());
-  const own = path.join(app.folder, "own.json");
-  const replicates = ["--case", analysis, "--replicates", "200", "--json", own];
-  await runProgram("simulate", model, "--load", loads, ...replicates);
-  const found = async (file: string) =>
-    (JSON.parse(await readFile(file, "utf8")) as { uncertainty: unknown }).uncertainty;
-  expect(await found(simulation)).toEqual(await found(own));
+    // The command line has the same numbers from the saved files.
+    const { loads, simulation, model } = await savedFiles(app, page);
+    const { origin } = new URL(page.url());
+    const made = await page.request.get(`${origin}/api/studies/${DEMO}/exports/analysis`);
+    const analysis = path.join(app.folder, "analysis.json");
+    await writeFile(analysis, await made.body());
+    const own = path.join(app.folder, "own.json");
+    const replicates = ["--case", analysis, "--replicates", "200", "--json", own];
+    await runProgram("simulate", model, "--load", loads, ...replicates);
+    const found = async (file: string) =>
+      (JSON.parse(await readFile(file, "utf8")) as { uncertainty: unknown }).uncertainty;
+    expect(await found(simulation)).toEqual(await found(own));
 
-  // Other loads: no interval is shown, until an undo brings these back.
-  await page.getByRole("group", { name: "Fields of load 1" }).getByLabel("Displacement").fill("12");
-  await expect(page.getByText(/^The loads have changed: the intervals/)).toBeVisible();
-  await expect(angles.getByText(", 95 % interval")).toHaveCount(0);
-  await expect(page.getByText(/do not cover the errors of the model/)).toHaveCount(0);
-  await expect(page.getByText(/advanced \(mm\) 12/i)).toBeVisible();
-  await expect(angles.getByText(", 95 % interval")).toHaveCount(0);
-  await shot(page, "plan-intervals-outdated");
-  await expectAccessible(page);
-  await page.getByRole("button", { name: "Undo" }).click();
-  await expect(cobb.getByText(", 95 % interval")).toHaveCount(3);
-  await page.reload();
-  await expect(cobb.getByText(", 95 % interval")).toHaveCount(3);
+    // Other loads: no interval is shown, until an undo brings these back.
+    await page
+      .getByRole("group", { name: "Fields of load 1" })
+      .getByLabel("Displacement")
+      .fill("12");
+    await expect(page.getByText(/^The loads have changed: the intervals/)).toBeVisible();
+    await expect(angles.getByText(", 95 % interval")).toHaveCount(0);
+    await expect(page.getByText(/do not cover the errors of the model/)).toHaveCount(0);
+    await expect(page.getByText(/advanced \(mm\) 12/i)).toBeVisible();
+    await expect(angles.getByText(", 95 % interval")).toHaveCount(0);
+    await shot(page, "plan-intervals-outdated");
+    await expectAccessible(page);
+    await page.getByRole("button", { name: "Undo" }).click();
+    await expect(cobb.getByText(", 95 % interval")).toHaveCount(3);
+    await page.reload();
+    await expect(cobb.getByText(", 95 % interval")).toHaveCount(3);
 
-  await page.emulateMedia({ colorScheme: "light" });
-  await page.setViewportSize({ width: 390, height: 844 });
-  await angles.scrollIntoViewIfNeeded();
-  const wide = await page.evaluate(() => document.documentElement.scrollWidth);
-  expect(wide).toBeLessThanOrEqual(390);
-  await shot(page, "plan-intervals-phone");
-  await expectAccessible(page);
-});
+    await page.emulateMedia({ colorScheme: "light" });
+    await page.setViewportSize({ width: 390, height: 844 });
+    await angles.scrollIntoViewIfNeeded();
+    const wide = await page.evaluate(() => document.documentElement.scrollWidth);
+    expect(wide).toBeLessThanOrEqual(390);
+    await shot(page, "plan-intervals-phone");
+    await expectAccessible(page);
+  },
+);
 
 test("replicates under loads show their progress, can be cancelled, and count what has no result", async ({
   app,

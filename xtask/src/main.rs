@@ -147,7 +147,7 @@ fn steps(command: &str) -> Option<Vec<Step<'static>>> {
             package.beside(),
             Step::new("doc examples", &[], checks::doctest),
             lint,
-            Step::new("docs", &[], checks::rustdoc),
+            Step::new("docs", &[], checks::rustdoc).full(),
             // Both write where the Python step reads, or where the lints look.
             notebooks.alone(),
             wheel.alone(),
