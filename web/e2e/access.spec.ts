@@ -68,6 +68,9 @@ test("the page waits for a stopped program and continues by itself", async ({ ap
   await page.getByRole("link", { name: "Cohort" }).click();
   const banner = page.getByRole("status").filter({ hasText: "The program does not answer" });
   await expect(banner).toBeVisible();
+  // It does not cover the way to other pages.
+  await page.getByRole("link", { name: "Access" }).click();
+  await expect(page).toHaveURL(/access/);
   await shot(page, "program-gone");
   await app.start();
   await expect(banner).toBeHidden({ timeout: 30_000 });
