@@ -81,7 +81,7 @@ pub use seen_levels::shows_enough;
 pub(crate) use seen_levels::{common_levels, seen_levels, warn_of_shortened_chain};
 pub use shared_errors::SharedErrors;
 pub(crate) use shared_errors::{ErrorRate, Measured, Whitening};
-pub use space::{FilmAlignment, SpatialOutline, SpatialVertebra};
+pub use space::{FilmAlignment, HeightLine, SharedHeights, SpatialOutline, SpatialVertebra};
 pub use spacing::{LengthScale, Spacing, SpacingPlane, SpacingSource};
 pub use tilt::{EndplateTilts, TiltRule};
 pub use view::{

@@ -30,6 +30,7 @@ mod oracle_hand;
 mod properties;
 mod response;
 mod rotation_prior;
+mod shared_heights;
 mod space;
 mod stiffness_tables;
 mod uncertainty;

@@ -52,6 +52,18 @@ pub struct LateralFilm {
 }
 
 impl LateralFilm {
+    /// How its picture lies, as seen with the front where a frontal film has the left: `patient_left` is the side of the picture on which
+    /// the front is.
+    #[must_use]
+    pub fn geometry(&self) -> ImageGeometry {
+        ImageGeometry {
+            columns: self.columns,
+            rows: self.rows,
+            spacing: self.spacing,
+            patient_left: self.patient_anterior,
+        }
+    }
+
     /// Locations and pitches of the marked vertebrae as this film shows them, means over the readings.
     ///
     /// # Errors
@@ -99,8 +111,7 @@ impl LateralFilm {
         if let Some(twice) = repeated(&self.readings) {
             return Err(LateralFault::DuplicateReading { id: twice.id.clone() });
         }
-        let (columns, rows) = (self.columns, self.rows);
-        let image = ImageGeometry { columns, rows, spacing: None, patient_left: ImageSide::Left };
+        let (image, columns, rows) = (self.geometry(), self.columns, self.rows);
         for reading in &self.readings {
             for (&level, corners) in &reading.vertebrae {
                 let outside = corners.places().into_iter().find(|&corner| !image.contains(corner));
@@ -124,18 +135,10 @@ impl LateralFilm {
     /// A body in millimetres, seen so that the front is on the left: what is positive there is anterior, as left is on a
     /// frontal film.
     fn body(&self, marked: &LateralCorners) -> Corners<Frontal> {
+        let image = self.geometry();
         let [superior_left, superior_right, inferior_left, inferior_right] =
-            marked.places().map(|place| self.sagittal(place));
+            marked.places().map(|place| image.frontal(place));
         Corners { superior_left, superior_right, inferior_left, inferior_right }
-    }
-
-    fn sagittal(&self, place: Pixel) -> Frontal {
-        let (column_mm, row_mm) = self.spacing.map_or((1.0, 1.0), |s| (s.column_mm, s.row_mm));
-        let forward = match self.patient_anterior {
-            ImageSide::Left => -1.0,
-            ImageSide::Right => 1.0,
-        };
-        Frontal::new(forward * column_mm * place.column_px, -row_mm * place.row_px)
     }
 }
 

@@ -1,6 +1,6 @@
 //! The lateral film against the frontal one: scale and turn in its plane, from the heights of vertebrae that both show.
 
-use nalgebra::{DMatrix, DVector, Matrix2};
+use nalgebra::{DMatrix, DVector, Matrix2, Matrix3, Vector3};
 
 use crate::measure::bodies::crossing_sd;
 use crate::measure::lateral::LateralVertebra;
@@ -33,6 +33,30 @@ pub struct FilmAlignment {
     pub expected_mm: f64,
     /// Vertebrae that both films show.
     pub vertebrae: usize,
+    heights: HeightPlane,
+}
+
+/// Heights on the frontal film over places of the lateral film.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct HeightPlane {
+    /// Mean place of the vertebrae on the lateral film, and their mean height on the frontal one.
+    middle: Frontal,
+    middle_mm: f64,
+    /// Height at the middle from the mean one, and its rates up the lateral film and to the front.
+    coefficients: Vector3<f64>,
+    covariance: Matrix3<f64>,
+}
+
+impl HeightPlane {
+    fn rates(&self, place: Frontal) -> Vector3<f64> {
+        let from = place - self.middle;
+        Vector3::new(1.0, from.z_mm, from.y_mm)
+    }
+
+    fn variance(&self, place: Frontal) -> f64 {
+        let rates = self.rates(place);
+        rates.dot(&(self.covariance * rates)).max(0.0)
+    }
 }
 
 /// The height of a vertebra on the frontal film, and its place on the lateral one.
@@ -93,6 +117,7 @@ struct Fit {
     covariance: Matrix2<f64>,
     residuals_mm: Vec<f64>,
     sds_mm: Vec<f64>,
+    heights: HeightPlane,
 }
 
 impl FilmAlignment {
@@ -119,6 +144,7 @@ impl FilmAlignment {
             residual_mm: (mean_square(&found.residuals_mm) / freedom).sqrt(),
             expected_mm: (mean_square(&first.sds_mm) / pairs.len() as f64).sqrt(),
             vertebrae: pairs.len(),
+            heights: found.heights,
         })
     }
 
@@ -126,6 +152,23 @@ impl FilmAlignment {
     #[must_use]
     pub fn from_film_mm(&self, place: Frontal, origin: Frontal) -> Frontal {
         (place - origin).rotated(self.turn) * self.scale
+    }
+
+    /// The height on the frontal film of a place of the lateral one, and its standard deviation by the alignment alone.
+    pub(super) fn height_mm(&self, place: Frontal) -> [f64; 2] {
+        let plane = &self.heights;
+        let height_mm = plane.middle_mm + plane.coefficients.dot(&plane.rates(place));
+        [height_mm, plane.variance(place).sqrt()]
+    }
+
+    /// The place of the lateral film, so far to the front on it, that has a height on the frontal film, and the standard deviation of its
+    /// second coordinate by the alignment alone, in the unit of the lateral film.
+    pub(super) fn place_at(&self, height_mm: f64, front: f64) -> (Frontal, f64) {
+        let HeightPlane { middle, middle_mm, coefficients, .. } = &self.heights;
+        let [offset, up, ahead] = [coefficients[0], coefficients[1], coefficients[2]];
+        let rest_mm = height_mm - middle_mm - offset - ahead * (front - middle.y_mm);
+        let place = Frontal::new(front, middle.z_mm + rest_mm / up);
+        (place, self.heights.variance(place).sqrt() / up)
     }
 
     /// Standard deviation of the scale, as a part of it.
@@ -181,19 +224,26 @@ fn fit(pairs: &[HeightPair], exposure: Exposure, scale: f64, excess: f64) -> Opt
     let residuals = &right - &rows * &solution;
     let residuals_mm =
         residuals.iter().zip(&sds_mm).map(|(residual, sd_mm)| residual * sd_mm * excess).collect();
+    let padded = |i: usize, j: usize| if i.max(j) < columns { inverse[(i, j)] } else { 0.0 };
+    let heights = |up: f64, front: f64| HeightPlane {
+        middle,
+        middle_mm,
+        coefficients: Vector3::new(solution[0], up, front),
+        covariance: Matrix3::from_fn(padded),
+    };
     if columns == 1 {
-        let covariance = Matrix2::zeros();
-        return Some(Fit { scale, turn: 0.0, covariance, residuals_mm, sds_mm });
+        let (covariance, heights) = (Matrix2::zeros(), heights(scale, 0.0));
+        return Some(Fit { scale, turn: 0.0, covariance, residuals_mm, sds_mm, heights });
     }
     let (up, front) = (solution[1], if columns == 3 { solution[2] } else { 0.0 });
     let scale = up.hypot(front);
     let mut covariance = Matrix2::zeros();
     // Rates of the logarithm of the scale and of the turn with both slopes.
     let rates = Matrix2::new(up, front, -front, up) / (scale * scale);
-    let slopes =
-        Matrix2::from_fn(|i, j| if i.max(j) + 1 < columns { inverse[(i + 1, j + 1)] } else { 0.0 });
+    let slopes = Matrix2::from_fn(|i, j| padded(i + 1, j + 1));
     covariance += rates * slopes * rates.transpose();
     let is_usable = scale.is_finite() && up > 0.0;
     let turn = Angle::from_sin_cos(front, up).rad();
-    is_usable.then_some(Fit { scale, turn, covariance, residuals_mm, sds_mm })
+    let heights = heights(up, front);
+    is_usable.then_some(Fit { scale, turn, covariance, residuals_mm, sds_mm, heights })
 }

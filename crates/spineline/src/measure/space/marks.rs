@@ -56,7 +56,7 @@ pub(super) fn frontal_marks(
 }
 
 /// Mean width of a body and mean distance between the centres of its endplates, in the film's millimetres or pixels.
-fn mean_shape(readings: &[ReadBodies<'_>], level: Level) -> Option<[f64; 2]> {
+pub(super) fn mean_shape(readings: &[ReadBodies<'_>], level: Level) -> Option<[f64; 2]> {
     let bodies = readings.iter().filter_map(|reading| reading.body(level));
     let mut shapes: Vec<[f64; 2]> =
         bodies.map(|body| [body.mean_width_mm(), body.height_mm()]).collect();

@@ -1,9 +1,11 @@
 //! The erect spine in space: frontal and lateral film together.
 
 mod alignment;
+mod heights;
 mod marks;
 
 pub use alignment::FilmAlignment;
+pub use heights::{HeightLine, SharedHeights};
 
 use nalgebra::DMatrix;
 

@@ -1,0 +1,161 @@
+//! Where a vertebra that one of two films shows must lie on the other one: at its height.
+
+use std::collections::BTreeMap;
+
+use super::alignment::{Exposure, FilmAlignment, HeightPair, LateralSd};
+use super::marks::mean_shape;
+use crate::anatomy::{Level, Morphometry};
+use crate::measure::bodies::{ReadBodies, corner_sd, crossing_sd};
+use crate::measure::lateral::LateralVertebra;
+use crate::measure::means::average;
+use crate::measure::{
+    Film, FilmLandmarks, ImageGeometry, LateralFilm, MeasureError, Noise, TiltRule,
+    measure_readings,
+};
+use crate::spatial::{Frontal, Pixel};
+use crate::warning::Warnings;
+
+/// The line on a film on which the midpoint of a vertebra of the other film must lie.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct HeightLine {
+    /// The vertebra.
+    pub level: Level,
+    /// Ends of the line, at the first and the last column.
+    pub ends: [Pixel; 2],
+    /// Standard deviation of its place along the rows, in pixels.
+    pub sd_px: f64,
+}
+
+/// The heights of vertebrae on an erect and a lateral film of one patient, each shown on the other film (epipolar lines of parallel rays).
+///
+/// # Definition
+/// Heights agree by the [`FilmAlignment`] that is estimated from the vertebrae on both films. Of a vertebra on the lateral film the line on
+/// the erect film is a row; the other way it leans by the turn of the lateral film. The deviation is that of the alignment and of
+/// the midpoint on the film where the vertebra is marked, by the delta method.
+///
+/// # Assumptions
+/// Those of [`FilmAlignment`]. Films need not be complete. Where nothing was read twice, a corner has the deviation of one careful reading
+/// ([`Noise::ONE_READING`]), on a film without spacing by the height of typical bodies.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SharedHeights {
+    /// On the erect film, of the vertebrae of the lateral one, caudal first.
+    pub on_erect: Vec<HeightLine>,
+    /// On the lateral film, of the vertebrae of the erect one, caudal first.
+    pub on_lateral: Vec<HeightLine>,
+    /// Vertebrae on both films, from which the alignment is estimated.
+    pub vertebrae: usize,
+}
+
+/// The midpoint of a vertebra on the erect film, and the standard deviation of its height, in the unit of that film.
+struct ErectMark {
+    location: Frontal,
+    sd: f64,
+}
+
+impl SharedHeights {
+    /// Of two films; `None` where fewer than two vertebrae are marked on both, or the erect film has no corners.
+    ///
+    /// # Errors
+    /// [`MeasureError`] of either film.
+    pub fn of(erect: &Film, lateral: &LateralFilm) -> Result<Option<Self>, MeasureError> {
+        let FilmLandmarks::Corners { image, .. } = &erect.landmarks else { return Ok(None) };
+        let bodies = ReadBodies::of_film(erect);
+        let assumed = assumed_corner_sd(image, &bodies);
+        let marks = erect_marks(erect, &bodies, corner_sd(&bodies).unwrap_or(assumed))?;
+        let seen = lateral.measure(&mut Warnings::default())?;
+        let corner = seen.corner_sd.map_or(LateralSd::Millimetres(assumed), LateralSd::Film);
+        let pairs: Vec<HeightPair> = seen
+            .vertebrae
+            .iter()
+            .filter_map(|side| {
+                let mark = marks.get(&side.level)?;
+                Some(HeightPair {
+                    height_mm: mark.location.z_mm,
+                    lateral: side.location,
+                    sd_mm: mark.sd,
+                    lateral_sd: corner.upwards(side),
+                })
+            })
+            .collect();
+        let has_scale = image.spacing.is_some() && lateral.spacing.is_some();
+        let exposure = Exposure { simultaneous: lateral.simultaneous, has_scale };
+        let Some(alignment) = FilmAlignment::estimate(&pairs, exposure) else { return Ok(None) };
+        let on_erect = |side: &LateralVertebra| row(image, &alignment, side, corner);
+        let on_lateral = |(level, mark): (&Level, &ErectMark)| {
+            line_on_lateral(lateral, &alignment, *level, mark)
+        };
+        Ok(Some(Self {
+            on_erect: seen.vertebrae.iter().map(on_erect).collect(),
+            on_lateral: marks.iter().map(on_lateral).collect(),
+            vertebrae: pairs.len(),
+        }))
+    }
+}
+
+/// Standard deviation of a corner of one careful reading, in the unit of the film.
+fn assumed_corner_sd(image: &ImageGeometry, bodies: &[ReadBodies<'_>]) -> f64 {
+    let one_mm = Noise::ONE_READING.corner_mm();
+    if image.spacing.is_some() {
+        return one_mm;
+    }
+    let bodies = bodies.iter().flat_map(|reading| &reading.bodies);
+    let sizes: Vec<f64> = bodies
+        .map(|(level, body)| body.height_mm() / Morphometry::of(*level).body_height_mm)
+        .collect();
+    one_mm * sizes.iter().sum::<f64>() / sizes.len().max(1) as f64
+}
+
+fn erect_marks(
+    erect: &Film,
+    bodies: &[ReadBodies<'_>],
+    corner_sd: f64,
+) -> Result<BTreeMap<Level, ErectMark>, MeasureError> {
+    let readings = measure_readings(erect, TiltRule::Axis)?;
+    let placed: Vec<_> = readings.into_iter().map(|reading| reading.vertebrae).collect();
+    let marks = average(&placed).into_iter().filter_map(|(level, (placement, _))| {
+        let [width, height] = mean_shape(bodies, level)?;
+        let [_, sd] = crossing_sd(corner_sd, width, height);
+        Some((level, ErectMark { location: placement.location, sd }))
+    });
+    Ok(marks.collect())
+}
+
+/// The row of the erect film at the height of a vertebra of the lateral one.
+fn row(
+    image: &ImageGeometry,
+    alignment: &FilmAlignment,
+    side: &LateralVertebra,
+    corner: LateralSd,
+) -> HeightLine {
+    let [height, alignment_sd] = alignment.height_mm(side.location);
+    let sd = alignment_sd.hypot(corner.upwards(side).mm(alignment.scale));
+    let ends = [0.0, f64::from(image.columns.saturating_sub(1))].map(|column_px| {
+        let row_px = image.pixel(Frontal::new(0.0, height)).row_px;
+        Pixel::new(column_px, row_px)
+    });
+    HeightLine { level: side.level, ends, sd_px: sd / row_size(image) }
+}
+
+/// The line of the lateral film at the height of a vertebra of the erect one.
+fn line_on_lateral(
+    lateral: &LateralFilm,
+    alignment: &FilmAlignment,
+    level: Level,
+    mark: &ErectMark,
+) -> HeightLine {
+    let image = lateral.geometry();
+    let at = |column_px: f64| {
+        let front = image.frontal(Pixel::new(column_px, 0.0)).y_mm;
+        alignment.place_at(mark.location.z_mm, front)
+    };
+    let last = f64::from(image.columns.saturating_sub(1));
+    let ends = [0.0, last].map(|column_px| image.pixel(at(column_px).0));
+    let (_, alignment_sd) = at(0.5 * last);
+    let sd = alignment_sd.hypot(mark.sd / alignment.scale);
+    HeightLine { level, ends, sd_px: sd / row_size(&image) }
+}
+
+/// The distance of two rows, in the unit of the film.
+fn row_size(image: &ImageGeometry) -> f64 {
+    image.spacing.map_or(1.0, |spacing| spacing.row_mm)
+}
