@@ -3,7 +3,7 @@
 use std::collections::{BTreeMap, HashMap};
 use std::sync::{Arc, Mutex, PoisonError};
 
-use spineline::anatomy::{Level, Posture};
+use spineline::anatomy::{FilmView, Level, Posture};
 use spineline_store::{
     FilmRecord, Name, ReadingId, ReadingRecord, ReadingState, Store, StoreError,
 };
@@ -82,7 +82,7 @@ fn status_of(
     complete: &BTreeMap<ReadingId, u32>,
 ) -> (StudyStatus, String) {
     let all = Level::MODEL.len();
-    let erect = films.iter().filter(|film| film.posture == Posture::Erect);
+    let erect = films.iter().filter(|film| film.view == FilmView::Frontal(Posture::Erect));
     let best = erect
         .flat_map(|film| readings.iter().filter(|reading| reading.film == film.id))
         .filter_map(|reading| complete.get(&reading.id).copied())

@@ -4,9 +4,10 @@ use std::collections::BTreeMap;
 
 use rusqlite::Connection;
 use spineline::analysis::{Case, Subject};
-use spineline::anatomy::{Posture, Side};
+use spineline::anatomy::{FilmView, Posture, Side};
 use spineline::measure::{
-    Corners, Film, FilmLandmarks, IliacCrests, Reading, ReadingId as Reader, VertebraLandmarks,
+    Corners, Film, FilmLandmarks, IliacCrests, LateralCorners, LateralFilm, Reading,
+    ReadingId as Reader, VertebraLandmarks,
 };
 use spineline::spatial::{Angle, Pixel};
 
@@ -16,62 +17,139 @@ use crate::names::Name;
 use crate::readings::ReadingRecord;
 use crate::state::{ReadingState, VertebraReading};
 
-/// The films of a study, of which a case has one per posture.
-pub(crate) fn by_posture(
+/// The films of a study, of which a case has one per posture and one lateral one; the lateral one comes last.
+pub(crate) fn by_view(
     connection: &Connection,
     study: &Name,
-) -> Result<BTreeMap<Posture, FilmRecord>, StoreError> {
-    let mut by_posture: BTreeMap<Posture, FilmRecord> = BTreeMap::new();
+) -> Result<BTreeMap<FilmView, FilmRecord>, StoreError> {
+    let mut by_view: BTreeMap<FilmView, FilmRecord> = BTreeMap::new();
     for film in films::films(connection, study)? {
-        if let Some(other) = by_posture.insert(film.posture, film) {
-            let (study, posture) = (study.clone(), other.posture);
-            return Err(StoreError::PostureTwice { study, posture });
+        if let Some(other) = by_view.insert(film.view, film) {
+            return Err(StoreError::ViewTwice { study: study.clone(), view: other.view });
         }
     }
-    Ok(by_posture)
+    Ok(by_view)
+}
+
+/// A film with its readings, as its view has it.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) enum AssembledFilm {
+    Frontal(Film),
+    Lateral(LateralFilm),
 }
 
 /// The case of a study with these films.
-pub(crate) fn case(study: &Name, synthetic: bool, films: Vec<Film>) -> Case {
+pub(crate) fn case(study: &Name, synthetic: bool, films: Vec<AssembledFilm>) -> Case {
     let (id, subject) = (study.to_string(), Subject::default());
-    Case { id, synthetic, subject, films, lateral: None }
+    let mut case = Case { id, synthetic, subject, films: Vec::new(), lateral: None };
+    for film in films {
+        match film {
+            AssembledFilm::Frontal(film) => case.films.push(film),
+            AssembledFilm::Lateral(film) => case.lateral = Some(film),
+        }
+    }
+    case
 }
 
-/// A film with its readings: the vertebrae with four corners, and the mean of the pairs of crests.
+/// A film of a study with its readings.
 ///
 /// # Errors
 /// [`StoreError::Case`] where the image's description is not that of a case file.
 pub(crate) fn film(
     record: &FilmRecord,
     readings: &[(&ReadingRecord, ReadingState)],
+) -> Result<AssembledFilm, StoreError> {
+    Ok(match record.view {
+        FilmView::Frontal(posture) => {
+            AssembledFilm::Frontal(frontal_film(record, posture, readings)?)
+        }
+        FilmView::Lateral => AssembledFilm::Lateral(lateral_film(record, readings)?),
+    })
+}
+
+/// The lateral film with its readings: the vertebrae with four corners.
+fn lateral_film(
+    record: &FilmRecord,
+    readings: &[(&ReadingRecord, ReadingState)],
+) -> Result<LateralFilm, StoreError> {
+    let image = spineline_files::parse_image(&record.image, record.view)?;
+    let readings = readings.iter().map(|(reading, state)| Reading {
+        id: reader(reading),
+        vertebrae: state
+            .vertebrae
+            .iter()
+            .filter_map(|(&level, v)| {
+                let seen = placed(v, record.view)?;
+                let corners = LateralCorners {
+                    superior_anterior: seen.superior_left,
+                    superior_posterior: seen.superior_right,
+                    inferior_anterior: seen.inferior_left,
+                    inferior_posterior: seen.inferior_right,
+                };
+                Some((level, corners))
+            })
+            .collect(),
+    });
+    Ok(LateralFilm {
+        columns: image.columns,
+        rows: image.rows,
+        spacing: image.spacing,
+        patient_anterior: image.patient_left,
+        simultaneous: record.simultaneous,
+        readings: readings.collect(),
+    })
+}
+
+/// A frontal film with its readings: the vertebrae with four corners, and the mean of the pairs of crests.
+fn frontal_film(
+    record: &FilmRecord,
+    posture: Posture,
+    readings: &[(&ReadingRecord, ReadingState)],
 ) -> Result<Film, StoreError> {
-    let image = spineline_files::parse_image(&record.image, record.posture)?;
+    let image = spineline_files::parse_image(&record.image, record.view)?;
     let iliac_crests = mean_crests(readings);
-    let readings = readings.iter().map(|(reading, state)| marked(reading, state)).collect();
+    let readings =
+        readings.iter().map(|(reading, state)| marked(reading, state, posture)).collect();
     let landmarks = FilmLandmarks::Corners { image, iliac_crests, readings };
-    Ok(Film { posture: record.posture, landmarks })
+    Ok(Film { posture, landmarks })
 }
 
-fn marked(reading: &ReadingRecord, state: &ReadingState) -> Reading<VertebraLandmarks> {
-    let vertebrae = state.vertebrae.iter().filter_map(|(&level, v)| Some((level, landmark(v)?)));
-    Reading {
-        id: Reader::new(reading.observer.to_string(), reading.repeat),
-        vertebrae: vertebrae.collect(),
-    }
+fn marked(
+    reading: &ReadingRecord,
+    state: &ReadingState,
+    posture: Posture,
+) -> Reading<VertebraLandmarks> {
+    let vertebrae =
+        state.vertebrae.iter().filter_map(|(&level, v)| Some((level, landmark(v, posture)?)));
+    Reading { id: reader(reading), vertebrae: vertebrae.collect() }
 }
 
-/// The landmarks of a vertebra, if all four corners are placed.
-fn landmark(landmarks: &VertebraReading) -> Option<VertebraLandmarks> {
-    let corners = landmarks.placed().map(|corner| corner.map(pixel));
-    let corners = Corners {
+fn reader(reading: &ReadingRecord) -> Reader {
+    Reader::new(reading.observer.to_string(), reading.repeat)
+}
+
+/// The corners of a vertebra in a view, if all four are placed.
+fn placed(landmarks: &VertebraReading, view: FilmView) -> Option<Corners<Pixel>> {
+    let corners = landmarks.placed(view).map(|corner| corner.map(pixel));
+    Some(Corners {
         superior_left: corners.superior_left?,
         superior_right: corners.superior_right?,
         inferior_left: corners.inferior_left?,
         inferior_right: corners.inferior_right?,
+    })
+}
+
+/// The landmarks of a vertebra on a frontal film, if all four corners are placed.
+fn landmark(landmarks: &VertebraReading, posture: Posture) -> Option<VertebraLandmarks> {
+    let view = FilmView::Frontal(posture);
+    let corners = placed(landmarks, view)?;
+    let sides = |places: &BTreeMap<Side, [f64; 2]>| {
+        Side::ALL.map(|side| places.get(&side).copied().map(pixel))
     };
     Some(VertebraLandmarks {
-        origins: landmarks.corner_origins(),
-        walls: [Side::Left, Side::Right].map(|side| landmarks.walls.get(&side).copied().map(pixel)),
+        origins: landmarks.corner_origins(view),
+        walls: sides(&landmarks.walls),
+        pedicles: sides(&landmarks.pedicles),
         axis_clockwise: landmarks.axis_deg.map(Angle::from_deg),
         sd_share: landmarks.sd_share,
         ..VertebraLandmarks::clicked(corners)

@@ -4,9 +4,10 @@ use std::fmt;
 
 use serde_json::Value;
 use spineline::analysis::{Subject, check_repeated};
-use spineline::anatomy::Posture;
+use spineline::anatomy::{FilmView, Level, Posture};
 use spineline::measure::{
-    Corners, Film, FilmLandmarks, IliacCrests, Origin, Reading, VertebraLandmarks,
+    Corners, Film, FilmLandmarks, IliacCrests, LateralCorners, LateralFilm, Origin, Reading,
+    VertebraLandmarks,
 };
 use spineline::spatial::Pixel;
 use spineline_files::{FileError, LevelKey};
@@ -32,7 +33,8 @@ pub struct NewCase {
 
 #[derive(Debug, Clone, PartialEq)]
 struct CaseFilm {
-    posture: Posture,
+    view: FilmView,
+    simultaneous: bool,
     bytes: Vec<u8>,
     image: Value,
     readings: Vec<CaseReading>,
@@ -50,26 +52,23 @@ struct CaseReading {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum CaseRemark {
-    /// The lateral film and its landmarks.
+    /// The lateral film and its landmarks, where the case names no picture of it.
     Lateral,
     /// Sex, age and Lenke class.
     Subject,
     /// Confidences of landmarks that a program found.
     Confidences,
-    /// Pedicles.
-    Pedicles,
 }
 
 impl fmt::Display for CaseRemark {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
             Self::Lateral => {
-                "the study store does not hold the lateral film and its landmarks: keep the case file"
+                "the case names no picture of the lateral film, so the study store does not hold its landmarks: keep the case file"
             }
             Self::Confidences => {
                 "the study store does not hold the confidences of landmarks: keep the case file"
             }
-            Self::Pedicles => "the study store does not hold pedicles: keep the case file",
             Self::Subject => "the study store does not hold sex, age and Lenke class: keep the case file",
         })
     }
@@ -98,7 +97,7 @@ pub enum CaseError<E> {
     /// A picture differs from the one of the case.
     OtherPicture {
         /// Film.
-        posture: Posture,
+        view: FilmView,
     },
     /// A picture cannot be read.
     Picture(E),
@@ -114,9 +113,9 @@ impl<E: fmt::Display> fmt::Display for CaseError<E> {
                 write!(f, "{posture} film: it has locations from another program, but no picture")
             }
             Self::NotNamed { posture } => write!(f, "{posture} film: no picture is named"),
-            Self::OtherPicture { posture } => write!(
+            Self::OtherPicture { view } => write!(
                 f,
-                "{posture} film: the picture differs from the one of the case (SHA-256 differs)"
+                "{view} film: the picture differs from the one of the case (SHA-256 differs)"
             ),
             Self::Picture(error) => error.fmt(f),
         }
@@ -176,25 +175,26 @@ impl NewCase {
             let readings = readings.collect::<Result<_, _>>().map_err(CaseError::Name)?;
             let image = record["image"].clone();
             let file = image["file"].as_str().ok_or(CaseError::NotNamed { posture })?;
-            let bytes = bytes_of(file).map_err(CaseError::Picture)?;
-            let found = spineline_files::sha256_hex(&bytes);
-            if image["sha256"].as_str().is_some_and(|hash| !hash.eq_ignore_ascii_case(&found)) {
-                return Err(CaseError::OtherPicture { posture });
-            }
-            films.push(CaseFilm { posture, bytes, image, readings });
+            let view = FilmView::Frontal(posture);
+            let bytes = picture(view, file, &image, &mut bytes_of)?;
+            films.push(CaseFilm { view, simultaneous: false, bytes, image, readings });
         }
         let mut remarks = Vec::new();
-        if case.lateral.is_some() {
-            remarks.push(CaseRemark::Lateral);
+        if let Some(lateral) = &case.lateral {
+            let image = written["lateral"]["image"].clone();
+            match image["file"].as_str() {
+                Some(file) => {
+                    let bytes = picture(FilmView::Lateral, file, &image, &mut bytes_of)?;
+                    films.push(CaseFilm::lateral(lateral, bytes, image).map_err(CaseError::Name)?);
+                }
+                None => remarks.push(CaseRemark::Lateral),
+            }
         }
         if case.subject != Subject::default() {
             remarks.push(CaseRemark::Subject);
         }
         if case.films.iter().any(has_confidences) {
             remarks.push(CaseRemark::Confidences);
-        }
-        if case.films.iter().any(has_pedicles) {
-            remarks.push(CaseRemark::Pedicles);
         }
         let study = Study { id, label: None, synthetic: case.synthetic };
         Ok(Self { study, films, remarks })
@@ -208,8 +208,18 @@ impl NewCase {
 
     /// With one more film, without readings.
     #[must_use]
-    pub fn film(mut self, posture: Posture, bytes: Vec<u8>, image: Value) -> Self {
-        self.films.push(CaseFilm { posture, bytes, image, readings: Vec::new() });
+    pub fn film(mut self, view: impl Into<FilmView>, bytes: Vec<u8>, image: Value) -> Self {
+        let (view, readings) = (view.into(), Vec::new());
+        self.films.push(CaseFilm { view, simultaneous: false, bytes, image, readings });
+        self
+    }
+
+    /// With a lateral film, if it has one, that was exposed together with the erect film, or not.
+    #[must_use]
+    pub fn simultaneous(mut self, simultaneous: bool) -> Self {
+        for film in self.films.iter_mut().filter(|film| film.view == FilmView::Lateral) {
+            film.simultaneous = simultaneous;
+        }
         self
     }
 
@@ -219,11 +229,11 @@ impl NewCase {
         &self.study.id
     }
 
-    /// Its films: posture, file name, columns and rows.
-    pub fn pictures(&self) -> impl Iterator<Item = (Posture, &str, [u64; 2])> {
+    /// Its films: what they show, file name, columns and rows.
+    pub fn pictures(&self) -> impl Iterator<Item = (FilmView, &str, [u64; 2])> {
         self.films.iter().map(|film| {
             let size = ["columns", "rows"].map(|key| film.image[key].as_u64().unwrap_or_default());
-            (film.posture, film.image["file"].as_str().unwrap_or_default(), size)
+            (film.view, film.image["file"].as_str().unwrap_or_default(), size)
         })
     }
 
@@ -239,7 +249,7 @@ impl NewCase {
             film.bytes = rewrite(&film.bytes)?;
             // The old name may be that of a patient.
             let end = if film.bytes.get(128..132) == Some(b"DICM") { "dcm" } else { "png" };
-            film.image["file"] = format!("{}-{}.{end}", self.study.id, film.posture.key()).into();
+            film.image["file"] = format!("{}-{}.{end}", self.study.id, film.view.key()).into();
             film.image["sha256"] = spineline_files::sha256_hex(&film.bytes).into();
         }
         Ok(self)
@@ -260,10 +270,32 @@ impl NewCase {
     }
 }
 
-fn has_pedicles(film: &Film) -> bool {
-    let FilmLandmarks::Corners { readings, .. } = &film.landmarks else { return false };
-    let mut landmarks = readings.iter().flat_map(|reading| reading.vertebrae.values());
-    landmarks.any(|landmark| landmark.pedicles != [None; 2])
+/// The bytes of a picture that a case names.
+fn picture<E>(
+    view: FilmView,
+    file: &str,
+    image: &Value,
+    bytes_of: &mut impl FnMut(&str) -> Result<Vec<u8>, E>,
+) -> Result<Vec<u8>, CaseError<E>> {
+    let bytes = bytes_of(file).map_err(CaseError::Picture)?;
+    let found = spineline_files::sha256_hex(&bytes);
+    if image["sha256"].as_str().is_some_and(|hash| !hash.eq_ignore_ascii_case(&found)) {
+        return Err(CaseError::OtherPicture { view });
+    }
+    Ok(bytes)
+}
+
+impl CaseFilm {
+    fn lateral(film: &LateralFilm, bytes: Vec<u8>, image: Value) -> Result<Self, StoreError> {
+        let readings = film.readings.iter().map(CaseReading::of_lateral);
+        Ok(Self {
+            view: FilmView::Lateral,
+            simultaneous: film.simultaneous,
+            bytes,
+            image,
+            readings: readings.collect::<Result<_, _>>()?,
+        })
+    }
 }
 
 fn has_confidences(film: &Film) -> bool {
@@ -286,7 +318,14 @@ impl CaseReading {
                 let Some(Pixel { column_px, row_px }) = wall else { continue };
                 events.push(Event::PlaceWall { level, side, column_px, row_px });
             }
-            let corners = Corner::ALL.into_iter().zip(landmark.corners.points());
+            for (side, pedicle) in
+                [PatientSide::Left, PatientSide::Right].into_iter().zip(landmark.pedicles)
+            {
+                let Some(Pixel { column_px, row_px }) = pedicle else { continue };
+                events.push(Event::PlacePedicle { level, side, column_px, row_px });
+            }
+            let named = Corner::FRONTAL.points();
+            let corners = named.into_iter().zip(landmark.corners.points());
             if landmark.origins == Corners::all(Origin::Clicked) {
                 for (corner, Pixel { column_px, row_px }) in corners {
                     events.push(Event::PlaceCorner { level, corner, column_px, row_px });
@@ -294,7 +333,7 @@ impl CaseReading {
             } else {
                 let corners =
                     corners.map(|(corner, place)| (corner, [place.column_px, place.row_px]));
-                let origins = Corner::ALL.into_iter().zip(landmark.origins.points());
+                let origins = named.into_iter().zip(landmark.origins.points());
                 let origins = origins.filter(|(_, origin)| *origin != Origin::Clicked);
                 events.push(Event::TakeVertebra {
                     level,
@@ -314,6 +353,27 @@ impl CaseReading {
                 events.push(Event::PlaceIliacCrest { side, column_px, row_px });
             }
         }
+        let (observer, repeat) = (Name::new(&reading.id.observer)?, reading.id.repeat);
+        Ok(Self { observer, repeat, events })
+    }
+
+    fn of_lateral(reading: &Reading<LateralCorners>) -> Result<Self, StoreError> {
+        let placed = |(&level, corners): (&Level, &LateralCorners)| {
+            let level = LevelKey(level);
+            let places = [
+                (Corner::SuperiorAnterior, corners.superior_anterior),
+                (Corner::SuperiorPosterior, corners.superior_posterior),
+                (Corner::InferiorAnterior, corners.inferior_anterior),
+                (Corner::InferiorPosterior, corners.inferior_posterior),
+            ];
+            places.map(|(corner, Pixel { column_px, row_px })| Event::PlaceCorner {
+                level,
+                corner,
+                column_px,
+                row_px,
+            })
+        };
+        let events = reading.vertebrae.iter().flat_map(placed).collect();
         let (observer, repeat) = (Name::new(&reading.id.observer)?, reading.id.repeat);
         Ok(Self { observer, repeat, events })
     }
@@ -351,7 +411,8 @@ fn insert_case(ledger: &Ledger<'_>, case: &NewCase) -> Result<AddedCase, StoreEr
     let (mut films, mut readings) = (Vec::new(), 0);
     for film in &case.films {
         let new = NewFilm {
-            posture: film.posture,
+            view: film.view,
+            simultaneous: film.simultaneous,
             bytes: &film.bytes,
             image: &film.image,
             inverted: film.image["inverted"] == true,

@@ -4,11 +4,11 @@ use std::collections::BTreeSet;
 
 use rusqlite::Connection;
 use spineline::analysis::Case;
-use spineline::anatomy::{Level, Posture};
+use spineline::anatomy::{FilmView, Level, Posture};
 use spineline::measure::{Film, ReadingId as Reader, shows_enough};
 use spineline_files::method_text::ChosenOptions;
 
-use crate::assembly;
+use crate::assembly::{self, AssembledFilm};
 use crate::connection::Store;
 use crate::error::StoreError;
 use crate::event::Event;
@@ -34,9 +34,11 @@ pub enum CaseReadings<'a> {
     },
 }
 
-/// A film of the current case.
+/// A frontal film of the current case.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CurrentFilm {
+    /// The posture that it shows.
+    pub posture: Posture,
     /// The film.
     pub record: FilmRecord,
     /// Number of readings that are used for it.
@@ -62,14 +64,27 @@ impl CurrentFilm {
     }
 }
 
+/// The lateral film of the current case. Whatever vertebrae it shows take part in the analysis.
+#[derive(Debug, Clone, PartialEq)]
+pub struct CurrentLateral {
+    /// The film.
+    pub record: FilmRecord,
+    /// Number of readings that are used for it.
+    pub readings: usize,
+    /// Vertebrae of the model with four corners in one of them.
+    pub marked: BTreeSet<Level>,
+}
+
 /// The current case of a study.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CurrentCase {
-    /// Its films, the erect one first.
+    /// Its frontal films, the erect one first.
     pub films: Vec<CurrentFilm>,
+    /// Its lateral film.
+    pub lateral: Option<CurrentLateral>,
     /// Landmarks on the films with readings, of any vertebra.
     pub case: Case,
-    /// The open reading with all finished readings of its film, to compare it with them.
+    /// The open reading of a frontal film with all finished readings of this film, to compare it with them.
     pub compared: Option<ComparedReading>,
     /// Model options with which it is analysed.
     pub options: ChosenOptions,
@@ -85,13 +100,13 @@ pub struct ComparedReading {
 }
 
 impl CurrentCase {
-    /// State of one film.
+    /// State of one frontal film.
     #[must_use]
     pub fn film(&self, posture: Posture) -> Option<&CurrentFilm> {
-        self.films.iter().find(|film| film.record.posture == posture)
+        self.films.iter().find(|film| film.posture == posture)
     }
 
-    /// Landmarks on one film.
+    /// Landmarks on one frontal film.
     #[must_use]
     pub fn landmarks(&self, posture: Posture) -> Option<&Film> {
         self.case.films.iter().find(|film| film.posture == posture)
@@ -119,8 +134,9 @@ impl Store {
         let snapshot = self.connection.unchecked_transaction()?;
         let synthetic = films::study(&snapshot, study)?.synthetic;
         let readings = readings::of_study(&snapshot, study)?;
-        let (mut films, mut landmarks, mut compared) = (Vec::new(), Vec::new(), None);
-        for film in assembly::by_posture(&snapshot, study)?.into_values() {
+        let (mut films, mut lateral) = (Vec::new(), None);
+        let (mut landmarks, mut compared) = (Vec::new(), None);
+        for film in assembly::by_view(&snapshot, study)?.into_values() {
             let of_film: Vec<&ReadingRecord> =
                 readings.iter().filter(|reading| reading.film == film.id).collect();
             let chosen = match choice {
@@ -129,35 +145,36 @@ impl Store {
                     let hand = readings.iter().find(|record| record.id == reading);
                     let object = || reading.to_string();
                     let hand = hand.ok_or_else(|| StoreError::Unknown { object: object() })?;
-                    let chosen = self.beside(&snapshot, hand, pending, &of_film)?;
+                    let chosen = self.beside(&snapshot, (hand, film.view), pending, &of_film)?;
                     if hand.film == film.id {
                         let others = self.finished(&snapshot, &of_film)?.into_iter();
                         let others = others.filter(|(other, _)| other.id != hand.id);
                         let all: Vec<_> = chosen.iter().cloned().chain(others).collect();
                         let id = Reader::new(hand.observer.to_string(), hand.repeat);
-                        let film = assembly::film(&film, &all)?;
-                        compared = Some(ComparedReading { id, film });
+                        if let AssembledFilm::Frontal(film) = assembly::film(&film, &all)? {
+                            compared = Some(ComparedReading { id, film });
+                        }
                     }
                     chosen
                 }
             };
-            let complete = |state: &ReadingState| -> BTreeSet<Level> {
-                let marked =
-                    state.vertebrae.iter().filter(|(_, landmarks)| landmarks.is_complete());
-                let levels = marked.map(|(&level, _)| level);
-                levels.filter(|level| level.model_index().is_some()).collect()
-            };
             let marked: BTreeSet<Level> =
-                chosen.iter().flat_map(|(_, state)| complete(state)).collect();
+                chosen.iter().flat_map(|(_, state)| complete_levels(state)).collect();
             if !marked.is_empty() {
                 landmarks.push(assembly::film(&film, &chosen)?);
             }
-            let finished = chosen.iter().all(|(reading, _)| reading.finished_at.is_some());
-            films.push(CurrentFilm { record: film, readings: chosen.len(), marked, finished });
+            let (record, readings) = (film, chosen.len());
+            match record.view {
+                FilmView::Frontal(posture) => {
+                    let finished = chosen.iter().all(|(reading, _)| reading.finished_at.is_some());
+                    films.push(CurrentFilm { posture, record, readings, marked, finished });
+                }
+                FilmView::Lateral => lateral = Some(CurrentLateral { record, readings, marked }),
+            }
         }
         let case = assembly::case(study, synthetic, landmarks);
         let options = options::of_study(&snapshot, study)?.chosen;
-        Ok(CurrentCase { films, case, compared, options })
+        Ok(CurrentCase { films, lateral, case, compared, options })
     }
 
     fn finished<'r>(
@@ -169,17 +186,17 @@ impl Store {
         finished.map(|&reading| Ok((reading, self.state_of(connection, reading)?))).collect()
     }
 
-    /// The readings used for a film beside an open reading, which may be of the same film.
+    /// The readings used for a film of this view beside an open reading, which may be of the same film.
     fn beside<'r>(
         &self,
         connection: &Connection,
-        hand: &ReadingRecord,
+        (hand, view): (&ReadingRecord, FilmView),
         pending: &[Event],
         of_film: &[&'r ReadingRecord],
     ) -> Result<Read<'r>, StoreError> {
         if let Some(&own) = of_film.iter().find(|reading| reading.id == hand.id) {
             let events = journal::events(connection, own.id)?;
-            return Ok(vec![(own, journal::replayed(own, events, pending)?)]);
+            return Ok(vec![(own, journal::replayed(own, view, events, pending)?)]);
         }
         let mut own: Vec<&'r ReadingRecord> =
             of_film.iter().copied().filter(|reading| reading.observer == hand.observer).collect();
@@ -195,6 +212,12 @@ impl Store {
         }
         self.finished(connection, of_film)
     }
+}
+
+/// Vertebrae of the model with four corners.
+fn complete_levels(state: &ReadingState) -> impl Iterator<Item = Level> {
+    let marked = state.vertebrae.iter().filter(|(_, landmarks)| landmarks.is_complete());
+    marked.map(|(&level, _)| level).filter(|level| level.model_index().is_some())
 }
 
 type Read<'r> = Vec<(&'r ReadingRecord, ReadingState)>;

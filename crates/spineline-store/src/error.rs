@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use rusqlite::ErrorCode;
-use spineline::anatomy::{Level, Posture};
+use spineline::anatomy::{FilmView, Level};
 
 use crate::names::{FilmId, Name, ReadingId, Timestamp};
 
@@ -107,14 +107,14 @@ pub enum StoreError {
         object: String,
     },
     /// The study already contains the same bytes.
-    #[error("the same picture is already {film}, the {posture} film of study {study}")]
+    #[error("the same picture is already {film}, the {view} film of study {study}")]
     AlreadyKnown {
         /// Study.
         study: Name,
         /// Film that has these bytes.
         film: FilmId,
-        /// Posture that it shows.
-        posture: Posture,
+        /// What it shows.
+        view: FilmView,
     },
     /// An invalid password.
     #[error("a password has {least} characters at least and {most_bytes} bytes at most")]
@@ -211,13 +211,19 @@ pub enum StoreError {
         /// When.
         until: Timestamp,
     },
-    /// Two films of one posture in a case.
-    #[error("study {study} has more than one {posture} film")]
-    PostureTwice {
+    /// Two films of one posture, or two lateral ones.
+    #[error("study {study} has more than one {view} film")]
+    ViewTwice {
         /// Study.
         study: Name,
-        /// Posture.
-        posture: Posture,
+        /// What both show.
+        view: FilmView,
+    },
+    /// A posture for the lateral film.
+    #[error("{film} is the lateral film, which has no posture to correct")]
+    NotFrontal {
+        /// Film.
+        film: FilmId,
     },
     /// What is stored does not make a case file.
     #[error("the study cannot be exported as a case: {0}")]
@@ -279,7 +285,9 @@ impl StoreError {
             Self::BadPlan { .. } => "give films first, then observers and repeats",
             Self::OutOfTurn => "ask for the next film again",
             Self::Washout { .. } => "read the film on or after that date",
-            Self::PostureTwice { .. } => "correct the posture of one of them",
+            Self::ViewTwice { view: FilmView::Lateral, .. } => "choose one lateral film",
+            Self::ViewTwice { .. } => "correct the posture of one of them",
+            Self::NotFrontal { .. } => "make a new study with this film as a frontal one",
             Self::Case(error) => error.help(),
         }
     }

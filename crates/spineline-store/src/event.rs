@@ -3,12 +3,12 @@
 use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
-use spineline::anatomy::Side;
+use spineline::anatomy::{FilmView, Side};
 use spineline::measure::{Corners, Origin};
 use spineline_files::LevelKey;
 use utoipa::ToSchema;
 
-/// A corner of a vertebral body, by endplate and by the patient's side.
+/// A corner of a vertebral body, by endplate and by the patient's side on a frontal film, or by front and back on the lateral one.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize, ToSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Corner {
@@ -20,20 +20,50 @@ pub enum Corner {
     InferiorLeft,
     /// Inferior endplate, patient's right.
     InferiorRight,
+    /// Superior endplate, front.
+    SuperiorAnterior,
+    /// Superior endplate, back.
+    SuperiorPosterior,
+    /// Inferior endplate, front.
+    InferiorAnterior,
+    /// Inferior endplate, back.
+    InferiorPosterior,
 }
 
 impl Corner {
-    /// All four.
-    pub const ALL: [Self; 4] =
-        [Self::SuperiorLeft, Self::SuperiorRight, Self::InferiorLeft, Self::InferiorRight];
+    /// Number of corners of a body on one film.
+    pub const COUNT: usize = 4;
 
-    /// All four, each in its own place.
-    pub const EACH: Corners<Self> = Corners {
+    /// The corners of a body on a frontal film.
+    pub const FRONTAL: Corners<Self> = Corners {
         superior_left: Self::SuperiorLeft,
         superior_right: Self::SuperiorRight,
         inferior_left: Self::InferiorLeft,
         inferior_right: Self::InferiorRight,
     };
+
+    /// The corners of a body on the lateral film, with the front in the place of the left, as
+    /// [`parse_image`](spineline_files::parse_image) takes its picture.
+    pub const LATERAL: Corners<Self> = Corners {
+        superior_left: Self::SuperiorAnterior,
+        superior_right: Self::SuperiorPosterior,
+        inferior_left: Self::InferiorAnterior,
+        inferior_right: Self::InferiorPosterior,
+    };
+
+    /// The corners of a body in a view.
+    #[must_use]
+    pub const fn of_view(view: FilmView) -> Corners<Self> {
+        match view {
+            FilmView::Frontal(_) => Self::FRONTAL,
+            FilmView::Lateral => Self::LATERAL,
+        }
+    }
+
+    /// Whether a film of this view shows it.
+    pub(crate) fn is_seen_on(self, view: FilmView) -> bool {
+        Self::of_view(view).points().contains(&self)
+    }
 
     /// The name used in files.
     #[must_use]
@@ -43,6 +73,10 @@ impl Corner {
             Self::SuperiorRight => "superior_right",
             Self::InferiorLeft => "inferior_left",
             Self::InferiorRight => "inferior_right",
+            Self::SuperiorAnterior => "superior_anterior",
+            Self::SuperiorPosterior => "superior_posterior",
+            Self::InferiorAnterior => "inferior_anterior",
+            Self::InferiorPosterior => "inferior_posterior",
         }
     }
 }
@@ -163,6 +197,18 @@ pub enum Event {
         /// Row.
         row_px: f64,
     },
+    /// Place the centre of a pedicle, with or without an earlier place.
+    PlacePedicle {
+        /// Vertebra.
+        #[schema(value_type = String)]
+        level: LevelKey,
+        /// The patient's side.
+        side: PatientSide,
+        /// Column.
+        column_px: f64,
+        /// Row.
+        row_px: f64,
+    },
     /// Accept the corners that the program expects of vertebrae, as one change.
     AcceptCorners {
         /// The vertebrae, each with its four corners.
@@ -233,6 +279,32 @@ pub enum Event {
 }
 
 impl Event {
+    /// Whether a film of this view has what it is about.
+    pub(crate) fn fits(&self, view: FilmView) -> bool {
+        match self {
+            Self::PlaceCorner { corner, .. } | Self::MoveCorner { corner, .. } => {
+                corner.is_seen_on(view)
+            }
+            Self::AcceptCorners { vertebrae } => vertebrae
+                .iter()
+                .flat_map(|one| one.corners.keys())
+                .all(|corner| corner.is_seen_on(view)),
+            Self::TakeVertebra { corners, .. } => {
+                corners.keys().all(|corner| corner.is_seen_on(view))
+            }
+            Self::PlaceWall { .. }
+            | Self::PlacePedicle { .. }
+            | Self::SetAxis { .. }
+            | Self::PlaceIliacCrest { .. } => view != FilmView::Lateral,
+            Self::RemoveVertebra { .. }
+            | Self::Scale { .. }
+            | Self::Invert { .. }
+            | Self::Undo
+            | Self::Redo
+            | Self::Note { .. } => true,
+        }
+    }
+
     /// Whether it makes sense only where the program may propose corners.
     pub(crate) const fn needs_proposals(&self) -> bool {
         matches!(

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use serde_json::Value;
 use spineline::analysis::Case;
-use spineline::anatomy::Posture;
+use spineline::anatomy::FilmView;
 use spineline_files::CaseFile;
 
 use crate::assembly;
@@ -71,16 +71,16 @@ impl Store {
     /// in the store.
     ///
     /// # Errors
-    /// [`StoreError::PostureTwice`]; [`StoreError::Case`] where the images' descriptions are not those of a case file;
+    /// [`StoreError::ViewTwice`]; [`StoreError::Case`] where the images' descriptions are not those of a case file;
     /// [`StoreError::Unknown`], [`StoreError::Damaged`].
     pub fn export_case(&self, study: &Name) -> Result<ExportedCase, StoreError> {
         let snapshot = self.connection.unchecked_transaction()?;
         let synthetic = films::study(&snapshot, study)?.synthetic;
-        let by_posture = assembly::by_posture(&snapshot, study)?;
+        let by_view = assembly::by_view(&snapshot, study)?;
         let mut remarks = Vec::new();
         let readings = readings::of_study(&snapshot, study)?;
         let mut films = Vec::new();
-        for film in by_posture.values() {
+        for film in by_view.values() {
             let mut finished = Vec::new();
             for reading in readings.iter().filter(|reading| reading.film == film.id) {
                 if reading.finished_at.is_none() {
@@ -94,7 +94,7 @@ impl Store {
             films.push(assembly::film(film, &finished)?);
         }
         let case = assembly::case(study, synthetic, films);
-        let text = spineline_files::to_text(&written(&case, &by_posture));
+        let text = spineline_files::to_text(&written(&case, &by_view));
         spineline_files::parse_case(&text)?;
         Ok(ExportedCase { text, remarks })
     }
@@ -145,12 +145,16 @@ fn left_out(reading: ReadingId, state: &ReadingState) -> Vec<ExportRemark> {
 }
 
 /// The case as its file has it, with the descriptions of the images as they were given.
-fn written(case: &Case, records: &BTreeMap<Posture, FilmRecord>) -> Value {
+fn written(case: &Case, records: &BTreeMap<FilmView, FilmRecord>) -> Value {
     let file = CaseFile::from_case(case);
     let mut value = serde_json::to_value(file).expect("string keys only");
+    // Frontal films come first in both.
     let films = value["films"].as_array_mut().into_iter().flatten();
     for (film, record) in films.zip(records.values()) {
         film["image"] = described(record);
+    }
+    if let Some(record) = records.get(&FilmView::Lateral) {
+        value["lateral"]["image"] = described(record);
     }
     value
 }

@@ -2,7 +2,7 @@
 
 use rusqlite::{Connection, OptionalExtension, Row, params};
 use serde_json::Value;
-use spineline::anatomy::{Named, Posture};
+use spineline::anatomy::{FilmView, Named, Posture};
 use spineline::measure::Spacing;
 
 use crate::audit::{self, Ledger, next_id};
@@ -36,8 +36,10 @@ pub struct FilmRecord {
     pub id: FilmId,
     /// Study to which it belongs.
     pub study: Name,
-    /// Posture that it shows.
-    pub posture: Posture,
+    /// What it shows.
+    pub view: FilmView,
+    /// Whether it is a lateral film that was exposed together with the erect one, as biplanar scanners do.
+    pub simultaneous: bool,
     /// Its bytes, for [`Store::content`].
     pub content: Hash,
     /// The `image` of a case file: size, spacing, sides. The store does not parse it.
@@ -62,7 +64,7 @@ pub struct AddedFilm {
 /// A change of a film's record.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum FilmEdit {
-    /// Correct the posture.
+    /// Correct the posture of a frontal film.
     Posture(Posture),
     /// Invert grey levels on the screen, or not.
     Inverted(bool),
@@ -119,17 +121,18 @@ impl Store {
     /// Adds a film to a study that has no reading plan yet.
     ///
     /// # Errors
-    /// [`StoreError::AlreadyKnown`] where a film of this study has the same bytes, whatever its posture;
-    /// [`StoreError::PlanGoverns`], [`StoreError::ImageNotAnObject`], [`StoreError::TooLarge`], [`StoreError::Unknown`].
+    /// [`StoreError::AlreadyKnown`] where a film of this study has the same bytes, whatever it shows; [`StoreError::ViewTwice`] for a second
+    /// lateral film; [`StoreError::PlanGoverns`], [`StoreError::ImageNotAnObject`], [`StoreError::TooLarge`], [`StoreError::Unknown`].
     pub fn add_film(
         &mut self,
         study: &Name,
-        posture: Posture,
+        view: impl Into<FilmView>,
         bytes: &[u8],
         image: &Value,
         by: &Signature,
     ) -> Result<AddedFilm, StoreError> {
-        let film = NewFilm { posture, bytes, image, inverted: false };
+        let view = view.into();
+        let film = NewFilm { view, simultaneous: false, bytes, image, inverted: false };
         self.write(by, |ledger| add_film(ledger, study, &film))
     }
 
@@ -146,7 +149,7 @@ impl Store {
     ///
     /// # Errors
     /// [`StoreError::Conflict`], and then the edit is among [`Store::conflicts_of_film`]; [`StoreError::Unknown`];
-    /// [`StoreError::Case`] for a spacing where the image's description is not that of a case file.
+    /// [`StoreError::NotFrontal`] for a posture of the lateral film; [`StoreError::Case`] for a spacing where the image's description is not that of a case file.
     pub fn edit_film(
         &mut self,
         film: FilmId,
@@ -163,11 +166,14 @@ impl Store {
                     .map(Err);
             }
             let (column, value): (_, Box<dyn rusqlite::ToSql>) = match edit {
+                FilmEdit::Posture(_) if now.view == FilmView::Lateral => {
+                    return Err(StoreError::NotFrontal { film });
+                }
                 FilmEdit::Posture(posture) => ("posture", Box::new(posture.key())),
                 FilmEdit::Inverted(inverted) => ("inverted", Box::new(inverted)),
                 FilmEdit::Spacing(spacing) => {
-                    let image = spineline_files::with_spacing(&now.image, now.posture, spacing)?;
-                    ("image", Box::new(image.to_string()))
+                    let image = spineline_files::with_spacing(&now.image, now.view, spacing)?;
+                    ("image", Box::new(described(&image, now.simultaneous)))
                 }
             };
             let update =
@@ -195,7 +201,8 @@ impl Store {
 
 /// A film to be added.
 pub(crate) struct NewFilm<'a> {
-    pub posture: Posture,
+    pub view: FilmView,
+    pub simultaneous: bool,
     pub bytes: &'a [u8],
     pub image: &'a Value,
     pub inverted: bool,
@@ -224,7 +231,7 @@ pub(crate) fn add_film(
     if !new.image.is_object() {
         return Err(StoreError::ImageNotAnObject);
     }
-    let image = new.image.to_string();
+    let image = described(new.image, new.simultaneous);
     limit("the image's description (in bytes)", image.len(), MAX_IMAGE_BYTES)?;
     let content = Hash::of(new.bytes);
     let transaction = ledger.transaction;
@@ -232,20 +239,34 @@ pub(crate) fn add_film(
     if is_planned(transaction, study)? {
         return Err(StoreError::PlanGoverns { study: study.clone() });
     }
-    if let Some(film) = films(transaction, study)?.into_iter().find(|film| film.content == content)
-    {
-        let (study, film, posture) = (study.clone(), film.id, film.posture);
-        return Err(StoreError::AlreadyKnown { study, film, posture });
+    let others = films(transaction, study)?;
+    if let Some(film) = others.iter().find(|film| film.content == content) {
+        let (study, film, view) = (study.clone(), film.id, film.view);
+        return Err(StoreError::AlreadyKnown { study, film, view });
+    }
+    if new.view == FilmView::Lateral && others.iter().any(|film| film.view == new.view) {
+        return Err(StoreError::ViewTwice { study: study.clone(), view: new.view });
     }
     let bytes_are_new = keep(ledger, &content, new.bytes)?;
     let film = next_id(transaction, "films", "id")?;
     transaction.execute(
         "INSERT INTO films VALUES (?1, ?2, ?3, ?4, ?5, ?6, 0)",
-        params![film, study.as_str(), new.posture.key(), content.as_str(), image, new.inverted],
+        params![film, study.as_str(), new.view.key(), content.as_str(), image, new.inverted],
     )?;
     ledger.seal("add", "films", &film)?;
     Ok(AddedFilm { film: FilmId(film), content, bytes_are_new })
 }
+
+/// The description of an image as its row has it: a lateral film's says whether it was exposed together with the erect one.
+fn described(image: &Value, simultaneous: bool) -> String {
+    let mut image = image.clone();
+    if simultaneous {
+        image[SIMULTANEOUS] = true.into();
+    }
+    image.to_string()
+}
+
+const SIMULTANEOUS: &str = "simultaneous";
 
 /// Stores bytes unless they exist; returns whether they were new.
 fn keep(ledger: &Ledger<'_>, content: &Hash, bytes: &[u8]) -> Result<bool, StoreError> {
@@ -291,14 +312,17 @@ pub(crate) fn film(connection: &Connection, film: FilmId) -> Result<FilmRecord, 
 fn read(row: &Row<'_>) -> Result<FilmRecord, StoreError> {
     let id = FilmId(row.get("id")?);
     let damaged = || StoreError::damaged(id.to_string());
-    let posture: String = row.get("posture")?;
+    let view: String = row.get("posture")?;
     let image: String = row.get("image")?;
+    let mut image: Value = serde_json::from_str(&image).map_err(|_| damaged())?;
+    let simultaneous = image.as_object_mut().and_then(|image| image.remove(SIMULTANEOUS));
     Ok(FilmRecord {
         id,
         study: Name::new(&row.get::<_, String>("study")?)?,
-        posture: Posture::from_key(&posture).ok_or_else(damaged)?,
+        view: FilmView::from_key(&view).ok_or_else(damaged)?,
+        simultaneous: simultaneous == Some(Value::Bool(true)),
         content: Hash(row.get("content")?),
-        image: serde_json::from_str(&image).map_err(|_| damaged())?,
+        image,
         inverted: row.get("inverted")?,
         revision: row.get::<_, i64>("revision")?.unsigned_abs(),
     })

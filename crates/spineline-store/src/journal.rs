@@ -1,12 +1,14 @@
 //! The journal of a reading: records events, and finishes readings.
 
 use rusqlite::{Connection, params};
+use spineline::anatomy::FilmView;
 
 use crate::audit::{self, Ledger, next_id};
 use crate::conflicts::{Acknowledged, keep_lost, signed};
 use crate::connection::Store;
 use crate::error::{StoreError, limit};
 use crate::event::Event;
+use crate::films;
 use crate::names::{ReadingId, Signature};
 use crate::readings::{self, ReadingRecord};
 use crate::state::ReadingState;
@@ -193,9 +195,11 @@ pub(crate) fn append(
         let reason = "the plan of these readings allows no proposals: place every corner";
         return Err(StoreError::BadEvent { reading, reason });
     }
+    let film = readings::reading(ledger.transaction, reading)?.film;
+    let view = films::film(ledger.transaction, film)?.view;
     for event in events {
         let state = ReadingState::replay(&known, false);
-        if let Some(reason) = state.objection(event) {
+        if let Some(reason) = state.objection(event, view) {
             return Err(StoreError::BadEvent { reading, reason });
         }
         let revision = state.revision + 1;
@@ -238,16 +242,17 @@ pub(crate) fn events(
     })
 }
 
-/// A reading after its events and the given unrecorded ones.
+/// A reading of a film after its events and the given unrecorded ones.
 pub(crate) fn replayed(
     record: &ReadingRecord,
+    view: FilmView,
     mut events: Vec<Event>,
     pending: &[Event],
 ) -> Result<ReadingState, StoreError> {
     let finished = record.finished_at.is_some();
     for event in pending {
         let state = ReadingState::replay(&events, finished);
-        if let Some(reason) = state.objection(event) {
+        if let Some(reason) = state.objection(event, view) {
             return Err(StoreError::BadEvent { reading: record.id, reason });
         }
         events.push(event.clone());

@@ -61,7 +61,7 @@ pub use cases::{AddedCase, CaseError, CaseRemark, NewCase};
 pub use computations::KeptComputation;
 pub use conflicts::{Acknowledged, LostChange};
 pub use connection::Store;
-pub use current_case::{CaseReadings, ComparedReading, CurrentCase, CurrentFilm};
+pub use current_case::{CaseReadings, ComparedReading, CurrentCase, CurrentFilm, CurrentLateral};
 pub use error::StoreError;
 pub use event::{AcceptedVertebra, Corner, CornerOrigin, Event, PatientSide};
 pub use export::{ExportRemark, ExportedCase};

@@ -100,7 +100,7 @@ pub(crate) fn finish(
 ) -> Result<u64, StoreError> {
     for (&level, landmarks) in &state.vertebrae {
         let corners = landmarks.corners.len();
-        if corners < Corner::ALL.len() {
+        if corners < Corner::COUNT {
             return Err(StoreError::Incomplete { reading, level, corners });
         }
     }

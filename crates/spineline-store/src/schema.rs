@@ -1,9 +1,9 @@
 //! The tables of a store, and the recognition of a store file.
 //!
-//! The schema is version 3. Version 1 was that of development builds, and its stores are refused. `schema_3.sql` leads from version 2
-//! to 3: a new store runs both scripts, and [`Store::open`](crate::Store::open) runs the second one on a store of version 2, in one
-//! transaction. It only adds tables. [`Store::view`](crate::Store::view) reads a store of version 2 as it is. A script that changes rows would need
-//! a copy of the store and new log entries for them.
+//! The schema is version 4. Version 1 was that of development builds, and its stores are refused. `schema_3.sql` leads from version 2
+//! to 3 and `schema_4.sql` to 4: a new store runs all scripts, and [`Store::open`](crate::Store::open) runs those that an older store lacks, in
+//! one transaction. They only add tables and indices. [`Store::view`](crate::Store::view) reads an older store as it is. A script that changes rows
+//! would need a copy of the store and new log entries for them.
 
 use std::path::Path;
 use std::time::Duration;
@@ -21,11 +21,11 @@ const APPLICATION_ID: i64 = 0x5370_5374;
 /// The definition of every table of version 2.
 const SCHEMA: &str = include_str!("schema.sql");
 
-/// What version 3 adds.
-const ADDED: &str = include_str!("schema_3.sql");
+/// What every later version adds, from version 3.
+const ADDED: [&str; 2] = [include_str!("schema_3.sql"), include_str!("schema_4.sql")];
 
 /// The version that this program writes.
-const VERSION: i64 = 3;
+const VERSION: i64 = OLDEST + ADDED.len() as i64;
 
 /// The oldest version that it reads.
 const OLDEST: i64 = 2;
@@ -75,13 +75,17 @@ fn build(transaction: &Transaction<'_>, version: i64) -> Result<(), StoreError> 
     transaction.execute_batch(SCHEMA)?;
     transaction.execute("INSERT INTO head VALUES (1, 0, '', ?1)", [i64::MIN])?;
     transaction.pragma_update(None, "user_version", OLDEST)?;
-    if version > OLDEST { add(transaction) } else { Ok(()) }
+    add(transaction, OLDEST, version)
 }
 
-/// Leads a store of version 2 to version 3.
-fn add(transaction: &Transaction<'_>) -> Result<(), StoreError> {
-    transaction.execute_batch(ADDED)?;
-    transaction.pragma_update(None, "user_version", VERSION)?;
+/// Leads a store from one version to a later one.
+fn add(transaction: &Transaction<'_>, from: i64, to: i64) -> Result<(), StoreError> {
+    for (version, script) in (OLDEST + 1..=to).zip(ADDED) {
+        if version > from {
+            transaction.execute_batch(script)?;
+            transaction.pragma_update(None, "user_version", version)?;
+        }
+    }
     Ok(())
 }
 
@@ -95,13 +99,12 @@ pub(crate) fn upgrade(connection: &mut Connection) -> Result<(), StoreError> {
     }
     let transaction = connection.transaction_with_behavior(TransactionBehavior::Immediate)?;
     // Another program may have done it meanwhile.
-    if number(&transaction, "user_version")? == OLDEST {
-        add(&transaction)?;
-    }
+    let found = number(&transaction, "user_version")?;
+    add(&transaction, found, VERSION)?;
     Ok(transaction.commit()?)
 }
 
-/// Whether a store has this table: one of version 2 lacks some while it is only viewed.
+/// Whether a store has this table: an older one lacks some while it is only viewed.
 pub(crate) fn has_table(connection: &Connection, table: &str) -> Result<bool, StoreError> {
     Ok(connection.prepare("SELECT 1 FROM sqlite_schema WHERE name = ?1")?.exists([table])?)
 }

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use spineline::anatomy::{Level, Side};
+use spineline::anatomy::{FilmView, Level, Side};
 use spineline::measure::{Corners, Origin};
 
 use crate::event::{AcceptedVertebra, Corner, CornerOrigin, Event};
@@ -18,28 +18,31 @@ pub struct VertebraReading {
     pub sd_share: Option<f64>,
     /// Midpoints of its walls by the patient's side, where it was marked by them.
     pub walls: BTreeMap<Side, [f64; 2]>,
+    /// Centres of its pedicles by the patient's side, as far as they are marked.
+    pub pedicles: BTreeMap<Side, [f64; 2]>,
     /// Axis turned by hand, against the image's vertical, positive clockwise as seen with square pixels, that is in millimetres
     /// and not in columns and rows.
     pub axis_deg: Option<f64>,
 }
 
 impl VertebraReading {
-    /// Its corners, as far as it has them, `[column, row]` in pixels.
+    /// Its corners in a view, as far as it has them, `[column, row]` in pixels; on the lateral film the front stands for the left.
     #[must_use]
-    pub fn placed(&self) -> Corners<Option<[f64; 2]>> {
-        Corner::EACH.map(|corner| self.corners.get(&corner).copied())
+    pub fn placed(&self, view: FilmView) -> Corners<Option<[f64; 2]>> {
+        Corner::of_view(view).map(|corner| self.corners.get(&corner).copied())
     }
 
-    /// How each of its corners came about.
+    /// How each of its corners in a view came about.
     #[must_use]
-    pub fn corner_origins(&self) -> Corners<Origin> {
-        Corner::EACH.map(|corner| self.origins.get(&corner).copied().unwrap_or_default().into())
+    pub fn corner_origins(&self, view: FilmView) -> Corners<Origin> {
+        Corner::of_view(view)
+            .map(|corner| self.origins.get(&corner).copied().unwrap_or_default().into())
     }
 
     /// Whether all four corners are placed.
     #[must_use]
     pub fn is_complete(&self) -> bool {
-        self.corners.len() == Corner::ALL.len()
+        self.corners.len() == Corner::COUNT
     }
 }
 
@@ -120,6 +123,10 @@ impl ReadingState {
                 let vertebra = self.vertebrae.entry(level.0).or_default();
                 vertebra.walls.insert(side.into(), [column_px, row_px]);
             }
+            Event::PlacePedicle { level, side, column_px, row_px } => {
+                let vertebra = self.vertebrae.entry(level.0).or_default();
+                vertebra.pedicles.insert(side.into(), [column_px, row_px]);
+            }
             Event::AcceptCorners { ref vertebrae } => {
                 for AcceptedVertebra { level, corners, sd_share } in vertebrae {
                     let vertebra = self.vertebrae.entry(level.0).or_default();
@@ -155,13 +162,17 @@ impl ReadingState {
         }
     }
 
-    /// Why an event is invalid in this state, if it is.
-    pub(crate) fn objection(&self, event: &Event) -> Option<&'static str> {
+    /// Why an event is invalid in this state of a reading of such a film, if it is.
+    pub(crate) fn objection(&self, event: &Event, view: FilmView) -> Option<&'static str> {
+        if !event.fits(view) {
+            return Some("a film of this view does not show this landmark");
+        }
         let on_film =
             |place: &[f64]| place.iter().all(|x| x.is_finite() && x.abs() <= MAX_COORDINATE_PX);
         let (sound, reason) = match event {
             Event::PlaceCorner { column_px, row_px, .. }
             | Event::PlaceWall { column_px, row_px, .. }
+            | Event::PlacePedicle { column_px, row_px, .. }
             | Event::PlaceIliacCrest { column_px, row_px, .. } => {
                 (on_film(&[*column_px, *row_px]), "coordinates must be within a million pixels")
             }
@@ -211,7 +222,7 @@ impl ReadingState {
 /// Whether all four corners lie within the limits, with a deviation that is none below zero.
 fn is_whole(corners: &BTreeMap<Corner, [f64; 2]>, sd_share: Option<f64>) -> bool {
     let inside = |x: &f64| x.is_finite() && x.abs() <= MAX_COORDINATE_PX;
-    corners.len() == Corner::ALL.len()
+    corners.len() == Corner::COUNT
         && corners.values().flatten().all(inside)
         && sd_share.is_none_or(|sd| sd.is_finite() && sd >= 0.0)
 }

@@ -46,7 +46,7 @@ impl SeenReading {
     /// # Errors
     /// [`StoreError::BadEvent`].
     pub fn state(&self, pending: &[Event]) -> Result<ReadingState, StoreError> {
-        journal::replayed(&self.record, self.events.clone(), pending)
+        journal::replayed(&self.record, self.film.view, self.events.clone(), pending)
     }
 }
 

@@ -3,9 +3,10 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
-use spineline::anatomy::{ImageSide, Posture};
+use spineline::anatomy::{FilmView, ImageSide, Posture};
 use spineline::measure::{ImageGeometry, Spacing, SpacingPlane, SpacingSource};
 
+use super::lateral::LateralImageRecord;
 use crate::FileError;
 use crate::json::parse_value;
 use crate::keys::{Key, SourceKey};
@@ -60,31 +61,54 @@ pub struct FilmSource {
 
 /// How the picture of a case's film lies, from the film's `image`.
 ///
+/// A lateral film is taken as seen with the patient's front where a frontal film has the patient's left: `patient_left` is the side of
+/// the picture on which the front is. The plane of its spacing is unknown.
+///
 /// # Errors
 /// [`FileError`].
-pub fn parse_image(image: &Value, posture: Posture) -> Result<ImageGeometry, FileError> {
-    record(image)?.geometry(posture)
+pub fn parse_image(image: &Value, view: FilmView) -> Result<ImageGeometry, FileError> {
+    match view {
+        FilmView::Frontal(posture) => record(image)?.geometry(posture),
+        FilmView::Lateral => Ok(lateral_record(image)?.geometry()),
+    }
 }
 
-/// The `image` of a case's film.
+/// The `image` of a case's film, of a picture that lies as [`parse_image`] gives it.
 #[must_use]
-pub fn image_value(image: &ImageGeometry, source: FilmSource) -> Value {
-    let mut record = ImageRecord::of(image);
-    record.set_source(source);
-    serde_json::to_value(record).expect("string keys only")
+pub fn image_value(view: FilmView, image: &ImageGeometry, source: FilmSource) -> Value {
+    let value = match view {
+        FilmView::Frontal(_) => {
+            let mut record = ImageRecord::of(image);
+            record.set_source(source);
+            serde_json::to_value(record)
+        }
+        FilmView::Lateral => {
+            let mut record = LateralImageRecord::of(image);
+            record.set_source(source);
+            serde_json::to_value(record)
+        }
+    };
+    value.expect("string keys only")
 }
 
 /// The `image` of a case's film with other distances between its pixels.
 ///
 /// # Errors
 /// [`FileError`].
-pub fn with_spacing(image: &Value, posture: Posture, spacing: Spacing) -> Result<Value, FileError> {
-    let old = record(image)?;
-    let geometry = ImageGeometry { spacing: Some(spacing), ..old.geometry(posture)? };
-    Ok(image_value(&geometry, old.source()))
+pub fn with_spacing(image: &Value, view: FilmView, spacing: Spacing) -> Result<Value, FileError> {
+    let source = match view {
+        FilmView::Frontal(_) => record(image)?.source(),
+        FilmView::Lateral => lateral_record(image)?.source(),
+    };
+    let geometry = ImageGeometry { spacing: Some(spacing), ..parse_image(image, view)? };
+    Ok(image_value(view, &geometry, source))
 }
 
 fn record(image: &Value) -> Result<ImageRecord, FileError> {
+    parse_value(&image.to_string())
+}
+
+fn lateral_record(image: &Value) -> Result<LateralImageRecord, FileError> {
     parse_value(&image.to_string())
 }
 

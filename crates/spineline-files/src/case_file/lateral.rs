@@ -3,7 +3,9 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use spineline::anatomy::ImageSide;
-use spineline::measure::{LateralCorners, LateralFilm, Reading, ReadingId, Spacing, SpacingPlane};
+use spineline::measure::{
+    ImageGeometry, LateralCorners, LateralFilm, Reading, ReadingId, Spacing, SpacingPlane,
+};
 
 use super::image::FilmSource;
 use super::{pair, pixel};
@@ -25,7 +27,7 @@ pub(super) struct LateralRecord {
 /// The scale of this picture is found beside the erect film, so the plane of its spacing does not matter.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-struct LateralImageRecord {
+pub(super) struct LateralImageRecord {
     columns: u32,
     rows: u32,
     /// Distance between neighbouring columns; absent, as that of rows, where the scale is unknown.
@@ -68,8 +70,7 @@ struct LateralVertebraRecord {
 
 impl LateralRecord {
     pub fn film(self) -> LateralFilm {
-        let image = self.image;
-        let spacing = image.column_spacing_mm.zip(image.row_spacing_mm);
+        let image = self.image.geometry();
         let readings = self.readings.into_iter().map(|reading| Reading {
             id: ReadingId::new(reading.observer, reading.repeat),
             vertebrae: reading
@@ -82,10 +83,8 @@ impl LateralRecord {
         LateralFilm {
             columns: image.columns,
             rows: image.rows,
-            spacing: spacing.map(|(column_mm, row_mm)| {
-                Spacing::stated(column_mm, row_mm, SpacingPlane::Unknown)
-            }),
-            patient_anterior: image.patient_anterior.0,
+            spacing: image.spacing,
+            patient_anterior: image.patient_left,
             simultaneous: self.simultaneous,
             readings: readings.collect(),
         }
@@ -93,33 +92,56 @@ impl LateralRecord {
 
     pub fn of(film: &LateralFilm) -> Self {
         Self {
-            image: LateralImageRecord {
-                columns: film.columns,
-                rows: film.rows,
-                column_spacing_mm: film.spacing.map(|s| s.column_mm),
-                row_spacing_mm: film.spacing.map(|s| s.row_mm),
-                patient_anterior: film.patient_anterior.into(),
-                file: None,
-                sha256: None,
-                inverted: false,
-            },
+            image: LateralImageRecord::of(&film.geometry()),
             simultaneous: film.simultaneous,
             readings: film.readings.iter().map(LateralReadingRecord::of).collect(),
         }
     }
 
     pub fn set_source(&mut self, source: FilmSource) {
-        self.image.file = source.file;
-        self.image.sha256 = source.sha256;
-        self.image.inverted = source.inverted;
+        self.image.set_source(source);
     }
 
     pub fn source(&self) -> FilmSource {
-        FilmSource {
-            file: self.image.file.clone(),
-            sha256: self.image.sha256.clone(),
-            inverted: self.image.inverted,
+        self.image.source()
+    }
+}
+
+impl LateralImageRecord {
+    /// As seen with the front where a frontal film has the left.
+    pub fn geometry(&self) -> ImageGeometry {
+        let spacing = self.column_spacing_mm.zip(self.row_spacing_mm);
+        ImageGeometry {
+            columns: self.columns,
+            rows: self.rows,
+            spacing: spacing.map(|(column_mm, row_mm)| {
+                Spacing::stated(column_mm, row_mm, SpacingPlane::Unknown)
+            }),
+            patient_left: self.patient_anterior.0,
         }
+    }
+
+    pub fn of(image: &ImageGeometry) -> Self {
+        Self {
+            columns: image.columns,
+            rows: image.rows,
+            column_spacing_mm: image.spacing.map(|s| s.column_mm),
+            row_spacing_mm: image.spacing.map(|s| s.row_mm),
+            patient_anterior: image.patient_left.into(),
+            file: None,
+            sha256: None,
+            inverted: false,
+        }
+    }
+
+    pub fn set_source(&mut self, source: FilmSource) {
+        self.file = source.file;
+        self.sha256 = source.sha256;
+        self.inverted = source.inverted;
+    }
+
+    pub fn source(&self) -> FilmSource {
+        FilmSource { file: self.file.clone(), sha256: self.sha256.clone(), inverted: self.inverted }
     }
 }
 

@@ -3,7 +3,7 @@
 use spineline::analysis::{Analysis, LinesCompared};
 use spineline::personalize::Identifiability;
 
-use super::{measured, model, short, uncertainty};
+use super::{measured, model, short, space, uncertainty};
 use crate::document::Section;
 use crate::hypotheses;
 
@@ -15,6 +15,12 @@ pub fn lines(analysis: &Analysis, compared: &LinesCompared) -> Vec<Section> {
         model::comparison(analysis, compared),
         measured::line(analysis),
     ]
+}
+
+/// Both films together, as far as there is a lateral one, and axial rotations, as far as pedicles are marked.
+#[must_use]
+pub fn space(analysis: &Analysis) -> Vec<Section> {
+    [space::both_films(analysis), space::axial(analysis)].into_iter().flatten().collect()
 }
 
 /// What the bending films say of every multiplier, by model.

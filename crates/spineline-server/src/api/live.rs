@@ -26,12 +26,30 @@ pub struct LiveView {
     pub status_text: String,
     /// Drawing over this film.
     pub overlay: Option<FilmOverlay>,
+    /// Heights of the vertebrae of the other one of the erect and the lateral film on this film; empty on other films, and while fewer than
+    /// two vertebrae are marked on both.
+    pub heights: Vec<HeightView>,
     /// Results of the whole study; absent while its erect film is not complete.
     pub study: Option<StudyFindings>,
     /// Model options that differ from the defaults; absent where none does.
     pub options_text: Option<String>,
     /// Warnings and contradictions, worst first.
     pub notices: Vec<Notice>,
+}
+
+/// The line on a film on which the midpoint of a vertebra of another film must lie.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct HeightView {
+    /// Level, such as `T12`.
+    pub level: String,
+    /// End of the line at the first column.
+    pub from_px: [f64; 2],
+    /// End at the last column.
+    pub to_px: [f64; 2],
+    /// Standard deviation along the rows.
+    pub sd_px: f64,
+    /// Text, such as `T12 by the lateral film, ± 3.1 pixels`.
+    pub text: String,
 }
 
 /// Lines and points over one film, in its pixels.

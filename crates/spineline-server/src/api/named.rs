@@ -4,7 +4,7 @@ use std::borrow::Cow;
 
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use spineline::action::LineKind;
-use spineline::anatomy::{ImageSide, Named, Posture, Side};
+use spineline::anatomy::{FilmView, ImageSide, Named, Posture, Side};
 use spineline::measure::{Calibrator, SpacingPlane};
 use spineline_files::{ExportFormat, by_key};
 use spineline_store::{Access, Role};
@@ -55,6 +55,8 @@ impl<T: Described> ToSchema for Wire<T> {
 
 /// Posture of the patient on a film.
 pub type PostureName = Wire<Posture>;
+/// What a film shows.
+pub type FilmViewName = Wire<FilmView>;
 /// The patient's side.
 pub type SideName = Wire<Side>;
 /// A side of the picture as seen.
@@ -75,6 +77,12 @@ pub type AccessName = Wire<Access>;
 impl Described for Posture {
     const SCHEMA: &'static str = "PostureName";
     const DESCRIPTION: &'static str = "Posture of the patient on a film.";
+}
+
+impl Described for FilmView {
+    const SCHEMA: &'static str = "FilmViewName";
+    const DESCRIPTION: &'static str =
+        "What a film shows: the posture of the patient on a frontal film, or the lateral film.";
 }
 
 impl Described for Side {

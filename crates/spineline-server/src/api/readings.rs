@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 use spineline_store::{Corner, CornerOrigin, Event, PatientSide};
 use utoipa::ToSchema;
 
-use super::{ImageSideName, LiveView, LostChangeView, Notice, PlaneName, PostureName, Problem};
+use super::{FilmViewName, ImageSideName, LiveView, LostChangeView, Notice, PlaneName, Problem};
 
 /// A new reading of a film by the requester.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
@@ -23,8 +23,8 @@ pub struct ReadingView {
     pub study: Option<String>,
     /// Film; absent where the reading is blinded.
     pub film: Option<i64>,
-    /// Posture; absent where the reading is blinded.
-    pub posture: Option<PostureName>,
+    /// Posture, or `lateral`; absent where the reading is blinded.
+    pub posture: Option<FilmViewName>,
     /// Name of the film for this reading, where it is blinded.
     pub code: Option<String>,
     /// Observer.
@@ -77,7 +77,9 @@ pub struct ReadingImage {
     pub rows: u32,
     /// Height of a pixel over its width as the film is to be shown.
     pub pixel_aspect: f64,
-    /// Side of the picture on which the patient's left is.
+    /// Whether it is the lateral film, on which vertebrae have front and back corners.
+    pub is_lateral: bool,
+    /// Side of the picture on which the patient's left is; of the lateral film, the patient's front.
     pub patient_left: ImageSideName,
     /// Unit and plane of lengths.
     pub plane: PlaneName,
@@ -96,6 +98,8 @@ pub struct VertebraView {
     pub corners: Vec<CornerView>,
     /// Midpoints of its walls, where it was marked by them.
     pub walls: SidesView,
+    /// Centres of its pedicles, as far as they are marked.
+    pub pedicles: SidesView,
     /// Whether all four corners are placed.
     pub complete: bool,
     /// Intersection of the diagonals.

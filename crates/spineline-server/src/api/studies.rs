@@ -3,7 +3,9 @@
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
-use super::{CalibratorName, ImageSideName, Notice, PlaneName, PostureName, RoleName, SideName};
+use super::{
+    CalibratorName, FilmViewName, ImageSideName, Notice, PlaneName, PostureName, RoleName, SideName,
+};
 
 /// Status of a study.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
@@ -76,8 +78,8 @@ pub struct CurveSummary {
 pub struct FilmSummary {
     /// Film.
     pub film: i64,
-    /// Posture.
-    pub posture: PostureName,
+    /// Posture, or `lateral`.
+    pub posture: FilmViewName,
     /// Pixels in a row.
     pub columns: u32,
     /// Rows.
@@ -90,7 +92,7 @@ pub struct FilmSummary {
     pub row_mm: Option<f64>,
     /// Spacing and its source as text, such as `0.143 mm × 0.143 mm, patient mm, by a ball (± 0.6 %)`.
     pub spacing_text: String,
-    /// Side of the picture on which the patient's left is.
+    /// Side of the picture on which the patient's left is; of the lateral film, the patient's front.
     pub patient_left: ImageSideName,
     /// Whether it is shown with grey levels inverted relative to its file.
     pub inverted: bool,
@@ -211,13 +213,11 @@ pub struct UploadView {
     pub rows: u32,
     /// Height of a pixel over its width.
     pub pixel_aspect: f64,
-    /// Posture in the file, if any.
-    pub posture: Option<PostureName>,
-    /// Whether the file describes a lateral view, which a study does not accept.
-    pub is_lateral: bool,
+    /// Posture in the file, if any, or `lateral` where the file describes a lateral view.
+    pub posture: Option<FilmViewName>,
     /// Whether the file belongs to a phantom.
     pub is_synthetic: bool,
-    /// Side of the picture on which the patient's left is, if the file contains it.
+    /// Side of the picture on which the patient's left is, or of a lateral view the patient's front, if the file contains it.
     pub patient_left: Option<ImageSideName>,
     /// Spacing from the file.
     pub spacing: Option<SpacingView>,
@@ -246,7 +246,7 @@ pub struct NewStudy {
     pub id: String,
     /// Free text.
     pub label: Option<String>,
-    /// Films, one per posture.
+    /// Films, one per posture and one lateral one at most.
     pub films: Vec<NewFilm>,
     /// Take films whose files state another part of the body, or two patients.
     #[serde(default)]
@@ -259,10 +259,13 @@ pub struct NewStudy {
 pub struct NewFilm {
     /// The upload.
     pub upload: String,
-    /// Posture.
-    pub posture: PostureName,
-    /// Side of the picture on which the patient's left is.
+    /// Posture, or `lateral`.
+    pub posture: FilmViewName,
+    /// Side of the picture on which the patient's left is; of the lateral film, the patient's front.
     pub patient_left: ImageSideName,
+    /// Whether a lateral film was exposed together with the erect one, as biplanar scanners do.
+    #[serde(default)]
+    pub simultaneous: bool,
     /// Scale to use.
     pub scale: ScaleChoice,
     /// Whether grey levels are inverted.

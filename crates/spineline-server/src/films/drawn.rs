@@ -30,8 +30,7 @@ async fn drawn(
     Json(request): Json<DrawnRequest>,
 ) -> Answer<Json<DrawnView>> {
     let film = state.ask(move |store| seen_film(store, &user, FilmId(film))).await?;
-    let image =
-        spineline_files::parse_image(&film.image, film.posture).map_err(StoreError::from)?;
+    let image = spineline_files::parse_image(&film.image, film.view).map_err(StoreError::from)?;
     Ok(Json(match request {
         DrawnRequest::Length { from_px, to_px } => length(&image, &line(from_px, to_px))?,
         DrawnRequest::Angle { first_from_px, first_to_px, second_from_px, second_to_px } => {

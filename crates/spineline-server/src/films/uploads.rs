@@ -7,7 +7,7 @@ use axum::extract::rejection::BytesRejection;
 use axum::extract::{DefaultBodyLimit, FromRequest, Request, State};
 use axum::http::StatusCode;
 use axum::response::Response;
-use spineline::anatomy::Posture;
+use spineline::anatomy::{FilmView, Posture};
 use spineline::measure::{Stance, View, judge_spacing, judge_view};
 use spineline_films::{FilmFile, FilmLimits, FilmRemark, Stated};
 use utoipa_axum::router::OpenApiRouter;
@@ -124,6 +124,12 @@ fn look(film: &FilmFile, bytes: Vec<u8>) -> (Upload, UploadView) {
     let spacing = judge_spacing(&film.tags.spacing);
     let judged = judge_view(&film.tags.view, None);
     let is_lateral = judged.view == Some(View::Lateral);
+    // Bending and traction films are taken lying; only one frontal film is erect.
+    let posture = match film.tags.view.stance {
+        _ if is_lateral => Some(FilmView::Lateral),
+        Some(Stance::Erect) => Some(FilmView::Frontal(Posture::Erect)),
+        _ => None,
+    };
     let remarks = film.remarks.iter().map(|remark| notice(code(remark), remark.to_string()));
     let of_spacing =
         spacing.remarks.iter().map(|remark| notice("spacing_remark", remark.to_string()));
@@ -137,11 +143,9 @@ fn look(film: &FilmFile, bytes: Vec<u8>) -> (Upload, UploadView) {
         columns: film.columns,
         rows: film.rows,
         pixel_aspect: words::pixel_aspect(spacing.spacing),
-        // Bending and traction films are taken lying; only one film is erect.
-        posture: (film.tags.view.stance == Some(Stance::Erect)).then_some(Wire(Posture::Erect)),
-        is_lateral,
+        posture: posture.map(Wire),
         is_synthetic: film.tags.is_phantom,
-        patient_left: judged.patient_left.map(Wire),
+        patient_left: judged.patient_left.or(judged.patient_anterior).map(Wire),
         spacing: spacing.spacing.map(|spacing| SpacingView {
             column_mm: spacing.column_mm,
             row_mm: spacing.row_mm,

@@ -2,7 +2,7 @@
 
 use axum::extract::State;
 use axum::http::StatusCode;
-use spineline::anatomy::Posture;
+use spineline::anatomy::{FilmView, Posture};
 use spineline::measure::{CornerName, ImageGeometry};
 use spineline_detect::{Detection, Picture, Refusal, detect};
 use spineline_store::{CornerOrigin, ReadingId, StoreError};
@@ -34,13 +34,16 @@ pub(super) async fn detection(
         return Err(Failure::new(StatusCode::FORBIDDEN, "no_proposals", text));
     }
     let film = seen.film;
-    let image =
-        spineline_files::parse_image(&film.image, film.posture).map_err(StoreError::from)?;
+    if film.view == FilmView::Lateral {
+        let refused = Some("the program finds vertebrae on frontal films only".to_owned());
+        return Ok(Json(DetectionView { refused, doubt: None, proposals: Vec::new() }));
+    }
+    let image = spineline_files::parse_image(&film.image, film.view).map_err(StoreError::from)?;
     let shown = screen(&state, &film.content).await?;
     let _permit = state.films().decoding().await?;
     let found = computed(move || in_picture(&shown, &image)).await?;
     // A blinded reader is not told the posture.
-    let is_other = seen.code.is_none() && film.posture != Posture::Erect;
+    let is_other = seen.code.is_none() && film.view != FilmView::Frontal(Posture::Erect);
     Ok(Json(view(found, is_other)))
 }
 

@@ -21,7 +21,7 @@ pub fn of_reading_from(
 pub fn of_film(store: &Store, film: &FilmRecord) -> Result<Vec<LostChangeView>, StoreError> {
     let named = |lost: &LostChange| {
         let lost = view(lost);
-        LostChangeView { text: format!("{} film: {}", film.posture, lost.text), ..lost }
+        LostChangeView { text: format!("{} film: {}", film.view, lost.text), ..lost }
     };
     Ok(store.conflicts_of_film(film.id)?.iter().map(named).collect())
 }
@@ -46,6 +46,9 @@ fn words(change: &Value) -> String {
         }
         Some("place_wall") => {
             format!("{} {} wall to {}", word("level"), word("side"), place())
+        }
+        Some("place_pedicle") => {
+            format!("{} {} pedicle to {}", word("level"), word("side"), place())
         }
         Some("accept_corners") => {
             let vertebrae = change["vertebrae"].as_array().map_or(&[][..], Vec::as_slice);

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use spineline::anatomy::{Level, Side};
+use spineline::anatomy::{FilmView, Level, Side};
 use spineline::measure::{
     CornerName, ImageGeometry, NextLandmark, PartialLandmarks, PartialReading, ProposedVertebra,
 };
@@ -13,8 +13,8 @@ use spineline_store::{
 
 use super::lost;
 use crate::api::{
-    AxisView, CornerView, ExpectedLandmark, LostChangeView, Notice, PostureName,
-    Proposal as ProposalView, ReadingImage, ReadingView, Severity, SidesView, VertebraView, Wire,
+    AxisView, CornerView, ExpectedLandmark, LostChangeView, Notice, Proposal as ProposalView,
+    ReadingImage, ReadingView, Severity, SidesView, VertebraView, Wire,
 };
 use crate::problem::Answer;
 use crate::session::User;
@@ -49,11 +49,12 @@ fn view_of(
     mine: bool,
 ) -> Answer<ReadingView> {
     let (record, film) = (&seen.record, &seen.film);
-    let image =
-        spineline_files::parse_image(&film.image, film.posture).map_err(StoreError::from)?;
-    let landmarks = landmarks(state);
+    let image = spineline_files::parse_image(&film.image, film.view).map_err(StoreError::from)?;
+    let view = film.view;
+    let is_lateral = view == FilmView::Lateral;
+    let landmarks = landmarks(state, view);
     let is_blinded = seen.code.is_some();
-    let posture = (!is_blinded).then_some(Wire(film.posture));
+    let posture = (!is_blinded).then_some(Wire(view));
     let crest = |side| state.iliac_crests_px.get(&side).copied();
     Ok(ReadingView {
         reading: record.id.0,
@@ -70,6 +71,7 @@ fn view_of(
             columns: image.columns,
             rows: image.rows,
             pixel_aspect: words::pixel_aspect(image.spacing),
+            is_lateral,
             patient_left: Wire(image.patient_left),
             plane: words::plane_of(&image),
             spacing_text: words::spacing_text(image.spacing),
@@ -81,27 +83,34 @@ fn view_of(
         vertebrae: landmarks
             .vertebrae
             .iter()
-            .map(|(&level, landmark)| vertebra(&image, level, landmark))
+            .map(|(&level, landmark)| {
+                let pedicles = state.vertebrae.get(&level).map(|known| &known.pedicles);
+                vertebra((&image, view), level, landmark, pedicles)
+            })
             .collect(),
         crests: SidesView { left_px: crest(Side::Left), right_px: crest(Side::Right) },
         notes: state.notes.clone(),
         order: PartialReading::order().map(|level| level.to_string()).to_vec(),
-        next: landmarks.next().map(next_landmark),
-        next_by_walls: landmarks.next_by_walls().filter(|_| seen.proposals).map(next_landmark),
+        next: landmarks.next().and_then(|next| next_landmark(next, view)),
+        next_by_walls: landmarks
+            .next_by_walls()
+            .filter(|_| seen.proposals && !is_lateral)
+            .and_then(|next| next_landmark(next, view)),
         proposals_allowed: seen.proposals,
-        proposals: if seen.proposals {
-            let posture = (!is_blinded).then_some(film.posture);
+        // The sizes that proposals follow from are those of frontal views.
+        proposals: if seen.proposals && !is_lateral {
+            let posture = view.posture().filter(|_| !is_blinded);
             landmarks.propose(&image, posture).iter().map(proposal_view).collect()
         } else {
             Vec::new()
         },
-        faults: faults(&landmarks, &image, posture),
+        faults: faults(&landmarks, (&image, view), is_blinded),
         conflicts,
     })
 }
 
-/// The landmarks in the library's types.
-fn landmarks(state: &ReadingState) -> PartialReading {
+/// The landmarks in the library's types; on the lateral film the front stands for the left.
+fn landmarks(state: &ReadingState, view: FilmView) -> PartialReading {
     let vertebrae: BTreeMap<Level, PartialLandmarks> = state
         .vertebrae
         .iter()
@@ -110,8 +119,8 @@ fn landmarks(state: &ReadingState) -> PartialReading {
             (
                 level,
                 PartialLandmarks {
-                    corners: landmarks.placed().map(|corner| corner.as_ref().map(place)),
-                    origins: landmarks.corner_origins(),
+                    corners: landmarks.placed(view).map(|corner| corner.as_ref().map(place)),
+                    origins: landmarks.corner_origins(view),
                     walls: [Side::Left, Side::Right]
                         .map(|side| landmarks.walls.get(&side).map(place)),
                     axis_clockwise: landmarks.axis_deg.map(Angle::from_deg),
@@ -124,11 +133,16 @@ fn landmarks(state: &ReadingState) -> PartialReading {
     PartialReading { vertebrae, crests }
 }
 
-fn vertebra(image: &ImageGeometry, level: Level, landmark: &PartialLandmarks) -> VertebraView {
+fn vertebra(
+    (image, view): (&ImageGeometry, FilmView),
+    level: Level,
+    landmark: &PartialLandmarks,
+    pedicles: Option<&BTreeMap<Side, [f64; 2]>>,
+) -> VertebraView {
     let corners = CornerName::ORDER.into_iter().filter_map(|name| {
         let place = name.of(&landmark.corners)?;
         let origin = name.of(&landmark.origins).into();
-        Some(CornerView { corner: corner(name), px: pair(place), origin })
+        Some(CornerView { corner: corner(name, view), px: pair(place), origin })
     });
     let body = landmark.body(image);
     let axis = body.map(|body| AxisView {
@@ -136,8 +150,9 @@ fn vertebra(image: &ImageGeometry, level: Level, landmark: &PartialLandmarks) ->
         to_px: pair(body.axis[1]),
         axis_deg: spineline_files::written_axis_deg(body.axis_clockwise),
         by_hand: landmark.axis_clockwise.is_some(),
-        text: tilt_text(body.tilt),
+        text: axis_text(body.tilt, view),
     });
+    let pedicle = |side| pedicles.and_then(|known| known.get(&side).copied());
     VertebraView {
         level: level.to_string(),
         corners: corners.collect(),
@@ -145,13 +160,18 @@ fn vertebra(image: &ImageGeometry, level: Level, landmark: &PartialLandmarks) ->
             left_px: landmark.walls[0].map(pair),
             right_px: landmark.walls[1].map(pair),
         },
+        pedicles: SidesView { left_px: pedicle(Side::Left), right_px: pedicle(Side::Right) },
         complete: landmark.complete().is_some(),
         midpoint_px: body.map(|body| pair(body.midpoint)),
         axis,
     }
 }
 
-fn tilt_text(tilt: Angle) -> String {
+/// The tilt of an axis on a frontal film, or its pitch on the lateral one.
+fn axis_text(tilt: Angle, view: FilmView) -> String {
+    if view == FilmView::Lateral {
+        return format!("pitch {}", -tilt);
+    }
     match tilt.side() {
         Some(side) if tilt.abs().to_string() != "0.0°" => {
             format!("tilt {} to {}", tilt.abs(), words::patients(side))
@@ -160,16 +180,18 @@ fn tilt_text(tilt: Angle) -> String {
     }
 }
 
-fn next_landmark(next: NextLandmark) -> ExpectedLandmark {
-    match next {
+/// The next landmark on a film of this view; the lateral film has no crests.
+fn next_landmark(next: NextLandmark, view: FilmView) -> Option<ExpectedLandmark> {
+    Some(match next {
         NextLandmark::Corner(level, name) => {
-            ExpectedLandmark::Corner { level: level.to_string(), corner: corner(name) }
+            ExpectedLandmark::Corner { level: level.to_string(), corner: corner(name, view) }
         }
         NextLandmark::Wall(level, side) => {
             ExpectedLandmark::Wall { level: level.to_string(), side: side_view(side) }
         }
+        NextLandmark::Crest(_) if view == FilmView::Lateral => return None,
         NextLandmark::Crest(side) => ExpectedLandmark::Crest { side: side_view(side) },
-    }
+    })
 }
 
 fn side_view(side: Side) -> PatientSide {
@@ -179,10 +201,10 @@ fn side_view(side: Side) -> PatientSide {
     }
 }
 
-/// A corner that the program proposes; corners are placed to 0.01 px at best.
+/// A corner that the program proposes on a frontal film; corners are placed to 0.01 px at best.
 pub(super) fn corner_view(name: CornerName, place: Pixel, origin: CornerOrigin) -> CornerView {
     let px = pair(place).map(|px| (px * 100.0).round() / 100.0);
-    CornerView { corner: corner(name), px, origin }
+    CornerView { corner: name.of(&Corner::FRONTAL), px, origin }
 }
 
 fn proposal_view(proposal: &ProposedVertebra) -> ProposalView {
@@ -199,27 +221,23 @@ fn proposal_view(proposal: &ProposedVertebra) -> ProposalView {
 
 fn faults(
     landmarks: &PartialReading,
-    image: &ImageGeometry,
-    posture: Option<PostureName>,
+    (image, view): (&ImageGeometry, FilmView),
+    is_blinded: bool,
 ) -> Vec<Notice> {
+    let posture = view.posture().filter(|_| !is_blinded).map(Wire);
     let notices = landmarks.faults(image).into_iter().map(|fault| Notice {
         severity: if fault.is_error() { Severity::Error } else { Severity::Warning },
         code: fault.code().to_owned(),
         posture,
         level: fault.level().map(|level| level.to_string()),
         line: None,
-        text: fault.to_string(),
+        text: fault.words(view),
     });
     notices.collect()
 }
 
-fn corner(name: CornerName) -> Corner {
-    match name {
-        CornerName::SuperiorLeft => Corner::SuperiorLeft,
-        CornerName::SuperiorRight => Corner::SuperiorRight,
-        CornerName::InferiorRight => Corner::InferiorRight,
-        CornerName::InferiorLeft => Corner::InferiorLeft,
-    }
+fn corner(name: CornerName, view: FilmView) -> Corner {
+    name.of(&Corner::of_view(view))
 }
 
 fn pair(place: Pixel) -> [f64; 2] {

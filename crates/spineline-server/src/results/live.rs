@@ -2,14 +2,15 @@
 
 use axum::extract::State;
 use spineline::analysis::check_repeated;
-use spineline::anatomy::Posture;
+use spineline::anatomy::{FilmView, Level, Posture};
 use spineline::error::Error;
 use spineline::measure::{check_landmarks, judge_reading};
+use spineline::warning::Warnings;
 use spineline_store::{
-    CaseReadings, CurrentCase, CurrentFilm, Event, FilmId, Name, ReadingId, Store,
+    CaseReadings, CurrentCase, CurrentFilm, CurrentLateral, Event, FilmId, Name, ReadingId, Store,
 };
 
-use super::{findings, notices, overlay};
+use super::{findings, heights, notices, overlay};
 use crate::access::{blinded, seen_reading};
 use crate::api::{FilmOverlay, LiveStatus, LiveView, Notice, Problem, Severity, Wire};
 use crate::extract::{Json, Path};
@@ -62,8 +63,13 @@ pub async fn followed(hand: Option<InHand>) -> Answer<Option<LiveView>> {
 
 /// Results for one film of a study.
 fn of_film(result: &StudyResult, film: FilmId) -> LiveView {
+    if let Some(lateral) = &result.current.lateral
+        && lateral.record.id == film
+    {
+        return of_lateral(result, lateral);
+    }
     let hand = result.current.films.iter().find(|current| current.record.id == film);
-    let posture = hand.map_or(Posture::Erect, |hand| hand.record.posture);
+    let posture = hand.map_or(Posture::Erect, |hand| hand.posture);
     let missing = hand.map(CurrentFilm::missing).unwrap_or_default();
     let fault = fault_of(result, posture);
     let (status, status_text) = status(result, &missing, fault.as_ref());
@@ -73,9 +79,31 @@ fn of_film(result: &StudyResult, film: FilmId) -> LiveView {
     } else {
         None
     };
-    let notices = film_notices(result, posture, fault.as_ref());
+    let view = FilmView::Frontal(posture);
+    let heights = heights::on_film(&result.current, view);
+    let notices = film_notices(result, view, fault.as_ref());
     let options_text = result.options_text();
-    LiveView { status, status_text, overlay, study, options_text, notices }
+    LiveView { status, status_text, overlay, heights, study, options_text, notices }
+}
+
+/// Results for the lateral film, which has no curve of its own.
+fn of_lateral(result: &StudyResult, film: &CurrentLateral) -> LiveView {
+    let missing: Vec<Level> =
+        Level::MODEL.into_iter().filter(|level| !film.marked.contains(level)).collect();
+    let measured = result.current.case.lateral.as_ref();
+    let fault = measured
+        .and_then(|lateral| lateral.measure(&mut Warnings::default()).err())
+        .map(Error::from);
+    let (status, status_text) = status(result, &missing, fault.as_ref());
+    LiveView {
+        status,
+        status_text,
+        overlay: None,
+        heights: heights::on_film(&result.current, FilmView::Lateral),
+        study: result.analysis().map(findings::of_study),
+        options_text: result.options_text(),
+        notices: film_notices(result, FilmView::Lateral, fault.as_ref()),
+    }
 }
 
 /// Why the film of the reading cannot be measured, or is no film of its own.
@@ -91,11 +119,7 @@ fn fault_of(result: &StudyResult, posture: Posture) -> Option<Error> {
     pairs.map(|pair| check_repeated(&pair)).find_map(Result::err).map(Error::from)
 }
 
-fn status(
-    result: &StudyResult,
-    missing: &[spineline::anatomy::Level],
-    fault: Option<&Error>,
-) -> (LiveStatus, String) {
+fn status(result: &StudyResult, missing: &[Level], fault: Option<&Error>) -> (LiveStatus, String) {
     if let Some(fault) = fault {
         return (LiveStatus::Refused, fault.to_string());
     }
@@ -114,14 +138,14 @@ fn status(
 
 /// Notices of a study during a reading of one of its films, without the notice that this film is incomplete, which its status
 /// contains.
-fn film_notices(result: &StudyResult, posture: Posture, fault: Option<&Error>) -> Vec<Notice> {
-    let name = Wire(posture);
+fn film_notices(result: &StudyResult, view: FilmView, fault: Option<&Error>) -> Vec<Notice> {
+    let name = view.posture().map(Wire);
     let mut notices = notices::of_result(result);
-    notices.retain(|n| !(n.code == "film_left_out" && n.posture == Some(name)));
+    notices.retain(|n| !(n.code == "film_left_out" && n.posture == name));
     if let Some(fault) = fault {
         let text = format!("{fault}: {}", fault.help());
         let mut notice = notices::notice(Severity::Error, fault.code(), text);
-        notice.posture = Some(name);
+        notice.posture = name;
         notices.retain(|other| other.severity != Severity::Error);
         notices.insert(0, notice);
     } else if let Some(compared) = &result.current.compared {
@@ -134,5 +158,5 @@ fn film_notices(result: &StudyResult, posture: Posture, fault: Option<&Error>) -
 /// An overlay of a film from the finished readings of its study.
 pub fn overlay_of(result: &StudyResult, film: FilmId) -> Option<FilmOverlay> {
     let film = result.current.films.iter().find(|current| current.record.id == film)?;
-    film.is_usable().then(|| overlay::of_film(result, film.record.posture)).flatten()
+    film.is_usable().then(|| overlay::of_film(result, film.posture)).flatten()
 }

@@ -6,6 +6,7 @@ mod computations;
 mod curves;
 mod exports;
 mod findings;
+mod heights;
 mod live;
 mod load;
 mod load_intervals;
@@ -40,8 +41,10 @@ pub fn routes() -> OpenApiRouter<AppState> {
         .merge(exports::routes())
         .merge(computations::routes())
         .routes(routes!(sections::lines))
+        .routes(routes!(sections::space))
         .routes(routes!(study::findings))
         .routes(routes!(study::overlay))
+        .routes(routes!(heights::heights))
         .routes(routes!(model::model))
         .routes(routes!(load::load))
         .merge(loads::routes())

@@ -96,7 +96,7 @@ pub fn synthetic(is_synthetic: bool) -> Option<Notice> {
 fn left_out(current: &CurrentCase) -> Vec<Notice> {
     let notices = current.films.iter().filter_map(|film| {
         let missing = film.missing();
-        let posture = film.record.posture;
+        let posture = film.posture;
         let text = match film.readings {
             _ if film.is_usable() => return None,
             0 => format!("the {posture} film is left out: it has no finished reading"),
@@ -116,7 +116,12 @@ fn left_out(current: &CurrentCase) -> Vec<Notice> {
             "there is no erect film; it is the reference of all other films",
         )
     });
-    notices.chain(no_erect).collect()
+    // The sagittal profile is then that of a population.
+    let unread = current.lateral.as_ref().filter(|film| film.readings == 0).map(|_| {
+        let text = "the lateral film is left out: it has no finished reading";
+        notice(Severity::Warning, "film_left_out", text)
+    });
+    notices.chain(no_erect).chain(unread).collect()
 }
 
 #[cfg(test)]

@@ -68,8 +68,7 @@ fn turned(film: &FilmRecord, view: &ReadingView, turn: &TurnAxis) -> Answer<Even
         let text = format!("{level} has no axis: it needs four corners");
         refused(text, "place the missing corners first")
     })?;
-    let image =
-        spineline_files::parse_image(&film.image, film.posture).map_err(StoreError::from)?;
+    let image = spineline_files::parse_image(&film.image, film.view).map_err(StoreError::from)?;
     let [from, towards] = [midpoint, turn.towards_px].map(|[column, row]| Pixel::new(column, row));
     let axis = turn_axis_towards(&image, from, towards).ok_or_else(|| {
         refused(

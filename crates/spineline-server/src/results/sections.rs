@@ -32,6 +32,25 @@ pub async fn lines(
     made.await?.map(Json)
 }
 
+/// The erect and the lateral film together, with every number in 2-D and 3-D, and axial rotations from pedicles; empty without both.
+#[utoipa::path(get, path = "/api/studies/{study}/space", params(("study" = String, Path)),
+    responses((status = 200, body = Vec<SectionView>), (status = 403, body = Problem),
+        (status = 409, body = Problem), (status = 422, body = Problem)))]
+pub async fn space(
+    State(state): State<AppState>,
+    user: User,
+    Path(study): Path<String>,
+) -> Answer<Json<Vec<SectionView>>> {
+    let study = open_study(&state, &user, &study).await?;
+    let result = study_result(&state, &study).await?;
+    result.analysed()?;
+    let made = computed(move || {
+        let sections = parts::space(result.analysed()?);
+        Ok(sections.into_iter().map(section_view).collect())
+    });
+    made.await?.map(Json)
+}
+
 /// A part of a report.
 pub fn section_view(section: Section) -> SectionView {
     SectionView {

@@ -43,6 +43,7 @@ fn view(result: &StudyResult) -> LiveView {
         status,
         status_text,
         overlay: None,
+        heights: Vec::new(),
         study: result.analysis().map(findings_of::of_study),
         options_text: result.options_text(),
         notices: notices::of_result(result),

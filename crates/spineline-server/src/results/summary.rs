@@ -65,7 +65,7 @@ pub fn known(
 ) -> Result<Result<Arc<StudyResult>, StoreError>, StoreError> {
     match cache.result(store, study) {
         Ok(result) => Ok(Ok(result)),
-        Err(refusal @ (StoreError::PostureTwice { .. } | StoreError::Case(_))) => Ok(Err(refusal)),
+        Err(refusal @ (StoreError::ViewTwice { .. } | StoreError::Case(_))) => Ok(Err(refusal)),
         Err(error) => Err(error),
     }
 }

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use axum::extract::State;
 use axum::http::StatusCode;
-use spineline::anatomy::Posture;
+use spineline::anatomy::FilmView;
 use spineline::measure::{ImageGeometry, Spacing};
 use spineline_files::{FilmSource, image_value, sha256_hex};
 use spineline_films::{DeidOptions, FilmKind, FilmLimits, Stated, deidentify, film_doubts};
@@ -59,6 +59,9 @@ async fn new_study(
         for (film, upload) in &films {
             let (bytes, image) = prepared_film(case.id(), film, upload, salt)?;
             case = case.film(film.posture.0, bytes, image);
+            if film.posture.0 == FilmView::Lateral {
+                case = case.simultaneous(film.simultaneous);
+            }
         }
         Ok::<_, Failure>(case)
     });
@@ -96,10 +99,10 @@ async fn import_case(
             |file: &str| uploads.get(file).map(|upload| upload.bytes.clone()).ok_or(missing);
         let case = NewCase::read(&import.text, bytes_of).map_err(|error| case_refused(&error))?;
         let mut pictures = Pictures::default();
-        for (posture, file, size) in case.pictures() {
+        for (view, file, size) in case.pictures() {
             let upload = uploads.get(file).ok_or_else(|| refused(missing))?;
-            check_picture(posture, size, upload)?;
-            pictures.add(posture, upload)?;
+            check_picture(view, size, upload)?;
+            pictures.add(view, upload)?;
         }
         let (id, salt) = (case.id().clone(), salt()?);
         case.rewritten(|bytes| clean(&id, bytes, salt))
@@ -129,32 +132,38 @@ fn check(films: &[(NewFilm, Arc<Upload>)]) -> Answer<()> {
     if films.is_empty() {
         return Err(refused("a study needs at least one film"));
     }
-    let (mut postures, mut pictures) = (BTreeSet::new(), Pictures::default());
+    let (mut views, mut pictures) = (BTreeSet::new(), Pictures::default());
     for (film, upload) in films {
-        let posture = film.posture.0;
-        if upload.is_lateral {
-            let text = format!("{posture}: the file contains a lateral view");
-            return Err(refused(&text).help("choose the frontal film"));
+        let view = film.posture.0;
+        check_view(view, upload)?;
+        if !views.insert(view) {
+            return Err(refused(&format!("the study has two {view} films"))
+                .help("choose one film per posture, and one lateral film"));
         }
-        if !postures.insert(film.posture) {
-            return Err(refused(&format!("the study has two {posture} films"))
-                .help("choose one film per posture"));
-        }
-        pictures.add(posture, upload)?;
+        pictures.add(view, upload)?;
     }
     Ok(())
 }
 
-/// The pictures of a study, each for one posture.
+/// Refuses a lateral view for a frontal film.
+fn check_view(view: FilmView, upload: &Upload) -> Answer<()> {
+    if upload.is_lateral && view != FilmView::Lateral {
+        let text = format!("{view}: the file contains a lateral view");
+        return Err(refused(&text).help("choose the frontal film"));
+    }
+    Ok(())
+}
+
+/// The pictures of a study, each for one posture or the lateral one.
 #[derive(Default)]
-struct Pictures(BTreeMap<String, Posture>);
+struct Pictures(BTreeMap<String, FilmView>);
 
 impl Pictures {
-    fn add(&mut self, posture: Posture, upload: &Upload) -> Answer<()> {
-        match self.0.insert(upload.picture.clone(), posture) {
+    fn add(&mut self, view: FilmView, upload: &Upload) -> Answer<()> {
+        match self.0.insert(upload.picture.clone(), view) {
             None => Ok(()),
             Some(other) => {
-                let text = format!("the {other} film and the {posture} film are the same picture");
+                let text = format!("the {other} film and the {view} film are the same picture");
                 Err(refused(&text).help("choose a different film for each posture"))
             }
         }
@@ -178,19 +187,15 @@ fn check_doubts(films: &[(String, Stated)]) -> Answer<()> {
 }
 
 /// Whether an upload can be the film of a case.
-fn check_picture(posture: Posture, [columns, rows]: [u64; 2], upload: &Upload) -> Answer<()> {
+fn check_picture(view: FilmView, [columns, rows]: [u64; 2], upload: &Upload) -> Answer<()> {
     if [u64::from(upload.columns), u64::from(upload.rows)] != [columns, rows] {
         let text = format!(
-            "{posture}: the case needs a picture of {columns} × {rows} pixels, and this one has {} × {}",
+            "{view}: the case needs a picture of {columns} × {rows} pixels, and this one has {} × {}",
             upload.columns, upload.rows
         );
         return Err(refused(&text).help("choose the original film"));
     }
-    if upload.is_lateral {
-        let text = format!("{posture}: the file contains a lateral view");
-        return Err(refused(&text).help("choose the frontal film"));
-    }
-    Ok(())
+    check_view(view, upload)
 }
 
 /// A film's de-identified bytes, and its description for the study.
@@ -239,7 +244,7 @@ fn prepared_film(
         sha256: Some(sha256_hex(&bytes)),
         inverted: film.inverted,
     };
-    Ok((bytes, image_value(&geometry, source)))
+    Ok((bytes, image_value(film.posture.0, &geometry, source)))
 }
 
 /// De-identifies a film's file.

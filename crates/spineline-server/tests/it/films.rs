@@ -31,7 +31,7 @@ pub fn add_unread_study(app: &App) {
     store.add_study(&record, &by).expect("a study");
     for film in store.films(&crate::browser::name("demo-rod-01")).expect("films") {
         let bytes = store.content(&film.content).expect("bytes");
-        store.add_film(&study, film.posture, &bytes, &film.image, &by).expect("a film");
+        store.add_film(&study, film.view, &bytes, &film.image, &by).expect("a film");
     }
 }
 

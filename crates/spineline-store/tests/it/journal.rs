@@ -1,6 +1,6 @@
 //! Clicks, undo, conflicts, films and exported cases.
 
-use spineline::anatomy::{Level, Posture, Side};
+use spineline::anatomy::{FilmView, Level, Posture, Side};
 use spineline_files::{LevelKey, parse_case};
 use spineline_store::{
     Corner, Event, ExportRemark, FilmEdit, FilmId, Name, ReadingId, Store, StoreError, Study,
@@ -105,11 +105,11 @@ fn a_stale_edit_of_a_film_is_refused_and_kept() {
     let lost = store.edit_film(FILM, edit, 0, &by("other", 20));
     assert!(matches!(lost, Err(StoreError::Conflict { expected: 0, found: 1, .. })), "{lost:?}");
     let film = &store.films(&name("S-1")).expect("films")[0];
-    assert_eq!((film.posture, film.inverted, film.revision), (Posture::Erect, true, 1));
+    assert_eq!((film.view, film.inverted, film.revision), (Posture::Erect.into(), true, 1));
     let kept = store.conflicts_of_film(FILM).expect("conflicts");
     assert_eq!(kept[0].change, r#"{"posture":"right_bending"}"#);
     store.edit_film(FILM, edit, 1, &by("other", 21)).expect("a fresh edit");
-    assert_eq!(store.films(&name("S-1")).expect("films")[0].posture, Posture::RightBending);
+    assert_eq!(store.films(&name("S-1")).expect("films")[0].view, Posture::RightBending.into());
 }
 
 #[test]
@@ -182,7 +182,11 @@ fn a_repeated_picture_is_reported_with_its_posture() {
     assert!(
         matches!(
             again,
-            Err(StoreError::AlreadyKnown { film: FilmId(2), posture: Posture::LeftBending, .. })
+            Err(StoreError::AlreadyKnown {
+                film: FilmId(2),
+                view: FilmView::Frontal(Posture::LeftBending),
+                ..
+            })
         ),
         "{again:?}"
     );

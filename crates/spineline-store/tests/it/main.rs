@@ -7,6 +7,7 @@ mod crash;
 mod current_case;
 mod history;
 mod journal;
+mod lateral;
 mod locks;
 mod options;
 mod origins;

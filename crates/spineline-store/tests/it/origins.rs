@@ -60,7 +60,8 @@ fn a_moved_corner_of_an_accepted_vertebra_is_adjusted_and_one_undo_takes_it_back
         Event::MoveCorner { level, corner: Corner::SuperiorLeft, column_px: 401.0, row_px: 999.0 };
     record(&mut store, reading, &[accept(Level::T9), moved]);
     let origins = |store: &Store| {
-        store.reading_state(reading).expect("a reading").vertebrae[&Level::T9].corner_origins()
+        store.reading_state(reading).expect("a reading").vertebrae[&Level::T9]
+            .corner_origins(Posture::Erect.into())
     };
     let accepted = Corners::all(Origin::Accepted);
     assert_eq!(origins(&store), Corners { superior_left: Origin::Adjusted, ..accepted });

@@ -6,7 +6,7 @@ use std::path::Path;
 
 use rusqlite::{Connection, params};
 use sha2::{Digest, Sha256};
-use spineline::anatomy::{Level, Posture};
+use spineline::anatomy::{FilmView, Level, Posture};
 use spineline_files::method_text::ChosenOptions;
 use spineline_store::{
     Corner, Event, FilmEdit, FilmId, ReadingId, Store, StoreError, StudyOptions,
@@ -16,8 +16,9 @@ use crate::options::option;
 use crate::session::{by, film_bytes, image, name};
 
 const SCHEMA: &str = include_str!("../../src/schema.sql");
+const SCHEMA_3: &str = include_str!("../../src/schema_3.sql");
 /// The schema that this program writes.
-const VERSION: i64 = 3;
+const VERSION: i64 = 4;
 const TIME_MS: i64 = 1_700_000_000_000;
 
 fn sha256(bytes: impl AsRef<[u8]>) -> String {
@@ -86,7 +87,7 @@ fn write_store(path: &Path, films: i64) {
             format!("INSERT INTO readings VALUES ({film}, {film}, 'A', 1, {TIME_MS}, NULL, NULL)");
         writer.raw.execute(&sql, []).expect("a reading");
         // The last click came after the finish, by a clock that went back.
-        for (revision, corner) in (1..).zip(Corner::ALL) {
+        for (revision, corner) in (1..).zip(Corner::FRONTAL.points()) {
             let event = json!({ "kind": "place_corner", "level": "L4", "corner": corner.key(), "column_px": revision, "row_px": film }).to_string();
             let (number, time) = ((film - 1) * 4 + revision, TIME_MS + revision * 1000);
             let sql = format!(
@@ -113,6 +114,30 @@ fn write_store(path: &Path, films: i64) {
 fn version_of(path: &Path) -> i64 {
     let raw = Connection::open(path).expect("a database");
     raw.pragma_query_value(None, "user_version", |row| row.get(0)).expect("a version")
+}
+
+#[test]
+fn a_store_of_schema_3_takes_a_lateral_film_after_it_is_opened() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("store");
+    write_store(&path, 1);
+    let raw = Connection::open(&path).expect("a database");
+    raw.execute_batch(SCHEMA_3).expect("the schema");
+    raw.execute_batch("PRAGMA user_version = 3").expect("a mark");
+    drop(raw);
+    assert!(Store::view(&path).expect("a store").verify(None).expect("verifiable").is_clean());
+    let mut store = Store::open(&path).expect("a store");
+    assert_eq!(version_of(&path), VERSION);
+    let (study, lateral) = (name("S-1"), FilmView::Lateral);
+    let mut add =
+        |seed| store.add_film(&study, lateral, &film_bytes(seed), &image(), &by("lead", 0));
+    add(7).expect("the first one");
+    let refused = add(8).expect_err("a second one");
+    assert!(
+        matches!(refused, StoreError::ViewTwice { view: FilmView::Lateral, .. }),
+        "{refused:?}"
+    );
+    assert!(store.verify(None).expect("verifiable").is_clean());
 }
 
 /// The writer makes schema 2, which lacks the options of studies.

@@ -17,5 +17,5 @@ pub use morphometry::{Morphometry, SagittalProfile};
 pub(crate) use named::named;
 pub use named::{Named, UnknownKey};
 pub use pedicles::PediclePlace;
-pub use posture::{ImageSide, Posture, Region, Side};
+pub use posture::{FilmView, ImageSide, Posture, Region, Side};
 pub use trunk::{trunk_weight_share, trunk_weight_shares};

@@ -2,7 +2,7 @@ use std::fmt;
 
 use super::named;
 
-named!(Side, ImageSide, Posture, Region);
+named!(Side, ImageSide, Posture, FilmView, Region);
 
 /// A side of the **patient**, never of the picture.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -130,6 +130,63 @@ impl fmt::Display for Posture {
             Self::Neutral => "neutral",
             Self::Traction => "traction",
         })
+    }
+}
+
+/// What a film of a study shows.
+///
+/// # Definition
+/// Frontal films show the patient's left and right, one film per posture. The lateral film shows front and back of the standing patient.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum FilmView {
+    /// From the front or from the back.
+    Frontal(Posture),
+    /// From the side.
+    Lateral,
+}
+
+impl FilmView {
+    /// All views: frontal ones in the order of [`Posture::ALL`], then the lateral one.
+    pub const ALL: [Self; 6] = [
+        Self::Frontal(Posture::Erect),
+        Self::Frontal(Posture::LeftBending),
+        Self::Frontal(Posture::RightBending),
+        Self::Frontal(Posture::Neutral),
+        Self::Frontal(Posture::Traction),
+        Self::Lateral,
+    ];
+
+    /// The name used in files: that of the posture of a frontal film, or `lateral`.
+    #[must_use]
+    pub const fn key(self) -> &'static str {
+        match self {
+            Self::Frontal(posture) => posture.key(),
+            Self::Lateral => "lateral",
+        }
+    }
+
+    /// The posture on a frontal film.
+    #[must_use]
+    pub const fn posture(self) -> Option<Posture> {
+        match self {
+            Self::Frontal(posture) => Some(posture),
+            Self::Lateral => None,
+        }
+    }
+}
+
+impl From<Posture> for FilmView {
+    fn from(posture: Posture) -> Self {
+        Self::Frontal(posture)
+    }
+}
+
+impl fmt::Display for FilmView {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Frontal(posture) => posture.fmt(f),
+            Self::Lateral => f.pad("lateral"),
+        }
     }
 }
 

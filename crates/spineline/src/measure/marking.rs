@@ -9,7 +9,7 @@ use std::fmt;
 
 use super::order::{out_of_order_words, steps};
 use super::{CornerFault, Corners, ImageGeometry, Origin, Placement};
-use crate::anatomy::{Level, Side};
+use crate::anatomy::{FilmView, Level, Side};
 use crate::spatial::{Angle, Frontal, Pixel};
 
 /// A vertebra of which some corners are placed.
@@ -202,6 +202,23 @@ impl MarkingFault {
     #[must_use]
     pub const fn is_error(&self) -> bool {
         !matches!(self, Self::Distance { .. } | Self::CrestsExchanged)
+    }
+}
+
+impl MarkingFault {
+    /// What is wrong on a film of this view; on the lateral film, whose front is in the place of the left, corners are exchanged between
+    /// front and back. On a frontal film these are the words of [`Display`](fmt::Display).
+    #[must_use]
+    pub fn words(&self, view: FilmView) -> String {
+        match (view, self) {
+            (FilmView::Lateral, Self::Corners { level, fault: CornerFault::SidesExchanged }) => {
+                format!("{level}: its front and back corners are exchanged; exchange them")
+            }
+            (FilmView::Lateral, Self::Mirrored { count }) => format!(
+                "front and back corners are exchanged in all {count} vertebrae: check which way the patient faces"
+            ),
+            _ => self.to_string(),
+        }
     }
 }
 

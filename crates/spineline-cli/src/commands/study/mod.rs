@@ -153,7 +153,7 @@ fn row(study: &str, film: &FilmRecord, readings: &[ReadingRecord]) -> Vec<String
     observers.dedup();
     vec![
         study.to_owned(),
-        film.posture.to_string(),
+        film.view.to_string(),
         of_film.len().to_string(),
         finished.to_string(),
         observers.join(", "),

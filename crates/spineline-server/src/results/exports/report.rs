@@ -21,7 +21,7 @@ pub async fn pictures(state: &AppState, result: &StudyResult) -> Answer<Vec<Film
     let mut pictures = Vec::new();
     for film in result.current.films.iter().filter(|film| film.is_usable()) {
         let png = picture(state, &film.record).await?;
-        pictures.push(FilmPicture { posture: film.record.posture, png });
+        pictures.push(FilmPicture { posture: film.posture, png });
     }
     Ok(pictures)
 }

@@ -17,7 +17,7 @@ fn px(value: &Value) -> [f64; 2] {
 /// A reading of the erect film by the one who is signed in, of all vertebrae up to a level.
 fn begun(store: &mut Store, case: &Case, study: &str, count: usize) -> ReadingId {
     let films = store.films(&name(study)).expect("films");
-    let film = films.iter().find(|film| film.posture == Posture::Erect).expect("erect");
+    let film = films.iter().find(|film| film.view == Posture::Erect.into()).expect("erect");
     let by = by(READER);
     let reading = store.begin_reading(film.id, 9, &by).expect("a new reading");
     let (_, landmarks) = reading_of(case, Posture::Erect);
@@ -366,7 +366,7 @@ fn a_corner_far_from_the_finished_readings_of_its_film_is_named() {
     let twice = |store: &mut Store| {
         let case = phantom().case;
         let films = store.films(&name("S1")).expect("films");
-        let film = films.iter().find(|film| film.posture == Posture::Erect).expect("erect");
+        let film = films.iter().find(|film| film.view == Posture::Erect.into()).expect("erect");
         let (marked, landmarks) = reading_of(&case, Posture::Erect);
         for repeat in 1..=2 {
             let by = by(READER);

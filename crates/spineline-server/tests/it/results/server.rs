@@ -137,7 +137,7 @@ pub fn events(film: &Film, reading: &Reading<VertebraLandmarks>) -> Vec<Event> {
 
 /// A vertebra as clicks.
 pub fn vertebra(level: Level, landmark: &VertebraLandmarks) -> Vec<Event> {
-    let corners = Corner::ALL.into_iter().zip(landmark.corners.points());
+    let corners = Corner::FRONTAL.points().into_iter().zip(landmark.corners.points());
     let mut events: Vec<Event> = corners
         .map(|(corner, place)| Event::PlaceCorner {
             level: LevelKey(level),

@@ -1,0 +1,57 @@
+//! Heights of vertebrae that the erect and the lateral film share.
+
+use axum::extract::State;
+use spineline::anatomy::{FilmView, Posture};
+use spineline::measure::{HeightLine, SharedHeights};
+use spineline_store::{CurrentCase, FilmId};
+
+use crate::access::{open_study, study_result};
+use crate::api::{HeightView, Problem};
+use crate::extract::{Json, Path};
+use crate::problem::{Answer, Failure};
+use crate::result_cache::computed;
+use crate::session::User;
+use crate::state::AppState;
+
+/// Heights on one film of the vertebrae that finished readings mark on the other one of the erect and the lateral film.
+#[utoipa::path(get, path = "/api/studies/{study}/films/{film}/heights",
+    params(("study" = String, Path), ("film" = i64, Path)),
+    responses((status = 200, body = Vec<HeightView>), (status = 404, body = Problem)))]
+pub async fn heights(
+    State(state): State<AppState>,
+    user: User,
+    Path((study, film)): Path<(String, i64)>,
+) -> Answer<Json<Vec<HeightView>>> {
+    let study = open_study(&state, &user, &study).await?;
+    let result = study_result(&state, &study).await?;
+    let view = view_of(&result.current, FilmId(film)).ok_or_else(Failure::not_found)?;
+    computed(move || Json(on_film(&result.current, view))).await
+}
+
+fn view_of(current: &CurrentCase, film: FilmId) -> Option<FilmView> {
+    let frontal = current.films.iter().map(|film| &film.record);
+    let mut records = frontal.chain(current.lateral.as_ref().map(|film| &film.record));
+    records.find(|record| record.id == film).map(|record| record.view)
+}
+
+/// The heights on a film of this view; none where a film cannot be measured, which its own notices say.
+pub fn on_film(current: &CurrentCase, view: FilmView) -> Vec<HeightView> {
+    let erect = FilmView::Frontal(Posture::Erect);
+    let films = current.landmarks(Posture::Erect).zip(current.case.lateral.as_ref());
+    let found = films.and_then(|(erect, lateral)| SharedHeights::of(erect, lateral).ok().flatten());
+    let Some(found) = found else { return Vec::new() };
+    match view {
+        FilmView::Lateral => found.on_lateral.iter().map(|line| height(line, erect)).collect(),
+        view if view == erect => {
+            found.on_erect.iter().map(|line| height(line, FilmView::Lateral)).collect()
+        }
+        FilmView::Frontal(_) => Vec::new(),
+    }
+}
+
+fn height(line: &HeightLine, of: FilmView) -> HeightView {
+    let [from_px, to_px] = line.ends.map(|end| [end.column_px, end.row_px]);
+    let (level, sd_px) = (line.level.to_string(), line.sd_px);
+    let text = format!("{level} by the {of} film, ± {sd_px:.1} pixels");
+    HeightView { level, from_px, to_px, sd_px, text }
+}
