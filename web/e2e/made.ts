@@ -126,7 +126,6 @@ export function uploads(): (Api<"UploadView"> | Api<"Problem">)[] {
     columns: 2140,
     rows: 4000,
     pixel_aspect: 1,
-    is_lateral: false,
     is_synthetic: false,
     notices: [],
     ...more,
@@ -152,7 +151,7 @@ export function uploads(): (Api<"UploadView"> | Api<"Problem">)[] {
     }),
     film("u3", { format: "PNG" }),
     { code: "film", message: "this is no picture: its first bytes are of no known format" },
-    film("u5", { is_lateral: true, posture: "erect", patient_left: "image_right" }),
+    film("u5", { posture: "lateral", patient_left: "image_right" }),
   ];
 }
 

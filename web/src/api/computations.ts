@@ -30,6 +30,10 @@ export function computationOf(
   };
 }
 
+/** The erect and the lateral film together, as in the report. */
+export const readSpace = (study: string, signal: AbortSignal) =>
+  answerOf(api.GET("/api/studies/{study}/space", { params: { path: { study } }, signal }));
+
 /** The lines of action beside predictions without mechanics, and lines of best fit, as in the report. */
 export const readLines = (study: string, signal?: AbortSignal) =>
   answerOf(

@@ -38,6 +38,15 @@ export const readOverlay = (study: string, film: number, signal: AbortSignal) =>
     }),
   );
 
+/** Heights of the vertebrae of the other one of the erect and the lateral film. */
+export const readHeights = (study: string, film: number, signal: AbortSignal) =>
+  answerOf(
+    api.GET("/api/studies/{study}/films/{film}/heights", {
+      params: { path: { study, film } },
+      signal,
+    }),
+  );
+
 export const readModel = (study: string, signal: AbortSignal) =>
   answerOf(api.GET("/api/studies/{study}/model", { ...of(study), signal }));
 

@@ -20,7 +20,8 @@ export interface FilmPicture {
 /** The picture of a film without an open reading. */
 export function imageOf(film: Api<"FilmSummary">): Api<"ReadingImage"> {
   const { columns, rows, pixel_aspect, patient_left, plane, spacing_text, inverted } = film;
-  return { columns, rows, pixel_aspect, patient_left, plane, spacing_text, inverted };
+  const is_lateral = film.posture === "lateral";
+  return { columns, rows, pixel_aspect, is_lateral, patient_left, plane, spacing_text, inverted };
 }
 
 /** The last films stay in memory, so that they need no second download. */

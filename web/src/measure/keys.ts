@@ -44,6 +44,10 @@ export const KEYS: readonly { keys: string; text: string }[] = [
     keys: "A, or Enter after two clicks",
     text: "accept the proposed corners of the next vertebra, or of all that have both clicks",
   },
+  {
+    keys: "E",
+    text: "mark the pedicles of vertebrae, which give their axial rotation; or corners",
+  },
   { keys: "N", text: "skip the optional vertebrae and go to the iliac crests" },
   { keys: "[ ]  Tab", text: "select the previous or next landmark" },
   {
@@ -195,6 +199,7 @@ function markKeys(viewer: Viewer, marking: Marking, targets: KeyTargets): Action
     a: () => marking.acceptProposals(),
     t: () => marking.toggleWay(),
     p: () => void marking.togglePropose(),
+    e: () => marking.toggleWay("pedicles"),
     n: () => marking.jumpToCrests(),
     "[": step(-1),
     "]": step(1),
@@ -213,7 +218,7 @@ export function expected(marking: Marking): FilmPoint | null {
   const landmark: Landmark | null = marking.target;
   if (!landmark || !("level" in landmark)) return null;
   const proposal = proposalOf(marking.reading, landmark.level);
-  if (!proposal || landmark.kind === "axis") return null;
+  if (!proposal || landmark.kind === "axis" || landmark.kind === "pedicle") return null;
   if (landmark.kind === "corner") return proposedPlace(proposal, landmark.corner);
   const above = proposedPlace(proposal, `superior_${landmark.side}`);
   const below = proposedPlace(proposal, `inferior_${landmark.side}`);

@@ -11,6 +11,7 @@ import {
   remaining,
   stepsAfter,
   withEvents,
+  missingPedicle,
   missingWall,
   nextLandmark,
   wordsOfEvent,
@@ -66,7 +67,7 @@ it("grabs the nearest landmark within reach", () => {
 /** L4 without landmarks. */
 function vertebra(with_: Partial<VertebraView>): VertebraView {
   const walls = { left_px: null, right_px: null };
-  const nothing = { level: "L4", corners: [], walls, complete: false } as const;
+  const nothing = { level: "L4", corners: [], walls, pedicles: walls, complete: false } as const;
   return { ...nothing, corners: [], midpoint_px: null, axis: null, ...with_ };
 }
 
@@ -156,4 +157,17 @@ it("counts possible redos while events are being sent", () => {
     redoable: 3,
   });
   expect(stepsAfter(recorded, [redo!, invert, undo!])).toEqual({ undoable: 2, redoable: 1 });
+});
+
+it("the lateral film has corners of its own, and pedicles are placed, moved and gone through", () => {
+  const frontal = reading();
+  const lateral = { ...frontal, image: { ...frontal.image, is_lateral: true } };
+  const corner = { kind: "corner", level: "L4", corner: "superior_anterior" };
+  expect(missingCorner(lateral, "L4")).toEqual(corner);
+  const pedicle = { kind: "pedicle", level: "L4", side: "left" } as const;
+  const event = placing(frontal, pedicle, [10, 20]);
+  const marked = withEvents(frontal, [event]);
+  expect(placeOf(marked, pedicle)).toEqual([10, 20]);
+  expect(landmarksOf(marked)).toEqual([pedicle]);
+  expect(missingPedicle(marked, "L4")).toEqual({ ...pedicle, side: "right" });
 });

@@ -11,13 +11,31 @@ export type VertebraView = Api<"VertebraView">;
 /** In the order of placing. */
 export const SIDES: readonly PatientSide[] = ["left", "right"];
 
-/** In the order of placing. */
-export const CORNERS: readonly Corner[] = [
+/** Corners of a body on a frontal film, in the order of placing: around the body. */
+const FRONTAL_CORNERS = [
   "superior_left",
   "superior_right",
   "inferior_right",
   "inferior_left",
-];
+] as const satisfies Corner[];
+
+/** Corners of a body on the lateral film. */
+const LATERAL_CORNERS = [
+  "superior_anterior",
+  "superior_posterior",
+  "inferior_posterior",
+  "inferior_anterior",
+] as const satisfies Corner[];
+
+/** All corners of both views, each view around the body. */
+export const CORNERS: readonly Corner[] = [...FRONTAL_CORNERS, ...LATERAL_CORNERS];
+
+/** Corners of a body on one film. */
+export const CORNER_COUNT = FRONTAL_CORNERS.length;
+
+/** Corners of a body on this film, in the order of placing. */
+export const cornersOf = ({ image }: Pick<ReadingView, "image">): readonly Corner[] =>
+  image.is_lateral ? LATERAL_CORNERS : FRONTAL_CORNERS;
 
 /** Optional levels, read on request only. */
 export const OPTIONAL_LEVELS: readonly string[] = ["T1", "L5"];
@@ -27,12 +45,26 @@ export const CORNER_WORDS: Record<Corner, string> = {
   superior_right: "superior endplate, patient’s right",
   inferior_left: "inferior endplate, patient’s left",
   inferior_right: "inferior endplate, patient’s right",
+  superior_anterior: "superior endplate, front",
+  superior_posterior: "superior endplate, back",
+  inferior_anterior: "inferior endplate, front",
+  inferior_posterior: "inferior endplate, back",
 };
+
+/** Order of levels from the head down. */
+export function cranialFirst(a: string, b: string): number {
+  const height = (name: string): number => {
+    const number = Number(name.slice(1));
+    return name.startsWith("L") ? -number : 100 - number;
+  };
+  return height(b) - height(a);
+}
 
 /** A landmark or an axis on the film that can be selected and moved. */
 export type Landmark =
   | { kind: "corner"; level: string; corner: Corner }
   | { kind: "wall"; level: string; side: PatientSide }
+  | { kind: "pedicle"; level: string; side: PatientSide }
   | { kind: "axis"; level: string }
   | { kind: "crest"; side: PatientSide };
 
@@ -44,10 +76,14 @@ export function wordsOf(landmark: Landmark): string {
   if (landmark.kind === "corner") return `${landmark.level} – ${CORNER_WORDS[landmark.corner]}`;
   if (landmark.kind === "axis") return `${landmark.level} – axis`;
   if (landmark.kind === "wall") return `${landmark.level} – ${wallWords(landmark.side)}`;
+  if (landmark.kind === "pedicle") return `${landmark.level} – ${pedicleWords(landmark.side)}`;
   return `iliac crest, patient’s ${landmark.side}`;
 }
 
 export const wallWords = (side: PatientSide): string => `middle of the wall, patient’s ${side}`;
+
+export const pedicleWords = (side: PatientSide): string =>
+  `centre of the pedicle, patient’s ${side}`;
 
 export function placeOf(reading: ReadingView, landmark: Landmark): FilmPoint | null {
   if (landmark.kind === "crest") {
@@ -55,8 +91,9 @@ export function placeOf(reading: ReadingView, landmark: Landmark): FilmPoint | n
     return px ? filmPoint(px) : null;
   }
   const vertebra = reading.vertebrae.find(({ level }) => level === landmark.level);
-  if (landmark.kind === "wall") {
-    const px = landmark.side === "left" ? vertebra?.walls.left_px : vertebra?.walls.right_px;
+  if (landmark.kind === "wall" || landmark.kind === "pedicle") {
+    const both = landmark.kind === "wall" ? vertebra?.walls : vertebra?.pedicles;
+    const px = landmark.side === "left" ? both?.left_px : both?.right_px;
     return px ? filmPoint(px) : null;
   }
   if (landmark.kind === "axis") return vertebra?.axis ? filmPoint(vertebra.axis.to_px) : null;
@@ -67,10 +104,11 @@ export function placeOf(reading: ReadingView, landmark: Landmark): FilmPoint | n
 /** All placed landmarks in cranial order, in which the keys go through them. */
 export function landmarksOf(reading: ReadingView): Landmark[] {
   const vertebrae = reading.vertebrae.flatMap(({ level, corners, axis }): Landmark[] => [
-    ...(corners.length === 0 ? wallsOf(reading, level) : []),
+    ...(corners.length === 0 ? placedOf(reading, "wall", level) : []),
     ...CORNERS.filter((name) => corners.some(({ corner }) => corner === name)).map(
       (corner): Landmark => ({ kind: "corner", level, corner }),
     ),
+    ...placedOf(reading, "pedicle", level),
     ...(axis ? [{ kind: "axis", level } as const] : []),
   ]);
   const crests = SIDES.map((side): Landmark => ({ kind: "crest", side })).filter(
@@ -79,9 +117,9 @@ export function landmarksOf(reading: ReadingView): Landmark[] {
   return [...vertebrae, ...crests];
 }
 
-/** The placed walls of a level. */
-function wallsOf(reading: ReadingView, level: string): Landmark[] {
-  return SIDES.map((side): Landmark => ({ kind: "wall", level, side })).filter(
+/** The placed walls or pedicles of a level. */
+function placedOf(reading: ReadingView, kind: "wall" | "pedicle", level: string): Landmark[] {
+  return SIDES.map((side): Landmark => ({ kind, level, side })).filter(
     (landmark) => placeOf(reading, landmark) !== null,
   );
 }
@@ -95,8 +133,9 @@ export function placing(
   if (landmark.kind === "crest") {
     return { kind: "place_iliac_crest", side: landmark.side, column_px, row_px };
   }
-  if (landmark.kind === "wall") {
-    return { kind: "place_wall", level: landmark.level, side: landmark.side, column_px, row_px };
+  if (landmark.kind === "wall" || landmark.kind === "pedicle") {
+    const { level, side } = landmark;
+    return { kind: `place_${landmark.kind}`, level, side, column_px, row_px };
   }
   if (landmark.kind === "axis") throw new Error("an axis is rotated, not placed");
   const kind = placeOf(reading, landmark) ? "move_corner" : "place_corner";
@@ -118,7 +157,7 @@ export function fresh(reading: ReadingView, event: Event): Event {
 /** The next missing corner of a level; null when its four corners exist. */
 export function missingCorner(reading: ReadingView, level: string): Landmark | null {
   const placed = reading.vertebrae.find((vertebra) => vertebra.level === level)?.corners ?? [];
-  const corner = CORNERS.find((name) => !placed.some(({ corner }) => corner === name));
+  const corner = cornersOf(reading).find((name) => !placed.some(({ corner }) => corner === name));
   return corner ? { kind: "corner", level, corner } : null;
 }
 
@@ -128,6 +167,12 @@ export function missingWall(reading: ReadingView, level: string): Landmark | nul
   if (vertebra && vertebra.corners.length > 0) return null;
   const walls = SIDES.map((side): Landmark => ({ kind: "wall", level, side }));
   return walls.find((landmark) => placeOf(reading, landmark) === null) ?? null;
+}
+
+/** The next missing pedicle of a level; null when both exist. */
+export function missingPedicle(reading: ReadingView, level: string): Landmark | null {
+  const pedicles = SIDES.map((side): Landmark => ({ kind: "pedicle", level, side }));
+  return pedicles.find((landmark) => placeOf(reading, landmark) === null) ?? null;
 }
 
 /** The next missing crest; null when both exist. */
@@ -158,14 +203,16 @@ function withEvent(reading: ReadingView, event: Event): ReadingView {
         const others = vertebra.corners.filter((one) => one !== before);
         const origin = (before?.origin ?? "clicked") === "clicked" ? "clicked" : "adjusted";
         const corners = [...others, { corner: event.corner, px, origin } as const];
-        return { ...vertebra, corners, complete: corners.length === CORNERS.length };
+        return { ...vertebra, corners, complete: corners.length === CORNER_COUNT };
       });
     }
-    case "place_wall": {
+    case "place_wall":
+    case "place_pedicle": {
       const px = [event.column_px, event.row_px];
+      const kind = event.kind === "place_wall" ? "walls" : "pedicles";
       return changed(reading, event.level, (vertebra) => ({
         ...vertebra,
-        walls: { ...vertebra.walls, [`${event.side}_px`]: px },
+        [kind]: { ...vertebra[kind], [`${event.side}_px`]: px },
       }));
     }
     case "accept_corners":
@@ -220,6 +267,7 @@ function changed(
     level,
     corners: [],
     walls: { left_px: null, right_px: null },
+    pedicles: { left_px: null, right_px: null },
     complete: false,
     midpoint_px: null,
     axis: null,
@@ -278,6 +326,8 @@ export function wordsOfEvent(event: Event): string {
       return `${event.level} – ${CORNER_WORDS[event.corner]} to ${at(event.column_px, event.row_px)}`;
     case "place_wall":
       return `${event.level} – ${wallWords(event.side)} to ${at(event.column_px, event.row_px)}`;
+    case "place_pedicle":
+      return `${event.level} – ${pedicleWords(event.side)} to ${at(event.column_px, event.row_px)}`;
     case "accept_corners":
       return `corners accepted of ${event.vertebrae.map(({ level }) => level).join(", ")}`;
     case "take_vertebra":

@@ -11,10 +11,9 @@ import type { Api } from "../api/types";
 import { keepingOf, keepsNothing, leftBehind, type ReadingKeeping } from "./keeping";
 import {
   fresh,
+  cornersOf,
   landmarksOf,
-  missingCorner,
   missingCrest,
-  missingWall,
   placeOf,
   placing,
   remaining,
@@ -31,8 +30,8 @@ import {
 import { AGAIN_MS, AGAIN_TIMES, type Lost, type Trouble } from "./lost";
 import * as proposing from "./proposals";
 import { Outbox, type SaveState } from "./outbox";
-import { CRESTS, targetOf, type Chosen } from "./target";
-import { TURN_MS, turnedIn, type PreviewWish, type Turning } from "./turning";
+import { CRESTS, MISSING, targetOf, type Chosen } from "./target";
+import { TURN_MS, turnedBy, turnedIn, type PreviewWish, type Turning } from "./turning";
 import type { FilmPoint } from "./viewport";
 
 type Preview = Api<"Preview">;
@@ -74,8 +73,11 @@ export class Marking {
   readonly reading = $derived(
     withEvents(this.#preview?.reading ?? this.#recorded, [...this.#pending, ...this.#draft]),
   );
+  readonly #canPropose = $derived(proposing.canPropose(this.#recorded));
   /** How vertebrae are marked: without proposals, two clicks have no corners. */
-  readonly way = $derived<proposing.Way>(this.#recorded.proposals_allowed ? this.#way : "corners");
+  readonly way = $derived<proposing.Way>(
+    this.#way === "walls" && !this.#canPropose ? "corners" : this.#way,
+  );
   readonly live = $derived(this.#preview?.live ?? this.#live);
   readonly changeable = $derived(this.#recorded.mine && !this.#recorded.finished);
   readonly target = $derived(
@@ -83,7 +85,8 @@ export class Marking {
       ? targetOf(this.reading, this.#recorded, this.#pending, this.#chosen, this.way)
       : null,
   );
-  readonly mayPropose = $derived(this.changeable && this.#recorded.proposals_allowed);
+  readonly mayPropose = $derived(this.changeable && this.#canPropose);
+  readonly mayMarkPedicles = $derived(this.changeable && !this.#recorded.image.is_lateral);
   readonly #open = $derived(
     this.mayPropose && (this.way === "walls" || this.#pending.length === 0)
       ? proposing.openProposals(this.reading, this.#found)
@@ -224,7 +227,8 @@ export class Marking {
   nudge(by: FilmPoint): void {
     const landmark = this.selected;
     if (!landmark || !this.changeable) return;
-    const event = landmark.kind === "axis" ? this.#turned(landmark, by) : this.#moved(landmark, by);
+    const event =
+      landmark.kind === "axis" ? turnedBy(this.reading, landmark, by) : this.#moved(landmark, by);
     if (!event) return;
     this.#outbox.push([event], `nudge ${wordsOf(landmark)}`);
     this.#wish({ events: this.#pending });
@@ -254,12 +258,13 @@ export class Marking {
     this.said = `${proposals.map(({ level }) => level).join(", ")} accepted as proposed`;
   }
 
-  /** Marks by walls in place of corners, or back. */
-  toggleWay(): void {
-    if (!this.mayPropose) return;
-    this.#way = this.way === "walls" ? "corners" : "walls";
+  /** Marks by walls in place of corners, or pedicles; or back. */
+  toggleWay(way: "walls" | "pedicles" = "walls"): void {
+    if (!(way === "walls" ? this.mayPropose : this.mayMarkPedicles)) return;
+    this.#way = this.way === way ? "corners" : way;
+    if (way === "pedicles") [this.#chosen, this.selected] = [null, null];
     proposing.keepWay(this.#way);
-    this.said = this.way === "walls" ? "two clicks per vertebra" : "four clicks per vertebra";
+    this.said = proposing.WAY_WORDS[this.way];
   }
 
   resetAxis(level: string): void {
@@ -299,13 +304,16 @@ export class Marking {
   /** Continues with another level: at its next missing corner, or at its first corner. */
   jump(level: string): void {
     this.#chosen = level;
-    const missing = (this.way === "walls" ? missingWall : missingCorner)(this.reading, level);
-    this.selected = missing ? null : { kind: "corner", level, corner: "superior_left" };
+    const missing = MISSING[this.way](this.reading, level);
+    const corner = cornersOf(this.reading)[0]!;
+    this.selected = missing ? null : { kind: "corner", level, corner };
     this.said = missing ? `next: ${wordsOf(missing)}` : `${level} chosen`;
   }
 
   /** Continues with the iliac crests and skips the optional levels. */
   jumpToCrests(): void {
+    if (this.#recorded.image.is_lateral) return;
+    if (this.way === "pedicles") this.#way = "corners";
     this.#chosen = CRESTS;
     const missing = missingCrest(this.reading);
     this.selected = missing ? null : { kind: "crest", side: "left" };
@@ -456,14 +464,6 @@ export class Marking {
   #moved(landmark: Landmark, by: FilmPoint): Event | null {
     const place = placeOf(this.reading, landmark);
     return place && placing(this.reading, landmark, round([place[0] + by[0], place[1] + by[1]]));
-  }
-
-  #turned(landmark: Landmark & { kind: "axis" }, by: FilmPoint): Event | null {
-    const axis = this.reading.vertebrae.find(({ level }) => level === landmark.level)?.axis;
-    if (!axis) return null;
-    // Right and up rotate clockwise as seen; a whole step rounds to 0.1°.
-    const tenths = Math.round((axis.axis_deg + by[0] - by[1]) * 10);
-    return { kind: "set_axis", level: landmark.level, axis_deg: tenths / 10 };
   }
 
   /** A dragged corner of a proposal accepts the other three corners too. */

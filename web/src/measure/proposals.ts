@@ -7,8 +7,14 @@ import { filmPoint, type FilmPoint } from "./viewport";
 
 export type Proposal = Api<"Proposal">;
 
-/** How vertebrae are marked: by four corners, or by the midpoints of both walls. */
-export type Way = "corners" | "walls";
+/** How vertebrae are marked: by four corners or by the midpoints of both walls; or their pedicles. */
+export type Way = "corners" | "walls" | "pedicles";
+
+export const WAY_WORDS: Record<Way, string> = {
+  corners: "four clicks per vertebra",
+  walls: "two clicks per vertebra",
+  pedicles: "two pedicles per vertebra",
+};
 
 const WAY = "spineline.marking-way";
 
@@ -16,8 +22,12 @@ const WAY = "spineline.marking-way";
 export const lastWay = (): Way => (lasting.get(WAY) === "walls" ? "walls" : "corners");
 
 export function keepWay(way: Way): void {
-  lasting.set(WAY, way);
+  if (way !== "pedicles") lasting.set(WAY, way);
 }
+
+/** Whether vertebrae may be proposed: not where a plan forbids it, nor on the lateral film. */
+export const canPropose = ({ proposals_allowed, image }: ReadingView): boolean =>
+  proposals_allowed && !image.is_lateral;
 
 /** The program's proposal for a level. */
 export function proposalOf(reading: ReadingView, level: string): Proposal | null {

@@ -17,6 +17,7 @@ export function reading(): ReadingView {
       columns: 3000,
       rows: 4000,
       pixel_aspect: 1,
+      is_lateral: false,
       patient_left: "image_left",
       plane: "patient",
       spacing_text: "0.143 mm × 0.143 mm, patient mm",

@@ -2,6 +2,7 @@ import {
   OPTIONAL_LEVELS,
   missingCorner,
   missingCrest,
+  missingPedicle,
   missingWall,
   nextLandmark,
   placeOf,
@@ -17,6 +18,13 @@ export const CRESTS = Symbol("iliac crests");
 /** Out of the guided order: a level, or the crests. */
 export type Chosen = string | typeof CRESTS | null;
 
+/** What a level lacks. */
+export const MISSING: Record<Way, typeof missingCorner> = {
+  corners: missingCorner,
+  walls: missingWall,
+  pedicles: missingPedicle,
+};
+
 /** The next landmark, from the drawn and the recorded reading. */
 export function targetOf(
   reading: ReadingView,
@@ -26,7 +34,8 @@ export function targetOf(
   way: Way,
 ): Landmark | null {
   if (pending.some(({ kind }) => kind === "undo" || kind === "redo")) return null;
-  const missing = way === "walls" ? missingWall : missingCorner;
+  if (way === "pedicles") return pedicleTarget(reading, chosen);
+  const missing = MISSING[way];
   const wanted = chosenTarget(reading, chosen, missing);
   if (wanted) return wanted;
   const next = nextLandmark(recorded, way);
@@ -38,6 +47,19 @@ export function targetOf(
   const sure = rest.filter((level) => !OPTIONAL_LEVELS.includes(level));
   for (const level of sure) {
     const landmark = missing(reading, level);
+    if (landmark) return landmark;
+  }
+  return null;
+}
+
+/** The next pedicle: of the chosen level, or of the vertebrae with four corners in the guided order. */
+function pedicleTarget(reading: ReadingView, chosen: Chosen): Landmark | null {
+  const complete = reading.order.filter((level) =>
+    reading.vertebrae.some((vertebra) => vertebra.level === level && vertebra.complete),
+  );
+  const levels = typeof chosen === "string" ? [chosen, ...complete] : complete;
+  for (const level of levels) {
+    const landmark = missingPedicle(reading, level);
     if (landmark) return landmark;
   }
   return null;

@@ -1,6 +1,6 @@
 import { describe, expect, it } from "vitest";
 
-import { counted, imageSideWord, momentText, postureWord, sideWord, statuses } from "./words";
+import { counted, imageSideWord, momentText, viewWord, sideWord, statuses } from "./words";
 
 describe("words", () => {
   it("distinguish the patient's side from the side of the picture", () => {
@@ -9,7 +9,7 @@ describe("words", () => {
   });
 
   it("name postures", () => {
-    expect(postureWord("left_bending")).toBe("Left bending");
+    expect(viewWord("left_bending")).toBe("Left bending");
   });
 
   it("name every status once", () => {

@@ -18,6 +18,11 @@ const SHORT_POSTURES: Words<Api<"PostureName">> = {
   traction: "Traction",
 };
 
+/** The lateral film comes last. */
+const VIEWS: Words<Api<"FilmViewName">> = { ...POSTURES, lateral: "Lateral" };
+
+const SHORT_VIEWS: Words<Api<"FilmViewName">> = { ...SHORT_POSTURES, lateral: "Lateral" };
+
 const SIDES: Words<Api<"SideName">> = { left: "patient's left", right: "patient's right" };
 
 const IMAGE_SIDES: Words<Api<"ImageSideName">> = {
@@ -62,16 +67,23 @@ const LINES: Words<Api<"LineName">> = {
 /** Postures in the usual order. */
 export const postures = Object.keys(POSTURES) as Api<"PostureName">[];
 
+/** What films show, in the usual order. */
+export const filmViews = Object.keys(VIEWS) as Api<"FilmViewName">[];
+
+/** The posture on a frontal film. */
+export const postureOf = (view: Api<"FilmViewName">): Api<"PostureName"> | null =>
+  view === "lateral" ? null : view;
+
 /** Lines of action in the order in which they are compared. */
 export const lineNames = Object.keys(LINES) as Api<"LineName">[];
 
 /** All statuses in the order of the work on a study. */
 export const statuses = Object.keys(STATUSES) as Api<"StudyStatus">[];
 
-export const postureWord = (posture: Api<"PostureName">): string => POSTURES[posture];
+export const viewWord = (view: Api<"FilmViewName">): string => VIEWS[view];
 
 /** Short form, below a thumbnail. */
-export const shortPostureWord = (posture: Api<"PostureName">): string => SHORT_POSTURES[posture];
+export const shortViewWord = (view: Api<"FilmViewName">): string => SHORT_VIEWS[view];
 
 export const sideWord = (side: Api<"SideName">): string => SIDES[side];
 

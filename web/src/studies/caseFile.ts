@@ -8,7 +8,7 @@ export function picturesOf(text: string): string[] | null {
   }
   if (!isObject(case_) || case_.format !== "spineline-case") return null;
   const films = Array.isArray(case_.films) ? case_.films : [];
-  return films.flatMap((film: unknown) => {
+  return [...films, case_.lateral].flatMap((film: unknown) => {
     const image = isObject(film) ? film.image : null;
     return isObject(image) && typeof image.file === "string" ? [image.file] : [];
   });

@@ -3,6 +3,7 @@ import { describe, expect, it } from "vitest";
 import type { Api } from "../api/types";
 import {
   answersOf,
+  choose,
   contradictions,
   filmOf,
   idTrouble,
@@ -17,7 +18,6 @@ function view(more: Partial<Api<"UploadView">> = {}): Api<"UploadView"> {
     columns: 100,
     rows: 200,
     pixel_aspect: 1,
-    is_lateral: false,
     is_synthetic: false,
     notices: [],
     ...more,
@@ -48,6 +48,7 @@ describe("answers", () => {
       upload: "u1",
       posture: "erect",
       patient_left: "image_right",
+      simultaneous: false,
       scale: { kind: "file" },
       inverted: false,
     });
@@ -112,5 +113,25 @@ describe("an identifier", () => {
     expect(idTrouble("../x", [])).not.toBeNull();
     expect(idTrouble("a".repeat(65), [])).toContain("65");
     expect(idTrouble("S-1", ["S-1"])).toContain("already");
+  });
+});
+
+describe("a lateral film", () => {
+  it("is asked which way the patient faces, and not for the plane of its scale", () => {
+    const file = view({ posture: "erect", patient_left: "image_right", spacing: SPACING });
+    const answers = answersOf(file);
+    choose(answers, file, "lateral");
+    expect(openQuestions(answers, []).map(({ text }) => text)).toEqual([
+      "The file does not say which way the patient faces: choose it.",
+    ]);
+    answers.patient_left = "image_left";
+    answers.simultaneous = true;
+    Object.assign(answers, { scale: "stated", column_mm: 0.2, row_mm: 0.2 });
+    expect(openQuestions(answers, [])).toEqual([]);
+    const scale = { kind: "stated", column_mm: 0.2, row_mm: 0.2, plane: "unknown" };
+    expect(filmOf(answers, file)).toMatchObject({ posture: "lateral", simultaneous: true, scale });
+    choose(answers, file, "neutral");
+    expect(answers.patient_left).toBe("image_right");
+    expect(filmOf({ ...answers, scale: "file" }, file).simultaneous).toBe(false);
   });
 });

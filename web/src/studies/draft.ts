@@ -1,12 +1,15 @@
 import type { Api } from "../api/types";
-import { imageSideWord, postures, postureWord } from "../shell/words";
+import { filmViews, imageSideWord, viewWord } from "../shell/words";
 
 export type ScaleKind = Api<"ScaleChoice">["kind"];
 
 /** Answers about a film; null is not answered. */
 export interface Answers {
-  posture: Api<"PostureName"> | null;
+  posture: Api<"FilmViewName"> | null;
+  /** Of a lateral film, where the patient's front is. */
   patient_left: Api<"ImageSideName"> | null;
+  /** Whether a lateral film was exposed together with the erect one. */
+  simultaneous: boolean;
   scale: ScaleKind | null;
   /** Only with a stated scale. */
   column_mm: number | null;
@@ -15,10 +18,10 @@ export interface Answers {
   inverted: boolean;
 }
 
-/** The only posture whose full name is part of a file name. */
-export function postureInName(name: string): Api<"PostureName"> | null {
+/** The only posture, or the lateral view, whose full name is part of a file name. */
+export function postureInName(name: string): Api<"FilmViewName"> | null {
   const plain = name.toLowerCase().replace(/[^a-z]+/g, "_");
-  const named = postures.filter((posture) => `_${plain}_`.includes(`_${posture}_`));
+  const named = filmViews.filter((posture) => `_${plain}_`.includes(`_${posture}_`));
   return named.length === 1 ? (named[0] ?? null) : null;
 }
 
@@ -27,12 +30,27 @@ export function answersOf(view: Api<"UploadView">, name = ""): Answers {
   return {
     posture: view.posture ?? postureInName(name),
     patient_left: view.patient_left ?? null,
+    simultaneous: false,
     scale: view.spacing ? "file" : null,
     column_mm: null,
     row_mm: null,
     plane: null,
     inverted: false,
   };
+}
+
+/** Another posture or view; where left and front are exchanged by it, the side is taken from the file or asked again. */
+export function choose(
+  answers: Answers,
+  view: Api<"UploadView">,
+  posture: Api<"FilmViewName"> | null,
+): void {
+  const isLateral = posture === "lateral";
+  if (isLateral !== (answers.posture === "lateral")) {
+    const isOfFile = isLateral === (view.posture === "lateral");
+    answers.patient_left = (isOfFile && view.patient_left) || null;
+  }
+  answers.posture = posture;
 }
 
 /** An open question and its field. */
@@ -52,19 +70,22 @@ export function openQuestions(answers: Answers, others: Answers[]): Open[] {
   else if (others.some((other) => other.posture === posture))
     open.push({
       field: "posture",
-      text: `${postureWord(posture)} is chosen for another film too; a study has one film per posture.`,
+      text: `${viewWord(posture)} is chosen for another film too; a study has one film per posture and one lateral film.`,
     });
   if (answers.patient_left === null)
     open.push({
       field: "patient_left",
-      text: "The file does not contain the patient's side: choose it.",
+      text:
+        posture === "lateral"
+          ? "The file does not say which way the patient faces: choose it."
+          : "The file does not contain the patient's side: choose it.",
     });
   if (answers.scale === null)
     open.push({ field: "scale", text: "The file has no spacing: enter it, or choose no scale." });
   if (answers.scale === "stated") {
     if (!isLength(answers.column_mm) || !isLength(answers.row_mm))
       open.push({ field: "scale", text: "Both distances must be above 0 mm." });
-    if (answers.plane === null)
+    if (answers.plane === null && posture !== "lateral")
       open.push({ field: "scale", text: "Choose the plane of these millimetres." });
   }
   return open;
@@ -78,14 +99,18 @@ export function contradictions(answers: Answers, view: Api<"UploadView">): Api<"
     notices.push({
       severity: "warning",
       code: "posture_against_file",
-      text: `The file contains ${postureWord(view.posture).toLowerCase()}; you chose ${postureWord(posture).toLowerCase()}.`,
+      text: `The file contains ${viewWord(view.posture).toLowerCase()}; you chose ${viewWord(posture).toLowerCase()}.`,
     });
-  if (view.patient_left && left && left !== view.patient_left)
+  const isOfFile = (posture === "lateral") === (view.posture === "lateral");
+  if (isOfFile && view.patient_left && left && left !== view.patient_left) {
+    const [what, ends] =
+      posture === "lateral" ? ["front", "Front and back"] : ["left", "Left and right"];
     notices.push({
       severity: "contradiction",
       code: "side_against_file",
-      text: `In the file the patient's left is on the ${imageSideWord(view.patient_left)}; you chose the ${imageSideWord(left)}. Left and right in all results depend on this answer.`,
+      text: `In the file the patient's ${what} is on the ${imageSideWord(view.patient_left)}; you chose the ${imageSideWord(left)}. ${ends} in all results depend on this answer.`,
     });
+  }
   if (view.spacing && answers.scale !== "file")
     notices.push({
       severity: "warning",
@@ -99,11 +124,15 @@ export function contradictions(answers: Answers, view: Api<"UploadView">): Api<"
 export function filmOf(answers: Answers, view: Api<"UploadView">): Api<"NewFilm"> {
   const { posture, patient_left, inverted } = answers;
   if (posture === null || patient_left === null) throw new Error("a film has open questions");
-  return { upload: view.upload, posture, patient_left, scale: scaleOf(answers), inverted };
+  const simultaneous = posture === "lateral" && answers.simultaneous;
+  const { upload } = view;
+  return { upload, posture, patient_left, simultaneous, scale: scaleOf(answers), inverted };
 }
 
-function scaleOf({ scale, column_mm, row_mm, plane }: Answers): Api<"ScaleChoice"> {
+function scaleOf({ posture, scale, column_mm, row_mm, ...rest }: Answers): Api<"ScaleChoice"> {
   if (scale !== "stated") return { kind: scale ?? "pixels" };
+  // The scale of a lateral film is compared with that of the erect film, whatever its plane.
+  const plane = posture === "lateral" ? "unknown" : rest.plane;
   if (column_mm === null || row_mm === null || plane === null)
     throw new Error("a film has open questions");
   return { kind: "stated", column_mm, row_mm, plane };

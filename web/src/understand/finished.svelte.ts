@@ -1,4 +1,4 @@
-import { readFindings, readOverlay } from "../api/studies";
+import { readFindings, readHeights, readOverlay } from "../api/studies";
 import type { Api } from "../api/types";
 
 /** Results of a study's finished readings for one film, shown without an open reading. */
@@ -7,11 +7,12 @@ export class Finished {
 
   async load(study: string, film: number, signal: AbortSignal): Promise<void> {
     this.live = null;
-    const [findings, overlay] = await Promise.all([
+    const [findings, overlay, heights] = await Promise.all([
       readFindings(study, signal),
       // A film without a finished reading has none.
       readOverlay(study, film, signal).catch(() => null),
+      readHeights(study, film, signal).catch(() => []),
     ]);
-    if (!signal.aborted) this.live = { ...findings, overlay };
+    if (!signal.aborted) this.live = { ...findings, overlay, heights };
   }
 }
