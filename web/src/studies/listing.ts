@@ -60,10 +60,12 @@ export function chosen(studies: Study[], choice: Choice): Study[] {
 /** Text on films without a reliable scale; null if there are none. */
 export function scaleTrouble(study: Study): string | null {
   const without = study.films.filter((film) => film.plane === "pixels").length;
-  const unknown = study.films.filter((film) => film.plane === "unknown").length;
+  // The plane of a lateral film does not matter: its scale is found beside the erect film.
+  const frontal = study.films.filter((film) => film.posture !== "lateral");
+  const unknown = frontal.filter((film) => film.plane === "unknown").length;
   const parts = [
     without ? `no scale on ${without} of ${study.films.length}: angles only` : null,
-    unknown ? `scale of an unknown plane on ${unknown} of ${study.films.length}` : null,
+    unknown ? `scale of an unknown plane on ${unknown} of ${frontal.length}` : null,
   ].filter(Boolean);
   return parts.length ? parts.join("; ") : null;
 }
