@@ -114,3 +114,41 @@ fn one_picture_in_two_files_makes_no_study_of_two_postures() {
         }
     }
 }
+
+#[test]
+fn a_study_takes_one_lateral_film_with_the_side_of_the_front() {
+    let app = app();
+    let browser = app.observer("Ann");
+    let postures = [Posture::Erect, Posture::Neutral, Posture::Traction];
+    let uploads: Vec<String> = (0..)
+        .zip(postures)
+        .map(|(grey, posture)| uploaded(&browser, film(posture, grey, Encoding::Plain)).0)
+        .collect();
+    let new = |view: &str, upload: &String| {
+        json!({ "upload": upload, "posture": view, "patient_left": "image_right",
+            "simultaneous": true, "scale": { "kind": "file" } })
+    };
+    let [erect, lateral, second] =
+        [new("erect", &uploads[0]), new("lateral", &uploads[1]), new("lateral", &uploads[2])];
+    let refused = browser.post(
+        "/api/studies",
+        &json!({ "id": "S-1", "label": null, "films": [erect, lateral, second] }),
+    );
+    assert_eq!(refused.status, StatusCode::UNPROCESSABLE_ENTITY);
+    assert!(refused.text().contains("two lateral films"), "{}", refused.text());
+    let made = browser
+        .post("/api/studies", &json!({ "id": "S-1", "label": null, "films": [erect, lateral] }));
+    assert_eq!(made.status, StatusCode::OK, "{}", made.text());
+    let case = browser.get("/api/studies/S-1/case").text();
+    let lateral = spineline_files::parse_case(&case).expect("a case").lateral.expect("its film");
+    assert_eq!((lateral.patient_anterior, lateral.simultaneous), (ImageSide::Right, true));
+    assert!(lateral.spacing.is_some());
+    // It has no posture to correct.
+    let films = made.json()["summary"]["films"].clone();
+    let film = films.as_array().expect("films").iter().find(|film| film["posture"] == "lateral");
+    let number = &film.expect("the lateral film")["film"];
+    let edit =
+        json!({ "expected_revision": 0, "edit": { "kind": "posture", "posture": "neutral" } });
+    let edited = browser.post(&format!("/api/films/{number}/edits"), &edit);
+    assert_eq!(edited.status, StatusCode::UNPROCESSABLE_ENTITY, "{}", edited.text());
+}
