@@ -76,19 +76,22 @@ pub fn parse_image(image: &Value, view: FilmView) -> Result<ImageGeometry, FileE
 /// The `image` of a case's film, of a picture that lies as [`parse_image`] gives it.
 #[must_use]
 pub fn image_value(view: FilmView, image: &ImageGeometry, source: FilmSource) -> Value {
-    let value = match view {
+    match view {
         FilmView::Frontal(_) => {
             let mut record = ImageRecord::of(image);
             record.set_source(source);
-            serde_json::to_value(record)
+            json(record)
         }
         FilmView::Lateral => {
             let mut record = LateralImageRecord::of(image);
             record.set_source(source);
-            serde_json::to_value(record)
+            json(record)
         }
-    };
-    value.expect("string keys only")
+    }
+}
+
+fn json(record: impl Serialize) -> Value {
+    serde_json::to_value(record).expect("string keys only")
 }
 
 /// The `image` of a case's film with other distances between its pixels.

@@ -50,7 +50,7 @@ fn an_analysis_from_the_store_has_the_spine_in_space_of_its_case() {
     let taken = spineline_files::parse_case(&taken.to_string()).expect("a case");
     assert!(taken == case, "films, landmarks and pedicles come back");
     let analysis = running.get(&format!("{study}/exports/analysis"));
-    let vertebrae = analysis["space"]["vertebrae"].as_array().expect("vertebrae");
+    let vertebrae = analysis["space"]["vertebrae"].as_object().expect("vertebrae");
     let marked = case.lateral.as_ref().map(|film| film.readings[0].vertebrae.len());
     assert_eq!(Some(vertebrae.len()), marked);
     let rotations = analysis["axial_rotation"].as_object().expect("rotations");

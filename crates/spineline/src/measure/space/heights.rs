@@ -30,7 +30,7 @@ pub struct HeightLine {
 ///
 /// # Definition
 /// Heights agree by the [`FilmAlignment`] that is estimated from the vertebrae on both films. Of a vertebra on the lateral film the line on
-/// the erect film is a row; the other way it leans by the turn of the lateral film. The deviation is that of the alignment and of
+/// the erect film is a row; the other way it has the turn of the lateral film. The deviation is that of the alignment and of
 /// the midpoint on the film where the vertebra is marked, by the delta method.
 ///
 /// # Assumptions
