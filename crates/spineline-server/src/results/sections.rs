@@ -8,7 +8,7 @@ use crate::access::{open_study, study_result};
 use crate::api::{BlockView, ColumnView, Problem, SectionView};
 use crate::extract::{Json, Path};
 use crate::problem::Answer;
-use crate::result_cache::computed;
+use crate::result_cache::{StudyResult, computed};
 use crate::session::User;
 use crate::state::AppState;
 
@@ -21,15 +21,11 @@ pub async fn lines(
     user: User,
     Path(study): Path<String>,
 ) -> Answer<Json<Vec<SectionView>>> {
-    let study = open_study(&state, &user, &study).await?;
-    let result = study_result(&state, &study).await?;
-    result.analysed()?;
-    let made = computed(move || {
+    of_analysis(&state, &user, &study, |result| {
         let analysis = result.analysed()?;
-        let sections = result.compared().map(|compared| parts::lines(analysis, compared));
-        Ok(sections.unwrap_or_default().into_iter().map(section_view).collect())
-    });
-    made.await?.map(Json)
+        Ok(result.compared().map(|compared| parts::lines(analysis, compared)).unwrap_or_default())
+    })
+    .await
 }
 
 /// The erect and the lateral film together, with every number in 2-D and 3-D, and axial rotations from pedicles; empty without both.
@@ -41,13 +37,20 @@ pub async fn space(
     user: User,
     Path(study): Path<String>,
 ) -> Answer<Json<Vec<SectionView>>> {
-    let study = open_study(&state, &user, &study).await?;
-    let result = study_result(&state, &study).await?;
+    of_analysis(&state, &user, &study, |result| Ok(parts::space(result.analysed()?))).await
+}
+
+/// Parts of the report of a study that has an analysis.
+async fn of_analysis(
+    state: &AppState,
+    user: &User,
+    study: &str,
+    parts: fn(&StudyResult) -> Answer<Vec<Section>>,
+) -> Answer<Json<Vec<SectionView>>> {
+    let study = open_study(state, user, study).await?;
+    let result = study_result(state, &study).await?;
     result.analysed()?;
-    let made = computed(move || {
-        let sections = parts::space(result.analysed()?);
-        Ok(sections.into_iter().map(section_view).collect())
-    });
+    let made = computed(move || Ok(parts(&result)?.into_iter().map(section_view).collect()));
     made.await?.map(Json)
 }
 
