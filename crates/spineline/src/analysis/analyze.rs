@@ -238,7 +238,10 @@ impl Mechanics {
         warnings: &mut Warnings,
     ) -> Self {
         let near = known.and_then(|known| known.loads.as_ref());
-        let preferred_lines = prefer_lines(findings, near, warnings);
+        // Of other readings nothing but the comparison with the inflection line is read.
+        let are_read = known.is_none() || findings.inflections.pair.is_some();
+        let preferred_lines =
+            if are_read { prefer_lines(findings, near, warnings) } else { Vec::new() };
         let models = fit_models(findings, known.map_or(&[][..], |known| known.models), warnings);
         let hypotheses = fit_hypotheses(findings, warnings);
         Self { preferred_lines, models, hypotheses }

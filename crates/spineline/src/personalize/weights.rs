@@ -1,8 +1,9 @@
 //! Weights of rotations: by their noise, and by the joints' random effects.
 
-use nalgebra::{DMatrix, DVector, Dyn, Vector3};
+use nalgebra::{DMatrix, DMatrixView, DVector};
 
 use super::evidence::FilmEvidence;
+use super::random_effects::RandomEffects;
 use crate::spatial::Angle;
 
 /// The inverse of the noise's covariance.
@@ -38,24 +39,24 @@ impl Precision {
             Self::Product { films, joints } => (films, joints),
             Self::Whole { matrix, .. } => return matrix * columns,
         };
-        let mut product = DMatrix::zeros(columns.nrows(), columns.ncols());
-        for (from, mut to) in columns.column_iter().zip(product.column_iter_mut()) {
-            let from = from.reshape_generic(Dyn(joints.nrows()), Dyn(films.nrows()));
-            let weighed = joints * (from * films);
-            to.copy_from_slice(weighed.as_slice());
+        // Of every column and film, one after the other, for all joints at once.
+        let (count, of_one) = (columns.ncols(), joints.nrows());
+        let by_film = DMatrixView::from_slice(columns.as_slice(), of_one, films.nrows() * count);
+        let by_joints = joints * by_film;
+        let mut product = DMatrix::zeros(columns.nrows(), count);
+        let parts = by_joints.as_slice().chunks_exact(columns.nrows());
+        for (from, to) in parts.zip(product.as_mut_slice().chunks_exact_mut(columns.nrows())) {
+            for (to, weights) in to.chunks_exact_mut(of_one).zip(films.column_iter()) {
+                for (from, weight) in from.chunks_exact(of_one).zip(weights.iter()) {
+                    to.iter_mut().zip(from).for_each(|(to, from)| *to += weight * from);
+                }
+            }
         }
         product
     }
 
-    fn joints(&self) -> usize {
-        match self {
-            Self::Product { joints, .. } => joints.nrows(),
-            Self::Whole { joints, .. } => *joints,
-        }
-    }
-
     /// Per pair of joints: the sum over pairs of films of their precision times a rotation of either joint's own part.
-    fn between(&self, [a, b]: [&DMatrix<f64>; 2]) -> DMatrix<f64> {
+    pub fn between(&self, [a, b]: [&DMatrix<f64>; 2]) -> DMatrix<f64> {
         match self {
             Self::Product { films, joints } => (a * (b * films).transpose()).component_mul(joints),
             Self::Whole { matrix, films, joints } => DMatrix::from_fn(*joints, *joints, |j, k| {
@@ -94,100 +95,6 @@ fn whole_covariance(films: &[&FilmEvidence], joints: usize) -> DMatrix<f64> {
     covariance
 }
 
-/// The joints' random effects: what each has of its own on all films, and what neighbours share, beside the noise.
-pub(super) struct RandomEffects {
-    blocks: [EffectBlock; 3],
-    /// Its covariance once the rotations are known.
-    pub covariance: DMatrix<f64>,
-}
-
-/// Effects of one kind.
-struct EffectBlock {
-    /// Rotations per unit of what a joint has: joints by films.
-    rotations: DMatrix<f64>,
-    /// What joints have, by the effects; `None` where every joint has its own.
-    along: Option<DMatrix<f64>>,
-}
-
-impl EffectBlock {
-    fn len(&self) -> usize {
-        self.along.as_ref().map_or(self.rotations.nrows(), DMatrix::ncols)
-    }
-
-    /// Sums over joints, by the effects.
-    fn gathered(&self, by_joints: DMatrix<f64>) -> DMatrix<f64> {
-        match &self.along {
-            Some(along) => along.transpose() * by_joints,
-            None => by_joints,
-        }
-    }
-}
-
-impl RandomEffects {
-    /// Of stiffness by joint, of centres, and of stiffness along the spine, in this order.
-    pub fn new(
-        [stiffness, centres, along]: [DMatrix<f64>; 3],
-        precision: &Precision,
-        variances: Vector3<f64>,
-    ) -> Option<Self> {
-        let trend = Some(random_walk(precision.joints()));
-        let blocks = [
-            EffectBlock { rotations: stiffness, along: None },
-            EffectBlock { rotations: centres, along: None },
-            EffectBlock { rotations: along, along: trend },
-        ];
-        let count = blocks.iter().map(EffectBlock::len).sum();
-        let mut own = Self { blocks, covariance: DMatrix::zeros(count, count) };
-        let mut known = DMatrix::zeros(count, count);
-        for (a, part) in own.blocks.iter().enumerate() {
-            let (row, rows) = own.block(a);
-            for (b, other) in own.blocks.iter().enumerate() {
-                let (column, columns) = own.block(b);
-                let between = precision.between([&part.rotations, &other.rotations]);
-                let by_columns = other.gathered(part.gathered(between).transpose()).transpose();
-                known.view_mut((row, column), (rows, columns)).copy_from(&by_columns);
-            }
-            for i in row..row + rows {
-                known[(i, i)] += 1.0 / variances[a];
-            }
-        }
-        own.covariance = inverse_of(known)?;
-        Some(own)
-    }
-
-    /// First effect of a block, and their number.
-    pub fn block(&self, index: usize) -> (usize, usize) {
-        let first = self.blocks[..index].iter().map(EffectBlock::len).sum();
-        (first, self.blocks[index].len())
-    }
-
-    /// Weighted columns of rotations projected on the effects.
-    fn gather(&self, weighed: &DMatrix<f64>) -> DMatrix<f64> {
-        let mut gathered = DMatrix::zeros(self.covariance.nrows(), weighed.ncols());
-        for (index, block) in self.blocks.iter().enumerate() {
-            let (joints, films) = block.rotations.shape();
-            let by_joints = DMatrix::from_fn(joints, weighed.ncols(), |joint, column| {
-                let of = |a| block.rotations[(joint, a)] * weighed[(a * joints + joint, column)];
-                (0..films).map(of).sum()
-            });
-            let (first, count) = self.block(index);
-            gathered.rows_mut(first, count).copy_from(&block.gathered(by_joints));
-        }
-        gathered
-    }
-}
-
-/// A random walk over the joints with a mean of zero, by its steps; its mean variance is one for steps of one.
-fn random_walk(joints: usize) -> DMatrix<f64> {
-    let mut walk = DMatrix::from_fn(joints, joints - 1, |joint, step| {
-        let after = (joints - 1 - step) as f64 / joints as f64;
-        if joint > step { 1.0 - after } else { -after }
-    });
-    let variance = walk.norm_squared() / joints as f64;
-    walk /= variance.sqrt();
-    walk
-}
-
 /// The normal equations of columns and a residual, weighted by noise and by the random effects.
 pub(super) struct Normal {
     pub matrix: DMatrix<f64>,
@@ -198,19 +105,18 @@ pub(super) struct Normal {
 }
 
 impl Normal {
+    /// Of columns and a residual, each also times the noise's precision.
     pub fn new(
-        columns: &DMatrix<f64>,
-        residual: &DMatrix<f64>,
-        precision: &Precision,
-        own: Option<&RandomEffects>,
+        [columns, by_columns]: [&DMatrix<f64>; 2],
+        [residual, by_residual]: [&DMatrix<f64>; 2],
+        own: Option<&RandomEffects<'_>>,
     ) -> Self {
-        let (by_columns, by_residual) = (precision.times(columns), precision.times(residual));
-        let across = columns.transpose();
-        let (mut matrix, mut right) = (&across * &by_columns, across * &by_residual);
+        let across = by_columns.transpose();
+        let (mut matrix, mut right) = (&across * columns, across * residual);
         let (mut effects_by_columns, mut effects_by_residual) = Default::default();
         if let Some(own) = own {
             // Woodbury's identity.
-            let (columns, residual) = (own.gather(&by_columns), own.gather(&by_residual));
+            let (columns, residual) = (own.gather(by_columns), own.gather(by_residual));
             effects_by_columns = &own.covariance * &columns;
             effects_by_residual = &own.covariance * &residual;
             let across = columns.transpose();
@@ -223,10 +129,19 @@ impl Normal {
 
 /// Inverse of a positive definite matrix, by that of its triangular factor: its product with itself takes fewer steps than
 /// solving by the factor twice.
-fn inverse_of(matrix: DMatrix<f64>) -> Option<DMatrix<f64>> {
+pub(super) fn inverse_of(matrix: DMatrix<f64>) -> Option<DMatrix<f64>> {
     let size = matrix.nrows();
-    let mut inverse = DMatrix::identity(size, size);
-    matrix.cholesky()?.l_dirty().solve_lower_triangular_unchecked_mut(&mut inverse);
+    let factor = matrix.cholesky()?.unpack_dirty();
+    let mut inverse = DMatrix::zeros(size, size);
+    // Above its diagonal a column of the factor's inverse is zero.
+    for (first, column) in inverse.as_mut_slice().chunks_exact_mut(size).enumerate() {
+        column[first] = 1.0;
+        for (row, by) in factor.as_slice().chunks_exact(size).enumerate().skip(first) {
+            let (solved, rest) = column[row..].split_first_mut().expect("a row of the matrix");
+            *solved /= by[row];
+            rest.iter_mut().zip(&by[row + 1..]).for_each(|(left, by)| *left -= *solved * by);
+        }
+    }
     Some(inverse.transpose() * inverse)
 }
 

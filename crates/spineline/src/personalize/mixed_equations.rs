@@ -1,0 +1,398 @@
+//! The equations of the loads of best fit to the rotations, linearised about unknowns (`preferred.rs` has the model).
+
+use std::ops::AddAssign;
+
+use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
+
+use super::MULTIPLIER_BOUNDS;
+use super::acceleration::IterationStep;
+use super::evidence::{FilmEvidence, JointEvidence};
+use super::preferred::PreferredLoads;
+use super::random_effects::{RandomEffects, VARIANCES, Waves};
+use super::weights::{Normal, Precision, inverse_of, scale_columns};
+use crate::clinical::JointShares;
+use crate::multibody::Load;
+use crate::spatial::Frontal;
+
+/// Variances beyond these are none of springs (of `ln`, by joint), of centres (in discs) and of springs along the spine (of `ln`).
+pub(super) const MAX_VARIANCES: Vector3<f64> = Vector3::new(1.0, 4.0, 1.0);
+/// Centres of rotation lie between the middles of the vertebrae.
+const MAX_HIGHER_DISCS: f64 = 3.0;
+/// Deviation of the shared shift of the centres before films are seen: loads and this shift are hard to tell apart.
+const HIGHER_SD_DISCS: f64 = 1.0;
+/// Variances below this part of the most are none.
+const MIN_OF_MAX_VARIANCE: f64 = 1e-9;
+/// How evenly joints turn is not known: anywhere between a hinge, 0, and a rod, 1. Mean and deviation of that.
+const EVENNESS: f64 = 0.5;
+const EVENNESS_SD: f64 = 0.289;
+/// Gamma priors of the deviations, flat but near zero where they vanish: shapes 2, 3/2 and 4, the latter two of centres and of
+/// what changes slowly along the spine, chosen by how often regions hold the true line (`docs/decisions/0024`). Per `ln` of a
+/// variance, half of the shape beyond one.
+const PRIORS: Vector3<f64> = Vector3::new(0.5, 0.25, 1.5);
+/// A longer step of multipliers leaves what the linear theory knows.
+const MAX_LOG_STEP: f64 = 0.5;
+
+/// Rotations of all films below one another, and what is fitted to them.
+pub(super) struct Fit<'a> {
+    films: usize,
+    joints: usize,
+    shares: &'a JointShares,
+    /// Nominal responses to the components of every film's own load.
+    responses: Vec<Vec<[f64; 3]>>,
+    /// By how much they grow per disc that a joint turns higher up the spine.
+    higher: Vec<Vec<[f64; 3]>>,
+    centres_higher_discs: f64,
+    /// By how much they grow from hinges to joints that turn evenly over their length.
+    evener: Vec<Vec<[f64; 3]>>,
+    /// How far joints are from hinges, which is 0, to such ones, which is 1.
+    evenness: f64,
+    rotations: DMatrix<f64>,
+    /// The same times the precision.
+    weighed_rotations: DMatrix<f64>,
+    precision: Precision,
+    waves: &'a Waves,
+    pub loads: DVector<f64>,
+    logs: Vec<f64>,
+    /// By what a joint of one group turns more than with nominal springs.
+    softness_of_group: Vec<f64>,
+    /// The same of every joint: its parts in several groups turn one after the other.
+    softness: Vec<f64>,
+    by_loads: LoadColumns,
+}
+
+/// Rotations by the loads' components at the unknowns of now, in scaled columns.
+#[derive(Default)]
+struct LoadColumns {
+    columns: DMatrix<f64>,
+    scales: DVector<f64>,
+    /// The same columns times the precision.
+    weighed: DMatrix<f64>,
+}
+
+/// The linearised fit at given variances of the random effects.
+pub(super) struct Linearized<'a> {
+    /// By the loads, the free multipliers and the centres, in scaled columns.
+    scales: DVector<f64>,
+    /// Derivative of the likelihood by these.
+    slope: DVector<f64>,
+    /// Their covariance.
+    covariance: DMatrix<f64>,
+    pub own: RandomEffects<'a>,
+    /// Of the restricted likelihood by the variances.
+    score: Vector3<f64>,
+    information: Matrix3<f64>,
+    ways: DMatrix<f64>,
+}
+
+impl Linearized<'_> {
+    /// One scoring step of the variances' logarithms. Their priors keep them off zero, where nothing would be known of them.
+    fn scoring_step(&self, variances: Vector3<f64>) -> Vector3<f64> {
+        const MAX_LOG_SCORING_STEP: f64 = 2.0;
+        let score = variances.component_mul(&self.score) + PRIORS;
+        let scaled = Matrix3::from_diagonal(&variances);
+        // The priors have no curvature in logarithms; this much keeps a step finite where films say nothing.
+        let information = scaled * self.information * scaled + Matrix3::identity() * 0.25;
+        let step = information.try_inverse().map_or(score, |inverse| inverse * score);
+        variances.zip_map(&step, |v, step| {
+            v * step.clamp(-MAX_LOG_SCORING_STEP, MAX_LOG_SCORING_STEP).exp()
+        })
+    }
+}
+
+impl<'a> Fit<'a> {
+    pub fn new(
+        films: &[&FilmEvidence],
+        depth_mm: f64,
+        shares: &'a JointShares,
+        waves: &'a Waves,
+    ) -> Option<Self> {
+        if films.is_empty() {
+            return None;
+        }
+        let joints = shares.0.nrows();
+        let all = films.iter().flat_map(|film| &film.joints).map(|joint| joint.rotation.rad());
+        let rotations = DMatrix::from_iterator(films.len() * joints, 1, all);
+        let precision = Precision::new(films, joints)?;
+        let mut fit = Self {
+            films: films.len(),
+            joints,
+            shares,
+            responses: films
+                .iter()
+                .map(|film| film.responses(&Load::Frontal { depth_mm }))
+                .collect(),
+            higher: shifted(films, |joint| joint.disc_mm),
+            centres_higher_discs: 0.0,
+            evener: shifted(films, |joint| joint.to_evener_mm),
+            evenness: EVENNESS,
+            weighed_rotations: precision.times(&rotations),
+            rotations,
+            precision,
+            waves,
+            loads: DVector::zeros(3 * films.len()),
+            logs: vec![0.0; shares.0.ncols()],
+            softness_of_group: Vec::new(),
+            softness: Vec::new(),
+            by_loads: LoadColumns::default(),
+        };
+        fit.take_unknowns();
+        Some(fit)
+    }
+
+    /// Takes multipliers, centres and evenness from elsewhere.
+    pub fn begin(&mut self, logs: &[f64], centres_higher_discs: f64, evenness: f64) {
+        self.logs.copy_from_slice(logs);
+        (self.centres_higher_discs, self.evenness) = (centres_higher_discs, evenness);
+        self.take_unknowns();
+    }
+
+    /// What follows from multipliers, centres and evenness alone.
+    fn take_unknowns(&mut self) {
+        self.softness_of_group = self.logs.iter().map(|log| (-log).exp()).collect();
+        let softness = |joint: usize| {
+            let shares = self.shares.0.row(joint);
+            shares.iter().zip(&self.softness_of_group).map(|(share, soft)| share * soft).sum()
+        };
+        self.softness = (0..self.joints).map(softness).collect();
+        self.by_loads = self.load_columns();
+    }
+
+    fn load_columns(&self) -> LoadColumns {
+        let mut columns = DMatrix::zeros(self.rotations.len(), 3 * self.films);
+        for joint in 0..self.joints {
+            let softness = self.softness[joint];
+            for film in 0..self.films {
+                let nominal = self.responses[film][joint];
+                let (higher, evener) = (self.higher[film][joint], self.evener[film][joint]);
+                for part in 0..3 {
+                    columns[(film * self.joints + joint, 3 * film + part)] = softness
+                        * (nominal[part]
+                            + self.centres_higher_discs * higher[part]
+                            + self.evenness * evener[part]);
+                }
+            }
+        }
+        let scales = scale_columns(&mut columns);
+        LoadColumns { weighed: self.precision.times(&columns), columns, scales }
+    }
+
+    /// Rotations by the loads of now of all films' joints, with such responses.
+    fn rotations_by(&self, responses: &[Vec<[f64; 3]>]) -> DMatrix<f64> {
+        DMatrix::from_fn(self.joints, self.films, |joint, film| {
+            let load = &self.loads.as_slice()[3 * film..3 * film + 3];
+            let turn = responses[film][joint].iter().zip(load).map(|(by, part)| by * part);
+            self.softness[joint] * turn.sum::<f64>()
+        })
+    }
+
+    /// Directions among the `ln α` that keep their mean and leave those at a bound where they are.
+    fn free_directions(&self) -> DMatrix<f64> {
+        let g = self.logs.len();
+        let limit = MULTIPLIER_BOUNDS[1].ln();
+        let free: Vec<usize> = (0..g).filter(|&i| self.logs[i].abs() < limit).collect();
+        let Some((&last, others)) = free.split_last() else { return DMatrix::zeros(g, 0) };
+        let mut ways = DMatrix::zeros(g, others.len());
+        for (column, &group) in others.iter().enumerate() {
+            (ways[(group, column)], ways[(last, column)]) = (1.0, -1.0);
+        }
+        ways
+    }
+
+    pub fn linearize(&self, variances: Vector3<f64>) -> Option<Linearized<'a>> {
+        let by_loads = &self.by_loads;
+        let ways = self.free_directions();
+        let (rows, loads, others) = (self.rotations.len(), 3 * self.films, ways.ncols() + 2);
+        let predicted = &by_loads.columns * self.loads.component_mul(&by_loads.scales);
+        let higher = self.rotations_by(&self.higher);
+        let evener = self.rotations_by(&self.evener);
+        let softer = DMatrix::from_fn(self.joints, self.logs.len(), |joint, group| {
+            self.shares.0[(joint, group)] * self.softness_of_group[group] / self.softness[joint]
+        }) * &ways;
+        let mut further = DMatrix::from_fn(rows, others, |row, column| match column {
+            way if way < ways.ncols() => -predicted[row] * softer[(row % self.joints, way)],
+            centres if centres == ways.ncols() => higher[row],
+            _ => evener[row],
+        });
+        let scales = DVector::from_iterator(
+            loads + others,
+            by_loads.scales.iter().chain(scale_columns(&mut further).iter()).copied(),
+        );
+        let predicted = DMatrix::from_column_slice(rows, 1, predicted.as_slice());
+        let residual = &self.rotations - &predicted;
+        let weighed_residual = self.precision.times(&residual);
+        let jacobian = beside(&by_loads.columns, &further);
+        let weighed = beside(&by_loads.weighed, &self.precision.times(&further));
+        let by_films = DMatrix::from_column_slice(self.joints, self.films, predicted.as_slice());
+        let own = RandomEffects::new(self.waves, [by_films, higher], &self.precision, variances)?;
+        let mut found =
+            Normal::new([&jacobian, &weighed], [&residual, &weighed_residual], Some(&own));
+        let (last, scale) = (loads + others - 1, scales[loads + others - 1]);
+        found.matrix[(last, last)] += 1.0 / (EVENNESS_SD.powi(2) * scale * scale);
+        found.right[last] += (EVENNESS - self.evenness) / (EVENNESS_SD.powi(2) * scale);
+        let (higher, scale) = (last - 1, scales[last - 1]);
+        found.matrix[(higher, higher)] += 1.0 / (HIGHER_SD_DISCS.powi(2) * scale * scale);
+        found.right[higher] -= self.centres_higher_discs / (HIGHER_SD_DISCS.powi(2) * scale);
+        let covariance = inverse_of(found.matrix)?;
+        let slope = found.right.column(0).into_owned();
+        // The predicted random effects of the joints, and their covariance given the rotations, with the unknowns free.
+        let expected =
+            &found.effects_by_residual - &found.effects_by_columns * (&covariance * &found.right);
+        let unsure = &own.covariance
+            + &found.effects_by_columns * &covariance * found.effects_by_columns.transpose();
+        let (score, information) = own.scoring(&expected, &unsure);
+        Some(Linearized { score, information, slope, scales, covariance, own, ways })
+    }
+
+    /// One scoring step of the variances, and one Gauss-Newton step of multipliers and centres. Alone they converge slowly:
+    /// residuals are large, and scoring knows the expected curvature only.
+    pub fn iterate(&self, at: &Linearized<'_>, variances: Vector3<f64>) -> IterationStep {
+        let step = (&at.covariance * &at.slope).component_div(&at.scales);
+        let mut change = &at.ways * step.rows(3 * self.films, at.ways.ncols());
+        let longest = change.amax();
+        let part = if longest > MAX_LOG_STEP { MAX_LOG_STEP / longest } else { 1.0 };
+        change *= part;
+        let shifts = step.rows(3 * self.films + at.ways.ncols(), 2) * part;
+        let from = self.place(variances);
+        let mut to = from.clone();
+        to.rows_mut(0, VARIANCES).copy_from(&at.scoring_step(variances).map(f64::ln));
+        to.rows_range_mut(VARIANCES..VARIANCES + self.logs.len()).add_assign(&change);
+        to[VARIANCES + self.logs.len()] += shifts[0] / MAX_HIGHER_DISCS;
+        to[VARIANCES + 1 + self.logs.len()] += shifts[1];
+        self.clamp(&mut to);
+        IterationStep { from, to }
+    }
+
+    /// All that is not linear: `ln` of the variances, `ln α`, and of centres how much higher they lie, as a part of the most, and
+    /// how evenly joints turn.
+    pub fn place(&self, variances: Vector3<f64>) -> DVector<f64> {
+        let variances = variances.map(f64::ln);
+        let all = variances.iter().chain(&self.logs).copied();
+        let higher = self.centres_higher_discs / MAX_HIGHER_DISCS;
+        DVector::from_iterator(VARIANCES + 2 + self.logs.len(), all.chain([higher, self.evenness]))
+    }
+
+    /// Whether a multiplier would be put on its bound.
+    pub fn is_bounded(&self, place: &DVector<f64>) -> bool {
+        let limit = MULTIPLIER_BOUNDS[1].ln();
+        place
+            .rows_range(VARIANCES..VARIANCES + self.logs.len())
+            .iter()
+            .any(|log| log.is_nan() || log.abs() > limit)
+    }
+
+    pub fn within(&self, mut place: DVector<f64>) -> DVector<f64> {
+        self.clamp(&mut place);
+        place
+    }
+
+    fn clamp(&self, place: &mut DVector<f64>) {
+        for (i, most) in MAX_VARIANCES.map(f64::ln).iter().enumerate() {
+            place[i] = place[i].clamp(most + MIN_OF_MAX_VARIANCE.ln(), *most);
+        }
+        let limit = MULTIPLIER_BOUNDS[1].ln();
+        for log in place.rows_range_mut(VARIANCES..VARIANCES + self.logs.len()).iter_mut() {
+            *log = log.clamp(-limit, limit);
+        }
+        let higher = &mut place[VARIANCES + self.logs.len()];
+        *higher = higher.clamp(-1.0, 1.0);
+    }
+
+    /// Takes multipliers, centres and evenness of a place, and answers with its variances.
+    pub fn set_unknowns(&mut self, place: &DVector<f64>) -> Vector3<f64> {
+        let groups = self.logs.len();
+        self.logs.copy_from_slice(&place.as_slice()[VARIANCES..VARIANCES + groups]);
+        self.centres_higher_discs = place[VARIANCES + groups] * MAX_HIGHER_DISCS;
+        self.evenness = place[VARIANCES + 1 + groups];
+        self.take_unknowns();
+        Vector3::from_fn(|i, _| place[i].exp())
+    }
+
+    /// The best loads at the multipliers of now, which is linear.
+    pub fn solve_loads(&mut self, own: Option<&RandomEffects<'_>>) -> Option<()> {
+        let by_loads = &self.by_loads;
+        let found = Normal::new(
+            [&by_loads.columns, &by_loads.weighed],
+            [&self.rotations, &self.weighed_rotations],
+            own,
+        );
+        let solved = found.matrix.cholesky()?.solve(&found.right);
+        self.loads = solved.column(0).component_div(&by_loads.scales);
+        Some(())
+    }
+
+    pub fn finish(&self, variances: Vector3<f64>, at: &Linearized<'_>) -> PreferredLoads {
+        let loads = 3 * self.films;
+        let covariance = DMatrix::from_fn(loads, loads, |i, j| {
+            at.covariance[(i, j)] / (at.scales[i] * at.scales[j])
+        });
+        PreferredLoads {
+            components: (0..self.films)
+                .map(|film| [0, 1, 2].map(|part| self.loads[3 * film + part]))
+                .collect(),
+            log_multipliers: self.logs.clone(),
+            centres_higher_discs: self.centres_higher_discs,
+            evenness: self.evenness,
+            joint_log_sd: variances[0].sqrt(),
+            centre_sd_discs: variances[1].sqrt(),
+            trend_log_sd: variances[2].sqrt(),
+            covariance,
+            secant: None,
+        }
+    }
+}
+
+/// A matrix with further columns.
+fn beside(matrix: &DMatrix<f64>, further: &DMatrix<f64>) -> DMatrix<f64> {
+    let all = matrix.iter().chain(further).copied();
+    DMatrix::from_iterator(matrix.nrows(), matrix.ncols() + further.ncols(), all)
+}
+
+/// By how much the responses grow where every joint's centre is shifted.
+fn shifted(
+    films: &[&FilmEvidence],
+    shift_mm: impl Fn(&JointEvidence) -> Frontal,
+) -> Vec<Vec<[f64; 3]>> {
+    let of_joint = |joint: &JointEvidence| {
+        // The moment about a point falls with fz to the left and grows with fy upwards.
+        let shift = shift_mm(joint);
+        let turn_rad_per_nmm = joint.compliance_rad_per_nmm * joint.hinge.x;
+        [shift.z_mm, -shift.y_mm, 0.0].map(|part| part * turn_rad_per_nmm)
+    };
+    films.iter().map(|film| film.joints.iter().map(of_joint).collect()).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::anatomy::{Level, Levels};
+    use crate::spatial::{Angle, Vec3};
+
+    #[test]
+    fn a_shifted_centre_changes_responses_as_a_shifted_centre_does() {
+        // Oracle: the responses with the centre moved; a hinge that is pitched out of the film.
+        let shift = Frontal::new(0.7, -1.3);
+        let joint = JointEvidence {
+            rotation: Angle::ZERO,
+            centre_mm: Vec3::new(5.0, 20.0, 150.0),
+            disc_mm: shift,
+            to_evener_mm: Frontal::default(),
+            hinge: Vec3::new(0.8, 0.0, 0.6),
+            compliance_rad_per_nmm: 1e-5,
+        };
+        let film = |joint| FilmEvidence {
+            joints: vec![joint],
+            tilt_sd: Angle::from_deg(0.5),
+            erect_tilt_sd: Angle::from_deg(0.5),
+            levels: Levels::between(Level::L4, Level::L3).expect("neighbours"),
+            tilt_covariances: None,
+        };
+        let load = Load::Frontal { depth_mm: 0.0 };
+        let before = film(joint).responses(&load)[0];
+        let centre_mm = joint.centre_mm + Vec3::new(0.0, shift.y_mm, shift.z_mm);
+        let after = film(JointEvidence { centre_mm, ..joint }).responses(&load)[0];
+        let predicted = shifted(&[&film(joint)], |joint| joint.disc_mm)[0][0];
+        for part in 0..3 {
+            assert!((after[part] - before[part] - predicted[part]).abs() < 1e-15, "{part}");
+        }
+    }
+}
