@@ -23,14 +23,22 @@ impl Series {
         self.value_and_slope(t_mm)[0]
     }
 
-    /// Value and first derivative.
+    /// Value and first derivative: the sum over the polynomials and its derivative by Clenshaw's recurrence [clenshaw-1955].
     pub(super) fn value_and_slope(&self, t_mm: f64) -> [f64; 2] {
-        let mut sums = [0.0; 2];
-        for_each_basis(self.scale_mm, t_mm, self.coefficients.len(), |k, [value, slope, _]| {
-            sums[0] += self.coefficients[k] * value;
-            sums[1] += self.coefficients[k] * slope;
-        });
-        sums
+        let u = t_mm / self.scale_mm;
+        let x = 2.0 * u - 1.0;
+        let Some((first, others)) = self.coefficients.split_first() else { return [0.0; 2] };
+        // At the orders k + 1 and k + 2.
+        let ([mut sum, mut before], [mut rate, mut rate_before]) = ([0.0; 2], [0.0; 2]);
+        for coefficient in others.iter().rev() {
+            let next_rate = 2.0 * (sum + x * rate) - rate_before;
+            let next = coefficient + (2.0 * x * sum - before);
+            (before, sum) = (sum, next);
+            (rate_before, rate) = (rate, next_rate);
+        }
+        let q = first + (x * sum - before);
+        let dq_by_u = 2.0 * (sum + x * rate - rate_before);
+        [self.scale_mm * u * u * q, u * (2.0 * q + u * dq_by_u)]
     }
 
     /// Value, first and second derivative.
@@ -99,5 +107,19 @@ mod tests {
         let bend = (at(7.0 + h)[1] - at(7.0 - h)[1]) / (2.0 * h);
         assert!((at(7.0)[1] - slope).abs() < 1e-7 && (at(7.0)[2] - bend).abs() < 1e-7);
         assert_eq!(at(0.0)[0], 0.0);
+    }
+
+    #[test]
+    fn clenshaws_sums_are_those_of_the_basis() {
+        // Oracle: the basis functions added one by one.
+        let series = Series::new(300.0, vec![0.3, -0.2, 0.11, 0.07, -0.05, 0.02]);
+        for count in 0..=6 {
+            let series = Series::new(300.0, series.coefficients[..count].to_vec());
+            for t_mm in [0.0, 1.0, 170.0, 299.0, 305.0] {
+                let ([value, slope], jet) = (series.value_and_slope(t_mm), series.jet(t_mm));
+                assert!((value - jet[0]).abs() < 1e-12 * 300.0, "{count} at {t_mm}");
+                assert!((slope - jet[1]).abs() < 1e-12, "{count} at {t_mm}");
+            }
+        }
     }
 }
