@@ -5,7 +5,7 @@ use super::findings::Findings;
 use super::{Analysis, AnalysisOptions, Grouping, PostureAnalysis};
 use crate::action::{Application, LineKind, LineOfAction};
 use crate::anatomy::Posture;
-use crate::evaluate::{Simulation, Target, predict, simulate};
+use crate::evaluate::{NearbyMatch, Simulation, Target, predict, simulate};
 use crate::multibody::{
     ForceSign, JointGroups, Load, MatchStatus, Statics, StiffnessLibrary, coupled_matrix,
 };
@@ -149,7 +149,7 @@ pub(super) fn fit_models(
             films: &Posture::MOVED,
             models: &models,
             estimate: estimate.as_ref(),
-            other: others.iter().find(|model| model.kind == kind).map(|model| &model.fit),
+            other: others.iter().find(|model| model.kind == kind),
         };
         let model = fit_model(findings, kind, task, warnings);
         models.extend(model);
@@ -264,8 +264,8 @@ pub(super) struct FitTask<'a> {
     pub models: &'a [LineModel],
     /// The free loads of these bends.
     pub estimate: Option<&'a EstimatedLoads>,
-    /// The fit to other readings of these bends.
-    pub other: Option<&'a Personalization>,
+    /// The model of other readings of these films.
+    pub other: Option<&'a LineModel>,
 }
 
 /// Fits one line's model to some bends, and predicts films with it.
@@ -293,7 +293,12 @@ pub(super) fn fit_model(
         bends.iter().filter_map(|(p, load)| Some((p.evidence.as_ref()?, *load))).collect();
     // It was made for regional groups.
     let estimate = task.estimate.filter(|_| options.grouping == Grouping::Regional);
-    let known = Known { evidence: &evidence, settings: &settings, estimate, other: task.other };
+    let known = Known {
+        evidence: &evidence,
+        settings: &settings,
+        estimate,
+        other: task.other.map(|model| &model.fit),
+    };
     let fit = personalize_with(findings.spine, findings.library, &groups, &films, &known);
     let logs = &fit.log_multipliers;
     let evaluation = Evaluation {
@@ -304,6 +309,7 @@ pub(super) fn fit_model(
         statics: Statics::new(findings.spine, findings.library, &groups, logs, options.support),
         target: settings.target,
         depth_mm: findings.depth_mm(),
+        other: task.other,
     };
     let postures = evaluation.simulate_all(task, warnings);
     let model = LineModel { kind, groups, fit, postures };
@@ -321,6 +327,7 @@ struct Evaluation<'a> {
     statics: Statics<'a>,
     target: FitTarget,
     depth_mm: f64,
+    other: Option<&'a LineModel>,
 }
 
 impl Evaluation<'_> {
@@ -362,10 +369,15 @@ impl Evaluation<'_> {
             (_, Some(_)) if estimated => Target::Fitted(estimated_n),
             (_, Some(film)) if known => Target::Fitted(self.fit.loads[film][0]),
             (Some(_), Some(_)) => Target::Amplitude,
-            // T2's place alone may fit either sign; the rotations that gave the line gave the sign too. A bend that was left
-            // out is predicted as any other film that was not fitted.
-            _ if estimated => Target::NearestT2(Some(ForceSign::of(estimated_n))),
-            _ => Target::NearestT2(None),
+            // A bend that was left out is predicted as any other film that was not fitted.
+            _ => {
+                // T2's place alone may fit either sign; the rotations that gave the line gave the sign too.
+                let sign = estimated.then(|| ForceSign::of(estimated_n));
+                match self.nearby(posture.outline.posture) {
+                    Some(nearby) => Target::NearestT2By(sign, nearby),
+                    None => Target::NearestT2(sign),
+                }
+            }
         };
         let (load, film, regions) =
             ((line, self.depth_mm), &posture.outline, self.findings.regions);
@@ -380,6 +392,12 @@ impl Evaluation<'_> {
         };
         let contradicted = contradicted(posture, &simulation);
         Some(Simulation { status, contradicted, ..simulation })
+    }
+
+    /// What other readings of a film have found.
+    fn nearby(&self, posture: Posture) -> Option<NearbyMatch> {
+        let other = self.other?;
+        NearbyMatch::of(other.posture(posture)?, other.fit.absolute_scale)
     }
 
     /// The fitted load's line and force on a fitted film; elsewhere the line of best fit to the film's rotations at the fitted

@@ -21,4 +21,6 @@ pub use mobility::published_lateral_bending;
 pub use prediction::predict;
 pub(crate) use prediction::{ScaledPrediction, at_scale_of_top};
 pub use rotation_prior::{PriorSource, RotationPrior, RotationPriorError};
-pub use simulate::{Alternative, ForceChoice, Simulation, Target, location_errors_mm, simulate};
+pub use simulate::{
+    Alternative, ForceChoice, NearbyMatch, Simulation, Target, location_errors_mm, simulate,
+};

@@ -3,7 +3,7 @@ use crate::anatomy::{Level, Posture};
 use crate::clinical::{Regions, ferguson_angle};
 use crate::measure::{FilmScale, Outline};
 use crate::multibody::{
-    ForceMatch, ForceSign, Load, MatchStatus, Statics, amplitude_matches, match_t2,
+    ForceMatch, ForceSign, Load, MatchStatus, Statics, amplitude_matches, match_t2, match_t2_near,
 };
 use crate::personalize::evidence::ContradictedJoint;
 use crate::spatial::{Angle, Frontal};
@@ -17,6 +17,43 @@ pub enum Target {
     Amplitude,
     /// The measured location of T2, as near as it gets, with a force of either sign or of a known one.
     NearestT2(Option<ForceSign>),
+    /// The same, sought first where it was found for other readings of the film.
+    NearestT2By(Option<ForceSign>, NearbyMatch),
+}
+
+/// The force that brings T2 nearest for other readings of the same film, where no other force comes near.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct NearbyMatch {
+    force_n: f64,
+    residual_mm: f64,
+}
+
+impl NearbyMatch {
+    /// T2 stays further away by so much at every other minimum of its distance: more than readings differ by far.
+    const CLEAR_MM: f64 = 20.0;
+
+    /// From a simulation with forces that were multiplied by a scale; `None` where another force might be the result for other readings.
+    pub(crate) fn of(found: &Simulation, absolute_scale: f64) -> Option<Self> {
+        let is_clear = found.is_usable()
+            && found.choice == ForceChoice::SmallestNearT2
+            && found.other_mm > found.residual + Self::CLEAR_MM;
+        is_clear
+            .then(|| Self { force_n: found.force_n / absolute_scale, residual_mm: found.residual })
+    }
+
+    /// The same minimum for these readings; `None` where it is not clearly the same.
+    fn follow(
+        &self,
+        statics: &Statics<'_>,
+        load: &Load,
+        sign: Option<ForceSign>,
+        place: Frontal,
+    ) -> Option<ForceMatch> {
+        let found = match_t2_near(statics, load, self.force_n, place)?;
+        let is_same = found.residual < self.residual_mm + 0.5 * Self::CLEAR_MM
+            && sign.is_none_or(|sign| sign == ForceSign::of(found.force_n));
+        is_same.then_some(found)
+    }
 }
 
 /// Why a force is the one that is shown.
@@ -51,7 +88,7 @@ impl ForceChoice {
         match target {
             Target::Fitted(_) => Self::Fitted,
             _ if !usable => Self::NearestMiss,
-            Target::NearestT2(_) => Self::SmallestNearT2,
+            Target::NearestT2(_) | Target::NearestT2By(..) => Self::SmallestNearT2,
             Target::Amplitude if others == 0 => Self::OnlyOne,
             Target::Amplitude => Self::LeastFergusonError,
         }
@@ -105,6 +142,8 @@ pub struct Simulation {
     pub location_errors_mm: Vec<f64>,
     /// Joints that turn against the moment of this force.
     pub contradicted: Vec<ContradictedJoint>,
+    /// Distance of T2 below which no other minimum along the path of forces lies.
+    pub(crate) other_mm: f64,
 }
 
 impl Simulation {
@@ -189,8 +228,11 @@ pub fn simulate(
             vec![ForceMatch::at(statics, &load, force_n, top.lateral_tilt())]
         }
         Target::Amplitude => amplitude_matches(statics, &load, top.lateral_tilt()),
-        Target::NearestT2(None) => vec![match_t2(statics, &load, &ForceSign::BOTH, top)],
-        Target::NearestT2(Some(sign)) => vec![match_t2(statics, &load, &[sign], top)],
+        Target::NearestT2(sign) => vec![nearest_of_signs(statics, &load, sign, top)],
+        Target::NearestT2By(sign, nearby) => {
+            let followed = nearby.follow(statics, &load, sign, top);
+            vec![followed.unwrap_or_else(|| nearest_of_signs(statics, &load, sign, top))]
+        }
     };
     for found in &mut found {
         let shape = &found.solution.deformed;
@@ -230,6 +272,19 @@ pub fn simulate(
         location_errors_mm: location_errors_mm(&locations, film),
         locations,
         contradicted: Vec::new(),
+        other_mm: found.other_mm,
+    }
+}
+
+fn nearest_of_signs(
+    statics: &Statics<'_>,
+    load: &Load,
+    sign: Option<ForceSign>,
+    place: Frontal,
+) -> ForceMatch {
+    match sign {
+        None => match_t2(statics, load, &ForceSign::BOTH, place),
+        Some(sign) => match_t2(statics, load, &[sign], place),
     }
 }
 

@@ -1,6 +1,6 @@
 use super::nearest::nearest_on_path;
 use super::roots::{Along, Lost, Sample, zeros_between};
-use super::target::{AmplitudeTarget, PathState, SearchTarget};
+use super::target::{AmplitudeTarget, NearestT2Target, PathState, SearchTarget};
 use super::{Load, Parameter, Solution, Statics};
 use crate::spatial::{Angle, Frontal, Vec3};
 
@@ -71,6 +71,9 @@ pub struct ForceMatch {
     pub evaluations: u32,
     /// The shape.
     pub solution: Solution,
+    /// The least residual that another result along the path may have, in mm of T2's distance; infinite where there is none, or
+    /// where none was sought.
+    pub(crate) other_mm: f64,
 }
 
 impl ForceMatch {
@@ -82,7 +85,7 @@ impl ForceMatch {
         let status =
             if solution.converged { MatchStatus::Matched } else { MatchStatus::NotConverged };
         let residual = (solution.deformed.lateral_tilt() - tilt).wrapped().rad();
-        Self { status, force_n, residual, evaluations: 1, solution }
+        Self { status, force_n, residual, evaluations: 1, solution, other_mm: f64::INFINITY }
     }
 
     /// Whether the shape may be shown as a result.
@@ -154,6 +157,17 @@ pub fn match_t2(
     nearest_on_path(LineForce { statics, load }, signs, place)
 }
 
+/// As [`match_t2`], near a force that is the result for another place or shape nearby whose path has no other result that comes
+/// near; `None` where none is found there.
+pub(crate) fn match_t2_near(
+    statics: &Statics<'_>,
+    load: &Load,
+    force_n: f64,
+    place: Frontal,
+) -> Option<ForceMatch> {
+    Path::new(LineForce { statics, load }, NearestT2Target(place)).settle(force_n)
+}
+
 /// Equilibria under a load of one component.
 pub(crate) trait OneComponent {
     /// Equilibrium under an amount of the load, with its derivative by that amount as the only parameter. The shape in `solution`
@@ -195,6 +209,8 @@ pub(super) struct Path<L, S> {
     enough: usize,
     /// The state with the least residual of all.
     nearest: Option<PathState>,
+    /// Where else the path may have a result: between which forces, and its least residual.
+    others: Vec<([f64; 2], f64)>,
     /// No step is longer, since one was too long.
     longest_n: f64,
     converged: bool,
@@ -212,6 +228,7 @@ impl<L: OneComponent, S: SearchTarget> Path<L, S> {
             found: Vec::new(),
             enough: 0,
             nearest: None,
+            others: Vec::new(),
             longest_n: f64::INFINITY,
             converged: true,
         }
@@ -271,7 +288,8 @@ impl<L: OneComponent, S: SearchTarget> Path<L, S> {
 
     fn record(&mut self, status: MatchStatus, force_n: f64, residual: f64) {
         let (evaluations, solution) = (self.evaluations, self.solution.clone());
-        self.found.push(ForceMatch { status, force_n, residual, evaluations, solution });
+        let other_mm = f64::INFINITY;
+        self.found.push(ForceMatch { status, force_n, residual, evaluations, solution, other_mm });
     }
 
     /// Follows the path of one sign until so many zeros were found, or to its end.
@@ -303,6 +321,11 @@ impl<L: OneComponent, S: SearchTarget> Path<L, S> {
             };
             let plausible = self.is_plausible();
             let stops = next.force_n.abs() >= cap_n || !plausible;
+            let between = self.target.least_between(&now, &next);
+            let at_end = (stops && next.falls(sign)).then_some(next.residual);
+            let places = [(now.force_n, between), (next.force_n, at_end)];
+            let places = places.map(|(from_n, least)| Some(([from_n, next.force_n], least?)));
+            self.others.extend(places.into_iter().flatten());
             if next.met {
                 if stops && plausible {
                     self.record(MatchStatus::Matched, next.force_n, next.residual);
@@ -347,6 +370,40 @@ impl<L: OneComponent, S: SearchTarget> Path<L, S> {
             self.seen = [Some(*now), None];
             step_n *= 0.5;
             self.longest_n = step_n;
+        }
+        None
+    }
+
+    /// The least residual that a result elsewhere than at a force may have.
+    pub fn least_elsewhere(&self, force_n: f64) -> f64 {
+        let elsewhere = self
+            .others
+            .iter()
+            .filter(|([from, to], _)| force_n < from.min(*to) || force_n > from.max(*to));
+        elsewhere.map(|(_, least)| *least).fold(f64::INFINITY, f64::min)
+    }
+
+    /// The zero that is reached from a force by steps in which T2 moves little; `None` where they lead elsewhere.
+    pub fn settle(mut self, force_n: f64) -> Option<ForceMatch> {
+        const MAX_ROUNDS: u32 = 15;
+        /// Further away the path may have another zero.
+        const MAX_MOVE_MM: f64 = 15.0;
+        let cap_n = self.load.largest();
+        let mut now = self.at(force_n);
+        for _ in 0..MAX_ROUNDS {
+            let is_sound = self.solution.converged && self.is_plausible();
+            if !is_sound || now.force_n.abs() >= cap_n {
+                return None;
+            }
+            if now.met {
+                self.record(MatchStatus::Matched, now.force_n, now.residual);
+                return self.found.pop();
+            }
+            let step_n = now.newton_step_n(self.seen[1].as_ref());
+            if now.travel_mm(now.force_n + step_n - force_n) > MAX_MOVE_MM || step_n.is_nan() {
+                return None;
+            }
+            now = self.at(now.force_n + step_n);
         }
         None
     }

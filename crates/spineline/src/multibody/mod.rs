@@ -42,7 +42,7 @@ pub use march::{Deformed, Parameter, Solution, Statics};
 pub use matching::{
     ForceMatch, ForceSign, MatchStatus, amplitude_matches, match_amplitude, match_t2,
 };
-pub(crate) use matching::{MAX_FORCE_PER_STIFFNESS, MAX_HINGE_RAD, OneComponent};
+pub(crate) use matching::{MAX_FORCE_PER_STIFFNESS, MAX_HINGE_RAD, OneComponent, match_t2_near};
 pub(crate) use nearest::{
     SeveralComponents, nearest_from_starts, nearest_on_path, starts_of_sizes,
 };

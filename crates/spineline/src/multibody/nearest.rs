@@ -56,7 +56,10 @@ pub(crate) fn nearest_on_path(
     path.found.retain(ForceMatch::is_usable);
     let minima = std::mem::take(&mut path.found);
     let least_mm = path.least_residual();
-    smallest_near_t2(minima, least_mm).unwrap_or_else(|| path.first_or_nearest())
+    match smallest_near_t2(minima, least_mm) {
+        Some(found) => ForceMatch { other_mm: path.least_elsewhere(found.force_n), ..found },
+        None => path.first_or_nearest(),
+    }
 }
 
 /// T2 under a load of several components.

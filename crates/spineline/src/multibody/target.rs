@@ -29,6 +29,11 @@ pub(super) trait SearchTarget {
     fn counts_between(&self, _from: &PathState, _to: &PathState, _nearest: f64) -> bool {
         true
     }
+
+    /// The least residual that a result between two states may have; `None` where there is none, or no lower bound.
+    fn least_between(&self, _from: &PathState, _to: &PathState) -> Option<f64> {
+        None
+    }
 }
 
 /// A lateral tilt of the line L4→T2.
@@ -82,10 +87,20 @@ impl SearchTarget for NearestT2Target {
     /// Where the distance is least between them, not greatest, and may be as small as that.
     fn counts_between(&self, from: &PathState, to: &PathState, nearest: f64) -> bool {
         let step_n = to.force_n - from.force_n;
-        let travel_mm = step_n.abs() * from.rate.max(to.rate).sqrt();
-        let least_mm = 0.5 * (from.residual + to.residual) - travel_mm;
-        from.value * step_n < 0.0 && least_mm <= nearest + T2_TOLERANCE_MM
+        from.value * step_n < 0.0 && lower_bound_mm(from, to) <= nearest + T2_TOLERANCE_MM
     }
+
+    fn least_between(&self, from: &PathState, to: &PathState) -> Option<f64> {
+        let step_n = to.force_n - from.force_n;
+        let has_minimum = from.value * step_n <= 0.0 && to.value * step_n >= 0.0;
+        has_minimum.then(|| lower_bound_mm(from, to))
+    }
+}
+
+/// What T2's distance cannot fall below between two states.
+fn lower_bound_mm(from: &PathState, to: &PathState) -> f64 {
+    let travel_mm = (to.force_n - from.force_n).abs() * from.rate.max(to.rate).sqrt();
+    0.5 * (from.residual + to.residual) - travel_mm
 }
 
 /// One point of the path: a value whose zeros are looked for, its derivative, and the residual to report.
@@ -120,6 +135,16 @@ impl PathState {
             t2: solution.deformed.midpoints_mm[top],
             t2_rate: solution.midpoint_rates[0][top],
         }
+    }
+
+    /// Whether the residual still falls along the path in the direction of a sign.
+    pub fn falls(&self, sign: f64) -> bool {
+        self.value * sign < 0.0
+    }
+
+    /// How far T2 moves when the force grows by so much.
+    pub fn travel_mm(&self, step_n: f64) -> f64 {
+        step_n.abs() * self.t2_rate.norm()
     }
 
     pub fn sample(&self) -> Sample {
