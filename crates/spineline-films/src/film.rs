@@ -7,7 +7,7 @@ use sha2::{Digest, Sha256};
 use spineline::measure::{SpacingEvidence, ViewEvidence};
 
 use super::error::{FilmError, UnsupportedPhotometric};
-use super::{FilmRemark, Look, PatientMarks};
+use super::{ExposureMarks, FilmRemark, Look, PatientMarks};
 
 /// What kind of file a film came from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -116,6 +116,8 @@ pub struct FilmTags {
     pub is_phantom: bool,
     /// For comparison with the patient of another film.
     pub patient: PatientMarks,
+    /// For comparison with the exposure of another film.
+    pub exposure: ExposureMarks,
     /// Identifiers of the film.
     pub uids: FilmUids,
     /// Name of the transfer syntax of a DICOM file.

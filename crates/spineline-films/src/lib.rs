@@ -25,6 +25,7 @@ mod deid;
 mod display;
 mod element;
 mod error;
+mod exposure;
 mod film;
 pub mod intake;
 mod limits;
@@ -50,6 +51,7 @@ pub use display::{Display, ScreenValues};
 pub use error::{
     Codec, CodecFault, ElementFault, FilmError, Lookalike, Measure, Place, UnsupportedPhotometric,
 };
+pub use exposure::{ExposureMarks, Exposures};
 pub use film::{
     FilmFile, FilmKind, FilmTags, FilmUids, Photometric, PresentationShape, StoredPixels,
 };

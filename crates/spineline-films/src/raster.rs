@@ -50,6 +50,7 @@ pub(super) fn read(
         burned_in_annotation: None,
         is_phantom: false,
         patient: super::PatientMarks::default(),
+        exposure: super::ExposureMarks::default(),
         uids: FilmUids::default(),
         transfer_syntax: None,
         bits_stored,

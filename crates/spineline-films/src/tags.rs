@@ -12,7 +12,9 @@ use super::error::FilmError;
 use super::lookup::{Look, look};
 use super::patient::{PatientMarks, other_body_part};
 use super::scan::PIXEL_DATA;
-use super::{Attribute, FilmRemark, FilmTags, FilmUids, Photometric, PresentationShape};
+use super::{
+    Attribute, ExposureMarks, FilmRemark, FilmTags, FilmUids, Photometric, PresentationShape,
+};
 
 const IMAGE_TYPE_LOSSY: Attribute = Attribute(0x0028, 0x2110);
 const SOP_CLASS: Attribute = Attribute(0x0008, 0x0016);
@@ -80,6 +82,7 @@ pub(super) fn read(
         burned_in_annotation: burned_in,
         is_phantom: data.text(QUALITY_CONTROL).as_deref() == Some("YES"),
         patient: PatientMarks::read(data),
+        exposure: ExposureMarks::read(data),
         uids: FilmUids {
             sop_class: uid(data, SOP_CLASS, remarks),
             sop_instance: uid(data, SOP_INSTANCE, remarks),

@@ -85,6 +85,9 @@ impl LandmarkTarget<'_> {
         if self != Self::Csv && landmarks().any(|landmark| landmark.pedicles != [None; 2]) {
             left_out.push("pedicles");
         }
+        if case.lateral.as_ref().is_some_and(|film| !film.readings.is_empty()) {
+            left_out.push("landmarks of the lateral film (`--to lateral-csv` has them)");
+        }
         left_out
     }
 }
@@ -149,6 +152,17 @@ pub fn export_landmarks(
             Ok(files)
         }
     }
+}
+
+/// The landmarks of a case's lateral film as a table, which [`parse_lateral_csv`](super::parse_lateral_csv) reads.
+///
+/// # Errors
+/// [`LandmarkExportError`] for a case without such landmarks, and for what a table cannot hold.
+pub fn export_lateral(case: &Case) -> Result<ExportedFile, LandmarkExportError> {
+    let nothing = || LandmarkExportError::Nothing { what: "lateral film".to_owned() };
+    let film = case.lateral.as_ref().ok_or_else(nothing)?;
+    let bytes = csv::write_lateral(film)?.into_bytes();
+    Ok(ExportedFile { name: "lateral.csv".to_owned(), bytes })
 }
 
 /// The picture of a film by name.

@@ -29,9 +29,9 @@ pub use aasce::{
     picture_names,
 };
 pub use coco::parse_coco;
-pub use csv::{MAX_ROWS, parse_csv};
+pub use csv::{MAX_ROWS, parse_csv, parse_lateral_csv};
 pub use error::{LandmarkError, LandmarkExportError};
-pub use export::{ExportedFile, LandmarkTarget, export_landmarks};
+pub use export::{ExportedFile, LandmarkTarget, export_landmarks, export_lateral};
 pub use film::{
     LandmarkFile, LandmarkFormat, LandmarkHint, LandmarkReadings, MarkedFilm, SlicerFrame,
 };
@@ -49,7 +49,9 @@ Landmark files, detected by their content:
   CSV           one row per vertebra: posture, observer, repeat, vertebra, superior_left_column_px, superior_left_row_px,
                 and so on for superior_right, inferior_left, inferior_right; axis_clockwise_deg if set by hand. A row whose
                 vertebra is iliac_crests has the left and right tip in the superior columns. Commas, or semicolons with
-                decimal commas. At most 100000 rows. Confidences from 0 to 1: superior_left_confidence, and so on.
+                decimal commas. At most 100000 rows. Confidences from 0 to 1: superior_left_confidence, and so on. Pedicles:
+                left_pedicle_column_px, and so on. A table of a lateral film (import --lateral-landmarks) has observer, repeat,
+                vertebra, and superior_anterior_column_px, and so on for superior_posterior and the inferior ones.
   3D Slicer     point lists (.mrk.json) with labels such as T12_superior_left or T12 SL, iliac_crest_left and _right.
                 coordinateSystem, LPS or RAS, has to be there.
   labelme       points with such labels, or polygons of four points labelled T12; `score` is a confidence.

@@ -14,7 +14,7 @@ use spineline_files::{
     parse_case_file, read_text, to_text,
 };
 use spineline_landmarks::{
-    ExportedFile, LandmarkTarget, SourceImage, export_landmarks, read_source,
+    ExportedFile, LandmarkTarget, SourceImage, export_landmarks, export_lateral, read_source,
 };
 
 use crate::options::values::posture;
@@ -38,6 +38,7 @@ Examples:
   spineline export model.json --to vtp --out spine.vtp
   spineline export model.json --to gltf --out spine.gltf
   spineline export CASE.json --to slicer --posture erect --out erect.mrk.json
+  spineline export CASE.json --to lateral-csv --out lateral.csv
   spineline export CASE.json --to labelme --posture erect --out erect.json
   spineline export CASE.json --to coco --out landmarks.json
   spineline export CASE.json --to dicom-sr --out reports
@@ -48,7 +49,7 @@ elements. `vtp` (VTK, for 3D Slicer and ParaView) and `gltf` have the vertebral 
 rotation in degrees, and no joints. VTK is in mm, x left, y posterior, z cranial; glTF in metres, x left, y cranial, z anterior. The comment at the top of each model lists the loads of the films. Masses and damping \
 are nominal.
 
-Landmarks are named by the patient's sides. CSV and COCO hold all films in one file; Slicer gets one file per film; \
+Landmarks are named by the patient's sides. CSV and COCO hold all frontal films in one file; Slicer gets one file per film; \
 labelme and DICOM SR one per reading. labelme and COCO name the picture of a film, or POSTURE.png where the case has a DICOM \
 file or none: `spineline film FILE --png POSTURE.png` writes it. For DICOM SR the case has to name the DICOM file of each film. Reports contain the patient's name and ID from that \
 file. Several files are written into the folder that `--out` names.";
@@ -60,7 +61,7 @@ pub struct ExportArgs {
     file: PathBuf,
     /// Format: `mjcf` for MuJoCo, `osim` for OpenSim 4, `urdf` for Pinocchio, Gazebo, Drake and others;
     /// vertebral bodies as `vtp` for 3D Slicer and ParaView, or `gltf`; of landmarks,
-    /// `csv`, `slicer` for 3D Slicer, `labelme`, `coco` for COCO keypoints, `dicom-sr` for a DICOM report
+    /// `csv`, `lateral-csv` of the lateral film, `slicer` for 3D Slicer, `labelme`, `coco` for COCO keypoints, `dicom-sr` for a DICOM report
     #[arg(long, value_enum, value_name = "FORMAT")]
     to: Target,
     /// File to write (`-`: standard output), or a folder for several files
@@ -87,6 +88,8 @@ enum Target {
 enum LandmarkName {
     /// Landmarks as a table
     Csv,
+    /// Landmarks of the lateral film as a table
+    LateralCsv,
     /// Landmarks as point lists of 3D Slicer
     Slicer,
     /// Landmarks as named points of labelme
@@ -140,10 +143,18 @@ fn landmarks(args: &ExportArgs, name: LandmarkName) -> Result<Ending, Failure> {
     let file = read_case_file(&args.file)?;
     let case = file.clone().into_case().map_err(|error| Failure::file(&args.file, &error))?;
     let place = args.file.display().to_string();
+    if name == LandmarkName::LateralCsv {
+        if args.posture.is_some() {
+            return Err(Failure::usage("--posture is for frontal films only"));
+        }
+        let file =
+            export_lateral(&case).map_err(|error| Failure::input(&place, &error, error.help()))?;
+        return write_landmarks(args, &case, &[file]);
+    }
     let (sources, curves, written);
     let pictures = pictures(&file, &case);
     let target = match name {
-        LandmarkName::Csv => LandmarkTarget::Csv,
+        LandmarkName::Csv | LandmarkName::LateralCsv => LandmarkTarget::Csv,
         LandmarkName::Slicer => LandmarkTarget::Slicer,
         LandmarkName::Labelme => LandmarkTarget::Labelme { pictures: &pictures },
         LandmarkName::Coco => LandmarkTarget::Coco { pictures: &pictures },

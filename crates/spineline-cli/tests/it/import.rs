@@ -48,7 +48,7 @@ impl Here {
 }
 
 /// A film of a patient with a name, frontal, its columns running to the patient's left.
-fn film(number: u16) -> Maker {
+pub fn film(number: u16) -> Maker {
     let mut maker = Maker::new(60, 40 + number, &ramp(60, 40 + number));
     maker.text((0x10, 0x10), "PN", CANARY).text((0x10, 0x20), "LO", CANARY);
     maker.text((0x08, 0x103E), "LO", CANARY).text((0x20, 0x20), "CS", "L\\F");
@@ -57,7 +57,7 @@ fn film(number: u16) -> Maker {
     maker
 }
 
-fn put(here: &Here, name: &str, maker: &Maker) {
+pub fn put(here: &Here, name: &str, maker: &Maker) {
     fs::write(here.path(name), maker.file(EXPLICIT)).expect("a file");
 }
 

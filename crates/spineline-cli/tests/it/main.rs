@@ -29,6 +29,7 @@ mod serve;
 mod signals;
 mod simulate;
 mod simulate_replicates;
+mod space;
 mod streams;
 mod study;
 mod tables;

@@ -4,14 +4,46 @@ use csv::ByteRecord;
 use spineline_files::nearest;
 
 use super::{
-    AXIS, CONFIDENCES, CORNERS, OBSERVER, ORIGINS, PEDICLES, PLACED, POSTURE, REPEAT, SD_SHARE,
-    VERTEBRA, WALLS,
+    AXIS, CONFIDENCES, CORNERS, LATERAL_CORNERS, OBSERVER, ORIGINS, PEDICLES, PLACED, POSTURE,
+    REPEAT, SD_SHARE, VERTEBRA, WALLS,
 };
 use crate::LandmarkError;
 use crate::names::shown;
 
+/// What a table is of.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum View {
+    Frontal,
+    Lateral,
+}
+
+impl View {
+    /// Column and row of each corner.
+    pub const fn corners(self) -> [&'static str; 8] {
+        match self {
+            Self::Frontal => CORNERS,
+            Self::Lateral => LATERAL_CORNERS,
+        }
+    }
+
+    /// Every column that such a table may have.
+    fn columns(self) -> Vec<&'static str> {
+        let mut all = vec![OBSERVER, REPEAT, VERTEBRA];
+        all.extend(self.corners());
+        if self == Self::Frontal {
+            all.extend([POSTURE, AXIS, SD_SHARE]);
+            all.extend(PLACED);
+            for four in [CONFIDENCES, ORIGINS, WALLS, PEDICLES] {
+                all.extend(four);
+            }
+        }
+        all
+    }
+}
+
 /// Where the columns stand.
 pub(super) struct Columns {
+    pub view: View,
     pub count: usize,
     pub vertebra: usize,
     pub posture: Option<usize>,
@@ -32,8 +64,8 @@ pub(super) enum Values {
 }
 
 impl Columns {
-    pub fn of(heading: &ByteRecord) -> Result<Self, LandmarkError> {
-        let places = places(heading)?;
+    pub fn of(heading: &ByteRecord, view: View) -> Result<Self, LandmarkError> {
+        let places = places(heading, view)?;
         let get = |name: &str| places.get(name).copied();
         let need = |name: &'static str| {
             get(name).ok_or_else(|| LandmarkError::Missing {
@@ -59,7 +91,7 @@ impl Columns {
             Values::Placements([need(left)?, need(cranial)?, need(tilt)?])
         } else {
             let mut corners = [0; 8];
-            for (place, name) in corners.iter_mut().zip(CORNERS) {
+            for (place, name) in corners.iter_mut().zip(view.corners()) {
                 *place = need(name)?;
             }
             Values::Corners(corners)
@@ -75,6 +107,7 @@ impl Columns {
             Ok(Some(columns))
         };
         Ok(Self {
+            view,
             count: heading.len(),
             vertebra: need(VERTEBRA)?,
             posture: get(POSTURE),
@@ -92,16 +125,11 @@ impl Columns {
 }
 
 /// Where every column of a heading is.
-fn places(heading: &ByteRecord) -> Result<BTreeMap<&'static str, usize>, LandmarkError> {
-    let known: Vec<&'static str> = [POSTURE, OBSERVER, REPEAT, VERTEBRA, AXIS, SD_SHARE]
-        .into_iter()
-        .chain(CORNERS)
-        .chain(PLACED)
-        .chain(CONFIDENCES)
-        .chain(ORIGINS)
-        .chain(WALLS)
-        .chain(PEDICLES)
-        .collect();
+fn places(
+    heading: &ByteRecord,
+    view: View,
+) -> Result<BTreeMap<&'static str, usize>, LandmarkError> {
+    let known = view.columns();
     let mut places = BTreeMap::new();
     for (place, cell) in heading.iter().enumerate() {
         let at = || format!("line 1, column {}", place + 1);

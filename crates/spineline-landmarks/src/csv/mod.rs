@@ -10,14 +10,19 @@
 //! `corner_sd_share`. The centres of the pedicles stand in `left_pedicle_column_px` and so on. A film that another program measured has `location_left_mm`, `location_cranial_mm` and `tilt_right_deg` in place of
 //! corners.
 //!
+//! A table of a lateral film has `vertebra`, `observer`, `repeat`, and its corners in `superior_anterior_column_px` and so on; nothing else.
+//!
 //! # Separators
 //! The heading decides: commas, semicolons or tabs, and only one of them. Beside commas the decimal mark is a point. Beside
 //! semicolons and tabs it may be a comma or a point, but the same one in the whole file, and nothing separates thousands.
 
 mod columns;
+mod lateral;
 mod read;
 mod write;
 
+pub use lateral::parse_lateral_csv;
+pub(super) use lateral::write as write_lateral;
 pub(super) use read::looks_like_csv;
 pub use read::parse_csv;
 pub(super) use write::write;
@@ -42,6 +47,18 @@ pub(super) const CORNERS: [&str; 8] = [
     "inferior_left_row_px",
     "inferior_right_column_px",
     "inferior_right_row_px",
+];
+
+/// The same on a lateral film, with the front in place of the left.
+pub(super) const LATERAL_CORNERS: [&str; 8] = [
+    "superior_anterior_column_px",
+    "superior_anterior_row_px",
+    "superior_posterior_column_px",
+    "superior_posterior_row_px",
+    "inferior_anterior_column_px",
+    "inferior_anterior_row_px",
+    "inferior_posterior_column_px",
+    "inferior_posterior_row_px",
 ];
 
 /// Confidence of each corner, in the same order.

@@ -8,7 +8,7 @@ use spineline::measure::{
 use spineline::spatial::{Angle, Frontal, Pixel};
 use spineline_files::nearest;
 
-use super::columns::{Columns, Values};
+use super::columns::{Columns, Values, View};
 use super::{
     AXIS, CONFIDENCES, CORNERS, CRESTS, MAX_ROWS, OBSERVER, ORIGINS, PEDICLES, PLACED, POSTURE,
     REPEAT, SD_SHARE, VERTEBRA, WALLS, starts_formula,
@@ -25,6 +25,15 @@ use crate::{
 /// [`LandmarkError`], which names line and column. A row too many or too few, a cell that is no number, an unknown column
 /// and a vertebra given twice are errors.
 pub fn parse_csv(bytes: &[u8], hint: &LandmarkHint) -> Result<LandmarkFile, LandmarkError> {
+    parse(bytes, hint, View::Frontal)
+}
+
+/// Reads a table of frontal films, or of a lateral one with the front in place of the left.
+pub(super) fn parse(
+    bytes: &[u8],
+    hint: &LandmarkHint,
+    view: View,
+) -> Result<LandmarkFile, LandmarkError> {
     let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
     let separator = separator(first_line(bytes))?;
     let mut reader = ReaderBuilder::new()
@@ -35,7 +44,7 @@ pub fn parse_csv(bytes: &[u8], hint: &LandmarkHint) -> Result<LandmarkFile, Land
         .from_reader(bytes);
     let mut record = ByteRecord::new();
     read(&mut reader, &mut record)?;
-    let columns = Columns::of(&record)?;
+    let columns = Columns::of(&record, view)?;
     let mut table = Table {
         columns,
         hint,
@@ -119,7 +128,7 @@ impl Table<'_> {
         }
         let posture = self.posture(record, line)?;
         let vertebra = text(record, self.columns.vertebra, line, VERTEBRA)?;
-        if vertebra == CRESTS {
+        if vertebra == CRESTS && self.columns.view == View::Frontal {
             return self.crests(record, line, posture);
         }
         let at = place(line, VERTEBRA);
@@ -278,8 +287,9 @@ impl Table<'_> {
         columns: [usize; 8],
     ) -> Result<[Pixel; 4], LandmarkError> {
         let mut values = [0.0; 8];
+        let names = self.columns.view.corners();
         for i in 0..8 {
-            values[i] = self.number(record, columns[i], line, CORNERS[i])?;
+            values[i] = self.number(record, columns[i], line, names[i])?;
         }
         let at = format!("line {line}");
         let point = |i: usize| pixel(values[2 * i], values[2 * i + 1], &at);

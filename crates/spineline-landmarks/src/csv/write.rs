@@ -118,7 +118,8 @@ fn add_film(
             }
             for reading in readings {
                 for (level, landmark) in &reading.vertebrae {
-                    let mut row = start(posture, reading, level.name())?;
+                    let mut row = vec![posture.to_owned()];
+                    row.extend(start(reading, level.name())?);
                     row.extend(cells(landmark.corners.points()));
                     let axis = landmark.axis_clockwise;
                     // As in case files: steps of 0.1° without the rounding of radians.
@@ -133,7 +134,8 @@ fn add_film(
         FilmLandmarks::Placements { readings, .. } => {
             for reading in readings {
                 for (level, placed) in &reading.vertebrae {
-                    let mut row = start(posture, reading, level.name())?;
+                    let mut row = vec![posture.to_owned()];
+                    row.extend(start(reading, level.name())?);
                     let location = placed.location;
                     row.extend(
                         [location.y_mm, location.z_mm, placed.tilt.deg()].map(|v| v.to_string()),
@@ -146,11 +148,11 @@ fn add_film(
     Ok(())
 }
 
-fn start<T>(
-    posture: &str,
+/// Observer, repeat and vertebra of a row.
+pub(super) fn start<T>(
     reading: &Reading<T>,
     level: &str,
-) -> Result<Vec<String>, LandmarkExportError> {
+) -> Result<[String; 3], LandmarkExportError> {
     let name = &reading.id.observer;
     if name.chars().any(char::is_control) {
         let reason = "it holds control characters";
@@ -165,9 +167,9 @@ fn start<T>(
     }
     // A spreadsheet runs what begins like a formula.
     let observer = if guarded(name) { format!("'{name}") } else { name.clone() };
-    Ok(vec![posture.to_owned(), observer, reading.id.repeat.to_string(), level.to_owned()])
+    Ok([observer, reading.id.repeat.to_string(), level.to_owned()])
 }
 
-fn cells<const N: usize>(points: [Pixel; N]) -> impl Iterator<Item = String> {
+pub(super) fn cells<const N: usize>(points: [Pixel; N]) -> impl Iterator<Item = String> {
     points.into_iter().flat_map(|point| [point.column_px, point.row_px]).map(|v| v.to_string())
 }

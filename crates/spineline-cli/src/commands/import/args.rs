@@ -61,6 +61,10 @@ pub struct ImportArgs {
     /// Side of the lateral picture with the patient's front
     #[arg(long, value_parser = choice::<ImageSide>(), value_name = "SIDE")]
     pub patient_anterior: Option<ImageSide>,
+    /// Whether the erect and the lateral film were exposed together, as biplanar scanners do, where the files do not state it
+    /// or are wrong: then no turn of the lateral film is estimated, and no scale where both have a spacing
+    #[arg(long, value_name = "YES|NO", value_parser = yes_or_no, requires = "lateral")]
+    pub simultaneous: Option<bool>,
     /// Pixel spacing of columns and rows in mm and its plane, where the file has none or is wrong, as in
     /// 0.143,0.143,patient or erect=0.1,0.2,detector; may be repeated
     #[arg(long, value_name = "[POSTURE=]COLUMN,ROW,PLANE", value_parser = spacing_of_film)]
@@ -76,9 +80,12 @@ pub struct ImportArgs {
     /// lists the formats
     #[arg(long, value_name = "[POSTURE=]FILE", value_parser = landmarks)]
     pub landmarks: Vec<OfFilm<PathBuf>>,
+    /// Table (CSV) of landmarks on the lateral film, as `export --to lateral-csv` writes it; may be repeated. `--help` has its columns
+    #[arg(long, value_name = "FILE", requires = "lateral")]
+    pub lateral_landmarks: Vec<PathBuf>,
     /// Read the paths as folders of AASCE landmarks (filenames.csv, landmarks.csv): check every row, and write a case for
     /// each row without faults
-    #[arg(long, conflicts_with_all = ["film", "lateral", "landmarks", "case_id"])]
+    #[arg(long, conflicts_with_all = ["film", "lateral", "simultaneous", "landmarks", "case_id"])]
     pub aasce: bool,
     /// Read the paths as files of midlines from surface topography, and write a case without pictures; its levels are placed by
     /// arc length and marked as estimated
@@ -211,6 +218,14 @@ fn case_id(text: &str) -> Result<String, String> {
         Ok(text.to_owned())
     } else {
         Err("expected 1 to 64 letters, digits, `-` and `_`".to_owned())
+    }
+}
+
+fn yes_or_no(text: &str) -> Result<bool, String> {
+    match text {
+        "yes" => Ok(true),
+        "no" => Ok(false),
+        other => Err(format!("`{other}` is neither `yes` nor `no`")),
     }
 }
 

@@ -7,8 +7,14 @@ use std::path::Path;
 use spineline::analysis::check_repeated;
 use spineline::anatomy::Posture;
 use spineline::error::Error;
-use spineline::measure::{Film, FilmLandmarks, ImageGeometry, PlacementSource, judge_landmarks};
-use spineline_landmarks::{LandmarkError, LandmarkHint, read_landmarks};
+use spineline::measure::{
+    Film, FilmLandmarks, ImageGeometry, LateralCorners, LateralFilm, PlacementSource, Reading,
+    judge_landmarks,
+};
+use spineline::warning::Warnings;
+use spineline_landmarks::{
+    LandmarkError, LandmarkHint, parse_lateral_csv, read_file, read_landmarks,
+};
 
 use super::args::ImportArgs;
 use super::resolve::ResolvedFilm;
@@ -26,6 +32,18 @@ impl ResolvedFilm {
             rows: self.rows,
             spacing: self.spacing,
             patient_left: self.side,
+        }
+    }
+
+    /// The lateral film with these readings.
+    pub const fn lateral(&self, readings: Vec<Reading<LateralCorners>>) -> LateralFilm {
+        LateralFilm {
+            columns: self.columns,
+            rows: self.rows,
+            spacing: self.spacing,
+            patient_anterior: self.side,
+            simultaneous: self.simultaneous,
+            readings,
         }
     }
 }
@@ -113,6 +131,29 @@ pub fn read_onto(args: &ImportArgs, films: &[ResolvedFilm]) -> Result<LandmarksB
         ))),
         None => Ok(landmarks),
     }
+}
+
+/// Reads every table of landmarks on the lateral film, and checks them there.
+pub fn read_lateral(
+    args: &ImportArgs,
+    film: &ResolvedFilm,
+) -> Result<Vec<Reading<LateralCorners>>, Failure> {
+    let mut readings: Vec<Reading<LateralCorners>> = Vec::new();
+    for path in &args.lateral_landmarks {
+        let found = read_file(path)
+            .and_then(|bytes| parse_lateral_csv(&bytes, &LandmarkHint::default()))
+            .map_err(|error| Failure::landmarks(path, &error))?;
+        readings.extend(found);
+        let mut warnings = Warnings::default();
+        let marked = film.lateral(readings.clone());
+        marked
+            .measure(&mut warnings)
+            .map_err(|error| Failure::input(&path.display().to_string(), &error, error.help()))?;
+        for warning in warnings.all() {
+            say(&format!("note: {}: lateral film: {}\n", path.display(), warning.text()));
+        }
+    }
+    Ok(readings)
 }
 
 /// What is known before a file is read: one that is for one film may need that film's picture.

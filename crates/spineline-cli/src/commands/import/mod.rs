@@ -4,6 +4,7 @@ mod aasce;
 mod args;
 mod candidates;
 mod dialogue;
+mod exposure;
 mod landmarks;
 mod midlines;
 mod resolve;
@@ -19,6 +20,7 @@ use spineline_films::{FilmDoubt, Stated, film_doubts};
 use candidates::{Candidates, Seen};
 use resolve::{Question, ResolvedFilm, check_films, resolve, same_identifier};
 use role::Role;
+use write::Marks;
 
 use crate::run::failure::{Ending, Failure};
 use crate::run::messages::say;
@@ -59,9 +61,17 @@ pub fn run(args: &ImportArgs) -> Result<Ending, Failure> {
     if let Some(first) = films.first_mut() {
         first.notes.extend(same_identifier(&seen));
     }
+    exposure::decide(args, &seen, &mut films)?;
     let landmarks = landmarks::read_onto(args, &films)?;
-    write::write(args, folder, case_id, &candidates, &films, &landmarks)?;
-    print(&text::outcome(&films, folder, landmarks.len()))
+    let lateral = match films.iter().find(|film| film.role == Role::Lateral) {
+        Some(film) => Some(film.lateral(landmarks::read_lateral(args, film)?)),
+        None => None,
+    };
+    let marked = landmarks.len()
+        + usize::from(lateral.as_ref().is_some_and(|film| !film.readings.is_empty()));
+    let marks = Marks { frontal: landmarks, lateral };
+    write::write(args, folder, case_id, &candidates, &films, &marks)?;
+    print(&text::outcome(&films, folder, marked))
 }
 
 /// The films that the command line chooses.

@@ -22,6 +22,8 @@ pub struct ResolvedFilm {
     /// Patient's left of a frontal film, the patient's front of the lateral one.
     pub side: ImageSide,
     pub inverted: bool,
+    /// Of the lateral film, whether it was exposed together with the erect one.
+    pub simultaneous: bool,
     /// Whether its file says that it is a phantom's.
     pub is_phantom: bool,
     /// SHA-256 of the file that was looked at.
@@ -137,6 +139,7 @@ pub fn resolve(
         spacing,
         side,
         inverted,
+        simultaneous: false,
         is_phantom,
         source,
         notes,

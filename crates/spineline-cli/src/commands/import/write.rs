@@ -22,6 +22,13 @@ use crate::run::messages::say;
 use crate::run::outputs::{Outputs, OverwriteArgs};
 use crate::run::provenance::generator;
 
+/// What is marked on the films of a case.
+pub struct Marks {
+    pub frontal: LandmarksByPosture,
+    /// The lateral film, where there is one, with its readings.
+    pub lateral: Option<LateralFilm>,
+}
+
 /// What was removed from a film, and remarks on it.
 #[derive(Serialize)]
 struct FilmReport {
@@ -96,7 +103,7 @@ pub fn write(
     case_id: &str,
     candidates: &Candidates,
     films: &[ResolvedFilm],
-    landmarks: &LandmarksByPosture,
+    marks: &Marks,
 ) -> Result<(), Failure> {
     // Films and landmarks are never overwritten: `check_free` found the folder without them.
     let outputs = Outputs::new(OverwriteArgs { overwrite: false }, []);
@@ -110,7 +117,7 @@ pub fn write(
         sources.push((film.role, source));
         reports.push(report);
     }
-    let mut case = CaseFile::from_case(&case(case_id, films, landmarks));
+    let mut case = CaseFile::from_case(&case(case_id, films, marks));
     for (role, source) in sources {
         case = match role {
             Role::Frontal(posture) => case.with_source(posture, source),
@@ -184,7 +191,7 @@ const fn extension(kind: FilmKind) -> &'static str {
 }
 
 /// The case: pictures, sides and scales, with imported landmarks.
-fn case(case_id: &str, films: &[ResolvedFilm], landmarks: &LandmarksByPosture) -> Case {
+fn case(case_id: &str, films: &[ResolvedFilm], marks: &Marks) -> Case {
     let frontal = films.iter().filter_map(|film| {
         let posture = film.role.posture()?;
         let unmarked = || FilmLandmarks::Corners {
@@ -192,23 +199,18 @@ fn case(case_id: &str, films: &[ResolvedFilm], landmarks: &LandmarksByPosture) -
             iliac_crests: None,
             readings: Vec::new(),
         };
-        Some(Film { posture, landmarks: landmarks.get(&posture).cloned().unwrap_or_else(unmarked) })
+        Some(Film {
+            posture,
+            landmarks: marks.frontal.get(&posture).cloned().unwrap_or_else(unmarked),
+        })
     });
-    let lateral = films.iter().find(|film| film.role == Role::Lateral);
     Case {
         id: case_id.to_owned(),
         // One film of a patient makes the case a patient's.
         synthetic: films.iter().all(|film| film.is_phantom),
         subject: Subject::default(),
         films: frontal.collect(),
-        lateral: lateral.map(|film| LateralFilm {
-            columns: film.columns,
-            rows: film.rows,
-            spacing: film.spacing,
-            patient_anterior: film.side,
-            simultaneous: false,
-            readings: Vec::new(),
-        }),
+        lateral: marks.lateral.clone(),
     }
 }
 

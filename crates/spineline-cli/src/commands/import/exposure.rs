@@ -1,0 +1,58 @@
+//! Whether the lateral film was exposed together with the erect one: by its file, or as said.
+
+use spineline::anatomy::Posture;
+use spineline_films::Exposures;
+
+use super::args::ImportArgs;
+use super::candidates::Seen;
+use super::resolve::ResolvedFilm;
+use super::role::Role;
+use crate::run::failure::Failure;
+
+/// Sets what is known of the exposures on the lateral film, with a note on where it comes from and what was assumed.
+pub fn decide(
+    args: &ImportArgs,
+    seen: &[(Role, usize, &Seen)],
+    films: &mut [ResolvedFilm],
+) -> Result<(), Failure> {
+    let Some(lateral) = films.iter_mut().find(|film| film.role == Role::Lateral) else {
+        return Ok(());
+    };
+    let marks = |wanted: Role| {
+        let found = seen.iter().find(|(role, _, _)| *role == wanted)?;
+        Some(found.2.tags.exposure)
+    };
+    let pair = marks(Role::Frontal(Posture::Erect)).zip(marks(Role::Lateral));
+    let stated = pair.map_or(Exposures::NotStated, |(erect, lateral)| erect.with(&lateral));
+    let (simultaneous, note) = match (args.simultaneous, stated.together()) {
+        (Some(said), Some(by_file)) if said != by_file => {
+            let text = format!(
+                "{stated}, so they were {}exposed together, but --simultaneous says the opposite",
+                if by_file { "" } else { "not " }
+            );
+            if !args.accept {
+                return Err(Failure::usage(format!(
+                    "lateral film: {text}\n    leave out --simultaneous, or --accept if you are sure"
+                )));
+            }
+            (said, Some(format!("{text}; accepted by --accept")))
+        }
+        (Some(said), _) => (said, None),
+        (None, Some(true)) => {
+            let text = format!(
+                "{stated}: taken as exposed together with the erect film, with one vertical and one scale; --simultaneous no if that is wrong"
+            );
+            (true, Some(text))
+        }
+        (None, Some(false)) => (false, None),
+        (None, None) => {
+            let text = format!(
+                "{stated}: taken as not exposed together with the erect film, so that its scale and turn are estimated from the heights of the vertebrae; for films of a biplanar scanner give --simultaneous yes"
+            );
+            (false, Some(text))
+        }
+    };
+    lateral.simultaneous = simultaneous;
+    lateral.notes.extend(note);
+    Ok(())
+}

@@ -1,0 +1,314 @@
+//! The third dimension from end to end: landmark files of a synthetic patient with a lateral film and pedicles → case → analysis, tables,
+//! report and exported models.
+
+use std::fs;
+use std::path::Path;
+
+use serde_json::Value;
+use spineline::analysis::Case;
+use spineline::anatomy::{ImageSide, Level, Posture};
+use spineline::measure::{FilmLandmarks, Spacing};
+use spineline::multibody::{StiffnessLibrary, Support};
+use spineline::spatial::{Angle, Pixel};
+use spineline_files::{CaseFile, to_text};
+use spineline_phantom::{
+    BentPhantom, SpaceBending, SpaceSetup, generate_bends_in_space, generate_in_space,
+};
+
+use crate::import::{Here, film, put};
+use crate::maker::Maker;
+use crate::program::{done, folder, json, refused, run, succeeded};
+
+/// Pixels of the phantom for one of a picture here.
+const COARSER: u32 = 10;
+
+/// The phantom with an erect film, both bends, a lateral film and pedicles.
+fn phantom() -> BentPhantom {
+    let setup = SpaceSetup {
+        apical_rotation: Angle::from_deg(15.0),
+        pedicles: true,
+        ..SpaceSetup::default()
+    };
+    let bending = SpaceBending { support: Support::Frontal, library: StiffnessLibrary::default() };
+    generate_bends_in_space(&setup, &bending).expect("a force bends it so far")
+}
+
+/// The same films with fewer pixels, whose pictures are quickly written and read.
+fn coarse(mut case: Case) -> Case {
+    let places = |place: &mut Pixel| {
+        place.column_px /= f64::from(COARSER);
+        place.row_px /= f64::from(COARSER);
+    };
+    let size = |columns: &mut u32, rows: &mut u32, spacing: &mut Option<Spacing>| {
+        (*columns, *rows) = (*columns / COARSER, *rows / COARSER);
+        let spacing = spacing.as_mut().expect("millimetres");
+        spacing.column_mm *= f64::from(COARSER);
+        spacing.row_mm *= f64::from(COARSER);
+    };
+    for film in &mut case.films {
+        let FilmLandmarks::Corners { image, iliac_crests, readings } = &mut film.landmarks else {
+            panic!("a film with corners");
+        };
+        size(&mut image.columns, &mut image.rows, &mut image.spacing);
+        for crest in iliac_crests.iter_mut().flat_map(|both| [&mut both.left, &mut both.right]) {
+            places(crest);
+        }
+        for landmark in readings.iter_mut().flat_map(|reading| reading.vertebrae.values_mut()) {
+            landmark.corners = landmark.corners.map(|mut corner| {
+                places(&mut corner);
+                corner
+            });
+            landmark.pedicles.iter_mut().flatten().for_each(places);
+        }
+    }
+    let film = case.lateral.as_mut().expect("a lateral film");
+    size(&mut film.columns, &mut film.rows, &mut film.spacing);
+    for corners in film.readings.iter_mut().flat_map(|reading| reading.vertebrae.values_mut()) {
+        for place in [
+            &mut corners.superior_anterior,
+            &mut corners.superior_posterior,
+            &mut corners.inferior_anterior,
+            &mut corners.inferior_posterior,
+        ] {
+            places(place);
+        }
+    }
+    case
+}
+
+/// A picture of one grey, another one for every film.
+fn picture(path: &Path, grey: u8, [columns, rows]: [u32; 2]) {
+    let mut png = Vec::new();
+    let mut encoder = png::Encoder::new(&mut png, columns, rows);
+    encoder.set_color(png::ColorType::Grayscale);
+    let mut writer = encoder.write_header().expect("into memory");
+    writer.write_image_data(&vec![grey; (columns * rows) as usize]).expect("all pixels");
+    writer.finish().expect("into memory");
+    fs::write(path, png).expect("a picture");
+}
+
+fn side(side: ImageSide) -> &'static str {
+    if side == ImageSide::Left { "image-left" } else { "image-right" }
+}
+
+/// Landmark files and pictures of the phantom, and the case that `import` makes of them, in `case`.
+fn imported(here: &Path, case: &Case) {
+    fs::write(here.join("phantom.json"), to_text(&CaseFile::from_case(case))).expect("a case");
+    done(here, &["export", "phantom.json", "--to", "csv", "--out", "frontal.csv"]);
+    done(here, &["export", "phantom.json", "--to", "lateral-csv", "--out", "lateral.csv"]);
+    let film = case.lateral.as_ref().expect("a lateral film");
+    let mut arguments: Vec<String> = vec!["import".into()];
+    let (mut chosen, mut patient_left) = (Vec::new(), ImageSide::Left);
+    for (i, frontal) in case.films.iter().enumerate() {
+        let FilmLandmarks::Corners { image, .. } = &frontal.landmarks else {
+            panic!("a film with corners");
+        };
+        patient_left = image.patient_left;
+        let name = format!("{}.png", frontal.posture.key());
+        picture(&here.join(&name), 60 + 10 * i as u8, [image.columns, image.rows]);
+        chosen.extend([
+            "--film".to_owned(),
+            format!("{}={name}", frontal.posture.key().replace('_', "-")),
+        ]);
+        arguments.push(name);
+    }
+    picture(&here.join("side.png"), 200, [film.columns, film.rows]);
+    let spacing = film.spacing.expect("millimetres");
+    let spacing = format!("{},{},patient", spacing.column_mm, spacing.row_mm);
+    arguments.push("side.png".into());
+    arguments.extend(chosen);
+    for argument in [
+        "--lateral",
+        "side.png",
+        "--patient-anterior",
+        side(film.patient_anterior),
+        "--patient-left",
+        side(patient_left),
+        "--spacing",
+        &spacing,
+        "--landmarks",
+        "frontal.csv",
+        "--lateral-landmarks",
+        "lateral.csv",
+        "--simultaneous",
+        "yes",
+        "--case-id",
+        "space-01",
+        "--out",
+        "case",
+        "--secret",
+        "secret",
+    ] {
+        arguments.push(argument.to_owned());
+    }
+    let arguments: Vec<&str> = arguments.iter().map(String::as_str).collect();
+    let out = done(here, &arguments);
+    assert!(!out.contains("No landmarks yet"), "{out}");
+}
+
+/// Runs a command that writes results, though the line through the inflections may have none in a spine that a force at T2 bent.
+fn written(here: &Path, arguments: &[&str]) {
+    let (out, error, code) = run(here, arguments);
+    assert!(matches!(code, 0 | 4), "{code}: {error}{out}");
+}
+
+fn number(value: &Value) -> f64 {
+    value.as_f64().unwrap_or_else(|| panic!("no number: {value}"))
+}
+
+/// Pitches and axial rotations of the analysis against those of the bodies that were projected.
+fn check_angles(analysis: &Value, truth: &BentPhantom) {
+    let space = &analysis["space"];
+    assert_eq!(space["alignment"]["simultaneous"], true);
+    assert!(number(&space["alignment"]["turn_deg"]).abs() < 1e-12, "nothing is estimated");
+    for level in Level::ALL {
+        let body = truth.erect.body(level).expect("L5 to T1");
+        let axis = body.cranial;
+        let pitch_deg = Angle::from_sin_cos(axis.x, axis.yz().norm()).deg();
+        let found = number(&space["vertebrae"][level.name()]["pitch_3d_deg"]);
+        assert!((found - pitch_deg).abs() < 1e-6, "{level}: {found} and {pitch_deg}");
+        let found = number(&analysis["axial_rotation"][level.name()]["axial_3d_deg"]);
+        assert!((found - body.axial.deg()).abs() < 1e-6, "{level}: {found}");
+    }
+    let joint = number(&space["template"]["joint_rms_deg"]);
+    assert!((0.1..20.0).contains(&joint), "{joint}");
+}
+
+#[test]
+fn landmark_files_with_a_lateral_film_reach_every_output() {
+    let here = folder();
+    let here = here.path();
+    let truth = phantom();
+    imported(here, &coarse(truth.erect.case.clone()));
+    let case = json(&here.join("case/case.json"));
+    assert_eq!(case["lateral"]["simultaneous"], true);
+    let marked = |reading: &Value| reading["vertebrae"].as_object().map_or(0, |all| all.len());
+    assert_eq!(marked(&case["lateral"]["readings"][0]), Level::ALL.len());
+    let outputs = ["--json", "analysis.json", "--tables", "tables", "--model", "model.json"];
+    let analyze = ["analyze", "case/case.json", "--model-line", "iliac"];
+    written(here, &[&analyze[..], &outputs].concat());
+    check_angles(&json(&here.join("analysis.json")), &truth);
+    for (table, rows) in [("space_vertebrae", 17), ("axial_rotation", 17)] {
+        let text = fs::read_to_string(here.join(format!("tables/{table}.csv"))).expect("a table");
+        assert_eq!(text.lines().count(), 1 + rows, "{table}");
+    }
+    written(here, &["report", "case/case.json", "--out", "report.html"]);
+    let report = fs::read_to_string(here.join("report.html")).expect("a report");
+    for part in [
+        "Both films were exposed together",
+        "Sagittal profile",
+        "the profile of a population",
+        "Nash",
+    ] {
+        assert!(report.contains(part), "{part}");
+    }
+    for format in ["mjcf", "osim", "urdf", "vtp", "gltf"] {
+        let text = done(here, &["export", "model.json", "--to", format]);
+        for part in [
+            "MEASURED on the lateral film (L4 to T2)",
+            "MEASURED from both pedicles on the erect film (L4 to T2)",
+        ] {
+            assert!(text.contains(part), "{format}: {part}");
+        }
+    }
+}
+
+#[test]
+fn a_bad_table_of_the_lateral_film_is_refused_by_line_and_column() {
+    let here = folder();
+    let here = here.path();
+    let case = coarse(generate_in_space(&SpaceSetup::default()).case);
+    fs::write(here.join("phantom.json"), to_text(&CaseFile::from_case(&case))).expect("a case");
+    let note = run(here, &["export", "phantom.json", "--to", "csv"]).1;
+    assert!(note.contains("landmarks of the lateral film"), "{note}");
+    let table = done(here, &["export", "phantom.json", "--to", "lateral-csv"]);
+    for (i, grey) in [(1, 60), (2, 70)] {
+        picture(&here.join(format!("{i}.png")), grey, [500, 700]);
+    }
+    let fails = |text: &str, part: &str| {
+        fs::write(here.join("bad.csv"), text).expect("a table");
+        let error = refused(
+            here,
+            &[
+                "import",
+                "1.png",
+                "2.png",
+                "--film",
+                "erect=1.png",
+                "--lateral",
+                "2.png",
+                "--patient-left",
+                "image-left",
+                "--patient-anterior",
+                "image-left",
+                "--lateral-landmarks",
+                "bad.csv",
+                "--case-id",
+                "A",
+                "--out",
+                "a",
+                "--keep-identity",
+            ],
+            3,
+        );
+        assert!(error.contains("bad.csv") && error.contains(part), "{part}: {error}");
+    };
+    fails(
+        &table.replace("superior_anterior_column_px", "superior_front_column_px"),
+        "superior_front_column_px",
+    );
+    let first = table.lines().nth(1).expect("a vertebra");
+    let cut = first.rsplit_once(',').expect("cells").0;
+    fails(&table.replace(first, &format!("{cut},x")), "inferior_posterior_row_px");
+    fails(&table.replace(first, &format!("{cut},9000")), "lateral film");
+    assert!(!here.join("a/case.json").exists(), "nothing was written");
+    assert!(case.films.iter().all(|film| film.posture == Posture::Erect));
+}
+
+#[test]
+fn films_of_one_exposure_are_told_by_their_files_or_by_the_option() {
+    let here = Here::new();
+    let side = |number: u16, attributes: &[((u16, u16), &'static str, &str)]| {
+        let mut maker = film(number);
+        if number > 1 {
+            maker.text((0x20, 0x20), "CS", "A\\F");
+        }
+        for (tag, vr, value) in attributes {
+            maker.text(*tag, vr, value);
+        }
+        maker
+    };
+    let at = |time| [((0x08, 0x22), "DA", "20250301"), ((0x08, 0x32), "TM", time)];
+    let in_frame = [((0x20, 0x52), "UI", "1.2.3.77")];
+    let imports = |folder: &str, both: [&Maker; 2], more: &[&str]| {
+        put(&here, "a.dcm", both[0]);
+        put(&here, "b.dcm", both[1]);
+        let chosen = ["--film", "erect=a.dcm", "--lateral", "b.dcm", "--case-id", "A"];
+        here.import(&[&["a.dcm", "b.dcm", "--out", folder][..], &chosen, more].concat())
+    };
+    let silent = [side(1, &[]), side(2, &[])];
+    let framed = [side(1, &in_frame), side(2, &in_frame)];
+    let at_once = [side(1, &at("101500")), side(2, &at("101501.2"))];
+    let apart = [side(1, &at("101500")), side(2, &at("101635"))];
+    let midnight = [side(1, &at("000000")), side(2, &at("000000"))];
+    let none: &[&str] = &[];
+    let together = ["--simultaneous", "yes", "--accept"];
+    for (folder, films, more, simultaneous, note) in [
+        ("1", &silent, none, None, "taken as not exposed together"),
+        ("2", &framed, none, Some(true), "one Frame of Reference UID"),
+        ("3", &at_once, none, Some(true), "Acquisition Times 1 s apart"),
+        ("4", &apart, none, None, "Wrote"),
+        ("5", &midnight, none, None, "taken as not exposed together"),
+        ("6", &silent, &together[..2], Some(true), "Wrote"),
+        ("7", &apart, &together[..], Some(true), "95 s apart"),
+    ] {
+        let out = succeeded(imports(folder, [&films[0], &films[1]], more));
+        let words = out.split_whitespace().collect::<Vec<_>>().join(" ");
+        assert!(words.contains(note), "{folder}: {out}");
+        let found = here.json(&format!("{folder}/case.json"))["lateral"]["simultaneous"].as_bool();
+        assert_eq!(found, simultaneous, "{folder}");
+    }
+    let (_, error, code) = imports("8", [&framed[0], &framed[1]], &["--simultaneous", "no"]);
+    assert_eq!(code, 2, "{error}");
+    assert!(error.contains("Frame of Reference") && error.contains("--accept"), "{error}");
+}
