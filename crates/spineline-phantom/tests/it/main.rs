@@ -6,6 +6,7 @@ mod baselines;
 mod counter_examples;
 mod hypotheses;
 mod identifiability;
+mod inflection_force;
 mod interval_coverage;
 mod joint_truth;
 mod line_regions;
