@@ -12,7 +12,7 @@ use spineline::measure::{
     NextLandmark, Origin, PartialLandmarks, PartialReading, ProposedVertebra, Reading, ReadingId,
     TiltRule, VertebraLandmarks, measure_readings, turn_axis_towards,
 };
-use spineline::spatial::{Frontal, Pixel};
+use spineline::spatial::{Angle, Frontal, Pixel};
 use spineline_phantom::{Phantom, Readers, SUBJECTS, TrueFilm, Truth, generate};
 
 /// A proposal's midpoint lies within this part of a level of the truth.
@@ -58,6 +58,42 @@ fn proposals_are_near_the_true_corners_on_every_film() {
             }
             assert_eq!(marked(&film.vertebrae, &Level::MODEL).faults(&film.image), []);
         }
+    }
+}
+
+#[test]
+fn a_body_unlike_its_neighbours_is_named_and_they_are_not() {
+    for film in &phantom(0).films {
+        let image = film.image;
+        let truth = film.vertebrae[&Level::T8].map(|corner| image.frontal(corner));
+        let centre = truth.measure_location().expect("a body");
+        let marked_with = |change: &dyn Fn(Frontal) -> Frontal| {
+            let moved = truth.map(|corner| image.pixel(centre + change(corner - centre)));
+            let mut reading = marked(&film.vertebrae, &Level::MODEL);
+            let body = PartialLandmarks { corners: moved.map(Some), ..PartialLandmarks::default() };
+            reading.vertebrae.insert(Level::T8, body);
+            reading.faults(&image)
+        };
+        // Both about the middle of the body, so that its place is as before.
+        for by in [0.5, 2.0] {
+            let faults = marked_with(&|way| way * by);
+            let [MarkingFault::Width { level: Level::T8, ratio }] = faults[..] else {
+                panic!("{}: {faults:?}", film.posture)
+            };
+            assert!((ratio / by - 1.0).abs() < 0.15, "bodies widen caudally: {ratio}");
+        }
+        for turn in [Angle::from_deg(-40.0), Angle::from_deg(40.0)] {
+            let faults = marked_with(&|way| way.rotated(turn));
+            let [MarkingFault::Tilt { level: Level::T8, step }] = faults[..] else {
+                panic!("{}: {faults:?}", film.posture)
+            };
+            assert!(
+                (step - turn).abs().deg() < 10.0,
+                "neighbours are tilted alike: {}",
+                step.deg()
+            );
+        }
+        assert_eq!(marked_with(&|way| way), []);
     }
 }
 

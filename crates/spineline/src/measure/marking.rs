@@ -7,6 +7,7 @@
 use std::collections::BTreeMap;
 use std::fmt;
 
+use super::body_neighbours::{Unlike, unlike_neighbours};
 use super::order::{out_of_order_words, steps};
 use super::{CornerFault, Corners, ImageGeometry, Origin, Placement};
 use crate::anatomy::{FilmView, Level, Side};
@@ -157,6 +158,20 @@ pub enum MarkingFault {
         /// Their distance as a part of the usual one in this spine.
         ratio: f64,
     },
+    /// A body is far wider or narrower than its neighbours.
+    Width {
+        /// Vertebra.
+        level: Level,
+        /// Its width over theirs.
+        ratio: f64,
+    },
+    /// A body is tilted far against its neighbours.
+    Tilt {
+        /// Vertebra.
+        level: Level,
+        /// Its tilt less theirs, positive to the patient's right.
+        step: Angle,
+    },
     /// An iliac crest lies outside of the picture.
     CrestOffPicture {
         /// The patient's side.
@@ -180,6 +195,8 @@ impl MarkingFault {
             Self::Mirrored { .. } => "film_mirrored",
             Self::OutOfOrder { .. } => "out_of_order",
             Self::Distance { .. } => "spacing_unusual",
+            Self::Width { .. } => "width_unusual",
+            Self::Tilt { .. } => "tilt_unusual",
             Self::CrestOffPicture { .. } => "crest_off_picture",
             Self::CrestsExchanged => "crests_exchanged",
         }
@@ -192,6 +209,8 @@ impl MarkingFault {
             Self::OffPicture { level, .. }
             | Self::Corners { level, .. }
             | Self::NotConvex { level }
+            | Self::Width { level, .. }
+            | Self::Tilt { level, .. }
             | Self::OutOfOrder { superior: level, .. }
             | Self::Distance { superior: level, .. } => Some(level),
             Self::Mirrored { .. } | Self::CrestOffPicture { .. } | Self::CrestsExchanged => None,
@@ -201,7 +220,10 @@ impl MarkingFault {
     /// Whether nothing can be measured with it; else it is worth a look.
     #[must_use]
     pub const fn is_error(&self) -> bool {
-        !matches!(self, Self::Distance { .. } | Self::CrestsExchanged)
+        !matches!(
+            self,
+            Self::Distance { .. } | Self::Width { .. } | Self::Tilt { .. } | Self::CrestsExchanged
+        )
     }
 }
 
@@ -216,6 +238,9 @@ impl MarkingFault {
             }
             (FilmView::Lateral, Self::Mirrored { count }) => format!(
                 "front and back corners are exchanged in all {count} vertebrae: check which way the patient faces"
+            ),
+            (FilmView::Lateral, Self::Width { level, ratio }) => format!(
+                "{level} is {ratio:.1} times as deep as its neighbours: check that its corners are those of the vertebral body"
             ),
             _ => self.to_string(),
         }
@@ -244,6 +269,15 @@ impl fmt::Display for MarkingFault {
             Self::Distance { inferior, superior, ratio } => write!(
                 f,
                 "{inferior} and {superior} are {ratio:.1} times the expected distance for this spine apart: check that no vertebra was skipped or marked twice"
+            ),
+            Self::Width { level, ratio } => write!(
+                f,
+                "{level} is {ratio:.1} times as wide as its neighbours: check that its corners are those of the vertebral body"
+            ),
+            Self::Tilt { level, step } => write!(
+                f,
+                "{level} is tilted by {} against its neighbours: check that its corners are those of one vertebra",
+                step.abs()
             ),
             Self::CrestOffPicture { side } => {
                 write!(f, "the {side} iliac crest lies outside of the picture")
@@ -279,8 +313,26 @@ impl PartialReading {
             faults = vec![MarkingFault::Mirrored { count }];
         }
         faults.extend(order_faults(image, &bodies));
+        faults.extend(self.unlike_faults(image, &bodies));
         faults.extend(self.crest_faults(image));
         faults
+    }
+
+    fn unlike_faults(
+        &self,
+        image: &ImageGeometry,
+        bodies: &BTreeMap<Level, MarkedBody>,
+    ) -> Vec<MarkingFault> {
+        let shape = |(&level, body): (&Level, &MarkedBody)| {
+            let corners = self.vertebrae.get(&level)?.complete()?;
+            Some((level, (corners.map(|place| image.frontal(place)), body.tilt)))
+        };
+        let shapes = bodies.iter().filter_map(shape).collect();
+        let fault = |(level, unlike)| match unlike {
+            Unlike::Width(ratio) => MarkingFault::Width { level, ratio },
+            Unlike::Tilt(step) => MarkingFault::Tilt { level, step },
+        };
+        unlike_neighbours(&shapes).into_iter().map(fault).collect()
     }
 
     /// Vertebrae with a fault of their own.

@@ -14,6 +14,7 @@
 
 mod axial;
 mod bodies;
+mod body_neighbours;
 mod calibration;
 pub mod completion;
 mod confidence;
