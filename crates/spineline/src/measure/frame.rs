@@ -151,8 +151,12 @@ pub(crate) fn body_shapes(film: &Film, levels: Levels) -> Vec<Option<[f64; 2]>> 
     let shape = |level: Level| {
         let landmarks = readings.iter().filter_map(|reading| reading.vertebrae.get(&level));
         let shapes: Vec<[f64; 2]> = landmarks.map(|landmark| body_shape(image, landmark)).collect();
-        let mean =
-            |side: usize| shapes.iter().map(|shape| shape[side]).sum::<f64>() / shapes.len() as f64;
+        let mean = |side: usize| {
+            let mut sizes: Vec<f64> = shapes.iter().map(|shape| shape[side]).collect();
+            // The order of the readings must not change a bit.
+            sizes.sort_by(f64::total_cmp);
+            sizes.iter().sum::<f64>() / sizes.len() as f64
+        };
         (!shapes.is_empty()).then(|| [mean(0), mean(1)])
     };
     levels.iter().map(shape).collect()
