@@ -85,13 +85,6 @@ impl Analysis {
     pub fn preferred_loads(&self) -> Option<PreferredLoads> {
         preferred_loads_near(self.findings(), None)
     }
-
-    /// The same, made ready for those of other readings of the films.
-    pub(crate) fn preferred_loads_to_follow(&self) -> Option<PreferredLoads> {
-        let (findings, loads) = (self.findings(), self.preferred_loads()?);
-        let films = films_of(findings);
-        Some(loads.ready_to_follow(&films, findings.depth_mm(), &joint_shares(findings)))
-    }
 }
 
 fn preferred_loads_near(
@@ -101,13 +94,9 @@ fn preferred_loads_near(
     if findings.film_without_scale().is_some() {
         return None;
     }
-    let films = films_of(findings);
+    let films: Vec<&FilmEvidence> =
+        findings.postures.iter().filter_map(|p| p.evidence.as_ref()).collect();
     PreferredLoads::estimate(&films, findings.depth_mm(), &joint_shares(findings), near)
-}
-
-/// The films that say something of the joints.
-fn films_of(findings: Findings<'_>) -> Vec<&FilmEvidence> {
-    findings.postures.iter().filter_map(|p| p.evidence.as_ref()).collect()
 }
 
 /// Which part of every joint lies in which region: regions end at the inflections, unless these give no three regions.

@@ -40,50 +40,6 @@ pub(super) fn anderson_step(steps: &[IterationStep]) -> DVector<f64> {
     if beyond.amax() < MAX_EXTRAPOLATION { &last.to - beyond } else { last.to.clone() }
 }
 
-/// How the steps of an iteration change with their place, learned near its end.
-///
-/// # References
-/// [broyden-1965], the first method.
-#[derive(Debug, Clone, PartialEq)]
-pub(super) struct Secant {
-    /// Inverse of the derivative of a step by its place.
-    inverse: DMatrix<f64>,
-}
-
-impl Secant {
-    /// From the derivative; in directions in which steps do not change it goes nowhere.
-    pub fn of(rates: DMatrix<f64>) -> Option<Self> {
-        /// Of the largest singular value.
-        const SINGULAR: f64 = 1e-6;
-        let least = SINGULAR * rates.amax();
-        let inverse = rates.pseudo_inverse(least).ok()?;
-        inverse.iter().all(|part| part.is_finite()).then_some(Self { inverse })
-    }
-
-    /// Where a step vanishes, as far as it is known.
-    pub fn place(&self, last: &IterationStep) -> DVector<f64> {
-        let beyond = &self.inverse * last.step();
-        if beyond.amax() < MAX_EXTRAPOLATION { &last.from - beyond } else { last.to.clone() }
-    }
-
-    /// What is known after the last of some steps, the latest one first; `None` where it led away from the end.
-    pub fn after(mut self, steps: &[IterationStep]) -> Option<Self> {
-        let [last, before, ..] = steps else { return Some(self) };
-        let (step, step_before) = (last.step(), before.step());
-        if step.amax() > step_before.amax() {
-            return None;
-        }
-        let moved = &last.from - &before.from;
-        let foreseen = &self.inverse * (step - step_before);
-        let along = moved.dot(&foreseen);
-        if along != 0.0 {
-            let weights = self.inverse.tr_mul(&moved) / along;
-            self.inverse += (moved - foreseen) * weights.transpose();
-        }
-        Some(self)
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -99,21 +55,5 @@ mod tests {
             x = anderson_step(&steps);
         }
         assert!(x.amax() < 1e-12, "{x}");
-    }
-
-    #[test]
-    fn a_secant_from_nearby_learns_the_rest() {
-        // Oracle: the fixed point is 0; the first rates are a fifth off. The third direction never moves.
-        let map = |x: &DVector<f64>| DVector::from_vec(vec![0.9 * x[0], -0.8 * x[1], x[2]]);
-        let rates = DMatrix::from_diagonal(&DVector::from_vec(vec![-0.12, -1.5, 0.0]));
-        let mut secant = Secant::of(rates).expect("finite");
-        let mut x = DVector::from_vec(vec![0.5, 0.3, 0.2]);
-        let mut steps: Vec<IterationStep> = Vec::new();
-        for _ in 0..7 {
-            steps.insert(0, IterationStep { to: map(&x), from: x });
-            secant = secant.after(&steps).expect("nearer and nearer");
-            x = secant.place(&steps[0]);
-        }
-        assert!(x.rows(0, 2).amax() < 1e-9 && (x[2] - 0.2).abs() < 1e-15, "{x}");
     }
 }

@@ -148,7 +148,6 @@ mod tests {
             trend_log_sd: 0.1,
             centre_sd_discs: 1.0,
             covariance: DMatrix::from_diagonal(&DVector::from_column_slice(&variances)),
-            secant: None,
         }
     }
 

@@ -285,6 +285,17 @@ impl<'a> Fit<'a> {
         place
     }
 
+    /// Size of the force and moment of every load component, by which changes are measured.
+    pub fn load_sizes(&self) -> DVector<f64> {
+        /// A force acts at least so far off.
+        const LEAST_ARM_MM: f64 = 100.0;
+        let sizes = self.loads.as_slice().chunks_exact(3).flat_map(|load| {
+            let force = load[0].hypot(load[1]).max(f64::MIN_POSITIVE);
+            [force, force, load[2].abs().max(LEAST_ARM_MM * force)]
+        });
+        DVector::from_iterator(self.loads.len(), sizes)
+    }
+
     fn clamp(&self, place: &mut DVector<f64>) {
         for (i, most) in MAX_VARIANCES.map(f64::ln).iter().enumerate() {
             place[i] = place[i].clamp(most + MIN_OF_MAX_VARIANCE.ln(), *most);
@@ -336,7 +347,6 @@ impl<'a> Fit<'a> {
             centre_sd_discs: variances[1].sqrt(),
             trend_log_sd: variances[2].sqrt(),
             covariance,
-            secant: None,
         }
     }
 }

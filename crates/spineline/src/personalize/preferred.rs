@@ -44,7 +44,7 @@
 
 use nalgebra::{DMatrix, DVector, Vector3};
 
-use super::acceleration::{IterationStep, Secant, anderson_step};
+use super::acceleration::{IterationStep, anderson_step};
 use super::evidence::FilmEvidence;
 use super::mixed_equations::{Fit, Linearized, MAX_VARIANCES};
 use super::random_effects::Waves;
@@ -69,11 +69,11 @@ pub struct PreferredLoads {
     pub centre_sd_discs: f64,
     /// Covariance of all components, film by film, with multipliers free.
     pub(super) covariance: DMatrix<f64>,
-    /// Of the iteration near its end, where fits that end nearby are to be made.
-    pub(super) secant: Option<Secant>,
 }
 
 const ROUNDS: usize = 150;
+/// The same from nearby, before the usual iteration takes over.
+const ROUNDS_WITH_LOADS: usize = 40;
 /// From this round on steps are shortened and not extrapolated: some fits go to and fro.
 const DAMPED_FROM: usize = 30;
 const DAMPING: f64 = 0.35;
@@ -95,26 +95,18 @@ impl PreferredLoads {
         let waves = Waves::new(shares.0.nrows());
         let mut fit = Fit::new(films, depth_mm, shares, &waves)?;
         let near = near.filter(|near| near.log_multipliers.len() == shares.0.ncols());
-        let variances = near.map_or(MAX_VARIANCES * 1e-2, |near| near.begin(&mut fit));
-        let secant = near.and_then(|near| near.secant.clone());
-        let (variances, at) = settle(&mut fit, variances, secant)?;
+        let from_near = near.and_then(|near| {
+            let variances = near.begin(&mut fit);
+            settle_with_loads(&mut fit, variances)
+        });
+        let (variances, at) = match from_near {
+            Some(found) => found,
+            None => {
+                let variances = near.map_or(MAX_VARIANCES * 1e-2, |near| near.begin(&mut fit));
+                settle(&mut fit, variances)?
+            }
+        };
         Some(fit.finish(variances, &at))
-    }
-
-    /// The same, made ready for the fits of other readings of the films: how the iteration moves near its end tells theirs
-    /// where to go.
-    pub(crate) fn ready_to_follow(
-        mut self,
-        films: &[&FilmEvidence],
-        depth_mm: f64,
-        shares: &JointShares,
-    ) -> Self {
-        let waves = Waves::new(shares.0.nrows());
-        if let Some(mut fit) = Fit::new(films, depth_mm, shares, &waves) {
-            let variances = self.begin(&mut fit);
-            self.secant = secant_about(&mut fit, variances);
-        }
-        self
     }
 
     /// Puts its unknowns in a fit, and answers with its variances.
@@ -129,7 +121,6 @@ impl PreferredLoads {
 fn settle<'a>(
     fit: &mut Fit<'a>,
     mut variances: Vector3<f64>,
-    mut secant: Option<Secant>,
 ) -> Option<(Vector3<f64>, Linearized<'a>)> {
     fit.solve_loads(None)?;
     let mut state = fit.linearize(variances)?;
@@ -143,14 +134,9 @@ fn settle<'a>(
         }
         steps.insert(0, step);
         steps.truncate(3);
-        secant = secant.and_then(|secant| secant.after(&steps));
-        // Without a secant the last step counts alone at the end.
-        let extrapolated = match &secant {
-            Some(secant) => secant.place(&steps[0]),
-            None if converged => steps[0].to.clone(),
-            None => anderson_step(&steps),
-        };
-        let is_alone = round >= DAMPED_FROM || fit.is_bounded(&extrapolated);
+        // At the end, and where the extrapolation would put a multiplier on its bound, the last step counts alone.
+        let extrapolated = anderson_step(&steps);
+        let is_alone = converged || round >= DAMPED_FROM || fit.is_bounded(&extrapolated);
         let place = if is_alone { steps[0].to.clone() } else { fit.within(extrapolated) };
         variances = fit.set_unknowns(&place);
         let before = fit.loads.clone();
@@ -166,28 +152,46 @@ fn settle<'a>(
     None
 }
 
-/// How the steps of a fit change about the place where it is, by differences.
-fn secant_about(fit: &mut Fit<'_>, variances: Vector3<f64>) -> Option<Secant> {
-    const DIFFERENCE: f64 = 1e-3;
-    /// Loads follow the other unknowns, and these weights follow the loads.
-    const ROUNDS: usize = 3;
-    let step_at = |fit: &mut Fit<'_>, place: &DVector<f64>| {
-        let variances = fit.set_unknowns(place);
-        fit.solve_loads(None)?;
-        let mut state = fit.linearize(variances)?;
-        for _ in 0..ROUNDS {
-            fit.solve_loads(Some(&state.own))?;
-            state = fit.linearize(variances)?;
+/// The same from a place nearby, with the loads in the place that is extrapolated: they follow the weights of the round before, which
+/// confuses an extrapolation without them, so that it goes to and fro.
+fn settle_with_loads<'a>(
+    fit: &mut Fit<'a>,
+    mut variances: Vector3<f64>,
+) -> Option<(Vector3<f64>, Linearized<'a>)> {
+    const MEMORY: usize = 5;
+    /// Loads count in parts of their own size.
+    const CONVERGED_LOADS: f64 = 10.0 * CONVERGED_STEP;
+    fit.solve_loads(None)?;
+    let mut state = fit.linearize(variances)?;
+    fit.solve_loads(Some(&state.own))?;
+    state = fit.linearize(variances)?;
+    let sizes = fit.load_sizes();
+    let mut steps: Vec<IterationStep> = Vec::new();
+    for _ in 0..ROUNDS_WITH_LOADS {
+        let step = fit.iterate(&state, variances);
+        let (unknowns, before) = (step.from.len(), fit.loads.component_div(&sizes));
+        fit.set_unknowns(&step.to);
+        fit.solve_loads(Some(&state.own))?;
+        let after = fit.loads.component_div(&sizes);
+        let converged =
+            step.step().amax() < CONVERGED_STEP && (&after - &before).amax() < CONVERGED_LOADS;
+        let joined = |place: &DVector<f64>, loads: &DVector<f64>| {
+            DVector::from_iterator(unknowns + loads.len(), place.iter().chain(loads).copied())
+        };
+        let joint =
+            IterationStep { from: joined(&step.from, &before), to: joined(&step.to, &after) };
+        steps.insert(0, joint);
+        steps.truncate(MEMORY);
+        let extrapolated = anderson_step(&steps);
+        let is_alone = converged || fit.is_bounded(&extrapolated);
+        let end = if is_alone { &steps[0].to } else { &extrapolated };
+        let place = fit.within(end.rows(0, unknowns).into_owned());
+        variances = fit.set_unknowns(&place);
+        fit.loads = end.rows(unknowns, sizes.len()).component_mul(&sizes);
+        state = fit.linearize(variances)?;
+        if converged {
+            return Some((variances, state));
         }
-        Some(fit.iterate(&state, variances).step())
-    };
-    let here = fit.place(variances);
-    let step = step_at(fit, &here)?;
-    let rates = (0..here.len()).map(|i| {
-        let mut beside = here.clone();
-        beside[i] += DIFFERENCE;
-        Some((step_at(fit, &beside)? - &step) / DIFFERENCE)
-    });
-    let rates: Vec<DVector<f64>> = rates.collect::<Option<_>>()?;
-    Secant::of(DMatrix::from_columns(&rates))
+    }
+    None
 }
