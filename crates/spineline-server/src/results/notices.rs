@@ -142,8 +142,7 @@ mod tests {
         let [iliac, given] = warnings.all() else { panic!("two lines, two warnings") };
         let [iliac, given] = [of_warning(iliac), of_warning(given)];
         assert_eq!((iliac.line, iliac.text.as_str()), (Some(Wire(LineKind::Iliac)), "no force"));
-        // A line without a name in the interface keeps its text.
-        assert_eq!((given.line, given.text.as_str()), (None, "given line: no force"));
+        assert_eq!((given.line, given.text.as_str()), (Some(Wire(LineKind::Given)), "no force"));
         assert_eq!(iliac.severity, Severity::Contradiction);
     }
 }
