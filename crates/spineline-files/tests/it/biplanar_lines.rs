@@ -199,7 +199,7 @@ fn vertebrae_of_biplanar_films_lie_on_the_line_in_space_of_others() {
     }
 }
 
-/// For the picture of all profiles, by `spineline analyze target/biplanar/*.json --report target/profiles.html`. Its data stay out of
+/// For the picture of all profiles, by `spineline report target/biplanar/*.json --out target/profiles.html`. Its data stay out of
 /// the project.
 #[test]
 #[ignore = "writes cases of real patients to target/biplanar, for a picture of their profiles"]
