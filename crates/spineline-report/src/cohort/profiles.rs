@@ -13,7 +13,7 @@ pub fn section(analyses: &[Analysis]) -> Option<Section> {
     let svg = figures::sagittal_profiles(analyses)?;
     let mut section = Section::new("profiles", "Sagittal profiles");
     section.paragraph(format!(
-        "{} of {} patients have a lateral film. In the others the sagittal profile is that of a population, and this is what it is wrong by where it can be told.",
+        "{} of {} patients have a lateral film. The models of the others have the sagittal profile of a population. Its errors are shown here for the patients with a lateral film.",
         found.len(),
         analyses.len()
     ));

@@ -64,7 +64,7 @@ pub fn sagittal_profile(analysis: &Analysis) -> Option<String> {
     Some(page.into_svg())
 }
 
-/// Pitches of all patients with a lateral film, and what it is wrong by in each where the profile of a population takes its place. `None`
+/// Pitches of all patients with a lateral film, and the errors of the profile of a population in its place. `None`
 /// without such a patient.
 #[must_use]
 pub fn sagittal_profiles(analyses: &[Analysis]) -> Option<String> {
@@ -76,7 +76,7 @@ pub fn sagittal_profiles(analyses: &[Analysis]) -> Option<String> {
     let synthetic = found.iter().any(|(analysis, _)| analysis.synthetic);
     let mut page = Page::new("Sagittal profiles beside that of a population", synthetic);
     page.notes.push(
-        "Left: pitch of every vertebra from both films, flexion positive, one line per patient. Right: what the profile of a population is wrong by."
+        "Left: pitch of every vertebra from both films, flexion positive, one line per patient. Right: error of the profile of a population."
             .to_owned(),
     );
     page.legend = vec![
