@@ -143,18 +143,11 @@ fn landmarks(args: &ExportArgs, name: LandmarkName) -> Result<Ending, Failure> {
     let file = read_case_file(&args.file)?;
     let case = file.clone().into_case().map_err(|error| Failure::file(&args.file, &error))?;
     let place = args.file.display().to_string();
-    if name == LandmarkName::LateralCsv {
-        if args.posture.is_some() {
-            return Err(Failure::usage("--posture is for frontal films only"));
-        }
-        let file =
-            export_lateral(&case).map_err(|error| Failure::input(&place, &error, error.help()))?;
-        return write_landmarks(args, &case, &[file]);
-    }
     let (sources, curves, written);
     let pictures = pictures(&file, &case);
     let target = match name {
-        LandmarkName::Csv | LandmarkName::LateralCsv => LandmarkTarget::Csv,
+        LandmarkName::LateralCsv => return lateral_landmarks(args, &case, &place),
+        LandmarkName::Csv => LandmarkTarget::Csv,
         LandmarkName::Slicer => LandmarkTarget::Slicer,
         LandmarkName::Labelme => LandmarkTarget::Labelme { pictures: &pictures },
         LandmarkName::Coco => LandmarkTarget::Coco { pictures: &pictures },
@@ -172,6 +165,14 @@ fn landmarks(args: &ExportArgs, name: LandmarkName) -> Result<Ending, Failure> {
         say(&format!("note: this format has no place for {part}; the case keeps them\n"));
     }
     write_landmarks(args, &case, &files)
+}
+
+fn lateral_landmarks(args: &ExportArgs, case: &Case, place: &str) -> Result<Ending, Failure> {
+    if args.posture.is_some() {
+        return Err(Failure::usage("--posture is for frontal films only"));
+    }
+    let file = export_lateral(case).map_err(|error| Failure::input(place, &error, error.help()))?;
+    write_landmarks(args, case, &[file])
 }
 
 /// One file by the name that the user gave, several in a folder; their provenance beside them.
