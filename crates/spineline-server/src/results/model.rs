@@ -2,8 +2,8 @@
 
 use axum::extract::State;
 use spineline::analysis::{Analysis, Identification, LineModel, LinesCompared, MultiplierVerdict};
-use spineline::anatomy::{Level, Posture};
-use spineline::measure::{LengthScale, SpacingPlane, body_widths};
+use spineline::anatomy::Level;
+use spineline::measure::{LengthScale, SpacingPlane};
 use spineline::personalize::FitStatus;
 
 use super::notices;
@@ -47,7 +47,7 @@ fn view(result: &StudyResult, analysis: &Analysis) -> ModelView {
         gauge_text: analysis.gauge_words().to_owned(),
         options_text: result.options_text(),
         length_unit: drawn_unit(analysis.scale()).to_owned(),
-        bodies: bodies(result, analysis),
+        bodies: bodies(analysis),
         erect: deformed_shape(&analysis.spine, &erect),
         measured: moved
             .map(|posture| {
@@ -75,20 +75,14 @@ const fn drawn_unit(scale: &LengthScale) -> &'static str {
     }
 }
 
-fn bodies(result: &StudyResult, analysis: &Analysis) -> Vec<BodySize> {
-    let scale = analysis.scale();
-    let levels = analysis.levels();
-    let widths = result.current.landmarks(Posture::Erect).map(|film| body_widths(film, levels));
-    let in_mm = |width: Option<f64>| Some(width? / scale.pixels_per_mm.unwrap_or(1.0));
-    let widths_mm: Vec<Option<f64>> = widths.unwrap_or_default().into_iter().map(in_mm).collect();
-    let sizes = analysis.spine.body_sizes(levels, &widths_mm);
-    let body = |(level, size): (Level, &spineline::multibody::BodySize)| BodySize {
+fn bodies(analysis: &Analysis) -> Vec<BodySize> {
+    let body = |(level, size): (Level, spineline::multibody::BodySize)| BodySize {
         level: level.to_string(),
         width_mm: size.width_mm,
         depth_mm: size.depth_mm,
         height_mm: size.height_mm,
     };
-    levels.iter().zip(&sizes).map(body).collect()
+    analysis.levels().iter().zip(analysis.body_sizes()).map(body).collect()
 }
 
 fn line(analysis: &Analysis, model: &LineModel, relative: &[f64]) -> LineModelView {
