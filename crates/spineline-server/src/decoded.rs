@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use spineline_films::{ChildLimits, FilmFile, decode_in_child};
-use spineline_store::{FilmRecord, Hash, Store, StoreError, Thumbnails};
+use spineline_store::{FilmRecord, Hash, Store, Thumbnails};
 
 use crate::film_cache::{Screen, draw_thumbnails};
 use crate::problem::Answer;
@@ -30,7 +30,7 @@ pub async fn screen(state: &AppState, content: &Hash) -> Answer<Arc<Screen>> {
 /// A film of the store as a PNG file of a size for paper, as it is shown.
 pub async fn picture(state: &AppState, film: &FilmRecord) -> Answer<Vec<u8>> {
     const ROWS: u32 = 800;
-    let image = spineline_files::parse_image(&film.image, film.view).map_err(StoreError::from)?;
+    let image = film.geometry()?;
     let (aspect, rows) = (words::pixel_aspect(image.spacing), ROWS.min(image.rows));
     let _permit = state.films().decoding().await?;
     let (file, inverted) = (stored(state, &film.content).await?, film.inverted);

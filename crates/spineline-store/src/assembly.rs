@@ -72,7 +72,7 @@ fn lateral_film(
     record: &FilmRecord,
     readings: &[(&ReadingRecord, ReadingState)],
 ) -> Result<LateralFilm, StoreError> {
-    let image = spineline_files::parse_image(&record.image, record.view)?;
+    let image = record.geometry()?;
     let readings = readings.iter().map(|(reading, state)| Reading {
         id: reader(reading),
         vertebrae: state
@@ -106,7 +106,7 @@ fn frontal_film(
     posture: Posture,
     readings: &[(&ReadingRecord, ReadingState)],
 ) -> Result<Film, StoreError> {
-    let image = spineline_files::parse_image(&record.image, record.view)?;
+    let image = record.geometry()?;
     let iliac_crests = mean_crests(readings);
     let readings =
         readings.iter().map(|(reading, state)| marked(reading, state, posture)).collect();

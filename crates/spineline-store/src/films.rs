@@ -3,7 +3,7 @@
 use rusqlite::{Connection, OptionalExtension, Row, params};
 use serde_json::Value;
 use spineline::anatomy::{FilmView, Named, Posture};
-use spineline::measure::Spacing;
+use spineline::measure::{ImageGeometry, Spacing};
 
 use crate::audit::{self, Ledger, next_id};
 use crate::conflicts::{Acknowledged, keep_lost};
@@ -42,12 +42,22 @@ pub struct FilmRecord {
     pub simultaneous: bool,
     /// Its bytes, for [`Store::content`].
     pub content: Hash,
-    /// The `image` of a case file: size, spacing, sides. The store does not parse it.
+    /// The `image` of a case file: size, spacing, sides; read by [`FilmRecord::geometry`] only.
     pub image: Value,
     /// Whether it is shown with inverted grey levels.
     pub inverted: bool,
     /// Number of edits so far.
     pub revision: u64,
+}
+
+impl FilmRecord {
+    /// Size, spacing and sides of its picture.
+    ///
+    /// # Errors
+    /// [`StoreError::Case`] where the description is not that of a case file.
+    pub fn geometry(&self) -> Result<ImageGeometry, StoreError> {
+        Ok(spineline_files::parse_image(&self.image, self.view)?)
+    }
 }
 
 /// Result of adding a film.

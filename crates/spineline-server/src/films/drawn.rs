@@ -4,7 +4,7 @@ use axum::extract::State;
 use axum::http::StatusCode;
 use spineline::measure::{DrawnFault, DrawnLine, ImageGeometry, SpacingPlane};
 use spineline::spatial::Pixel;
-use spineline_store::{FilmId, StoreError};
+use spineline_store::FilmId;
 use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
 
@@ -30,7 +30,7 @@ async fn drawn(
     Json(request): Json<DrawnRequest>,
 ) -> Answer<Json<DrawnView>> {
     let film = state.ask(move |store| seen_film(store, &user, FilmId(film))).await?;
-    let image = spineline_files::parse_image(&film.image, film.view).map_err(StoreError::from)?;
+    let image = film.geometry()?;
     Ok(Json(match request {
         DrawnRequest::Length { from_px, to_px } => length(&image, &line(from_px, to_px))?,
         DrawnRequest::Angle { first_from_px, first_to_px, second_from_px, second_to_px } => {

@@ -10,7 +10,7 @@ use axum::http::{HeaderValue, StatusCode, header};
 use axum::response::{IntoResponse, Response};
 use spineline::measure::{Calibration, ImageGeometry};
 use spineline::spatial::Pixel;
-use spineline_store::{FilmEdit, FilmId, FilmRecord, ReadingId, Role, StoreError};
+use spineline_store::{FilmEdit, FilmId, FilmRecord, ReadingId, Role};
 use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
 
@@ -116,8 +116,7 @@ fn film_edit(film: &FilmRecord, edit: FilmEditName) -> Answer<FilmEdit> {
         FilmEditName::Posture { posture } => FilmEdit::Posture(posture.0),
         FilmEditName::Inverted { inverted } => FilmEdit::Inverted(inverted),
         FilmEditName::Scale { from_px, to_px, length_mm, length_sd_mm, calibrator } => {
-            let image =
-                spineline_files::parse_image(&film.image, film.view).map_err(StoreError::from)?;
+            let image = film.geometry()?;
             let calibration = Calibration {
                 calibrator: calibrator.0,
                 clicks: [from_px, to_px].map(|[column, row]| Pixel::new(column, row)),
@@ -142,7 +141,7 @@ fn film_edit(film: &FilmRecord, edit: FilmEditName) -> Answer<FilmEdit> {
 
 async fn pixels(state: &AppState, film: &FilmRecord) -> Answer<Response> {
     let screen = decoded::screen(state, &film.content).await?;
-    let image = spineline_files::parse_image(&film.image, film.view).map_err(StoreError::from)?;
+    let image = film.geometry()?;
     let [center, width] = screen.default_window;
     let of_file: Vec<String> =
         screen.file_windows.iter().map(|[center, width]| format!("{center} {width}")).collect();

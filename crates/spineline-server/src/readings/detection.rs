@@ -5,7 +5,7 @@ use axum::http::StatusCode;
 use spineline::anatomy::{FilmView, Posture};
 use spineline::measure::{CornerName, ImageGeometry};
 use spineline_detect::{Detection, Picture, Refusal, detect};
-use spineline_store::{CornerOrigin, ReadingId, StoreError};
+use spineline_store::{CornerOrigin, ReadingId};
 
 use super::may_mark;
 use super::view::corner_view;
@@ -38,7 +38,7 @@ pub(super) async fn detection(
         let refused = Some("the program finds vertebrae on frontal films only".to_owned());
         return Ok(Json(DetectionView { refused, doubt: None, proposals: Vec::new() }));
     }
-    let image = spineline_files::parse_image(&film.image, film.view).map_err(StoreError::from)?;
+    let image = film.geometry()?;
     let shown = screen(&state, &film.content).await?;
     let _permit = state.films().decoding().await?;
     let found = computed(move || in_picture(&shown, &image)).await?;

@@ -7,9 +7,7 @@ use spineline::measure::{
     CornerName, ImageGeometry, NextLandmark, PartialLandmarks, PartialReading, ProposedVertebra,
 };
 use spineline::spatial::{Angle, Pixel};
-use spineline_store::{
-    Corner, CornerOrigin, Event, PatientSide, ReadingState, SeenReading, Store, StoreError,
-};
+use spineline_store::{Corner, CornerOrigin, Event, PatientSide, ReadingState, SeenReading, Store};
 
 use super::lost;
 use crate::api::{
@@ -49,7 +47,7 @@ fn view_of(
     mine: bool,
 ) -> Answer<ReadingView> {
     let (record, film) = (&seen.record, &seen.film);
-    let image = spineline_files::parse_image(&film.image, film.view).map_err(StoreError::from)?;
+    let image = film.geometry()?;
     let view = film.view;
     let is_lateral = view == FilmView::Lateral;
     let landmarks = landmarks(state, view);

@@ -6,7 +6,7 @@ use spineline::anatomy::Level;
 use spineline::measure::turn_axis_towards;
 use spineline::spatial::Pixel;
 use spineline_files::LevelKey;
-use spineline_store::{Event, FilmRecord, ReadingId, Store, StoreError};
+use spineline_store::{Event, FilmRecord, ReadingId, Store};
 
 use super::live::{followed, in_hand};
 use crate::access::seen_reading;
@@ -68,7 +68,7 @@ fn turned(film: &FilmRecord, view: &ReadingView, turn: &TurnAxis) -> Answer<Even
         let text = format!("{level} has no axis: it needs four corners");
         refused(text, "place the missing corners first")
     })?;
-    let image = spineline_files::parse_image(&film.image, film.view).map_err(StoreError::from)?;
+    let image = film.geometry()?;
     let [from, towards] = [midpoint, turn.towards_px].map(|[column, row]| Pixel::new(column, row));
     let axis = turn_axis_towards(&image, from, towards).ok_or_else(|| {
         refused(

@@ -76,7 +76,7 @@ fn summary_of(
     visibility: Visibility,
 ) -> FilmSummary {
     // A film with an invalid record must not hide all studies.
-    let image = spineline_files::parse_image(&film.image, film.view).unwrap_or(UNREADABLE);
+    let image = film.geometry().unwrap_or(UNREADABLE);
     let readings = overview.readings.iter().filter(|reading| reading.film == film.id);
     let readings =
         readings.filter(|_| visibility == Visibility::Open).map(|reading| ReadingSummary {
