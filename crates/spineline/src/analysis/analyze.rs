@@ -29,7 +29,7 @@ use crate::measure::{
 };
 use crate::motion::{Motion, least_windows, mean_least};
 use crate::multibody::{SpineModel, StiffnessLibrary};
-use crate::personalize::PreferredLoads;
+use crate::personalize::NearbyLoads;
 use crate::personalize::evidence::FilmEvidence;
 use crate::spatial::Frontal;
 use crate::warning::{Step, Warnings};
@@ -78,7 +78,7 @@ pub(crate) struct OtherReadings<'a> {
     /// Deviations of the films' measured values, in the order of the postures.
     pub noise: Vec<OutlineNoise>,
     /// Loads near which those of these readings are expected.
-    pub loads: Option<PreferredLoads>,
+    pub loads: Option<NearbyLoads>,
     /// Models near which those of these readings are expected.
     pub models: &'a [LineModel],
 }

@@ -8,7 +8,7 @@ use crate::action::{LineKind, LineOfAction};
 use crate::clinical::JointShares;
 use crate::curve::CurveSpread;
 use crate::personalize::evidence::FilmEvidence;
-use crate::personalize::{Crossing, LineTest, PreferredLoads, ProposedLine};
+use crate::personalize::{Crossing, LineTest, NearbyLoads, PreferredLoads, ProposedLine};
 use crate::spatial::{Angle, Frontal};
 use crate::warning::{Step, Warnings};
 
@@ -85,18 +85,29 @@ impl Analysis {
     pub fn preferred_loads(&self) -> Option<PreferredLoads> {
         preferred_loads_near(self.findings(), None)
     }
+
+    /// The same, for fits to other readings of the films.
+    pub(crate) fn nearby_loads(&self) -> Option<NearbyLoads> {
+        let (found, findings) = (self.preferred_loads()?, self.findings());
+        let films = evidence_of(findings);
+        NearbyLoads::about(&found, &films, findings.depth_mm(), &joint_shares(findings))
+    }
 }
 
 fn preferred_loads_near(
     findings: Findings<'_>,
-    near: Option<&PreferredLoads>,
+    near: Option<&NearbyLoads>,
 ) -> Option<PreferredLoads> {
     if findings.film_without_scale().is_some() {
         return None;
     }
-    let films: Vec<&FilmEvidence> =
-        findings.postures.iter().filter_map(|p| p.evidence.as_ref()).collect();
+    let films = evidence_of(findings);
     PreferredLoads::estimate(&films, findings.depth_mm(), &joint_shares(findings), near)
+}
+
+/// Of every film that has it.
+fn evidence_of(findings: Findings<'_>) -> Vec<&FilmEvidence> {
+    findings.postures.iter().filter_map(|posture| posture.evidence.as_ref()).collect()
 }
 
 /// Which part of every joint lies in which region: regions end at the inflections, unless these give no three regions.
@@ -118,7 +129,7 @@ fn joint_shares(findings: Findings<'_>) -> JointShares {
 /// The line of best fit to the rotations of every film, by posture, from loads that are expected near; empty where there are none.
 pub(super) fn prefer_lines(
     findings: Findings<'_>,
-    near: Option<&PreferredLoads>,
+    near: Option<&NearbyLoads>,
     warnings: &mut Warnings,
 ) -> Vec<Option<PreferredLine>> {
     // Without lengths there are no lines.

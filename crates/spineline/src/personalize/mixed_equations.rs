@@ -85,6 +85,11 @@ pub(super) struct Linearized<'a> {
 }
 
 impl Linearized<'_> {
+    /// Of the loads, the free multipliers and the centres.
+    fn gauss_newton_step(&self) -> DVector<f64> {
+        (&self.covariance * &self.slope).component_div(&self.scales)
+    }
+
     /// One scoring step of the variances' logarithms. Their priors keep them off zero, where nothing would be known of them.
     fn scoring_step(&self, variances: Vector3<f64>) -> Vector3<f64> {
         const MAX_LOG_SCORING_STEP: f64 = 2.0;
@@ -246,7 +251,7 @@ impl<'a> Fit<'a> {
     /// One scoring step of the variances, and one Gauss-Newton step of multipliers and centres. Alone they converge slowly:
     /// residuals are large, and scoring knows the expected curvature only.
     pub fn iterate(&self, at: &Linearized<'_>, variances: Vector3<f64>) -> IterationStep {
-        let step = (&at.covariance * &at.slope).component_div(&at.scales);
+        let step = at.gauss_newton_step();
         let mut change = &at.ways * step.rows(3 * self.films, at.ways.ncols());
         let longest = change.amax();
         let part = if longest > MAX_LOG_STEP { MAX_LOG_STEP / longest } else { 1.0 };
@@ -269,6 +274,37 @@ impl<'a> Fit<'a> {
         let all = variances.iter().chain(&self.logs).copied();
         let higher = self.centres_higher_discs / MAX_HIGHER_DISCS;
         DVector::from_iterator(VARIANCES + 2 + self.logs.len(), all.chain([higher, self.evenness]))
+    }
+
+    /// The same, and then the loads in parts of some sizes.
+    pub fn place_with_loads(&self, variances: Vector3<f64>, sizes: &DVector<f64>) -> DVector<f64> {
+        beside_each_other(&self.place(variances), &self.loads.component_div(sizes))
+    }
+
+    /// Takes all of such a place, and answers with its variances.
+    pub fn set_place_with_loads(
+        &mut self,
+        place: &DVector<f64>,
+        sizes: &DVector<f64>,
+    ) -> Vector3<f64> {
+        self.loads = place.rows(place.len() - sizes.len(), sizes.len()).component_mul(sizes);
+        self.set_unknowns(place)
+    }
+
+    /// One round for such a place: as [`Fit::iterate`], and the loads by the same Gauss-Newton step.
+    pub fn step_with_loads(
+        &self,
+        at: &Linearized<'_>,
+        variances: Vector3<f64>,
+        sizes: &DVector<f64>,
+    ) -> DVector<f64> {
+        let loads = at.gauss_newton_step().rows(0, sizes.len()).component_div(sizes);
+        beside_each_other(&self.iterate(at, variances).step(), &loads)
+    }
+
+    /// Groups of joints that share a multiplier.
+    pub fn groups(&self) -> usize {
+        self.logs.len()
     }
 
     /// Whether a multiplier would be put on its bound.
@@ -349,6 +385,10 @@ impl<'a> Fit<'a> {
             covariance,
         }
     }
+}
+
+fn beside_each_other(first: &DVector<f64>, then: &DVector<f64>) -> DVector<f64> {
+    DVector::from_iterator(first.len() + then.len(), first.iter().chain(then).copied())
 }
 
 /// A matrix with further columns.

@@ -23,6 +23,7 @@ mod fit;
 mod identify;
 mod line_test;
 mod mixed_equations;
+mod nearby_loads;
 mod preferred;
 mod problem;
 mod random_effects;
@@ -39,6 +40,7 @@ pub use identify::{
     StiffnessDirection, identify,
 };
 pub use line_test::{Crossing, LineTest, ProposedLine, SIGNIFICANCE};
+pub(crate) use nearby_loads::NearbyLoads;
 pub use preferred::PreferredLoads;
 pub(crate) use shape_weights::{ROWS_PER_VERTEBRA, ShapeRows, ShapeWeights};
 pub use start::Start;

@@ -47,6 +47,7 @@ use nalgebra::{DMatrix, DVector, Vector3};
 use super::acceleration::{IterationStep, anderson_step};
 use super::evidence::FilmEvidence;
 use super::mixed_equations::{Fit, Linearized, MAX_VARIANCES};
+use super::nearby_loads::NearbyLoads;
 use super::random_effects::Waves;
 use crate::clinical::JointShares;
 
@@ -72,46 +73,42 @@ pub struct PreferredLoads {
 }
 
 const ROUNDS: usize = 150;
-/// The same from nearby, before the usual iteration takes over.
-const ROUNDS_WITH_LOADS: usize = 40;
 /// From this round on steps are shortened and not extrapolated: some fits go to and fro.
 const DAMPED_FROM: usize = 30;
 const DAMPING: f64 = 0.35;
 /// The iteration has converged when no unknown moves by more than this.
-const CONVERGED_STEP: f64 = 1e-4;
+pub(super) const CONVERGED_STEP: f64 = 1e-4;
 
 impl PreferredLoads {
     /// Fits them; `None` without films, where the films' joints do not determine the loads, or where the fit does not converge.
     ///
-    /// `depth_mm` is the sagittal place of the forces. `near` is a fit that is thought to end nearby, such as that of other
-    /// readings of the same films.
+    /// `depth_mm` is the sagittal place of the forces. `near` is where the fit to other readings of the same films ended.
     #[must_use]
-    pub fn estimate(
+    pub(crate) fn estimate(
         films: &[&FilmEvidence],
         depth_mm: f64,
         shares: &JointShares,
-        near: Option<&Self>,
+        near: Option<&NearbyLoads>,
     ) -> Option<Self> {
         let waves = Waves::new(shares.0.nrows());
-        let mut fit = Fit::new(films, depth_mm, shares, &waves)?;
-        let near = near.filter(|near| near.log_multipliers.len() == shares.0.ncols());
-        let from_near = near.and_then(|near| {
-            let variances = near.begin(&mut fit);
-            settle_with_loads(&mut fit, variances)
-        });
-        let (variances, at) = match from_near {
+        let begin = || Fit::new(films, depth_mm, shares, &waves);
+        let mut fit = begin()?;
+        let near = near.filter(|near| near.has_groups(shares.0.ncols()));
+        let (variances, at) = match near.and_then(|near| near.settle(&mut fit)) {
             Some(found) => found,
             None => {
-                let variances = near.map_or(MAX_VARIANCES * 1e-2, |near| near.begin(&mut fit));
-                settle(&mut fit, variances)?
+                fit = begin()?;
+                settle(&mut fit, MAX_VARIANCES * 1e-2)?
             }
         };
         Some(fit.finish(variances, &at))
     }
 
     /// Puts its unknowns in a fit, and answers with its variances.
-    fn begin(&self, fit: &mut Fit<'_>) -> Vector3<f64> {
+    pub(super) fn begin(&self, fit: &mut Fit<'_>) -> Vector3<f64> {
         let sds = [self.joint_log_sd, self.centre_sd_discs, self.trend_log_sd];
+        fit.loads =
+            DVector::from_iterator(fit.loads.len(), self.components.iter().flatten().copied());
         fit.begin(&self.log_multipliers, self.centres_higher_discs, self.evenness);
         Vector3::from(sds.map(|sd| sd.powi(2)))
     }
@@ -144,50 +141,6 @@ fn settle<'a>(
         if !converged {
             fit.loads = &before + (&fit.loads - &before) * damping;
         }
-        state = fit.linearize(variances)?;
-        if converged {
-            return Some((variances, state));
-        }
-    }
-    None
-}
-
-/// The same from a place nearby, with the loads in the place that is extrapolated: they follow the weights of the round before, which
-/// confuses an extrapolation without them, so that it goes to and fro.
-fn settle_with_loads<'a>(
-    fit: &mut Fit<'a>,
-    mut variances: Vector3<f64>,
-) -> Option<(Vector3<f64>, Linearized<'a>)> {
-    const MEMORY: usize = 5;
-    /// Loads count in parts of their own size.
-    const CONVERGED_LOADS: f64 = 10.0 * CONVERGED_STEP;
-    fit.solve_loads(None)?;
-    let mut state = fit.linearize(variances)?;
-    fit.solve_loads(Some(&state.own))?;
-    state = fit.linearize(variances)?;
-    let sizes = fit.load_sizes();
-    let mut steps: Vec<IterationStep> = Vec::new();
-    for _ in 0..ROUNDS_WITH_LOADS {
-        let step = fit.iterate(&state, variances);
-        let (unknowns, before) = (step.from.len(), fit.loads.component_div(&sizes));
-        fit.set_unknowns(&step.to);
-        fit.solve_loads(Some(&state.own))?;
-        let after = fit.loads.component_div(&sizes);
-        let converged =
-            step.step().amax() < CONVERGED_STEP && (&after - &before).amax() < CONVERGED_LOADS;
-        let joined = |place: &DVector<f64>, loads: &DVector<f64>| {
-            DVector::from_iterator(unknowns + loads.len(), place.iter().chain(loads).copied())
-        };
-        let joint =
-            IterationStep { from: joined(&step.from, &before), to: joined(&step.to, &after) };
-        steps.insert(0, joint);
-        steps.truncate(MEMORY);
-        let extrapolated = anderson_step(&steps);
-        let is_alone = converged || fit.is_bounded(&extrapolated);
-        let end = if is_alone { &steps[0].to } else { &extrapolated };
-        let place = fit.within(end.rows(0, unknowns).into_owned());
-        variances = fit.set_unknowns(&place);
-        fit.loads = end.rows(unknowns, sizes.len()).component_mul(&sizes);
         state = fit.linearize(variances)?;
         if converged {
             return Some((variances, state));

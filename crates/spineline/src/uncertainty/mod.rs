@@ -127,7 +127,7 @@ impl<'a> MonteCarlo<'a> {
             noisy: NoisyCase::new(case, nominal, noise, seed)?,
             known: OtherReadings {
                 noise: nominal.postures.iter().map(|p| OutlineNoise::of(&p.outline)).collect(),
-                loads: nominal.preferred_loads(),
+                loads: nominal.nearby_loads(),
                 models: &nominal.models,
             },
             quantities: quantities::all_of(nominal, &kinds),
