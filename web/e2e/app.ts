@@ -187,9 +187,9 @@ export async function expectAccessible(page: Page): Promise<void> {
   expect(found).toEqual([]);
 }
 
-/** Stores a screenshot of the page. */
+/** Stores a screenshot of the page, where somebody wants to look: with `SPINELINE_SHOTS`. */
 export async function shot(page: Page, name: string): Promise<void> {
-  await page.screenshot({ path: `e2e/shots/${name}.png` });
+  if (process.env.SPINELINE_SHOTS) await page.screenshot({ path: `e2e/shots/${name}.png` });
 }
 
 export { expect };

@@ -94,7 +94,7 @@ test("a lateral film beside the erect one: heights, the spine in space, corners 
     await page.emulateMedia({ colorScheme });
     expect(await page.evaluate(() => document.scrollingElement!.scrollWidth)).toBe(width);
     await expectAccessible(page);
-    if (process.env.SPINELINE_SHOTS) await shot(page, `lateral-${width}-${colorScheme}`);
+    await shot(page, `lateral-${width}-${colorScheme}`);
   }
 
   await page.goto(new URL(`#/studies/${PATIENT}/measure`, app.address).href);
@@ -119,7 +119,7 @@ test("a lateral film beside the erect one: heights, the spine in space, corners 
   expect(vertebrae[0]!.corners.map(({ corner }) => corner)).toContain("superior_anterior");
   expect(faults).toEqual([]);
   await expectAccessible(page);
-  if (process.env.SPINELINE_SHOTS) await shot(page, "lateral-marking");
+  await shot(page, "lateral-marking");
 
   await films.getByRole("link", { name: /^erect/i }).click();
   await film.begin();

@@ -52,7 +52,7 @@ async function lookAt(page: Page, name: string): Promise<string[]> {
       if (!isChecked && !process.env.SPINELINE_SHOTS) continue;
       await page.emulateMedia({ colorScheme });
       if (isChecked) await expectAccessible(page);
-      if (process.env.SPINELINE_SHOTS) await shot(page, `look-${name}-${width}-${colorScheme}`);
+      await shot(page, `look-${name}-${width}-${colorScheme}`);
     }
   }
   return wide;

@@ -148,7 +148,7 @@ fn films_of_phantoms_make_a_synthetic_case_and_one_of_a_patient_does_not() {
 fn landmarks_of_another_program_lie_on_their_films() {
     let here = Here::new();
     let program = || assert_cmd::Command::cargo_bin("spineline").expect("the program");
-    let make = ["phantom", "--subject", "1", "--out", "p", "--noise", "0"];
+    let make = ["phantom", "--subject", "1", "--out", "p", "--noise", "0", "--pixel-size", "2"];
     program().current_dir(here.path("")).args(make).assert().success();
     let case = fs::read_to_string(here.path("p/phantom-rod-01.json")).expect("written");
     let case: Json = serde_json::from_str(&case).expect("JSON");
