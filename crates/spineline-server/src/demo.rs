@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use axum::extract::State;
 use axum::http::StatusCode;
+use rayon::prelude::*;
 use spineline::anatomy::Posture;
 use spineline_films::{Encoding, FilmLimits, read_film};
 use spineline_phantom::{Readers, Truth, generate};
@@ -69,16 +70,17 @@ fn draw() -> Answer<Drawn> {
     let phantom = generate(0, Truth::Rod, &Readers::default(), SEED)
         .map_err(|error| internal(error.to_string()))?
         .coarser(COARSER);
-    let mut films: BTreeMap<Posture, DrawnFilm> = BTreeMap::new();
-    let mut thumbnails = Vec::new();
-    for film in &phantom.films {
+    // A film keeps one core busy while it is compressed.
+    let drawn = phantom.films.par_iter().map(|film| -> Answer<_> {
         let drawn = draw_film(&phantom, film, Encoding::JpegLs)
             .map_err(|error| internal(error.to_string()))?;
         // The program has just written it.
         let read = read_film(&drawn.bytes, &FilmLimits::default())?;
-        thumbnails.push((Hash::of(&drawn.bytes), draw_thumbnails(&read)));
-        films.insert(film.posture, drawn);
-    }
+        let thumbnails = (Hash::of(&drawn.bytes), draw_thumbnails(&read));
+        Ok(((film.posture, drawn), thumbnails))
+    });
+    let drawn = drawn.collect::<Answer<Vec<_>>>()?;
+    let (films, thumbnails): (BTreeMap<Posture, DrawnFilm>, Vec<_>) = drawn.into_iter().unzip();
     let text = spineline_files::to_text(&case_file(&phantom, &films));
     let bytes_of = |file: &str| {
         let film = films.values().find(|film| film.file == file);

@@ -191,16 +191,20 @@ impl<'a> Trunk<'a> {
     }
 
     fn bowel(&self, point: Point) -> f32 {
-        let wobble = 0.22 * rough(point[0] / 13.0, point[1] / 13.0, 2, self.seed ^ 9);
-        self.gas
-            .iter()
-            .map(|gas| {
-                let x = (point[0] - gas.centre[0]) / gas.half[0];
-                let z = (point[1] - gas.centre[1]) / gas.half[1];
-                let inside = 1.0 - x.hypot(z);
-                if inside < -0.6 { 0.0 } else { gas.strength * soft_edge(inside + wobble, 0.16) }
-            })
-            .fold(0.0, f32::max)
+        // A bubble ends at 1.6 times its half axes. Most places are outside of all, and need no wobble of their edges.
+        let near = self.gas.iter().filter_map(|gas| {
+            let x = (point[0] - gas.centre[0]) / gas.half[0];
+            let z = (point[1] - gas.centre[1]) / gas.half[1];
+            let inside = if x.abs().max(z.abs()) > 1.6 { -1.0 } else { 1.0 - x.hypot(z) };
+            (inside >= -0.6).then_some((gas.strength, inside))
+        });
+        let mut wobble = None;
+        near.fold(0.0, |most, (strength, inside)| {
+            let wobble = *wobble.get_or_insert_with(|| {
+                0.22 * rough(point[0] / 13.0, point[1] / 13.0, 2, self.seed ^ 9)
+            });
+            most.max(strength * soft_edge(inside + wobble, 0.16))
+        })
     }
 
     /// Branching vessels from the roots of the lungs.
