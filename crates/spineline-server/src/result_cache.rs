@@ -9,6 +9,7 @@ use spineline::analysis::{Analysis, LinesCompared, ModelsVerdict, analyze};
 use spineline::anatomy::Posture;
 use spineline_files::method_text::missing_known_force;
 use spineline_store::{CaseReadings, CurrentCase, CurrentFilm, Name, Store, StoreError};
+use tokio::sync::oneshot;
 
 use crate::problem::{Answer, Failure};
 use crate::words;
@@ -177,7 +178,13 @@ impl ResultCache {
 /// # Errors
 /// A refusal if the computation failed.
 pub async fn computed<T: Send + 'static>(work: impl FnOnce() -> T + Send + 'static) -> Answer<T> {
-    tokio::task::spawn_blocking(work).await.map_err(|_| {
+    let (sender, result) = oneshot::channel();
+    // Tasks are of one type, so that they are compiled once and not for each work.
+    let task: Box<dyn FnOnce() + Send> = Box::new(move || {
+        let _ = sender.send(work());
+    });
+    tokio::task::spawn_blocking(task);
+    result.await.map_err(|_| {
         Failure::new(StatusCode::INTERNAL_SERVER_ERROR, "internal", "the computation failed")
             .help("the program has a bug: please report it with the case file")
     })
