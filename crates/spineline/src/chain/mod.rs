@@ -156,35 +156,60 @@ impl Chain {
     #[must_use]
     pub fn lay(&self, curve: &Curve) -> ChainPose {
         let mut last = Joint::at(curve, 0.0);
-        let mut stride_mm = [self.segment_mm / last.tangent.norm_mm(); 3];
-        let (mut t_mm, mut joints) = (vec![last.t_mm], vec![last.point]);
-        loop {
-            // Strides change slowly from link to link, so that the next is extrapolated from the last three.
-            let guess_mm = last.t_mm + 3.0 * (stride_mm[2] - stride_mm[1]) + stride_mm[0];
-            let next = last.next(curve, guess_mm, self.segment_mm);
-            if next.t_mm > curve.end_mm() {
-                break;
+        let mut strides_mm = [self.segment_mm / last.tangent.norm_mm(); 3];
+        let most = self.segments + self.segments / 8;
+        let (mut t_mm, mut joints) = (Vec::with_capacity(most), Vec::with_capacity(most));
+        t_mm.push(last.t_mm);
+        joints.push(last.point);
+        'links: loop {
+            for expected in Joint::expected(curve, last.t_mm, strides_mm) {
+                let next = last.next(curve, expected, self.segment_mm);
+                if next.t_mm > curve.end_mm() {
+                    break 'links;
+                }
+                strides_mm = [strides_mm[1], strides_mm[2], next.t_mm - last.t_mm];
+                t_mm.push(next.t_mm);
+                joints.push(next.point);
+                last = next;
             }
-            stride_mm = [stride_mm[1], stride_mm[2], next.t_mm - last.t_mm];
-            t_mm.push(next.t_mm);
-            joints.push(next.point);
-            last = next;
         }
-        let mut tilt_below = Angle::ZERO;
-        let joint_angles = joints
-            .windows(2)
-            .map(|link| {
-                let tilt = (link[1] - link[0]).lateral_tilt();
-                let angle = (tilt - tilt_below).wrapped();
-                tilt_below = tilt;
-                angle
-            })
-            .collect();
+        let joint_angles = joint_angles(&joints, self.segment_mm);
         let end = curve.point(curve.end_mm());
         let leftover_mm = joints[joints.len() - 1].distance_mm(end);
         ChainPose { joints, t_mm, joint_angles, leftover_mm }
     }
 }
+
+/// The turn of every link against the one below; the link below the first is +Z. All links have one length.
+fn joint_angles(joints: &[Frontal], segment_mm: f64) -> Vec<Angle> {
+    let per_square_mm = 1.0 / (segment_mm * segment_mm);
+    let mut below = Frontal::new(0.0, segment_mm);
+    let links = joints.windows(2).map(|ends| ends[1] - ends[0]);
+    links
+        .map(|link| {
+            let [sine, cosine] = [below.cross(link), below.dot(link)];
+            below = link;
+            angle_of(sine * per_square_mm, cosine * per_square_mm)
+        })
+        .collect()
+}
+
+/// The angle of a sine and a cosine. Nearly all links turn by milliradians, whose arcsine is summed from its series in place.
+///
+/// # Accuracy
+/// The first omitted term is 3e-19 of the angle at the largest sine for which the series is used.
+fn angle_of(sine: f64, cosine: f64) -> Angle {
+    const SMALL: f64 = 0.02;
+    if cosine < 0.0 || sine.abs() > SMALL {
+        return Angle::from_sin_cos(sine, cosine);
+    }
+    let u = sine * sine;
+    let series = 1.0 / 6.0 + u * (3.0 / 40.0 + u * (15.0 / 336.0 + u * (105.0 / 3456.0)));
+    Angle::from_rad(sine + sine * u * series)
+}
+
+/// How many joints are foreseen at once.
+const AT_ONCE: usize = 4;
 
 /// A place on a curve where a link begins.
 struct Joint {
@@ -199,16 +224,37 @@ impl Joint {
         Self { t_mm, point, tangent }
     }
 
-    /// Where the chord from here has the length of a link, sought from a guess; perhaps beyond T2.
-    fn next(&self, curve: &Curve, guess_mm: f64, segment_mm: f64) -> Self {
+    /// Where the next joints lie about, from the last three strides, which change slowly from link to link. The curve is evaluated at
+    /// all of them at once, so that the links need not wait for it one by one.
+    fn expected(curve: &Curve, t_mm: f64, strides_mm: [f64; 3]) -> [Self; AT_ONCE] {
+        let [before, last, mut stride_mm] = strides_mm;
+        let mut growth_mm = stride_mm - last;
+        let growth_of_growth_mm = growth_mm - (last - before);
+        let mut next_mm = t_mm;
+        let places_mm = std::array::from_fn(|_| {
+            growth_mm += growth_of_growth_mm;
+            stride_mm += growth_mm;
+            next_mm += stride_mm;
+            next_mm
+        });
+        let all = curve.points_and_tangents::<AT_ONCE>(places_mm);
+        std::array::from_fn(|i| {
+            let (point, tangent) = all[i];
+            Self { t_mm: places_mm[i], point, tangent }
+        })
+    }
+
+    /// Where the chord from here has the length of a link, sought from where it is expected; perhaps beyond T2.
+    fn next(&self, curve: &Curve, expected: Self, segment_mm: f64) -> Self {
         /// What Newton's method leaves after a step of this size is of its square, times the curvature: below rounding.
         const SMALL_MM: f64 = 3e-6;
-        let mut next = Self::at(curve, guess_mm);
+        let mut next = expected;
         // Newton on |p(t) - joint| = l; the chord is nearly straight, so that one or two steps meet rounding.
         for _ in 0..8 {
             let chord = next.point - self.point;
             let length = chord.dot(chord).sqrt();
-            let step = (length - segment_mm) * length / chord.dot(next.tangent);
+            let per_mm2 = 1.0 / chord.dot(next.tangent);
+            let step = (length - segment_mm) * length * per_mm2;
             if step.abs() < SMALL_MM {
                 next.t_mm -= step;
                 next.point = next.point - next.tangent * step;
@@ -271,6 +317,18 @@ mod tests {
             (1..20_000).map(|i| sum(short + (long - short) * f64::from(i) / 20_000.0)).min();
         assert_eq!(Some(chain.difference), least);
         assert_eq!(sum(chain.segment_mm), chain.difference);
+    }
+
+    #[test]
+    fn small_angles_agree_with_the_library() {
+        // Oracle: the library's sine and cosine.
+        for i in -4000..=4000 {
+            let rad = 1e-5 * f64::from(i);
+            let found = angle_of(rad.sin(), rad.cos()).rad();
+            assert!((found - rad).abs() <= 2.0 * f64::EPSILON * rad.abs(), "{rad}: {found}");
+        }
+        let back = angle_of(1e-3_f64.sin(), -1e-3_f64.cos()).rad();
+        assert!((back - (std::f64::consts::PI - 1e-3)).abs() < 1e-15);
     }
 
     #[test]

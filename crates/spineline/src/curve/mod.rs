@@ -81,9 +81,18 @@ impl Curve {
     /// Point and tangent together, for less than the two apart.
     #[must_use]
     pub fn point_and_tangent(&self, t_mm: f64) -> (Frontal, Frontal) {
-        let [y, dy] = self.y.value_and_slope(t_mm);
-        let [z, dz] = self.z.value_and_slope(t_mm);
-        (Frontal::new(y, t_mm + z), Frontal::new(dy, 1.0 + dz))
+        let [both] = self.points_and_tangents([t_mm]);
+        both
+    }
+
+    /// The same at several places, for less than one by one.
+    #[must_use]
+    pub fn points_and_tangents<const N: usize>(&self, t_mm: [f64; N]) -> [(Frontal, Frontal); N] {
+        let (y, dy) = self.y.values_and_slopes(t_mm);
+        let (z, dz) = self.z.values_and_slopes(t_mm);
+        std::array::from_fn(|i| {
+            (Frontal::new(y[i], t_mm[i] + z[i]), Frontal::new(dy[i], 1.0 + dz[i]))
+        })
     }
 
     /// Lateral tilt of the tangent.
@@ -126,10 +135,9 @@ impl Curve {
         (0..pieces)
             .map(|piece| {
                 let middle = half * f64::from(2 * piece + 1);
-                NODES
-                    .iter()
-                    .map(|(x, w)| w * self.tangent(middle + half * x).norm_mm())
-                    .sum::<f64>()
+                let nodes = self.points_and_tangents(NODES.map(|(x, _)| middle + half * x));
+                let tangents = nodes.iter().zip(NODES);
+                tangents.map(|((_, tangent), (_, w))| w * tangent.norm_mm()).sum::<f64>()
             })
             .sum::<f64>()
             * half

@@ -23,22 +23,39 @@ impl Series {
         self.value_and_slope(t_mm)[0]
     }
 
-    /// Value and first derivative: the sum over the polynomials and its derivative by Clenshaw's recurrence [clenshaw-1955].
+    /// Value and first derivative.
     pub(super) fn value_and_slope(&self, t_mm: f64) -> [f64; 2] {
-        let u = t_mm / self.scale_mm;
-        let x = 2.0 * u - 1.0;
-        let Some((first, others)) = self.coefficients.split_first() else { return [0.0; 2] };
+        let ([value], [slope]) = self.values_and_slopes([t_mm]);
+        [value, slope]
+    }
+
+    /// Values and first derivatives at several places, which do not wait for one another: the sum over the polynomials and its
+    /// derivative by Clenshaw's recurrence [clenshaw-1955].
+    #[inline]
+    pub(super) fn values_and_slopes<const N: usize>(&self, t_mm: [f64; N]) -> ([f64; N], [f64; N]) {
+        let u = t_mm.map(|t| t / self.scale_mm);
+        let x = u.map(|u| 2.0 * u - 1.0);
+        let Some((first, others)) = self.coefficients.split_first() else {
+            return ([0.0; N], [0.0; N]);
+        };
         // At the orders k + 1 and k + 2.
-        let ([mut sum, mut before], [mut rate, mut rate_before]) = ([0.0; 2], [0.0; 2]);
+        let ([mut sum, mut before], [mut rate, mut rate_before]) = ([[0.0; N]; 2], [[0.0; N]; 2]);
         for coefficient in others.iter().rev() {
-            let next_rate = 2.0 * (sum + x * rate) - rate_before;
-            let next = coefficient + (2.0 * x * sum - before);
-            (before, sum) = (sum, next);
-            (rate_before, rate) = (rate, next_rate);
+            for i in 0..N {
+                let next_rate = 2.0 * (sum[i] + x[i] * rate[i]) - rate_before[i];
+                let next = coefficient + (2.0 * x[i] * sum[i] - before[i]);
+                (before[i], sum[i]) = (sum[i], next);
+                (rate_before[i], rate[i]) = (rate[i], next_rate);
+            }
         }
-        let q = first + (x * sum - before);
-        let dq_by_u = 2.0 * (sum + x * rate - rate_before);
-        [self.scale_mm * u * u * q, u * (2.0 * q + u * dq_by_u)]
+        let (mut values, mut slopes) = ([0.0; N], [0.0; N]);
+        for i in 0..N {
+            let q = first + (x[i] * sum[i] - before[i]);
+            let dq_by_u = 2.0 * (sum[i] + x[i] * rate[i] - rate_before[i]);
+            values[i] = self.scale_mm * u[i] * u[i] * q;
+            slopes[i] = u[i] * (2.0 * q + u[i] * dq_by_u);
+        }
+        (values, slopes)
     }
 
     /// Value, first and second derivative.
