@@ -267,9 +267,11 @@ fn measure(
     warn_of_shortened_chain(levels, &seen, warnings);
     // Nobody reads doubts about perturbed landmarks, and they take a tenth of the time of a replicate.
     let reports_doubts = known.is_none();
+    let mut held = known.into_iter().flat_map(|(noise, _)| noise);
     let mut outlines = Vec::new();
     for (film, measured) in films.iter().zip(&readings) {
-        outlines.push(outline_of((film, &measured.readings), levels, tilt, warnings)?);
+        let noise = held.next().map(|noise| noise.film);
+        outlines.push(outline_of((film, &measured.readings), levels, (tilt, noise), warnings)?);
         if reports_doubts {
             warn_of_implausible_landmarks(film, warnings);
         }

@@ -13,16 +13,15 @@ pub(super) fn average(
     let mut values: BTreeMap<Level, Vec<Placement>> = BTreeMap::new();
     for reading in placed {
         for (&level, &placement) in reading {
-            values.entry(level).or_default().push(placement);
+            values.entry(level).or_insert_with(|| Vec::with_capacity(placed.len())).push(placement);
         }
     }
-    values.into_iter().map(|(level, all)| (level, (mean_placement(&all), all.len()))).collect()
+    values.into_iter().map(|(level, all)| (level, mean_placement(all))).collect()
 }
 
-/// Mean of some placements, of which there is at least one.
-fn mean_placement(all: &[Placement]) -> Placement {
+/// Mean of some placements, of which there is at least one, and their number.
+fn mean_placement(mut all: Vec<Placement>) -> (Placement, usize) {
     // Sums in a fixed order: the order of the readings must not reach the last bit.
-    let mut all = all.to_vec();
     all.sort_by(|a, b| {
         let key = |p: &Placement| [p.location.y_mm, p.location.z_mm, p.tilt.rad()];
         key(a).partial_cmp(&key(b)).expect("readings were checked to be finite")
@@ -43,5 +42,5 @@ fn mean_placement(all: &[Placement]) -> Placement {
     let program = ProgramNoise::of_mean(&programs);
     let origins: Option<Vec<VertebraOrigin>> = all.iter().map(|p| p.origin).collect();
     let origin = origins.and_then(|all| all.into_iter().reduce(VertebraOrigin::and));
-    Placement { location, tilt, endplates, program, origin }
+    (Placement { location, tilt, endplates, program, origin }, all.len())
 }

@@ -75,7 +75,8 @@ impl Noise {
 /// The noise of all vertebrae of a film, to be held while its landmarks move.
 #[derive(Debug, Clone)]
 pub(crate) struct OutlineNoise {
-    film: Noise,
+    /// Of landmarks alone.
+    pub film: Noise,
     program: BTreeMap<Level, ProgramNoise>,
     shared: Option<SharedErrors>,
 }

@@ -172,14 +172,15 @@ pub fn measure_film(
     let seen = [(film.posture, seen_levels(&readings))];
     let levels = common_levels(&seen)?;
     warn_of_shortened_chain(levels, &seen, warnings);
-    outline_of((film, &readings), levels, rule, warnings)
+    outline_of((film, &readings), levels, (rule, None), warnings)
 }
 
-/// The outline of a film whose readings were measured before; its base and its top are marked.
+/// The outline of a film whose readings were measured before; its base and its top are marked. Its noise is that of the readings, if it
+/// is not known from elsewhere.
 pub(crate) fn outline_of(
     (film, readings): (&Film, &[Reading<Placement>]),
     levels: Levels,
-    rule: TiltRule,
+    (rule, noise): (TiltRule, Option<Noise>),
     warnings: &mut Warnings,
 ) -> Result<Outline, MeasureError> {
     let posture = film.posture;
@@ -188,7 +189,6 @@ pub(crate) fn outline_of(
     let PlacedFilm { readings: placed, scale, iliac_normal, iliac_middle } =
         place_film(film, readings, warnings)?;
     let on_film = average(&placed);
-    let observers: Vec<&str> = readings.iter().map(|one| one.id.observer.as_str()).collect();
     let base = levels.base();
     let (base, _) = *on_film
         .get(&base)
@@ -215,7 +215,10 @@ pub(crate) fn outline_of(
         })
         .collect();
     check_marked(posture, &mut in_global, &scale, warnings)?;
-    let noise = Noise::of_means(&observers, &placed, &on_film);
+    let noise = noise.unwrap_or_else(|| {
+        let observers: Vec<&str> = readings.iter().map(|one| one.id.observer.as_str()).collect();
+        Noise::of_means(&observers, &placed, &on_film)
+    });
     let shared_errors =
         SharedErrors::of_film((film, &program), rule, &in_global, (base.tilt, &scale));
     let vertebrae = vertebrae_of(posture, levels, &in_global, &noise)?;

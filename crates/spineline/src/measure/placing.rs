@@ -27,10 +27,9 @@ fn body_of(
     posture: Posture,
     image: &ImageGeometry,
     reading: &Reading<VertebraLandmarks>,
-    level: Level,
+    (level, landmark): (Level, &VertebraLandmarks),
 ) -> Result<Corners<Frontal>, MeasureError> {
     let id = || reading.id.clone();
-    let landmark = &reading.vertebrae[&level];
     let finite = landmark.axis_clockwise.is_none_or(|axis| axis.rad().is_finite());
     if !(finite && landmark.corners.points().iter().all(|corner| corner.is_finite())) {
         return Err(MeasureError::NotFinite { posture, id: id(), level });
@@ -117,6 +116,14 @@ pub(super) fn program_corners(film: &Film, warnings: &mut Warnings) -> Vec<Optio
     all
 }
 
+/// A vertebral body of a reading whose corners can be used.
+struct Body<'a> {
+    level: Level,
+    landmark: &'a VertebraLandmarks,
+    corners: Corners<Frontal>,
+    centre: Frontal,
+}
+
 fn place_usable(
     (posture, image): (Posture, &ImageGeometry),
     reading: &Reading<VertebraLandmarks>,
@@ -125,18 +132,19 @@ fn place_usable(
 ) -> Result<BTreeMap<Level, Placement>, MeasureError> {
     let id = || reading.id.clone();
     let fault = |level, fault| MeasureError::Corners { posture, id: id(), level, fault };
-    let (mut bodies, mut centres) = (BTreeMap::new(), BTreeMap::new());
-    for &level in reading.vertebrae.keys() {
-        match body_of(posture, image, reading, level) {
-            Ok(body) => drop(bodies.insert(level, body)),
+    let mut placed = Vec::with_capacity(reading.vertebrae.len());
+    for (&level, landmark) in &reading.vertebrae {
+        match body_of(posture, image, reading, (level, landmark)) {
+            Ok(corners) => placed.push((level, landmark, corners)),
             Err(error @ MeasureError::AxesExchanged { .. }) => return Err(error),
             Err(error) if is_needless(level, &error) => unusable.push((level, error)),
             Err(error) => return Err(error),
         }
     }
-    for (&level, body) in &bodies {
-        match body.measure_location() {
-            Ok(centre) => drop(centres.insert(level, centre)),
+    let mut bodies = Vec::with_capacity(placed.len());
+    for (level, landmark, corners) in placed {
+        match corners.measure_location() {
+            Ok(centre) => bodies.push(Body { level, landmark, corners, centre }),
             Err(found) => {
                 let error = fault(level, found);
                 if !is_needless(level, &error) {
@@ -146,14 +154,14 @@ fn place_usable(
             }
         }
     }
-    bodies.retain(|level, _| centres.contains_key(level));
-    for (levels, found) in wrong_bodies((posture, image), reading, &bodies, &centres)? {
+    for (levels, found) in wrong_bodies((posture, image), reading, &bodies)? {
         for level in levels {
             let error = fault(level, found);
             if !is_needless(level, &error) {
                 return Err(error);
             }
-            if bodies.remove(&level).is_some() {
+            if let Some(place) = bodies.iter().position(|body| body.level == level) {
+                bodies.remove(place);
                 unusable.push((level, error));
             }
         }
@@ -162,17 +170,16 @@ fn place_usable(
     let by_program = ProgramCorners::of(image, Some(posture), reading).ok().flatten();
     Ok(bodies
         .iter()
-        .map(|(&level, body)| {
-            let landmark = &reading.vertebrae[&level];
+        .map(|&Body { level, landmark, corners, centre }| {
             let by_hand = landmark.axis_clockwise;
-            let tilt =
-                by_hand.map_or_else(|| rule.tilt_of(body), |axis| image.tilt_from_clockwise(axis));
-            let endplates = Some(body.measure_endplates());
+            let tilt = by_hand
+                .map_or_else(|| rule.tilt_of(&corners), |axis| image.tilt_from_clockwise(axis));
+            let endplates = Some(corners.measure_endplates());
             let program = by_program
                 .as_ref()
                 .and_then(|corners| corners.noise(image, (level, landmark), rule));
             let origin = Some(VertebraOrigin::of(&landmark.origins));
-            (level, Placement { location: centres[&level], tilt, endplates, program, origin })
+            (level, Placement { location: centre, tilt, endplates, program, origin })
         })
         .collect())
 }
@@ -181,30 +188,27 @@ fn place_usable(
 fn wrong_bodies(
     (posture, image): (Posture, &ImageGeometry),
     reading: &Reading<VertebraLandmarks>,
-    bodies: &BTreeMap<Level, Corners<Frontal>>,
-    centres: &BTreeMap<Level, Frontal>,
+    bodies: &[Body<'_>],
 ) -> Result<[(Vec<Level>, CornerFault); 2], MeasureError> {
     let id = || reading.id.clone();
     // The steps from body to body say where cranial is, so that a film may be held in any pose; a single
     // misplaced body does not turn their sum.
-    let places: Vec<Frontal> = centres.values().copied().collect();
-    let cranial = places.windows(2).fold(Frontal::default(), |sum, pair| {
-        let step = pair[1] - pair[0];
+    let cranial = bodies.windows(2).fold(Frontal::default(), |sum, pair| {
+        let step = pair[1].centre - pair[0].centre;
         sum + step * (1.0 / step.norm_mm().max(f64::MIN_POSITIVE))
     });
-    let upside_down = |level: Level| places.len() > 1 && !bodies[&level].points_along(cranial);
-    let exchanged: Vec<Level> =
-        bodies.iter().filter(|(_, body)| !body.sides_agree()).map(|(&level, _)| level).collect();
-    if exchanged.len() == bodies.len()
-        && bodies.len() > 1
-        && !exchanged.iter().any(|&l| upside_down(l))
-    {
+    let upside_down = |body: &Body<'_>| bodies.len() > 1 && !body.corners.points_along(cranial);
+    let levels_where = |is_wrong: &dyn Fn(&Body<'_>) -> bool| -> Vec<Level> {
+        bodies.iter().filter(|body| is_wrong(body)).map(|body| body.level).collect()
+    };
+    let exchanged = levels_where(&|body| !body.corners.sides_agree());
+    let turned = levels_where(&upside_down);
+    if exchanged.len() == bodies.len() && bodies.len() > 1 && turned.is_empty() {
         // Exchanged columns and rows mirror the spine too, and lay it across the film.
         if cranial.y_mm.abs() > cranial.z_mm.abs() && fits_exchanged(image, reading) {
             return Err(MeasureError::AxesExchanged { posture, id: id(), count: bodies.len() });
         }
         return Err(MeasureError::FilmMirrored { posture, id: id(), count: bodies.len() });
     }
-    let turned: Vec<Level> = bodies.keys().copied().filter(|&level| upside_down(level)).collect();
     Ok([(turned, CornerFault::UpsideDown), (exchanged, CornerFault::SidesExchanged)])
 }
