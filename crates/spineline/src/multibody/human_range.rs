@@ -36,18 +36,26 @@ impl Deformed {
         assert_eq!(count, erect.axes.len(), "a shape of this model");
         let turned: Vec<Mat3> =
             self.axes.iter().zip(&erect.axes).map(|(now, then)| now * then.transpose()).collect();
-        let farthest = |gaps: std::ops::Range<usize>, limit: Angle| {
-            let pairs = gaps.flat_map(|gap| (0..count - gap).map(move |i| [i, i + gap]));
-            let rotations = pairs.map(|vertebrae| {
-                let rotation = rotation(&(turned[vertebrae[0]].transpose() * turned[vertebrae[1]]));
-                BeyondHumanRange { vertebrae, rotation, limit }
-            });
-            rotations
-                .filter(|pair| pair.rotation > limit)
-                .max_by(|a, b| a.rotation.rad().total_cmp(&b.rotation.rad()))
+        let between = |vertebrae: [usize; 2]| {
+            rotation(&(turned[vertebrae[0]].transpose() * turned[vertebrae[1]]))
         };
-        farthest(1..2.min(count), MAX_HUMAN_JOINT)
-            .or_else(|| farthest(2.min(count)..count, MAX_HUMAN_COLUMN))
+        let farthest = |pairs: &mut dyn Iterator<Item = ([usize; 2], Angle)>, limit: Angle| {
+            pairs
+                .filter(|(_, rotation)| *rotation > limit)
+                .max_by(|a, b| a.1.rad().total_cmp(&b.1.rad()))
+                .map(|(vertebrae, rotation)| BeyondHumanRange { vertebrae, rotation, limit })
+        };
+        let joints: Vec<Angle> = (1..count).map(|upper| between([upper - 1, upper])).collect();
+        let mut of_joints = joints.iter().enumerate().map(|(i, &rotation)| ([i, i + 1], rotation));
+        if let Some(joint) = farthest(&mut of_joints, MAX_HUMAN_JOINT) {
+            return Some(joint);
+        }
+        // No two vertebrae rotate farther than the joints between them do in sum.
+        if joints.iter().map(|rotation| rotation.rad()).sum::<f64>() < MAX_HUMAN_COLUMN.rad() {
+            return None;
+        }
+        let pairs = (2..count).flat_map(|gap| (0..count - gap).map(move |i| [i, i + gap]));
+        farthest(&mut pairs.map(|pair| (pair, between(pair))), MAX_HUMAN_COLUMN)
     }
 }
 
