@@ -178,7 +178,7 @@ impl<'a> Fit<'a> {
             }
         }
         let scales = scale_columns(&mut columns);
-        LoadColumns { weighed: self.precision.times(&columns), columns, scales }
+        LoadColumns { weighed: self.precision.times_of_films(&columns), columns, scales }
     }
 
     /// Rotations by the loads of now of all films' joints, with such responses.
@@ -393,8 +393,8 @@ fn beside_each_other(first: &DVector<f64>, then: &DVector<f64>) -> DVector<f64> 
 
 /// A matrix with further columns.
 fn beside(matrix: &DMatrix<f64>, further: &DMatrix<f64>) -> DMatrix<f64> {
-    let all = matrix.iter().chain(further).copied();
-    DMatrix::from_iterator(matrix.nrows(), matrix.ncols() + further.ncols(), all)
+    let all = [matrix.as_slice(), further.as_slice()].concat();
+    DMatrix::from_vec(matrix.nrows(), matrix.ncols() + further.ncols(), all)
 }
 
 /// By how much the responses grow where every joint's centre is shifted.

@@ -19,6 +19,8 @@ use super::weights::{Precision, inverse_of};
 pub(super) struct Waves {
     /// Joints by waves.
     shapes: DMatrix<f64>,
+    /// Waves by joints.
+    across: DMatrix<f64>,
     /// Variance of the walk, by wave.
     walk: DVector<f64>,
 }
@@ -36,7 +38,7 @@ impl Waves {
             _ => (0.5 / (0.5 * PI * wave as f64 / n).sin()).powi(2),
         });
         walk *= n / walk.sum();
-        Self { shapes, walk }
+        Self { across: shapes.transpose(), shapes, walk }
     }
 }
 
@@ -70,10 +72,9 @@ impl<'a> RandomEffects<'a> {
             }
         });
         let [stiffness, centres] = &rotations;
-        let across = waves.shapes.transpose();
         let mut known = DMatrix::from_diagonal(&prior);
-        let both = &across * precision.between([stiffness, stiffness]) * &waves.shapes;
-        let mixed = across * precision.between([stiffness, centres]);
+        let both = &waves.across * precision.between([stiffness, stiffness]) * &waves.shapes;
+        let mixed = &waves.across * precision.between([stiffness, centres]);
         known.view_mut((0, 0), (joints, joints)).zip_apply(&both, |sum, part| *sum += part);
         known.view_mut((joints, 0), (joints, joints)).copy_from(&mixed.transpose());
         known.view_mut((0, joints), (joints, joints)).copy_from(&mixed);
@@ -99,7 +100,7 @@ impl<'a> RandomEffects<'a> {
         };
         let [stiffness, centres] = self.rotations.each_ref().map(by_joints);
         let mut gathered = DMatrix::zeros(2 * joints, weighed.ncols());
-        gathered.rows_mut(0, joints).copy_from(&(self.waves.shapes.transpose() * stiffness));
+        gathered.rows_mut(0, joints).copy_from(&(&self.waves.across * stiffness));
         gathered.rows_mut(joints, joints).copy_from(&centres);
         gathered
     }

@@ -55,6 +55,25 @@ impl Precision {
         product
     }
 
+    /// The same of columns of which every film has as many, one film's after the other's, that are zero on all other films.
+    pub fn times_of_films(&self, columns: &DMatrix<f64>) -> DMatrix<f64> {
+        let (films, joints) = match self {
+            Self::Product { films, joints } => (films, joints),
+            Self::Whole { .. } => return self.times(columns),
+        };
+        let (of_one, count) = (joints.nrows(), columns.ncols() / films.nrows());
+        let mut product = DMatrix::zeros(columns.nrows(), columns.ncols());
+        for (film, weights) in films.column_iter().enumerate() {
+            let own = (film * of_one, film * count);
+            let by_joints = joints * columns.view(own, (of_one, count));
+            for (other, weight) in weights.iter().enumerate() {
+                let mut part = product.view_mut((other * of_one, own.1), (of_one, count));
+                part.zip_apply(&by_joints, |to, from| *to = weight * from);
+            }
+        }
+        product
+    }
+
     /// Per pair of joints: the sum over pairs of films of their precision times a rotation of either joint's own part.
     pub fn between(&self, [a, b]: [&DMatrix<f64>; 2]) -> DMatrix<f64> {
         match self {
@@ -147,10 +166,12 @@ pub(super) fn inverse_of(matrix: DMatrix<f64>) -> Option<DMatrix<f64>> {
 
 /// Divides every column by its largest entry, and answers with those: newtons and newton millimetres differ by hundreds.
 pub(super) fn scale_columns(matrix: &mut DMatrix<f64>) -> DVector<f64> {
-    let largest = matrix.column_iter().map(|column| column.amax().max(f64::MIN_POSITIVE));
-    let scales = DVector::from_iterator(matrix.ncols(), largest);
-    for (mut column, scale) in matrix.column_iter_mut().zip(scales.iter()) {
-        column /= *scale;
+    let mut scales = DVector::zeros(matrix.ncols());
+    let rows = matrix.nrows();
+    let columns = matrix.as_mut_slice().chunks_exact_mut(rows);
+    for (column, scale) in columns.zip(&mut scales) {
+        *scale = column.iter().fold(f64::MIN_POSITIVE, |most, entry| most.max(entry.abs()));
+        column.iter_mut().for_each(|entry| *entry /= *scale);
     }
     scales
 }
@@ -190,6 +211,12 @@ mod tests {
         let columns = DMatrix::from_fn(28, 3, |i, j| ((i * 7 + j * 5) % 11) as f64 - 5.0);
         let [a, b] = [&short, &long].map(|precision| precision.times(&columns));
         assert!((&a - &b).amax() < 1e-9 * a.amax());
+        let own =
+            DMatrix::from_fn(28, 4, |i, j| if i / 14 == j / 2 { (i + j) as f64 } else { 0.0 });
+        for precision in [&short, &long] {
+            let [a, b] = [precision.times(&own), precision.times_of_films(&own)];
+            assert!((&a - &b).amax() < 1e-12 * a.amax());
+        }
         let parts = [2, 3].map(|k| DMatrix::from_fn(14, 2, |i, j| ((i * k + j) % 5) as f64 - 2.0));
         let [a, b] = [&short, &long].map(|precision| precision.between([&parts[0], &parts[1]]));
         assert!((&a - &b).amax() < 1e-9 * a.amax());
