@@ -1,4 +1,4 @@
-//! The march and Newton's inner loop do not allocate.
+//! The march and Newton's inner loop do not allocate, and a cohort keeps little of a patient.
 //!
 //! An executable of its own: `allocation_counter` replaces the allocator of the whole program with one that counts, which
 //! would slow all other tests.
@@ -8,11 +8,14 @@ mod common;
 
 use allocation_counter::measure;
 use common::spine;
+use spineline::analysis::{AnalysisOptions, analyze};
 use spineline::anatomy::Levels;
+use spineline::cohort::{Cohort, CohortPatient, CohortSource};
 use spineline::multibody::{
     BodyLoad, GeneralStatics, Loading, Parameter, Rod, Solution, Statics, Support, Timing, Wrench,
 };
 use spineline::spatial::{Mat3, Vec3};
+use spineline_phantom::{Readers, Truth, generate};
 
 const SPRING: [f64; 3] = [140e3, 140e3, 250e3];
 
@@ -47,4 +50,39 @@ fn newton_does_not_allocate_under_any_load() {
     let counted = measure(|| converged = statics.solve_near(&loading, 1.0, &mut work).converged);
     assert!(converged);
     assert_eq!(counted.count_total, 0);
+}
+
+/// A patient again and again, as if read from a file every time.
+struct Repeated {
+    patient: Vec<u8>,
+    times: usize,
+}
+
+impl CohortSource for Repeated {
+    type Error = ();
+
+    fn each(&mut self, take: &mut dyn FnMut(&CohortPatient)) -> Result<(), ()> {
+        (0..self.times).try_for_each(|_| {
+            take(&CohortPatient::from_bytes(&self.patient).ok_or(())?);
+            Ok(())
+        })
+    }
+}
+
+#[test]
+fn the_memory_of_a_cohort_grows_by_little_more_than_a_number_per_sample_and_patient() {
+    let case = generate(0, Truth::Rod, &Readers::exact(), 1).expect("a phantom").case;
+    let analysis = analyze(&case, &AnalysisOptions::default()).expect("an analysis");
+    let patient = CohortPatient::of(&analysis).to_bytes();
+    let most = |times: usize| {
+        let mut source = Repeated { patient: patient.clone(), times };
+        let counted = measure(|| {
+            let cohort = Cohort::of_source(&mut source, 1).expect("bytes of a patient");
+            assert_eq!(cohort.patients, times);
+        });
+        counted.bytes_max
+    };
+    let [few, many] = [most(100), most(400)];
+    let per_patient = many.saturating_sub(few) / 300;
+    assert!(per_patient < 2500, "{per_patient} bytes per patient");
 }

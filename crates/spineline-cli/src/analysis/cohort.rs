@@ -3,6 +3,9 @@
 use spineline::cohort::{Cohort, CohortPatient};
 use spineline_files::CohortFile;
 
+use super::kept::KeptPatients;
+use crate::run::failure::Failure;
+
 /// Seed of the bootstrap over patients.
 const BOOTSTRAP_SEED: u64 = 1;
 
@@ -11,8 +14,15 @@ pub fn of(patients: &[CohortPatient]) -> Cohort {
     Cohort::of(patients, BOOTSTRAP_SEED)
 }
 
+/// The same without the values behind them, which pictures alone show.
+///
+/// # Errors
+/// If a patient cannot be read again.
+pub fn of_kept(patients: &mut KeptPatients) -> Result<Cohort, Failure> {
+    Cohort::of_source(patients, BOOTSTRAP_SEED)
+}
+
 /// The statistics as a file.
-pub fn file(patients: &[CohortPatient], cohort: &Cohort, generator: &str) -> CohortFile {
-    let ids = patients.iter().map(|patient| patient.case_id().to_owned()).collect();
-    CohortFile::new(cohort, ids, BOOTSTRAP_SEED, generator)
+pub fn file(case_ids: Vec<String>, cohort: &Cohort, generator: &str) -> CohortFile {
+    CohortFile::new(cohort, case_ids, BOOTSTRAP_SEED, generator)
 }

@@ -5,5 +5,6 @@ pub mod cohort;
 pub mod confidence;
 pub mod figures;
 pub mod films;
+pub mod kept;
 pub mod record;
 pub mod replicates;

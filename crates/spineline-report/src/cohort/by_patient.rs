@@ -3,7 +3,6 @@
 use spineline::action::LineKind;
 use spineline::analysis::{Analysis, FilmRole, LineModel};
 use spineline::cohort::Cohort;
-use spineline::evaluate::statistics::Summary;
 use spineline::hypothesis::HypothesisFit;
 
 use super::people::curve_size;
@@ -14,19 +13,20 @@ use crate::phrases::{none, sentence_case};
 const KINDS: [LineKind; 3] = [LineKind::Inflection, LineKind::Iliac, LineKind::Estimated];
 const LEFT_OUT: &str = "A bend left out counts where all lines have a result on it.";
 
-/// What the tables of a cohort show of a patient, without the shapes of the analysis.
+/// What the tables of a cohort show of a patient, without the shapes of the analysis: a few hundred bytes.
 #[derive(Debug, Clone)]
 pub struct PatientRow {
-    case_id: String,
+    case_id: Box<str>,
     synthetic: bool,
     /// Size of the main curve.
-    main_curve: String,
+    main_curve: Option<Box<str>>,
     inflections: usize,
-    models: Vec<ModelRow>,
+    models: Box<[ModelRow]>,
     /// Contradictions, warnings and notes.
-    notices: [String; 3],
-    doubted_films: String,
-    hypotheses: Vec<HypothesisFit>,
+    notices: [usize; 3],
+    /// Films that may be wrong ones.
+    doubted_films: Option<Box<str>>,
+    hypotheses: Box<[HypothesisFit]>,
 }
 
 /// A line of a patient.
@@ -36,7 +36,7 @@ struct ModelRow {
     fitted_mm: Option<f64>,
     held_out_mm: Option<f64>,
     /// Joints that turn against the force, one number per fitted bend.
-    counter_rotating: String,
+    counter_rotating: Box<str>,
 }
 
 const KINDS_OF_NOTICES: [NoticeKind; 3] =
@@ -47,15 +47,21 @@ impl PatientRow {
     #[must_use]
     pub fn of(analysis: &Analysis) -> Self {
         Self {
-            case_id: analysis.case_id.clone(),
+            case_id: analysis.case_id.as_str().into(),
             synthetic: analysis.synthetic,
-            main_curve: analysis.main_curve().map_or_else(none, curve_size),
+            main_curve: analysis.main_curve().map(|curve| curve_size(curve).into()),
             inflections: analysis.inflections.all.len(),
             models: analysis.models.iter().map(ModelRow::of).collect(),
             notices: KINDS_OF_NOTICES.map(|kind| notices(analysis, kind)),
             doubted_films: doubted_films(analysis),
-            hypotheses: analysis.hypotheses.clone(),
+            hypotheses: analysis.hypotheses.as_slice().into(),
         }
+    }
+
+    /// Identifier of the case.
+    #[must_use]
+    pub fn case_id(&self) -> &str {
+        &self.case_id
     }
 
     /// Fits of other loads and bases; none where they were not requested.
@@ -72,7 +78,7 @@ impl ModelRow {
             kind: model.kind,
             fitted_mm: model.mean_location_error_mm(true),
             held_out_mm: model.mean_location_error_mm(false),
-            counter_rotating: counts.join(", "),
+            counter_rotating: counts.join(", ").into(),
         }
     }
 
@@ -80,8 +86,8 @@ impl ModelRow {
     fn errors(&self, cohort: &Cohort, place: usize) -> [String; 3] {
         let bends = cohort.compared.errors.iter();
         let mut bends = bends.filter(|e| e.role == FilmRole::LeftOutBend && e.kind == self.kind);
-        let values = bends.next().and_then(|errors| errors.location_mm.by_patient.get(place));
-        let left_out = values.filter(|values| !values.is_empty()).map(|v| Summary::of(v).mean);
+        let mean = bends.next().and_then(|errors| errors.by_patient_mm.get(place));
+        let left_out = mean.copied().filter(|mean| !mean.is_nan());
         [self.fitted_mm, left_out, self.held_out_mm]
             .map(|error| error.map_or_else(none, |error| format!("{error:.1}")))
     }
@@ -101,9 +107,9 @@ pub fn section(patients: &[PatientRow], cohort: &Cohort) -> Section {
     let mut table = Table::new(CAPTION, columns);
     for (place, patient) in patients.iter().enumerate() {
         for model in &patient.models {
-            let mut row = vec![patient.case_id.clone(), model.kind.to_string()];
+            let mut row = vec![patient.case_id.to_string(), model.kind.to_string()];
             row.extend(model.errors(cohort, place));
-            row.push(model.counter_rotating.clone());
+            row.push(model.counter_rotating.to_string());
             table.row(row);
         }
     }
@@ -116,9 +122,9 @@ pub fn section(patients: &[PatientRow], cohort: &Cohort) -> Section {
     let columns = [Column::words("Case")].into_iter().chain(columns).chain([films]).collect();
     let mut table = Table::new("Contradictions, warnings and notes of every patient", columns);
     for patient in patients {
-        let mut row = vec![patient.case_id.clone()];
-        row.extend(patient.notices.clone());
-        row.push(patient.doubted_films.clone());
+        let mut row = vec![patient.case_id.to_string()];
+        row.extend(patient.notices.map(|count| count.to_string()));
+        row.push(or_none(patient.doubted_films.as_deref()));
         table.row(row);
     }
     section.table(table);
@@ -158,20 +164,27 @@ fn new() -> Section {
 
 impl PatientRow {
     fn summary(&self, cohort: &Cohort, place: usize) -> Vec<String> {
-        let mut row =
-            vec![self.case_id.clone(), self.main_curve.clone(), self.inflections.to_string()];
+        let mut row = vec![
+            self.case_id.to_string(),
+            or_none(self.main_curve.as_deref()),
+            self.inflections.to_string(),
+        ];
         let of = |kind| self.models.iter().find(|model| model.kind == kind);
         row.extend(KINDS.map(|kind| {
             of(kind).map_or_else(none, |model| model.errors(cohort, place).join(" / "))
         }));
-        row.push(of(KINDS[0]).map_or_else(none, |model| model.counter_rotating.clone()));
-        row.push(self.notices.join(", "));
+        row.push(of(KINDS[0]).map_or_else(none, |model| model.counter_rotating.to_string()));
+        row.push(self.notices.map(|count| count.to_string()).join(", "));
         row
     }
 }
 
+fn or_none(text: Option<&str>) -> String {
+    text.map_or_else(none, str::to_owned)
+}
+
 /// Films of a patient that may be wrong ones.
-fn doubted_films(analysis: &Analysis) -> String {
+fn doubted_films(analysis: &Analysis) -> Option<Box<str>> {
     let mut films: Vec<String> = Vec::new();
     for warning in analysis.film_doubts() {
         let film = warning.posture.map_or_else(|| "lateral".to_owned(), |p| p.to_string());
@@ -179,10 +192,10 @@ fn doubted_films(analysis: &Analysis) -> String {
             films.push(film);
         }
     }
-    if films.is_empty() { none() } else { films.join(", ") }
+    (!films.is_empty()).then(|| films.join(", ").into())
 }
 
-fn notices(analysis: &Analysis, kind: NoticeKind) -> String {
+fn notices(analysis: &Analysis, kind: NoticeKind) -> usize {
     let all = analysis.warnings.all().iter();
-    all.filter(|warning| NoticeKind::from(warning.severity()) == kind).count().to_string()
+    all.filter(|warning| NoticeKind::from(warning.severity()) == kind).count()
 }

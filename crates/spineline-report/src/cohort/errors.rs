@@ -77,7 +77,7 @@ fn kind_of_film(
         .map(|line| LocationErrorSample {
             group: group.to_owned(),
             line: line.kind,
-            errors_mm: line.location_mm.values(),
+            errors_mm: line.location_mm.values.clone(),
         })
         .collect();
     let Some(svg) = figures::location_errors(&samples, films, cohort.synthetic) else {

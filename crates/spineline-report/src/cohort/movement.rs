@@ -14,8 +14,8 @@ pub fn section(cohort: &Cohort) -> Section {
     let all = &cohort.inflection[0];
     let sample = InflectionSample {
         name: "all patients".to_owned(),
-        distances_segments: all.distance_segments.values(),
-        rotations_deg: all.rotation_deg.values(),
+        distances_segments: all.distance_segments.values.clone(),
+        rotations_deg: all.rotation_deg.values.clone(),
     };
     match figures::inflection_distances(&[sample], cohort.synthetic) {
         Some(svg) => {
@@ -42,8 +42,8 @@ pub fn section(cohort: &Cohort) -> Section {
 
 fn estimates(of: &EstimateStatistics) -> EstimateSample {
     EstimateSample {
-        distances_segments: of.distance_segments.values(),
-        rotations_deg: of.rotation_deg.values(),
+        distances_segments: of.distance_segments.values.clone(),
+        rotations_deg: of.rotation_deg.values.clone(),
     }
 }
 

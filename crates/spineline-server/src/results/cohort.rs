@@ -187,21 +187,20 @@ fn charts(analyses: &[&Analysis], cohort: &Cohort) -> Vec<BoxChart> {
     let errors = |title: &str, held_out: bool| {
         let boxes = cohort.lines.iter().filter_map(|line| {
             let errors = if held_out { &line.held_out } else { &line.fitted };
-            box_of(&line.kind.to_string(), &errors.location_mm.values())
+            box_of(&line.kind.to_string(), &errors.location_mm.values)
         });
         chart(title, "location error (mm)", boxes.collect())
     };
     let motions = analyses.iter().flat_map(|one| &one.postures).filter_map(|p| p.motion.as_ref());
     let all_segments = motions.flat_map(|motion| motion.rotations.iter().map(|r| 1000.0 * r.deg()));
-    let millidegrees = |values: &Clustered| -> Vec<f64> {
-        values.values().iter().map(|deg| 1000.0 * deg).collect()
-    };
+    let millidegrees =
+        |values: &Clustered| -> Vec<f64> { values.values.iter().map(|deg| 1000.0 * deg).collect() };
     let rotations = [
         ("all segments", all_segments.collect()),
         ("inflections", millidegrees(&cohort.inflection[0].rotation_deg)),
         ("least-rotating", millidegrees(&cohort.least_rotation_deg)),
     ];
-    let [bends, others] = [1, 2].map(|i| cohort.inflection[i].distance_segments.values());
+    let [bends, others] = [1, 2].map(|i| &cohort.inflection[i].distance_segments.values);
     vec![
         errors("Location errors on fitted films", false),
         errors("Location errors on held-out films", true),

@@ -38,7 +38,7 @@ const MAX_SHAPE_RATIO: f64 = 1.35;
 const MAX_WIDTH_DEVIATION: f64 = 0.18;
 
 /// Codes of warnings that a film does not show what it is named after.
-const WRONG_FILM: [&str; 10] = [
+pub(crate) const WRONG_FILM: [&str; 10] = [
     "another_patient",
     "bend_keeps_shape",
     "bend_leans_away",

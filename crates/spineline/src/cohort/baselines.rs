@@ -1,19 +1,16 @@
 //! Predictions without mechanics over many patients, and whether lines of action and other loads predict better.
 
+use super::census::Gathering;
 use super::comparison::corrected_by_holm;
+use super::others::PREDICTED;
 use super::patient::{CohortPatient, PatientFilmUnderLines};
-use super::rotation_prior::priors_of_others;
-use super::{Clustered, PairedComparison};
+use super::samples::Samples;
+use super::{Clustered, PairedComparison, Seen};
 use crate::action::LineKind;
 use crate::analysis::{Analysis, FilmRole, LinesCompared, listed, probability};
-use crate::anatomy::Levels;
-use crate::evaluate::statistics::Resampling;
-use crate::evaluate::{
-    Baseline, BaselinePrediction, RotationPrior, predict_baseline, predict_from_prior,
-};
+use crate::evaluate::Baseline;
 use crate::hypothesis::Hypothesis;
 use crate::personalize::SIGNIFICANCE;
-use crate::spatial::Angle;
 
 /// Location errors of a baseline over all films of a role.
 #[derive(Debug, Clone, PartialEq)]
@@ -70,52 +67,20 @@ pub struct BaselinesOverPatients {
     pub hypothesis_tests: Vec<BaselineTest<Hypothesis>>,
 }
 
-/// The roles of films that are predicted.
-const PREDICTED: [FilmRole; 2] = [FilmRole::LeftOutBend, FilmRole::HeldOut];
-
 impl BaselinesOverPatients {
-    pub(super) fn of(all: &[CohortPatient], resampling: &Resampling) -> Self {
-        let bends: Vec<Vec<Vec<Angle>>> = all.iter().map(CohortPatient::bend_rotations).collect();
-        let priors = priors_of_others(all, &bends);
-        let sums = BendSums::of(all, &bends);
-        let patients: Vec<Predicted<'_>> = all
-            .iter()
-            .enumerate()
-            .map(|(place, patient)| {
-                let mean = sums.mean_of_others(patient.levels, &bends[place]);
-                Predicted::of(patient, mean.as_deref(), priors[place].as_ref())
-            })
-            .collect();
-        let mut errors: Vec<BaselineErrors> = cells()
-            .map(|(baseline, role)| {
-                let of = |patient: &Predicted<'_>| -> Vec<Vec<f64>> {
-                    let films = patient.films(role);
-                    films.filter_map(|one| one.errors_mm(baseline).map(<[f64]>::to_vec)).collect()
-                };
-                let by_patient: Vec<Vec<Vec<f64>>> = patients.iter().map(of).collect();
-                let films = by_patient.iter().map(Vec::len).sum();
-                let values = by_patient.into_iter().map(|films| films.concat()).collect();
-                BaselineErrors {
-                    baseline,
-                    role,
-                    films,
-                    location_mm: Clustered::new(values, resampling),
-                }
-            })
-            .collect();
-        errors.retain(|one| one.films > 0);
-        let mut kinds: Vec<LineKind> =
-            all.iter().flat_map(|one| one.lines.iter().map(|line| line.kind)).collect();
-        kinds.sort();
-        kinds.dedup();
-        let mut hypotheses: Vec<Hypothesis> =
-            all.iter().flat_map(|one| one.hypotheses.iter().map(|fit| fit.hypothesis)).collect();
-        hypotheses.sort();
-        hypotheses.dedup();
-        Self {
-            errors,
-            tests: tests_of(&patients, &kinds, line_errors_mm, resampling),
-            hypothesis_tests: tests_of(&patients, &hypotheses, hypothesis_errors_mm, resampling),
+    /// Asks for the samples of the lines and of other loads and bases; gives what makes the result of them.
+    pub(super) fn ask(
+        kinds: &[LineKind],
+        hypotheses: &[Hypothesis],
+        samples: &mut Samples,
+    ) -> impl FnOnce(&mut Samples) -> Self + use<> {
+        let errors: Vec<_> = cells().map(|cell| errors(cell, samples)).collect();
+        let tests = tests_of(kinds, line_errors_mm, samples);
+        let hypothesis_tests = tests_of(hypotheses, hypothesis_errors_mm, samples);
+        move |samples| Self {
+            errors: errors.into_iter().filter_map(|errors| errors(samples)).collect(),
+            tests: tests(samples),
+            hypothesis_tests: hypothesis_tests(samples),
         }
     }
 
@@ -125,8 +90,12 @@ impl BaselinesOverPatients {
     pub fn of_patient(analysis: &Analysis, compared: &LinesCompared) -> Self {
         /// One patient is not resampled.
         const NO_SEED: u64 = 0;
-        let patient = CohortPatient::of_compared(analysis, compared);
-        Self::of(&[patient], &Resampling::new(1, 1, NO_SEED))
+        let mut patients = &[CohortPatient::of_compared(analysis, compared)][..];
+        let Ok(mut gathering) = Gathering::begin(&mut patients, (1, NO_SEED), false);
+        let Gathering { census, samples, .. } = &mut gathering;
+        let found = Self::ask(&census.kinds(), &census.hypotheses, samples);
+        let Ok(()) = gathering.go_through(&mut patients);
+        found(&mut gathering.samples)
     }
 
     /// The prediction without mechanics with the smallest error on the films of a role, of those that know no more of a
@@ -151,23 +120,47 @@ fn cells() -> impl Iterator<Item = (Baseline, FilmRole)> {
     Baseline::ALL.into_iter().flat_map(|one| PREDICTED.map(|role| (one, role)))
 }
 
-/// All models against every baseline that knows no more of a film than they do, as one family.
-fn tests_of<Model: Copy>(
-    patients: &[Predicted<'_>],
+/// Asks for the errors of a baseline on the films of a role; `None` where it predicts none.
+fn errors(
+    (baseline, role): (Baseline, FilmRole),
+    samples: &mut Samples,
+) -> impl FnOnce(&mut Samples) -> Option<BaselineErrors> + use<> {
+    let location = samples.sample(move |seen, values| {
+        seen.films(role)
+            .filter_map(|film| film.errors_mm(baseline))
+            .for_each(|errors| values.extend_from_slice(errors));
+    });
+    let films = samples.count(move |seen| {
+        seen.films(role).filter(|film| film.errors_mm(baseline).is_some()).count()
+    });
+    move |samples| {
+        let films = samples.number(films);
+        (films > 0).then(|| {
+            let location_mm = samples.clustered(location);
+            BaselineErrors { baseline, role, films, location_mm }
+        })
+    }
+}
+
+/// Asks for all models against every baseline that knows no more of a film than they do, as one family.
+fn tests_of<Model: Copy + 'static>(
     models: &[Model],
     errors_mm: ErrorsOf<Model>,
-    resampling: &Resampling,
-) -> Vec<BaselineTest<Model>> {
+    samples: &mut Samples,
+) -> impl FnOnce(&mut Samples) -> Vec<BaselineTest<Model>> + use<Model> {
     let fair = || cells().filter(|(baseline, _)| !baseline.knows_tilt());
     let pairs = models.iter().flat_map(|&model| fair().map(move |cell| (model, cell)));
-    let found =
-        pairs.filter_map(|(model, cell)| test(patients, (model, errors_mm), cell, resampling));
-    let mut tests: Vec<BaselineTest<Model>> = found.collect();
-    let corrected = corrected_by_holm(tests.iter().map(|test| &test.comparison));
-    for (test, holm_p) in tests.iter_mut().zip(corrected) {
-        test.holm_p = holm_p;
+    let asked: Vec<_> =
+        pairs.map(|(model, cell)| test((model, errors_mm), cell, samples)).collect();
+    move |samples| {
+        let found = asked.into_iter().filter_map(|test| test(samples));
+        let mut tests: Vec<BaselineTest<Model>> = found.collect();
+        let corrected = corrected_by_holm(tests.iter().map(|test| &test.comparison));
+        for (test, holm_p) in tests.iter_mut().zip(corrected) {
+            test.holm_p = holm_p;
+        }
+        tests
     }
-    tests
 }
 
 impl BaselinesOverPatients {
@@ -257,148 +250,58 @@ const fn films_words(role: FilmRole) -> &'static str {
     }
 }
 
-/// A predicted film, with every baseline that it has.
-struct PredictedFilm<'a> {
-    film: &'a PatientFilmUnderLines,
-    /// Location errors; `None` where there is no result.
-    baselines_mm: Vec<(Baseline, Option<Vec<f64>>)>,
-}
-
-impl PredictedFilm<'_> {
-    fn errors_mm(&self, baseline: Baseline) -> Option<&[f64]> {
-        let found = self.baselines_mm.iter().find(|one| one.0 == baseline);
-        found.and_then(|one| one.1.as_deref())
-    }
-}
-
-/// The predicted films of a patient.
-struct Predicted<'a> {
+fn line_errors_mm<'a>(
     patient: &'a CohortPatient,
-    films: Vec<PredictedFilm<'a>>,
-}
-
-impl<'a> Predicted<'a> {
-    /// `mean` are the mean rotations of other patients, `prior` the distribution of their rotations.
-    fn of(
-        patient: &'a CohortPatient,
-        mean: Option<&[Angle]>,
-        prior: Option<&RotationPrior>,
-    ) -> Self {
-        let errors = |one: BaselinePrediction| {
-            let is_usable = one.is_usable();
-            (one.baseline, is_usable.then_some(one.location_errors_mm))
-        };
-        let films = patient.compared.iter().filter(|film| PREDICTED.contains(&film.role));
-        let with_others = |film: &'a PatientFilmUnderLines| {
-            let (erect, outline) = (patient.erect(), patient.outline(film.posture));
-            let from_mean = outline.zip(mean).map(|(outline, pattern)| {
-                errors(predict_baseline(Baseline::OtherPatients, pattern, erect, outline))
-            });
-            // One that was given was learned elsewhere and is kept; a published one gives way.
-            let learned = prior.filter(|_| !patient.has_rotation_prior);
-            let learned = learned.filter(|_| film.posture.bend().is_some());
-            let from_prior = outline.zip(learned).map_or_else(Vec::new, |(outline, prior)| {
-                let both = [Baseline::RotationPrior, Baseline::RotationPriorWithTilt];
-                both.map(|one| errors(predict_from_prior(one, prior, erect, outline))).into()
-            });
-            let is_kept = |one: &&(Baseline, Option<Vec<f64>>)| {
-                from_prior.iter().all(|(baseline, _)| *baseline != one.0)
-            };
-            let own = film.baselines_mm.iter().filter(is_kept).cloned();
-            let baselines_mm = own.chain(from_mean).chain(from_prior.iter().cloned()).collect();
-            PredictedFilm { film, baselines_mm }
-        };
-        Self { patient, films: films.map(with_others).collect() }
-    }
-
-    fn films(&self, role: FilmRole) -> impl Iterator<Item = &PredictedFilm<'a>> {
-        self.films.iter().filter(move |one| one.film.role == role)
-    }
-}
-
-fn line_errors_mm<'b>(
-    patient: &'b Predicted<'_>,
     line: LineKind,
-    film: &'b PredictedFilm<'_>,
-) -> Option<&'b [f64]> {
-    let place = patient.patient.lines.iter().position(|one| one.kind == line)?;
-    Some(&film.film.by_line[place].as_ref().ok()?.location_mm)
+    film: &'a PatientFilmUnderLines,
+) -> Option<&'a [f64]> {
+    Some(&patient.errors(film, line)?.location_mm)
 }
 
-fn hypothesis_errors_mm<'b>(
-    patient: &'b Predicted<'_>,
+fn hypothesis_errors_mm<'a>(
+    patient: &'a CohortPatient,
     hypothesis: Hypothesis,
-    film: &'b PredictedFilm<'_>,
-) -> Option<&'b [f64]> {
-    let fits = &patient.patient.hypotheses;
-    let fit = fits.iter().find(|fit| fit.hypothesis == hypothesis)?;
-    let (posture, role) = (film.film.posture, film.film.role);
-    let found = fit.films.iter().find(|one| one.0 == posture && one.1 == role)?;
+    film: &'a PatientFilmUnderLines,
+) -> Option<&'a [f64]> {
+    let fit = patient.hypotheses.iter().find(|fit| fit.hypothesis == hypothesis)?;
+    let found = fit.films.iter().find(|one| one.0 == film.posture && one.1 == film.role)?;
     Some(&found.2)
-}
-
-/// Sums of the rotations over the bends of all patients with the same vertebrae, as if all bent to the right.
-struct BendSums {
-    by_levels: Vec<(Levels, Vec<Angle>, usize)>,
-}
-
-impl BendSums {
-    fn of(patients: &[CohortPatient], bends: &[Vec<Vec<Angle>>]) -> Self {
-        let mut by_levels: Vec<(Levels, Vec<Angle>, usize)> = Vec::new();
-        for (levels, bends) in patients.iter().map(|one| one.levels).zip(bends) {
-            let place = by_levels.iter().position(|one| one.0 == levels).unwrap_or_else(|| {
-                by_levels.push((levels, vec![Angle::ZERO; levels.joints()], 0));
-                by_levels.len() - 1
-            });
-            let (_, sums, count) = &mut by_levels[place];
-            *count += bends.len();
-            for bend in bends {
-                for (sum, rotation) in sums.iter_mut().zip(bend) {
-                    *sum = *sum + *rotation;
-                }
-            }
-        }
-        Self { by_levels }
-    }
-
-    /// The mean over the bends of all other patients than one with these bends; `None` where there is none.
-    fn mean_of_others(&self, levels: Levels, own: &[Vec<Angle>]) -> Option<Vec<Angle>> {
-        let (_, sums, count) = self.by_levels.iter().find(|one| one.0 == levels)?;
-        let others = count - own.len();
-        let mean = |(joint, sum): (usize, &Angle)| {
-            let of_own: f64 = own.iter().map(|bend| bend[joint].rad()).sum();
-            Angle::from_rad((sum.rad() - of_own) / others as f64)
-        };
-        (others > 0).then(|| sums.iter().enumerate().map(mean).collect())
-    }
 }
 
 /// The location errors of a model on a film of a patient; `None` where it has no result.
 type ErrorsOf<Model> =
-    for<'a> fn(&'a Predicted<'_>, Model, &'a PredictedFilm<'_>) -> Option<&'a [f64]>;
+    for<'a> fn(&'a CohortPatient, Model, &'a PatientFilmUnderLines) -> Option<&'a [f64]>;
 
-/// A model against a baseline; `None` where they have no film in common.
-fn test<Model: Copy>(
-    patients: &[Predicted<'_>],
+/// Asks for a model against a baseline; `None` where they have no film in common.
+fn test<Model: Copy + 'static>(
     (model, errors_mm): (Model, ErrorsOf<Model>),
     (baseline, role): (Baseline, FilmRole),
-    resampling: &Resampling,
-) -> Option<BaselineTest<Model>> {
-    let mut films = 0;
-    let (mut of_model, mut of_baseline) = (Vec::new(), Vec::new());
-    for patient in patients {
-        let both = patient
-            .films(role)
-            .filter_map(|one| Some((errors_mm(patient, model, one)?, one.errors_mm(baseline)?)));
-        let (mut a, mut b) = (Vec::new(), Vec::new());
-        for (first, second) in both {
-            films += 1;
+    samples: &mut Samples,
+) -> impl FnOnce(&mut Samples) -> Option<BaselineTest<Model>> + use<Model> {
+    let both = move |seen: &Seen<'_>, take: &mut dyn FnMut(&[f64], &[f64])| {
+        for one in seen.films(role) {
+            let of_model = errors_mm(seen.patient, model, one.film);
+            if let Some((first, second)) = of_model.zip(one.errors_mm(baseline)) {
+                take(first, second);
+            }
+        }
+    };
+    let compared = samples.pair(move |seen, [a, b]| {
+        both(seen, &mut |first, second| {
             a.extend_from_slice(first);
             b.extend_from_slice(second);
-        }
-        of_model.push(a);
-        of_baseline.push(b);
+        });
+    });
+    let films = samples.count(move |seen| {
+        let mut films = 0;
+        both(seen, &mut |_, _| films += 1);
+        films
+    });
+    move |samples| {
+        let films = samples.number(films);
+        (films > 0).then(|| {
+            let comparison = samples.comparison(compared);
+            BaselineTest { model, baseline, role, films, comparison, holm_p: None }
+        })
     }
-    let comparison = PairedComparison::new(&of_model, &of_baseline, resampling);
-    (films > 0).then_some(BaselineTest { model, baseline, role, films, comparison, holm_p: None })
 }

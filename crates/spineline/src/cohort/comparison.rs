@@ -1,5 +1,5 @@
 use crate::evaluate::paired::{EffectSize, SignFlip, effect_size, holm, sign_flip};
-use crate::evaluate::statistics::{PairedT, Resampling, Summary, paired_t};
+use crate::evaluate::statistics::{PairedT, Summary};
 
 /// Two samples of the same things, one value of each per thing.
 ///
@@ -24,24 +24,21 @@ pub struct PairedComparison {
 }
 
 impl PairedComparison {
-    /// By patient: values of both, in the same order; patients without any are left out.
-    #[must_use]
-    pub fn new(a: &[Vec<f64>], b: &[Vec<f64>], resampling: &Resampling) -> Self {
-        let flat = |v: &[Vec<f64>]| v.iter().flatten().copied().collect::<Vec<f64>>();
-        let (mut means_a, mut means_b) = (Vec::new(), Vec::new());
-        for (a, b) in a.iter().zip(b).filter(|(a, _)| !a.is_empty()) {
-            means_a.push(Summary::of(a).mean);
-            means_b.push(Summary::of(b).mean);
-        }
-        let differences: Vec<f64> = means_a.iter().zip(&means_b).map(|(a, b)| a - b).collect();
-        let clusters: Vec<Vec<f64>> = differences.iter().map(|d| vec![*d]).collect();
+    /// From the summary of the differences of all pairs, and one mean difference per patient with the interval of their mean.
+    pub(super) fn of_differences(
+        pooled: Summary,
+        differences: &[f64],
+        bootstrap: Option<[f64; 2]>,
+        seed: u64,
+    ) -> Self {
+        let patients = Summary::of(differences);
         Self {
-            pooled: paired_t(&flat(a), &flat(b)),
-            patients: paired_t(&means_a, &means_b),
-            sign_flip: sign_flip(&differences, resampling.seed()),
-            bootstrap: resampling.interval(&clusters),
-            effect: effect_size(&differences),
-            mean_difference: Summary::of(&differences).mean,
+            pooled: PairedT::of_differences(pooled),
+            patients: PairedT::of_differences(patients),
+            sign_flip: sign_flip(differences, seed),
+            bootstrap,
+            effect: effect_size(differences),
+            mean_difference: patients.mean,
         }
     }
 

@@ -2,7 +2,6 @@
 
 use std::cmp::Reverse;
 
-use super::CohortPatient;
 use crate::analysis::{Analysis, listed};
 use crate::anatomy::{Levels, Posture};
 use crate::warning::counted;
@@ -52,20 +51,12 @@ pub struct ChainCount {
 }
 
 impl ChainCount {
-    pub(super) fn of(patients: &[CohortPatient]) -> Vec<Self> {
-        let mut counts: Vec<Self> = Vec::new();
-        for levels in patients.iter().map(|patient| patient.levels) {
-            match counts.iter_mut().find(|count| count.levels == levels) {
-                Some(count) => count.patients += 1,
-                None => counts.push(Self { levels, patients: 1 }),
-            }
-        }
-        // Of chains of as many patients the longer one is first.
+    /// The chain of most patients first; of chains of as many patients the longer one.
+    pub(super) fn sort(counts: &mut [Self]) {
         counts.sort_by_key(|count| {
             let levels = count.levels;
             (Reverse(count.patients), Reverse(levels.len()), levels.base())
         });
-        counts
     }
 }
 
@@ -75,22 +66,21 @@ pub(super) fn doubted_sentence(
     doubted: usize,
     patients: usize,
 ) -> Option<String> {
-    let mut by_patient: Vec<(&str, Vec<String>)> = Vec::new();
-    for film in films {
-        let name = film.film();
-        match by_patient.iter_mut().find(|(case_id, _)| *case_id == film.case_id) {
-            Some((_, names)) if names.contains(&name) => {}
-            Some((_, names)) => names.push(name),
-            None => by_patient.push((&film.case_id, vec![name])),
+    // The films of a patient are neighbours.
+    let by_patient = || films.chunk_by(|a, b| a.case_id == b.case_id);
+    let name = |films: &[DoubtedFilm]| {
+        let mut names: Vec<String> = Vec::new();
+        for name in films.iter().map(DoubtedFilm::film) {
+            if !names.contains(&name) {
+                names.push(name);
+            }
         }
-    }
-    let mut named: Vec<String> = by_patient
-        .iter()
-        .take(NAMED)
-        .map(|(case_id, names)| format!("{case_id} ({})", names.join(", ")))
-        .collect();
-    if by_patient.len() > NAMED {
-        named.push(format!("{} more", by_patient.len() - NAMED));
+        format!("{} ({})", films[0].case_id, names.join(", "))
+    };
+    let mut named: Vec<String> = by_patient().take(NAMED).map(name).collect();
+    let more = by_patient().skip(NAMED).count();
+    if more > 0 {
+        named.push(format!("{more} more"));
     }
     (doubted > 0).then(|| {
         format!(

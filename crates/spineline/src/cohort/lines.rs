@@ -1,13 +1,13 @@
 //! The lines of action of many patients on the same films.
 
 use super::comparison::corrected_by_holm;
-use super::patient::{CohortPatient, FilmErrors, PatientFilmUnderLines};
-use super::{Clustered, PairedComparison};
+use super::patient::{CohortPatient, FilmErrors};
+use super::samples::Samples;
+use super::{Clustered, PairedComparison, Seen};
 use crate::action::LineKind;
 use crate::analysis::{FilmRole, FreeNumbers, LineModel};
 use crate::anatomy::Posture;
 use crate::evaluate::Simulation;
-use crate::evaluate::statistics::Resampling;
 use crate::multibody::MatchStatus;
 use crate::personalize::SIGNIFICANCE;
 
@@ -65,6 +65,8 @@ pub struct RoleErrors {
     pub location_mm: Clustered,
     /// Absolute Ferguson errors, in degrees.
     pub ferguson_deg: Clustered,
+    /// Mean location error of every patient, in mm; NaN for one without such a film.
+    pub by_patient_mm: Vec<f64>,
 }
 
 /// Two lines on the films of a role that both could simulate.
@@ -125,6 +127,15 @@ pub enum NoResult {
 }
 
 impl NoResult {
+    /// All of them.
+    pub const ALL: [Self; 5] = [
+        Self::NoModel,
+        Self::NoLine,
+        Self::Unreachable,
+        Self::NotConverged,
+        Self::BeyondHumanRange,
+    ];
+
     /// The name used in files.
     #[must_use]
     pub const fn key(self) -> &'static str {
@@ -184,64 +195,80 @@ pub struct LinesOverPatients {
     pub missing: Vec<MissingResult>,
 }
 
-/// Films of one patient with the place of each of the cohort's lines among that patient's.
-struct Patient<'a> {
-    films: &'a [PatientFilmUnderLines],
-    places: Vec<Option<usize>>,
-}
-
-impl<'a> Patient<'a> {
-    fn films(&self, role: FilmRole) -> impl Iterator<Item = &'a PatientFilmUnderLines> + use<'a> {
-        self.films.iter().filter(move |film| film.role == role)
-    }
-
-    fn errors(&self, film: &'a PatientFilmUnderLines, line: usize) -> Option<&'a FilmErrors> {
-        film.by_line[self.places[line]?].as_ref().ok()
-    }
-}
-
 impl LinesOverPatients {
-    pub(super) fn of(all: &[CohortPatient], resampling: &Resampling) -> Self {
-        let mut numbers: Vec<(LineKind, FreeNumbers)> = Vec::new();
-        for line in all.iter().flat_map(|patient| &patient.lines) {
-            if numbers.iter().all(|(kind, _)| *kind != line.kind) {
-                numbers.push((line.kind, line.numbers));
-            }
-        }
-        numbers.sort_by_key(|(kind, _)| *kind);
-        let same_data = all.iter().all(|patient| patient.same_data);
+    /// Asks for the samples of these lines; gives what makes the result of them, without the films that are left out.
+    pub(super) fn ask(
+        numbers: Vec<(LineKind, FreeNumbers)>,
+        same_data: bool,
+        samples: &mut Samples,
+    ) -> impl FnOnce(&mut Samples) -> Self + use<> {
         let kinds: Vec<LineKind> = numbers.iter().map(|(kind, _)| *kind).collect();
-        let missing = all.iter().flat_map(|patient| missing(patient, &kinds)).collect();
-        let patients: Vec<Patient<'_>> = all
-            .iter()
-            .map(|patient| {
-                let place =
-                    |kind: &LineKind| patient.lines.iter().position(|line| line.kind == *kind);
-                Patient { places: kinds.iter().map(place).collect(), films: &patient.compared }
-            })
+        let errors: Vec<_> = FilmRole::ALL
+            .into_iter()
+            .flat_map(|role| (0..kinds.len()).map(move |line| (role, line)))
+            .map(|(role, line)| role_errors(role, &kinds, line, samples))
             .collect();
-        let lines: Vec<usize> = (0..numbers.len()).collect();
-        let mut errors = Vec::new();
-        for role in FilmRole::ALL {
-            let common = common_films(&patients, role, &lines);
-            for (place, &line) in lines.iter().enumerate() {
-                let clustered = |error| Clustered::new(common.values(place, error), resampling);
-                errors.push(RoleErrors {
-                    kind: numbers[line].0,
-                    role,
-                    films: common.films,
-                    left_out: common.left_out,
-                    location_mm: clustered(ErrorKind::Location),
-                    ferguson_deg: clustered(ErrorKind::Ferguson),
-                });
+        let tests = tests(&numbers, samples);
+        move |samples| Self {
+            tests: tests(samples),
+            numbers,
+            same_data,
+            errors: errors.into_iter().map(|errors| errors(samples)).collect(),
+            missing: Vec::new(),
+        }
+    }
+}
+
+/// Asks for the errors of one of some lines over the films of a role that all of them share.
+fn role_errors(
+    role: FilmRole,
+    kinds: &[LineKind],
+    line: usize,
+    samples: &mut Samples,
+) -> impl FnOnce(&mut Samples) -> RoleErrors + use<> {
+    let values = |error: ErrorKind| {
+        let kinds = kinds.to_vec();
+        move |seen: &Seen<'_>, values: &mut Vec<f64>| {
+            for film in seen.patient.films_of(role, &kinds) {
+                values.extend_from_slice(error.of(film[line]));
             }
         }
-        Self { tests: tests(&patients, &numbers, resampling), numbers, same_data, errors, missing }
+    };
+    let [location, ferguson] = ErrorKind::ALL.map(|error| samples.sample(values(error)));
+    let by_patient = samples.average(values(ErrorKind::Location));
+    let films = count_films(role, kinds.to_vec(), samples);
+    let kind = kinds[line];
+    move |samples| {
+        let (films, left_out) = films(samples);
+        RoleErrors {
+            kind,
+            role,
+            films,
+            left_out,
+            location_mm: samples.clustered(location),
+            ferguson_deg: samples.clustered(ferguson),
+            by_patient_mm: samples.averages(by_patient),
+        }
+    }
+}
+
+/// Asks how many films of a role some lines share, and how many others there are.
+fn count_films(
+    role: FilmRole,
+    kinds: Vec<LineKind>,
+    samples: &mut Samples,
+) -> impl Fn(&Samples) -> (usize, usize) + use<> {
+    let all = samples
+        .count(move |seen| seen.patient.compared.iter().filter(|film| film.role == role).count());
+    let shared = samples.count(move |seen| seen.patient.films_of(role, &kinds).count());
+    move |samples| {
+        let shared = samples.number(shared);
+        (shared, samples.number(all) - shared)
     }
 }
 
 /// The lines of a cohort that have no result on a film of one patient.
-fn missing(patient: &CohortPatient, kinds: &[LineKind]) -> Vec<MissingResult> {
+pub(super) fn missing(patient: &CohortPatient, kinds: &[LineKind]) -> Vec<MissingResult> {
     let mut all = Vec::new();
     for film in &patient.compared {
         all.extend(kinds.iter().filter_map(|&kind| {
@@ -257,67 +284,57 @@ fn missing(patient: &CohortPatient, kinds: &[LineKind]) -> Vec<MissingResult> {
     all
 }
 
-/// Errors on the films that some lines share: by patient and film, one per line.
-struct Common<'a> {
-    by_patient: Vec<Vec<Vec<&'a FilmErrors>>>,
-    films: usize,
-    left_out: usize,
-}
-
-impl Common<'_> {
-    fn values(&self, place: usize, error: ErrorKind) -> Vec<Vec<f64>> {
-        let patient = |films: &Vec<Vec<&FilmErrors>>| {
-            films.iter().flat_map(|film| error.of(film[place])).copied().collect()
-        };
-        self.by_patient.iter().map(patient).collect()
-    }
-}
-
-fn common_films<'a>(patients: &[Patient<'a>], role: FilmRole, lines: &[usize]) -> Common<'a> {
-    let all: usize = patients.iter().map(|p| p.films(role).count()).sum();
-    let by_patient: Vec<Vec<Vec<&FilmErrors>>> = patients
-        .iter()
-        .map(|p| {
-            p.films(role)
-                .filter_map(|film| lines.iter().map(|&line| p.errors(film, line)).collect())
-                .collect()
-        })
-        .collect();
-    let films = by_patient.iter().map(Vec::len).sum();
-    Common { by_patient, films, left_out: all - films }
-}
-
-/// Every pair of lines on every kind of films by either error, corrected as one family.
+/// Asks for every pair of lines on every kind of films by either error, corrected as one family.
 fn tests(
-    patients: &[Patient<'_>],
     numbers: &[(LineKind, FreeNumbers)],
-    resampling: &Resampling,
-) -> Vec<LinePairTest> {
-    let mut tests = Vec::new();
-    for first in 0..numbers.len() {
-        for second in first + 1..numbers.len() {
-            let of = |place: usize| numbers[place];
+    samples: &mut Samples,
+) -> impl FnOnce(&mut Samples) -> Vec<LinePairTest> + use<> {
+    let mut asked = Vec::new();
+    for (place, &first) in numbers.iter().enumerate() {
+        for &second in &numbers[place + 1..] {
             for role in FilmRole::ALL {
-                let common = common_films(patients, role, &[first, second]);
-                for error in ErrorKind::ALL {
-                    let [a, b] = [0, 1].map(|place| common.values(place, error));
-                    tests.push(LinePairTest {
-                        lines: [of(first).0, of(second).0],
-                        role,
-                        error,
-                        films: common.films,
-                        left_out: common.left_out,
-                        comparison: PairedComparison::new(&a, &b, resampling),
-                        holm_p: None,
-                        per_predicted_film: [first, second].map(|i| of(i).1.per_predicted_film),
-                    });
-                }
+                asked.extend(
+                    ErrorKind::ALL.map(|error| pair([first, second], role, error, samples)),
+                );
             }
         }
     }
-    let corrected = corrected_by_holm(tests.iter().map(|test| &test.comparison));
-    for (test, holm_p) in tests.iter_mut().zip(corrected) {
-        test.holm_p = holm_p;
+    move |samples| {
+        let mut tests: Vec<LinePairTest> = asked.into_iter().map(|test| test(samples)).collect();
+        let corrected = corrected_by_holm(tests.iter().map(|test| &test.comparison));
+        for (test, holm_p) in tests.iter_mut().zip(corrected) {
+            test.holm_p = holm_p;
+        }
+        tests
     }
-    tests
+}
+
+/// Asks for two lines on the films of a role that both have a result on.
+fn pair(
+    both: [(LineKind, FreeNumbers); 2],
+    role: FilmRole,
+    error: ErrorKind,
+    samples: &mut Samples,
+) -> impl FnOnce(&mut Samples) -> LinePairTest + use<> {
+    let lines = both.map(|(kind, _)| kind);
+    let compared = samples.pair(move |seen, [a, b]| {
+        for film in seen.patient.films_of(role, &lines) {
+            a.extend_from_slice(error.of(film[0]));
+            b.extend_from_slice(error.of(film[1]));
+        }
+    });
+    let films = count_films(role, lines.to_vec(), samples);
+    move |samples| {
+        let (films, left_out) = films(samples);
+        LinePairTest {
+            lines,
+            role,
+            error,
+            films,
+            left_out,
+            comparison: samples.comparison(compared),
+            holm_p: None,
+            per_predicted_film: both.map(|(_, numbers)| numbers.per_predicted_film),
+        }
+    }
 }

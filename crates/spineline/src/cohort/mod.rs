@@ -8,15 +8,20 @@
 //! [jalalian-loa], sections 3 and 4, table 2.
 
 mod baselines;
+mod bytes;
+mod census;
 mod claims;
 mod comparison;
 mod films;
 mod lines;
+mod others;
 mod patient;
 mod rotation_prior;
+mod samples;
 mod words;
 
 pub use baselines::{BaselineErrors, BaselineTest, BaselinesOverPatients};
+pub use census::CohortSource;
 pub use claims::{ClaimVerdict, Claims, NEAR_SEGMENTS, PatientClaims};
 pub use comparison::PairedComparison;
 pub use films::{ChainCount, DoubtedFilm};
@@ -27,7 +32,10 @@ pub use rotation_prior::{LearnedRotations, learn_rotation_prior};
 use crate::action::LineKind;
 use crate::evaluate::statistics::{Resampling, Summary};
 use crate::motion::SegmentEstimate;
+use census::{Census, Gathering};
+use others::Seen;
 use patient::{FilmErrors, PatientFilm, SimulatedFilm};
+use samples::{Paired, Sampled, Samples};
 
 /// Resamples of a cluster bootstrap.
 const RESAMPLES: u32 = 2000;
@@ -35,8 +43,8 @@ const RESAMPLES: u32 = 2000;
 /// A sample that belongs to patients.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Clustered {
-    /// Values by patient.
-    pub by_patient: Vec<Vec<f64>>,
+    /// All values, patient by patient; none in a cohort that was made without them ([`Cohort::of_source`]).
+    pub values: Vec<f64>,
     /// Of all values, as if they were independent.
     pub pooled: Summary,
     /// Of one mean per patient.
@@ -46,22 +54,17 @@ pub struct Clustered {
 }
 
 impl Clustered {
-    fn new(by_patient: Vec<Vec<f64>>, resampling: &Resampling) -> Self {
-        let all: Vec<f64> = by_patient.iter().flatten().copied().collect();
-        let means: Vec<f64> =
-            by_patient.iter().filter(|v| !v.is_empty()).map(|v| Summary::of(v).mean).collect();
+    /// From the values of every patient.
+    fn new(by_patient: &[Vec<f64>], resampling: &Resampling) -> Self {
+        let values = by_patient.concat();
+        let with_values = by_patient.iter().filter(|values| !values.is_empty());
+        let means: Vec<f64> = with_values.map(|values| Summary::of(values).mean).collect();
         Self {
-            pooled: Summary::of(&all),
+            pooled: Summary::of(&values),
             patients: Summary::of(&means),
-            bootstrap: resampling.interval(&by_patient),
-            by_patient,
+            bootstrap: resampling.interval(&means),
+            values,
         }
-    }
-
-    /// All values, patient by patient.
-    #[must_use]
-    pub fn values(&self) -> Vec<f64> {
-        self.by_patient.iter().flatten().copied().collect()
     }
 }
 
@@ -78,12 +81,12 @@ pub struct ClusteredSummary {
 
 impl ClusteredSummary {
     /// From one summary per patient; patients without values do not count.
-    fn new(by_patient: impl Iterator<Item = Summary>, resampling: &Resampling) -> Self {
-        let by_patient: Vec<Summary> = by_patient.filter(|summary| summary.n > 0).collect();
-        let means: Vec<Vec<f64>> = by_patient.iter().map(|summary| vec![summary.mean]).collect();
+    fn new(by_patient: &[Summary], resampling: &Resampling) -> Self {
+        let with_values = by_patient.iter().filter(|summary| summary.n > 0);
+        let means: Vec<f64> = with_values.map(|summary| summary.mean).collect();
         Self {
-            pooled: Summary::pooled(&by_patient),
-            patients: Summary::of(&means.concat()),
+            pooled: Summary::pooled(by_patient),
+            patients: Summary::of(&means),
             bootstrap: resampling.interval(&means),
         }
     }
@@ -107,12 +110,12 @@ pub struct EstimateStatistics {
 }
 
 impl EstimateStatistics {
-    /// Share of the guesses at a distance of 0, 1 and 2 segments, and beyond.
+    /// Share of the guesses at a distance of 0, 1 and 2 segments, and beyond; NaN in a cohort without values.
     #[must_use]
     pub fn shares(&self) -> [f64; 4] {
-        let values = self.distance_segments.values();
+        let values = &self.distance_segments.values;
         let mut counts = [0.0; 4];
-        for distance in &values {
+        for distance in values {
             counts[(*distance as usize).min(3)] += 1.0;
         }
         counts.map(|count| count / values.len() as f64)
@@ -207,16 +210,10 @@ pub struct LineRejections {
 }
 
 impl LineRejections {
-    fn of(patients: &[CohortPatient], kind: LineKind) -> Option<Self> {
-        let count = |tested: &mut dyn Iterator<Item = &(LineKind, bool)>| {
-            let own = tested.filter(|one| one.0 == kind);
-            own.fold((0, 0), |(rejected, all), one| (rejected + usize::from(one.1), all + 1))
-        };
-        let films = patients.iter().flat_map(|patient| &patient.films);
-        let mut bends = films.filter(|film| Films::Bends.has(film)).flat_map(|film| &film.tested);
-        let mut by_patient = patients.iter().flat_map(|patient| &patient.tested);
-        let found = Self { kind, patients: count(&mut by_patient), bends: count(&mut bends) };
-        (found.patients.1 + found.bends.1 > 0).then_some(found)
+    /// Counts one more test.
+    fn add((rejected, all): &mut (usize, usize), is_rejected: bool) {
+        *rejected += usize::from(is_rejected);
+        *all += 1;
     }
 }
 
@@ -230,7 +227,7 @@ enum Films {
 
 impl Films {
     fn has(self, film: &PatientFilm) -> bool {
-        let bends = film.outline.posture.bend().is_some();
+        let bends = film.posture.bend().is_some();
         film.has_motion
             && match self {
                 Self::All => true,
@@ -262,49 +259,75 @@ impl Cohort {
     /// ```
     #[must_use]
     pub fn of(patients: &[CohortPatient], seed: u64) -> Self {
-        let resampling = &Resampling::new(patients.len(), RESAMPLES, seed);
-        let films = |value: &dyn Fn(&PatientFilm) -> Vec<f64>| {
-            let patient = |one: &CohortPatient| one.films.iter().flat_map(value).collect();
-            Clustered::new(patients.iter().map(patient).collect(), resampling)
-        };
-        let inflection = |which: Films| {
-            estimates(patients, which, resampling, |p| p.inflection_estimates.as_ref())
-        };
-        let mean_least = |which: Films| {
-            estimates(patients, which, resampling, |p| p.mean_least_estimates.as_ref())
-        };
-        let kinds = [LineKind::Inflection, LineKind::Iliac, LineKind::Estimated, LineKind::Given];
-        let numbers = |value: &dyn Fn(&CohortPatient) -> f64| {
-            Summary::of(&patients.iter().map(value).collect::<Vec<f64>>())
-        };
-        Self {
-            patients: patients.len(),
-            synthetic: patients.iter().any(|patient| patient.synthetic),
-            segments: numbers(&|patient| patient.segments as f64),
-            segment_mm: numbers(&|patient| patient.segment_mm),
-            rmse_mm: films(&|film| vec![film.rmse_mm]),
-            rmse_deg: films(&|film| vec![film.rmse_deg]),
-            rotation_deg: ClusteredSummary::new(
-                patients.iter().map(|one| one.rotation_deg),
-                resampling,
-            ),
-            least_rotation_deg: films(&|film| film.least_rotations_deg.clone()),
-            inflection: [Films::All, Films::Bends, Films::Others].map(inflection),
-            mean_least: [Films::Bends, Films::Others].map(mean_least),
-            table_2: table_2(patients, resampling),
-            two_inflections: patients.iter().filter(|patient| patient.inflections == 2).count(),
-            lines: kinds.into_iter().filter_map(|kind| line(patients, kind, resampling)).collect(),
-            ferguson_test: paper_test(patients, resampling, |errors| &errors.ferguson_deg),
-            location_test: paper_test(patients, resampling, |errors| &errors.location_mm),
-            baselines: BaselinesOverPatients::of(patients, resampling),
-            compared: LinesOverPatients::of(patients, resampling),
-            rejections: kinds
-                .into_iter()
-                .filter_map(|kind| LineRejections::of(patients, kind))
-                .collect(),
-            doubted: patients.iter().filter(|patient| patient.has_doubted_film()).count(),
-            doubted_films: patients.iter().flat_map(|patient| patient.doubts.clone()).collect(),
-            chains: ChainCount::of(patients),
+        let Ok(cohort) = Self::gathered(&mut &*patients, seed, true);
+        cohort
+    }
+
+    /// The same of patients that need not be in memory, without the values behind the statistics: about a thousand bytes of memory
+    /// per patient, whatever its films.
+    ///
+    /// # Errors
+    /// If a patient cannot be read again.
+    pub fn of_source<S: CohortSource>(patients: &mut S, seed: u64) -> Result<Self, S::Error> {
+        Self::gathered(patients, seed, false)
+    }
+
+    fn gathered<S: CohortSource>(
+        patients: &mut S,
+        seed: u64,
+        keeps_values: bool,
+    ) -> Result<Self, S::Error> {
+        let mut gathering = Gathering::begin(patients, (RESAMPLES, seed), keeps_values)?;
+        let Gathering { census, samples, .. } = &mut gathering;
+        let statistics = Self::ask(census, samples);
+        gathering.go_through(patients)?;
+        let Gathering { census, mut samples, .. } = gathering;
+        Ok(statistics(census, &mut samples))
+    }
+
+    /// Asks for all samples; gives what makes the result of them.
+    fn ask(
+        census: &Census,
+        samples: &mut Samples,
+    ) -> impl FnOnce(Census, &mut Samples) -> Self + use<> {
+        let rmse_mm = of_films(samples, |film, values| values.push(film.rmse_mm));
+        let rmse_deg = of_films(samples, |film, values| values.push(film.rmse_deg));
+        let least_rotation_deg =
+            of_films(samples, |film, values| values.extend(&film.least_rotations_deg));
+        let inflection = [Films::All, Films::Bends, Films::Others]
+            .map(|which| estimates(samples, which, |film| film.inflection_estimates.as_ref()));
+        let mean_least = [Films::Bends, Films::Others]
+            .map(|which| estimates(samples, which, |film| film.mean_least_estimates.as_ref()));
+        let table_2 = table_2(samples);
+        let modelled = LineKind::ALL.into_iter().filter(|kind| census.modelled.contains(kind));
+        let lines: Vec<_> = modelled.map(|kind| line(samples, kind)).collect();
+        let ferguson_test = paper_test(samples, |errors| &errors.ferguson_deg);
+        let location_test = paper_test(samples, |errors| &errors.location_mm);
+        let same_data = !census.has_different_data;
+        let compared = LinesOverPatients::ask(census.numbers.clone(), same_data, samples);
+        let baselines = BaselinesOverPatients::ask(&census.kinds(), &census.hypotheses, samples);
+        move |census, samples| Self {
+            patients: census.levels.len(),
+            synthetic: census.synthetic,
+            segments: Summary::of(&census.segments),
+            segment_mm: Summary::of(&census.segment_mm),
+            rmse_mm: samples.clustered(rmse_mm),
+            rmse_deg: samples.clustered(rmse_deg),
+            rotation_deg: ClusteredSummary::new(&census.rotation_deg, samples.resampling()),
+            least_rotation_deg: samples.clustered(least_rotation_deg),
+            inflection: inflection.map(|estimates| estimates(samples)),
+            mean_least: mean_least.map(|estimates| estimates(samples)),
+            table_2: table_2.map(|compared| samples.comparison(compared)),
+            two_inflections: census.two_inflections,
+            lines: lines.into_iter().map(|line| line(samples)).collect(),
+            ferguson_test: samples.comparison(ferguson_test),
+            location_test: samples.comparison(location_test),
+            baselines: baselines(samples),
+            compared: LinesOverPatients { missing: census.missing, ..compared(samples) },
+            rejections: census.rejections,
+            doubted: census.doubted,
+            doubted_films: census.doubted_films,
+            chains: census.chains,
         }
     }
 
@@ -321,106 +344,107 @@ impl Cohort {
     }
 }
 
+fn of_films(
+    samples: &mut Samples,
+    value: impl Fn(&PatientFilm, &mut Vec<f64>) + 'static,
+) -> Sampled {
+    samples.sample(move |seen, values| {
+        seen.patient.films.iter().for_each(|film| value(film, values));
+    })
+}
+
+/// The estimates of the least-rotating segments that a film has in one way.
+type EstimatesOf = fn(&PatientFilm) -> Option<&[SegmentEstimate; 2]>;
+
 fn estimates(
-    patients: &[CohortPatient],
+    samples: &mut Samples,
     which: Films,
-    resampling: &Resampling,
-    of: impl Fn(&PatientFilm) -> Option<&[SegmentEstimate; 2]>,
-) -> EstimateStatistics {
-    let clustered = |value: &dyn Fn(&SegmentEstimate) -> f64| {
-        let patient = |one: &CohortPatient| {
-            let films = one.films.iter().filter(|film| which.has(film));
-            films.filter_map(&of).flatten().map(value).collect()
-        };
-        Clustered::new(patients.iter().map(patient).collect(), resampling)
-    };
-    EstimateStatistics {
-        distance_segments: clustered(&|e| e.distance_segments as f64),
-        distance_mm: clustered(&|e| e.distance_mm),
-        rotation_deg: clustered(&|e| e.rotation.deg()),
+    of: EstimatesOf,
+) -> impl FnOnce(&mut Samples) -> EstimateStatistics + use<> {
+    let values: [fn(&SegmentEstimate) -> f64; 3] =
+        [|e| e.distance_segments as f64, |e| e.distance_mm, |e| e.rotation.deg()];
+    let [segments, mm, rotation] = values.map(|value| {
+        samples.sample(move |seen, values| {
+            let films = seen.patient.films.iter().filter(|film| which.has(film));
+            values.extend(films.filter_map(of).flatten().map(value));
+        })
+    });
+    move |samples| EstimateStatistics {
+        distance_segments: samples.clustered(segments),
+        distance_mm: samples.clustered(mm),
+        rotation_deg: samples.clustered(rotation),
     }
 }
 
 /// Inflections against MMS_Mean where both are known.
-fn table_2(patients: &[CohortPatient], resampling: &Resampling) -> [PairedComparison; 4] {
-    let pairs = |which: Films, value: &dyn Fn(&SegmentEstimate) -> f64| {
-        let (mut a, mut b) = (Vec::new(), Vec::new());
-        for patient in patients {
-            let both = patient.films.iter().filter(|film| which.has(film)).filter_map(|film| {
+fn table_2(samples: &mut Samples) -> [Paired; 4] {
+    let mut pair = |which: Films, value: fn(&SegmentEstimate) -> f64| {
+        samples.pair(move |seen, [a, b]| {
+            let films = seen.patient.films.iter().filter(|film| which.has(film));
+            let both = films.filter_map(|film| {
                 film.inflection_estimates.as_ref().zip(film.mean_least_estimates.as_ref())
             });
-            let (mut of_a, mut of_b) = (Vec::new(), Vec::new());
             for (inflection, mean_least) in both {
-                of_a.extend(inflection.iter().map(value));
-                of_b.extend(mean_least.iter().map(value));
+                a.extend(inflection.iter().map(value));
+                b.extend(mean_least.iter().map(value));
             }
-            a.push(of_a);
-            b.push(of_b);
-        }
-        PairedComparison::new(&a, &b, resampling)
+        })
     };
-    let distance = |e: &SegmentEstimate| e.distance_segments as f64;
-    let rotation = |e: &SegmentEstimate| e.rotation.deg();
     [
-        pairs(Films::Bends, &distance),
-        pairs(Films::Others, &distance),
-        pairs(Films::Bends, &rotation),
-        pairs(Films::Others, &rotation),
+        pair(Films::Bends, |e| e.distance_segments as f64),
+        pair(Films::Others, |e| e.distance_segments as f64),
+        pair(Films::Bends, |e| e.rotation.deg()),
+        pair(Films::Others, |e| e.rotation.deg()),
     ]
 }
 
 fn line(
-    patients: &[CohortPatient],
+    samples: &mut Samples,
     kind: LineKind,
-    resampling: &Resampling,
-) -> Option<LineStatistics> {
-    if !patients.iter().any(|patient| patient.models.iter().any(|model| model.kind == kind)) {
-        return None;
+) -> impl FnOnce(&mut Samples) -> LineStatistics + use<> {
+    let mut usable = |fitted: bool, value: fn(&SimulatedFilm, &mut Vec<f64>)| {
+        samples.sample(move |seen, values| {
+            let films = seen.patient.simulated(kind, fitted).filter(|film| film.is_usable);
+            films.for_each(|film| value(film, values));
+        })
+    };
+    let errors = [true, false].map(|fitted| {
+        let ferguson = usable(fitted, |film, values| values.extend(&film.errors.ferguson_deg));
+        (ferguson, usable(fitted, |film, values| values.extend(&film.errors.location_mm)))
+    });
+    let contradicted = usable(true, |film, values| values.push(film.contradicted as f64));
+    let weight = usable(true, |film, values| values.push(film.contradicted_weight));
+    let unusable = [true, false].map(|fitted| {
+        samples.count(move |seen| {
+            seen.patient.simulated(kind, fitted).filter(|film| !film.is_usable).count()
+        })
+    });
+    move |samples| {
+        let [fitted, held_out] = [0, 1].map(|place| ErrorStatistics {
+            ferguson_deg: samples.clustered(errors[place].0),
+            location_mm: samples.clustered(errors[place].1),
+            unusable: samples.number(unusable[place]),
+        });
+        LineStatistics {
+            kind,
+            fitted,
+            held_out,
+            contradicted: samples.clustered(contradicted),
+            contradicted_weight: samples.clustered(weight),
+        }
     }
-    let clustered = |fitted: bool, value: &dyn Fn(&SimulatedFilm) -> Vec<f64>| {
-        let patient = |one: &CohortPatient| {
-            one.simulated(kind, fitted).filter(|film| film.is_usable).flat_map(value).collect()
-        };
-        Clustered::new(patients.iter().map(patient).collect(), resampling)
-    };
-    let errors = |fitted: bool| ErrorStatistics {
-        ferguson_deg: clustered(fitted, &|film| film.errors.ferguson_deg.clone()),
-        location_mm: clustered(fitted, &|film| film.errors.location_mm.clone()),
-        unusable: patients
-            .iter()
-            .flat_map(|patient| patient.simulated(kind, fitted))
-            .filter(|film| !film.is_usable)
-            .count(),
-    };
-    Some(LineStatistics {
-        kind,
-        fitted: errors(true),
-        held_out: errors(false),
-        contradicted: clustered(true, &|film| vec![film.contradicted as f64]),
-        contradicted_weight: clustered(true, &|film| vec![film.contradicted_weight]),
-    })
 }
 
 /// Errors of the inflection line against those of the iliac line, on fitted films that both could simulate.
-fn paper_test(
-    patients: &[CohortPatient],
-    resampling: &Resampling,
-    errors: impl Fn(&FilmErrors) -> &[f64],
-) -> PairedComparison {
-    let (mut a, mut b) = (Vec::new(), Vec::new());
-    for patient in patients {
-        let (mut of_a, mut of_b) = (Vec::new(), Vec::new());
-        for first in patient.simulated(LineKind::Inflection, true).filter(|film| film.is_usable) {
-            let second = patient
-                .simulated(LineKind::Iliac, true)
-                .find(|film| film.posture == first.posture && film.is_usable);
+fn paper_test(samples: &mut Samples, errors: fn(&FilmErrors) -> &[f64]) -> Paired {
+    samples.pair(move |seen, [a, b]| {
+        let usable = |kind| seen.patient.simulated(kind, true).filter(|film| film.is_usable);
+        for first in usable(LineKind::Inflection) {
+            let second = usable(LineKind::Iliac).find(|film| film.posture == first.posture);
             if let Some(second) = second {
-                of_a.extend_from_slice(errors(&first.errors));
-                of_b.extend_from_slice(errors(&second.errors));
+                a.extend_from_slice(errors(&first.errors));
+                b.extend_from_slice(errors(&second.errors));
             }
         }
-        a.push(of_a);
-        b.push(of_b);
-    }
-    PairedComparison::new(&a, &b, resampling)
+    })
 }

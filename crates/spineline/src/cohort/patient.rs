@@ -9,16 +9,15 @@ use crate::analysis::{
 };
 use crate::anatomy::{Levels, Posture, Side};
 use crate::evaluate::statistics::Summary;
-use crate::evaluate::{Baseline, Simulation, joint_rotations};
+use crate::evaluate::{Baseline, FilmFromTop, Links, Simulation, joint_rotations};
 use crate::hypothesis::{Hypothesis, HypothesisFit, Role};
-use crate::measure::Outline;
 use crate::motion::SegmentEstimate;
 use crate::spatial::Angle;
 
 /// The numbers of a patient that enter a [`super::Cohort`].
 ///
-/// It holds no curve, no chain and no shape, so that those of many patients fit into memory. Making it takes one more fit per line and
-/// bend ([`Analysis::compare_lines`]).
+/// It holds no curve, no chain and no outline: about 10 kB. Making it takes one more fit per line and bend
+/// ([`Analysis::compare_lines`]).
 #[derive(Debug, Clone, PartialEq)]
 pub struct CohortPatient {
     pub(super) case_id: String,
@@ -35,6 +34,12 @@ pub struct CohortPatient {
     pub(super) has_rotation_prior: bool,
     /// The erect film first.
     pub(super) films: Vec<PatientFilm>,
+    /// Links of the erect spine.
+    pub(super) links: Links,
+    /// The other films, as T2 predicts them.
+    pub(super) from_top: Vec<FilmFromTop>,
+    /// Rotations of every bend, as if it were to the right.
+    pub(super) bends: Vec<Vec<Angle>>,
     pub(super) models: Vec<PatientModel>,
     /// Lines that were tested, with whether the bends reject a single force along them.
     pub(super) tested: Vec<(LineKind, bool)>,
@@ -57,7 +62,7 @@ pub(super) struct PatientHypothesis {
 /// A film of a patient.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct PatientFilm {
-    pub outline: Outline,
+    pub posture: Posture,
     /// Whether its movement from the erect film is known.
     pub has_motion: bool,
     pub rmse_mm: f64,
@@ -119,6 +124,8 @@ impl CohortPatient {
             let found = analysis.compatibility(model);
             (!found.bends.is_empty()).then(|| (model.kind, found.rejects()))
         });
+        let erect = &analysis.postures[0].outline;
+        let moved = analysis.postures[1..].iter().map(|film| &film.outline);
         Self {
             case_id: analysis.case_id.clone(),
             synthetic: analysis.synthetic,
@@ -130,6 +137,9 @@ impl CohortPatient {
             doubts: DoubtedFilm::of(analysis),
             has_rotation_prior: analysis.options.rotation_prior.is_some(),
             films: analysis.postures.iter().map(PatientFilm::of).collect(),
+            links: Links::of(erect),
+            from_top: moved.map(|film| FilmFromTop::of(erect, film)).collect(),
+            bends: bend_rotations(analysis),
             models: analysis.models.iter().map(PatientModel::of).collect(),
             tested: tested.collect(),
             same_data: compared.same_data(),
@@ -161,30 +171,29 @@ impl CohortPatient {
         !self.doubts.is_empty()
     }
 
-    pub(super) fn erect(&self) -> &Outline {
-        &self.films[0].outline
+    /// A film other than the erect one, as T2 predicts it.
+    pub(super) fn film_from_top(&self, posture: Posture) -> Option<&FilmFromTop> {
+        self.from_top.iter().find(|film| film.posture == posture)
     }
 
-    pub(super) fn outline(&self, posture: Posture) -> Option<&Outline> {
-        self.films.iter().map(|film| &film.outline).find(|outline| outline.posture == posture)
+    /// Errors of a line on a film; `None` where it has no result.
+    pub(super) fn errors<'a>(
+        &self,
+        film: &'a PatientFilmUnderLines,
+        kind: LineKind,
+    ) -> Option<&'a FilmErrors> {
+        let place = self.lines.iter().position(|line| line.kind == kind)?;
+        film.by_line[place].as_ref().ok()
     }
 
-    /// Outlines of the bends, each with the side that it is bent to.
-    pub(super) fn bends(&self) -> impl Iterator<Item = (Side, &Outline)> {
-        self.films.iter().filter_map(|film| Some((film.outline.posture.bend()?, &film.outline)))
-    }
-
-    /// Rotations of every bend, as if it were to the right.
-    pub(super) fn bend_rotations(&self) -> Vec<Vec<Angle>> {
-        let bends = self.bends().map(|(side, outline)| {
-            let sign = match side {
-                Side::Right => 1.0,
-                Side::Left => -1.0,
-            };
-            let rotations = joint_rotations(self.erect(), outline);
-            rotations.into_iter().map(|rotation| rotation * sign).collect()
-        });
-        bends.collect()
+    /// The films of a role on which all of some lines have a result, with the errors of each.
+    pub(super) fn films_of(
+        &self,
+        role: FilmRole,
+        kinds: &[LineKind],
+    ) -> impl Iterator<Item = Vec<&FilmErrors>> {
+        let films = self.compared.iter().filter(move |film| film.role == role);
+        films.filter_map(|film| kinds.iter().map(|&kind| self.errors(film, kind)).collect())
     }
 
     /// Films under a line, fitted or held out.
@@ -198,6 +207,20 @@ impl CohortPatient {
     }
 }
 
+/// Rotations of every bend, as if it were to the right.
+fn bend_rotations(analysis: &Analysis) -> Vec<Vec<Angle>> {
+    let erect = &analysis.postures[0].outline;
+    let bends = analysis.postures.iter().filter_map(|film| {
+        let sign = match film.outline.posture.bend()? {
+            Side::Right => 1.0,
+            Side::Left => -1.0,
+        };
+        let rotations = joint_rotations(erect, &film.outline);
+        Some(rotations.into_iter().map(|rotation| rotation * sign).collect())
+    });
+    bends.collect()
+}
+
 /// Rotations of all segments over all films.
 fn rotations_deg(analysis: &Analysis) -> Vec<f64> {
     let motions = analysis.postures.iter().filter_map(|film| film.motion.as_ref());
@@ -208,7 +231,7 @@ impl PatientFilm {
     fn of(film: &PostureAnalysis) -> Self {
         let motion = film.motion.as_ref();
         Self {
-            outline: film.outline.clone(),
+            posture: film.outline.posture,
             has_motion: motion.is_some(),
             rmse_mm: film.fit.rmse_mm,
             rmse_deg: film.fit.rmse_tilt.deg(),

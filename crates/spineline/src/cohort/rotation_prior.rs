@@ -1,14 +1,12 @@
 //! The distribution of joint rotations over the bends of patients, and what it predicts of patients that it was not learned
 //! from.
 
+use super::others::PriorsOfOthers;
 use super::{Clustered, CohortPatient, RESAMPLES};
 use crate::anatomy::Levels;
 use crate::evaluate::statistics::Resampling;
-use crate::evaluate::{Baseline, RotationPrior, RotationPriorError, predict_from_prior};
+use crate::evaluate::{Baseline, RotationPrior, RotationPriorError};
 use crate::spatial::Angle;
-
-/// Groups that are left out in turn: every patient alone in small cohorts.
-const MAX_GROUPS: usize = 20;
 
 /// A prior of joint rotations, and how well such priors predict.
 #[derive(Debug, Clone, PartialEq)]
@@ -38,7 +36,7 @@ pub fn learn_rotation_prior(
     if patients < needed {
         return Err(RotationPriorError::TooFewPatients { patients, needed });
     }
-    let bends: Vec<Vec<Vec<Angle>>> = all.iter().map(CohortPatient::bend_rotations).collect();
+    let bends: Vec<Vec<Vec<Angle>>> = all.iter().map(|one| one.bends.clone()).collect();
     let levels = common_levels(all).ok_or(RotationPriorError::NoCommonJoints)?;
     let common: Vec<Vec<Vec<Angle>>> = all
         .iter()
@@ -50,45 +48,23 @@ pub fn learn_rotation_prior(
         })
         .collect();
     let prior = RotationPrior::learned(levels, &common)?;
-    let others = priors_of_others(all, &bends);
-    let resampling = Resampling::new(all.len(), RESAMPLES, seed);
+    let own: Vec<Levels> = all.iter().map(|one| one.levels).collect();
+    let others = PriorsOfOthers::of(&own, &bends);
+    let of_others = |place: usize| others.of_patient(place, own[place]).cloned();
+    let resampling = Resampling::new(RESAMPLES, seed);
     let errors = |baseline: Baseline, of: &dyn Fn(usize) -> Option<RotationPrior>| {
         let patient = |(place, patient): (usize, &CohortPatient)| {
             of(place).map_or_else(Vec::new, |prior| errors_mm(patient, baseline, &prior))
         };
-        Clustered::new(all.iter().enumerate().map(patient).collect(), &resampling)
+        Clustered::new(&all.iter().enumerate().map(patient).collect::<Vec<_>>(), &resampling)
     };
     let published = |place: usize| Some(RotationPrior::published(all[place].levels));
     Ok(LearnedRotations {
-        from_location_mm: errors(Baseline::RotationPrior, &|place| others[place].clone()),
-        with_tilt_mm: errors(Baseline::RotationPriorWithTilt, &|place| others[place].clone()),
+        from_location_mm: errors(Baseline::RotationPrior, &of_others),
+        with_tilt_mm: errors(Baseline::RotationPriorWithTilt, &of_others),
         published_with_tilt_mm: errors(Baseline::RotationPriorWithTilt, &published),
         prior,
     })
-}
-
-/// For every patient a prior from patients of other groups with the same vertebrae; `None` where they are too few.
-pub(super) fn priors_of_others(
-    patients: &[CohortPatient],
-    bends: &[Vec<Vec<Angle>>],
-) -> Vec<Option<RotationPrior>> {
-    let groups = patients.len().min(MAX_GROUPS);
-    let mut known: Vec<(usize, Levels, Option<RotationPrior>)> = Vec::new();
-    let mut priors = Vec::with_capacity(patients.len());
-    for (place, patient) in patients.iter().enumerate() {
-        let (group, levels) = (place % groups, patient.levels);
-        if let Some(found) = known.iter().find(|one| one.0 == group && one.1 == levels) {
-            priors.push(found.2.clone());
-            continue;
-        }
-        let others = patients.iter().zip(bends).enumerate();
-        let others = others.filter(|(i, (one, _))| i % groups != group && one.levels == levels);
-        let others: Vec<Vec<Vec<Angle>>> = others.map(|(_, (_, bends))| bends.clone()).collect();
-        let prior = RotationPrior::learned(levels, &others).ok();
-        known.push((group, levels, prior.clone()));
-        priors.push(prior);
-    }
-    priors
 }
 
 /// The vertebrae that all patients show.
@@ -99,9 +75,8 @@ fn common_levels(patients: &[CohortPatient]) -> Option<Levels> {
 }
 
 fn errors_mm(patient: &CohortPatient, baseline: Baseline, prior: &RotationPrior) -> Vec<f64> {
-    let bends = patient.bends();
-    let predicted =
-        bends.map(|(_, film)| predict_from_prior(baseline, prior, patient.erect(), film));
+    let bends = patient.from_top.iter().filter(|film| film.posture.bend().is_some());
+    let predicted = bends.map(|film| film.by_prior(baseline, prior, &patient.links));
     let usable = predicted.filter(crate::evaluate::BaselinePrediction::is_usable);
     usable.flat_map(|found| found.location_errors_mm).collect()
 }

@@ -8,7 +8,7 @@ use nalgebra::{DMatrix, DVector};
 use super::rotation_prior::RotationPrior;
 use crate::anatomy::{Level, Posture, named};
 use crate::least_squares::{FitStatus, System, minimize};
-use crate::measure::{FilmScale, Outline};
+use crate::measure::{FilmLength, FilmScale, Outline};
 use crate::spatial::{Angle, Frontal};
 
 /// What is known of joint rotations before a film.
@@ -150,9 +150,7 @@ pub fn predict_baseline(
     erect: &Outline,
     film: &Outline,
 ) -> BaselinePrediction {
-    let basis = DMatrix::from_iterator(pattern.len(), 1, pattern.iter().map(|joint| joint.rad()));
-    let rotations = Rotations { mean: DVector::zeros(pattern.len()), basis, is_free: true };
-    predict_rotations(baseline, &rotations, erect, film)
+    FilmFromTop::of(erect, film).by_pattern(baseline, pattern, &Links::of(erect))
 }
 
 /// Predicts a film from the erect one, a distribution of joint rotations, and T2.
@@ -171,79 +169,113 @@ pub fn predict_from_prior(
     erect: &Outline,
     film: &Outline,
 ) -> BaselinePrediction {
-    let joints = prior.mean_of(film.posture).into_iter().map(Angle::rad);
-    let mean = DVector::from_iterator(prior.mean().len(), joints);
-    let rotations = Rotations { mean, basis: prior.root().clone(), is_free: false };
-    predict_rotations(baseline, &rotations, erect, film)
+    FilmFromTop::of(erect, film).by_prior(baseline, prior, &Links::of(erect))
 }
 
-fn predict_rotations(
-    baseline: Baseline,
-    rotations: &Rotations,
-    erect: &Outline,
-    film: &Outline,
-) -> BaselinePrediction {
-    assert_eq!(rotations.mean.len() + 1, erect.vertebrae.len(), "one rotation per joint");
-    let fit = TopFit::new(baseline, rotations, erect, film);
-    let unknowns = fit.unknowns();
-    let free = DVector::from_element(unknowns, f64::INFINITY);
-    let end = minimize(DVector::zeros(unknowns), &-&free, &free, fit.rows(), |x, system| {
-        fit.evaluate(x, system);
-        true
-    });
-    let scale = fit.scale(&end.x);
-    let factor = scale.factor / film.length.scale.factor;
-    let found = fit.rotations_at(&end.x);
-    let carried = fit.links.carried(&found);
-    let locations: Vec<Frontal> = carried.into_iter().map(|location| location * factor).collect();
-    let (compared, location_errors_mm) = film
-        .measured()
-        .skip(1)
-        .map(|(i, vertebra)| (vertebra.level, locations[i].distance_mm(vertebra.location)))
-        .unzip();
-    BaselinePrediction {
-        posture: film.posture,
-        baseline,
-        status: end.status,
-        amount: rotations.is_free.then(|| end.x[0]),
-        rotations: found.iter().map(|&rad| Angle::from_rad(rad)).collect(),
-        scale,
-        locations,
-        compared,
-        location_errors_mm,
+/// What a prediction from T2 takes of a film, and what it is compared with: the film itself need not be kept.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct FilmFromTop {
+    pub posture: Posture,
+    /// Its scale against the erect film.
+    pub length: FilmLength,
+    /// T2 as it was marked.
+    pub top: Frontal,
+    /// Standard deviation of a coordinate of it relative to the base.
+    pub top_sd_mm: f64,
+    /// How far T2 turned from the erect film, and the standard deviation of that.
+    pub turn: [Angle; 2],
+    /// The vertebrae above the base that the film shows, caudal first, with their places in the chain.
+    pub shown: Vec<(usize, Level, Frontal)>,
+}
+
+impl FilmFromTop {
+    pub fn of(erect: &Outline, film: &Outline) -> Self {
+        let last = film.vertebrae.len() - 1;
+        let shown = film.measured().skip(1);
+        Self {
+            posture: film.posture,
+            length: film.length,
+            top: film.vertebrae[last].location * film.length.scale.factor,
+            top_sd_mm: film.top_sd_mm(),
+            turn: [turn_of_top(erect, film), turn_of_top_sd(erect, film)],
+            shown: shown.map(|(i, vertebra)| (i, vertebra.level, vertebra.location)).collect(),
+        }
+    }
+
+    /// As [`predict_baseline`].
+    pub fn by_pattern(
+        &self,
+        baseline: Baseline,
+        pattern: &[Angle],
+        erect: &Links,
+    ) -> BaselinePrediction {
+        let joints = pattern.iter().map(|joint| joint.rad());
+        let basis = DMatrix::from_iterator(pattern.len(), 1, joints);
+        let rotations = Rotations { mean: DVector::zeros(pattern.len()), basis, is_free: true };
+        self.by_rotations(baseline, &rotations, erect)
+    }
+
+    /// As [`predict_from_prior`].
+    pub fn by_prior(
+        &self,
+        baseline: Baseline,
+        prior: &RotationPrior,
+        erect: &Links,
+    ) -> BaselinePrediction {
+        let joints = prior.mean_of(self.posture).into_iter().map(Angle::rad);
+        let mean = DVector::from_iterator(prior.mean().len(), joints);
+        let rotations = Rotations { mean, basis: prior.root().clone(), is_free: false };
+        self.by_rotations(baseline, &rotations, erect)
+    }
+
+    fn by_rotations(
+        &self,
+        baseline: Baseline,
+        rotations: &Rotations,
+        erect: &Links,
+    ) -> BaselinePrediction {
+        assert_eq!(rotations.mean.len(), erect.0.len(), "one rotation per joint");
+        let turn = baseline.knows_tilt().then(|| self.turn.map(Angle::rad));
+        let fit = TopFit { links: erect, rotations, film: self, turn };
+        let unknowns = fit.unknowns();
+        let free = DVector::from_element(unknowns, f64::INFINITY);
+        let end = minimize(DVector::zeros(unknowns), &-&free, &free, fit.rows(), |x, system| {
+            fit.evaluate(x, system);
+            true
+        });
+        let scale = fit.scale(&end.x);
+        let factor = scale.factor / self.length.scale.factor;
+        let found = fit.rotations_at(&end.x);
+        let carried = erect.carried(&found);
+        let locations: Vec<Frontal> =
+            carried.into_iter().map(|location| location * factor).collect();
+        let errors =
+            |&(i, level, shown): &(usize, Level, Frontal)| (level, locations[i].distance_mm(shown));
+        let (compared, location_errors_mm) = self.shown.iter().map(errors).unzip();
+        BaselinePrediction {
+            posture: self.posture,
+            baseline,
+            status: end.status,
+            amount: rotations.is_free.then(|| end.x[0]),
+            rotations: found.iter().map(|&rad| Angle::from_rad(rad)).collect(),
+            scale,
+            locations,
+            compared,
+            location_errors_mm,
+        }
     }
 }
 
 /// The fit of rotations and scale to what a film says of T2.
 struct TopFit<'a> {
-    links: Links,
+    links: &'a Links,
     rotations: &'a Rotations,
-    film: &'a Outline,
-    /// T2 as it was marked.
-    top: Frontal,
+    film: &'a FilmFromTop,
     /// How far T2 turned from the erect film, and the standard deviation of that, in rad; where it is known.
     turn: Option<[f64; 2]>,
 }
 
-impl<'a> TopFit<'a> {
-    fn new(
-        baseline: Baseline,
-        rotations: &'a Rotations,
-        erect: &Outline,
-        film: &'a Outline,
-    ) -> Self {
-        let last = film.vertebrae.len() - 1;
-        Self {
-            links: Links::of(erect),
-            rotations,
-            film,
-            top: film.vertebrae[last].location * film.length.scale.factor,
-            turn: baseline
-                .knows_tilt()
-                .then(|| [turn_of_top(erect, film), turn_of_top_sd(erect, film)].map(Angle::rad)),
-        }
-    }
-
+impl TopFit<'_> {
     fn scaled(&self) -> bool {
         self.film.length.is_free()
     }
@@ -268,8 +300,8 @@ impl<'a> TopFit<'a> {
         let rotations = self.rotations_at(x);
         let simulated = self.links.top(&rotations) * log.exp();
         let rates = self.links.top_rates(&rotations) * log.exp() * &self.rotations.basis;
-        let weight = 1.0 / self.film.top_sd_mm();
-        let off = simulated - self.top;
+        let weight = 1.0 / self.film.top_sd_mm;
+        let off = simulated - self.film.top;
         for (row, (off, by_log)) in
             [(off.y_mm, simulated.y_mm), (off.z_mm, simulated.z_mm)].into_iter().enumerate()
         {
@@ -310,16 +342,17 @@ impl<'a> TopFit<'a> {
         let simulated = self.links.top(&self.rotations_at(x));
         FilmScale {
             factor: x[self.rotations.basis.ncols()].exp(),
-            ..length.from_top(simulated, self.top, self.film.top_sd_mm())
+            ..length.from_top(simulated, self.film.top, self.film.top_sd_mm)
         }
     }
 }
 
 /// The links of the erect spine, caudal first.
-struct Links(Vec<Frontal>);
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Links(pub Vec<Frontal>);
 
 impl Links {
-    fn of(erect: &Outline) -> Self {
+    pub fn of(erect: &Outline) -> Self {
         Self(erect.vertebrae.windows(2).map(|pair| pair[1].location - pair[0].location).collect())
     }
 

@@ -13,10 +13,10 @@ mod rotation_prior;
 mod simulate;
 pub mod statistics;
 
-pub(crate) use baseline::turn_of_top_sd;
 pub use baseline::{
     Baseline, BaselinePrediction, joint_rotations, predict_baseline, predict_from_prior,
 };
+pub(crate) use baseline::{FilmFromTop, Links, turn_of_top_sd};
 pub use mobility::published_lateral_bending;
 pub use prediction::predict;
 pub(crate) use prediction::{ScaledPrediction, at_scale_of_top};

@@ -143,15 +143,16 @@ impl RotationPrior {
     /// If a bend has not one rotation per joint.
     pub fn learned(
         levels: Levels,
-        patients: &[Vec<Vec<Angle>>],
+        patients: &[impl AsRef<[Vec<Angle>]>],
     ) -> Result<Self, RotationPriorError> {
-        let with_bend = patients.iter().filter(|bends| !bends.is_empty()).count();
+        let patients = || patients.iter().map(AsRef::as_ref);
+        let with_bend = patients().filter(|bends| !bends.is_empty()).count();
         if with_bend < Self::MIN_PATIENTS {
             let needed = Self::MIN_PATIENTS;
             return Err(RotationPriorError::TooFewPatients { patients: with_bend, needed });
         }
         let joints = levels.joints();
-        let bends: Vec<&Vec<Angle>> = patients.iter().flatten().collect();
+        let bends: Vec<&Vec<Angle>> = patients().flatten().collect();
         assert!(bends.iter().all(|bend| bend.len() == joints), "one rotation per joint");
         let films = bends.len() as f64;
         let mut values =

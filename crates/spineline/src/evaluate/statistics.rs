@@ -89,21 +89,27 @@ pub struct PairedT {
 #[must_use]
 pub fn paired_t(a: &[f64], b: &[f64]) -> Option<PairedT> {
     let differences: Vec<f64> = a.iter().zip(b).map(|(a, b)| a - b).collect();
-    let summary = Summary::of(&differences);
-    if a.len() != b.len() || summary.n < 2 || summary.sd.is_nan() || summary.sd <= 0.0 {
-        return None;
+    if a.len() == b.len() { PairedT::of_differences(Summary::of(&differences)) } else { None }
+}
+
+impl PairedT {
+    /// From the summary of the differences; `None` for fewer than two, or without any spread.
+    pub(crate) fn of_differences(summary: Summary) -> Option<Self> {
+        if summary.n < 2 || summary.sd.is_nan() || summary.sd <= 0.0 {
+            return None;
+        }
+        let freedom = (summary.n - 1) as f64;
+        let t = summary.mean / (summary.sd / (summary.n as f64).sqrt());
+        let student = StudentsT::new(0.0, 1.0, freedom).ok()?;
+        Some(Self {
+            n: summary.n,
+            mean_difference: summary.mean,
+            t,
+            p_two_sided: 2.0 * student.sf(t.abs()),
+            p_less: student.cdf(t),
+            effect_size: summary.mean / summary.sd,
+        })
     }
-    let freedom = (summary.n - 1) as f64;
-    let t = summary.mean / (summary.sd / (summary.n as f64).sqrt());
-    let student = StudentsT::new(0.0, 1.0, freedom).ok()?;
-    Some(PairedT {
-        n: summary.n,
-        mean_difference: summary.mean,
-        t,
-        p_two_sided: 2.0 * student.sf(t.abs()),
-        p_less: student.cdf(t),
-        effect_size: summary.mean / summary.sd,
-    })
 }
 
 /// Quartiles and whiskers of a box chart: whiskers end at the last value within 1.5 interquartile ranges.
@@ -149,34 +155,26 @@ pub fn quantile(sorted: &[f64], q: f64) -> f64 {
 /// that a patient counts once however many values there are. `None` for fewer than two clusters.
 #[must_use]
 pub fn cluster_bootstrap(clusters: &[Vec<f64>], resamples: u32, seed: u64) -> Option<[f64; 2]> {
-    Resampling::new(0, resamples, seed).interval(clusters)
+    let with_values = clusters.iter().filter(|cluster| !cluster.is_empty());
+    let means: Vec<f64> = with_values.map(|cluster| Summary::of(cluster).mean).collect();
+    Resampling::new(resamples, seed).interval(&means)
 }
 
-/// [`cluster_bootstrap`] of many samples of the same clusters: which clusters a resample draws is the same for all of them.
-#[derive(Debug, Clone)]
+/// [`cluster_bootstrap`] of many samples: which clusters a resample draws is the same for all samples of as many clusters.
+#[derive(Debug, Clone, Copy)]
 pub struct Resampling {
     resamples: u32,
     seed: u64,
-    clusters: usize,
-    /// Places of the clusters, resample by resample; none where they would take too much memory.
-    drawn: Vec<u32>,
 }
 
 impl Resampling {
-    /// Draws that are kept: 64 MB.
-    const MAX_KEPT: usize = 1 << 24;
+    /// Resamples whose sums grow side by side, so that no addition waits for the one before.
+    const AT_ONCE: usize = 8;
 
-    /// For samples of so many clusters; those of other numbers of clusters are drawn one by one.
+    /// With so many resamples from a seed.
     #[must_use]
-    pub fn new(clusters: usize, resamples: u32, seed: u64) -> Self {
-        let kept = clusters.saturating_mul(resamples as usize);
-        let drawn = if clusters < 2 || kept > Self::MAX_KEPT {
-            Vec::new()
-        } else {
-            let mut rng = ChaCha12Rng::seed_from_u64(seed);
-            (0..kept).map(|_| rng.random_range(0..clusters) as u32).collect()
-        };
-        Self { resamples, seed, clusters, drawn }
+    pub const fn new(resamples: u32, seed: u64) -> Self {
+        Self { resamples, seed }
     }
 
     /// The seed.
@@ -185,41 +183,51 @@ impl Resampling {
         self.seed
     }
 
-    /// As [`cluster_bootstrap`], to the bit.
+    /// The interval from the means of the clusters.
     #[must_use]
-    pub fn interval(&self, clusters: &[Vec<f64>]) -> Option<[f64; 2]> {
-        let means: Vec<f64> =
-            clusters.iter().filter(|c| !c.is_empty()).map(|c| Summary::of(c).mean).collect();
-        if means.len() < 2 {
-            return None;
-        }
-        let n = means.len();
-        let mut sums: Vec<f64> = if n == self.clusters && !self.drawn.is_empty() {
-            self.kept_sums(&means)
-        } else {
-            let mut rng = ChaCha12Rng::seed_from_u64(self.seed);
-            let mut sum = || (0..n).map(|_| means[rng.random_range(0..n)]).sum();
-            (0..self.resamples).map(|_| sum()).collect()
-        };
-        for sum in &mut sums {
-            *sum /= n as f64;
-        }
-        sums.sort_by(f64::total_cmp);
-        Some([quantile(&sums, 0.025), quantile(&sums, 0.975)])
+    pub fn interval(&self, means: &[f64]) -> Option<[f64; 2]> {
+        self.intervals(&[means]).pop().flatten()
     }
 
-    /// Sums of the means that each resample draws. Several resamples at once, so that no addition waits for the one before.
-    fn kept_sums(&self, means: &[f64]) -> Vec<f64> {
-        const AT_ONCE: usize = 8;
-        let mut all = Vec::with_capacity(self.resamples as usize);
-        for places in self.drawn.chunks(AT_ONCE * means.len()) {
-            let mut sums = [0.0; AT_ONCE];
-            for i in 0..means.len() {
-                for (sum, of_one) in sums.iter_mut().zip(places.chunks_exact(means.len())) {
-                    *sum += means[of_one[i] as usize];
+    /// The same of many samples, which are drawn together.
+    #[must_use]
+    pub fn intervals(&self, samples: &[&[f64]]) -> Vec<Option<[f64; 2]>> {
+        let mut found = vec![None; samples.len()];
+        let mut sizes: Vec<usize> = samples.iter().map(|means| means.len()).collect();
+        sizes.sort_unstable();
+        sizes.dedup();
+        for n in sizes.into_iter().filter(|&n| n > 1) {
+            let alike: Vec<usize> = (0..samples.len()).filter(|&i| samples[i].len() == n).collect();
+            let means: Vec<&[f64]> = alike.iter().map(|&i| samples[i]).collect();
+            for (&place, mut sums) in alike.iter().zip(self.sums(&means, n)) {
+                for sum in &mut sums {
+                    *sum /= n as f64;
                 }
+                sums.sort_by(f64::total_cmp);
+                found[place] = Some([quantile(&sums, 0.025), quantile(&sums, 0.975)]);
             }
-            all.extend_from_slice(&sums[..places.len() / means.len()]);
+        }
+        found
+    }
+
+    /// By sample of `n` means: the sum of those that each resample draws.
+    fn sums(&self, samples: &[&[f64]], n: usize) -> Vec<Vec<f64>> {
+        let mut rng = ChaCha12Rng::seed_from_u64(self.seed);
+        let resamples = self.resamples as usize;
+        let mut all = vec![Vec::with_capacity(resamples); samples.len()];
+        let mut places = vec![0; Self::AT_ONCE * n];
+        for first in (0..resamples).step_by(Self::AT_ONCE) {
+            let drawn = &mut places[..n * Self::AT_ONCE.min(resamples - first)];
+            drawn.fill_with(|| rng.random_range(0..n) as u32);
+            for (means, all) in samples.iter().zip(&mut all) {
+                let mut sums = [0.0; Self::AT_ONCE];
+                for i in 0..n {
+                    for (sum, of_one) in sums.iter_mut().zip(drawn.chunks_exact(n)) {
+                        *sum += means[of_one[i] as usize];
+                    }
+                }
+                all.extend_from_slice(&sums[..drawn.len() / n]);
+            }
         }
         all
     }
@@ -379,17 +387,14 @@ mod tests {
         // Normal theory for the mean of 0..19: 9.5 ± 1.96 * 5.77 / sqrt(20), about 7.0 to 12.0.
         assert!((interval[0] - 7.0).abs() < 0.4 && (interval[1] - 12.0).abs() < 0.4);
         assert_eq!(Some(interval), cluster_bootstrap(&clusters, 2000, 7));
-        let kept = Resampling::new(20, 2000, 7);
-        assert_eq!(
-            Some(interval),
-            kept.interval(&clusters),
-            "which clusters are drawn is the same"
-        );
-        assert_eq!(kept.interval(&clusters[1..]), cluster_bootstrap(&clusters[1..], 2000, 7));
-        assert_eq!(
-            Resampling::new(1 << 24, 2, 7).interval(&clusters),
-            cluster_bootstrap(&clusters, 2, 7)
-        );
+        // Drawn together with others, a sample has the interval that it has alone.
+        let means: Vec<f64> = clusters.iter().map(|cluster| Summary::of(cluster).mean).collect();
+        let turned: Vec<f64> = means.iter().map(|mean| -mean).collect();
+        let together = Resampling::new(2001, 7).intervals(&[&means, &means[1..], &turned, &[]]);
+        let alone = |clusters: &[Vec<f64>]| cluster_bootstrap(clusters, 2001, 7);
+        assert_eq!(together[..2], [alone(&clusters), alone(&clusters[1..])]);
+        assert_eq!(together[2], together[0].map(|[low, high]| [-high, -low]));
+        assert_eq!(together[3], None);
     }
 
     #[test]

@@ -12,7 +12,7 @@ use std::path::{Path, PathBuf};
 
 use indicatif::ProgressBar;
 use spineline::analysis::LineModel;
-use spineline::cohort::{Cohort, CohortPatient};
+use spineline::cohort::Cohort;
 use spineline::warning::counted;
 use spineline_files::{Provenance, to_text};
 use spineline_report::cohort::PatientRow;
@@ -22,6 +22,7 @@ use spineline_tables::cohort_tests_table;
 
 use crate::analysis::cohort;
 use crate::analysis::figures::draw_figures;
+use crate::analysis::kept::KeptPatients;
 use crate::analysis::record::{ReadCases, RunRecord};
 use crate::run::failure::{Ending, Failure};
 use crate::run::inputs::case_files;
@@ -43,17 +44,16 @@ pub fn run(args: &AnalyzeArgs) -> Result<Ending, Failure> {
     let outputs = check_outputs(args, &paths)?;
     let mut written = Written::begin(args, is_list, &outputs)?;
     let asked = Asked::new(args, &record, is_list);
-    let found = analyze_all(&paths, asked, &mut written, &outputs)?;
+    let mut found = analyze_all(&paths, asked, &mut written, &outputs)?;
     if found.is_cut_short && !found.has_replicates {
         return Err(Failure::interrupted());
     }
     print_notices(&found.read.warnings());
-    print_notices(&found.notices);
     let provenance = record.provenance_of_all(&found.read);
     written.keep(args, &provenance)?;
-    let together = asked.is_cohort.then(|| cohort::of(&found.patients));
+    let together = asked.is_cohort.then(|| cohort::of_kept(&mut found.patients)).transpose()?;
     if let (Some(path), Some(together)) = (&args.cohort, &together) {
-        write_cohort(path, &found.patients, together, &provenance, &outputs)?;
+        write_cohort(path, &found.rows, together, &provenance, &outputs)?;
     }
     if let (Some(path), Some(one)) = (&args.model, &found.one) {
         write_model(path, args, &one.analysis, &provenance, &outputs)?;
@@ -121,11 +121,10 @@ fn is_csv(path: &Path) -> bool {
 struct Found {
     read: ReadCases,
     /// For a cohort.
-    patients: Vec<CohortPatient>,
+    patients: KeptPatients,
     rows: Vec<PatientRow>,
     /// Of a single case.
     one: Option<Analysed>,
-    notices: Vec<Notice>,
     ending: Ending,
     is_cut_short: bool,
     has_replicates: bool,
@@ -144,10 +143,9 @@ fn analyze_all(
         if asked.is_long() { ProgressBar::hidden() } else { bar("analysing", paths.len()) };
     let mut found = Found {
         read: ReadCases::default(),
-        patients: Vec::new(),
+        patients: KeptPatients::default(),
         rows: Vec::new(),
         one: None,
-        notices: Vec::new(),
         ending: Ending::Done,
         is_cut_short: false,
         has_replicates: false,
@@ -157,7 +155,15 @@ fn analyze_all(
     stream_all(&progress, paths, across, run, |result| {
         let checked = result.and_then(|one| found.read.add(&one.input, record).map(|()| one));
         match checked {
-            Ok(one) => found.add(one, asked, written, outputs),
+            Ok(one) => {
+                let notices = notices(&one);
+                found.add(one, asked, written, outputs)?;
+                // Nobody waits for the results of an interrupted run that has none.
+                if !found.is_cut_short || found.has_replicates {
+                    progress.suspend(|| print_notices(&notices));
+                }
+                Ok(())
+            }
             Err(failure) if !asked.is_list => Err(failure),
             Err(failure) => {
                 progress.suspend(|| say(&format!("{failure}\n")));
@@ -167,6 +173,13 @@ fn analyze_all(
         }
     })?;
     Ok(found)
+}
+
+/// What a person is told of a patient.
+fn notices(one: &Analysed) -> Vec<Notice> {
+    let mut all = report::warnings(&one.analysis);
+    all.extend(one.confidence.interruption(&one.analysis));
+    all
 }
 
 impl Found {
@@ -184,8 +197,6 @@ impl Found {
         if let Some(folder) = &args.figures {
             draw_figures(analysis, &asked.record.provenance_of(input), folder, outputs)?;
         }
-        self.notices.extend(report::warnings(analysis));
-        self.notices.extend(confidence.interruption(analysis));
         self.is_cut_short |= confidence.is_cut_short();
         self.has_replicates |= confidence.has_replicates();
         let is_written = || {
@@ -196,7 +207,7 @@ impl Found {
             self.ending = Ending::NotConverged;
         }
         if let Some((patient, row)) = row.take() {
-            self.patients.push(patient);
+            self.patients.add(&patient)?;
             self.rows.push(row);
         }
         if !asked.is_list {
@@ -223,7 +234,7 @@ fn text(found: &Found, together: Option<&Cohort>) -> String {
 
 fn write_cohort(
     path: &Path,
-    patients: &[CohortPatient],
+    patients: &[PatientRow],
     cohort: &Cohort,
     provenance: &Provenance,
     outputs: &Outputs,
@@ -231,6 +242,7 @@ fn write_cohort(
     if is_csv(path) {
         return outputs.write_table(path, cohort_tests_table(cohort).to_csv()?, provenance);
     }
-    let file = cohort::file(patients, cohort, &generator()).with_provenance(provenance.clone());
+    let ids = patients.iter().map(|patient| patient.case_id().to_owned()).collect();
+    let file = cohort::file(ids, cohort, &generator()).with_provenance(provenance.clone());
     outputs.write(path, to_text(&file))
 }

@@ -44,8 +44,8 @@ pub struct Analysed {
     pub analysis: Analysis,
     pub confidence: Confidence,
     pub parts: OutputParts,
-    /// For a cohort.
-    pub row: Option<(CohortPatient, PatientRow)>,
+    /// For a cohort; the first is [`CohortPatient::to_bytes`].
+    pub row: Option<(Vec<u8>, PatientRow)>,
 }
 
 /// What a patient adds to each output that was asked for.
@@ -72,7 +72,9 @@ impl Analysed {
         let confidence = Confidence::compute(&input.case, &analysis, request, threads)?;
         Ok(Self {
             parts: OutputParts::of(&input, &analysis, &confidence, asked),
-            row: asked.is_cohort.then(|| (CohortPatient::of(&analysis), PatientRow::of(&analysis))),
+            row: asked
+                .is_cohort
+                .then(|| (CohortPatient::of(&analysis).to_bytes(), PatientRow::of(&analysis))),
             input,
             analysis,
             confidence,

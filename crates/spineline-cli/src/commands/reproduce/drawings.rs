@@ -49,8 +49,8 @@ pub fn write(
         .iter()
         .map(|run| InflectionSample {
             name: run.truth.key().to_owned(),
-            distances_segments: run.cohort.inflection[0].distance_segments.values(),
-            rotations_deg: run.cohort.inflection[0].rotation_deg.values(),
+            distances_segments: run.cohort.inflection[0].distance_segments.values.clone(),
+            rotations_deg: run.cohort.inflection[0].rotation_deg.values.clone(),
         })
         .collect();
     if let Some(svg) = figures::inflection_distances(&inflections, true) {
@@ -80,7 +80,8 @@ fn error_figures(
                     line: line.kind,
                     errors_mm: if fitted { &line.fitted } else { &line.held_out }
                         .location_mm
-                        .values(),
+                        .values
+                        .clone(),
                 })
             })
             .collect()
@@ -100,8 +101,8 @@ fn error_figures(
 
 fn sample(estimates: &EstimateStatistics) -> EstimateSample {
     EstimateSample {
-        distances_segments: estimates.distance_segments.values(),
-        rotations_deg: estimates.rotation_deg.values(),
+        distances_segments: estimates.distance_segments.values.clone(),
+        rotations_deg: estimates.rotation_deg.values.clone(),
     }
 }
 

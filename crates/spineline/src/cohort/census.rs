@@ -1,0 +1,169 @@
+//! What a cohort must know of its patients before it can gather their samples.
+
+use std::convert::Infallible;
+
+use super::lines::missing;
+use super::others::Others;
+use super::samples::Samples;
+use super::{ChainCount, CohortPatient, DoubtedFilm, Films, LineRejections, MissingResult};
+use crate::action::LineKind;
+use crate::analysis::FreeNumbers;
+use crate::anatomy::Levels;
+use crate::evaluate::statistics::{Resampling, Summary};
+use crate::hypothesis::Hypothesis;
+
+/// The patients of a cohort, which can be gone through again and again in one order.
+pub trait CohortSource {
+    /// Why a patient cannot be read again.
+    type Error;
+
+    /// Shows every patient.
+    ///
+    /// # Errors
+    /// If a patient cannot be read again.
+    fn each(&mut self, take: &mut dyn FnMut(&CohortPatient)) -> Result<(), Self::Error>;
+}
+
+impl CohortSource for &[CohortPatient] {
+    type Error = Infallible;
+
+    fn each(&mut self, take: &mut dyn FnMut(&CohortPatient)) -> Result<(), Infallible> {
+        self.iter().for_each(take);
+        Ok(())
+    }
+}
+
+/// What is known of the patients, and the samples that are asked for.
+pub(super) struct Gathering {
+    pub census: Census,
+    pub samples: Samples,
+    others: Others,
+}
+
+impl Gathering {
+    /// Goes through the patients once.
+    pub fn begin<S: CohortSource>(
+        patients: &mut S,
+        (resamples, seed): (u32, u64),
+        keeps_values: bool,
+    ) -> Result<Self, S::Error> {
+        let (mut census, mut bends) = (Census::default(), Vec::new());
+        patients.each(&mut |patient| {
+            census.add(patient);
+            bends.push(patient.bends.clone());
+        })?;
+        census.end();
+        let resampling = Resampling::new(resamples, seed);
+        let others = Others::of(&census.levels, &bends);
+        Ok(Self { census, samples: Samples::new(resampling, keeps_values), others })
+    }
+
+    /// Shows the patients to the samples, as often as they need.
+    pub fn go_through<S: CohortSource>(&mut self, patients: &mut S) -> Result<(), S::Error> {
+        let kinds = self.census.kinds();
+        for round in 0..Samples::ROUNDS {
+            let mut place = 0;
+            patients.each(&mut |patient| {
+                self.samples.add(&self.others.see(patient, place));
+                place += 1;
+                if round == 0 {
+                    self.census.missing.extend(missing(patient, &kinds));
+                }
+            })?;
+            self.samples.end_round();
+        }
+        Ok(())
+    }
+}
+
+/// Counts and short lists over all patients.
+#[derive(Default)]
+pub(super) struct Census {
+    pub synthetic: bool,
+    /// By patient.
+    pub levels: Vec<Levels>,
+    pub segments: Vec<f64>,
+    pub segment_mm: Vec<f64>,
+    pub rotation_deg: Vec<Summary>,
+    pub two_inflections: usize,
+    /// Lines with a model of some patient.
+    pub modelled: Vec<LineKind>,
+    /// Every line, with the numbers that it takes from films of the first patient with a model of it.
+    pub numbers: Vec<(LineKind, FreeNumbers)>,
+    /// Whether some patient's lines were fitted to different data.
+    pub has_different_data: bool,
+    pub hypotheses: Vec<Hypothesis>,
+    pub rejections: Vec<LineRejections>,
+    pub doubted: usize,
+    pub doubted_films: Vec<DoubtedFilm>,
+    pub chains: Vec<ChainCount>,
+    /// Films on which a line has no result, found while the samples are gathered.
+    pub missing: Vec<MissingResult>,
+}
+
+impl Census {
+    /// Every line.
+    pub fn kinds(&self) -> Vec<LineKind> {
+        self.numbers.iter().map(|(kind, _)| *kind).collect()
+    }
+
+    /// After the last patient.
+    fn end(&mut self) {
+        self.numbers.sort_by_key(|(kind, _)| *kind);
+        self.hypotheses.sort();
+        self.rejections.sort_by_key(|found| found.kind);
+        ChainCount::sort(&mut self.chains);
+    }
+
+    fn add(&mut self, patient: &CohortPatient) {
+        self.synthetic |= patient.synthetic;
+        self.levels.push(patient.levels);
+        self.segments.push(patient.segments as f64);
+        self.segment_mm.push(patient.segment_mm);
+        self.rotation_deg.push(patient.rotation_deg);
+        self.two_inflections += usize::from(patient.inflections == 2);
+        for kind in patient.models.iter().map(|model| model.kind) {
+            if !self.modelled.contains(&kind) {
+                self.modelled.push(kind);
+            }
+        }
+        for line in &patient.lines {
+            if self.numbers.iter().all(|(kind, _)| *kind != line.kind) {
+                self.numbers.push((line.kind, line.numbers));
+            }
+        }
+        self.has_different_data |= !patient.same_data;
+        for hypothesis in patient.hypotheses.iter().map(|fit| fit.hypothesis) {
+            if !self.hypotheses.contains(&hypothesis) {
+                self.hypotheses.push(hypothesis);
+            }
+        }
+        self.add_tests(patient);
+        self.doubted += usize::from(patient.has_doubted_film());
+        self.doubted_films.extend_from_slice(&patient.doubts);
+        match self.chains.iter_mut().find(|count| count.levels == patient.levels) {
+            Some(count) => count.patients += 1,
+            None => self.chains.push(ChainCount { levels: patient.levels, patients: 1 }),
+        }
+    }
+
+    /// Tests of a single force along a line.
+    fn add_tests(&mut self, patient: &CohortPatient) {
+        for &(kind, is_rejected) in &patient.tested {
+            LineRejections::add(&mut self.rejections_of(kind).patients, is_rejected);
+        }
+        let bends = patient.films.iter().filter(|film| Films::Bends.has(film));
+        for &(kind, is_rejected) in bends.flat_map(|film| &film.tested) {
+            LineRejections::add(&mut self.rejections_of(kind).bends, is_rejected);
+        }
+    }
+
+    fn rejections_of(&mut self, kind: LineKind) -> &mut LineRejections {
+        let place = self.rejections.iter().position(|one| one.kind == kind);
+        let place = place.unwrap_or_else(|| {
+            self.rejections.push(LineRejections { kind, patients: (0, 0), bends: (0, 0) });
+            self.rejections.len() - 1
+        });
+        &mut self.rejections[place]
+    }
+}
