@@ -4,7 +4,7 @@ use spineline::analysis::{Analysis, FilmRole, LinesCompared};
 use spineline::cohort::BaselinesOverPatients;
 use spineline::evaluate::Baseline;
 use spineline::hypothesis::{
-    Hypothesis, HypothesisComparison, HypothesisFit, HypothesisSummary, Role, compare,
+    Hypothesis, HypothesisComparison, HypothesisScores, HypothesisSummary, Role, compare,
 };
 
 use crate::document::{Column, Section, Table};
@@ -16,10 +16,10 @@ const LEGEND: &str = "Location errors in mm and rotation errors in degrees, one 
 ///
 /// `baselines` are the predictions without mechanics of these patients.
 pub fn section<'a>(
-    patients: impl Iterator<Item = (bool, &'a [HypothesisFit])>,
+    patients: impl Iterator<Item = (bool, &'a [HypothesisScores])>,
     baselines: &BaselinesOverPatients,
 ) -> Option<Section> {
-    let (synthetic, fits): (Vec<bool>, Vec<&[HypothesisFit]>) = patients.unzip();
+    let (synthetic, fits): (Vec<bool>, Vec<&[HypothesisScores]>) = patients.unzip();
     let blocks = compare(&fits);
     if blocks.is_empty() {
         return None;
@@ -47,8 +47,8 @@ pub fn of_patient(analysis: &Analysis, compared: &LinesCompared) -> Option<Secti
         return None;
     }
     let baselines = BaselinesOverPatients::of_patient(analysis, compared);
-    let patient = (analysis.synthetic, &analysis.hypotheses[..]);
-    section(std::iter::once(patient), &baselines)
+    let scores = HypothesisScores::all(&analysis.hypotheses);
+    section(std::iter::once((analysis.synthetic, &scores[..])), &baselines)
 }
 
 /// How much further away every hypothesis is than every prediction without mechanics; `None` where nothing is compared.

@@ -4,7 +4,7 @@
 
 use spineline::analysis::{Analysis, AnalysisOptions, analyze};
 use spineline::hypothesis::{
-    Base, Hypothesis, HypothesisComparison, HypothesisFit, HypothesisSummary, LoadShape, Role,
+    Base, Hypothesis, HypothesisComparison, HypothesisScores, HypothesisSummary, LoadShape, Role,
     compare,
 };
 use spineline::multibody::Support;
@@ -35,8 +35,9 @@ fn comparison(truth: Truth, hypotheses: &[Hypothesis]) -> HypothesisComparison {
             analyze(&phantom.case, &options).expect("a sound case")
         })
         .collect();
-    let fits: Vec<&[HypothesisFit]> = analyses.iter().map(|a| &a.hypotheses[..]).collect();
-    compare(&fits).swap_remove(0)
+    let scores = |analysis: &Analysis| HypothesisScores::all(&analysis.hypotheses);
+    let scores: Vec<Vec<HypothesisScores>> = analyses.iter().map(scores).collect();
+    compare(&scores.iter().map(Vec::as_slice).collect::<Vec<_>>()).swap_remove(0)
 }
 
 fn location_mm(summary: &HypothesisSummary, role: Role) -> f64 {

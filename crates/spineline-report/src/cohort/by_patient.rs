@@ -3,7 +3,7 @@
 use spineline::action::LineKind;
 use spineline::analysis::{Analysis, FilmRole, LineModel};
 use spineline::cohort::Cohort;
-use spineline::hypothesis::HypothesisFit;
+use spineline::hypothesis::HypothesisScores;
 
 use super::people::curve_size;
 use crate::document::{Column, NoticeKind, Section, Table};
@@ -26,7 +26,7 @@ pub struct PatientRow {
     notices: [usize; 3],
     /// Films that may be wrong ones.
     doubted_films: Option<Box<str>>,
-    hypotheses: Box<[HypothesisFit]>,
+    hypotheses: Box<[HypothesisScores]>,
 }
 
 /// A line of a patient.
@@ -54,7 +54,7 @@ impl PatientRow {
             models: analysis.models.iter().map(ModelRow::of).collect(),
             notices: KINDS_OF_NOTICES.map(|kind| notices(analysis, kind)),
             doubted_films: doubted_films(analysis),
-            hypotheses: analysis.hypotheses.as_slice().into(),
+            hypotheses: HypothesisScores::all(&analysis.hypotheses).into(),
         }
     }
 
@@ -65,7 +65,7 @@ impl PatientRow {
     }
 
     /// Fits of other loads and bases; none where they were not requested.
-    pub(crate) fn hypotheses(&self) -> (bool, &[HypothesisFit]) {
+    pub(crate) fn hypotheses(&self) -> (bool, &[HypothesisScores]) {
         (self.synthetic, &self.hypotheses)
     }
 }

@@ -4,7 +4,7 @@ use spineline::action::LineKind;
 use spineline::analysis::{Analysis, AnalysisOptions, Case, FilmRole, analyze};
 use spineline::anatomy::Level;
 use spineline::cohort::{Cohort, CohortPatient};
-use spineline::hypothesis::{Hypothesis, Role, compare};
+use spineline::hypothesis::{Hypothesis, HypothesisScores, Role, compare};
 use spineline::measure::{FilmReadings, TiltRule};
 use spineline::personalize::{FitStatus, Identifiability, LogNormalPrior, StiffnessBound};
 use spineline::reliability::{QuantityReliability, assess, film_quantities};
@@ -204,7 +204,7 @@ fn requested_loads_and_bases_are_shown() {
     let analysis = analyze(&case, &options).expect("a phantom is sound");
     let text = terminal(&summary(&case, &analysis, None, None), WIDE);
     assert!(text.contains("Loads and bases compared (synthetic)"), "{text}");
-    let blocks = compare(&[&analysis.hypotheses[..]]);
+    let blocks = compare(&[&HypothesisScores::all(&analysis.hypotheses)[..]]);
     let [block] = &blocks[..] else { panic!("one block") };
     let number = |value: Option<f64>| value.map_or("–".to_owned(), |value| format!("{value:.1}"));
     for one in &block.hypotheses {

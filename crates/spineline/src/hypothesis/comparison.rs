@@ -1,6 +1,45 @@
 //! Hypotheses side by side over some patients.
 
 use super::{Criteria, Hypothesis, HypothesisFit, Role, ShapePrediction};
+use crate::spatial::Angle;
+
+/// What a comparison takes of a patient's fit: numbers alone, without the shapes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct HypothesisScores {
+    /// Which.
+    pub hypothesis: Hypothesis,
+    criteria: Criteria,
+    /// Mean location errors by role, in the order of [`Role::ALL`].
+    location_mm: [Option<f64>; Role::ALL.len()],
+    /// Means of the root mean squares of the rotations' errors, likewise.
+    rotation_deg: [Option<f64>; Role::ALL.len()],
+    against: Option<f64>,
+    is_beyond_human_range: bool,
+    /// Films and roles without a prediction, and one more for a fit that did not converge.
+    lost: usize,
+}
+
+impl HypothesisScores {
+    /// Of a fit.
+    #[must_use]
+    pub fn of(fit: &HypothesisFit) -> Self {
+        Self {
+            hypothesis: fit.hypothesis,
+            criteria: fit.criteria,
+            location_mm: Role::ALL.map(|role| fit.mean_location_error_mm(role)),
+            rotation_deg: Role::ALL.map(|role| fit.mean_rotation_rms(role).map(Angle::deg)),
+            against: against(fit),
+            is_beyond_human_range: fit.is_beyond_human_range(),
+            lost: fit.lost.len() + usize::from(!fit.is_converged()),
+        }
+    }
+
+    /// Of all fits of a patient.
+    #[must_use]
+    pub fn all(fits: &[HypothesisFit]) -> Vec<Self> {
+        fits.iter().map(Self::of).collect()
+    }
+}
 
 /// One hypothesis over some patients: means of one value per patient, over those that have it.
 #[derive(Debug, Clone, PartialEq)]
@@ -39,7 +78,7 @@ pub struct HypothesisComparison {
 /// Compares on equal terms: all hypotheses on the patients that have all of them, and, where that is not everyone, the
 /// hypotheses that everyone has on all patients. One item per patient.
 #[must_use]
-pub fn compare(patients: &[&[HypothesisFit]]) -> Vec<HypothesisComparison> {
+pub fn compare(patients: &[&[HypothesisScores]]) -> Vec<HypothesisComparison> {
     let mut all: Vec<Hypothesis> = Vec::new();
     for fit in patients.iter().copied().flatten() {
         if !all.contains(&fit.hypothesis) {
@@ -47,8 +86,8 @@ pub fn compare(patients: &[&[HypothesisFit]]) -> Vec<HypothesisComparison> {
         }
     }
     all.sort();
-    let has = |fits: &[HypothesisFit], which| fits.iter().any(|fit| fit.hypothesis == which);
-    let whole: Vec<&[HypothesisFit]> =
+    let has = |fits: &[HypothesisScores], which| fits.iter().any(|fit| fit.hypothesis == which);
+    let whole: Vec<&[HypothesisScores]> =
         patients.iter().copied().filter(|fits| all.iter().all(|&h| has(fits, h))).collect();
     let shared: Vec<Hypothesis> =
         all.iter().copied().filter(|&h| patients.iter().all(|fits| has(fits, h))).collect();
@@ -63,14 +102,15 @@ pub fn compare(patients: &[&[HypothesisFit]]) -> Vec<HypothesisComparison> {
     blocks
 }
 
-fn block(patients: &[&[HypothesisFit]], hypotheses: &[Hypothesis]) -> HypothesisComparison {
-    let of = |h: Hypothesis| -> Vec<&HypothesisFit> {
+fn block(patients: &[&[HypothesisScores]], hypotheses: &[Hypothesis]) -> HypothesisComparison {
+    let of = |h: Hypothesis| -> Vec<&HypothesisScores> {
         patients.iter().filter_map(|fits| fits.iter().find(|fit| fit.hypothesis == h)).collect()
     };
-    let all: Vec<Vec<&HypothesisFit>> = hypotheses.iter().map(|&h| of(h)).collect();
-    let left_out = |fit: &HypothesisFit| fit.mean_location_error_mm(Role::LeftOut);
+    let all: Vec<Vec<&HypothesisScores>> = hypotheses.iter().map(|&h| of(h)).collect();
+    let left_out_place = Role::ALL.iter().position(|role| *role == Role::LeftOut);
+    let left_out = |fit: &HypothesisScores| fit.location_mm[left_out_place?];
     // What no human spine can do is no candidate for the best.
-    let aicc = |fit: &HypothesisFit| (!fit.is_beyond_human_range()).then_some(fit.criteria.aicc);
+    let aicc = |fit: &HypothesisScores| (!fit.is_beyond_human_range).then_some(fit.criteria.aicc);
     let summaries = hypotheses.iter().zip(&all).map(|(&hypothesis, fits)| {
         let difference = |value: fn(&Criteria) -> f64| {
             let both = fits.iter().zip(&all[0]);
@@ -80,16 +120,18 @@ fn block(patients: &[&[HypothesisFit]], hypotheses: &[Hypothesis]) -> Hypothesis
         HypothesisSummary {
             hypothesis,
             free: fits.iter().map(|fit| fit.criteria.fitted - 1).max().unwrap_or(0),
-            location_mm: Role::ALL
-                .map(|role| mean(fits.iter().map(|fit| fit.mean_location_error_mm(role)))),
-            rotation_deg: Role::ALL
-                .map(|role| mean(fits.iter().map(|f| f.mean_rotation_rms(role).map(|a| a.deg())))),
-            against: mean(fits.iter().map(|fit| against(fit))),
+            location_mm: std::array::from_fn(|role| {
+                mean(fits.iter().map(|fit| fit.location_mm[role]))
+            }),
+            rotation_deg: std::array::from_fn(|role| {
+                mean(fits.iter().map(|fit| fit.rotation_deg[role]))
+            }),
+            against: mean(fits.iter().map(|fit| fit.against)),
             aicc_difference: difference(|c| c.aicc),
             bic_difference: difference(|c| c.bic),
             best_left_out: best(fits, &all, left_out),
             best_aicc: best(fits, &all, aicc),
-            lost: fits.iter().map(|fit| fit.lost.len() + usize::from(!fit.is_converged())).sum(),
+            lost: fits.iter().map(|fit| fit.lost).sum(),
         }
     });
     HypothesisComparison { patients: patients.len(), hypotheses: summaries.collect() }
@@ -97,9 +139,9 @@ fn block(patients: &[&[HypothesisFit]], hypotheses: &[Hypothesis]) -> Hypothesis
 
 /// In how many patients no other hypothesis has a lower value.
 fn best(
-    own: &[&HypothesisFit],
-    all: &[Vec<&HypothesisFit>],
-    value: impl Fn(&HypothesisFit) -> Option<f64>,
+    own: &[&HypothesisScores],
+    all: &[Vec<&HypothesisScores>],
+    value: impl Fn(&HypothesisScores) -> Option<f64>,
 ) -> usize {
     let least = |patient: usize| {
         all.iter().filter_map(|fits| value(fits[patient])).fold(f64::INFINITY, f64::min)

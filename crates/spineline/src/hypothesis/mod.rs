@@ -33,7 +33,7 @@ mod prediction;
 mod problem;
 mod start;
 
-pub use comparison::{HypothesisComparison, HypothesisSummary, compare};
+pub use comparison::{HypothesisComparison, HypothesisScores, HypothesisSummary, compare};
 pub use criteria::Criteria;
 pub use fit::{
     CounterRotatingJoints, HypothesisFit, LossReason, LostPrediction, Role, ShapePrediction,
