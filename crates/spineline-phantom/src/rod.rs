@@ -1,5 +1,6 @@
 //! Planar statics of the fine chain, independent of the library's march, which is tested against it.
 
+use nalgebra::{DMatrix, DVector};
 use spineline::action::{Application, LineOfAction};
 use spineline::spatial::{Angle, Frontal};
 
@@ -203,37 +204,83 @@ impl<'a> Rod<'a> {
     }
 
     /// Equilibrium under forces at material points that move with the chain, and a moment on its top; `forces` says which, as
-    /// they are in a shape. Fixed points: moments in one shape make the next one.
+    /// they are in a shape. Fixed points: moments in one shape make the next one, extrapolated from the rounds before, since near
+    /// buckling a round alone leaves nearly all of the way.
     pub fn bend_by(
         &self,
         start: &ChainShape,
         couple_nmm: f64,
         forces: impl Fn(&ChainShape) -> Vec<PointForce>,
     ) -> Option<ChainShape> {
-        let segment_mm = self.spine.segment_mm();
         let mut shape = start.clone();
-        for _ in 0..400 {
-            let acting = forces(&shape);
-            let moment = |k: usize| {
-                let (node, s) = (shape.nodes[k], k as f64 * segment_mm);
-                let above = acting.iter().filter(|one| one.s_mm > s);
-                couple_nmm + above.map(|one| (one.point - node).cross(one.force)).sum::<f64>()
-            };
+        let mut rounds: Vec<Round> = Vec::new();
+        for _ in 0..100 {
+            let moments = self.moments(&shape, couple_nmm, forces(&shape));
             let next = ChainShape::with_turns(self.spine, |k| {
-                self.spine.turns_rad[k] + moment(k) / self.stiffness_nmm_per_rad[k]
+                self.spine.turns_rad[k] + moments[k] / self.stiffness_nmm_per_rad[k]
             });
             let moves = next.nodes.iter().zip(&shape.nodes);
             let most = moves.map(|(a, b)| a.distance_mm(*b)).fold(0.0, f64::max);
-            shape = next;
             if most < 1e-9 {
-                return Some(shape);
+                return Some(next);
             }
             if !most.is_finite() {
                 return None;
             }
+            let from = DVector::from_column_slice(&shape.tilts);
+            let step = DVector::from_column_slice(&next.tilts) - &from;
+            rounds.insert(0, Round { from, step });
+            rounds.truncate(5);
+            let tilts = extrapolated(&rounds)?;
+            let turn = |k: usize| tilts[k] - if k == 0 { 0.0 } else { tilts[k - 1] };
+            shape = ChainShape::with_turns(self.spine, turn);
         }
         None
     }
+
+    /// Moment about the lower node of every segment, of all forces above it and a moment on the top.
+    fn moments(
+        &self,
+        shape: &ChainShape,
+        couple_nmm: f64,
+        mut acting: Vec<PointForce>,
+    ) -> Vec<f64> {
+        let segment_mm = self.spine.segment_mm();
+        acting.sort_by(|a, b| a.s_mm.total_cmp(&b.s_mm));
+        let (mut about_origin, mut sum) = (couple_nmm, Frontal::default());
+        let mut moments = vec![0.0; SEGMENTS];
+        for (k, moment) in moments.iter_mut().enumerate().rev() {
+            while let Some(one) = acting.pop_if(|one| one.s_mm > k as f64 * segment_mm) {
+                about_origin += one.point.cross(one.force);
+                sum = sum + one.force;
+            }
+            *moment = about_origin - shape.nodes[k].cross(sum);
+        }
+        moments
+    }
+}
+
+/// Tilts of all segments, and where moments lead from there.
+struct Round {
+    from: DVector<f64>,
+    step: DVector<f64>,
+}
+
+/// Where the combination of the last rounds with the smallest step leads (Anderson's method); the last one comes first.
+fn extrapolated(rounds: &[Round]) -> Option<DVector<f64>> {
+    let (last, others) = rounds.split_first()?;
+    let to = &last.from + &last.step;
+    if others.is_empty() {
+        return Some(to);
+    }
+    let columns = |change: fn(&Round, &Round) -> DVector<f64>| {
+        let all: Vec<_> = others.iter().map(|one| change(last, one)).collect();
+        DMatrix::from_columns(&all)
+    };
+    let steps = columns(|a, b| &a.step - &b.step);
+    let ends = columns(|a, b| &a.from - &b.from) + &steps;
+    let parts = steps.svd(true, true).solve(&last.step, 1e-12).ok()?;
+    Some(to - ends * parts)
 }
 
 /// A force on all of the chain below its material point.
