@@ -7,7 +7,6 @@ mod cohorts;
 mod fuzz;
 mod node;
 mod notebooks;
-mod oracle;
 mod outside;
 mod package;
 mod peers;
@@ -63,8 +62,6 @@ cargo xtask COMMAND
            compare times with MuJoCo, Pinocchio, OpenSim, numpy and Octave
   cohorts [--cases N] [--patients N] [--replicates N] [--rows N]
            time cohorts by the program and by the Python package on Dask
-  oracle CASE.json… --out DIR
-           solve spines that other programs have solved, by the march and by Newton
 ";
 
 fn main() -> ExitCode {
@@ -72,7 +69,6 @@ fn main() -> ExitCode {
     let root = root();
     let arguments: Vec<String> = env::args().skip(2).collect();
     let result = match (command.as_str(), &arguments[..]) {
-        ("oracle", _) => oracle::run(&arguments),
         ("cohorts", _) => cohorts::compare(&root, &arguments),
         ("peers", _) => peers::compare(&root, &arguments),
         ("fuzz", []) => fuzz::all(&root, 60),

@@ -1,9 +1,14 @@
-//! `cargo xtask oracle`: spines that other programs have solved, solved by the march and by Newton.
+//! Spines that other programs have solved, solved by the march and by Newton.
+//!
+//! ```text
+//! cargo run --release --package spineline-files --example oracle -- CASE.json… --out DIR
+//! ```
 
 mod case;
 #[cfg(test)]
 mod tests;
 
+use std::env;
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -27,22 +32,22 @@ const MAX_HINGE_RAD: f64 = 1.5;
 
 /// A case with its solution.
 #[derive(Debug)]
-pub struct Solved {
-    pub case: Case,
-    pub force_n: f64,
-    pub deformed: Deformed,
+struct Solved {
+    case: Case,
+    force_n: f64,
+    deformed: Deformed,
     /// Largest distance between the march's and Newton's midpoints.
-    pub difference_mm: f64,
+    difference_mm: f64,
     /// Force that the march's own search finds; `None` where it does not look so far, or not in a frontal plane.
-    pub march_force_n: Option<f64>,
+    march_force_n: Option<f64>,
 }
 
 /// Solves the cases that are named, and writes each into a folder with the solution put beside the others.
-pub fn run(arguments: &[String]) -> Result<(), String> {
-    const USAGE: &str = "usage: cargo xtask oracle CASE.json… --out DIR";
+fn main() -> Result<(), String> {
+    const USAGE: &str = "usage: oracle CASE.json… --out DIR";
     let mut files: Vec<PathBuf> = Vec::new();
     let mut out = None;
-    let mut rest = arguments.iter();
+    let mut rest = env::args().skip(1);
     while let Some(argument) = rest.next() {
         match argument.as_str() {
             "--out" => out = Some(PathBuf::from(rest.next().ok_or(USAGE)?)),

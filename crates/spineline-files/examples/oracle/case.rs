@@ -7,24 +7,24 @@ use spineline::spatial::{Angle, Frontal, Mat3, Vec3};
 
 /// One spine, one load, one amplitude.
 #[derive(Debug)]
-pub struct Case {
-    pub name: String,
-    pub model: SpineModel,
-    pub stiffness_nmm_per_rad: Vec<[f64; 3]>,
+pub(crate) struct Case {
+    pub(crate) name: String,
+    pub(crate) model: SpineModel,
+    pub(crate) stiffness_nmm_per_rad: Vec<[f64; 3]>,
     /// A force of one newton on the uppermost vertebra.
-    pub direction: Vec3,
-    pub application: Application,
+    pub(crate) direction: Vec3,
+    pub(crate) application: Application,
     /// A point of a line fixed in space.
-    pub point_mm: Vec3,
+    pub(crate) point_mm: Vec3,
     /// LateralTilt of the line from the lowest to the uppermost vertebra; right positive, while the file counts left.
-    pub target: Angle,
+    pub(crate) target: Angle,
     /// The whole file.
-    pub json: Value,
+    pub(crate) json: Value,
 }
 
 impl Case {
     /// Reads a case from the text of its file.
-    pub fn parse(text: &str) -> Result<Self, String> {
+    pub(crate) fn parse(text: &str) -> Result<Self, String> {
         let json: Value = serde_json::from_str(text).map_err(|error| error.to_string())?;
         let at = |path: &str| json.pointer(path).ok_or(format!("{path} is missing"));
         let vertebrae = list(at("/vertebrae")?)?;
@@ -64,7 +64,7 @@ impl Case {
     }
 
     /// The load as the march has it; `None` where it does not act in a frontal plane.
-    pub fn frontal_load(&self) -> Option<Load> {
+    pub(crate) fn frontal_load(&self) -> Option<Load> {
         if self.direction.x != 0.0 {
             return None;
         }
@@ -75,7 +75,7 @@ impl Case {
     }
 
     /// The load as the general solver has it, of so many newtons.
-    pub fn body_load(&self, force_n: f64) -> BodyLoad {
+    pub(crate) fn body_load(&self, force_n: f64) -> BodyLoad {
         let force_n = self.direction * force_n;
         match self.application {
             Application::Fixed => BodyLoad::ForceOnLine { force_n, point_mm: self.point_mm },
@@ -90,11 +90,11 @@ fn list(value: &Value) -> Result<&[Value], String> {
     value.as_array().map(Vec::as_slice).ok_or_else(|| format!("{value} is no list"))
 }
 
-pub fn number(value: &Value) -> Result<f64, String> {
+pub(crate) fn number(value: &Value) -> Result<f64, String> {
     value.as_f64().ok_or_else(|| format!("{value} is no number"))
 }
 
-pub fn vector(value: &Value) -> Result<Vec3, String> {
+pub(crate) fn vector(value: &Value) -> Result<Vec3, String> {
     let numbers = collect(list(value)?, number)?;
     let [x, y, z] = numbers[..] else { return Err(format!("{value} has not three components")) };
     Ok(Vec3::new(x, y, z))
