@@ -251,7 +251,15 @@ impl<'a> Fit<'a> {
     /// One scoring step of the variances, and one Gauss-Newton step of multipliers and centres. Alone they converge slowly:
     /// residuals are large, and scoring knows the expected curvature only.
     pub fn iterate(&self, at: &Linearized<'_>, variances: Vector3<f64>) -> IterationStep {
-        let step = at.gauss_newton_step();
+        self.iterate_by(&at.gauss_newton_step(), at, variances)
+    }
+
+    fn iterate_by(
+        &self,
+        step: &DVector<f64>,
+        at: &Linearized<'_>,
+        variances: Vector3<f64>,
+    ) -> IterationStep {
         let mut change = &at.ways * step.rows(3 * self.films, at.ways.ncols());
         let longest = change.amax();
         let part = if longest > MAX_LOG_STEP { MAX_LOG_STEP / longest } else { 1.0 };
@@ -298,8 +306,9 @@ impl<'a> Fit<'a> {
         variances: Vector3<f64>,
         sizes: &DVector<f64>,
     ) -> DVector<f64> {
-        let loads = at.gauss_newton_step().rows(0, sizes.len()).component_div(sizes);
-        beside_each_other(&self.iterate(at, variances).step(), &loads)
+        let step = at.gauss_newton_step();
+        let loads = step.rows(0, sizes.len()).component_div(sizes);
+        beside_each_other(&self.iterate_by(&step, at, variances).step(), &loads)
     }
 
     /// Groups of joints that share a multiplier.
