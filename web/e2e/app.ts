@@ -187,8 +187,11 @@ export async function expectAccessible(page: Page): Promise<void> {
   expect(found).toEqual([]);
 }
 
+/** A page of Playwright or of Puppeteer. */
+type Pictured = { screenshot(options: { path: `${string}.png` }): Promise<unknown> };
+
 /** Stores a screenshot of the page, where somebody wants to look: with `SPINELINE_SHOTS`. */
-export async function shot(page: Page, name: string): Promise<void> {
+export async function shot(page: Pictured, name: string): Promise<void> {
   if (process.env.SPINELINE_SHOTS) await page.screenshot({ path: `e2e/shots/${name}.png` });
 }
 

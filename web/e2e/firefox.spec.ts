@@ -4,7 +4,7 @@ import { launch, type Page } from "puppeteer-core";
 
 import type { Api } from "../src/api/types";
 import { cssOf, filmOf, type FilmPoint, type Viewport } from "../src/measure/viewport";
-import { expect, test } from "./app";
+import { expect, shot, test } from "./app";
 import { CORNERS, cornerOf } from "./marking";
 
 type ReadingView = Api<"ReadingView">;
@@ -113,11 +113,11 @@ test("Firefox: a study, its landmarks and its model", { tag: "@long" }, async ({
     await film.saved();
     const kept = (await film.reading(true)).vertebrae.flatMap(({ corners }) => corners);
     expect(kept).toHaveLength(2 * CORNERS.length - 1);
-    await page.screenshot({ path: "e2e/shots/firefox-marking.png" });
+    await shot(page, "firefox-marking");
 
     await page.locator("a::-p-text(Model)").click();
     await film.reads("main", /Which line explains the films\?/);
-    await page.screenshot({ path: "e2e/shots/firefox-model.png" });
+    await shot(page, "firefox-model");
     expect(thrown).toEqual([]);
   } finally {
     await browser.close();
