@@ -11,7 +11,9 @@ use super::row::Section;
 use super::runs::Run;
 use crate::run::failure::Failure;
 use crate::run::outputs::Outputs;
+use crate::run::progress::bar;
 use crate::run::provenance::generator;
+use crate::run::threads::stream_all;
 
 /// `summary.csv` and `summary.json` hold the table; `errors.csv` every vertebra; `analyses/` every patient.
 pub fn write(
@@ -41,13 +43,18 @@ pub fn write(
         let name = format!("errors-{}-{support}.csv", run.truth.key());
         let path = out.join("errors").join(name);
         outputs.write_table(&path, errors_table(&run.analyses).to_csv()?, provenance)?;
-        for (case, analysis) in run.cases.iter().zip(&run.analyses) {
-            let name = format!("{}-{support}.json", analysis.case_id);
-            let file = analysis_file(case, analysis, provenance);
-            outputs.write(&out.join("analyses").join(name), spineline_files::to_text(&file))?;
-        }
     }
-    Ok(())
+    let patients: Vec<(&Case, &Analysis)> =
+        runs.iter().flat_map(|run| run.cases.iter().zip(&run.analyses)).collect();
+    let text = |&(case, analysis): &(&Case, &Analysis)| {
+        let name = format!("{}-{}.json", analysis.case_id, analysis.options.support.key());
+        (name, spineline_files::to_text(&analysis_file(case, analysis, provenance)))
+    };
+    let folder = out.join("analyses");
+    let bar = bar("files", patients.len());
+    stream_all(&bar, &patients, args.threads, text, |(name, text)| {
+        outputs.write(&folder.join(name), text)
+    })
 }
 
 /// One patient's analysis as it is written.

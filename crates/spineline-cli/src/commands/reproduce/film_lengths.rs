@@ -1,18 +1,18 @@
 //! Beyond the paper: films of one patient that show different lengths, compared as marked and with a scale per film.
 
 use spineline::action::LineKind;
-use spineline::analysis::{AnalysisOptions, FilmRole, analyze};
-use spineline::cohort::{Cohort, CohortPatient};
+use spineline::analysis::{AnalysisOptions, FilmRole};
+use spineline::cohort::Cohort;
 use spineline::evaluate::Baseline;
 use spineline::measure::FilmLengthRule;
 use spineline::multibody::Support;
-use spineline_phantom::{Readers, SUBJECTS, Truth, generate};
+use spineline_phantom::{Phantom, SUBJECTS, Truth};
 
 use super::args::ReproduceArgs;
 use super::fair::{NONE, baseline_error, error};
 use super::row::{Row, Section};
+use super::runs;
 use crate::run::failure::Failure;
-use crate::run::threads::map_all;
 
 const RULES: [(FilmLengthRule, &str); 2] = [
     (FilmLengthRule::AsMarked, "lengths as marked (the paper)"),
@@ -20,12 +20,17 @@ const RULES: [(FilmLengthRule, &str); 2] = [
 ];
 
 /// Errors on predicted films whose lengths differ as those of real patients do, by either rule.
-pub fn section(args: &ReproduceArgs, readers: &Readers) -> Result<Section, Failure> {
-    let cohorts = RULES.map(|(rule, _)| cohorts(args, readers, rule));
+pub fn section(args: &ReproduceArgs, phantoms: &[Phantom]) -> Result<Section, Failure> {
+    let scaled = |(i, phantom): (usize, &Phantom)| {
+        let subject = i % SUBJECTS.len();
+        phantom.clone().with_film_lengths(FilmLengthRule::RELATIVE_SD, subject, args.seed)
+    };
+    let phantoms: Vec<Phantom> = phantoms.iter().enumerate().map(scaled).collect();
     let mut rows = Vec::new();
-    for ((_, words), cohorts) in RULES.into_iter().zip(cohorts) {
-        let cohorts = cohorts?;
-        let cohorts = cohorts.each_ref();
+    for (rule, words) in RULES {
+        let cohorts = cohorts(args, &phantoms, rule)?;
+        let cohorts: [&Cohort; Truth::ALL.len()] =
+            std::array::from_fn(|scenario| &cohorts[scenario]);
         let mut add = |what: String, ours| {
             rows.push(Row {
                 quantity: format!("{words}: {what} (mm)"),
@@ -58,28 +63,16 @@ pub fn section(args: &ReproduceArgs, readers: &Readers) -> Result<Section, Failu
 
 fn cohorts(
     args: &ReproduceArgs,
-    readers: &Readers,
+    phantoms: &[Phantom],
     rule: FilmLengthRule,
-) -> Result<[Cohort; 3], Failure> {
-    let tasks: Vec<(Truth, usize)> =
-        Truth::ALL.iter().flat_map(|&truth| (0..SUBJECTS.len()).map(move |i| (truth, i))).collect();
+) -> Result<Vec<Cohort>, Failure> {
     let options = AnalysisOptions {
         support: Support::Frontal,
         target: args.fit,
         film_lengths: rule,
         ..AnalysisOptions::default()
     };
-    let results =
-        map_all("films of different length", &tasks, args.threads, |&(truth, subject)| {
-            let phantom = generate(subject, truth, readers, args.seed)
-                .map_err(|error| error.to_string())?
-                .with_film_lengths(FilmLengthRule::RELATIVE_SD, subject, args.seed);
-            analyze(&phantom.case, &options)
-                .map(|analysis| CohortPatient::of(&analysis))
-                .map_err(|error| format!("{}: {error}", phantom.case.id))
-        })?;
-    let patients: Vec<CohortPatient> =
-        results.into_iter().collect::<Result<_, String>>().map_err(Failure::internal)?;
-    let mut by_truth = patients.chunks(SUBJECTS.len());
-    Ok(Truth::ALL.map(|_| Cohort::of(by_truth.next().unwrap_or_default(), args.seed)))
+    let tasks: Vec<_> = phantoms.iter().map(|phantom| (phantom, options.clone())).collect();
+    let (_, patients) = runs::analyses(args, &tasks)?;
+    runs::cohorts(args, &patients)
 }

@@ -34,9 +34,10 @@ pub fn run(args: &ReproduceArgs) -> Result<Ending, Failure> {
     outputs.folder(&args.out)?;
     outputs.table(&args.out.join("summary.csv"))?;
     outputs.file(&args.out.join("summary.json"))?;
-    let runs = runs::all_runs(args, &readers)?;
+    let phantoms = runs::phantoms(args, &readers)?;
+    let runs = runs::all_runs(args, &phantoms)?;
     let mut sections = sections::sections(&runs);
-    sections.push(film_lengths::section(args, &readers)?);
+    sections.push(film_lengths::section(args, &phantoms)?);
     print(&text(&sections, args))?;
     let provenance =
         Provenance::new(this_run()?, FilmOrigin::Synthetic, Vec::new()).with_seed(args.seed);

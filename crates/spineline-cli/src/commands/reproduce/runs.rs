@@ -3,7 +3,7 @@
 use spineline::analysis::{Analysis, AnalysisOptions, Case, analyze};
 use spineline::cohort::{Cohort, CohortPatient};
 use spineline::multibody::Support;
-use spineline_phantom::{Readers, SUBJECTS, Truth, generate};
+use spineline_phantom::{Phantom, Readers, SUBJECTS, Truth, generate};
 
 use super::args::ReproduceArgs;
 use crate::run::failure::Failure;
@@ -34,40 +34,55 @@ pub fn support_words(support: Support) -> &'static str {
     }
 }
 
-/// Analyses every phantom with both supports; the order of the results does not depend on the threads.
-pub fn all_runs(args: &ReproduceArgs, readers: &Readers) -> Result<Vec<Run>, Failure> {
+/// The subjects of Table 1 in every scenario, in the order of [`Truth::ALL`]; it does not depend on the threads.
+pub fn phantoms(args: &ReproduceArgs, readers: &Readers) -> Result<Vec<Phantom>, Failure> {
     let tasks: Vec<(Truth, usize)> =
         Truth::ALL.iter().flat_map(|&truth| (0..SUBJECTS.len()).map(move |i| (truth, i))).collect();
-    let results = map_all("phantoms", &tasks, args.threads, |&(truth, subject)| {
-        let phantom =
-            generate(subject, truth, readers, args.seed).map_err(|error| error.to_string())?;
-        let with = |support| {
-            let options =
-                AnalysisOptions { support, target: args.fit, ..AnalysisOptions::default() };
-            analyze(&phantom.case, &options)
-                .map_err(|error| format!("{}: {error}", phantom.case.id))
-        };
-        let analyses = [with(SUPPORTS[0])?, with(SUPPORTS[1])?];
-        Ok::<_, String>((phantom.case, analyses))
+    let made = map_all("phantoms", &tasks, args.threads, |&(truth, subject)| {
+        generate(subject, truth, readers, args.seed).map_err(|error| error.to_string())
     })?;
-    let mut by_support: [Vec<Analysis>; 2] = Default::default();
-    let mut cases = Vec::new();
-    for result in results {
-        let (case, [free, frontal]) = result.map_err(Failure::internal)?;
-        cases.push(case);
-        by_support[0].push(free);
-        by_support[1].push(frontal);
-    }
-    let mut runs = Vec::new();
-    for (support, analyses) in SUPPORTS.into_iter().zip(by_support) {
-        let (mut cases, mut analyses) = (cases.iter().cloned(), analyses.into_iter());
-        for truth in Truth::ALL {
-            let analyses: Vec<Analysis> = analyses.by_ref().take(SUBJECTS.len()).collect();
-            let cohort =
-                Cohort::of(&analyses.iter().map(CohortPatient::of).collect::<Vec<_>>(), args.seed);
-            let cases = cases.by_ref().take(SUBJECTS.len()).collect();
-            runs.push(Run { truth, support, cases, analyses, cohort });
-        }
-    }
-    Ok(runs)
+    made.into_iter().collect::<Result<_, String>>().map_err(Failure::internal)
+}
+
+/// Analyses of phantoms with their options, and what they are in a cohort.
+pub fn analyses(
+    args: &ReproduceArgs,
+    tasks: &[(&Phantom, AnalysisOptions)],
+) -> Result<(Vec<Analysis>, Vec<CohortPatient>), Failure> {
+    let results = map_all("analyses", tasks, args.threads, |(phantom, options)| {
+        let case = &phantom.case;
+        let analysis = analyze(case, options).map_err(|error| format!("{}: {error}", case.id))?;
+        let patient = CohortPatient::of(&analysis);
+        Ok((analysis, patient))
+    })?;
+    results.into_iter().collect::<Result<_, String>>().map_err(Failure::internal)
+}
+
+/// Statistics of the subjects of Table 1, scenario by scenario.
+pub fn cohorts(args: &ReproduceArgs, patients: &[CohortPatient]) -> Result<Vec<Cohort>, Failure> {
+    let scenarios: Vec<_> = patients.chunks(SUBJECTS.len()).collect();
+    map_all("statistics", &scenarios, args.threads, |patients| Cohort::of(patients, args.seed))
+}
+
+/// Analyses every phantom with both supports.
+pub fn all_runs(args: &ReproduceArgs, phantoms: &[Phantom]) -> Result<Vec<Run>, Failure> {
+    let with =
+        |support| AnalysisOptions { support, target: args.fit, ..AnalysisOptions::default() };
+    let tasks: Vec<_> = SUPPORTS
+        .into_iter()
+        .flat_map(|support| phantoms.iter().map(move |phantom| (phantom, with(support))))
+        .collect();
+    let (analyses, patients) = analyses(args, &tasks)?;
+    let cohorts = cohorts(args, &patients)?;
+    let mut analyses = analyses.into_iter();
+    let scenarios =
+        SUPPORTS.into_iter().flat_map(|support| Truth::ALL.map(|truth| (support, truth)));
+    let phantoms = phantoms.chunks(SUBJECTS.len()).cycle();
+    let runs =
+        scenarios.zip(phantoms).zip(cohorts).map(|(((support, truth), phantoms), cohort)| {
+            let cases = phantoms.iter().map(|phantom| phantom.case.clone()).collect();
+            let analyses = analyses.by_ref().take(SUBJECTS.len()).collect();
+            Run { truth, support, cases, analyses, cohort }
+        });
+    Ok(runs.collect())
 }
