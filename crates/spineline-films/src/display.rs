@@ -73,6 +73,20 @@ pub struct ScreenValues {
     pub file_windows: Vec<[f64; 2]>,
 }
 
+impl ScreenValues {
+    /// The largest value; 0 without pixels.
+    #[must_use]
+    pub fn max(&self) -> u16 {
+        self.values.iter().copied().max().unwrap_or_default()
+    }
+
+    /// The values as little-endian words, row by row.
+    #[must_use]
+    pub fn to_le_bytes(&self) -> Vec<u8> {
+        self.values.iter().copied().flat_map(u16::to_le_bytes).collect()
+    }
+}
+
 impl FilmFile {
     /// Whether small values are bright. Photometric interpretation decides; a Presentation LUT Shape that says the same
     /// does not invert once more, and one that contradicts it has a remark.

@@ -52,8 +52,8 @@ impl Screen {
     pub fn of(film: &FilmFile) -> Self {
         let values = film.screen_values();
         Self {
-            max: values.values.iter().copied().max().unwrap_or_default(),
-            bytes: values.values.into_iter().flat_map(u16::to_le_bytes).collect(),
+            max: values.max(),
+            bytes: values.to_le_bytes().into(),
             columns: values.columns,
             rows: values.rows,
             default_window: values.default_window,
