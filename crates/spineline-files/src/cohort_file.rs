@@ -2,7 +2,6 @@
 
 use std::collections::BTreeMap;
 
-use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use spineline::anatomy::Posture;
 use spineline::cohort::{
@@ -17,8 +16,9 @@ use crate::analysis_file::NumbersRecord;
 use crate::keys::Key;
 
 /// The lines of action over many patients, on the same films. Location errors in mm, Ferguson errors in degrees.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[schemars(title = "Spineline cohort, version 1")]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[cfg_attr(test, schemars(title = "Spineline cohort, version 1"))]
 pub struct CohortFile {
     format: String,
     version: u32,
@@ -71,7 +71,8 @@ pub struct CohortFile {
 }
 
 /// How often a single force along a line is rejected: the first number, of the second.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 struct RejectionsRecord {
     /// Patients whose bends reject it, of those tested; those with a doubted film are in neither.
     patients: [usize; 2],
@@ -79,7 +80,8 @@ struct RejectionsRecord {
     bends: [usize; 2],
 }
 
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 struct ErrorsRecord {
     line: String,
     /// `fitted`, `left_out_bend` or `held_out`.
@@ -91,7 +93,8 @@ struct ErrorsRecord {
     ferguson_deg: SampleRecord,
 }
 
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 struct SampleRecord {
     patients: usize,
     /// Of one mean per patient.
@@ -106,7 +109,8 @@ struct SampleRecord {
 }
 
 /// A line without a result on a film.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 struct LeftOutRecord {
     case_id: String,
     posture: String,
@@ -118,7 +122,8 @@ struct LeftOutRecord {
 }
 
 /// A film that may not show what it is named after.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 struct DoubtedRecord {
     case_id: String,
     /// `null` for the lateral film.
@@ -129,7 +134,8 @@ struct DoubtedRecord {
 }
 
 /// Patients whose models have the same vertebrae.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 struct ChainRecord {
     /// Such as `L4`.
     base: String,
@@ -139,7 +145,8 @@ struct ChainRecord {
 }
 
 /// Two lines on the films that both could simulate. Differences are first minus second.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 struct TestRecord {
     lines: [String; 2],
     /// `fitted`, `left_out_bend` or `held_out`.
@@ -174,7 +181,8 @@ struct TestRecord {
 }
 
 /// A pattern of joint rotations that predicts films from T2 alone.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 struct BaselineRecord {
     /// `mirrored_bend`, `published_mobility` or `other_patients`.
     baseline: Key<Baseline>,
@@ -185,7 +193,8 @@ struct BaselineRecord {
 }
 
 /// A line, or another load and base, against a baseline, on the films that both predict.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 struct BaselineTestRecord {
     /// Name of the line, or of the load and base.
     #[serde(alias = "line")]
@@ -206,7 +215,8 @@ struct BaselineTestRecord {
     is_better: bool,
 }
 
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 struct PairedRecord {
     n: usize,
     t: f64,

@@ -1,19 +1,15 @@
 //! Names in files.
 
-use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::fmt;
 use std::marker::PhantomData;
 
-use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::de::{Error, MapAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
-use serde_json::json;
 use spineline::anatomy::{Level, Named};
 use spineline::measure::SpacingSource;
 
 use crate::by_key;
-use crate::described::Described;
 
 /// A vertebra as a key: `L4`, `T12` (`Th12` and `D12` are read too).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -29,17 +25,6 @@ impl<'de> Deserialize<'de> for LevelKey {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         let text = String::deserialize(deserializer)?;
         text.parse().map(Self).map_err(D::Error::custom)
-    }
-}
-
-impl JsonSchema for LevelKey {
-    fn schema_name() -> Cow<'static, str> {
-        "Level".into()
-    }
-
-    fn json_schema(_: &mut SchemaGenerator) -> Schema {
-        let names = Level::ALL.map(Level::name);
-        json_schema!({ "type": "string", "enum": names, "description": "A vertebra" })
     }
 }
 
@@ -59,16 +44,6 @@ impl<'de> Deserialize<'de> for JointKey {
         let (below, above) = text.split_once('/').unwrap_or((&text, ""));
         let level = |name: &str| name.parse().map_err(D::Error::custom);
         Ok(Self(level(below)?, level(above)?))
-    }
-}
-
-impl JsonSchema for JointKey {
-    fn schema_name() -> Cow<'static, str> {
-        "Joint".into()
-    }
-
-    fn json_schema(_: &mut SchemaGenerator) -> Schema {
-        json_schema!({ "type": "string", "description": "Lower and upper vertebra, such as T12/T11" })
     }
 }
 
@@ -94,27 +69,6 @@ impl<'de, T: Named> Deserialize<'de> for Key<T> {
     }
 }
 
-impl<T: Described> JsonSchema for Key<T> {
-    fn schema_name() -> Cow<'static, str> {
-        T::DEFINITION.into()
-    }
-
-    fn json_schema(_: &mut SchemaGenerator) -> Schema {
-        let has_meanings = T::ALL.iter().any(|value| !value.meaning().is_empty());
-        let mut schema = if has_meanings {
-            let one = |value: &T| json!({ "type": "string", "const": value.key(), "description": value.meaning() });
-            json_schema!({ "oneOf": T::ALL.iter().map(one).collect::<Vec<_>>() })
-        } else {
-            let names: Vec<_> = T::ALL.iter().map(|value| value.key()).collect();
-            json_schema!({ "type": "string", "enum": names })
-        };
-        if !T::DESCRIPTION.is_empty() {
-            schema.insert("description".to_owned(), T::DESCRIPTION.into());
-        }
-        schema
-    }
-}
-
 /// How a film's spacing became known, as a key.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct SourceKey(pub SpacingSource);
@@ -132,17 +86,6 @@ impl<'de> Deserialize<'de> for SourceKey {
         SpacingSource::from_key(&text)
             .map(Self)
             .ok_or_else(|| D::Error::custom(format!("`{text}` is none of {}", known.join(", "))))
-    }
-}
-
-impl JsonSchema for SourceKey {
-    fn schema_name() -> Cow<'static, str> {
-        "SpacingSource".into()
-    }
-
-    fn json_schema(_: &mut SchemaGenerator) -> Schema {
-        let names = SpacingSource::ALL.map(SpacingSource::key);
-        json_schema!({ "type": "string", "enum": names, "description": "How a spacing became known" })
     }
 }
 
@@ -178,26 +121,9 @@ impl<'de, T: Deserialize<'de>> Deserialize<'de> for ByLevel<T> {
     }
 }
 
-impl<T: JsonSchema> JsonSchema for ByLevel<T> {
-    fn schema_name() -> Cow<'static, str> {
-        format!("ByLevel_{}", T::schema_name()).into()
-    }
-
-    fn json_schema(generator: &mut SchemaGenerator) -> Schema {
-        let value = generator.subschema_for::<T>();
-        let names = Level::ALL.map(Level::name);
-        json_schema!({
-            "type": "object",
-            "propertyNames": { "enum": names },
-            "additionalProperties": value,
-            "description": "Vertebrae by name, each at most once"
-        })
-    }
-}
-
 #[cfg(test)]
 mod tests {
-    use schemars::schema_for;
+    use schemars::{JsonSchema, schema_for};
     use serde::de::DeserializeOwned;
     use spineline::analysis::Grouping;
     use spineline::multibody::Support;

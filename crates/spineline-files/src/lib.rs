@@ -3,7 +3,7 @@
 //! other multibody programs read them ([`export`]).
 //!
 //! The types here are what the files look like; [`spineline`]'s own types are what is computed with. Every file format
-//! has a JSON schema, generated from the types. Unknown keys are errors that name the nearest known one, a level given
+//! has a JSON schema, compared with the types. Unknown keys are errors that name the nearest known one, a level given
 //! twice is an error, and nothing is repaired.
 //!
 //! ```
@@ -16,7 +16,6 @@ mod analysis_file;
 pub mod by_key;
 mod case_file;
 mod cohort_file;
-mod described;
 mod digest;
 mod error;
 mod export;
@@ -34,6 +33,7 @@ mod reliability_file;
 mod request;
 mod rotation_prior_file;
 mod rotation_prior_record;
+mod schemas;
 mod simulated;
 mod simulation_file;
 mod simulation_uncertainty;
@@ -50,7 +50,6 @@ pub use case_file::{
     written_axis_deg,
 };
 pub use cohort_file::CohortFile;
-pub use described::Described;
 pub use digest::{RunningDigest, sha256_hex};
 pub use error::FileError;
 pub use export::{ExportError, ExportFormat, export};
@@ -69,6 +68,7 @@ pub use readings_table::{ReadingsTable, parse_readings};
 pub use reliability_file::ReliabilityFile;
 pub use request::{Replicates, Request};
 pub use rotation_prior_file::{RotationPriorFile, StoredRotationPrior, parse_rotation_prior};
+pub use schemas::{schema, schema_names};
 pub use simulated::{Simulated, SimulationError};
 pub use simulation_file::{SimulationFile, SimulationWarning};
 pub use stiffness_file::{StiffnessFile, parse_stiffness};
@@ -77,36 +77,6 @@ pub use stored_identifiability::{identifiability_text, parse_identifiability};
 pub use stored_uncertainty::{
     loaded_uncertainty_text, parse_loaded_uncertainty, parse_uncertainty, uncertainty_text,
 };
-
-use schemars::Schema;
-
-/// Makes the schema of one format.
-type MakeSchema = fn() -> Schema;
-
-/// The schemas of all file formats by name.
-const SCHEMAS: [(&str, MakeSchema); 10] = [
-    ("case", || schemars::schema_for!(CaseFile)),
-    ("analysis", || schemars::schema_for!(AnalysisFile)),
-    ("cohort", || schemars::schema_for!(CohortFile)),
-    ("model", || schemars::schema_for!(ModelFile)),
-    ("load", || schemars::schema_for!(LoadFile)),
-    ("provenance", || schemars::schema_for!(ProvenanceFile)),
-    ("reliability", || schemars::schema_for!(ReliabilityFile)),
-    ("rotation-prior", || schemars::schema_for!(RotationPriorFile)),
-    ("simulation", || schemars::schema_for!(SimulationFile)),
-    ("stiffness", || schemars::schema_for!(StiffnessFile)),
-];
-
-/// The names of all file formats that have a schema.
-pub fn schema_names() -> impl Iterator<Item = &'static str> {
-    SCHEMAS.iter().map(|(name, _)| *name)
-}
-
-/// The schema of a file format by its name.
-#[must_use]
-pub fn schema(name: &str) -> Option<Schema> {
-    SCHEMAS.iter().find(|(known, _)| *known == name).map(|(_, schema)| schema())
-}
 
 /// The text of a file: JSON with two blanks of indent and a line feed at the end.
 ///

@@ -1,4 +1,3 @@
-use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use spineline::action::Application;
 use spineline::analysis::{Analysis, AxialSource, LineModel, PitchSource};
@@ -19,9 +18,10 @@ const AXES_TOLERANCE: f64 = 1e-6;
 
 /// A personalised model alone: vertebrae, joints, springs, and the loads that were found. `G`: x anterior, y left, z
 /// cranial, origin at L4's midpoint; mm, N, N·mm/rad.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
-#[schemars(title = "Spineline model, version 1")]
+#[cfg_attr(test, schemars(title = "Spineline model, version 1"))]
 pub struct ModelFile {
     /// `spineline-model`.
     format: String,
@@ -56,7 +56,8 @@ pub struct ModelFile {
 }
 
 /// Between which vertebrae a curve is measured, chosen on the erect film.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 struct RegionRecord {
     region: Key<Region>,
@@ -75,7 +76,8 @@ struct RegionRecord {
     endplate_difference_deg: Option<f64>,
 }
 
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 struct VertebraRecord {
     level: LevelKey,
@@ -93,7 +95,8 @@ struct VertebraRecord {
     width_mm: Option<f64>,
 }
 
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 struct JointRecord {
     inferior: LevelKey,
@@ -121,7 +124,8 @@ impl JointRecord {
 }
 
 /// A force on T2.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct LoadRecord {
     /// Posture that it simulates.

@@ -1,6 +1,5 @@
 //! The options of an analysis in files, sufficient to repeat it.
 
-use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use spineline::action::{Application, LineOfAction};
 use spineline::analysis::{AnalysisOptions, Grouping};
@@ -19,7 +18,8 @@ use crate::rotation_prior_record::RotationPriorRecord;
 use crate::stiffness_file::{StiffnessFile, border};
 
 /// The options of an analysis.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub(crate) struct OptionsRecord {
     /// From which landmarks tilts are measured; files from before this choice have those of the axes.
     #[serde(default = "axis_tilts")]
@@ -67,9 +67,10 @@ pub(crate) struct OptionsRecord {
 }
 
 /// An order rule as one word.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(try_from = "String", into = "String")]
-#[schemars(with = "String")]
+#[cfg_attr(test, schemars(with = "String"))]
 struct OrderRuleKey(OrderRule);
 
 impl TryFrom<String> for OrderRuleKey {
@@ -97,9 +98,10 @@ impl From<OrderRuleKey> for String {
 }
 
 /// A load and a base as one word.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(try_from = "String", into = "String")]
-#[schemars(with = "String")]
+#[cfg_attr(test, schemars(with = "String"))]
 pub(crate) struct HypothesisKey(pub(crate) Hypothesis);
 
 impl TryFrom<String> for HypothesisKey {
@@ -119,13 +121,15 @@ impl From<HypothesisKey> for String {
 }
 
 /// A vertebra (twice the same), or the disc between two.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 struct SiteRecord {
     inferior: LevelKey,
     superior: LevelKey,
 }
 
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 enum GaugeKey {
     GeometricMean,
@@ -133,13 +137,15 @@ enum GaugeKey {
     FrozenForce,
 }
 
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 struct KnownForceRecord {
     posture: Key<Posture>,
     force_n: f64,
 }
 
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 struct GivenLineRecord {
     posture: Key<Posture>,
     point_mm: [f64; 2],
@@ -148,7 +154,8 @@ struct GivenLineRecord {
 }
 
 /// Degrees from L4 upwards.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 struct ProfileRecord {
     /// Of every joint; flexion positive.
     turns_deg: [f64; 14],
@@ -207,7 +214,8 @@ impl From<&AnalysisOptions> for OptionsRecord {
 }
 
 /// End vertebrae of one region.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 struct GivenEndsRecord {
     region: Key<Region>,
     /// Lower end vertebra.

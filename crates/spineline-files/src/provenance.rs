@@ -2,7 +2,6 @@
 
 use std::collections::HashSet;
 
-use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use spineline::uncertainty::LandmarkNoise;
 
@@ -23,7 +22,8 @@ pub struct ProgramRun {
 }
 
 /// A file that was read, and which bytes it had.
-#[derive(Debug, Clone, PartialEq, Eq, Hash, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct InputFile {
     /// Its name without its folder, which may carry a name of a person.
     pub name: String,
@@ -40,7 +40,8 @@ impl InputFile {
 }
 
 /// Whether the films are synthetic.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum FilmOrigin {
     /// All are synthetic.
@@ -81,7 +82,8 @@ impl FilmOrigin {
 /// Everything on which an output depends, and the time of its making.
 ///
 /// The options name the gauge, the order rule and, joint by joint, the source of the stiffness.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct Provenance {
     /// Program and its version.
     program: String,
@@ -107,7 +109,8 @@ pub struct Provenance {
     options: Option<OptionsRecord>,
 }
 
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 struct ReplicatesRecord {
     count: u64,
     /// Deviation of a landmark in pixels; `null` for the case's own readings.
@@ -242,8 +245,9 @@ pub fn parse_provenance(text: &str) -> Result<ProvenanceFile, FileError> {
 }
 
 /// Provenance of files that have no place for it, as a file beside them.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[schemars(title = "Spineline provenance, version 1")]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[cfg_attr(test, schemars(title = "Spineline provenance, version 1"))]
 pub struct ProvenanceFile {
     format: String,
     version: u32,

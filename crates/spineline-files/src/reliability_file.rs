@@ -1,6 +1,5 @@
 //! Reliability of readings, as a file and as a part of an analysis file.
 
-use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use spineline::reliability::{
     BlandAltman, Design, DesignReliability, QuantityReliability, Statistic,
@@ -9,8 +8,9 @@ use spineline::reliability::{
 use crate::Provenance;
 
 /// Reliability and error of readings. Lengths in the unit of their quantity, angles in degrees.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[schemars(title = "Spineline reliability, version 1")]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[cfg_attr(test, schemars(title = "Spineline reliability, version 1"))]
 pub struct ReliabilityFile {
     format: String,
     version: u32,
@@ -25,7 +25,8 @@ pub struct ReliabilityFile {
 }
 
 /// One quantity in all designs.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub(crate) struct QuantityRecord {
     quantity: String,
     unit: String,
@@ -34,7 +35,8 @@ pub(crate) struct QuantityRecord {
     designs: Vec<DesignRecord>,
 }
 
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 struct DesignRecord {
     /// `inter_observer_means`, `inter_observer_single` or `intra_observer`.
     design: String,
@@ -54,7 +56,8 @@ struct DesignRecord {
     remarks: Vec<RemarkRecord>,
 }
 
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 struct StatisticRecord {
     statistic: String,
     /// Symbol, model, definition and unit in words.
@@ -73,7 +76,8 @@ struct StatisticRecord {
     interval_undefined: Option<ReasonRecord>,
 }
 
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 struct BlandAltmanRecord {
     /// Differences are the second minus the first.
     raters: [String; 2],
@@ -86,7 +90,8 @@ struct BlandAltmanRecord {
     interval_undefined: Option<ReasonRecord>,
 }
 
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 struct ReasonRecord {
     code: String,
     message: String,

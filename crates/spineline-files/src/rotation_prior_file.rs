@@ -1,4 +1,3 @@
-use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use spineline::cohort::LearnedRotations;
 use spineline::evaluate::RotationPrior;
@@ -14,9 +13,10 @@ const FORMAT: &str = "spineline-rotation-prior";
 const VERSION: u32 = 1;
 
 /// The distribution of joint rotations of bends, learned from patients, with what it was learned from.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
-#[schemars(title = "Spineline prior of joint rotations, version 1")]
+#[cfg_attr(test, schemars(title = "Spineline prior of joint rotations, version 1"))]
 pub struct RotationPriorFile {
     /// `spineline-rotation-prior`.
     format: String,
@@ -38,7 +38,8 @@ pub struct RotationPriorFile {
 }
 
 /// Mean location errors over patients, each predicted from others, in mm.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 struct LeftOutRecord {
     /// Patients who were predicted.

@@ -1,7 +1,6 @@
 //! A distribution of joint rotations in files.
 
 use nalgebra::DMatrix;
-use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use spineline::anatomy::Levels;
 use spineline::evaluate::{PriorSource, RotationPrior};
@@ -12,7 +11,8 @@ use crate::keys::LevelKey;
 use crate::stiffness_file::border;
 
 /// A normal distribution of the joint rotations of a bend to the right.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub(crate) struct RotationPriorRecord {
     /// The lowest vertebra.

@@ -1,6 +1,5 @@
 use std::collections::BTreeMap;
 
-use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use spineline::anatomy::Region;
 use spineline::clinical::CurvePlaces;
@@ -18,8 +17,9 @@ use crate::{AppliedLoad, LoadFile, PlacedLoads, Provenance, StoredModel};
 /// The response of a personalised model to loads. `G`: x anterior, y left, z cranial, origin at L4's midpoint; mm, N, N·mm,
 /// rad, angles for people in degrees. A positive lateral tilt is to the patient's right, positive Cobb and Ferguson angles are
 /// convex to the left. Numbers have full precision.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[schemars(title = "Spineline simulation, version 1")]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[cfg_attr(test, schemars(title = "Spineline simulation, version 1"))]
 pub struct SimulationFile {
     /// `spineline-simulation`.
     format: String,
@@ -58,7 +58,8 @@ pub struct SimulationFile {
     uncertainty: Option<SimulationUncertainty>,
 }
 
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(tag = "kind", rename_all = "snake_case")]
 enum GoalRecord {
     /// The loads as they are given: a factor of one.
@@ -72,7 +73,8 @@ enum GoalRecord {
 }
 
 /// A warning of a simulation.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct SimulationWarning {
     /// Stable name, such as `pad_pulls`.
     pub code: String,
@@ -88,7 +90,8 @@ impl SimulationWarning {
     }
 }
 
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 struct AnglesRecord {
     /// Lateral tilt of the line from L4 to T2; positive to the patient's right.
     #[serde(alias = "lean_right_deg")]
@@ -102,7 +105,8 @@ struct AnglesRecord {
     ferguson_deg: BTreeMap<Key<Region>, f64>,
 }
 
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 struct EquilibriumRecord {
     /// `along` or `against` the loads.
     direction: String,
@@ -128,7 +132,8 @@ struct EquilibriumRecord {
     angles: AnglesRecord,
 }
 
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 struct SpringForceRecord {
     /// Which load, from 1.
     load: usize,
@@ -137,7 +142,8 @@ struct SpringForceRecord {
     force_n: f64,
 }
 
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 struct RodReactionRecord {
     /// Which load, from 1.
     load: usize,
@@ -146,7 +152,8 @@ struct RodReactionRecord {
     moment_nmm: [f64; 3],
 }
 
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 struct EventRecord {
     /// `limit_point` or `branch_point`.
     kind: String,
@@ -156,7 +163,8 @@ struct EventRecord {
     arc_rad: f64,
 }
 
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 struct PathRecord {
     direction: String,
     /// Which loads are varied here.

@@ -1,6 +1,5 @@
 use std::collections::BTreeMap;
 
-use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use spineline::anatomy::{Posture, Region};
 use spineline::uncertainty::{LoadedSpread, LoadedUncertainty};
@@ -11,7 +10,8 @@ use crate::keys::Key;
 /// What replicates with perturbed landmarks gave under the same loads. The intervals cover landmark noise and the scales of the
 /// films against the erect one; they do not cover the errors of the model, of the loads and of the erect film's scale, and no bias
 /// that all observers share.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub(crate) struct SimulationUncertainty {
     /// Replicates requested.
     replicates: u64,
@@ -28,7 +28,8 @@ pub(crate) struct SimulationUncertainty {
 }
 
 /// Distribution of one number.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 struct LoadedSpreadRecord {
     /// `cobb`, `tilt_range`, `ferguson`, `lateral_tilt`, `top_tilt`, `top_offset`, `coronal_balance` or `factor`. Angles of curves are
     /// positive where convex to the left, tilts to the right, distances to the left.

@@ -1,4 +1,3 @@
-use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use spineline::multibody::{JointStiffness, StiffnessLibrary};
 
@@ -10,9 +9,10 @@ const FORMAT: &str = "spineline-stiffness";
 const VERSION: u32 = 1;
 
 /// The springs of the 14 joints before personalisation, each with its source.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
-#[schemars(title = "Spineline stiffness table, version 1")]
+#[cfg_attr(test, schemars(title = "Spineline stiffness table, version 1"))]
 pub struct StiffnessFile {
     /// `spineline-stiffness`.
     format: String,
@@ -23,7 +23,8 @@ pub struct StiffnessFile {
 }
 
 /// Rotational stiffness about the inferior vertebra's axes, in N·m per radian.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 struct JointRow {
     inferior: LevelKey,

@@ -15,7 +15,7 @@ pub struct SchemaArgs {
 
 pub fn run(args: &SchemaArgs) -> Result<Ending, Failure> {
     match spineline_files::schema(&args.name) {
-        Some(schema) => print(&spineline_files::to_text(&schema)),
+        Some(schema) => print(schema),
         None => Err(Failure::usage(format!("there is no file format {}", args.name))),
     }
 }

@@ -1,6 +1,5 @@
 use std::collections::BTreeMap;
 
-use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use spineline::analysis::{
     Analysis, BendEvidence, ComparedFilm, ComparedLine, Compatibility, FilmRole, FreeNumbers,
@@ -16,7 +15,8 @@ use super::posture::ScaleRecord;
 use crate::keys::Key;
 
 /// The lines on the same films, every bend left out once.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub(super) struct ComparisonRecord {
     /// Whether all lines were fitted to the same data. A free line needs the whole shape also where the others are fitted to
     /// Ferguson angles.
@@ -41,7 +41,8 @@ pub(super) struct ComparisonRecord {
 }
 
 /// A model beside the prediction without mechanics with the smallest error on the films of a role.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 struct AgainstRecord {
     /// Name of the line, or of the load and base.
     model: String,
@@ -54,7 +55,8 @@ struct AgainstRecord {
     difference_mm: f64,
 }
 
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 struct LineRecord {
     /// Data of the fit: `shape` or `ferguson`.
     fitted_to: String,
@@ -64,7 +66,8 @@ struct LineRecord {
 }
 
 /// Numbers that a model takes from films.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub(crate) struct NumbersRecord {
     /// Free stiffness multipliers: one less than there are, where only ratios are identified.
     multipliers: usize,
@@ -78,14 +81,16 @@ pub(crate) struct NumbersRecord {
     per_predicted_film: usize,
 }
 
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 struct ErrorsRecord {
     films: usize,
     location_mm: f64,
     ferguson_deg: f64,
 }
 
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 struct FilmRecord {
     posture: Key<Posture>,
     /// `fitted`, `left_out_bend` or `held_out`.
@@ -100,7 +105,8 @@ struct FilmRecord {
 }
 
 /// A film as a pattern of joint rotations without mechanics predicts it, from T2 alone.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 struct BaselineRecord {
     /// `converged` or how else the fit to T2 ended.
     status: String,
@@ -111,7 +117,8 @@ struct BaselineRecord {
     location_mm: f64,
 }
 
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 struct CompatibilityRecord {
     /// Whether a bend contradicts the line.
     rejected: bool,
@@ -122,7 +129,8 @@ struct CompatibilityRecord {
     without_force: Vec<Key<Posture>>,
 }
 
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 struct BendRecord {
     posture: Key<Posture>,
     joints: usize,

@@ -2,7 +2,6 @@
 
 use std::collections::BTreeMap;
 
-use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use spineline::anatomy::Posture;
 use spineline::hypothesis::{HypothesisFit, LossReason, LostPrediction, ShapePrediction};
@@ -11,7 +10,8 @@ use super::posture::ScaleRecord;
 use crate::keys::Key;
 
 /// A load and base fitted to the bends, with its predictions. Lengths in mm, angles in degrees.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub(super) struct HypothesisRecord {
     /// How the fit to all bends ended; `beyond_human_range` where a fitted film has a shape that no human spine can have.
     status: String,
@@ -35,7 +35,8 @@ pub(super) struct HypothesisRecord {
     beyond_human_range: BTreeMap<String, Vec<Key<Posture>>>,
 }
 
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 struct PredictionRecord {
     posture: Key<Posture>,
     /// `fitted`; `held_out` (neutral, traction); `left_out` (a bend by the stiffness of the other, load by T2's place);

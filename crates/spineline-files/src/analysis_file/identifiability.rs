@@ -1,6 +1,5 @@
 use std::collections::BTreeMap;
 
-use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use spineline::multibody::JointGroups;
 use spineline::personalize::{
@@ -9,7 +8,8 @@ use spineline::personalize::{
 
 /// Identifiability of a model's multipliers from the bending films, in natural logarithms, at the scales of the films that were
 /// found before the fit.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub(super) struct IdentifiabilityRecord {
     /// By region or joint, under the gauge.
     multipliers: BTreeMap<String, InformationRecord>,
@@ -21,7 +21,8 @@ pub(super) struct IdentifiabilityRecord {
     degrees_of_freedom: usize,
 }
 
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 struct InformationRecord {
     /// `interval`, `only_lower`, `only_upper`, `not_identified` or `lost`.
     verdict: String,
@@ -36,14 +37,16 @@ struct InformationRecord {
 }
 
 /// The best fit with this multiplier held at one value after another.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 struct ProfileRecord {
     log_multiplier: Vec<f64>,
     /// Rise of the sum of squares, over `variance_factor`; the interval ends at 3.84.
     rise: Vec<f64>,
 }
 
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 struct DirectionRecord {
     /// Its part in every multiplier's logarithm.
     log_multipliers: BTreeMap<String, f64>,

@@ -11,7 +11,6 @@ mod uncertainty;
 
 use std::collections::BTreeMap;
 
-use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use spineline::analysis::Analysis;
 use spineline::anatomy::{Level, Posture};
@@ -42,8 +41,9 @@ const VERSION: u32 = 1;
 /// The result of an analysis, with all that is needed to repeat it. Lengths in mm of the films' plane, angles in degrees,
 /// frontal points `[y, z]` with y
 /// to the patient's left and z cranial; positive angles tilt to the patient's right.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[schemars(title = "Spineline analysis, version 1")]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+#[cfg_attr(test, schemars(title = "Spineline analysis, version 1"))]
 pub struct AnalysisFile {
     format: String,
     version: u32,
@@ -89,7 +89,8 @@ pub struct AnalysisFile {
     case: CaseFile,
 }
 
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 struct ChainRecord {
     /// Number of segments on the erect curve: the paper's n.
     segments: usize,
@@ -101,7 +102,8 @@ struct ChainRecord {
     difference: u32,
 }
 
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 struct InflectionRecord {
     /// Segment of the chain, from 0.
     segment: usize,
@@ -120,13 +122,15 @@ struct InflectionRecord {
     interval_95_between: Option<[LevelKey; 2]>,
 }
 
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 struct TurnRecord {
     /// Positive where the spine turns to the patient's right as it rises.
     turn_deg: f64,
 }
 
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 struct ClinicalRecord {
     /// Lenke's curve type as far as frontal films determine it.
     lenke_type: Option<u8>,
@@ -149,7 +153,8 @@ impl ClinicalRecord {
 }
 
 /// How the spine stands over the pelvis on the erect film. Distances are from the central sacral vertical line.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 struct BalanceRecord {
     /// What stands for the sacrum: `iliac_crests`, `l5` or `base`.
     reference: String,
@@ -181,7 +186,8 @@ impl BalanceRecord {
     }
 }
 
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 struct ClinicalCurveRecord {
     /// Lower and upper end vertebra on the erect film.
     ends: [LevelKey; 2],
@@ -205,7 +211,8 @@ struct ClinicalCurveRecord {
     flexibility: Option<f64>,
 }
 
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 struct WarningRecord {
     code: String,
     step: String,

@@ -1,6 +1,5 @@
 use std::collections::BTreeMap;
 
-use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use spineline::action::{Application, LineOfAction};
 use spineline::analysis::{Analysis, LineModel};
@@ -15,7 +14,8 @@ use super::posture::ScaleRecord;
 use super::{by_level, point};
 use crate::keys::{Key, LevelKey};
 
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub(super) struct ModelRecord {
     /// Lateral stiffness multipliers by region, or by joint; under `geometric_mean` only their ratios are meaningful.
     multipliers: BTreeMap<String, f64>,
@@ -32,7 +32,8 @@ pub(super) struct ModelRecord {
     postures: BTreeMap<Key<Posture>, SimulationRecord>,
 }
 
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 struct FitRecord {
     /// `converged`, `iteration_limit` or `not_evaluable`.
     status: String,
@@ -45,7 +46,8 @@ struct FitRecord {
     singular_values: Vec<f64>,
 }
 
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 struct SimulationRecord {
     /// Whether the stiffness was fitted to this film; else it was held out.
     fitted: bool,
@@ -74,7 +76,8 @@ struct SimulationRecord {
     contradicted_joints: Vec<ContradictedRecord>,
 }
 
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 struct LineRecord {
     point_mm: [f64; 2],
     direction: [f64; 2],
@@ -84,19 +87,22 @@ struct LineRecord {
     depth_mm: f64,
 }
 
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 struct AlternativeRecord {
     force_n: f64,
     ferguson_rms_deg: f64,
 }
 
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 struct LocationErrorRecord {
     mean: f64,
     levels: BTreeMap<LevelKey, f64>,
 }
 
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 struct ContradictedRecord {
     inferior: LevelKey,
     superior: LevelKey,

@@ -1,6 +1,5 @@
 use std::collections::BTreeMap;
 
-use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use spineline::analysis::{LineComparison, PostureAnalysis, PreferredLine};
 use spineline::curve::{CurveFit, CurveForm};
@@ -14,7 +13,8 @@ use spineline::spatial::{Angle, Frontal};
 use super::{by_level, point_mm, point_px};
 use crate::keys::{LevelKey, SourceKey};
 
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub(super) struct PostureRecord {
     lengths: LengthsRecord,
     curve: CurveRecord,
@@ -54,7 +54,8 @@ pub(super) struct PostureRecord {
 }
 
 /// Scale of a film's lengths. An error of scale changes all of them by the same factor, and no angle.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 struct LengthsRecord {
     /// `patient`, `detector`, `unknown` (millimetres of an unknown plane) or `pixels`.
     plane: String,
@@ -71,7 +72,8 @@ struct LengthsRecord {
 }
 
 /// The length of the spine on a film over that on the erect film. Locations of the film are divided by `scale`.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 struct FilmLengthRecord {
     /// From the locations alone.
     measured: f64,
@@ -82,7 +84,8 @@ struct FilmLengthRecord {
 }
 
 /// A film's scale against the erect film.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub(crate) struct ScaleRecord {
     scale: f64,
     /// Its 95 % interval; absent where the scale is fixed.
@@ -98,7 +101,8 @@ impl From<FilmScale> for ScaleRecord {
 }
 
 /// From what a vertebra was interpolated, and its standard deviations.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 struct InterpolatedRecord {
     /// The next marked vertebrae below and above.
     between: [LevelKey; 2],
@@ -108,7 +112,8 @@ struct InterpolatedRecord {
     tilt_sd_deg: f64,
 }
 
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 struct CurveRecord {
     order: usize,
     /// `graph` (y of z) or `parametric`.
@@ -121,7 +126,8 @@ struct CurveRecord {
 }
 
 /// Standard deviation of a measured value.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 struct NoiseRecord {
     location_mm: Option<f64>,
     location_px: Option<f64>,
@@ -130,7 +136,8 @@ struct NoiseRecord {
     measured: bool,
 }
 
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 struct EstimateRecord {
     segment: usize,
     least_segment: usize,
@@ -140,7 +147,8 @@ struct EstimateRecord {
 }
 
 /// The line of best fit to the film's rotations.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 struct PreferredLineRecord {
     point_mm: [f64; 2],
     /// Cranial.
@@ -158,7 +166,8 @@ struct PreferredLineRecord {
     joint_log_sd: f64,
 }
 
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 struct CrossingRecord {
     z_mm: f64,
     /// To the patient's left.
@@ -167,7 +176,8 @@ struct CrossingRecord {
     interval_95_mm: Option<[f64; 2]>,
 }
 
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 struct LineComparisonRecord {
     angle_deg: f64,
     /// From the middle of the two inflections, or from the point of a given line nearest to it.
@@ -176,7 +186,8 @@ struct LineComparisonRecord {
     test: TestRecord,
 }
 
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 struct TestRecord {
     chi_squared: f64,
     /// Degrees of freedom.

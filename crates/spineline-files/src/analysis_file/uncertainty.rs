@@ -1,6 +1,5 @@
 use std::collections::BTreeMap;
 
-use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use spineline::analysis::Analysis;
 use spineline::anatomy::Posture;
@@ -10,7 +9,8 @@ use spineline::uncertainty::{FilmNoise, QuantitySpread, Uncertainty, VertebraNoi
 use crate::keys::{Key, LevelKey};
 
 /// Uncertainty of every number from landmark noise: Monte Carlo replicates with perturbed landmarks.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub(super) struct UncertaintyRecord {
     /// Replicates requested.
     replicates: u64,
@@ -26,7 +26,8 @@ pub(super) struct UncertaintyRecord {
 }
 
 /// Standard deviation of one reading of a film.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 pub(crate) struct NoiseRecord {
     /// `readings` (their standard deviation), `assumed` (no repeated reading) or `given`.
     source: String,
@@ -40,7 +41,8 @@ pub(crate) struct NoiseRecord {
     tilt_sd_deg: Option<f64>,
 }
 
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 struct FailureRecord {
     /// Of the error that stopped an analysis, or `fit_not_converged` or `force_not_found`.
     code: String,
@@ -50,7 +52,8 @@ struct FailureRecord {
 }
 
 /// Distribution of one number.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 struct SpreadRecord {
     /// Its kind; the keys after `unit` say which one.
     quantity: String,

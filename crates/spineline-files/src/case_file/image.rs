@@ -1,6 +1,5 @@
 //! The picture of a film: size, spacing, sides and file.
 
-use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use spineline::anatomy::{FilmView, ImageSide, Posture};
@@ -11,7 +10,8 @@ use crate::FileError;
 use crate::json::parse_value;
 use crate::keys::{Key, SourceKey};
 
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub(super) struct ImageRecord {
     columns: u32,

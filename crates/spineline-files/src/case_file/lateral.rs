@@ -1,6 +1,5 @@
 //! The lateral film of a case: with the erect film it gives the sagittal profile.
 
-use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use spineline::anatomy::ImageSide;
 use spineline::measure::{
@@ -12,7 +11,8 @@ use super::{pair, pixel};
 use crate::keys::{ByLevel, Key, LevelKey};
 
 /// A lateral film of the standing patient.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub(super) struct LateralRecord {
     image: LateralImageRecord,
@@ -25,7 +25,8 @@ pub(super) struct LateralRecord {
 }
 
 /// The scale of this picture is found beside the erect film, so the plane of its spacing does not matter.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub(super) struct LateralImageRecord {
     columns: u32,
@@ -49,7 +50,8 @@ pub(super) struct LateralImageRecord {
     inverted: bool,
 }
 
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 struct LateralReadingRecord {
     observer: String,
@@ -59,7 +61,8 @@ struct LateralReadingRecord {
 }
 
 /// Four corners in pixels, `[column, row]`.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 struct LateralVertebraRecord {
     superior_anterior: [f64; 2],

@@ -3,7 +3,6 @@
 mod image;
 mod lateral;
 
-use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use spineline::analysis::{Case, Sex, Subject};
 use spineline::anatomy::Posture;
@@ -25,9 +24,10 @@ const FORMAT: &str = "spineline-case";
 const VERSION: u32 = 1;
 
 /// The films of one patient with their landmarks.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
-#[schemars(title = "Spineline case, version 1")]
+#[cfg_attr(test, schemars(title = "Spineline case, version 1"))]
 pub struct CaseFile {
     /// `spineline-case`.
     format: String,
@@ -48,7 +48,8 @@ pub struct CaseFile {
     lateral: Option<LateralRecord>,
 }
 
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 struct SubjectRecord {
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -61,7 +62,8 @@ struct SubjectRecord {
     lenke: Option<String>,
 }
 
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 struct FilmRecord {
     posture: Key<Posture>,
@@ -82,7 +84,8 @@ struct FilmRecord {
 }
 
 /// Unit of the millimetres of locations.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 struct LengthsRecord {
     /// Plane in which they were measured.
@@ -109,14 +112,16 @@ fn is_of_vertebrae(source: &Key<PlacementSource>) -> bool {
 }
 
 /// The patient's left and right crest, `[column, row]`.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 struct CrestsRecord {
     left: [f64; 2],
     right: [f64; 2],
 }
 
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 struct ReadingRecord {
     observer: String,
@@ -126,7 +131,8 @@ struct ReadingRecord {
 }
 
 /// Either four corners in pixels, `[column, row]`, named by the patient's sides, or a location and a tilt.
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 struct VertebraRecord {
     #[serde(default, skip_serializing_if = "Option::is_none")]

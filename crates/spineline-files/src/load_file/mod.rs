@@ -3,7 +3,6 @@
 mod place;
 mod words;
 
-use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use spineline::multibody::Timing;
 
@@ -19,9 +18,10 @@ const VERSION: u32 = 1;
 /// Loads on a spine. `G`: x anterior, y to the patient's left, z cranial along L4's own axis, origin at L4's midpoint;
 /// names that say `in_vertebra` are in a vertebra's own axes, from its midpoint. Forces are in the units of the model's
 /// springs: newtons where the model is `absolute`, else relative.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
-#[schemars(title = "Spineline load, version 1")]
+#[cfg_attr(test, schemars(title = "Spineline load, version 1"))]
 pub struct LoadFile {
     /// `spineline-load`.
     format: String,
@@ -32,7 +32,8 @@ pub struct LoadFile {
 }
 
 /// One load.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(tag = "kind", rename_all = "snake_case", deny_unknown_fields)]
 pub enum AppliedLoad {
     /// A force along a line that is fixed in space.

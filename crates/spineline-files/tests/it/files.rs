@@ -405,6 +405,7 @@ fn every_schema_is_an_object_that_requires_its_format() {
         "stiffness",
     ] {
         let schema = spineline_files::schema(name).expect("a known format");
+        let schema: serde_json::Value = serde_json::from_str(schema).expect("JSON");
         let required = schema.get("required").and_then(|r| r.as_array()).expect("required keys");
         assert!(required.iter().any(|key| key == "format"), "{name}");
     }

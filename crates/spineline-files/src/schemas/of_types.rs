@@ -1,0 +1,120 @@
+//! What the schemas must be: made from the types, and compared with the files.
+
+use std::borrow::Cow;
+use std::path::Path;
+
+use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema, schema_for};
+use serde_json::json;
+use spineline::anatomy::Level;
+use spineline::measure::SpacingSource;
+
+use super::described::Described;
+use super::{SCHEMAS, schema};
+use crate::keys::{ByLevel, JointKey, Key, LevelKey, SourceKey};
+use crate::{
+    AnalysisFile, CaseFile, CohortFile, LoadFile, ModelFile, ProvenanceFile, ReliabilityFile,
+    RotationPriorFile, SimulationFile, StiffnessFile, to_text,
+};
+
+impl JsonSchema for LevelKey {
+    fn schema_name() -> Cow<'static, str> {
+        "Level".into()
+    }
+
+    fn json_schema(_: &mut SchemaGenerator) -> Schema {
+        let names = Level::ALL.map(Level::name);
+        json_schema!({ "type": "string", "enum": names, "description": "A vertebra" })
+    }
+}
+
+impl JsonSchema for JointKey {
+    fn schema_name() -> Cow<'static, str> {
+        "Joint".into()
+    }
+
+    fn json_schema(_: &mut SchemaGenerator) -> Schema {
+        json_schema!({ "type": "string", "description": "Lower and upper vertebra, such as T12/T11" })
+    }
+}
+
+impl<T: Described> JsonSchema for Key<T> {
+    fn schema_name() -> Cow<'static, str> {
+        T::DEFINITION.into()
+    }
+
+    fn json_schema(_: &mut SchemaGenerator) -> Schema {
+        let has_meanings = T::ALL.iter().any(|value| !value.meaning().is_empty());
+        let mut schema = if has_meanings {
+            let one = |value: &T| json!({ "type": "string", "const": value.key(), "description": value.meaning() });
+            json_schema!({ "oneOf": T::ALL.iter().map(one).collect::<Vec<_>>() })
+        } else {
+            let names: Vec<_> = T::ALL.iter().map(|value| value.key()).collect();
+            json_schema!({ "type": "string", "enum": names })
+        };
+        if !T::DESCRIPTION.is_empty() {
+            schema.insert("description".to_owned(), T::DESCRIPTION.into());
+        }
+        schema
+    }
+}
+
+impl JsonSchema for SourceKey {
+    fn schema_name() -> Cow<'static, str> {
+        "SpacingSource".into()
+    }
+
+    fn json_schema(_: &mut SchemaGenerator) -> Schema {
+        let names = SpacingSource::ALL.map(SpacingSource::key);
+        json_schema!({ "type": "string", "enum": names, "description": "How a spacing became known" })
+    }
+}
+
+impl<T: JsonSchema> JsonSchema for ByLevel<T> {
+    fn schema_name() -> Cow<'static, str> {
+        format!("ByLevel_{}", T::schema_name()).into()
+    }
+
+    fn json_schema(generator: &mut SchemaGenerator) -> Schema {
+        let value = generator.subschema_for::<T>();
+        let names = Level::ALL.map(Level::name);
+        json_schema!({
+            "type": "object",
+            "propertyNames": { "enum": names },
+            "additionalProperties": value,
+            "description": "Vertebrae by name, each at most once"
+        })
+    }
+}
+
+fn of_types() -> [(&'static str, Schema); SCHEMAS.len()] {
+    [
+        ("analysis", schema_for!(AnalysisFile)),
+        ("case", schema_for!(CaseFile)),
+        ("cohort", schema_for!(CohortFile)),
+        ("load", schema_for!(LoadFile)),
+        ("model", schema_for!(ModelFile)),
+        ("provenance", schema_for!(ProvenanceFile)),
+        ("reliability", schema_for!(ReliabilityFile)),
+        ("rotation-prior", schema_for!(RotationPriorFile)),
+        ("simulation", schema_for!(SimulationFile)),
+        ("stiffness", schema_for!(StiffnessFile)),
+    ]
+}
+
+/// After a change of a file's type, `SPINELINE_WRITE_SCHEMAS=1 cargo test -p spineline-files --lib schemas` writes the new schemas.
+#[test]
+fn schemas_are_those_of_the_types() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("schemas");
+    let is_writing = std::env::var_os("SPINELINE_WRITE_SCHEMAS").is_some();
+    for (name, made) in of_types() {
+        let text = to_text(&made);
+        if is_writing {
+            std::fs::write(folder.join(format!("{name}.json")), text).expect("a written schema");
+        } else {
+            assert!(
+                schema(name) == Some(text.as_str()),
+                "schemas/{name}.json is not that of its type: set SPINELINE_WRITE_SCHEMAS=1 and run this test again"
+            );
+        }
+    }
+}
