@@ -151,52 +151,53 @@ test("admins add accounts and grant studies", async ({ app, page }) => {
 test.describe("with a study", () => {
   test.use({ hasDemo: true });
 
-  test("accounts on the real program: the admin adds an editor and grants one study", async ({
-    app,
-    page,
-  }) => {
-    const PASSWORD = "a password that is long enough";
-    await app.kill();
-    const account = ["account", "add", "lead", "--role", "admin", "--password-stdin", app.store];
-    await runProgramWith(`${PASSWORD}\n`, ...account);
-    await app.start("--accounts");
-    await usePages(page);
+  test(
+    "accounts on the real program: the admin adds an editor and grants one study",
+    { tag: "@long" },
+    async ({ app, page }) => {
+      const PASSWORD = "a password that is long enough";
+      await app.kill();
+      const account = ["account", "add", "lead", "--role", "admin", "--password-stdin", app.store];
+      await runProgramWith(`${PASSWORD}\n`, ...account);
+      await app.start("--accounts");
+      await usePages(page);
 
-    const signIn = async (name: string): Promise<void> => {
-      await page.getByRole("textbox", { name: "Account" }).fill(name);
-      await page.getByLabel("Password", { exact: true }).fill(PASSWORD);
-      await page.getByRole("button", { name: "Sign in" }).click();
-      await expect(page.getByRole("heading", { name: "Studies", level: 1 })).toBeVisible();
-    };
-    await page.goto(app.address);
-    await signIn("lead");
-    await page.getByRole("link", { name: "Access" }).click();
-    await page.getByLabel("lead may sign in").uncheck();
-    await expect(page.getByRole("alert")).toBeVisible();
-    await expect(page.getByLabel("lead may sign in")).toBeChecked();
-    await page.getByRole("button", { name: "Add an account" }).click();
-    const dialog = page.getByRole("dialog", { name: "New account" });
-    await dialog.getByLabel("Name").fill("ab");
-    await dialog.getByLabel("Role").selectOption("Editor");
-    await dialog.getByLabel("Password", { exact: true }).fill(PASSWORD);
-    await dialog.getByLabel("Repeat the password").fill(PASSWORD);
-    await dialog.getByRole("button", { name: "Add the account" }).click();
-    await expect(page.getByRole("rowheader", { name: "ab", exact: true })).toBeVisible();
-    await shot(page, "access-accounts");
+      const signIn = async (name: string): Promise<void> => {
+        await page.getByRole("textbox", { name: "Account" }).fill(name);
+        await page.getByLabel("Password", { exact: true }).fill(PASSWORD);
+        await page.getByRole("button", { name: "Sign in" }).click();
+        await expect(page.getByRole("heading", { name: "Studies", level: 1 })).toBeVisible();
+      };
+      await page.goto(app.address);
+      await signIn("lead");
+      await page.getByRole("link", { name: "Access" }).click();
+      await page.getByLabel("lead may sign in").uncheck();
+      await expect(page.getByRole("alert")).toBeVisible();
+      await expect(page.getByLabel("lead may sign in")).toBeChecked();
+      await page.getByRole("button", { name: "Add an account" }).click();
+      const dialog = page.getByRole("dialog", { name: "New account" });
+      await dialog.getByLabel("Name").fill("ab");
+      await dialog.getByLabel("Role").selectOption("Editor");
+      await dialog.getByLabel("Password", { exact: true }).fill(PASSWORD);
+      await dialog.getByLabel("Repeat the password").fill(PASSWORD);
+      await dialog.getByRole("button", { name: "Add the account" }).click();
+      await expect(page.getByRole("rowheader", { name: "ab", exact: true })).toBeVisible();
+      await shot(page, "access-accounts");
 
-    // Before the grant the editor sees nothing, after it the one study.
-    const signOut = page.getByRole("button", { name: "Sign out" });
-    await signOut.click();
-    await signIn("ab");
-    await expect(page.getByRole("heading", { name: "No study yet" })).toBeVisible();
-    await expect(page.getByRole("link", { name: "Access" })).toBeHidden();
-    await signOut.click();
-    await signIn("lead");
-    await page.getByRole("link", { name: "Access" }).click();
-    await page.getByRole("combobox", { name: "Study", exact: true }).selectOption(DEMO);
-    await page.getByLabel(`Permission of ab for ${DEMO}`).selectOption("Reader: view only");
-    await signOut.click();
-    await signIn("ab");
-    await expect(page.getByRole("article")).toContainText("Reader: view only");
-  });
+      // Before the grant the editor sees nothing, after it the one study.
+      const signOut = page.getByRole("button", { name: "Sign out" });
+      await signOut.click();
+      await signIn("ab");
+      await expect(page.getByRole("heading", { name: "No study yet" })).toBeVisible();
+      await expect(page.getByRole("link", { name: "Access" })).toBeHidden();
+      await signOut.click();
+      await signIn("lead");
+      await page.getByRole("link", { name: "Access" }).click();
+      await page.getByRole("combobox", { name: "Study", exact: true }).selectOption(DEMO);
+      await page.getByLabel(`Permission of ab for ${DEMO}`).selectOption("Reader: view only");
+      await signOut.click();
+      await signIn("ab");
+      await expect(page.getByRole("article")).toContainText("Reader: view only");
+    },
+  );
 });

@@ -13,120 +13,121 @@ const STUDY = "blind-1";
 /** Texts that would reveal film, other readers or results to a blinded reader. */
 const TELLING = /erect|bending|neutral|traction|"eve"|cobb|lenke|phantom-rod/i;
 
-test("a plan hides films, readers and results until all readings are finished", async ({
-  app,
-  page,
-}) => {
-  test.setTimeout(240_000);
-  await app.open(page, "lead");
-  await makeStudy(page);
-  const films = (await get<Api<"StudyDetail">>(page, `/api/studies/${STUDY}`)).body.summary.films;
-  // Another reader looks at the films while the plan is made.
-  const early = await page.context().browser()!.newPage();
-  await app.open(early, "bob");
-  await early.goto(new URL(`#/studies/${STUDY}/measure`, app.address).href);
-  await expect(early.getByRole("link", { name: /left bending/i })).toBeVisible();
+test(
+  "a plan hides films, readers and results until all readings are finished",
+  { tag: "@long" },
+  async ({ app, page }) => {
+    test.setTimeout(240_000);
+    await app.open(page, "lead");
+    await makeStudy(page);
+    const films = (await get<Api<"StudyDetail">>(page, `/api/studies/${STUDY}`)).body.summary.films;
+    // Another reader looks at the films while the plan is made.
+    const early = await page.context().browser()!.newPage();
+    await app.open(early, "bob");
+    await early.goto(new URL(`#/studies/${STUDY}/measure`, app.address).href);
+    await expect(early.getByRole("link", { name: /left bending/i })).toBeVisible();
 
-  await page.getByRole("button", { name: "Plan blinded readings…" }).click();
-  const plan = page.getByRole("dialog", { name: "Plan blinded readings" });
-  await plan.getByLabel("Observers").fill("bob, eve");
-  await plan.getByLabel("Readings per film").fill("1,5");
-  await expect(plan).toContainText("A whole number from 1.");
-  await expect(plan.getByRole("button", { name: "Make the plan" })).toBeDisabled();
-  await plan.getByLabel("Readings per film").fill("1");
-  await plan.getByLabel("Days between them").fill("0");
-  await plan.getByLabel("Seed of the order").fill("4");
-  await expect(plan).toContainText("4 readings");
-  await expectAccessible(page);
-  await shot(page, "blinded-plan");
-  await plan.getByRole("button", { name: "Make the plan" }).click();
-  await expect(plan).toBeHidden();
-  await expect(page.getByRole("button", { name: "Plan blinded readings…" })).toHaveCount(0);
-  // The open page is told, and goes to the reading under a code; so does its address.
-  await expect(early.getByRole("heading", { name: /^next film/i })).toBeVisible();
-  await expect(early).toHaveURL(new RegExp(`#/studies/${STUDY}/read$`));
-  await early.goto(new URL(`#/studies/${STUDY}/measure`, app.address).href);
-  await expect(early.getByRole("heading", { name: /^next film/i })).toBeVisible();
-  await early.close();
+    await page.getByRole("button", { name: "Plan blinded readings…" }).click();
+    const plan = page.getByRole("dialog", { name: "Plan blinded readings" });
+    await plan.getByLabel("Observers").fill("bob, eve");
+    await plan.getByLabel("Readings per film").fill("1,5");
+    await expect(plan).toContainText("A whole number from 1.");
+    await expect(plan.getByRole("button", { name: "Make the plan" })).toBeDisabled();
+    await plan.getByLabel("Readings per film").fill("1");
+    await plan.getByLabel("Days between them").fill("0");
+    await plan.getByLabel("Seed of the order").fill("4");
+    await expect(plan).toContainText("4 readings");
+    await expectAccessible(page);
+    await shot(page, "blinded-plan");
+    await plan.getByRole("button", { name: "Make the plan" }).click();
+    await expect(plan).toBeHidden();
+    await expect(page.getByRole("button", { name: "Plan blinded readings…" })).toHaveCount(0);
+    // The open page is told, and goes to the reading under a code; so does its address.
+    await expect(early.getByRole("heading", { name: /^next film/i })).toBeVisible();
+    await expect(early).toHaveURL(new RegExp(`#/studies/${STUDY}/read$`));
+    await early.goto(new URL(`#/studies/${STUDY}/measure`, app.address).href);
+    await expect(early.getByRole("heading", { name: /^next film/i })).toBeVisible();
+    await early.close();
 
-  const bob = await page.context().browser()!.newPage();
-  const told = answers(bob);
-  await app.open(bob, "bob");
-  const row = bob.getByRole("article").filter({ hasText: STUDY });
-  await expect(row).toContainText(
-    "blinded readings: results are shown when all planned readings are finished",
-  );
-  await expect(row.getByRole("img")).toHaveCount(0);
-  await shot(bob, "blinded-list");
-  await row.getByRole("link", { name: `Read ${STUDY}` }).click();
-  await shot(bob, "blinded-next");
-  const first = await beginNext(bob);
-  const film = new FilmPage(bob);
-  await film.painted();
-  await film.markSquare(await image(film));
-  await shot(bob, "blinded-reading");
+    const bob = await page.context().browser()!.newPage();
+    const told = answers(bob);
+    await app.open(bob, "bob");
+    const row = bob.getByRole("article").filter({ hasText: STUDY });
+    await expect(row).toContainText(
+      "blinded readings: results are shown when all planned readings are finished",
+    );
+    await expect(row.getByRole("img")).toHaveCount(0);
+    await shot(bob, "blinded-list");
+    await row.getByRole("link", { name: `Read ${STUDY}` }).click();
+    await shot(bob, "blinded-next");
+    const first = await beginNext(bob);
+    const film = new FilmPage(bob);
+    await film.painted();
+    await film.markSquare(await image(film));
+    await shot(bob, "blinded-reading");
 
-  // A reload continues with the same film.
-  await bob.reload();
-  await expect(bob.getByRole("heading", { name: `Film ${first}` })).toBeVisible();
-  await expect(film.target).toContainText("L3");
-  const addresses = forbidden(films);
-  for (const address of addresses) {
-    const { status, body } = await get(bob, address);
-    expect([403, 404], address).toContain(status);
-    expect(JSON.stringify(body), address).not.toMatch(TELLING);
-  }
-  await finish(bob);
-  const second = await beginNext(bob);
-  expect(second).not.toBe(first);
-  await film.painted();
-  // A reading with an incomplete vertebra is refused with its name.
-  await film.viewer.focus();
-  await bob.keyboard.press("c");
-  await bob.keyboard.press("Enter");
-  await film.saved();
-  await bob.getByRole("button", { name: /finish reading/i }).click();
-  const dialog = bob.getByRole("dialog", { name: /finish this reading/i });
-  await dialog.getByRole("button", { name: "Finish", exact: true }).click();
-  await expect(dialog.getByRole("alert")).toContainText("L4");
-  await shot(bob, "blinded-finish-refused");
-  await dialog.getByRole("button", { name: "Continue reading" }).click();
-  await bob.getByRole("button", { name: "Undo" }).click();
-  await film.saved();
-  await finish(bob);
-  await expect(bob.getByRole("heading", { name: /all films are read/i })).toBeVisible();
-  // A finished reading does not reveal films that others have not finished.
-  await bob.getByRole("link", { name: "Studies", exact: true }).click();
-  await expect(row).toContainText(
-    "blinded readings: results are shown when all planned readings are finished",
-  );
-  for (const address of addresses) {
-    expect([403, 404], address).toContain((await get(bob, address)).status);
-  }
-  expect(told.texts.length).toBeGreaterThan(8);
-  for (const { address, text } of await told.read()) expect(text, address).not.toMatch(TELLING);
-  expect(told.kinds.has("image/png")).toBe(false);
+    // A reload continues with the same film.
+    await bob.reload();
+    await expect(bob.getByRole("heading", { name: `Film ${first}` })).toBeVisible();
+    await expect(film.target).toContainText("L3");
+    const addresses = forbidden(films);
+    for (const address of addresses) {
+      const { status, body } = await get(bob, address);
+      expect([403, 404], address).toContain(status);
+      expect(JSON.stringify(body), address).not.toMatch(TELLING);
+    }
+    await finish(bob);
+    const second = await beginNext(bob);
+    expect(second).not.toBe(first);
+    await film.painted();
+    // A reading with an incomplete vertebra is refused with its name.
+    await film.viewer.focus();
+    await bob.keyboard.press("c");
+    await bob.keyboard.press("Enter");
+    await film.saved();
+    await bob.getByRole("button", { name: /finish reading/i }).click();
+    const dialog = bob.getByRole("dialog", { name: /finish this reading/i });
+    await dialog.getByRole("button", { name: "Finish", exact: true }).click();
+    await expect(dialog.getByRole("alert")).toContainText("L4");
+    await shot(bob, "blinded-finish-refused");
+    await dialog.getByRole("button", { name: "Continue reading" }).click();
+    await bob.getByRole("button", { name: "Undo" }).click();
+    await film.saved();
+    await finish(bob);
+    await expect(bob.getByRole("heading", { name: /all films are read/i })).toBeVisible();
+    // A finished reading does not reveal films that others have not finished.
+    await bob.getByRole("link", { name: "Studies", exact: true }).click();
+    await expect(row).toContainText(
+      "blinded readings: results are shown when all planned readings are finished",
+    );
+    for (const address of addresses) {
+      expect([403, 404], address).toContain((await get(bob, address)).status);
+    }
+    expect(told.texts.length).toBeGreaterThan(8);
+    for (const { address, text } of await told.read()) expect(text, address).not.toMatch(TELLING);
+    expect(told.kinds.has("image/png")).toBe(false);
 
-  const eve = await page.context().browser()!.newPage();
-  await app.open(eve, "eve");
-  await eve.getByRole("link", { name: `Read ${STUDY}` }).click();
-  for (const earlier of [first, second]) {
-    expect(await beginNext(eve)).not.toBe(earlier);
-    await new FilmPage(eve).painted();
-    await finish(eve);
-  }
-  await expect(eve.getByRole("heading", { name: /all films are read/i })).toBeVisible();
-  // All readings are finished: postures and readings are visible, without a new sign-in.
-  await bob.reload();
-  await row.getByRole("link", { name: `Measure ${STUDY}` }).click();
-  await expect(bob.getByRole("link", { name: /left bending/i })).toBeVisible();
-  const { body } = await get<Api<"StudyDetail">>(bob, `/api/studies/${STUDY}`);
-  expect(body.plan?.blinded).toBe(false);
-  expect(body.summary.films.flatMap(({ readings }) => readings)).toHaveLength(4);
-  await shot(bob, "blinded-open");
-  await bob.close();
-  await eve.close();
-});
+    const eve = await page.context().browser()!.newPage();
+    await app.open(eve, "eve");
+    await eve.getByRole("link", { name: `Read ${STUDY}` }).click();
+    for (const earlier of [first, second]) {
+      expect(await beginNext(eve)).not.toBe(earlier);
+      await new FilmPage(eve).painted();
+      await finish(eve);
+    }
+    await expect(eve.getByRole("heading", { name: /all films are read/i })).toBeVisible();
+    // All readings are finished: postures and readings are visible, without a new sign-in.
+    await bob.reload();
+    await row.getByRole("link", { name: `Measure ${STUDY}` }).click();
+    await expect(bob.getByRole("link", { name: /left bending/i })).toBeVisible();
+    const { body } = await get<Api<"StudyDetail">>(bob, `/api/studies/${STUDY}`);
+    expect(body.plan?.blinded).toBe(false);
+    expect(body.summary.films.flatMap(({ readings }) => readings)).toHaveLength(4);
+    await shot(bob, "blinded-open");
+    await bob.close();
+    await eve.close();
+  },
+);
 
 test(
   "an admin chooses the observers among the accounts that may read",

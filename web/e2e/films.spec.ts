@@ -137,69 +137,70 @@ test("a film that is turned and mirrored for display is marked as it is stored",
   expect(await worstGrey(film, reading.film!)).toBeLessThan(12);
 });
 
-test("lengths and angles are measured in the patient's millimetres and are not stored", async ({
-  app,
-  page,
-}) => {
-  const film = await fromTheFront(app, page);
-  const answer = page.getByTestId("drawn");
-  const before = await film.reading();
-  const number = async (name: RegExp): Promise<number> => {
-    await expect(answer).toContainText(name);
-    return Number(/ ([\d.]+) ±/.exec((await answer.textContent())!)![1]);
-  };
-  const mm = (a: FilmPoint, b: FilmPoint): readonly [number, number] => [
-    (b[0] - a[0]) * COLUMN_MM,
-    (b[1] - a[1]) * ROW_MM,
-  ];
+test(
+  "lengths and angles are measured in the patient's millimetres and are not stored",
+  { tag: "@long" },
+  async ({ app, page }) => {
+    const film = await fromTheFront(app, page);
+    const answer = page.getByTestId("drawn");
+    const before = await film.reading();
+    const number = async (name: RegExp): Promise<number> => {
+      await expect(answer).toContainText(name);
+      return Number(/ ([\d.]+) ±/.exec((await answer.textContent())!)![1]);
+    };
+    const mm = (a: FilmPoint, b: FilmPoint): readonly [number, number] => [
+      (b[0] - a[0]) * COLUMN_MM,
+      (b[1] - a[1]) * ROW_MM,
+    ];
 
-  for (const isMirrored of [false, true]) {
-    if (isMirrored) {
-      await page.keyboard.press("m");
-      await page.keyboard.press("q");
+    for (const isMirrored of [false, true]) {
+      if (isMirrored) {
+        await page.keyboard.press("m");
+        await page.keyboard.press("q");
+      }
+      await page.getByRole("button", { name: "Length", exact: true }).click();
+      await expect(answer).toContainText("Click one end");
+      const [from, to] = [await film.click([600, 1000]), await film.click([1050, 1550])];
+      const length = await number(/^Length [\d.]+ ± [\d.]+ mm/);
+      expect(Math.abs(length - Math.hypot(...mm(from, to)))).toBeLessThan(ROUNDED);
+      await expect(answer).toContainText("mm (patient)");
+      await expect(answer).toContainText("Not stored");
+      await shot(page, `films-length-${isMirrored}`);
+
+      await page.getByRole("button", { name: "Angle", exact: true }).click();
+      const ends: FilmPoint[] = [];
+      for (const place of [
+        [500, 600],
+        [1100, 750],
+        [550, 1450],
+        [1150, 1250],
+      ] as const)
+        ends.push(await film.click(place));
+      const angle = await number(/^Angle [\d.]+ ± [\d.]+°/);
+      const [a, b] = [mm(ends[0]!, ends[1]!), mm(ends[2]!, ends[3]!)];
+      const between = Math.atan2(
+        Math.abs(a[0] * b[1] - a[1] * b[0]),
+        Math.abs(a[0] * b[0] + a[1] * b[1]),
+      );
+      expect(Math.abs(angle - (between * 180) / Math.PI)).toBeLessThan(ROUNDED);
+      await shot(page, `films-angle-${isMirrored}`);
     }
-    await page.getByRole("button", { name: "Length", exact: true }).click();
-    await expect(answer).toContainText("Click one end");
-    const [from, to] = [await film.click([600, 1000]), await film.click([1050, 1550])];
-    const length = await number(/^Length [\d.]+ ± [\d.]+ mm/);
-    expect(Math.abs(length - Math.hypot(...mm(from, to)))).toBeLessThan(ROUNDED);
-    await expect(answer).toContainText("mm (patient)");
-    await expect(answer).toContainText("Not stored");
-    await shot(page, `films-length-${isMirrored}`);
+    await expectAccessible(page);
 
-    await page.getByRole("button", { name: "Angle", exact: true }).click();
-    const ends: FilmPoint[] = [];
-    for (const place of [
-      [500, 600],
-      [1100, 750],
-      [550, 1450],
-      [1150, 1250],
-    ] as const)
-      ends.push(await film.click(place));
-    const angle = await number(/^Angle [\d.]+ ± [\d.]+°/);
-    const [a, b] = [mm(ends[0]!, ends[1]!), mm(ends[2]!, ends[3]!)];
-    const between = Math.atan2(
-      Math.abs(a[0] * b[1] - a[1] * b[0]),
-      Math.abs(a[0] * b[0] + a[1] * b[1]),
-    );
-    expect(Math.abs(angle - (between * 180) / Math.PI)).toBeLessThan(ROUNDED);
-    await shot(page, `films-angle-${isMirrored}`);
-  }
-  await expectAccessible(page);
-
-  // An end that is dragged is measured again.
-  const was = await number(/^Angle/);
-  const [x, y] = await film.where([1150, 1250]);
-  await page.mouse.move(x, y);
-  await page.mouse.down();
-  await page.mouse.move(x + 40, y - 60, { steps: 6 });
-  await page.mouse.up();
-  await expect.poll(() => number(/^Angle/)).not.toBe(was);
-  // Clicks of these tools place no landmark.
-  expect(await film.reading()).toEqual(before);
-  await page.keyboard.press("Escape");
-  await expect(answer).toContainText("first line");
-});
+    // An end that is dragged is measured again.
+    const was = await number(/^Angle/);
+    const [x, y] = await film.where([1150, 1250]);
+    await page.mouse.move(x, y);
+    await page.mouse.down();
+    await page.mouse.move(x + 40, y - 60, { steps: 6 });
+    await page.mouse.up();
+    await expect.poll(() => number(/^Angle/)).not.toBe(was);
+    // Clicks of these tools place no landmark.
+    expect(await film.reading()).toEqual(before);
+    await page.keyboard.press("Escape");
+    await expect(answer).toContainText("first line");
+  },
+);
 
 test("a length is measured with keys alone, and in pixels where a film has no scale", async ({
   app,

@@ -67,66 +67,69 @@ async function withLateral(app: App, page: Page): Promise<void> {
   await app.open(page);
 }
 
-test("a lateral film beside the erect one: heights, the spine in space, corners and pedicles", async ({
-  app,
-  page,
-}) => {
-  await withLateral(app, page);
-  await page.goto(new URL(`#/studies/${PATIENT}/films`, app.address).href);
-  const [erect, lateral] = [
-    page.getByRole("region", { name: "First film" }),
-    page.getByRole("region", { name: "Second film" }),
-  ];
-  await expect(lateral.getByText("patient’s FRONT")).toBeVisible();
-  await page.getByLabel("Height of").selectOption("T9");
-  for (const film of [erect, lateral]) {
-    await expect(film.locator('[data-height="T9"]')).toHaveCount(1);
-    await expect(film.locator("[data-height]")).toHaveCount(1);
-  }
-  await page.getByLabel("Spine in space").check();
-  await expect(page.getByText("Kyphosis").first()).toBeVisible();
-  await expect(page.getByRole("application", { name: "Spine in three dimensions" })).toBeVisible();
-  for (const [width, colorScheme] of [
-    [390, "light"],
-    [1280, "dark"],
-  ] as const) {
-    await page.setViewportSize({ width, height: 800 });
-    await page.emulateMedia({ colorScheme });
-    expect(await page.evaluate(() => document.scrollingElement!.scrollWidth)).toBe(width);
+test(
+  "a lateral film beside the erect one: heights, the spine in space, corners and pedicles",
+  { tag: "@long" },
+  async ({ app, page }) => {
+    await withLateral(app, page);
+    await page.goto(new URL(`#/studies/${PATIENT}/films`, app.address).href);
+    const [erect, lateral] = [
+      page.getByRole("region", { name: "First film" }),
+      page.getByRole("region", { name: "Second film" }),
+    ];
+    await expect(lateral.getByText("patient’s FRONT")).toBeVisible();
+    await page.getByLabel("Height of").selectOption("T9");
+    for (const film of [erect, lateral]) {
+      await expect(film.locator('[data-height="T9"]')).toHaveCount(1);
+      await expect(film.locator("[data-height]")).toHaveCount(1);
+    }
+    await page.getByLabel("Spine in space").check();
+    await expect(page.getByText("Kyphosis").first()).toBeVisible();
+    await expect(
+      page.getByRole("application", { name: "Spine in three dimensions" }),
+    ).toBeVisible();
+    for (const [width, colorScheme] of [
+      [390, "light"],
+      [1280, "dark"],
+    ] as const) {
+      await page.setViewportSize({ width, height: 800 });
+      await page.emulateMedia({ colorScheme });
+      expect(await page.evaluate(() => document.scrollingElement!.scrollWidth)).toBe(width);
+      await expectAccessible(page);
+      await shot(page, `lateral-${width}-${colorScheme}`);
+    }
+
+    await page.goto(new URL(`#/studies/${PATIENT}/measure`, app.address).href);
+    const films = page.getByRole("navigation", { name: "Films" });
+    await films.getByRole("link", { name: /lateral/i }).click();
+    const film = new FilmPage(page);
+    await film.begin();
+    await expect(film.target).toContainText("superior endplate, front");
+    await expect(page.locator('[data-height="L4"]')).toHaveCount(0);
+    const { columns, rows } = (await film.reading()).image;
+    for (const [x, y] of [
+      [-60, -40],
+      [60, -40],
+      [60, 40],
+      [-60, 40],
+    ] as const) {
+      await film.click([columns / 2 + x, rows / 2 + y]);
+    }
+    await expect(film.target).toContainText("L3");
+    await film.saved();
+    const { vertebrae, faults } = await film.reading();
+    expect(vertebrae[0]!.corners.map(({ corner }) => corner)).toContain("superior_anterior");
+    expect(faults).toEqual([]);
     await expectAccessible(page);
-    await shot(page, `lateral-${width}-${colorScheme}`);
-  }
+    await shot(page, "lateral-marking");
 
-  await page.goto(new URL(`#/studies/${PATIENT}/measure`, app.address).href);
-  const films = page.getByRole("navigation", { name: "Films" });
-  await films.getByRole("link", { name: /lateral/i }).click();
-  const film = new FilmPage(page);
-  await film.begin();
-  await expect(film.target).toContainText("superior endplate, front");
-  await expect(page.locator('[data-height="L4"]')).toHaveCount(0);
-  const { columns, rows } = (await film.reading()).image;
-  for (const [x, y] of [
-    [-60, -40],
-    [60, -40],
-    [60, 40],
-    [-60, 40],
-  ] as const) {
-    await film.click([columns / 2 + x, rows / 2 + y]);
-  }
-  await expect(film.target).toContainText("L3");
-  await film.saved();
-  const { vertebrae, faults } = await film.reading();
-  expect(vertebrae[0]!.corners.map(({ corner }) => corner)).toContain("superior_anterior");
-  expect(faults).toEqual([]);
-  await expectAccessible(page);
-  await shot(page, "lateral-marking");
-
-  await films.getByRole("link", { name: /^erect/i }).click();
-  await film.begin();
-  await film.markSquare((await film.reading()).image);
-  await page.getByRole("button", { name: /^Pedicles/ }).click();
-  await expect(film.target).toContainText("pedicle, patient’s left");
-  await film.click([columns / 2 - 60, rows / 2]);
-  await expect(page.locator('[data-pedicle="L4.left"]')).toBeVisible();
-  await film.saved();
-});
+    await films.getByRole("link", { name: /^erect/i }).click();
+    await film.begin();
+    await film.markSquare((await film.reading()).image);
+    await page.getByRole("button", { name: /^Pedicles/ }).click();
+    await expect(film.target).toContainText("pedicle, patient’s left");
+    await film.click([columns / 2 - 60, rows / 2]);
+    await expect(page.locator('[data-pedicle="L4.left"]')).toBeVisible();
+    await film.saved();
+  },
+);

@@ -340,20 +340,24 @@ test("replicates under loads show their progress, can be cancelled, and count wh
   await expect(page.getByText("`branch_point` in 3 of 200")).toBeVisible();
 });
 
-test("the whole page is usable on a phone and in the light theme", async ({ app, page }) => {
-  await page.emulateMedia({ colorScheme: "light" });
-  await page.setViewportSize({ width: 390, height: 844 });
-  await openPlan(app, page);
-  await page.getByRole("button", { name: "Pad", exact: true }).click();
-  await expect(page.getByText(/^CONVERGED · /)).toBeVisible();
-  await page.getByRole("button", { name: "Try one pad everywhere" }).click();
-  await expect(page.getByRole("group", { name: "Map of pads" })).toBeVisible();
-  const wide = await page.evaluate(() => document.documentElement.scrollWidth);
-  expect(wide).toBeLessThanOrEqual(390);
-  await expectAccessible(page);
-  await page.locator("main").evaluate((main) => main.scrollTo(0, 0));
-  await shot(page, "plan-phone-light");
-  await page.setViewportSize({ width: 1280, height: 800 });
-  await shot(page, "plan-light");
-  await expectAccessible(page);
-});
+test(
+  "the whole page is usable on a phone and in the light theme",
+  { tag: "@long" },
+  async ({ app, page }) => {
+    await page.emulateMedia({ colorScheme: "light" });
+    await page.setViewportSize({ width: 390, height: 844 });
+    await openPlan(app, page);
+    await page.getByRole("button", { name: "Pad", exact: true }).click();
+    await expect(page.getByText(/^CONVERGED · /)).toBeVisible();
+    await page.getByRole("button", { name: "Try one pad everywhere" }).click();
+    await expect(page.getByRole("group", { name: "Map of pads" })).toBeVisible();
+    const wide = await page.evaluate(() => document.documentElement.scrollWidth);
+    expect(wide).toBeLessThanOrEqual(390);
+    await expectAccessible(page);
+    await page.locator("main").evaluate((main) => main.scrollTo(0, 0));
+    await shot(page, "plan-phone-light");
+    await page.setViewportSize({ width: 1280, height: 800 });
+    await shot(page, "plan-light");
+    await expectAccessible(page);
+  },
+);
