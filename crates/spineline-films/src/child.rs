@@ -16,6 +16,7 @@ use std::time::{Duration, Instant};
 use serde::{Deserialize, Serialize};
 
 use super::error::{FilmError, Measure};
+use super::pixels::little_endian;
 use super::{FilmFile, FilmKind, FilmLimits, FilmRemark, FilmTags, Look, StoredPixels, read_film};
 
 /// Limits of a decoder.
@@ -270,7 +271,7 @@ fn answer(film: Result<FilmFile, FilmError>, output: &mut dyn Write) -> io::Resu
     output.write_all(&length.to_le_bytes())?;
     output.write_all(&header)?;
     let bytes: Vec<u8> = match stored {
-        StoredPixels::Unsigned(words) => words.into_iter().flat_map(u16::to_le_bytes).collect(),
+        StoredPixels::Unsigned(words) => little_endian(&words),
         StoredPixels::Signed(words) => words.into_iter().flat_map(i16::to_le_bytes).collect(),
     };
     output.write_all(&bytes)?;

@@ -3,6 +3,7 @@
 use image::ImageEncoder;
 
 use super::lookup::{ModalityTransform, Voi, Window, WindowFunction};
+use super::pixels::little_endian;
 use super::{FilmFile, Photometric, StoredPixels};
 
 /// A picture that is ready for the screen.
@@ -83,7 +84,7 @@ impl ScreenValues {
     /// The values as little-endian words, row by row.
     #[must_use]
     pub fn to_le_bytes(&self) -> Vec<u8> {
-        self.values.iter().copied().flat_map(u16::to_le_bytes).collect()
+        little_endian(&self.values)
     }
 }
 

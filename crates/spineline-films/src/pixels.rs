@@ -252,3 +252,8 @@ pub(super) fn native_length(
     let format = format(data, photometric, limits)?;
     Ok(format.pixels() * usize::from(format.samples) * usize::from(format.allocated / 8))
 }
+
+/// 16-bit words as bytes.
+pub(super) fn little_endian(words: &[u16]) -> Vec<u8> {
+    words.iter().flat_map(|word| word.to_le_bytes()).collect()
+}

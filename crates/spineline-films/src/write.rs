@@ -14,6 +14,7 @@ use spineline::analysis::{Sex, Subject};
 use spineline::anatomy::{ImageSide, Posture};
 use spineline::measure::{ImageGeometry, SpacingPlane};
 
+use super::pixels::little_endian;
 use super::uid;
 
 /// Meaning of large stored values.
@@ -224,10 +225,6 @@ fn sequence(object: &mut InMemDicomObject, tag: Tag, items: Vec<InMemDicomObject
 fn decimal(value: f64) -> String {
     let text = format!("{value:.10}");
     text.trim_end_matches('0').trim_end_matches('.').to_owned()
-}
-
-fn little_endian(pixels: &[u16]) -> Vec<u8> {
-    pixels.iter().flat_map(|value| value.to_le_bytes()).collect()
 }
 
 impl DicomFilm<'_> {
