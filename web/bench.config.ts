@@ -1,5 +1,6 @@
 import { defineConfig } from "@playwright/test";
 
+import { CHROMIUM } from "./e2e/browser";
 import base from "./playwright.config";
 
 // The release build, as users have it.
@@ -13,5 +14,11 @@ export default defineConfig(base, {
   workers: 1,
   timeout: 600_000,
   // A trace records the page, which costs more time than the measured actions.
-  use: { ...base.use, trace: "off", actionTimeout: 30_000 },
+  use: {
+    ...base.use,
+    trace: "off",
+    actionTimeout: 30_000,
+    // The browser that users have.
+    launchOptions: { ...base.use?.launchOptions, executablePath: CHROMIUM },
+  },
 });

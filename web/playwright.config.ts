@@ -1,5 +1,7 @@
 import { defineConfig } from "@playwright/test";
 
+import { BROWSER } from "./e2e/browser";
+
 export default defineConfig({
   testDir: "e2e",
   outputDir: "test-results",
@@ -21,7 +23,7 @@ export default defineConfig({
     // Debian's browser, because Playwright's browsers cannot be downloaded everywhere.
     channel: undefined,
     launchOptions: {
-      executablePath: process.env.CHROMIUM ?? "/usr/bin/chromium",
+      executablePath: BROWSER,
       args: [
         "--no-sandbox",
         "--enable-unsafe-swiftshader",

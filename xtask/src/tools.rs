@@ -11,22 +11,28 @@ use crate::{outside, run, web};
 pub enum Tool {
     Npm,
     Chromium,
+    ChromiumShell,
     Python,
     Dcmtk,
     Orthanc,
 }
+
+/// What Debian installs of Chromium's shell, as `web/e2e/browser.ts` looks for it.
+const CHROMIUM_SHELL: &str = "/usr/lib/chromium/chromium-headless-shell";
 
 /// What Debian installs of Orthanc, as the tests look for it.
 const ORTHANC: [&str; 2] =
     ["/usr/sbin/Orthanc", "/usr/share/orthanc/plugins/libOrthancDicomWeb.so"];
 
 impl Tool {
-    const ALL: [Self; 5] = [Self::Npm, Self::Chromium, Self::Python, Self::Dcmtk, Self::Orthanc];
+    const ALL: [Self; 6] =
+        [Self::Npm, Self::Chromium, Self::ChromiumShell, Self::Python, Self::Dcmtk, Self::Orthanc];
 
     pub fn name(self) -> &'static str {
         match self {
             Self::Npm => "Node.js with npm",
             Self::Chromium => "Chromium",
+            Self::ChromiumShell => "Chromium without windows",
             Self::Python => "Python 3.11 with venv",
             Self::Dcmtk => "DCMTK",
             Self::Orthanc => "Orthanc with DICOMweb",
@@ -38,6 +44,7 @@ impl Tool {
         match self {
             Self::Npm => "builds and tests the browser app",
             Self::Chromium => "drives the browser app",
+            Self::ChromiumShell => "drives the browser app in less time",
             Self::Python => "runs the programs that results are compared with",
             Self::Dcmtk => "reads exported DICOM reports",
             Self::Orthanc => "is the image archive that films are opened from",
@@ -49,6 +56,7 @@ impl Tool {
         match self {
             Self::Npm => &["nodejs", "npm"],
             Self::Chromium => &["chromium"],
+            Self::ChromiumShell => &["chromium-headless-shell"],
             Self::Python => &["python3", "python3-venv"],
             Self::Dcmtk => &["dcmtk"],
             Self::Orthanc => &["orthanc", "orthanc-dicomweb"],
@@ -63,8 +71,9 @@ impl Tool {
     pub fn is_there(self) -> bool {
         match self {
             Self::Npm => answers(web::NPM, &["--version"]),
-            Self::Chromium => {
-                std::env::var_os("CHROMIUM").is_some() || answers("chromium", &["--version"])
+            Self::Chromium => Self::ChromiumShell.is_there() || answers("chromium", &["--version"]),
+            Self::ChromiumShell => {
+                std::env::var_os("CHROMIUM").is_some() || Path::new(CHROMIUM_SHELL).exists()
             }
             Self::Python => {
                 std::env::var_os("PYTHON").is_some()
