@@ -1,7 +1,6 @@
 //! What a run was asked and what it has read.
 
-use std::collections::HashSet;
-
+use indexmap::IndexMap;
 use spineline_files::{
     FilmOrigin, InputFile, ProgramRun, Provenance, Request, StoredRotationPrior,
 };
@@ -27,9 +26,8 @@ pub struct RunRecord {
 /// The cases that outputs are made from.
 #[derive(Default)]
 pub struct ReadCases {
-    /// In the order in which they were added.
-    cases: Vec<ReadCase>,
-    ids: HashSet<String>,
+    /// By identifier, in the order in which they were added.
+    cases: IndexMap<String, ReadCase>,
 }
 
 struct ReadCase {
@@ -58,7 +56,7 @@ impl RunRecord {
 
     /// Provenance of an output that is made from several cases.
     pub fn provenance_of_all(&self, read: &ReadCases) -> Provenance {
-        self.provenance_from(read.cases.iter().map(|case| (case.synthetic, &case.input)))
+        self.provenance_from(read.cases.values().map(|case| (case.synthetic, &case.input)))
     }
 
     fn provenance_from<'a>(
@@ -87,17 +85,23 @@ impl ReadCases {
             let help = "leave out --rotation-prior (a cohort predicts every patient from the others), or learn it from other cases";
             return Err(Failure::input(name, &text, help));
         }
-        if !self.ids.insert(id.clone()) {
+        if self.cases.contains_key(id) {
             let text = format!("the case {id} was given already");
             return Err(Failure::input(name, &text, "give every case a `case_id` of its own"));
         }
         let other = |asked: &Request| asked.options != record.request.options;
-        self.cases.push(ReadCase {
+        let case = ReadCase {
             input: source.input.clone(),
             synthetic: source.case.synthetic,
             has_other_options: source.request.as_ref().is_some_and(other),
-        });
+        };
+        self.cases.insert(id.clone(), case);
         Ok(())
+    }
+
+    /// Identifiers of the cases.
+    pub fn ids(&self) -> Vec<String> {
+        self.cases.keys().cloned().collect()
     }
 
     /// Warnings about cases that were read from analyses with other options.
@@ -109,6 +113,6 @@ impl ReadCases {
                 .to_owned(),
             code: "other_options".to_owned(),
         };
-        self.cases.iter().filter(|case| case.has_other_options).map(warning).collect()
+        self.cases.values().filter(|case| case.has_other_options).map(warning).collect()
     }
 }

@@ -29,6 +29,15 @@ pub struct PatientRow {
     hypotheses: Box<[HypothesisScores]>,
 }
 
+/// What a terminal shows of many patients, added one after the other.
+#[derive(Debug, Clone, Default)]
+pub struct PatientRows {
+    /// Of the first patients.
+    shown: Vec<PatientRow>,
+    /// Of every patient.
+    hypotheses: Vec<(bool, Box<[HypothesisScores]>)>,
+}
+
 /// A line of a patient.
 #[derive(Debug, Clone)]
 struct ModelRow {
@@ -58,15 +67,43 @@ impl PatientRow {
         }
     }
 
-    /// Identifier of the case.
-    #[must_use]
-    pub fn case_id(&self) -> &str {
-        &self.case_id
-    }
-
     /// Fits of other loads and bases; none where they were not requested.
     pub(crate) fn hypotheses(&self) -> (bool, &[HypothesisScores]) {
         (self.synthetic, &self.hypotheses)
+    }
+}
+
+impl PatientRows {
+    /// Patients with a row of their own; nobody reads a longer table in a terminal, and it would take more memory than the statistics.
+    pub const MAX_SHOWN: usize = 200;
+
+    /// Adds a patient.
+    pub fn add(&mut self, mut patient: PatientRow) {
+        self.hypotheses.push((patient.synthetic, std::mem::take(&mut patient.hypotheses)));
+        if self.shown.len() < Self::MAX_SHOWN {
+            self.shown.push(patient);
+        }
+    }
+
+    /// All patients.
+    #[must_use]
+    pub fn patients(&self) -> usize {
+        self.hypotheses.len()
+    }
+
+    /// As [`PatientRow::hypotheses`].
+    pub(crate) fn hypotheses(&self) -> impl Iterator<Item = (bool, &[HypothesisScores])> {
+        self.hypotheses.iter().map(|(synthetic, scores)| (*synthetic, &scores[..]))
+    }
+
+    /// Which patients have a row, if not all.
+    fn shown_note(&self) -> Option<String> {
+        let (shown, all) = (self.shown.len(), self.patients());
+        (shown < all).then(|| {
+            format!(
+                " These are the first {shown} of {all} patients: --tables and --json write all."
+            )
+        })
     }
 }
 
@@ -131,8 +168,8 @@ pub fn section(patients: &[PatientRow], cohort: &Cohort) -> Section {
     section
 }
 
-/// One row per patient, in as many columns as a terminal has room for.
-pub fn summary(patients: &[PatientRow], cohort: &Cohort) -> Section {
+/// One row for each of the first patients, in as many columns as a terminal has room for.
+pub fn summary(patients: &PatientRows, cohort: &Cohort) -> Section {
     let mut section = new();
     let mut columns = vec![
         Column::words("Case"),
@@ -145,12 +182,13 @@ pub fn summary(patients: &[PatientRow], cohort: &Cohort) -> Section {
     columns.push(Column::numbers("Counter-rotating joints"));
     columns.push(Column::numbers("Contradictions, warnings, notes"));
     let mut table = Table::new(CAPTION, columns);
-    for (place, patient) in patients.iter().enumerate() {
+    for (place, patient) in patients.shown.iter().enumerate() {
         table.row(patient.summary(cohort, place));
     }
     table.note = format!(
-        "Location errors: fitted bends / bends left out / held-out films. {LEFT_OUT} Counter-rotating joints: joints of each fitted bend that turn against the force along the {}.",
-        KINDS[0]
+        "Location errors: fitted bends / bends left out / held-out films. {LEFT_OUT} Counter-rotating joints: joints of each fitted bend that turn against the force along the {}.{}",
+        KINDS[0],
+        patients.shown_note().unwrap_or_default()
     );
     section.table(table);
     section

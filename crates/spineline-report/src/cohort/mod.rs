@@ -12,7 +12,7 @@ use spineline::warning::counted;
 
 use crate::document::{Document, Notice, Section};
 use crate::{hypotheses, patient};
-pub use by_patient::PatientRow;
+pub use by_patient::{PatientRow, PatientRows};
 pub use people::{Refusal, Refused};
 
 /// What a report of a cohort is made from.
@@ -63,12 +63,12 @@ pub fn report(patients: &Patients<'_>) -> Document {
 /// The numbers of a cohort in about a page, without figures; a terminal shows it.
 #[must_use]
 pub fn summary(
-    patients: &[PatientRow],
+    patients: &PatientRows,
     together: &spineline::cohort::Cohort,
     generator: &str,
 ) -> Document {
     let mut verdict = Section::new("verdict", "Verdict");
-    let mut sections = if patients.is_empty() {
+    let mut sections = if patients.patients() == 0 {
         verdict.paragraph("No case could be analysed.");
         vec![verdict]
     } else {
@@ -77,14 +77,11 @@ pub fn summary(
         errors::compared(&mut tests, together);
         vec![verdict, by_patient::summary(patients, together), tests]
     };
-    sections.extend(hypotheses::section(
-        patients.iter().map(PatientRow::hypotheses),
-        &together.baselines,
-    ));
+    sections.extend(hypotheses::section(patients.hypotheses(), &together.baselines));
     let synthetic = if together.synthetic { " · SYNTHETIC" } else { "" };
     Document {
         title: "Cohort".to_owned(),
-        subject: format!("{}{synthetic}", size(patients.len())),
+        subject: format!("{}{synthetic}", size(patients.patients())),
         generator: generator.to_owned(),
         banners: Vec::new(),
         sections,

@@ -55,7 +55,8 @@ impl Gathering {
         census.end();
         let resampling = Resampling::new(resamples, seed);
         let others = Others::of(&census.levels, &bends);
-        Ok(Self { census, samples: Samples::new(resampling, keeps_values), others })
+        let samples = Samples::new(resampling, keeps_values, bends.len());
+        Ok(Self { census, samples, others })
     }
 
     /// Shows the patients to the samples, as often as they need.

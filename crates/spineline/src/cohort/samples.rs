@@ -17,6 +17,8 @@ pub(super) struct Samples {
     resampling: Resampling,
     /// Whether the values are kept too, for pictures.
     keeps_values: bool,
+    /// Patients that will be shown: room for their means is made at once, since room that grows by doubling is up to twice as much.
+    patients: usize,
     is_first_round: bool,
     sampled: Vec<(Values, Sample)>,
     paired: Vec<(BothValues, Pairs)>,
@@ -41,10 +43,11 @@ impl Samples {
     /// Rounds through all patients.
     pub const ROUNDS: usize = 2;
 
-    pub fn new(resampling: Resampling, keeps_values: bool) -> Self {
+    pub fn new(resampling: Resampling, keeps_values: bool, patients: usize) -> Self {
         Self {
             resampling,
             keeps_values,
+            patients,
             is_first_round: true,
             sampled: Vec::new(),
             paired: Vec::new(),
@@ -60,19 +63,21 @@ impl Samples {
 
     /// Asks for a sample.
     pub fn sample(&mut self, of: impl Fn(&Seen<'_>, &mut Vec<f64>) + 'static) -> Sampled {
-        self.sampled.push((Box::new(of), Sample::default()));
+        let means = Vec::with_capacity(self.patients);
+        self.sampled.push((Box::new(of), Sample { means, ..Sample::default() }));
         Sampled(self.sampled.len() - 1)
     }
 
     /// Asks for the comparison of two.
     pub fn pair(&mut self, of: impl Fn(&Seen<'_>, [&mut Vec<f64>; 2]) + 'static) -> Paired {
-        self.paired.push((Box::new(of), Pairs::default()));
+        let differences = Vec::with_capacity(self.patients);
+        self.paired.push((Box::new(of), Pairs { differences, ..Pairs::default() }));
         Paired(self.paired.len() - 1)
     }
 
     /// Asks for one mean per patient.
     pub fn average(&mut self, of: impl Fn(&Seen<'_>, &mut Vec<f64>) + 'static) -> Averaged {
-        self.averaged.push((Box::new(of), Vec::new()));
+        self.averaged.push((Box::new(of), Vec::with_capacity(self.patients)));
         Averaged(self.averaged.len() - 1)
     }
 

@@ -15,7 +15,7 @@ use spineline::analysis::LineModel;
 use spineline::cohort::Cohort;
 use spineline::warning::counted;
 use spineline_files::{Provenance, to_text};
-use spineline_report::cohort::PatientRow;
+use spineline_report::cohort::PatientRows;
 use spineline_report::document::Notice;
 use spineline_report::{patient as report, terminal};
 use spineline_tables::cohort_tests_table;
@@ -53,7 +53,7 @@ pub fn run(args: &AnalyzeArgs) -> Result<Ending, Failure> {
     written.keep(args, &provenance)?;
     let together = asked.is_cohort.then(|| cohort::of_kept(&mut found.patients)).transpose()?;
     if let (Some(path), Some(together)) = (&args.cohort, &together) {
-        write_cohort(path, &found.rows, together, &provenance, &outputs)?;
+        write_cohort(path, &found.read, together, &provenance, &outputs)?;
     }
     if let (Some(path), Some(one)) = (&args.model, &found.one) {
         write_model(path, args, &one.analysis, &provenance, &outputs)?;
@@ -122,7 +122,7 @@ struct Found {
     read: ReadCases,
     /// For a cohort.
     patients: KeptPatients,
-    rows: Vec<PatientRow>,
+    rows: PatientRows,
     /// Of a single case.
     one: Option<Analysed>,
     ending: Ending,
@@ -144,7 +144,7 @@ fn analyze_all(
     let mut found = Found {
         read: ReadCases::default(),
         patients: KeptPatients::default(),
-        rows: Vec::new(),
+        rows: PatientRows::default(),
         one: None,
         ending: Ending::Done,
         is_cut_short: false,
@@ -208,7 +208,7 @@ impl Found {
         }
         if let Some((patient, row)) = row.take() {
             self.patients.add(&patient)?;
-            self.rows.push(row);
+            self.rows.add(row);
         }
         if !asked.is_list {
             self.one = Some(one);
@@ -234,7 +234,7 @@ fn text(found: &Found, together: Option<&Cohort>) -> String {
 
 fn write_cohort(
     path: &Path,
-    patients: &[PatientRow],
+    read: &ReadCases,
     cohort: &Cohort,
     provenance: &Provenance,
     outputs: &Outputs,
@@ -242,7 +242,6 @@ fn write_cohort(
     if is_csv(path) {
         return outputs.write_table(path, cohort_tests_table(cohort).to_csv()?, provenance);
     }
-    let ids = patients.iter().map(|patient| patient.case_id().to_owned()).collect();
-    let file = cohort::file(ids, cohort, &generator()).with_provenance(provenance.clone());
+    let file = cohort::file(read.ids(), cohort, &generator()).with_provenance(provenance.clone());
     outputs.write(path, to_text(&file))
 }
