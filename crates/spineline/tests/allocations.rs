@@ -10,7 +10,7 @@ use allocation_counter::measure;
 use common::spine;
 use spineline::analysis::{AnalysisOptions, analyze};
 use spineline::anatomy::Levels;
-use spineline::cohort::{Cohort, CohortPatient, CohortSource};
+use spineline::cohort::{Cohort, CohortPatient, CohortSource, OneThread};
 use spineline::multibody::{
     BodyLoad, GeneralStatics, Loading, Parameter, Rod, Solution, Statics, Support, Timing, Wrench,
 };
@@ -77,7 +77,7 @@ fn the_memory_of_a_cohort_grows_by_little_more_than_a_number_per_sample_and_pati
     let most = |times: usize| {
         let mut source = Repeated { patient: patient.clone(), times };
         let counted = measure(|| {
-            let cohort = Cohort::of_source(&mut source, 1).expect("bytes of a patient");
+            let cohort = Cohort::of_source(&mut source, 1, &OneThread).expect("bytes of a patient");
             assert_eq!(cohort.patients, times);
         });
         counted.bytes_max

@@ -5,6 +5,7 @@ use spineline_files::CohortFile;
 
 use super::kept::KeptPatients;
 use crate::run::failure::Failure;
+use crate::run::threads::Pool;
 
 /// Seed of the bootstrap over patients.
 const BOOTSTRAP_SEED: u64 = 1;
@@ -17,9 +18,9 @@ pub fn of(patients: &[CohortPatient]) -> Cohort {
 /// The same without the values behind them, which pictures alone show.
 ///
 /// # Errors
-/// If a patient cannot be read again.
-pub fn of_kept(patients: &mut KeptPatients) -> Result<Cohort, Failure> {
-    Cohort::of_source(patients, BOOTSTRAP_SEED)
+/// If a patient cannot be read again, or the threads cannot be started.
+pub fn of_kept(patients: &mut KeptPatients, threads: usize) -> Result<Cohort, Failure> {
+    Cohort::of_source(patients, BOOTSTRAP_SEED, &Pool::new(threads)?)
 }
 
 /// The statistics as a file.

@@ -6,6 +6,7 @@ use std::sync::mpsc;
 
 use indicatif::ProgressBar;
 use rayon::prelude::*;
+use spineline::cohort::Workers;
 
 use super::failure::Failure;
 use super::progress::bar;
@@ -19,6 +20,25 @@ pub fn pool(threads: usize) -> Result<rayon::ThreadPool, Failure> {
         .num_threads(threads)
         .build()
         .map_err(|error| Failure::internal(format!("threads could not be started: {error}")))
+}
+
+/// A pool whose threads do the statistics of a cohort.
+pub struct Pool(rayon::ThreadPool);
+
+impl Pool {
+    /// As [`pool`].
+    ///
+    /// # Errors
+    /// If the threads cannot be started.
+    pub fn new(threads: usize) -> Result<Self, Failure> {
+        pool(threads).map(Self)
+    }
+}
+
+impl Workers for Pool {
+    fn each(&self, pieces: usize, work: &(dyn Fn(usize) + Sync)) {
+        self.0.install(|| (0..pieces).into_par_iter().for_each(work));
+    }
 }
 
 /// Runs a function on all items in parallel and keeps their order; 0 threads uses all cores.

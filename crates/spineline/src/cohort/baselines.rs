@@ -5,6 +5,7 @@ use super::comparison::corrected_by_holm;
 use super::others::PREDICTED;
 use super::patient::{CohortPatient, PatientFilmUnderLines};
 use super::samples::Samples;
+use super::workers::OneThread;
 use super::{Clustered, PairedComparison, Seen};
 use crate::action::LineKind;
 use crate::analysis::{Analysis, FilmRole, LinesCompared, listed, probability};
@@ -94,7 +95,7 @@ impl BaselinesOverPatients {
         let Ok(mut gathering) = Gathering::begin(&mut patients, (1, NO_SEED), false);
         let Gathering { census, samples, .. } = &mut gathering;
         let found = Self::ask(&census.kinds(), &census.hypotheses, samples);
-        let Ok(()) = gathering.go_through(&mut patients);
+        let Ok(()) = gathering.go_through(&mut patients, &OneThread);
         found(&mut gathering.samples)
     }
 

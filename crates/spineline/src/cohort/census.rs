@@ -5,6 +5,7 @@ use std::convert::Infallible;
 use super::lines::missing;
 use super::others::Others;
 use super::samples::Samples;
+use super::workers::Workers;
 use super::{ChainCount, CohortPatient, DoubtedFilm, Films, LineRejections, MissingResult};
 use crate::action::LineKind;
 use crate::analysis::FreeNumbers;
@@ -60,7 +61,11 @@ impl Gathering {
     }
 
     /// Shows the patients to the samples, as often as they need.
-    pub fn go_through<S: CohortSource>(&mut self, patients: &mut S) -> Result<(), S::Error> {
+    pub fn go_through<S: CohortSource>(
+        &mut self,
+        patients: &mut S,
+        workers: &dyn Workers,
+    ) -> Result<(), S::Error> {
         let kinds = self.census.kinds();
         for round in 0..Samples::ROUNDS {
             let mut place = 0;
@@ -71,7 +76,7 @@ impl Gathering {
                     self.census.missing.extend(missing(patient, &kinds));
                 }
             })?;
-            self.samples.end_round();
+            self.samples.end_round(workers);
         }
         Ok(())
     }

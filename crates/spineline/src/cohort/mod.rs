@@ -19,6 +19,7 @@ mod patient;
 mod rotation_prior;
 mod samples;
 mod words;
+mod workers;
 
 pub use baselines::{BaselineErrors, BaselineTest, BaselinesOverPatients};
 pub use census::CohortSource;
@@ -28,6 +29,7 @@ pub use films::{ChainCount, DoubtedFilm};
 pub use lines::{ErrorKind, LinePairTest, LinesOverPatients, MissingResult, NoResult, RoleErrors};
 pub use patient::CohortPatient;
 pub use rotation_prior::{LearnedRotations, learn_rotation_prior};
+pub use workers::{OneThread, Workers};
 
 use crate::action::LineKind;
 use crate::evaluate::statistics::{Resampling, Summary};
@@ -259,28 +261,33 @@ impl Cohort {
     /// ```
     #[must_use]
     pub fn of(patients: &[CohortPatient], seed: u64) -> Self {
-        let Ok(cohort) = Self::gathered(&mut &*patients, seed, true);
+        let Ok(cohort) = Self::gathered(&mut &*patients, seed, true, &OneThread);
         cohort
     }
 
     /// The same of patients that need not be in memory, without the values behind the statistics: about a thousand bytes of memory
-    /// per patient, whatever its films.
+    /// per patient, whatever its films. Resampling and tests, which take most of the time, are done by the workers.
     ///
     /// # Errors
     /// If a patient cannot be read again.
-    pub fn of_source<S: CohortSource>(patients: &mut S, seed: u64) -> Result<Self, S::Error> {
-        Self::gathered(patients, seed, false)
+    pub fn of_source<S: CohortSource>(
+        patients: &mut S,
+        seed: u64,
+        workers: &dyn Workers,
+    ) -> Result<Self, S::Error> {
+        Self::gathered(patients, seed, false, workers)
     }
 
     fn gathered<S: CohortSource>(
         patients: &mut S,
         seed: u64,
         keeps_values: bool,
+        workers: &dyn Workers,
     ) -> Result<Self, S::Error> {
         let mut gathering = Gathering::begin(patients, (RESAMPLES, seed), keeps_values)?;
         let Gathering { census, samples, .. } = &mut gathering;
         let statistics = Self::ask(census, samples);
-        gathering.go_through(patients)?;
+        gathering.go_through(patients, workers)?;
         let Gathering { census, mut samples, .. } = gathering;
         Ok(statistics(census, &mut samples))
     }

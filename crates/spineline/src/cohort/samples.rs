@@ -1,5 +1,6 @@
 //! Samples of a cohort, gathered patient by patient, so that no patient has to stay in memory.
 
+use super::workers::{Workers, results};
 use super::{Clustered, PairedComparison, Seen};
 use crate::evaluate::statistics::{Resampling, Summary};
 
@@ -22,6 +23,8 @@ pub(super) struct Samples {
     is_first_round: bool,
     sampled: Vec<(Values, Sample)>,
     paired: Vec<(BothValues, Pairs)>,
+    /// Of all pairs, after the last round.
+    compared: Vec<PairedComparison>,
     averaged: Vec<(Values, Vec<f64>)>,
     counted: Vec<(Number, usize)>,
 }
@@ -42,6 +45,8 @@ pub(super) struct Counted(usize);
 impl Samples {
     /// Rounds through all patients.
     pub const ROUNDS: usize = 2;
+    /// Samples of one piece of work: so many that drawing the patients is a small part of it.
+    const RESAMPLED_TOGETHER: usize = 16;
 
     pub fn new(resampling: Resampling, keeps_values: bool, patients: usize) -> Self {
         Self {
@@ -51,6 +56,7 @@ impl Samples {
             is_first_round: true,
             sampled: Vec::new(),
             paired: Vec::new(),
+            compared: Vec::new(),
             averaged: Vec::new(),
             counted: Vec::new(),
         }
@@ -114,28 +120,51 @@ impl Samples {
     }
 
     /// After the last patient of a round.
-    pub fn end_round(&mut self) {
+    pub fn end_round(&mut self, workers: &dyn Workers) {
         self.sampled.iter_mut().for_each(|(_, sample)| sample.pooled.end_round());
         self.paired.iter_mut().for_each(|(_, pairs)| pairs.pooled.end_round());
         if self.is_first_round {
-            self.resample();
+            self.resample(workers);
+        } else {
+            self.compare(workers);
         }
         self.is_first_round = false;
     }
 
     /// Resamples the patients of all samples.
-    fn resample(&mut self) {
+    fn resample(&mut self, workers: &dyn Workers) {
         let means = self.sampled.iter().map(|(_, sample)| &sample.means[..]);
         let differences = self.paired.iter().map(|(_, pairs)| &pairs.differences[..]);
         let all: Vec<&[f64]> = means.chain(differences).collect();
-        let found = self.resampling.intervals(&all);
-        let (of_samples, of_pairs) = found.split_at(self.sampled.len());
+        // Samples of as many patients draw the same ones, so they stand together.
+        let mut order: Vec<usize> = (0..all.len()).collect();
+        order.sort_by_key(|&place| all[place].len());
+        let pieces: Vec<&[usize]> = order.chunks(Self::RESAMPLED_TOGETHER).collect();
+        let found = results(workers, pieces.len(), |piece| {
+            let samples: Vec<&[f64]> = pieces[piece].iter().map(|&place| all[place]).collect();
+            self.resampling.intervals(&samples)
+        });
+        let mut intervals = vec![None; all.len()];
+        for (&place, interval) in order.iter().zip(found.into_iter().flatten()) {
+            intervals[place] = interval;
+        }
+        let (of_samples, of_pairs) = intervals.split_at(self.sampled.len());
         for ((_, sample), found) in self.sampled.iter_mut().zip(of_samples) {
             sample.bootstrap = *found;
         }
         for ((_, pairs), found) in self.paired.iter_mut().zip(of_pairs) {
             pairs.bootstrap = *found;
         }
+    }
+
+    /// Tests all pairs.
+    fn compare(&mut self, workers: &dyn Workers) {
+        let pairs: Vec<&Pairs> = self.paired.iter().map(|(_, pairs)| pairs).collect();
+        let seed = self.resampling.seed();
+        self.compared = results(workers, pairs.len(), |place| {
+            let Pairs { pooled, differences, bootstrap } = pairs[place];
+            PairedComparison::of_differences(pooled.summary(), differences, *bootstrap, seed)
+        });
     }
 
     /// The statistics of a sample, after the last round.
@@ -145,11 +174,9 @@ impl Samples {
         Clustered { values, pooled: pooled.summary(), patients: Summary::of(&means), bootstrap }
     }
 
-    /// The tests of two samples.
-    pub fn comparison(&mut self, Paired(place): Paired) -> PairedComparison {
-        let Pairs { pooled, differences, bootstrap } = std::mem::take(&mut self.paired[place].1);
-        let seed = self.resampling.seed();
-        PairedComparison::of_differences(pooled.summary(), &differences, bootstrap, seed)
+    /// The tests of two samples, after the last round.
+    pub fn comparison(&self, Paired(place): Paired) -> PairedComparison {
+        self.compared[place]
     }
 
     /// One mean per patient; NaN for one without a value.

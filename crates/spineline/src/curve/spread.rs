@@ -1,4 +1,4 @@
-use nalgebra::{DMatrix, DVector, Matrix2, Matrix4};
+use nalgebra::{DMatrix, DVector, Matrix2, Matrix4, RowDVector};
 
 use super::fit::weighted_rows;
 use super::series::for_each_basis;
@@ -63,7 +63,9 @@ impl CurveSpread<'_> {
                 by
             })
             .collect();
-        Matrix4::from_fn(|i, j| (places[i].transpose() * &self.covariance * &places[j])[(0, 0)])
+        let rows: Vec<RowDVector<f64>> =
+            places.iter().map(|place| place.transpose() * &self.covariance).collect();
+        Matrix4::from_fn(|i, j| (&rows[i] * &places[j])[(0, 0)])
     }
 
     fn bending_by_coefficients(&self, t: f64) -> DVector<f64> {

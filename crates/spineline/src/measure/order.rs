@@ -63,7 +63,6 @@ pub(super) fn steps(vertebrae: &[(Level, Placement)]) -> Vec<LevelStep> {
 
 /// Typical distance between two vertebrae that need not be neighbours.
 pub(super) fn typical_distance_mm(inferior: Level, superior: Level) -> f64 {
-    let between: Vec<Level> =
-        Level::ALL.into_iter().filter(|level| (inferior..=superior).contains(level)).collect();
-    between.windows(2).map(|pair| Morphometry::spacing_mm(pair[0], pair[1])).sum()
+    let between = Level::ALL.windows(2).filter(|pair| inferior <= pair[0] && pair[1] <= superior);
+    between.map(|pair| Morphometry::spacing_mm(pair[0], pair[1])).sum()
 }

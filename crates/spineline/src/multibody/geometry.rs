@@ -65,7 +65,7 @@ impl SpineModel {
         let locations: Vec<Frontal> = erect.locations().collect();
         let first = levels.first_joint();
         let pitches = pitches(&locations, &profile.turns_deg[first..first + levels.joints()]);
-        let x_mm = depths_mm(&locations, &pitches);
+        let x_mm: Vec<f64> = depths_mm(&locations, |i| pitches[i]).collect();
         Self::standing(erect, profile, &pitches, &x_mm)
     }
 
@@ -95,7 +95,7 @@ impl SpineModel {
         for (pitch, more_rad) in pitches.iter_mut().zip(spread(&missing)) {
             *pitch = *pitch + Angle::from_rad(more_rad);
         }
-        let mut x_mm = depths_mm(&locations, &pitches);
+        let mut x_mm: Vec<f64> = depths_mm(&locations, |i| pitches[i]).collect();
         let off = |(seen, x_mm): (&Option<&SpatialVertebra>, &f64)| {
             seen.map(|vertebra| vertebra.place_mm.x - x_mm)
         };
@@ -204,20 +204,18 @@ fn pitches(locations: &[Frontal], turns_deg: &[f64]) -> Vec<Angle> {
     for &turn in turns_deg {
         relative.push(relative[relative.len() - 1] + Angle::from_deg(turn));
     }
-    let pitched =
-        |base: f64| relative.iter().map(|&p| p + Angle::from_rad(base)).collect::<Vec<_>>();
+    let pitch = |i: usize, base_rad: f64| relative[i] + Angle::from_rad(base_rad);
     // T2's depth grows with L4's pitch: bisection between ±60°.
     let (mut low, mut high) = (Angle::from_deg(-60.0).rad(), Angle::from_deg(60.0).rad());
     for _ in 0..60 {
         let middle = f64::midpoint(low, high);
-        let depths = depths_mm(locations, &pitched(middle));
-        if depths[depths.len() - 1] > 0.0 {
+        if depths_mm(locations, |i| pitch(i, middle)).last().is_some_and(|depth| depth > 0.0) {
             high = middle;
         } else {
             low = middle;
         }
     }
-    pitched(f64::midpoint(low, high))
+    (0..relative.len()).map(|i| pitch(i, f64::midpoint(low, high))).collect()
 }
 
 /// Values where they are known; linear between these, constant beyond, zero where none is known.
@@ -239,16 +237,16 @@ fn spread(known: &[Option<f64>]) -> Vec<f64> {
 }
 
 /// Depth of every midpoint: the line between two midpoints has the mean pitch of its vertebrae.
-fn depths_mm(locations: &[Frontal], pitches: &[Angle]) -> Vec<f64> {
-    let mut depths = vec![0.0];
-    for i in 1..locations.len() {
-        let pitch = (pitches[i - 1] + pitches[i]) * 0.5;
-        // Steeper than 75° only while searching for L4's pitch.
-        let pitch = pitch.rad().clamp(-1.3, 1.3);
-        let rise = locations[i].distance_mm(locations[i - 1]);
-        depths.push(depths[i - 1] + rise * pitch.tan());
-    }
-    depths
+fn depths_mm(locations: &[Frontal], pitch: impl Fn(usize) -> Angle) -> impl Iterator<Item = f64> {
+    (0..locations.len()).scan(0.0, move |depth_mm, i| {
+        if i > 0 {
+            let mean = (pitch(i - 1) + pitch(i)) * 0.5;
+            // Steeper than 75° only while searching for L4's pitch.
+            let slope = mean.rad().clamp(-1.3, 1.3).tan();
+            *depth_mm += locations[i].distance_mm(locations[i - 1]) * slope;
+        }
+        Some(*depth_mm)
+    })
 }
 
 /// Centre of the joint above a vertebra: the posterior edge of its superior endplate, mid-width.

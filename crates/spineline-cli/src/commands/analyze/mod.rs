@@ -51,7 +51,8 @@ pub fn run(args: &AnalyzeArgs) -> Result<Ending, Failure> {
     print_notices(&found.read.warnings());
     let provenance = record.provenance_of_all(&found.read);
     written.keep(args, &provenance)?;
-    let together = asked.is_cohort.then(|| cohort::of_kept(&mut found.patients)).transpose()?;
+    let together =
+        asked.is_cohort.then(|| cohort::of_kept(&mut found.patients, args.threads)).transpose()?;
     if let (Some(path), Some(together)) = (&args.cohort, &together) {
         write_cohort(path, &found.read, together, &provenance, &outputs)?;
     }

@@ -95,7 +95,7 @@ impl SpatialMeasures {
             add("curve_lateral", "curve on the lateral film, axes", TwoD, lateral);
             let largest = [curve.angle_3d, curve.angle_sd];
             add("curve_largest", "curve in its plane of maximum curvature", ThreeD, largest);
-            let label = "direction of its convexity (0 front, 90 left, 180 back, −90 right)";
+            let label = "direction of its convexity (0 front, 90 left, 180 back, -90 right)";
             add("curve_convexity", label, ThreeD, [curve.convexity_3d, curve.convexity_sd]);
         }
         for (region, found) in &self.apices {
