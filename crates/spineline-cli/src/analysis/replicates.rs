@@ -1,6 +1,5 @@
 //! Monte Carlo replicates of one case on several threads.
 
-use rayon::prelude::*;
 use spineline::analysis::{Analysis, Case};
 use spineline::response::LoadedMeasure;
 use spineline::uncertainty::{AppliedLoads, LoadedUncertainty, MonteCarlo, Uncertainty};
@@ -9,11 +8,8 @@ use spineline_files::Replicates;
 use spineline_report::document::{Notice, NoticeKind};
 
 use crate::run::failure::Failure;
-use crate::run::threads::pool;
+use crate::run::threads::stream_while;
 use crate::run::{interrupt, progress};
-
-/// Replicates per thread that are computed before they are added in order: few, because Ctrl-C waits for them.
-const BLOCK: u64 = 16;
 
 /// Runs the replicates that were asked for. Ctrl-C ends them early, and those that are done count.
 ///
@@ -79,21 +75,17 @@ fn in_order<R: Send>(
     mut add: impl FnMut(&R),
 ) -> Result<(), Failure> {
     let _stops_by_itself = interrupt::defer();
-    let pool = pool(threads)?;
-    let block_size = BLOCK.saturating_mul(pool.current_num_threads() as u64);
-    let bar = progress::bar("replicates", usize::try_from(asked).unwrap_or(usize::MAX));
-    let counted = |index| {
-        let replicate = one(index);
-        bar.inc(1);
-        replicate
-    };
-    let mut next = 0;
-    while next < asked && !interrupt::is_requested() {
-        let end = asked.min(next.saturating_add(block_size));
-        let block: Vec<R> = pool.install(|| (next..end).into_par_iter().map(counted).collect());
-        block.iter().for_each(&mut add);
-        next = end;
-    }
-    bar.finish_and_clear();
-    Ok(())
+    let count = usize::try_from(asked).unwrap_or(usize::MAX);
+    let bar = progress::bar("replicates", count);
+    let run = |index| one(index as u64);
+    stream_while(
+        &bar,
+        (count, threads),
+        || !interrupt::is_requested(),
+        run,
+        |replicate| {
+            add(&replicate);
+            Ok(())
+        },
+    )
 }

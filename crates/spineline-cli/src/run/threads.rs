@@ -67,51 +67,122 @@ pub fn map_all<T: Sync, R: Send>(
     Ok(results)
 }
 
-/// Results per thread that may wait for an earlier one in [`stream_all`].
+/// Results per thread that may wait for an earlier one in [`stream_all`]: few, because Ctrl-C waits for them.
 const HELD_PER_THREAD: usize = 16;
 
-/// Runs a function on all items in parallel and passes every result on, in the order of the items; 0 threads uses all cores.
-/// Few results are in memory at a time, whatever the number of items.
+/// Runs a function on all numbers below `count` in parallel and passes every result on, in their order; 0 threads uses all cores.
+/// Few results are in memory at a time, whatever the count.
 ///
 /// # Errors
-/// If the threads cannot be started, or of `take`; no further item is begun then.
+/// If the threads cannot be started, or of `take`; no further number is begun then.
 ///
 /// # Panics
 /// If the function does.
-pub fn stream_all<T: Sync, R: Send>(
+pub fn stream_all<R: Send>(
     bar: &ProgressBar,
-    items: &[T],
+    count: usize,
     threads: usize,
-    run: impl Fn(&T) -> R + Sync,
+    run: impl Fn(usize) -> R + Sync,
+    take: impl FnMut(R) -> Result<(), Failure>,
+) -> Result<(), Failure> {
+    stream_while(bar, (count, threads), || true, run, take)
+}
+
+/// As [`stream_all`], as long as it goes on: then no further number is begun, and the results of those begun are passed on.
+///
+/// # Errors
+/// As [`stream_all`].
+///
+/// # Panics
+/// If the function does.
+pub fn stream_while<R: Send>(
+    bar: &ProgressBar,
+    (count, threads): (usize, usize),
+    goes_on: impl Fn() -> bool,
+    run: impl Fn(usize) -> R + Sync,
     mut take: impl FnMut(R) -> Result<(), Failure>,
 ) -> Result<(), Failure> {
     let pool = pool(threads)?;
     let (ended, results) = mpsc::channel();
     let run = &run;
     pool.in_place_scope(|scope| {
-        let begin = |place: usize| {
-            let Some(item) = items.get(place) else { return };
-            let ended = ended.clone();
-            scope.spawn(move |_| {
-                // A panic is passed on to who waits for the result.
-                let result = panic::catch_unwind(AssertUnwindSafe(|| run(item)));
-                let _is_awaited = ended.send((place, result));
-            });
+        let mut place = 0;
+        // How many are begun then.
+        let mut begin_next = || {
+            if place < count && goes_on() {
+                let (own, ended) = (place, ended.clone());
+                scope.spawn(move |_| {
+                    // A panic is passed on to who waits for the result.
+                    let result = panic::catch_unwind(AssertUnwindSafe(|| run(own)));
+                    let _is_awaited = ended.send((own, result));
+                });
+                place += 1;
+            }
+            place
         };
-        let held = HELD_PER_THREAD * pool.current_num_threads();
-        (0..held).for_each(begin);
+        let mut begun = 0;
+        for _ in 0..HELD_PER_THREAD * pool.current_num_threads() {
+            begun = begin_next();
+        }
         let mut early = BTreeMap::new();
         let mut next = 0;
-        for (place, result) in results.iter().take(items.len()) {
+        while next < begun {
+            let Ok((place, result)) = results.recv() else { break };
             early.insert(place, result);
             bar.inc(1);
             while let Some(result) = early.remove(&next) {
                 take(result.unwrap_or_else(|panic| panic::resume_unwind(panic)))?;
-                begin(next + held);
                 next += 1;
+                begun = begin_next();
             }
         }
         bar.finish_and_clear();
         Ok(())
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::atomic::{AtomicUsize, Ordering};
+
+    use super::*;
+
+    #[test]
+    fn results_come_in_order_and_those_that_are_begun_all_come() {
+        let bar = ProgressBar::hidden();
+        for threads in [1, 2, 5] {
+            let mut all = Vec::new();
+            let add = |place| {
+                all.push(place);
+                Ok(())
+            };
+            stream_all(&bar, 100, threads, |place| place, add).expect("threads");
+            assert!(all.into_iter().eq(0..100));
+
+            let (begun, mut taken) = (AtomicUsize::new(0), 0);
+            let run = |place| {
+                begun.fetch_add(1, Ordering::SeqCst);
+                place
+            };
+            let goes_on = || begun.load(Ordering::SeqCst) < 20;
+            stream_while(&bar, (1_000, threads), goes_on, run, |place| {
+                assert_eq!(place, taken);
+                taken += 1;
+                Ok(())
+            })
+            .expect("threads");
+            assert!((20..1_000).contains(&taken), "{taken}");
+            assert_eq!(taken, begun.into_inner());
+        }
+    }
+
+    #[test]
+    fn no_further_number_is_begun_after_an_error() {
+        let begun = AtomicUsize::new(0);
+        let run = |_| begun.fetch_add(1, Ordering::SeqCst);
+        let refused =
+            stream_all(&ProgressBar::hidden(), 1_000, 2, run, |_| Err(Failure::usage("enough")));
+        assert!(refused.is_err());
+        assert!(begun.into_inner() <= 2 * HELD_PER_THREAD);
+    }
 }

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use super::{EndplateTilts, Placement, ProgramNoise, VertebraOrigin};
+use super::{EndplateTilts, Placement, ProgramNoise};
 use crate::anatomy::Level;
 use crate::spatial::{Angle, Frontal};
 
@@ -33,14 +33,17 @@ fn mean_placement(mut all: Vec<Placement>) -> (Placement, usize) {
         first + tilts.fold(Angle::ZERO, |sum, tilt| sum + (tilt - first).wrapped()) * (1.0 / n)
     };
     let tilt = mean(all[0].tilt, &mut all.iter().map(|p| p.tilt));
-    let endplates: Option<Vec<EndplateTilts>> = all.iter().map(|p| p.endplates).collect();
-    let endplates = endplates.map(|all| EndplateTilts {
-        superior: mean(all[0].superior, &mut all.iter().map(|tilts| tilts.superior)),
-        inferior: mean(all[0].inferior, &mut all.iter().map(|tilts| tilts.inferior)),
+    let have_endplates = all.iter().all(|p| p.endplates.is_some());
+    let endplates = all[0].endplates.filter(|_| have_endplates).map(|first| {
+        let tilts = || all.iter().filter_map(|p| p.endplates);
+        EndplateTilts {
+            superior: mean(first.superior, &mut tilts().map(|tilts| tilts.superior)),
+            inferior: mean(first.inferior, &mut tilts().map(|tilts| tilts.inferior)),
+        }
     });
     let programs: Vec<Option<ProgramNoise>> = all.iter().map(|p| p.program).collect();
     let program = ProgramNoise::of_mean(&programs);
-    let origins: Option<Vec<VertebraOrigin>> = all.iter().map(|p| p.origin).collect();
-    let origin = origins.and_then(|all| all.into_iter().reduce(VertebraOrigin::and));
+    let origins = all.iter().map(|p| p.origin);
+    let origin = origins.reduce(|one, other| Some(one?.and(other?))).flatten();
     (Placement { location, tilt, endplates, program, origin }, all.len())
 }

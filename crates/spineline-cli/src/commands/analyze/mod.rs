@@ -151,9 +151,9 @@ fn analyze_all(
         is_cut_short: false,
         has_replicates: false,
     };
-    let run = |path: &PathBuf| Analysed::of(path, asked);
+    let run = |place: usize| Analysed::of(&paths[place], asked);
     let across = if asked.is_long() { 1 } else { args.threads };
-    stream_all(&progress, paths, across, run, |result| {
+    stream_all(&progress, paths.len(), across, run, |result| {
         let checked = result.and_then(|one| found.read.add(&one.input, record).map(|()| one));
         match checked {
             Ok(one) => {

@@ -46,13 +46,14 @@ pub fn write(
     }
     let patients: Vec<(&Case, &Analysis)> =
         runs.iter().flat_map(|run| run.cases.iter().zip(&run.analyses)).collect();
-    let text = |&(case, analysis): &(&Case, &Analysis)| {
+    let text = |place: usize| {
+        let (case, analysis) = patients[place];
         let name = format!("{}-{}.json", analysis.case_id, analysis.options.support.key());
         (name, spineline_files::to_text(&analysis_file(case, analysis, provenance)))
     };
     let folder = out.join("analyses");
     let bar = bar("files", patients.len());
-    stream_all(&bar, &patients, args.threads, text, |(name, text)| {
+    stream_all(&bar, patients.len(), args.threads, text, |(name, text)| {
         outputs.write(&folder.join(name), text)
     })
 }
