@@ -96,14 +96,15 @@ impl PatientRows {
         self.hypotheses.iter().map(|(synthetic, scores)| (*synthetic, &scores[..]))
     }
 
-    /// Which patients have a row, if not all.
-    fn shown_note(&self) -> Option<String> {
+    /// The patients that have a row, and where the others are, if they have none.
+    fn shown(&self) -> (String, &'static str) {
         let (shown, all) = (self.shown.len(), self.patients());
-        (shown < all).then(|| {
-            format!(
-                " These are the first {shown} of {all} patients: --tables and --json write all."
-            )
-        })
+        if shown < all {
+            let first = format!("the first {shown} of {all} patients");
+            (first, " --tables and --json write all patients.")
+        } else {
+            ("every patient".to_owned(), "")
+        }
     }
 }
 
@@ -141,7 +142,7 @@ pub fn section(patients: &[PatientRow], cohort: &Cohort) -> Section {
         Column::numbers("Held-out films (mm)"),
         Column::words("Counter-rotating joints"),
     ];
-    let mut table = Table::new(CAPTION, columns);
+    let mut table = Table::new(caption("every patient"), columns);
     for (place, patient) in patients.iter().enumerate() {
         for model in &patient.models {
             let mut row = vec![patient.case_id.to_string(), model.kind.to_string()];
@@ -181,20 +182,23 @@ pub fn summary(patients: &PatientRows, cohort: &Cohort) -> Section {
     );
     columns.push(Column::numbers("Counter-rotating joints"));
     columns.push(Column::numbers("Contradictions, warnings, notes"));
-    let mut table = Table::new(CAPTION, columns);
+    let (shown, rest) = patients.shown();
+    let mut table = Table::new(caption(&shown), columns);
     for (place, patient) in patients.shown.iter().enumerate() {
         table.row(patient.summary(cohort, place));
     }
     table.note = format!(
-        "Location errors: fitted bends / bends left out / held-out films. {LEFT_OUT} Counter-rotating joints: joints of each fitted bend that turn against the force along the {}.{}",
-        KINDS[0],
-        patients.shown_note().unwrap_or_default()
+        "Location errors: fitted bends / bends left out / held-out films. {LEFT_OUT} Counter-rotating joints: joints of each fitted bend that turn against the force along the {}.{rest}",
+        KINDS[0]
     );
     section.table(table);
     section
 }
 
-const CAPTION: &str = "Mean location errors of every patient";
+/// Of a table of these patients.
+fn caption(patients: &str) -> String {
+    format!("Mean location errors of {patients}")
+}
 
 fn new() -> Section {
     Section::new("by-patient", "Patient by patient")

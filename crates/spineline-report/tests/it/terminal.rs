@@ -441,9 +441,10 @@ fn a_large_cohort_shows_its_first_patients_and_counts_all() {
         (0..patients).for_each(|_| rows.add(PatientRow::of(&analysis)));
         let document = cohort::summary(&rows, &together, "spineline test");
         let tables = tables(&document);
-        let table = tables.iter().find(|t| t.caption.contains("every")).expect("rows");
+        let table = tables.iter().find(|t| t.caption.contains("Mean location")).expect("rows");
         assert_eq!(table.rows.len(), PatientRows::MAX_SHOWN);
-        assert_eq!(table.note.contains("the first 200 of 201 patients"), is_cut, "{}", table.note);
+        assert_eq!(table.caption.contains("the first 200 of 201 patients"), is_cut);
+        assert_eq!(table.note.contains("--tables and --json write all"), is_cut, "{}", table.note);
         assert!(document.subject.starts_with(&format!("{patients} patients")));
     }
 }
