@@ -8,10 +8,12 @@ use serde::de::{DeserializeOwned, IgnoredAny, MapAccess, Visitor};
 use crate::FileError;
 
 /// The first two keys of every file.
-#[derive(serde::Deserialize)]
+#[derive(Default)]
 struct Header {
     format: Option<String>,
     version: Option<u32>,
+    /// Whether both were found, or the text has no more keys.
+    is_read: bool,
 }
 
 /// Reads a file of a known format and version.
@@ -22,7 +24,8 @@ pub(crate) fn parse<T: DeserializeOwned>(
 ) -> Result<T, FileError> {
     let text = without_mark(text);
     // What kind of file it is comes first: a model given as a case should say so, not list its keys.
-    if let Ok(header) = serde_json::from_str::<Header>(text) {
+    let header = header_of(text);
+    if header.is_read {
         let found = header.format.unwrap_or_default();
         if found != format {
             return Err(FileError::Format { found, expected: format });
@@ -36,17 +39,22 @@ pub(crate) fn parse<T: DeserializeOwned>(
 
 /// What kind of file it says it is. Files have it at their beginning, and are read no further than that.
 pub(crate) fn format_of(text: &str) -> Option<String> {
-    let mut found = None;
-    let mut reader = serde_json::Deserializer::from_str(without_mark(text));
-    // Where the visitor stops within an object, the reader takes the rest for an error.
-    let _rest = reader.deserialize_map(FormatVisitor(&mut found));
-    found
+    header_of(without_mark(text)).format
 }
 
-/// Reads an object as far as its `format`.
-struct FormatVisitor<'a>(&'a mut Option<String>);
+/// Large files are read no further than their header.
+fn header_of(text: &str) -> Header {
+    let mut header = Header::default();
+    let mut reader = serde_json::Deserializer::from_str(text);
+    // Where the visitor stops within an object, the reader takes the rest for an error.
+    let _rest = reader.deserialize_map(HeaderVisitor(&mut header));
+    header
+}
 
-impl<'de> Visitor<'de> for FormatVisitor<'_> {
+/// Reads an object as far as its `format` and `version`.
+struct HeaderVisitor<'a>(&'a mut Header);
+
+impl<'de> Visitor<'de> for HeaderVisitor<'_> {
     type Value = ();
 
     fn expecting(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -54,13 +62,16 @@ impl<'de> Visitor<'de> for FormatVisitor<'_> {
     }
 
     fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<(), A::Error> {
-        while let Some(key) = map.next_key::<String>()? {
-            if key == "format" {
-                *self.0 = map.next_value()?;
-                return Ok(());
+        let header = self.0;
+        while header.format.is_none() || header.version.is_none() {
+            match map.next_key::<String>()?.as_deref() {
+                Some("format") => header.format = map.next_value()?,
+                Some("version") => header.version = map.next_value()?,
+                Some(_) => drop(map.next_value::<IgnoredAny>()?),
+                None => break,
             }
-            map.next_value::<IgnoredAny>()?;
         }
+        header.is_read = true;
         Ok(())
     }
 }
@@ -69,7 +80,11 @@ impl<'de> Visitor<'de> for FormatVisitor<'_> {
 /// other text.
 #[must_use]
 pub fn file_format(text: &str) -> Option<String> {
-    let list = || serde_json::from_str::<Vec<Header>>(without_mark(text)).ok();
+    #[derive(serde::Deserialize)]
+    struct Listed {
+        format: Option<String>,
+    }
+    let list = || serde_json::from_str::<Vec<Listed>>(without_mark(text)).ok();
     format_of(text).or_else(|| list()?.into_iter().next()?.format)
 }
 

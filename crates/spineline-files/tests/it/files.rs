@@ -235,6 +235,12 @@ fn not_a_number_is_refused_as_json() {
 fn other_formats_and_newer_versions_are_reported() {
     let model = text().replacen("spineline-case", "spineline-model", 1);
     assert!(matches!(refused(&model), FileError::Format { .. }));
+    // Cut off or not: the header says what it is.
+    assert!(matches!(refused(&model[..model.len() / 2]), FileError::Format { .. }));
+    let case = text();
+    assert!(matches!(refused(&case[..case.len() / 2]), FileError::Syntax { .. }));
+    assert!(matches!(refused("{}"), FileError::Format { .. }));
+    assert!(matches!(refused("[1]"), FileError::Value { .. }));
     let newer = text().replacen("\"version\": 1", "\"version\": 2", 1);
     assert!(matches!(refused(&newer), FileError::Version { found: 2, supported: 1 }));
 }
