@@ -147,6 +147,7 @@ mod tests {
             joint_log_sd: 0.1,
             trend_log_sd: 0.1,
             centre_sd_discs: 1.0,
+            own: Vec::new(),
             covariance: DMatrix::from_diagonal(&DVector::from_column_slice(&variances)),
         }
     }

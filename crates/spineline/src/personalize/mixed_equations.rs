@@ -8,7 +8,7 @@ use super::MULTIPLIER_BOUNDS;
 use super::acceleration::IterationStep;
 use super::evidence::{FilmEvidence, JointEvidence};
 use super::preferred::PreferredLoads;
-use super::random_effects::{RandomEffects, VARIANCES, Waves};
+use super::random_effects::{OwnParts, RandomEffects, VARIANCES, Waves};
 use super::weights::{Normal, Precision, inverse_of, scale_columns};
 use crate::clinical::JointShares;
 use crate::multibody::Load;
@@ -25,10 +25,9 @@ const MIN_OF_MAX_VARIANCE: f64 = 1e-9;
 /// How evenly joints turn is not known: anywhere between a hinge, 0, and a rod, 1. Mean and deviation of that.
 const EVENNESS: f64 = 0.5;
 const EVENNESS_SD: f64 = 0.289;
-/// Gamma priors of the deviations, flat but near zero where they vanish: shapes 2, 3/2 and 4, the latter two of centres and of
-/// what changes slowly along the spine, chosen by how often regions hold the true line (`docs/decisions/0024`). Per `ln` of a
-/// variance, half of the shape beyond one.
-const PRIORS: Vector3<f64> = Vector3::new(0.5, 0.25, 1.5);
+/// Gamma priors of the deviations, flat but near zero where they vanish: shape 2 [chung-2013]. Per `ln` of a variance, half of the shape
+/// beyond one.
+const PRIOR: f64 = 0.5;
 /// A longer step of multipliers leaves what the linear theory knows.
 const MAX_LOG_STEP: f64 = 0.5;
 
@@ -47,16 +46,16 @@ pub(super) struct Fit<'a> {
     /// How far joints are from hinges, which is 0, to such ones, which is 1.
     evenness: f64,
     rotations: DMatrix<f64>,
-    /// The same times the precision.
-    weighed_rotations: DMatrix<f64>,
     precision: Precision,
     waves: &'a Waves,
     pub loads: DVector<f64>,
     logs: Vec<f64>,
-    /// By what a joint of one group turns more than with nominal springs.
-    softness_of_group: Vec<f64>,
-    /// The same of every joint: its parts in several groups turn one after the other.
-    softness: Vec<f64>,
+    /// What joints have of their own, about which the equations are linear.
+    own: Vec<OwnParts>,
+    /// By what every joint turns more than with nominal springs, group by group: its parts in several groups turn one after the other.
+    softness_by_group: DMatrix<f64>,
+    /// The same of all its parts.
+    softness: DVector<f64>,
     by_loads: LoadColumns,
 }
 
@@ -77,7 +76,11 @@ pub(super) struct Linearized<'a> {
     slope: DVector<f64>,
     /// Their covariance.
     covariance: DMatrix<f64>,
-    pub own: RandomEffects<'a>,
+    own: RandomEffects<'a>,
+    /// The same as they are predicted, joint by joint.
+    pub expected: Vec<OwnParts>,
+    /// Rotations by those about which the equations are linear.
+    by_own: DMatrix<f64>,
     /// Of the restricted likelihood by the variances.
     score: Vector3<f64>,
     information: Matrix3<f64>,
@@ -93,7 +96,7 @@ impl Linearized<'_> {
     /// One scoring step of the variances' logarithms. Their priors keep them off zero, where nothing would be known of them.
     fn scoring_step(&self, variances: Vector3<f64>) -> Vector3<f64> {
         const MAX_LOG_SCORING_STEP: f64 = 2.0;
-        let score = variances.component_mul(&self.score) + PRIORS;
+        let score = variances.component_mul(&self.score).add_scalar(PRIOR);
         let scaled = Matrix3::from_diagonal(&variances);
         // The priors have no curvature in logarithms; this much keeps a step finite where films say nothing.
         let information = scaled * self.information * scaled + Matrix3::identity() * 0.25;
@@ -130,14 +133,14 @@ impl<'a> Fit<'a> {
             centres_higher_discs: 0.0,
             evener: shifted(films, |joint| joint.to_evener_mm),
             evenness: EVENNESS,
-            weighed_rotations: precision.times(&rotations),
             rotations,
             precision,
             waves,
             loads: DVector::zeros(3 * films.len()),
             logs: vec![0.0; shares.0.ncols()],
-            softness_of_group: Vec::new(),
-            softness: Vec::new(),
+            own: vec![OwnParts::default(); joints],
+            softness_by_group: DMatrix::default(),
+            softness: DVector::default(),
             by_loads: LoadColumns::default(),
         };
         fit.take_unknowns();
@@ -151,14 +154,28 @@ impl<'a> Fit<'a> {
         self.take_unknowns();
     }
 
-    /// What follows from multipliers, centres and evenness alone.
+    /// Goes a part of the way to what joints are expected to have of their own, and answers with the largest change. Unknowns are to be
+    /// taken after it.
+    pub fn take_own(&mut self, expected: &[OwnParts], part: f64) -> f64 {
+        let mut most = 0.0_f64;
+        for (own, expected) in self.own.iter_mut().zip(expected) {
+            let softer = part * (expected.log_softness - own.log_softness);
+            let higher = part * (expected.higher_discs - own.higher_discs);
+            own.log_softness += softer;
+            own.higher_discs += higher;
+            most = most.max(softer.abs()).max(higher.abs());
+        }
+        most
+    }
+
+    /// What follows from multipliers, centres, evenness and what joints have of their own.
     fn take_unknowns(&mut self) {
-        self.softness_of_group = self.logs.iter().map(|log| (-log).exp()).collect();
-        let softness = |joint: usize| {
-            let shares = self.shares.0.row(joint);
-            shares.iter().zip(&self.softness_of_group).map(|(share, soft)| share * soft).sum()
-        };
-        self.softness = (0..self.joints).map(softness).collect();
+        let softness_of_group: Vec<f64> = self.logs.iter().map(|log| (-log).exp()).collect();
+        let softer: Vec<f64> = self.own.iter().map(|own| own.log_softness.exp()).collect();
+        self.softness_by_group = DMatrix::from_fn(self.joints, self.logs.len(), |joint, group| {
+            self.shares.0[(joint, group)] * softness_of_group[group] * softer[joint]
+        });
+        self.softness = self.softness_by_group.column_sum();
         self.by_loads = self.load_columns();
     }
 
@@ -166,13 +183,14 @@ impl<'a> Fit<'a> {
         let mut columns = DMatrix::zeros(self.rotations.len(), 3 * self.films);
         for joint in 0..self.joints {
             let softness = self.softness[joint];
+            let centre_higher = self.centres_higher_discs + self.own[joint].higher_discs;
             for film in 0..self.films {
                 let nominal = self.responses[film][joint];
                 let (higher, evener) = (self.higher[film][joint], self.evener[film][joint]);
                 for part in 0..3 {
                     columns[(film * self.joints + joint, 3 * film + part)] = softness
                         * (nominal[part]
-                            + self.centres_higher_discs * higher[part]
+                            + centre_higher * higher[part]
                             + self.evenness * evener[part]);
                 }
             }
@@ -211,7 +229,7 @@ impl<'a> Fit<'a> {
         let higher = self.rotations_by(&self.higher);
         let evener = self.rotations_by(&self.evener);
         let softer = DMatrix::from_fn(self.joints, self.logs.len(), |joint, group| {
-            self.shares.0[(joint, group)] * self.softness_of_group[group] / self.softness[joint]
+            self.softness_by_group[(joint, group)] / self.softness[joint]
         }) * &ways;
         let mut further = DMatrix::from_fn(rows, others, |row, column| match column {
             way if way < ways.ncols() => -predicted[row] * softer[(row % self.joints, way)],
@@ -222,12 +240,13 @@ impl<'a> Fit<'a> {
             loads + others,
             by_loads.scales.iter().chain(scale_columns(&mut further).iter()).copied(),
         );
+        let by_films = DMatrix::from_column_slice(self.joints, self.films, predicted.as_slice());
+        let by_own = self.rotations_by_own(&by_films, &higher);
         let predicted = DMatrix::from_column_slice(rows, 1, predicted.as_slice());
-        let residual = &self.rotations - &predicted;
+        let residual = &self.rotations - &predicted + &by_own;
         let weighed_residual = self.precision.times(&residual);
         let jacobian = beside(&by_loads.columns, &further);
         let weighed = beside(&by_loads.weighed, &self.precision.times(&further));
-        let by_films = DMatrix::from_column_slice(self.joints, self.films, predicted.as_slice());
         let own = RandomEffects::new(self.waves, [by_films, higher], &self.precision, variances)?;
         let mut found =
             Normal::new([&jacobian, &weighed], [&residual, &weighed_residual], Some(&own));
@@ -245,7 +264,26 @@ impl<'a> Fit<'a> {
         let unsure = &own.covariance
             + &found.effects_by_columns * &covariance * found.effects_by_columns.transpose();
         let (score, information) = own.scoring(&expected, &unsure);
-        Some(Linearized { score, information, slope, scales, covariance, own, ways })
+        let expected = own.by_joint(&expected);
+        Some(Linearized {
+            scales,
+            slope,
+            covariance,
+            own,
+            expected,
+            by_own,
+            score,
+            information,
+            ways,
+        })
+    }
+
+    /// Rotations by what joints have of their own, from those of all films by the loads and by centres a disc higher, joints by films.
+    fn rotations_by_own(&self, by_loads: &DMatrix<f64>, higher: &DMatrix<f64>) -> DMatrix<f64> {
+        DMatrix::from_fn(self.rotations.len(), 1, |row, _| {
+            let own = &self.own[row % self.joints];
+            by_loads[row] * own.log_softness + higher[row] * own.higher_discs
+        })
     }
 
     /// One scoring step of the variances, and one Gauss-Newton step of multipliers and centres. Alone they converge slowly:
@@ -363,13 +401,15 @@ impl<'a> Fit<'a> {
         Vector3::from_fn(|i, _| place[i].exp())
     }
 
-    /// The best loads at the multipliers of now, which is linear.
-    pub fn solve_loads(&mut self, own: Option<&RandomEffects<'_>>) -> Option<()> {
+    /// The best loads at the multipliers of now, which is linear; what joints have of their own is that of an earlier step.
+    pub fn solve_loads(&mut self, at: Option<&Linearized<'_>>) -> Option<()> {
         let by_loads = &self.by_loads;
+        let no_own = || self.rotations.clone();
+        let rotations = at.map_or_else(no_own, |at| &self.rotations + &at.by_own);
         let found = Normal::new(
             [&by_loads.columns, &by_loads.weighed],
-            [&self.rotations, &self.weighed_rotations],
-            own,
+            [&rotations, &self.precision.times(&rotations)],
+            at.map(|at| &at.own),
         );
         let solved = found.matrix.cholesky()?.solve(&found.right);
         self.loads = solved.column(0).component_div(&by_loads.scales);
@@ -391,6 +431,7 @@ impl<'a> Fit<'a> {
             joint_log_sd: variances[0].sqrt(),
             centre_sd_discs: variances[1].sqrt(),
             trend_log_sd: variances[2].sqrt(),
+            own: self.own.clone(),
             covariance,
         }
     }

@@ -8,7 +8,8 @@
 //! P = -(ds/dx)^-1  at the end of the first readings' fit,   x <- x + P s(x)
 //! ```
 //!
-//! which is Newton's method with a derivative from nearby. Its steps are extrapolated [anderson-1965]. The mean of `ln alpha` is held,
+//! which is Newton's method with a derivative from nearby. What joints have of their own, about which the equations are linear, stays
+//! that of the first readings. Its steps are extrapolated [anderson-1965]. The mean of `ln alpha` is held,
 //! so that `s` has no part along it: there `ds/dx` is taken as -1.
 
 use nalgebra::{DMatrix, DVector, Vector3};
@@ -17,7 +18,7 @@ use super::acceleration::{IterationStep, anderson_step};
 use super::evidence::FilmEvidence;
 use super::mixed_equations::{Fit, Linearized};
 use super::preferred::{CONVERGED_STEP, PreferredLoads};
-use super::random_effects::{VARIANCES, Waves};
+use super::random_effects::{OwnParts, VARIANCES, Waves};
 use crate::clinical::JointShares;
 
 /// A fit from nearby that takes longer has its end elsewhere.
@@ -32,6 +33,7 @@ pub(crate) struct NearbyLoads {
     place: DVector<f64>,
     sizes: DVector<f64>,
     groups: usize,
+    own: Vec<OwnParts>,
     /// How far to go per step.
     pace: DMatrix<f64>,
 }
@@ -53,7 +55,8 @@ impl NearbyLoads {
         // Where a multiplier is on its bound, steps change by leaps.
         let pace = if fit.is_bounded(&place) { None } else { pace_at(&mut fit, &place, &sizes) };
         let pace = pace.unwrap_or_else(|| DMatrix::identity(all, all));
-        Some(Self { place, sizes, groups: found.log_multipliers.len(), pace })
+        let (groups, own) = (found.log_multipliers.len(), found.own.clone());
+        Some(Self { place, sizes, groups, own, pace })
     }
 
     /// Whether its unknowns are those of a fit with so many groups.
@@ -64,6 +67,7 @@ impl NearbyLoads {
     /// Iterates from there until nothing moves; the variances at the end, and the equations up to the last step from it. `None` where the
     /// end is not nearby.
     pub(super) fn settle<'a>(&self, fit: &mut Fit<'a>) -> Option<(Vector3<f64>, Linearized<'a>)> {
+        fit.take_own(&self.own, 1.0);
         let mut place = self.place.clone();
         let mut steps: Vec<IterationStep> = Vec::new();
         for _ in 0..ROUNDS {

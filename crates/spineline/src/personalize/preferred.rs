@@ -19,28 +19,31 @@
 //! of the centres, evenness), what joints have of their own `u = (delta, centres)` and the noise `e`:
 //!
 //! ```text
-//! y = f(b) + Z u + e,    u ~ N(0, D),  D = diag(s_1 I + s_3 W, s_2 I),    e ~ N(0, S),  S = S_films (x) S_joints
+//! y = f(b, u) + e,    u ~ N(0, D),  D = diag(s_1 I + s_3 W, s_2 I),    e ~ N(0, S),  S = S_films (x) S_joints
 //! W             = covariance of a random walk over the joints with a mean of zero
 //! S_films[a,b]  = delta_ab sd_a^2 + sd_erect^2            tilts of a film, and of the erect film that all share
 //! S_joints[i,j] = 2 on the diagonal, -1 beside it         neighbouring joints share a vertebra
 //! ```
 //!
-//! With `X = df/db`, `r = y - f(b)` and `V = S + Z D Z'`, generalised least squares solve `X' V^-1 X db = X' V^-1 r`, and the
-//! covariance of `b` is `(X' V^-1 X)^-1`; `V^-1` is applied by Woodbury's identity. The variances `s_1` (of `ln` stiffness),
-//! `s_2` (of centres, in discs) and `s_3` (of `ln` stiffness along the spine, mean over the joints) maximise the restricted likelihood
+//! With `X = df/db`, `Z = df/du`, `r = y - f(b, u_0) + Z u_0` and `V = S + Z D Z'`, generalised least squares solve
+//! `X' V^-1 X db = X' V^-1 r`, and the covariance of `b` is `(X' V^-1 X)^-1`; `V^-1` is applied by Woodbury's identity. All are taken
+//! about the `u` that is expected, `u_0` [lindstrom-bates-1990]: the rotations are not linear in `b` and `u` together, and about zero
+//! a film that moves little has its load by responses that other films have shown to be wrong. The variances `s_1` (of `ln`
+//! stiffness), `s_2` (of centres, in discs) and `s_3` (of `ln` stiffness along the spine, mean over the joints) maximise the
+//! restricted likelihood
 //!
 //! ```text
-//! l_R(s) = -1/2 (ln|V| + ln|X' V^-1 X| + r' V^-1 r) + sum_i p_i ln s_i
+//! l_R(s) = -1/2 (ln|V| + ln|X' V^-1 X| + r' V^-1 r) + p sum_i ln s_i
 //! ```
 //!
 //! where the last term is the prior. Fisher scoring on `ln s_i` uses its slope and expected curvature, in which `delta` is written by
 //! waves along the spine that make `D` diagonal (`RandomEffects::scoring`).
 //!
-//! One scoring step of the variances and one Gauss-Newton step of `b` alternate until nothing moves. Evenness and the shared shift of
-//! the centres have normal priors.
+//! One scoring step of the variances, one Gauss-Newton step of `b` and one of `u_0` alternate until nothing moves. Evenness and the
+//! shared shift of the centres have normal priors.
 //!
 //! # References
-//! [harville-1977] for the restricted likelihood, [chung-2013] for the priors.
+//! [harville-1977] for the restricted likelihood, [chung-2013] for the priors, [lindstrom-bates-1990] for what is linear about what.
 
 use nalgebra::{DMatrix, DVector, Vector3};
 
@@ -48,7 +51,7 @@ use super::acceleration::{IterationStep, anderson_step};
 use super::evidence::FilmEvidence;
 use super::mixed_equations::{Fit, Linearized, MAX_VARIANCES};
 use super::nearby_loads::NearbyLoads;
-use super::random_effects::Waves;
+use super::random_effects::{OwnParts, Waves};
 use crate::clinical::JointShares;
 
 /// Loads of several films that share springs.
@@ -68,6 +71,8 @@ pub struct PreferredLoads {
     pub trend_log_sd: f64,
     /// Deviation of the joints' centres along the spine about that, in thicknesses of the disc.
     pub centre_sd_discs: f64,
+    /// What joints have of their own, about which the fit is linear.
+    pub(super) own: Vec<OwnParts>,
     /// Covariance of all components, film by film, with multipliers free.
     pub(super) covariance: DMatrix<f64>,
 }
@@ -78,6 +83,8 @@ const DAMPED_FROM: usize = 30;
 const DAMPING: f64 = 0.35;
 /// The iteration has converged when no unknown moves by more than this.
 pub(super) const CONVERGED_STEP: f64 = 1e-4;
+/// The same of what joints have of their own: the equations know it to first order anyway.
+const CONVERGED_OWN_STEP: f64 = 1e-3;
 
 impl PreferredLoads {
     /// Fits them; `None` without films, where the films' joints do not determine the loads, or where the fit does not converge.
@@ -109,6 +116,7 @@ impl PreferredLoads {
         let sds = [self.joint_log_sd, self.centre_sd_discs, self.trend_log_sd];
         fit.loads =
             DVector::from_iterator(fit.loads.len(), self.components.iter().flatten().copied());
+        fit.take_own(&self.own, 1.0);
         fit.begin(&self.log_multipliers, self.centres_higher_discs, self.evenness);
         Vector3::from(sds.map(|sd| sd.powi(2)))
     }
@@ -124,8 +132,9 @@ fn settle<'a>(
     let mut steps: Vec<IterationStep> = Vec::new();
     for round in 0..ROUNDS {
         let mut step = fit.iterate(&state, variances);
-        let converged = step.step().amax() < CONVERGED_STEP;
         let damping = if round < DAMPED_FROM { 1.0 } else { DAMPING };
+        let own_step = fit.take_own(&state.expected, damping);
+        let converged = step.step().amax() < CONVERGED_STEP && own_step < CONVERGED_OWN_STEP;
         if !converged {
             step.to = &step.from + step.step() * damping;
         }
@@ -137,7 +146,7 @@ fn settle<'a>(
         let place = if is_alone { steps[0].to.clone() } else { fit.within(extrapolated) };
         variances = fit.set_unknowns(&place);
         let before = fit.loads.clone();
-        fit.solve_loads(Some(&state.own))?;
+        fit.solve_loads(Some(&state))?;
         if !converged {
             fit.loads = &before + (&fit.loads - &before) * damping;
         }

@@ -42,6 +42,15 @@ impl Waves {
     }
 }
 
+/// What one joint has of its own, on all films alike.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub(super) struct OwnParts {
+    /// `ln` of by what it turns more than its group.
+    pub log_softness: f64,
+    /// How much higher up its disc it turns than all joints do.
+    pub higher_discs: f64,
+}
+
 /// The joints' random effects: stiffness by waves along the spine, then centres by joint.
 pub(super) struct RandomEffects<'a> {
     waves: &'a Waves,
@@ -103,6 +112,17 @@ impl<'a> RandomEffects<'a> {
         gathered.rows_mut(0, joints).copy_from(&(&self.waves.across * stiffness));
         gathered.rows_mut(joints, joints).copy_from(&centres);
         gathered
+    }
+
+    /// Effects as parts of the joints.
+    pub fn by_joint(&self, effects: &DMatrix<f64>) -> Vec<OwnParts> {
+        let joints = self.waves.walk.len();
+        let log_softness = &self.waves.shapes * effects.rows(0, joints);
+        let centres = effects.rows(joints, joints);
+        let parts = log_softness.iter().zip(centres.iter());
+        parts
+            .map(|(&log_softness, &higher_discs)| OwnParts { log_softness, higher_discs })
+            .collect()
     }
 
     /// Slope of the restricted likelihood by the variances, and its expected curvature, from the predicted effects and their covariance
