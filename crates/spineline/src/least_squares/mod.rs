@@ -70,12 +70,14 @@ pub(crate) struct Minimum {
 
 /// Minimises a sum of squares within bounds.
 ///
-/// Levenberg-Marquardt with Marquardt's scaling. Unknowns at a bound that the gradient pushes outwards take no part in
-/// a step; the others are clamped to their bounds. `evaluate` fills the system and answers whether it could.
+/// Levenberg-Marquardt with Marquardt's scaling, whose steps stay within the bounds. `evaluate` fills the system and answers
+/// whether it could.
 ///
 /// # Equations
-/// A step solves `(J'J + d diag(J'J)) step = -J'r`. With `ratio` the actual over the predicted decrease of `|r|^2`, the damping
-/// `d` becomes `d max(1/10, 1 - (2 ratio - 1)^3)` after a decrease; else it is multiplied by 2, 4, 8 and so on.
+/// A step solves `(J'J + d diag(J'J)) step = -J'r`. Unknowns at a bound that the gradient pushes outwards take no part in it.
+/// One that reaches a bound stays there, and the equations of the others are solved again from that point. With `ratio` the
+/// actual over the predicted decrease of `|r|^2`, the damping `d` becomes `d max(1/10, 1 - (2 ratio - 1)^3)` after a decrease;
+/// else it is multiplied by 2, 4, 8 and so on.
 ///
 /// # References
 /// [more-1978], [nielsen-1999].
@@ -98,17 +100,17 @@ pub(crate) fn minimize(
     let mut status = FitStatus::IterationLimit;
     'outer: while iterations < MAX_ITERATIONS {
         iterations += 1;
-        let (normal, gradient) = normal_equations(&system, &x, lower, upper);
+        let normal = system.jacobian.tr_mul(&system.jacobian);
+        let gradient = system.jacobian.tr_mul(&system.residuals);
         let cost = system.cost();
         loop {
-            let Some(cholesky) = damped(&normal, damping.value).cholesky() else {
+            let equations = (&normal, damping.value, &gradient);
+            let Some(next) = bounded_step(equations, &x, [lower, upper]) else {
                 if !damping.regularize() {
                     break 'outer;
                 }
                 continue;
             };
-            let mut next = &x - cholesky.solve(&gradient);
-            clamp(&mut next, lower, upper);
             let step = &next - &x;
             let small = (0..n).all(|i| step[i].abs() <= 1e-12 * (x[i].abs() + 1e-3));
             // What the linear model promises to take away.
@@ -132,7 +134,9 @@ pub(crate) fn minimize(
                 }
                 break 'outer;
             }
-            damping.reject();
+            if !damping.reject() {
+                break 'outer;
+            }
         }
     }
     Minimum { status, iterations, x, system }
@@ -154,9 +158,11 @@ impl Damping {
         self.growth = 2.0;
     }
 
-    fn reject(&mut self) {
+    /// After no decrease; whether another try makes sense.
+    fn reject(&mut self) -> bool {
         self.value *= self.growth;
         self.growth *= 2.0;
+        self.value.is_finite()
     }
 
     /// Where the damped equations are singular; whether another try makes sense.
@@ -180,28 +186,56 @@ fn clamp(x: &mut DVector<f64>, lower: &DVector<f64>, upper: &DVector<f64>) {
     }
 }
 
-/// `JᵀJ` and `Jᵀr`, without the unknowns that take no part in a step: those held by equal bounds, and those at a bound that
-/// the gradient pushes outwards.
-#[expect(clippy::float_cmp, reason = "equal bounds hold an unknown exactly")]
-fn normal_equations(
-    system: &System,
+/// Where the damped equations lead from `x` within the bounds; `None` where they are singular.
+///
+/// The way is a chain of straight parts. Each leads towards the minimum of the quadratic model in the unknowns that are
+/// still free, and ends at the first bound, which holds its unknown from then on.
+fn bounded_step(
+    (normal, damping, gradient): (&DMatrix<f64>, f64, &DVector<f64>),
     x: &DVector<f64>,
-    lower: &DVector<f64>,
-    upper: &DVector<f64>,
-) -> (DMatrix<f64>, DVector<f64>) {
-    let mut normal = system.jacobian.tr_mul(&system.jacobian);
-    let mut gradient = system.jacobian.tr_mul(&system.residuals);
-    for i in 0..x.len() {
+    [lower, upper]: [&DVector<f64>; 2],
+) -> Option<DVector<f64>> {
+    let mut held = held_from_start(gradient, x, [lower, upper]);
+    let (mut next, mut slope) = (x.clone(), gradient.clone());
+    loop {
+        let mut equations = damped(normal, damping);
+        for i in (0..x.len()).filter(|&i| held[i]) {
+            equations.row_mut(i).fill(0.0);
+            equations.column_mut(i).fill(0.0);
+            equations[(i, i)] = 1.0;
+            slope[i] = 0.0;
+        }
+        let way = -equations.cholesky()?.solve(&slope);
+        let mut first: Option<(usize, f64)> = None;
+        let mut part = 1.0;
+        for i in (0..x.len()).filter(|&i| !held[i] && way[i] != 0.0) {
+            let bound = if way[i] > 0.0 { upper[i] } else { lower[i] };
+            let reach = (bound - next[i]) / way[i];
+            if reach < part {
+                (part, first) = (reach, Some((i, bound)));
+            }
+        }
+        next.axpy(part, &way, 1.0);
+        clamp(&mut next, lower, upper);
+        let Some((i, bound)) = first else { return Some(next) };
+        (next[i], held[i]) = (bound, true);
+        slope = gradient + damped(normal, damping) * (&next - x);
+    }
+}
+
+/// Unknowns that take no part in a step: those with equal bounds, and those at a bound that the gradient pushes outwards.
+#[expect(clippy::float_cmp, reason = "equal bounds hold an unknown exactly")]
+fn held_from_start(
+    gradient: &DVector<f64>,
+    x: &DVector<f64>,
+    [lower, upper]: [&DVector<f64>; 2],
+) -> Vec<bool> {
+    let held = |i: usize| {
         let outwards =
             (x[i] <= lower[i] && gradient[i] > 0.0) || (x[i] >= upper[i] && gradient[i] < 0.0);
-        if outwards || lower[i] == upper[i] {
-            normal.row_mut(i).fill(0.0);
-            normal.column_mut(i).fill(0.0);
-            normal[(i, i)] = 1.0;
-            gradient[i] = 0.0;
-        }
-    }
-    (normal, gradient)
+        outwards || lower[i] == upper[i]
+    };
+    (0..x.len()).map(held).collect()
 }
 
 /// `stepᵀ normal step`.
@@ -236,5 +270,41 @@ mod tests {
         let end = minimize(DVector::from_vec(vec![-1.2, 1.0]), &lower, &upper, 2, rosenbrock);
         // With x = 0.5 the first residual can still be zero: y = 0.25.
         assert!((end.x[0] - 0.5).abs() < 1e-12 && (end.x[1] - 0.25).abs() < 1e-9);
+    }
+
+    #[test]
+    fn an_unknown_that_changes_nothing_stays_where_it_is() {
+        let wide = DVector::from_element(2, f64::INFINITY);
+        let end = minimize(DVector::from_vec(vec![3.0, 0.5]), &-&wide, &wide, 1, |x, system| {
+            system.residuals[0] = x[0] - 1.0;
+            system.jacobian[(0, 0)] = 1.0;
+            true
+        });
+        assert_eq!(end.status, FitStatus::Converged);
+        assert!((end.x - DVector::from_vec(vec![1.0, 0.5])).norm() < 1e-6);
+    }
+
+    /// Three unknowns whose mean is held, as multipliers are: `x - target`, and the gauge.
+    #[test]
+    fn a_step_ends_at_a_bound_and_keeps_a_mean_that_is_held() {
+        let target = [4.0, -1.0, 0.0];
+        let mut evaluations = 0;
+        let evaluate = |x: &DVector<f64>, system: &mut System| {
+            evaluations += 1;
+            for i in 0..3 {
+                system.residuals[i] = x[i] - target[i];
+                system.jacobian[(i, i)] = 1.0;
+            }
+            system.hold_mean(x.as_slice());
+            true
+        };
+        let wide = DVector::from_element(3, 2.0);
+        let end = minimize(DVector::zeros(3), &-&wide, &wide, 4, evaluate);
+        // The others share what the bound leaves: they are 1 apart, and their sum is -2.
+        let expected = DVector::from_vec(vec![2.0, -1.5, -0.5]);
+        assert!((&end.x - expected).norm() < 1e-4, "{}", end.x);
+        assert_eq!(end.status, FitStatus::Converged);
+        // None is lost to a step that leaves the mean.
+        assert_eq!(evaluations, end.iterations + 1);
     }
 }
