@@ -10,7 +10,7 @@
 //! Where `y''` of the mean is nearer to zero than 1.96 deviations, it may inflect. A polynomial of the order that predicts best
 //! has another inflection than the true curve, by 3 to 5 mm on synthetic spines (its bias); noise alone does not show that.
 
-use nalgebra::{DMatrix, DVector, Matrix2};
+use nalgebra::{DMatrix, DVector, Matrix2, SMatrix, SVector};
 
 use super::{CurveFit, CurveForm, Inflection};
 use crate::anatomy::Level;
@@ -18,6 +18,12 @@ use crate::measure::{Measured, Outline};
 
 /// Sines of the process.
 const TERMS: usize = 24;
+/// Coefficients: those of the sines, then place and slope at L4.
+const COEFFICIENTS: usize = TERMS + 2;
+/// Of the coefficients.
+type Coefficients = SVector<f64, COEFFICIENTS>;
+/// By two coefficients.
+type ByCoefficients = SMatrix<f64, COEFFICIENTS, COEFFICIENTS>;
 /// The process lives on so many times the height of the spine, so that its ends are free.
 const STRETCH: f64 = 1.5;
 /// Length scales as parts of the height.
@@ -94,17 +100,17 @@ impl CurveFit {
 struct Process {
     height_mm: f64,
     /// Mean of the coefficients.
-    mean: DVector<f64>,
+    mean: Coefficients,
     /// Their covariance: within the pairs, and between the pairs' means.
-    covariance: DMatrix<f64>,
+    covariance: ByCoefficients,
 }
 
 impl Process {
     fn fit(outline: &Outline, t_mm: &[f64]) -> Option<Self> {
         let height_mm = t_mm[t_mm.len() - 1];
         let (matrix, target) = rows(outline, t_mm);
-        let normal = matrix.tr_mul(&matrix);
-        let right = matrix.tr_mul(&target);
+        let normal = ByCoefficients::from_column_slice(matrix.tr_mul(&matrix).as_slice());
+        let right = Coefficients::from_column_slice(matrix.tr_mul(&target).as_slice());
         let squares = target.norm_squared();
         let shapes = [Kernel::SquaredExponential, Kernel::Matern]
             .into_iter()
@@ -113,7 +119,7 @@ impl Process {
         let mut parts = Vec::new();
         for ((kernel, length), deviation) in grid {
             let variances = prior_variances((kernel, length), deviation);
-            let mut precision = normal.clone();
+            let mut precision = normal;
             for (i, variance) in variances.iter().enumerate() {
                 precision[(i, i)] += 1.0 / variance;
             }
@@ -133,15 +139,14 @@ impl Process {
         let weight = |log_likelihood: f64| (log_likelihood - best).exp();
         let sum: f64 = parts.iter().map(|part| weight(part.0)).sum();
         parts.retain(|part| weight(part.0) > MIN_WEIGHT * sum);
-        let size = right.len();
         let mean =
-            parts.iter().fold(DVector::zeros(size), |mean, (log_likelihood, of_pair, ..)| {
+            parts.iter().fold(Coefficients::zeros(), |mean, (log_likelihood, of_pair, ..)| {
                 mean + of_pair * (weight(*log_likelihood) / sum)
             });
-        let mut covariance = DMatrix::zeros(size, size);
+        let mut covariance = ByCoefficients::zeros();
         for (log_likelihood, of_pair, cholesky, noise) in parts {
-            let off = of_pair - &mean;
-            let of_pair = cholesky.inverse() * noise + &off * off.transpose();
+            let off = of_pair - mean;
+            let of_pair = cholesky.inverse() * noise + off * off.transpose();
             covariance += of_pair * (weight(log_likelihood) / sum);
         }
         Some(Self { height_mm, mean, covariance })
@@ -155,7 +160,7 @@ impl Process {
     /// Covariance of `y''` times the height at two heights.
     fn covariance(&self, a_mm: f64, b_mm: f64) -> f64 {
         let [a, b] = [a_mm, b_mm].map(|t| bending(t / self.height_mm));
-        a.dot(&(&self.covariance * b))
+        a.dot(&(self.covariance * b))
     }
 
     fn slope(&self, t_mm: f64) -> f64 {
@@ -237,9 +242,9 @@ impl Kernel {
 }
 
 /// `y''` times the height at a part of the height, by the coefficients.
-fn bending(part: f64) -> DVector<f64> {
+fn bending(part: f64) -> Coefficients {
     let sines = (1..=TERMS).map(|j| amplitude() * sine(j, part).1.sin());
-    DVector::from_iterator(TERMS + 2, sines.chain([0.0, 0.0]))
+    Coefficients::from_iterator(sines.chain([0.0, 0.0]))
 }
 
 /// Frequency of a sine and its phase at a part of the height; the spine lies in the middle of the stretch.
@@ -256,7 +261,7 @@ fn amplitude() -> f64 {
 fn rows(outline: &Outline, t_mm: &[f64]) -> (DMatrix<f64>, DVector<f64>) {
     let height_mm = t_mm[t_mm.len() - 1];
     let measured: Vec<_> = outline.measured().collect();
-    let mut matrix = DMatrix::zeros(2 * measured.len(), TERMS + 2);
+    let mut matrix = DMatrix::zeros(2 * measured.len(), COEFFICIENTS);
     let mut target = DVector::zeros(2 * measured.len());
     for (row, (i, vertebra)) in measured.into_iter().enumerate() {
         let part = t_mm[i] / height_mm;
