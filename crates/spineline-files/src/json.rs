@@ -102,6 +102,11 @@ pub fn parse_json(text: &str) -> Result<serde_json::Value, FileError> {
 
 /// Reads a part of a file.
 pub(crate) fn parse_value<T: DeserializeOwned>(text: &str) -> Result<T, FileError> {
+    // To know the place all the way takes longer than to read, so a file with a fault is read again for its place.
+    serde_json::from_str(text).or_else(|_| parse_with_place(text))
+}
+
+fn parse_with_place<T: DeserializeOwned>(text: &str) -> Result<T, FileError> {
     let mut reader = serde_json::Deserializer::from_str(text);
     let value = serde_path_to_error::deserialize(&mut reader).map_err(explain)?;
     reader.end().map_err(|error| syntax(&error))?;
