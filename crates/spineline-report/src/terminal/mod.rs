@@ -90,12 +90,15 @@ fn hanging(text: &str, width: usize) -> String {
 
 /// Text as text: control characters and changes of the writing direction are left out, and all of it is one line.
 fn plain(text: &str) -> String {
-    let words: Vec<String> = text
-        .split_whitespace()
-        .map(|word| word.chars().filter(|&c| !c.is_control() && !turns(c)).collect())
-        .filter(|word: &String| !word.is_empty())
-        .collect();
-    words.join(" ")
+    let mut plain = String::with_capacity(text.len());
+    for word in text.split_whitespace() {
+        let end = plain.len();
+        plain.extend(word.chars().filter(|&c| !c.is_control() && !turns(c)));
+        if end > 0 && plain.len() > end {
+            plain.insert(end, ' ');
+        }
+    }
+    plain
 }
 
 /// Whether a character changes the direction of what follows it.
@@ -107,15 +110,19 @@ const fn turns(c: char) -> bool {
 /// narrow columns may break after hyphens too.
 fn wrapped(text: &str, width: usize, at_hyphens: bool) -> Vec<String> {
     let mut lines = vec![String::new()];
+    let mut columns = 0;
     for word in text.split_whitespace() {
         let pieces = if at_hyphens { word.split_inclusive('-').collect() } else { vec![word] };
         for (place, piece) in pieces.into_iter().enumerate() {
             let line = lines.last_mut().expect("never empty");
-            let blank = usize::from(place == 0 && !line.is_empty());
-            if !line.is_empty() && line.width() + blank + piece.width() > width {
+            let blank = if place == 0 && !line.is_empty() { " " } else { "" };
+            let wider = columns + blank.len() + piece.width();
+            if !line.is_empty() && wider > width {
+                columns = piece.width();
                 lines.push(piece.to_owned());
             } else {
-                line.push_str(&" ".repeat(blank));
+                columns = wider;
+                line.push_str(blank);
                 line.push_str(piece);
             }
         }
