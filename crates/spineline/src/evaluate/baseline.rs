@@ -246,7 +246,7 @@ impl FilmFromTop {
         let scale = fit.scale(&end.x);
         let factor = scale.factor / self.length.scale.factor;
         let found = fit.rotations_at(&end.x);
-        let carried = erect.carried(&found);
+        let carried = erect.carried(&found).locations;
         let locations: Vec<Frontal> =
             carried.into_iter().map(|location| location * factor).collect();
         let errors =
@@ -298,8 +298,9 @@ impl TopFit<'_> {
         let coordinates = self.rotations.basis.ncols();
         let log = if self.scaled() { x[coordinates] } else { 0.0 };
         let rotations = self.rotations_at(x);
-        let simulated = self.links.top(&rotations) * log.exp();
-        let rates = self.links.top_rates(&rotations) * log.exp() * &self.rotations.basis;
+        let carried = self.links.carried(&rotations);
+        let simulated = carried.top() * log.exp();
+        let rates = carried.top_rates() * log.exp() * &self.rotations.basis;
         let weight = 1.0 / self.film.top_sd_mm;
         let off = simulated - self.film.top;
         for (row, (off, by_log)) in
@@ -339,7 +340,7 @@ impl TopFit<'_> {
         if !self.scaled() {
             return length.scale;
         }
-        let simulated = self.links.top(&self.rotations_at(x));
+        let simulated = self.links.carried(&self.rotations_at(x)).top();
         FilmScale {
             factor: x[self.rotations.basis.ncols()].exp(),
             ..length.from_top(simulated, self.film.top, self.film.top_sd_mm)
@@ -356,37 +357,43 @@ impl Links {
         Self(erect.vertebrae.windows(2).map(|pair| pair[1].location - pair[0].location).collect())
     }
 
-    /// Locations from the base upwards, after every joint turns.
-    fn carried(&self, rotations: &DVector<f64>) -> Vec<Frontal> {
-        let (mut end, mut turned) = (Frontal::default(), 0.0);
-        let mut all = vec![end];
+    /// The spine after every joint turns.
+    fn carried(&self, rotations: &DVector<f64>) -> Carried {
+        let (mut end, mut turned, mut before) = (Frontal::default(), 0.0, (0.0, 1.0));
+        let mut carried = Carried { locations: vec![end], upper_halves: Vec::new() };
         for (link, joint) in self.0.iter().zip(rotations.iter()) {
-            let before = turned;
             turned += joint;
-            for turn in [before, turned] {
-                end = end + link.rotated(Angle::from_rad(turn)) * 0.5;
-            }
-            all.push(end);
+            let after = f64::sin_cos(turned);
+            let upper_half = link.rotated_by(after) * 0.5;
+            end = end + link.rotated_by(before) * 0.5 + upper_half;
+            before = after;
+            carried.locations.push(end);
+            carried.upper_halves.push(upper_half);
         }
-        all
+        carried
     }
+}
 
-    /// Location of the top.
-    fn top(&self, rotations: &DVector<f64>) -> Frontal {
-        self.carried(rotations).last().copied().unwrap_or_default()
+/// The erect spine with turned joints.
+struct Carried {
+    /// From the base upwards.
+    locations: Vec<Frontal>,
+    /// The upper half of every link: it turns with the vertebra above.
+    upper_halves: Vec<Frontal>,
+}
+
+impl Carried {
+    fn top(&self) -> Frontal {
+        self.locations.last().copied().unwrap_or_default()
     }
 
     /// How the top moves with every joint: two rows, `y` and `z`.
-    fn top_rates(&self, rotations: &DVector<f64>) -> DMatrix<f64> {
-        let carried = self.carried(rotations);
-        let top = carried[self.0.len()];
-        let mut turned = 0.0;
-        let mut rates = DMatrix::zeros(2, self.0.len());
-        for (joint, link) in self.0.iter().enumerate() {
-            turned += rotations[joint];
+    fn top_rates(&self) -> DMatrix<f64> {
+        let top = self.top();
+        let mut rates = DMatrix::zeros(2, self.upper_halves.len());
+        for (joint, upper_half) in self.upper_halves.iter().enumerate() {
             // With the joint turns all that lies above the middle of its link.
-            let upper = link.rotated(Angle::from_rad(turned)) * 0.5;
-            let arm = top - carried[joint + 1] + upper;
+            let arm = top - self.locations[joint + 1] + *upper_half;
             rates[(0, joint)] = -arm.z_mm;
             rates[(1, joint)] = arm.y_mm;
         }

@@ -63,7 +63,11 @@ impl Frontal {
     /// This displacement turned by a right-handed angle about +X.
     #[must_use]
     pub fn rotated(self, angle: Angle) -> Self {
-        let (s, c) = angle.rad().sin_cos();
+        self.rotated_by(angle.rad().sin_cos())
+    }
+
+    /// As [`Frontal::rotated`], by the angle's sine and cosine.
+    pub(crate) fn rotated_by(self, (s, c): (f64, f64)) -> Self {
         Self::new(c * self.y_mm - s * self.z_mm, s * self.y_mm + c * self.z_mm)
     }
 
