@@ -52,7 +52,9 @@ cargo xtask COMMAND
   python   test the Python package and its types; measure import and calls
   notebooks
            run the notebooks and write them as pages with their pictures
-  wheel    build the wheel of the Python package, with the program and the browser app inside
+  wheel [--also INTERPRETER]
+           build the wheel of the Python package, with the program and the browser app inside; --also builds a second
+           one for an interpreter without the stable ABI, such as python3.14t
   attack   give the program damaged files, bombs, full disks, interruptions and kills
   docs     make the book: guide, Python reference, notebooks with their pictures, credibility, the paper's numbers
   fuzz [SECONDS]
@@ -78,7 +80,8 @@ fn main() -> ExitCode {
         },
         ("quick", []) => quick::run(&root, "HEAD"),
         ("quick", [option, base]) if option == "--base" => quick::run(&root, base),
-        ("wheel", []) => package::wheel(&root).map(|_| ()),
+        ("wheel", []) => package::wheels(&root, &[]),
+        ("wheel", [option, other]) if option == "--also" => package::wheels(&root, &[other]),
         ("setup", []) => tools::setup(&root),
         ("docs", []) => book::make(&root),
         ("bench", []) => cargo(&root, &["bench", "--package", "spineline", "--benches"]),

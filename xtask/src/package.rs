@@ -2,6 +2,7 @@
 
 use std::env::consts::{DLL_PREFIX, DLL_SUFFIX, EXE_EXTENSION};
 use std::fs;
+use std::io;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
@@ -21,13 +22,15 @@ pub fn environment(root: &Path) -> Result<PathBuf, String> {
     python::environment(root, ENVIRONMENT, &root.join("python/tests/requirements.txt"))
 }
 
-/// Builds the wheel as it is given to people: its program writes typeset reports and asks encrypted archives.
-pub fn wheel(root: &Path) -> Result<PathBuf, String> {
-    wheel_with(root, &["--features", "pdf,https"])
+/// Builds the wheels as they are given to people: their program writes typeset reports and asks encrypted archives.
+///
+/// One serves every usual Python. An interpreter without the stable ABI, such as a free-threaded one, gets its own.
+pub fn wheels(root: &Path, others: &[&str]) -> Result<(), String> {
+    wheels_with(root, &["--features", "pdf,https"], others).map(|_| ())
 }
 
-/// Builds a wheel: the browser app where Node is there, the program with these features, then the native module.
-fn wheel_with(root: &Path, features: &[&str]) -> Result<PathBuf, String> {
+/// Builds wheels: the browser app where Node is there, the program with these features, then the native modules.
+fn wheels_with(root: &Path, features: &[&str], others: &[&str]) -> Result<Vec<PathBuf>, String> {
     let start = Instant::now();
     if Tool::Npm.is_there() {
         web::build(root)?;
@@ -47,15 +50,18 @@ fn wheel_with(root: &Path, features: &[&str]) -> Result<PathBuf, String> {
     }
     let interpreter = python::text(&environment(root)?)?;
     let (out, built) = (python::text(&wheels)?, python::text(&target)?);
-    let arguments =
-        ["-m", "maturin", "build", "--release", "--out", &out, "--interpreter", &interpreter];
+    let mut arguments =
+        vec!["-m", "maturin", "build", "--release", "--out", &out, "--interpreter", &interpreter];
+    arguments.extend(others);
     run(&root.join("python"), &interpreter, &arguments, &[("CARGO_TARGET_DIR", &built)])?;
-    let wheel = only_file(&wheels)?;
-    let bytes =
-        fs::metadata(&wheel).map_err(|error| format!("{}: {error}", wheel.display()))?.len();
-    let seconds = start.elapsed().as_secs();
-    println!("» {}: {:.1} MB in {seconds} s", wheel.display(), bytes as f64 / 1e6);
-    Ok(wheel)
+    let wheels = files(&wheels)?;
+    for wheel in &wheels {
+        let bytes =
+            fs::metadata(wheel).map_err(|error| format!("{}: {error}", wheel.display()))?.len();
+        println!("» {}: {:.1} MB", wheel.display(), bytes as f64 / 1e6);
+    }
+    println!("» built in {} s", start.elapsed().as_secs());
+    Ok(wheels)
 }
 
 /// Tests the package and its types, with the native module that the tests have built.
@@ -98,7 +104,8 @@ fn pytest(
 /// Builds a wheel and installs it in an environment of its own, whose interpreter it gives. It has no typesetter, which
 /// is most of a release build, and which other tests cover.
 pub fn with_wheel(root: &Path) -> Result<PathBuf, String> {
-    let wheel = python::text(&wheel_with(root, &[])?)?;
+    let wheels = wheels_with(root, &[], &[])?;
+    let wheel = python::text(wheels.first().ok_or("no wheel was built")?)?;
     let requirements = root.join("python/tests/requirements.txt");
     let interpreter = python::environment(root, "wheel", &requirements)?;
     let install = ["-m", "pip", "install", "--quiet", "--force-reinstall", "--no-deps", &wheel];
@@ -145,8 +152,11 @@ fn copy(from: &Path, to: &Path) -> Result<(), String> {
     })
 }
 
-fn only_file(folder: &Path) -> Result<PathBuf, String> {
-    let entries = fs::read_dir(folder).map_err(|error| format!("{}: {error}", folder.display()))?;
-    let mut files = entries.filter_map(|entry| Some(entry.ok()?.path()));
-    files.next().ok_or_else(|| format!("{} holds no wheel", folder.display()))
+fn files(folder: &Path) -> Result<Vec<PathBuf>, String> {
+    let failed = |error: io::Error| format!("{}: {error}", folder.display());
+    let entries = fs::read_dir(folder).map_err(failed)?;
+    let mut files: Vec<PathBuf> =
+        entries.map(|entry| Ok(entry.map_err(failed)?.path())).collect::<Result<_, String>>()?;
+    files.sort();
+    Ok(files)
 }
