@@ -6,6 +6,8 @@
 #[path = "it/common/mod.rs"]
 mod common;
 
+use std::num::NonZeroUsize;
+
 use allocation_counter::measure;
 use common::spine;
 use spineline::analysis::{AnalysisOptions, analyze};
@@ -61,11 +63,18 @@ struct Repeated {
 impl CohortSource for Repeated {
     type Error = ();
 
-    fn each(&mut self, take: &mut dyn FnMut(&CohortPatient)) -> Result<(), ()> {
-        (0..self.times).try_for_each(|_| {
-            take(&CohortPatient::from_bytes(&self.patient).ok_or(())?);
-            Ok(())
-        })
+    fn each_part(
+        &mut self,
+        most: NonZeroUsize,
+        take: &mut dyn FnMut(&[CohortPatient]),
+    ) -> Result<(), ()> {
+        let read = || CohortPatient::from_bytes(&self.patient).ok_or(());
+        for first in (0..self.times).step_by(most.get()) {
+            let size = most.get().min(self.times - first);
+            let part: Vec<_> = (0..size).map(|_| read()).collect::<Result<_, _>>()?;
+            take(&part);
+        }
+        Ok(())
     }
 }
 

@@ -2,6 +2,7 @@
 
 use std::env;
 use std::io::{self, BufReader, ErrorKind, Read, Seek, Write};
+use std::num::NonZeroUsize;
 
 use spineline::cohort::{CohortPatient, CohortSource};
 use tempfile::SpooledTempFile;
@@ -35,19 +36,35 @@ impl KeptPatients {
 impl CohortSource for KeptPatients {
     type Error = Failure;
 
-    fn each(&mut self, take: &mut dyn FnMut(&CohortPatient)) -> Result<(), Failure> {
-        each(&mut self.0, take).map_err(|error| failed(&error))
+    fn each_part(
+        &mut self,
+        most: NonZeroUsize,
+        take: &mut dyn FnMut(&[CohortPatient]),
+    ) -> Result<(), Failure> {
+        each_part(&mut self.0, most.get(), take).map_err(|error| failed(&error))
     }
 }
 
-fn each(file: &mut SpooledTempFile, take: &mut dyn FnMut(&CohortPatient)) -> io::Result<()> {
+fn each_part(
+    file: &mut SpooledTempFile,
+    most: usize,
+    take: &mut dyn FnMut(&[CohortPatient]),
+) -> io::Result<()> {
     file.rewind()?;
-    let (mut reader, mut bytes) = (BufReader::new(file), Vec::new());
+    let mut reader = BufReader::new(file);
+    let (mut bytes, mut part) = (Vec::new(), Vec::with_capacity(most));
     while let Some(size) = size_of_next(&mut reader)? {
         bytes.resize(size, 0);
         reader.read_exact(&mut bytes)?;
         let damaged = || io::Error::new(ErrorKind::InvalidData, "it is not as it was written");
-        take(&CohortPatient::from_bytes(&bytes).ok_or_else(damaged)?);
+        part.push(CohortPatient::from_bytes(&bytes).ok_or_else(damaged)?);
+        if part.len() == most {
+            take(&part);
+            part.clear();
+        }
+    }
+    if !part.is_empty() {
+        take(&part);
     }
     Ok(())
 }
@@ -83,20 +100,23 @@ mod tests {
         let analysis = analyze(&case, &AnalysisOptions::default()).expect("an analysis");
         let patient = CohortPatient::of(&analysis);
         let bytes = patient.to_bytes();
+        let two = NonZeroUsize::new(2).expect("more than zero");
         for limit in [IN_MEMORY_BYTES, 1] {
             let mut kept = KeptPatients(SpooledTempFile::new(limit));
-            let mut seen = 0;
-            kept.each(&mut |_| seen += 1).expect("nobody");
-            assert_eq!(seen, 0);
-            kept.add(&bytes).and_then(|()| kept.add(&bytes)).expect("room");
+            let mut seen = Vec::new();
+            kept.each_part(two, &mut |part| seen.push(part.len())).expect("nobody");
+            assert!(seen.is_empty());
+            for _ in 0..3 {
+                kept.add(&bytes).expect("room");
+            }
             for _ in 0..2 {
-                kept.each(&mut |found| {
-                    assert_eq!(*found, patient);
-                    seen += 1;
+                kept.each_part(two, &mut |part| {
+                    assert!(part.iter().all(|found| *found == patient));
+                    seen.push(part.len());
                 })
                 .expect("they can be read");
             }
-            assert_eq!(seen, 4);
+            assert_eq!(seen, [2, 1, 2, 1]);
         }
         assert!(bytes.len() < 12_000, "{} bytes", bytes.len());
         assert!(CohortPatient::from_bytes(&bytes[1..]).is_none());

@@ -1,11 +1,12 @@
 //! What a cohort must know of its patients before it can gather their samples.
 
 use std::convert::Infallible;
+use std::num::NonZeroUsize;
 
 use super::lines::missing;
 use super::others::Others;
 use super::samples::Samples;
-use super::workers::Workers;
+use super::workers::{Workers, results};
 use super::{ChainCount, CohortPatient, DoubtedFilm, Films, LineRejections, MissingResult};
 use crate::action::LineKind;
 use crate::analysis::FreeNumbers;
@@ -18,18 +19,29 @@ pub trait CohortSource {
     /// Why a patient cannot be read again.
     type Error;
 
-    /// Shows every patient.
+    /// Shows every patient, at most `most` at a time.
     ///
     /// # Errors
     /// If a patient cannot be read again.
-    fn each(&mut self, take: &mut dyn FnMut(&CohortPatient)) -> Result<(), Self::Error>;
+    fn each_part(
+        &mut self,
+        most: NonZeroUsize,
+        take: &mut dyn FnMut(&[CohortPatient]),
+    ) -> Result<(), Self::Error>;
 }
+
+/// So many patients are in memory at a time.
+const PART: NonZeroUsize = NonZeroUsize::new(64).expect("it is more than zero");
 
 impl CohortSource for &[CohortPatient] {
     type Error = Infallible;
 
-    fn each(&mut self, take: &mut dyn FnMut(&CohortPatient)) -> Result<(), Infallible> {
-        self.iter().for_each(take);
+    fn each_part(
+        &mut self,
+        most: NonZeroUsize,
+        take: &mut dyn FnMut(&[CohortPatient]),
+    ) -> Result<(), Infallible> {
+        self.chunks(most.get()).for_each(take);
         Ok(())
     }
 }
@@ -49,9 +61,11 @@ impl Gathering {
         keeps_values: bool,
     ) -> Result<Self, S::Error> {
         let (mut census, mut bends) = (Census::default(), Vec::new());
-        patients.each(&mut |patient| {
-            census.add(patient);
-            bends.push(patient.bends.clone());
+        patients.each_part(PART, &mut |part| {
+            for patient in part {
+                census.add(patient);
+                bends.push(patient.bends.clone());
+            }
         })?;
         census.end();
         let resampling = Resampling::new(resamples, seed);
@@ -69,12 +83,15 @@ impl Gathering {
         let kinds = self.census.kinds();
         for round in 0..Samples::ROUNDS {
             let mut place = 0;
-            patients.each(&mut |patient| {
-                self.samples.add(&self.others.see(patient, place));
-                place += 1;
-                if round == 0 {
-                    self.census.missing.extend(missing(patient, &kinds));
+            patients.each_part(PART, &mut |part| {
+                let see = |i: usize| self.others.see(&part[i], place + i);
+                for seen in results(workers, part.len(), see) {
+                    self.samples.add(&seen);
+                    if round == 0 {
+                        self.census.missing.extend(missing(seen.patient, &kinds));
+                    }
                 }
+                place += part.len();
             })?;
             self.samples.end_round(workers);
         }
