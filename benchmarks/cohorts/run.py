@@ -1,6 +1,6 @@
 """Times cohorts of synthetic patients: the program alone, and the Python package on Dask, in one run.
 
-`cargo xtask cohorts [--cases N] [--patients N] [--replicates N] [--rows N]` builds what is needed and calls this.
+`cargo xtask cohorts [--cases N] [--patients N] [--replicates N] [--rows N] [--workers N]...` builds what is needed and calls this.
 
 Rounds alternate between program and Dask, so that a busy minute of the machine meets both. It tests nothing.
 """
@@ -143,20 +143,21 @@ def main():
     words.add_argument("--patients", type=int, default=200, help="patients with replicates")
     words.add_argument("--replicates", type=int, default=1000, help="replicates of each of them")
     words.add_argument("--rows", type=int, default=100_000, help="patients of the run that shows the memory; 0: none")
+    words.add_argument("--workers", type=int, nargs="+", default=[1, 2], help="cores, one row each")
     asked = words.parse_args()
     patients = synthetic_patients(asked.program, asked.out / "patients", min(asked.cases, DISTINCT))
     cases = write_cases(patients, asked.out / "cases", asked.cases)
     print(f"{len(patients)} synthetic patients, repeated under other names; five films with six readings each; medians of {ROUNDS} rounds in s; replicates once\n")
     print("| | program | package on Dask | Dask over program | memory, MB: program / a worker |")
     print("|---|---|---|---|---|", flush=True)
-    each = [with_workers(asked.program, cases, asked.out, workers, asked) for workers in (1, 2)]
+    each = [with_workers(asked.program, cases, asked.out, workers, asked) for workers in asked.workers]
     if asked.rows:
         more = asked.out / "more"
         shutil.rmtree(asked.out / "cases")
         write_cases(patients, more, asked.rows, readings=1)
         seconds, memory = by_program(asked.program, [more], asked.out / "alone", 2)
         print(f"| {asked.rows} patients with one reading, 2 cores | {seconds:.1f} | - | - | {memory:.0f} / - |")
-    print(f"\n{cost(each[1])}")
+    print(f"\n{cost(each[-1])}")
 
 
 if __name__ == "__main__":

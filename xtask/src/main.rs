@@ -62,7 +62,7 @@ cargo xtask COMMAND
   bench    run the benchmarks of the core
   peers [--rounds N] [--without-octave]
            compare times with MuJoCo, Pinocchio, OpenSim, numpy and Octave
-  cohorts [--cases N] [--patients N] [--replicates N] [--rows N]
+  cohorts [--cases N] [--patients N] [--replicates N] [--rows N] [--workers N]...
            time cohorts by the program and by the Python package on Dask
 ";
 
