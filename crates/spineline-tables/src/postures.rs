@@ -60,7 +60,7 @@ fn film<'a>() -> Vec<Column<PostureRow<'a>>> {
         truth(
             "noise_measured",
             "whether these standard deviations come from repeated readings; else they are assumed",
-            |row| Some(row.item.outline.noise.measured),
+            |row| Some(row.item.outline.noise.is_measured()),
         ),
     ]
 }

@@ -209,7 +209,7 @@ impl Case {
             noise: Noise {
                 location_mm: self.noise.location_mm,
                 tilt: Angle::from_rad(self.noise.tilt_rad),
-                measured: false,
+                tilt_degrees_of_freedom: None,
             },
             scale: LengthScale::stated(SpacingPlane::Patient, None),
             length: FilmLength::ERECT,

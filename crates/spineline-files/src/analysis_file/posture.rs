@@ -189,9 +189,14 @@ struct LineComparisonRecord {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 struct TestRecord {
+    /// Sum of squares of what vanishes if it is true, in standard deviations.
     chi_squared: f64,
-    /// Degrees of freedom.
+    /// How many numbers vanish if it is true.
     restrictions: u32,
+    /// Degrees of freedom of these standard deviations, as far as they come from how readings differ; null where noise was assumed,
+    /// or where they are so many that they make no difference.
+    #[serde(default)]
+    noise_degrees_of_freedom: Option<f64>,
     p_value: f64,
 }
 
@@ -240,6 +245,7 @@ impl TestRecord {
         Self {
             chi_squared: test.chi_squared,
             restrictions: test.restrictions,
+            noise_degrees_of_freedom: test.noise_degrees_of_freedom,
             p_value: test.p_value,
         }
     }
@@ -335,7 +341,7 @@ impl PostureRecord {
                 location_mm: scale.mm(p.outline.noise.location_mm),
                 location_px: scale.px(p.outline.noise.location_mm),
                 tilt_deg: p.outline.noise.tilt.deg(),
-                measured: p.outline.noise.measured,
+                measured: p.outline.noise.is_measured(),
             },
             mean_rotation_deg: p.mean_rotation().map(Angle::deg),
             inflection_mm: inflections(point_mm),

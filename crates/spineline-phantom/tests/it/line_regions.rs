@@ -73,7 +73,8 @@ fn count(phantom: &spineline_phantom::Phantom, analysis: &Analysis, counts: &mut
         let proposal = ProposedLine::Through { points, covariance: Matrix4::zeros() };
         let test = loads.test(film, &proposal).expect("a load");
         add(REGION, !test.rejects());
-        let own = posture.preferred_line.as_ref().expect("a line");
+        // Once in thousands of films that move little the load is a couple, which has no line.
+        let Some(own) = &posture.preferred_line else { continue };
         let inflection = own.inflection.expect("two inflections").test;
         add("'through the inflections' is not rejected", !inflection.rejects());
         let iliac = own.iliac.expect("marked crests").test;
@@ -193,7 +194,7 @@ struct Bounds {
 }
 
 /// The study behind the rows in `validation/README.md`: some minutes in a release build. What the fit takes for granted was chosen with
-/// sets 1 to 168, 1001 to 1168, 2001 to 2008 and 7001 to 7120 in view; these are others.
+/// sets 1 to 168, 1001 to 1168, 2001 to 2008, 7001 to 7120 and 8001 to 8080 in view; these are others.
 #[test]
 #[ignore = "over 25,000 patients: cargo test --release -p spineline-phantom --test it line_regions -- --ignored --nocapture"]
 fn over_thousands_of_patients() {
@@ -204,7 +205,7 @@ fn over_thousands_of_patients() {
         {
             for truth in [Truth::Rod, Truth::Pull] {
                 let build = Build { construction: bounds.construction, joint_log_sd };
-                let counts = study(truth, 8001..=8080, build, &readers);
+                let counts = study(truth, 9001..=9080, build, &readers);
                 print(truth, build, &counts);
                 check(truth, &counts, &bounds);
             }

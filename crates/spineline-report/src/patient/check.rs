@@ -53,7 +53,7 @@ pub fn films_table(analysis: &Analysis) -> Table {
     let mut table = Table::new("", columns);
     for p in &analysis.postures {
         let outline = &p.outline;
-        let assumed = if outline.noise.measured { "" } else { " assumed" };
+        let assumed = if outline.noise.is_measured() { "" } else { " assumed" };
         table.row(vec![
             outline.posture.to_string(),
             outline.readings.to_string(),

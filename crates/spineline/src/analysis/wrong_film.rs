@@ -72,7 +72,7 @@ pub(super) fn warn_of_wrong_films(
         match film.posture.bend() {
             Some(side) => warn_of_no_bend(erect, film, side, warnings),
             // An assumed noise may be far above that of these readings, and a neutral film may differ by less.
-            None if erect.noise.measured && film.noise.measured => {
+            None if erect.noise.is_measured() && film.noise.is_measured() => {
                 warn_of_one_shape(erect, film, warnings);
             }
             None => {}

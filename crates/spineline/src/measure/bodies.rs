@@ -109,7 +109,7 @@ pub(super) fn corner_sd(readings: &[ReadBodies<'_>]) -> Option<f64> {
     }
     let readings = marked.values().map(Vec::len).sum::<usize>() as f64 / marked.len() as f64;
     // Rounding to a pixel leaves at least about so much, and pixels are no smaller than that in mm.
-    Some((pool.variance()? / readings).sqrt().max(Noise::FLOOR_CORNER_MM))
+    Some((pool.spread()?.variance / readings).sqrt().max(Noise::FLOOR_CORNER_MM))
 }
 
 /// Standard deviations across and along the axis of the crossing of a body's diagonals, from that of a corner: the error of either diagonal

@@ -14,8 +14,9 @@ pub struct Noise {
     pub location_mm: f64,
     /// Of a tilt.
     pub tilt: Angle,
-    /// Whether it was measured from the standard deviation of readings; else it is the assumption for one careful reading.
-    pub measured: bool,
+    /// Degrees of freedom of the tilt's variance, where both deviations were measured by how readings differ; `None` for the assumption
+    /// for one careful reading.
+    pub tilt_degrees_of_freedom: Option<usize>,
 }
 
 impl Noise {
@@ -24,7 +25,7 @@ impl Noise {
     /// # References
     /// Tilt: intra-observer deviation of [vrtovec-2015]. Corners: assumption.
     pub const ONE_READING: Self =
-        Self { location_mm: 0.25, tilt: Angle::from_deg(0.7), measured: false };
+        Self { location_mm: 0.25, tilt: Angle::from_deg(0.7), tilt_degrees_of_freedom: None };
 
     /// Rounding to a pixel and to 0.1° leaves at least about so much.
     pub(super) const FLOOR_LOCATION_MM: f64 = 0.03;
@@ -36,6 +37,12 @@ impl Noise {
     #[must_use]
     pub const fn corner_mm(&self) -> f64 {
         2.0 * self.location_mm
+    }
+
+    /// Whether it was measured by how readings differ; else it is the assumption for one careful reading.
+    #[must_use]
+    pub const fn is_measured(&self) -> bool {
+        self.tilt_degrees_of_freedom.is_some()
     }
 
     /// Of means, from the standard deviation of the readings of vertebrae whose corners were placed by all: what a program completes is
@@ -57,17 +64,17 @@ impl Noise {
             location.add(own().map(|(by, place)| (by, place.location.z_mm - mean.location.z_mm)));
             tilt.add(own().map(|(by, place)| (by, (place.tilt - mean.tilt).wrapped().rad())));
         }
-        let Some((of_location, of_tilt)) = location.variance().zip(tilt.variance()) else {
+        let Some((of_location, of_tilt)) = location.spread().zip(tilt.spread()) else {
             return Noise::ONE_READING;
         };
         let read: usize = means.values().map(|(_, readings)| readings).sum();
         let readings_per_value = read as f64 / means.len() as f64;
         let [location_mm, tilt] =
-            [of_location, of_tilt].map(|variance| (variance / readings_per_value).sqrt());
+            [&of_location, &of_tilt].map(|found| (found.variance / readings_per_value).sqrt());
         Noise {
             location_mm: location_mm.max(Noise::FLOOR_LOCATION_MM),
             tilt: Angle::from_rad(tilt.max(Noise::FLOOR_TILT.rad())),
-            measured: true,
+            tilt_degrees_of_freedom: Some(of_tilt.freedom),
         }
     }
 }
@@ -114,7 +121,7 @@ impl Outline {
         Noise {
             location_mm: mean(&|noise| noise.location_mm),
             tilt: Angle::from_rad(mean(&|noise| noise.tilt.rad())),
-            measured: self.noise.measured,
+            tilt_degrees_of_freedom: self.noise.tilt_degrees_of_freedom,
         }
     }
 
@@ -153,10 +160,22 @@ impl ReadingSquares {
         self.between.1 += by_observer.len() - 1;
     }
 
-    /// Variance of one reading, from the differences between observers, or between their repeats where those differ more;
-    /// `None` where nothing was read twice.
-    pub fn variance(&self) -> Option<f64> {
-        let variance = |(squares, freedom): (f64, usize)| squares / freedom.max(1) as f64;
-        (self.all.1 > 0).then(|| variance(self.all).max(variance(self.between)))
+    /// Of one reading, from the differences between observers, or between their repeats where those differ more; `None` where
+    /// nothing was read twice.
+    pub fn spread(&self) -> Option<ReadingSpread> {
+        let of = |(squares, freedom): (f64, usize)| ReadingSpread {
+            variance: squares / freedom.max(1) as f64,
+            freedom,
+        };
+        let (all, between) = (of(self.all), of(self.between));
+        let larger = if between.variance > all.variance { between } else { all };
+        (larger.freedom > 0).then_some(larger)
     }
+}
+
+/// The variance of one reading, as readings show it.
+pub(crate) struct ReadingSpread {
+    pub variance: f64,
+    /// Degrees of freedom of the variance.
+    pub freedom: usize,
 }

@@ -45,7 +45,7 @@ impl MeasuredVertebra {
     pub(crate) fn own_noise(&self) -> Option<Noise> {
         let interpolated = self.interpolated.map(|found| (found.location_sd_mm, found.tilt_sd));
         let own = interpolated.or(self.program.map(|found| (found.location_mm, found.tilt)));
-        own.map(|(location_mm, tilt)| Noise { location_mm, tilt, measured: false })
+        own.map(|(location_mm, tilt)| Noise { location_mm, tilt, tilt_degrees_of_freedom: None })
     }
 
     /// Whether some reading marked it.

@@ -42,7 +42,7 @@ impl ProgramNoise {
             // No program is surer than rounding to a pixel lets a reader be.
             location_mm: location_mm.max(Noise::FLOOR_LOCATION_MM),
             tilt: Angle::from_rad(tilt.max(Noise::FLOOR_TILT.rad())),
-            measured: film.measured,
+            tilt_degrees_of_freedom: film.tilt_degrees_of_freedom,
         }
     }
 

@@ -33,6 +33,8 @@ pub struct FilmEvidence {
     pub tilt_sd: Angle,
     /// The same on the erect film.
     pub erect_tilt_sd: Angle,
+    /// Degrees of freedom of the variances of tilts on the film and on the erect film, where readings show them.
+    pub tilt_degrees_of_freedom: [Option<usize>; 2],
     /// The vertebrae that the joints connect.
     pub levels: Levels,
     /// Covariances of the tilts of the vertebrae, in rad²; `None` where no film interpolates one and a person placed all
@@ -132,9 +134,28 @@ impl FilmEvidence {
             joints,
             tilt_sd: film.noise_over(&film.vertebrae).tilt,
             erect_tilt_sd: erect.noise_over(&erect.vertebrae).tilt,
+            tilt_degrees_of_freedom: [film, erect]
+                .map(|outline| outline.noise.tilt_degrees_of_freedom),
             levels,
             tilt_covariances: TiltCovariances::of(film, erect),
         }
+    }
+
+    /// Covariance of the tilts of all vertebrae of the film, in rad².
+    pub(super) fn tilt_covariance(&self) -> DMatrix<f64> {
+        let own = self.tilt_covariances.as_ref();
+        own.map_or_else(|| self.alike(self.tilt_sd), |covariances| covariances.film.clone())
+    }
+
+    /// The same of the erect film.
+    pub(super) fn erect_tilt_covariance(&self) -> DMatrix<f64> {
+        let own = self.tilt_covariances.as_ref();
+        own.map_or_else(|| self.alike(self.erect_tilt_sd), |covariances| covariances.erect.clone())
+    }
+
+    fn alike(&self, sd: Angle) -> DMatrix<f64> {
+        let size = self.levels.len();
+        DMatrix::from_diagonal_element(size, size, sd.rad().powi(2))
     }
 
     /// Standard deviation of the rotation of one joint, whose vertebrae may be interpolated, or share errors of completed corners.
@@ -173,6 +194,20 @@ impl FilmEvidence {
                 })
             })
             .collect()
+    }
+
+    /// By how much these grow where every joint's centre is shifted.
+    pub(super) fn shifted_responses(
+        &self,
+        shift_mm: impl Fn(&JointEvidence) -> Frontal,
+    ) -> Vec<[f64; 3]> {
+        let of_joint = |joint: &JointEvidence| {
+            // The moment about a point falls with fz to the left and grows with fy upwards.
+            let shift = shift_mm(joint);
+            let turn_rad_per_nmm = joint.compliance_rad_per_nmm * joint.hinge.x;
+            [shift.z_mm, -shift.y_mm, 0.0].map(|part| part * turn_rad_per_nmm)
+        };
+        self.joints.iter().map(of_joint).collect()
     }
 
     /// Joints that turn against the moment of a load of given components: no positive stiffness explains them.
@@ -224,5 +259,40 @@ impl FilmEvidence {
             sums[group].1 += weight * (response[0] * response[0]);
         }
         sums
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_shifted_centre_changes_responses_as_a_shifted_centre_does() {
+        // Oracle: the responses with the centre moved; a hinge that is pitched out of the film.
+        let shift = Frontal::new(0.7, -1.3);
+        let joint = JointEvidence {
+            rotation: Angle::ZERO,
+            centre_mm: Vec3::new(5.0, 20.0, 150.0),
+            disc_mm: shift,
+            to_evener_mm: Frontal::default(),
+            hinge: Vec3::new(0.8, 0.0, 0.6),
+            compliance_rad_per_nmm: 1e-5,
+        };
+        let film = |joint| FilmEvidence {
+            joints: vec![joint],
+            tilt_sd: Angle::from_deg(0.5),
+            erect_tilt_sd: Angle::from_deg(0.5),
+            tilt_degrees_of_freedom: [None; 2],
+            levels: Levels::between(Level::L4, Level::L3).expect("neighbours"),
+            tilt_covariances: None,
+        };
+        let load = Load::Frontal { depth_mm: 0.0 };
+        let before = film(joint).responses(&load)[0];
+        let centre_mm = joint.centre_mm + Vec3::new(0.0, shift.y_mm, shift.z_mm);
+        let after = film(JointEvidence { centre_mm, ..joint }).responses(&load)[0];
+        let predicted = film(joint).shifted_responses(|joint| joint.disc_mm)[0];
+        for part in 0..3 {
+            assert!((after[part] - before[part] - predicted[part]).abs() < 1e-15, "{part}");
+        }
     }
 }

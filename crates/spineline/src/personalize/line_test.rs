@@ -1,10 +1,12 @@
 //! Test of a line of action against films, and the 95 % region of the line of best fit.
 
 use nalgebra::{DMatrix, DVector, Matrix4, RowVector3, Vector4};
-use statrs::distribution::{ChiSquared, ContinuousCDF};
+use statrs::distribution::{ChiSquared, ContinuousCDF, StudentsT};
+use statrs::function::beta::beta_reg;
 
 use super::estimate::{EstimatedLine, line_of};
 use super::preferred::PreferredLoads;
+use super::tilt_errors::of_film;
 use crate::spatial::{Angle, Frontal};
 
 /// What is proposed of the line on one film.
@@ -33,6 +35,9 @@ pub struct LineTest {
     pub chi_squared: f64,
     /// Numbers that should vanish: 2 for a line, 1 for a direction.
     pub restrictions: u32,
+    /// Degrees of freedom of these deviations, as far as they come from how readings differ; `None` where noise was assumed, or where
+    /// they are so many that they make no difference.
+    pub noise_degrees_of_freedom: Option<f64>,
     /// Probability of a larger statistic if the proposal is true.
     pub p_value: f64,
 }
@@ -49,7 +54,7 @@ pub enum Crossing {
 /// What is less probable than this is rejected, here and in every other test.
 pub const SIGNIFICANCE: f64 = 0.05;
 /// 95 % of chi-squared on one degree of freedom.
-const LIMIT: f64 = 3.841_458_820_694_124;
+const KNOWN_LIMIT: f64 = 3.841_458_820_694_124;
 
 impl LineTest {
     /// Whether the films reject it, with an error of 5 % if it is true.
@@ -90,13 +95,13 @@ impl PreferredLoads {
         };
         let load = RowVector3::new(fy, fz, mx);
         let off = DVector::from_iterator(rows.len(), rows.iter().map(|row| row.dot(&load)));
-        let covariance = self.about(film, &rows) + known;
-        let chi_squared = off.dot(&(covariance.cholesky()?.inverse() * &off));
-        Some(LineTest {
-            chi_squared,
-            restrictions: rows.len() as u32,
-            p_value: ChiSquared::new(rows.len() as f64).ok()?.sf(chi_squared),
-        })
+        let covariance = of_film(&self.covariance, film, &rows) + known;
+        let inverse = covariance.cholesky()?.inverse();
+        let chi_squared = off.dot(&(&inverse * &off));
+        let freedom = self.from_tilts.freedom(film, &rows, &inverse);
+        let restrictions = rows.len() as u32;
+        let p_value = tail(chi_squared, restrictions.into(), freedom)?;
+        Some(LineTest { chi_squared, restrictions, noise_degrees_of_freedom: freedom, p_value })
     }
 
     /// Where the film's line may cross a height, with 95 % confidence for this height alone.
@@ -109,11 +114,12 @@ impl PreferredLoads {
         // The moment about (y, z) is a - b y.
         let rows = [RowVector3::new(z_mm, 0.0, 1.0), RowVector3::new(0.0, 1.0, 0.0)];
         let [a, b] = rows.map(|row| row.dot(&RowVector3::from(*load)));
-        let c = self.about(film, &rows);
+        let c = of_film(&self.covariance, film, &rows);
+        let limit = self.crossing_limit(film, rows[0] - rows[1] * (a / b));
         // (a - b y)² <= limit (c00 - 2 c01 y + c11 y²)
-        let square = b * b - LIMIT * c[(1, 1)];
-        let half = a * b - LIMIT * c[(0, 1)];
-        let rest = a * a - LIMIT * c[(0, 0)];
+        let square = b * b - limit * c[(1, 1)];
+        let half = a * b - limit * c[(0, 1)];
+        let rest = a * a - limit * c[(0, 0)];
         let root = half * half - square * rest;
         if square <= 0.0 || root < 0.0 {
             return Some(Crossing::Open);
@@ -121,11 +127,25 @@ impl PreferredLoads {
         Some(Crossing::Between([(half - root.sqrt()) / square, (half + root.sqrt()) / square]))
     }
 
-    /// Covariance of some linear numbers of a film's load.
-    fn about(&self, film: usize, rows: &[RowVector3<f64>]) -> DMatrix<f64> {
-        let own = self.covariance.fixed_view::<3, 3>(3 * film, 3 * film);
-        DMatrix::from_fn(rows.len(), rows.len(), |i, j| (rows[i] * own * rows[j].transpose())[0])
+    /// Largest square of the moment about a place of the line, in its variances, that is not rejected.
+    fn crossing_limit(&self, film: usize, moment: RowVector3<f64>) -> f64 {
+        let variance = of_film(&self.covariance, film, &[moment])[(0, 0)];
+        let inverse = DMatrix::from_element(1, 1, variance.recip());
+        let freedom = self.from_tilts.freedom(film, &[moment], &inverse);
+        let distribution = freedom.and_then(|freedom| StudentsT::new(0.0, 1.0, freedom).ok());
+        distribution.map_or(KNOWN_LIMIT, |t| t.inverse_cdf(1.0 - 0.5 * SIGNIFICANCE).powi(2))
     }
+}
+
+/// Probability of a larger sum of squares, in deviations that are known or were estimated.
+fn tail(chi_squared: f64, restrictions: f64, freedom: Option<f64>) -> Option<f64> {
+    Some(match freedom {
+        None => ChiSquared::new(restrictions).ok()?.sf(chi_squared),
+        // Of F, without a difference from one.
+        Some(freedom) => {
+            beta_reg(0.5 * freedom, 0.5 * restrictions, freedom / (freedom + chi_squared))
+        }
+    })
 }
 
 /// Moment about a point, of components `(fy, fz, mx)`.
@@ -135,7 +155,10 @@ fn moment_about(point: Frontal) -> RowVector3<f64> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::evidence::FilmEvidence;
+    use super::super::tilt_errors::TiltErrors;
     use super::*;
+    use crate::anatomy::{Level, Levels};
 
     /// 100 N straight up, 10 mm to the left of the origin, with given variances of `fy`, `fz` and `mx`.
     fn upwards(variances: [f64; 3]) -> PreferredLoads {
@@ -149,6 +172,7 @@ mod tests {
             centre_sd_discs: 1.0,
             own: Vec::new(),
             covariance: DMatrix::from_diagonal(&DVector::from_column_slice(&variances)),
+            from_tilts: TiltErrors::default(),
         }
     }
 
@@ -160,7 +184,7 @@ mod tests {
             let Some(Crossing::Between([low, high])) = loads.crossing(0, z_mm) else {
                 panic!("an interval")
             };
-            let reach = LIMIT.sqrt();
+            let reach = KNOWN_LIMIT.sqrt();
             assert!((low - (10.0 - reach)).abs() < 1e-9 && (high - (10.0 + reach)).abs() < 1e-9);
         }
     }
@@ -204,5 +228,42 @@ mod tests {
         // On two degrees p is exp(-χ²/2).
         assert!((test.p_value - (-16.0_f64).exp()).abs() < 1e-12);
         assert!(!through(4.0).rejects());
+    }
+
+    #[test]
+    fn noise_that_two_films_show_has_few_degrees_of_freedom() {
+        // Oracle: Welch's degrees of freedom of a difference, n1 + n2 for equal variances with n1 = n2, and the closed forms of
+        // Student's t and of F with 2 degrees.
+        let tilt_sd = Angle::from_rad(0.01);
+        let film = FilmEvidence {
+            joints: Vec::new(),
+            tilt_sd,
+            erect_tilt_sd: tilt_sd,
+            tilt_degrees_of_freedom: [Some(1); 2],
+            levels: Levels::between(Level::L4, Level::L3).expect("neighbours"),
+            tilt_covariances: None,
+        };
+        // A rotation is a difference of tilts, on the film and on the erect one; its error is one of the moment.
+        let by_error = 5000.0;
+        let loads_by_errors = DMatrix::from_column_slice(3, 1, &[0.0, 0.0, by_error]);
+        let sd = by_error * tilt_sd.rad() * 2.0;
+        let loads = PreferredLoads {
+            from_tilts: TiltErrors::of_films(&[&film], &loads_by_errors),
+            ..upwards([0.0, 0.0, sd * sd])
+        };
+        let Some(Crossing::Between([low, high])) = loads.crossing(0, 100.0) else {
+            panic!("an interval")
+        };
+        let t = 0.95 / (2.0_f64 * 0.975 * 0.025).sqrt();
+        assert!((0.5 * (high - low) - t * sd / 100.0).abs() < 1e-9, "{low} {high}");
+        let points = [Frontal::new(12.0, 50.0), Frontal::new(12.0, 200.0)];
+        let exact = ProposedLine::Through { points, covariance: Matrix4::identity() };
+        let test = loads.test(0, &exact).expect("a load");
+        let freedom = test.noise_degrees_of_freedom.expect("estimated noise");
+        let closed_form = (1.0 + test.chi_squared / freedom).powf(-0.5 * freedom);
+        assert!((test.p_value - closed_form).abs() < 1e-12 && freedom > 2.0);
+        // Points that are known much worse than the noise leave nothing to its degrees of freedom.
+        let unsure = ProposedLine::Through { points, covariance: Matrix4::identity() * 1e6 };
+        assert_eq!(loads.test(0, &unsure).expect("a load").noise_degrees_of_freedom, None);
     }
 }

@@ -6,13 +6,13 @@ use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 
 use super::MULTIPLIER_BOUNDS;
 use super::acceleration::IterationStep;
-use super::evidence::{FilmEvidence, JointEvidence};
+use super::evidence::FilmEvidence;
 use super::preferred::PreferredLoads;
 use super::random_effects::{OwnParts, RandomEffects, VARIANCES, Waves};
+use super::tilt_errors::TiltErrors;
 use super::weights::{Normal, Precision, inverse_of, scale_columns};
 use crate::clinical::JointShares;
 use crate::multibody::Load;
-use crate::spatial::Frontal;
 
 /// Variances beyond these are none of springs (of `ln`, by joint), of centres (in discs) and of springs along the spine (of `ln`).
 pub(super) const MAX_VARIANCES: Vector3<f64> = Vector3::new(1.0, 4.0, 1.0);
@@ -72,7 +72,10 @@ struct LoadColumns {
 pub(super) struct Linearized<'a> {
     /// By the loads, the free multipliers and the centres, in scaled columns.
     scales: DVector<f64>,
-    /// Derivative of the likelihood by these.
+    /// Rotations by these, and what joints have of their own as it follows them.
+    jacobian: DMatrix<f64>,
+    own_by_fitted: DMatrix<f64>,
+    /// Derivative of the likelihood by the fitted numbers.
     slope: DVector<f64>,
     /// Their covariance.
     covariance: DMatrix<f64>,
@@ -121,17 +124,17 @@ impl<'a> Fit<'a> {
         let all = films.iter().flat_map(|film| &film.joints).map(|joint| joint.rotation.rad());
         let rotations = DMatrix::from_iterator(films.len() * joints, 1, all);
         let precision = Precision::new(films, joints)?;
+        let by_film = |responses: &dyn Fn(&FilmEvidence) -> Vec<[f64; 3]>| {
+            films.iter().map(|film| responses(film)).collect()
+        };
         let mut fit = Self {
             films: films.len(),
             joints,
             shares,
-            responses: films
-                .iter()
-                .map(|film| film.responses(&Load::Frontal { depth_mm }))
-                .collect(),
-            higher: shifted(films, |joint| joint.disc_mm),
+            responses: by_film(&|film| film.responses(&Load::Frontal { depth_mm })),
+            higher: by_film(&|film| film.shifted_responses(|joint| joint.disc_mm)),
             centres_higher_discs: 0.0,
-            evener: shifted(films, |joint| joint.to_evener_mm),
+            evener: by_film(&|film| film.shifted_responses(|joint| joint.to_evener_mm)),
             evenness: EVENNESS,
             rotations,
             precision,
@@ -267,6 +270,8 @@ impl<'a> Fit<'a> {
         let expected = own.by_joint(&expected);
         Some(Linearized {
             scales,
+            jacobian,
+            own_by_fitted: found.effects_by_columns,
             slope,
             covariance,
             own,
@@ -416,7 +421,24 @@ impl<'a> Fit<'a> {
         Some(())
     }
 
-    pub fn finish(&self, variances: Vector3<f64>, at: &Linearized<'_>) -> PreferredLoads {
+    /// By how much every load component grows with the error of every rotation, components by rotations: `(X' V^-1 X)^-1 X' V^-1`.
+    fn loads_by_errors(&self, at: &Linearized<'_>) -> DMatrix<f64> {
+        let loads = 3 * self.films;
+        let fitted = &at.covariance.columns(0, loads);
+        let own = at.own.rotations(&(&at.own_by_fitted * fitted));
+        let mut weights = self.precision.times(&(&at.jacobian * fitted - own));
+        for (mut column, scale) in weights.column_iter_mut().zip(&at.scales) {
+            column /= *scale;
+        }
+        weights.transpose()
+    }
+
+    pub fn finish(
+        &self,
+        films: &[&FilmEvidence],
+        variances: Vector3<f64>,
+        at: &Linearized<'_>,
+    ) -> PreferredLoads {
         let loads = 3 * self.films;
         let covariance = DMatrix::from_fn(loads, loads, |i, j| {
             at.covariance[(i, j)] / (at.scales[i] * at.scales[j])
@@ -433,6 +455,7 @@ impl<'a> Fit<'a> {
             trend_log_sd: variances[2].sqrt(),
             own: self.own.clone(),
             covariance,
+            from_tilts: TiltErrors::of_films(films, &self.loads_by_errors(at)),
         }
     }
 }
@@ -447,52 +470,5 @@ fn beside(matrix: &DMatrix<f64>, further: &DMatrix<f64>) -> DMatrix<f64> {
     DMatrix::from_vec(matrix.nrows(), matrix.ncols() + further.ncols(), all)
 }
 
-/// By how much the responses grow where every joint's centre is shifted.
-fn shifted(
-    films: &[&FilmEvidence],
-    shift_mm: impl Fn(&JointEvidence) -> Frontal,
-) -> Vec<Vec<[f64; 3]>> {
-    let of_joint = |joint: &JointEvidence| {
-        // The moment about a point falls with fz to the left and grows with fy upwards.
-        let shift = shift_mm(joint);
-        let turn_rad_per_nmm = joint.compliance_rad_per_nmm * joint.hinge.x;
-        [shift.z_mm, -shift.y_mm, 0.0].map(|part| part * turn_rad_per_nmm)
-    };
-    films.iter().map(|film| film.joints.iter().map(of_joint).collect()).collect()
-}
-
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::anatomy::{Level, Levels};
-    use crate::spatial::{Angle, Vec3};
-
-    #[test]
-    fn a_shifted_centre_changes_responses_as_a_shifted_centre_does() {
-        // Oracle: the responses with the centre moved; a hinge that is pitched out of the film.
-        let shift = Frontal::new(0.7, -1.3);
-        let joint = JointEvidence {
-            rotation: Angle::ZERO,
-            centre_mm: Vec3::new(5.0, 20.0, 150.0),
-            disc_mm: shift,
-            to_evener_mm: Frontal::default(),
-            hinge: Vec3::new(0.8, 0.0, 0.6),
-            compliance_rad_per_nmm: 1e-5,
-        };
-        let film = |joint| FilmEvidence {
-            joints: vec![joint],
-            tilt_sd: Angle::from_deg(0.5),
-            erect_tilt_sd: Angle::from_deg(0.5),
-            levels: Levels::between(Level::L4, Level::L3).expect("neighbours"),
-            tilt_covariances: None,
-        };
-        let load = Load::Frontal { depth_mm: 0.0 };
-        let before = film(joint).responses(&load)[0];
-        let centre_mm = joint.centre_mm + Vec3::new(0.0, shift.y_mm, shift.z_mm);
-        let after = film(JointEvidence { centre_mm, ..joint }).responses(&load)[0];
-        let predicted = shifted(&[&film(joint)], |joint| joint.disc_mm)[0][0];
-        for part in 0..3 {
-            assert!((after[part] - before[part] - predicted[part]).abs() < 1e-15, "{part}");
-        }
-    }
-}
+mod tests;

@@ -30,6 +30,7 @@ mod random_effects;
 mod rows;
 mod shape_weights;
 mod start;
+mod tilt_errors;
 mod weights;
 
 pub use crate::least_squares::FitStatus;

@@ -52,6 +52,7 @@ use super::evidence::FilmEvidence;
 use super::mixed_equations::{Fit, Linearized, MAX_VARIANCES};
 use super::nearby_loads::NearbyLoads;
 use super::random_effects::{OwnParts, Waves};
+use super::tilt_errors::TiltErrors;
 use crate::clinical::JointShares;
 
 /// Loads of several films that share springs.
@@ -75,6 +76,8 @@ pub struct PreferredLoads {
     pub(super) own: Vec<OwnParts>,
     /// Covariance of all components, film by film, with multipliers free.
     pub(super) covariance: DMatrix<f64>,
+    /// What comes of it from tilts whose variance is estimated.
+    pub(super) from_tilts: TiltErrors,
 }
 
 const ROUNDS: usize = 150;
@@ -108,7 +111,7 @@ impl PreferredLoads {
                 settle(&mut fit, MAX_VARIANCES * 1e-2)?
             }
         };
-        Some(fit.finish(variances, &at))
+        Some(fit.finish(films, variances, &at))
     }
 
     /// Puts its unknowns in a fit, and answers with its variances.

@@ -114,6 +114,19 @@ impl<'a> RandomEffects<'a> {
         gathered
     }
 
+    /// Rotations of all films by columns of effects.
+    pub fn rotations(&self, effects: &DMatrix<f64>) -> DMatrix<f64> {
+        let (joints, films) = self.rotations[0].shape();
+        let log_softness = &self.waves.shapes * effects.rows(0, joints);
+        let centres = effects.rows(joints, joints);
+        let [by_stiffness, by_centres] = &self.rotations;
+        DMatrix::from_fn(joints * films, effects.ncols(), |row, column| {
+            let (film, joint) = (row / joints, row % joints);
+            by_stiffness[(joint, film)] * log_softness[(joint, column)]
+                + by_centres[(joint, film)] * centres[(joint, column)]
+        })
+    }
+
     /// Effects as parts of the joints.
     pub fn by_joint(&self, effects: &DMatrix<f64>) -> Vec<OwnParts> {
         let joints = self.waves.walk.len();

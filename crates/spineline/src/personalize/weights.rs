@@ -4,7 +4,6 @@ use nalgebra::{DMatrix, DMatrixView, DVector};
 
 use super::evidence::FilmEvidence;
 use super::random_effects::RandomEffects;
-use crate::spatial::Angle;
 
 /// The inverse of the noise's covariance.
 pub(super) enum Precision {
@@ -95,21 +94,15 @@ fn whole_covariance(films: &[&FilmEvidence], joints: usize) -> DMatrix<f64> {
             tilts[(a, b)] - tilts[(a, b + 1)] - tilts[(a + 1, b)] + tilts[(a + 1, b + 1)]
         })
     };
-    let alike =
-        |sd: Angle| DMatrix::from_diagonal_element(joints + 1, joints + 1, sd.rad().powi(2));
     let mut covariance = DMatrix::zeros(films.len() * joints, films.len() * joints);
     // The erect film is one and the same.
-    let erect = films.iter().find_map(|film| film.tilt_covariances.as_ref());
+    let shared = differences(&films[0].erect_tilt_covariance());
     for (i, film) in films.iter().enumerate() {
-        let erect = erect.map_or_else(|| alike(film.erect_tilt_sd), |v| v.erect.clone());
-        let shared = differences(&erect);
         for k in 0..films.len() {
             covariance.view_mut((i * joints, k * joints), (joints, joints)).copy_from(&shared);
         }
-        let own = film.tilt_covariances.as_ref();
-        let own = own.map_or_else(|| alike(film.tilt_sd), |variances| variances.film.clone());
         let mut block = covariance.view_mut((i * joints, i * joints), (joints, joints));
-        block += differences(&own);
+        block += differences(&film.tilt_covariance());
     }
     covariance
 }
@@ -181,6 +174,7 @@ mod tests {
     use super::super::evidence::TiltCovariances;
     use super::*;
     use crate::anatomy::Levels;
+    use crate::spatial::Angle;
 
     fn film(sd_deg: f64, spelled_out: bool) -> FilmEvidence {
         let levels = Levels::COMPLETE;
@@ -193,6 +187,7 @@ mod tests {
             joints: Vec::new(),
             tilt_sd: film,
             erect_tilt_sd: erect,
+            tilt_degrees_of_freedom: [None; 2],
             levels,
             tilt_covariances: spelled_out.then_some(covariances),
         }

@@ -336,11 +336,11 @@ fn placement_noise(
     readings: &[Reading<Placement>],
     of_means: Noise,
 ) -> FilmNoise {
-    let per_value = if of_means.measured { readings_per_level(readings) } else { 1.0 };
+    let per_value = if of_means.is_measured() { readings_per_level(readings) } else { 1.0 };
     let root = per_value.sqrt();
     FilmNoise {
         posture,
-        source: if of_means.measured { NoiseSource::Readings } else { NoiseSource::Assumed },
+        source: if of_means.is_measured() { NoiseSource::Readings } else { NoiseSource::Assumed },
         landmarks: VertebraNoise::Placements {
             location_sd_mm: of_means.location_mm * root,
             tilt_sd: of_means.tilt * root,
@@ -379,7 +379,7 @@ fn pooled_corners(case: &Case, with_spacing: bool) -> Option<f64> {
             }
         }
     }
-    pool.variance().map(f64::sqrt)
+    pool.spread().map(|found| found.variance.sqrt())
 }
 
 /// The same of axes set by hand.
@@ -396,7 +396,7 @@ fn pooled_axes(case: &Case) -> Option<Angle> {
             pool.add(axes.iter().map(|(by, axis)| (*by, (*axis - axes[0].1).wrapped().rad())));
         }
     }
-    pool.variance().map(|variance| Angle::from_rad(variance.sqrt()))
+    pool.spread().map(|found| Angle::from_rad(found.variance.sqrt()))
 }
 
 /// Marks of every level, with who set them.

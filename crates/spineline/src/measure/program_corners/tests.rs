@@ -111,7 +111,8 @@ fn means_of_completed_readings_are_as_uncertain_as_one() {
     let half = ProgramNoise::of_mean(&[Some(one), None]).expect("one is completed");
     assert!((half.location_mm - 2.0_f64.sqrt()).abs() < 1e-12);
     assert_eq!(half.placed_share, 0.5);
-    let film = Noise { location_mm: 1.0, tilt: Angle::from_deg(0.5), measured: false };
+    let film =
+        Noise { location_mm: 1.0, tilt: Angle::from_deg(0.5), tilt_degrees_of_freedom: None };
     assert!((half.beside(film).location_mm - 2.5_f64.sqrt()).abs() < 1e-12);
 }
 
@@ -120,7 +121,8 @@ fn an_axis_set_by_hand_keeps_the_noise_of_axes_and_no_noise_is_zero() {
     let mut reading = column(Origin::Accepted);
     let landmark = reading.vertebrae.get_mut(&Level::T8).expect("a vertebra");
     landmark.axis_clockwise = Some(Angle::ZERO);
-    let film = Noise { location_mm: 1.0, tilt: Angle::from_deg(0.5), measured: false };
+    let film =
+        Noise { location_mm: 1.0, tilt: Angle::from_deg(0.5), tilt_degrees_of_freedom: None };
     let noise = noise_of(&reading, Level::T8).expect("accepted").beside(film);
     assert_eq!(noise.tilt, film.tilt);
     let sure = VertebraLandmarks {
