@@ -82,7 +82,8 @@ fn all_flips(differences: &[f64], seen: f64) -> f64 {
 
 /// How many of [`DRAWN`] choices of signs have a sum at least `seen` from zero.
 ///
-/// The signs of eight patients are one byte: the sum of each half is looked up among the 16 that it can have, which takes 32 bytes per patient.
+/// The signs of eight patients are one byte: the sum of each half is looked up among the 16 that it can have, which takes 32 bytes
+/// per patient.
 fn drawn_flips(differences: &[f64], seen: f64, seed: u64) -> u32 {
     /// Choices whose sums grow side by side, so that no addition waits for the one before.
     const AT_ONCE: usize = 8;
