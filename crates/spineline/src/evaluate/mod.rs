@@ -9,6 +9,7 @@ mod baseline;
 mod mobility;
 pub mod paired;
 mod prediction;
+mod rotation_moments;
 mod rotation_prior;
 mod simulate;
 pub mod statistics;
@@ -20,6 +21,7 @@ pub(crate) use baseline::{FilmFromTop, Links, turn_of_top_sd};
 pub use mobility::published_lateral_bending;
 pub use prediction::predict;
 pub(crate) use prediction::{ScaledPrediction, at_scale_of_top};
+pub(crate) use rotation_moments::RotationMoments;
 pub use rotation_prior::{PriorSource, RotationPrior, RotationPriorError};
 pub use simulate::{
     Alternative, ForceChoice, NearbyMatch, Simulation, Target, location_errors_mm, simulate,

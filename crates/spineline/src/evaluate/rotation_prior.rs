@@ -3,6 +3,7 @@
 use nalgebra::DMatrix;
 
 use super::mobility::published_lateral_bending;
+use super::rotation_moments::RotationMoments;
 use crate::anatomy::{Levels, Posture, Side};
 use crate::spatial::Angle;
 
@@ -145,35 +146,35 @@ impl RotationPrior {
         levels: Levels,
         patients: &[impl AsRef<[Vec<Angle>]>],
     ) -> Result<Self, RotationPriorError> {
-        let patients = || patients.iter().map(AsRef::as_ref);
-        let with_bend = patients().filter(|bends| !bends.is_empty()).count();
-        if with_bend < Self::MIN_PATIENTS {
-            let needed = Self::MIN_PATIENTS;
-            return Err(RotationPriorError::TooFewPatients { patients: with_bend, needed });
+        let first = patients.iter().find_map(|bends| bends.as_ref().first());
+        let centre = first.cloned().unwrap_or_else(|| vec![Angle::ZERO; levels.joints()]);
+        assert_eq!(centre.len(), levels.joints(), "one rotation per joint");
+        let mut moments = RotationMoments::about(&centre);
+        patients.iter().for_each(|bends| moments.add(bends.as_ref()));
+        Self::from_moments(levels, &moments)
+    }
+
+    /// As [`Self::learned`], from sums over the bends.
+    pub(crate) fn from_moments(
+        levels: Levels,
+        moments: &RotationMoments,
+    ) -> Result<Self, RotationPriorError> {
+        let (patients, needed) = (moments.patients(), Self::MIN_PATIENTS);
+        if patients < needed {
+            return Err(RotationPriorError::TooFewPatients { patients, needed });
         }
-        let joints = levels.joints();
-        let bends: Vec<&Vec<Angle>> = patients().flatten().collect();
-        assert!(bends.iter().all(|bend| bend.len() == joints), "one rotation per joint");
-        let films = bends.len() as f64;
-        let mut values =
-            DMatrix::from_fn(bends.len(), joints, |film, joint| bends[film][joint].rad());
-        let mean: Vec<f64> = (0..joints).map(|joint| values.column(joint).mean()).collect();
-        for (joint, mean) in mean.iter().enumerate() {
-            values.column_mut(joint).add_scalar_mut(-mean);
-        }
-        let sample = values.tr_mul(&values) / (films - 1.0);
-        let shrinkage = correlation_shrinkage(&values, &sample);
-        let covariance_rad2 = DMatrix::from_fn(joints, joints, |i, j| {
+        let sample = moments.covariance_rad2();
+        let shrinkage = correlation_shrinkage(moments, &sample);
+        let covariance_rad2 = DMatrix::from_fn(moments.joints(), moments.joints(), |i, j| {
             if i == j {
-                sample[(i, j)] + Self::NOISE.rad().powi(2)
+                sample[(i, i)] + Self::NOISE.rad().powi(2)
             } else {
                 // Of one of both, so that rounding leaves it symmetric.
                 (1.0 - shrinkage) * sample[(i.max(j), i.min(j))]
             }
         });
-        let source = PriorSource::Learned { patients: with_bend, bends: bends.len(), shrinkage };
-        let mean = mean.into_iter().map(Angle::from_rad).collect();
-        Self::new(levels, mean, covariance_rad2, source)
+        let source = PriorSource::Learned { patients, bends: moments.bends(), shrinkage };
+        Self::new(levels, moments.mean(), covariance_rad2, source)
     }
 
     /// Vertebrae whose joints it describes.
@@ -226,27 +227,19 @@ impl RotationPrior {
 
 /// The part by which correlations are reduced: the sum of their variances over the sum of their squares.
 ///
-/// `values` are films by joints, centred; `sample` is their covariance.
-fn correlation_shrinkage(values: &DMatrix<f64>, sample: &DMatrix<f64>) -> f64 {
-    let films = values.nrows() as f64;
+/// `sample` is the covariance of the bends.
+fn correlation_shrinkage(moments: &RotationMoments, sample: &DMatrix<f64>) -> f64 {
+    let bends = moments.bends() as f64;
     let (mut variances, mut squares) = (0.0, 0.0);
-    for i in 0..values.ncols() {
+    for i in 0..moments.joints() {
         for j in 0..i {
-            let size = (sample[(i, i)] * sample[(j, j)]).sqrt();
+            let sizes = sample[(i, i)] * sample[(j, j)];
             // Joints that never move have no correlation.
-            if size == 0.0 {
+            if sizes == 0.0 {
                 continue;
             }
-            let products: Vec<f64> = values
-                .column(i)
-                .iter()
-                .zip(values.column(j).iter())
-                .map(|(a, b)| a * b / size)
-                .collect();
-            let mean = products.iter().sum::<f64>() / films;
-            let spread: f64 = products.iter().map(|product| (product - mean).powi(2)).sum();
-            variances += films / (films - 1.0).powi(3) * spread;
-            squares += (sample[(i, j)] / size).powi(2);
+            variances += bends / (bends - 1.0).powi(3) * moments.spread_of_products(i, j) / sizes;
+            squares += sample[(i, j)].powi(2) / sizes;
         }
     }
     if squares == 0.0 { 1.0 } else { (variances / squares).clamp(0.0, 1.0) }
