@@ -1,9 +1,9 @@
 //! Several patients together.
 
-use spineline::cohort::{Cohort, CohortPatient};
+use spineline::cohort::{Cohort, CohortPatient, Listed};
 use spineline_files::CohortFile;
 
-use super::kept::KeptPatients;
+use super::kept::{KeptPatients, KeptRows};
 use crate::run::failure::Failure;
 use crate::run::threads::Pool;
 
@@ -19,8 +19,13 @@ pub fn of(patients: &[CohortPatient]) -> Cohort {
 ///
 /// # Errors
 /// If a patient cannot be read again, or the threads cannot be started.
-pub fn of_kept(patients: &mut KeptPatients, threads: usize) -> Result<Cohort, Failure> {
-    Cohort::of_source(patients, BOOTSTRAP_SEED, &Pool::new(threads)?)
+pub fn of_kept(
+    patients: &mut KeptPatients,
+    listed: Listed,
+    threads: usize,
+) -> Result<Cohort, Failure> {
+    let rows = &mut KeptRows::default();
+    Cohort::of_source(patients, rows, listed, BOOTSTRAP_SEED, &Pool::new(threads)?)
 }
 
 /// The statistics as a file.

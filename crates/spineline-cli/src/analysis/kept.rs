@@ -1,10 +1,10 @@
 //! The patients of a cohort outside memory, for statistics that go through them more than once.
 
 use std::env;
-use std::io::{self, BufReader, ErrorKind, Read, Seek, Write};
+use std::io::{self, BufReader, BufWriter, ErrorKind, Read, Seek, SeekFrom, Write};
 use std::num::NonZeroUsize;
 
-use spineline::cohort::{CohortPatient, CohortSource};
+use spineline::cohort::{CohortPatient, CohortRows, CohortSource, TakePart};
 use tempfile::SpooledTempFile;
 
 use crate::run::failure::Failure;
@@ -39,34 +39,31 @@ impl CohortSource for KeptPatients {
     fn each_part(
         &mut self,
         most: NonZeroUsize,
-        take: &mut dyn FnMut(&[CohortPatient]),
+        take: &mut TakePart<'_, Failure>,
     ) -> Result<(), Failure> {
-        each_part(&mut self.0, most.get(), take).map_err(|error| failed(&error))
+        self.0.rewind().map_err(|error| failed(&error))?;
+        let mut reader = BufReader::new(&mut self.0);
+        let (mut bytes, mut part) = (Vec::new(), Vec::with_capacity(most.get()));
+        while let Some(patient) =
+            next_patient(&mut reader, &mut bytes).map_err(|error| failed(&error))?
+        {
+            part.push(patient);
+            if part.len() == most.get() {
+                take(&part)?;
+                part.clear();
+            }
+        }
+        if part.is_empty() { Ok(()) } else { take(&part) }
     }
 }
 
-fn each_part(
-    file: &mut SpooledTempFile,
-    most: usize,
-    take: &mut dyn FnMut(&[CohortPatient]),
-) -> io::Result<()> {
-    file.rewind()?;
-    let mut reader = BufReader::new(file);
-    let (mut bytes, mut part) = (Vec::new(), Vec::with_capacity(most));
-    while let Some(size) = size_of_next(&mut reader)? {
-        bytes.resize(size, 0);
-        reader.read_exact(&mut bytes)?;
-        let damaged = || io::Error::new(ErrorKind::InvalidData, "it is not as it was written");
-        part.push(CohortPatient::from_bytes(&bytes).ok_or_else(damaged)?);
-        if part.len() == most {
-            take(&part);
-            part.clear();
-        }
-    }
-    if !part.is_empty() {
-        take(&part);
-    }
-    Ok(())
+/// `None` after the last patient.
+fn next_patient(reader: &mut impl Read, bytes: &mut Vec<u8>) -> io::Result<Option<CohortPatient>> {
+    let Some(size) = size_of_next(reader)? else { return Ok(None) };
+    bytes.resize(size, 0);
+    reader.read_exact(bytes)?;
+    let damaged = || io::Error::new(ErrorKind::InvalidData, "it is not as it was written");
+    CohortPatient::from_bytes(bytes).map(Some).ok_or_else(damaged)
 }
 
 /// `None` after the last patient.
@@ -81,9 +78,50 @@ fn size_of_next(reader: &mut impl Read) -> io::Result<Option<usize>> {
     }
 }
 
+/// Numbers of the patients, in memory or in such a file.
+pub struct KeptRows(BufWriter<SpooledTempFile>);
+
+impl Default for KeptRows {
+    fn default() -> Self {
+        Self(BufWriter::new(SpooledTempFile::new(IN_MEMORY_BYTES)))
+    }
+}
+
+impl CohortRows<Failure> for KeptRows {
+    fn add(&mut self, row: &[f64]) -> Result<(), Failure> {
+        let mut numbers = row.iter().map(|number| number.to_le_bytes());
+        numbers.try_for_each(|number| self.0.write_all(&number)).map_err(|error| failed(&error))
+    }
+
+    fn each(&mut self, numbers: usize, take: &mut dyn FnMut(&[f64])) -> Result<(), Failure> {
+        let read = self.0.flush().and_then(|()| each_row(self.0.get_mut(), numbers, take));
+        read.map_err(|error| failed(&error))
+    }
+}
+
+fn each_row(
+    file: &mut SpooledTempFile,
+    numbers: usize,
+    take: &mut dyn FnMut(&[f64]),
+) -> io::Result<()> {
+    let size = numbers * size_of::<f64>();
+    let rows = file.seek(SeekFrom::End(0))?.checked_div(size as u64);
+    file.rewind()?;
+    let mut reader = BufReader::with_capacity(1 << 16, file);
+    let (mut bytes, mut row) = (vec![0; size], vec![0.0; numbers]);
+    for _ in 0..rows.unwrap_or_default() {
+        reader.read_exact(&mut bytes)?;
+        for (number, bytes) in row.iter_mut().zip(bytes.as_chunks().0) {
+            *number = f64::from_le_bytes(*bytes);
+        }
+        take(&row);
+    }
+    Ok(())
+}
+
 fn failed(error: &io::Error) -> Failure {
     let place = format!("temporary file of the cohort in {}", env::temp_dir().display());
-    let help = "a cohort needs about 10 kB per patient there: free some space, or name a folder of another disk by TMPDIR";
+    let help = "a cohort needs about 12 kB per patient there: free some space, or name a folder of another disk by TMPDIR";
     Failure::input(&place, error, help)
 }
 
@@ -104,8 +142,7 @@ mod tests {
         for limit in [IN_MEMORY_BYTES, 1] {
             let mut kept = KeptPatients(SpooledTempFile::new(limit));
             let mut seen = Vec::new();
-            kept.each_part(two, &mut |part| seen.push(part.len())).expect("nobody");
-            assert!(seen.is_empty());
+            kept.each_part(two, &mut |_| panic!("nobody is there")).expect("nobody");
             for _ in 0..3 {
                 kept.add(&bytes).expect("room");
             }
@@ -113,6 +150,7 @@ mod tests {
                 kept.each_part(two, &mut |part| {
                     assert!(part.iter().all(|found| *found == patient));
                     seen.push(part.len());
+                    Ok(())
                 })
                 .expect("they can be read");
             }
@@ -120,5 +158,21 @@ mod tests {
         }
         assert!(bytes.len() < 12_000, "{} bytes", bytes.len());
         assert!(CohortPatient::from_bytes(&bytes[1..]).is_none());
+    }
+
+    #[test]
+    fn rows_come_back_to_the_bit_from_memory_and_from_a_file() {
+        let written = [1.5, -0.0, f64::NAN, f64::from_bits(u64::MAX), 0.1, 1e-300];
+        for limit in [IN_MEMORY_BYTES, 1] {
+            let mut rows = KeptRows(BufWriter::new(SpooledTempFile::new(limit)));
+            rows.each(3, &mut |_| panic!("no row is there")).expect("no row");
+            written.chunks(3).for_each(|row| rows.add(row).expect("room"));
+            for _ in 0..2 {
+                let mut read = Vec::new();
+                rows.each(3, &mut |row| read.extend(row.iter().map(|x| x.to_bits())))
+                    .expect("rows");
+                assert_eq!(read, written.map(f64::to_bits));
+            }
+        }
     }
 }

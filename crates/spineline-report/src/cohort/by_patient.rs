@@ -75,7 +75,7 @@ impl PatientRow {
 
 impl PatientRows {
     /// Patients with a row of their own; nobody reads a longer table in a terminal, and it would take more memory than the statistics.
-    pub const MAX_SHOWN: usize = 200;
+    pub const MAX_SHOWN: usize = Cohort::LISTED;
 
     /// Adds a patient.
     pub fn add(&mut self, mut patient: PatientRow) {

@@ -146,6 +146,13 @@ fn films_left_out(cohort: &Cohort) -> Table {
     // Per row: case, kind of films, reason, lines; the films.
     let mut rows: Vec<([String; 4], Vec<String>)> = Vec::new();
     let missing = &cohort.compared.missing;
+    let shown = missing.chunk_by(|a, b| a.case_id == b.case_id).count();
+    if shown < cohort.compared.with_missing {
+        table.note = format!(
+            "The first {shown} of {} patients with such a film; --cohort writes all.",
+            cohort.compared.with_missing
+        );
+    }
     let same_film = |a: &MissingResult, b: &MissingResult| {
         (&a.case_id, a.role, a.posture, a.reason) == (&b.case_id, b.role, b.posture, b.reason)
     };

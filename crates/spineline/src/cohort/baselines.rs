@@ -4,12 +4,14 @@ use super::census::Gathering;
 use super::comparison::corrected_by_holm;
 use super::others::PREDICTED;
 use super::patient::{CohortPatient, PatientFilmUnderLines};
-use super::samples::Samples;
+use super::rows::RowsInMemory;
+use super::samples::{Kept, Samples};
 use super::workers::OneThread;
 use super::{Clustered, PairedComparison, Seen};
 use crate::action::LineKind;
 use crate::analysis::{Analysis, FilmRole, LinesCompared, listed, probability};
 use crate::evaluate::Baseline;
+use crate::evaluate::statistics::Resampling;
 use crate::hypothesis::Hypothesis;
 use crate::personalize::SIGNIFICANCE;
 
@@ -89,13 +91,15 @@ impl BaselinesOverPatients {
     /// interval and no test. `compared` is what [`Analysis::compare_lines`] gives.
     #[must_use]
     pub fn of_patient(analysis: &Analysis, compared: &LinesCompared) -> Self {
-        /// One patient is not resampled.
-        const NO_SEED: u64 = 0;
+        // One patient is not resampled.
+        let resampling = Resampling::new(1, 0);
         let mut patients = &[CohortPatient::of_compared(analysis, compared)][..];
-        let Ok(mut gathering) = Gathering::begin(&mut patients, (1, NO_SEED), false);
+        let Ok(mut gathering) =
+            Gathering::begin(&mut patients, resampling, Kept { values: false, listed: 0 });
         let Gathering { census, samples, .. } = &mut gathering;
         let found = Self::ask(&census.kinds(), &census.hypotheses, samples);
-        let Ok(()) = gathering.go_through(&mut patients, &OneThread);
+        let rows = &mut RowsInMemory::default();
+        let Ok(()) = gathering.go_through(&mut patients, rows, &OneThread);
         found(&mut gathering.samples)
     }
 

@@ -5,16 +5,16 @@ use std::num::NonZeroUsize;
 
 use super::lines::missing;
 use super::others::Others;
-use super::samples::Samples;
+use super::rows::CohortRows;
+use super::samples::{Kept, Samples};
 use super::workers::{Workers, results};
 use super::{ChainCount, CohortPatient, DoubtedFilm, Films, LineRejections, MissingResult};
 use crate::action::LineKind;
 use crate::analysis::FreeNumbers;
-use crate::anatomy::Levels;
 use crate::evaluate::statistics::{Resampling, Summary};
 use crate::hypothesis::Hypothesis;
 
-/// The patients of a cohort, which can be gone through again and again in one order.
+/// The patients of a cohort, which can be gone through again in the same order.
 pub trait CohortSource {
     /// Why a patient cannot be read again.
     type Error;
@@ -22,13 +22,16 @@ pub trait CohortSource {
     /// Shows every patient, at most `most` at a time.
     ///
     /// # Errors
-    /// If a patient cannot be read again.
+    /// If a patient cannot be read again, or with the error of what it is shown to.
     fn each_part(
         &mut self,
         most: NonZeroUsize,
-        take: &mut dyn FnMut(&[CohortPatient]),
+        take: &mut TakePart<'_, Self::Error>,
     ) -> Result<(), Self::Error>;
 }
+
+/// Takes some patients of a [`CohortSource`].
+pub type TakePart<'a, Error> = dyn FnMut(&[CohortPatient]) -> Result<(), Error> + 'a;
 
 /// So many patients are in memory at a time.
 const PART: NonZeroUsize = NonZeroUsize::new(64).expect("it is more than zero");
@@ -39,10 +42,9 @@ impl CohortSource for &[CohortPatient] {
     fn each_part(
         &mut self,
         most: NonZeroUsize,
-        take: &mut dyn FnMut(&[CohortPatient]),
+        take: &mut TakePart<'_, Infallible>,
     ) -> Result<(), Infallible> {
-        self.chunks(most.get()).for_each(take);
-        Ok(())
+        self.chunks(most.get()).try_for_each(take)
     }
 }
 
@@ -57,54 +59,52 @@ impl Gathering {
     /// Goes through the patients once.
     pub fn begin<S: CohortSource>(
         patients: &mut S,
-        (resamples, seed): (u32, u64),
-        keeps_values: bool,
+        resampling: Resampling,
+        kept: Kept,
     ) -> Result<Self, S::Error> {
-        let (mut census, mut bends) = (Census::default(), Vec::new());
+        let (mut census, mut others) = (Census::listing(kept.listed), Others::default());
         patients.each_part(PART, &mut |part| {
             for patient in part {
                 census.add(patient);
-                bends.push(patient.bends.clone());
+                others.add(patient.levels, &patient.bends);
             }
+            Ok(())
         })?;
         census.end();
-        let resampling = Resampling::new(resamples, seed);
-        let others = Others::of(&census.levels, &bends);
-        let samples = Samples::new(resampling, keeps_values, bends.len());
-        Ok(Self { census, samples, others })
+        others.end();
+        Ok(Self { census, samples: Samples::new(resampling, kept), others })
     }
 
-    /// Shows the patients to the samples, as often as they need.
+    /// Shows the patients to the samples. `rows` take what is set aside.
     pub fn go_through<S: CohortSource>(
         &mut self,
         patients: &mut S,
+        rows: &mut impl CohortRows<S::Error>,
         workers: &dyn Workers,
     ) -> Result<(), S::Error> {
         let kinds = self.census.kinds();
-        for round in 0..Samples::ROUNDS {
-            let mut place = 0;
-            patients.each_part(PART, &mut |part| {
-                let see = |i: usize| self.others.see(&part[i], place + i);
-                for seen in results(workers, part.len(), see) {
-                    self.samples.add(&seen);
-                    if round == 0 {
-                        self.census.missing.extend(missing(seen.patient, &kinds));
-                    }
-                }
-                place += part.len();
-            })?;
-            self.samples.end_round(workers);
-        }
-        Ok(())
+        let mut place = 0;
+        patients.each_part(PART, &mut |part| {
+            let see = |i: usize| self.others.see(&part[i], place + i);
+            for seen in results(workers, part.len(), see) {
+                rows.add(self.samples.add(&seen))?;
+                self.census.add_missing(missing(seen.patient, &kinds));
+            }
+            place += part.len();
+            Ok(())
+        })?;
+        self.samples.end(rows, workers)
     }
 }
 
 /// Counts and short lists over all patients.
 #[derive(Default)]
 pub(super) struct Census {
+    /// Patients in each list.
+    listed: usize,
+    pub patients: usize,
     pub synthetic: bool,
     /// By patient.
-    pub levels: Vec<Levels>,
     pub segments: Vec<f64>,
     pub segment_mm: Vec<f64>,
     pub rotation_deg: Vec<Summary>,
@@ -120,11 +120,16 @@ pub(super) struct Census {
     pub doubted: usize,
     pub doubted_films: Vec<DoubtedFilm>,
     pub chains: Vec<ChainCount>,
-    /// Films on which a line has no result, found while the samples are gathered.
+    /// Patients with a film on which a line has no result, found while the samples are gathered.
+    pub with_missing: usize,
     pub missing: Vec<MissingResult>,
 }
 
 impl Census {
+    fn listing(listed: usize) -> Self {
+        Self { listed, ..Self::default() }
+    }
+
     /// Every line.
     pub fn kinds(&self) -> Vec<LineKind> {
         self.numbers.iter().map(|(kind, _)| *kind).collect()
@@ -139,8 +144,8 @@ impl Census {
     }
 
     fn add(&mut self, patient: &CohortPatient) {
+        self.patients += 1;
         self.synthetic |= patient.synthetic;
-        self.levels.push(patient.levels);
         self.segments.push(patient.segments as f64);
         self.segment_mm.push(patient.segment_mm);
         self.rotation_deg.push(patient.rotation_deg);
@@ -162,11 +167,23 @@ impl Census {
             }
         }
         self.add_tests(patient);
-        self.doubted += usize::from(patient.has_doubted_film());
-        self.doubted_films.extend_from_slice(&patient.doubts);
+        if patient.has_doubted_film() {
+            self.doubted += 1;
+            if self.doubted <= self.listed {
+                self.doubted_films.extend_from_slice(&patient.doubts);
+            }
+        }
         match self.chains.iter_mut().find(|count| count.levels == patient.levels) {
             Some(count) => count.patients += 1,
             None => self.chains.push(ChainCount { levels: patient.levels, patients: 1 }),
+        }
+    }
+
+    /// Films of a patient on which lines have no result.
+    fn add_missing(&mut self, missing: Vec<MissingResult>) {
+        self.with_missing += usize::from(!missing.is_empty());
+        if self.with_missing <= self.listed {
+            self.missing.extend(missing);
         }
     }
 

@@ -60,7 +60,7 @@ impl ChainCount {
     }
 }
 
-/// Which films of which patients are doubted.
+/// Which films of which patients are doubted; the films are those of at least the first patients.
 pub(super) fn doubted_sentence(
     films: &[DoubtedFilm],
     doubted: usize,
@@ -78,7 +78,7 @@ pub(super) fn doubted_sentence(
         format!("{} ({})", films[0].case_id, names.join(", "))
     };
     let mut named: Vec<String> = by_patient().take(NAMED).map(name).collect();
-    let more = by_patient().skip(NAMED).count();
+    let more = doubted.saturating_sub(named.len());
     if more > 0 {
         named.push(format!("{more} more"));
     }

@@ -65,7 +65,7 @@ pub struct RoleErrors {
     pub location_mm: Clustered,
     /// Absolute Ferguson errors, in degrees.
     pub ferguson_deg: Clustered,
-    /// Mean location error of every patient, in mm; NaN for one without such a film.
+    /// Mean location error of every patient, in mm; NaN for one without such a film; as [`super::Listed`].
     pub by_patient_mm: Vec<f64>,
 }
 
@@ -191,8 +191,10 @@ pub struct LinesOverPatients {
     pub errors: Vec<RoleErrors>,
     /// By pair of lines, role and error: one family.
     pub tests: Vec<LinePairTest>,
-    /// Every film that is left out of the comparison of all lines, once per line without a result.
+    /// The films that are left out of the comparison of all lines, once per line without a result, as [`super::Listed`].
     pub missing: Vec<MissingResult>,
+    /// All patients with such a film.
+    pub with_missing: usize,
 }
 
 impl LinesOverPatients {
@@ -215,6 +217,7 @@ impl LinesOverPatients {
             same_data,
             errors: errors.into_iter().map(|errors| errors(samples)).collect(),
             missing: Vec::new(),
+            with_missing: 0,
         }
     }
 }

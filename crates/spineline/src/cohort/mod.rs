@@ -17,18 +17,20 @@ mod lines;
 mod others;
 mod patient;
 mod rotation_prior;
+mod rows;
 mod samples;
 mod words;
 mod workers;
 
 pub use baselines::{BaselineErrors, BaselineTest, BaselinesOverPatients};
-pub use census::CohortSource;
+pub use census::{CohortSource, TakePart};
 pub use claims::{ClaimVerdict, Claims, NEAR_SEGMENTS, PatientClaims};
 pub use comparison::PairedComparison;
 pub use films::{ChainCount, DoubtedFilm};
 pub use lines::{ErrorKind, LinePairTest, LinesOverPatients, MissingResult, NoResult, RoleErrors};
 pub use patient::CohortPatient;
 pub use rotation_prior::{LearnedRotations, learn_rotation_prior};
+pub use rows::{CohortRows, RowsInMemory};
 pub use workers::{OneThread, Workers};
 
 use crate::action::LineKind;
@@ -37,7 +39,7 @@ use crate::motion::SegmentEstimate;
 use census::{Census, Gathering};
 use others::Seen;
 use patient::{FilmErrors, PatientFilm, SimulatedFilm};
-use samples::{Paired, Sampled, Samples};
+use samples::{Kept, Paired, Sampled, Samples};
 
 /// Resamples of a cluster bootstrap.
 const RESAMPLES: u32 = 2000;
@@ -191,7 +193,7 @@ pub struct Cohort {
     pub rejections: Vec<LineRejections>,
     /// Patients with a film that may not show what it is named after.
     pub doubted: usize,
-    /// The films of these patients, by patient.
+    /// The films of these patients, by patient, as [`Listed`].
     pub doubted_films: Vec<DoubtedFilm>,
     /// The chains of the patients, the one of most patients first.
     pub chains: Vec<ChainCount>,
@@ -219,6 +221,15 @@ impl LineRejections {
     }
 }
 
+/// Which patients the lists of a cohort have: own means ([`RoleErrors::by_patient_mm`]), doubted films, and films without a result.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Listed {
+    /// The first patients ([`Cohort::LISTED`]) of which there is something to list.
+    First,
+    /// All.
+    All,
+}
+
 /// Which films count.
 #[derive(Clone, Copy, PartialEq)]
 enum Films {
@@ -240,6 +251,9 @@ impl Films {
 }
 
 impl Cohort {
+    /// Patients in each list of a cohort that lists the first ones ([`Listed::First`]).
+    pub const LISTED: usize = 200;
+
     /// Statistics of some patients; the seed is that of the bootstrap and of the permutation tests.
     ///
     /// ```
@@ -261,33 +275,43 @@ impl Cohort {
     /// ```
     #[must_use]
     pub fn of(patients: &[CohortPatient], seed: u64) -> Self {
-        let Ok(cohort) = Self::gathered(&mut &*patients, seed, true, &OneThread);
+        let (rows, kept) =
+            (&mut RowsInMemory::default(), Kept { values: true, listed: usize::MAX });
+        let Ok(cohort) = Self::gathered(&mut &*patients, rows, kept, seed, &OneThread);
         cohort
     }
 
-    /// The same of patients that need not be in memory, without the values behind the statistics: about a thousand bytes of memory
-    /// per patient, whatever its films. Resampling and tests, which take most of the time, are done by the workers.
+    /// The same of patients that need not be in memory, without the values behind the statistics. `rows` take about a thousand bytes
+    /// per patient; of memory it needs about a hundred, whatever the films, and what is listed. Resampling and tests, which take most
+    /// of the time, are done by the workers.
     ///
     /// # Errors
-    /// If a patient cannot be read again.
+    /// If a patient or a row cannot be read again.
     pub fn of_source<S: CohortSource>(
         patients: &mut S,
+        rows: &mut impl CohortRows<S::Error>,
+        listed: Listed,
         seed: u64,
         workers: &dyn Workers,
     ) -> Result<Self, S::Error> {
-        Self::gathered(patients, seed, false, workers)
+        let listed = match listed {
+            Listed::First => Self::LISTED,
+            Listed::All => usize::MAX,
+        };
+        Self::gathered(patients, rows, Kept { values: false, listed }, seed, workers)
     }
 
     fn gathered<S: CohortSource>(
         patients: &mut S,
+        rows: &mut impl CohortRows<S::Error>,
+        kept: Kept,
         seed: u64,
-        keeps_values: bool,
         workers: &dyn Workers,
     ) -> Result<Self, S::Error> {
-        let mut gathering = Gathering::begin(patients, (RESAMPLES, seed), keeps_values)?;
+        let mut gathering = Gathering::begin(patients, Resampling::new(RESAMPLES, seed), kept)?;
         let Gathering { census, samples, .. } = &mut gathering;
         let statistics = Self::ask(census, samples);
-        gathering.go_through(patients, workers)?;
+        gathering.go_through(patients, rows, workers)?;
         let Gathering { census, mut samples, .. } = gathering;
         Ok(statistics(census, &mut samples))
     }
@@ -314,7 +338,7 @@ impl Cohort {
         let compared = LinesOverPatients::ask(census.numbers.clone(), same_data, samples);
         let baselines = BaselinesOverPatients::ask(&census.kinds(), &census.hypotheses, samples);
         move |census, samples| Self {
-            patients: census.levels.len(),
+            patients: census.patients,
             synthetic: census.synthetic,
             segments: Summary::of(&census.segments),
             segment_mm: Summary::of(&census.segment_mm),
@@ -330,7 +354,11 @@ impl Cohort {
             ferguson_test: samples.comparison(ferguson_test),
             location_test: samples.comparison(location_test),
             baselines: baselines(samples),
-            compared: LinesOverPatients { missing: census.missing, ..compared(samples) },
+            compared: LinesOverPatients {
+                missing: census.missing,
+                with_missing: census.with_missing,
+                ..compared(samples)
+            },
             rejections: census.rejections,
             doubted: census.doubted,
             doubted_films: census.doubted_films,

@@ -3,7 +3,7 @@
 use super::patient::{CohortPatient, PatientFilmUnderLines};
 use crate::analysis::FilmRole;
 use crate::anatomy::Levels;
-use crate::evaluate::{Baseline, BaselinePrediction, RotationPrior};
+use crate::evaluate::{Baseline, BaselinePrediction, RotationMoments, RotationPrior};
 use crate::spatial::Angle;
 
 /// Groups of patients that are left out in turn: every patient alone in small cohorts.
@@ -72,89 +72,151 @@ impl<'a> Seen<'a> {
     }
 }
 
-/// What a cohort knows of the rotations of all patients but one.
+/// What a cohort knows of the rotations of all patients but one: sums over their bends, as if all bent to the right.
+#[derive(Default)]
 pub(super) struct Others {
-    sums: BendSums,
-    priors: PriorsOfOthers,
+    /// Patients that were added.
+    patients: usize,
+    by_levels: Vec<Bends>,
+    /// By vertebrae and group a prior from the other groups; `None` where the others are too few. Known after the last patient.
+    priors: Vec<(Levels, Vec<Option<RotationPrior>>)>,
+}
+
+/// Sums over the bends of all patients with the same vertebrae.
+struct Bends {
+    levels: Levels,
+    /// By group, up to the last one with a bend.
+    groups: Vec<RotationMoments>,
+    /// One of the bends, about which all groups take their rotations.
+    centre: Vec<Angle>,
+    sums: Vec<Angle>,
+    count: usize,
 }
 
 impl Others {
-    /// From the vertebrae and the bends of every patient, as if to the right.
-    pub fn of(levels: &[Levels], bends: &[Vec<Vec<Angle>>]) -> Self {
-        Self { sums: BendSums::of(levels, bends), priors: PriorsOfOthers::of(levels, bends) }
+    /// Adds a patient with these bends.
+    pub fn add(&mut self, levels: Levels, bends: &[Vec<Angle>]) {
+        let group = Self::group(self.patients);
+        self.patients += 1;
+        let Some(first) = bends.first() else { return };
+        let place = self.by_levels.iter().position(|one| one.levels == levels);
+        let place = place.unwrap_or_else(|| {
+            self.by_levels.push(Bends::about(levels, first));
+            self.by_levels.len() - 1
+        });
+        self.by_levels[place].add(group, bends);
+    }
+
+    /// After the last patient.
+    pub fn end(&mut self) {
+        let priors = |bends: &Bends| {
+            (0..bends.groups.len()).map(|group| bends.prior_without(group)).collect()
+        };
+        self.priors = self.by_levels.iter().map(|bends| (bends.levels, priors(bends))).collect();
+    }
+
+    /// In a cohort of fewer patients than groups everybody is a group.
+    const fn group(place: usize) -> usize {
+        place % MAX_GROUPS
+    }
+
+    /// A prior for the patient at a place of the cohort, from the patients of other groups.
+    pub fn prior_of_others(&self, place: usize, levels: Levels) -> Option<&RotationPrior> {
+        let known = self.priors.iter().find(|one| one.0 == levels)?;
+        known.1.get(Self::group(place))?.as_ref()
     }
 
     /// The patient at a place of the cohort.
     pub fn see<'a>(&self, patient: &'a CohortPatient, place: usize) -> Seen<'a> {
-        let mean = self.sums.mean_of_others(patient.levels, &patient.bends);
-        Seen::new(patient, mean.as_deref(), self.priors.of_patient(place, patient.levels))
+        let with_same = self.by_levels.iter().find(|one| one.levels == patient.levels);
+        let mean = with_same.and_then(|bends| bends.mean_of_others(&patient.bends));
+        Seen::new(patient, mean.as_deref(), self.prior_of_others(place, patient.levels))
     }
 }
 
-/// Sums of the rotations over the bends of all patients with the same vertebrae, as if all bent to the right.
-struct BendSums {
-    by_levels: Vec<(Levels, Vec<Angle>, usize)>,
-}
+impl Bends {
+    /// Of no patient yet.
+    fn about(levels: Levels, centre: &[Angle]) -> Self {
+        let sums = vec![Angle::ZERO; levels.joints()];
+        Self { levels, groups: Vec::new(), centre: centre.to_vec(), sums, count: 0 }
+    }
 
-impl BendSums {
-    fn of(levels: &[Levels], bends: &[Vec<Vec<Angle>>]) -> Self {
-        let mut by_levels: Vec<(Levels, Vec<Angle>, usize)> = Vec::new();
-        for (&levels, bends) in levels.iter().zip(bends) {
-            let place = by_levels.iter().position(|one| one.0 == levels).unwrap_or_else(|| {
-                by_levels.push((levels, vec![Angle::ZERO; levels.joints()], 0));
-                by_levels.len() - 1
-            });
-            let (_, sums, count) = &mut by_levels[place];
-            *count += bends.len();
-            for bend in bends {
-                for (sum, rotation) in sums.iter_mut().zip(bend) {
-                    *sum = *sum + *rotation;
-                }
+    fn add(&mut self, group: usize, bends: &[Vec<Angle>]) {
+        if self.groups.len() <= group {
+            self.groups.resize(group + 1, RotationMoments::about(&self.centre));
+        }
+        self.groups[group].add(bends);
+        self.count += bends.len();
+        for bend in bends {
+            for (sum, rotation) in self.sums.iter_mut().zip(bend) {
+                *sum = *sum + *rotation;
             }
         }
-        Self { by_levels }
     }
 
     /// The mean over the bends of all other patients than one with these bends; `None` where there is none.
-    fn mean_of_others(&self, levels: Levels, own: &[Vec<Angle>]) -> Option<Vec<Angle>> {
-        let (_, sums, count) = self.by_levels.iter().find(|one| one.0 == levels)?;
-        let others = count - own.len();
+    fn mean_of_others(&self, own: &[Vec<Angle>]) -> Option<Vec<Angle>> {
+        let others = self.count - own.len();
         let mean = |(joint, sum): (usize, &Angle)| {
             let of_own: f64 = own.iter().map(|bend| bend[joint].rad()).sum();
             Angle::from_rad((sum.rad() - of_own) / others as f64)
         };
-        (others > 0).then(|| sums.iter().enumerate().map(mean).collect())
+        (others > 0).then(|| self.sums.iter().enumerate().map(mean).collect())
+    }
+
+    fn prior_without(&self, group: usize) -> Option<RotationPrior> {
+        let others = self.groups.iter().enumerate().filter(|(other, _)| *other != group);
+        let all = others.map(|(_, moments)| moments.clone()).reduce(|mut sum, moments| {
+            sum.merge(&moments);
+            sum
+        });
+        RotationPrior::from_moments(self.levels, &all?).ok()
     }
 }
 
-/// For every group of patients and their vertebrae a prior from patients of other groups with the same vertebrae.
-pub(super) struct PriorsOfOthers {
-    groups: usize,
-    /// `None` where the others are too few.
-    known: Vec<(usize, Levels, Option<RotationPrior>)>,
-}
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::anatomy::Level;
+    use crate::evaluate::PriorSource;
 
-impl PriorsOfOthers {
-    /// From the vertebrae and the bends of every patient, as if to the right.
-    pub fn of(levels: &[Levels], bends: &[Vec<Vec<Angle>>]) -> Self {
-        let groups = levels.len().min(MAX_GROUPS);
-        let mut known: Vec<(usize, Levels, Option<RotationPrior>)> = Vec::new();
-        for (place, &own) in levels.iter().enumerate() {
-            let group = place % groups;
-            if known.iter().any(|one| one.0 == group && one.1 == own) {
-                continue;
+    fn bends(patient: usize, joints: usize) -> Vec<Vec<Angle>> {
+        let bend = |bend: usize| {
+            let of = |joint: usize| ((5 * patient + 3 * bend + joint) as f64 * 1.3).sin();
+            (0..joints).map(|joint| Angle::from_deg(3.0 + 2.0 * of(joint))).collect()
+        };
+        (0..patient % 3).map(bend).collect()
+    }
+
+    #[test]
+    fn a_prior_for_a_patient_is_learned_from_patients_of_other_groups_with_the_same_vertebrae() {
+        // Every fourth patient has fewer vertebrae; the first of each has no bend.
+        let fewer = Levels::between(Level::L3, Level::T2).expect("a chain");
+        let levels = |patient: usize| if patient % 4 == 3 { fewer } else { Levels::COMPLETE };
+        for patients in [1, 7, 43] {
+            let own: Vec<_> = (0..patients).map(|one| bends(one, levels(one).joints())).collect();
+            let mut others = Others::default();
+            (0..patients).for_each(|one| others.add(levels(one), &own[one]));
+            others.end();
+            for place in (0..patients).filter(|&place| !own[place].is_empty()) {
+                let is_other = |&one: &usize| {
+                    one % MAX_GROUPS != place % MAX_GROUPS && levels(one) == levels(place)
+                };
+                let of_others: Vec<_> = (0..patients).filter(is_other).map(|i| &own[i]).collect();
+                let expected = RotationPrior::learned(levels(place), &of_others).ok();
+                let found = others.prior_of_others(place, levels(place));
+                assert_eq!(found.is_some(), expected.is_some(), "{place} of {patients}");
+                let Some((found, expected)) = found.zip(expected) else { continue };
+                let counts = |prior: &RotationPrior| match prior.source() {
+                    PriorSource::Learned { patients, bends, .. } => (patients, bends),
+                    PriorSource::Published => panic!("learned"),
+                };
+                assert_eq!(counts(found), counts(&expected));
+                let off = found.covariance_rad2() - expected.covariance_rad2();
+                assert!(off.amax() < 1e-15, "{off}");
+                let off = found.mean().iter().zip(expected.mean()).map(|(a, b)| (*a - *b).deg());
+                assert!(off.into_iter().all(|deg| deg.abs() < 1e-12));
             }
-            let others = levels.iter().zip(bends).enumerate();
-            let others = others.filter(|(i, (levels, _))| i % groups != group && **levels == own);
-            let others: Vec<&Vec<Vec<Angle>>> = others.map(|(_, (_, bends))| bends).collect();
-            known.push((group, own, RotationPrior::learned(own, &others).ok()));
         }
-        Self { groups, known }
-    }
-
-    /// That of the patient at a place of the cohort.
-    pub fn of_patient(&self, place: usize, levels: Levels) -> Option<&RotationPrior> {
-        let group = place % self.groups;
-        self.known.iter().find(|one| one.0 == group && one.1 == levels)?.2.as_ref()
     }
 }

@@ -1,7 +1,7 @@
 //! The distribution of joint rotations over the bends of patients, and what it predicts of patients that it was not learned
 //! from.
 
-use super::others::PriorsOfOthers;
+use super::others::Others;
 use super::{Clustered, CohortPatient, RESAMPLES};
 use crate::anatomy::Levels;
 use crate::evaluate::statistics::Resampling;
@@ -36,21 +36,17 @@ pub fn learn_rotation_prior(
     if patients < needed {
         return Err(RotationPriorError::TooFewPatients { patients, needed });
     }
-    let bends: Vec<Vec<Vec<Angle>>> = all.iter().map(|one| one.bends.clone()).collect();
     let levels = common_levels(all).ok_or(RotationPriorError::NoCommonJoints)?;
-    let common: Vec<Vec<Vec<Angle>>> = all
-        .iter()
-        .zip(&bends)
-        .map(|(patient, bends)| {
-            let first = patient.levels.index_of(levels.base()).unwrap_or_default();
-            let joints = first..first + levels.joints();
-            bends.iter().map(|bend| bend[joints.clone()].to_vec()).collect()
-        })
-        .collect();
-    let prior = RotationPrior::learned(levels, &common)?;
-    let own: Vec<Levels> = all.iter().map(|one| one.levels).collect();
-    let others = PriorsOfOthers::of(&own, &bends);
-    let of_others = |place: usize| others.of_patient(place, own[place]).cloned();
+    let common = |patient: &CohortPatient| -> Vec<Vec<Angle>> {
+        let first = patient.levels.index_of(levels.base()).unwrap_or_default();
+        let joints = first..first + levels.joints();
+        patient.bends.iter().map(|bend| bend[joints.clone()].to_vec()).collect()
+    };
+    let prior = RotationPrior::learned(levels, &all.iter().map(common).collect::<Vec<_>>())?;
+    let mut others = Others::default();
+    all.iter().for_each(|patient| others.add(patient.levels, &patient.bends));
+    others.end();
+    let of_others = |place: usize| others.prior_of_others(place, all[place].levels).cloned();
     let resampling = Resampling::new(RESAMPLES, seed);
     let errors = |baseline: Baseline, of: &dyn Fn(usize) -> Option<RotationPrior>| {
         let patient = |(place, patient): (usize, &CohortPatient)| {

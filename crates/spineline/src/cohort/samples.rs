@@ -1,5 +1,6 @@
 //! Samples of a cohort, gathered patient by patient, so that no patient has to stay in memory.
 
+use super::rows::CohortRows;
 use super::workers::{Workers, results};
 use super::{Clustered, PairedComparison, Seen};
 use crate::evaluate::statistics::{Resampling, Summary};
@@ -12,21 +13,27 @@ type BothValues = Box<dyn Fn(&Seen<'_>, [&mut Vec<f64>; 2])>;
 /// How many things a patient has.
 type Number = Box<dyn Fn(&Seen<'_>) -> usize>;
 
-/// Samples that were asked for. Every patient is shown to them in two rounds, since deviations need the means; what is kept is one mean
-/// per patient and sample.
+/// Samples that were asked for. Every patient is shown to them once. One mean per patient and sample is set aside, and read again a few
+/// samples at a time.
 pub(super) struct Samples {
     resampling: Resampling,
-    /// Whether the values are kept too, for pictures.
-    keeps_values: bool,
-    /// Patients that will be shown: room for their means is made at once, since room that grows by doubling is up to twice as much.
+    kept: Kept,
     patients: usize,
-    is_first_round: bool,
     sampled: Vec<(Values, Sample)>,
     paired: Vec<(BothValues, Pairs)>,
-    /// Of all pairs, after the last round.
-    compared: Vec<PairedComparison>,
     averaged: Vec<(Values, Vec<f64>)>,
     counted: Vec<(Number, usize)>,
+    /// Means of the last patient, one per sample and pair.
+    row: Vec<f64>,
+}
+
+/// What a cohort keeps of its patients, beside statistics.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Kept {
+    /// Whether all values of samples are kept, for pictures.
+    pub values: bool,
+    /// Of so many first patients what is listed: own means, doubted films, films without a result.
+    pub listed: usize,
 }
 
 /// A sample that was asked for.
@@ -42,23 +49,27 @@ pub(super) struct Averaged(usize);
 #[derive(Clone, Copy)]
 pub(super) struct Counted(usize);
 
+/// In the row of a patient without a value of a sample. No computation gives these bits.
+const NO_VALUE: u64 = u64::MAX;
+
 impl Samples {
-    /// Rounds through all patients.
-    pub const ROUNDS: usize = 2;
     /// Samples of one piece of work: so many that drawing the patients is a small part of it.
     const RESAMPLED_TOGETHER: usize = 16;
+    /// Means that are in memory at a time: 16 MB of them, but those of one sample at least.
+    const LOADED: usize = 2 << 20;
+    /// The samples that are in memory make at least so many pieces of work, for the threads of the workers.
+    const PIECES: usize = 4;
 
-    pub fn new(resampling: Resampling, keeps_values: bool, patients: usize) -> Self {
+    pub fn new(resampling: Resampling, kept: Kept) -> Self {
         Self {
             resampling,
-            keeps_values,
-            patients,
-            is_first_round: true,
+            kept,
+            patients: 0,
             sampled: Vec::new(),
             paired: Vec::new(),
-            compared: Vec::new(),
             averaged: Vec::new(),
             counted: Vec::new(),
+            row: Vec::new(),
         }
     }
 
@@ -69,21 +80,19 @@ impl Samples {
 
     /// Asks for a sample.
     pub fn sample(&mut self, of: impl Fn(&Seen<'_>, &mut Vec<f64>) + 'static) -> Sampled {
-        let means = Vec::with_capacity(self.patients);
-        self.sampled.push((Box::new(of), Sample { means, ..Sample::default() }));
+        self.sampled.push((Box::new(of), Sample::default()));
         Sampled(self.sampled.len() - 1)
     }
 
     /// Asks for the comparison of two.
     pub fn pair(&mut self, of: impl Fn(&Seen<'_>, [&mut Vec<f64>; 2]) + 'static) -> Paired {
-        let differences = Vec::with_capacity(self.patients);
-        self.paired.push((Box::new(of), Pairs { differences, ..Pairs::default() }));
+        self.paired.push((Box::new(of), Pairs::default()));
         Paired(self.paired.len() - 1)
     }
 
     /// Asks for one mean per patient.
     pub fn average(&mut self, of: impl Fn(&Seen<'_>, &mut Vec<f64>) + 'static) -> Averaged {
-        self.averaged.push((Box::new(of), Vec::with_capacity(self.patients)));
+        self.averaged.push((Box::new(of), Vec::new()));
         Averaged(self.averaged.len() - 1)
     }
 
@@ -93,93 +102,119 @@ impl Samples {
         Counted(self.counted.len() - 1)
     }
 
-    /// Shows a patient to all of them.
-    pub fn add(&mut self, seen: &Seen<'_>) {
+    /// Shows a patient to all of them; gives its row of means.
+    pub fn add(&mut self, seen: &Seen<'_>) -> &[f64] {
         let (mut values, mut others) = (Vec::new(), Vec::new());
+        self.row.clear();
         for (of, sample) in &mut self.sampled {
             values.clear();
             of(seen, &mut values);
-            sample.add(&values, self.keeps_values);
+            sample.pooled.add(&values);
+            self.row.push(mean(&values).unwrap_or(f64::from_bits(NO_VALUE)));
+            if self.kept.values {
+                sample.values.extend_from_slice(&values);
+            }
         }
         for (of, pairs) in &mut self.paired {
             values.clear();
             others.clear();
             of(seen, [&mut values, &mut others]);
-            pairs.add(&values, &others);
+            let difference = mean(&values).zip(mean(&others)).map(|(a, b)| a - b);
+            self.row.push(difference.unwrap_or(f64::from_bits(NO_VALUE)));
+            values.iter_mut().zip(&others).for_each(|(a, b)| *a -= b);
+            pairs.pooled.add(&values);
         }
-        if self.is_first_round {
-            for (of, means) in &mut self.averaged {
-                values.clear();
-                of(seen, &mut values);
-                means.push(Summary::of(&values).mean);
-            }
-            for (of, count) in &mut self.counted {
-                *count += of(seen);
-            }
+        for (of, means) in self.averaged.iter_mut().filter(|_| self.patients < self.kept.listed) {
+            values.clear();
+            of(seen, &mut values);
+            means.push(mean(&values).unwrap_or(f64::NAN));
         }
+        for (of, count) in &mut self.counted {
+            *count += of(seen);
+        }
+        self.patients += 1;
+        &self.row
     }
 
-    /// After the last patient of a round.
-    pub fn end_round(&mut self, workers: &dyn Workers) {
-        self.sampled.iter_mut().for_each(|(_, sample)| sample.pooled.end_round());
-        self.paired.iter_mut().for_each(|(_, pairs)| pairs.pooled.end_round());
-        if self.is_first_round {
-            self.resample(workers);
-        } else {
-            self.compare(workers);
-        }
-        self.is_first_round = false;
-    }
-
-    /// Resamples the patients of all samples.
-    fn resample(&mut self, workers: &dyn Workers) {
-        let means = self.sampled.iter().map(|(_, sample)| &sample.means[..]);
-        let differences = self.paired.iter().map(|(_, pairs)| &pairs.differences[..]);
-        let all: Vec<&[f64]> = means.chain(differences).collect();
+    /// After the last patient: makes the statistics of all samples from the rows of the patients.
+    pub fn end<Error>(
+        &mut self,
+        rows: &mut impl CohortRows<Error>,
+        workers: &dyn Workers,
+    ) -> Result<(), Error> {
+        let numbers = self.sampled.len() + self.paired.len();
+        let mut counts = vec![0; numbers];
+        rows.each(numbers, &mut |row| {
+            for (count, value) in counts.iter_mut().zip(row) {
+                *count += usize::from(value.to_bits() != NO_VALUE);
+            }
+        })?;
         // Samples of as many patients draw the same ones, so they stand together.
-        let mut order: Vec<usize> = (0..all.len()).collect();
-        order.sort_by_key(|&place| all[place].len());
-        let pieces: Vec<&[usize]> = order.chunks(Self::RESAMPLED_TOGETHER).collect();
-        let found = results(workers, pieces.len(), |piece| {
-            let samples: Vec<&[f64]> = pieces[piece].iter().map(|&place| all[place]).collect();
-            self.resampling.intervals(&samples)
-        });
-        let mut intervals = vec![None; all.len()];
-        for (&place, interval) in order.iter().zip(found.into_iter().flatten()) {
-            intervals[place] = interval;
+        let mut order: Vec<usize> = (0..numbers).collect();
+        order.sort_by_key(|&place| counts[place]);
+        let at_once = (Self::LOADED / self.patients.max(1)).max(1);
+        for places in order.chunks(at_once) {
+            let mut means: Vec<Vec<f64>> =
+                places.iter().map(|&place| Vec::with_capacity(counts[place])).collect();
+            rows.each(numbers, &mut |row| {
+                for (means, &place) in means.iter_mut().zip(places) {
+                    means.extend(Some(row[place]).filter(|mean| mean.to_bits() != NO_VALUE));
+                }
+            })?;
+            self.conclude(places, &means, workers);
         }
-        let (of_samples, of_pairs) = intervals.split_at(self.sampled.len());
-        for ((_, sample), found) in self.sampled.iter_mut().zip(of_samples) {
-            sample.bootstrap = *found;
-        }
-        for ((_, pairs), found) in self.paired.iter_mut().zip(of_pairs) {
-            pairs.bootstrap = *found;
-        }
+        Ok(())
     }
 
-    /// Tests all pairs.
-    fn compare(&mut self, workers: &dyn Workers) {
-        let pairs: Vec<&Pairs> = self.paired.iter().map(|(_, pairs)| pairs).collect();
+    /// Makes the statistics of some samples from one mean per patient.
+    fn conclude(&mut self, places: &[usize], means: &[Vec<f64>], workers: &dyn Workers) {
+        let intervals = self.intervals(means, workers);
+        // Pairs stand behind samples in a row.
+        let pair = |&place: &usize| place.checked_sub(self.sampled.len());
+        let pairs: Vec<Option<usize>> = places.iter().map(pair).collect();
+        let pooled = |pair: usize| self.paired[pair].1.pooled.summary();
+        let pooled: Vec<Option<Summary>> = pairs.iter().map(|pair| pair.map(pooled)).collect();
         let seed = self.resampling.seed();
-        self.compared = results(workers, pairs.len(), |place| {
-            let Pairs { pooled, differences, bootstrap } = pairs[place];
-            PairedComparison::of_differences(pooled.summary(), differences, *bootstrap, seed)
+        let compared = results(workers, places.len(), |i| {
+            let (means, interval) = (&means[i], intervals[i]);
+            pooled[i].map(|all| PairedComparison::of_differences(all, means, interval, seed))
         });
+        for (i, compared) in compared.into_iter().enumerate() {
+            match pairs[i] {
+                Some(pair) => self.paired[pair].1.compared = compared,
+                None => {
+                    let concluded = (Summary::of(&means[i]), intervals[i]);
+                    self.sampled[places[i]].1.concluded = Some(concluded);
+                }
+            }
+        }
     }
 
-    /// The statistics of a sample, after the last round.
+    /// Resamples the patients of some samples.
+    fn intervals(&self, means: &[Vec<f64>], workers: &dyn Workers) -> Vec<Option<[f64; 2]>> {
+        let size = means.len().div_ceil(Self::PIECES).min(Self::RESAMPLED_TOGETHER);
+        let pieces: Vec<&[Vec<f64>]> = means.chunks(size).collect();
+        let resampling = &self.resampling;
+        let found = results(workers, pieces.len(), |piece| {
+            let samples: Vec<&[f64]> = pieces[piece].iter().map(Vec::as_slice).collect();
+            resampling.intervals(&samples)
+        });
+        found.concat()
+    }
+
+    /// The statistics of a sample, at the end.
     pub fn clustered(&mut self, Sampled(place): Sampled) -> Clustered {
-        let Sample { pooled, means, bootstrap, values } =
-            std::mem::take(&mut self.sampled[place].1);
-        Clustered { values, pooled: pooled.summary(), patients: Summary::of(&means), bootstrap }
+        let Sample { pooled, concluded, values } = std::mem::take(&mut self.sampled[place].1);
+        let (patients, bootstrap) = concluded.expect("all samples were concluded");
+        Clustered { values, pooled: pooled.summary(), patients, bootstrap }
     }
 
-    /// The tests of two samples, after the last round.
+    /// The tests of two samples, at the end.
     pub fn comparison(&self, Paired(place): Paired) -> PairedComparison {
-        self.compared[place]
+        self.paired[place].1.compared.expect("all samples were concluded")
     }
 
-    /// One mean per patient; NaN for one without a value.
+    /// One mean per patient, of those whose means are kept; NaN for one without a value.
     pub fn averages(&mut self, Averaged(place): Averaged) -> Vec<f64> {
         std::mem::take(&mut self.averaged[place].1)
     }
@@ -190,77 +225,50 @@ impl Samples {
     }
 }
 
+fn mean(values: &[f64]) -> Option<f64> {
+    (!values.is_empty()).then(|| Summary::of(values).mean)
+}
+
 #[derive(Default)]
 struct Sample {
     pooled: Pooled,
-    /// Of every patient with a value.
-    means: Vec<f64>,
-    bootstrap: Option<[f64; 2]>,
+    /// Of one mean per patient, and the interval of their mean; known at the end.
+    concluded: Option<(Summary, Option<[f64; 2]>)>,
     values: Vec<f64>,
-}
-
-impl Sample {
-    fn add(&mut self, values: &[f64], keeps_values: bool) {
-        if self.pooled.is_first_round() && !values.is_empty() {
-            self.means.push(Summary::of(values).mean);
-            if keeps_values {
-                self.values.extend_from_slice(values);
-            }
-        }
-        values.iter().for_each(|&value| self.pooled.add(value));
-    }
 }
 
 #[derive(Default)]
 struct Pairs {
     /// Of all differences.
     pooled: Pooled,
-    /// Of the means of every patient with a pair.
-    differences: Vec<f64>,
-    bootstrap: Option<[f64; 2]>,
+    /// Known at the end.
+    compared: Option<PairedComparison>,
 }
 
-impl Pairs {
-    fn add(&mut self, a: &[f64], b: &[f64]) {
-        if self.pooled.is_first_round() && !a.is_empty() {
-            self.differences.push(Summary::of(a).mean - Summary::of(b).mean);
-        }
-        a.iter().zip(b).for_each(|(a, b)| self.pooled.add(a - b));
-    }
-}
-
-/// What [`Summary::of`] gives for values that come twice in one order, to the bit.
+/// The summary of values that come in parts, of which none is kept.
 #[derive(Default)]
 struct Pooled {
     n: usize,
-    sum: f64,
-    /// Known after the first round.
-    mean: Option<f64>,
+    mean: f64,
+    /// Sum of squares about the mean.
     squares: f64,
 }
 
 impl Pooled {
-    const fn is_first_round(&self) -> bool {
-        self.mean.is_none()
-    }
-
-    fn add(&mut self, value: f64) {
-        if let Some(mean) = self.mean {
-            self.squares += (value - mean).powi(2);
-        } else {
-            self.n += 1;
-            self.sum += value;
-        }
-    }
-
-    fn end_round(&mut self) {
-        self.mean.get_or_insert(self.sum / self.n as f64);
+    fn add(&mut self, values: &[f64]) {
+        let Some(mean) = mean(values) else { return };
+        let own: f64 = values.iter().map(|value| (value - mean).powi(2)).sum();
+        let [before, added] = [self.n, values.len()].map(|n| n as f64);
+        self.n += values.len();
+        let (off, part) = (mean - self.mean, added / self.n as f64);
+        self.mean += off * part;
+        self.squares += own + off.powi(2) * before * part;
     }
 
     fn summary(&self) -> Summary {
         let n = self.n;
         let sd = if n > 1 { (self.squares / (n - 1) as f64).sqrt() } else { f64::NAN };
-        Summary { n, mean: self.mean.unwrap_or(f64::NAN), sd }
+        Summary { n, mean: if n > 0 { self.mean } else { f64::NAN }, sd }
     }
 }
 
@@ -269,19 +277,18 @@ mod tests {
     use super::*;
 
     #[test]
-    fn two_rounds_give_the_summary_of_all_values_to_the_bit() {
+    fn values_in_parts_have_the_summary_of_all() {
         for n in [0, 1, 2, 1000] {
             let values: Vec<f64> = (0..n).map(|i| (f64::from(i) * 0.7).sin() + 3.0).collect();
             let mut pooled = Pooled::default();
-            for _ in 0..Samples::ROUNDS {
-                values.iter().for_each(|&value| pooled.add(value));
-                pooled.end_round();
-            }
+            pooled.add(&[]);
+            values.chunks(7).for_each(|part| pooled.add(part));
             let (found, whole) = (pooled.summary(), Summary::of(&values));
             assert_eq!(found.n, whole.n);
-            let bits = |summary: Summary| [summary.mean, summary.sd].map(f64::to_bits);
-            assert!(n < 2 || bits(found) == bits(whole), "{found:?} and {whole:?}");
-            assert_eq!(found.sd.is_nan(), whole.sd.is_nan());
+            for (found, whole) in [(found.mean, whole.mean), (found.sd, whole.sd)] {
+                let is_near = (found - whole).abs() < 1e-14 * whole.abs();
+                assert!(is_near || (found.is_nan() && whole.is_nan()), "{found} and {whole}");
+            }
         }
     }
 }

@@ -12,7 +12,7 @@ use std::path::{Path, PathBuf};
 
 use indicatif::ProgressBar;
 use spineline::analysis::LineModel;
-use spineline::cohort::Cohort;
+use spineline::cohort::{Cohort, Listed};
 use spineline::warning::counted;
 use spineline_files::{Provenance, to_text};
 use spineline_report::cohort::PatientRows;
@@ -49,15 +49,16 @@ pub fn run(args: &AnalyzeArgs) -> Result<Ending, Failure> {
         return Err(Failure::interrupted());
     }
     print_notices(&found.read.warnings());
-    let provenance = record.provenance_of_all(&found.read);
-    written.keep(args, &provenance)?;
-    let together =
-        asked.is_cohort.then(|| cohort::of_kept(&mut found.patients, args.threads)).transpose()?;
+    let provenance = || record.provenance_of_all(&found.read);
+    written.keep(args, provenance)?;
+    let listed = if args.cohort.is_some() { Listed::All } else { Listed::First };
+    let statistics = || cohort::of_kept(&mut found.patients, listed, args.threads);
+    let together = asked.is_cohort.then(statistics).transpose()?;
     if let (Some(path), Some(together)) = (&args.cohort, &together) {
-        write_cohort(path, &found.read, together, &provenance, &outputs)?;
+        write_cohort(path, &found.read, together, provenance(), &outputs)?;
     }
     if let (Some(path), Some(one)) = (&args.model, &found.one) {
-        write_model(path, args, &one.analysis, &provenance, &outputs)?;
+        write_model(path, args, &one.analysis, &provenance(), &outputs)?;
     }
     outputs.commit()?;
     if !to_stdout {
@@ -237,12 +238,12 @@ fn write_cohort(
     path: &Path,
     read: &ReadCases,
     cohort: &Cohort,
-    provenance: &Provenance,
+    provenance: Provenance,
     outputs: &Outputs,
 ) -> Result<(), Failure> {
     if is_csv(path) {
-        return outputs.write_table(path, cohort_tests_table(cohort).to_csv()?, provenance);
+        return outputs.write_table(path, cohort_tests_table(cohort).to_csv()?, &provenance);
     }
-    let file = cohort::file(read.ids(), cohort, &generator()).with_provenance(provenance.clone());
+    let file = cohort::file(read.ids(), cohort, &generator()).with_provenance(provenance);
     outputs.write(path, to_text(&file))
 }

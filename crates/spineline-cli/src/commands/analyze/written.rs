@@ -75,22 +75,30 @@ impl<'a> Written<'a> {
         Ok(())
     }
 
-    /// Ends them.
+    /// Ends them. The provenance is made where an output has one: it names every input.
     ///
     /// # Errors
     /// If one cannot be written.
-    pub fn keep(self, args: &AnalyzeArgs, provenance: &Provenance) -> Result<(), Failure> {
+    pub fn keep(
+        self,
+        args: &AnalyzeArgs,
+        provenance: impl FnOnce() -> Provenance,
+    ) -> Result<(), Failure> {
         if let Some(mut json) = self.json {
             if let Some(list) = self.list {
                 json.add(list.end())?;
             }
             json.keep()?;
         }
+        if self.errors.is_none() && self.chain.is_none() && self.tables.is_none() {
+            return Ok(());
+        }
+        let provenance = provenance();
         for (pieces, path) in [(self.errors, &args.csv), (self.chain, &args.chain)] {
             if let (Some(pieces), Some(path)) = (pieces, path) {
-                self.outputs.write_provenance(path, pieces.keep()?, provenance)?;
+                self.outputs.write_provenance(path, pieces.keep()?, &provenance)?;
             }
         }
-        self.tables.map_or(Ok(()), |tables| tables.keep(provenance))
+        self.tables.map_or(Ok(()), |tables| tables.keep(&provenance))
     }
 }
