@@ -29,6 +29,15 @@ pub fn wheels(root: &Path, others: &[&str]) -> Result<(), String> {
     wheels_with(root, &["--features", "pdf,https"], others).map(|_| ())
 }
 
+/// An interpreter by its name on the path, or by its place as seen from the folder of the caller: wheels are built in another one.
+fn interpreter_of(given: &str) -> Result<String, String> {
+    if Path::new(given).components().count() == 1 {
+        return Ok(given.to_owned());
+    }
+    let place = std::path::absolute(given).map_err(|error| format!("{given}: {error}"))?;
+    python::text(&place)
+}
+
 /// Builds wheels: the browser app where Node is there, the program with these features, then the native modules.
 fn wheels_with(root: &Path, features: &[&str], others: &[&str]) -> Result<Vec<PathBuf>, String> {
     let start = Instant::now();
@@ -52,7 +61,8 @@ fn wheels_with(root: &Path, features: &[&str], others: &[&str]) -> Result<Vec<Pa
     let (out, built) = (python::text(&wheels)?, python::text(&target)?);
     let mut arguments =
         vec!["-m", "maturin", "build", "--release", "--out", &out, "--interpreter", &interpreter];
-    arguments.extend(others);
+    let others = others.iter().map(|other| interpreter_of(other)).collect::<Result<Vec<_>, _>>()?;
+    arguments.extend(others.iter().map(String::as_str));
     run(&root.join("python"), &interpreter, &arguments, &[("CARGO_TARGET_DIR", &built)])?;
     let wheels = files(&wheels)?;
     for wheel in &wheels {

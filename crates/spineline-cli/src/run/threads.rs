@@ -11,27 +11,18 @@ use spineline::cohort::Workers;
 use super::failure::Failure;
 use super::progress::bar;
 
-/// A pool of threads; 0 uses all cores.
-///
-/// # Errors
-/// If they cannot be started.
-pub fn pool(threads: usize) -> Result<rayon::ThreadPool, Failure> {
-    rayon::ThreadPoolBuilder::new()
-        .num_threads(threads)
-        .build()
-        .map_err(|error| Failure::internal(format!("threads could not be started: {error}")))
-}
-
-/// A pool whose threads do the statistics of a cohort.
+/// A pool of threads.
 pub struct Pool(rayon::ThreadPool);
 
 impl Pool {
-    /// As [`pool`].
+    /// So many threads; 0 uses all cores.
     ///
     /// # Errors
-    /// If the threads cannot be started.
+    /// If they cannot be started.
     pub fn new(threads: usize) -> Result<Self, Failure> {
-        pool(threads).map(Self)
+        let built = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+        let failed = |error| Failure::internal(format!("threads could not be started: {error}"));
+        built.map(Self).map_err(failed)
     }
 }
 
@@ -51,7 +42,7 @@ pub fn map_all<T: Sync, R: Send>(
     threads: usize,
     run: impl Fn(&T) -> R + Sync,
 ) -> Result<Vec<R>, Failure> {
-    let pool = pool(threads)?;
+    let Pool(pool) = Pool::new(threads)?;
     let bar = bar(what, items.len());
     let results = pool.install(|| {
         items
@@ -102,7 +93,7 @@ pub fn stream_while<R: Send>(
     run: impl Fn(usize) -> R + Sync,
     mut take: impl FnMut(R) -> Result<(), Failure>,
 ) -> Result<(), Failure> {
-    let pool = pool(threads)?;
+    let Pool(pool) = Pool::new(threads)?;
     let (ended, results) = mpsc::channel();
     let run = &run;
     pool.in_place_scope(|scope| {
