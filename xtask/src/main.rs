@@ -39,7 +39,7 @@ cargo xtask COMMAND
   tidy     house rules that no compiler knows
   advisories
            check dependencies for known faults and their licences (needs cargo-deny, and the network for the faults)
-  studies  run the slow studies over thousands of synthetic patients, in a release build (many minutes)
+  studies  run the slow studies over tens of thousands of synthetic patients, in a release build (half an hour)
   web      check, test and build the browser app, which the program then embeds
   browser  drive the browser app in Chromium
   engines  compare exported models with MuJoCo, Pinocchio and OpenSim
