@@ -87,10 +87,8 @@ struct Bends {
     levels: Levels,
     /// By group, up to the last one with a bend.
     groups: Vec<RotationMoments>,
-    /// One of the bends, about which all groups take their rotations.
-    centre: Vec<Angle>,
-    sums: Vec<Angle>,
-    count: usize,
+    /// Of all groups.
+    all: RotationMoments,
 }
 
 impl Others {
@@ -135,42 +133,36 @@ impl Others {
 }
 
 impl Bends {
-    /// Of no patient yet.
+    /// Of no patient yet; rotations are taken from those of one bend.
     fn about(levels: Levels, centre: &[Angle]) -> Self {
-        let sums = vec![Angle::ZERO; levels.joints()];
-        Self { levels, groups: Vec::new(), centre: centre.to_vec(), sums, count: 0 }
+        Self { levels, groups: Vec::new(), all: RotationMoments::about(centre) }
     }
 
     fn add(&mut self, group: usize, bends: &[Vec<Angle>]) {
         if self.groups.len() <= group {
-            self.groups.resize(group + 1, RotationMoments::about(&self.centre));
+            self.groups.resize(group + 1, self.all.without_bends());
         }
         self.groups[group].add(bends);
-        self.count += bends.len();
-        for bend in bends {
-            for (sum, rotation) in self.sums.iter_mut().zip(bend) {
-                *sum = *sum + *rotation;
-            }
-        }
+        self.all.add(bends);
     }
 
     /// The mean over the bends of all other patients than one with these bends; `None` where there is none.
     fn mean_of_others(&self, own: &[Vec<Angle>]) -> Option<Vec<Angle>> {
-        let others = self.count - own.len();
-        let mean = |(joint, sum): (usize, &Angle)| {
+        let all = self.all.bends();
+        let others = all - own.len();
+        let of_others = |(joint, mean): (usize, Angle)| {
             let of_own: f64 = own.iter().map(|bend| bend[joint].rad()).sum();
-            Angle::from_rad((sum.rad() - of_own) / others as f64)
+            Angle::from_rad((mean.rad() * all as f64 - of_own) / others as f64)
         };
-        (others > 0).then(|| self.sums.iter().enumerate().map(mean).collect())
+        (others > 0).then(|| self.all.mean().into_iter().enumerate().map(of_others).collect())
     }
 
     fn prior_without(&self, group: usize) -> Option<RotationPrior> {
-        let others = self.groups.iter().enumerate().filter(|(other, _)| *other != group);
-        let all = others.map(|(_, moments)| moments.clone()).reduce(|mut sum, moments| {
-            sum.merge(&moments);
-            sum
-        });
-        RotationPrior::from_moments(self.levels, &all?).ok()
+        let mut others = self.all.without_bends();
+        for (_, moments) in self.groups.iter().enumerate().filter(|(other, _)| *other != group) {
+            others.merge(moments);
+        }
+        RotationPrior::from_moments(self.levels, &others).ok()
     }
 }
 

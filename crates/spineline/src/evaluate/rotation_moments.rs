@@ -26,10 +26,19 @@ pub(crate) struct RotationMoments {
 impl RotationMoments {
     /// Of no bend yet.
     pub fn about(centre: &[Angle]) -> Self {
-        let joints = centre.len();
+        Self::about_rad(DVector::from_iterator(centre.len(), centre.iter().map(|a| a.rad())))
+    }
+
+    /// Of no bend yet, from the same centre.
+    pub fn without_bends(&self) -> Self {
+        Self::about_rad(self.centre_rad.clone())
+    }
+
+    fn about_rad(centre_rad: DVector<f64>) -> Self {
+        let joints = centre_rad.len();
         let zeros = || DMatrix::zeros(joints, joints);
         Self {
-            centre_rad: DVector::from_iterator(joints, centre.iter().map(|angle| angle.rad())),
+            centre_rad,
             patients: 0,
             bends: 0,
             sums: DVector::zeros(joints),
