@@ -5,6 +5,7 @@ use spineline_files::CohortFile;
 
 use super::kept::{KeptPatients, KeptRows};
 use crate::run::failure::Failure;
+use crate::run::progress;
 use crate::run::threads::Pool;
 
 /// Seed of the bootstrap over patients.
@@ -24,8 +25,12 @@ pub fn of_kept(
     listed: Listed,
     threads: usize,
 ) -> Result<Cohort, Failure> {
-    let rows = &mut KeptRows::default();
-    Cohort::of_source(patients, rows, listed, BOOTSTRAP_SEED, &Pool::new(threads)?)
+    let (rows, pool) = (&mut KeptRows::default(), Pool::new(threads)?);
+    // Half a minute for 100,000 patients.
+    let shown = progress::working("statistics over all patients");
+    let cohort = Cohort::of_source(patients, rows, listed, BOOTSTRAP_SEED, &pool);
+    shown.finish_and_clear();
+    cohort
 }
 
 /// The statistics as a file.

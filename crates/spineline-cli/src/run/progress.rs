@@ -1,5 +1,7 @@
 //! Progress bars for long work; silent where the error stream is no terminal.
 
+use std::time::Duration;
+
 use indicatif::{ProgressBar, ProgressStyle};
 
 /// A bar with a known number of steps.
@@ -15,6 +17,14 @@ pub fn spinner(what: &str) -> ProgressBar {
 /// A message that changes, for work that has no steps to count.
 pub fn status() -> ProgressBar {
     styled(ProgressBar::new_spinner(), "{spinner} {msg}", "")
+}
+
+/// A message for work that does not say how far it is.
+pub fn working(what: &str) -> ProgressBar {
+    let shown = status();
+    shown.set_message(what.to_owned());
+    shown.enable_steady_tick(Duration::from_millis(100));
+    shown
 }
 
 fn styled(bar: ProgressBar, template: &str, what: &str) -> ProgressBar {
