@@ -186,7 +186,7 @@ fn regions_contain_the_true_line_and_tests_keep_their_size() {
     }
 }
 
-/// Shares of a study over spines of one construction: the true line in its region, and the tests of the line that made the films.
+/// Between which shares a study must find: the true line in its region, and the tests of the line that made the films.
 struct Bounds {
     regions: RangeInclusive<f64>,
     tests: RangeInclusive<f64>,

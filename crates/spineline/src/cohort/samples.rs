@@ -3,7 +3,7 @@
 use super::rows::CohortRows;
 use super::workers::{Workers, results};
 use super::{Clustered, PairedComparison, Seen};
-use crate::evaluate::statistics::{Resampling, Summary};
+use crate::evaluate::statistics::{Pooled, Resampling, Summary};
 
 /// Appends the values of a patient to a sample.
 type Values = Box<dyn Fn(&Seen<'_>, &mut Vec<f64>)>;
@@ -109,8 +109,9 @@ impl Samples {
         for (of, sample) in &mut self.sampled {
             values.clear();
             of(seen, &mut values);
-            sample.pooled.add(&values);
-            self.row.push(mean(&values).unwrap_or(f64::from_bits(NO_VALUE)));
+            let own = Summary::of(&values);
+            sample.pooled.add(own);
+            self.row.push(if own.n > 0 { own.mean } else { f64::from_bits(NO_VALUE) });
             if self.kept.values {
                 sample.values.extend_from_slice(&values);
             }
@@ -119,15 +120,16 @@ impl Samples {
             values.clear();
             others.clear();
             of(seen, [&mut values, &mut others]);
-            let difference = mean(&values).zip(mean(&others)).map(|(a, b)| a - b);
-            self.row.push(difference.unwrap_or(f64::from_bits(NO_VALUE)));
+            let [first, second] = [&values, &others].map(|values| Summary::of(values));
+            let difference = first.mean - second.mean;
+            self.row.push(if first.n > 0 { difference } else { f64::from_bits(NO_VALUE) });
             values.iter_mut().zip(&others).for_each(|(a, b)| *a -= b);
-            pairs.pooled.add(&values);
+            pairs.pooled.add(Summary::of(&values));
         }
         for (of, means) in self.averaged.iter_mut().filter(|_| self.patients < self.kept.listed) {
             values.clear();
             of(seen, &mut values);
-            means.push(mean(&values).unwrap_or(f64::NAN));
+            means.push(Summary::of(&values).mean);
         }
         for (of, count) in &mut self.counted {
             *count += of(seen);
@@ -225,10 +227,6 @@ impl Samples {
     }
 }
 
-fn mean(values: &[f64]) -> Option<f64> {
-    (!values.is_empty()).then(|| Summary::of(values).mean)
-}
-
 #[derive(Default)]
 struct Sample {
     pooled: Pooled,
@@ -243,52 +241,4 @@ struct Pairs {
     pooled: Pooled,
     /// Known at the end.
     compared: Option<PairedComparison>,
-}
-
-/// The summary of values that come in parts, of which none is kept.
-#[derive(Default)]
-struct Pooled {
-    n: usize,
-    mean: f64,
-    /// Sum of squares about the mean.
-    squares: f64,
-}
-
-impl Pooled {
-    fn add(&mut self, values: &[f64]) {
-        let Some(mean) = mean(values) else { return };
-        let own: f64 = values.iter().map(|value| (value - mean).powi(2)).sum();
-        let [before, added] = [self.n, values.len()].map(|n| n as f64);
-        self.n += values.len();
-        let (off, part) = (mean - self.mean, added / self.n as f64);
-        self.mean += off * part;
-        self.squares += own + off.powi(2) * before * part;
-    }
-
-    fn summary(&self) -> Summary {
-        let n = self.n;
-        let sd = if n > 1 { (self.squares / (n - 1) as f64).sqrt() } else { f64::NAN };
-        Summary { n, mean: if n > 0 { self.mean } else { f64::NAN }, sd }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn values_in_parts_have_the_summary_of_all() {
-        for n in [0, 1, 2, 1000] {
-            let values: Vec<f64> = (0..n).map(|i| (f64::from(i) * 0.7).sin() + 3.0).collect();
-            let mut pooled = Pooled::default();
-            pooled.add(&[]);
-            values.chunks(7).for_each(|part| pooled.add(part));
-            let (found, whole) = (pooled.summary(), Summary::of(&values));
-            assert_eq!(found.n, whole.n);
-            for (found, whole) in [(found.mean, whole.mean), (found.sd, whole.sd)] {
-                let is_near = (found - whole).abs() < 1e-14 * whole.abs();
-                assert!(is_near || (found.is_nan() && whole.is_nan()), "{found} and {whole}");
-            }
-        }
-    }
 }

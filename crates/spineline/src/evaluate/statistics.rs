@@ -49,15 +49,9 @@ impl Summary {
     /// ```
     #[must_use]
     pub fn pooled(samples: &[Self]) -> Self {
-        let samples = || samples.iter().filter(|sample| sample.n > 0);
-        let n: usize = samples().map(|sample| sample.n).sum();
-        let mean = samples().map(|sample| sample.n as f64 * sample.mean).sum::<f64>() / n as f64;
-        let squares = samples().map(|sample| {
-            let within = if sample.n > 1 { (sample.n - 1) as f64 * sample.sd.powi(2) } else { 0.0 };
-            within + sample.n as f64 * (sample.mean - mean).powi(2)
-        });
-        let sd = if n > 1 { (squares.sum::<f64>() / (n - 1) as f64).sqrt() } else { f64::NAN };
-        Self { n, mean, sd }
+        let mut pooled = Pooled::default();
+        samples.iter().for_each(|&sample| pooled.add(sample));
+        pooled.summary()
     }
 
     /// Normal-theory 95 % interval of the mean, as if all values were independent.
@@ -65,6 +59,35 @@ impl Summary {
     pub fn normal_interval(&self) -> [f64; 2] {
         let half = 1.959_963_984_540_054 * self.sd / (self.n as f64).sqrt();
         [self.mean - half, self.mean + half]
+    }
+}
+
+/// The summary of all values of samples that come one after the other, of which none is kept.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct Pooled {
+    n: usize,
+    mean: f64,
+    /// Sum of squares about the mean.
+    squares: f64,
+}
+
+impl Pooled {
+    pub fn add(&mut self, sample: Summary) {
+        if sample.n == 0 {
+            return;
+        }
+        let within = if sample.n > 1 { (sample.n - 1) as f64 * sample.sd.powi(2) } else { 0.0 };
+        let [before, added] = [self.n, sample.n].map(|n| n as f64);
+        self.n += sample.n;
+        let (off, part) = (sample.mean - self.mean, added / self.n as f64);
+        self.mean += off * part;
+        self.squares += within + off.powi(2) * before * part;
+    }
+
+    pub fn summary(&self) -> Summary {
+        let n = self.n;
+        let sd = if n > 1 { (self.squares / (n - 1) as f64).sqrt() } else { f64::NAN };
+        Summary { n, mean: if n > 0 { self.mean } else { f64::NAN }, sd }
     }
 }
 
@@ -322,6 +345,22 @@ pub fn ratio_bootstrap(
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn values_in_parts_have_the_summary_of_all() {
+        for n in [0, 1, 2, 1000] {
+            let values: Vec<f64> = (0..n).map(|i| (f64::from(i) * 0.7).sin() + 3.0).collect();
+            let mut pooled = Pooled::default();
+            pooled.add(Summary::of(&[]));
+            values.chunks(7).for_each(|part| pooled.add(Summary::of(part)));
+            let (found, whole) = (pooled.summary(), Summary::of(&values));
+            assert_eq!(found.n, whole.n);
+            for (found, whole) in [(found.mean, whole.mean), (found.sd, whole.sd)] {
+                let is_near = (found - whole).abs() < 1e-14 * whole.abs();
+                assert!(is_near || (found.is_nan() && whole.is_nan()), "{found} and {whole}");
+            }
+        }
+    }
 
     #[test]
     fn paired_t_equals_the_textbook_formula() {
