@@ -62,9 +62,9 @@ const LABELS = ["pilot", "before brace", null, "second opinion", null];
 const STATUSES: [Api<"StudyStatus">, string][] = [
   [
     "modelled",
-    "a line predicts films better than without mechanics, and the bends do not contradict it",
+    "a line predicts films better than without mechanics, and the bends do not reject it",
   ],
-  ["unsupported", "the bends contradict every line of action"],
+  ["unsupported", "the bends reject every line of action"],
   ["measured", "the erect film is measured; no bending film is"],
   ["marking", "12 of 15 vertebrae on the erect film"],
   ["to_mark", "no film is marked"],

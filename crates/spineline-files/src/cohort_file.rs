@@ -5,8 +5,8 @@ use std::collections::BTreeMap;
 use serde::{Deserialize, Serialize};
 use spineline::anatomy::Posture;
 use spineline::cohort::{
-    BaselineErrors, BaselineTest, ChainCount, Clustered, Cohort, DoubtedFilm, LinePairTest,
-    LineRejections, MissingResult, RoleErrors,
+    BaselineErrors, BaselineTest, ChainCount, Clustered, Cohort, ComparisonOutcome, DoubtedFilm,
+    LineOutcomes, LinePairTest, MissingResult, OutcomeCounts, RefusedCase, RoleErrors,
 };
 use spineline::evaluate::Baseline;
 use spineline::evaluate::statistics::PairedT;
@@ -14,6 +14,7 @@ use spineline::evaluate::statistics::PairedT;
 use crate::Provenance;
 use crate::analysis_file::NumbersRecord;
 use crate::keys::Key;
+use crate::refused_file::RefusedRecord;
 
 /// The lines of action over many patients, on the same films. Location errors in mm, Ferguson errors in degrees.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -25,10 +26,12 @@ pub struct CohortFile {
     /// Program that wrote it.
     generator: String,
     /// Provenance.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(skip_serializing_if = "Option::is_none")]
     provenance: Option<Provenance>,
     /// Whether any patient is synthetic.
     synthetic: bool,
+    /// The cases that were given and have no part in the numbers.
+    refused: Vec<RefusedRecord>,
     case_ids: Vec<String>,
     /// Seed of resampling and, beyond 20 patients, of the drawn sign flips.
     seed: u64,
@@ -42,42 +45,45 @@ pub struct CohortFile {
     same_data: bool,
     /// Numbers that each line takes from films.
     numbers: BTreeMap<String, NumbersRecord>,
-    /// By line and role, over the films on which every line has a result.
+    /// By line and role, over the films on which the line has a result. Lines are compared by `tests` alone.
     errors: Vec<ErrorsRecord>,
-    /// Films that are left out of `errors`, once per line without a result on them.
-    #[serde(default)]
-    left_out_films: Vec<LeftOutRecord>,
+    /// Films on which a line has no result, once per such line.
+    films_without_result: Vec<MissingRecord>,
     /// By pair of lines, role and error.
     tests: Vec<TestRecord>,
     /// Predictions without mechanics, by pattern of joint rotations and role.
-    #[serde(default)]
     baselines: Vec<BaselineRecord>,
     /// Lines against them, by location error in mm, line minus baseline.
-    #[serde(default)]
     baseline_tests: Vec<BaselineTestRecord>,
     /// Other loads and bases against them, likewise; a family of tests of its own.
-    #[serde(default)]
     hypothesis_tests: Vec<BaselineTestRecord>,
     /// Films that may not show what they are named after.
-    #[serde(default)]
     doubted_films: Vec<DoubtedRecord>,
     /// The vertebrae of the patients' models; results of different ones are not comparable.
-    #[serde(default)]
     chains: Vec<ChainRecord>,
-    /// By line that is not fitted to the films: how often a single force along it is rejected.
-    #[serde(default)]
-    rejections: BTreeMap<String, RejectionsRecord>,
+    /// By line that is not fitted to the films: how the tests of a single force along it ended.
+    outcomes: BTreeMap<String, OutcomesRecord>,
     verdict: Vec<String>,
 }
 
-/// How often a single force along a line is rejected: the first number, of the second.
+/// How the tests of a single force along a line ended.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
-struct RejectionsRecord {
-    /// Patients whose bends reject it, of those tested; those with a doubted film are in neither.
-    patients: [usize; 2],
-    /// Bends whose rotations reject the line itself (p < 0.05, not corrected), of those tested one by one.
-    bends: [usize; 2],
+struct OutcomesRecord {
+    /// By patient with a model of the line, all bends together.
+    patients: CountsRecord,
+    /// By bend: the line itself against the rotations (p < 0.05, not corrected).
+    bends: CountsRecord,
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+struct CountsRecord {
+    rejected: usize,
+    kept: usize,
+    not_tested: usize,
+    /// Of patients with a doubted film; in no other number.
+    doubted: usize,
 }
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -87,8 +93,8 @@ struct ErrorsRecord {
     /// `fitted`, `left_out_bend` or `held_out`.
     role: String,
     films: usize,
-    /// Films without part in it, since some line has no result on them.
-    films_left_out: usize,
+    /// Films on which the line has no result.
+    films_without_result: usize,
     location_mm: SampleRecord,
     ferguson_deg: SampleRecord,
 }
@@ -111,13 +117,13 @@ struct SampleRecord {
 /// A line without a result on a film.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
-struct LeftOutRecord {
+struct MissingRecord {
     case_id: String,
     posture: String,
     /// `fitted`, `left_out_bend` or `held_out`.
     role: String,
     line: String,
-    /// `no_model`, `no_line`, `unreachable` or `not_converged`.
+    /// `no_model`, `no_line`, `unreachable`, `not_converged` or `beyond_human_range`.
     reason: String,
 }
 
@@ -154,7 +160,8 @@ struct TestRecord {
     /// `location_mm` or `ferguson_deg`.
     error: String,
     films: usize,
-    films_left_out: usize,
+    /// Films on which one of the two has no result, or both.
+    films_without_result: usize,
     patients: usize,
     /// Numbers that each line takes from a film before it predicts it.
     per_predicted_film: [usize; 2],
@@ -197,7 +204,6 @@ struct BaselineRecord {
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 struct BaselineTestRecord {
     /// Name of the line, or of the load and base.
-    #[serde(alias = "line")]
     model: String,
     baseline: Key<Baseline>,
     role: String,
@@ -210,9 +216,8 @@ struct BaselineTestRecord {
     sign_flip_p: Option<f64>,
     /// After Holm's correction over all of these tests.
     holm_p: Option<f64>,
-    /// Whether the model predicts better, beyond chance.
-    #[serde(alias = "line_is_better")]
-    is_better: bool,
+    /// What the model is beside the baseline.
+    outcome: Key<ComparisonOutcome>,
 }
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -226,7 +231,13 @@ struct PairedRecord {
 impl CohortFile {
     /// The file of a cohort.
     #[must_use]
-    pub fn new(cohort: &Cohort, case_ids: Vec<String>, seed: u64, generator: &str) -> Self {
+    pub fn new(
+        cohort: &Cohort,
+        case_ids: Vec<String>,
+        refused: &[RefusedCase],
+        seed: u64,
+        generator: &str,
+    ) -> Self {
         let compared = &cohort.compared;
         let numbers = compared.numbers.iter();
         Self {
@@ -235,6 +246,7 @@ impl CohortFile {
             generator: generator.to_owned(),
             provenance: None,
             synthetic: cohort.synthetic,
+            refused: refused.iter().map(RefusedRecord::new).collect(),
             case_ids,
             seed,
             believe: compared.believe_words().to_owned(),
@@ -245,7 +257,7 @@ impl CohortFile {
                 .map(|(kind, n)| (kind.key().to_owned(), NumbersRecord::new(n)))
                 .collect(),
             errors: compared.errors.iter().map(errors).collect(),
-            left_out_films: compared.missing.iter().map(left_out).collect(),
+            films_without_result: compared.missing.iter().map(missing).collect(),
             tests: compared.tests.iter().map(test).collect(),
             baselines: cohort.baselines.errors.iter().map(baseline).collect(),
             baseline_tests: cohort
@@ -262,7 +274,7 @@ impl CohortFile {
                 .collect(),
             doubted_films: cohort.doubted_films.iter().map(doubted).collect(),
             chains: cohort.chains.iter().map(chain).collect(),
-            rejections: cohort.rejections.iter().map(rejections).collect(),
+            outcomes: cohort.outcomes.iter().map(outcomes).collect(),
             verdict: cohort.sentences(),
         }
     }
@@ -275,10 +287,13 @@ impl CohortFile {
     }
 }
 
-fn rejections(found: &LineRejections) -> (String, RejectionsRecord) {
-    let LineRejections { kind, patients, bends } = *found;
-    let record = RejectionsRecord { patients: patients.into(), bends: bends.into() };
-    (kind.key().to_owned(), record)
+fn outcomes(found: &LineOutcomes) -> (String, OutcomesRecord) {
+    let counts = |counts: &OutcomeCounts| {
+        let OutcomeCounts { rejected, kept, not_tested, doubted } = *counts;
+        CountsRecord { rejected, kept, not_tested, doubted }
+    };
+    let record = OutcomesRecord { patients: counts(&found.patients), bends: counts(&found.bends) };
+    (found.kind.key().to_owned(), record)
 }
 
 fn finite(value: f64) -> Option<f64> {
@@ -317,7 +332,7 @@ fn baseline_test<M>(found: &BaselineTest<M>, model: String) -> BaselineTestRecor
         interval_95_mm: c.bootstrap,
         sign_flip_p: c.sign_flip.map(|test| test.p_two_sided),
         holm_p: found.holm_p,
-        is_better: found.is_better(),
+        outcome: found.outcome().into(),
     }
 }
 
@@ -326,7 +341,7 @@ fn errors(found: &RoleErrors) -> ErrorsRecord {
         line: found.kind.key().to_owned(),
         role: found.role.key().to_owned(),
         films: found.films,
-        films_left_out: found.left_out,
+        films_without_result: found.without_result,
         location_mm: sample(&found.location_mm),
         ferguson_deg: sample(&found.ferguson_deg),
     }
@@ -346,8 +361,8 @@ fn chain(count: &ChainCount) -> ChainRecord {
     ChainRecord { base: levels.base().to_string(), top: levels.top().to_string(), patients }
 }
 
-fn left_out(found: &MissingResult) -> LeftOutRecord {
-    LeftOutRecord {
+fn missing(found: &MissingResult) -> MissingRecord {
+    MissingRecord {
         case_id: found.case_id.clone(),
         posture: found.posture.key().to_owned(),
         role: found.role.key().to_owned(),
@@ -364,7 +379,7 @@ fn test(found: &LinePairTest) -> TestRecord {
         role: found.role.key().to_owned(),
         error: found.error.key().to_owned(),
         films: found.films,
-        films_left_out: found.left_out,
+        films_without_result: found.without_result,
         patients: c.patients(),
         per_predicted_film: found.per_predicted_film,
         mean_difference: finite(c.mean_difference),

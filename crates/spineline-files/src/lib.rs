@@ -29,6 +29,7 @@ mod options_record;
 mod provenance;
 mod read;
 mod readings_table;
+mod refused_file;
 mod reliability_file;
 mod request;
 mod rotation_prior_file;
@@ -65,6 +66,7 @@ pub use provenance::{
 };
 pub use read::{MAX_ANALYSES_BYTES, MAX_FILE_BYTES, read_bytes, read_text};
 pub use readings_table::{ReadingsTable, parse_readings};
+pub use refused_file::RefusedFile;
 pub use reliability_file::ReliabilityFile;
 pub use request::{Replicates, Request};
 pub use rotation_prior_file::{RotationPriorFile, StoredRotationPrior, parse_rotation_prior};

@@ -1,7 +1,7 @@
 //! Loads and bases other than the lines of action, fitted and left out, over one patient or several.
 
 use spineline::analysis::{Analysis, FilmRole, LinesCompared};
-use spineline::cohort::BaselinesOverPatients;
+use spineline::cohort::{BaselinesOverPatients, ComparisonOutcome};
 use spineline::evaluate::Baseline;
 use spineline::hypothesis::{
     Hypothesis, HypothesisComparison, HypothesisScores, HypothesisSummary, Role, compare,
@@ -70,7 +70,11 @@ fn against_baselines(baselines: &BaselinesOverPatients, role: FilmRole) -> Optio
             let found = tests().find(|t| t.model == *hypothesis && t.baseline == *baseline);
             found.map_or_else(none, |test| {
                 let c = &test.comparison;
-                let mark = if test.is_significant() { " *" } else { "" };
+                let mark = match test.outcome() {
+                    ComparisonOutcome::Better => ", better",
+                    ComparisonOutcome::Worse => ", worse",
+                    ComparisonOutcome::NoDifference | ComparisonOutcome::NotTested => "",
+                };
                 with_interval(c.mean_difference, c.bootstrap, 1) + mark
             })
         };
@@ -78,7 +82,7 @@ fn against_baselines(baselines: &BaselinesOverPatients, role: FilmRole) -> Optio
         table.row([hypothesis.to_string()].into_iter().chain(cells).collect());
     }
     table.note = format!(
-        "Location error of the load minus that of the prediction, on the films that both predict: below zero, the load is better. The best prediction without mechanics: {}, {:.1} mm. * Significant over patients after Holm's correction over these tests.",
+        "Location error of the load minus that of the prediction, on the films that both predict: below zero, the load is better. The best prediction without mechanics: {}, {:.1} mm. Better: significantly, after Holm's correction over these tests; worse: significantly, or with the whole interval above zero.",
         best.baseline,
         best.mean_mm()
     );

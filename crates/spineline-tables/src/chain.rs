@@ -4,7 +4,7 @@ use spineline::analysis::{Analysis, PostureAnalysis};
 use spineline::chain::DenavitHartenberg;
 use spineline::spatial::Frontal;
 
-use crate::define::{Column, LENGTHS, Row, Unit, count, keyed, number, places, text};
+use crate::define::{Column, LENGTHS, Row, Unit, count, keyed, number, places, refused, text};
 use crate::table::Table;
 
 /// A segment of a chain.
@@ -37,7 +37,8 @@ pub fn chain_table(analyses: &[Analysis]) -> Table {
             }));
         }
     }
-    keyed("chain", "patient × posture × segment", [columns_of_segments()]).fill(&rows)
+    keyed("chain", "patient × posture × segment", [columns_of_segments(), vec![refused()]])
+        .fill(&rows)
 }
 
 fn columns_of_segments<'a>() -> Vec<Column<SegmentRow<'a>>> {

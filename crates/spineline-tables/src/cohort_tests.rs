@@ -1,7 +1,9 @@
 //! `analyze --cohort` as CSV: the tests of the cohort.
 
 use spineline::analysis::FilmRole;
-use spineline::cohort::{BaselineTest, Cohort, ErrorKind, LinePairTest, PairedComparison};
+use spineline::cohort::{
+    BaselineTest, Cohort, ComparisonOutcome, ErrorKind, LinePairTest, PairedComparison,
+};
 
 use crate::define::{Column, Definition, Unit, count, element, grouped, number, text, truth};
 use crate::table::Table;
@@ -28,7 +30,7 @@ impl<'a> Test<'a> {
             role: test.role,
             error: test.error,
             films: test.films,
-            films_not_compared: Some(test.left_out),
+            films_not_compared: Some(test.without_result),
             comparison: &test.comparison,
             holm_p: test.holm_p,
             predicts_better: test.predicts_better().map(|line| line.key().to_owned()),
@@ -47,7 +49,11 @@ impl<'a> Test<'a> {
             films_not_compared: None,
             comparison: &test.comparison,
             holm_p: test.holm_p,
-            predicts_better: test.is_significant().then_some(better),
+            predicts_better: matches!(
+                test.outcome(),
+                ComparisonOutcome::Better | ComparisonOutcome::Worse
+            )
+            .then_some(better),
         }
     }
 }

@@ -3,7 +3,7 @@
 use spineline::analysis::Analysis;
 
 use crate::Patient;
-use crate::table::{NumberFormat, Series, Table, Values};
+use crate::table::{NumberFormat, REFUSED, Series, Table, Values};
 
 /// Unit of a number; its name ends the name of the column.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -167,6 +167,11 @@ fn keys<'a, T>() -> Vec<Column<Row<'a, T>>> {
             |row| Some(row.analysis.synthetic),
         ),
     ]
+}
+
+/// Why a case has no result; filled by [`Table::refused`] alone.
+pub(crate) fn refused<R>() -> Column<R> {
+    text(REFUSED, "why the case was refused and has no result; empty for all others", |_| None)
 }
 
 /// The columns with these names, in the order of the names.

@@ -49,6 +49,7 @@ pub use vertebrae::errors_table;
 pub use write::{ParquetWriter, SCHEMA_VERSION};
 
 use spineline::analysis::{Analysis, Subject};
+use spineline::cohort::RefusedCase;
 use spineline::personalize::Identifiability;
 use spineline::uncertainty::Uncertainty;
 
@@ -109,6 +110,15 @@ impl OptionalTables {
 #[must_use]
 pub fn tables(patients: &[Patient<'_>]) -> Vec<Table> {
     tables_of(patients, OptionalTables::of(patients))
+}
+
+/// What a case without a result adds to [`tables`]: its row among the patients.
+#[must_use]
+pub fn tables_of_refused(case: &RefusedCase) -> Vec<Table> {
+    let mut all = tables(&[]);
+    let patients = all.remove(0).refused(case);
+    all.insert(0, patients);
+    all
 }
 
 fn tables_of(patients: &[Patient<'_>], optional: OptionalTables) -> Vec<Table> {

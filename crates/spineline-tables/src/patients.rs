@@ -6,7 +6,7 @@ use spineline::spatial::Angle;
 use spineline::warning::Severity;
 
 use crate::Patient;
-use crate::define::{Column, Row, Unit, count, keyed, number, text, truth};
+use crate::define::{Column, Row, Unit, count, keyed, number, refused, text, truth};
 use crate::table::Table;
 
 type PatientRow<'a> = Row<'a, &'a Subject>;
@@ -18,7 +18,7 @@ pub(crate) fn table(patients: &[Patient<'_>]) -> Table {
     keyed(
         "patients",
         "patient",
-        [subject(), curve(), inflections(), findings(), balance(), options()],
+        [subject(), curve(), inflections(), findings(), balance(), options(), vec![refused()]],
     )
     .fill(&rows)
 }

@@ -1,4 +1,9 @@
+use spineline::cohort::RefusedCase;
+
 use crate::error::TableError;
+
+/// Name of the column that says why a case has no result.
+pub(crate) const REFUSED: &str = "refused";
 
 /// A table: columns of the same length.
 #[derive(Debug, Clone, PartialEq)]
@@ -23,6 +28,20 @@ impl Table {
         for column in &mut self.columns {
             column.values.clear();
         }
+    }
+
+    /// Adds a row for a case without a result: its identifier or file, and why it was refused; all else is empty.
+    #[must_use]
+    pub fn refused(mut self, case: &RefusedCase) -> Self {
+        for column in &mut self.columns {
+            let text = match column.name.as_str() {
+                "case_id" => Some(case.name().to_owned()),
+                REFUSED => Some(format!("{}: {}", case.step, case.reason)),
+                _ => None,
+            };
+            column.values.push_text(text);
+        }
+        self
     }
 
     /// Adds the rows of the same table of other patients.
@@ -115,6 +134,16 @@ pub enum Values {
 }
 
 impl Values {
+    /// Adds a text to texts, and an empty value to all others.
+    fn push_text(&mut self, text: Option<String>) {
+        match self {
+            Self::Text(all) => all.push(text),
+            Self::Number(all) => all.push(None),
+            Self::Count(all) => all.push(None),
+            Self::Truth(all) => all.push(None),
+        }
+    }
+
     fn clear(&mut self) {
         match self {
             Self::Text(all) => all.clear(),

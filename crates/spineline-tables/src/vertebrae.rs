@@ -5,7 +5,7 @@ use spineline::measure::MeasuredVertebra;
 
 use crate::Patient;
 use crate::define::{
-    Column, Definition, LENGTHS, Row, Unit, chosen, keyed, number, text, truth, written,
+    Column, Definition, LENGTHS, Row, Unit, chosen, keyed, number, refused, text, truth, written,
 };
 use crate::table::{NumberFormat, Table};
 
@@ -102,7 +102,8 @@ pub fn errors_table(analyses: &[Analysis]) -> Table {
     let row = "patient × posture × vertebra × line; `line` is empty where there is no model";
     let all = keyed("errors", row, [measured(), simulated()]);
     let columns = chosen(all.columns, &OF_ERRORS).into_iter();
-    let columns = columns.map(|column| written(NumberFormat::Places(4), column)).collect();
+    let columns = columns.map(|column| written(NumberFormat::Places(4), column));
+    let columns = columns.chain([refused()]).collect();
     Definition { columns, ..all }.fill(&rows)
 }
 

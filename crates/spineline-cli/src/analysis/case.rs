@@ -3,11 +3,13 @@
 use std::path::Path;
 
 use spineline::analysis::{Analysis, AnalysisOptions, Case, analyze};
+use spineline::cohort::{RefusalStep, RefusedCase};
 use spineline_files::method_text::missing_known_force;
 
 use crate::analysis::films::check_films;
 use crate::run::failure::Failure;
 use crate::run::inputs::CaseInput;
+use crate::run::provenance::shown_name;
 
 /// Reads and analyses a case.
 ///
@@ -15,6 +17,45 @@ use crate::run::inputs::CaseInput;
 /// If the file is no case, or what stops the analysis.
 pub fn analyze_file(path: &Path, options: &AnalysisOptions) -> Result<Analysis, Failure> {
     analyze_input(path, &CaseInput::read(path)?, options)
+}
+
+/// A case without a result, and what to do about it.
+pub struct Refusal {
+    pub case: RefusedCase,
+    pub failure: Failure,
+}
+
+impl Refusal {
+    /// Of the file of a case; `input` is the case, where it was read.
+    pub fn new(
+        path: &Path,
+        input: Option<&CaseInput>,
+        step: RefusalStep,
+        failure: Failure,
+    ) -> Self {
+        let file = shown_name(path);
+        // Failures name the file as the command line does.
+        let reason = failure.what().replace(&path.display().to_string(), &file);
+        let reason = reason.strip_prefix(&format!("{file}: ")).unwrap_or(&reason).to_owned();
+        let case_id = input.map(|input| input.case.id.clone());
+        Self { case: RefusedCase { file, case_id, step, reason }, failure }
+    }
+}
+
+/// Reads and analyses a case of a cohort.
+///
+/// # Errors
+/// If the file is no case, or what stops the analysis.
+pub fn analyze_member(
+    path: &Path,
+    options: &AnalysisOptions,
+) -> Result<(CaseInput, Analysis), Refusal> {
+    let input = CaseInput::read(path)
+        .map_err(|failure| Refusal::new(path, None, RefusalStep::Reading, failure))?;
+    match analyze_input(path, &input, options) {
+        Ok(analysis) => Ok((input, analysis)),
+        Err(failure) => Err(Refusal::new(path, Some(&input), RefusalStep::Analysis, failure)),
+    }
 }
 
 /// Analyses a case that was read, after a comparison of the pictures beside it.

@@ -1,6 +1,6 @@
 //! Several patients together.
 
-use spineline::cohort::{Cohort, CohortPatient, Listed};
+use spineline::cohort::{Cohort, CohortPatient, Listed, RefusedCase};
 use spineline_files::CohortFile;
 
 use super::kept::{KeptPatients, KeptRows};
@@ -34,6 +34,11 @@ pub fn of_kept(
 }
 
 /// The statistics as a file.
-pub fn file(case_ids: Vec<String>, cohort: &Cohort, generator: &str) -> CohortFile {
-    CohortFile::new(cohort, case_ids, BOOTSTRAP_SEED, generator)
+pub fn file(
+    case_ids: Vec<String>,
+    cohort: &Cohort,
+    refused: &[RefusedCase],
+    generator: &str,
+) -> CohortFile {
+    CohortFile::new(cohort, case_ids, refused, BOOTSTRAP_SEED, generator)
 }

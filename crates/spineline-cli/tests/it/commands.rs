@@ -71,7 +71,7 @@ fn a_phantom_is_made_checked_and_analysed() {
         "SYNTHETIC",
         "inflection line",
         "held out",
-        "are consistent with a single force",
+        "A single force through the inflections is kept by the bending films",
         "only ratios are identified",
     ] {
         assert!(words(&text).contains(word), "{word} is missing in\n{text}");

@@ -13,7 +13,7 @@ fn one_patient_shows_every_line_by_kind_of_film_and_a_conclusion() {
     let (text, error, _) = run(here.path(), &["analyze", "cases/phantom-bend-01.json"]);
     let text = words(&text);
     for word in [
-        "Lines on the same films",
+        "Every line on the films with a result",
         "fitted bends inflection line",
         "bends left out iliac line",
         "2 + 2 + 0 = 4 fitted",
@@ -115,10 +115,10 @@ fn films_without_a_result_are_named_with_line_and_reason() {
     let arguments = ["analyze", "cases", "--cohort", "all.json"];
     let (text, error, code) = run(here.path(), &arguments);
     assert!(code == 0 || code == 4, "{error}");
-    assert!(words(&text).contains("Films left out of the comparison of all lines"), "{text}");
+    assert!(words(&text).contains("Films on which a line has no result"), "{text}");
     let json = fs::read_to_string(here.path().join("all.json")).expect("it was written");
     let json: Value = serde_json::from_str(&json).expect("JSON");
-    let left_out = json["left_out_films"].as_array().expect("films");
+    let left_out = json["films_without_result"].as_array().expect("films");
     assert_eq!(left_out.len(), 18, "three lines on two films of three kinds: {left_out:?}");
     for film in left_out {
         assert_eq!(
@@ -127,7 +127,7 @@ fn films_without_a_result_are_named_with_line_and_reason() {
         );
     }
     let errors = json["errors"].as_array().expect("errors");
-    assert!(errors.iter().all(|error| error["films_left_out"] == 2), "{errors:?}");
+    assert!(errors.iter().all(|error| error["films_without_result"] == 2), "{errors:?}");
     assert_eq!(json["chains"], json!([{ "base": "L4", "top": "T2", "patients": 2 }]));
     assert_eq!(json["doubted_films"], json!([]));
 }
@@ -195,4 +195,68 @@ fn shift_rows(value: &mut Value, rows: f64) {
         Value::Array(of) => of.iter_mut().for_each(|one| shift_rows(one, rows)),
         _ => {}
     }
+}
+
+#[test]
+fn a_refused_patient_is_named_with_its_reason_in_every_output() {
+    let here = with_phantoms("rod", &["1", "2"]);
+    let path = here.path().join("cases/phantom-rod-02.json");
+    let mut case: Value =
+        serde_json::from_str(&fs::read_to_string(&path).expect("a case")).expect("JSON");
+    case["films"].as_array_mut().expect("films").retain(|film| film["posture"] != "erect");
+    fs::write(&path, case.to_string()).expect("a case without an erect film");
+    fs::write(here.path().join("cases/torn.json"), "{ \"format\": \"spineline-case\",")
+        .expect("half");
+    let arguments = [
+        "analyze",
+        "cases",
+        "--json",
+        "all.json",
+        "--cohort",
+        "cohort.json",
+        "--csv",
+        "all.csv",
+        "--chain",
+        "chain.csv",
+        "--tables",
+        "tables",
+    ];
+    let (text, _, code) = run(here.path(), &arguments);
+    assert_eq!(code, 3, "a case was refused");
+    let first = text.split("Patient by patient").next().expect("a verdict");
+    let (refused, rest) = first.split_once("1 patient (synthetic)").expect("the first finding");
+    assert!(refused.contains("2 of 3 cases refused"), "{text}");
+    for named in ["phantom-rod-02", "torn.json", "erect"] {
+        assert!(
+            refused.contains(named),
+            "{named} is missing before the findings:\n{refused}{rest}"
+        );
+    }
+    let read = |name: &str| fs::read_to_string(here.path().join(name)).expect("it was written");
+    let parsed = |name: &str| serde_json::from_str::<Value>(&read(name)).expect("JSON");
+    let analyses = parsed("all.json");
+    let items = analyses.as_array().expect("a list");
+    let formats: Vec<&Value> = items.iter().map(|item| &item["format"]).collect();
+    assert_eq!(formats, ["spineline-analysis", "spineline-refused-case", "spineline-refused-case"]);
+    let listed = &parsed("cohort.json")["refused"];
+    for (place, step, id) in [(0, "analysis", json!("phantom-rod-02")), (1, "reading", Value::Null)]
+    {
+        let one = &listed[place];
+        assert_eq!((&one["step"], &one["case_id"]), (&json!(step), &id));
+        assert!(one["reason"].as_str().is_some_and(|reason| !reason.is_empty()), "{one}");
+        assert_eq!(&items[place + 1]["refused"], one);
+    }
+    for table in ["all.csv", "chain.csv", "tables/patients.csv"] {
+        let rows = read(table);
+        for named in ["phantom-rod-02,", "torn.json,"] {
+            let row = rows.lines().find(|row| row.starts_with(named));
+            let row = row.unwrap_or_else(|| panic!("{named} is missing in {table}"));
+            assert!(row.contains("could not be"), "{table}: {row}");
+        }
+    }
+    let (_, error, code) = run(here.path(), &["report", "cases", "--out", "report.md"]);
+    assert_eq!(code, 3, "{error}");
+    let report = read("report.md");
+    let place = |text: &str| report.find(text).unwrap_or_else(|| panic!("{text} is missing"));
+    assert!(place("2 of 3 cases refused") < place("1 patient (synthetic)"));
 }

@@ -113,11 +113,11 @@ fn the_line_that_predicts_best_gives_the_model() {
     let without = without.filter_map(|(_, errors)| errors["left_out_bend"].as_f64());
     for said in [
         format!(
-            "the iliac line predicts bends left out of the fit best: to {:.1} mm",
+            "the iliac line has the smallest error on bends left out of the fit: {:.1} mm",
             left_out("iliac_line")
         ),
-        format!("the next, the inflection line, to {:.1} mm", left_out("inflection_line")),
-        format!(") to {:.1} mm.", without.fold(f64::INFINITY, f64::min)),
+        format!("the inflection line follows with {:.1} mm", left_out("inflection_line")),
+        format!(") has {:.1} mm.", without.fold(f64::INFINITY, f64::min)),
     ] {
         assert!(error.contains(&said), "{said}: {error}");
     }

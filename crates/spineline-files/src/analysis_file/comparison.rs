@@ -8,13 +8,13 @@ use spineline::analysis::{
 use spineline::anatomy::Posture;
 use spineline::cohort::{BaselineTest, BaselinesOverPatients};
 use spineline::evaluate::{Baseline, BaselinePrediction, Simulation};
-use spineline::personalize::FitTarget;
+use spineline::personalize::{FitTarget, TestOutcome};
 
 use super::model::ModelRecord;
 use super::posture::ScaleRecord;
 use crate::keys::Key;
 
-/// The lines on the same films, every bend left out once.
+/// Every line on the films on which it has a result, every bend left out once.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 pub(super) struct ComparisonRecord {
@@ -23,7 +23,7 @@ pub(super) struct ComparisonRecord {
     same_data: bool,
     /// By line.
     lines: BTreeMap<String, LineRecord>,
-    /// By baseline and role: mean error over the films on which every line and the baseline have a result.
+    /// By baseline and role: mean error over the films that the baseline predicts.
     #[serde(default)]
     baselines_mm: BTreeMap<String, BTreeMap<String, f64>>,
     /// Every line, and every other load and base, beside the best prediction without mechanics.
@@ -31,7 +31,7 @@ pub(super) struct ComparisonRecord {
     against_baselines: Vec<AgainstRecord>,
     /// Every film once per role.
     films: Vec<FilmRecord>,
-    /// By line: whether the bends are compatible with a single force along it. The test of the line itself exists for every
+    /// By line: whether the bends reject a single force along it. The test of the line itself exists for every
     /// line but the estimated one, which comes from the same rotations.
     compatibility: BTreeMap<String, CompatibilityRecord>,
     /// By the bend that was left out, and line: the model that the other bend alone gave, and what it predicts.
@@ -61,7 +61,7 @@ struct LineRecord {
     /// Data of the fit: `shape` or `ferguson`.
     fitted_to: String,
     numbers: NumbersRecord,
-    /// By role (`fitted`, `left_out_bend`, `held_out`), over the films on which every line has a result.
+    /// By role (`fitted`, `left_out_bend`, `held_out`), over the films on which the line has a result.
     errors: BTreeMap<String, ErrorsRecord>,
 }
 
@@ -95,8 +95,6 @@ struct FilmRecord {
     posture: Key<Posture>,
     /// `fitted`, `left_out_bend` or `held_out`.
     role: String,
-    /// Whether every line has a result on it; else it takes no part.
-    compared: bool,
     /// By line; `null` where it has no result.
     location_mm: BTreeMap<String, Option<f64>>,
     /// Predictions without mechanics, by pattern of joint rotations; empty for fitted films.
@@ -120,8 +118,8 @@ struct BaselineRecord {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 struct CompatibilityRecord {
-    /// Whether a bend contradicts the line.
-    rejected: bool,
+    /// What all bends say of the line.
+    outcome: Key<TestOutcome>,
     /// Tests over which Holm's correction was taken.
     tests: usize,
     bends: Vec<BendRecord>,
@@ -133,6 +131,8 @@ struct CompatibilityRecord {
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 struct BendRecord {
     posture: Key<Posture>,
+    /// What the bend says of the line. Joints alone reject a line and do not keep one.
+    outcome: Key<TestOutcome>,
     joints: usize,
     /// Counter-rotating joints.
     against: usize,
@@ -140,8 +140,9 @@ struct BendRecord {
     beyond_noise: usize,
     /// Their part in the work of all joints.
     weight: f64,
-    /// Probability that noise alone gives such a counter-rotation at any joint, after Holm's correction.
-    joints_p_holm: f64,
+    /// Probability that noise alone gives such a counter-rotation at any joint, after Holm's correction; `null` where
+    /// joints were not tested: their noise is not known, or the place of the line is assumed.
+    joints_p_holm: Option<f64>,
     joints_reject: bool,
     /// Of the test of the line itself, after Holm's correction; `null` where there is none.
     line_p_holm: Option<f64>,
@@ -180,7 +181,7 @@ impl ComparisonRecord {
 fn baselines_mm(found: &LinesCompared) -> BTreeMap<String, BTreeMap<String, f64>> {
     let by_role = |baseline| {
         let errors = FilmRole::ALL.into_iter().filter_map(|role| {
-            Some((role.key().to_owned(), found.baseline_error_mm(baseline, role)?))
+            Some((role.key().to_owned(), found.baseline_errors(baseline, role)?.1))
         });
         errors.collect()
     };
@@ -252,7 +253,6 @@ fn film(film: &ComparedFilm, lines: &[ComparedLine]) -> FilmRecord {
     FilmRecord {
         posture: film.posture.into(),
         role: film.role.key().to_owned(),
-        compared: film.is_common(),
         location_mm: location_mm.collect(),
         baselines: film.baselines.iter().map(baseline).collect(),
     }
@@ -271,6 +271,7 @@ fn baseline(found: &BaselinePrediction) -> (String, BaselineRecord) {
 fn compatibility(found: &Compatibility) -> CompatibilityRecord {
     let bend = |bend: &BendEvidence| BendRecord {
         posture: bend.posture.into(),
+        outcome: bend.outcome().into(),
         joints: bend.joints,
         against: bend.against,
         beyond_noise: bend.beyond_noise,
@@ -281,7 +282,7 @@ fn compatibility(found: &Compatibility) -> CompatibilityRecord {
         line_rejects: bend.line_rejects(),
     };
     CompatibilityRecord {
-        rejected: found.rejects(),
+        outcome: found.outcome().into(),
         tests: found.tests,
         bends: found.bends.iter().map(bend).collect(),
         without_force: found.without_force.iter().map(|&posture| posture.into()).collect(),

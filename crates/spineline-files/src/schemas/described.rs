@@ -4,10 +4,11 @@ use spineline::action::Application;
 use spineline::analysis::{AxialSource, Grouping, PitchSource, Sex};
 use spineline::anatomy::{ImageSide, Named, Posture, Region};
 use spineline::clinical::EndRule;
+use spineline::cohort::{ComparisonOutcome, RefusalStep};
 use spineline::evaluate::Baseline;
 use spineline::measure::{Origin, PlacementSource, SpacingPlane, TiltRule};
 use spineline::multibody::{Support, Timing};
-use spineline::personalize::FitTarget;
+use spineline::personalize::{FitTarget, TestOutcome};
 
 /// A named value as the schema of a file describes it.
 pub trait Described: Named {
@@ -33,6 +34,48 @@ impl Described for Posture {
             Self::RightBending => "Bending to the patient's right.",
             Self::Neutral => "Lying at rest.",
             Self::Traction => "Lying under traction.",
+        }
+    }
+}
+
+impl Described for TestOutcome {
+    const DEFINITION: &'static str = "TestOutcomeKey";
+    const DESCRIPTION: &'static str = "How the test of a hypothesis ended.";
+
+    fn meaning(self) -> &'static str {
+        match self {
+            Self::Rejected => "The data contradict the hypothesis (p < 0.05).",
+            Self::Kept => "Tested and not rejected. This does not prove the hypothesis.",
+            Self::NotTested => "The test could not be made: the data say nothing.",
+        }
+    }
+}
+
+impl Described for ComparisonOutcome {
+    const DEFINITION: &'static str = "ComparisonOutcomeKey";
+    const DESCRIPTION: &'static str = "What a comparison of errors says of the first model.";
+
+    fn meaning(self) -> &'static str {
+        match self {
+            Self::Better => "Its error is smaller, significantly after Holm's correction.",
+            Self::Worse => {
+                "Its error is larger: significantly after Holm's correction, or the whole 95 % interval of the difference is above zero."
+            }
+            Self::NoDifference => "The data show no difference.",
+            Self::NotTested => "Too few patients have both.",
+        }
+    }
+}
+
+impl Described for RefusalStep {
+    const DEFINITION: &'static str = "RefusalStepKey";
+    const DESCRIPTION: &'static str = "Step at which a case was refused.";
+
+    fn meaning(self) -> &'static str {
+        match self {
+            Self::Reading => "Its file could not be read.",
+            Self::Analysis => "Its films could not be analysed.",
+            Self::Counting => "It was analysed, and cannot be counted beside the others.",
         }
     }
 }

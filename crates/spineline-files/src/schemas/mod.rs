@@ -7,13 +7,14 @@ mod described;
 mod of_types;
 
 /// The schemas of all file formats by name.
-const SCHEMAS: [(&str, &str); 10] = [
+const SCHEMAS: [(&str, &str); 11] = [
     ("case", include_str!("../../schemas/case.json")),
     ("analysis", include_str!("../../schemas/analysis.json")),
     ("cohort", include_str!("../../schemas/cohort.json")),
     ("model", include_str!("../../schemas/model.json")),
     ("load", include_str!("../../schemas/load.json")),
     ("provenance", include_str!("../../schemas/provenance.json")),
+    ("refused-case", include_str!("../../schemas/refused-case.json")),
     ("reliability", include_str!("../../schemas/reliability.json")),
     ("rotation-prior", include_str!("../../schemas/rotation-prior.json")),
     ("simulation", include_str!("../../schemas/simulation.json")),

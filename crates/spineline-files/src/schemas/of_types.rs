@@ -12,8 +12,8 @@ use super::described::Described;
 use super::{SCHEMAS, schema};
 use crate::keys::{ByLevel, JointKey, Key, LevelKey, SourceKey};
 use crate::{
-    AnalysisFile, CaseFile, CohortFile, LoadFile, ModelFile, ProvenanceFile, ReliabilityFile,
-    RotationPriorFile, SimulationFile, StiffnessFile, to_text,
+    AnalysisFile, CaseFile, CohortFile, LoadFile, ModelFile, ProvenanceFile, RefusedFile,
+    ReliabilityFile, RotationPriorFile, SimulationFile, StiffnessFile, to_text,
 };
 
 impl JsonSchema for LevelKey {
@@ -94,6 +94,7 @@ fn of_types() -> [(&'static str, Schema); SCHEMAS.len()] {
         ("load", schema_for!(LoadFile)),
         ("model", schema_for!(ModelFile)),
         ("provenance", schema_for!(ProvenanceFile)),
+        ("refused-case", schema_for!(RefusedFile)),
         ("reliability", schema_for!(ReliabilityFile)),
         ("rotation-prior", schema_for!(RotationPriorFile)),
         ("simulation", schema_for!(SimulationFile)),

@@ -5,8 +5,10 @@ use spineline::analysis::{
     Analysis, AnalysisOptions, FilmRole, LinesCompared, ModelsVerdict, analyze,
 };
 use spineline::anatomy::Posture;
-use spineline::cohort::{Cohort, CohortPatient, ErrorKind};
+use spineline::cohort::{Cohort, CohortPatient, ErrorKind, OutcomeCounts};
+use spineline::measure::FilmLandmarks;
 use spineline::multibody::Support;
+use spineline::personalize::TestOutcome;
 use spineline_phantom::{Phantom, Readers, Truth, generate};
 
 fn exact(index: usize, truth: Truth) -> Phantom {
@@ -64,15 +66,15 @@ fn the_verdict_on_the_models_is_that_of_the_sentences() {
         let says = |text: &str| words.contains(text);
         assert_eq!(verdict == ModelsVerdict::DoubtedFilm, says("Check the films first"), "{words}");
         match verdict {
-            ModelsVerdict::Supported => assert!(says("predicts") && says("do not contradict")),
-            ModelsVerdict::Contradicted => {
-                assert!(says("The bends contradict") && !says("do not contradict"), "{words}");
+            ModelsVerdict::Supported => assert!(says("predicts") && says("keep"), "{words}"),
+            ModelsVerdict::Rejected => {
+                assert!(says("The bends reject") && !says("keep"), "{words}");
             }
             ModelsVerdict::NoBetter | ModelsVerdict::DoubtedFilm => {}
         }
         seen.push(verdict);
     }
-    for one in [ModelsVerdict::Supported, ModelsVerdict::Contradicted, ModelsVerdict::NoBetter] {
+    for one in [ModelsVerdict::Supported, ModelsVerdict::Rejected, ModelsVerdict::NoBetter] {
         assert!(seen.contains(&one), "{one}");
     }
     let mut alone = exact(0, Truth::Rod);
@@ -96,24 +98,114 @@ fn every_value_from_a_film_is_counted() {
 }
 
 #[test]
-fn films_with_results_of_every_line_are_compared_and_others_counted() {
+fn a_line_without_a_result_takes_no_film_from_the_others() {
     let mut found = analyzed(&exact(4, Truth::Rod)).compare_lines();
-    let (all, left) = found.counted(FilmRole::LeftOutBend);
-    assert_eq!(all, 2);
-    let iliac = place(&found, LineKind::Iliac);
-    let film = found
-        .films
-        .iter_mut()
-        .find(|film| film.role == FilmRole::LeftOutBend && film.is_common())
-        .expect("some line predicts a bend");
-    film.simulations[iliac] = None;
-    assert_eq!(found.counted(FilmRole::LeftOutBend), (2, left + 1));
-    let films = |found: &LinesCompared, line| {
-        found.errors(line, FilmRole::LeftOutBend).map_or(0, |errors| errors.films)
-    };
-    for line in 0..found.lines.len() {
-        assert_eq!(films(&found, line), 2 - left - 1, "the same films for every line");
+    let role = FilmRole::LeftOutBend;
+    assert_eq!(found.count(role), 2);
+    let lines = [LineKind::Inflection, LineKind::Iliac].map(|kind| place(&found, kind));
+    let before = lines.map(|line| found.errors(line, role).expect("both lines predict bends"));
+    assert_eq!(before.map(|errors| errors.films), [2, 2]);
+    let of_role = |film: &&mut spineline::analysis::ComparedFilm| film.role == role;
+    // Without a result on one bend, the lines are ranked on the other one.
+    let ranked = found.ranking().expect("two lines predict");
+    assert_eq!((ranked.films.len(), ranked.lines.len()), (2, 2));
+    found.films.iter_mut().find(of_role).expect("a bend").simulations[lines[1]] = None;
+    assert_eq!(found.errors(lines[0], role), Some(before[0]));
+    assert_eq!(found.errors(lines[1], role).expect("one bend").films, 1);
+    let ranked = found.ranking().expect("two lines predict a bend");
+    assert_eq!((ranked.films.len(), ranked.lines.len()), (1, 2));
+    // Without any result, the line has no part in the ranking.
+    found.films.iter_mut().filter(of_role).for_each(|film| film.simulations[lines[1]] = None);
+    assert_eq!(found.errors(lines[0], role), Some(before[0]));
+    assert_eq!(found.errors(lines[1], role), None);
+    let ranked = found.ranking().expect("one line predicts");
+    assert_eq!((ranked.films.len(), ranked.best().0), (2, LineKind::Inflection));
+    assert_eq!(ranked.lines.len(), 1);
+}
+
+/// On the films of pcdare, 1 of 15 patients has an inflection line: the other lines keep all of their films.
+#[test]
+fn a_line_of_one_patient_takes_no_film_from_the_other_lines_of_a_cohort() {
+    let mut analyses: Vec<Analysis> =
+        (0..3).map(|index| analyzed(&exact(index, Truth::Pull))).collect();
+    let all = Cohort::of(&analyses.iter().map(CohortPatient::of).collect::<Vec<_>>(), 1);
+    for analysis in &mut analyses[1..] {
+        analysis.models.retain(|model| model.kind != LineKind::Inflection);
     }
+    let few = Cohort::of(&analyses.iter().map(CohortPatient::of).collect::<Vec<_>>(), 1);
+    let errors = |cohort: &Cohort, kind, role| {
+        let mut all = cohort.compared.errors.iter();
+        all.find(|errors| errors.kind == kind && errors.role == role).expect("every line").clone()
+    };
+    for role in FilmRole::ALL {
+        for kind in [LineKind::Iliac, LineKind::Estimated] {
+            assert_eq!(errors(&few, kind, role), errors(&all, kind, role), "{kind}, {role}");
+        }
+        let alone = errors(&few, LineKind::Inflection, role);
+        let (with, without) = (errors(&all, LineKind::Inflection, role), alone.without_result);
+        assert_eq!(without, with.films + with.without_result - alone.films, "{role}");
+        assert!(alone.by_patient_mm[1..].iter().all(|mean| mean.is_nan()));
+    }
+    let pairs = |cohort: &Cohort| {
+        let tests = cohort.compared.tests.iter();
+        let tests = tests.filter(|test| test.lines == [LineKind::Iliac, LineKind::Estimated]);
+        tests.map(|test| (test.films, test.comparison)).collect::<Vec<_>>()
+    };
+    assert_eq!(pairs(&few), pairs(&all));
+    // The only lines with equally many parameters share no films of two patients, so nothing is said of them.
+    let words = few.verdict().join(" ");
+    assert!(words.contains("are not tested against each other"), "{words}");
+    assert!(!words.contains("no line predicts significantly better"), "{words}");
+}
+
+/// Joints that turn as published move without a force: whatever line has the smallest error, it predicts nothing.
+#[test]
+fn no_line_is_said_to_predict_beyond_the_limit() {
+    let mut found = analyzed(&exact(1, Truth::Pull)).compare_lines();
+    let says = |found: &LinesCompared, text: &str| found.sentences().join(" ").contains(text);
+    assert!(found.ranking().expect("lines").is_prediction());
+    assert!(!says(&found, "No line predicts"), "{:?}", found.sentences());
+    for film in &mut found.films {
+        for simulation in film.simulations.iter_mut().flatten() {
+            simulation.location_errors_mm.fill(19.9);
+        }
+    }
+    assert!(!found.ranking().expect("lines").is_prediction());
+    assert!(says(&found, "19.9 mm") && says(&found, "No line predicts"), "{:?}", found.sentences());
+}
+
+/// Without iliac crests the direction of the iliac line is assumed: its joints are not tested either.
+#[test]
+fn a_line_that_could_not_be_tested_is_neither_rejected_nor_kept() {
+    let mut phantom = exact(1, Truth::Pull);
+    let with = analyzed(&phantom);
+    for film in &mut phantom.case.films {
+        if let FilmLandmarks::Corners { iliac_crests, .. } = &mut film.landmarks {
+            *iliac_crests = None;
+        }
+    }
+    let without = analyzed(&phantom);
+    let outcome = |analysis: &Analysis| {
+        let mut models = analysis.models.iter();
+        let model = models.find(|model| model.kind == LineKind::Iliac).expect("it has a model");
+        analysis.compatibility(model).outcome()
+    };
+    assert_eq!(outcome(&with), TestOutcome::Kept);
+    assert_eq!(outcome(&without), TestOutcome::NotTested);
+    let headline = without.headline(&without.compare_lines()).join(" ");
+    assert!(headline.contains("The iliac line is not tested: the iliac crests"), "{headline}");
+    assert!(!headline.contains("keep a single force along the iliac line"), "{headline}");
+    let cohort = Cohort::of(&[&with, &without].map(CohortPatient::of), 1);
+    let iliac = cohort.outcomes(LineKind::Iliac).expect("both have a model");
+    let counts = |all: OutcomeCounts| (all.tested(), all.not_tested);
+    assert_eq!((counts(iliac.patients), counts(iliac.bends)), ((1, 1), (2, 2)));
+    let words = cohort.verdict().join(" ");
+    assert!(words.contains("of 1 tested patient (kept in 1, 1 not tested)"), "{words}");
+    let alone = Cohort::of(&[CohortPatient::of(&without)], 1).verdict().join(" ");
+    assert!(
+        alone.contains("along the iliac line is tested in no patient: 1 not tested"),
+        "{alone}"
+    );
 }
 
 /// Without noise a rod's force runs through its inflections, and that of a pull does not: the same tests must tell them apart
@@ -141,7 +233,10 @@ fn the_loading_scenario_decides_which_line_predicts_better() {
         assert!(test.holm_p >= plain, "{test:?}");
     }
     // And the same of the iliac line, the other way round.
-    let patients = |cohort: &Cohort, kind| cohort.rejections(kind).expect("tested").patients;
+    let patients = |cohort: &Cohort, kind| {
+        let counts = cohort.outcomes(kind).expect("a model of every line").patients;
+        (counts.rejected, counts.tested())
+    };
     for (right, wrong, cohort) in [
         (LineKind::Inflection, LineKind::Iliac, &rod),
         (LineKind::Iliac, LineKind::Inflection, &pull),
@@ -150,7 +245,7 @@ fn the_loading_scenario_decides_which_line_predicts_better() {
         assert!(asked == 0 || 2 * against > asked, "{wrong}: {against} of {asked}");
         assert_eq!(patients(cohort, right).0, 0, "{:?}", cohort.verdict());
         let said = |kind: LineKind| {
-            let start = format!("with the {kind} the bends are not compatible");
+            let start = format!("A single force along the {kind} is rejected in");
             cohort.verdict().iter().filter(|sentence| sentence.contains(&start)).count()
         };
         for kind in [right, wrong] {
@@ -194,7 +289,7 @@ fn the_true_line_is_kept_and_the_wrong_one_judged_by_the_same_tests() {
                     };
                     let judged = verdict.iter().filter(|sentence| sentence.contains(force));
                     let judged: Vec<bool> =
-                        judged.map(|sentence| sentence.contains("not compatible")).collect();
+                        judged.map(|sentence| sentence.contains("is rejected by")).collect();
                     assert_eq!(judged, [found.rejects()], "{verdict:?}");
                     kept += u32::from(kind == right && !found.rejects());
                     rejected += u32::from(kind != right && found.rejects());

@@ -11,7 +11,6 @@ use crate::phrases::{none, sentence_case};
 
 /// The lines of the table in a terminal.
 const KINDS: [LineKind; 3] = [LineKind::Inflection, LineKind::Iliac, LineKind::Estimated];
-const LEFT_OUT: &str = "A bend left out counts where all lines have a result on it.";
 
 /// What the tables of a cohort show of a patient, without the shapes of the analysis: a few hundred bytes.
 #[derive(Debug, Clone)]
@@ -151,9 +150,7 @@ pub fn section(patients: &[PatientRow], cohort: &Cohort) -> Section {
             table.row(row);
         }
     }
-    table.note = format!(
-        "{LEFT_OUT} Counter-rotating joints: joints of each fitted bend that turn against the force. Patients without a model have no row."
-    );
+    table.note = "Each line on the films on which it has a result. Counter-rotating joints: joints of each fitted bend that turn against the force. Patients without a model have no row.".to_owned();
     section.table(table);
     let columns = KINDS_OF_NOTICES.map(|kind| Column::numbers(format!("{}s", kind.word())));
     let films = Column::words("Doubted films");
@@ -188,7 +185,7 @@ pub fn summary(patients: &PatientRows, cohort: &Cohort) -> Section {
         table.row(patient.summary(cohort, place));
     }
     table.note = format!(
-        "Location errors: fitted bends / bends left out / held-out films. {LEFT_OUT} Counter-rotating joints: joints of each fitted bend that turn against the force along the {}.{rest}",
+        "Location errors: fitted bends / bends left out / held-out films, each over the films on which the line has a result. Counter-rotating joints: joints of each fitted bend that turn against the force along the {}.{rest}",
         KINDS[0]
     );
     section.table(table);

@@ -59,7 +59,7 @@ fn left_out(cohort: &Cohort) -> Vec<LineErrors<'_>> {
             kind: errors.kind,
             location_mm: &errors.location_mm,
             ferguson_deg: &errors.ferguson_deg,
-            without: errors.left_out,
+            without: errors.without_result,
         })
         .collect()
 }
@@ -133,8 +133,8 @@ pub fn tests(cohort: &Cohort) -> Section {
     section
 }
 
-/// Films on which at least one line has no result, and the lines: films of a patient with the same lines in one row.
-fn films_left_out(cohort: &Cohort) -> Table {
+/// Films on which a line has no result, and the lines: films of a patient with the same lines in one row.
+fn films_without_result(cohort: &Cohort) -> Table {
     let columns = vec![
         Column::words("Case"),
         Column::words("Kind of film"),
@@ -142,7 +142,7 @@ fn films_left_out(cohort: &Cohort) -> Table {
         Column::words("Lines without a result"),
         Column::words("Reason"),
     ];
-    let mut table = Table::new("Films left out of the comparison of all lines", columns);
+    let mut table = Table::new("Films on which a line has no result", columns);
     // Per row: case, kind of films, reason, lines; the films.
     let mut rows: Vec<([String; 4], Vec<String>)> = Vec::new();
     let missing = &cohort.compared.missing;
@@ -175,7 +175,7 @@ fn films_left_out(cohort: &Cohort) -> Table {
 /// The lines on the same films, the test of every pair of them, and the films that are left out.
 pub fn compared(section: &mut Section, cohort: &Cohort) {
     pairs(section, cohort);
-    section.table(films_left_out(cohort));
+    section.table(films_without_result(cohort));
 }
 
 fn pairs(section: &mut Section, cohort: &Cohort) {
@@ -184,9 +184,11 @@ fn pairs(section: &mut Section, cohort: &Cohort) {
         section.paragraph(
             "No two lines can be compared over patients: that takes two patients with bending films.",
         );
+    }
+    section.table(by_line(cohort));
+    if compared.family() == 0 {
         return;
     }
-    section.table(same_films(cohort));
     section.table(family(cohort));
     section.table(baselines(cohort));
     section.table(against_baselines(cohort));
@@ -195,18 +197,18 @@ fn pairs(section: &mut Section, cohort: &Cohort) {
     }
 }
 
-fn same_films(cohort: &Cohort) -> Table {
+fn by_line(cohort: &Cohort) -> Table {
     let columns = vec![
         Column::words("Line of action"),
         Column::words("Films"),
         Column::numbers("Patients"),
-        Column::numbers("Films compared"),
-        Column::numbers("Left out"),
+        Column::numbers("Films with a result"),
+        Column::numbers("Without"),
         Column::words("Location error (mm, 95 %)"),
         Column::words("Ferguson error (°, 95 %)"),
         Column::words("Numbers from the films"),
     ];
-    let mut table = Table::new("All lines on the same films", columns);
+    let mut table = Table::new("Every line on the films with a result", columns);
     let compared = &cohort.compared;
     for errors in compared.errors.iter().filter(|errors| errors.films > 0) {
         let free = compared.numbers.iter().find(|(kind, _)| *kind == errors.kind);
@@ -215,13 +217,13 @@ fn same_films(cohort: &Cohort) -> Table {
             errors.role.to_string(),
             errors.location_mm.patients.n.to_string(),
             errors.films.to_string(),
-            errors.left_out.to_string(),
+            errors.without_result.to_string(),
             with_interval(errors.location_mm.patients.mean, errors.location_mm.bootstrap, 1),
             with_interval(errors.ferguson_deg.patients.mean, errors.ferguson_deg.bootstrap, 1),
             free.map_or_else(String::new, |(_, free)| numbers(free, errors.role)),
         ]);
     }
-    table.note = "Intervals are over patients. Left out: films on which at least one line has no result. Numbers fitted: free multipliers + forces + parameters of a free line. A bend left out is predicted with the stiffness fitted to the other bend.".to_owned();
+    table.note = "Intervals are over patients. Lines may have results on different films: only the tests below compare them, on the films that both predict. Numbers fitted: free multipliers + forces + parameters of a free line. A bend left out is predicted with the stiffness fitted to the other bend.".to_owned();
     table
 }
 
@@ -230,6 +232,7 @@ fn family(cohort: &Cohort) -> Table {
         Column::words("First minus second line"),
         Column::words("Films"),
         Column::words("Error"),
+        Column::numbers("Films of both"),
         Column::numbers("Patients"),
         Column::words("Difference (95 %)"),
         Column::words("Effect d (95 %)"),
@@ -275,7 +278,7 @@ fn against_baselines(cohort: &Cohort) -> Table {
         Column::words("Difference (mm, 95 %)"),
         Column::numbers("Sign-flip p"),
         Column::numbers("Holm p"),
-        Column::words("Line is better"),
+        Column::words("The line is"),
     ];
     let mut table = Table::new("Lines against predictions without mechanics", columns);
     for test in cohort.baselines.tests.iter().filter(|test| test.holm_p.is_some()) {
@@ -288,10 +291,10 @@ fn against_baselines(cohort: &Cohort) -> Table {
             with_interval(c.mean_difference, c.bootstrap, 1),
             p_cell(c.sign_flip.map(|t| t.p_two_sided)),
             p_cell(test.holm_p),
-            if test.is_better() { "yes" } else { "no" }.to_owned(),
+            test.outcome().to_string(),
         ]);
     }
-    table.note = "Location errors on the films that both predict. Yes: a smaller error, significant after Holm's correction over these tests. The estimated line takes two numbers more from each film, so its comparison is not fair.".to_owned();
+    table.note = "Location errors on the films that both predict. Better: a smaller error, significant after Holm's correction over these tests; worse: a larger one, significant likewise or with a whole interval above zero. The estimated line takes two numbers more from each film, so its comparison is not fair.".to_owned();
     table
 }
 
@@ -310,6 +313,7 @@ fn test_row(test: &LinePairTest) -> Vec<String> {
             ErrorKind::Ferguson => "Ferguson (°)",
         }
         .to_owned(),
+        test.films.to_string(),
         c.patients().to_string(),
         with_interval(c.mean_difference, c.bootstrap, 1),
         c.effect.map_or_else(none, |effect| with_interval(effect.d, Some(effect.interval), 1)),

@@ -8,12 +8,12 @@ mod profiles;
 mod readers;
 
 use spineline::analysis::{Analysis, Subject};
+use spineline::cohort::RefusedCase;
 use spineline::warning::counted;
 
 use crate::document::{Document, Notice, Section};
 use crate::{hypotheses, patient};
 pub use by_patient::{PatientRow, PatientRows};
-pub use people::{Refusal, Refused};
 
 /// What a report of a cohort is made from.
 #[derive(Debug, Clone, Copy)]
@@ -25,7 +25,7 @@ pub struct Patients<'a> {
     /// Their statistics.
     pub together: &'a spineline::cohort::Cohort,
     /// Excluded cases.
-    pub refused: &'a [Refused],
+    pub refused: &'a [RefusedCase],
     /// Program that makes the report.
     pub generator: &'a str,
     /// The analyses as a JSON array, to be embedded.
@@ -65,14 +65,16 @@ pub fn report(patients: &Patients<'_>) -> Document {
 pub fn summary(
     patients: &PatientRows,
     together: &spineline::cohort::Cohort,
+    refused: &[RefusedCase],
     generator: &str,
 ) -> Document {
     let mut verdict = Section::new("verdict", "Verdict");
     let mut sections = if patients.patients() == 0 {
+        people::refused(&mut verdict, refused, 0);
         verdict.paragraph("No case could be analysed.");
         vec![verdict]
     } else {
-        people::sentences(&mut verdict, together);
+        people::sentences(&mut verdict, together, refused);
         let mut tests = Section::new("tests", "Comparison of the lines");
         errors::compared(&mut tests, together);
         vec![verdict, by_patient::summary(patients, together), tests]

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use spineline::analysis::{Analysis, Sex, Subject};
 use spineline::anatomy::Posture;
 use spineline::clinical::ClinicalCurve;
-use spineline::cohort::Cohort;
+use spineline::cohort::{Cohort, RefusalStep, RefusedCase};
 use spineline::evaluate::statistics::{Summary, quantile};
 
 use super::Patients;
@@ -13,37 +13,9 @@ use crate::document::{Column, Figure, NoticeKind, Section, Table};
 use crate::figures::{self, FlowStep};
 use crate::phrases::{no_model_reason, none};
 
-/// Reason for the exclusion of a case.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Refusal {
-    /// Its file could not be read.
-    Unread,
-    /// Its films could not be analysed.
-    NotAnalysed,
-}
-
-impl Refusal {
-    const fn words(self) -> &'static str {
-        match self {
-            Self::Unread => "the file could not be read",
-            Self::NotAnalysed => "the films could not be analysed",
-        }
-    }
-}
-
-/// An excluded case.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Refused {
-    /// Its file.
-    pub name: String,
-    /// Step at which it stopped.
-    pub refusal: Refusal,
-    /// Reason as text.
-    pub why: String,
-}
-
-/// The findings of a cohort, one sentence each.
-pub fn sentences(section: &mut Section, cohort: &Cohort) {
+/// The refused cases with their reasons, if there are any, and the findings of a cohort, one sentence each.
+pub fn sentences(section: &mut Section, cohort: &Cohort, refused: &[RefusedCase]) {
+    self::refused(section, refused, cohort.patients);
     for sentence in cohort.sentences() {
         section.paragraph(sentence);
     }
@@ -52,7 +24,7 @@ pub fn sentences(section: &mut Section, cohort: &Cohort) {
 /// The findings of the cohort, and how many patients have which contradiction or warning.
 pub fn verdict(patients: &Patients<'_>) -> Section {
     let mut section = Section::new("verdict", "Verdict, contradictions and warnings");
-    sentences(&mut section, patients.together);
+    sentences(&mut section, patients.together, patients.refused);
     let mut counts: BTreeMap<(NoticeKind, &str), (usize, String)> = BTreeMap::new();
     for analysis in patients.analyses {
         let mut seen: Vec<&str> = Vec::new();
@@ -82,9 +54,9 @@ pub fn verdict(patients: &Patients<'_>) -> Section {
 pub fn flow(patients: &Patients<'_>) -> Section {
     let mut section = Section::new("flow", "Flow of cases and exclusions");
     let (analyses, refused) = (patients.analyses, patients.refused);
-    let refusals = [Refusal::Unread, Refusal::NotAnalysed].map(|refusal| {
-        let n = refused.iter().filter(|one| one.refusal == refusal).count();
-        (refusal.words().to_owned(), n)
+    let refusals = RefusalStep::ALL.map(|step| {
+        let n = refused.iter().filter(|one| one.step == step).count();
+        (step.to_string(), n)
     });
     let modelled: Vec<&Analysis> = analyses.iter().filter(|a| !a.models.is_empty()).collect();
     let without = |code: &str| {
@@ -119,20 +91,26 @@ pub fn flow(patients: &Patients<'_>) -> Section {
     let svg = figures::exclusions(&steps, patients.together.synthetic);
     let caption = "Cases at every step. A missing film removes a case from the last step only: all its other films count.";
     section.figure(Figure::new("flow", caption, svg));
-    section.table(refused_table(refused));
     section.table(doubted_table(patients.together));
     section.table(incomplete_table(analyses));
     section.table(films_table(analyses));
     section
 }
 
-fn refused_table(refused: &[Refused]) -> Table {
-    let columns = vec![Column::words("File"), Column::words("Reason"), Column::words("Details")];
+/// The cases that were refused; nothing where none was.
+pub fn refused(section: &mut Section, refused: &[RefusedCase], analysed: usize) {
+    let Some(sentence) = RefusedCase::sentence(refused, analysed) else { return };
+    section.paragraph(sentence);
+    let columns = vec![Column::words("Case"), Column::words("File"), Column::words("Reason")];
     let mut table = Table::new("Cases that were refused", columns);
     for one in refused {
-        table.row(vec![one.name.clone(), one.refusal.words().to_owned(), one.why.clone()]);
+        table.row(vec![
+            one.case_id.clone().unwrap_or_else(none),
+            one.file.clone(),
+            format!("{}: {}", one.step, one.reason),
+        ]);
     }
-    table
+    section.table(table);
 }
 
 /// Films that stay in, and should be checked before anything is believed.

@@ -12,15 +12,16 @@ use super::style::{GREY, Ink, Marker, Shape, action_ink};
 /// Tallest frame; the picture stands on the first page.
 const TALL_PX: f64 = 300.0;
 
-/// One panel per predicted film that counts in the comparison. `None` where no film was predicted by all lines.
+/// One panel per film of the ranking of the lines. `None` where no film was predicted.
 #[must_use]
 pub fn predictions(analysis: &Analysis, compared: &LinesCompared) -> Option<String> {
-    let (kind, role) = compared.best_predictor()?;
+    let ranking = compared.ranking()?;
+    let kind = ranking.best().0;
     let line = compared.lines.iter().position(|one| one.kind == kind)?;
     let films: Vec<&ComparedFilm> =
-        compared.films.iter().filter(|film| film.role == role && film.is_common()).collect();
-    let baseline = compared.best_baseline(role).map(|(baseline, _)| baseline);
-    let what = match role {
+        ranking.films.iter().map(|&film| &compared.films[film]).collect();
+    let baseline = ranking.baseline.map(|(baseline, _)| baseline);
+    let what = match ranking.role {
         FilmRole::LeftOutBend => "Bends left out of the fit",
         FilmRole::Fitted | FilmRole::HeldOut => "Neutral and traction films",
     };

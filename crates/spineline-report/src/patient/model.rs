@@ -6,7 +6,6 @@ use spineline::evaluate::Baseline;
 use spineline::multibody::StiffnessLibrary;
 use spineline::personalize::{FitStatus, StiffnessBound};
 use spineline::uncertainty::{AnalysisQuantity, Uncertainty};
-use spineline::warning::counted;
 
 use super::Patient;
 use super::uncertainty;
@@ -270,48 +269,48 @@ pub fn comparison(analysis: &Analysis, found: &LinesCompared) -> Section {
         section.paragraph(no_model(analysis));
         return section;
     }
-    section.table(same_films(found));
+    section.table(by_line(found));
     section.paragraph(found.choice_words().unwrap_or_default());
     let numbers = "Numbers fitted: free multipliers + forces + parameters of a free line. A bend that is left out is predicted with the stiffness fitted to the other bend.";
-    for text in [numbers.to_owned()].into_iter().chain(not_compared(found)) {
+    for text in [numbers, other_data(found)].into_iter().filter(|text| !text.is_empty()) {
         section.notice(Notice::new(NoticeKind::Note, text));
     }
     section
 }
 
 /// Errors of every line by kind of film.
-pub fn same_films(found: &LinesCompared) -> Table {
+pub fn by_line(found: &LinesCompared) -> Table {
     let columns = vec![
         Column::words("Films"),
         Column::words("Line of action"),
         Column::words("Evidence"),
-        Column::numbers("Films compared"),
+        Column::numbers("Films"),
         Column::numbers("Location error (mm)"),
         Column::numbers("Ferguson error (°)"),
         Column::words("Numbers taken from the films"),
     ];
-    let mut table = Table::new("Lines on the same films", columns);
+    let mut table = Table::new("Every line on the films with a result", columns);
     for role in FilmRole::ALL {
+        let all = found.count(role);
         for (place, line) in found.lines.iter().enumerate() {
             let Some(errors) = found.errors(place, role) else { continue };
             table.row(vec![
                 role.to_string(),
                 line.kind.to_string(),
                 if role == FilmRole::Fitted { "none: fitted" } else { "prediction" }.to_owned(),
-                errors.films.to_string(),
+                format!("{} of {all}", errors.films),
                 format!("{:.2}", errors.location_mm),
                 format!("{:.1}", errors.ferguson_deg),
                 numbers(&line.numbers, role),
             ]);
         }
         for baseline in Baseline::ALL {
-            let Some(mm) = found.baseline_error_mm(baseline, role) else { continue };
-            let films = found.counted(role);
+            let Some((films, mm)) = found.baseline_errors(baseline, role) else { continue };
             table.row(vec![
                 role.to_string(),
                 baseline.to_string(),
                 "without mechanics".to_owned(),
-                (films.0 - films.1).to_string(),
+                format!("{films} of {all}"),
                 format!("{mm:.2}"),
                 none(),
                 taken(baseline).to_owned(),
@@ -332,16 +331,11 @@ const fn taken(baseline: Baseline) -> &'static str {
     }
 }
 
-/// What the comparison leaves out, and whether the lines took the same data, a sentence each.
-pub fn not_compared(found: &LinesCompared) -> Vec<String> {
-    let mut notes = Vec::new();
-    for role in FilmRole::ALL {
-        if let (all, left @ 1..) = found.counted(role) {
-            notes.push(format!("{left} of {} ({role}) left out of the comparison, because at least one line has no result there.", counted(all, "film")));
-        }
+/// That the lines took different data, in a sentence; empty where they did not.
+pub fn other_data(found: &LinesCompared) -> &'static str {
+    if found.same_data() {
+        ""
+    } else {
+        "The free line was fitted to whole shapes, the others to Ferguson angles: not the same data."
     }
-    if !found.same_data() {
-        notes.push("The free line was fitted to whole shapes, the others to Ferguson angles: not the same data.".to_owned());
-    }
-    notes
 }

@@ -17,7 +17,7 @@ pub fn short(analysis: &Analysis, compared: &LinesCompared) -> Section {
         section.table(table(analysis, compared));
     }
     if let Some(svg) = figures::predictions(analysis, compared) {
-        let caption = "The line that predicts best, and the best prediction without mechanics, on films that were not fitted.";
+        let caption = "The line with the smallest error, and the best prediction without mechanics, on films that were not fitted.";
         section.figure(Figure::new("predictions", caption, svg));
     }
     section
@@ -46,7 +46,7 @@ fn table(analysis: &Analysis, compared: &LinesCompared) -> Table {
         table.row(row);
     }
     for baseline in Baseline::ALL {
-        let errors = roles.map(|role| compared.baseline_error_mm(baseline, role));
+        let errors = roles.map(|role| Some(compared.baseline_errors(baseline, role)?.1));
         if errors.iter().all(Option::is_none) {
             continue;
         }

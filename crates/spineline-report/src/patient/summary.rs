@@ -25,9 +25,8 @@ pub fn summary(patient: &Patient<'_>) -> Document {
     let mut stiffness = Section::new("stiffness", "");
     model::multipliers_in_short(&mut stiffness, analysis);
     let mut comparison = Section::new("comparison", "");
-    let notes = [NUMBERS.to_owned()].into_iter().chain(model::not_compared(&compared));
-    let note = notes.collect::<Vec<_>>().join(" ");
-    comparison.table(Table { note, ..model::same_films(&compared) });
+    let note = [NUMBERS, model::other_data(&compared)].join(" ").trim_end().to_owned();
+    comparison.table(Table { note, ..model::by_line(&compared) });
     let mut sections = vec![verdict, films(analysis)];
     sections.extend(space::both_films(analysis));
     sections.extend(space::axial(analysis));

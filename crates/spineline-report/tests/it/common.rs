@@ -1,8 +1,8 @@
 //! Documents of phantoms, and their parts.
 
 use spineline::analysis::{Analysis, AnalysisOptions, Case, Subject, analyze};
-use spineline::cohort::{Cohort, CohortPatient};
-use spineline_report::cohort::{Patients, Refused};
+use spineline::cohort::{Cohort, CohortPatient, RefusedCase};
+use spineline_report::cohort::Patients;
 use spineline_report::document::Section;
 use spineline_report::patient::{self, Patient};
 use spineline_report::{Document, cohort};
@@ -33,7 +33,11 @@ pub fn report(case: &Case) -> Document {
 }
 
 /// The report of a cohort.
-pub fn cohort_report(analyses: &[Analysis], subjects: &[Subject], refused: &[Refused]) -> Document {
+pub fn cohort_report(
+    analyses: &[Analysis],
+    subjects: &[Subject],
+    refused: &[RefusedCase],
+) -> Document {
     cohort::report(&Patients {
         analyses,
         subjects,

@@ -2,11 +2,11 @@
 
 use spineline::analysis::{Analysis, AnalysisOptions, Case, FilmRole, Subject, analyze};
 use spineline::anatomy::Level;
+use spineline::cohort::{RefusalStep, RefusedCase};
 use spineline::evaluate::Baseline;
 use spineline::measure::{FilmLengthRule, TiltRule};
 use spineline::multibody::Support;
 use spineline_phantom::{Readers, SagittalShape, SpaceSetup, Truth, generate, generate_in_space};
-use spineline_report::cohort::{Refusal, Refused};
 use spineline_report::document::{Block, NoticeKind, Section, Table};
 use spineline_report::{Document, embedded, html, markdown, patient, png};
 
@@ -33,7 +33,7 @@ fn document(case: &Case) -> Document {
     patient::report(&shown(case, &analyzed(case), JSON))
 }
 
-fn cohort_document(refused: &[Refused]) -> Document {
+fn cohort_document(refused: &[RefusedCase]) -> Document {
     let cases: Vec<Case> = (0..3).map(case).collect();
     let analyses: Vec<Analysis> = cases.iter().map(analyzed).collect();
     let subjects: Vec<Subject> = cases.iter().map(|case| case.subject.clone()).collect();
@@ -67,8 +67,8 @@ fn page_one_sets_every_line_beside_predictions_without_mechanics() {
         .collect();
     assert_eq!(sentences.len(), 3, "{sentences:?}");
     // A rod obeys the paper's line and no other.
-    assert!(sentences[0].contains("contradict a single force along the iliac line"));
-    assert!(sentences[0].contains("do not contradict one along the inflection line"));
+    assert!(sentences[0].contains("reject a single force along the iliac line"));
+    assert!(sentences[0].contains("keep one along the inflection line"));
     assert!(sentences[1].starts_with("The inflection line predicts left-out bends best"));
     assert!(sentences[2].starts_with("With the inflection line, all 3"));
     let table = tables(short)[0];
@@ -77,9 +77,9 @@ fn page_one_sets_every_line_beside_predictions_without_mechanics() {
         let errors = compared.errors(i, FilmRole::LeftOutBend).expect("two bends");
         assert_eq!(row[1], format!("{:.1}", errors.location_mm));
     }
-    let mirrored = compared.baseline_error_mm(Baseline::MirroredBend, FilmRole::LeftOutBend);
+    let mirrored = compared.baseline_errors(Baseline::MirroredBend, FilmRole::LeftOutBend);
     let rows = table.rows.iter().filter(|row| row[0].starts_with("Without mechanics"));
-    assert!(rows.clone().any(|row| row[1] == format!("{:.1}", mirrored.expect("two bends"))));
+    assert!(rows.clone().any(|row| row[1] == format!("{:.1}", mirrored.expect("two bends").1)));
     assert!(short.blocks.iter().any(|block| matches!(block, Block::Figure(_))));
 }
 
@@ -352,10 +352,11 @@ fn user_text_is_escaped_in_markdown() {
 
 #[test]
 fn markdown_tables_keep_their_columns() {
-    let refused = [Refused {
-        name: "a|b|c.json".to_owned(),
-        refusal: Refusal::Unread,
-        why: "line 1\n| 2".to_owned(),
+    let refused = [RefusedCase {
+        file: "a|b|c.json".to_owned(),
+        case_id: None,
+        step: RefusalStep::Reading,
+        reason: "line 1\n| 2".to_owned(),
     }];
     let document = cohort_document(&refused);
     let text = markdown(&document, "figures");
@@ -392,8 +393,13 @@ fn equal_input_gives_equal_bytes() {
 
 #[test]
 fn a_cohort_report_has_every_section_and_counts_excluded_patients() {
-    let refused = [("bad.json", Refusal::Unread), ("odd.json", Refusal::NotAnalysed)].map(
-        |(name, refusal)| Refused { name: name.to_owned(), refusal, why: "reasons".to_owned() },
+    let refused = [("bad.json", RefusalStep::Reading), ("odd.json", RefusalStep::Analysis)].map(
+        |(file, step)| RefusedCase {
+            file: file.to_owned(),
+            case_id: None,
+            step,
+            reason: "reasons".to_owned(),
+        },
     );
     let document = cohort_document(&refused);
     let ids: Vec<&str> = document.sections.iter().map(|section| section.id).collect();

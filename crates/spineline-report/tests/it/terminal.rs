@@ -379,7 +379,7 @@ fn a_cohort_shows_every_patient_line_and_test() {
     let together = Cohort::of(&analyses.iter().map(CohortPatient::of).collect::<Vec<_>>(), 1);
     let mut rows = PatientRows::default();
     analyses.iter().map(PatientRow::of).for_each(|row| rows.add(row));
-    let document = cohort::summary(&rows, &together, "spineline test");
+    let document = cohort::summary(&rows, &together, &[], "spineline test");
     assert_whole(&document);
     let text = terminal(&document, WIDE);
     assert!(text.starts_with("Cohort: 4 patients · SYNTHETIC"), "{text}");
@@ -407,7 +407,7 @@ fn a_cohort_shows_every_patient_line_and_test() {
     }
     let compared = &together.compared;
     assert!(compared.family() > 0);
-    let heads = ["First minus second line", "Films", "Error", "Patients", "Difference (95 %)"];
+    let heads = ["First minus second line", "Films", "Error", "Patients"];
     holds(&text, &heads.map(str::to_owned));
     holds(&text, &["Sign-flip p", "Holm p", "Pooled p (the paper's)"].map(str::to_owned));
     holds(&text, &["inflection – iliac".to_owned()]);
@@ -417,7 +417,7 @@ fn a_cohort_shows_every_patient_line_and_test() {
             errors.role.to_string(),
             errors.location_mm.patients.n.to_string(),
             errors.films.to_string(),
-            errors.left_out.to_string(),
+            errors.without_result.to_string(),
             format!("{:.1}", errors.location_mm.patients.mean),
         ];
         holds(&text, &cells);
@@ -439,7 +439,7 @@ fn a_large_cohort_shows_its_first_patients_and_counts_all() {
         let together = Cohort::of(&vec![patient.clone(); patients], 1);
         let mut rows = PatientRows::default();
         (0..patients).for_each(|_| rows.add(PatientRow::of(&analysis)));
-        let document = cohort::summary(&rows, &together, "spineline test");
+        let document = cohort::summary(&rows, &together, &[], "spineline test");
         let tables = tables(&document);
         let table = tables.iter().find(|t| t.caption.contains("Mean location")).expect("rows");
         assert_eq!(table.rows.len(), PatientRows::MAX_SHOWN);
@@ -451,7 +451,8 @@ fn a_large_cohort_shows_its_first_patients_and_counts_all() {
 
 #[test]
 fn an_empty_cohort_says_so() {
-    let document = cohort::summary(&PatientRows::default(), &Cohort::of(&[], 1), "spineline test");
+    let document =
+        cohort::summary(&PatientRows::default(), &Cohort::of(&[], 1), &[], "spineline test");
     let text = terminal(&document, WIDTH);
     assert!(text.contains("No case could be analysed."), "{text}");
 }

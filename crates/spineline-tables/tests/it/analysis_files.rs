@@ -40,7 +40,7 @@ fn segments_of_every_chain() {
     assert_eq!(
         lines.next(),
         Some(
-            "case_id,synthetic,posture,segment,a_mm,alpha_deg,d_mm,theta_deg,joint_y_mm,joint_z_mm,lengths"
+            "case_id,synthetic,posture,segment,a_mm,alpha_deg,d_mm,theta_deg,joint_y_mm,joint_z_mm,lengths,refused"
         )
     );
     for (analysis, name) in analyses.iter().zip(["phantom-bend-03", "\"a,b\""]) {
@@ -49,10 +49,10 @@ fn segments_of_every_chain() {
             for (segment, theta) in posture.pose.joint_angles.iter().enumerate() {
                 let (length, joint) = (analysis.chain.segment_mm, posture.pose.joints[segment]);
                 let expected = if name == "\"a,b\"" {
-                    format!("{name},true,{film},{segment},,0,,{:.9},,,pixels", theta.deg())
+                    format!("{name},true,{film},{segment},,0,,{:.9},,,pixels,", theta.deg())
                 } else {
                     format!(
-                        "{name},true,{film},{segment},{length:.9},0,0,{:.9},{:.6},{:.6},patient",
+                        "{name},true,{film},{segment},{length:.9},0,0,{:.9},{:.6},{:.6},patient,",
                         theta.deg(),
                         joint.y_mm,
                         joint.z_mm
@@ -66,7 +66,7 @@ fn segments_of_every_chain() {
 }
 
 const ERRORS_HEADING: &str = "case_id,synthetic,posture,level,measured_y_mm,measured_z_mm,measured_tilt_deg,\
-    line,fitted,status,simulated_y_mm,simulated_z_mm,simulated_tilt_deg,location_error_mm,lengths,interpolated";
+    line,fitted,status,simulated_y_mm,simulated_z_mm,simulated_tilt_deg,location_error_mm,lengths,interpolated,refused";
 
 #[test]
 fn vertebrae_under_every_line() {
@@ -86,7 +86,7 @@ fn vertebrae_under_every_line() {
                 vertebra.tilt.deg()
             );
             if film == Posture::Erect {
-                assert_eq!(lines.next(), Some(&format!("{measured},,,,,,,,patient,false")[..]));
+                assert_eq!(lines.next(), Some(&format!("{measured},,,,,,,,patient,false,")[..]));
                 continue;
             }
             for model in &analysis.models {
@@ -94,7 +94,7 @@ fn vertebrae_under_every_line() {
                 let error = found.location_error_mm(vertebra.level);
                 let error = error.filter(|_| found.is_usable()).map(|error| format!("{error:.4}"));
                 let expected = format!(
-                    "{measured},{},{},{},{:.4},{:.4},{:.4},{},patient,false",
+                    "{measured},{},{},{},{:.4},{:.4},{:.4},{},patient,false,",
                     model.kind.key(),
                     found.fitted,
                     found.status.key(),
@@ -116,7 +116,7 @@ fn vertebrae_in_pixels_have_no_lengths() {
     let text = errors_table(std::slice::from_ref(&analysis)).to_csv().expect("a table");
     let first = &analysis.postures[0].outline;
     let expected = format!(
-        "\"a,b\",true,{},{},,,{:.4},,,,,,,,pixels,false",
+        "\"a,b\",true,{},{},,,{:.4},,,,,,,,pixels,false,",
         first.posture.key(),
         first.vertebrae[0].level,
         first.vertebrae[0].tilt.deg()
@@ -160,7 +160,7 @@ fn tests_of_a_cohort() {
             if test.error == ErrorKind::Location { "mm" } else { "deg" },
             found.patients(),
             test.films,
-            test.left_out,
+            test.without_result,
             numbers.map(shown).join(","),
             test.predicts_better().map_or("", LineKind::key)
         );

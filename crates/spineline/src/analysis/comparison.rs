@@ -116,10 +116,56 @@ impl ComparedFilm {
         self.baselines.iter().find(|one| one.baseline == baseline && one.is_usable())
     }
 
-    /// Whether every line has a result: lines are compared on such films only.
+    /// Location errors in mm of what predicts the film; `None` where it has no result.
+    fn errors_mm(&self, by: Predictor) -> Option<&[f64]> {
+        match by {
+            Predictor::Line(line) => Some(&self.simulations[line].as_ref()?.location_errors_mm),
+            Predictor::Baseline(one) => Some(&self.baseline(one)?.location_errors_mm),
+        }
+    }
+}
+
+/// What gives the vertebrae of a film.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Predictor {
+    /// A line, by its place in the comparison.
+    Line(usize),
+    /// Joint rotations without mechanics.
+    Baseline(Baseline),
+}
+
+/// Lines of action and joint rotations without mechanics, on the same predicted films of a patient.
+///
+/// The lines are those that take fewest numbers from a predicted film. A line without a result on any film of the role has no
+/// part, so that it removes no film.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Ranking {
+    /// What the stiffness knew of the films.
+    pub role: FilmRole,
+    /// Places in [`LinesCompared::films`] of the films that all of these lines predict.
+    pub films: Vec<usize>,
+    /// The lines with their mean location errors in mm, the smallest error first; at least one.
+    pub lines: Vec<(LineKind, f64)>,
+    /// The prediction without mechanics with the smallest mean location error in mm on these films, of those that know no more
+    /// of a film than a line does.
+    pub baseline: Option<(Baseline, f64)>,
+}
+
+impl Ranking {
+    /// A line whose mean location error is larger predicts nothing, however the others do: about half the height of a vertebral
+    /// body, so that a predicted midpoint lies nearer to the end of the body than to its middle.
+    pub const MAX_PREDICTED_MM: f64 = 10.0;
+
+    /// The line with the smallest error, and this error in mm.
     #[must_use]
-    pub fn is_common(&self) -> bool {
-        self.simulations.iter().all(Option::is_some)
+    pub fn best(&self) -> (LineKind, f64) {
+        self.lines[0]
+    }
+
+    /// Whether the line with the smallest error predicts the films at all ([`Self::MAX_PREDICTED_MM`]).
+    #[must_use]
+    pub fn is_prediction(&self) -> bool {
+        self.best().1 <= Self::MAX_PREDICTED_MM
     }
 }
 
@@ -143,7 +189,7 @@ pub struct LinesCompared {
     pub left_out: Vec<LeftOutBend>,
 }
 
-/// Mean errors of one line over the films that all lines could simulate.
+/// Mean errors of one line over the films of a role on which it has a result.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MeanErrors {
     /// Films.
@@ -155,91 +201,133 @@ pub struct MeanErrors {
 }
 
 impl LinesCompared {
-    /// Films of a role, and how many of them are left out of the comparison, since some line has no result there.
-    #[must_use]
-    pub fn counted(&self, role: FilmRole) -> (usize, usize) {
-        let films = || self.films.iter().filter(|film| film.role == role);
-        (films().count(), films().filter(|film| !film.is_common()).count())
+    fn of_role(&self, role: FilmRole) -> impl Iterator<Item = (usize, &ComparedFilm)> {
+        self.films.iter().enumerate().filter(move |(_, film)| film.role == role)
     }
 
-    /// Mean errors of a line, by its place, over the common films of a role.
+    /// Films of a role.
+    #[must_use]
+    pub fn count(&self, role: FilmRole) -> usize {
+        self.of_role(role).count()
+    }
+
+    /// Mean errors of a line, by its place, over the films of a role on which it has a result.
     #[must_use]
     pub fn errors(&self, line: usize, role: FilmRole) -> Option<MeanErrors> {
-        let films = self.films.iter().filter(|film| film.role == role && film.is_common());
         let found: Vec<&Simulation> =
-            films.filter_map(|film| film.simulations[line].as_ref()).collect();
-        let films = found.len();
+            self.of_role(role).filter_map(|(_, film)| film.simulations[line].as_ref()).collect();
         let mean = |values: Vec<f64>| values.iter().sum::<f64>() / values.len() as f64;
         let mm = found.iter().flat_map(|s| s.location_errors_mm.iter().copied()).collect();
         let deg = found.iter().flat_map(|s| ferguson_errors_deg(s)).collect();
-        (films > 0).then(|| MeanErrors { films, location_mm: mean(mm), ferguson_deg: mean(deg) })
-    }
-
-    /// Mean location error of a baseline over the films of a role on which all lines and this baseline have a result.
-    #[must_use]
-    pub fn baseline_error_mm(&self, baseline: Baseline, role: FilmRole) -> Option<f64> {
-        let films = self.films.iter().filter(|film| film.role == role && film.is_common());
-        let all: Option<Vec<&BaselinePrediction>> =
-            films.map(|film| film.baseline(baseline)).collect();
-        let errors: Vec<f64> =
-            all?.iter().flat_map(|film| film.location_errors_mm.iter().copied()).collect();
-        (!errors.is_empty()).then(|| errors.iter().sum::<f64>() / errors.len() as f64)
-    }
-
-    /// The prediction without mechanics with the smallest mean location error over the films of a role, with that error, of
-    /// those that know no more of a film than a line does.
-    #[must_use]
-    pub fn best_baseline(&self, role: FilmRole) -> Option<(Baseline, f64)> {
-        let errors = Baseline::ALL
-            .into_iter()
-            .filter(|one| !one.knows_tilt())
-            .filter_map(|one| Some((one, self.baseline_error_mm(one, role)?)));
-        errors.min_by(|a, b| a.1.total_cmp(&b.1))
-    }
-
-    /// The line with the smallest mean location error on bends that were left out, or else on neutral and traction films,
-    /// among those that take fewest numbers from a predicted film; with that role. `None` where no film was predicted by all.
-    #[must_use]
-    pub fn best_predictor(&self) -> Option<(LineKind, FilmRole)> {
-        let (role, ranked) = self.ranked_predictors()?;
-        Some((ranked.first()?.0, role))
-    }
-
-    /// All lines that [`Self::best_predictor`] chooses from, the best first, with the role of the films and their mean
-    /// location errors in mm.
-    #[must_use]
-    pub fn ranked_predictors(&self) -> Option<(FilmRole, Vec<(LineKind, f64)>)> {
-        let few = self.lines.iter().map(|line| line.numbers.per_predicted_film).min()?;
-        let fair = |i: &usize| self.lines[*i].numbers.per_predicted_film == few;
-        [FilmRole::LeftOutBend, FilmRole::HeldOut].into_iter().find_map(|role| {
-            let lines = (0..self.lines.len()).filter(fair);
-            let errors = |i: usize| Some((self.lines[i].kind, self.errors(i, role)?.location_mm));
-            let mut ranked: Vec<(LineKind, f64)> = lines.filter_map(errors).collect();
-            ranked.sort_by(|a, b| a.1.total_cmp(&b.1));
-            (!ranked.is_empty()).then_some((role, ranked))
+        (!found.is_empty()).then(|| MeanErrors {
+            films: found.len(),
+            location_mm: mean(mm),
+            ferguson_deg: mean(deg),
         })
     }
 
-    /// Why [`Self::best_predictor`] chooses its line: its error, that of the next line, and that of the best prediction
-    /// without mechanics, in a sentence.
+    /// Films of a role that a baseline predicts, and the mean location error of their vertebrae in mm.
+    #[must_use]
+    pub fn baseline_errors(&self, baseline: Baseline, role: FilmRole) -> Option<(usize, f64)> {
+        let by = Predictor::Baseline(baseline);
+        let films = self.predicted(by, role);
+        Some((films.len(), self.mean_mm(by, &films)?))
+    }
+
+    /// Places of the films of a role that something predicts.
+    fn predicted(&self, by: Predictor, role: FilmRole) -> Vec<usize> {
+        let films = self.of_role(role).filter(|(_, film)| film.errors_mm(by).is_some());
+        films.map(|(place, _)| place).collect()
+    }
+
+    /// Mean location error in mm over some films; `None` where one is not predicted, or where there are none.
+    fn mean_mm(&self, by: Predictor, films: &[usize]) -> Option<f64> {
+        let errors: Option<Vec<&[f64]>> =
+            films.iter().map(|&film| self.films[film].errors_mm(by)).collect();
+        let errors = errors?.concat();
+        (!errors.is_empty()).then(|| errors.iter().sum::<f64>() / errors.len() as f64)
+    }
+
+    /// The line with the smallest mean location error on bends that were left out, or else on neutral and traction films,
+    /// among those that take fewest numbers from a predicted film; with that role. `None` where no film was predicted.
+    #[must_use]
+    pub fn best_predictor(&self) -> Option<(LineKind, FilmRole)> {
+        let ranking = self.ranking()?;
+        Some((ranking.best().0, ranking.role))
+    }
+
+    /// The lines that [`Self::best_predictor`] chooses from, on the same films.
+    #[must_use]
+    pub fn ranking(&self) -> Option<Ranking> {
+        [FilmRole::LeftOutBend, FilmRole::HeldOut].into_iter().find_map(|role| self.ranked(role))
+    }
+
+    fn ranked(&self, role: FilmRole) -> Option<Ranking> {
+        let mut found: Vec<(usize, Vec<usize>)> = self
+            .fair_lines()
+            .map(|line| (line, self.predicted(Predictor::Line(line), role)))
+            .filter(|(_, films)| !films.is_empty())
+            .collect();
+        // Lines that share no film cannot be ranked: the one with fewest films goes first.
+        found.sort_by_key(|(_, films)| std::cmp::Reverse(films.len()));
+        let films = loop {
+            let (_, films) = found.first()?;
+            let is_shared =
+                |film: &usize| found.iter().all(|(_, predicted)| predicted.contains(film));
+            let shared: Vec<usize> = films.iter().copied().filter(is_shared).collect();
+            if !shared.is_empty() {
+                break shared;
+            }
+            found.pop();
+        };
+        let mut lines: Vec<(LineKind, f64)> = found
+            .iter()
+            .filter_map(|(line, _)| {
+                Some((self.lines[*line].kind, self.mean_mm(Predictor::Line(*line), &films)?))
+            })
+            .collect();
+        lines.sort_by(|a, b| a.1.total_cmp(&b.1));
+        let baselines = Baseline::ALL
+            .into_iter()
+            .filter(|one| !one.knows_tilt())
+            .filter_map(|one| Some((one, self.mean_mm(Predictor::Baseline(one), &films)?)));
+        let baseline = baselines.min_by(|a, b| a.1.total_cmp(&b.1));
+        Some(Ranking { role, films, lines, baseline })
+    }
+
+    /// Places of the lines that take fewest numbers from a predicted film.
+    fn fair_lines(&self) -> impl Iterator<Item = usize> {
+        let few = self.lines.iter().map(|line| line.numbers.per_predicted_film).min();
+        let lines = self.lines.iter().enumerate();
+        lines
+            .filter(move |(_, line)| Some(line.numbers.per_predicted_film) == few)
+            .map(|(place, _)| place)
+    }
+
+    /// Why [`Self::best_predictor`] chooses its line: its error, the error of the next line, and of the best prediction without
+    /// mechanics, in a sentence.
     #[must_use]
     pub fn choice_words(&self) -> Option<String> {
-        let (role, ranked) = self.ranked_predictors()?;
-        let films = match role {
-            FilmRole::LeftOutBend => "bends left out of the fit",
-            FilmRole::Fitted | FilmRole::HeldOut => "neutral and traction films",
-        };
-        let (kind, mm) = ranked.first()?;
-        let next = ranked.get(1).map_or_else(
+        let ranking = self.ranking()?;
+        let films = self.ranked_films_words(&ranking);
+        let (kind, mm) = ranking.best();
+        let next = ranking.lines.get(1).map_or_else(
             || "no other line can be compared".to_owned(),
-            |(kind, mm)| format!("the next, the {kind}, to {mm:.1} mm"),
+            |(kind, mm)| format!("the {kind} follows with {mm:.1} mm"),
         );
-        let without = self.best_baseline(role).map_or_else(
+        let without = ranking.baseline.map_or_else(
             || "nothing is predicted without mechanics".to_owned(),
-            |(baseline, mm)| format!("the best without mechanics ({baseline}) to {mm:.1} mm"),
+            |(baseline, mm)| {
+                format!("the best prediction without mechanics ({baseline}) has {mm:.1} mm")
+            },
         );
+        let limit = if ranking.is_prediction() {
+            String::new()
+        } else {
+            format!(" {}", self.no_prediction_words(&ranking))
+        };
         Some(format!(
-            "Of the lines that take fewest numbers from a predicted film, the {kind} predicts {films} best: to {mm:.1} mm; {next}; {without}."
+            "Of the lines that take fewest numbers from a predicted film, the {kind} has the smallest error on {films}: {mm:.1} mm; {next}; {without}.{limit}"
         ))
     }
 

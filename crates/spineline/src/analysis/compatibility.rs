@@ -1,10 +1,11 @@
-//! Test whether the bends of a patient are compatible with a single force along a line.
+//! Test whether the bends of a patient reject a single force along a line.
 
-use super::{Analysis, LineComparison, LineModel};
+use super::{Analysis, LineComparison, LineModel, PostureAnalysis};
+use crate::action::LineKind;
 use crate::anatomy::Posture;
 use crate::evaluate::paired::holm;
-use crate::personalize::SIGNIFICANCE;
 use crate::personalize::evidence::ContradictedJoint;
+use crate::personalize::{SIGNIFICANCE, TestOutcome};
 use statrs::distribution::{ContinuousCDF, Normal};
 
 /// A line is rejected only above this share of the joints' work against the force.
@@ -26,8 +27,9 @@ pub struct BendEvidence {
     /// Part of the joints' work `Σ |rotation × lever arm|` that is against the force.
     pub weight: f64,
     /// Probability that noise alone turns any joint so far against the force: that of the joint which speaks most against
-    /// it, at least 5 mm from the line, times the number of joints. Corrected over the patient's tests.
-    pub joints_p: f64,
+    /// it, at least 5 mm from the line, times the number of joints. Corrected over the patient's tests; `None` where the joints
+    /// were not tested: their noise is not known, or the place of the line is assumed.
+    pub joints_p: Option<f64>,
     /// How far the line of best fit to the rotations lies from the line; `None` for the estimated line, which comes from the
     /// same rotations.
     pub line_test: Option<LineComparison>,
@@ -40,7 +42,7 @@ impl BendEvidence {
     /// Whether the joints reject the line: significantly, and with more than a tenth of the work.
     #[must_use]
     pub fn joints_reject(&self) -> bool {
-        self.joints_p < SIGNIFICANCE && self.weight > WEIGHT_AGAINST
+        self.joints_p.is_some_and(|p| p < SIGNIFICANCE) && self.weight > WEIGHT_AGAINST
     }
 
     /// Whether the line of best fit to the rotations differs significantly from the line.
@@ -49,10 +51,11 @@ impl BendEvidence {
         self.line_p.is_some_and(|p| p < SIGNIFICANCE)
     }
 
-    /// Whether either test rejects the line.
+    /// Whether either test rejects the line, and else how the test of the line itself ended: joints alone reject a line and
+    /// do not keep one.
     #[must_use]
-    pub fn rejects(&self) -> bool {
-        self.joints_reject() || self.line_rejects()
+    pub fn outcome(&self) -> TestOutcome {
+        if self.joints_reject() { TestOutcome::Rejected } else { TestOutcome::of(self.line_p) }
     }
 }
 
@@ -68,21 +71,27 @@ pub struct Compatibility {
 }
 
 impl Compatibility {
+    /// Rejected by some bend; kept where a bend was tested and no bend rejects the line.
+    #[must_use]
+    pub fn outcome(&self) -> TestOutcome {
+        self.bends.iter().map(BendEvidence::outcome).min().unwrap_or(TestOutcome::NotTested)
+    }
+
     /// Whether some bend rejects the line.
     #[must_use]
     pub fn rejects(&self) -> bool {
-        self.bends.iter().any(BendEvidence::rejects)
+        self.outcome() == TestOutcome::Rejected
     }
 }
 
 impl Analysis {
-    /// Whether the bends are compatible with a single force along a model's line.
+    /// Whether the bends reject a single force along a line of a model.
     ///
     /// # Definition
     /// Per bend two questions: does any joint turn against the force further than noise carries one of so many, and is the
     /// line of best fit to the rotations another one: not through the inflections, not along the iliac line, or not along the
     /// given line. Holm's correction is over all of them, so that a patient whose
-    /// bends are compatible is called otherwise with a probability of at most 0.05. The joints' question takes the place of the
+    /// bends obey the line is called otherwise with a probability of at most 0.05. The joints' question takes the place of the
     /// line, the lever arms and the noise of the tilts as known; the line's does not ([`crate::personalize::PreferredLoads`]).
     #[must_use]
     pub fn compatibility(&self, model: &LineModel) -> Compatibility {
@@ -94,14 +103,17 @@ impl Analysis {
                 let joints = s.joints();
                 let film = self.posture(s.posture);
                 let line_test = film.and_then(|film| film.line_comparison(model.kind));
-                let tested = film.is_some_and(|film| film.evidence.is_some());
+                let has_place = |film: &&PostureAnalysis| {
+                    model.kind != LineKind::Iliac || film.outline.iliac_normal.is_some()
+                };
+                let tested = film.filter(has_place).and_then(|film| film.evidence.as_ref());
                 BendEvidence {
                     posture: s.posture,
                     joints,
                     against: s.contradicted.len(),
                     beyond_noise,
                     weight: s.contradicted_weight(),
-                    joints_p: if tested { against_by_chance(&s.contradicted, joints) } else { 1.0 },
+                    joints_p: tested.map(|_| against_by_chance(&s.contradicted, joints)),
                     line_test,
                     line_p: line_test.map(|found| found.test.p_value),
                 }
@@ -109,7 +121,7 @@ impl Analysis {
             .collect();
         let mut all: Vec<&mut f64> = bends
             .iter_mut()
-            .flat_map(|bend| [Some(&mut bend.joints_p), bend.line_p.as_mut()])
+            .flat_map(|bend| [bend.joints_p.as_mut(), bend.line_p.as_mut()])
             .flatten()
             .collect();
         let adjusted = holm(&all.iter().map(|p| **p).collect::<Vec<f64>>());
@@ -163,12 +175,38 @@ mod tests {
             against: 5,
             beyond_noise: 3,
             weight: 0.3,
-            joints_p: 0.01,
+            joints_p: Some(0.01),
             line_test: None,
             line_p: None,
         };
-        assert!(bend.joints_reject() && bend.rejects());
-        assert!(!BendEvidence { weight: 0.05, ..bend }.rejects());
-        assert!(!BendEvidence { joints_p: 0.2, ..bend }.rejects());
+        assert!(bend.joints_reject());
+        assert!(!BendEvidence { weight: 0.05, ..bend }.joints_reject());
+        assert!(!BendEvidence { joints_p: Some(0.2), ..bend }.joints_reject());
+        assert!(!BendEvidence { joints_p: None, ..bend }.joints_reject());
+    }
+
+    #[test]
+    fn a_line_is_rejected_kept_or_not_tested() {
+        let bend = |joints_p, line_p| BendEvidence {
+            posture: Posture::LeftBending,
+            joints: 14,
+            against: 5,
+            beyond_noise: 3,
+            weight: 0.3,
+            joints_p,
+            line_test: None,
+            line_p,
+        };
+        let (rejected, kept) = (bend(Some(0.5), Some(0.01)), bend(Some(0.5), Some(0.5)));
+        let untested = bend(Some(0.5), None);
+        let outcome = |bends: &[BendEvidence]| {
+            Compatibility { bends: bends.to_vec(), without_force: Vec::new(), tests: 4 }.outcome()
+        };
+        assert_eq!(outcome(&[kept, rejected, untested]), TestOutcome::Rejected);
+        assert_eq!(outcome(&[untested, kept]), TestOutcome::Kept);
+        // Joints that agree with the force keep no line: its place was not tested.
+        assert_eq!(outcome(&[untested]), TestOutcome::NotTested);
+        assert_eq!(outcome(&[]), TestOutcome::NotTested);
+        assert_eq!(outcome(&[bend(Some(0.01), None)]), TestOutcome::Rejected);
     }
 }

@@ -1,9 +1,10 @@
 //! What a patient's analysis says in three sentences.
 
-use super::comparison::{FilmRole, LinesCompared};
+use super::comparison::LinesCompared;
 use super::verdict::listed;
 use super::{Analysis, Identification, LineModel};
 use crate::action::LineKind;
+use crate::personalize::TestOutcome;
 
 impl Analysis {
     /// The verdict in at most three sentences: what the bends say of the lines, what predicts best, and what is identified.
@@ -25,33 +26,33 @@ impl Analysis {
         [first, compared.prediction_headline(), last].into_iter().flatten().collect()
     }
 
-    /// Which of the lines that are not fitted to the films the bends contradict.
+    /// Which of the lines that are not fitted to the films the bends reject and keep, and which they do not test.
     fn lines_headline(&self) -> Option<String> {
-        let (mut against, mut consistent) = (Vec::new(), Vec::new());
-        for model in self.models.iter().filter(|model| model.kind != LineKind::Estimated) {
-            let found = self.compatibility(model);
-            if found.bends.is_empty() {
-                continue;
-            }
-            let side = if found.rejects() { &mut against } else { &mut consistent };
-            side.push(format!("the {}", model.kind));
-        }
-        let (against_words, consistent_words) = (listed(&against), listed(&consistent));
-        let sentence = match (against.is_empty(), consistent.is_empty()) {
+        let candidates = self.models.iter().filter(|model| model.kind != LineKind::Estimated);
+        let found: Vec<(TestOutcome, &LineModel)> =
+            candidates.map(|model| (self.compatibility(model).outcome(), model)).collect();
+        let of = |outcome| {
+            let lines = found.iter().filter(|(one, _)| *one == outcome);
+            listed(&lines.map(|(_, model)| format!("the {}", model.kind)).collect::<Vec<_>>())
+        };
+        let (rejected, kept) = (of(TestOutcome::Rejected), of(TestOutcome::Kept));
+        let sentence = match (rejected.is_empty(), kept.is_empty()) {
             (true, true) => None,
             (true, false) => Some(format!(
-                "The bends do not contradict a single force along {consistent_words}; this does not prove such a force."
+                "The bends keep a single force along {kept}; this does not prove such a force."
             )),
-            (false, true) => {
-                Some(format!("The bends contradict a single force along {against_words}."))
-            }
+            (false, true) => Some(format!("The bends reject a single force along {rejected}.")),
             (false, false) => Some(format!(
-                "The bends contradict a single force along {against_words}, and do not contradict one along {consistent_words}."
+                "The bends reject a single force along {rejected}, and keep one along {kept}."
             )),
         };
+        let untested = found.iter().filter(|(one, _)| *one == TestOutcome::NotTested);
+        let untested = untested.map(|(_, model)| {
+            format!("The {} is not tested: {}.", model.kind, self.not_tested_words(model))
+        });
         let has_inflections = self.models.iter().any(|model| model.kind == LineKind::Inflection);
         let missing = (!has_inflections).then(|| "There is no inflection line.".to_owned());
-        let words: Vec<String> = [missing, sentence].into_iter().flatten().collect();
+        let words: Vec<String> = missing.into_iter().chain(sentence).chain(untested).collect();
         (!words.is_empty()).then(|| words.join(" "))
     }
 
@@ -85,14 +86,13 @@ impl Analysis {
 impl LinesCompared {
     /// Which line predicts best, beside the best prediction without mechanics.
     fn prediction_headline(&self) -> Option<String> {
-        let (kind, role) = self.best_predictor()?;
-        let line = self.lines.iter().position(|line| line.kind == kind)?;
-        let mm = self.errors(line, role)?.location_mm;
-        let films = match role {
-            FilmRole::LeftOutBend => "left-out bends",
-            FilmRole::Fitted | FilmRole::HeldOut => "neutral and traction films",
-        };
-        Some(match self.best_baseline(role) {
+        let ranking = self.ranking()?;
+        let films = self.ranked_films_words(&ranking);
+        let (kind, mm) = ranking.best();
+        if !ranking.is_prediction() {
+            return Some(self.no_prediction_words(&ranking));
+        }
+        Some(match ranking.baseline {
             None => format!("The {kind} predicts {films} best: {mm:.1} mm."),
             Some((baseline, without_mm)) if mm < without_mm => format!(
                 "The {kind} predicts {films} best: {mm:.1} mm; without mechanics {without_mm:.1} mm ({baseline})."

@@ -29,6 +29,7 @@ pub use checks::check_repeated;
 pub(crate) use comparison::ferguson_errors_deg;
 pub use comparison::{
     ComparedFilm, ComparedLine, FilmRole, FreeNumbers, LeftOutBend, LinesCompared, MeanErrors,
+    Ranking,
 };
 pub use compatibility::{BendEvidence, Compatibility};
 pub use identification::{Identification, MultiplierVerdict};

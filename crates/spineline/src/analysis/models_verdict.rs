@@ -3,19 +3,20 @@
 use std::fmt;
 
 use super::Analysis;
-use super::comparison::LinesCompared;
+use super::comparison::{LinesCompared, Ranking};
 use crate::action::LineKind;
+use crate::personalize::TestOutcome;
 
 /// What the films say of a patient's models, all lines of action together.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ModelsVerdict {
     /// Some film may not show what it is named after ([`Analysis::film_doubts`]).
     DoubtedFilm,
-    /// A bend contradicts each of the lines that were not fitted to it ([`Analysis::compatibility`]).
-    Contradicted,
-    /// No line that the bends do not contradict predicts films better than a prediction without mechanics.
+    /// A bend rejects each of the lines that were not fitted to it ([`Analysis::compatibility`]).
+    Rejected,
+    /// No line that the bends do not reject predicts films better than a prediction without mechanics.
     NoBetter,
-    /// Some line predicts films better than without mechanics, and the bends do not contradict it.
+    /// Some line predicts films better than without mechanics, with an error below the limit, and the bends do not reject it.
     Supported,
 }
 
@@ -23,12 +24,12 @@ impl fmt::Display for ModelsVerdict {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
             Self::DoubtedFilm => "a film may not show what it is named after",
-            Self::Contradicted => "the bends contradict every line of action",
+            Self::Rejected => "the bends reject every line of action",
             Self::NoBetter => {
                 "no line that the bends allow predicts films better than without mechanics"
             }
             Self::Supported => {
-                "a line predicts films better than without mechanics, and the bends do not contradict it"
+                "a line predicts films better than without mechanics, and the bends do not reject it"
             }
         })
     }
@@ -46,21 +47,21 @@ impl Analysis {
         if self.has_doubted_film() {
             return Some(ModelsVerdict::DoubtedFilm);
         }
-        let rejected: Vec<LineKind> = self
+        let outcomes: Vec<(LineKind, TestOutcome)> = self
             .models
             .iter()
-            .filter(|model| self.compatibility(model).rejects())
-            .map(|model| model.kind)
+            .map(|model| (model.kind, self.compatibility(model).outcome()))
             .collect();
-        let mut tested =
-            self.models.iter().map(|model| model.kind).filter(|kind| *kind != LineKind::Estimated);
-        if !rejected.is_empty() && tested.all(|kind| rejected.contains(&kind)) {
-            return Some(ModelsVerdict::Contradicted);
+        let is_rejected = |kind: LineKind| outcomes.contains(&(kind, TestOutcome::Rejected));
+        let mut candidates =
+            outcomes.iter().map(|(kind, _)| *kind).filter(|kind| *kind != LineKind::Estimated);
+        if outcomes.iter().any(|(kind, _)| is_rejected(*kind)) && candidates.all(is_rejected) {
+            return Some(ModelsVerdict::Rejected);
         }
-        let predicts_better = compared.ranked_predictors().is_some_and(|(role, ranked)| {
-            let without_mm = compared.best_baseline(role).map(|(_, mm)| mm);
-            let mut allowed = ranked.iter().filter(|(kind, _)| !rejected.contains(kind));
-            without_mm.is_some_and(|without_mm| allowed.any(|&(_, mm)| mm < without_mm))
+        let predicts_better = compared.ranking().is_some_and(|ranking| {
+            let limit_mm = ranking.baseline.map(|(_, mm)| mm.min(Ranking::MAX_PREDICTED_MM));
+            let mut allowed = ranking.lines.iter().filter(|(kind, _)| !is_rejected(*kind));
+            limit_mm.is_some_and(|limit_mm| allowed.any(|&(_, mm)| mm < limit_mm))
         });
         Some(if predicts_better { ModelsVerdict::Supported } else { ModelsVerdict::NoBetter })
     }

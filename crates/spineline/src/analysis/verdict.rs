@@ -1,11 +1,12 @@
 use super::analyze::counted;
-use super::comparison::{FilmRole, LinesCompared};
+use super::comparison::{FilmRole, LinesCompared, Ranking};
 use super::compatibility::{BendEvidence, Compatibility};
 use super::wrong_film::doubts_film;
 use super::{Analysis, LineModel, PostureAnalysis};
 use crate::action::LineKind;
 use crate::anatomy::Posture;
-use crate::evaluate::Baseline;
+use crate::evaluate::{Baseline, Simulation};
+use crate::personalize::TestOutcome;
 use crate::warning::Warning;
 
 impl Analysis {
@@ -22,8 +23,8 @@ impl Analysis {
 
     /// The findings on the lines of action, in sentences.
     ///
-    /// First the films that may not show what they are named after: then no line is called consistent with them. Then, for
-    /// every line that is not fitted to the films, whether the bends are compatible with a single force along it
+    /// First the films that may not show what they are named after: then no line is called kept by them. Then, for
+    /// every line that is not fitted to the films, whether the bends reject a single force along it
     /// ([`Analysis::compatibility`]), then how well each line predicts films that it was not fitted to, and last how small
     /// its error is on the fitted films, which proves nothing.
     ///
@@ -91,24 +92,42 @@ impl Analysis {
             })
             .collect();
         sentences.extend(rejection(model.kind, &found));
-        if !found.rejects() && !found.bends.is_empty() && !self.has_doubted_film() {
-            let joints = match found.bends.iter().map(|bend| bend.against).sum::<usize>() {
-                0 => "no joint turns against it".to_owned(),
-                _ => format!(
-                    "{} turn against it, within the noise of landmarks and line",
-                    joints_against(&found.bends)
-                ),
-            };
-            let untested = if found.bends.iter().any(|bend| bend.line_p.is_some()) {
-                ""
-            } else {
-                "; the line itself could not be tested"
-            };
-            sentences.push(format!(
-                "The bending films are consistent with a single force {force}: {joints}{untested}. This does not prove such a force."
-            ));
+        match found.outcome() {
+            TestOutcome::Kept if !self.has_doubted_film() => {
+                let joints = match found.bends.iter().map(|bend| bend.against).sum::<usize>() {
+                    0 => "no joint turns against it".to_owned(),
+                    _ => format!(
+                        "{} turn against it, within the noise of landmarks and line",
+                        joints_against(&found.bends)
+                    ),
+                };
+                sentences.push(format!(
+                    "A single force {force} is kept by the bending films: {joints}. This does not prove such a force."
+                ));
+            }
+            TestOutcome::NotTested => sentences.push(format!(
+                "A single force {force} is not tested: {}.",
+                self.not_tested_words(model)
+            )),
+            TestOutcome::Kept | TestOutcome::Rejected => {}
         }
         sentences
+    }
+
+    /// Why no bend tests a model's line.
+    pub(super) fn not_tested_words(&self, model: &LineModel) -> &'static str {
+        let mut bends = model.postures.iter().filter(|s| s.fitted && s.is_usable());
+        let lacks_crests = |s: &Simulation| {
+            let film = self.posture(s.posture);
+            film.is_some_and(|film| film.outline.iliac_normal.is_none())
+        };
+        if !bends.clone().any(|_| true) {
+            "the model reproduces no bend"
+        } else if model.kind == LineKind::Iliac && bends.all(lacks_crests) {
+            "the iliac crests are not marked on the bends"
+        } else {
+            "the line of best fit to the rotations was not found"
+        }
     }
 }
 
@@ -136,20 +155,22 @@ fn joints_against(bends: &[BendEvidence]) -> String {
     listed(&parts.collect::<Vec<_>>())
 }
 
-/// Which bends are not compatible with the line, and why: joints that turn against it, and the place of the load.
+fn is_rejecting(bend: &BendEvidence) -> bool {
+    bend.outcome() == TestOutcome::Rejected
+}
+
+/// Which bends reject the line, and why: joints that turn against it, and the place of the load.
 fn rejection(kind: LineKind, found: &Compatibility) -> Option<String> {
-    let against: Vec<BendEvidence> =
-        found.bends.iter().copied().filter(BendEvidence::rejects).collect();
+    let against: Vec<BendEvidence> = found.bends.iter().copied().filter(is_rejecting).collect();
     if against.is_empty() {
         return None;
     }
     let whole = against.len() == found.bends.len() && against.len() > 1;
     let who = if whole {
-        "The bends of this patient are".to_owned()
+        "the bends of this patient".to_owned()
     } else {
         let names: Vec<String> = against.iter().map(|bend| bend_name(bend.posture)).collect();
-        let verb = if against.len() == 1 { "is" } else { "are" };
-        format!("The {} of this patient {verb}", listed(&names))
+        format!("the {} of this patient", listed(&names))
     };
     let several = against.len() > 1;
     let joints: Vec<BendEvidence> =
@@ -161,7 +182,7 @@ fn rejection(kind: LineKind, found: &Compatibility) -> Option<String> {
     let places = places.filter_map(|bend| place_words(kind, bend, found.tests, several));
     let reasons: Vec<String> = joints.into_iter().chain(places).collect();
     Some(format!(
-        "{who} not compatible with a single force {}: {}.",
+        "A single force {} is rejected by {who}: {}.",
         force_words(kind),
         reasons.join("; ")
     ))
@@ -212,68 +233,65 @@ impl LinesCompared {
             (FilmRole::LeftOutBend, "Bends left out of the fit in turn and predicted"),
             (FilmRole::HeldOut, "Neutral and traction films, predicted"),
         ] {
-            let films = match self.counted(role) {
-                (_, 0) => String::new(),
-                (all, left) => {
-                    format!(" (the {} of {all} on which every line has a result)", all - left)
-                }
-            };
             sentences.extend(self.errors_words(role).map(|errors| {
-                let (baselines, behind) = self.baseline_words(role).unwrap_or_default();
-                format!("{what}{films}: {errors}{baselines}.{behind}")
+                let baselines = self.baseline_words(role).unwrap_or_default();
+                format!("{what}: {errors}{baselines}.")
             }));
         }
-        sentences.extend(self.prediction_verdict());
+        if let Some(ranking) = self.ranking() {
+            sentences.extend(self.behind_words(&ranking));
+            sentences.extend(self.prediction_verdict(&ranking));
+        }
         sentences.extend(self.errors_words(FilmRole::Fitted).map(|errors| {
             format!("Fitted bends: {errors}. A small error there is no evidence for a line.")
         }));
         sentences
     }
 
-    /// What joint rotations without mechanics predict of the same films, and a sentence on the lines that do no better.
-    fn baseline_words(&self, role: FilmRole) -> Option<(String, String)> {
+    /// What joint rotations without mechanics predict of the films of a role.
+    fn baseline_words(&self, role: FilmRole) -> Option<String> {
         let mut found: Vec<(f64, Baseline)> = Baseline::ALL
             .into_iter()
-            .filter(|one| !one.knows_tilt())
-            .filter_map(|one| Some((self.baseline_error_mm(one, role)?, one)))
+            .filter_map(|one| Some((self.baseline_errors(one, role)?.1, one)))
             .collect();
         found.sort_by(|a, b| a.0.total_cmp(&b.0));
-        let (best_mm, _) = *found.first()?;
+        let (with_tilt, found): (Vec<_>, Vec<_>) =
+            found.into_iter().partition(|(_, one)| one.knows_tilt());
         let parts: Vec<String> =
             found.iter().map(|(mm, baseline)| format!("{baseline} {mm:.1} mm")).collect();
-        let is_behind =
-            |i: &usize| self.errors(*i, role).is_some_and(|errors| errors.location_mm >= best_mm);
-        let behind: Vec<String> = (0..self.lines.len())
-            .filter(is_behind)
-            .map(|i| format!("the {}", self.lines[i].kind))
-            .collect();
-        let sentence = if behind.is_empty() {
-            String::new()
-        } else {
-            format!(" Not better than without mechanics: {}.", listed(&behind))
-        };
-        let tilt = self.baseline_error_mm(Baseline::RotationPriorWithTilt, role);
-        let tilt = tilt.map_or_else(String::new, |mm| format!(" With T2's tilt too: {mm:.1} mm."));
-        Some((format!("; without mechanics: {}", listed(&parts)), sentence + &tilt))
+        let tilt = with_tilt
+            .first()
+            .map_or_else(String::new, |(mm, _)| format!(", and with T2's tilt too {mm:.1} mm"));
+        (!parts.is_empty()).then(|| format!("; without mechanics: {}{tilt}", listed(&parts)))
     }
 
-    /// Mean location errors by line, the smallest first; `None` where no film is common to all.
+    /// Mean location errors by line, the smallest first, each over the films on which the line has a result; `None` where no
+    /// line has one.
     fn errors_words(&self, role: FilmRole) -> Option<String> {
+        let all = self.count(role);
         let mut found: Vec<(f64, String)> = self
             .lines
             .iter()
             .enumerate()
             .filter_map(|(i, line)| {
-                let mm = self.errors(i, role)?.location_mm;
-                let numbers = match role {
-                    FilmRole::Fitted => format!(" ({} parameters fitted)", line.numbers.fitted()),
-                    _ if line.numbers.per_predicted_film > 1 => {
-                        let more = line.numbers.per_predicted_film - 1;
-                        format!(" (with {more} more parameters from each of these films)")
-                    }
-                    _ => String::new(),
+                let errors = self.errors(i, role)?;
+                let mut remarks = Vec::new();
+                if errors.films < all {
+                    remarks.push(format!("{} of {all} films", errors.films));
+                }
+                if role == FilmRole::Fitted {
+                    remarks.push(format!("{} parameters fitted", line.numbers.fitted()));
+                } else if line.numbers.per_predicted_film > 1 {
+                    let more = line.numbers.per_predicted_film - 1;
+                    remarks.push(format!("with {more} more parameters from each of these films"));
+                }
+                let mm = errors.location_mm;
+                let remarks = if remarks.is_empty() {
+                    String::new()
+                } else {
+                    format!(" ({})", remarks.join(", "))
                 };
-                Some((mm, format!("{} {mm:.1} mm{numbers}", line.kind)))
+                Some((mm, format!("{} {mm:.1} mm{remarks}", line.kind)))
             })
             .collect();
         found.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -281,45 +299,47 @@ impl LinesCompared {
         (!parts.is_empty()).then(|| listed(&parts))
     }
 
-    /// Whether one of the lines that take equally few numbers from a predicted film is the nearest on every one of them.
-    fn prediction_verdict(&self) -> Option<String> {
-        let few = self.lines.iter().map(|line| line.numbers.per_predicted_film).min()?;
-        let fair: Vec<usize> = (0..self.lines.len())
-            .filter(|&i| self.lines[i].numbers.per_predicted_film == few)
+    /// Whether one of the ranked lines is the nearest on every one of their films.
+    fn prediction_verdict(&self, ranking: &Ranking) -> Option<String> {
+        let ranked: Vec<(usize, LineKind)> = self
+            .lines
+            .iter()
+            .enumerate()
+            .filter(|(_, line)| ranking.lines.iter().any(|(kind, _)| *kind == line.kind))
+            .map(|(place, line)| (place, line.kind))
             .collect();
-        let nearest: Vec<usize> = self
+        let nearest: Vec<LineKind> = ranking
             .films
             .iter()
-            .filter(|film| film.role != FilmRole::Fitted && film.is_common())
-            .filter_map(|film| {
-                let error =
-                    |i: &usize| film.simulations[*i].as_ref().map(|s| s.mean_location_error_mm());
-                fair.iter().copied().min_by(|a, b| {
-                    error(a).unwrap_or(f64::INFINITY).total_cmp(&error(b).unwrap_or(f64::INFINITY))
-                })
+            .filter_map(|&film| {
+                let film = &self.films[film];
+                let error = |line: usize| {
+                    film.simulations[line]
+                        .as_ref()
+                        .map_or(f64::INFINITY, Simulation::mean_location_error_mm)
+                };
+                ranked.iter().min_by(|a, b| error(a.0).total_cmp(&error(b.0))).map(|one| one.1)
             })
             .collect();
         let films = nearest.len();
-        if films == 0 || fair.len() < 2 {
+        if films == 0 || ranked.len() < 2 {
             return None;
         }
-        let names: Vec<String> =
-            fair.iter().map(|&i| format!("the {}", self.lines[i].kind)).collect();
+        let names: Vec<String> = ranked.iter().map(|(_, kind)| format!("the {kind}")).collect();
         let best = nearest[0];
         Some(if films > 1 && nearest.iter().all(|&line| line == best) {
             format!(
-                "Of {}, which take one parameter from each predicted film, the {} has the smallest error on all {films}. So few films do not allow a statistical test.",
-                listed(&names),
-                self.lines[best].kind
+                "Of {}, which take one parameter from each predicted film, the {best} has the smallest error on all {films}. Films of one patient are too few for a statistical test.",
+                listed(&names)
             )
         } else if films == 1 {
             "One predicted film is not enough to compare the lines.".to_owned()
         } else {
-            let counts: Vec<String> = fair
+            let counts: Vec<String> = ranked
                 .iter()
-                .map(|&i| {
-                    let won = nearest.iter().filter(|&&line| line == i).count();
-                    format!("the {} on {won}", self.lines[i].kind)
+                .map(|(_, kind)| {
+                    let won = nearest.iter().filter(|line| *line == kind).count();
+                    format!("the {kind} on {won}")
                 })
                 .collect();
             format!(
@@ -327,6 +347,47 @@ impl LinesCompared {
                 listed(&counts)
             )
         })
+    }
+
+    /// The lines that predict no better than joint rotations without mechanics, or that no line predicts the films.
+    fn behind_words(&self, ranking: &Ranking) -> Option<String> {
+        if !ranking.is_prediction() {
+            return Some(self.no_prediction_words(ranking));
+        }
+        let (_, best_mm) = ranking.baseline?;
+        let behind: Vec<String> = ranking
+            .lines
+            .iter()
+            .filter(|(_, mm)| *mm >= best_mm)
+            .map(|(kind, _)| format!("the {kind}"))
+            .collect();
+        (!behind.is_empty()).then(|| {
+            format!("Not better than without mechanics on the same films: {}.", listed(&behind))
+        })
+    }
+
+    /// That no line predicts the films of a ranking, and by which limit.
+    pub(super) fn no_prediction_words(&self, ranking: &Ranking) -> String {
+        let (kind, mm) = ranking.best();
+        format!(
+            "No line predicts {}: the smallest error, with the {kind}, is {mm:.1} mm, above the limit of {:.0} mm.",
+            self.ranked_films_words(ranking),
+            Ranking::MAX_PREDICTED_MM
+        )
+    }
+
+    /// The films of a ranking, after "on".
+    pub(super) fn ranked_films_words(&self, ranking: &Ranking) -> String {
+        let films = match ranking.role {
+            FilmRole::LeftOutBend => "bends left out of the fit",
+            FilmRole::Fitted | FilmRole::HeldOut => "neutral and traction films",
+        };
+        let (shared, all) = (ranking.films.len(), self.count(ranking.role));
+        if shared == all {
+            films.to_owned()
+        } else {
+            format!("{films} ({shared} of {all}, which all of these lines predict)")
+        }
     }
 }
 

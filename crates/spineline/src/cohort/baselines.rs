@@ -1,7 +1,7 @@
 //! Predictions without mechanics over many patients, and whether lines of action and other loads predict better.
 
 use super::census::Gathering;
-use super::comparison::corrected_by_holm;
+use super::comparison::{ComparisonOutcome, corrected_by_holm};
 use super::others::PREDICTED;
 use super::patient::{CohortPatient, PatientFilmUnderLines};
 use super::rows::RowsInMemory;
@@ -13,7 +13,6 @@ use crate::analysis::{Analysis, FilmRole, LinesCompared, listed, probability};
 use crate::evaluate::Baseline;
 use crate::evaluate::statistics::Resampling;
 use crate::hypothesis::Hypothesis;
-use crate::personalize::SIGNIFICANCE;
 
 /// Location errors of a baseline over all films of a role.
 #[derive(Debug, Clone, PartialEq)]
@@ -46,16 +45,16 @@ pub struct BaselineTest<Model = LineKind> {
 }
 
 impl<Model> BaselineTest<Model> {
-    /// Whether the two differ beyond chance in the whole family.
+    /// What the test says of the model.
     #[must_use]
-    pub fn is_significant(&self) -> bool {
-        self.holm_p.is_some_and(|p| p < SIGNIFICANCE)
+    pub fn outcome(&self) -> ComparisonOutcome {
+        self.comparison.outcome(self.holm_p)
     }
 
-    /// Whether the model predicts better, beyond chance.
+    /// Whether the model predicts better, significantly.
     #[must_use]
     pub fn is_better(&self) -> bool {
-        self.is_significant() && self.comparison.mean_difference < 0.0
+        self.outcome() == ComparisonOutcome::Better
     }
 }
 
@@ -211,31 +210,38 @@ impl BaselinesOverPatients {
             test.role == role && test.baseline == best && test.holm_p.is_some()
         };
         let tests: Vec<_> = self.hypothesis_tests.iter().filter(of_best).collect();
-        let behind: Vec<String> = tests
-            .iter()
-            .filter(|test| !test.is_better())
-            .map(|test| format!("{} ({:+.1} mm)", test.model, test.comparison.mean_difference))
+        let of = |outcome: ComparisonOutcome| -> Vec<String> {
+            let found = tests.iter().filter(|test| test.outcome() == outcome);
+            found
+                .map(|test| format!("{} ({:+.1} mm)", test.model, test.comparison.mean_difference))
+                .collect()
+        };
+        let (worse, same) = (of(ComparisonOutcome::Worse), of(ComparisonOutcome::NoDifference));
+        let parts: Vec<String> = [(worse, "worse"), (same, "not significantly different")]
+            .into_iter()
+            .filter(|(models, _)| !models.is_empty())
+            .map(|(models, words)| format!("{} {words}: {}", models.len(), listed(&models)))
             .collect();
-        (!behind.is_empty()).then(|| {
+        (!parts.is_empty()).then(|| {
             format!(
-                "Of {} other loads and bases, {} do not predict them significantly better than {best}: {}.",
+                "Other loads and bases beside {best}, {} tested: {}.",
                 tests.len(),
-                behind.len(),
-                listed(&behind)
+                parts.join("; ")
             )
         })
     }
 }
 
-/// A line beside the best prediction without mechanics: whether it is better or worse beyond chance, or neither.
+/// A line beside the best prediction without mechanics: whether it is better or worse, or neither.
 fn line_sentence(test: &BaselineTest) -> Option<String> {
     let [low, high] = test.comparison.bootstrap?;
     let difference = test.comparison.mean_difference;
     let sense = if difference < 0.0 { "smaller" } else { "larger" };
-    let verdict = match (test.is_significant(), difference < 0.0) {
-        (true, true) => "is better than",
-        (true, false) => "is worse than",
-        (false, _) => "is not significantly better than",
+    let verdict = match test.outcome() {
+        ComparisonOutcome::Better => "is better than",
+        ComparisonOutcome::Worse => "is worse than",
+        ComparisonOutcome::NoDifference => "is not significantly different from",
+        ComparisonOutcome::NotTested => return None,
     };
     Some(format!(
         "There the {} {verdict} {}: its error is {sense} by {:.1} mm (line minus baseline, 95 % interval over {} patients {low:.1} to {high:.1} mm; p {} after Holm's correction).",

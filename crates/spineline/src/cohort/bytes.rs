@@ -15,7 +15,7 @@ use crate::evaluate::{Baseline, FilmFromTop, Links};
 use crate::hypothesis::{Base, Hypothesis, LoadShape};
 use crate::measure::{FilmLength, FilmScale};
 use crate::motion::SegmentEstimate;
-use crate::personalize::FitTarget;
+use crate::personalize::{FitTarget, TestOutcome};
 use crate::spatial::{Angle, Frontal};
 
 impl CohortPatient {
@@ -240,6 +240,7 @@ by_place! {
     LoadShape: LoadShape::ALL;
     Base: Base::ALL;
     NoResult: NoResult::ALL;
+    TestOutcome: TestOutcome::ALL;
     &'static str: WRONG_FILM;
 }
 

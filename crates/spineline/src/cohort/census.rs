@@ -8,7 +8,7 @@ use super::others::Others;
 use super::rows::CohortRows;
 use super::samples::{Kept, Samples};
 use super::workers::{Workers, results};
-use super::{ChainCount, CohortPatient, DoubtedFilm, Films, LineRejections, MissingResult};
+use super::{ChainCount, CohortPatient, DoubtedFilm, LineOutcomes, MissingResult};
 use crate::action::LineKind;
 use crate::analysis::FreeNumbers;
 use crate::evaluate::statistics::{Resampling, Summary};
@@ -116,7 +116,7 @@ pub(super) struct Census {
     /// Whether some patient's lines were fitted to different data.
     pub has_different_data: bool,
     pub hypotheses: Vec<Hypothesis>,
-    pub rejections: Vec<LineRejections>,
+    pub outcomes: Vec<LineOutcomes>,
     pub doubted: usize,
     pub doubted_films: Vec<DoubtedFilm>,
     pub chains: Vec<ChainCount>,
@@ -139,7 +139,7 @@ impl Census {
     fn end(&mut self) {
         self.numbers.sort_by_key(|(kind, _)| *kind);
         self.hypotheses.sort();
-        self.rejections.sort_by_key(|found| found.kind);
+        self.outcomes.sort_by_key(|found| found.kind);
         ChainCount::sort(&mut self.chains);
     }
 
@@ -189,21 +189,21 @@ impl Census {
 
     /// Tests of a single force along a line.
     fn add_tests(&mut self, patient: &CohortPatient) {
-        for &(kind, is_rejected) in &patient.tested {
-            LineRejections::add(&mut self.rejections_of(kind).patients, is_rejected);
+        let is_doubted = patient.has_doubted_film();
+        for &(kind, outcome) in &patient.tested {
+            self.outcomes_of(kind).add_patient(outcome, is_doubted);
         }
-        let bends = patient.films.iter().filter(|film| Films::Bends.has(film));
-        for &(kind, is_rejected) in bends.flat_map(|film| &film.tested) {
-            LineRejections::add(&mut self.rejections_of(kind).bends, is_rejected);
+        for &(kind, outcome) in patient.films.iter().flat_map(|film| &film.tested) {
+            self.outcomes_of(kind).add_bend(outcome, is_doubted);
         }
     }
 
-    fn rejections_of(&mut self, kind: LineKind) -> &mut LineRejections {
-        let place = self.rejections.iter().position(|one| one.kind == kind);
+    fn outcomes_of(&mut self, kind: LineKind) -> &mut LineOutcomes {
+        let place = self.outcomes.iter().position(|one| one.kind == kind);
         let place = place.unwrap_or_else(|| {
-            self.rejections.push(LineRejections { kind, patients: (0, 0), bends: (0, 0) });
-            self.rejections.len() - 1
+            self.outcomes.push(LineOutcomes::of(kind));
+            self.outcomes.len() - 1
         });
-        &mut self.rejections[place]
+        &mut self.outcomes[place]
     }
 }

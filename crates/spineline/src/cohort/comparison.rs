@@ -1,5 +1,49 @@
+use std::fmt;
+
 use crate::evaluate::paired::{EffectSize, SignFlip, effect_size, holm, sign_flip};
 use crate::evaluate::statistics::{PairedT, Summary};
+use crate::personalize::TestOutcome;
+
+/// What a comparison of errors says of the first model beside the second. All outputs use these words.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum ComparisonOutcome {
+    /// Its error is smaller, significantly after Holm's correction.
+    Better,
+    /// Its error is larger: significantly after Holm's correction, or the whole 95 % interval of the difference is above zero. A
+    /// claim that a model is better needs the correction; that it is worse does not.
+    Worse,
+    /// The data show no difference.
+    NoDifference,
+    /// Too few patients have both.
+    NotTested,
+}
+
+impl ComparisonOutcome {
+    /// All of them.
+    pub const ALL: [Self; 4] = [Self::Better, Self::Worse, Self::NoDifference, Self::NotTested];
+
+    /// The name used in files.
+    #[must_use]
+    pub const fn key(self) -> &'static str {
+        match self {
+            Self::Better => "better",
+            Self::Worse => "worse",
+            Self::NoDifference => "no_significant_difference",
+            Self::NotTested => "not_tested",
+        }
+    }
+}
+
+impl fmt::Display for ComparisonOutcome {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.pad(match self {
+            Self::Better => "better",
+            Self::Worse => "worse",
+            Self::NoDifference => "no significant difference",
+            Self::NotTested => "not tested",
+        })
+    }
+}
 
 /// Two samples of the same things, one value of each per thing.
 ///
@@ -47,6 +91,20 @@ impl PairedComparison {
     pub fn patients(&self) -> usize {
         self.sign_flip.map_or(0, |test| test.n)
     }
+
+    /// What the differences, first minus second, say of the first, with the probability after Holm's correction.
+    #[must_use]
+    pub fn outcome(&self, holm_p: Option<f64>) -> ComparisonOutcome {
+        let is_larger = self.mean_difference > 0.0;
+        let is_clearly_larger = self.bootstrap.is_some_and(|[low, _]| low > 0.0);
+        match TestOutcome::of(holm_p) {
+            TestOutcome::NotTested => ComparisonOutcome::NotTested,
+            TestOutcome::Rejected if !is_larger => ComparisonOutcome::Better,
+            TestOutcome::Rejected => ComparisonOutcome::Worse,
+            TestOutcome::Kept if is_clearly_larger => ComparisonOutcome::Worse,
+            TestOutcome::Kept => ComparisonOutcome::NoDifference,
+        }
+    }
 }
 
 /// Sign-flip probabilities of a family of comparisons after Holm's correction; `None` where there is no such test.
@@ -58,4 +116,28 @@ pub(super) fn corrected_by_holm<'a>(
     let adjusted = holm(&flips.iter().flatten().copied().collect::<Vec<f64>>());
     let mut adjusted = adjusted.into_iter();
     flips.into_iter().map(|flip| flip.and_then(|_| adjusted.next())).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_larger_error_with_a_whole_interval_above_zero_is_worse() {
+        let outcome = |mean_difference, interval, holm_p| {
+            let one = PairedComparison {
+                mean_difference,
+                bootstrap: Some(interval),
+                ..PairedComparison::of_differences(Summary::of(&[]), &[], None, 0)
+            };
+            one.outcome(holm_p)
+        };
+        assert_eq!(outcome(2.5, [0.7, 4.7], Some(0.3)), ComparisonOutcome::Worse);
+        assert_eq!(outcome(2.5, [0.7, 4.7], Some(0.01)), ComparisonOutcome::Worse);
+        assert_eq!(outcome(2.5, [-0.1, 4.7], Some(0.3)), ComparisonOutcome::NoDifference);
+        // To be better takes Holm's correction.
+        assert_eq!(outcome(-2.5, [-4.7, -0.7], Some(0.3)), ComparisonOutcome::NoDifference);
+        assert_eq!(outcome(-2.5, [-4.7, -0.7], Some(0.01)), ComparisonOutcome::Better);
+        assert_eq!(outcome(2.5, [0.7, 4.7], None), ComparisonOutcome::NotTested);
+    }
 }

@@ -50,23 +50,32 @@ impl ErrorKind {
     }
 }
 
-/// Errors of one line over the films of a role that all lines of the cohort could simulate.
+/// Errors of one line over the films of a role on which it has a result. Lines with results on different films are compared by
+/// [`LinePairTest`] alone.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RoleErrors {
     /// The line.
     pub kind: LineKind,
     /// What the stiffness knew of the films.
     pub role: FilmRole,
-    /// Films in the comparison.
+    /// Films with a result.
     pub films: usize,
-    /// Films that are not, since some line has no result on them.
-    pub left_out: usize,
+    /// Films on which it has none.
+    pub without_result: usize,
     /// Location errors, in mm.
     pub location_mm: Clustered,
     /// Absolute Ferguson errors, in degrees.
     pub ferguson_deg: Clustered,
     /// Mean location error of every patient, in mm; NaN for one without such a film; as [`super::Listed`].
     pub by_patient_mm: Vec<f64>,
+}
+
+impl RoleErrors {
+    /// Mean over patients of one mean location error per patient, in mm.
+    #[must_use]
+    pub const fn mean_location_mm(&self) -> f64 {
+        self.location_mm.patients.mean
+    }
 }
 
 /// Two lines on the films of a role that both could simulate.
@@ -80,8 +89,8 @@ pub struct LinePairTest {
     pub error: ErrorKind,
     /// Films in the comparison.
     pub films: usize,
-    /// Films that are not, since one of the two has no result on them.
-    pub left_out: usize,
+    /// Films on which one of the two has no result, or both.
+    pub without_result: usize,
     /// The tests.
     pub comparison: PairedComparison,
     /// The sign-flip probability, corrected by Holm over all tests of the cohort's lines.
@@ -98,6 +107,12 @@ impl LinePairTest {
         self.holm_p
             .filter(|p| *p < SIGNIFICANCE)
             .map(|_| if self.comparison.mean_difference < 0.0 { first } else { second })
+    }
+
+    /// Whether both lines take equally many numbers from a film before they predict it.
+    #[must_use]
+    pub const fn is_fair(&self) -> bool {
+        self.per_predicted_film[0] == self.per_predicted_film[1]
     }
 
     /// The line that predicts better: nearer on films that were not fitted, beyond chance, and without taking more
@@ -165,7 +180,7 @@ pub(super) fn result_on(
     }
 }
 
-/// A line without a result on a film: the film is left out of the comparison of all lines.
+/// A line without a result on a film: the film has no part in a comparison of this line.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct MissingResult {
     /// The patient.
@@ -191,14 +206,14 @@ pub struct LinesOverPatients {
     pub errors: Vec<RoleErrors>,
     /// By pair of lines, role and error: one family.
     pub tests: Vec<LinePairTest>,
-    /// The films that are left out of the comparison of all lines, once per line without a result, as [`super::Listed`].
+    /// The films on which a line has no result, once per such line, as [`super::Listed`].
     pub missing: Vec<MissingResult>,
     /// All patients with such a film.
     pub with_missing: usize,
 }
 
 impl LinesOverPatients {
-    /// Asks for the samples of these lines; gives what makes the result of them, without the films that are left out.
+    /// Asks for the samples of these lines; gives what makes the result of them, without the films that lack a result.
     pub(super) fn ask(
         numbers: Vec<(LineKind, FreeNumbers)>,
         same_data: bool,
@@ -207,8 +222,8 @@ impl LinesOverPatients {
         let kinds: Vec<LineKind> = numbers.iter().map(|(kind, _)| *kind).collect();
         let errors: Vec<_> = FilmRole::ALL
             .into_iter()
-            .flat_map(|role| (0..kinds.len()).map(move |line| (role, line)))
-            .map(|(role, line)| role_errors(role, &kinds, line, samples))
+            .flat_map(|role| kinds.iter().map(move |&kind| (role, kind)))
+            .map(|(role, kind)| role_errors(role, kind, samples))
             .collect();
         let tests = tests(&numbers, samples);
         move |samples| Self {
@@ -222,32 +237,29 @@ impl LinesOverPatients {
     }
 }
 
-/// Asks for the errors of one of some lines over the films of a role that all of them share.
+/// Asks for the errors of a line over the films of a role on which it has a result.
 fn role_errors(
     role: FilmRole,
-    kinds: &[LineKind],
-    line: usize,
+    kind: LineKind,
     samples: &mut Samples,
 ) -> impl FnOnce(&mut Samples) -> RoleErrors + use<> {
     let values = |error: ErrorKind| {
-        let kinds = kinds.to_vec();
         move |seen: &Seen<'_>, values: &mut Vec<f64>| {
-            for film in seen.patient.films_of(role, &kinds) {
-                values.extend_from_slice(error.of(film[line]));
+            for [film] in seen.patient.films_of(role, [kind]) {
+                values.extend_from_slice(error.of(film));
             }
         }
     };
     let [location, ferguson] = ErrorKind::ALL.map(|error| samples.sample(values(error)));
     let by_patient = samples.average(values(ErrorKind::Location));
-    let films = count_films(role, kinds.to_vec(), samples);
-    let kind = kinds[line];
+    let films = count_films(role, [kind], samples);
     move |samples| {
-        let (films, left_out) = films(samples);
+        let (films, without_result) = films(samples);
         RoleErrors {
             kind,
             role,
             films,
-            left_out,
+            without_result,
             location_mm: samples.clustered(location),
             ferguson_deg: samples.clustered(ferguson),
             by_patient_mm: samples.averages(by_patient),
@@ -255,15 +267,15 @@ fn role_errors(
     }
 }
 
-/// Asks how many films of a role some lines share, and how many others there are.
-fn count_films(
+/// Asks on how many films of a role some lines all have a result, and how many others there are.
+fn count_films<const N: usize>(
     role: FilmRole,
-    kinds: Vec<LineKind>,
+    kinds: [LineKind; N],
     samples: &mut Samples,
-) -> impl Fn(&Samples) -> (usize, usize) + use<> {
+) -> impl Fn(&Samples) -> (usize, usize) + use<N> {
     let all = samples
         .count(move |seen| seen.patient.compared.iter().filter(|film| film.role == role).count());
-    let shared = samples.count(move |seen| seen.patient.films_of(role, &kinds).count());
+    let shared = samples.count(move |seen| seen.patient.films_of(role, kinds).count());
     move |samples| {
         let shared = samples.number(shared);
         (shared, samples.number(all) - shared)
@@ -321,20 +333,20 @@ fn pair(
 ) -> impl FnOnce(&mut Samples) -> LinePairTest + use<> {
     let lines = both.map(|(kind, _)| kind);
     let compared = samples.pair(move |seen, [a, b]| {
-        for film in seen.patient.films_of(role, &lines) {
-            a.extend_from_slice(error.of(film[0]));
-            b.extend_from_slice(error.of(film[1]));
+        for [first, second] in seen.patient.films_of(role, lines) {
+            a.extend_from_slice(error.of(first));
+            b.extend_from_slice(error.of(second));
         }
     });
-    let films = count_films(role, lines.to_vec(), samples);
+    let films = count_films(role, lines, samples);
     move |samples| {
-        let (films, left_out) = films(samples);
+        let (films, without_result) = films(samples);
         LinePairTest {
             lines,
             role,
             error,
             films,
-            left_out,
+            without_result,
             comparison: samples.comparison(compared),
             holm_p: None,
             per_predicted_film: both.map(|(_, numbers)| numbers.per_predicted_film),

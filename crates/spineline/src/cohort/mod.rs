@@ -15,7 +15,9 @@ mod comparison;
 mod films;
 mod lines;
 mod others;
+mod outcomes;
 mod patient;
+mod refused;
 mod rotation_prior;
 mod rows;
 mod samples;
@@ -25,21 +27,26 @@ mod workers;
 pub use baselines::{BaselineErrors, BaselineTest, BaselinesOverPatients};
 pub use census::{CohortSource, TakePart};
 pub use claims::{ClaimVerdict, Claims, NEAR_SEGMENTS, PatientClaims};
-pub use comparison::PairedComparison;
+pub use comparison::{ComparisonOutcome, PairedComparison};
 pub use films::{ChainCount, DoubtedFilm};
 pub use lines::{ErrorKind, LinePairTest, LinesOverPatients, MissingResult, NoResult, RoleErrors};
+pub use outcomes::{LineOutcomes, OutcomeCounts};
 pub use patient::CohortPatient;
+pub use refused::{RefusalStep, RefusedCase};
 pub use rotation_prior::{LearnedRotations, learn_rotation_prior};
 pub use rows::{CohortRows, RowsInMemory};
 pub use workers::{OneThread, Workers};
 
 use crate::action::LineKind;
+use crate::anatomy::named;
 use crate::evaluate::statistics::{Resampling, Summary};
 use crate::motion::SegmentEstimate;
 use census::{Census, Gathering};
 use others::Seen;
 use patient::{FilmErrors, PatientFilm, SimulatedFilm};
 use samples::{Kept, Paired, Sampled, Samples};
+
+named!(ComparisonOutcome, RefusalStep);
 
 /// Resamples of a cluster bootstrap.
 const RESAMPLES: u32 = 2000;
@@ -189,36 +196,14 @@ pub struct Cohort {
     pub ferguson_test: PairedComparison,
     /// Location errors of the inflection line against the iliac line on fitted films: the paper's test.
     pub location_test: PairedComparison,
-    /// By line that is not fitted to the films: how often patients and bends reject a single force along it.
-    pub rejections: Vec<LineRejections>,
+    /// By line that is not fitted to the films: how often patients and bends reject and keep a single force along it.
+    pub outcomes: Vec<LineOutcomes>,
     /// Patients with a film that may not show what it is named after.
     pub doubted: usize,
     /// The films of these patients, by patient, as [`Listed`].
     pub doubted_films: Vec<DoubtedFilm>,
     /// The chains of the patients, the one of most patients first.
     pub chains: Vec<ChainCount>,
-}
-
-/// How often a single force along a line is rejected.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct LineRejections {
-    /// The line.
-    pub kind: LineKind,
-    /// Patients whose bends reject it ([`crate::analysis::Compatibility::rejects`]), and all patients who were tested.
-    ///
-    /// Patients with a film that may be a wrong one are in neither number.
-    pub patients: (usize, usize),
-    /// Bending films on which the line of best fit to the rotations differs from it by chance with a probability below 5 %
-    /// ([`crate::personalize::LineTest::rejects`]), and all that were tested, one by one.
-    pub bends: (usize, usize),
-}
-
-impl LineRejections {
-    /// Counts one more test.
-    fn add((rejected, all): &mut (usize, usize), is_rejected: bool) {
-        *rejected += usize::from(is_rejected);
-        *all += 1;
-    }
 }
 
 /// Which patients the lists of a cohort have: own means ([`RoleErrors::by_patient_mm`]), doubted films, and films without a result.
@@ -359,17 +344,17 @@ impl Cohort {
                 with_missing: census.with_missing,
                 ..compared(samples)
             },
-            rejections: census.rejections,
+            outcomes: census.outcomes,
             doubted: census.doubted,
             doubted_films: census.doubted_films,
             chains: census.chains,
         }
     }
 
-    /// How often a line is rejected; `None` where it was not tested.
+    /// How the tests of a line ended; `None` where no patient has a model of it.
     #[must_use]
-    pub fn rejections(&self, kind: LineKind) -> Option<&LineRejections> {
-        self.rejections.iter().find(|found| found.kind == kind)
+    pub fn outcomes(&self, kind: LineKind) -> Option<&LineOutcomes> {
+        self.outcomes.iter().find(|found| found.kind == kind)
     }
 
     /// One line's statistics.

@@ -12,6 +12,7 @@ use crate::evaluate::statistics::Summary;
 use crate::evaluate::{Baseline, FilmFromTop, Links, Simulation, joint_rotations};
 use crate::hypothesis::{Hypothesis, HypothesisFit, Role};
 use crate::motion::SegmentEstimate;
+use crate::personalize::TestOutcome;
 use crate::spatial::Angle;
 
 /// The numbers of a patient that enter a [`super::Cohort`].
@@ -41,8 +42,8 @@ pub struct CohortPatient {
     /// Rotations of every bend, as if it were to the right.
     pub(super) bends: Vec<Vec<Angle>>,
     pub(super) models: Vec<PatientModel>,
-    /// Lines that were tested, with whether the bends reject a single force along them.
-    pub(super) tested: Vec<(LineKind, bool)>,
+    /// Lines with a model that are not fitted to the films: what all bends say of a single force along them.
+    pub(super) tested: Vec<(LineKind, TestOutcome)>,
     pub(super) lines: Vec<ComparedLine>,
     pub(super) same_data: bool,
     /// Every film once per role.
@@ -70,8 +71,8 @@ pub(super) struct PatientFilm {
     pub least_rotations_deg: Vec<f64>,
     pub inflection_estimates: Option<[SegmentEstimate; 2]>,
     pub mean_least_estimates: Option<[SegmentEstimate; 2]>,
-    /// Lines that were tested on it alone, with whether its rotations reject them.
-    pub tested: Vec<(LineKind, bool)>,
+    /// The same lines on it alone, where it is a bend.
+    pub tested: Vec<(LineKind, TestOutcome)>,
 }
 
 /// A line of action of a patient.
@@ -119,11 +120,8 @@ impl CohortPatient {
 
     /// The same, where the lines were compared already.
     pub(super) fn of_compared(analysis: &Analysis, compared: &LinesCompared) -> Self {
-        let candidates = analysis.models.iter().filter(|model| model.kind != LineKind::Estimated);
-        let tested = candidates.filter(|_| !analysis.has_doubted_film()).filter_map(|model| {
-            let found = analysis.compatibility(model);
-            (!found.bends.is_empty()).then(|| (model.kind, found.rejects()))
-        });
+        let tested =
+            candidates(analysis).map(|model| (model.kind, analysis.compatibility(model).outcome()));
         let erect = &analysis.postures[0].outline;
         let moved = analysis.postures[1..].iter().map(|film| &film.outline);
         Self {
@@ -136,7 +134,7 @@ impl CohortPatient {
             inflections: analysis.inflections.all.len(),
             doubts: DoubtedFilm::of(analysis),
             has_rotation_prior: analysis.options.rotation_prior.is_some(),
-            films: analysis.postures.iter().map(PatientFilm::of).collect(),
+            films: analysis.postures.iter().map(|film| PatientFilm::of(film, analysis)).collect(),
             links: Links::of(erect),
             from_top: moved.map(|film| FilmFromTop::of(erect, film)).collect(),
             bends: bend_rotations(analysis),
@@ -187,13 +185,17 @@ impl CohortPatient {
     }
 
     /// The films of a role on which all of some lines have a result, with the errors of each.
-    pub(super) fn films_of(
+    pub(super) fn films_of<const N: usize>(
         &self,
         role: FilmRole,
-        kinds: &[LineKind],
-    ) -> impl Iterator<Item = Vec<&FilmErrors>> {
+        kinds: [LineKind; N],
+    ) -> impl Iterator<Item = [&FilmErrors; N]> {
         let films = self.compared.iter().filter(move |film| film.role == role);
-        films.filter_map(|film| kinds.iter().map(|&kind| self.errors(film, kind)).collect())
+        films.filter_map(move |film| {
+            let errors: Option<Vec<&FilmErrors>> =
+                kinds.iter().map(|&kind| self.errors(film, kind)).collect();
+            errors?.try_into().ok()
+        })
     }
 
     /// Films under a line, fitted or held out.
@@ -227,9 +229,17 @@ fn rotations_deg(analysis: &Analysis) -> Vec<f64> {
     motions.flat_map(|motion| motion.rotations.iter().map(|rotation| rotation.deg())).collect()
 }
 
+/// The lines of a patient that are not fitted to the films, and so can be tested.
+fn candidates(analysis: &Analysis) -> impl Iterator<Item = &LineModel> {
+    analysis.models.iter().filter(|model| model.kind != LineKind::Estimated)
+}
+
 impl PatientFilm {
-    fn of(film: &PostureAnalysis) -> Self {
+    fn of(film: &PostureAnalysis, analysis: &Analysis) -> Self {
         let motion = film.motion.as_ref();
+        let is_bend = film.outline.posture.bend().is_some();
+        let outcome =
+            |kind| TestOutcome::of(film.line_comparison(kind).map(|found| found.test.p_value));
         Self {
             posture: film.outline.posture,
             has_motion: motion.is_some(),
@@ -239,9 +249,9 @@ impl PatientFilm {
                 .map_or_else(Vec::new, |m| m.least.map(|k| m.rotations[k].deg()).to_vec()),
             inflection_estimates: film.inflection_estimates,
             mean_least_estimates: film.mean_least_estimates,
-            tested: LineKind::ALL
-                .into_iter()
-                .filter_map(|kind| Some((kind, film.line_comparison(kind)?.test.rejects())))
+            tested: candidates(analysis)
+                .filter(|_| is_bend)
+                .map(|model| (model.kind, outcome(model.kind)))
                 .collect(),
         }
     }

@@ -4,10 +4,10 @@ use std::fmt;
 
 use super::films::{chains_sentence, doubted_sentence};
 use super::{
-    Cohort, ErrorKind, LinePairTest, LineRejections, LinesOverPatients, NoResult, PairedComparison,
+    Cohort, ErrorKind, LineOutcomes, LinePairTest, LinesOverPatients, NoResult, PairedComparison,
+    RoleErrors,
 };
-use crate::action::LineKind;
-use crate::analysis::{FilmRole, listed, probability};
+use crate::analysis::{FilmRole, Ranking, listed, probability};
 use crate::evaluate::statistics::PairedT;
 use crate::personalize::SIGNIFICANCE;
 use crate::warning::counted;
@@ -26,44 +26,17 @@ impl Cohort {
         all
     }
 
-    /// What the cohort says of the lines: whether its bends are compatible with a single force along each, and which line
+    /// What the cohort says of the lines: whether its bends reject a single force along each, and which line
     /// predicts better. A difference on fitted films alone is never called better.
     #[must_use]
     pub fn verdict(&self) -> Vec<String> {
         let mut all = Vec::new();
         all.extend(doubted_sentence(&self.doubted_films, self.doubted, self.patients));
         all.extend(chains_sentence(&self.chains));
-        all.extend(self.rejections.iter().flat_map(LineRejections::sentences));
+        all.extend(self.outcomes.iter().flat_map(LineOutcomes::sentences));
         all.extend(self.compared.sentences());
         all.extend(self.baselines.sentences());
         all
-    }
-}
-
-impl LineRejections {
-    /// In how many patients, and in how many bends alone, the line is rejected.
-    fn sentences(&self) -> Vec<String> {
-        let of_patients = |(rejecting, tested): (usize, usize)| {
-            format!(
-                "In {rejecting} of {} with the {} the bends are not compatible with a single force along it; under the null hypothesis at most 5 % would be rejected.",
-                counted(tested, "patient"),
-                self.kind
-            )
-        };
-        let of_bends = |(rejected, tested): (usize, usize)| {
-            let claim = match self.kind {
-                LineKind::Inflection => "does not run through the inflections",
-                LineKind::Iliac => "is not parallel to the iliac line",
-                LineKind::Given | LineKind::Estimated => "is not the given line",
-            };
-            format!(
-                "In {rejected} of {}, tested one by one, the line of best fit to the rotations {claim}; under the null hypothesis 5 % would be rejected.",
-                counted(tested, "bend")
-            )
-        };
-        let is_tested = |counts: &(usize, usize)| counts.1 > 0;
-        let patients = Some(self.patients).filter(is_tested).map(of_patients);
-        patients.into_iter().chain(Some(self.bends).filter(is_tested).map(of_bends)).collect()
     }
 }
 
@@ -112,15 +85,22 @@ impl LinesOverPatients {
         let location = || self.tests.iter().filter(|test| test.error == ErrorKind::Location);
         let predicted = || location().filter(|test| test.role != FilmRole::Fitted);
         all.extend(predicted().filter_map(better_sentence));
+        let mut fair =
+            predicted().filter(|test| test.holm_p.is_some() && test.is_fair()).peekable();
         if !predicted().any(|test| test.holm_p.is_some()) {
             all.push(
                 "All films were fitted: it cannot be tested which line predicts better.".to_owned(),
             );
-        } else if !predicted().any(|test| test.predicts_better().is_some()) {
+        } else if fair.peek().is_none() {
+            all.push(
+                "Lines with equally many parameters per film are not tested against each other: fewer than two patients have films that both predict.".to_owned(),
+            );
+        } else if !fair.any(|test| test.predicts_better().is_some()) {
             all.push(format!(
                 "On films that were not fitted no line predicts significantly better than another with equally many parameters per film (Holm's correction over {family} tests)."
             ));
         }
+        all.extend(self.no_prediction_sentences());
         let too_few = |test: &&LinePairTest| {
             let least = 2.0_f64.powi(1 - test.comparison.patients() as i32);
             test.holm_p.is_some() && least * family as f64 >= SIGNIFICANCE
@@ -150,6 +130,31 @@ impl LinesOverPatients {
         }
         all
     }
+
+    /// Kinds of films on which the mean error of every line with fewest parameters per film is above the limit of a prediction.
+    fn no_prediction_sentences(&self) -> Vec<String> {
+        let few = self.numbers.iter().map(|(_, free)| free.per_predicted_film).min();
+        let is_fair = |errors: &&RoleErrors| {
+            let own = self.numbers.iter().find(|(kind, _)| *kind == errors.kind);
+            errors.films > 0 && own.map(|(_, free)| free.per_predicted_film) == few
+        };
+        let of_role = |role| {
+            let errors = self.errors.iter().filter(|errors| errors.role == role).filter(is_fair);
+            let best =
+                errors.min_by(|a, b| a.mean_location_mm().total_cmp(&b.mean_location_mm()))?;
+            (best.mean_location_mm() > Ranking::MAX_PREDICTED_MM).then(|| {
+                format!(
+                    "No line with fewest parameters predicts {}: the smallest mean error, with the {}, is {:.1} mm, above the limit of {:.0} mm.",
+                    films_words(role),
+                    best.kind,
+                    best.mean_location_mm(),
+                    Ranking::MAX_PREDICTED_MM
+                )
+            })
+        };
+        [FilmRole::LeftOutBend, FilmRole::HeldOut].into_iter().filter_map(of_role).collect()
+    }
+
     /// Lines with a smaller error on fitted bends that do not predict significantly better.
     fn fitted_sentence(&self) -> Option<String> {
         let location = || self.tests.iter().filter(|test| test.error == ErrorKind::Location);

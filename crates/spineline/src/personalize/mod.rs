@@ -24,6 +24,7 @@ mod identify;
 mod line_test;
 mod mixed_equations;
 mod nearby_loads;
+mod outcome;
 mod preferred;
 mod problem;
 mod random_effects;
@@ -42,6 +43,7 @@ pub use identify::{
 };
 pub use line_test::{Crossing, LineTest, ProposedLine, SIGNIFICANCE};
 pub(crate) use nearby_loads::NearbyLoads;
+pub use outcome::TestOutcome;
 pub use preferred::PreferredLoads;
 pub(crate) use shape_weights::{ROWS_PER_VERTEBRA, ShapeRows, ShapeWeights};
 pub use start::Start;
@@ -104,7 +106,7 @@ impl FitTarget {
     }
 }
 
-named!(FitTarget);
+named!(FitTarget, TestOutcome);
 
 /// What is known of stiffness before the films: every multiplier's distance from their mean, `ln α - mean ln α`, is normal
 /// about zero. It concerns ratios only, as the films do.

@@ -12,7 +12,7 @@ use std::path::{Path, PathBuf};
 
 use indicatif::ProgressBar;
 use spineline::analysis::LineModel;
-use spineline::cohort::{Cohort, Listed};
+use spineline::cohort::{Cohort, Listed, RefusalStep, RefusedCase};
 use spineline::warning::counted;
 use spineline_files::{Provenance, to_text};
 use spineline_report::cohort::PatientRows;
@@ -20,6 +20,7 @@ use spineline_report::document::Notice;
 use spineline_report::{patient as report, terminal};
 use spineline_tables::cohort_tests_table;
 
+use crate::analysis::case::Refusal;
 use crate::analysis::cohort;
 use crate::analysis::figures::draw_figures;
 use crate::analysis::kept::KeptPatients;
@@ -33,7 +34,7 @@ use crate::run::progress::bar;
 use crate::run::provenance::generator;
 use crate::run::threads::stream_all;
 use model::{write_model, written_model};
-use patient::{Analysed, Asked};
+use patient::{Analysed, Asked, OutputParts};
 use written::Written;
 
 pub fn run(args: &AnalyzeArgs) -> Result<Ending, Failure> {
@@ -55,7 +56,7 @@ pub fn run(args: &AnalyzeArgs) -> Result<Ending, Failure> {
     let statistics = || cohort::of_kept(&mut found.patients, listed, args.threads);
     let together = asked.is_cohort.then(statistics).transpose()?;
     if let (Some(path), Some(together)) = (&args.cohort, &together) {
-        write_cohort(path, &found.read, together, provenance(), &outputs)?;
+        write_cohort(path, &found, together, provenance(), &outputs)?;
     }
     if let (Some(path), Some(one)) = (&args.model, &found.one) {
         write_model(path, args, &one.analysis, &provenance(), &outputs)?;
@@ -125,6 +126,8 @@ struct Found {
     /// For a cohort.
     patients: KeptPatients,
     rows: PatientRows,
+    /// Cases of a list without a result.
+    refused: Vec<RefusedCase>,
     /// Of a single case.
     one: Option<Analysed>,
     ending: Ending,
@@ -147,6 +150,7 @@ fn analyze_all(
         read: ReadCases::default(),
         patients: KeptPatients::default(),
         rows: PatientRows::default(),
+        refused: Vec::new(),
         one: None,
         ending: Ending::Done,
         is_cut_short: false,
@@ -155,7 +159,12 @@ fn analyze_all(
     let run = |place: usize| Analysed::of(&paths[place], asked);
     let across = if asked.is_long() { 1 } else { args.threads };
     stream_all(&progress, paths.len(), across, run, |result| {
-        let checked = result.and_then(|one| found.read.add(&one.input, record).map(|()| one));
+        let checked = result.and_then(|one| match found.read.add(&one.input, record) {
+            Ok(()) => Ok(one),
+            Err(failure) => {
+                Err(Refusal::new(&one.path, Some(&one.input), RefusalStep::Counting, failure))
+            }
+        });
         match checked {
             Ok(one) => {
                 let notices = notices(&one);
@@ -166,10 +175,12 @@ fn analyze_all(
                 }
                 Ok(())
             }
-            Err(failure) if !asked.is_list => Err(failure),
-            Err(failure) => {
+            Err(refusal) if !asked.is_list => Err(refusal.failure),
+            Err(Refusal { case, failure }) => {
                 progress.suspend(|| say(&format!("{failure}\n")));
                 found.ending = Ending::BadInput;
+                written.add(OutputParts::refused(&case, asked))?;
+                found.refused.push(case);
                 Ok(())
             }
         }
@@ -227,7 +238,7 @@ fn text(found: &Found, together: Option<&Cohort>) -> String {
             report::summary(&one.confidence.report(&one.analysis, &one.input.case, &generator))
         }
         (None, Some(together)) => {
-            spineline_report::cohort::summary(&found.rows, together, &generator)
+            spineline_report::cohort::summary(&found.rows, together, &found.refused, &generator)
         }
         (None, None) => return String::new(),
     };
@@ -236,7 +247,7 @@ fn text(found: &Found, together: Option<&Cohort>) -> String {
 
 fn write_cohort(
     path: &Path,
-    read: &ReadCases,
+    found: &Found,
     cohort: &Cohort,
     provenance: Provenance,
     outputs: &Outputs,
@@ -244,6 +255,7 @@ fn write_cohort(
     if is_csv(path) {
         return outputs.write_table(path, cohort_tests_table(cohort).to_csv()?, &provenance);
     }
-    let file = cohort::file(read.ids(), cohort, &generator()).with_provenance(provenance);
+    let Found { read, refused, .. } = found;
+    let file = cohort::file(read.ids(), cohort, refused, &generator()).with_provenance(provenance);
     outputs.write(path, to_text(&file))
 }

@@ -1,18 +1,19 @@
 //! One patient analysed, and what it adds to the outputs.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use spineline::analysis::Analysis;
-use spineline::cohort::CohortPatient;
-use spineline_files::{AnalysisFile, ListText, to_text};
+use spineline::cohort::{CohortPatient, RefusalStep, RefusedCase};
+use spineline_files::{AnalysisFile, ListText, RefusedFile, to_text};
 use spineline_report::cohort::PatientRow;
-use spineline_tables::{OptionalTables, Table, chain_table, errors_table, tables};
+use spineline_tables::{
+    OptionalTables, Table, chain_table, errors_table, tables, tables_of_refused,
+};
 
 use super::args::AnalyzeArgs;
-use crate::analysis::case::analyze_input;
+use crate::analysis::case::{Refusal, analyze_member};
 use crate::analysis::confidence::Confidence;
 use crate::analysis::record::RunRecord;
-use crate::run::failure::Failure;
 use crate::run::inputs::CaseInput;
 
 /// What is asked of every patient.
@@ -40,6 +41,7 @@ impl<'a> Asked<'a> {
 
 /// A patient with everything that was found.
 pub struct Analysed {
+    pub path: PathBuf,
     pub input: CaseInput,
     pub analysis: Analysis,
     pub confidence: Confidence,
@@ -64,13 +66,18 @@ impl Analysed {
     ///
     /// # Errors
     /// If the file is no case, or of the analysis.
-    pub fn of(path: &Path, asked: Asked<'_>) -> Result<Self, Failure> {
+    pub fn of(path: &Path, asked: Asked<'_>) -> Result<Self, Refusal> {
         let request = &asked.record.request;
-        let input = CaseInput::read(path)?;
-        let analysis = analyze_input(path, &input, &request.options)?;
+        let (input, analysis) = analyze_member(path, &request.options)?;
         let threads = if asked.is_long() { asked.args.threads } else { 1 };
-        let confidence = Confidence::compute(&input.case, &analysis, request, threads)?;
+        let confidence = match Confidence::compute(&input.case, &analysis, request, threads) {
+            Ok(confidence) => confidence,
+            Err(failure) => {
+                return Err(Refusal::new(path, Some(&input), RefusalStep::Analysis, failure));
+            }
+        };
         Ok(Self {
+            path: path.to_owned(),
             parts: OutputParts::of(&input, &analysis, &confidence, asked),
             row: asked
                 .is_cohort
@@ -83,6 +90,19 @@ impl Analysed {
 }
 
 impl OutputParts {
+    /// Of a case of a list without a result: every output names it.
+    pub fn refused(case: &RefusedCase, asked: Asked<'_>) -> Self {
+        let args = asked.args;
+        let has_tables = args.tables.folder.is_some();
+        Self {
+            json: args.json.is_some().then(|| ListText::item(&RefusedFile::new(case))),
+            errors: args.csv.is_some().then(|| errors_table(&[]).refused(case)),
+            chain: args.chain.is_some().then(|| chain_table(&[]).refused(case)),
+            tables: if has_tables { tables_of_refused(case) } else { Vec::new() },
+            optional: has_tables.then(|| OptionalTables::of(&[])),
+        }
+    }
+
     fn of(
         input: &CaseInput,
         analysis: &Analysis,

@@ -1,22 +1,22 @@
 //! The report of many patients.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
-use spineline::analysis::{Analysis, AnalysisOptions};
-use spineline::cohort::CohortPatient;
+use spineline::analysis::Analysis;
+use spineline::cohort::{CohortPatient, RefusalStep};
 use spineline_files::{AnalysisFile, to_line};
-use spineline_report::cohort::{Patients, Refusal, Refused, report};
+use spineline_report::cohort::{Patients, report};
 
 use super::args::ReportArgs;
 use super::write;
-use crate::analysis::case::analyze_input;
+use crate::analysis::case::{Refusal, analyze_member};
 use crate::analysis::cohort;
 use crate::analysis::record::{ReadCases, RunRecord};
 use crate::run::failure::{Ending, Failure};
 use crate::run::inputs::CaseInput;
 use crate::run::messages::say;
 use crate::run::outputs::{Outputs, print_notices};
-use crate::run::provenance::{generator, shown_name};
+use crate::run::provenance::generator;
 use crate::run::threads::map_all;
 
 /// Beginning of the names of files of a cohort.
@@ -31,26 +31,25 @@ pub fn run(paths: &[PathBuf], args: &ReportArgs, outputs: Outputs) -> Result<End
     let out = write::target(STEM, args, &outputs)?;
     let record = RunRecord::new(&args.method, &args.uncertainty)?;
     let options = &record.request.options;
-    let results = map_all("analysing", paths, args.threads, |path| one(path, options))?;
+    let results = map_all("analysing", paths, args.threads, |path| analyze_member(path, options))?;
     let (mut analyses, mut subjects, mut sources) = (Vec::new(), Vec::new(), Vec::new());
     let (mut refused, mut read) = (Vec::new(), ReadCases::default());
     for (path, result) in paths.iter().zip(results) {
         let found = result.and_then(|found| {
-            read.add(&found.1, &record).map_err(|failure| (Refusal::NotAnalysed, failure))?;
+            read.add(&found.0, &record).map_err(|failure| {
+                Refusal::new(path, Some(&found.0), RefusalStep::Counting, failure)
+            })?;
             Ok(found)
         });
         match found {
-            Ok((analysis, source)) => {
+            Ok((source, analysis)) => {
                 analyses.push(analysis);
                 subjects.push(source.case.subject.clone());
                 sources.push(source);
             }
-            Err((refusal, failure)) => {
+            Err(Refusal { case, failure }) => {
                 say(&format!("{failure}\n"));
-                let name = shown_name(path);
-                // Failures name the file as the command line does.
-                let why = failure.what().replace(&path.display().to_string(), &name);
-                refused.push(Refused { name, refusal, why });
+                refused.push(case);
             }
         }
     }
@@ -80,15 +79,4 @@ pub fn run(paths: &[PathBuf], args: &ReportArgs, outputs: Outputs) -> Result<End
         (true, false) => Ending::NotConverged,
         (true, true) => Ending::Done,
     })
-}
-
-/// One patient, or where it ended and why.
-fn one(
-    path: &Path,
-    options: &AnalysisOptions,
-) -> Result<(Analysis, CaseInput), (Refusal, Failure)> {
-    let source = CaseInput::read(path).map_err(|failure| (Refusal::Unread, failure))?;
-    let analysis =
-        analyze_input(path, &source, options).map_err(|failure| (Refusal::NotAnalysed, failure))?;
-    Ok((analysis, source))
 }

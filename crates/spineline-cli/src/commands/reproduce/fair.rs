@@ -59,7 +59,7 @@ pub fn section(cohorts: [&Cohort; 3], support: Support) -> Section {
         }
     }
     let title = format!("Fair comparison with {}", support_words(support));
-    let note = "Location errors on films on which every line has a result; one mean per patient. Left-out bends: stiffness from the other bend, only the force is free. The estimated line takes two more numbers from every film, so a smaller error is no evidence for it; with `--fit ferguson`, the default here, it is also fitted to other data, whole shapes. A line less a prediction without mechanics: on the films that both predict; below zero the line is nearer. Intervals resample patients; p flips the signs of the patients' differences, corrected by Holm over the 18 tests of a column. Use these and not the pooled p of the paper, which treats 14 vertebrae of one spine as 14 patients.";
+    let note = "Location errors of each line on the films on which it has a result (in brackets, films without), one mean per patient; a line less another, on the films that both predict. Left-out bends: stiffness from the other bend, only the force is free. The estimated line takes two more numbers from every film, so a smaller error is no evidence for it; with `--fit ferguson`, the default here, it is also fitted to other data, whole shapes. A line less a prediction without mechanics: on the films that both predict; below zero the line is nearer. Intervals resample patients; p flips the signs of the patients' differences, corrected by Holm over the 18 tests of a column. Use these and not the pooled p of the paper, which treats 14 vertebrae of one spine as 14 patients.";
     Section { title, support: Some(support), rows, note }
 }
 
@@ -76,8 +76,8 @@ pub fn error(cohort: &Cohort, kind: LineKind, role: FilmRole) -> Cell {
     let missing = || Cell::value(f64::NAN, 0, "-".to_owned());
     cohort.compared.errors.iter().find(found).map_or_else(missing, |errors| {
         let mut cell = Cell::of(&errors.location_mm.patients, 2);
-        if errors.left_out > 0 {
-            cell.text = format!("[{} not compared] {}", errors.left_out, cell.text);
+        if errors.without_result > 0 {
+            cell.text = format!("[{} without] {}", errors.without_result, cell.text);
         }
         cell
     })

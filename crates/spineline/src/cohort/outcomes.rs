@@ -1,0 +1,116 @@
+//! How often the bends of a cohort reject and keep a single force along a line.
+
+use crate::action::LineKind;
+use crate::analysis::listed;
+use crate::personalize::TestOutcome;
+use crate::warning::counted;
+
+/// How the tests of one hypothesis ended.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct OutcomeCounts {
+    /// Tests that reject it.
+    pub rejected: usize,
+    /// Tests that keep it.
+    pub kept: usize,
+    /// Tests that could not be made.
+    pub not_tested: usize,
+    /// Tests of patients with a film that may not show what it is named after: they are counted here alone.
+    pub doubted: usize,
+}
+
+impl OutcomeCounts {
+    /// Tests that were made.
+    #[must_use]
+    pub const fn tested(&self) -> usize {
+        self.rejected + self.kept
+    }
+
+    fn add(&mut self, outcome: TestOutcome, is_doubted: bool) {
+        let count = match outcome {
+            _ if is_doubted => &mut self.doubted,
+            TestOutcome::Rejected => &mut self.rejected,
+            TestOutcome::Kept => &mut self.kept,
+            TestOutcome::NotTested => &mut self.not_tested,
+        };
+        *count += 1;
+    }
+
+    /// The tests without an outcome, behind a comma; empty where all have one.
+    fn others(&self) -> String {
+        let counts = [(self.not_tested, "not tested"), (self.doubted, "with doubted films")];
+        let parts: Vec<String> = counts
+            .into_iter()
+            .filter(|(count, _)| *count > 0)
+            .map(|(count, words)| format!("{count} {words}"))
+            .collect();
+        if parts.is_empty() { String::new() } else { format!(", {}", listed(&parts)) }
+    }
+}
+
+/// What the bends of a cohort say of a single force along a line that is not fitted to them.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct LineOutcomes {
+    /// The line.
+    pub kind: LineKind,
+    /// By patient with a model of the line: all bends together ([`crate::analysis::Compatibility::outcome`]).
+    pub patients: OutcomeCounts,
+    /// By bend, one by one: the line of best fit to its rotations against the line, not corrected for many tests.
+    pub bends: OutcomeCounts,
+}
+
+impl LineOutcomes {
+    /// Without a test.
+    pub(super) fn of(kind: LineKind) -> Self {
+        Self { kind, patients: OutcomeCounts::default(), bends: OutcomeCounts::default() }
+    }
+
+    pub(super) fn add_patient(&mut self, outcome: TestOutcome, is_doubted: bool) {
+        self.patients.add(outcome, is_doubted);
+    }
+
+    pub(super) fn add_bend(&mut self, outcome: TestOutcome, is_doubted: bool) {
+        self.bends.add(outcome, is_doubted);
+    }
+
+    /// In how many patients, and in how many bends alone, the line is rejected.
+    pub(super) fn sentences(&self) -> Vec<String> {
+        let Self { kind, patients, bends } = self;
+        let others = patients.others();
+        if patients.tested() == 0 {
+            let needs = match kind {
+                LineKind::Iliac => "the iliac crests and a line of best fit to the rotations",
+                _ => "a line of best fit to the rotations",
+            };
+            return vec![format!(
+                "A single force along the {kind} is tested in no patient: {}. A test needs {needs}.",
+                others.trim_start_matches(", ")
+            )];
+        }
+        let mut all = vec![format!(
+            "A single force along the {kind} is rejected in {} of {} (kept in {}{others}); if it were true, at most 5 % would be rejected.",
+            patients.rejected,
+            counted_tested(patients.tested(), "patient"),
+            patients.kept,
+        )];
+        let claim = match kind {
+            LineKind::Inflection => "runs through the inflections",
+            LineKind::Iliac => "is parallel to the iliac line",
+            LineKind::Given | LineKind::Estimated => "is the given line",
+        };
+        if bends.tested() > 0 {
+            all.push(format!(
+                "That the line of best fit to the rotations {claim} is rejected in {} of {} one by one (kept in {}{}); if it were true, 5 % would be rejected.",
+                bends.rejected,
+                counted_tested(bends.tested(), "bend"),
+                bends.kept,
+                bends.others()
+            ));
+        }
+        all
+    }
+}
+
+/// "1 tested patient", "3 tested patients".
+fn counted_tested(number: usize, of: &str) -> String {
+    counted(number, &format!("tested {of}"))
+}
