@@ -74,7 +74,7 @@ class Case:
         plane
             Where ``mm_per_px`` holds.
         case_id
-            Identifier, without any name.
+            Identifier, without any name: 1 to 64 letters, digits, ``.``, ``-`` and ``_``.
         synthetic
             Whether the landmarks are synthetic.
 

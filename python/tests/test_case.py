@@ -67,6 +67,8 @@ def test_a_missing_corner_is_named(case: sl.Case) -> None:
         sl.Case.from_landmarks(columns, film="erect", mm_per_px=0.14)
     with pytest.raises(sl.InputError, match="unknown posture"):
         sl.Case.from_landmarks(landmarks(case, "erect"), film="errect", mm_per_px=0.14)
+    with pytest.raises(sl.InputError, match="`case_id` is `Doe, Jane`"):
+        sl.Case.from_landmarks(landmarks(case, "erect"), film="erect", mm_per_px=0.14, case_id="Doe, Jane")
 
 
 def test_a_mirrored_film_is_refused_with_its_place(case: sl.Case) -> None:

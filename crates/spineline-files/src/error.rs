@@ -1,5 +1,6 @@
 use std::path::PathBuf;
 
+use spineline::analysis::CASE_ID_RULE;
 use spineline::anatomy::{Level, Posture, Region};
 
 /// How far cranial the midpoint of a vertebra may lie above that of its neighbour, in mm: a fifth of that of a small child and
@@ -202,6 +203,12 @@ pub enum FileError {
         /// Where the next midpoint lies along the axis of the caudal vertebra; negative where it is caudal.
         cranial_mm: f64,
     },
+    /// An identifier with other characters than those of [`spineline::analysis::is_case_id`], such as the name of a person.
+    #[error("`case_id` is `{found}`; expected {CASE_ID_RULE}")]
+    CaseId {
+        /// The identifier.
+        found: String,
+    },
     /// One picture file of two films.
     #[error("the {a} and the {b} film are the same picture: {picture}")]
     PictureTwice {
@@ -334,6 +341,7 @@ impl FileError {
             Self::ScaleSd { .. } => {
                 "a scale that is known exactly has 0, one with an error of 1 % has 0.01; leave it out if nothing is known"
             }
+            Self::CaseId { .. } => "use a short pseudonym, and never the name of a person",
             Self::PictureTwice { .. } => {
                 "a film shows one posture: name the right picture, or remove the film that was not taken"
             }

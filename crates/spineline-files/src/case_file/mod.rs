@@ -4,7 +4,7 @@ mod image;
 mod lateral;
 
 use serde::{Deserialize, Serialize};
-use spineline::analysis::{Case, Sex, Subject};
+use spineline::analysis::{Case, Sex, Subject, is_case_id};
 use spineline::anatomy::Posture;
 use spineline::measure::{
     Corners, Film, FilmLandmarks, IliacCrests, Origin, Placement, PlacementSource, Reading,
@@ -33,7 +33,7 @@ pub struct CaseFile {
     format: String,
     /// 1.
     version: u32,
-    /// Identifier, without any name.
+    /// Identifier, without any name: 1 to 64 letters, digits, `.`, `-` and `_`.
     case_id: String,
     /// Whether the films are synthetic.
     #[serde(default)]
@@ -194,6 +194,12 @@ pub fn parse_case_file(text: &str) -> Result<CaseFile, FileError> {
 }
 
 impl CaseFile {
+    /// Identifier of the case.
+    #[must_use]
+    pub fn id(&self) -> &str {
+        &self.case_id
+    }
+
     /// The picture file of a posture's film, where the case names one.
     #[must_use]
     pub fn source(&self, posture: Posture) -> Option<FilmSource> {
@@ -230,8 +236,11 @@ impl CaseFile {
     /// The case that this file holds.
     ///
     /// # Errors
-    /// [`FileError::Vertebra`], [`FileError::MixedKinds`], [`FileError::NoImage`].
+    /// [`FileError::CaseId`], [`FileError::Vertebra`], [`FileError::MixedKinds`], [`FileError::NoImage`].
     pub fn into_case(self) -> Result<Case, FileError> {
+        if !is_case_id(&self.case_id) {
+            return Err(FileError::CaseId { found: self.case_id });
+        }
         self.check_pictures()?;
         let subject = self.subject.map_or_else(Subject::default, |subject| Subject {
             sex: subject.sex.map(|sex| sex.0),

@@ -17,6 +17,7 @@ use dicom_dictionary_std::StandardDataDictionary;
 use dicom_object::mem::InMemElement;
 use dicom_object::{FileMetaTableBuilder, InMemDicomObject};
 use image::{ExtendedColorType, ImageEncoder};
+use spineline::analysis::is_case_id;
 
 use super::codec::foreign;
 use super::container::{self, Container};
@@ -108,9 +109,7 @@ pub fn deidentify(
     options: &DeidOptions,
     limits: &FilmLimits,
 ) -> Result<Deidentified, FilmError> {
-    let id = &options.case_id;
-    let harmless = |b: u8| b.is_ascii_alphanumeric() || b"._-".contains(&b);
-    if id.is_empty() || id.len() > 64 || !id.bytes().all(harmless) {
+    if !is_case_id(&options.case_id) {
         return Err(FilmError::CaseId);
     }
     let found = bytes.len() as u64;

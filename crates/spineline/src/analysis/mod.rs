@@ -84,10 +84,20 @@ pub struct Subject {
     pub lenke: Option<String>,
 }
 
+/// Characters of the identifier of a case, in words.
+pub const CASE_ID_RULE: &str = "1 to 64 letters (A to Z, a to z), digits, `.`, `-` and `_`";
+
+/// Whether a text is the identifier of a case, by [`CASE_ID_RULE`]: a word without blanks, commas and carets, which names of persons have.
+#[must_use]
+pub fn is_case_id(text: &str) -> bool {
+    let is_plain = |byte: u8| byte.is_ascii_alphanumeric() || b"._-".contains(&byte);
+    (1..=64).contains(&text.len()) && text.bytes().all(is_plain)
+}
+
 /// The films of one patient.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Case {
-    /// Identifier, without any name.
+    /// Identifier, without any name; files allow those of [`is_case_id`] only.
     pub id: String,
     /// Whether the films are synthetic.
     pub synthetic: bool,

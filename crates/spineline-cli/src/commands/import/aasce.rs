@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::{Component, Path, PathBuf};
 
-use spineline::analysis::{Case, Subject};
+use spineline::analysis::{CASE_ID_RULE, Case, Subject, is_case_id};
 use spineline::anatomy::{ImageSide, Posture};
 use spineline::measure::ImageGeometry;
 use spineline::warning::counted;
@@ -40,6 +40,12 @@ pub fn run(args: &ImportArgs) -> Result<Ending, Failure> {
 
 fn import(args: &ImportArgs, folder: &Path, side: ImageSide) -> Result<(), Failure> {
     let name = folder.file_name().map_or_else(|| "aasce".into(), |name| name.to_string_lossy());
+    let first = format!("{name}-0001");
+    if !is_case_id(&first) {
+        let what = format!("its name begins the identifiers of its cases, and `{first}` is none");
+        let help = format!("rename the folder: an identifier has {CASE_ID_RULE}");
+        return Err(Failure::input(&folder.display().to_string(), &what, &help));
+    }
     let verdicts = args.out.as_ref().filter(|_| !args.list);
     let verdicts = verdicts.map(|out| out.join(format!("{name}-verdicts.csv")));
     if let Some(there) = verdicts.as_ref().filter(|path| path.exists()) {

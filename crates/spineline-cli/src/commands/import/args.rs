@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use std::str::FromStr;
 
 use clap::Args;
+use spineline::analysis::{CASE_ID_RULE, is_case_id};
 use spineline::anatomy::{ImageSide, Posture};
 use spineline::measure::{Calibration, Calibrator, Spacing, SpacingPlane};
 use spineline::spatial::Pixel;
@@ -213,12 +214,7 @@ impl ImportArgs {
 }
 
 fn case_id(text: &str) -> Result<String, String> {
-    let plain = |c: char| c.is_ascii_alphanumeric() || matches!(c, '-' | '_');
-    if !text.is_empty() && text.len() <= 64 && text.chars().all(plain) {
-        Ok(text.to_owned())
-    } else {
-        Err("expected 1 to 64 letters, digits, `-` and `_`".to_owned())
-    }
+    if is_case_id(text) { Ok(text.to_owned()) } else { Err(format!("expected {CASE_ID_RULE}")) }
 }
 
 fn yes_or_no(text: &str) -> Result<bool, String> {
