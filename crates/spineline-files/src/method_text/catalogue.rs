@@ -35,6 +35,27 @@ pub enum OptionValues {
     File,
 }
 
+impl OptionValues {
+    /// Whether a value may be the name of a file.
+    #[must_use]
+    pub const fn takes_a_file(&self) -> bool {
+        matches!(self, Self::NamedOrFile(_) | Self::File)
+    }
+
+    /// Whether this value is the name of a file.
+    #[must_use]
+    pub fn names_a_file(&self, value: &str) -> bool {
+        let spelled = value.replace('_', "-");
+        match self {
+            Self::NamedOrFile(all) => {
+                !all().iter().any(|one| [value, spelled.as_str()].contains(&one.spelling))
+            }
+            Self::File => true,
+            Self::Named(_) | Self::Text(_) => false,
+        }
+    }
+}
+
 /// A value with a name.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct NamedValue {

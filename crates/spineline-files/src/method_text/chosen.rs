@@ -2,12 +2,11 @@
 
 use serde::{Deserialize, Serialize};
 use spineline::analysis::AnalysisOptions;
-use spineline::multibody::StiffnessTable;
 
 use super::catalogue::{MethodOption, OPTIONS};
 use super::parse::given_line;
-use super::{Choice, OptionError, named, set_option};
-use crate::{StoredRotationPrior, parse_rotation_prior, parse_stiffness, sha256_hex};
+use super::{Choice, OptionError, set_option_of_text};
+use crate::{StoredRotationPrior, parse_rotation_prior, sha256_hex};
 
 /// Options that a study does not keep, because they have results of their own.
 const NOT_OF_A_STUDY: [&str; 1] = ["compare_models"];
@@ -179,26 +178,10 @@ fn prior_of(all: &[ChosenOption]) -> Result<Option<StoredRotationPrior>, OptionE
 
 /// Sets one option without reading a file.
 fn set(options: &mut AnalysisOptions, one: &ChosenOption) -> Result<(), OptionError> {
-    let in_file = |error| OptionError::File { name: one.name.clone(), error };
     match (one.name.as_str(), &one.file) {
         (name, _) if NOT_OF_A_STUDY.contains(&name) => {
             return Err(one.refused("a study does not keep this option"));
         }
-        ("stiffness", None) => {
-            let table: StiffnessTable = named(&one.value).map_err(|why| one.refused(why))?;
-            options.library = table.library();
-        }
-        ("stiffness", Some(_)) => {
-            options.library = parse_stiffness(&one.value).map_err(in_file)?;
-        }
-        ("rotation_prior", None) => {
-            return Err(one.refused("expected a file of `spineline learn-prior`"));
-        }
-        ("rotation_prior", Some(_)) => {
-            let stored = parse_rotation_prior(&one.value).map_err(in_file)?;
-            options.rotation_prior = Some(stored.prior);
-        }
-        (_, Some(_)) => return Err(one.refused("this option takes no file")),
         ("given_line", None) => {
             for text in one.value.split(';').map(str::trim).filter(|text| !text.is_empty()) {
                 let (posture, line) = given_line(text).map_err(|why| one.refused(why))?;
@@ -208,14 +191,15 @@ fn set(options: &mut AnalysisOptions, one: &ChosenOption) -> Result<(), OptionEr
                 options.given_lines.push((posture, line));
             }
         }
-        (name, None) => set_option(options, name, &one.value)?,
+        (name, None) => set_option_of_text(options, name, &one.value, None)?,
+        (name, Some(file)) => set_option_of_text(options, name, file, Some(&one.value))?,
     }
     Ok(())
 }
 
 #[cfg(test)]
 mod tests {
-    use spineline::multibody::{StiffnessLibrary, Support};
+    use spineline::multibody::{StiffnessLibrary, StiffnessTable, Support};
 
     use super::super::OptionValues;
     use super::ChosenOption as Chosen;

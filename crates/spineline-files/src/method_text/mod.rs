@@ -28,15 +28,16 @@ pub use parse::{
 };
 pub use values::{number, posture};
 
-use std::path::Path;
+use std::path::PathBuf;
 
 use spineline::analysis::{AnalysisOptions, Case};
 use spineline::anatomy::Posture;
 use spineline::curve::InflectionChoice;
+use spineline::multibody::StiffnessTable;
 use spineline::personalize::Gauge;
 
-use crate::FileError;
 use crate::json::nearest;
+use crate::{FileError, InputFile, parse_rotation_prior, parse_stiffness, read_text};
 
 /// An option that cannot be used.
 #[derive(Debug, thiserror::Error)]
@@ -83,19 +84,53 @@ impl OptionError {
     }
 }
 
-/// Sets one option by its name. A `given_line` is added to those that were given before.
+/// The file that the value of an option names; `None` where the value is a word.
+#[must_use]
+pub fn option_file(name: &str, value: &str) -> Option<PathBuf> {
+    let name = name.replace('-', "_");
+    let option = OPTIONS.iter().find(|option| option.name == name)?;
+    option.values.names_a_file(value).then(|| PathBuf::from(value))
+}
+
+/// Sets one option by its name, and returns the file that its value names, if it names one. A `given_line` is added to those that
+/// were given before.
 ///
 /// # Errors
-/// [`OptionError`]: no such option, or no such value.
+/// [`OptionError`]: no such option, no such value, or a file that cannot be read.
 pub fn set_option(
     options: &mut AnalysisOptions,
     name: &str,
     value: &str,
+) -> Result<Option<InputFile>, OptionError> {
+    let Some(path) = option_file(name, value) else {
+        set_option_of_text(options, name, value, None)?;
+        return Ok(None);
+    };
+    let text = read_text(&path)
+        .map_err(|error| OptionError::File { name: name.replace('-', "_"), error })?;
+    set_option_of_text(options, name, value, Some(&text))?;
+    let file = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy();
+    Ok(Some(InputFile::of(file, text.as_bytes())))
+}
+
+/// Sets one option without reading a file: where its value names one, the text of the file is given.
+///
+/// # Errors
+/// As of [`set_option`], and a file for an option that takes none.
+pub(crate) fn set_option_of_text(
+    options: &mut AnalysisOptions,
+    name: &str,
+    value: &str,
+    file: Option<&str>,
 ) -> Result<(), OptionError> {
     let name = name.replace('-', "_");
     let refused =
         |reason: String| OptionError::Value { name: name.clone(), value: value.to_owned(), reason };
     let in_file = |error| OptionError::File { name: name.clone(), error };
+    let known = OPTIONS.iter().find(|option| option.name == name);
+    if file.is_some() && known.is_some_and(|option| !option.values.takes_a_file()) {
+        return Err(refused("this option takes no file".to_owned()));
+    }
     match name.as_str() {
         "order_rule" => options.order_rule = order_rule(value).map_err(refused)?,
         "gauge" => options.gauge = gauge(value).map_err(refused)?,
@@ -107,12 +142,15 @@ pub fn set_option(
         "multipliers" => options.grouping = named(value).map_err(refused)?,
         "prior" => options.prior = prior(value).map_err(refused)?.0,
         "rotation_prior" => {
-            let stored = read_rotation_prior(Path::new(value)).map_err(in_file)?;
+            let expected = || refused("expected a file of `spineline learn-prior`".to_owned());
+            let stored = parse_rotation_prior(file.ok_or_else(expected)?).map_err(in_file)?;
             options.rotation_prior = Some(stored.prior);
         }
         "stiffness" => {
-            let source = stiffness_source(value).map_err(refused)?;
-            options.library = source.library().map_err(in_file)?;
+            options.library = match file {
+                Some(text) => parse_stiffness(text).map_err(in_file)?,
+                None => named::<StiffnessTable>(value).map_err(refused)?.library(),
+            };
         }
         "inflections" => {
             let sites = inflection_sites(value).map_err(refused)?;
@@ -175,6 +213,30 @@ mod tests {
             let mut options = AnalysisOptions::default();
             set_option(&mut options, name, value).expect(name);
             assert_ne!(options, AnalysisOptions::default(), "{name}");
+        }
+    }
+
+    #[test]
+    fn the_file_of_every_option_that_takes_one_is_named_by_its_bytes() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("own.json");
+        for option in OPTIONS.iter().filter(|option| option.values.takes_a_file()) {
+            let value = path.to_str().expect("a path");
+            assert_eq!(option_file(option.name, value), Some(path.clone()));
+            let mut options = AnalysisOptions::default();
+            let error = set_option(&mut options, option.name, value).expect_err("no file");
+            assert!(matches!(error, OptionError::File { .. }), "{error}");
+        }
+        let text = crate::to_text(&crate::StiffnessFile::from(&StiffnessTable::InVitro.library()));
+        std::fs::write(&path, &text).expect("a file");
+        let mut options = AnalysisOptions::default();
+        let read = set_option(&mut options, "stiffness", path.to_str().expect("a path"));
+        assert_eq!(read.expect("a table"), Some(InputFile::of("own.json", text.as_bytes())));
+        assert_eq!(options.library, StiffnessTable::InVitro.library());
+        // A word is no file, in either spelling.
+        for word in ["in-vitro", "in_vitro"] {
+            assert_eq!(option_file("stiffness", word), None);
+            assert_eq!(set_option(&mut options, "stiffness", word).expect("a table"), None);
         }
     }
 

@@ -13,7 +13,7 @@ use spineline::personalize::{Gauge, LogNormalPrior};
 use spineline::spatial::{Angle, Frontal};
 use spineline::uncertainty::LandmarkNoise;
 
-use super::choice::of_spelling;
+use super::named;
 use super::values::{number, posture};
 use crate::{FileError, StoredRotationPrior, parse_rotation_prior, parse_stiffness, read_text};
 
@@ -44,8 +44,8 @@ impl StiffnessSource {
 /// # Errors
 /// Never: what is no table is a path.
 pub fn stiffness_source(text: &str) -> Result<StiffnessSource, String> {
-    Ok(of_spelling(text)
-        .map_or_else(|| StiffnessSource::File(PathBuf::from(text)), StiffnessSource::Table))
+    Ok(named(text)
+        .map_or_else(|_| StiffnessSource::File(PathBuf::from(text)), StiffnessSource::Table))
 }
 
 /// Reads a file of [`crate::RotationPriorFile`].

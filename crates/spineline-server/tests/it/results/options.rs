@@ -56,7 +56,9 @@ fn results_are_those_of_the_library_with_the_options_until_they_are_reset() {
     let (status, after) = put(&running, &change(0, &chosen));
     assert_eq!((status, &after["revision"]), (200, &json!(1)), "{after}");
     let mut options = AnalysisOptions::default();
-    chosen.iter().for_each(|(name, value)| set_option(&mut options, name, value).expect("valid"));
+    chosen
+        .iter()
+        .for_each(|(name, value)| drop(set_option(&mut options, name, value).expect("valid")));
     let expected = analyze(&case, &options).expect("a phantom");
     let expected_mm = expected.models[0].mean_location_error_mm(true).expect("fitted films");
     assert!((expected_mm - default_mm).abs() > 1e-3, "the options matter");
