@@ -1,9 +1,10 @@
-//! Lays the browser app beside the program: the built one, or a page that says how to build it.
+//! Gives the server its build identity, and lays the browser app beside it: the built one, or a page that says how to build it.
 
 use std::path::{Path, PathBuf};
 use std::{env, fs, io};
 
 fn main() -> io::Result<()> {
+    spineline_build::emit()?;
     // Asked for now: a build folder that was copied from another checkout must not embed that one's app.
     let crate_folder = env::var_os("CARGO_MANIFEST_DIR").expect("cargo sets it");
     let root = Path::new(&crate_folder).join("../../web");

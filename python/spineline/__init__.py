@@ -17,10 +17,11 @@ from __future__ import annotations
 
 from ._analysis import Analysis, Curve, FilmErrors, MethodOptions, analyze
 from ._case import Case, Check, Finding, phantom, read_case
-from ._cohort import Cohort, CohortRun, Part
+from ._cohort import Cohort, CohortRun
 from ._errors import InputError, NotAResultError
 from ._model import Force, Gravity, Model, Pad, Rod, Simulation
 from ._native import VERSION as __version__
+from ._parts import Part
 from ._plot import Plot
 from ._replicates import Replicates, Spread, replicates
 from ._tables import Table, Tables

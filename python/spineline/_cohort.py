@@ -3,44 +3,30 @@
 from __future__ import annotations
 
 import glob
-import hashlib
 import json
+import logging
 import os
-from collections.abc import Iterable, Iterator, Sequence
+import shutil
+import sys
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import Executor, Future, ThreadPoolExecutor, as_completed
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
+from uuid import uuid4
 
 from . import _native
 from ._analysis import MethodOptions, as_words
 from ._errors import InputError
-from ._run import write_whole
+from ._parts import CaseRead, Part, Request, Task, analyze_part, digest_of, table_file
+from ._run import build_identity, write_whole
 
 if TYPE_CHECKING:
     import pyarrow
     from typing_extensions import Unpack
 
-_Words = list[tuple[str, str]]
-"""Options of the method as words."""
-_Asked = tuple[int, str, int] | None
-"""Number, noise and seed of the replicates of every case."""
-_DONE = "done"
-"""Folder of the small rows of finished parts: written last, so that a part without one is made again."""
-
-
-@dataclass(frozen=True)
-class Part:
-    """What a task gives back: a small row, whatever the size of its cases."""
-
-    name: str
-    """Beginning of the names of its files: a hash of program, options, replicates and the bytes of its cases."""
-    cases: int
-    """Number of its cases."""
-    failed: int
-    """Cases without a result."""
-    was_there: bool
-    """Whether an earlier run had made it."""
+_LIST = "manifest.json"
+"""File in the folder of a run that lists what it is of, and its parts."""
 
 
 @dataclass(frozen=True)
@@ -48,7 +34,8 @@ class CohortRun:
     """What :meth:`Cohort.analyze` has made."""
 
     folder: Path
-    """Where the Parquet files are: ``TABLE/PART.parquet``."""
+    """Folder of this run alone, below the one that was given: ``TABLE/PART.parquet``, so that ``folder / "vertebrae"`` is one data
+    set, and ``manifest.json``, which lists what the run is of and its parts."""
     parts: tuple[Part, ...]
     """All parts, in the order of the cases."""
     lost: tuple[tuple[tuple[str, ...], str], ...]
@@ -59,25 +46,41 @@ class CohortRun:
         """Whether every case has a row."""
         return not self.lost
 
+    @property
+    def redone(self) -> tuple[str, ...]:
+        """Why parts of an earlier run were made again, such as a table that was missing; empty where all were whole."""
+        return tuple(part.redone for part in self.parts if part.redone is not None)
+
     def read(self, table: str) -> pyarrow.Table:
         """One table over all parts, such as ``"cases"`` or ``"vertebrae"``. Needs pyarrow.
 
         Raises
         ------
         InputError
-            If there is no such table.
+            If there is no such table, or a file of it is no longer there with all its rows.
         """
         import pyarrow
         import pyarrow.parquet
 
-        files = [self.folder / table / f"{part.name}.parquet" for part in self.parts]
-        found = [pyarrow.parquet.read_table(file) for file in files if file.exists()]
-        if not found:
-            names = sorted(entry.name for entry in self.folder.iterdir() if entry.is_dir() and entry.name != _DONE)
+        names = sorted({name for part in self.parts for name in part.rows})
+        if table not in names:
             meant = _native.did_you_mean(table, names)
             raise InputError(
                 f"there is no table `{table}`{meant}", help=f"give one of {', '.join(names)}"
             )
+        found = []
+        for part in self.parts:
+            if table not in part.rows:
+                continue
+            file = table_file(self.folder, table, part.name)
+            one = pyarrow.parquet.read_table(file) if file.exists() else None
+            if one is None or len(one) != part.rows[table]:
+                raise InputError(
+                    f"{file} is no longer there with its {part.rows[table]} rows",
+                    help="run the cohort again: it makes only what is missing",
+                    file=str(file),
+                )
+            found.append(one)
         return pyarrow.concat_tables(found)
 
 
@@ -124,13 +127,18 @@ class Cohort(Sequence[Path]):
         replicates: int | None = None,
         noise: float | str = "measured",
         seed: int = 1,
+        progress: bool | Callable[[int, int], None] | None = None,
         **options: Unpack[MethodOptions],
     ) -> CohortRun:
         """Analyses all cases, as many at once as the executor has workers, and writes the tables as Parquet.
 
-        A task reads and analyses ``chunk`` cases, and writes one Parquet file per table, whole or not at all, named by a
-        hash of program, options, replicates and the bytes of its cases: another run with the same cases and options makes
-        only what is missing. A case that cannot be analysed is a row of the table ``cases`` with its status and error.
+        A run has a folder of its own in ``out``, named by a hash of what it depends on: the code of Spineline, options and the bytes of
+        the files that they name, replicates, and the bytes of the cases. A task reads and analyses ``chunk`` cases, and writes one
+        Parquet file per table, whole or not at all. Another run makes only parts that no earlier run in ``out`` has made, or whose
+        tables are not there as they were written; :attr:`CohortRun.redone` says of the latter why. A case that cannot be analysed is a
+        row of the table ``cases`` with its status and error.
+
+        Ctrl-C ends the call within a second; workers stop at the end of the step that they are at. Another run goes on from there.
 
         Parameters
         ----------
@@ -148,106 +156,186 @@ class Cohort(Sequence[Path]):
         noise, seed
             Of the replicates, as of :func:`replicates`. The noise of a case depends on the seed and its identifier, and not
             on its place in the cohort.
+        progress
+            Whether a line on standard error counts the cases that are done; by default if it is a terminal. Or a function, which is
+            called with the number of cases that are done and of all.
         **options
             Options of the method, as of :func:`analyze`.
 
         Raises
         ------
         InputError
-            If an option is unknown, replicates or noise are out of range, or a worker has another version of Spineline.
+            If an option is unknown, replicates or noise are out of range, two cases have one identifier, a worker has another version of
+            Spineline, or the file of an option changes meanwhile.
         OSError
             If a file cannot be written, such as on a full disk; what is there is whole.
         """
-        from . import __version__
-
         if chunk < 1:
             raise InputError(f"chunk is {chunk}", help="give 1 or more", value=float(chunk), limit=1.0)
-        words = as_words(dict(options))
         asked = None if replicates is None else (replicates, str(noise), seed)
-        _native.check_options(words, asked)
-        folder = Path(out)
-        folder.mkdir(parents=True, exist_ok=True)
-        paths = [str(path) for path in self._paths]
-        chunks = [tuple(paths[at : at + chunk]) for at in range(0, len(paths), chunk)]
-        if executor is None:
+        request = _request(as_words(dict(options)), asked)
+        paths = [os.path.abspath(path) for path in self._paths]
+        read = _native.identify_cases(paths)
+        _check_identifiers(paths, [case_id for _, case_id in read])
+        cases = [CaseRead(path, identity) for path, (identity, _) in zip(paths, read, strict=True)]
+        with _Run(os.path.abspath(out), request, cases, chunk) as run:
+            if executor is not None:
+                return run.collect(executor, _shown(progress))
             with ThreadPoolExecutor(max_workers=os.cpu_count()) as pool:
-                return _collect(pool, chunks, (words, asked, str(folder), __version__))
-        return _collect(executor, chunks, (words, asked, str(folder), __version__))
+                return run.collect(pool, _shown(progress))
 
 
-def _collect(
-    executor: Executor, chunks: list[tuple[str, ...]], asked: tuple[_Words, _Asked, str, str]
-) -> CohortRun:
-    """Runs all chunks; one that is lost with its worker is noted, other errors are raised."""
-    tasks: dict[Future[Part], int] = {}
-    lost: dict[int, str] = {}
-    done: dict[int, Part] = {}
-    for number, paths in enumerate(chunks):
-        try:
-            task = executor.submit(analyze_chunk, paths, *asked)
-        except RuntimeError as error:
-            # A pool whose process was killed takes no more tasks.
-            lost[number] = str(error)
-            continue
-        tasks[task] = number
-    try:
-        for task in as_completed(tasks):
-            if task.cancelled():
-                lost[tasks[task]] = "the cluster cancelled it"
-                continue
-            fault = task.exception()
-            is_of_files = isinstance(fault, OSError) and not isinstance(fault, ConnectionError)
-            if fault is not None and (is_of_files or isinstance(fault, InputError)):
-                raise fault
-            if fault is not None:
-                lost[tasks[task]] = f"{type(fault).__name__}: {fault}"
-            else:
-                done[tasks[task]] = task.result()
-    except BaseException:
-        for task in tasks:
-            task.cancel()
-        raise
-    parts = tuple(done[number] for number in sorted(done))
-    return CohortRun(Path(asked[2]), parts, tuple((chunks[n], lost[n]) for n in sorted(lost)))
+def _request(words: list[tuple[str, str]], asked: tuple[int, str, int] | None) -> Request:
+    """What is asked of every case, with files by absolute paths: a worker may have another working directory."""
+    from . import __version__
+
+    words = [
+        (name, os.path.abspath(value) if _native.names_a_file(name, value) else value)
+        for name, value in words
+    ]
+    option_files = _native.check_options(words, asked)
+    return Request(__version__, build_identity(), words, option_files, asked)
 
 
-def analyze_chunk(
-    paths: Sequence[str], words: _Words, replicates: _Asked, out: str, version: str
-) -> Part:
-    """A task of :meth:`Cohort.analyze`: analyses cases and writes their tables.
+def _check_identifiers(paths: Sequence[str], case_ids: Sequence[str | None]) -> None:
+    """Refuses two cases with one identifier, as the program does: tables would take them for one patient.
 
     Raises
     ------
     InputError
-        If this worker has another version of Spineline than who asks.
-    OSError
-        If a file cannot be written.
+        With the file of the second one.
     """
-    from . import __version__
+    known: dict[str, str] = {}
+    for path, case_id in zip(paths, case_ids, strict=True):
+        if case_id is None:
+            continue
+        if case_id in known:
+            raise InputError(
+                f"{path}: the case {case_id} was given already, by {known[case_id]}",
+                help="give every case a `case_id` of its own",
+                file=path,
+            )
+        known[case_id] = path
 
-    if version != __version__:
-        raise InputError(
-            f"a worker has Spineline {__version__}, and {version} asks it",
-            help="install the same version on every worker",
-        )
-    digest = hashlib.sha256(json.dumps([version, sorted(words), replicates]).encode())
-    for path in paths:
+
+def _shown(progress: bool | Callable[[int, int], None] | None) -> Callable[[int, int], None]:
+    """Who is told how many cases of all are done."""
+    if callable(progress):
+        return progress
+    stream = sys.stderr
+    if stream is None or not (stream.isatty() if progress is None else progress):
+        return lambda done, cases: None
+
+    def show(done: int, cases: int) -> None:
+        end = "\n" if done == cases else ""
+        stream.write(f"\ranalysed {done} of {cases} cases{end}")
+        stream.flush()
+
+    return show
+
+
+class _Run:
+    """A run of a cohort in its folder; a context, which ends the work of its workers."""
+
+    def __init__(self, out: str, request: Request, cases: Sequence[CaseRead], chunk: int) -> None:
+        chunks = [tuple(cases[at : at + chunk]) for at in range(0, len(cases), chunk)]
+        # The name of a part depends on the request and its cases alone.
+        names = [Task(of, request, "", "").name for of in chunks]
+        self.folder = Path(out) / f"run-{digest_of(names)[:16]}"
+        self.asking = self.folder / f".asking-{uuid4().hex}"
+        self.request = request
+        self.cases = len(cases)
+        self.tasks = [Task(of, request, str(self.folder), str(self.asking)) for of in chunks]
+
+    def __enter__(self) -> _Run:
+        self.asking.mkdir(parents=True)
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        # At once, since workers look for it and write into it.
+        ended = self.asking.with_name(f"{self.asking.name}.ended")
         try:
-            content = Path(path).read_bytes()
-        except OSError:
-            content = b""
-        digest.update(json.dumps([Path(path).name, len(content)]).encode())
-        digest.update(content)
-    name = f"part-{digest.hexdigest()[:24]}"
-    folder = Path(out)
-    done = folder / _DONE / f"{name}.json"
-    if done.exists():
-        return Part(**{**json.loads(done.read_text()), "was_there": True})
-    tables, failed = _native.analyze_paths(list(paths), words, replicates)
-    for table, content in tables:
-        (folder / table).mkdir(exist_ok=True)
-        write_whole(folder / table / f"{name}.parquet", content)
-    part = Part(name, len(paths), failed, was_there=False)
-    (folder / _DONE).mkdir(exist_ok=True)
-    write_whole(done, json.dumps(asdict(part)).encode())
-    return part
+            self.asking.rename(ended)
+        except FileNotFoundError:
+            return
+        shutil.rmtree(ended, ignore_errors=True)
+
+    def collect(self, executor: Executor, progress: Callable[[int, int], None]) -> CohortRun:
+        """Runs all tasks; one that is lost with its worker is noted, other errors are raised."""
+        self._write_list({}, {})
+        done: dict[int, Part] = {}
+        lost: dict[int, str] = {}
+        tasks: dict[Future[Part], int] = {}
+        finished = 0
+        try:
+            for number, task in enumerate(self.tasks):
+                try:
+                    tasks[executor.submit(analyze_part, task)] = number
+                except RuntimeError as error:
+                    # A pool whose process was killed takes no more tasks.
+                    lost[number] = str(error)
+            progress(0, self.cases)
+            for future in as_completed(tasks):
+                number = tasks[future]
+                why = _loss(future)
+                if why is None:
+                    done[number] = future.result()
+                    finished += done[number].cases
+                    progress(finished, self.cases)
+                else:
+                    lost[number] = why
+        except BaseException:
+            # Workers stop where the folder is gone.
+            self.__exit__()
+            for future in tasks:
+                future.cancel()
+            raise
+        self._write_list(done, lost)
+        parts = tuple(done[number] for number in sorted(done))
+        found = CohortRun(self.folder, parts, tuple((self._paths(n), lost[n]) for n in sorted(lost)))
+        for why in found.redone:
+            logging.getLogger("spineline").warning("a part was made again: %s", why)
+        return found
+
+    def _paths(self, number: int) -> tuple[str, ...]:
+        return tuple(case.path for case in self.tasks[number].cases)
+
+    def _write_list(self, done: dict[int, Part], lost: dict[int, str]) -> None:
+        """Writes what the run is of, and its parts so far; file names without folders, which may carry names of persons."""
+        cases = [
+            {"file": os.path.basename(one.path), "sha256": one.sha256} for task in self.tasks for one in task.cases
+        ]
+        content = {
+            "format": "spineline-cohort-run",
+            "version": 1,
+            **self.request.record(),
+            "cases": cases,
+            "complete": len(done) == len(self.tasks),
+            "parts": [
+                {"name": done[n].name, "cases": done[n].cases, "failed": done[n].failed, "rows": dict(done[n].rows)}
+                for n in sorted(done)
+            ],
+            "lost": [
+                {"files": [os.path.basename(path) for path in self._paths(n)], "why": lost[n]}
+                for n in sorted(lost)
+            ],
+        }
+        text = json.dumps(content, indent=1, ensure_ascii=False)
+        write_whole(self.folder / _LIST, text.encode(), self.asking)
+
+
+def _loss(task: Future[Part]) -> str | None:
+    """Why a finished task has no answer; None where it has one.
+
+    Raises
+    ------
+    InputError, OSError
+        If the task ended with it: other tasks would too.
+    """
+    if task.cancelled():
+        return "the cluster cancelled it"
+    fault = task.exception()
+    is_of_files = isinstance(fault, OSError) and not isinstance(fault, ConnectionError)
+    if fault is not None and (is_of_files or isinstance(fault, InputError)):
+        raise fault
+    return None if fault is None else f"{type(fault).__name__}: {fault}"

@@ -2,13 +2,27 @@
 
 from __future__ import annotations
 
+import hashlib
 import os
 from datetime import datetime, timezone
+from functools import cache
 from pathlib import Path
 from typing import Any
 from uuid import uuid4
 
+from . import _native
 from ._errors import InputError
+
+
+@cache
+def build_identity() -> str:
+    """SHA-256 of the sources of the native module and of this package: it changes with the code, whatever the version."""
+    digest = hashlib.sha256(_native.BUILD.encode())
+    for file in sorted(Path(__file__).parent.glob("*.py")):
+        content = file.read_bytes()
+        digest.update(f"\0{file.name}\0{len(content)}\0".encode())
+        digest.update(content)
+    return digest.hexdigest()
 
 
 def now_utc() -> str:
@@ -32,8 +46,17 @@ def command(function: str, options: dict[str, Any]) -> list[str]:
     return [f"spineline.{function}", *(f"{name}={value}" for name, value in options.items())]
 
 
-def write_whole(path: str | os.PathLike[str], data: bytes) -> Path:
+def write_whole(
+    path: str | os.PathLike[str], data: bytes, unfinished: Path | None = None
+) -> Path:
     """Writes a file whole or not at all, over an existing one.
+
+    Parameters
+    ----------
+    path, data
+        The file and its bytes.
+    unfinished
+        Folder on the same file system where the file lies until it is whole; by default its own.
 
     Raises
     ------
@@ -41,7 +64,7 @@ def write_whole(path: str | os.PathLike[str], data: bytes) -> Path:
         If it cannot be written; then what was there stays.
     """
     target = Path(path)
-    part = target.with_name(f".{target.name}.{uuid4().hex}.part")
+    part = (unfinished or target.parent) / f".{target.name}.{uuid4().hex}.part"
     try:
         with part.open("xb") as file:
             file.write(data)

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import hashlib
+import json
 import os
+import shutil
 import subprocess
 from concurrent.futures import Executor, Future, ProcessPoolExecutor, ThreadPoolExecutor
 from multiprocessing import get_context
@@ -12,7 +15,7 @@ from typing import Any
 import pytest
 
 import spineline as sl
-from spineline import _cohort
+from spineline import _cohort, _parts
 
 pytest.importorskip("pyarrow")
 
@@ -40,7 +43,7 @@ def test_any_executor_gives_the_same_bytes_and_another_run_resumes(
     table = runs[0].read("cases")
     assert table["status"].to_pylist() == ["ok"] * 18
     assert table["case_id"].to_pylist() == sorted(table["case_id"].to_pylist())
-    removed = tmp_path / "own" / "done" / f"{runs[0].parts[1].name}.json"
+    removed = runs[0].folder / "parts" / f"{runs[0].parts[1].name}.json"
     removed.unlink()
     again = cohort.analyze(out=tmp_path / "own", chunk=5)
     assert [part.was_there for part in again.parts] == [True, False, True, True]
@@ -136,10 +139,12 @@ def test_a_bad_patient_is_a_row_with_its_error(folder_of_cases: Path, tmp_path: 
     assert set(run.read("vertebrae")["case_id"].to_pylist()) == {"phantom-rod-01"}
 
 
-def test_a_worker_with_another_version_is_refused(folder_of_cases: Path, tmp_path: Path) -> None:
-    paths = [str(next(folder_of_cases.glob("phantom-rod-01.json")))]
-    with pytest.raises(sl.InputError, match="0.0.9 asks it"):
-        _cohort.analyze_chunk(paths, [], None, str(tmp_path), "0.0.9")
+def test_a_worker_with_another_version_or_build_is_refused(tmp_path: Path) -> None:
+    for version, build in (("0.0.9", _parts.build_identity()), (sl.__version__, "0" * 64)):
+        request = _parts.Request(version, build, [], [], None)
+        task = _parts.Task((), request, str(tmp_path), str(tmp_path))
+        with pytest.raises(sl.InputError, match=rf"{version} \(build {build[:12]}\) asks it"):
+            _parts.analyze_part(task)
 
 
 class Losing(Executor):
@@ -196,3 +201,211 @@ def test_an_empty_cohort_and_wrong_options_are_errors(folder_of_cases: Path, tmp
     with pytest.raises(sl.InputError, match="did you mean `support`"):
         cohort.analyze(out=tmp_path, suport="frontal")  # type: ignore[call-arg]
     assert list(tmp_path.iterdir()) == []
+
+
+def stiffness_file(program: Path, path: Path, factor: float) -> None:
+    """The default springs with those of the sixth joint multiplied."""
+    printed = subprocess.run([program, "stiffness"], check=True, capture_output=True, text=True).stdout
+    springs = json.loads(printed)
+    springs["joints"][5]["lateral_nm_per_rad"] *= factor
+    path.write_text(json.dumps(springs))
+
+
+def test_a_changed_stiffness_file_gives_new_numbers(
+    program: Path, folder_of_cases: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    cohort = sl.Cohort.glob(str(folder_of_cases / "*-0[12].json"))
+    path = tmp_path / "doe" / "own.json"
+    path.parent.mkdir()
+    springs = []
+    for factor in (1.0, 5.0, 1.0):
+        stiffness_file(program, path, factor)
+        run = cohort.analyze(out=tmp_path / "out", stiffness=path)
+        springs.append((run.folder, run.read("springs").to_pylist()))
+    assert springs[0][1] != springs[1][1]
+    assert springs[0] == springs[2] and run.parts[0].was_there
+    alone = sl.analyze(sl.read_case(cohort[0]), stiffness=path).tables["springs"].to_pyarrow()
+    ids = {row["case_id"] for row in alone.to_pylist()}
+    assert [row for row in springs[2][1] if row["case_id"] in ids] == alone.to_pylist()
+    # The file is named by its bytes, without its folder.
+    import pyarrow.parquet
+
+    metadata = pyarrow.parquet.read_schema(next(run.folder.glob("springs/*.parquet"))).metadata
+    sha256 = hashlib.sha256(path.read_bytes()).hexdigest()
+    assert json.loads(metadata[b"spineline.option_files"]) == [
+        {"option": "stiffness", "name": "own.json", "sha256": sha256}
+    ]
+    assert json.loads(metadata[b"spineline.options"]) == [["stiffness", "own.json"]]
+    assert len(metadata[b"spineline.build"]) == 64
+    assert not any(b"doe" in value for value in metadata.values())
+    assert "doe" not in (run.folder / "manifest.json").read_text()
+    # A relative path is the same file, wherever a worker is.
+    monkeypatch.chdir(path.parent)
+    assert cohort.analyze(out=tmp_path / "out", stiffness="own.json").folder == run.folder
+
+
+def test_a_changed_program_takes_nothing_over(
+    folder_of_cases: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    cohort = sl.Cohort.glob(str(folder_of_cases / "*-01.json"))
+    before = cohort.analyze(out=tmp_path)
+    for module in (_cohort, _parts):
+        monkeypatch.setattr(module, "build_identity", lambda: "f" * 64)
+    after = cohort.analyze(out=tmp_path)
+    assert before.folder != after.folder and not after.parts[0].was_there
+    assert cohort.analyze(out=tmp_path).parts[0].was_there
+
+
+@pytest.mark.parametrize("change", ["deleted", "truncated", "altered", "empty record", "cut record", "altered record"])
+def test_a_part_that_is_not_whole_is_made_again_and_named(
+    folder_of_cases: Path, tmp_path: Path, change: str, caplog: pytest.LogCaptureFixture
+) -> None:
+    cohort = sl.Cohort.glob(str(folder_of_cases / "*-0[1-4].json"))
+    run = cohort.analyze(out=tmp_path, chunk=2)
+    before = files(tmp_path)
+    assert run.redone == ()
+    name = run.parts[1].name
+    table, record = run.folder / "vertebrae" / f"{name}.parquet", run.folder / "parts" / f"{name}.json"
+    content = table.read_bytes()
+    if change == "deleted":
+        table.unlink()
+        with pytest.raises(sl.InputError, match="no longer there"):
+            run.read("vertebrae")
+    elif change == "truncated":
+        table.write_bytes(content[:-100])
+    elif change == "altered":
+        table.write_bytes(content[:50] + bytes([content[50] ^ 1]) + content[51:])
+    elif change == "empty record":
+        record.write_text("")
+    elif change == "cut record":
+        record.write_text(record.read_text()[:40])
+    else:
+        found = json.loads(record.read_text())
+        del found["tables"]["vertebrae"]
+        record.write_text(json.dumps(found))
+    again = cohort.analyze(out=tmp_path, chunk=2)
+    assert [part.was_there for part in again.parts] == [True, False]
+    assert len(again.redone) == 1 and name in again.redone[0] and name in caplog.text
+    assert files(tmp_path) == before
+    assert again.read("vertebrae").num_rows == run.read("vertebrae").num_rows > 0
+    assert cohort.analyze(out=tmp_path, chunk=2).redone == ()
+
+
+def test_the_folder_of_a_run_holds_one_data_set(folder_of_cases: Path, tmp_path: Path) -> None:
+    import pyarrow.dataset
+
+    cohort = sl.Cohort.glob(str(folder_of_cases / "*-0[1-6].json"))
+    runs = [
+        cohort.analyze(out=tmp_path, chunk=2),
+        cohort.analyze(out=tmp_path, chunk=2, support="free"),
+        cohort[:4].analyze(out=tmp_path, chunk=2),
+        cohort.analyze(out=tmp_path, chunk=3),
+    ]
+    assert len({run.folder for run in runs}) == 4
+    # What another run has made of the same cases is taken over.
+    assert all(part.was_there for part in runs[2].parts)
+    for run, cases in zip(runs, (6, 6, 4, 6), strict=True):
+        rows = pyarrow.dataset.dataset(run.folder / "patients").to_table()
+        assert len(rows) == len(set(rows["case_id"].to_pylist())) == cases
+        found = json.loads((run.folder / "manifest.json").read_text())
+        assert found["complete"] and len(found["cases"]) == cases
+        assert [part["name"] for part in found["parts"]] == [part.name for part in run.parts]
+        assert {path.stem for path in run.folder.glob("*/*.parquet")} == {part.name for part in run.parts}
+    assert not list(tmp_path.rglob(".*"))
+
+
+def test_a_changed_case_is_analysed_again(folder_of_cases: Path, tmp_path: Path) -> None:
+    path = tmp_path / "case.json"
+    kept = sorted(folder_of_cases.glob("*-0[12].json"))
+    path.write_bytes(kept[0].read_bytes())
+    first = sl.Cohort([path]).analyze(out=tmp_path / "out")
+    path.write_bytes(kept[1].read_bytes())
+    second = sl.Cohort([path]).analyze(out=tmp_path / "out")
+    assert first.folder != second.folder
+    assert first.read("cases")["case_id"].to_pylist() != second.read("cases")["case_id"].to_pylist()
+
+
+def test_two_cases_with_one_identifier_are_refused(folder_of_cases: Path, tmp_path: Path) -> None:
+    first = next(folder_of_cases.glob("*-01.json"))
+    copy = tmp_path / "copy.json"
+    copy.write_bytes(first.read_bytes())
+    for paths in ([first, copy], [first, first]):
+        with pytest.raises(sl.InputError, match="phantom-rod-01 was given already") as caught:
+            sl.Cohort(paths).analyze(out=tmp_path / "out", chunk=1)
+        assert "case_id" in caught.value.help
+    assert not (tmp_path / "out").exists()
+
+
+def test_a_case_with_the_name_of_a_person_is_refused(case: sl.Case, tmp_path: Path) -> None:
+    data = json.loads(case.to_json())
+    for name in ("Doe^Jane", "Doe, Jane", "Jane Doe", "Müller", "", "x" * 65):
+        data["case_id"] = name
+        with pytest.raises(sl.InputError, match="`case_id` is"):
+            sl.Case.from_json(json.dumps(data))
+        (tmp_path / "bad.json").write_text(json.dumps(data))
+        with pytest.raises(sl.InputError, match="`case_id` is"):
+            sl.read_case(tmp_path / "bad.json")
+        rows = sl.Cohort([tmp_path / "bad.json"]).analyze(out=tmp_path / "out").read("cases").to_pylist()
+        assert rows[0]["status"] == "error" and "`case_id` is" in rows[0]["error"]
+    data["case_id"] = "P-07_a.2"
+    assert sl.Case.from_json(json.dumps(data)).id == "P-07_a.2"
+
+
+def test_relative_paths_are_those_of_the_call(
+    program: Path, folder_of_cases: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    shutil.copy(next(folder_of_cases.glob("*-01.json")), tmp_path / "case.json")
+    stiffness_file(program, tmp_path / "own.json", 2.0)
+    elsewhere = tmp_path / "elsewhere"
+    elsewhere.mkdir()
+    monkeypatch.chdir(tmp_path)
+    with ProcessPoolExecutor(
+        1, mp_context=get_context("spawn"), initializer=os.chdir, initargs=(str(elsewhere),)
+    ) as workers:
+        run = sl.Cohort(["case.json"]).analyze(out="out", executor=workers, stiffness="own.json")
+    assert run.is_complete and run.folder.parent == tmp_path / "out"
+    assert run.read("cases")["status"].to_pylist() == ["ok"]
+    assert list(elsewhere.iterdir()) == []
+
+
+def test_a_file_that_changes_meanwhile_is_not_taken_for_the_one_asked_for(
+    program: Path, folder_of_cases: Path, tmp_path: Path
+) -> None:
+    path, springs = tmp_path / "case.json", tmp_path / "own.json"
+    shutil.copy(next(folder_of_cases.glob("*-01.json")), path)
+    stiffness_file(program, springs, 2.0)
+
+    class Changing(Executor):
+        """Changes a file before the task runs."""
+
+        def __init__(self, file: Path) -> None:
+            self.file = file
+
+        def submit(self, task: Any, /, *arguments: Any, **named: Any) -> Future[Any]:
+            self.file.write_text(self.file.read_text() + "\n")
+            future: Future[Any] = Future()
+            try:
+                future.set_result(task(*arguments, **named))
+            except Exception as error:
+                future.set_exception(error)
+            return future
+
+    run = sl.Cohort([path]).analyze(out=tmp_path / "out", executor=Changing(path))
+    assert not run.is_complete and "case.json has changed" in run.lost[0][1]
+    assert not json.loads((run.folder / "manifest.json").read_text())["complete"]
+    with pytest.raises(sl.InputError, match="`stiffness`: its file has changed"):
+        sl.Cohort([path]).analyze(out=tmp_path / "out", executor=Changing(springs), stiffness=springs)
+
+
+def test_progress_counts_the_cases(
+    folder_of_cases: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    cohort = sl.Cohort.glob(str(folder_of_cases / "*-0[1-4].json"))
+    seen: list[tuple[int, int]] = []
+    cohort.analyze(out=tmp_path, chunk=2, progress=lambda done, cases: seen.append((done, cases)))
+    assert seen == [(0, 4), (2, 4), (4, 4)]
+    # Standard error is no terminal here.
+    cohort.analyze(out=tmp_path, chunk=2)
+    assert capsys.readouterr().err == ""
+    cohort.analyze(out=tmp_path, chunk=2, progress=True)
+    assert capsys.readouterr().err.endswith("analysed 4 of 4 cases\n")

@@ -26,20 +26,20 @@ pytestmark = [
 
 POISON = """
 import os
-import spineline._cohort as cohort
+import spineline._parts as parts
 
 class Poisoned:
-    native = cohort._native
+    native = parts._native
 
     def __getattr__(self, name):
         return getattr(self.native, name)
 
-    def analyze_paths(self, paths, words, replicates):
-        if any(path.endswith("-rod-02.json") for path in paths):
+    def analyze_paths(self, cases, *asked):
+        if any(path.endswith("-rod-02.json") for path, _ in cases):
             os._exit(1)
-        return self.native.analyze_paths(paths, words, replicates)
+        return self.native.analyze_paths(cases, *asked)
 
-cohort._native = Poisoned()
+parts._native = Poisoned()
 """
 """Makes a worker die of one case, every time."""
 
@@ -64,6 +64,39 @@ if __name__ == "__main__":
 """
 """A process that asks a cluster of its own."""
 
+INTERRUPTED = """
+import os
+import signal
+import sys
+import threading
+import time
+from pathlib import Path
+import distributed
+import spineline as sl
+
+def interrupt():
+    while not list(Path(sys.argv[2]).glob("run-*/.asking-*")):
+        time.sleep(0.01)
+    time.sleep(3)
+    at.append(time.monotonic())
+    os.kill(os.getpid(), signal.SIGINT)
+
+if __name__ == "__main__":
+    at = []
+    folder, out = sys.argv[1:]
+    local = dict(host="127.0.0.1", dashboard_address=None, threads_per_worker=1)
+    with distributed.LocalCluster(n_workers=2, **local) as workers, distributed.Client(workers) as client:
+        cohort = sl.Cohort.glob(folder + "/*.json")
+        threading.Thread(target=interrupt).start()
+        try:
+            cohort.analyze(executor=client.get_executor(), out=out, chunk=1, replicates=1_000_000)
+        except KeyboardInterrupt:
+            print(time.monotonic() - at[0], flush=True)
+        # Workers have let go of their cases.
+        print(client.submit(sum, [1, 2]).result(timeout=30))
+"""
+"""Interrupts a cohort on a cluster, says after how many seconds it ended, and goes on."""
+
 
 @contextmanager
 def cluster(preload: Path | None = None) -> Iterator[Any]:
@@ -84,8 +117,7 @@ def cluster(preload: Path | None = None) -> Iterator[Any]:
 
 def wait_for_parts(folder: Path, number: int) -> None:
     """Waits until so many parts are done."""
-    done = folder / "done"
-    while not (done.exists() and len(list(done.iterdir())) >= number):
+    while len(list(folder.glob("run-*/parts/*.json"))) < number:
         time.sleep(0.005)
 
 
@@ -93,6 +125,7 @@ def is_same(folder: Path, other: Path, parts: tuple[sl.Part, ...]) -> bool:
     """Whether both folders have the same bytes of all parts, and nothing else."""
     found = [{path.stem for path in one.rglob("*.parquet")} for one in (folder, other)]
     names = {part.name for part in parts}
+    (folder,) = folder.glob("run-*")
     files = [f"{table}/{name}.parquet" for table in ("cases", "vertebrae") for name in names]
     same = all((folder / file).read_bytes() == (other / file).read_bytes() for file in files)
     return same and found == [names, names]
@@ -171,7 +204,7 @@ def test_a_full_disk_is_an_error_and_leaves_whole_files(
     out = tmp_path / "out"
     with cluster(preload) as client, pytest.raises(OSError, match="File too large"):
         cohort.analyze(executor=client.get_executor(), out=out, chunk=1)
-    assert {path.suffix for path in out.rglob("*") if path.is_file()} <= {".parquet"}
+    assert not list(out.rglob("parts/*.json")) and not list(out.rglob(".*"))
     assert cohort.analyze(out=out, chunk=1).is_complete
     assert is_same(out, alone.folder, alone.parts)
 
@@ -187,3 +220,16 @@ def test_an_old_version_on_one_worker_is_refused(cohort: sl.Cohort, tmp_path: Pa
         client.run(age, workers=workers[:1])
         with pytest.raises(sl.InputError, match="a worker has Spineline 0.0.9"):
             cohort.analyze(executor=client.get_executor(), out=tmp_path, chunk=1)
+
+
+def test_ctrl_c_ends_a_cohort_on_a_cluster_within_a_second(
+    folder_of_cases: Path, tmp_path: Path
+) -> None:
+    script = tmp_path / "run.py"
+    script.write_text(INTERRUPTED)
+    out = tmp_path / "out"
+    command = [sys.executable, str(script), str(folder_of_cases), str(out)]
+    ended = subprocess.run(command, capture_output=True, text=True, timeout=120)
+    seconds, goes_on = ended.stdout.split()
+    assert float(seconds) < 1.0 and goes_on == "3", ended.stderr
+    assert not list(out.rglob("*.parquet")) and not list(out.glob("run-*/.asking-*"))

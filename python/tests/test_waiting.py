@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import subprocess
 import sys
 import threading
@@ -77,3 +78,65 @@ def test_other_threads_run_beside_a_long_call(analysis: sl.Analysis) -> None:
     ended.set()
     thread.join()
     assert ticks > 20
+
+
+COHORT = """
+import os
+import signal
+import sys
+import threading
+import time
+from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
+from contextlib import nullcontext
+from multiprocessing import get_context
+from pathlib import Path
+
+import spineline as sl
+
+EXECUTORS = {
+    "own": nullcontext,
+    "threads": lambda: ThreadPoolExecutor(2),
+    "processes": lambda: ProcessPoolExecutor(2, mp_context=get_context("spawn")),
+}
+
+if __name__ == "__main__":
+    folder, kind = Path(sys.argv[1]), sys.argv[2]
+    for subject in (1, 2, 3, 4):
+        sl.phantom("rod", subject=subject).save(folder / f"{subject}.json")
+    at = []
+
+    def interrupt():
+        while not list(folder.glob("out/run-*/.asking-*")):
+            time.sleep(0.01)
+        # Processes start, and all are in the middle of a case.
+        time.sleep(4 if kind == "processes" else 1)
+        at.append(time.monotonic())
+        os.kill(os.getpid(), signal.SIGINT)
+
+    threading.Thread(target=interrupt).start()
+    cohort = sl.Cohort.glob(str(folder / "*.json"))
+    try:
+        with EXECUTORS[kind]() as executor:
+            cohort.analyze(out=folder / "out", executor=executor, replicates=1_000_000, chunk=1)
+        print("not interrupted")
+    except KeyboardInterrupt:
+        print(time.monotonic() - at[0], flush=True)
+"""
+"""Interrupts a cohort, and says after how many seconds it ended with its executor."""
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="interrupts by signal")
+@pytest.mark.parametrize("kind", ["own", "threads", "processes"])
+def test_ctrl_c_ends_a_cohort_within_a_second(kind: str, tmp_path: Path) -> None:
+    script = tmp_path / "run.py"
+    script.write_text(COHORT)
+    command = [sys.executable, str(script), str(tmp_path), kind]
+    ended = subprocess.run(command, capture_output=True, text=True, timeout=120)
+    assert ended.returncode == 0, ended.stderr
+    assert float(ended.stdout) < 1.0, ended.stderr
+    # Nothing that is half done is taken for a part.
+    (manifest,) = tmp_path.glob("out/run-*/manifest.json")
+    found = json.loads(manifest.read_text())
+    assert not found["complete"] and found["parts"] == []
+    assert not list(tmp_path.glob("out/run-*/parts/*")) and not list(tmp_path.rglob("*.parquet"))
+    assert not list(tmp_path.glob("out/run-*/.asking-*"))

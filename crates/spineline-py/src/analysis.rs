@@ -44,7 +44,7 @@ pub struct Analysis {
 }
 
 /// An analysis, and the identifiability of its models where it was asked for.
-type Computed = (analysis::Analysis, Option<Vec<Option<Identifiability>>>);
+pub type Computed = (analysis::Analysis, Option<Vec<Option<Identifiability>>>);
 
 /// Computes while other Python threads run. What takes milliseconds needs no thread that looks for Ctrl-C.
 fn waited_for(
@@ -65,7 +65,14 @@ fn waited_for(
 }
 
 /// Computes everything that a request asks of a case, but for replicates; of work that was stopped, a part.
-fn compute(case: &analysis::Case, request: &Request, stop: &AtomicBool) -> Result<Computed, Fault> {
+///
+/// # Errors
+/// What stops the analysis.
+pub fn compute(
+    case: &analysis::Case,
+    request: &Request,
+    stop: &AtomicBool,
+) -> Result<Computed, Fault> {
     if let Some(posture) = missing_known_force(&request.options, case) {
         let text = format!(
             "{}: `gauge` names the {posture} film, and this case has no such film",
@@ -165,7 +172,8 @@ impl Analysis {
         let request = Request { options, replicates: None, identifiability };
         let found = waited_for(py, &case.case, &request)?;
         let (found, identified) = found.map_err(|fault| fault.raise(py))?;
-        let inputs = case.input.iter().cloned().chain(files).collect();
+        let inputs =
+            case.input.iter().cloned().chain(files.into_iter().map(|one| one.file)).collect();
         let films = FilmOrigin::of([case.case.synthetic]);
         let provenance = Provenance::new(run(command, date_utc), films, inputs).asking(&request);
         Ok(Self {

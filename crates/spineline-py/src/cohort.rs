@@ -7,72 +7,162 @@ use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 use rayon::ThreadPool;
-use spineline::analysis::{Analysis, AnalysisOptions, Subject, analyze};
+use rayon::prelude::*;
+use spineline::analysis::{Analysis, Subject};
 use spineline::uncertainty::Uncertainty;
-use spineline_files::{InputFile, Replicates, parse_case_within, read_text, sha256_hex, to_line};
+use spineline_files::method_text::option_file;
+use spineline_files::{
+    FileError, InputFile, MAX_FILE_BYTES, Replicates, Request, parse_case_within, read_bytes,
+    sha256_hex, to_line,
+};
 use spineline_tables::{NumberFormat, Patient, Series, Table, TableError, Values, tables};
 
+use crate::analysis::compute;
 use crate::fault::Fault;
-use crate::patient::{generator, options};
+use crate::patient::{OptionFile, generator, options};
 use crate::replicates::{asked, pool, run_replicates};
-use crate::wait::beside;
+use crate::wait::{apart, apart_while};
 
 /// Number, noise and seed of the replicates of every case.
 type GivenReplicates = Option<(u64, String, u64)>;
 
-/// Refuses options that no analysis takes, and replicates that there cannot be.
+/// Refuses options that no analysis takes, and replicates that there cannot be. Returns the files that options name: option, name and
+/// SHA-256.
 #[pyfunction]
 pub fn check_options(
     py: Python<'_>,
     given: Vec<(String, String)>,
     replicates: GivenReplicates,
-) -> PyResult<()> {
-    Task::new(&given, replicates.as_ref()).map(|_| ()).map_err(|fault| fault.raise(py))
+) -> PyResult<Vec<(String, String, String)>> {
+    let task = Task::new(given, replicates).map_err(|fault| fault.raise(py))?;
+    let words = |one: OptionFile| (one.option, one.file.name, one.file.sha256);
+    Ok(task.option_files.into_iter().map(words).collect())
 }
 
-/// Analyses case files one after the other. A file that cannot be analysed is a row of the table `cases` with its error.
-/// Returns every table as Parquet, and the number of cases without a result.
+/// What every case file holds: SHA-256 of its bytes, or why it cannot be read, and the identifier of its case, if it is one.
 #[pyfunction]
-#[expect(clippy::type_complexity, reason = "a pair for Python")]
+pub fn identify_cases(
+    py: Python<'_>,
+    paths: Vec<PathBuf>,
+) -> PyResult<Vec<(String, Option<String>)>> {
+    let threads = pool(0)?;
+    apart(py, move |stop| {
+        let one = |path: &PathBuf| {
+            let is_stopped = stop.load(Ordering::Relaxed);
+            if is_stopped { Default::default() } else { CaseText::read(path).identity() }
+        };
+        threads.install(|| paths.par_iter().map(one).collect())
+    })
+}
+
+/// Analyses case files one after the other, while a folder is there: the call that asked for it removes it where it ends. A case file is
+/// given with what [`identify_cases`] says of it. A file that cannot be analysed is a row of the table `cases` with its error.
+/// Returns every table with its number of rows as Parquet, and the number of cases without a result.
+#[pyfunction]
+#[expect(clippy::type_complexity, reason = "tuples for Python")]
 pub fn analyze_paths<'py>(
     py: Python<'py>,
-    paths: Vec<PathBuf>,
+    cases: Vec<(PathBuf, String)>,
     given: Vec<(String, String)>,
     replicates: GivenReplicates,
-) -> PyResult<(Vec<(String, Bound<'py, PyBytes>)>, usize)> {
-    let task = Task::new(&given, replicates.as_ref()).map_err(|fault| fault.raise(py))?;
+    option_files: Vec<(String, String, String)>,
+    build: String,
+    asking: PathBuf,
+) -> PyResult<(Vec<(String, usize, Bound<'py, PyBytes>)>, usize)> {
+    let task = Task::new(given, replicates).map_err(|fault| fault.raise(py))?;
+    task.check_files(&option_files).map_err(|fault| fault.raise(py))?;
     // As many cases are analysed at once as there are workers.
     let pool = pool(1)?;
-    let made = beside(py, |stop| {
+    let work = move |stop: &AtomicBool| -> Result<_, String> {
         let mut rows = Vec::new();
-        for path in &paths {
+        for (path, identity) in &cases {
             if stop.load(Ordering::Relaxed) {
                 break;
             }
-            rows.push(Row::of(path, &task, &pool, stop));
+            rows.push(Row::of(path, identity, &task, &pool, stop)?);
         }
         let failed = rows.iter().filter(|row| row.status() != "ok").count();
-        parquet(&rows, &given, replicates.as_ref()).map(|files| (files, failed))
-    })?;
-    let (files, failed) = made.map_err(|error| PyRuntimeError::new_err(error.to_string()))?;
-    let files = files.iter().map(|(name, bytes)| (name.clone(), PyBytes::new(py, bytes)));
+        let files = parquet(&rows, &task, &build).map_err(|error| error.to_string())?;
+        Ok((files, failed))
+    };
+    let made = apart_while(py, move || asking.exists(), work)?;
+    let (files, failed) = made.map_err(PyRuntimeError::new_err)?;
+    let files = files.into_iter().map(|(name, rows, bytes)| (name, rows, PyBytes::new(py, &bytes)));
     Ok((files.collect(), failed))
 }
 
 /// What is computed of every case.
 struct Task {
-    options: AnalysisOptions,
-    replicates: Option<Replicates>,
+    given: Vec<(String, String)>,
+    replicates: GivenReplicates,
+    request: Request,
+    option_files: Vec<OptionFile>,
 }
 
 impl Task {
-    fn new(
-        given: &[(String, String)],
-        replicates: Option<&(u64, String, u64)>,
-    ) -> Result<Self, Fault> {
-        let (options, _) = options(given)?;
-        let replicates = replicates.map(|(count, noise, seed)| asked(*count, noise, *seed));
-        Ok(Self { options, replicates: replicates.transpose()? })
+    fn new(given: Vec<(String, String)>, replicates: GivenReplicates) -> Result<Self, Fault> {
+        let (options, option_files) = options(&given)?;
+        let asked: Option<Replicates> = replicates
+            .as_ref()
+            .map(|(count, noise, seed)| asked(*count, noise, *seed))
+            .transpose()?;
+        let request = Request { options, replicates: asked, identifiability: false };
+        Ok(Self { given, replicates, request, option_files })
+    }
+
+    /// Refuses files of options that are not those that the cohort was asked for with.
+    fn check_files(&self, expected: &[(String, String, String)]) -> Result<(), Fault> {
+        let is_same = |one: &OptionFile, (option, _, sha256): &(String, String, String)| {
+            one.option == *option && one.file.sha256 == *sha256
+        };
+        let found = &self.option_files;
+        if found.len() == expected.len()
+            && found.iter().zip(expected).all(|(one, other)| is_same(one, other))
+        {
+            return Ok(());
+        }
+        let changed = found.iter().zip(expected).find(|(one, other)| !is_same(one, other));
+        let name = changed.map_or("", |(one, _)| &one.option);
+        let text = format!("option `{name}`: its file has changed since the cohort was asked for");
+        Err(Fault::new(text, "leave the file as it is, and run the cohort again"))
+    }
+
+    /// Options with the names of files in place of their paths: a folder may carry the name of a person.
+    fn words(&self) -> Vec<(&str, String)> {
+        let word = |(name, value): &'_ (String, String)| match option_file(name, value) {
+            Some(path) => path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into(),
+            None => value.clone(),
+        };
+        self.given.iter().map(|one| (one.0.as_str(), word(one))).collect()
+    }
+}
+
+/// What was read of a case file.
+struct CaseText(Result<String, (String, Fault)>);
+
+impl CaseText {
+    /// The text; or of what is none, what stands for its bytes, and why.
+    fn read(path: &Path) -> Self {
+        let bytes = match read_bytes(path, MAX_FILE_BYTES) {
+            Ok(bytes) => bytes,
+            Err(error) => return Self(Err((error.to_string(), error.into()))),
+        };
+        Self(String::from_utf8(bytes).map_err(|error| {
+            let at = error.utf8_error().valid_up_to() + 1;
+            let digest = sha256_hex(error.as_bytes());
+            (digest, FileError::NotUtf8 { path: path.to_owned(), at }.into())
+        }))
+    }
+
+    /// SHA-256, or why there is none, and the identifier of the case.
+    fn identity(&self) -> (String, Option<String>) {
+        match &self.0 {
+            Ok(text) => {
+                let case = parse_case_within(text).ok().map(|(case, _)| case.id().to_owned());
+                (sha256_hex(text.as_bytes()), case)
+            }
+            Err((identity, _)) => (identity.clone(), None),
+        }
     }
 }
 
@@ -95,19 +185,36 @@ impl Found {
     fn of(text: &str, task: &Task, pool: &ThreadPool, stop: &AtomicBool) -> Result<Self, Fault> {
         let (case, _) = parse_case_within(text)?;
         let case = case.into_case()?;
-        let analysis = analyze(&case, &task.options)?;
-        let replicates = task.replicates.as_ref();
+        let (analysis, _) = compute(&case, &task.request, stop)?;
+        let replicates = task.request.replicates.as_ref();
         let spread = replicates.map(|asked| run_replicates(&case, &analysis, asked, pool, stop));
         Ok(Self { spread: spread.transpose()?, analysis, subject: case.subject })
     }
 }
 
 impl Row {
-    fn of(path: &Path, task: &Task, pool: &ThreadPool, stop: &AtomicBool) -> Self {
+    /// A case that must be the one that was asked for.
+    fn of(
+        path: &Path,
+        identity: &str,
+        task: &Task,
+        pool: &ThreadPool,
+        stop: &AtomicBool,
+    ) -> Result<Self, String> {
         let file = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned();
-        let text = read_text(path).map_err(Fault::from);
-        let sha256 = text.as_ref().ok().map(|text| sha256_hex(text.as_bytes()));
-        Self { file, sha256, found: text.and_then(|text| Found::of(&text, task, pool, stop)) }
+        let (sha256, found) = match CaseText::read(path).0 {
+            Ok(text) => {
+                let sha256 = sha256_hex(text.as_bytes());
+                (sha256, Ok(text))
+            }
+            Err((identity, fault)) => (identity, Err(fault)),
+        };
+        if sha256 != identity {
+            return Err(format!("{file} has changed since the cohort was asked for"));
+        }
+        let is_text = found.is_ok();
+        let found = found.and_then(|text| Found::of(&text, task, pool, stop));
+        Ok(Self { file, sha256: Some(sha256).filter(|_| is_text), found })
     }
 
     fn status(&self) -> &'static str {
@@ -123,12 +230,12 @@ impl Row {
     }
 }
 
-/// All tables of the part; that of the cases comes last.
+/// All tables of the part, each with its number of rows; that of the cases comes last.
 fn parquet(
     rows: &[Row],
-    given: &[(String, String)],
-    replicates: Option<&(u64, String, u64)>,
-) -> Result<Vec<(String, Vec<u8>)>, TableError> {
+    task: &Task,
+    build: &str,
+) -> Result<Vec<(String, usize, Vec<u8>)>, TableError> {
     let found = rows.iter().filter_map(|row| row.found.as_ref().ok());
     let patients: Vec<Patient<'_>> = found
         .map(|found| Patient {
@@ -146,19 +253,26 @@ fn parquet(
         })
         .collect();
     // Without the time, so that the same cases give the same bytes wherever they are analysed.
-    let (made, options, inputs) = (generator(), to_line(&given), to_line(&inputs));
-    let replicates = replicates.map(|(count, noise, seed)| {
+    let (made, options, inputs) = (generator(), to_line(&task.words()), to_line(&inputs));
+    let option_files = to_line(&task.option_files);
+    let replicates = task.replicates.as_ref().map(|(count, noise, seed)| {
         serde_json::json!({"count": count, "noise": noise, "seed": seed}).to_string()
     });
     let mut metadata = vec![
         ("spineline.program", made.as_str()),
+        ("spineline.build", build),
         ("spineline.options", options.as_str()),
+        ("spineline.option_files", option_files.as_str()),
         ("spineline.inputs", inputs.as_str()),
     ];
     metadata.extend(replicates.as_deref().map(|text| ("spineline.replicates", text)));
     let mut all = tables(&patients);
     all.push(cases(rows));
-    all.iter().map(|table| Ok((table.name.to_owned(), table.to_parquet(&metadata)?))).collect()
+    let file = |table: &Table| {
+        let bytes = table.to_parquet(&metadata)?;
+        Ok((table.name.to_owned(), table.rows(), bytes))
+    };
+    all.iter().map(file).collect()
 }
 
 /// One row per case file with its status.

@@ -23,13 +23,13 @@ mod _native {
     #[pymodule_export]
     use super::case::{Case, parse_case, phantom, read_case};
     #[pymodule_export]
-    use super::cohort::{analyze_paths, check_options};
+    use super::cohort::{analyze_paths, check_options, identify_cases};
     #[pymodule_export]
     use super::landmarks::case_from_landmarks;
     #[pymodule_export]
     use super::model::{Model, Simulation, force_vector, parse_model_text};
     #[pymodule_export]
-    use super::patient::{did_you_mean, option_names};
+    use super::patient::{did_you_mean, names_a_file, option_names};
     #[pymodule_export]
     use super::replicates::Replicates;
     #[pymodule_export]
@@ -38,6 +38,10 @@ mod _native {
     /// The version of the program.
     #[pymodule_export]
     const VERSION: &str = env!("CARGO_PKG_VERSION");
+
+    /// Identity of its sources: it changes with the code.
+    #[pymodule_export]
+    const BUILD: &str = env!("SPINELINE_BUILD");
 
     /// Whether it was built for development, and is slower than a release.
     #[pymodule_export]

@@ -1,12 +1,11 @@
 //! What is asked of a case, and where its numbers come from.
 
-use std::path::Path;
-
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
+use serde::Serialize;
 use spineline::analysis::AnalysisOptions;
 use spineline::warning::Warning;
-use spineline_files::method_text::{OPTION_NAMES, set_option};
+use spineline_files::method_text::{OPTION_NAMES, option_file, set_option};
 use spineline_files::{InputFile, ProgramRun};
 
 use spineline_report::document::NoticeKind;
@@ -23,36 +22,34 @@ pub fn run(command: Vec<String>, date_utc: String) -> ProgramRun {
     ProgramRun { program: generator(), command, date_utc }
 }
 
-/// Options of an analysis, with the files that they name.
+/// Options of an analysis, with the files that they name, each with its option.
 ///
 /// # Errors
 /// If an option or its value is not known, or a file cannot be read.
-pub fn options(given: &[(String, String)]) -> Result<(AnalysisOptions, Vec<InputFile>), Fault> {
+pub fn options(given: &[(String, String)]) -> Result<(AnalysisOptions, Vec<OptionFile>), Fault> {
     let mut options = AnalysisOptions::default();
     let mut files = Vec::new();
     for (name, value) in given {
-        set_option(&mut options, name, value)?;
-        match name.replace('-', "_").as_str() {
-            "stiffness" => files.extend(stiffness_file(value)?),
-            "rotation_prior" => files.push(input_file(Path::new(value))?),
-            _ => {}
-        }
+        let file = set_option(&mut options, name, value)?;
+        files.extend(file.map(|file| OptionFile { option: name.replace('-', "_"), file }));
     }
     Ok((options, files))
 }
 
-/// The stiffness table as an input, where it is a file.
-fn stiffness_file(value: &str) -> Result<Option<InputFile>, Fault> {
-    use spineline_files::method_text::{StiffnessSource, stiffness_source};
-    let Ok(StiffnessSource::File(path)) = stiffness_source(value) else { return Ok(None) };
-    input_file(&path).map(Some)
+/// A file that an option names.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct OptionFile {
+    /// The option.
+    pub option: String,
+    /// The file.
+    #[serde(flatten)]
+    pub file: InputFile,
 }
 
-/// A file that an option names, as an input.
-fn input_file(path: &Path) -> Result<InputFile, Fault> {
-    let text = spineline_files::read_text(path)?;
-    let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy();
-    Ok(InputFile::of(name, text.as_bytes()))
+/// Whether the value of an option is the name of a file.
+#[pyfunction]
+pub fn names_a_file(name: &str, value: &str) -> bool {
+    option_file(name, value).is_some()
 }
 
 /// The names of all options of an analysis.

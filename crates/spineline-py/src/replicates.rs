@@ -23,7 +23,7 @@ use crate::patient::run;
 use crate::table::Table;
 use crate::wait::beside;
 
-/// Replicates per thread that are computed before they are added in order: few, because Ctrl-C waits for them.
+/// Replicates per thread that are computed before they are added in order.
 const BLOCK: u64 = 16;
 
 /// The effect of landmark noise on every number of an analysis.
@@ -180,8 +180,11 @@ pub fn run_replicates(
     let mut next = 0;
     while next < asked.count && !stop.load(Ordering::Relaxed) {
         let end = asked.count.min(next.saturating_add(block));
-        let one = |index| monte_carlo.replicate(index);
-        let done: Vec<Replicate> = pool.install(|| (next..end).into_par_iter().map(one).collect());
+        // A block without its end is dropped with all others.
+        let one = |index| (!stop.load(Ordering::Relaxed)).then(|| monte_carlo.replicate(index));
+        let done: Option<Vec<Replicate>> =
+            pool.install(|| (next..end).into_par_iter().map(one).collect());
+        let Some(done) = done else { break };
         // In their order, so that the bytes are the same for any number of threads.
         done.iter().for_each(|replicate| tally.add(replicate));
         next = end;

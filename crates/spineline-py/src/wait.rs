@@ -25,7 +25,7 @@ pub fn beside<T: Send>(py: Python<'_>, work: impl FnOnce(&AtomicBool) -> T + Sen
         // Nobody waits for the result of work that was stopped.
         let worker = worker().spawn_scoped(scope, move || sender.send(work(stop)).ok());
         let worker = worker.map_err(not_started)?;
-        let result = received(py, receiver);
+        let result = received(py, receiver, || true);
         stop.store(result.is_err(), Ordering::Relaxed);
         py.detach(|| worker.join()).ok();
         result
@@ -41,11 +41,23 @@ pub fn apart<T: Send + 'static>(
     py: Python<'_>,
     work: impl FnOnce(&AtomicBool) -> T + Send + 'static,
 ) -> PyResult<T> {
+    apart_while(py, || true, work)
+}
+
+/// As [`apart`], and ends in the same way where its result is no longer wanted, as that of a worker, which sees no Ctrl-C.
+///
+/// # Errors
+/// As of [`beside`], and where the result is not wanted.
+pub fn apart_while<T: Send + 'static>(
+    py: Python<'_>,
+    is_wanted: impl Fn() -> bool + Send + Sync,
+    work: impl FnOnce(&AtomicBool) -> T + Send + 'static,
+) -> PyResult<T> {
     let stop = Arc::new(AtomicBool::new(false));
     let (sender, receiver) = channel();
     let seen = Arc::clone(&stop);
     worker().spawn(move || sender.send(work(&seen)).ok()).map_err(not_started)?;
-    let result = received(py, receiver);
+    let result = received(py, receiver, is_wanted);
     stop.store(result.is_err(), Ordering::Relaxed);
     result
 }
@@ -58,9 +70,16 @@ fn not_started(error: std::io::Error) -> PyErr {
     PyRuntimeError::new_err(format!("a thread could not be started: {error}"))
 }
 
-/// Waits for what a worker sends, or for what a signal handler raises.
-fn received<T: Send>(py: Python<'_>, mut receiver: Receiver<T>) -> PyResult<T> {
+/// Waits for what a worker sends, for what a signal handler raises, or until it is not wanted.
+fn received<T: Send>(
+    py: Python<'_>,
+    mut receiver: Receiver<T>,
+    is_wanted: impl Fn() -> bool + Send + Sync,
+) -> PyResult<T> {
     loop {
+        if !py.detach(&is_wanted) {
+            return Err(PyRuntimeError::new_err("the call that asked for it has ended"));
+        }
         let (state, back) = py.detach(move || (receiver.recv_timeout(POLL), receiver));
         receiver = back;
         match state {

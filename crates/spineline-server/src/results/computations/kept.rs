@@ -17,6 +17,9 @@ use crate::result_cache::{StudyResult, computed};
 use crate::results::exports::PROGRAM;
 use crate::state::AppState;
 
+/// Identity of the code: what another build has found is computed again.
+const BUILD: &str = env!("SPINELINE_BUILD");
+
 /// What is kept.
 #[derive(Debug, Clone, Copy)]
 enum Kept {
@@ -88,11 +91,11 @@ impl Kept {
     }
 }
 
-/// Program, case and options, with numbers of the case itself: another version of the program has others.
+/// Program with the identity of its code, case and options, with numbers of the case itself.
 pub fn inputs_with(result: &StudyResult, numbers: &str) -> String {
     let case = to_line(&CaseFile::from_case(&result.current.usable_case()));
     let options = to_line(&result.current.options);
-    format!("{PROGRAM}\n{SEED}\n{case}\n{options}\n{numbers}")
+    format!("{PROGRAM}\n{BUILD}\n{SEED}\n{case}\n{options}\n{numbers}")
 }
 
 /// Keeps what a computation has found, before it is shown. A store that cannot be written keeps nothing: the page has it all the same.
