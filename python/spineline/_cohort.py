@@ -256,8 +256,9 @@ class _Run:
         ended = self.asking.with_name(f"{self.asking.name}.ended")
         try:
             self.asking.rename(ended)
-        except FileNotFoundError:
-            return
+        except OSError:
+            # It is gone, or a worker has a file open on a system that keeps its folder.
+            ended = self.asking
         shutil.rmtree(ended, ignore_errors=True)
 
     def collect(self, executor: Executor, progress: Callable[[int, int], None]) -> CohortRun:
