@@ -1,10 +1,11 @@
 use rand_chacha::ChaCha12Rng;
 use rand_distr::{Distribution, Normal, Uniform};
-use spineline::anatomy::{Level, Morphometry};
+use spineline::anatomy::Level;
 use spineline::spatial::{Angle, Mat3, Vec3};
 
 use crate::build::{Build, Construction, SEGMENTS, Springs, region};
 use crate::half_waves::HalfWaveCurve;
+use crate::proportions;
 use crate::{PhantomError, TableRow};
 
 /// The erect spine as a fine planar chain.
@@ -191,7 +192,7 @@ fn draw_length_mm(rng: &mut ChaCha12Rng) -> f64 {
 fn vertebra_s_mm(length_mm: f64) -> Vec<f64> {
     let mut s = vec![0.0];
     for pair in Level::MODEL.windows(2) {
-        s.push(s[s.len() - 1] + Morphometry::spacing_mm(pair[0], pair[1]));
+        s.push(s[s.len() - 1] + proportions::spacing_mm(pair[0], pair[1]));
     }
     let scale = length_mm / s[s.len() - 1];
     s.into_iter().map(|value| value * scale).collect()

@@ -14,6 +14,7 @@ use spineline::measure::{
 use spineline::spatial::{Angle, Frontal, Pixel};
 
 use crate::erect::ErectSpine;
+use crate::proportions;
 use crate::readers::{Deviation, Readers};
 use crate::{TableRow, TruePosture, Truth};
 
@@ -255,7 +256,7 @@ fn neighbours(stands: &[(Frontal, Angle)], spine: &ErectSpine) -> [Body; 2] {
     let next = |level: Level, from: Level, (location, tilt): (Frontal, Angle), turn: Angle| {
         let (sense, low, high) =
             if level < from { (-1.0, level, from) } else { (1.0, from, level) };
-        let way = sense * scale * Morphometry::spacing_mm(low, high);
+        let way = sense * scale * proportions::spacing_mm(low, high);
         let location = location + Frontal::leaning(tilt + turn * 0.5) * way;
         (level, body(level, (location, tilt + turn), Angle::ZERO, spine), tilt + turn)
     };
@@ -292,7 +293,7 @@ fn read(
 
 /// How much larger this spine is than the typical one.
 fn body_scale(spine: &ErectSpine) -> f64 {
-    let typical: f64 = Level::MODEL.windows(2).map(|p| Morphometry::spacing_mm(p[0], p[1])).sum();
+    let typical: f64 = Level::MODEL.windows(2).map(|p| proportions::spacing_mm(p[0], p[1])).sum();
     spine.length_mm / typical
 }
 

@@ -33,6 +33,7 @@ mod film_lengths;
 mod half_waves;
 mod loads;
 mod movement;
+mod proportions;
 mod radiograph;
 mod readers;
 mod rod;

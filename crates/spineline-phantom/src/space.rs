@@ -12,12 +12,14 @@ use rand_chacha::ChaCha12Rng;
 use rand_chacha::rand_core::SeedableRng;
 use rand_distr::{Distribution, StandardNormal};
 use spineline::analysis::{Case, Subject};
-use spineline::anatomy::{ImageSide, Level, Morphometry, PediclePlace, Posture};
+use spineline::anatomy::{ImageSide, Level, Morphometry, Posture};
 use spineline::measure::{
     Corners, Film, FilmLandmarks, IliacCrests, ImageGeometry, LateralCorners, LateralFilm, Reading,
     ReadingId, Spacing, SpacingPlane, VertebraLandmarks,
 };
 use spineline::spatial::{Angle, Pixel, Vec3};
+
+use crate::proportions;
 
 /// Sagittal shapes: four types of the healthy spine and the flat back of scoliosis.
 ///
@@ -119,6 +121,18 @@ pub struct TrueBody {
     pub axial: Angle,
     /// Half of its width, depth and height.
     half_mm: [f64; 3],
+}
+
+impl TrueBody {
+    /// Where the centres of its pedicles lie: beside its sagittal plane, and behind its middle.
+    ///
+    /// # Assumption
+    /// The widths of canals and pedicles are those of [panjabi-1991] and [panjabi-1992], the depth is half of that of the body and 4 mm. The
+    /// library reads axial rotation with ratios from CT, so that it reads the rotation of these bodies with a known bias.
+    #[must_use]
+    pub fn pedicle_mm(&self) -> [f64; 2] {
+        proportions::pedicle_mm(self.level)
+    }
 }
 
 /// A synthetic patient in space with an erect film from the front and one from the side.
@@ -234,7 +248,7 @@ fn bodies(setup: &SpaceSetup) -> Vec<TrueBody> {
         let cranial = Vec3::new(forward(t), sideways(t), 1.0).normalize();
         let midpoint_mm = bodies.last().map_or_else(Vec3::zeros, |below| {
             let way = (below.cranial + cranial).normalize();
-            below.midpoint_mm + way * Morphometry::spacing_mm(below.level, level)
+            below.midpoint_mm + way * proportions::spacing_mm(below.level, level)
         });
         let axial = setup.apical_rotation * phase(t).cos();
         let left = cranial.cross(&Vec3::x()).normalize();
@@ -309,7 +323,7 @@ impl View {
 
     /// The left and the right pedicle.
     fn pedicles(&self, body: &TrueBody) -> [[f64; 2]; 2] {
-        let PediclePlace { beside_mm, behind_mm } = PediclePlace::of(body.level);
+        let [beside_mm, behind_mm] = body.pedicle_mm();
         [beside_mm, -beside_mm].map(|left_mm| {
             self.seen(body.midpoint_mm + body.left * left_mm - body.anterior * behind_mm)
         })

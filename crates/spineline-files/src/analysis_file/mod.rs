@@ -5,6 +5,7 @@ mod hypothesis;
 mod identifiability;
 mod model;
 mod posture;
+mod published;
 mod space;
 mod stored;
 mod uncertainty;
@@ -28,6 +29,7 @@ use hypothesis::HypothesisRecord;
 use identifiability::IdentifiabilityRecord;
 use model::ModelRecord;
 use posture::PostureRecord;
+use published::PublishedRecord;
 use space::{AxialRecord, SpaceRecord};
 use spineline::uncertainty::Uncertainty;
 use spineline::warning::Warning;
@@ -85,6 +87,8 @@ pub struct AnalysisFile {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     uncertainty: Option<UncertaintyRecord>,
     warnings: Vec<WarningRecord>,
+    /// Published numbers of a typical spine that the program uses, with their sources; those of the springs stand with the joints.
+    published_numbers: Vec<PublishedRecord>,
     /// The case itself, as it was read.
     case: CaseFile,
 }
@@ -284,6 +288,7 @@ impl AnalysisFile {
                 .collect(),
             uncertainty: None,
             warnings: analysis.warnings.all().iter().map(WarningRecord::new).collect(),
+            published_numbers: PublishedRecord::all(),
             case,
         }
     }

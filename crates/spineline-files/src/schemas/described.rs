@@ -2,7 +2,7 @@
 
 use spineline::action::Application;
 use spineline::analysis::{AxialSource, Grouping, PitchSource, Sex};
-use spineline::anatomy::{ImageSide, Named, Posture, Region};
+use spineline::anatomy::{ImageSide, Named, Posture, Region, SourceCheck};
 use spineline::clinical::EndRule;
 use spineline::cohort::{ComparisonOutcome, RefusalStep};
 use spineline::evaluate::Baseline;
@@ -158,6 +158,19 @@ impl Described for AxialSource {
             Self::Pedicles => "Measured: both pedicles are marked on the erect film.",
             Self::Unknown => "Not known, and zero in the model.",
             Self::Given => "Assumed: the options give it.",
+        }
+    }
+}
+
+impl Described for SourceCheck {
+    const DEFINITION: &'static str = "SourceCheckKey";
+    const DESCRIPTION: &'static str = "How far published numbers were compared with their source.";
+
+    fn meaning(self) -> &'static str {
+        match self {
+            Self::AtSource => "With its text, its abstract or its data.",
+            Self::SecondHand => "With another text that quotes it.",
+            Self::Unverified => "With no text.",
         }
     }
 }

@@ -76,14 +76,14 @@ fn case_of(id: &str, lines: &Lines) -> String {
     let ends = |line: &[[f64; 2]]| [line[0][1], line[line.len() - 1][1]];
     let [frontal, lateral] = [ends(&lines.frontal), ends(&lines.lateral)];
     let (top, bottom) = (frontal[0].max(lateral[0]), frontal[1].min(lateral[1]));
-    let typical_mm: f64 = Level::ALL.into_iter().map(|level| Morphometry::of(level).unit_mm).sum();
+    let above_sacrum_mm =
+        |level| Morphometry::L5_ABOVE_SACRUM_MM + Morphometry::spacing_mm(Level::L5, level);
+    let typical_mm = above_sacrum_mm(Level::T1) + 0.5 * Morphometry::of(Level::T1).spacing_above_mm;
     let px_per_mm = (bottom - top) / typical_mm;
     let (mut on_frontal, mut on_lateral) = (serde_json::Map::new(), serde_json::Map::new());
-    let mut row = bottom;
     for level in Level::ALL {
         let size = Morphometry::of(level);
-        let middle = row - 0.5 * size.unit_mm * px_per_mm;
-        row -= size.unit_mm * px_per_mm;
+        let middle = bottom - above_sacrum_mm(level) * px_per_mm;
         let half = 0.5 * size.body_height_mm * px_per_mm;
         let rows = [middle - half, middle + half];
         let [a, b, c, d] = body(&lines.frontal, rows, size.superior_width_mm / PIXEL_MM);

@@ -1,6 +1,7 @@
 //! How a report was made.
 
 use spineline::analysis::{Analysis, AnalysisOptions, Grouping};
+use spineline::anatomy::PublishedNumbers;
 use spineline::curve::{InflectionChoice, OrderRule};
 use spineline::measure::{FilmLengthRule, TiltRule};
 use spineline::multibody::{StiffnessLibrary, Support};
@@ -19,8 +20,26 @@ pub fn how(patient: &Patient<'_>) -> Section {
     add("Lengths", analysis.scale().to_string());
     add("Sagittal shape", analysis.profile_words().to_owned());
     section.table(table);
+    section.table(published());
     section.paragraph(MEANING);
     section
+}
+
+/// The published numbers of a typical spine, and how far they were compared with their sources.
+fn published() -> Table {
+    let columns = vec![
+        Column::words("Numbers"),
+        Column::words("Used for"),
+        Column::words("Source"),
+        Column::words("Compared"),
+    ];
+    let mut table = Table::new("Published numbers of a typical spine", columns);
+    for one in PublishedNumbers::ALL {
+        let words = [one.numbers, one.used_for, one.source].map(str::to_owned);
+        table.row(words.into_iter().chain([one.check.to_string()]).collect());
+    }
+    table.note = "Springs have their sources in the table of springs.".to_owned();
+    table
 }
 
 const MEANING: &str = "Method: Jalalian et al. 2016, Finding line of action of the force exerted on erect spine based on lateral bending test in personalization of scoliotic spine models. Bending films carry no force, so only ratios of stiffness are identified. Sources are named by their keys in the project's list of references.";

@@ -1,5 +1,5 @@
 //! Names that all steps share: vertebral levels, sides, postures, regions and kinds of line; how such names are read
-//! ([`Named`]); and the sizes of a typical spine.
+//! ([`Named`]); and the sizes of a typical spine, with their sources.
 
 mod level;
 mod levels;
@@ -8,6 +8,7 @@ mod morphometry;
 mod named;
 mod pedicles;
 mod posture;
+mod published;
 mod trunk;
 
 pub use level::{Level, UnknownLevel};
@@ -18,4 +19,5 @@ pub(crate) use named::named;
 pub use named::{Named, UnknownKey};
 pub use pedicles::PediclePlace;
 pub use posture::{FilmView, ImageSide, Posture, Region, Side};
+pub use published::{PublishedNumbers, SourceCheck};
 pub use trunk::{trunk_weight_share, trunk_weight_shares};

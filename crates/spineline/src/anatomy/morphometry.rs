@@ -3,9 +3,9 @@ use super::Level;
 /// Sizes of one typical vertebra and of the disc above it.
 ///
 /// # References
-/// Endplates and body heights: [panjabi-1991], [panjabi-1992]; most thoracic cells and the lumbar lower widths and depths
-/// were not checked against the originals. Discs: [shin-2024], [bach-2019], [yadav-2020] (lumbar and
-/// thoracolumbar), [fletcher-2015] (thoracic, interpolated). Unit lengths and sagittal angles: [bruno-2015].
+/// Endplates and body heights: [panjabi-1991], [panjabi-1992]. Discs: [shin-2024], [bach-2019], [yadav-2020] (lumbar and
+/// thoracolumbar), [fletcher-2015] (thoracic, interpolated). Distances between midpoints from L4 to T2: [vid-ct]; the others and the sagittal
+/// angles: [bruno-2015]. Which cells were compared with their source: [`PublishedNumbers`](super::PublishedNumbers).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Morphometry {
     /// Width of the superior endplate.
@@ -18,35 +18,38 @@ pub struct Morphometry {
     pub body_height_mm: f64,
     /// Height of the disc between this vertebra and the next one above.
     pub disc_above_mm: f64,
-    /// Length of one vertebra and its share of the discs, from the joint below to the joint above.
-    pub unit_mm: f64,
+    /// From the midpoint of this vertebra to that of the next one above; from T1 to that of the seventh cervical vertebra.
+    pub spacing_above_mm: f64,
     /// Sagittal turn of the joint above in an adult without deformity: kyphosis positive, lordosis negative.
     pub joint_above_deg: f64,
 }
 
 impl Morphometry {
+    /// From the superior endplate of the sacrum to the midpoint of L5.
+    pub const L5_ABOVE_SACRUM_MM: f64 = 17.45;
+
     /// The typical vertebra of this level.
     #[must_use]
     pub const fn of(level: Level) -> Self {
-        // Endplate widths (upper, lower), upper depth, body height, disc above, unit length, sagittal turn above.
+        // Endplate widths (upper, lower), upper depth, body height, disc above, distance to the midpoint above, sagittal turn above.
         let row: [f64; 7] = match level {
-            Level::L5 => [47.3, 49.4, 34.7, 22.9, 9.3, 34.9, -18.0],
-            Level::L4 => [46.6, 49.5, 35.5, 24.1, 8.8, 32.5, -12.0],
-            Level::L3 => [44.1, 48.0, 35.2, 23.8, 7.9, 32.5, -7.0],
-            Level::L2 => [42.6, 45.5, 34.6, 24.3, 6.6, 30.1, -6.0],
-            Level::L1 => [41.2, 43.3, 34.1, 23.8, 5.8, 31.3, 2.0],
-            Level::T12 => [39.0, 42.1, 32.8, 22.7, 5.5, 33.2, 4.0],
-            Level::T11 => [34.9, 39.1, 31.9, 21.3, 5.1, 29.0, 5.0],
-            Level::T10 => [31.9, 35.4, 30.5, 20.2, 4.6, 28.5, 4.0],
-            Level::T9 => [30.6, 33.0, 29.3, 19.3, 4.1, 24.7, 5.0],
-            Level::T8 => [29.5, 30.5, 27.9, 18.7, 3.7, 24.2, 6.0],
-            Level::T7 => [27.8, 29.1, 27.4, 18.2, 3.2, 25.5, 6.0],
-            Level::T6 => [26.2, 28.2, 26.0, 17.4, 2.9, 24.2, 6.0],
-            Level::T5 => [24.9, 27.0, 24.3, 16.2, 2.7, 24.8, 6.0],
-            Level::T4 => [24.5, 26.0, 23.3, 16.2, 3.0, 23.1, 4.0],
-            Level::T3 => [24.6, 25.9, 22.7, 15.7, 3.5, 20.9, 3.0],
+            Level::L5 => [47.3, 49.4, 34.7, 22.9, 9.3, 33.7, -18.0],
+            Level::L4 => [46.6, 49.5, 35.5, 24.1, 8.8, 36.4, -12.0],
+            Level::L3 => [44.1, 48.0, 35.2, 23.8, 7.9, 35.7, -7.0],
+            Level::L2 => [42.6, 45.5, 34.6, 24.3, 6.6, 34.7, -6.0],
+            Level::L1 => [41.2, 43.3, 34.1, 23.8, 5.8, 32.2, 2.0],
+            Level::T12 => [39.0, 42.1, 32.8, 22.7, 5.5, 29.5, 4.0],
+            Level::T11 => [34.9, 39.1, 31.9, 21.3, 5.1, 27.3, 5.0],
+            Level::T10 => [31.9, 35.4, 30.5, 20.2, 4.6, 25.3, 4.0],
+            Level::T9 => [30.6, 33.0, 29.3, 19.3, 4.1, 24.0, 5.0],
+            Level::T8 => [29.5, 30.5, 27.9, 18.7, 3.7, 23.4, 6.0],
+            Level::T7 => [27.8, 29.1, 27.4, 18.2, 3.2, 22.9, 6.0],
+            Level::T6 => [26.2, 28.2, 26.0, 17.4, 2.9, 22.2, 6.0],
+            Level::T5 => [24.9, 27.0, 24.3, 16.2, 2.7, 21.3, 6.0],
+            Level::T4 => [24.5, 26.0, 23.3, 16.2, 3.0, 20.9, 4.0],
+            Level::T3 => [24.6, 25.9, 22.7, 15.7, 3.5, 20.6, 3.0],
             Level::T2 => [24.9, 27.4, 19.6, 15.6, 3.8, 19.1, 1.0],
-            Level::T1 => [24.5, 27.8, 18.5, 14.1, 3.8, 19.1, 0.0],
+            Level::T1 => [24.5, 27.8, 18.5, 14.3, 3.8, 19.1, 0.0],
         };
         Self {
             superior_width_mm: row[0],
@@ -54,15 +57,16 @@ impl Morphometry {
             superior_depth_mm: row[2],
             body_height_mm: row[3],
             disc_above_mm: row[4],
-            unit_mm: row[5],
+            spacing_above_mm: row[5],
             joint_above_deg: row[6],
         }
     }
 
-    /// Typical distance between the midpoints of two neighbouring vertebrae.
+    /// Typical distance along the spine between the midpoints of two vertebrae, which need not be neighbours; 0 unless the second one lies above.
     #[must_use]
     pub fn spacing_mm(inferior: Level, superior: Level) -> f64 {
-        0.5 * (Self::of(inferior).unit_mm + Self::of(superior).unit_mm)
+        let between = Level::ALL.into_iter().filter(|level| (inferior..superior).contains(level));
+        between.map(|level| Self::of(level).spacing_above_mm).sum()
     }
 }
 

@@ -4,11 +4,12 @@ use super::Level;
 ///
 /// # Definition
 /// Their distance from the sagittal plane is half of the width of the canal and half of that of a pedicle. Their distance behind the
-/// centre of the body is half of the depth of the body and [`PediclePlace::BEHIND_WALL_MM`].
+/// centre of the body is that times a ratio, which is all that the axial rotation after Stokes takes from here.
 ///
 /// # References
-/// Canals and pedicles: [panjabi-1991], [panjabi-1992], from memory; most cells were not checked against the originals. Depths:
-/// [`super::Morphometry`].
+/// Ratios from L4 to T1: means over 2,068 CTs [vid-ct]. That of L5 stands to the one that [panjabi-1992] gives as at L4 (assumption). Canals and
+/// pedicles: [panjabi-1991], [panjabi-1992]. Which cells were compared with their source:
+/// [`PublishedNumbers`](super::PublishedNumbers).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PediclePlace {
     /// From the sagittal plane of the vertebra.
@@ -18,38 +19,33 @@ pub struct PediclePlace {
 }
 
 impl PediclePlace {
-    /// From the posterior wall to the narrowest part of a pedicle, which a frontal film shows as its outline (assumption).
-    pub const BEHIND_WALL_MM: f64 = 4.0;
     /// Standard deviation of the ratio of both distances between people, as a part of it (assumption).
     pub const RATIO_SD: f64 = 0.1;
 
     /// Of the typical vertebra of this level.
     #[must_use]
     pub const fn of(level: Level) -> Self {
-        // Width of the canal and of a pedicle.
-        let [canal_mm, pedicle_mm]: [f64; 2] = match level {
-            Level::L5 => [27.1, 18.0],
-            Level::L4 => [25.4, 14.1],
-            Level::L3 => [24.3, 10.1],
-            Level::L2 => [23.8, 8.9],
-            Level::L1 => [23.7, 8.6],
-            Level::T12 => [22.2, 8.8],
-            Level::T11 => [19.4, 8.7],
-            Level::T10 => [18.2, 7.2],
-            Level::T9 => [17.8, 6.5],
-            Level::T8 => [17.6, 6.1],
-            Level::T7 => [17.3, 5.8],
-            Level::T6 => [17.3, 5.7],
-            Level::T5 => [17.4, 5.5],
-            Level::T4 => [17.0, 5.5],
-            Level::T3 => [17.2, 6.0],
-            Level::T2 => [18.8, 7.3],
-            Level::T1 => [21.8, 8.5],
+        // Width of the canal and of a pedicle; distance behind the centre of the body over distance from the sagittal plane.
+        let [canal_mm, pedicle_mm, ratio]: [f64; 3] = match level {
+            Level::L5 => [27.1, 18.6, 1.146],
+            Level::L4 => [25.4, 14.1, 1.333],
+            Level::L3 => [24.3, 10.1, 1.494],
+            Level::L2 => [23.8, 8.25, 1.628],
+            Level::L1 => [23.7, 8.6, 1.655],
+            Level::T12 => [22.2, 8.7, 1.671],
+            Level::T11 => [19.4, 9.75, 1.718],
+            Level::T10 => [18.2, 7.2, 1.758],
+            Level::T9 => [17.8, 6.5, 1.781],
+            Level::T8 => [17.6, 6.1, 1.742],
+            Level::T7 => [17.3, 5.8, 1.686],
+            Level::T6 => [17.3, 5.7, 1.582],
+            Level::T5 => [17.4, 5.5, 1.495],
+            Level::T4 => [17.0, 5.5, 1.363],
+            Level::T3 => [17.2, 6.0, 1.178],
+            Level::T2 => [18.8, 7.3, 0.983],
+            Level::T1 => [21.8, 8.5, 0.743],
         };
-        let depth_mm = super::Morphometry::of(level).superior_depth_mm;
-        Self {
-            beside_mm: 0.5 * (canal_mm + pedicle_mm),
-            behind_mm: 0.5 * depth_mm + Self::BEHIND_WALL_MM,
-        }
+        let beside_mm = 0.5 * (canal_mm + pedicle_mm);
+        Self { beside_mm, behind_mm: ratio * beside_mm }
     }
 }

@@ -1,8 +1,7 @@
 //! A vertebra that a film does not show, between two that it does.
 
-use super::order::typical_distance_mm;
 use super::{MeasuredVertebra, Noise, Outline};
-use crate::anatomy::{Level, Posture};
+use crate::anatomy::{Level, Morphometry, Posture};
 use crate::spatial::{Angle, Frontal};
 
 /// Where a vertebra without landmarks was taken from, and how uncertain it is.
@@ -57,14 +56,14 @@ const TILT_SD: Angle = Angle::from_deg(4.8);
 ///
 /// # Definition
 /// Hermite's cubic from the midpoint of the lower vertebra to that of the upper one, whose derivatives at both ends point along
-/// the axes and are as long as the chord; the part of the way is that of a typical spine [`crate::anatomy::Morphometry`].
+/// the axes and are as long as the chord; the part of the way is that of a typical spine [`Morphometry`].
 pub(super) fn interpolate(
     level: Level,
     [low, high]: [&MeasuredVertebra; 2],
     noise: &Noise,
 ) -> MeasuredVertebra {
-    let usual_mm = typical_distance_mm(low.level, high.level);
-    let u = typical_distance_mm(low.level, level) / usual_mm;
+    let usual_mm = Morphometry::spacing_mm(low.level, high.level);
+    let u = Morphometry::spacing_mm(low.level, level) / usual_mm;
     let chord_mm = low.location.distance_mm(high.location);
     let [from, to] = [low, high].map(|end| Frontal::leaning(end.tilt) * chord_mm);
     let (u2, u3) = (u * u, u * u * u);

@@ -10,7 +10,7 @@
 //! rotation carries them towards the concave side, so the line is straighter than the spine.
 //!
 //! # References
-//! Lengths of the vertebrae with their discs: [bruno-2015], by [`Morphometry`].
+//! Distances of the midpoints: [vid-ct] and [bruno-2015], by [`Morphometry`].
 
 use std::collections::BTreeMap;
 use std::str::FromStr;
@@ -44,7 +44,9 @@ impl MidlineEnd {
         match self {
             Self::S1 => 0.0,
             Self::Middle(level) => middle_above_sacrum_mm(level),
-            Self::C7 => middle_above_sacrum_mm(Level::T1) + Morphometry::of(Level::T1).unit_mm,
+            Self::C7 => {
+                middle_above_sacrum_mm(Level::T1) + Morphometry::of(Level::T1).spacing_above_mm
+            }
         }
     }
 }
@@ -180,8 +182,8 @@ impl Midline {
             .filter(|&(_, middle_mm)| (bottom_mm..=top_mm).contains(&middle_mm));
         Ok(seen
             .map(|(level, middle_mm)| {
-                let half_mm = 0.5 * Morphometry::of(level).unit_mm;
-                let chord = at(middle_mm + half_mm) - at(middle_mm - half_mm);
+                let [below_mm, above_mm] = disc_distances_mm(level);
+                let chord = at(middle_mm + above_mm) - at(middle_mm - below_mm);
                 (level, Placement::new(at(middle_mm), chord.lateral_tilt()))
             })
             .collect())
@@ -229,9 +231,15 @@ impl Midline {
 
 /// Distance of the middle of a level above the sacrum on a typical spine, along it.
 fn middle_above_sacrum_mm(level: Level) -> f64 {
-    let below = Level::ALL.into_iter().filter(|&other| other < level);
-    let below_mm: f64 = below.map(|other| Morphometry::of(other).unit_mm).sum();
-    below_mm + 0.5 * Morphometry::of(level).unit_mm
+    Morphometry::L5_ABOVE_SACRUM_MM + Morphometry::spacing_mm(Level::L5, level)
+}
+
+/// From the midpoint of a level of a typical spine to the middle of the disc below, and of that above.
+fn disc_distances_mm(level: Level) -> [f64; 2] {
+    let below_mm = level.next_below().map_or(Morphometry::L5_ABOVE_SACRUM_MM, |below| {
+        0.5 * Morphometry::of(below).spacing_above_mm
+    });
+    [below_mm, 0.5 * Morphometry::of(level).spacing_above_mm]
 }
 
 /// Says of a film that its levels are estimated.

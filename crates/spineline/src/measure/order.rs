@@ -46,23 +46,17 @@ impl LevelStep {
 /// The steps between vertebrae, caudal first, that need not be neighbours.
 pub(super) fn steps(vertebrae: &[(Level, Placement)]) -> Vec<LevelStep> {
     let distance = |pair: &[(Level, Placement)]| pair[0].1.location.distance_mm(pair[1].1.location);
-    let typical: f64 = vertebrae.windows(2).map(|p| typical_distance_mm(p[0].0, p[1].0)).sum();
+    let typical: f64 = vertebrae.windows(2).map(|p| Morphometry::spacing_mm(p[0].0, p[1].0)).sum();
     let longer = vertebrae.windows(2).map(distance).sum::<f64>() / typical;
     vertebrae
         .windows(2)
         .map(|pair| {
             let [(inferior, low), (superior, high)] = [pair[0], pair[1]];
             let axis = Frontal::leaning((low.tilt + high.tilt) * 0.5);
-            let usual_mm = longer * typical_distance_mm(inferior, superior);
+            let usual_mm = longer * Morphometry::spacing_mm(inferior, superior);
             let distance_mm = distance(pair);
             let share = (high.location - low.location).dot(axis) / usual_mm;
             LevelStep { inferior, superior, distance_mm, share, ratio: distance_mm / usual_mm }
         })
         .collect()
-}
-
-/// Typical distance between two vertebrae that need not be neighbours.
-pub(super) fn typical_distance_mm(inferior: Level, superior: Level) -> f64 {
-    let between = Level::ALL.windows(2).filter(|pair| inferior <= pair[0] && pair[1] <= superior);
-    between.map(|pair| Morphometry::spacing_mm(pair[0], pair[1])).sum()
 }

@@ -5,7 +5,6 @@ use super::frame::body_shape;
 use super::interpolation::interpolate;
 use super::means::average;
 use super::midline::warn_of_source;
-use super::order::typical_distance_mm;
 use super::outline_checks::{check_marked, warn_of_gaps, warn_of_interpolated};
 use super::placing::{program_corners, warn_of_unusable_ends};
 use super::spacing::is_spacing;
@@ -15,7 +14,7 @@ use super::{
     SpacingPlane, TiltRule, VertebraOrigin, common_levels, measure_readings, seen_levels,
     warn_of_shortened_chain,
 };
-use crate::anatomy::{Level, Levels, Posture};
+use crate::anatomy::{Level, Levels, Morphometry, Posture};
 use crate::spatial::{Angle, Frontal};
 use crate::warning::{Step, Warnings};
 
@@ -422,7 +421,7 @@ fn scaled_from_pixels(
     let marked: Vec<(Level, Frontal)> = means.iter().map(|(&l, (p, _))| (l, p.location)).collect();
     for pair in marked.windows(2) {
         // Vertebrae without landmarks are skipped on both sides of the ratio.
-        typical_mm += typical_distance_mm(pair[0].0, pair[1].0);
+        typical_mm += Morphometry::spacing_mm(pair[0].0, pair[1].0);
         length_px += pair[0].1.distance_mm(pair[1].1);
     }
     let pixels_per_mm =

@@ -1,7 +1,7 @@
 //! Published springs of the joints, by name.
 
 use super::{JointStiffness, StiffnessLibrary};
-use crate::anatomy::{Level, named};
+use crate::anatomy::{Level, SourceCheck, named};
 use crate::spatial::Angle;
 
 /// A table of springs before personalisation.
@@ -25,7 +25,7 @@ pub enum StiffnessTable {
     /// every joint; flexion and axial stiffness in the ratio of [`Self::Paper`] (assumptions).
     ScolioticInVivo,
     /// [`Self::Paper`] with coupling of lateral bending and axial rotation. Thoracic joints turn to the side of the bend
-    /// [willems-1996], by 0.4 of it [fujimori-2014] (figure from memory). T12/L1 turns away from it by 0.5, and the joints below by less and less
+    /// [willems-1996], by 0.4 of it [fujimori-2014] (unverified). T12/L1 turns away from it by 0.5, and the joints below by less and less
     /// [lumbar-coupling-2009]; linear from there to L5/S1 (assumption).
     Coupled,
 }
@@ -71,7 +71,7 @@ impl StiffnessTable {
                     let (ratio, coupling) = coupling(pair[0]);
                     (ratio, format!("{source}; coupling {coupling}"))
                 }
-                _ => (0.0, source.to_owned()),
+                _ => (0.0, source),
             };
             let [inferior, superior] = [pair[0], pair[1]];
             JointStiffness { inferior, superior, nmm_per_rad, axial_per_lateral, source }
@@ -82,14 +82,17 @@ impl StiffnessTable {
 
 named!(StiffnessTable);
 
+/// Source of T12/L1.
+const NEIGHBOURS: &str = "mean of T11/T12 and L1/L2 (assumption)";
+
 /// Lateral, flexion and axial stiffness of the joint above a vertebra, in N·mm/rad.
-fn paper(inferior: Level) -> ([f64; 3], &'static str) {
+fn paper(inferior: Level) -> ([f64; 3], String) {
     let (n_m_per_rad, source): ([f64; 3], _) = match inferior {
         Level::L4 | Level::L3 | Level::L2 => {
-            ([132.0, 126.0, 481.0], "schmidt-1998, ammr-repository")
+            ([132.0, 126.0, 481.0], SourceCheck::SecondHand.cite("schmidt-1998, ammr-repository"))
         }
-        Level::L1 => ([140.0, 139.0, 317.0], "mean of T11/T12 and L1/L2 (assumption)"),
-        _ => ([148.0, 152.0, 153.0], "panjabi-1976, desroches-2007"),
+        Level::L1 => ([140.0, 139.0, 317.0], NEIGHBOURS.to_owned()),
+        _ => ([148.0, 152.0, 153.0], SourceCheck::SecondHand.cite("panjabi-1976, desroches-2007")),
     };
     (n_m_per_rad.map(|value| 1000.0 * value), source)
 }
@@ -98,7 +101,7 @@ fn paper(inferior: Level) -> ([f64; 3], &'static str) {
 const TEST_NMM: f64 = 7500.0;
 
 /// Thoracic springs times a factor per axis; the lumbar ones are those of the paper, T12/L1 the mean of its neighbours.
-fn in_vitro(inferior: Level, factors: [f64; 3]) -> ([f64; 3], &'static str) {
+fn in_vitro(inferior: Level, factors: [f64; 3]) -> ([f64; 3], String) {
     let thoracic = |range_deg: [f64; 3]| -> [f64; 3] {
         // A range covers both directions.
         std::array::from_fn(|axis| {
@@ -107,13 +110,14 @@ fn in_vitro(inferior: Level, factors: [f64; 3]) -> ([f64; 3], &'static str) {
     };
     let with_ribs = factors[0] > 1.0;
     let source = if with_ribs { "wilke-2017, liebsch-2018" } else { "wilke-2017" };
+    let source = SourceCheck::AtSource.cite(source);
     let lower = [8.5, 7.0, 7.5];
     match inferior {
         Level::L4 | Level::L3 | Level::L2 => paper(inferior),
         Level::L1 => {
             let ((below, _), above) = (paper(Level::L2), thoracic(lower));
             let mean = std::array::from_fn(|axis| 0.5 * (below[axis] + above[axis]));
-            (mean, "mean of T11/T12 and L1/L2 (assumption)")
+            (mean, NEIGHBOURS.to_owned())
         }
         Level::T12 | Level::T11 => (thoracic(lower), source),
         Level::T10 | Level::T9 | Level::T8 => (thoracic([8.5, 7.0, 11.0]), source),
@@ -122,23 +126,28 @@ fn in_vitro(inferior: Level, factors: [f64; 3]) -> ([f64; 3], &'static str) {
 }
 
 /// Axial rotation per lateral rotation of the joint above a vertebra.
-fn coupling(inferior: Level) -> (f64, &'static str) {
+fn coupling(inferior: Level) -> (f64, String) {
     // At T12/L1 3.0° of bending and 1.5° of rotation away from it, at L5/S1 3.4° and 0.2° towards it.
     let [upper, lowest] = [1.5 / 3.0, -0.2 / 3.4];
     let between = |joints_below: f64| upper + (lowest - upper) * joints_below / 5.0;
     let lumbar = "lumbar-coupling-2009, linear between T12/L1 and L5/S1 (assumption)";
-    match inferior {
+    let (ratio, source) = match inferior {
         Level::L1 => (upper, "lumbar-coupling-2009"),
         Level::L2 => (between(1.0), lumbar),
         Level::L3 => (between(2.0), lumbar),
         Level::L4 => (between(3.0), lumbar),
-        _ => (-0.4, "willems-1996, fujimori-2014"),
-    }
+        _ => {
+            let size = SourceCheck::Unverified.cite("fujimori-2014");
+            return (-0.4, format!("willems-1996 (side), {size}"));
+        }
+    };
+    (ratio, SourceCheck::AtSource.cite(source))
 }
 
 /// The paper's springs, all multiplied so that lateral bending is that measured in patients.
-fn scoliotic(inferior: Level) -> ([f64; 3], &'static str) {
+fn scoliotic(inferior: Level) -> ([f64; 3], String) {
     let lateral = 1000.0 / Angle::from_deg(0.18).rad();
     let (own, _) = paper(inferior);
-    (own.map(|value| value * lateral / own[0]), "reutlinger-2012 (apical segments)")
+    let source = "reutlinger-2012 (apical segments); ratios of the axes as in `paper` (assumption)";
+    (own.map(|value| value * lateral / own[0]), SourceCheck::AtSource.cite(source))
 }

@@ -28,6 +28,7 @@ mod nearest_t2;
 mod oracle;
 mod oracle_hand;
 mod properties;
+mod published;
 mod response;
 mod rotation_prior;
 mod shared_heights;

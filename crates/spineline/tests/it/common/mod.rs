@@ -8,7 +8,7 @@ pub mod independent;
 
 use proptest::test_runner::{Config as ProptestConfig, RngSeed};
 use spineline::analysis::{Analysis, AnalysisOptions, Case, Subject, analyze};
-use spineline::anatomy::{Level, Posture, Region, SagittalProfile};
+use spineline::anatomy::{Level, PediclePlace, Posture, Region, SagittalProfile};
 use spineline::clinical::{RegionBounds, Regions};
 use spineline::error::Error;
 use spineline::measure::{
@@ -19,7 +19,7 @@ use spineline::measure::{
 use spineline::multibody::{SpineModel, Support};
 use spineline::spatial::{Angle, Frontal, Pixel};
 use spineline::warning::Warnings;
-use spineline_phantom::{Phantom, Readers, Truth, generate};
+use spineline_phantom::{Phantom, Readers, TrueBody, Truth, generate};
 
 /// A small generator of numbers, so that "random" inputs are the same on every machine (xorshift64*).
 pub struct Draw(u64);
@@ -64,6 +64,15 @@ pub fn assert_near(actual: f64, expected: f64, tolerance: f64, what: &str) {
         "{what}: {actual:e} instead of {expected:e}, off by {:e} and not by at most {tolerance:e}",
         actual - expected
     );
+}
+
+/// The axial rotation that the pedicles of a body give after Stokes: its tangent is the true one times the ratio of the distances behind the
+/// centre and beside it, of the body over those of the reader's table.
+pub fn read_axial(body: &TrueBody) -> Angle {
+    let [beside_mm, behind_mm] = body.pedicle_mm();
+    let reader = PediclePlace::of(body.level);
+    let share = (behind_mm / beside_mm) / (reader.behind_mm / reader.beside_mm);
+    Angle::from_rad((share * body.axial.rad().tan()).atan())
 }
 
 /// Phantom of a subject (from 0), seed 1.
