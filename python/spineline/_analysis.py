@@ -395,7 +395,8 @@ def analyze(
     case
         The films.
     identifiability
-        Whether to compute which multipliers the bending films identify: profile likelihoods with 95 % intervals.
+        Whether to compute which multipliers the bending films identify: profile likelihoods with 95 % intervals if the model
+        is exact (``interval_coverage`` in the JSON says how often they hold the true multiplier).
     **options
         Options of the method by their names on the command line, with ``_``: see :class:`MethodOptions`.
 

@@ -82,6 +82,9 @@ class Replicates(Mapping[str, Spread]):
     def interval(self, name: str) -> tuple[float, float]:
         """The central 95 % of a number over the replicates, in its unit: the 2.5 and 97.5 % quantiles.
 
+        The interval of a multiplier is a 95 % interval only if the model is exact: ``interval_coverage`` in the JSON says how
+        often it holds the true one.
+
         Raises
         ------
         InputError

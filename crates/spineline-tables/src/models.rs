@@ -4,7 +4,9 @@ use spineline::anatomy::Region;
 use spineline::evaluate::Simulation;
 use spineline::hypothesis::{HypothesisFit, ShapePrediction};
 use spineline::multibody::JointStiffness;
-use spineline::personalize::{MultiplierInformation, ProfileEnd, StiffnessBound};
+use spineline::personalize::{
+    MULTIPLIER_COVERAGE, MultiplierInformation, ProfileEnd, StiffnessBound,
+};
 
 use crate::Patient;
 use crate::define::{Column, Row, Unit, count, keyed, number, text, truth};
@@ -123,17 +125,20 @@ fn columns_of_multipliers<'a>() -> Vec<Column<MultiplierRow<'a>>> {
             |row| row.item.found.map(|found| found.profile.verdict().key().to_owned()),
         ),
         number(
-            "interval_95_low",
+            "interval_95_if_exact_low",
             Unit::One,
-            "lower end of its 95 % interval; empty where the films set no lower limit",
+            "lower end of its 95 % interval if the model is exact; empty where the films set no lower limit",
             |row| row.item.found.and_then(|found| end(found.profile.lower)),
         ),
         number(
-            "interval_95_high",
+            "interval_95_if_exact_high",
             Unit::One,
-            "upper end of its 95 % interval; empty where the films set no upper limit",
+            "upper end of its 95 % interval if the model is exact; empty where the films set no upper limit",
             |row| row.item.found.and_then(|found| end(found.profile.upper)),
         ),
+        text("interval_coverage", MULTIPLIER_COVERAGE, |row| {
+            row.item.found.map(|_| MULTIPLIER_COVERAGE.to_owned())
+        }),
         number(
             "log_sd",
             Unit::One,

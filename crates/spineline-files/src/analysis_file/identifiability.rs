@@ -3,7 +3,7 @@ use std::collections::BTreeMap;
 use serde::{Deserialize, Serialize};
 use spineline::multibody::JointGroups;
 use spineline::personalize::{
-    Identifiability, MultiplierInformation, ProfileEnd, StiffnessDirection,
+    Identifiability, MULTIPLIER_COVERAGE, MultiplierInformation, ProfileEnd, StiffnessDirection,
 };
 
 /// Identifiability of a model's multipliers from the bending films, in natural logarithms, at the scales of the films that were
@@ -11,6 +11,8 @@ use spineline::personalize::{
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 pub(super) struct IdentifiabilityRecord {
+    /// How often the intervals hold the true multiplier.
+    interval_coverage: String,
     /// By region or joint, under the gauge.
     multipliers: BTreeMap<String, InformationRecord>,
     /// Joint directions of change, the least identified first; from the films alone, without gauge and prior.
@@ -26,8 +28,9 @@ pub(super) struct IdentifiabilityRecord {
 struct InformationRecord {
     /// `interval`, `only_lower`, `only_upper`, `not_identified` or `lost`.
     verdict: String,
-    /// Ends of the 95 % interval of the multiplier; `null` where the films allow every value up to its bound.
-    interval_95: [Option<f64>; 2],
+    /// Ends of the 95 % interval of the multiplier if the model is exact (`interval_coverage`); `null` where the films allow every value up to
+    /// its bound.
+    interval_95_if_exact: [Option<f64>; 2],
     /// From the films alone; `null` where they do not fix it.
     log_sd: Option<f64>,
     /// With the prior; absent where there is none.
@@ -60,6 +63,7 @@ impl IdentifiabilityRecord {
     pub fn new(found: &Identifiability, groups: &JointGroups) -> Self {
         let names = || groups.names().iter().cloned();
         Self {
+            interval_coverage: MULTIPLIER_COVERAGE.to_owned(),
             multipliers: names().zip(found.multipliers.iter().map(information)).collect(),
             directions: found
                 .directions
@@ -85,7 +89,7 @@ fn information(one: &MultiplierInformation) -> InformationRecord {
     };
     InformationRecord {
         verdict: one.profile.verdict().key().to_owned(),
-        interval_95: [end(one.profile.lower), end(one.profile.upper)],
+        interval_95_if_exact: [end(one.profile.lower), end(one.profile.upper)],
         log_sd: finite(one.log_sd),
         log_sd_with_prior: one.log_sd_with_prior.and_then(finite),
         profile: ProfileRecord {

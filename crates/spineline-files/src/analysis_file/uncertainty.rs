@@ -79,6 +79,9 @@ struct SpreadRecord {
     sd: Option<f64>,
     /// Absent for distances and absolute errors, which any noise makes larger.
     interval_95: Option<[f64; 2]>,
+    /// How often the interval of a multiplier holds the true one; absent for other numbers.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    interval_coverage: Option<String>,
     /// The 25, 50 and 75 % quantiles.
     quartiles: Option<[f64; 3]>,
     /// Replicates that have it.
@@ -158,6 +161,7 @@ fn record(found: &QuantitySpread, analysis: &Analysis) -> SpreadRecord {
         mean: spread.map(|s| s.mean),
         sd: spread.map(|s| s.sd),
         interval_95: found.interval_95(),
+        interval_coverage: quantity.interval_caveat().map(str::to_owned),
         quartiles: spread.map(|s| [s.quantiles[1], s.quantiles[2], s.quantiles[3]]),
         count: found.count,
         absent: absent.collect(),

@@ -19,7 +19,7 @@ const MOST_RISE: f64 = 2.0 * Profile::LIMIT;
 
 /// One panel per line of action whose fit converged, with a curve per multiplier. `None` where there is none.
 ///
-/// A curve that crosses the dashed limit on both sides has a 95 % interval; one that stays below is not identified.
+/// A curve that crosses the dashed limit on both sides has a 95 % interval if the model is exact; one that stays below is not identified.
 #[must_use]
 pub fn profiles(analysis: &Analysis, found: &[Option<Identifiability>]) -> Option<String> {
     let models: Vec<(&LineModel, &Identifiability)> =
@@ -27,11 +27,14 @@ pub fn profiles(analysis: &Analysis, found: &[Option<Identifiability>]) -> Optio
     let (first, _) = models.first()?;
     let title = format!("What the films say of every multiplier, case {}", analysis.case_id);
     let mut page = Page::new(title, analysis.synthetic);
-    page.notes.push("Everything else is fitted anew at every value. Below the dashed limit lie the values that the films allow with 95 % confidence.".to_owned());
+    page.notes.push("Everything else is fitted anew at every value. Below the dashed limit lie the values that the films allow with 95 % confidence if the model is exact.".to_owned());
     for (group, name) in first.groups.names().iter().enumerate() {
         page.legend.push((Sample::Stroke(ink(group), Some(marker(group))), name.replace('_', " ")));
     }
-    page.legend.push((Sample::Stroke(LIMIT, None), "limit of the 95 % interval".to_owned()));
+    page.legend.push((
+        Sample::Stroke(LIMIT, None),
+        "limit of the 95 % interval if the model is exact".to_owned(),
+    ));
     page.legend.push((Sample::Stroke(FIT, None), "the fit".to_owned()));
     let width_px = page.inner_px() / models.len() as f64 - 92.0;
     let points =

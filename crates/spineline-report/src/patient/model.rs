@@ -4,7 +4,7 @@ use spineline::analysis::{Analysis, FilmRole, LineModel, LinesCompared};
 use spineline::anatomy::Posture;
 use spineline::evaluate::Baseline;
 use spineline::multibody::StiffnessLibrary;
-use spineline::personalize::{FitStatus, StiffnessBound};
+use spineline::personalize::{FitStatus, MULTIPLIER_COVERAGE, StiffnessBound};
 use spineline::uncertainty::{AnalysisQuantity, Uncertainty};
 
 use super::Patient;
@@ -114,8 +114,8 @@ fn multipliers(patient: &Patient<'_>) -> Table {
         Column::words("Line of action"),
         Column::words("Joints"),
         Column::numbers("Multiplier of the table (1)"),
-        Column::words("95 % interval (films)"),
-        Column::words("95 % interval (landmark noise)"),
+        Column::words("95 % interval if the model is exact (films)"),
+        Column::words("95 % interval if the model is exact (landmark noise)"),
         Column::words("Verdict"),
     ];
     let mut table = Table::new("Multipliers of the lateral stiffness", columns);
@@ -141,13 +141,13 @@ fn multipliers(patient: &Patient<'_>) -> Table {
     }
     let asked = match (patient.identifiability.is_some(), patient.uncertainty.is_some()) {
         (true, true) => "",
-        (false, true) => "`--identifiability` adds intervals from the films.",
-        (true, false) => "`--replicates` adds intervals from landmark noise.",
+        (false, true) => " `--identifiability` adds intervals from the films.",
+        (true, false) => " `--replicates` adds intervals from landmark noise.",
         (false, false) => {
-            "`--identifiability` adds intervals from the films, `--replicates` intervals from landmark noise."
+            " `--identifiability` adds intervals from the films, `--replicates` intervals from landmark noise."
         }
     };
-    table.note = asked.to_owned();
+    table.note = format!("{MULTIPLIER_COVERAGE}{asked}");
     table
 }
 

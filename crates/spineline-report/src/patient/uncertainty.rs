@@ -2,7 +2,9 @@
 
 use spineline::analysis::{Analysis, LineModel, PostureAnalysis};
 use spineline::anatomy::Level;
-use spineline::personalize::{Identifiability, MultiplierInformation, ProfileEnd};
+use spineline::personalize::{
+    Identifiability, MULTIPLIER_COVERAGE, MultiplierInformation, ProfileEnd,
+};
 use spineline::uncertainty::{AnalysisQuantity, QuantityUnit, Uncertainty};
 use spineline::warning::counted;
 
@@ -10,7 +12,7 @@ use crate::document::{Column, Figure, Notice, NoticeKind, Section, Table};
 use crate::figures;
 use crate::phrases::none;
 
-/// An interval of a multiplier from its profile.
+/// An interval of a multiplier from its profile, which holds it if the model is exact.
 pub fn interval(one: &MultiplierInformation, scale: f64) -> String {
     let end = |end: ProfileEnd, open: f64| match end {
         ProfileEnd::At(log) => format!("{:.2}", scale * log.exp()),
@@ -32,7 +34,7 @@ pub fn identifiability(
         Column::words("Line of action"),
         Column::words("Joints"),
         Column::numbers("Ratio to the geometric mean (1)"),
-        Column::words("95 % interval of the ratio"),
+        Column::words("95 % interval of the ratio if the model is exact"),
         Column::numbers("sd of ln (1)"),
         Column::words("What the films identify"),
     ];
@@ -69,8 +71,9 @@ pub fn identifiability(
         }
     }
     let is_free = |film: &PostureAnalysis| film.outline.length.is_free();
+    table.note = MULTIPLIER_COVERAGE.to_owned();
     if analysis.postures.iter().any(is_free) {
-        table.note = "Intervals are conditional on the scales of the films against the erect one, which were found before the fit and are held. Their error is not in these intervals; `--replicates` finds them anew with every set of landmarks.".to_owned();
+        table.note += " Intervals are conditional on the scales of the films against the erect one, which were found before the fit and are held. Their error is not in these intervals; `--replicates` finds them anew with every set of landmarks.";
     }
     section.table(table);
 }
@@ -127,6 +130,7 @@ pub fn numbers(analysis: &Analysis, found: &Uncertainty) -> Section {
         section.paragraph(words);
     }
     section.notice(Notice::new(NoticeKind::Note, Uncertainty::CAVEAT));
+    section.notice(Notice::new(NoticeKind::Note, MULTIPLIER_COVERAGE));
     if found.done < found.requested {
         let text =
             format!("Interrupted: requested were {}.", counted(found.requested, "replicate"));
@@ -135,6 +139,11 @@ pub fn numbers(analysis: &Analysis, found: &Uncertainty) -> Section {
     section.table(places(analysis, found));
     section.table(spreads(analysis, found));
     section
+}
+
+/// What stands behind an interval that holds a number only if the model is exact.
+fn if_exact(quantity: AnalysisQuantity) -> &'static str {
+    quantity.interval_caveat().map_or("", |_| " (if the model is exact)")
 }
 
 /// Deviations of the measured vertebrae, film by film.
@@ -209,9 +218,10 @@ fn spreads(analysis: &Analysis, found: &Uncertainty) -> Table {
             spread.nominal.ok().map_or_else(none, number),
             of.map_or_else(none, |s| number(s.mean)),
             of.map_or_else(none, |s| format!("{:.2}", s.sd)),
-            spread
-                .interval_95()
-                .map_or_else(none, |[low, high]| format!("{} to {}", number(low), number(high))),
+            spread.interval_95().map_or_else(none, |[low, high]| {
+                let only_if = if_exact(spread.quantity);
+                format!("{} to {}{only_if}", number(low), number(high))
+            }),
             format!("{:.1}", 100.0 * spread.count as f64 / found.done.max(1) as f64),
         ]);
     }

@@ -88,8 +88,8 @@ fn rows_equal_the_analysis() {
         analysis.clinical[0].cobb_in(Posture::Erect).map(Angle::deg)
     );
     let multipliers = table(&all, "multipliers");
-    let low = numbers(multipliers, "interval_95_low");
-    let high = numbers(multipliers, "interval_95_high");
+    let low = numbers(multipliers, "interval_95_if_exact_low");
+    let high = numbers(multipliers, "interval_95_if_exact_high");
     for (row, value) in numbers(multipliers, "multiplier").iter().enumerate() {
         assert!(low[row] < *value && (high[row].is_none() || *value < high[row]), "row {row}");
     }

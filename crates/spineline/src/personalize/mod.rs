@@ -38,8 +38,8 @@ pub use crate::least_squares::FitStatus;
 pub use fit::{FittedSprings, Personalization, StiffnessBound, personalize};
 pub(crate) use fit::{Known, personalize_with};
 pub use identify::{
-    Identifiability, MultiplierInformation, Profile, ProfileEnd, ProfilePoint, ProfileVerdict,
-    StiffnessDirection, identify,
+    Identifiability, MULTIPLIER_COVERAGE, MultiplierInformation, Profile, ProfileEnd, ProfilePoint,
+    ProfileVerdict, StiffnessDirection, identify,
 };
 pub use line_test::{Crossing, LineTest, ProposedLine, SIGNIFICANCE};
 pub(crate) use nearby_loads::NearbyLoads;

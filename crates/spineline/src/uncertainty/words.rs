@@ -4,6 +4,7 @@ use super::{AnalysisQuantity, FilmNoise, NoiseSource, QuantityUnit, Uncertainty,
 use crate::analysis::Analysis;
 use crate::anatomy::Posture;
 use crate::clinical::SagittalPart;
+use crate::personalize::MULTIPLIER_COVERAGE;
 
 impl Uncertainty {
     /// A caveat on the intervals.
@@ -14,6 +15,15 @@ impl Uncertainty {
 }
 
 impl AnalysisQuantity {
+    /// What its interval does not hold, in words; `None` where [`Uncertainty::CAVEAT`] says all.
+    #[must_use]
+    pub const fn interval_caveat(self) -> Option<&'static str> {
+        match self {
+            Self::LogMultiplier(..) => Some(MULTIPLIER_COVERAGE),
+            _ => None,
+        }
+    }
+
     /// Whether a report shows it; what it leaves to files are numbers of single vertebrae and regions.
     #[must_use]
     pub const fn is_reported(self) -> bool {

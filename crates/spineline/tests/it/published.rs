@@ -2,6 +2,7 @@
 
 use spineline::anatomy::{Level, Morphometry, PublishedNumbers, SourceCheck};
 use spineline::multibody::StiffnessTable;
+use spineline::personalize::MULTIPLIER_COVERAGE;
 
 use crate::common::assert_near;
 
@@ -105,4 +106,23 @@ fn distances_of_typical_midpoints_are_those_of_the_cts() {
 #[test]
 fn corrected_cells_have_their_published_values() {
     assert_eq!(Morphometry::of(Level::T1).body_height_mm, 14.3);
+}
+
+#[test]
+fn documents_say_how_often_intervals_and_regions_hold_what_they_should() {
+    let documents = [
+        include_str!("../../../../docs/claims.md"),
+        include_str!("../../../../docs/guide/src/numbers.md"),
+        include_str!("../../../../docs/guide/src/sure.md"),
+        include_str!("../../../../docs/paper/paper.md"),
+    ];
+    for figure in ["34 to 79 %", "30 to 44 %"] {
+        assert!(MULTIPLIER_COVERAGE.contains(figure), "{figure}");
+    }
+    for document in documents {
+        for figure in ["34 to 79 %", "30 to 44 %", "9 to 24 %", "80 to 86 %"] {
+            assert!(document.contains(figure), "{figure} is missing in\n{document}");
+        }
+    }
+    assert!(include_str!("../../../../docs/guide/src/compare.md").contains("9 to 24 %"));
 }

@@ -4,6 +4,7 @@ use std::sync::atomic::Ordering;
 
 use spineline::analysis::Analysis;
 use spineline::anatomy::Posture;
+use spineline::personalize::MULTIPLIER_COVERAGE;
 use spineline::uncertainty::{AnalysisQuantity, QuantitySpread, QuantityUnit, Uncertainty};
 use spineline_report::document::Section;
 use spineline_report::patient::parts;
@@ -56,7 +57,7 @@ fn add(view: &mut ComputationView, job: &ComputationJob, found: &Found) {
 
 fn texts(found: &Uncertainty) -> Vec<String> {
     let words = found.noise_words().into_iter().chain(found.failure_words());
-    words.chain([Uncertainty::CAVEAT.to_owned()]).collect()
+    words.chain([Uncertainty::CAVEAT, MULTIPLIER_COVERAGE].map(str::to_owned)).collect()
 }
 
 /// Angles of the erect film, scales of films, multipliers and forces.
@@ -83,6 +84,7 @@ fn interval(analysis: &Analysis, one: &QuantitySpread) -> Option<IntervalView> {
             Some((value, quantiles)) => (value, quantiles[0], quantiles[4]),
             None => (one.nominal.ok()?, low, high),
         };
+    let only_if = one.quantity.interval_caveat().map_or("", |_| " (if the model is exact)");
     let label = one.quantity.label(analysis);
     let label = if multiplier.is_some() { label.replace("ln of the ", "") } else { label };
     let text = |number: f64| match one.quantity.unit(analysis) {
@@ -96,6 +98,6 @@ fn interval(analysis: &Analysis, one: &QuantitySpread) -> Option<IntervalView> {
     Some(IntervalView {
         label,
         value: text(value),
-        interval: format!("{} to {}", text(low), text(high)),
+        interval: format!("{} to {}{only_if}", text(low), text(high)),
     })
 }
