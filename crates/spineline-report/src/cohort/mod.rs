@@ -107,6 +107,7 @@ fn how(patients: &Patients<'_>) -> Section {
     // All patients of a run share their options.
     if let Some(first) = patients.analyses.first() {
         section.table(patient::options(patients.generator, &first.options));
+        section.table(patient::published());
     }
     section.paragraph("Statistics: a patient is the unit. One mean per patient enters every interval and every test except those called pooled, which are the paper's and treat vertebrae of one spine as independent. Intervals resample patients.");
     section

@@ -26,7 +26,7 @@ pub fn how(patient: &Patient<'_>) -> Section {
 }
 
 /// The published numbers of a typical spine, and how far they were compared with their sources.
-fn published() -> Table {
+pub(crate) fn published() -> Table {
     let columns = vec![
         Column::words("Numbers"),
         Column::words("Used for"),

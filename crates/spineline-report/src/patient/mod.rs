@@ -20,7 +20,7 @@ use crate::figures::{self, FilmPicture};
 use crate::hypotheses;
 
 pub use check::{check, film_warnings, films_table};
-pub(crate) use method::options;
+pub(crate) use method::{options, published};
 pub use summary::{summary, warnings};
 
 /// What a report is made from.
