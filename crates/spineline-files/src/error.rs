@@ -124,20 +124,19 @@ pub enum FileError {
         /// Film.
         posture: Posture,
     },
-    /// A standard deviation that is negative.
-    #[error("{posture} film: `lengths.relative_sd` is negative")]
-    ScaleSd {
-        /// Film.
-        posture: Posture,
-    },
     /// A spacing in one direction only, or a plane without a spacing.
     #[error(
-        "{posture} film: `column_spacing_mm`, `row_spacing_mm` and `spacing_plane` contradict one another"
+        "{posture} film: `column_spacing_mm`, `row_spacing_mm`, `pixel_aspect` and `spacing_plane` contradict one another"
     )]
     SpacingIncomplete {
         /// Film.
         posture: Posture,
     },
+    /// A spacing of the lateral film in one direction only, or beside the shape of a pixel.
+    #[error(
+        "lateral film: `column_spacing_mm` and `row_spacing_mm` are given together and without `pixel_aspect`, or not at all"
+    )]
+    LateralSpacing,
     /// A spacing in millimetres for a film in pixels.
     #[error("{posture} film: `spacing_plane` is `pixels`, but a spacing in mm is given")]
     SpacingOfPixels {
@@ -338,15 +337,15 @@ impl FileError {
             Self::LengthsOfCorners { .. } => {
                 "remove `lengths`: corners take their unit from the spacing and `spacing_plane` of `image`"
             }
-            Self::ScaleSd { .. } => {
-                "a scale that is known exactly has 0, one with an error of 1 % has 0.01; leave it out if nothing is known"
-            }
             Self::CaseId { .. } => "use a short pseudonym, and never the name of a person",
             Self::PictureTwice { .. } => {
                 "a film shows one posture: name the right picture, or remove the film that was not taken"
             }
+            Self::LateralSpacing => {
+                "give both spacings, `pixel_aspect` alone, or none of the three"
+            }
             Self::SpacingIncomplete { .. } => {
-                "give both spacings and their plane (patient, detector or unknown), or neither and `pixels`"
+                "give both spacings and their plane (patient, detector or unknown), or neither and `pixels`, with `pixel_aspect` where pixels are not square"
             }
             Self::SpacingOfPixels { .. } => {
                 "remove the spacings, or give their plane: patient, detector or unknown"

@@ -153,7 +153,7 @@ fn text(value: &PrimitiveValue) -> Option<String> {
 }
 
 /// A decimal string: digits, sign, point and exponent of ten. A comma, a text, or an overflow is none.
-fn decimal(text: &str) -> Option<f64> {
+pub(super) fn decimal(text: &str) -> Option<f64> {
     let text = text.trim_matches(|c: char| c == ' ' || c == '\0');
     let plain = text.bytes().all(|b| b.is_ascii_digit() || b"+-.eE".contains(&b));
     // Not `inf` nor `nan`, which Rust would read.

@@ -210,7 +210,7 @@ pub enum FilmError {
         missing: Attribute,
     },
     /// More than one frame.
-    #[error("it holds {frames} frames, but a film has one")]
+    #[error("it holds {frames} frames or pages, but a film has one")]
     Frames {
         /// How many; 0 if the value is damaged.
         frames: u32,
@@ -404,7 +404,7 @@ impl FilmError {
                 "choose a radiograph: CR, DX, RG, RF, XA, MG, or a digitised film (SC, OT, HC)"
             }
             Self::NoPixels { .. } => "choose the image object of the study, not its report or plan",
-            Self::Frames { .. } => "export the one frame that is the film",
+            Self::Frames { .. } => "export the one frame or page that is the film",
             Self::Photometric { .. } | Self::PixelFormat { .. } => {
                 "export the film as 8 or 16 bit greyscale"
             }

@@ -30,14 +30,17 @@ mod film;
 pub mod intake;
 mod limits;
 mod lookup;
+mod pair;
 mod patient;
 mod pixels;
 mod raster;
 mod read;
 mod record;
 mod remark;
+mod resolution;
 mod rle;
 mod scan;
+mod spacing_question;
 mod tags;
 mod uid;
 mod write;
@@ -60,6 +63,8 @@ pub use lookup::{Look, Lut, ModalityTransform, Voi, Window, WindowFunction};
 pub use patient::PatientMarks;
 pub use read::{read_data_set, read_film};
 pub use remark::FilmRemark;
+pub use resolution::{Resolution, ResolutionUnit};
+pub use spacing_question::spacing_question;
 pub use write::{
     DicomFilm, Encoding, FilmPolarity, View, WriteFilmError, pixels_sha256, write_dicom,
 };

@@ -68,13 +68,15 @@ pub struct PatientMarks {
 
 impl PatientMarks {
     pub(super) fn read(data: &InMemDicomObject) -> Self {
-        let mark = |attribute| {
-            let text = data.text(attribute)?;
-            let mut hasher = DefaultHasher::new();
-            text.to_ascii_uppercase().hash(&mut hasher);
-            Some(hasher.finish())
-        };
+        let mark = |attribute| data.text(attribute).map(|text| mark(&text));
         Self { id: mark(PATIENT_ID), birth_date: mark(BIRTH_DATE), sex: mark(SEX) }
+    }
+
+    /// The identity that an archive states by a Patient ID alone.
+    #[must_use]
+    pub fn of_id(patient_id: &str) -> Self {
+        let id = patient_id.trim_matches([' ', '\0']);
+        Self { id: (id.is_ascii() && !id.is_empty()).then(|| mark(id)), ..Self::default() }
     }
 
     /// Names of the attributes that both files state, and state differently.
@@ -94,6 +96,12 @@ impl PatientMarks {
         let differ = |a: Option<u64>, b: Option<u64>| a.zip(b).is_some_and(|(a, b)| a != b);
         pairs.into_iter().filter(|&(_, a, b)| differ(a, b)).map(|(name, ..)| name).collect()
     }
+}
+
+fn mark(text: &str) -> u64 {
+    let mut hasher = DefaultHasher::new();
+    text.to_ascii_uppercase().hash(&mut hasher);
+    hasher.finish()
 }
 
 /// A remark where the file states another part of the body than the spine, by Body Part Examined or as a mammogram.

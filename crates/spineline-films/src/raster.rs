@@ -1,4 +1,5 @@
-//! Pictures without a data set: PNG, JPEG and TIFF. They have no spacing and no view; both have to be asked for.
+//! Pictures without a data set: PNG, JPEG and TIFF. They have no spacing and no view; both have to be asked for. The shape of their pixels
+//! follows from their resolutions.
 
 use std::io::Cursor;
 
@@ -9,6 +10,7 @@ use spineline::measure::{SpacingEvidence, ViewEvidence};
 use super::codec::foreign;
 use super::error::{Codec, CodecFault, FilmError, Measure, UnsupportedPhotometric};
 use super::pixels::luminance;
+use super::resolution;
 use super::{
     FilmFile, FilmKind, FilmLimits, FilmRemark, FilmTags, FilmUids, Look, Photometric, StoredPixels,
 };
@@ -19,7 +21,22 @@ pub(super) fn read(
     limits: &FilmLimits,
 ) -> Result<FilmFile, FilmError> {
     let mut remarks = vec![FilmRemark::NoModality, FilmRemark::BurnedInUnknown];
-    let image = decode(bytes, kind, limits, &mut remarks)?;
+    let stated = resolution::stated(bytes, kind);
+    if stated.pictures > 1 {
+        return Err(FilmError::Frames { frames: stated.pictures });
+    }
+    let (image, orientation) = decode(bytes, kind, limits)?;
+    let resolution =
+        stated.resolution.map(|one| if is_turned(orientation) { one.turned() } else { one });
+    if orientation != Orientation::NoTransforms {
+        remarks.push(FilmRemark::CameraOrientation);
+    }
+    let unequal = resolution.filter(|one| !one.is_square());
+    remarks.extend(match resolution {
+        Some(one) if !one.is_square() => Some(FilmRemark::UnequalResolution(one)),
+        Some(one) if one.is_meant() => Some(FilmRemark::ResolutionNotUsed(one)),
+        _ => None,
+    });
     let (columns, rows) = (image.width(), image.height());
     if image.color().has_alpha() {
         remarks.push(FilmRemark::Transparency);
@@ -43,7 +60,10 @@ pub(super) fn read(
     };
     let tags = FilmTags {
         modality: None,
-        spacing: SpacingEvidence::default(),
+        spacing: SpacingEvidence {
+            pixel_aspect: unequal.map(|one| one.pixel_aspect()),
+            ..SpacingEvidence::default()
+        },
         view: ViewEvidence::default(),
         photometric,
         presentation_lut_shape: None,
@@ -71,8 +91,7 @@ fn decode(
     bytes: &[u8],
     kind: FilmKind,
     limits: &FilmLimits,
-    remarks: &mut Vec<FilmRemark>,
-) -> Result<DynamicImage, FilmError> {
+) -> Result<(DynamicImage, Orientation), FilmError> {
     let format = match kind {
         FilmKind::Jpeg => ImageFormat::Jpeg,
         FilmKind::Tiff => ImageFormat::Tiff,
@@ -95,9 +114,17 @@ fn decode(
     }
     let orientation = foreign(|| decoder.orientation()).unwrap_or(Orientation::NoTransforms);
     let mut image = foreign(|| DynamicImage::from_decoder(decoder)).map_err(fault)?;
-    if orientation != Orientation::NoTransforms {
-        image.apply_orientation(orientation);
-        remarks.push(FilmRemark::CameraOrientation);
-    }
-    Ok(image)
+    image.apply_orientation(orientation);
+    Ok((image, orientation))
+}
+
+/// Whether rows become columns.
+const fn is_turned(orientation: Orientation) -> bool {
+    matches!(
+        orientation,
+        Orientation::Rotate90
+            | Orientation::Rotate270
+            | Orientation::Rotate90FlipH
+            | Orientation::Rotate270FlipH
+    )
 }

@@ -14,6 +14,7 @@ pub(super) mod spacing {
         source_to_detector_mm: Option<f64>,
         source_to_patient_mm: Option<f64>,
         scanned_mm: Option<[f64; 2]>,
+        pixel_aspect: Option<f64>,
     }
 
     pub(crate) fn serialize<S: Serializer>(e: &SpacingEvidence, to: S) -> Result<S::Ok, S::Error> {
@@ -25,6 +26,7 @@ pub(super) mod spacing {
             source_to_detector_mm: e.source_to_detector_mm,
             source_to_patient_mm: e.source_to_patient_mm,
             scanned_mm: e.scanned_mm,
+            pixel_aspect: e.pixel_aspect,
         }
         .serialize(to)
     }
@@ -45,6 +47,7 @@ pub(super) mod spacing {
             source_to_detector_mm: record.source_to_detector_mm,
             source_to_patient_mm: record.source_to_patient_mm,
             scanned_mm: record.scanned_mm,
+            pixel_aspect: record.pixel_aspect,
         })
     }
 }

@@ -3,7 +3,7 @@ use std::fmt;
 
 use serde::{Deserialize, Serialize};
 
-use super::Attribute;
+use super::{Attribute, Resolution};
 
 /// A remark on a film's file. Contains no text of the file.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -56,8 +56,26 @@ pub enum FilmRemark {
         /// Which.
         attribute: Attribute,
     },
-    /// Non-square pixels without a spacing; the aspect is not used.
-    AspectNotUsed,
+    /// A pair of distances or a ratio that is not written as the standard has it; it can be meant in one way alone and is used.
+    PairReadAs {
+        /// Which.
+        attribute: Attribute,
+        /// Its text.
+        text: Cow<'static, str>,
+        /// What it is read as: down first, as the standard has it.
+        values: [f64; 2],
+    },
+    /// A pair of distances or a ratio that cannot be read; it is not used.
+    PairUnreadable {
+        /// Which.
+        attribute: Attribute,
+        /// Its text.
+        text: Cow<'static, str>,
+    },
+    /// Other resolutions across and down: the shape of a pixel is taken from them.
+    UnequalResolution(Resolution),
+    /// A resolution, which is not used as a scale: it may be that of a scanner, of a printer or of nothing.
+    ResolutionNotUsed(Resolution),
     /// The file states that text is burned into the picture: it may contain the patient's name.
     BurnedIn,
     /// The file does not state whether text is burned into the picture: inspect it before passing it on.
@@ -118,8 +136,23 @@ impl fmt::Display for FilmRemark {
             Self::LookupUnusable { attribute } => {
                 write!(f, "{attribute} cannot be used for display")
             }
-            Self::AspectNotUsed => f.write_str(
-                "Pixel Aspect Ratio states that pixels are not square, but no spacing does; it is not used",
+            Self::PairReadAs { attribute, text, values: [down, across] } => write!(
+                f,
+                "{attribute} is `{text}` and not two values with a backslash between them; it is read as {down} down and {across} across (--spacing COLUMN,ROW,PLANE states another spacing)"
+            ),
+            Self::PairUnreadable { attribute, text } => write!(
+                f,
+                "{attribute} is `{text}`, which is not two values with a backslash between them; it is not used (--spacing COLUMN,ROW,PLANE states the spacing)"
+            ),
+            Self::UnequalResolution(resolution) => write!(
+                f,
+                "the file states {resolution}: its pixels are taken as {:.3} times as high as wide (--spacing COLUMN,ROW,PLANE states another spacing)",
+                resolution.pixel_aspect()
+            ),
+            Self::ResolutionNotUsed(resolution) => write!(
+                f,
+                "the file states {resolution}; this is not used as a scale, because it may be that of a screen or a printer{}",
+                resolution.spacing_words()
             ),
             Self::BurnedIn => {
                 f.write_str("text is burned into the picture: inspect it before passing it on")

@@ -4,12 +4,12 @@ use dicom_core::value::Value;
 use dicom_object::InMemDicomObject;
 use spineline::measure::{
     CalibrationType, PatientDirection, SpacingEvidence, Stance, ViewEvidence, ViewPosition,
-    judge_spacing,
 };
 
-use super::element::{Attributes, DataSet, number, numbers};
+use super::element::{Attributes, DataSet, number};
 use super::error::FilmError;
 use super::lookup::{Look, look};
+use super::pair::{aspect, pair};
 use super::patient::{PatientMarks, other_body_part};
 use super::scan::PIXEL_DATA;
 use super::{
@@ -72,7 +72,6 @@ pub(super) fn read(
     }
     let burned_in = burned_in(data, remarks);
     let spacing = spacing(data, remarks);
-    remarks.extend(unused_aspect(data, &spacing));
     let tags = FilmTags {
         modality,
         spacing,
@@ -135,20 +134,6 @@ fn burned_in(data: &InMemDicomObject, remarks: &mut Vec<FilmRemark>) -> Option<b
     burned_in
 }
 
-/// A pixel aspect ratio that cannot be read, or that no spacing accounts for.
-fn unused_aspect(data: &InMemDicomObject, spacing: &SpacingEvidence) -> Option<FilmRemark> {
-    match data.text(ASPECT).as_deref().map(|text| text.split_once('\\')) {
-        None => None,
-        Some(None) => Some(FilmRemark::Unusable { attribute: ASPECT }),
-        Some(Some((down, across)))
-            if down.trim() != across.trim() && judge_spacing(spacing).spacing.is_none() =>
-        {
-            Some(FilmRemark::AspectNotUsed)
-        }
-        Some(Some(_)) => None,
-    }
-}
-
 fn modality(
     data: &InMemDicomObject,
     remarks: &mut Vec<FilmRemark>,
@@ -192,19 +177,6 @@ fn refuse_other_pixels(data: &DataSet<'_>) -> Result<(), FilmError> {
     }
 }
 
-fn pair(
-    data: &InMemDicomObject,
-    attribute: Attribute,
-    remarks: &mut Vec<FilmRemark>,
-) -> Option<[f64; 2]> {
-    let values = numbers(data, attribute, remarks)?;
-    if let [row, column] = values[..] {
-        return Some([row, column]);
-    }
-    remarks.push(FilmRemark::Unusable { attribute });
-    None
-}
-
 fn spacing(data: &InMemDicomObject, remarks: &mut Vec<FilmRemark>) -> SpacingEvidence {
     let calibration = data.text(CALIBRATION).and_then(|text| match text.as_str() {
         "GEOMETRY" => Some(CalibrationType::Geometry),
@@ -222,6 +194,7 @@ fn spacing(data: &InMemDicomObject, remarks: &mut Vec<FilmRemark>) -> SpacingEvi
         source_to_detector_mm: number(data, Attribute(0x0018, 0x1110), remarks),
         source_to_patient_mm: number(data, Attribute(0x0018, 0x1111), remarks),
         scanned_mm: pair(data, Attribute(0x0018, 0x2010), remarks),
+        pixel_aspect: aspect(data, ASPECT, remarks),
     }
 }
 

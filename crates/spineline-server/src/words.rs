@@ -13,12 +13,16 @@ pub fn plane_of(image: &ImageGeometry) -> PlaneName {
 
 /// Height of a pixel over its width, 1 where unknown.
 pub fn pixel_aspect(spacing: Option<Spacing>) -> f64 {
-    spacing.map_or(1.0, |spacing| spacing.row_mm / spacing.column_mm)
+    spacing.map_or(1.0, |spacing| spacing.aspect())
 }
 
 /// Text of a spacing with source and uncertainty.
 pub fn spacing_text(spacing: Option<Spacing>) -> String {
     let Some(spacing) = spacing else { return "no scale: angles only".to_owned() };
+    if !spacing.has_millimetres() {
+        let aspect = spacing.aspect();
+        return format!("no scale: angles only, with pixels {aspect:.3} times as high as wide");
+    }
     let Spacing { column_mm, row_mm, plane, source, relative_sd } = spacing;
     let mut text = format!("{column_mm:.3} mm × {row_mm:.3} mm, {}", plane.unit());
     if source != SpacingSource::Stated {

@@ -211,6 +211,13 @@ fn place_of_film(error: &MeasureError) -> ErrorPlace {
             limit: Some(if size_mm < least_mm { *least_mm } else { *most_mm }),
             ..on_film(*posture)
         },
+        E::Length { posture, size } => {
+            ErrorPlace { value: Some(size.value()), limit: Some(size.limit()), ..on_film(*posture) }
+        }
+        E::TiltsInRadians { posture, .. } | E::TiltsReversed { posture, .. } => on_film(*posture),
+        E::ScaleSd { posture, value, most } => {
+            ErrorPlace { value: Some(*value), limit: Some(*most), ..on_film(*posture) }
+        }
         E::TopMissing { posture, highest } => ErrorPlace { level: *highest, ..on_film(*posture) },
         E::BaseMissing { posture, lowest } => {
             ErrorPlace { level: Some(*lowest), ..on_film(*posture) }
@@ -227,6 +234,13 @@ fn place_of_film(error: &MeasureError) -> ErrorPlace {
         | E::OffImage { posture, level, .. } => {
             ErrorPlace { level: Some(*level), ..on_film(*posture) }
         }
+        E::CrestOffImage { posture, .. } => on_film(*posture),
+        E::CornerSd { posture, level, value, most, .. } => ErrorPlace {
+            level: Some(*level),
+            value: Some(*value),
+            limit: Some(*most),
+            ..on_film(*posture)
+        },
         E::Confidence { posture, level, value, .. } => {
             ErrorPlace { level: Some(*level), value: Some(*value), ..on_film(*posture) }
         }
@@ -256,6 +270,9 @@ fn place_of_lateral(fault: &LateralFault) -> ErrorPlace {
     let lateral = ErrorPlace { on_lateral_film: true, ..ErrorPlace::default() };
     match fault {
         LateralFault::NoObserver { .. } | LateralFault::DuplicateReading { .. } => lateral,
+        LateralFault::Length { size } => {
+            ErrorPlace { value: Some(size.value()), limit: Some(size.limit()), ..lateral }
+        }
         LateralFault::Spacing { value, .. } => ErrorPlace { value: Some(*value), ..lateral },
         LateralFault::NotFinite { level, .. } | LateralFault::OffImage { level, .. } => {
             ErrorPlace { level: Some(*level), ..lateral }

@@ -137,7 +137,7 @@ fn in_picture(
     detect(&Picture {
         columns: shown.columns as usize,
         rows: shown.rows as usize,
-        pixel_aspect: image.spacing.map_or(1.0, |spacing| spacing.row_mm / spacing.column_mm),
+        pixel_aspect: image.spacing.map_or(1.0, |spacing| spacing.aspect()),
         patient_left: image.patient_left,
         values: &values,
     })

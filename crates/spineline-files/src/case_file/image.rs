@@ -22,6 +22,9 @@ pub(super) struct ImageRecord {
     /// Distance between neighbouring rows.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     row_spacing_mm: Option<f64>,
+    /// Height of a pixel over its width, where there are no millimetres and pixels are not taken as square.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pixel_aspect: Option<f64>,
     /// Plane in which the millimetres were measured; `pixels` where there are none.
     #[serde(default = "unknown_plane")]
     spacing_plane: Key<SpacingPlane>,
@@ -69,7 +72,7 @@ pub struct FilmSource {
 pub fn parse_image(image: &Value, view: FilmView) -> Result<ImageGeometry, FileError> {
     match view {
         FilmView::Frontal(posture) => record(image)?.geometry(posture),
-        FilmView::Lateral => Ok(lateral_record(image)?.geometry()),
+        FilmView::Lateral => lateral_record(image)?.geometry(),
     }
 }
 
@@ -131,7 +134,11 @@ impl ImageRecord {
     }
 
     pub fn geometry(&self, posture: Posture) -> Result<ImageGeometry, FileError> {
+        let source = self.spacing_source.map_or(SpacingSource::Stated, |key| key.0);
         let spacing = match (self.column_spacing_mm, self.row_spacing_mm, self.spacing_plane.0) {
+            (Some(_), Some(_), _) if self.pixel_aspect.is_some() => {
+                return Err(FileError::SpacingIncomplete { posture });
+            }
             (Some(_), Some(_), SpacingPlane::Pixels) => {
                 return Err(FileError::SpacingOfPixels { posture });
             }
@@ -139,10 +146,12 @@ impl ImageRecord {
                 column_mm,
                 row_mm,
                 plane,
-                source: self.spacing_source.map_or(SpacingSource::Stated, |key| key.0),
+                source,
                 relative_sd: self.spacing_relative_sd,
             }),
-            (None, None, SpacingPlane::Pixels | SpacingPlane::Unknown) => None,
+            (None, None, SpacingPlane::Pixels | SpacingPlane::Unknown) => {
+                self.pixel_aspect.map(|aspect| Spacing::of_aspect(aspect, source))
+            }
             _ => return Err(FileError::SpacingIncomplete { posture }),
         };
         Ok(ImageGeometry {
@@ -154,12 +163,13 @@ impl ImageRecord {
     }
 
     pub fn of(image: &ImageGeometry) -> Self {
-        let spacing = image.spacing;
+        let (spacing, scale) = (image.spacing, image.scale());
         Self {
             columns: image.columns,
             rows: image.rows,
-            column_spacing_mm: spacing.map(|s| s.column_mm),
-            row_spacing_mm: spacing.map(|s| s.row_mm),
+            column_spacing_mm: scale.map(|s| s.column_mm),
+            row_spacing_mm: scale.map(|s| s.row_mm),
+            pixel_aspect: spacing.filter(|s| !s.has_millimetres()).map(|s| s.aspect()),
             spacing_plane: spacing.map_or(SpacingPlane::Pixels, |s| s.plane).into(),
             spacing_source: spacing
                 .map(|s| SourceKey(s.source))

@@ -4,10 +4,12 @@ use serde::{Deserialize, Serialize};
 use spineline::anatomy::ImageSide;
 use spineline::measure::{
     ImageGeometry, LateralCorners, LateralFilm, Reading, ReadingId, Spacing, SpacingPlane,
+    SpacingSource,
 };
 
 use super::image::FilmSource;
 use super::{pair, pixel};
+use crate::FileError;
 use crate::keys::{ByLevel, Key, LevelKey};
 
 /// A lateral film of the standing patient.
@@ -37,6 +39,9 @@ pub(super) struct LateralImageRecord {
     /// Distance between neighbouring rows.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     row_spacing_mm: Option<f64>,
+    /// Height of a pixel over its width, where there are no millimetres and pixels are not taken as square.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pixel_aspect: Option<f64>,
     /// Side of the picture on which the patient's front is.
     patient_anterior: Key<ImageSide>,
     /// Picture file, beside the case file.
@@ -72,8 +77,8 @@ struct LateralVertebraRecord {
 }
 
 impl LateralRecord {
-    pub fn film(self) -> LateralFilm {
-        let image = self.image.geometry();
+    pub fn film(self) -> Result<LateralFilm, FileError> {
+        let image = self.image.geometry()?;
         let readings = self.readings.into_iter().map(|reading| Reading {
             id: ReadingId::new(reading.observer, reading.repeat),
             vertebrae: reading
@@ -83,14 +88,14 @@ impl LateralRecord {
                 .map(|(LevelKey(level), corners)| (level, corners.corners()))
                 .collect(),
         });
-        LateralFilm {
+        Ok(LateralFilm {
             columns: image.columns,
             rows: image.rows,
             spacing: image.spacing,
             patient_anterior: image.patient_left,
             simultaneous: self.simultaneous,
             readings: readings.collect(),
-        }
+        })
     }
 
     pub fn of(film: &LateralFilm) -> Self {
@@ -112,24 +117,31 @@ impl LateralRecord {
 
 impl LateralImageRecord {
     /// As seen with the front where a frontal film has the left.
-    pub fn geometry(&self) -> ImageGeometry {
-        let spacing = self.column_spacing_mm.zip(self.row_spacing_mm);
-        ImageGeometry {
+    pub fn geometry(&self) -> Result<ImageGeometry, FileError> {
+        let spacing = match (self.column_spacing_mm, self.row_spacing_mm, self.pixel_aspect) {
+            (Some(column_mm), Some(row_mm), None) => {
+                Some(Spacing::stated(column_mm, row_mm, SpacingPlane::Unknown))
+            }
+            (None, None, aspect) => {
+                aspect.map(|aspect| Spacing::of_aspect(aspect, SpacingSource::Stated))
+            }
+            _ => return Err(FileError::LateralSpacing),
+        };
+        Ok(ImageGeometry {
             columns: self.columns,
             rows: self.rows,
-            spacing: spacing.map(|(column_mm, row_mm)| {
-                Spacing::stated(column_mm, row_mm, SpacingPlane::Unknown)
-            }),
+            spacing,
             patient_left: self.patient_anterior.0,
-        }
+        })
     }
 
     pub fn of(image: &ImageGeometry) -> Self {
         Self {
             columns: image.columns,
             rows: image.rows,
-            column_spacing_mm: image.spacing.map(|s| s.column_mm),
-            row_spacing_mm: image.spacing.map(|s| s.row_mm),
+            column_spacing_mm: image.scale().map(|s| s.column_mm),
+            row_spacing_mm: image.scale().map(|s| s.row_mm),
+            pixel_aspect: image.spacing.filter(|s| !s.has_millimetres()).map(|s| s.aspect()),
             patient_anterior: image.patient_left.into(),
             file: None,
             sha256: None,

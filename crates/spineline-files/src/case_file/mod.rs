@@ -248,7 +248,7 @@ impl CaseFile {
             lenke: subject.lenke,
         });
         let films = self.films.into_iter().map(FilmRecord::into_film).collect::<Result<_, _>>()?;
-        let lateral = self.lateral.map(LateralRecord::film);
+        let lateral = self.lateral.map(LateralRecord::film).transpose()?;
         Ok(Case { id: self.case_id, synthetic: self.synthetic, subject, films, lateral })
     }
 
@@ -331,9 +331,6 @@ impl FilmRecord {
             let source = self.placement_source.0;
             let implied = LengthsRecord::implied(self.image.as_ref(), source);
             let lengths = self.lengths.unwrap_or(implied);
-            if lengths.relative_sd.is_some_and(|sd| sd < 0.0) {
-                return Err(FileError::ScaleSd { posture });
-            }
             let landmarks = FilmLandmarks::Placements {
                 spacing_plane: lengths.plane.0,
                 scale_relative_sd: lengths.relative_sd,

@@ -76,6 +76,9 @@ pub fn prior(text: &str) -> Result<Prior, String> {
     }
 }
 
+/// Least standard deviation of the length of a film, in percent: what is less was meant as a fraction, or is below what landmarks show.
+const MIN_LENGTH_SD_PERCENT: f64 = 0.1;
+
 /// `per-film`, `as-marked` or a standard deviation in percent.
 ///
 /// # Errors
@@ -85,13 +88,20 @@ pub fn film_lengths(text: &str) -> Result<FilmLengthRule, String> {
         "per-film" => Ok(FilmLengthRule::default()),
         "as-marked" => Ok(FilmLengthRule::AsMarked),
         percent => match number(percent) {
-            Ok(percent @ 0.01..=50.0) => {
+            Ok(percent @ MIN_LENGTH_SD_PERCENT..=50.0) => {
                 Ok(FilmLengthRule::PerFilm { relative_sd: 0.01 * percent })
             }
-            _ => Err(
-                "expected `per-film`, `as-marked`, or a standard deviation from 0.01 to 50 percent"
-                    .to_owned(),
-            ),
+            given => {
+                let fraction =
+                    given.ok().filter(|part| (0.002..MIN_LENGTH_SD_PERCENT).contains(part));
+                let hint = fraction.map_or_else(String::new, |part| {
+                    let percent = (1e9 * 100.0 * part).round() / 1e9;
+                    format!("; a fraction of {part} is {percent} percent")
+                });
+                Err(format!(
+                    "expected `per-film`, `as-marked`, or a standard deviation from {MIN_LENGTH_SD_PERCENT} to 50 percent{hint}"
+                ))
+            }
         },
     }
 }

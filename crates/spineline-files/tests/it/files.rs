@@ -74,8 +74,39 @@ fn confidences_and_estimated_levels_are_kept_in_a_case() {
     let lengths = "\"posture\": \"erect\", \"lengths\": { \"plane\": \"patient\" }";
     let corners = text.replacen("\"posture\": \"erect\"", lengths, 1);
     assert!(matches!(refused(&corners), FileError::LengthsOfCorners { .. }));
-    let negative = text.replacen("\"relative_sd\": 0.02", "\"relative_sd\": -0.02", 1);
-    assert!(matches!(refused(&negative), FileError::ScaleSd { .. }));
+}
+
+#[test]
+fn a_shape_of_pixels_round_trips_and_does_not_stand_beside_a_spacing() {
+    // Synthetic.
+    let text = |image: &str| {
+        format!(
+            r#"{{"format": "spineline-case", "version": 1, "case_id": "A", "synthetic": true, "films": [{{"posture": "erect", "image":
+            {{"columns": 400, "rows": 500, {image}"patient_left": "image_left"}}, "readings": []}}], "lateral": {{"image":
+            {{"columns": 400, "rows": 500, {image}"patient_anterior": "image_left"}}}}}}"#
+        )
+    };
+    let of = |image: &str| parse_case(&text(image));
+    let case = of(r#""pixel_aspect": 0.5, "#).expect("a case");
+    let FilmLandmarks::Corners { image, .. } = &case.films[0].landmarks else { panic!("corners") };
+    let lateral = case.lateral.as_ref().expect("a lateral film").geometry();
+    for image in [*image, lateral] {
+        assert_eq!(image.spacing.map(|spacing| spacing.aspect()), Some(0.5));
+        assert_eq!(image.scale(), None);
+    }
+    assert_eq!(parse_case(&to_text(&CaseFile::from_case(&case))).expect("our own file"), case);
+    for bad in [
+        r#""pixel_aspect": 0.5, "column_spacing_mm": 0.1, "row_spacing_mm": 0.1, "#,
+        r#""column_spacing_mm": 0.1, "#,
+    ] {
+        assert!(of(bad).is_err(), "{bad}");
+        let lateral_alone = text("").replacen(
+            r#""rows": 500, "patient_anterior""#,
+            &format!(r#""rows": 500, {bad}"patient_anterior""#),
+            1,
+        );
+        assert!(matches!(refused(&lateral_alone), FileError::LateralSpacing), "{bad}");
+    }
 }
 
 #[test]

@@ -8,6 +8,7 @@ mod display;
 mod faults;
 mod intake;
 mod maker;
+mod pixel_shape;
 mod reading;
 mod samples;
 mod write;

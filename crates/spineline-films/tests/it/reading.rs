@@ -264,20 +264,6 @@ fn pictures_of_other_formats_are_read_and_have_no_spacing() {
 }
 
 #[test]
-fn text_in_a_spacing_is_reported_and_not_used() {
-    for bad in ["0,1\\0,1", "0.1", "nan\\nan", "inf\\inf", "one\\two", "1e400\\1", "0.1\\0.1\\0.1"]
-    {
-        let mut maker = Maker::new(2, 2, &[0; 4]);
-        maker.text((0x28, 0x30), "DS", bad);
-        let film = read(&maker.file(EXPLICIT)).unwrap();
-        assert_eq!(film.tags.spacing.pixel_mm, None, "{bad}");
-        let attribute = Attribute(0x28, 0x30);
-        assert_eq!(film.remarks, [FilmRemark::Unusable { attribute }], "{bad}");
-        assert!(film.remarks[0].to_string().contains("PixelSpacing (0028,0030)"));
-    }
-}
-
-#[test]
 fn an_unreadable_table_is_named() {
     let mut table = std::collections::BTreeMap::new();
     // A value of UL has four bytes; these are six, and a reader that takes four is out of step.

@@ -364,7 +364,7 @@ impl List {
     fn steps(&self, hint: &LandmarkHint) -> Result<[f64; 2], LandmarkError> {
         let own = self.about.as_ref().and_then(|about| about.spacing_mm);
         let of_image = |image: spineline::measure::ImageGeometry| {
-            image.spacing.map_or([1.0, 1.0], |s| [s.column_mm, s.row_mm])
+            image.scale().map_or([1.0, 1.0], |s| [s.column_mm, s.row_mm])
         };
         let steps = own.or(hint.image.map(of_image)).ok_or(LandmarkError::Needs {
             format: "a point list on a picture",

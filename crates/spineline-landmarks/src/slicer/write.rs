@@ -14,7 +14,7 @@ pub fn write(film: &Film) -> Result<String, LandmarkExportError> {
     let FilmLandmarks::Corners { image, iliac_crests, readings } = &film.landmarks else {
         return Err(LandmarkExportError::NoCorners(film.posture));
     };
-    let steps = image.spacing.map_or([1.0, 1.0], |s| [s.column_mm, s.row_mm]);
+    let steps = image.scale().map_or([1.0, 1.0], |s| [s.column_mm, s.row_mm]);
     let mut lists = Vec::new();
     for (place, reading) in readings.iter().enumerate() {
         let description = Description {

@@ -20,8 +20,10 @@ pub struct Upload {
     pub kind: FilmKind,
     pub columns: u32,
     pub rows: u32,
-    /// Scale from the file.
+    /// Scale from the file, or the shape of its pixels.
     pub spacing: Option<Spacing>,
+    /// Why the spacing has to be entered, where the file does not tell what it is.
+    pub spacing_question: Option<String>,
     pub is_lateral: bool,
     pub is_synthetic: bool,
     /// What its file states of its patient and the part of the body.

@@ -126,7 +126,7 @@ fn film_edit(film: &FilmRecord, edit: FilmEditName) -> Answer<FilmEdit> {
                 // The shape of a pixel cannot be measured with a ball.
                 pixel_aspect: words::pixel_aspect(image.spacing),
             };
-            let spacing = calibration.spacing().map_err(|error| {
+            let spacing = calibration.spacing([image.columns, image.rows]).map_err(|error| {
                 Failure::new(StatusCode::UNPROCESSABLE_ENTITY, "scale", error.to_string())
                     .help("place two points on an object of known length")
             })?;

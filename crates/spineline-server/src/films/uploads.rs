@@ -8,8 +8,8 @@ use axum::extract::{DefaultBodyLimit, FromRequest, Request, State};
 use axum::http::StatusCode;
 use axum::response::Response;
 use spineline::anatomy::{FilmView, Posture};
-use spineline::measure::{Stance, View, judge_spacing, judge_view};
-use spineline_films::{FilmFile, FilmLimits, FilmRemark, Stated};
+use spineline::measure::{Spacing, Stance, View, judge_spacing, judge_view};
+use spineline_films::{FilmFile, FilmLimits, FilmRemark, Stated, spacing_question};
 use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
 
@@ -146,7 +146,7 @@ fn look(film: &FilmFile, bytes: Vec<u8>) -> (Upload, UploadView) {
         posture: posture.map(Wire),
         is_synthetic: film.tags.is_phantom,
         patient_left: judged.patient_left.or(judged.patient_anterior).map(Wire),
-        spacing: spacing.spacing.map(|spacing| SpacingView {
+        spacing: spacing.spacing.filter(Spacing::has_millimetres).map(|spacing| SpacingView {
             column_mm: spacing.column_mm,
             row_mm: spacing.row_mm,
             plane: Wire(spacing.plane),
@@ -160,6 +160,7 @@ fn look(film: &FilmFile, bytes: Vec<u8>) -> (Upload, UploadView) {
         columns: film.columns,
         rows: film.rows,
         spacing: spacing.spacing,
+        spacing_question: spacing_question(&film.tags, &film.remarks),
         is_lateral,
         is_synthetic: film.tags.is_phantom,
         stated: Stated::of(film),
@@ -174,6 +175,9 @@ fn code(remark: &FilmRemark) -> &'static str {
     match remark {
         FilmRemark::BurnedIn | FilmRemark::BurnedInUnknown => "burned_in_text",
         FilmRemark::OtherBodyPart { .. } => "other_body_part",
+        FilmRemark::PairReadAs { .. }
+        | FilmRemark::PairUnreadable { .. }
+        | FilmRemark::UnequalResolution(_) => "spacing_remark",
         _ => "film_remark",
     }
 }

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use axum::extract::State;
 use axum::http::StatusCode;
 use spineline::anatomy::FilmView;
-use spineline::measure::{ImageGeometry, Spacing};
+use spineline::measure::{ImageGeometry, Spacing, SpacingPlane, SpacingSource};
 use spineline_files::{FilmSource, image_value, sha256_hex};
 use spineline_films::{DeidOptions, FilmKind, FilmLimits, Stated, deidentify, film_doubts};
 use spineline_store::{CaseError, Name, NewCase, Role, Study};
@@ -207,15 +207,24 @@ fn prepared_film(
 ) -> Answer<(Vec<u8>, serde_json::Value)> {
     let bytes = clean(id, &upload.bytes, salt)?;
     let spacing = match film.scale {
+        ScaleChoice::File | ScaleChoice::Pixels if upload.spacing_question.is_some() => {
+            let question = upload.spacing_question.as_deref().unwrap_or_default();
+            let text = format!("{}: {question}", film.posture.0);
+            return Err(refused(&text).help("enter the distances between columns and rows in mm"));
+        }
         ScaleChoice::File => upload.spacing,
-        ScaleChoice::Pixels => {
-            // Without a spacing pixels count as square, and all angles would be wrong.
-            if upload.spacing.is_some_and(|spacing| !spacing.is_square()) {
-                let posture = film.posture.0;
-                let text = format!("{posture}: the pixels of this file are not square");
-                return Err(refused(&text).help("use the scale of the file, or enter a scale"));
+        // The shape of the pixels stays: all angles depend on it.
+        ScaleChoice::Pixels => upload
+            .spacing
+            .filter(|spacing| !spacing.is_square())
+            .map(|spacing| Spacing::of_aspect(spacing.aspect(), SpacingSource::PixelAspect)),
+        ScaleChoice::Stated { column_mm, row_mm, plane } if plane.0 == SpacingPlane::Pixels => {
+            let stated = Spacing::of_aspect(row_mm / column_mm, SpacingSource::Stated);
+            if !stated.is_plausible() {
+                let text = format!("pixels of {column_mm} × {row_mm} are not plausible");
+                return Err(refused(&text).help("enter the width and height of a pixel"));
             }
-            None
+            Some(stated)
         }
         ScaleChoice::Stated { column_mm, row_mm, plane } => {
             let stated = Spacing::stated(column_mm, row_mm, plane.0);

@@ -94,7 +94,7 @@ fn summary_of(
         rows: image.rows,
         pixel_aspect: words::pixel_aspect(image.spacing),
         plane: words::plane_of(&image),
-        row_mm: image.spacing.map(|spacing| spacing.row_mm),
+        row_mm: image.scale().map(|spacing| spacing.row_mm),
         spacing_text: words::spacing_text(image.spacing),
         patient_left: Wire(image.patient_left),
         inverted: film.inverted,

@@ -192,7 +192,7 @@ fn shape_difference(a: &Outline, b: &Outline, sign: f64) -> f64 {
 /// Bodies of one film against those of the erect one. A common factor, such as another magnification, makes no difference.
 fn warn_of_another_patient(erect: &Film, film: &Film, warnings: &mut Warnings) {
     // Without a spacing, heights and widths are comparable in square pixels only.
-    let scaled = |film: &Film| matches!(&film.landmarks, FilmLandmarks::Corners { image, .. } if image.spacing.is_some());
+    let scaled = |film: &Film| matches!(&film.landmarks, FilmLandmarks::Corners { image, .. } if image.scale().is_some());
     if scaled(erect) != scaled(film) {
         return;
     }

@@ -1,5 +1,5 @@
 use super::spacing::{MIN_SPACING_MM, is_spacing};
-use super::{Spacing, SpacingPlane, SpacingSource};
+use super::{LengthScale, Spacing, SpacingPlane, SpacingSource};
 use crate::anatomy::named;
 use crate::spatial::Pixel;
 
@@ -84,6 +84,18 @@ pub enum CalibrationError {
         /// The most.
         most_mm: f64,
     },
+    /// A point that is not in the picture: it was taken in another one, such as a copy of another size.
+    #[error(
+        "the point {:.1}, {:.1} lies outside of the {columns} × {rows} picture", point.column_px, point.row_px
+    )]
+    OffPicture {
+        /// Column and row of the point.
+        point: Pixel,
+        /// Columns of the picture.
+        columns: u32,
+        /// Rows of the picture.
+        rows: u32,
+    },
     /// Points too close for their standard deviation.
     #[error(
         "the two points are {apart_px:.1} pixels apart, and the minimum is {least_px:.1} (ten times their standard deviation)"
@@ -100,7 +112,7 @@ impl Calibration {
     /// Assumed standard deviation of one careful click.
     pub const CLICK_SD_PX: f64 = 0.5;
 
-    /// The film's spacing in the plane of the calibrator, with its uncertainty.
+    /// The spacing of a film of so many columns and rows in the plane of the calibrator, with its uncertainty.
     ///
     /// With the clicks `a` and `b`, `D² = (Δcolumn)² + (aspect · Δrow)²`, `column = length / D` and `row = aspect · column`.
     /// Both points have the same standard deviation in pixels in both directions, so the relative variance of the scale is
@@ -111,7 +123,7 @@ impl Calibration {
     /// 0.5 %, which is not visible in the picture, and which is not part of the result.
     ///
     /// # Errors
-    /// [`CalibrationError`]: a number that cannot be meant, or clicks that are too near.
+    /// [`CalibrationError`]: a number that cannot be meant, or clicks that are too near or outside of the picture.
     ///
     /// ```
     /// use spineline::measure::{Calibration, Calibrator};
@@ -121,13 +133,13 @@ impl Calibration {
     ///     clicks: [Pixel::new(100.0, 400.0), Pixel::new(300.0, 400.0)],
     ///     length_mm: 25.0, length_sd_mm: 0.0, click_sd_px: 0.5, pixel_aspect: 1.0,
     /// };
-    /// let spacing = ball.spacing()?;
+    /// let spacing = ball.spacing([800, 1200])?;
     /// assert_eq!(spacing.column_mm, 0.125);
     /// assert!((spacing.relative_sd.unwrap() - 0.5 * 2f64.sqrt() / 200.0).abs() < 1e-15);
     /// # Ok::<(), spineline::measure::CalibrationError>(())
     /// ```
-    pub fn spacing(&self) -> Result<Spacing, CalibrationError> {
-        self.check()?;
+    pub fn spacing(&self, size_px: [u32; 2]) -> Result<Spacing, CalibrationError> {
+        self.check(size_px)?;
         let [a, b] = self.clicks;
         let (across, down) = (b.column_px - a.column_px, b.row_px - a.row_px);
         let aspect = self.pixel_aspect;
@@ -162,7 +174,7 @@ impl Calibration {
         })
     }
 
-    fn check(&self) -> Result<(), CalibrationError> {
+    fn check(&self, [columns, rows]: [u32; 2]) -> Result<(), CalibrationError> {
         let positive = |what, value: f64| {
             let good = value.is_finite() && value > MIN_SPACING_MM;
             if good {
@@ -184,6 +196,11 @@ impl Calibration {
         }
         positive("height of a pixel over its width", self.pixel_aspect)?;
         not_negative("standard deviation of the length in mm", self.length_sd_mm)?;
+        if self.length_sd_mm > LengthScale::MAX_RELATIVE_SD * self.length_mm {
+            let (what, value) = ("standard deviation of the length in mm", self.length_sd_mm);
+            let must = "at most 0.3 times the length; it is in mm, not in percent";
+            return Err(CalibrationError::Value { what, value, must });
+        }
         not_negative("standard deviation of a point in pixels", self.click_sd_px)?;
         for click in self.clicks {
             if !click.is_finite() {
@@ -193,6 +210,10 @@ impl Calibration {
                     value,
                     must: "a number",
                 });
+            }
+            let inside = |place: f64, count: u32| (-0.5..f64::from(count) - 0.5).contains(&place);
+            if !(inside(click.column_px, columns) && inside(click.row_px, rows)) {
+                return Err(CalibrationError::OffPicture { point: click, columns, rows });
             }
         }
         Ok(())

@@ -8,7 +8,10 @@ use crate::warning::{Step, Warnings};
 /// program's confidences are calibrated is its own affair (assumption).
 const LOW_CONFIDENCE: f64 = 0.5;
 
-/// That confidences are from 0 to 1.
+/// Largest standard deviation of a corner as a part of the height of its body: a corner that is less certain is none (assumption).
+const MAX_SD_SHARE: f64 = 1.0;
+
+/// That confidences are from 0 to 1, and deviations a part of a body.
 pub(super) fn check_confidence(
     posture: Posture,
     id: &ReadingId,
@@ -16,6 +19,10 @@ pub(super) fn check_confidence(
     landmark: &VertebraLandmarks,
 ) -> Result<(), MeasureError> {
     let confidences = landmark.confidence.map(|corners| corners.points());
+    if let Some(value) = landmark.sd_share.filter(|sd| !(*sd > 0.0 && *sd <= MAX_SD_SHARE)) {
+        let (id, most) = (id.clone(), MAX_SD_SHARE);
+        return Err(MeasureError::CornerSd { posture, id, level, value, most });
+    }
     match confidences.into_iter().flatten().find(|value| !(0.0..=1.0).contains(value)) {
         None => Ok(()),
         Some(value) => Err(MeasureError::Confidence { posture, id: id.clone(), level, value }),

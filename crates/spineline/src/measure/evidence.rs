@@ -30,6 +30,8 @@ pub struct SpacingEvidence {
     pub source_to_patient_mm: Option<f64>,
     /// Nominal Scanned Pixel Spacing (0018,2010).
     pub scanned_mm: Option<[f64; 2]>,
+    /// Height of a pixel over its width: Pixel Aspect Ratio (0028,0034), or the resolutions of a picture across and down.
+    pub pixel_aspect: Option<f64>,
 }
 
 /// A remark on a film's spacing, and what was done about it.
@@ -87,6 +89,23 @@ pub enum SpacingRemark {
         /// Height over width.
         aspect: f64,
     },
+    /// The shape of a pixel is stated in two ways that contradict one another; that of the spacing is used.
+    AspectsDisagree {
+        /// Height over width, by the spacing.
+        by_spacing: f64,
+        /// As stated by itself.
+        stated: f64,
+    },
+    /// There is no usable spacing, but the shape of a pixel is stated.
+    AspectAlone {
+        /// Height over width.
+        aspect: f64,
+    },
+    /// A shape of pixels that no film has; it is not used.
+    UnusableAspect {
+        /// Height over width.
+        aspect: f64,
+    },
     /// There is no usable spacing at all.
     None,
 }
@@ -99,6 +118,24 @@ pub struct SpacingJudgement {
     /// The remarks.
     pub remarks: Vec<SpacingRemark>,
 }
+
+impl SpacingJudgement {
+    /// The remark that only a person can answer: angles would be wrong without the shape of a pixel, and what the file states of it
+    /// cannot be meant, or contradicts itself.
+    #[must_use]
+    pub fn question(&self) -> Option<&SpacingRemark> {
+        self.remarks.iter().find(|remark| match remark {
+            SpacingRemark::AspectsDisagree { .. } => true,
+            SpacingRemark::Unusable { .. } | SpacingRemark::UnusableAspect { .. } => {
+                self.spacing.is_none()
+            }
+            _ => false,
+        })
+    }
+}
+
+/// Shapes of pixels that a film can have (assumption); scans at half the resolution in one direction have 2 or 0.5.
+const ASPECTS: std::ops::RangeInclusive<f64> = 0.2..=5.0;
 
 /// Magnifications that a radiograph of a trunk can have; calibration beads of six systems showed 0.98 to 1.49
 /// [bioengineering-2025]; at 1 an object would lie in the detector, below 1 behind it.
@@ -115,7 +152,8 @@ const AGREEMENT: f64 = 0.01;
 /// factor (patient) or
 /// by the distances (not stated: they reach to the support of the patient); Pixel Spacing that differs from the imager's (not stated);
 /// Pixel Spacing equal to the imager's, or Imager Pixel Spacing alone (detector); Pixel Spacing alone (not stated);
-/// Nominal Scanned Pixel Spacing (not stated). Values of zero, below zero or not finite are no spacing.
+/// Nominal Scanned Pixel Spacing (not stated); the shape of a pixel alone (pixels). Values of zero, below zero or not finite are no
+/// spacing.
 ///
 /// # References
 /// DICOM PS3.3, sections 10.7 and C.8.11; correction proposal 2380.
@@ -175,7 +213,6 @@ pub fn judge_spacing(evidence: &SpacingEvidence) -> SpacingJudgement {
         remarks.push(SpacingRemark::ScannedFilm);
         Some((scanned, SpacingPlane::Unknown, SpacingSource::Scanned))
     } else {
-        remarks.push(SpacingRemark::None);
         None
     };
     let spacing = spacing.map(|([row_mm, column_mm], plane, source)| Spacing {
@@ -186,9 +223,41 @@ pub fn judge_spacing(evidence: &SpacingEvidence) -> SpacingJudgement {
         relative_sd: None,
     });
     if let Some(spacing) = spacing.filter(|s| !agree(s.row_mm, s.column_mm)) {
-        remarks.push(SpacingRemark::NotSquare { aspect: spacing.row_mm / spacing.column_mm });
+        remarks.push(SpacingRemark::NotSquare { aspect: spacing.aspect() });
     }
+    let spacing = with_aspect(spacing, evidence.pixel_aspect, &mut remarks);
     SpacingJudgement { spacing, remarks }
+}
+
+/// The spacing beside the shape of a pixel that is stated by itself; that shape alone where there is no spacing.
+fn with_aspect(
+    spacing: Option<Spacing>,
+    stated: Option<f64>,
+    remarks: &mut Vec<SpacingRemark>,
+) -> Option<Spacing> {
+    match (spacing, stated) {
+        (spacing, Some(aspect)) if !ASPECTS.contains(&aspect) => {
+            remarks.push(SpacingRemark::UnusableAspect { aspect });
+            if spacing.is_none() {
+                remarks.push(SpacingRemark::None);
+            }
+            spacing
+        }
+        (Some(spacing), Some(stated)) if !agree(spacing.aspect(), stated) => {
+            let by_spacing = spacing.aspect();
+            remarks.push(SpacingRemark::AspectsDisagree { by_spacing, stated });
+            Some(spacing)
+        }
+        (None, Some(aspect)) => {
+            remarks.push(SpacingRemark::AspectAlone { aspect });
+            Some(Spacing::of_aspect(aspect, SpacingSource::PixelAspect))
+        }
+        (None, None) => {
+            remarks.push(SpacingRemark::None);
+            None
+        }
+        (spacing, _) => spacing,
+    }
 }
 
 fn agree(a: f64, b: f64) -> bool {
@@ -298,6 +367,18 @@ impl std::fmt::Display for SpacingRemark {
             Self::NotSquare { aspect } => {
                 write!(f, "pixels are not square: {aspect:.3} times as high as wide")
             }
+            Self::AspectsDisagree { by_spacing, stated } => write!(
+                f,
+                "pixels are {by_spacing:.3} times as high as wide by the spacing, and {stated:.3} times by Pixel Aspect Ratio or by the resolutions; angles depend on it"
+            ),
+            Self::AspectAlone { aspect } => write!(
+                f,
+                "there is no usable spacing, but pixels are stated to be {aspect:.3} times as high as wide: angles are measured with that, and lengths are in pixels"
+            ),
+            Self::UnusableAspect { aspect } => write!(
+                f,
+                "pixels are stated to be {aspect} times as high as wide, which no film has; it is not used"
+            ),
             Self::None => f.write_str(
                 "there is no usable spacing: pixels are assumed square for angles, and lengths are in pixels",
             ),

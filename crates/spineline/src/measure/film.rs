@@ -14,7 +14,7 @@ pub struct ImageGeometry {
     pub columns: u32,
     /// Number of rows.
     pub rows: u32,
-    /// Distances between its pixels; `None` where unknown: then pixels are the unit, and taken as square.
+    /// Distances between its pixels, or their shape alone; `None` where unknown: then pixels are the unit, and taken as square.
     pub spacing: Option<Spacing>,
     /// The side of the picture on which the patient's left is.
     pub patient_left: ImageSide,
@@ -36,6 +36,12 @@ pub struct FilmTooLarge {
 }
 
 impl ImageGeometry {
+    /// Distances between its pixels in millimetres; `None` where there are none, or the shape of a pixel alone is known.
+    #[must_use]
+    pub fn scale(&self) -> Option<Spacing> {
+        self.spacing.filter(Spacing::has_millimetres)
+    }
+
     /// Largest side of a film of a spine: more than whole-body films of the tallest people (assumption).
     pub const LARGEST_SIDE_MM: f64 = 2500.0;
 
@@ -44,7 +50,7 @@ impl ImageGeometry {
     /// # Errors
     /// The side that is too long, its size and the limit.
     pub fn check_size(&self) -> Result<(), FilmTooLarge> {
-        let Some(spacing) = self.spacing else { return Ok(()) };
+        let Some(spacing) = self.scale() else { return Ok(()) };
         let limit_mm = Self::LARGEST_SIDE_MM;
         for (side, pixels, mm) in
             [("wide", self.columns, spacing.column_mm), ("high", self.rows, spacing.row_mm)]
@@ -57,8 +63,8 @@ impl ImageGeometry {
         Ok(())
     }
 
-    /// A place of the picture in millimetres, `y` to the patient's left and `z` up the film; in pixels where the picture
-    /// has no spacing.
+    /// A place of the picture in millimetres, `y` to the patient's left and `z` up the film; in widths of a pixel where the picture
+    /// has no scale.
     ///
     /// ```
     /// use spineline::anatomy::ImageSide;

@@ -26,6 +26,7 @@ mod film_length;
 mod frame;
 mod interpolation;
 mod lateral;
+mod lengths;
 mod marking;
 mod marking_proposal;
 mod means;
@@ -45,6 +46,7 @@ mod shared_errors;
 mod space;
 mod spacing;
 mod tilt;
+mod tilts;
 mod view;
 
 pub(crate) use axial::axial_rotations;
@@ -65,6 +67,7 @@ pub use frame::{FilmFrame, body_widths, endplate_centres};
 pub use interpolation::Interpolation;
 pub(crate) use interpolation::InterpolationError;
 pub use lateral::{LateralCorners, LateralFault, LateralFilm, LateralOutline, LateralVertebra};
+pub use lengths::{FilmSize, SuspectedUnit};
 pub use marking::{MarkedBody, MarkingFault, PartialLandmarks, PartialReading, turn_axis_towards};
 pub use marking_proposal::{CornerName, NextLandmark, ProposedVertebra};
 pub use midline::{Midline, MidlineEnd, MidlineError, MidlinePoint};
@@ -170,6 +173,46 @@ pub enum MeasureError {
         /// The most.
         most_mm: f64,
     },
+    /// With its scale, or as its locations are given, the spine or its bodies have a size that no patient has.
+    #[error("{posture} film: {size}")]
+    Length {
+        /// Film.
+        posture: Posture,
+        /// What was measured, and the limits.
+        size: FilmSize,
+    },
+    /// Tilts that follow the curve of their locations, but are 57 times too small.
+    #[error(
+        "{posture} film, observer {id}: the tilts follow the curve of the locations but are 57 times too small, so they are in radians"
+    )]
+    TiltsInRadians {
+        /// Film.
+        posture: Posture,
+        /// Reading.
+        id: ReadingId,
+    },
+    /// Tilts to the other side than the curve of their locations.
+    #[error(
+        "{posture} film, observer {id}: the tilts go to the other side than the curve of the locations, so one of both has the wrong sign"
+    )]
+    TiltsReversed {
+        /// Film.
+        posture: Posture,
+        /// Reading.
+        id: ReadingId,
+    },
+    /// A standard deviation of a scale that no scale has.
+    #[error(
+        "{posture} film: the standard deviation of the scale is {value} of the scale, and must be 0 to {most}{}", percent_words(*value, *most)
+    )]
+    ScaleSd {
+        /// Film.
+        posture: Posture,
+        /// What it is.
+        value: f64,
+        /// The most.
+        most: f64,
+    },
     /// The film does not show enough of the thoracic spine.
     #[error(
         "{posture} film: {}, and a model needs all up to {} or higher", match highest {
@@ -234,7 +277,7 @@ pub enum MeasureError {
     },
     /// A confidence that is no number from 0 to 1.
     #[error(
-        "{posture} film, observer {id}, {level}: a confidence is {value}, and must be from 0 to 1"
+        "{posture} film, observer {id}, {level}: a confidence is {value}, and must be from 0 to 1{}", percent_words(*value, 1.0)
     )]
     Confidence {
         /// Film.
@@ -245,6 +288,22 @@ pub enum MeasureError {
         level: Level,
         /// What it is.
         value: f64,
+    },
+    /// A deviation of corners that a program found, which no body has.
+    #[error(
+        "{posture} film, observer {id}, {level}: the standard deviation of the corners is {value} of the height of the body, and must be above 0 and at most {most}{}", percent_words(*value, *most)
+    )]
+    CornerSd {
+        /// Film.
+        posture: Posture,
+        /// Reading.
+        id: ReadingId,
+        /// Vertebra.
+        level: Level,
+        /// What it is.
+        value: f64,
+        /// The most.
+        most: f64,
     },
     /// A landmark outside of the picture.
     #[error(
@@ -306,13 +365,29 @@ pub enum MeasureError {
     /// Anything else that is wrong with the lateral film.
     #[error(transparent)]
     LateralFilm(#[from] LateralFault),
+    /// An iliac crest outside of the picture.
+    #[error(
+        "{posture} film: the iliac crest at column {column_px}, row {row_px} lies outside of the {columns} × {rows} picture"
+    )]
+    CrestOffImage {
+        /// Film.
+        posture: Posture,
+        /// Column of the crest.
+        column_px: f64,
+        /// Row of the crest.
+        row_px: f64,
+        /// Columns of the picture.
+        columns: u32,
+        /// Rows of the picture.
+        rows: u32,
+    },
     /// Iliac crests that give no line.
-    #[error("{posture} film: the iliac crests {}", if *outside { "do not both lie on the picture".to_owned() } else { format!("are {apart_mm:.1} mm apart, and the minimum is {limit_mm:.0} mm") })]
+    #[error(
+        "{posture} film: the iliac crests are {apart_mm:.1} mm apart, and the minimum is {limit_mm:.0} mm"
+    )]
     Crests {
         /// Film.
         posture: Posture,
-        /// Whether one lies outside of the picture or is no number.
-        outside: bool,
         /// Distance between them.
         apart_mm: f64,
         /// The least distance.
@@ -374,14 +449,19 @@ impl MeasureError {
             Self::Spacing { .. } => "spacing",
             Self::FilmTooLarge { .. } => "film_too_large",
             Self::BodySize { .. } => "body_size",
+            Self::Length { .. } => "length",
+            Self::TiltsInRadians { .. } => "tilts_in_radians",
+            Self::TiltsReversed { .. } => "tilts_reversed",
+            Self::ScaleSd { .. } => "scale_sd",
             Self::TopMissing { .. }
             | Self::BaseMissing { .. }
             | Self::NoCommonEnd { .. }
             | Self::Gap { .. } => "level_missing",
             Self::NotFinite { .. } => "not_finite",
             Self::Confidence { .. } => "confidence",
+            Self::CornerSd { .. } => "corner_sd",
             Self::OffImage { .. } => "off_image",
-            Self::Crests { .. } => "crests",
+            Self::Crests { .. } | Self::CrestOffImage { .. } => "crests",
             Self::Corners { .. } | Self::Lateral { .. } => "corners",
             Self::Pedicles { .. } => "pedicles",
             Self::LateralFilm(fault) => fault.code(),
@@ -414,6 +494,14 @@ impl MeasureError {
             Self::BodySize { .. } => {
                 "correct the scale of the film, or the corners of this vertebra"
             }
+            Self::Length { size, .. } => size.help(),
+            Self::TiltsInRadians { .. } => "give tilts in degrees (`tilt_deg`)",
+            Self::TiltsReversed { .. } => {
+                "locations are [to the patient's left, cranial], and tilts are positive to the patient's right"
+            }
+            Self::ScaleSd { .. } => {
+                "give it as a part of the scale: 0.033 for 3.3 %; leave it out where it is not known"
+            }
             Self::TopMissing { posture, .. } => of_film(
                 *posture,
                 "mark the vertebrae of the erect film upwards to T6 at least; no analysis can do without this film",
@@ -438,10 +526,11 @@ impl MeasureError {
             Self::Confidence { .. } => {
                 "give the probability that the program assigns to the landmark, or no confidence at all"
             }
+            Self::CornerSd { .. } => "give it as a part of the height of the body",
             Self::OffImage { .. } => {
                 "corner points are [column, row] in pixels of the full-size picture"
             }
-            Self::Crests { .. } => {
+            Self::Crests { .. } | Self::CrestOffImage { .. } => {
                 "mark the superior tips of both crests again, or leave `iliac_crests_px` out"
             }
             Self::Corners { fault, .. } => fault.help(),
@@ -460,6 +549,16 @@ impl MeasureError {
                 "check the corners of this vertebra and of the lowest one of the film"
             }
         }
+    }
+}
+
+/// A fraction that was probably given in percent.
+pub(crate) fn percent_words(value: f64, most: f64) -> String {
+    let part = value / 100.0;
+    if value > most && part <= most {
+        format!("; {value} % are {}", (part * 1e9).round() / 1e9)
+    } else {
+        String::new()
     }
 }
 

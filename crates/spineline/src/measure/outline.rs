@@ -3,6 +3,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use super::corners::normal_tilt;
 use super::frame::body_shape;
 use super::interpolation::interpolate;
+use super::lengths::check_lengths;
 use super::means::average;
 use super::midline::warn_of_source;
 use super::outline_checks::{check_marked, warn_of_gaps, warn_of_interpolated};
@@ -15,7 +16,7 @@ use super::{
     warn_of_shortened_chain,
 };
 use crate::anatomy::{Level, Levels, Morphometry, Posture};
-use crate::spatial::{Angle, Frontal};
+use crate::spatial::{Angle, Frontal, Pixel};
 use crate::warning::{Step, Warnings};
 
 /// One vertebra in the global frame.
@@ -301,6 +302,8 @@ fn place_film(
         FilmLandmarks::Corners { image, iliac_crests, .. } => (image, iliac_crests),
         FilmLandmarks::Placements { spacing_plane, scale_relative_sd, source, .. } => {
             warn_of_source(posture, *source, warnings);
+            check_scale_sd(posture, *scale_relative_sd)?;
+            check_lengths(film)?;
             let scale = LengthScale::stated(*spacing_plane, *scale_relative_sd);
             return Ok(PlacedFilm { readings, scale, iliac_normal: None, iliac_middle: None });
         }
@@ -309,12 +312,14 @@ fn place_film(
         check_crests(posture, image, crests)?;
     }
     let iliac_normal = iliac_crests.map(|crests| iliac_normal(image, crests));
-    let (readings, scale) = match image.spacing {
+    let (readings, scale) = match image.scale() {
         Some(spacing) => {
+            check_scale_sd(posture, spacing.relative_sd)?;
+            check_lengths(film)?;
             check_body_sizes(film)?;
             (readings, LengthScale::of(&spacing))
         }
-        None => scaled_from_pixels(posture, readings, warnings),
+        None => scaled_from_pixels((posture, image), readings, warnings),
     };
     let per_mm = 1.0 / scale.pixels_per_mm.unwrap_or(1.0);
     let iliac_middle = iliac_crests
@@ -330,6 +335,15 @@ pub(super) fn check_spacing(posture: Posture, image: &ImageGeometry) -> Result<(
         }
     }
     image.check_size().map_err(|fault| MeasureError::FilmTooLarge { posture, fault })
+}
+
+/// Refuses a standard deviation of a scale that is below zero or says that the scale is not known.
+fn check_scale_sd(posture: Posture, relative_sd: Option<f64>) -> Result<(), MeasureError> {
+    let most = LengthScale::MAX_RELATIVE_SD;
+    match relative_sd.filter(|sd| !(0.0..=most).contains(sd)) {
+        Some(value) => Err(MeasureError::ScaleSd { posture, value, most }),
+        None => Ok(()),
+    }
 }
 
 /// Widths and heights of vertebral bodies on films, from small children to the largest adults on a film magnified by
@@ -410,11 +424,17 @@ pub(super) fn check_placements(
 
 /// Readings in pixels, as if this spine had the typical length: no angle depends on it.
 fn scaled_from_pixels(
-    posture: Posture,
+    (posture, image): (Posture, &ImageGeometry),
     mut placed: Vec<BTreeMap<Level, Placement>>,
     warnings: &mut Warnings,
 ) -> (Vec<BTreeMap<Level, Placement>>, LengthScale) {
-    let text = "the film has no spacing: its pixels are assumed square for angles, and lengths are not reported in millimetres";
+    let shape = match image.spacing {
+        Some(spacing) => format!("are {:.3} times as high as wide, as stated,", spacing.aspect()),
+        None => "are assumed square".to_owned(),
+    };
+    let text = format!(
+        "the film has no spacing: its pixels {shape} for angles, and lengths are not reported in millimetres"
+    );
     warnings.film(Step::Measure, "no_spacing", posture, text);
     let means = average(&placed);
     let (mut typical_mm, mut length_px) = (0.0, 0.0);
@@ -434,7 +454,7 @@ fn scaled_from_pixels(
     }
     let scale = LengthScale {
         plane: SpacingPlane::Pixels,
-        source: None,
+        source: image.spacing.map(|spacing| spacing.source),
         relative_sd: None,
         pixels_per_mm: Some(pixels_per_mm),
     };
@@ -448,11 +468,15 @@ fn check_crests(
     crests: &IliacCrests,
 ) -> Result<(), MeasureError> {
     const MIN_DISTANCE_MM: f64 = 50.0;
-    let outside = [crests.left, crests.right].into_iter().any(|crest| !image.contains(crest));
+    let outside = [crests.left, crests.right].into_iter().find(|&crest| !image.contains(crest));
+    if let Some(Pixel { column_px, row_px }) = outside {
+        let (columns, rows) = (image.columns, image.rows);
+        return Err(MeasureError::CrestOffImage { posture, column_px, row_px, columns, rows });
+    }
     let apart_mm = image.frontal(crests.left).distance_mm(image.frontal(crests.right));
     // Without a spacing, how far apart they are says nothing.
-    if outside || (image.spacing.is_some() && apart_mm < MIN_DISTANCE_MM) || apart_mm == 0.0 {
-        return Err(MeasureError::Crests { posture, outside, apart_mm, limit_mm: MIN_DISTANCE_MM });
+    if (image.scale().is_some() && apart_mm < MIN_DISTANCE_MM) || apart_mm == 0.0 {
+        return Err(MeasureError::Crests { posture, apart_mm, limit_mm: MIN_DISTANCE_MM });
     }
     Ok(())
 }

@@ -1,5 +1,6 @@
 use super::outline::{check_placements, check_readings, check_spacing};
 use super::placing::place;
+use super::tilts::check_tilts;
 use super::{Film, FilmLandmarks, MeasureError, Placement, Reading, SpacingPlane, TiltRule};
 use crate::anatomy::Posture;
 
@@ -56,6 +57,7 @@ pub fn measure_readings(
         FilmLandmarks::Placements { readings, .. } => {
             check_readings(posture, readings)?;
             check_placements(posture, readings)?;
+            check_tilts(posture, readings)?;
             Ok(readings.clone())
         }
     }

@@ -16,7 +16,7 @@ pub enum SpacingPlane {
     Detector,
     /// Millimetres in a plane that is not stated.
     Unknown,
-    /// No millimetres: pixels, taken as square. Angles can be measured, lengths cannot.
+    /// No millimetres: pixels, taken as square where their shape is not stated. Angles can be measured, lengths cannot.
     Pixels,
 }
 
@@ -42,7 +42,7 @@ impl SpacingPlane {
             Self::Patient => "mm (patient)",
             Self::Detector => "mm (detector)",
             Self::Unknown => "mm (plane not stated)",
-            Self::Pixels => "pixels (taken as square)",
+            Self::Pixels => "pixels",
         }
     }
 }
@@ -71,6 +71,8 @@ pub enum SpacingSource {
     Imager,
     /// Nominal Scanned Pixel Spacing of a digitised film: that film's surface.
     Scanned,
+    /// The shape of a pixel alone: Pixel Aspect Ratio, or the resolutions of a picture across and down.
+    PixelAspect,
     /// A ball of known diameter in the picture.
     Ball,
     /// A ruler in the picture.
@@ -91,13 +93,14 @@ impl SpacingSource {
             Self::Distances => "distances",
             Self::Imager => "imager",
             Self::Scanned => "scanned",
+            Self::PixelAspect => "pixel_aspect",
             Self::Ball => "ball",
             Self::Ruler => "ruler",
         }
     }
 
     /// Every source.
-    pub const ALL: [Self; 11] = [
+    pub const ALL: [Self; 12] = [
         Self::Stated,
         Self::Fiducial,
         Self::Geometry,
@@ -107,6 +110,7 @@ impl SpacingSource {
         Self::Distances,
         Self::Imager,
         Self::Scanned,
+        Self::PixelAspect,
         Self::Ball,
         Self::Ruler,
     ];
@@ -124,20 +128,22 @@ impl fmt::Display for SpacingSource {
             Self::Distances => "Imager Pixel Spacing by the distances of the set-up",
             Self::Imager => "Imager Pixel Spacing",
             Self::Scanned => "Nominal Scanned Pixel Spacing",
+            Self::PixelAspect => "the shape of a pixel as the file states it",
             Self::Ball => "a ball in the picture",
             Self::Ruler => "a ruler in the picture",
         })
     }
 }
 
-/// Distances between neighbouring pixels, and where they come from.
+/// Distances between neighbouring pixels, and where they come from. In the plane [`SpacingPlane::Pixels`] they are in widths of a
+/// pixel: only their ratio is known.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Spacing {
     /// Between neighbouring columns, so along a row.
     pub column_mm: f64,
     /// Between neighbouring rows, so down a column.
     pub row_mm: f64,
-    /// Plane of these millimetres; never [`SpacingPlane::Pixels`].
+    /// Plane of these millimetres.
     pub plane: SpacingPlane,
     /// Where they come from.
     pub source: SpacingSource,
@@ -153,6 +159,25 @@ impl Spacing {
         Self { column_mm, row_mm, plane, source: SpacingSource::Stated, relative_sd: None }
     }
 
+    /// The shape of a pixel alone: its height over its width.
+    #[must_use]
+    pub const fn of_aspect(aspect: f64, source: SpacingSource) -> Self {
+        let plane = SpacingPlane::Pixels;
+        Self { column_mm: 1.0, row_mm: aspect, plane, source, relative_sd: None }
+    }
+
+    /// Height of a pixel over its width.
+    #[must_use]
+    pub fn aspect(&self) -> f64 {
+        self.row_mm / self.column_mm
+    }
+
+    /// Whether its distances are millimetres.
+    #[must_use]
+    pub fn has_millimetres(&self) -> bool {
+        self.plane != SpacingPlane::Pixels
+    }
+
     /// Whether both distances can be meant, from 0.0001 mm to 5 mm: some real films carry a spacing of zero.
     #[must_use]
     pub fn is_plausible(&self) -> bool {
@@ -162,7 +187,7 @@ impl Spacing {
     /// Whether pixels are as high as wide, to a tenth of a percent: 0.03° at most in an angle.
     #[must_use]
     pub fn is_square(&self) -> bool {
-        (self.row_mm / self.column_mm - 1.0).abs() <= 1e-3
+        (self.aspect() - 1.0).abs() <= 1e-3
     }
 }
 
@@ -193,14 +218,17 @@ pub struct LengthScale {
 }
 
 impl LengthScale {
+    /// Largest standard deviation of a scale, as a part of it: a scale that is less certain says nothing (assumption).
+    pub const MAX_RELATIVE_SD: f64 = 0.3;
+
     /// The scale of a spacing.
     #[must_use]
-    pub const fn of(spacing: &Spacing) -> Self {
+    pub fn of(spacing: &Spacing) -> Self {
         Self {
             plane: spacing.plane,
             source: Some(spacing.source),
             relative_sd: spacing.relative_sd,
-            pixels_per_mm: None,
+            pixels_per_mm: (!spacing.has_millimetres()).then_some(1.0),
         }
     }
 
@@ -262,6 +290,9 @@ impl LengthScale {
 impl fmt::Display for LengthScale {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(self.plane.unit())?;
+        if self.plane == SpacingPlane::Pixels && self.source.is_none() {
+            f.write_str(" (taken as square)")?;
+        }
         if let Some(source) = self.source.filter(|&source| source != SpacingSource::Stated) {
             write!(f, ", {source}")?;
         }

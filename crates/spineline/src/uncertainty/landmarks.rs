@@ -301,7 +301,7 @@ fn film_noise(
             }
             (NoiseSource::Given, [sd_px; 2], None)
         }
-        LandmarkNoise::Measured => match pooled_corners(case, image.spacing.is_some()) {
+        LandmarkNoise::Measured => match pooled_corners(case, image.scale().is_some()) {
             Some(sd) => (NoiseSource::Readings, steps.map(|step| sd / step), pooled_axes(case)),
             None => {
                 // The crossing of a body's diagonals has half the deviation of a corner.
@@ -311,7 +311,7 @@ fn film_noise(
             }
         },
     };
-    let sd_mm = image.spacing.map(|_| [sd_px[0] * steps[0], sd_px[1] * steps[1]]);
+    let sd_mm = image.scale().map(|_| [sd_px[0] * steps[0], sd_px[1] * steps[1]]);
     let landmarks = VertebraNoise::Corners { sd_px, sd_mm, axis_sd };
     Ok(FilmNoise { posture, source, landmarks, program_corners: 0 })
 }
@@ -364,7 +364,7 @@ fn pooled_corners(case: &Case, with_spacing: bool) -> Option<f64> {
     let mut pool = ReadingSquares::default();
     for film in &case.films {
         let FilmLandmarks::Corners { image, readings, .. } = &film.landmarks else { continue };
-        if image.spacing.is_some() != with_spacing {
+        if image.scale().is_some() != with_spacing {
             continue;
         }
         for landmarks in by_level(readings).values() {

@@ -134,6 +134,9 @@ fn impossible_or_contradicting_magnifications_keep_the_detector_plane() {
     assert!(matches!(remarks[..], [SpacingRemark::SpacingsDisagree { .. }]), "{remarks:?}");
 }
 
+/// Columns and rows of the picture.
+const SIZE_PX: [u32; 2] = [1200, 800];
+
 fn ruler(clicks: [Pixel; 2], pixel_aspect: f64) -> Calibration {
     Calibration {
         calibrator: Calibrator::Ruler,
@@ -150,8 +153,9 @@ fn a_ruler_gives_the_same_scale_in_any_direction_of_pixels_that_are_not_square()
     // Pixels of 0.1 mm by 0.2 mm: 100 mm are 1000 columns, 500 rows, or 600 columns and 400 rows (60 and 80 mm).
     let from = Pixel::new(50.0, 80.0);
     for (columns, rows) in [(1000.0, 0.0), (0.0, 500.0), (600.0, 400.0), (-600.0, 400.0)] {
-        let to = Pixel::new(50.0 + columns, 80.0 + rows);
-        let spacing = ruler([from, to], 2.0).spacing().expect("a good ruler");
+        let from = Pixel::new(if columns < 0.0 { 700.0 } else { from.column_px }, from.row_px);
+        let to = Pixel::new(from.column_px + columns, 80.0 + rows);
+        let spacing = ruler([from, to], 2.0).spacing(SIZE_PX).expect("a good ruler");
         assert!((spacing.column_mm - 0.1).abs() < 1e-12, "{columns} {rows}: {spacing:?}");
         assert!((spacing.row_mm - 0.2).abs() < 1e-12);
         assert_eq!(spacing.plane, SpacingPlane::Patient);
@@ -170,14 +174,15 @@ fn the_error_of_a_scale_equals_that_of_perturbed_clicks() {
     // Twelve uniform numbers less six have mean 0 and variance 1.
     let mut normal = move || (0..12).map(|_| uniform()).sum::<f64>() - 6.0;
     let truth = [Pixel::new(100.0, 100.0), Pixel::new(160.0, 140.0)];
-    let stated = ruler(truth, 2.0).spacing().expect("a good ruler").relative_sd.expect("a scale");
+    let stated =
+        ruler(truth, 2.0).spacing(SIZE_PX).expect("a good ruler").relative_sd.expect("a scale");
     let scales: Vec<f64> = (0..20_000)
         .map(|_| {
             let clicks =
                 truth.map(|p| Pixel::new(p.column_px + 0.5 * normal(), p.row_px + 0.5 * normal()));
             let mut scattered = ruler(clicks, 2.0);
             scattered.length_mm += 0.5 * normal();
-            scattered.spacing().expect("a good ruler").column_mm
+            scattered.spacing(SIZE_PX).expect("a good ruler").column_mm
         })
         .collect();
     let mean = scales.iter().sum::<f64>() / scales.len() as f64;
@@ -191,23 +196,26 @@ fn the_error_of_a_scale_equals_that_of_perturbed_clicks() {
 fn implausible_clicks_and_lengths_are_refused() {
     let far = [Pixel::new(0.0, 0.0), Pixel::new(300.0, 0.0)];
     let near = [Pixel::new(0.0, 0.0), Pixel::new(3.0, 0.0)];
-    assert!(matches!(ruler(near, 1.0).spacing(), Err(CalibrationError::TooNear { .. })));
+    assert!(matches!(ruler(near, 1.0).spacing(SIZE_PX), Err(CalibrationError::TooNear { .. })));
     for length_mm in [0.0, -25.0, f64::NAN, f64::INFINITY] {
         let bad = Calibration { length_mm, ..ruler(far, 1.0) };
-        assert!(matches!(bad.spacing(), Err(CalibrationError::Value { .. })), "{length_mm}");
+        assert!(matches!(bad.spacing(SIZE_PX), Err(CalibrationError::Value { .. })), "{length_mm}");
     }
     for (calibrator, length_mm) in
         [(Calibrator::Ball, 254.0), (Calibrator::Ball, 0.5), (Calibrator::Ruler, 2001.0)]
     {
         let bad = Calibration { calibrator, length_mm, ..ruler(far, 1.0) };
-        assert!(matches!(bad.spacing(), Err(CalibrationError::Length { .. })), "{length_mm}");
+        assert!(
+            matches!(bad.spacing(SIZE_PX), Err(CalibrationError::Length { .. })),
+            "{length_mm}"
+        );
     }
     // 5.1 mm a pixel.
     let coarse = Calibration { length_mm: 1530.0, ..ruler(far, 1.0) };
-    assert!(matches!(coarse.spacing(), Err(CalibrationError::Value { .. })));
+    assert!(matches!(coarse.spacing(SIZE_PX), Err(CalibrationError::Value { .. })));
     let lost = ruler([Pixel::new(f64::NAN, 0.0), far[1]], 1.0);
     assert!(matches!(
-        lost.spacing(),
+        lost.spacing(SIZE_PX),
         Err(CalibrationError::Value { what: "coordinate of a point", .. })
     ));
 }

@@ -16,6 +16,7 @@ mod faults_films;
 mod faults_lines;
 mod faults_models;
 mod faults_pictures;
+mod faults_units;
 mod film_evidence;
 mod film_frame;
 mod film_lengths;

@@ -7,7 +7,7 @@ use std::str::FromStr;
 use clap::Args;
 use spineline::analysis::{CASE_ID_RULE, is_case_id};
 use spineline::anatomy::{ImageSide, Posture};
-use spineline::measure::{Calibration, Calibrator, Spacing, SpacingPlane};
+use spineline::measure::{Calibration, Calibrator, Spacing, SpacingPlane, SpacingSource};
 use spineline::spatial::Pixel;
 
 use super::role::Role;
@@ -67,7 +67,8 @@ pub struct ImportArgs {
     #[arg(long, value_name = "YES|NO", value_parser = yes_or_no, requires = "lateral")]
     pub simultaneous: Option<bool>,
     /// Pixel spacing of columns and rows in mm and its plane, where the file has none or is wrong, as in
-    /// 0.143,0.143,patient or erect=0.1,0.2,detector; may be repeated
+    /// 0.143,0.143,patient or erect=0.1,0.2,detector. With the plane `pixels` the width and height of a pixel are relative, as in
+    /// 1,2,pixels: for angles without lengths; may be repeated
     #[arg(long, value_name = "[POSTURE=]COLUMN,ROW,PLANE", value_parser = spacing_of_film)]
     pub spacing: Vec<OfFilm<Spacing>>,
     /// Calibration ball in the picture: two pixels at opposite ends of a diameter, and the diameter in mm, optionally with its
@@ -273,13 +274,20 @@ fn spacing_of_film(text: &str) -> Result<OfFilm<Spacing>, String> {
             "patient" => SpacingPlane::Patient,
             "detector" => SpacingPlane::Detector,
             "unknown" => SpacingPlane::Unknown,
-            other => return Err(format!("`{other}` is not patient, detector or unknown")),
+            "pixels" => SpacingPlane::Pixels,
+            other => {
+                return Err(format!("`{other}` is not patient, detector, unknown or pixels"));
+            }
         };
-        let spacing = Spacing::stated(number(column)?, number(row)?, plane);
+        let (column, row) = (number(column)?, number(row)?);
+        let spacing = match plane {
+            SpacingPlane::Pixels => Spacing::of_aspect(row / column, SpacingSource::Stated),
+            plane => Spacing::stated(column, row, plane),
+        };
         if spacing.is_plausible() {
             Ok(spacing)
         } else {
-            Err(format!("spacing {column},{row} mm: both must be > 0.0001 mm"))
+            Err(format!("spacing {column},{row} mm: both must be above 0.0001 mm and at most 5 mm"))
         }
     })
 }

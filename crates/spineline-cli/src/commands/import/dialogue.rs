@@ -119,6 +119,8 @@ pub fn ask(question: &Question) -> Result<Option<ImageSide>, Failure> {
                 None => Err(Failure::usage("the import was cancelled; nothing was written")),
             }
         }
+        // What is typed has to be kept: it is an option.
+        About::Spacing(_) => Err(Failure::usage(format!("{question}\n    {}", question.answer()))),
         About::Contradiction(text) => {
             let prompt = format!("{}: {text}. Continue with your options?", question.role);
             let sure =

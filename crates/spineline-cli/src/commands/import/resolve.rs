@@ -3,8 +3,8 @@
 use std::fmt;
 
 use spineline::anatomy::{ImageSide, Posture};
-use spineline::measure::{Spacing, SpacingJudgement, SpacingPlane, View, ViewQuestion, judge_view};
-use spineline_films::FilmDoubt;
+use spineline::measure::{Spacing, SpacingPlane, View, ViewQuestion, judge_view};
+use spineline_films::{FilmDoubt, spacing_question};
 
 use super::args::{ImportArgs, answer_for};
 use super::candidates::Seen;
@@ -46,6 +46,8 @@ pub enum About {
     Side,
     /// The file contradicts what was said of it.
     Contradiction(String),
+    /// The file states the distances between pixels, or their shape, in a way that does not tell what they are.
+    Spacing(String),
 }
 
 impl fmt::Display for Question {
@@ -64,7 +66,7 @@ impl fmt::Display for Question {
                     "{role}: the file does not state on which side of the picture the patient's left is"
                 )
             }
-            About::Contradiction(text) => write!(f, "{role}: {text}"),
+            About::Contradiction(text) | About::Spacing(text) => write!(f, "{role}: {text}"),
         }
     }
 }
@@ -80,6 +82,15 @@ impl Question {
                 "--patient-left {0}=image-left or {0}=image-right (look for the lead marker, the heart, the stomach's bubble)",
                 role.word()
             ),
+            (About::Spacing(_), role) => {
+                let film = match role {
+                    Role::Frontal(_) => format!("{}=", role.word()),
+                    Role::Lateral => String::new(),
+                };
+                format!(
+                    "--spacing {film}COLUMN,ROW,PLANE in mm, such as --spacing {film}0.25,0.5,unknown; where the shape of a pixel alone is known, its width and height and the plane `pixels`, such as --spacing {film}1,1,pixels for square pixels"
+                )
+            }
             (About::Contradiction(_), _) => {
                 "choose another film, or --accept if you are sure".to_owned()
             }
@@ -120,6 +131,10 @@ pub fn resolve(
             questions.push(Question { role, about: About::Contradiction(text) });
         }
     }
+    if answer_for(&args.spacing, role).is_none() {
+        let asked = spacing_question(&seen.tags, &seen.remarks);
+        questions.extend(asked.map(|text| Question { role, about: About::Spacing(text) }));
+    }
     let Some(side) = said.or(by_file) else {
         questions.push(Question { role, about: About::Side });
         return Ok(Err(questions));
@@ -127,7 +142,7 @@ pub fn resolve(
     if !questions.is_empty() {
         return Ok(Err(questions));
     }
-    let spacing = spacing(args, role, &seen.spacing(), &mut notes)?;
+    let spacing = spacing(args, role, seen, &mut notes)?;
     let inverted = role.posture().is_some_and(|posture| args.invert.contains(&posture));
     let (columns, rows, is_phantom) = (seen.columns, seen.rows, seen.tags.is_phantom);
     let source = seen.source.clone();
@@ -179,23 +194,25 @@ fn contradictions(role: Role, view: Option<View>, questions: &[ViewQuestion]) ->
 fn spacing(
     args: &ImportArgs,
     role: Role,
-    judged: &SpacingJudgement,
+    seen: &Seen,
     notes: &mut Vec<String>,
 ) -> Result<Option<Spacing>, Failure> {
+    let judged = seen.spacing();
+    let said = answer_for(&args.spacing, role);
     if let Some((calibrator, clicks)) = role.posture().and_then(|posture| args.calibrator(posture))
     {
-        // A ball does not give the aspect ratio of a pixel; the file's spacing does, in any plane.
-        let aspect = judged.spacing.map_or(1.0, |spacing| spacing.row_mm / spacing.column_mm);
+        // A ball does not give the aspect ratio of a pixel; a spacing does, in any plane.
+        let aspect = said.or(judged.spacing).map_or(1.0, |spacing| spacing.aspect());
         let spacing = clicks
             .calibration(calibrator, aspect)
-            .spacing()
+            .spacing([seen.columns, seen.rows])
             .map_err(|error| Failure::usage(format!("the scale of the {role}: {error}")))?;
         if let Some(file) = judged.spacing {
             compare(role, &file, &spacing, notes);
         }
         return Ok(Some(spacing));
     }
-    if let Some(said) = answer_for(&args.spacing, role) {
+    if let Some(said) = said {
         if let Some(file) = judged.spacing {
             compare(role, &file, &said, notes);
         }
@@ -207,6 +224,9 @@ fn spacing(
 
 /// Notes a scale that differs from the file's by more than a magnification can.
 fn compare(role: Role, file: &Spacing, used: &Spacing, notes: &mut Vec<String>) {
+    if !(file.has_millimetres() && used.has_millimetres()) {
+        return;
+    }
     let ratio = used.column_mm / file.column_mm;
     let usual = match file.plane {
         SpacingPlane::Patient => 0.95..=1.05,

@@ -3,13 +3,16 @@
 use std::fmt::Write;
 
 use spineline::anatomy::ImageSide;
-use spineline::measure::{LengthScale, Spacing, SpacingPlane, View};
+use spineline::measure::{LengthScale, Spacing, View};
 use spineline::warning::counted;
 use spineline_report::document::{Column, Table};
 use spineline_report::terminal;
 
 use super::candidates::{Candidate, Candidates, Seen};
 use super::resolve::ResolvedFilm;
+
+/// Lengths of a film without a spacing.
+const SQUARE_PIXELS: &str = "pixels (taken as square)";
 
 /// Everything that was found, with numbers to choose by.
 pub fn list(candidates: &Candidates) -> String {
@@ -88,7 +91,7 @@ const fn side(side: Option<ImageSide>) -> &'static str {
 
 fn lengths(spacing: Option<&Spacing>) -> String {
     spacing.map_or_else(
-        || SpacingPlane::Pixels.unit().to_owned(),
+        || SQUARE_PIXELS.to_owned(),
         |s| format!("{} × {} {}", round(s.column_mm), round(s.row_mm), s.plane.unit()),
     )
 }
@@ -161,7 +164,7 @@ pub fn outcome(films: &[ResolvedFilm], folder: &std::path::Path, marked: usize) 
     let mut table = Table::new("", heads.map(Column::words).to_vec());
     for film in films {
         let scale = film.spacing.as_ref().map_or_else(
-            || SpacingPlane::Pixels.unit().to_owned(),
+            || SQUARE_PIXELS.to_owned(),
             |spacing| LengthScale::of(spacing).to_string(),
         );
         let left = match film.role.posture() {

@@ -78,6 +78,6 @@ fn picture(decoder: &Decoder, folder: &Path, film: &Named) -> Result<Vec<u8>, St
             picture.columns, picture.rows
         ));
     }
-    let aspect = spacing.map_or(1.0, |spacing| spacing.row_mm / spacing.column_mm);
+    let aspect = spacing.map_or(1.0, |spacing| spacing.aspect());
     Ok(picture.display(None, film.source.inverted).thumbnail(ROWS.min(rows), aspect).to_png())
 }

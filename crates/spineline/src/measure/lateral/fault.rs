@@ -1,5 +1,5 @@
 use crate::anatomy::Level;
-use crate::measure::ReadingId;
+use crate::measure::{FilmSize, ReadingId};
 
 /// What is wrong with a lateral film, other than the four corners of one vertebra.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -26,6 +26,12 @@ pub enum LateralFault {
         direction: &'static str,
         /// What it is.
         value: f64,
+    },
+    /// With its scale, the spine or its bodies have a size that no patient has.
+    #[error("lateral film: {size}")]
+    Length {
+        /// What was measured, and the limits.
+        size: FilmSize,
     },
     /// A coordinate is no finite number.
     #[error("lateral film, observer {id}, {level}: a coordinate is not a number")]
@@ -78,6 +84,7 @@ impl LateralFault {
             Self::NoObserver { .. } => "no_observer",
             Self::DuplicateReading { .. } => "duplicate_reading",
             Self::Spacing { .. } => "spacing",
+            Self::Length { .. } => "length",
             Self::NotFinite { .. } => "not_finite",
             Self::OffImage { .. } => "off_image",
             Self::OutOfOrder { .. } => "out_of_order",
@@ -92,6 +99,7 @@ impl LateralFault {
                 "give each reading of a film its own observer and repeat"
             }
             Self::Spacing { .. } => "state the distance between pixel centres in mm",
+            Self::Length { size } => size.help(),
             Self::NotFinite { .. } => "mark this vertebra again",
             Self::OffImage { .. } => {
                 "corner points are [column, row] in pixels of the full-size picture"

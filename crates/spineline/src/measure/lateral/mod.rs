@@ -7,6 +7,7 @@ pub use fault::LateralFault;
 pub use outline::{LateralOutline, LateralVertebra};
 
 use super::bodies::{CheckedFilm, ReadBodies};
+use super::lengths::FilmSizes;
 use super::order::{MIN_SPACING_SHARE, steps};
 use super::outline::{nameless, repeated};
 use super::plausibility::warn_of_corners;
@@ -16,7 +17,7 @@ use super::{
 };
 use crate::anatomy::{ImageSide, Level};
 use crate::spatial::{Frontal, Pixel};
-use crate::warning::Warnings;
+use crate::warning::{Step, Warnings};
 
 /// The four corners of a vertebral body seen from the side.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -77,8 +78,16 @@ impl LateralFilm {
         }
         let bodies: Vec<ReadBodies<'_>> = self.bodies();
         check_order(&bodies)?;
+        let has_scale = self.geometry().scale().is_some();
+        let sizes = FilmSizes::of_bodies(&bodies, has_scale, |typical| typical.superior_depth_mm);
+        if let Some(size) = sizes.impossible() {
+            return Err(LateralFault::Length { size }.into());
+        }
         warn_of_corners(CheckedFilm::Lateral, &bodies, warnings);
-        Ok(LateralOutline::of(&bodies, self.spacing.is_some(), self.simultaneous))
+        for (code, text) in sizes.doubts() {
+            warnings.push(Step::Measure, code, format!("lateral film: {text}"));
+        }
+        Ok(LateralOutline::of(&bodies, has_scale, self.simultaneous))
     }
 
     /// Refuses corners that make no body, or one that lies the wrong way round.

@@ -77,7 +77,7 @@ impl SharedHeights {
                 })
             })
             .collect();
-        let has_scale = image.spacing.is_some() && lateral.spacing.is_some();
+        let has_scale = image.scale().is_some() && lateral.geometry().scale().is_some();
         let exposure = Exposure { simultaneous: lateral.simultaneous, has_scale };
         let Some(alignment) = FilmAlignment::estimate(&pairs, exposure) else { return Ok(None) };
         let on_erect = |side: &LateralVertebra| row(image, &alignment, side, corner);
@@ -95,7 +95,7 @@ impl SharedHeights {
 /// Standard deviation of a corner of one careful reading, in the unit of the film.
 fn assumed_corner_sd(image: &ImageGeometry, bodies: &[ReadBodies<'_>]) -> f64 {
     let one_mm = Noise::ONE_READING.corner_mm();
-    if image.spacing.is_some() {
+    if image.scale().is_some() {
         return one_mm;
     }
     let bodies = bodies.iter().flat_map(|reading| &reading.bodies);

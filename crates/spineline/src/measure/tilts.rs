@@ -1,0 +1,69 @@
+//! Tilts that were given beside locations, against the curve of those locations.
+
+use super::{MeasureError, Placement, Reading};
+use crate::anatomy::{Level, Posture};
+use crate::spatial::Angle;
+
+/// Vertebrae between two others from which the directions of a curve are compared with tilts.
+const MIN_VERTEBRAE: usize = 6;
+/// Standard deviation of these directions below which a spine is too straight for it.
+const MIN_CURVE: Angle = Angle::from_deg(4.0);
+/// Correlation from which tilts and directions show one curve.
+const MIN_CORRELATION: f64 = 0.7;
+
+/// How far tilts follow the curve of the locations, over the vertebrae between two others.
+struct Following {
+    /// Tilt for each unit of the direction: about 1.
+    slope: f64,
+    correlation: f64,
+}
+
+impl Following {
+    /// `None` where the curve is too short or too straight to tell.
+    fn of(reading: &Reading<Placement>) -> Option<Self> {
+        let placed: Vec<(&Level, &Placement)> = reading.vertebrae.iter().collect();
+        let way = |three: &[(&Level, &Placement)]| {
+            (three[2].1.location - three[0].1.location).lateral_tilt()
+        };
+        let first = placed.get(..3).map(way)?;
+        let pairs: Vec<[f64; 2]> = placed
+            .windows(3)
+            .map(|three| [(way(three) - first).wrapped().deg(), three[1].1.tilt.deg()])
+            .collect();
+        let count = pairs.len() as f64;
+        let mean = |i: usize| pairs.iter().map(|pair| pair[i]).sum::<f64>() / count;
+        let means = [mean(0), mean(1)];
+        let product = |i: usize, j: usize| {
+            let of = |pair: &[f64; 2]| (pair[i] - means[i]) * (pair[j] - means[j]);
+            pairs.iter().map(of).sum::<f64>() / count
+        };
+        let [directions, tilts, both] = [product(0, 0), product(1, 1), product(0, 1)];
+        let is_curved = directions.sqrt() > MIN_CURVE.deg();
+        (pairs.len() >= MIN_VERTEBRAE && is_curved && tilts > 0.0).then(|| Self {
+            slope: both / directions,
+            correlation: both / (directions * tilts).sqrt(),
+        })
+    }
+}
+
+/// Refuses tilts in radians, and tilts to the other side than the curve of their locations.
+pub(super) fn check_tilts(
+    posture: Posture,
+    readings: &[Reading<Placement>],
+) -> Result<(), MeasureError> {
+    const PER_RADIAN: f64 = 1.0 / 57.3;
+    for reading in readings {
+        let Some(Following { slope, correlation }) = Following::of(reading) else { continue };
+        if correlation.abs() < MIN_CORRELATION {
+            continue;
+        }
+        let id = || reading.id.clone();
+        if (0.4 * PER_RADIAN..2.5 * PER_RADIAN).contains(&slope.abs()) {
+            return Err(MeasureError::TiltsInRadians { posture, id: id() });
+        }
+        if slope < -0.5 {
+            return Err(MeasureError::TiltsReversed { posture, id: id() });
+        }
+    }
+    Ok(())
+}
