@@ -12,7 +12,6 @@ use crate::error::DicomwebError;
 use crate::multipart::only_part;
 use crate::query::{
     FilmFound, FilmUid, Found, MAX_FOUND, OF_FILM, OF_SERIES, Search, SeriesFound, SeriesUid, film,
-    series,
 };
 
 /// How long and how much an answer may be.
@@ -65,9 +64,10 @@ impl Client {
         archive: &Archive,
         search: &Search,
     ) -> Result<Found<SeriesFound>, DicomwebError> {
-        let fields: Vec<&str> = OF_SERIES.into_iter().chain([search.tag()]).collect();
+        let mut fields: Vec<&str> = OF_SERIES.into_iter().chain([search.tag()]).collect();
+        fields.dedup();
         self.found(archive, "series", &search.parameters(), &fields, |entry| {
-            if search.holds(entry) { series(entry) } else { Err("it has films of others") }
+            if search.holds(entry) { search.series(entry) } else { Err("it has films of others") }
         })
     }
 
@@ -84,7 +84,7 @@ impl Client {
         self.found(archive, &path, &[], &OF_FILM, |entry| film(of, entry))
     }
 
-    /// The DICOM file of a film (WADO-RS), in its own transfer syntax.
+    /// The DICOM file of a film (WADO-RS), in its own transfer syntax. Once it is read, [`FilmUid::check`] says whether it is that film.
     ///
     /// # Errors
     /// [`DicomwebError`].
@@ -93,7 +93,8 @@ impl Client {
         let path = format!("studies/{study}/series/{series}/instances/{}", of.instance());
         let Limits { film, film_bytes, .. } = self.limits;
         // The head of the part comes on top of the film.
-        let (kind, body) = self.get(archive, &path, &[], (DICOM, film, film_bytes + (1 << 16)))?;
+        let Answer { kind, body, .. } =
+            self.get(archive, &path, &[], (DICOM, film, film_bytes + (1 << 16)))?;
         let bytes = only_part(&kind, body).map_err(|what| bad(archive, what))?;
         if bytes.len() as u64 > film_bytes {
             return Err(too_large(archive, film_bytes));
@@ -115,23 +116,23 @@ impl Client {
         let query: Vec<(&str, &str)> =
             asked.iter().copied().chain(fields).chain([("limit", most.as_str())]).collect();
         let Limits { search, search_bytes, .. } = self.limits;
-        let (_, body) = self.get(archive, path, &query, (JSON, search, search_bytes))?;
-        let entries = entries(&body).map_err(|what| bad(archive, what))?;
+        let answer = self.get(archive, path, &query, (JSON, search, search_bytes))?;
+        let entries = entries(&answer.body).map_err(|what| bad(archive, what))?;
         let all = entries.iter().take(MAX_FOUND).map(read).collect::<Result<_, _>>();
         Ok(Found {
             all: all.map_err(|what| bad(archive, what))?,
-            has_more: entries.len() > MAX_FOUND,
+            has_more: answer.has_more || entries.len() > MAX_FOUND,
         })
     }
 
-    /// The kind and the body of an answer.
+    /// An answer within its limits.
     fn get(
         &self,
         archive: &Archive,
         path: &str,
         query: &[(&str, &str)],
         (accept, limit, limit_bytes): (&str, Duration, u64),
-    ) -> Result<(String, Vec<u8>), DicomwebError> {
+    ) -> Result<Answer, DicomwebError> {
         let fail = |error: ureq::Error| failed(archive, &error, limit, limit_bytes);
         let mut request = self.agent.get(archive.address(path)).header("accept", accept);
         // Escaped: what a user typed is a value and nothing else.
@@ -144,9 +145,27 @@ impl Client {
         check(archive, &answer)?;
         let kind = answer.headers().get("content-type").and_then(|kind| kind.to_str().ok());
         let kind = kind.unwrap_or_default().to_owned();
+        let has_more = has_more(&answer);
         let body = answer.body_mut().with_config().limit(limit_bytes).read_to_vec();
-        Ok((kind, body.map_err(fail)?))
+        Ok(Answer { kind, has_more, body: body.map_err(fail)? })
     }
+}
+
+/// An answer of an archive.
+struct Answer {
+    /// Its Content-Type.
+    kind: String,
+    /// Whether the archive says that it has more than it answers.
+    has_more: bool,
+    body: Vec<u8>,
+}
+
+/// Whether an answer is not all that there is: `Warning: 299` (PS3.18, 8.3.4.4), or an answer in part (206).
+fn has_more(answer: &Response<Body>) -> bool {
+    let warnings = answer.headers().get_all("warning").into_iter();
+    let is_of_more = |value: &str| value.trim_start().starts_with("299");
+    answer.status().as_u16() == 206
+        || warnings.filter_map(|value| value.to_str().ok()).any(is_of_more)
 }
 
 fn check(archive: &Archive, answer: &Response<Body>) -> Result<(), DicomwebError> {

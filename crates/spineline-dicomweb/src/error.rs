@@ -62,6 +62,31 @@ pub enum DicomwebError {
         /// The limit.
         limit_bytes: u64,
     },
+    /// It answered with another film than the one that was asked for.
+    #[error(
+        "the archive `{archive}` answered with another film: its {attribute} is {}, and that of the film asked for {asked}",
+        found.as_deref().unwrap_or("not stated")
+    )]
+    OtherFilm {
+        /// The archive.
+        archive: String,
+        /// Name of the attribute that differs.
+        attribute: &'static str,
+        /// UID of the film that was asked for.
+        asked: String,
+        /// UID of the film that came; `None` where it states none.
+        found: Option<String>,
+    },
+    /// It answered with a film of another patient than the search found.
+    #[error(
+        "the archive `{archive}` answered with a film of another patient than its search: the Patient ID in the file of SOP Instance UID {instance} differs"
+    )]
+    OtherPatient {
+        /// The archive.
+        archive: String,
+        /// SOP Instance UID of the film.
+        instance: String,
+    },
     /// The answer is none of DICOMweb.
     #[error("the answer of the archive `{archive}` cannot be read: {what}")]
     BadAnswer {
@@ -89,6 +114,9 @@ impl DicomwebError {
             }
             Self::Refused { .. } | Self::BadAnswer { .. } => {
                 "an administrator checks that the address is that of the DICOMweb service (QIDO-RS and WADO-RS)"
+            }
+            Self::OtherFilm { .. } | Self::OtherPatient { .. } => {
+                "do not use this film: an administrator checks the archive, whose index and files contradict one another"
             }
             Self::TooLarge { .. } => "export the film from its archive, and upload the file",
         }

@@ -24,4 +24,7 @@ mod query;
 pub use archive::{Archive, ArchiveFault};
 pub use client::{Client, Limits};
 pub use error::DicomwebError;
-pub use query::{BadQuery, FilmFound, FilmUid, Found, Search, SearchKey, SeriesFound, SeriesUid};
+pub use query::{
+    BadQuery, FilmFound, FilmUid, Found, PatientId, Search, SearchKey, SeriesFound, SeriesUid,
+    StatedUids,
+};

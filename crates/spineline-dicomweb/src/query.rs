@@ -3,6 +3,8 @@
 use serde_json::Value;
 
 use crate::answer::{self, Attributes};
+use crate::archive::Archive;
+use crate::error::DicomwebError;
 
 /// Longest value of the attributes that can be searched for (LO, SH and UI have at most 64 characters).
 const MAX_VALUE: usize = 64;
@@ -123,7 +125,35 @@ impl Search {
     /// without the attribute cannot be judged.
     pub(crate) fn holds(&self, entry: &Value) -> bool {
         let stated = Attributes(entry).text(self.tag());
+        let day = Attributes(entry).text(answer::STUDY_DATE);
         stated.is_none_or(|stated| stated.eq_ignore_ascii_case(&self.value))
+            && day.zip(self.day.as_ref()).is_none_or(|(stated, asked)| stated == *asked)
+    }
+
+    /// A series of an answer; its patient is the one searched for where the entry does not state it.
+    pub(crate) fn series(&self, entry: &Value) -> Result<SeriesFound, &'static str> {
+        let by_search = (self.key == SearchKey::PatientId).then(|| self.value.clone());
+        let stated = Attributes(entry).text(answer::PATIENT_ID);
+        Ok(SeriesFound { patient: stated.or(by_search).map(PatientId), ..series(entry)? })
+    }
+}
+
+/// A Patient ID (0010,0020). It is compared with that of a file, and never shown.
+#[derive(Clone, PartialEq, Eq)]
+pub struct PatientId(String);
+
+impl PatientId {
+    /// The value.
+    #[must_use]
+    pub fn value(&self) -> &str {
+        &self.0
+    }
+}
+
+/// Without the value, which names a patient.
+impl std::fmt::Debug for PatientId {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_tuple("PatientId").finish_non_exhaustive()
     }
 }
 
@@ -137,7 +167,7 @@ fn checked(uid: &str) -> Result<(), BadQuery> {
 }
 
 /// A series of a study.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq, Hash)]
 pub struct SeriesUid {
     study: String,
     series: String,
@@ -190,6 +220,36 @@ impl FilmUid {
     pub fn instance(&self) -> &str {
         &self.instance
     }
+
+    /// Refuses a file of an archive that is not this film.
+    ///
+    /// # Errors
+    /// [`DicomwebError::OtherFilm`] with the first UID that differs or is not stated.
+    ///
+    /// ```
+    /// use spineline_dicomweb::{Archive, FilmUid, SeriesUid, StatedUids};
+    /// let archive = Archive::parse("archive=http://localhost:8042/dicom-web").unwrap();
+    /// let film = FilmUid::new(SeriesUid::new("1.2", "1.2.3")?, "1.2.3.4")?;
+    /// let file = StatedUids { study: Some("1.9"), series: Some("1.2.3"), instance: Some("1.2.3.4") };
+    /// assert!(film.check(&archive, file).is_err());
+    /// # Ok::<(), spineline_dicomweb::BadQuery>(())
+    /// ```
+    pub fn check(&self, archive: &Archive, file: StatedUids<'_>) -> Result<(), DicomwebError> {
+        let uids = [
+            ("Study Instance UID", self.series.study(), file.study),
+            ("Series Instance UID", self.series.series(), file.series),
+            ("SOP Instance UID", self.instance(), file.instance),
+        ];
+        match uids.into_iter().find(|(_, asked, found)| *found != Some(*asked)) {
+            None => Ok(()),
+            Some((attribute, asked, found)) => Err(DicomwebError::OtherFilm {
+                archive: archive.name().to_owned(),
+                attribute,
+                asked: asked.to_owned(),
+                found: found.map(str::to_owned),
+            }),
+        }
+    }
 }
 
 /// Entries of an answer, and whether there is more.
@@ -201,7 +261,18 @@ pub struct Found<T> {
     pub has_more: bool,
 }
 
-/// A series, without the patient.
+/// UIDs of a film as its file states them.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct StatedUids<'a> {
+    /// Study Instance UID.
+    pub study: Option<&'a str>,
+    /// Series Instance UID.
+    pub series: Option<&'a str>,
+    /// SOP Instance UID.
+    pub instance: Option<&'a str>,
+}
+
+/// A series, with the patient for comparison alone.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct SeriesFound {
     /// Its UIDs.
@@ -216,6 +287,8 @@ pub struct SeriesFound {
     pub body_part: Option<String>,
     /// Number of its films.
     pub films: Option<u32>,
+    /// Patient of the series, as the archive states it or as was searched for.
+    pub patient: Option<PatientId>,
 }
 
 /// A film, without the patient.
@@ -234,13 +307,14 @@ pub struct FilmFound {
 }
 
 /// Attributes of a series that an answer should have.
-pub(crate) const OF_SERIES: [&str; 6] = [
+pub(crate) const OF_SERIES: [&str; 7] = [
     answer::STUDY_DATE,
     answer::MODALITY,
     answer::STUDY_DESCRIPTION,
     answer::SERIES_DESCRIPTION,
     answer::BODY_PART,
     answer::SERIES_INSTANCES,
+    answer::PATIENT_ID,
 ];
 /// Attributes of a film that an answer should have.
 pub(crate) const OF_FILM: [&str; 4] =
@@ -261,6 +335,7 @@ pub(crate) fn series(entry: &Value) -> Result<SeriesFound, &'static str> {
         description: Some(texts.join(", ")).filter(|text| !text.is_empty()),
         body_part: of.text(answer::BODY_PART),
         films: of.count(answer::SERIES_INSTANCES),
+        patient: None,
     })
 }
 
@@ -268,6 +343,10 @@ pub(crate) fn series(entry: &Value) -> Result<SeriesFound, &'static str> {
 /// What is wrong with the entry.
 pub(crate) fn film(of_series: &SeriesUid, entry: &Value) -> Result<FilmFound, &'static str> {
     let of = Attributes(entry);
+    let asked = [(answer::STUDY_UID, of_series.study()), (answer::SERIES_UID, of_series.series())];
+    if asked.iter().any(|(tag, asked)| of.text(tag).is_some_and(|stated| stated != *asked)) {
+        return Err("it has films of another series");
+    }
     let uid = FilmUid::new(of_series.clone(), &of.uid(answer::INSTANCE_UID)?);
     Ok(FilmFound {
         uid: uid.map_err(|_| "a UID is no UID")?,

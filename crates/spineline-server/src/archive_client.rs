@@ -1,9 +1,13 @@
 //! The image archives that the administrator allowed, and how much is asked of them at a time.
 
-use std::sync::Arc;
+use std::collections::HashMap;
+use std::sync::{Arc, Mutex, PoisonError};
 
 use axum::http::StatusCode;
-use spineline_dicomweb::{Archive, BadQuery, Client, DicomwebError, Limits};
+use spineline_dicomweb::{
+    Archive, BadQuery, Client, DicomwebError, FilmUid, Limits, SeriesFound, SeriesUid, StatedUids,
+};
+use spineline_films::{FilmFile, FilmUids, PatientMarks};
 use tokio::sync::Semaphore;
 
 use crate::problem::{Answer, Failure};
@@ -14,12 +18,17 @@ const SEARCHES: usize = 4;
 /// Films on their way at a time: each is in memory as a whole.
 const FILMS: usize = 2;
 
-/// The archives, and how many requests to them there are at a time.
+/// Series whose patients are kept for comparison with the files that follow.
+const KEPT_SERIES: usize = 10_000;
+
+/// The archives, how many requests to them there are at a time, and whose series they found.
 pub struct Archives {
     all: Vec<Arc<Archive>>,
     client: Client,
     searches: Arc<Semaphore>,
     films: Arc<Semaphore>,
+    /// Patients by the name of an archive and a series that it found.
+    patients: Mutex<HashMap<(String, SeriesUid), PatientMarks>>,
 }
 
 impl Archives {
@@ -29,6 +38,7 @@ impl Archives {
             client: Client::new(limits),
             searches: Arc::new(Semaphore::new(SEARCHES)),
             films: Arc::new(Semaphore::new(FILMS)),
+            patients: Mutex::default(),
         }
     }
 
@@ -72,6 +82,40 @@ impl Archives {
         self.ask(&self.films, ask).await
     }
 
+    /// Keeps whose series an archive found.
+    pub fn keep_patients(&self, archive: &Archive, found: &[SeriesFound]) {
+        let mut kept = self.patients.lock().unwrap_or_else(PoisonError::into_inner);
+        if kept.len() + found.len() > KEPT_SERIES {
+            kept.clear();
+        }
+        let patients = found.iter().filter_map(|one| Some((one, one.patient.as_ref()?)));
+        kept.extend(patients.map(|(one, patient)| {
+            let key = (archive.name().to_owned(), one.uid.clone());
+            (key, PatientMarks::of_id(patient.value()))
+        }));
+    }
+
+    /// Refuses a film that is not the one asked for, or not of the patient whose series the archive found.
+    ///
+    /// # Errors
+    /// 502 with the UIDs that differ.
+    pub fn check(&self, archive: &Archive, asked: &FilmUid, film: &FilmFile) -> Answer<()> {
+        let FilmUids { study_instance, series_instance, sop_instance, .. } = &film.tags.uids;
+        let stated = StatedUids {
+            study: study_instance.as_deref(),
+            series: series_instance.as_deref(),
+            instance: sop_instance.as_deref(),
+        };
+        asked.check(archive, stated)?;
+        let kept = self.patients.lock().unwrap_or_else(PoisonError::into_inner);
+        let patient = kept.get(&(archive.name().to_owned(), asked.series.clone()));
+        if patient.is_some_and(|patient| !patient.differences(&film.tags.patient).is_empty()) {
+            let (archive, instance) = (archive.name().to_owned(), asked.instance().to_owned());
+            return Err(DicomwebError::OtherPatient { archive, instance }.into());
+        }
+        Ok(())
+    }
+
     /// Asks on a thread that may wait. The place is kept until the archive answers, even where nobody waits any more.
     async fn ask<T: Send + 'static>(
         &self,
@@ -103,6 +147,9 @@ impl From<DicomwebError> for Failure {
             DicomwebError::TooSlow { .. } => (S::GATEWAY_TIMEOUT, "archive_slow"),
             DicomwebError::Login { .. } => (S::BAD_GATEWAY, "archive_login"),
             DicomwebError::NotFound { .. } => (S::NOT_FOUND, "archive_film_missing"),
+            DicomwebError::OtherFilm { .. } | DicomwebError::OtherPatient { .. } => {
+                (S::BAD_GATEWAY, "archive_other_film")
+            }
             DicomwebError::TooLarge { .. } => (S::PAYLOAD_TOO_LARGE, "too_large"),
             _ => (S::BAD_GATEWAY, "archive_answer"),
         };

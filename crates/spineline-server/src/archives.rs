@@ -2,6 +2,7 @@
 
 use axum::extract::State;
 use spineline_dicomweb::{Client, FilmFound, FilmUid, Search, SeriesFound, SeriesUid};
+use spineline_films::FilmFile;
 use spineline_store::Role;
 use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
@@ -50,8 +51,10 @@ async fn search(
         Some(day) => search.on(&day)?,
         None => search,
     };
-    let ask = move |client: &Client| client.search(&archive, &search);
+    let asks = archive.clone();
+    let ask = move |client: &Client| client.search(&asks, &search);
     let found = archives.search(ask).await?;
+    archives.keep_patients(&archive, &found.all);
     log(&state, &user, "search", asked.archive).await?;
     let series = found.all.into_iter().map(series).collect();
     Ok(Json(ArchiveSeriesList { series, has_more: found.has_more }))
@@ -78,8 +81,8 @@ async fn films(
     Ok(Json(ArchiveFilmList { films, has_more: found.has_more }))
 }
 
-/// Opens a film of an archive. It is an upload from there on, with the same checks and limits. The log of the store has an
-/// entry for it.
+/// Opens a film of an archive, if what the archive answers is that film and of the patient of the search. It is an upload from there on,
+/// with the same checks and limits. The log of the store has an entry for it.
 #[utoipa::path(post, path = "/api/archives/open", request_body = ArchiveFilmChoice,
     responses((status = 200, body = UploadView), (status = 401, body = Problem),
         (status = 403, body = Problem), (status = 404, body = Problem),
@@ -95,11 +98,13 @@ async fn open(
     let archives = state.archives();
     let archive = archives.named(&asked.archive)?;
     let film = FilmUid::new(SeriesUid::new(&asked.study, &asked.series)?, &asked.instance)?;
-    let ask = move |client: &Client| client.retrieve(&archive, &film);
+    let (asks, asked_film) = (archive.clone(), film.clone());
+    let ask = move |client: &Client| client.retrieve(&asks, &asked_film);
     let bytes = archives.retrieve(ask).await?;
     log(&state, &user, "retrieve", asked.archive).await?;
     let room = state.films().uploads.reserve(&user.name, bytes.len() as u64, state.now())?;
-    stage(&state, &user, room, bytes).await.map(Json)
+    let is_asked = |found: &FilmFile| archives.check(&archive, &film, found);
+    stage(&state, &user, (room, bytes), is_asked).await.map(Json)
 }
 
 /// Writes into the log of the store who asked an archive, and not for whom.

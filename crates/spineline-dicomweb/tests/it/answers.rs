@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use spineline_dicomweb::{
     Archive, ArchiveFault, BadQuery, Client, DicomwebError, FilmUid, Limits, Search, SearchKey,
-    SeriesUid,
+    SeriesUid, StatedUids,
 };
 
 use crate::server::{Reply, serve};
@@ -77,6 +77,62 @@ fn a_film_comes_byte_by_byte_with_the_login_of_its_server() {
         "{head}"
     );
     assert!(head.contains("Basic ZmlsbXM6c2VjcmV0"), "{head}");
+}
+
+#[test]
+fn a_warning_that_the_archive_has_more_is_passed_on() {
+    // PS3.18, 8.3.4.4: `Warning: 299`.
+    let warnings = [
+        ("", false),
+        (
+            "Warning: 299 archive: \"There are 23 additional results that can be requested\"\r\n",
+            true,
+        ),
+        ("warning: 110 x \"stale\"\r\nwarning: 299 x \"more\"\r\n", true),
+        ("warning: 110 x \"299\"\r\n", false),
+    ];
+    for (more, wanted) in warnings {
+        let (address, _) = serve(move |_| Some(Reply { more, ..Reply::json(SERIES) }));
+        let client = Client::new(LIMITS);
+        let found = client.search(&archive(&address), &search("A/1 &x=../")).expect("series");
+        assert_eq!(found.has_more, wanted, "{more}");
+        let (address, _) = serve(move |_| Some(Reply { more, ..Reply::json("[]") }));
+        let films = client.films(&archive(&address), &film().series).expect("films");
+        assert_eq!(films.has_more, wanted, "{more}");
+    }
+}
+
+#[test]
+fn entries_of_another_series_or_day_are_refused() {
+    let of_other =
+        r#"[{"00080018": {"Value": ["1.2.3.4.5"]}, "0020000E": {"Value": ["1.2.3.9"]}}]"#;
+    let (address, _) = serve(move |_| Some(Reply::json(of_other)));
+    let error = Client::new(LIMITS).films(&archive(&address), &film().series);
+    assert!(matches!(error, Err(DicomwebError::BadAnswer { .. })), "{error:?}");
+    let (address, _) = serve(|_| Some(Reply::json(SERIES)));
+    let other_day = search("A/1 &x=../").on("2024-05-18").expect("a day");
+    let error = Client::new(LIMITS).search(&archive(&address), &other_day);
+    assert!(matches!(error, Err(DicomwebError::BadAnswer { .. })), "{error:?}");
+}
+
+#[test]
+fn a_file_of_another_film_is_refused_with_both_uids() {
+    let archive = archive("http://localhost/x");
+    let right =
+        StatedUids { study: Some("1.2.3"), series: Some("1.2.3.4"), instance: Some("1.2.3.4.5") };
+    assert_eq!(film().check(&archive, right), Ok(()));
+    for (file, attribute) in [
+        (StatedUids { study: Some("1.2.9"), ..right }, "Study Instance UID"),
+        (StatedUids { series: Some("1.2.3.9"), ..right }, "Series Instance UID"),
+        (StatedUids { instance: Some("1.2.3.4.9"), ..right }, "SOP Instance UID"),
+        (StatedUids { instance: None, ..right }, "SOP Instance UID"),
+    ] {
+        let error = film().check(&archive, file).expect_err("another film");
+        let text = error.to_string();
+        assert!(text.contains(attribute) && text.contains("1.2.3"), "{text}");
+        assert!(text.contains(".9") || text.contains("not stated"), "{text}");
+        assert!(!error.help().is_empty());
+    }
 }
 
 #[test]

@@ -56,21 +56,22 @@ async fn upload(
     let room = state.films().uploads.reserve(&user.name, bytes, state.now())?;
     let body = Bytes::from_request(request, &state).await;
     let bytes = body.map_err(|refused| refusal(&refused))?.into();
-    stage(&state, &user, room, bytes).await.map(Json)
+    stage(&state, &user, (room, bytes), |_| Ok(())).await.map(Json)
 }
 
 /// Decodes the file of a film and keeps it for a study, wherever it came from.
 ///
 /// # Errors
-/// A file that is no film, or exceeds a limit.
+/// A file that is no film, exceeds a limit, or does not pass `check`.
 pub async fn stage(
     state: &AppState,
     user: &User,
-    room: Reservation,
-    bytes: Vec<u8>,
+    (room, bytes): (Reservation, Vec<u8>),
+    check: impl FnOnce(&FilmFile) -> Answer<()>,
 ) -> Answer<UploadView> {
     let _permit = state.films().decoding().await?;
     let film = decode(state, bytes.clone()).await?;
+    check(&film)?;
     let (upload, mut view) = computed(move || look(&film, bytes)).await?;
     view.notices.extend(state.films().uploads.twins(&user.name, &upload, state.now()));
     view.upload = room.keep(upload, state.now());

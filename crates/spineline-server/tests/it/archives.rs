@@ -42,6 +42,40 @@ fn archive(film: Vec<u8>) -> (String, Asked) {
     })
 }
 
+/// The film `1.2.3.4` of the patient that the search finds.
+fn film_of_archive(app: &App) -> Vec<u8> {
+    let texts = [
+        ([0x08, 0x18], b"UI", "1.2.3.4\0"),
+        ([0x20, 0x0D], b"UI", "1.2\0"),
+        ([0x20, 0x0E], b"UI", "1.2.3\0"),
+        ([0x10, 0x20], b"LO", "P-07"),
+    ];
+    texts.into_iter().fold(film_of(app), |bytes, (tag, vr, value)| with_text(bytes, tag, vr, value))
+}
+
+#[test]
+fn a_film_that_is_not_the_one_asked_for_is_refused_with_both_uids_and_without_the_patient() {
+    let app = app_with_demo();
+    let right = film_of_archive(&app);
+    let with = |tag, vr, value| with_text(right.clone(), tag, vr, value);
+    for (film, words) in [
+        (with([0x08, 0x18], b"UI", "1.2.3.9\0"), "SOP Instance UID is 1.2.3.9"),
+        (with([0x20, 0x0D], b"UI", "1.9\0"), "Study Instance UID is 1.9"),
+        (with([0x20, 0x0E], b"UI", "1.2.9\0"), "Series Instance UID is 1.2.9"),
+        (with([0x10, 0x20], b"LO", "P-08"), "Patient ID"),
+    ] {
+        let (address, _) = archive(film);
+        let app = App::with_token()
+            .restarted(ServeOptions { archives: vec![clinic(&address)], ..decoding() });
+        let browser = app.observer("Ann");
+        assert_eq!(browser.post("/api/archives/search", &search_body()).status, StatusCode::OK);
+        let refused = open(&browser, ["1.2", "1.2.3", "1.2.3.4"]);
+        assert_eq!(refused.code(), "archive_other_film", "{}", refused.text());
+        assert!(refused.text().contains(words), "{}", refused.text());
+        assert!(!refused.text().contains("P-0") && !refused.text().contains("DOE"));
+    }
+}
+
 fn clinic(address: &str) -> Archive {
     Archive::parse(&format!("clinic={address}"))
         .and_then(|archive| archive.with_login("films:secret"))
@@ -69,8 +103,7 @@ fn log(app: &App) -> Vec<(String, String)> {
 #[test]
 fn a_film_of_an_archive_is_searched_opened_as_an_upload_and_logged() {
     let app = app_with_demo();
-    let film = film_of(&app);
-    let (address, asked) = archive(film);
+    let (address, asked) = archive(film_of_archive(&app));
     let app = app.restarted(ServeOptions { archives: vec![clinic(&address)], ..decoding() });
     let browser = app.observer("Ann");
     assert_eq!(browser.get("/api/archives").json(), json!(["clinic"]));
