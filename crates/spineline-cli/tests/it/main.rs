@@ -12,6 +12,7 @@ mod guide;
 mod hidden;
 mod import;
 mod import_midlines;
+mod import_spacing;
 mod learn_prior;
 #[path = "../../../spineline-films/tests/it/maker.rs"]
 mod maker;
