@@ -4,6 +4,7 @@ use std::fmt;
 
 use chrono::{DateTime, Days, SecondsFormat, SubsecRound, Utc};
 use sha2::{Digest, Sha256};
+use spineline::measure::is_observer_code;
 
 /// The identifier of a study or of an observer: 1 to 64 ASCII letters, digits, `.`, `-` and `_`, without any patient's name.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
@@ -12,9 +13,7 @@ pub struct Name(String);
 impl Name {
     /// The identifier, if the text is one.
     pub(crate) fn checked(text: &str) -> Option<Self> {
-        let allowed = |c: char| c.is_ascii_alphanumeric() || "._-".contains(c);
-        let fits = (1..=64).contains(&text.len()) && text.chars().all(allowed);
-        fits.then(|| Self(text.to_owned()))
+        is_observer_code(text).then(|| Self(text.to_owned()))
     }
 
     /// The text.

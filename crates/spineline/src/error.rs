@@ -193,9 +193,10 @@ fn place_of_film(error: &MeasureError) -> ErrorPlace {
     match error {
         E::NoReading { posture }
         | E::DuplicateReading { posture, .. }
-        | E::NoObserver { posture, .. }
+        | E::Observer { posture, .. }
         | E::AxesExchanged { posture, .. }
         | E::NoCommonEnd { posture, .. }
+        | E::CornerOrder { posture, .. }
         | E::FilmMirrored { posture, .. } => on_film(*posture),
         E::Spacing { posture, value, .. } => {
             ErrorPlace { value: Some(*value), ..on_film(*posture) }
@@ -269,7 +270,9 @@ fn place_of_film(error: &MeasureError) -> ErrorPlace {
 fn place_of_lateral(fault: &LateralFault) -> ErrorPlace {
     let lateral = ErrorPlace { on_lateral_film: true, ..ErrorPlace::default() };
     match fault {
-        LateralFault::NoObserver { .. } | LateralFault::DuplicateReading { .. } => lateral,
+        LateralFault::Observer { .. }
+        | LateralFault::DuplicateReading { .. }
+        | LateralFault::CornerOrder { .. } => lateral,
         LateralFault::Length { size } => {
             ErrorPlace { value: Some(size.value()), limit: Some(size.limit()), ..lateral }
         }

@@ -25,7 +25,7 @@ use crate::hypothesis::HypothesisFit;
 use crate::measure::{
     AxialRotation, Film, FilmLengthRule, FilmReadings, InterpolationError, Outline, OutlineNoise,
     SpatialOutline, TiltRule, axial_rotations, common_levels, outline_of, seen_levels,
-    warn_of_implausible_landmarks, warn_of_shortened_chain,
+    warn_of_alike_observers, warn_of_implausible_landmarks, warn_of_shortened_chain,
 };
 use crate::motion::{Motion, least_windows, mean_least};
 use crate::multibody::{SpineModel, StiffnessLibrary};
@@ -286,6 +286,9 @@ fn measure(
         for film in &films[1..] {
             warn_of_shifted_levels(films[0], film, warnings);
         }
+    }
+    if reports_doubts {
+        warn_of_alike_observers(&readings, warnings);
     }
     if reports_doubts && is_read_once(&readings) {
         let text = "every film was read once, so the reliability of the readings is not known: add readings of a second observer, or repeat the reading";

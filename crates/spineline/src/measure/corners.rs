@@ -79,8 +79,14 @@ impl Corners<Frontal> {
         let rising = self.superior_right - self.inferior_left;
         let gap = self.inferior_left - self.superior_left;
         let area = falling.cross(rising);
-        if area.abs() <= 1e-9 * falling.norm_mm() * rising.norm_mm() || !area.is_finite() {
+        if !area.is_finite() {
             return Err(CornerFault::Flat);
+        }
+        if area.abs() <= 1e-9 * falling.norm_mm() * rising.norm_mm() {
+            // Diagonals side by side: two corners of a body are exchanged, unless all four lie on one line.
+            let apart = gap.cross(falling).abs() > 1e-9 * gap.norm_mm() * falling.norm_mm();
+            let is_crossed = apart && falling.norm_mm() > 0.0 && rising.norm_mm() > 0.0;
+            return Err(if is_crossed { CornerFault::Crossed } else { CornerFault::Flat });
         }
         let along_falling = gap.cross(rising) / area;
         let along_rising = gap.cross(falling) / area;

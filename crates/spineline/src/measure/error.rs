@@ -1,6 +1,17 @@
 use super::order::out_of_order_words;
-use super::{CornerFault, FilmSize, FilmTooLarge, LateralFault, PedicleFault, ReadingId};
+use super::{
+    CornerFault, CornerOrder, FilmSize, FilmTooLarge, LateralFault, OBSERVER_RULE, PedicleFault,
+    ReadingId,
+};
 use crate::anatomy::{Level, Levels, Posture};
+
+/// Remedy where the observer of a reading is no code.
+pub(super) const OBSERVER_HELP: &str =
+    "give every observer a code, the same in all files and studies, and no name of a person";
+
+/// The corners in their order, as errors name them.
+const CORNER_NAMES: [&str; 4] =
+    ["superior left", "superior right", "inferior left", "inferior right"];
 
 /// Marks from which no measurement can be made.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -20,13 +31,13 @@ pub enum MeasureError {
         /// Reading.
         id: ReadingId,
     },
-    /// A reading without the name or code of its observer.
-    #[error("{posture} film: a reading (repeat {repeat}) has no observer")]
-    NoObserver {
+    /// A reading whose observer is no code.
+    #[error("{posture} film: the observer of a reading is `{}` (repeat {}), and must be {OBSERVER_RULE}", id.observer, id.repeat)]
+    Observer {
         /// Film.
         posture: Posture,
-        /// Repeat of the reading.
-        repeat: u32,
+        /// Reading.
+        id: ReadingId,
     },
     /// The columns and rows of all landmarks are exchanged.
     #[error(
@@ -312,6 +323,18 @@ pub enum MeasureError {
         /// Vertebrae marked.
         count: usize,
     },
+    /// The four corners are given in another order in every vertebra of a film.
+    #[error("{posture} film, observer {id}: in all {count} vertebrae {}", order.words(CORNER_NAMES))]
+    CornerOrder {
+        /// Film.
+        posture: Posture,
+        /// Reading.
+        id: ReadingId,
+        /// Vertebrae marked.
+        count: usize,
+        /// The order.
+        order: CornerOrder,
+    },
     /// A vertebra is marked at or below the next lower one.
     #[error("{posture} film: {}", out_of_order_words(*inferior, *superior, *share))]
     OutOfOrder {
@@ -351,7 +374,7 @@ impl MeasureError {
         match self {
             Self::NoReading { .. } => "no_reading",
             Self::DuplicateReading { .. } => "duplicate_reading",
-            Self::NoObserver { .. } => "no_observer",
+            Self::Observer { .. } => "observer",
             Self::AxesExchanged { .. } => "axes_exchanged",
             Self::Spacing { .. } => "spacing",
             Self::FilmTooLarge { .. } => "film_too_large",
@@ -373,6 +396,7 @@ impl MeasureError {
             Self::Pedicles { .. } => "pedicles",
             Self::LateralFilm(fault) => fault.code(),
             Self::FilmMirrored { .. } => "film_mirrored",
+            Self::CornerOrder { .. } => "corner_order",
             Self::OutOfOrder { .. } => "out_of_order",
             Self::TiltTooLarge { .. } => "tilt_too_large",
         }
@@ -390,7 +414,7 @@ impl MeasureError {
             Self::DuplicateReading { .. } => {
                 "give each reading of a film its own observer and repeat"
             }
-            Self::NoObserver { .. } => "name the observer of every reading, or give a code",
+            Self::Observer { .. } => OBSERVER_HELP,
             Self::AxesExchanged { .. } => {
                 "landmarks are [column, row]: exchange the two numbers of every landmark of this reading"
             }
@@ -448,6 +472,9 @@ impl MeasureError {
             Self::LateralFilm(fault) => fault.help(),
             Self::FilmMirrored { .. } => {
                 "check the lead marker, then correct `patient_left` of this film's image"
+            }
+            Self::CornerOrder { .. } => {
+                "give the corners of every vertebra as superior left, superior right, inferior left, inferior right, and not around the body; left is the patient's, so check `patient_left` too"
             }
             Self::OutOfOrder { .. } => {
                 "check the names of these two vertebrae: one is marked twice, skipped or exchanged"

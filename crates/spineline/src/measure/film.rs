@@ -116,6 +116,19 @@ impl ImageGeometry {
     }
 }
 
+impl FilmLandmarks {
+    /// Who made its readings.
+    #[must_use]
+    pub fn reading_ids(&self) -> Vec<&ReadingId> {
+        match self {
+            Self::Corners { readings, .. } => readings.iter().map(|reading| &reading.id).collect(),
+            Self::Placements { readings, .. } => {
+                readings.iter().map(|reading| &reading.id).collect()
+            }
+        }
+    }
+}
+
 /// Who marked, and the how-manieth time.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct ReadingId {

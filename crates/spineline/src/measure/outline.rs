@@ -3,6 +3,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use super::corners::normal_tilt;
 use super::frame::body_shape;
 use super::interpolation::interpolate;
+use super::is_observer_code;
 use super::lengths::check_lengths;
 use super::means::average;
 use super::midline::warn_of_source;
@@ -389,7 +390,7 @@ pub(super) fn check_readings<T>(
         return Err(MeasureError::NoReading { posture });
     }
     if let Some(nameless) = nameless(readings) {
-        return Err(MeasureError::NoObserver { posture, repeat: nameless.id.repeat });
+        return Err(MeasureError::Observer { posture, id: nameless.id.clone() });
     }
     match repeated(readings) {
         Some(twice) => Err(MeasureError::DuplicateReading { posture, id: twice.id.clone() }),
@@ -397,9 +398,9 @@ pub(super) fn check_readings<T>(
     }
 }
 
-/// A reading without the name or code of its observer.
+/// A reading whose observer is no code.
 pub(super) fn nameless<T>(readings: &[Reading<T>]) -> Option<&Reading<T>> {
-    readings.iter().find(|reading| reading.id.observer.trim().is_empty())
+    readings.iter().find(|reading| !is_observer_code(&reading.id.observer))
 }
 
 /// A reading with the observer and repeat of an earlier one.

@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use super::confidence::check_confidence;
+use super::corner_order::CornerOrder;
 use super::plausibility::fits_exchanged;
 use super::{
     CornerFault, Corners, Film, FilmLandmarks, ImageGeometry, MeasureError, Placement,
@@ -141,6 +142,7 @@ fn place_usable(
             Err(error) => return Err(error),
         }
     }
+    let all: Vec<Corners<Frontal>> = placed.iter().map(|(.., corners)| *corners).collect();
     let mut bodies = Vec::with_capacity(placed.len());
     for (level, landmark, corners) in placed {
         match corners.measure_location() {
@@ -148,7 +150,7 @@ fn place_usable(
             Err(found) => {
                 let error = fault(level, found);
                 if !is_needless(level, &error) {
-                    return Err(error);
+                    return Err(in_all(posture, reading, &all).unwrap_or(error));
                 }
                 unusable.push((level, error));
             }
@@ -158,7 +160,7 @@ fn place_usable(
         for level in levels {
             let error = fault(level, found);
             if !is_needless(level, &error) {
-                return Err(error);
+                return Err(in_all(posture, reading, &all).unwrap_or(error));
             }
             if let Some(place) = bodies.iter().position(|body| body.level == level) {
                 bodies.remove(place);
@@ -182,6 +184,16 @@ fn place_usable(
             (level, Placement { location: centre, tilt, endplates, program, origin })
         })
         .collect())
+}
+
+/// The error of corners in another order, where they are in all bodies of the reading.
+fn in_all(
+    posture: Posture,
+    reading: &Reading<VertebraLandmarks>,
+    bodies: &[Corners<Frontal>],
+) -> Option<MeasureError> {
+    let (id, count) = (reading.id.clone(), bodies.len());
+    CornerOrder::of(bodies).map(|order| MeasureError::CornerOrder { posture, id, count, order })
 }
 
 /// Bodies that are upside down, and bodies whose sides are exchanged; an error where the film is mirrored.

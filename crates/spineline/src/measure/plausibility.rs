@@ -4,6 +4,7 @@ use super::bodies::{CheckedFilm, ReadBodies, median};
 use super::confidence::warn_of_confidence;
 use super::lengths::warn_of_lengths;
 use super::neighbours::warn_of_corners_off_the_trend;
+use super::rounding::warn_of_rounding;
 use super::{Corners, Film, FilmLandmarks, ImageGeometry, Reading, ReadingId, VertebraLandmarks};
 use crate::anatomy::Level;
 use crate::spatial::{Angle, Frontal, Pixel};
@@ -73,6 +74,7 @@ pub(super) fn fits_exchanged(image: &ImageGeometry, reading: &Reading<VertebraLa
 pub(crate) fn warn_of_implausible_landmarks(film: &Film, warnings: &mut Warnings) {
     warn_of_corners(CheckedFilm::Frontal(film.posture), &ReadBodies::of_film(film), warnings);
     warn_of_lengths(film, warnings);
+    warn_of_rounding(film, warnings);
     let FilmLandmarks::Corners { image, readings, .. } = &film.landmarks else { return };
     for reading in readings {
         warn_of_confidence(film.posture, reading, warnings);

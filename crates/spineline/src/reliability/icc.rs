@@ -93,9 +93,17 @@ impl MeanSquares {
         self.columns <= 0.0 && self.error <= 0.0
     }
 
+    /// Whether the variance between raters is estimated below zero: their means differ by less than the rest explains.
+    pub(super) fn is_rater_variance_negative(&self) -> bool {
+        self.columns < self.error
+    }
+
     /// Variance of one rating about its subject's true value, with its degrees of freedom; with the raters' offsets
-    /// [de-vet-2006], whose variance may be estimated below zero, as in ICC(2,1). Freedom after Satterthwaite.
+    /// [de-vet-2006], whose variance is zero where it is estimated below. Freedom after Satterthwaite.
     pub(super) fn agreement_variance(&self) -> (f64, f64) {
+        if self.is_rater_variance_negative() {
+            return self.consistency_variance();
+        }
         let Self { n, k, columns, error, .. } = *self;
         let parts = [columns / n, (n - 1.0) * error / n];
         let variance = parts[0] + parts[1];

@@ -21,10 +21,14 @@
 //! ICC(3,1) = (MSR - MSE) / (MSR + (k - 1) MSE)                              consistency, one rater
 //! ICC(2,k) = (MSR - MSE) / (MSR + (MSC - MSE) / n)                          agreement, mean of k raters
 //!
-//! SEM_agreement   = sqrt(MSE + (MSC - MSE) / n)
+//! SEM_agreement   = sqrt(MSE + max(0, MSC - MSE) / n)
 //! SEM_consistency = sqrt(MSE)
 //! MDC95           = 1.96 sqrt(2) SEM
 //! ```
+//!
+//! The variance between raters, `(MSC - MSE) / n`, is estimated below zero where their means differ by less than the rest explains. A
+//! variance is not, so it is zero in SEM and MDC95; agreement is then consistency. The coefficients keep their published formula, which
+//! other programs print too; [`Remark::NoRaterVariance`] says so.
 //!
 //! Intervals of ICC(2,1) and ICC(3,1) are by F quantiles [shrout-fleiss-1979], that of ICC(2,1) with Satterthwaite's degrees
 //! of freedom; that of ICC(2,k) follows by Spearman and Brown's formula.
@@ -178,7 +182,7 @@ impl StatisticKind {
     pub const fn definition(self) -> &'static str {
         match self {
             Self::Sem(SemKind::Agreement) => {
-                "sqrt(MSE + (MSC - MSE)/n): raters' offsets and random error"
+                "sqrt(MSE + max(0, MSC - MSE)/n): raters' offsets and random error"
             }
             Self::Sem(SemKind::Consistency) => {
                 "sqrt(MSE): random error alone, without raters' offsets"

@@ -4,6 +4,7 @@ use super::agreement::{bland_altman, mdc95, pairs, pearson, sem};
 use super::icc::MeanSquares;
 use super::ratings::{Ratings, Reader};
 use super::{BlandAltman, RatedQuantity, Statistic, StatisticEstimate, StatisticKind, Undefined};
+use crate::measure::{alike_observers, alike_words};
 
 /// Who is compared with whom.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -47,7 +48,7 @@ impl fmt::Display for Design {
 }
 
 /// What a reader of the numbers should know.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Remark {
     /// Subjects that somebody did not read are left out.
     Dropped {
@@ -63,6 +64,13 @@ pub enum Remark {
     },
     /// Limits between means are narrower than those between single readings.
     MeansAreSteadier,
+    /// Names of observers that differ by capitals and marks alone count as several observers.
+    AlikeNames {
+        /// The names.
+        names: Vec<String>,
+    },
+    /// The variance between raters is estimated below zero.
+    NoRaterVariance,
     /// A coefficient is negative: raters differ more within subjects than between them. It is shown as it is.
     NegativeIcc,
     /// All raters agree to the last digit, so the error's size is not known; rounding may hide it.
@@ -84,11 +92,13 @@ pub enum Remark {
 impl Remark {
     /// Stable name.
     #[must_use]
-    pub const fn key(self) -> &'static str {
+    pub const fn key(&self) -> &'static str {
         match self {
             Self::Dropped { .. } => "subjects_dropped",
             Self::UnequalRepeats { .. } => "unequal_repeats",
             Self::MeansAreSteadier => "means_are_steadier",
+            Self::AlikeNames { .. } => "observers_alike",
+            Self::NoRaterVariance => "no_rater_variance",
             Self::NegativeIcc => "negative_icc",
             Self::PerfectAgreement => "perfect_agreement",
             Self::TwoSubjects => "two_subjects",
@@ -114,6 +124,11 @@ impl fmt::Display for Remark {
             Self::MeansAreSteadier => write!(
                 f,
                 "SEM, MDC95 and limits of agreement are those of means over repeats; single readings differ more"
+            ),
+            Self::AlikeNames { names } => f.write_str(&alike_words(names)),
+            Self::NoRaterVariance => write!(
+                f,
+                "the raters' means differ by less than the random error explains: the variance between raters is estimated below zero and counts as zero in SEM and MDC95 for agreement, which equal those for consistency; the ICCs keep their published formula"
             ),
             Self::NegativeIcc => write!(
                 f,
@@ -252,7 +267,7 @@ fn assess_design(
         bland_altman,
         remarks: Vec::new(),
     };
-    found.remarks = remarks(quantity, &found, squares.is_ok_and(|squares| squares.is_perfect()));
+    found.remarks = remarks(quantity, &found, squares.ok());
     found
 }
 
@@ -270,8 +285,18 @@ fn outcome(
     }
 }
 
-fn remarks(quantity: &RatedQuantity, found: &DesignReliability, perfect: bool) -> Vec<Remark> {
+fn remarks(
+    quantity: &RatedQuantity,
+    found: &DesignReliability,
+    squares: Option<MeanSquares>,
+) -> Vec<Remark> {
     let mut remarks = Vec::new();
+    if !matches!(found.design, Design::IntraObserver { .. }) {
+        let alike = alike_observers(found.raters.iter().map(String::as_str)).into_iter();
+        remarks.extend(alike.map(|names| Remark::AlikeNames {
+            names: names.into_iter().map(str::to_owned).collect(),
+        }));
+    }
     if quantity.not_reviewed > 0 {
         remarks.push(Remark::NotReviewed { readings: quantity.not_reviewed });
     }
@@ -300,7 +325,10 @@ fn remarks(quantity: &RatedQuantity, found: &DesignReliability, perfect: bool) -
     if found.statistics.iter().any(negative) {
         remarks.push(Remark::NegativeIcc);
     }
-    if perfect {
+    if squares.is_some_and(|squares| squares.is_rater_variance_negative()) {
+        remarks.push(Remark::NoRaterVariance);
+    }
+    if squares.is_some_and(|squares| squares.is_perfect()) {
         remarks.push(Remark::PerfectAgreement);
     }
     if found.subjects == 2 {

@@ -181,6 +181,45 @@ fn a_constant_offset_leaves_consistency_whole_and_costs_agreement() {
 }
 
 #[test]
+fn agreement_is_never_better_than_consistency() {
+    // Readers without an offset: MSC 0.004, MSE 3.3965, by hand.
+    let found = between(&[[32.5, 34.9], [44.2, 46.5], [39.8, 38.6], [42.0, 42.5], [53.2, 49.4]]);
+    close(value(&found, SEM[0]), 3.3965_f64.sqrt(), 1e-9);
+    close(value(&found, StatisticKind::Mdc95(SemKind::Agreement)), 5.11, 0.005);
+    assert_eq!(found.statistic(SEM[0]), found.statistic(SEM[1]), "interval too");
+    assert!(found.remarks.contains(&Remark::NoRaterVariance));
+    // The published formula, which other programs print: 0.9388994.
+    close(value(&found, ICC[0]), 0.938_899_4, 1e-7);
+    // Exchanging two readings leaves both means alike.
+    let same_means = between(&[[1.0, 2.0], [4.0, 3.0], [5.0, 5.5], [9.0, 8.5]]);
+    for found in [found, same_means, between(&SHROUT_FLEISS)] {
+        for [agreement, consistency] in
+            [SEM, [SemKind::Agreement, SemKind::Consistency].map(StatisticKind::Mdc95)]
+        {
+            assert!(value(&found, agreement) >= value(&found, consistency));
+        }
+    }
+    assert!(!between(&SHROUT_FLEISS).remarks.contains(&Remark::NoRaterVariance));
+}
+
+#[test]
+fn names_that_differ_by_capitals_are_observers_with_a_remark() {
+    let mut quantity = RatedQuantity::new("score", "points", "");
+    for i in 0..4 {
+        for (observer, repeat) in [("A", 1), ("B", 1), ("b", 1)] {
+            assert!(quantity.insert(&i.to_string(), observer, repeat, f64::from(i) + 0.1));
+        }
+    }
+    let found = assess(&quantity);
+    let alike = Remark::AlikeNames { names: vec!["B".to_owned(), "b".to_owned()] };
+    assert_eq!(found.designs[0].raters, ["A", "B", "b"]);
+    assert!(found.designs[0].remarks.contains(&alike));
+    assert!(alike.to_string().contains("`B` and `b` count as 2 observers"), "{alike}");
+    assert!(!found.designs[1].remarks.contains(&alike), "within A");
+    assert!(!between(&SHROUT_FLEISS).remarks.iter().any(|r| r.key() == "observers_alike"));
+}
+
+#[test]
 fn one_and_two_subjects_say_what_is_missing() {
     // F50.
     let one = between(&[[1.0, 2.0]]);

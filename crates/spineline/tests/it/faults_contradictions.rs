@@ -86,7 +86,7 @@ fn impossible_ages_and_nameless_observers_are_refused() {
     }
     let mut case = exact_case(0);
     landmarks(film_mut(&mut case, Posture::Neutral)).2[0].id = ReadingId::new("  ", 1);
-    assert_eq!(refused(&case).code(), "no_observer");
+    assert_eq!(refused(&case).code(), "observer");
 }
 
 #[test]

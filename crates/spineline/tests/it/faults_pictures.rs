@@ -221,7 +221,7 @@ fn a_lateral_film_is_refused_for_what_a_frontal_one_is() {
         let body = film.readings[0].vertebrae.get_mut(&Level::T7).expect("marked");
         body.superior_anterior = to;
     };
-    assert_eq!(refused(&|film| film.readings[0].id = ReadingId::new(" ", 1)), "no_observer");
+    assert_eq!(refused(&|film| film.readings[0].id = ReadingId::new(" ", 1)), "observer");
     assert_eq!(refused(&|film| film.readings.push(film.readings[0].clone())), "duplicate_reading");
     for value in [0.0, -0.1, f64::NAN] {
         let change = |film: &mut LateralFilm| {

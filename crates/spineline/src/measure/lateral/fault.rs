@@ -1,15 +1,20 @@
 use crate::anatomy::Level;
-use crate::measure::{FilmSize, ReadingId};
+use crate::measure::error::OBSERVER_HELP;
+use crate::measure::{CornerOrder, FilmSize, OBSERVER_RULE, ReadingId};
+
+/// The corners in their order, as errors name them.
+const NAMES: [&str; 4] =
+    ["superior anterior", "superior posterior", "inferior anterior", "inferior posterior"];
 
 /// What is wrong with a lateral film, other than the four corners of one vertebra.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum LateralFault {
-    /// A reading without the name or code of its observer.
-    #[error("lateral film: a reading (repeat {repeat}) has no observer")]
-    NoObserver {
-        /// Repeat of the reading.
-        repeat: u32,
+    /// A reading whose observer is no code.
+    #[error("lateral film: the observer of a reading is `{}` (repeat {}), and must be {OBSERVER_RULE}", id.observer, id.repeat)]
+    Observer {
+        /// Reading.
+        id: ReadingId,
     },
     /// Two readings carry the same observer and repeat.
     #[error("lateral film: the reading of observer {id} is given twice")]
@@ -59,6 +64,16 @@ pub enum LateralFault {
         /// Rows of the picture.
         rows: u32,
     },
+    /// The four corners are given in another order in every vertebra.
+    #[error("lateral film, observer {id}: in all {count} vertebrae {}", order.words(NAMES))]
+    CornerOrder {
+        /// Reading.
+        id: ReadingId,
+        /// Vertebrae marked.
+        count: usize,
+        /// The order.
+        order: CornerOrder,
+    },
     /// A vertebra is marked at or below the next lower one.
     #[error(
         "lateral film, observer {id}: {superior} lies {:.0} % of the expected distance above {inferior}, and the minimum is {:.0} %", 100.0 * share, 100.0 * limit
@@ -81,12 +96,13 @@ impl LateralFault {
     /// The name that the same fault of a frontal film has.
     pub(in crate::measure) const fn code(&self) -> &'static str {
         match self {
-            Self::NoObserver { .. } => "no_observer",
+            Self::Observer { .. } => "observer",
             Self::DuplicateReading { .. } => "duplicate_reading",
             Self::Spacing { .. } => "spacing",
             Self::Length { .. } => "length",
             Self::NotFinite { .. } => "not_finite",
             Self::OffImage { .. } => "off_image",
+            Self::CornerOrder { .. } => "corner_order",
             Self::OutOfOrder { .. } => "out_of_order",
         }
     }
@@ -94,7 +110,7 @@ impl LateralFault {
     /// What the user can do about it.
     pub(in crate::measure) const fn help(&self) -> &'static str {
         match self {
-            Self::NoObserver { .. } => "name the observer of every reading, or give a code",
+            Self::Observer { .. } => OBSERVER_HELP,
             Self::DuplicateReading { .. } => {
                 "give each reading of a film its own observer and repeat"
             }
@@ -103,6 +119,9 @@ impl LateralFault {
             Self::NotFinite { .. } => "mark this vertebra again",
             Self::OffImage { .. } => {
                 "corner points are [column, row] in pixels of the full-size picture"
+            }
+            Self::CornerOrder { .. } => {
+                "give the corners of every vertebra as superior anterior, superior posterior, inferior anterior, inferior posterior, and not around the body"
             }
             Self::OutOfOrder { .. } => {
                 "check the names of these two vertebrae: one is marked twice, skipped or exchanged"

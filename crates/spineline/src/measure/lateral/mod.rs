@@ -7,6 +7,7 @@ pub use fault::LateralFault;
 pub use outline::{LateralOutline, LateralVertebra};
 
 use super::bodies::{CheckedFilm, ReadBodies};
+use super::corner_order::CornerOrder;
 use super::lengths::FilmSizes;
 use super::order::{MIN_SPACING_SHARE, steps};
 use super::outline::{nameless, repeated};
@@ -73,7 +74,8 @@ impl LateralFilm {
         self.check_film()?;
         for reading in &self.readings {
             for (&level, corners) in &reading.vertebrae {
-                self.check_body(&reading.id, level, &self.body(corners))?;
+                self.check_body(&reading.id, level, &self.body(corners))
+                    .map_err(|error| self.in_all(reading).unwrap_or(error))?;
             }
         }
         let bodies: Vec<ReadBodies<'_>> = self.bodies();
@@ -88,6 +90,14 @@ impl LateralFilm {
             warnings.push(Step::Measure, code, format!("lateral film: {text}"));
         }
         Ok(LateralOutline::of(&bodies, has_scale, self.simultaneous))
+    }
+
+    /// The error of corners in another order, where they are in all bodies of a reading.
+    fn in_all(&self, reading: &Reading<LateralCorners>) -> Option<MeasureError> {
+        let bodies: Vec<Corners<Frontal>> =
+            reading.vertebrae.values().map(|corners| self.body(corners)).collect();
+        let (id, count) = (reading.id.clone(), bodies.len());
+        CornerOrder::of(&bodies).map(|order| LateralFault::CornerOrder { id, count, order }.into())
     }
 
     /// Refuses corners that make no body, or one that lies the wrong way round.
@@ -115,7 +125,7 @@ impl LateralFilm {
             }
         }
         if let Some(nameless) = nameless(&self.readings) {
-            return Err(LateralFault::NoObserver { repeat: nameless.id.repeat });
+            return Err(LateralFault::Observer { id: nameless.id.clone() });
         }
         if let Some(twice) = repeated(&self.readings) {
             return Err(LateralFault::DuplicateReading { id: twice.id.clone() });

@@ -1,0 +1,66 @@
+//! Codes of observers: one rule for files, studies and Python.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use super::FilmReadings;
+use crate::warning::{Step, Warnings};
+
+/// What a code of an observer is, in words.
+pub const OBSERVER_RULE: &str = "1 to 64 letters, digits, `.`, `-` and `_`, such as A or reader-2";
+
+/// Whether a text is the code of an observer: 1 to 64 ASCII letters, digits, `.`, `-` and `_`.
+///
+/// ```
+/// use spineline::measure::is_observer_code;
+/// assert!(is_observer_code("reader-2"));
+/// assert!(!is_observer_code("Dr. A. B.") && !is_observer_code("A ") && !is_observer_code(""));
+/// ```
+#[must_use]
+pub fn is_observer_code(text: &str) -> bool {
+    let allowed = |c: char| c.is_ascii_alphanumeric() || matches!(c, '.' | '-' | '_');
+    (1..=64).contains(&text.len()) && text.chars().all(allowed)
+}
+
+/// Names of observers that differ by capitals, blanks and marks between letters alone, in groups of at least two; each name
+/// is an observer nevertheless.
+///
+/// ```
+/// use spineline::measure::alike_observers;
+/// assert_eq!(alike_observers(["A", "b", "B", "b"]), [["B", "b"]]);
+/// assert_eq!(alike_observers(["R1", "R-1", "r_1", "R2"]), [["R-1", "r_1"]]);
+/// ```
+#[must_use]
+pub fn alike_observers<'a>(names: impl IntoIterator<Item = &'a str>) -> Vec<Vec<&'a str>> {
+    let mut alike: BTreeMap<String, BTreeSet<&str>> = BTreeMap::new();
+    for name in names {
+        alike.entry(folded(name)).or_default().insert(name);
+    }
+    let groups = alike.into_values().filter(|names| names.len() > 1);
+    groups.map(|names| names.into_iter().collect()).collect()
+}
+
+/// The letters and digits of a name, with one mark for whatever stands between them.
+fn folded(name: &str) -> String {
+    let lower = name.to_lowercase();
+    let words = lower.split(|c: char| !c.is_alphanumeric()).filter(|word| !word.is_empty());
+    words.collect::<Vec<_>>().join("_")
+}
+
+/// What is said of such names.
+#[must_use]
+pub fn alike_words(names: &[impl AsRef<str>]) -> String {
+    let names: Vec<String> = names.iter().map(|name| format!("`{}`", name.as_ref())).collect();
+    format!(
+        "{} count as {} observers: if they are one person, write one name",
+        names.join(" and "),
+        names.len()
+    )
+}
+
+/// Warns of such names among the observers of all films.
+pub(crate) fn warn_of_alike_observers(films: &[FilmReadings], warnings: &mut Warnings) {
+    let ids = films.iter().flat_map(|film| &film.readings).map(|reading| &reading.id);
+    for names in alike_observers(ids.map(|id| id.observer.as_str())) {
+        warnings.push(Step::Measure, "observers_alike", alike_words(&names));
+    }
+}
