@@ -327,9 +327,8 @@ class FilmErrors:
         key = _line_key(line)
         if key not in analysis.lines:
             names = analysis.lines
-            meant = _native.did_you_mean(key, names)
             raise InputError(
-                f"{analysis.id}: there is no model with the line `{line}`{meant}",
+                f"{analysis.id}: there is no model with the line `{line}`",
                 help=f"give one of {', '.join(names)}" if names else "a model needs a bending film",
             )
         self._analysis = analysis
@@ -403,7 +402,7 @@ def analyze(
     Raises
     ------
     InputError
-        If an option or its value is unknown (the nearest name is given), or what stops the analysis: with film, vertebra,
+        If an option or its value is unknown (a similar name of an option, or all values, are given), or what stops the analysis: with film, vertebra,
         value and limit.
     """
     given: dict[str, Any] = dict(options)

@@ -62,7 +62,7 @@ class Replicates(Mapping[str, Spread]):
         Raises
         ------
         InputError
-            If there is no number of this name; the nearest name is given.
+            If there is no number of this name; a similar name is given, if there is one.
         """
         found = self._spreads.get(name)
         if found is None:

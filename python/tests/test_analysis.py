@@ -142,10 +142,10 @@ def test_the_programs_own_analysis_is_read(
     assert {**found.data, "provenance": None} == {**data, "provenance": None}
 
 
-def test_an_unknown_option_is_answered_with_the_nearest(case: sl.Case) -> None:
+def test_an_unknown_option_is_answered_with_the_nearest_and_a_value_with_all(case: sl.Case) -> None:
     with pytest.raises(sl.InputError, match="did you mean `support`"):
         sl.analyze(case, suport="frontal")  # type: ignore[call-arg]
-    with pytest.raises(sl.InputError, match="did you mean `frontal`"):
+    with pytest.raises(sl.InputError, match="expected one of"):
         sl.analyze(case, support="frontl")  # type: ignore[typeddict-item]
     assert isinstance(sl.InputError("x"), ValueError)
 
@@ -171,8 +171,8 @@ def test_options_take_the_values_of_python(case: sl.Case) -> None:
     assert "given_line" in a.lines and "7" in json.dumps(options)
 
 
-def test_names_that_there_are_not_are_errors_with_the_nearest(analysis: sl.Analysis) -> None:
-    with pytest.raises(sl.InputError, match="did you mean `erect`"):
+def test_names_that_there_are_not_are_errors(analysis: sl.Analysis) -> None:
+    with pytest.raises(sl.InputError, match="there is no `errect` film"):
         analysis.curve("errect")
     with pytest.raises(sl.InputError, match="did you mean `vertebrae`"):
         analysis.tables["vertebra"]

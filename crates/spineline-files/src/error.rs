@@ -20,12 +20,14 @@ pub enum FileError {
         source: std::io::Error,
     },
     /// The file is not text in UTF-8.
-    #[error("{}: its text is not UTF-8 (byte {at})", path.display())]
+    #[error("{}: its text is {}, and must be UTF-8", path.display(), if *utf_16 { "UTF-16 (Excel's Unicode text)".to_owned() } else { format!("no UTF-8 (byte {at})") })]
     NotUtf8 {
         /// Which file.
         path: PathBuf,
         /// The first byte that is not, from 1.
         at: usize,
+        /// Whether it is UTF-16.
+        utf_16: bool,
     },
     /// More bytes than any file of its kind needs.
     #[error(
@@ -309,7 +311,7 @@ impl FileError {
     pub fn help(&self) -> &'static str {
         match self {
             Self::Read { .. } => "check the path and its permissions",
-            Self::NotUtf8 { .. } => "save the file as UTF-8",
+            Self::NotUtf8 { .. } => "save the file as UTF-8; in Excel as `CSV UTF-8`",
             Self::TooLarge { .. } => {
                 "check that it is the right file; give a cohort as one file per patient"
             }

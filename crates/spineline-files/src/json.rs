@@ -6,6 +6,7 @@ use serde::Deserializer;
 use serde::de::{DeserializeOwned, IgnoredAny, MapAccess, Visitor};
 
 use crate::FileError;
+use crate::nearest::nearest;
 
 /// The first two keys of every file.
 #[derive(Default)]
@@ -141,20 +142,5 @@ fn explain(error: serde_path_to_error::Error<serde_json::Error>) -> FileError {
         let place = place(if parent.is_empty() { "." } else { parent });
         return FileError::UnknownKey { line, place, key, nearest };
     }
-    if reason.starts_with("unknown variant") && !quoted.is_empty() {
-        let meant = nearest(quoted[0], &quoted[1..]);
-        let meant = meant.map(|word| format!("; did you mean `{word}`?")).unwrap_or_default();
-        return FileError::Value { line, place: place(&path), reason: reason + &meant };
-    }
     FileError::Value { line, place: place(&path), reason }
-}
-
-/// The candidate that resembles a word most, if any does.
-pub fn nearest(word: &str, candidates: &[&str]) -> Option<String> {
-    candidates
-        .iter()
-        .map(|candidate| (strsim::jaro_winkler(word, candidate), candidate))
-        .filter(|(likeness, _)| *likeness > 0.6)
-        .max_by(|a, b| a.0.total_cmp(&b.0))
-        .map(|(_, candidate)| (*candidate).to_owned())
 }

@@ -25,6 +25,7 @@ mod load_file;
 pub mod method_text;
 mod model_file;
 mod model_source;
+mod nearest;
 mod options_record;
 mod provenance;
 mod read;
@@ -42,6 +43,7 @@ mod stiffness_file;
 mod stored_hypotheses;
 mod stored_identifiability;
 mod stored_uncertainty;
+mod table_text;
 
 pub use analysis_file::{
     AnalysisFile, PICTURE_WARNINGS, StoredAnalysis, parse_analysis, parse_case_within,
@@ -54,13 +56,14 @@ pub use cohort_file::CohortFile;
 pub use digest::{RunningDigest, sha256_hex};
 pub use error::FileError;
 pub use export::{ExportError, ExportFormat, export};
-pub use json::{file_format, nearest, parse_json};
+pub use json::{file_format, parse_json};
 pub use keys::{Key, LevelKey};
 pub use load_file::{
     AppliedLoad, DIRECTIONS, LoadFault, LoadFile, PlacedLoads, direction, parse_load,
 };
 pub use model_file::{LoadRecord, ModelFile, StoredModel, parse_model};
 pub use model_source::{ModelSource, ModelSourceError};
+pub use nearest::nearest;
 pub use provenance::{
     FilmOrigin, InputFile, ProgramRun, Provenance, ProvenanceFile, parse_provenance,
 };
@@ -79,6 +82,7 @@ pub use stored_identifiability::{identifiability_text, parse_identifiability};
 pub use stored_uncertainty::{
     loaded_uncertainty_text, parse_loaded_uncertainty, parse_uncertainty, uncertainty_text,
 };
+pub use table_text::{column_name, decode_text, is_no_number, stated_separator, whole_number};
 
 /// The text of a file: JSON with two blanks of indent and a line feed at the end.
 ///

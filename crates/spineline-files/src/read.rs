@@ -3,6 +3,7 @@ use std::io::Read;
 use std::path::Path;
 
 use crate::FileError;
+use crate::table_text::is_utf_16;
 
 /// Largest file of one record, in bytes: a case, a model, a load, a stiffness table or a table of readings.
 pub const MAX_FILE_BYTES: u64 = 64 << 20;
@@ -15,10 +16,14 @@ pub const MAX_ANALYSES_BYTES: u64 = 256 << 20;
 /// [`FileError::Read`], [`FileError::TooLarge`], [`FileError::NotUtf8`].
 pub fn read_text(path: &Path) -> Result<String, FileError> {
     let bytes = read_bytes(path, MAX_FILE_BYTES)?;
-    String::from_utf8(bytes).map_err(|error| FileError::NotUtf8 {
-        path: path.to_owned(),
-        at: error.utf8_error().valid_up_to() + 1,
-    })
+    let utf_16 = is_utf_16(&bytes);
+    let refused = |at| FileError::NotUtf8 { path: path.to_owned(), at, utf_16 };
+    match String::from_utf8(bytes) {
+        // UTF-16 without a mark is UTF-8 with a zero beside every letter.
+        Ok(text) if utf_16 => Err(refused(text.find('\0').unwrap_or(0) + 1)),
+        Ok(text) => Ok(text),
+        Err(error) => Err(refused(error.utf8_error().valid_up_to() + 1)),
+    }
 }
 
 /// Reads a file whole, if it has at most `limit` bytes. What states no size, such as a pipe or a device, is read to the limit

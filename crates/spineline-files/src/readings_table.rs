@@ -2,11 +2,12 @@
 
 use std::collections::BTreeMap;
 
-use csv::{ReaderBuilder, StringRecord};
+use csv::{ReaderBuilder, StringRecord, Trim};
 use spineline::reliability::RatedQuantity;
 
 use crate::FileError;
-use crate::json::nearest;
+use crate::nearest::nearest;
+use crate::table_text::{column_name, is_no_number, stated_separator, whole_number};
 
 /// Columns of the table, in any order; the last may be absent.
 const COLUMNS: [&str; 7] =
@@ -25,7 +26,7 @@ pub struct ReadingsTable {
     pub synthetic: bool,
 }
 
-/// Reads a table of readings: CSV with a heading, commas, decimal points, and the columns `quantity`, `unit`, `subject`,
+/// Reads a table of readings: CSV with a heading, commas and decimal points, or semicolons or tabs and decimal commas or points, and the columns `quantity`, `unit`, `subject`,
 /// `observer`, `repeat` (from 1), `value`, and `synthetic` (`true` or `false`) if wanted.
 ///
 /// ```
@@ -42,19 +43,37 @@ pub struct ReadingsTable {
 pub fn parse_readings(text: &str) -> Result<ReadingsTable, FileError> {
     // Programs that write CSV for a spreadsheet put a byte-order mark first.
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
-    let mut reader = ReaderBuilder::new().from_reader(text.as_bytes());
-    let heading = reader.headers().map_err(|error| row_error(&error, 1))?.clone();
-    let places = places(&heading)?;
+    let stated = stated_separator(text);
+    let heading = text.lines().nth(usize::from(stated.is_some())).unwrap_or_default();
+    let separator = stated.or_else(|| [';', '\t'].into_iter().find(|mark| heading.contains(*mark)));
+    let separator = separator.and_then(|mark| u8::try_from(mark).ok()).unwrap_or(b',');
+    let mut reader = ReaderBuilder::new()
+        .delimiter(separator)
+        .has_headers(false)
+        .flexible(true)
+        .trim(Trim::All)
+        .from_reader(text.as_bytes());
+    let mut rows = reader.records();
+    if stated.is_some() {
+        rows.next();
+    }
+    let heading = rows.next().unwrap_or_else(|| Ok(StringRecord::new()));
+    let heading = heading.map_err(|error| row_error(&error, 1))?;
+    let columns = Columns { places: places(&heading)?, count: heading.len(), separator };
     let mut quantities: BTreeMap<String, RatedQuantity> = BTreeMap::new();
     let mut synthetic = false;
-    for (count, record) in reader.records().enumerate() {
+    for (count, record) in rows.enumerate() {
         let record = record.map_err(|error| row_error(&error, count as u64 + 2))?;
         let line = record.position().map_or(count as u64 + 2, csv::Position::line);
         let fault = |reason: String| FileError::Row { line, reason };
         if count == MAX_ROWS {
             return Err(fault(format!("more than {MAX_ROWS} readings")));
         }
-        synthetic |= insert(&record, &places, &mut quantities).map_err(fault)?;
+        if record.iter().all(str::is_empty) {
+            continue;
+        }
+        columns.check_width(&record).map_err(fault)?;
+        synthetic |= columns.insert(&record, &mut quantities).map_err(fault)?;
     }
     if quantities.is_empty() {
         return Err(FileError::Row { line: 2, reason: "no reading".to_owned() });
@@ -66,12 +85,13 @@ pub fn parse_readings(text: &str) -> Result<ReadingsTable, FileError> {
 fn places(heading: &StringRecord) -> Result<BTreeMap<&'static str, usize>, FileError> {
     let mut places = BTreeMap::new();
     for (place, name) in heading.iter().enumerate() {
-        let Some(known) = COLUMNS.into_iter().find(|known| *known == name.trim()) else {
-            let hint = match name.contains(';') || name.contains('\t') {
-                true => "; columns must be separated by commas".to_owned(),
-                false => nearest(name, &COLUMNS)
-                    .map_or_else(String::new, |known| format!("; did you mean `{known}`?")),
-            };
+        // A column without a name is one of empty cells, or of another program's row numbers.
+        if name.is_empty() {
+            continue;
+        }
+        let Some(known) = COLUMNS.into_iter().find(|known| *known == column_name(name)) else {
+            let hint = nearest(name, &COLUMNS)
+                .map_or_else(String::new, |known| format!("; did you mean `{known}`?"));
             let reason = format!("unknown column `{}`{hint}", shortened(name));
             return Err(FileError::Column { reason });
         };
@@ -87,56 +107,84 @@ fn places(heading: &StringRecord) -> Result<BTreeMap<&'static str, usize>, FileE
     }
 }
 
-/// Adds one row to its quantity, and returns whether it is of a synthetic film.
-fn insert(
-    record: &StringRecord,
-    places: &BTreeMap<&'static str, usize>,
-    quantities: &mut BTreeMap<String, RatedQuantity>,
-) -> Result<bool, String> {
-    let cell = |column: &str| {
-        places.get(column).and_then(|&place| record.get(place)).unwrap_or_default().trim()
-    };
-    let name = |column| name(column, cell(column));
-    let (key, unit) = (name("quantity")?, name("unit")?);
-    let (subject, observer) = (name("subject")?, name("observer")?);
-    let repeat = match cell("repeat").parse::<u32>() {
-        Ok(repeat) if repeat > 0 => repeat,
-        _ => {
+/// Where the columns stand, and what separates them.
+struct Columns {
+    places: BTreeMap<&'static str, usize>,
+    count: usize,
+    separator: u8,
+}
+
+impl Columns {
+    /// A row has as many cells as the heading; more of them are empty.
+    fn check_width(&self, record: &StringRecord) -> Result<(), String> {
+        let is_whole =
+            record.len() >= self.count && record.iter().skip(self.count).all(str::is_empty);
+        if is_whole {
+            return Ok(());
+        }
+        Err(format!("{} cells, but the heading has {}", record.len(), self.count))
+    }
+
+    /// A number; beside semicolons and tabs its decimal mark may be a comma.
+    fn number(&self, cell: &str) -> Option<f64> {
+        let text =
+            if self.separator == b',' { cell.to_owned() } else { cell.replacen(',', ".", 1) };
+        text.parse::<f64>().ok().filter(|value| value.is_finite())
+    }
+
+    /// Adds one row to its quantity, and returns whether it is of a synthetic film.
+    fn insert(
+        &self,
+        record: &StringRecord,
+        quantities: &mut BTreeMap<String, RatedQuantity>,
+    ) -> Result<bool, String> {
+        let places = &self.places;
+        let cell = |column: &str| {
+            places.get(column).and_then(|&place| record.get(place)).unwrap_or_default()
+        };
+        let name = |column| name(column, cell(column));
+        let (key, unit) = (name("quantity")?, name("unit")?);
+        let (subject, observer) = (name("subject")?, name("observer")?);
+        let repeat = match whole_number(cell("repeat")) {
+            Some(repeat) if repeat > 0 => repeat,
+            _ => {
+                return Err(format!(
+                    "`repeat` is `{}`; it must be a whole number from 1",
+                    shortened(cell("repeat"))
+                ));
+            }
+        };
+        // A subject that was not read.
+        if is_no_number(cell("value")) {
+            return Ok(false);
+        }
+        let value = self.number(cell("value")).ok_or_else(|| {
+            format!("`value` is `{}`, which is not a number", shortened(cell("value")))
+        })?;
+        let synthetic = match cell("synthetic").to_ascii_lowercase().as_str() {
+            "true" => true,
+            "false" => false,
+            "" if !places.contains_key("synthetic") => false,
+            other => {
+                return Err(format!(
+                    "`synthetic` is `{}`; it must be true or false",
+                    shortened(other)
+                ));
+            }
+        };
+        let quantity = quantities
+            .entry(key.to_owned())
+            .or_insert_with(|| RatedQuantity::new(key, unit, "as in the table of readings"));
+        if quantity.unit != unit {
+            return Err(format!("`{key}` is in {unit}, but in {} above", quantity.unit));
+        }
+        if !quantity.insert(subject, observer, repeat, value) {
             return Err(format!(
-                "`repeat` is `{}`; it must be a whole number from 1",
-                shortened(cell("repeat"))
+                "`{key}` of subject {subject} by observer {observer}, repeat {repeat}, is given twice"
             ));
         }
-    };
-    let value = match cell("value").parse::<f64>() {
-        Ok(value) if value.is_finite() => value,
-        _ => {
-            let found = shortened(cell("value"));
-            return Err(format!(
-                "`value` is `{found}`; it must be a number with a decimal point; remove rows without a value"
-            ));
-        }
-    };
-    let synthetic = match cell("synthetic") {
-        "true" => true,
-        "false" => false,
-        "" if !places.contains_key("synthetic") => false,
-        other => {
-            return Err(format!("`synthetic` is `{}`; it must be true or false", shortened(other)));
-        }
-    };
-    let quantity = quantities
-        .entry(key.to_owned())
-        .or_insert_with(|| RatedQuantity::new(key, unit, "as in the table of readings"));
-    if quantity.unit != unit {
-        return Err(format!("`{key}` is in {unit}, but in {} above", quantity.unit));
+        Ok(synthetic)
     }
-    if !quantity.insert(subject, observer, repeat, value) {
-        return Err(format!(
-            "`{key}` of subject {subject} by observer {observer}, repeat {repeat}, is given twice"
-        ));
-    }
-    Ok(synthetic)
 }
 
 /// A cell that names something.

@@ -128,10 +128,7 @@ impl Analysis {
         known.and_then(|posture| self.analysis.posture(posture)).ok_or_else(|| {
             let films: Vec<&str> =
                 self.analysis.postures.iter().map(|one| one.outline.posture.key()).collect();
-            let meant = spineline_files::nearest(film, &films)
-                .map(|word| format!("; did you mean `{word}`?"))
-                .unwrap_or_default();
-            let text = format!("{}: there is no `{film}` film{meant}", self.analysis.case_id);
+            let text = format!("{}: there is no `{film}` film", self.analysis.case_id);
             Fault::new(text, format!("give one of {}", films.join(", ")))
         })
     }

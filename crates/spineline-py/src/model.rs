@@ -220,10 +220,7 @@ impl Simulation {
 pub fn force_vector(py: Python<'_>, towards: &str, newtons: f64) -> PyResult<[f64; 3]> {
     let Some(direction) = spineline_files::direction(towards) else {
         let names = spineline_files::DIRECTIONS.map(|(name, _)| name);
-        let meant = spineline_files::nearest(towards, &names)
-            .map(|word| format!("; did you mean `{word}`?"))
-            .unwrap_or_default();
-        let text = format!("unknown direction `{towards}`{meant}");
+        let text = format!("unknown direction `{towards}`");
         return Err(Fault::new(text, format!("give one of {}", names.join(", "))).raise(py));
     };
     Ok(direction.map(|part| part * newtons))

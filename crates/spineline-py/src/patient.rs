@@ -73,7 +73,7 @@ pub fn warning<'py>(py: Python<'py>, warning: &Warning) -> PyResult<Bound<'py, P
     Ok(dictionary)
 }
 
-/// `; did you mean `X`?` for the candidate that resembles a word most; empty where none does.
+/// `; did you mean `X`?` for the key that was mistyped; empty where none is near.
 #[pyfunction]
 pub fn did_you_mean(word: &str, candidates: Vec<String>) -> String {
     let candidates: Vec<&str> = candidates.iter().map(String::as_str).collect();

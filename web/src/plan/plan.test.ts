@@ -41,7 +41,7 @@ beforeEach(() => {
     const text = await request.text();
     sent.push(text);
     const isBad = text.includes("pda");
-    const body = isBad ? { code: "refused", message: "did you mean `pad`?" } : ANSWER;
+    const body = isBad ? { code: "refused", message: "unknown variant `padd`" } : ANSWER;
     return new Response(JSON.stringify(body), { status: isBad ? 422 : 200 });
   });
 });
@@ -102,7 +102,7 @@ it("opens a file that the program reads, and leaves the loads where it does not"
   await settled();
   const { signal } = new AbortController();
   const bad = '{"format":"spineline-load","version":1,"loads":[{"kind":"pda"}]}';
-  await expect(own.open(bad, signal)).rejects.toThrow("did you mean");
+  await expect(own.open(bad, signal)).rejects.toThrow("unknown variant");
   expect(own.loads).toEqual([PAD]);
   await own.open(`\uFEFF${textOf([STRAP])}`, signal);
   expect(own.loads).toEqual([STRAP]);

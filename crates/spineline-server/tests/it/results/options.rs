@@ -92,7 +92,7 @@ fn a_wrong_value_changes_nothing_and_an_impossible_one_is_a_refusal_of_the_resul
     case.films.retain(|film| film.posture != Posture::Traction);
     let running = serve(|store| add_read_study(store, "S1", &case));
     for (name, value, word) in [
-        ("support", "fre", "did you mean `free`?"),
+        ("support", "fre", "expected one of"),
         ("order_rule", "3", "4 to 12"),
         ("stiffness", "/etc/passwd", "expected one of paper"),
         ("inflections", "T6,L1", "the caudal site comes first"),
