@@ -1,6 +1,14 @@
 use spineline::anatomy::Level;
-use spineline::measure::{MeasureError, MidlineError};
+use spineline::measure::{MeasureError, MidlineError, OBSERVER_RULE};
 use spineline_files::FileError;
+
+/// How the side of the picture with the patient's left is given.
+pub(crate) const GIVE_SIDE: &str = "name the film of the file, as in `--landmarks erect=FILE`, and its side with `--patient-left`; in Python give `patient_left`";
+/// How the posture of a film is given.
+pub(crate) const GIVE_POSTURE: &str =
+    "name the film of the file, as in `--landmarks erect=FILE`; in Python give `film`";
+/// Where a part of the file contradicts another one.
+pub(crate) const CORRECT: &str = "correct the file at that place";
 
 /// Error of reading a file of landmarks.
 #[derive(Debug, thiserror::Error)]
@@ -25,6 +33,14 @@ pub enum LandmarkError {
         /// What was looked for.
         reason: String,
     },
+    /// A file of another program that holds no landmarks, or none that can be read.
+    #[error("the file is {what}")]
+    Foreign {
+        /// What it is.
+        what: &'static str,
+        /// What to do.
+        help: &'static str,
+    },
     /// The text does not follow its format.
     #[error("{at}: {reason}")]
     Syntax {
@@ -33,17 +49,37 @@ pub enum LandmarkError {
         /// Why.
         reason: String,
     },
-    /// A column, key or name that the format does not know.
-    #[error("{at}: unknown {what} `{name}`{}", nearest.as_ref().map(|n| format!("; did you mean `{n}`?")).unwrap_or_default())]
-    Unknown {
+    /// A column that the table does not have.
+    #[error("{at}: unknown column `{name}`{}", nearest.as_ref().map(|n| format!("; did you mean `{n}`?")).unwrap_or_default())]
+    Column {
         /// Where in the file.
         at: String,
-        /// What kind of name.
+        /// Its name.
+        name: String,
+        /// The known one that was mistyped.
+        nearest: Option<String>,
+    },
+    /// A value that is none of a few names.
+    #[error("{at}: unknown {what} `{name}`; expected one of {}", known.join(", "))]
+    Choice {
+        /// Where in the file.
+        at: String,
+        /// What kind of value.
         what: &'static str,
+        /// The value.
+        name: String,
+        /// All names.
+        known: Vec<&'static str>,
+    },
+    /// A name of a point that is not that of a landmark.
+    #[error("{at}: `{name}` names no landmark: {reason}")]
+    PointName {
+        /// Where in the file.
+        at: String,
         /// The name.
         name: String,
-        /// The known one that it resembles most.
-        nearest: Option<String>,
+        /// What is missing or unknown.
+        reason: String,
     },
     /// A required part is missing.
     #[error("{at}: {what} is missing")]
@@ -63,6 +99,14 @@ pub enum LandmarkError {
         /// Expected value.
         expected: &'static str,
     },
+    /// An observer that is no code.
+    #[error("{at}: the observer is `{value}`, and must be {OBSERVER_RULE}")]
+    Observer {
+        /// Where in the file.
+        at: String,
+        /// The observer.
+        value: String,
+    },
     /// A name that is not a vertebra from T1 to L5.
     #[error("{at}: `{name}` is not a vertebra from T1 to L5{}", hint.map(|hint| format!(": {hint}")).unwrap_or_default())]
     Vertebra {
@@ -70,7 +114,7 @@ pub enum LandmarkError {
         at: String,
         /// The name.
         name: String,
-        /// The nearest known name.
+        /// What is known of that vertebra.
         hint: Option<&'static str>,
     },
     /// A repeated part within one reading of one film.
@@ -114,6 +158,8 @@ pub enum LandmarkError {
         at: String,
         /// The possible meanings.
         reason: String,
+        /// What to do.
+        help: &'static str,
     },
     /// Missing data on the picture that neither the file nor the caller gives.
     #[error("{format} needs {what}; the file does not contain it")]
@@ -122,6 +168,8 @@ pub enum LandmarkError {
         format: &'static str,
         /// What is needed.
         what: &'static str,
+        /// How to give it.
+        help: &'static str,
     },
     /// The points belong to another picture.
     #[error(
@@ -159,13 +207,23 @@ impl LandmarkError {
         match self {
             Self::File(error) => error.help(),
             Self::TooLarge { .. } => "give the landmarks of one patient in one file",
+            Self::Foreign { help, .. }
+            | Self::Ambiguous { help, .. }
+            | Self::Needs { help, .. } => help,
             Self::Unrecognised { .. } => {
                 "give CSV, Slicer markups, labelme or COCO JSON, surface midlines, an AASCE .mat or folder, or a DICOM report of Spineline"
             }
             Self::Syntax { .. } => "correct the file at that place, or export it again",
-            Self::Unknown { .. } => "correct the name, or remove it from the file",
+            Self::Column { .. } => "correct the name, or remove the column",
+            Self::Choice { .. } => "write one of these names",
+            Self::PointName { .. } => {
+                "name points after vertebra and corner, such as T12_superior_left or T12 SL, and iliac_crest_left, iliac_crest_right"
+            }
             Self::Missing { .. } => "add it to the file",
             Self::Value { .. } => "correct the value; write numbers without units or formulas",
+            Self::Observer { .. } => {
+                "write a code for the observer, the same in all files and studies, and no name of a person"
+            }
             Self::Vertebra { .. } => {
                 "name vertebrae T1 to T12 and L1 to L5 (Th12 and D12 are read too)"
             }
@@ -175,8 +233,6 @@ impl LandmarkError {
             Self::Incomplete { .. } => "place the missing landmarks, or remove the vertebra",
             Self::Confidences { .. } => "give all four corners a confidence, or none",
             Self::Midline { fault, .. } => fault.help(),
-            Self::Ambiguous { .. } => "specify it with an option: the file does not determine it",
-            Self::Needs { .. } => "specify it with an option",
             Self::OtherPicture { .. } => "give the picture on which the landmarks were placed",
             Self::Plane { .. } => {
                 "place all landmarks of a film in one slice view, without rotating the picture"

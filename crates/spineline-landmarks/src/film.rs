@@ -9,9 +9,10 @@ use spineline::measure::{
     PlacementSource, Reading, ReadingId, SpacingPlane, VertebraLandmarks, check_landmarks,
 };
 use spineline::spatial::Pixel;
-use spineline_files::nearest;
+use spineline_files::column_name;
 
 use super::LandmarkError;
+use super::error::GIVE_POSTURE;
 use super::names::{PointName, coordinate, shown};
 
 /// A format of landmarks.
@@ -51,7 +52,7 @@ pub struct LandmarkFile {
 pub struct MarkedFilm {
     /// Posture, if the file contains it.
     pub posture: Option<Posture>,
-    /// Name of the picture, or of a DICOM film its SOP Instance UID, if the file contains it.
+    /// Name of the picture, with folders where the file has them, or of a DICOM film its SOP Instance UID, if the file contains it.
     pub picture: Option<String>,
     /// Columns and rows of the picture, if the file contains them.
     pub size: Option<(u32, u32)>,
@@ -134,11 +135,13 @@ impl MarkedFilm {
                 return Err(LandmarkError::Ambiguous {
                     at: "the film".to_owned(),
                     reason: format!("the file states {stated}, but {given} was given"),
+                    help: "give the file for the film that it states, or correct what it states",
                 });
             }
             (stated, given) => stated.or(given).ok_or(LandmarkError::Needs {
                 format: "a film",
                 what: "the posture of the patient",
+                help: GIVE_POSTURE,
             })?,
         };
         let landmarks = match self.landmarks {
@@ -146,6 +149,7 @@ impl MarkedFilm {
                 let image = image.ok_or(LandmarkError::Needs {
                     format: "a film with corners",
                     what: "the size and sides of its picture",
+                    help: "choose a film of its posture, as in `--film erect=1`",
                 })?;
                 let given = (image.columns, image.rows);
                 if let Some(stated) = self.size.filter(|&stated| stated != given) {
@@ -362,14 +366,23 @@ pub(super) fn confidence(value: f64, at: &str) -> Result<f64, LandmarkError> {
     })
 }
 
+/// A value by its name in files, in small or capital letters.
+pub(super) fn named<T: Named>(
+    name: &str,
+    what: &'static str,
+    at: &str,
+) -> Result<T, LandmarkError> {
+    T::from_key(&column_name(name)).ok_or_else(|| LandmarkError::Choice {
+        at: at.to_owned(),
+        what,
+        name: shown(name),
+        known: T::ALL.iter().map(|value| value.key()).collect(),
+    })
+}
+
 /// The origin of a corner by its name in files.
 pub(super) fn origin(name: &str, at: &str) -> Result<Origin, LandmarkError> {
-    Origin::from_key(name).ok_or_else(|| LandmarkError::Unknown {
-        at: at.to_owned(),
-        what: "origin",
-        name: shown(name),
-        nearest: nearest(&shown(name), &Origin::ALL.map(Origin::key)),
-    })
+    named(name, "origin", at)
 }
 
 /// The origins of a vertebra for a file; `None` where a person clicked all corners, as a file without them says.

@@ -1,11 +1,12 @@
 //! Film, observer and repeat, as Spineline adds them to files of other programs under the key `spineline`.
 
 use serde::{Deserialize, Serialize};
-use spineline::anatomy::{Named, Posture};
+use spineline::anatomy::Posture;
 use spineline::measure::ReadingId;
-use spineline_files::nearest;
 
-use super::names::{observer, shown};
+use super::film::named;
+use super::names::observer;
+use super::number::Whole;
 use super::{LandmarkError, LandmarkHint};
 
 /// What of it a file states.
@@ -15,8 +16,12 @@ pub(super) struct Identity {
     pub film: Option<String>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub observer: Option<String>,
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "whole")]
     pub repeat: Option<u32>,
+}
+
+fn whole<'de, D: serde::Deserializer<'de>>(deserializer: D) -> Result<Option<u32>, D::Error> {
+    Ok(Option::<Whole>::deserialize(deserializer)?.map(|whole| whole.0))
 }
 
 impl Identity {
@@ -30,13 +35,7 @@ impl Identity {
 
     /// The stated posture.
     pub fn posture(&self, at: &str) -> Result<Option<Posture>, LandmarkError> {
-        let Some(name) = &self.film else { return Ok(None) };
-        Posture::from_key(name).map(Some).ok_or_else(|| LandmarkError::Unknown {
-            at: at.to_owned(),
-            what: "posture",
-            name: shown(name),
-            nearest: nearest(&shown(name), &Posture::ALL.map(Posture::key)),
-        })
+        self.film.as_ref().map(|name| named(name, "posture", at)).transpose()
     }
 
     /// The stated reading; what is not stated is that of the caller.

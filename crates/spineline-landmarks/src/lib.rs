@@ -14,15 +14,19 @@ mod csv;
 mod error;
 mod export;
 mod film;
+mod foreign;
 mod identity;
 mod json;
 mod labelme;
 mod midline;
 mod names;
+mod number;
 mod slicer;
 mod sr;
 
 use std::path::Path;
+
+use spineline_files::decode_text;
 
 pub use aasce::{
     AasceFault, AasceRow, AasceRows, AasceVerdict, image_sizes, judge_aasce, parse_mat,
@@ -56,10 +60,11 @@ Landmark files, detected by their content:
                 coordinateSystem, LPS or RAS, has to be there.
   labelme       points with such labels, or polygons of four points labelled T12; `score` is a confidence.
   COCO          keypoints: a category per vertebra (superior_left, …), or names such as T12_superior_left. Confidences:
-                `keypoint_scores`, or one `score` per annotation.
+                `keypoint_scores`, or one `score` per annotation. Several films in one file are matched by `file_name`.
   Midlines      of the back surface, as JSON with `midlines`: for import --midlines only. Levels are placed by arc length.
   AASCE         a .mat file with p2, or the folder with filenames.csv and landmarks.csv, and the pictures or image_sizes.csv.
   DICOM SR      a report that `spineline export --to dicom-sr` wrote.
+Landmarks that were not placed (empty, null, NaN, NA, visibility 0) are missing; a vertebra without any is passed over.
 Left and right are the patient's. AASCE and polygons name sides of the picture, so they need the side of it
 the patient's left is. Pixels count from the centre of the first pixel, which is 0.";
 
@@ -83,36 +88,57 @@ pub fn parse_landmarks(bytes: &[u8], hint: &LandmarkHint) -> Result<LandmarkFile
     if bytes.starts_with(b"MATLAB 5.0 MAT-file") {
         return parse_mat(bytes, hint);
     }
-    let text = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes).trim_ascii_start();
-    if text.starts_with(b"{") {
-        let outline: json::Outline = json::parse_foreign(bytes)?;
-        return match outline {
-            json::Outline { format: Some(_), .. } => Err(LandmarkError::Unrecognised {
-                reason: "it is a Spineline file, not a landmark file".to_owned(),
-            }),
-            json::Outline { markups: Some(_), .. } => parse_slicer(bytes, hint),
-            json::Outline { shapes: Some(_), .. } => parse_labelme(bytes, hint),
-            json::Outline { annotations: Some(_), .. } => parse_coco(bytes, hint),
-            json::Outline { midlines: Some(_), .. } => parse_midlines(bytes, hint),
-            _ => Err(LandmarkError::Unrecognised {
-                reason: "the JSON has none of `markups`, `shapes`, `annotations` and `midlines`"
-                    .to_owned(),
-            }),
-        };
+    if let Some(error) = foreign::by_signature(bytes) {
+        return Err(error);
     }
-    if text.starts_with(b"[") {
-        return Err(LandmarkError::Unrecognised {
-            reason: "a list of COCO results names no pictures and keypoints; put it into `annotations` of its dataset"
-                .to_owned(),
-        });
+    let text = decode_text(bytes);
+    let start = text.as_ref().map_or("", |text| text.trim_start());
+    if start.starts_with(['{', '[']) {
+        return parse_json_landmarks(bytes, hint);
     }
     if csv::looks_like_csv(bytes) {
         return parse_csv(bytes, hint);
     }
-    Err(LandmarkError::Unrecognised {
-        reason: "it is neither DICOM, MATLAB nor JSON, nor a table with a column `vertebra`"
-            .to_owned(),
-    })
+    let foreign = text.as_ref().and_then(|text| foreign::by_text(text));
+    Err(foreign.unwrap_or_else(|| LandmarkError::Unrecognised {
+        reason: match &text {
+            Some(text) => {
+                let first = names::shown(text.trim_start().lines().next().unwrap_or_default());
+                format!("it is neither DICOM, MATLAB nor JSON, nor a table with a column `vertebra`; its first line is `{first}`")
+            }
+            None => "it is neither DICOM, MATLAB nor JSON, nor text in UTF-8 or UTF-16".to_owned(),
+        },
+    }))
+}
+
+fn parse_json_landmarks(bytes: &[u8], hint: &LandmarkHint) -> Result<LandmarkFile, LandmarkError> {
+    let outline: json::Outline = json::parse_foreign(bytes)?;
+    if outline.is_list {
+        return Err(foreign::by_json_list(&outline));
+    }
+    let has = |key: &str| outline.has(key);
+    if has("format") {
+        let reason = "it is a Spineline file, not a landmark file".to_owned();
+        return Err(LandmarkError::Unrecognised { reason });
+    }
+    if has("markups") {
+        return parse_slicer(bytes, hint);
+    }
+    if has("shapes") {
+        return parse_labelme(bytes, hint);
+    }
+    if has("midlines") {
+        return parse_midlines(bytes, hint);
+    }
+    // Other programs than COCO have annotations too.
+    match foreign::by_json(&outline).filter(|_| !(has("images") && has("annotations"))) {
+        Some(error) => Err(error),
+        None if has("annotations") => parse_coco(bytes, hint),
+        None => Err(LandmarkError::Unrecognised {
+            reason: "the JSON has none of `markups`, `shapes`, `annotations` and `midlines`"
+                .to_owned(),
+        }),
+    }
 }
 
 /// Reads landmarks of any known format from a file, or from a folder of AASCE.

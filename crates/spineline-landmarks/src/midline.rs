@@ -14,7 +14,6 @@ use serde::Deserialize;
 use spineline::anatomy::Posture;
 use spineline::measure::{Midline, MidlineEnd, MidlinePoint, Placement, Reading};
 use spineline::spatial::Frontal;
-use spineline_files::nearest;
 
 use super::identity::Identity;
 use super::json::parse_foreign;
@@ -126,11 +125,11 @@ impl MidlineRecord {
         let mut axes: Vec<(usize, f64)> = Vec::new();
         for name in &self.axes {
             let known = DIRECTIONS.iter().find(|(word, ..)| word == name);
-            let &(_, part, sign) = known.ok_or_else(|| LandmarkError::Unknown {
+            let &(_, part, sign) = known.ok_or_else(|| LandmarkError::Choice {
                 at: format!("{at}, `axes`"),
                 what: "direction",
                 name: shown(name),
-                nearest: nearest(&shown(name), &DIRECTIONS.map(|(word, ..)| word)),
+                known: DIRECTIONS.map(|(word, ..)| word).to_vec(),
             })?;
             axes.push((part, sign));
         }

@@ -3,15 +3,12 @@
 use std::fmt;
 
 use spineline::anatomy::Level;
-use spineline::measure::CornerName;
-use spineline_files::nearest;
+use spineline::measure::{CornerName, is_observer_code};
 
 use super::LandmarkError;
 
 /// Maximum coordinate in pixels or millimetres; a larger one is an error.
 const MAX_COORDINATE: f64 = 1e6;
-/// Maximum length of an observer's name.
-const MAX_NAME: usize = 64;
 
 /// The short name of a corner.
 const fn short(corner: CornerName) -> &'static str {
@@ -62,35 +59,45 @@ impl PointName {
             _ => {}
         }
         let split = text.split_once(['_', ' ', '-']);
-        let corner = split.and_then(|(_, corner)| parse_corner(corner));
-        match (split, corner) {
-            (Some((level, _)), Some(corner)) => Ok(Self::Corner(parse_level(level, at)?, corner)),
-            _ => Err(LandmarkError::Unknown {
+        match split.and_then(|(level, corner)| Some((level, parse_corner(corner)?))) {
+            // `superior_left` alone is `superior` and `left`, and a corner.
+            Some((level, corner)) if parse_corner(text).is_none() => {
+                Ok(Self::Corner(parse_level(level, at)?, corner))
+            }
+            _ => Err(LandmarkError::PointName {
                 at: at.to_owned(),
-                what: "name of a point",
-                nearest: Self::resembling(text),
                 name: shown(text),
+                reason: what_is_missing(text),
             }),
         }
     }
+}
 
-    fn resembling(text: &str) -> Option<String> {
-        let mut names: Vec<String> = vec![CREST_LEFT.to_owned(), CREST_RIGHT.to_owned()];
-        for level in Level::ALL {
-            names.extend(CornerName::ALL.map(|corner| Self::Corner(level, corner).to_string()));
+/// What a name lacks of a vertebra and a corner.
+fn what_is_missing(text: &str) -> String {
+    let corners = CornerName::ALL.map(CornerName::key).join(", ");
+    let (level, corner) = text.split_once(['_', ' ', '-']).unwrap_or((text, ""));
+    if parse_corner(text).is_some() {
+        return "the vertebra is missing in the name".to_owned();
+    }
+    match (parse_level(level, "").is_ok(), corner) {
+        (true, "") => format!("the corner is missing in the name; the corners are {corners}"),
+        (true, corner) => format!("`{}` is none of the corners {corners}", shown(corner)),
+        (false, _) => {
+            format!("the vertebra is missing in the name, and the corner, one of {corners}")
         }
-        let names: Vec<&str> = names.iter().map(String::as_str).collect();
-        nearest(&shown(text), &names)
     }
 }
 
-/// The vertebra of a name; an unknown name gives the nearest known one.
+/// The vertebra of a name.
 pub(super) fn parse_level(text: &str, at: &str) -> Result<Level, LandmarkError> {
     let trimmed = text.trim();
     let found = trimmed.parse::<Level>().or_else(|_| {
-        // `t12` is as clear as `T12`; `th12` and `TH12` as `Th12`.
+        // `t12` is as clear as `T12`; `th12` and `TH12` as `Th12`; `T 5` and `T05` as `T5`.
         let upper = trimmed.to_ascii_uppercase();
-        upper.strip_prefix("TH").map_or(upper.clone(), |number| format!("T{number}")).parse()
+        let upper = upper.strip_prefix("TH").map_or(upper.clone(), |number| format!("T{number}"));
+        let (region, number) = upper.split_at_checked(1).unwrap_or((&upper, ""));
+        format!("{region}{}", number.trim_start().trim_start_matches('0')).parse()
     });
     found.map_err(|_| LandmarkError::Vertebra {
         at: at.to_owned(),
@@ -131,17 +138,13 @@ pub(super) fn coordinate(value: f64, at: &str) -> Result<f64, LandmarkError> {
     }
 }
 
-/// The name of an observer, checked as a code.
+/// The code of an observer; blanks around it are none of it.
 pub(super) fn observer(text: &str, at: &str) -> Result<String, LandmarkError> {
-    let refused =
-        |expected| Err(LandmarkError::Value { at: at.to_owned(), value: shown(text), expected });
-    if text.trim().is_empty() {
-        return refused("the code of an observer");
+    let code = text.trim();
+    if is_observer_code(code) {
+        return Ok(code.to_owned());
     }
-    if text.chars().count() > MAX_NAME || text.chars().any(char::is_control) {
-        return refused("a code of at most 64 plain characters");
-    }
-    Ok(text.to_owned())
+    Err(LandmarkError::Observer { at: at.to_owned(), value: shown(text) })
 }
 
 /// The beginning of a text from a file without control characters, for display.
@@ -159,7 +162,14 @@ mod tests {
     #[test]
     fn a_point_is_named_in_full_or_in_short() {
         let t12 = PointName::Corner(Level::T12, CornerName::InferiorRight);
-        for text in ["T12_inferior_right", "Th12_inferior_right", "D12-IR", "T12 ir", " t12_ir "] {
+        for text in [
+            "T12_inferior_right",
+            "Th12_inferior_right",
+            "D12-IR",
+            "T12 ir",
+            " t12_ir ",
+            "T12_INFERIOR_RIGHT",
+        ] {
             assert_eq!(PointName::parse(text, "here").expect(text), t12);
         }
         assert_eq!(t12.to_string(), "T12_inferior_right");
@@ -167,10 +177,22 @@ mod tests {
     }
 
     #[test]
-    fn an_unknown_name_is_reported_with_the_nearest_one() {
-        let error = PointName::parse("T12_superior_lfet", "point 3").expect_err("misspelt");
-        let text = error.to_string();
-        assert!(text.contains("point 3") && text.contains("`T12_superior_left`?"), "{text}");
+    fn an_unknown_name_is_reported_with_what_it_lacks() {
+        for (name, reason) in [
+            (
+                "T12_superior_lfet",
+                "`superior_lfet` is none of the corners superior_left, superior_right",
+            ),
+            ("T12", "the corner is missing"),
+            ("superior_left", "the vertebra is missing in the name"),
+            ("SL", "the vertebra is missing in the name"),
+            ("1", "the vertebra is missing in the name, and the corner"),
+            ("", "the vertebra is missing in the name, and the corner"),
+        ] {
+            let error = PointName::parse(name, "point 3").expect_err(name).to_string();
+            assert!(error.starts_with("point 3") && error.contains(reason), "{error}");
+            assert!(!error.contains("did you mean"), "{error}");
+        }
         for (name, part) in [("T13", "thirteenth"), ("L6", "sixth"), ("C7", "cervical")] {
             let text = parse_level(name, "row 2").expect_err(name).to_string();
             assert!(text.contains(name) && text.contains(part), "{text}");

@@ -97,7 +97,7 @@ impl<'a> AasceRows<'a> {
             *point = [whole(place, columns)?, whole(place + CORNERS, rows)?];
         }
         let mut film = film_of(&points, self.hint, self.side, &at)?;
-        film.picture = Some(shown(&picture));
+        film.picture = Some(picture.clone());
         film.size = Some((columns, rows));
         Ok(Some(AasceRow { row: self.row, line, picture, film }))
     }

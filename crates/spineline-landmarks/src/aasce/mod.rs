@@ -25,9 +25,12 @@ use spineline::anatomy::{ImageSide, Level};
 use spineline::measure::{Reading, VertebraLandmarks};
 use spineline::spatial::Pixel;
 
+use super::error::GIVE_SIDE;
 use super::film::{from_image_sides, pixel};
 use super::{LandmarkError, LandmarkHint, LandmarkReadings, MarkedFilm};
 
+/// Corners of a vertebra in their order.
+const PLACES: [&str; 4] = ["upper left", "upper right", "lower left", "lower right"];
 /// Corners of a film: four of 17 vertebrae.
 const CORNERS: usize = 68;
 
@@ -41,12 +44,29 @@ fn film_of(
     let mut vertebrae = BTreeMap::new();
     // The set counts from T1 downwards.
     for (four, level) in points.chunks_exact(4).zip(Level::ALL.into_iter().rev()) {
+        let absent = four.iter().filter(|point| !point.iter().all(|x| x.is_finite())).count();
+        // Not placed: MATLAB has no other word for it.
+        if absent == four.len() {
+            continue;
+        }
+        if absent > 0 {
+            let is_absent = |(_, point): &(&str, &[f64; 2])| !point.iter().all(|x| x.is_finite());
+            let missing = PLACES.into_iter().zip(four).filter(is_absent);
+            return Err(LandmarkError::Incomplete {
+                what: format!("{at}, {level}"),
+                missing: missing.map(|(place, _)| format!("{place} of the picture")).collect(),
+            });
+        }
         let mut places = [Pixel::new(0.0, 0.0); 4];
         for (place, &[column, row]) in places.iter_mut().zip(four) {
             *place = pixel(column, row, &format!("{at}, {level}"))?;
         }
         let corners = from_image_sides(places, patient_left);
         vertebrae.insert(level, VertebraLandmarks::clicked(corners));
+    }
+    if vertebrae.is_empty() {
+        let what = "a vertebra".to_owned();
+        return Err(LandmarkError::Missing { at: at.to_owned(), what });
     }
     Ok(MarkedFilm {
         posture: hint.posture,
@@ -61,5 +81,6 @@ fn patient_left(hint: &LandmarkHint) -> Result<ImageSide, LandmarkError> {
     hint.patient_left().ok_or(LandmarkError::Needs {
         format: "a film of AASCE",
         what: "the side of the picture on which the patient's left is",
+        help: GIVE_SIDE,
     })
 }

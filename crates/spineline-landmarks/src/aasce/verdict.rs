@@ -52,11 +52,11 @@ pub fn judge_aasce(
     film: &MarkedFilm,
     patient_left: ImageSide,
 ) -> Result<AasceVerdict, LandmarkError> {
-    let format = "a verdict";
-    let (columns, rows) =
-        film.size.ok_or(LandmarkError::Needs { format, what: "the size of the picture" })?;
+    let help = "give a film of an AASCE folder with its pictures or `image_sizes.csv`";
+    let needs = |what| LandmarkError::Needs { format: "a verdict", what, help };
+    let (columns, rows) = film.size.ok_or(needs("the size of the picture"))?;
     let LandmarkReadings::Corners(readings) = &film.landmarks else {
-        return Err(LandmarkError::Needs { format, what: "corners" });
+        return Err(needs("corners"));
     };
     let image = ImageGeometry { columns, rows, spacing: None, patient_left };
     let landmarks =
@@ -90,6 +90,6 @@ pub fn judge_aasce(
     });
     match largest_tilt_difference(tilts) {
         Some(main_angle) => Ok(AasceVerdict::Clean { main_angle }),
-        None => Err(LandmarkError::Needs { format, what: "a vertebra" }),
+        None => Err(needs("a vertebra")),
     }
 }

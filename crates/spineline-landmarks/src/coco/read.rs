@@ -9,6 +9,7 @@ use crate::film::{Points, merge_crests, pixel};
 use crate::identity::Identity;
 use crate::json::parse_foreign;
 use crate::names::{PointName, parse_corner, parse_level, shown};
+use crate::number::{Id, Loose, Whole};
 use crate::{
     LandmarkError, LandmarkFile, LandmarkFormat, LandmarkHint, LandmarkReadings, MarkedFilm,
 };
@@ -25,17 +26,17 @@ struct Dataset {
 
 #[derive(Deserialize)]
 struct Image {
-    id: i64,
+    id: Id,
     file_name: Option<String>,
-    width: Option<u32>,
-    height: Option<u32>,
+    width: Option<Whole>,
+    height: Option<Whole>,
     #[serde(default, rename = "spineline")]
     identity: Identity,
 }
 
 #[derive(Deserialize)]
 struct Category {
-    id: i64,
+    id: Id,
     name: String,
     #[serde(default)]
     keypoints: Vec<String>,
@@ -43,14 +44,15 @@ struct Category {
 
 #[derive(Deserialize)]
 struct Annotation {
-    image_id: i64,
-    category_id: i64,
-    #[serde(default)]
-    keypoints: Vec<f64>,
+    image_id: Id,
+    category_id: Id,
+    /// Absent or empty where nothing was placed.
+    keypoints: Option<Vec<Loose>>,
     /// Confidence of every keypoint.
-    keypoint_scores: Option<Vec<f64>>,
+    keypoint_scores: Option<Vec<Loose>>,
     /// Confidence of all of them.
-    score: Option<f64>,
+    #[serde(default)]
+    score: Loose,
     attributes: Option<serde_json::Value>,
     #[serde(default, rename = "spineline")]
     identity: Identity,
@@ -68,16 +70,16 @@ struct Marked<'a> {
 /// [`LandmarkError`], which names the annotation.
 pub fn parse_coco(bytes: &[u8], hint: &LandmarkHint) -> Result<LandmarkFile, LandmarkError> {
     let dataset: Dataset = parse_foreign(bytes)?;
-    let mut categories: BTreeMap<i64, Vec<PointName>> = BTreeMap::new();
+    let mut categories: BTreeMap<&Id, Vec<PointName>> = BTreeMap::new();
     for (place, category) in dataset.categories.iter().enumerate() {
         let at = format!("categories[{place}] `{}`", shown(&category.name));
         let names = names(category, &at)?;
-        once(&mut categories, category.id, names, &at)?;
+        once(&mut categories, &category.id, names, &at)?;
     }
-    let mut images: BTreeMap<i64, Marked<'_>> = BTreeMap::new();
+    let mut images: BTreeMap<&Id, Marked<'_>> = BTreeMap::new();
     for (place, image) in dataset.images.iter().enumerate() {
         let marked = Marked { image, readings: BTreeMap::new() };
-        once(&mut images, image.id, marked, &format!("images[{place}]"))?;
+        once(&mut images, &image.id, marked, &format!("images[{place}]"))?;
     }
     for (place, annotation) in dataset.annotations.iter().enumerate() {
         let at = format!("annotations[{place}]");
@@ -125,8 +127,12 @@ impl Marked<'_> {
         }
         Ok(Some(MarkedFilm {
             posture: self.image.identity.posture(&what)?.or(hint.posture),
-            picture: self.image.file_name.as_deref().map(shown),
-            size: self.image.width.zip(self.image.height),
+            picture: self.image.file_name.clone().filter(|name| !name.is_empty()),
+            size: self
+                .image
+                .width
+                .zip(self.image.height)
+                .map(|(width, height)| (width.0, height.0)),
             iliac_crests,
             landmarks: LandmarkReadings::Corners(readings),
         }))
@@ -145,8 +151,12 @@ impl Annotation {
             at: at.to_owned(),
             reason: format!("{found} {what}, and its category has {} keypoints", names.len()),
         };
-        if self.keypoints.len() != 3 * names.len() {
-            return Err(count(self.keypoints.len(), "numbers of keypoints, three for each"));
+        let keypoints = self.keypoints.as_deref().unwrap_or_default();
+        if keypoints.is_empty() {
+            return Ok(());
+        }
+        if keypoints.len() != 3 * names.len() {
+            return Err(count(keypoints.len(), "numbers of keypoints, three for each"));
         }
         if let Some(scores) = self.keypoint_scores.as_ref().filter(|s| s.len() != names.len()) {
             return Err(count(scores.len(), "keypoint_scores"));
@@ -157,25 +167,25 @@ impl Annotation {
             .as_ref()
             .and_then(|found| serde_json::from_value(found.clone()).ok())
             .unwrap_or_default();
-        for (place, (name, values)) in names.iter().zip(self.keypoints.chunks_exact(3)).enumerate()
-        {
+        for (place, (name, values)) in names.iter().zip(keypoints.chunks_exact(3)).enumerate() {
             let at = format!("{at}, `{name}`");
-            match values[2] {
-                0.0 => {}
-                1.0 | 2.0 => {
-                    points.insert(*name, pixel(values[0], values[1], &at)?, &at)?;
-                    let score = self.keypoint_scores.as_ref().map(|scores| scores[place]);
-                    points.set_confidence(*name, score.or(self.score), &at)?;
-                    points.set_origin(*name, origins.of(*name, &at)?);
-                }
-                other => {
-                    return Err(LandmarkError::Value {
-                        at,
-                        value: other.to_string(),
-                        expected: "a visibility of 0, 1 or 2; confidences go into `keypoint_scores`",
-                    });
-                }
+            let Loose(visibility) = values[2];
+            if let Some(other) = visibility.filter(|visible| ![0.0, 1.0, 2.0].contains(visible)) {
+                return Err(LandmarkError::Value {
+                    at,
+                    value: other.to_string(),
+                    expected: "a visibility of 0, 1 or 2; confidences go into `keypoint_scores`",
+                });
             }
+            // Without a place it was not placed, whatever its visibility.
+            let (Loose(Some(column)), Loose(Some(row))) = (values[0], values[1]) else { continue };
+            if visibility.is_none_or(|visible| visible == 0.0) {
+                continue;
+            }
+            points.insert(*name, pixel(column, row, &at)?, &at)?;
+            let score = self.keypoint_scores.as_ref().and_then(|scores| scores[place].0);
+            points.set_confidence(*name, score.or(self.score.0), &at)?;
+            points.set_origin(*name, origins.of(*name, &at)?);
         }
         Ok(())
     }
@@ -196,10 +206,16 @@ fn names(category: &Category, at: &str) -> Result<Vec<PointName>, LandmarkError>
         let level = parse_level(&category.name, at)?;
         return Ok(corners.into_iter().map(|corner| PointName::Corner(level, corner)).collect());
     }
-    category.keypoints.iter().map(|name| PointName::parse(name, at)).collect()
+    let name = |name: &String| PointName::parse(name, &format!("{at}, keypoints"));
+    category.keypoints.iter().map(name).collect()
 }
 
-fn once<T>(map: &mut BTreeMap<i64, T>, id: i64, value: T, at: &str) -> Result<(), LandmarkError> {
+fn once<'a, T>(
+    map: &mut BTreeMap<&'a Id, T>,
+    id: &'a Id,
+    value: T,
+    at: &str,
+) -> Result<(), LandmarkError> {
     match map.insert(id, value) {
         None => Ok(()),
         Some(_) => Err(LandmarkError::Duplicate {

@@ -1,7 +1,7 @@
 use std::collections::BTreeMap;
 
 use csv::ByteRecord;
-use spineline_files::nearest;
+use spineline_files::{column_name, nearest};
 
 use super::{
     AXIS, CONFIDENCES, CORNERS, LATERAL_CORNERS, OBSERVER, ORIGINS, PEDICLES, PLACED, POSTURE,
@@ -45,6 +45,8 @@ impl View {
 pub(super) struct Columns {
     pub view: View,
     pub count: usize,
+    /// Columns without a known name, which may be empty.
+    pub unknown: Vec<UnknownColumn>,
     pub vertebra: usize,
     pub posture: Option<usize>,
     pub observer: Option<usize>,
@@ -58,19 +60,45 @@ pub(super) struct Columns {
     pub values: Values,
 }
 
+/// A column of another name.
+pub(super) struct UnknownColumn {
+    pub place: usize,
+    at: String,
+    name: String,
+    view: View,
+}
+
+impl UnknownColumn {
+    /// The error where it has a value.
+    pub fn refused(&self) -> LandmarkError {
+        let nearest = nearest(&self.name, &self.view.columns());
+        LandmarkError::Column { at: self.at.clone(), name: self.name.clone(), nearest }
+    }
+}
+
 pub(super) enum Values {
     Corners([usize; 8]),
     Placements([usize; 3]),
 }
 
 impl Columns {
-    pub fn of(heading: &ByteRecord, view: View) -> Result<Self, LandmarkError> {
-        let places = places(heading, view)?;
+    /// Of the heading that stands on a line.
+    pub fn of(heading: &ByteRecord, line: u64, view: View) -> Result<Self, LandmarkError> {
+        let (places, unknown) = places(heading, line, view)?;
         let get = |name: &str| places.get(name).copied();
         let need = |name: &'static str| {
-            get(name).ok_or_else(|| LandmarkError::Missing {
-                at: "line 1".to_owned(),
-                what: format!("the column `{name}`"),
+            get(name).ok_or_else(|| {
+                // A known column whose name was mistyped says more than one that is missing.
+                let mistyped = unknown
+                    .iter()
+                    .find(|column| nearest(&column.name, &view.columns()).as_deref() == Some(name));
+                mistyped.map_or_else(
+                    || LandmarkError::Missing {
+                        at: format!("line {line}"),
+                        what: format!("the column `{name}`"),
+                    },
+                    UnknownColumn::refused,
+                )
             })
         };
         let placed = PLACED.iter().any(|name| get(name).is_some());
@@ -80,10 +108,11 @@ impl Columns {
         };
         if placed && of_corners().any(|name| get(name).is_some()) {
             return Err(LandmarkError::Ambiguous {
-                at: "line 1".to_owned(),
+                at: format!("line {line}"),
                 reason:
                     "the table has columns of corners and of locations; only one kind is allowed"
                         .to_owned(),
+                help: "write corners and locations into two tables",
             });
         }
         let values = if placed {
@@ -120,29 +149,34 @@ impl Columns {
             pedicles: all_or_none(PEDICLES)?,
             sd_share: get(SD_SHARE),
             values,
+            unknown,
         })
     }
 }
 
-/// Where every column of a heading is.
+/// Where every known column of a heading is, and the other ones.
+#[expect(clippy::type_complexity, reason = "both parts of a heading, for one caller")]
 fn places(
     heading: &ByteRecord,
+    line: u64,
     view: View,
-) -> Result<BTreeMap<&'static str, usize>, LandmarkError> {
+) -> Result<(BTreeMap<&'static str, usize>, Vec<UnknownColumn>), LandmarkError> {
     let known = view.columns();
-    let mut places = BTreeMap::new();
+    let (mut places, mut unknown) = (BTreeMap::new(), Vec::new());
     for (place, cell) in heading.iter().enumerate() {
-        let at = || format!("line 1, column {}", place + 1);
+        let at = format!("line {line}, column {}", place + 1);
         let name = String::from_utf8_lossy(cell);
-        let Some(&column) = known.iter().find(|known| **known == name) else {
-            let nearest = nearest(&shown(&name), &known);
-            let name = shown(&name);
-            return Err(LandmarkError::Unknown { at: at(), what: "column", name, nearest });
+        let wanted = column_name(&name);
+        let Some(&column) = known.iter().find(|known| **known == wanted) else {
+            let name = if wanted.is_empty() { "(without a name)".to_owned() } else { shown(&name) };
+            unknown.push(UnknownColumn { place, at, name, view });
+            continue;
         };
-        if places.insert(column, place).is_some() {
+        if let Some(first) = places.insert(column, place) {
             let what = format!("the column `{column}`");
-            return Err(LandmarkError::Duplicate { at: at(), what, first: None });
+            let first = Some(format!("column {}", first + 1));
+            return Err(LandmarkError::Duplicate { at, what, first });
         }
     }
-    Ok(places)
+    Ok((places, unknown))
 }

@@ -14,8 +14,14 @@
 //!
 //! # Separators
 //! The heading decides: commas, semicolons or tabs, and only one of them. Beside commas the decimal mark is a point. Beside
-//! semicolons and tabs it may be a comma or a point, but the same one in the whole file, and nothing separates thousands.
+//! semicolons and tabs it may be a comma or a point, but the same one in the whole file, and nothing separates thousands. A first line such as
+//! `sep=;` states the separator, as Excel reads it.
+//!
+//! # What was not placed
+//! A cell of a number that is empty, or says `NaN`, `NA`, `-` and the like, is no number. A row without any is passed over with a remark; one with some
+//! corners is an error that names the missing ones. Columns without a known name are errors only if they hold anything.
 
+mod cells;
 mod columns;
 mod lateral;
 mod read;

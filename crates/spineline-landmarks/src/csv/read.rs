@@ -1,20 +1,21 @@
 use std::collections::BTreeMap;
 
 use csv::{ByteRecord, ReaderBuilder, Trim};
-use spineline::anatomy::{Level, Named, Posture};
+use spineline::anatomy::{Level, Posture};
 use spineline::measure::{
     Corners, IliacCrests, Origin, Placement, Reading, ReadingId, VertebraLandmarks,
 };
 use spineline::spatial::{Angle, Frontal, Pixel};
-use spineline_files::nearest;
+use spineline_files::{column_name, decode_text, stated_separator, whole_number};
 
+use super::cells::{DecimalMark, is_blank, place, text};
 use super::columns::{Columns, Values, View};
 use super::{
     AXIS, CONFIDENCES, CORNERS, CRESTS, MAX_ROWS, OBSERVER, ORIGINS, PEDICLES, PLACED, POSTURE,
     REPEAT, SD_SHARE, VERTEBRA, WALLS, starts_formula,
 };
-use crate::film::{confidence, merge_crests, origin, pixel};
-use crate::names::{coordinate, observer, parse_level, shown};
+use crate::film::{confidence, merge_crests, named, origin, pixel};
+use crate::names::{CREST_LEFT, CREST_RIGHT, observer, parse_level, shown};
 use crate::{
     LandmarkError, LandmarkFile, LandmarkFormat, LandmarkHint, LandmarkReadings, MarkedFilm,
 };
@@ -34,8 +35,17 @@ pub(super) fn parse(
     hint: &LandmarkHint,
     view: View,
 ) -> Result<LandmarkFile, LandmarkError> {
-    let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
-    let separator = separator(first_line(bytes))?;
+    // What is no text is read as it is, so that the error names its line.
+    let text = decode_text(bytes);
+    let bytes = text.as_ref().map_or(bytes, |text| text.as_bytes());
+    let stated = text.as_ref().and_then(|text| stated_separator(text));
+    let separator = match stated.and_then(|separator| u8::try_from(separator).ok()) {
+        Some(separator) => separator,
+        None => {
+            let mut lines = bytes.split(|byte| matches!(byte, b'\n' | b'\r'));
+            separator(lines.find(|line| !line.trim_ascii().is_empty()).unwrap_or_default())?
+        }
+    };
     let mut reader = ReaderBuilder::new()
         .has_headers(false)
         .flexible(true)
@@ -44,12 +54,18 @@ pub(super) fn parse(
         .from_reader(bytes);
     let mut record = ByteRecord::new();
     read(&mut reader, &mut record)?;
-    let columns = Columns::of(&record, view)?;
+    if stated.is_some() {
+        read(&mut reader, &mut record)?;
+    }
+    let line = record.position().map_or(1, csv::Position::line);
+    let columns = Columns::of(&record, line, view)?;
     let mut table = Table {
         columns,
         hint,
-        decimal: (separator == b',').then_some('.'),
+        decimal: DecimalMark::beside(separator),
+        named: [None; 2],
         films: BTreeMap::new(),
+        not_placed: Vec::new(),
     };
     let mut rows = 0;
     while read(&mut reader, &mut record)? {
@@ -69,14 +85,17 @@ pub(super) fn parse(
 
 /// Whether a file begins with the heading of such a table.
 pub(crate) fn looks_like_csv(bytes: &[u8]) -> bool {
-    let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
-    first_line(bytes).split(|byte| matches!(byte, b',' | b';' | b'\t')).any(|cell| {
-        cell.trim_ascii().trim_ascii_start() == VERTEBRA.as_bytes() || cell == b"\"vertebra\""
-    })
+    let Some(text) = decode_text(bytes) else {
+        return has_vertebra(&String::from_utf8_lossy(bytes));
+    };
+    has_vertebra(&text)
 }
 
-fn first_line(bytes: &[u8]) -> &[u8] {
-    bytes.split(|byte| matches!(byte, b'\n' | b'\r')).next().unwrap_or_default()
+fn has_vertebra(text: &str) -> bool {
+    let mut lines = text.split(['\r', '\n']).filter(|line| !line.trim().is_empty());
+    let heading = lines.nth(usize::from(stated_separator(text).is_some()));
+    let mut cells = heading.unwrap_or_default().split([',', ';', '\t']);
+    cells.any(|cell| column_name(cell.trim().trim_matches('"')) == VERTEBRA)
 }
 
 fn separator(heading: &[u8]) -> Result<u8, LandmarkError> {
@@ -90,6 +109,7 @@ fn separator(heading: &[u8]) -> Result<u8, LandmarkError> {
         _ => Err(LandmarkError::Ambiguous {
             at: "line 1".to_owned(),
             reason: "the heading holds more than one of comma, semicolon and tab".to_owned(),
+            help: "separate all columns by one of them, or state it in a first line such as `sep=;`",
         }),
     }
 }
@@ -112,14 +132,23 @@ struct FilmRows {
 struct Table<'a> {
     columns: Columns,
     hint: &'a LandmarkHint,
-    /// The decimal mark; where both are possible, as soon as one was met.
-    decimal: Option<char>,
+    decimal: DecimalMark,
+    /// Whether rows state an observer, and a repeat; all do or none.
+    named: [Option<bool>; 2],
     films: BTreeMap<Option<Posture>, FilmRows>,
+    /// Rows without landmarks.
+    not_placed: Vec<String>,
 }
 
 impl Table<'_> {
     fn row(&mut self, record: &ByteRecord, line: u64) -> Result<(), LandmarkError> {
-        if record.len() != self.columns.count {
+        let is_empty = |place: &usize| record.get(*place).is_none_or(<[u8]>::is_empty);
+        if let Some(column) = self.columns.unknown.iter().find(|c| !is_empty(&c.place)) {
+            return Err(column.refused());
+        }
+        // Cells beyond the heading are empty ones of a spreadsheet.
+        let is_longer = !(self.columns.count..record.len()).all(|place| is_empty(&place));
+        if record.len() < self.columns.count || is_longer {
             let (found, wanted) = (record.len(), self.columns.count);
             return Err(LandmarkError::Syntax {
                 at: format!("line {line}"),
@@ -128,7 +157,7 @@ impl Table<'_> {
         }
         let posture = self.posture(record, line)?;
         let vertebra = text(record, self.columns.vertebra, line, VERTEBRA)?;
-        if vertebra == CRESTS && self.columns.view == View::Frontal {
+        if column_name(vertebra) == CRESTS && self.columns.view == View::Frontal {
             return self.crests(record, line, posture);
         }
         let at = place(line, VERTEBRA);
@@ -139,11 +168,16 @@ impl Table<'_> {
             what: format!("{level} of observer {id}"),
             first: Some(format!("line {first}")),
         };
+        if self.values_blank(record).iter().all(|&blank| blank) {
+            self.not_placed.push(format!("{level} of line {line}"));
+            return Ok(());
+        }
         match self.columns.values {
             Values::Corners(columns) => {
+                self.check_corners(record, line, level)?;
                 let points = self.pixels(record, line, columns)?;
                 let axis_clockwise = match self.columns.axis {
-                    Some(column) if !record[column].is_empty() => {
+                    Some(column) if !is_blank(record, column) => {
                         Some(Angle::from_deg(self.number(record, column, line, AXIS)?))
                     }
                     _ => None,
@@ -186,7 +220,7 @@ impl Table<'_> {
         line: u64,
     ) -> Result<Option<Corners<f64>>, LandmarkError> {
         let Some(columns) = self.columns.confidences else { return Ok(None) };
-        if columns.iter().all(|&column| record[column].is_empty()) {
+        if columns.iter().all(|&column| is_blank(record, column)) {
             return Ok(None);
         }
         let mut values = [0.0; 4];
@@ -221,7 +255,7 @@ impl Table<'_> {
         let Some(columns) = columns else { return Ok(sides) };
         for (side, place) in sides.iter_mut().enumerate() {
             let [column, row] = [2 * side, 2 * side + 1];
-            if [column, row].iter().all(|&i| record[columns[i]].is_empty()) {
+            if [column, row].iter().all(|&i| is_blank(record, columns[i])) {
                 continue;
             }
             let [column, row] =
@@ -233,8 +267,7 @@ impl Table<'_> {
 
     /// The deviation of detected corners as a part of the body's height.
     fn sd_share(&mut self, record: &ByteRecord, line: u64) -> Result<Option<f64>, LandmarkError> {
-        let Some(column) = self.columns.sd_share.filter(|&column| !record[column].is_empty())
-        else {
+        let Some(column) = self.columns.sd_share.filter(|&column| !is_blank(record, column)) else {
             return Ok(None);
         };
         let share = self.number(record, column, line, SD_SHARE)?;
@@ -258,14 +291,29 @@ impl Table<'_> {
             return Err(LandmarkError::Ambiguous {
                 at: place(line, VERTEBRA),
                 reason: "iliac crests need columns of corners".to_owned(),
+                help: "remove the row: a table of locations has no place for iliac crests",
             });
         };
         for (column, name) in columns.into_iter().zip(CORNERS).skip(4) {
-            if !record[column].is_empty() {
+            if !is_blank(record, column) {
                 return Err(LandmarkError::Value {
                     at: place(line, name),
                     value: shown(&String::from_utf8_lossy(&record[column])),
                     expected: "empty, as it is in a row of iliac crests",
+                });
+            }
+        }
+        let blank = [[0, 1], [2, 3]].map(|side| side.iter().any(|&i| is_blank(record, columns[i])));
+        match blank {
+            [false, false] => {}
+            [true, true] => {
+                self.not_placed.push(format!("the iliac crests of line {line}"));
+                return Ok(());
+            }
+            [left, _] => {
+                return Err(LandmarkError::Incomplete {
+                    what: format!("line {line}, iliac crests"),
+                    missing: vec![if left { CREST_LEFT } else { CREST_RIGHT }.to_owned()],
                 });
             }
         }
@@ -278,6 +326,36 @@ impl Table<'_> {
         let right = pixel(tips[2], tips[3], &at)?;
         let film = self.films.entry(posture).or_default();
         merge_crests(&mut film.crests, Some(IliacCrests { left, right }), &at)
+    }
+
+    /// Which of the numbers of a vertebra are not there.
+    fn values_blank(&self, record: &ByteRecord) -> Vec<bool> {
+        let columns: &[usize] = match &self.columns.values {
+            Values::Corners(columns) => columns,
+            Values::Placements(columns) => columns,
+        };
+        columns.iter().map(|&column| is_blank(record, column)).collect()
+    }
+
+    /// Refuses a vertebra of which some corners are not there.
+    fn check_corners(
+        &self,
+        record: &ByteRecord,
+        line: u64,
+        level: Level,
+    ) -> Result<(), LandmarkError> {
+        let blank = self.values_blank(record);
+        let names = self.columns.view.corners();
+        let missing: Vec<String> = blank
+            .chunks_exact(2)
+            .zip(names.chunks_exact(2))
+            .filter(|(blank, _)| blank.contains(&true))
+            .map(|(_, names)| names[0].trim_end_matches("_column_px").to_owned())
+            .collect();
+        if missing.is_empty() {
+            return Ok(());
+        }
+        Err(LandmarkError::Incomplete { what: format!("line {line}, {level}"), missing })
     }
 
     fn pixels(
@@ -302,23 +380,31 @@ impl Table<'_> {
         if cell.is_empty() {
             return Ok(self.hint.posture);
         }
-        let keys = Posture::ALL.map(Posture::key);
-        let wanted = cell.to_ascii_lowercase().replace(['-', ' '], "_");
-        match Posture::from_key(&wanted) {
-            Some(posture) => Ok(Some(posture)),
-            None => Err(LandmarkError::Unknown {
-                at: place(line, POSTURE),
-                what: "posture",
-                name: shown(cell),
-                nearest: nearest(&shown(&wanted), &keys),
-            }),
-        }
+        named(cell, "posture", &place(line, POSTURE)).map(Some)
     }
 
-    fn reading(&self, record: &ByteRecord, line: u64) -> Result<ReadingId, LandmarkError> {
+    /// The cell of a column that all rows fill or none; `None` where it is empty.
+    fn naming<'a>(
+        &mut self,
+        (which, column): (usize, Option<usize>),
+        record: &'a ByteRecord,
+        line: u64,
+    ) -> Result<Option<&'a str>, LandmarkError> {
+        let Some(column) = column else { return Ok(None) };
+        let name = [OBSERVER, REPEAT][which];
+        let cell = text(record, column, line, name)?;
+        let is_filled = !cell.is_empty();
+        if *self.named[which].get_or_insert(is_filled) != is_filled {
+            let (at, what) = (format!("line {line}"), format!("the {name}, which other rows"));
+            let verb = if is_filled { " lack," } else { " have," };
+            return Err(LandmarkError::Missing { at, what: what + verb });
+        }
+        Ok(is_filled.then_some(cell))
+    }
+
+    fn reading(&mut self, record: &ByteRecord, line: u64) -> Result<ReadingId, LandmarkError> {
         let mut id = self.hint.reading.clone();
-        if let Some(column) = self.columns.observer {
-            let cell = text(record, column, line, OBSERVER)?;
+        if let Some(cell) = self.naming((0, self.columns.observer), record, line)? {
             if starts_formula(cell) {
                 return Err(LandmarkError::Value {
                     at: place(line, OBSERVER),
@@ -330,9 +416,8 @@ impl Table<'_> {
             let name = cell.strip_prefix('\'').filter(|rest| guarded(rest)).unwrap_or(cell);
             id.observer = observer(name, &place(line, OBSERVER))?;
         }
-        if let Some(column) = self.columns.repeat {
-            let cell = text(record, column, line, REPEAT)?;
-            id.repeat = cell.parse().ok().filter(|&repeat| repeat > 0).ok_or_else(|| {
+        if let Some(cell) = self.naming((1, self.columns.repeat), record, line)? {
+            id.repeat = whole_number(cell).filter(|&repeat| repeat > 0).ok_or_else(|| {
                 LandmarkError::Value {
                     at: place(line, REPEAT),
                     value: shown(cell),
@@ -351,31 +436,14 @@ impl Table<'_> {
         name: &str,
     ) -> Result<f64, LandmarkError> {
         let cell = text(record, column, line, name)?;
-        let at = || place(line, name);
-        for landmark in ['.', ','] {
-            if cell.contains(landmark) && *self.decimal.get_or_insert(landmark) != landmark {
-                return Err(LandmarkError::Ambiguous {
-                    at: at(),
-                    reason: format!(
-                        "`{}`: numbers use both commas and points; use only one as the decimal separator",
-                        shown(cell)
-                    ),
-                });
-            }
-        }
-        let value = cell.replacen(',', ".", 1).parse().map_err(|_| LandmarkError::Value {
-            at: at(),
-            value: shown(cell),
-            expected: "a number",
-        })?;
-        coordinate(value, &at())
+        self.decimal.number(cell, line, &place(line, name))
     }
 
     fn finish(self) -> Result<LandmarkFile, LandmarkError> {
         if self.films.is_empty() {
             return Err(LandmarkError::Missing {
                 at: "the table".to_owned(),
-                what: "a row with a vertebra".to_owned(),
+                what: "a row with landmarks".to_owned(),
             });
         }
         let corners = matches!(self.columns.values, Values::Corners(_));
@@ -390,10 +458,12 @@ impl Table<'_> {
                 LandmarkReadings::Placements(readings(rows.placements))
             },
         });
+        let passed_over = (!self.not_placed.is_empty())
+            .then(|| format!("without landmarks, and passed over: {}", self.not_placed.join(", ")));
         Ok(LandmarkFile {
             format: LandmarkFormat::Csv,
             films: films.collect(),
-            remarks: Vec::new(),
+            remarks: passed_over.into_iter().collect(),
         })
     }
 }
@@ -417,21 +487,4 @@ fn readings<T>(rows: BTreeMap<ReadingId, BTreeMap<Level, (T, u64)>>) -> Vec<Read
 /// Whether the writer puts a quote before such a name.
 pub(super) fn guarded(name: &str) -> bool {
     starts_formula(name) || name.starts_with('\'')
-}
-
-fn text<'a>(
-    record: &'a ByteRecord,
-    column: usize,
-    line: u64,
-    name: &str,
-) -> Result<&'a str, LandmarkError> {
-    std::str::from_utf8(&record[column]).map_err(|_| LandmarkError::Value {
-        at: place(line, name),
-        value: shown(&String::from_utf8_lossy(&record[column])),
-        expected: "text in UTF-8",
-    })
-}
-
-fn place(line: u64, column: &str) -> String {
-    format!("line {line}, column `{column}`")
 }

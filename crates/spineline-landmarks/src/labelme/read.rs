@@ -6,10 +6,12 @@ use spineline::measure::{CornerName, Origin, Reading};
 use spineline::spatial::{Angle, Pixel};
 
 use super::{HALF_PIXEL, flag};
+use crate::error::{CORRECT, GIVE_SIDE};
 use crate::film::{Points, from_image_sides, pixel};
 use crate::identity::Identity;
 use crate::json::parse_foreign;
 use crate::names::{PointName, parse_level, shown};
+use crate::number::{Loose, Whole};
 use crate::{
     LandmarkError, LandmarkFile, LandmarkFormat, LandmarkHint, LandmarkReadings, MarkedFilm,
 };
@@ -22,8 +24,8 @@ const STEEPEST_DEG: f64 = 40.0;
 struct Annotation {
     shapes: Vec<Shape>,
     image_path: Option<String>,
-    image_height: Option<u32>,
-    image_width: Option<u32>,
+    image_height: Option<Whole>,
+    image_width: Option<Whole>,
     #[serde(rename = "spineline")]
     identity: Option<Identity>,
 }
@@ -31,13 +33,35 @@ struct Annotation {
 #[derive(Deserialize)]
 struct Shape {
     label: String,
-    points: Vec<[f64; 2]>,
+    /// Empty, or without numbers, where it was not placed.
+    points: Option<Vec<Vec<Loose>>>,
     #[serde(default)]
     shape_type: Option<String>,
     /// Confidence of what a program found.
-    score: Option<f64>,
+    #[serde(default)]
+    score: Loose,
     #[serde(default)]
     flags: Option<BTreeMap<String, bool>>,
+}
+
+impl Shape {
+    /// Whether any of its points has a place.
+    fn is_placed(&self) -> bool {
+        let mut numbers = self.points.iter().flatten().flatten();
+        numbers.any(|number| number.0.is_some())
+    }
+
+    /// At most five of its points, as pixels of Spineline.
+    fn places(&self, at: &str) -> Result<Vec<Pixel>, LandmarkError> {
+        let place = |numbers: &Vec<Loose>| match numbers[..] {
+            [Loose(Some(x)), Loose(Some(y))] => pixel(x - HALF_PIXEL, y - HALF_PIXEL, at),
+            _ => Err(LandmarkError::Missing {
+                at: at.to_owned(),
+                what: "a point of two numbers".to_owned(),
+            }),
+        };
+        self.points.iter().flatten().take(5).map(place).collect()
+    }
 }
 
 /// Reads an annotation of labelme.
@@ -46,12 +70,16 @@ struct Shape {
 /// [`LandmarkError`], which names the shape.
 pub fn parse_labelme(bytes: &[u8], hint: &LandmarkHint) -> Result<LandmarkFile, LandmarkError> {
     let annotation: Annotation = parse_foreign(bytes)?;
-    let mut points = Points::default();
+    let (mut points, mut remarks) = (Points::default(), Vec::new());
     for (place, shape) in annotation.shapes.iter().enumerate() {
         let at = format!("shapes[{place}] `{}`", shown(&shape.label));
+        if !shape.is_placed() {
+            remarks.push(format!("{at} has no place; it was passed over"));
+            continue;
+        }
         for (name, point) in landmarks_of(shape, hint, &at)? {
             points.insert(name, point, &at)?;
-            points.set_confidence(name, shape.score, &at)?;
+            points.set_confidence(name, shape.score.0, &at)?;
             points.set_origin(name, origin_of(shape, &at)?);
         }
     }
@@ -68,12 +96,12 @@ pub fn parse_labelme(bytes: &[u8], hint: &LandmarkHint) -> Result<LandmarkFile, 
     };
     let film = MarkedFilm {
         posture: identity.posture("`spineline`")?.or(hint.posture),
-        picture: annotation.image_path.map(|path| shown(&path)),
-        size: annotation.image_width.zip(annotation.image_height),
+        picture: annotation.image_path.filter(|path| !path.is_empty()),
+        size: annotation.image_width.zip(annotation.image_height).map(|(w, h)| (w.0, h.0)),
         iliac_crests: points.iliac_crests("the annotation")?,
         landmarks: LandmarkReadings::Corners(vec![landmarks]),
     };
-    let remarks = points.remarks();
+    remarks.extend(points.remarks());
     Ok(LandmarkFile { format: LandmarkFormat::Labelme, films: vec![film], remarks })
 }
 
@@ -90,6 +118,7 @@ fn origin_of(shape: &Shape, at: &str) -> Result<Option<Origin>, LandmarkError> {
         _ => Err(LandmarkError::Ambiguous {
             at: at.to_owned(),
             reason: "it is flagged with several origins".to_owned(),
+            help: CORRECT,
         }),
     }
 }
@@ -100,12 +129,7 @@ fn landmarks_of(
     hint: &LandmarkHint,
     at: &str,
 ) -> Result<Vec<(PointName, Pixel)>, LandmarkError> {
-    let places = shape
-        .points
-        .iter()
-        .take(5)
-        .map(|&[x, y]| pixel(x - HALF_PIXEL, y - HALF_PIXEL, at))
-        .collect::<Result<Vec<Pixel>, _>>()?;
+    let places = shape.places(at)?;
     match (shape.shape_type.as_deref(), &places[..]) {
         (Some("point"), &[point]) => Ok(vec![(PointName::parse(&shape.label, at)?, point)]),
         (Some("polygon") | None, &[a, b, c, d]) => {
@@ -113,6 +137,7 @@ fn landmarks_of(
             let patient_left = hint.patient_left().ok_or(LandmarkError::Needs {
                 format: "a quadrilateral of labelme",
                 what: "the side of the picture on which the patient's left is",
+                help: GIVE_SIDE,
             })?;
             let corners = corners_of([a, b, c, d], patient_left, at)?;
             let names = CornerName::ALL.map(|corner| PointName::Corner(level, corner));
@@ -123,7 +148,7 @@ fn landmarks_of(
             reason: format!(
                 "a {} of {} points, and only points and polygons of four are landmarks",
                 shown(kind.unwrap_or("shape")),
-                shape.points.len()
+                shape.points.as_ref().map_or(0, Vec::len)
             ),
         }),
     }
@@ -148,8 +173,9 @@ fn corners_of(
             at: at.to_owned(),
             reason: format!(
                 "its uppermost or lowest side is tilted by more than {STEEPEST_DEG:.0}°, so which one is the superior endplate \
-                 is not certain; name its four points instead"
+                 is not certain"
             ),
+            help: "name its four points instead, as T12_superior_left and so on",
         });
     }
     let ordered = |a: Pixel, b: Pixel| if a.column_px < b.column_px { [a, b] } else { [b, a] };

@@ -1,17 +1,18 @@
 use std::collections::BTreeMap;
 
 use serde::Deserialize;
-use spineline::anatomy::{Level, Named, Posture};
+use spineline::anatomy::{Level, Posture};
 use spineline::measure::{
     Corners, IliacCrests, Placement, Reading, ReadingId, TiltRule, VertebraLandmarks,
 };
 use spineline::spatial::{Frontal, Pixel};
-use spineline_files::nearest;
+use spineline_files::is_no_number;
 
 use super::{Description, PLANE_TOLERANCE_MM, SlicerFrame};
-use crate::film::{Points, merge_crests, origin, pixel};
+use crate::film::{Points, merge_crests, named, origin, pixel};
 use crate::json::parse_foreign;
 use crate::names::{PointName, coordinate, observer, shown};
+use crate::number::Loose;
 use crate::{
     LandmarkError, LandmarkFile, LandmarkFormat, LandmarkHint, LandmarkReadings, MarkedFilm,
 };
@@ -43,9 +44,39 @@ struct ControlPoint {
     #[serde(default)]
     description: String,
     #[serde(default)]
-    position: Option<Vec<f64>>,
+    position: Position,
     #[serde(default)]
     position_status: Option<String>,
+}
+
+/// A position of three numbers, or none: `null`, an empty list or text, numbers that are none.
+#[derive(Default)]
+struct Position(Option<[f64; 3]>);
+
+impl<'de> Deserialize<'de> for Position {
+    fn deserialize<D: serde::Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        #[derive(Deserialize)]
+        #[serde(untagged)]
+        enum Spelling {
+            Numbers(Vec<Loose>),
+            Text(String),
+        }
+        match Option::<Spelling>::deserialize(deserializer)? {
+            None => Ok(Self(None)),
+            Some(Spelling::Text(text)) if is_no_number(&text) => Ok(Self(None)),
+            Some(Spelling::Numbers(numbers)) => match numbers[..] {
+                [] => Ok(Self(None)),
+                [Loose(Some(x)), Loose(Some(y)), Loose(Some(z))] => Ok(Self(Some([x, y, z]))),
+                [Loose(x), Loose(y), Loose(z)] if x.is_none() || y.is_none() || z.is_none() => {
+                    Ok(Self(None))
+                }
+                _ => Err(serde::de::Error::custom("a position has three numbers")),
+            },
+            Some(Spelling::Text(_)) => {
+                Err(serde::de::Error::custom("a position has three numbers"))
+            }
+        }
+    }
 }
 
 /// A place in LPS, in millimetres.
@@ -118,6 +149,7 @@ fn gather(
         return Err(LandmarkError::Ambiguous {
             at: at.to_owned(),
             reason: "two lists of one reading differ in frame or spacing".to_owned(),
+            help: "give the lists as files of their own",
         });
     }
     for (place, point) in markup.control_points.iter().enumerate() {
@@ -126,11 +158,10 @@ fn gather(
             remarks.push(format!("{at} is {status}, so it was never placed; it was passed over"));
             continue;
         }
-        let Some(&[x, y, z]) = point.position.as_deref() else {
-            return Err(LandmarkError::Missing {
-                at,
-                what: "a `position` of three numbers".to_owned(),
-            });
+        let Some([x, y, z]) = point.position.0 else {
+            remarks
+                .push(format!("{at} has no position, so it was never placed; it was passed over"));
+            continue;
         };
         let name = PointName::parse(&point.label, &at)?;
         let mut lps = [0.0; 3];
@@ -153,12 +184,7 @@ fn list_key(
     let Some(about) = about else {
         return Ok((hint.posture, hint.reading.clone()));
     };
-    let posture = Posture::from_key(&about.film).ok_or_else(|| LandmarkError::Unknown {
-        at: at.to_owned(),
-        what: "posture",
-        name: shown(&about.film),
-        nearest: nearest(&shown(&about.film), &Posture::ALL.map(Posture::key)),
-    })?;
+    let posture = named(&about.film, "posture", at)?;
     Ok((Some(posture), ReadingId::new(observer(&about.observer, at)?, about.repeat)))
 }
 
@@ -166,11 +192,11 @@ fn list_key(
 fn never_placed<'a>(point: &'a ControlPoint, at: &str) -> Result<Option<&'a str>, LandmarkError> {
     match point.position_status.as_deref() {
         None | Some("defined") => Ok(None),
-        Some(status @ ("undefined" | "preview")) => Ok(Some(status)),
+        Some(status @ ("undefined" | "preview" | "missing")) => Ok(Some(status)),
         Some(status) => Err(LandmarkError::Value {
             at: at.to_owned(),
             value: shown(status),
-            expected: "`defined`, `undefined` or `preview`",
+            expected: "`defined`, `undefined`, `preview` or `missing`",
         }),
     }
 }
@@ -234,6 +260,7 @@ fn description(markup: &Markup, at: &str) -> Result<Option<Description>, Landmar
                 at: at.to_owned(),
                 reason: "its points carry descriptions of different films, readings or frames"
                     .to_owned(),
+                help: "give every film and reading a list of its own",
             });
         }
         found = Some(about);
@@ -369,6 +396,7 @@ impl List {
         let steps = own.or(hint.image.map(of_image)).ok_or(LandmarkError::Needs {
             format: "a point list on a picture",
             what: "the pixel spacing of that picture",
+            help: "name its film, as in `--landmarks erect=FILE`; give the spacing that Slicer used with `--spacing`",
         })?;
         for step in steps {
             if !(step.is_finite() && step > 1e-4) {
@@ -389,6 +417,7 @@ impl Film {
             return Err(LandmarkError::Ambiguous {
                 at: "markups".to_owned(),
                 reason: "some lists lie on a picture and some in the patient".to_owned(),
+                help: "give the lists as files of their own",
             });
         }
         let landmarks = if self.placed.is_empty() {

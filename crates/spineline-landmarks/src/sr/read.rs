@@ -120,7 +120,8 @@ impl Report {
             || self.repeat.replace(repeat).is_some_and(|first| first != repeat)
         {
             let reason = "its groups are of different postures or repeats".to_owned();
-            return Err(LandmarkError::Ambiguous { at: at.to_owned(), reason });
+            let help = "give a report that `spineline export --to dicom-sr` wrote";
+            return Err(LandmarkError::Ambiguous { at: at.to_owned(), reason, help });
         }
         Ok(())
     }

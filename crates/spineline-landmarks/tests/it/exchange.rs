@@ -292,7 +292,7 @@ fn locations_of_another_program_are_read_from_a_table() {
         Placement::new(location, Angle::from_deg(3.0 - i as f64))
     };
     let vertebrae = Level::MODEL.into_iter().enumerate().map(|(i, level)| (level, placement(i)));
-    let readings = vec![Reading { id: ReadingId::new("=B", 2), vertebrae: vertebrae.collect() }];
+    let readings = vec![Reading { id: ReadingId::new("-B", 2), vertebrae: vertebrae.collect() }];
     let mut case = case(ImageSide::Right);
     let placed = FilmLandmarks::Placements {
         spacing_plane: SpacingPlane::Unknown,

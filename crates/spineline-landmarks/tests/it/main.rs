@@ -7,3 +7,4 @@ mod exchange;
 mod faults;
 mod midlines;
 mod origins;
+mod wild;

@@ -92,7 +92,10 @@ fn files_that_are_no_midlines_are_refused_with_their_place() {
         &|line| line["axes"] = json!(["left", "right", "cranial"]),
         &["axes", "left and right"],
     );
-    refused(&|line| line["axes"] = json!(["left", "cranal"]), &["`cranal`", "`cranial`?"]);
+    refused(
+        &|line| line["axes"] = json!(["left", "cranal"]),
+        &["`cranal`", "one of left, right, cranial"],
+    );
     refused(&|line| line["axes"] = json!(["left", "cranial"]), &["points_mm[0]", "3 numbers"]);
     refused(&|line| line["axes"] = json!(["left", "caudal", "anterior"]), &["lower than the last"]);
     refused(&|line| line["cranial_end"] = json!("C6"), &["`C6`", "C7"]);

@@ -100,13 +100,14 @@ fn what_says_how_uncertain_proposals_are_is_left_out_of_all_but_tables() {
 }
 
 #[test]
-fn an_unknown_origin_is_reported_with_the_nearest_name() {
+fn an_unknown_origin_is_reported_with_all_names() {
     let files = export_landmarks(&proposed(), None, LandmarkTarget::Csv).expect("a table");
     let text = String::from_utf8(files[0].bytes.clone()).expect("UTF-8");
     let text = text.replacen("accepted", "acepted", 1);
     let error = parse_landmarks(text.as_bytes(), &LandmarkHint::default()).expect_err("a typo");
-    let LandmarkError::Unknown { what: "origin", name, nearest, .. } = error else {
+    let LandmarkError::Choice { what: "origin", name, known, .. } = error else {
         panic!("{error}")
     };
-    assert_eq!((name.as_str(), nearest), ("acepted", Some("accepted".to_owned())));
+    assert_eq!(name, "acepted");
+    assert_eq!(known, ["clicked", "completed", "detected", "accepted", "adjusted"]);
 }
