@@ -17,7 +17,7 @@ use clap::Parser;
 use commands::{Cli, Command};
 use run::failure::{Ending, Failure};
 use run::messages::{guarded, say};
-use run::{interrupt, outputs, provenance};
+use run::{interrupt, outputs, provenance, suggestions};
 
 /// Runs the command line.
 #[must_use]
@@ -40,7 +40,7 @@ fn run() -> Result<Ending, Failure> {
         }
         // Help and version are results; all else is a refusal, whose code it knows.
         Err(words) if !words.use_stderr() => return outputs::shown(words.print()),
-        Err(words) => words.exit(),
+        Err(words) => suggestions::near_only(words).exit(),
     };
     // The decoder of films is ended by its parent.
     if !matches!(command, Command::DecodeFilm) {

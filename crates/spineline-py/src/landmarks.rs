@@ -58,11 +58,27 @@ fn films(text: &str, given: &Given<'_>) -> Result<Vec<Film>, Fault> {
         ..LandmarkHint::default()
     };
     let file = parse_landmarks(text.as_bytes(), &hint)?;
+    one_film_per_posture(&file.films)?;
     let film = |marked: MarkedFilm| {
         let image = image(&marked, patient_left, given)?;
         Ok(marked.into_film(known, image)?)
     };
     file.films.into_iter().map(film).collect()
+}
+
+/// Refuses several pictures for one posture.
+fn one_film_per_posture(films: &[MarkedFilm]) -> Result<(), Fault> {
+    let is_twice = |(i, film): &(usize, &MarkedFilm)| {
+        films[..*i].iter().any(|other| other.posture == film.posture)
+    };
+    let Some((_, twice)) = films.iter().enumerate().find(is_twice) else { return Ok(()) };
+    let names: Vec<&str> = films.iter().filter_map(|film| film.picture.as_deref()).collect();
+    let posture = twice.posture.map_or_else(|| "no posture".to_owned(), |p| p.to_string());
+    let text = format!(
+        "the file has several pictures with {posture}: {}",
+        if names.is_empty() { "they have no names".to_owned() } else { names.join(", ") }
+    );
+    Err(Fault::new(text, "give a file per film, or a table with a column `posture`"))
 }
 
 /// The side of the picture that shows the patient's left.

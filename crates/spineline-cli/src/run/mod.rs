@@ -10,4 +10,5 @@ pub mod outputs;
 pub mod pdf;
 pub mod progress;
 pub mod provenance;
+pub mod suggestions;
 pub mod threads;

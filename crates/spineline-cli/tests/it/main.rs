@@ -1,5 +1,6 @@
 //! The program as its users call it: what it prints, what it writes, and how it ends.
 
+mod advice;
 mod cohort_list;
 mod commands;
 mod comparison;
@@ -11,6 +12,7 @@ mod film;
 mod guide;
 mod hidden;
 mod import;
+mod import_marks;
 mod import_midlines;
 mod import_spacing;
 mod learn_prior;

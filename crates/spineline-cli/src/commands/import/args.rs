@@ -1,13 +1,15 @@
 //! The command line of `import`.
 
 use std::collections::BTreeMap;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
 use clap::Args;
 use spineline::analysis::{CASE_ID_RULE, is_case_id};
 use spineline::anatomy::{ImageSide, Posture};
-use spineline::measure::{Calibration, Calibrator, Spacing, SpacingPlane, SpacingSource};
+use spineline::measure::{
+    Calibration, Calibrator, OBSERVER_RULE, ReadingId, Spacing, SpacingPlane, is_observer_code,
+};
 use spineline::spatial::Pixel;
 
 use super::role::Role;
@@ -28,6 +30,9 @@ Examples:
   spineline import xray.png --case-id P07 --out p07 --film erect=1 --patient-left image-right \\
       --ball erect=212,400,337,400,25
       a picture with a 25 mm ball: two clicks and its diameter give the scale
+  spineline import films --case-id P07 --out p07 --film erect=1 --film left-bending=2 \\
+      --landmarks coco.json --landmarks erect=raterB.json --reading raterB.json=B
+      key points of both films in one file, matched by the names of the pictures, and a second reader's file of the erect one
   spineline import --midlines lines.json --case-id P07 --out p07
       midlines of the back surface, without films
 
@@ -82,6 +87,9 @@ pub struct ImportArgs {
     /// lists the formats
     #[arg(long, value_name = "[POSTURE=]FILE", value_parser = landmarks)]
     pub landmarks: Vec<OfFilm<PathBuf>>,
+    /// Observer, and repeat [default: 1], of a file of landmarks that states none, as in raterB.json=B or raterB.json=B:2; may be repeated
+    #[arg(long, value_name = "FILE=OBSERVER[:REPEAT]", value_parser = reading)]
+    pub reading: Vec<(PathBuf, ReadingId)>,
     /// Table (CSV) of landmarks on the lateral film, as `export --to lateral-csv` writes it; may be repeated. `--help` has its columns
     #[arg(long, value_name = "FILE", requires = "lateral")]
     pub lateral_landmarks: Vec<PathBuf>,
@@ -187,10 +195,34 @@ impl ImportArgs {
         };
         let of = |all: &[(Posture, Clicks)]| all.iter().map(|(p, _)| Some(*p)).collect::<Vec<_>>();
         let calibrators = [of(&self.ball), of(&self.ruler)].concat();
+        self.check_readings()?;
         twice("--patient-left", &self.patient_left.iter().map(|o| o.posture).collect::<Vec<_>>())?;
         twice("--spacing", &self.spacing.iter().map(|o| o.posture).collect::<Vec<_>>())?;
         twice("a scale by --ball or --ruler", &calibrators)?;
         twice("--invert", &self.invert.iter().copied().map(Some).collect::<Vec<_>>())
+    }
+
+    /// Refuses a reading of a file that is not given, or two of one file.
+    fn check_readings(&self) -> Result<(), Failure> {
+        let files = self.landmarks.iter().map(|of| &of.value).chain(&self.lateral_landmarks);
+        let files: Vec<&PathBuf> = files.collect();
+        for (i, (file, _)) in self.reading.iter().enumerate() {
+            let name = file.display();
+            if !files.contains(&file) {
+                return Err(Failure::usage(format!(
+                    "--reading names {name}, but no such file of landmarks is given: add it with --landmarks or --lateral-landmarks"
+                )));
+            }
+            if self.reading[..i].iter().any(|(other, _)| other == file) {
+                return Err(Failure::usage(format!("--reading is given twice for {name}")));
+            }
+        }
+        Ok(())
+    }
+
+    /// Observer and repeat that were given for a file.
+    pub fn reading_of(&self, file: &Path) -> Option<&ReadingId> {
+        self.reading.iter().find(|(of, _)| of == file).map(|(_, id)| id)
     }
 
     /// Refuses answers about a film that was not chosen.
@@ -255,6 +287,21 @@ fn landmarks(text: &str) -> Result<OfFilm<PathBuf>, String> {
         "" => Err("expected a file".to_owned()),
         file => Ok(PathBuf::from(file)),
     })
+}
+
+fn reading(text: &str) -> Result<(PathBuf, ReadingId), String> {
+    let expected =
+        || "expected FILE=OBSERVER or FILE=OBSERVER:REPEAT, such as b.json=B:2".to_owned();
+    // A file name may contain an equals sign; an observer has neither that nor a colon.
+    let (file, id) =
+        text.rsplit_once('=').filter(|(file, _)| !file.is_empty()).ok_or_else(expected)?;
+    let (observer, repeat) = id.split_once(':').unwrap_or((id, "1"));
+    if !is_observer_code(observer) {
+        return Err(format!("the observer is `{observer}`, and must be {OBSERVER_RULE}"));
+    }
+    let repeat = repeat.parse().ok().filter(|&repeat: &u32| repeat > 0);
+    let repeat = repeat.ok_or_else(|| "the repeat must be a whole number from 1".to_owned())?;
+    Ok((PathBuf::from(file), ReadingId::new(observer, repeat)))
 }
 
 fn side_of_film(text: &str) -> Result<OfFilm<ImageSide>, String> {

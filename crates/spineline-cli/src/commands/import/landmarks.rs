@@ -9,7 +9,7 @@ use spineline::anatomy::Posture;
 use spineline::error::Error;
 use spineline::measure::{
     Film, FilmLandmarks, ImageGeometry, LateralCorners, LateralFilm, PlacementSource, Reading,
-    judge_landmarks,
+    ReadingId, alike_observers, alike_words, judge_landmarks,
 };
 use spineline::warning::Warnings;
 use spineline_landmarks::{
@@ -17,6 +17,8 @@ use spineline_landmarks::{
 };
 
 use super::args::ImportArgs;
+use super::assignment::Assignment;
+use super::pictures::Pictures;
 use super::resolve::ResolvedFilm;
 use crate::run::failure::Failure;
 use crate::run::messages::say;
@@ -72,40 +74,54 @@ fn add(landmarks: &mut LandmarksByPosture, film: Film) -> Result<(), String> {
             twice.id
         ));
     }
-    if *iliac_crests != other {
-        return Err(format!(
-            "its iliac crests of the {posture} film differ from those of an earlier file"
-        ));
+    if let Some(found) = other {
+        match *iliac_crests {
+            None => *iliac_crests = Some(found),
+            Some(first) if first == found => {}
+            Some(_) => {
+                return Err(format!(
+                    "its iliac crests of the {posture} film differ from those of an earlier file"
+                ));
+            }
+        }
     }
     readings.extend(more);
     Ok(())
 }
 
 /// Reads every file of landmarks and lays it on its film; a reading that is given twice is refused.
-pub fn read_onto(args: &ImportArgs, films: &[ResolvedFilm]) -> Result<LandmarksByPosture, Failure> {
+pub fn read_onto(
+    args: &ImportArgs,
+    films: &[ResolvedFilm],
+    pictures: &Pictures,
+) -> Result<LandmarksByPosture, Failure> {
     let mut landmarks = LandmarksByPosture::new();
-    let mut pictures: BTreeMap<String, Posture> = BTreeMap::new();
+    let mut named: BTreeMap<String, Posture> = BTreeMap::new();
+    let frontal: Vec<Posture> = films.iter().filter_map(|film| film.role.posture()).collect();
+    let only = if let [one] = frontal[..] { Some(one) } else { None };
     for of in &args.landmarks {
         let fail = |error: &LandmarkError| Failure::landmarks(&of.value, error);
-        let hint = hint_for(of.posture, films);
+        let given = args.reading_of(&of.value);
+        let hint = hint_for(of.posture.or(only), films, given);
         let file = read_landmarks(&of.value, &hint).map_err(|error| fail(&error))?;
         for remark in &file.remarks {
             say(&format!("note: {}: {remark}\n", of.value.display()));
         }
-        for marked in file.films {
+        let assignment = Assignment { args, of, pictures, only };
+        for (posture, marked) in assignment.films(file.films)? {
             let picture = marked.picture.clone();
-            let posture = marked.posture.or(hint.posture);
-            let film = films.iter().find(|f| posture.is_some() && f.role.posture() == posture);
-            let image = film.map(ResolvedFilm::image);
-            let film = marked.into_film(hint.posture, image).map_err(|error| fail(&error))?;
+            let film = films.iter().find(|film| film.role.posture() == Some(posture));
+            let Some(film) = film else { return Err(not_chosen(posture)) };
+            let film = marked
+                .into_film(of.posture.or(Some(posture)), Some(film.image()))
+                .map_err(|error| fail(&error))?;
             refuse_placements(&of.value, &film)?;
-            for warning in judge_landmarks(&film).all() {
-                let level = warning.level.map_or_else(String::new, |level| format!(", {level}"));
-                let (posture, text) = (film.posture, warning.text());
-                say(&format!("note: {}: {posture} film{level}: {text}\n", of.value.display()));
+            if let Some(given) = given {
+                refuse_other_readings(&of.value, given, &film)?;
             }
+            note_warnings(&of.value, &film);
             let other = picture.and_then(|name| {
-                let other = pictures.insert(name.clone(), film.posture)?;
+                let other = named.insert(name.clone(), film.posture)?;
                 (other != film.posture).then_some((name, other))
             });
             if let Some((name, other)) = other {
@@ -116,20 +132,48 @@ pub fn read_onto(args: &ImportArgs, films: &[ResolvedFilm]) -> Result<LandmarksB
                 ));
             }
             add(&mut landmarks, film).map_err(|what| {
-                let help = "give every reading of a film once, with the same iliac crests; one file of landmarks per film \
-                            unless each holds another reading";
+                let help = "give every reading of a film once, with the same iliac crests; where two files state no observer, name it with --reading FILE=OBSERVER:REPEAT";
                 Failure::input(&of.value.display().to_string(), &what, help)
             })?;
         }
     }
     check_all(&landmarks)?;
-    let unmatched = landmarks.keys().find(|&&p| !films.iter().any(|f| f.role.posture() == Some(p)));
-    match unmatched {
-        Some(posture) => Err(Failure::usage(format!(
-            "the landmarks are of the {posture} film, but no such film was chosen: add --film {}=…",
-            posture.key().replace('_', "-")
-        ))),
-        None => Ok(landmarks),
+    Ok(landmarks)
+}
+
+fn not_chosen(posture: Posture) -> Failure {
+    Failure::usage(format!(
+        "the landmarks are of the {posture} film, but no such film was chosen: add --film {}=…",
+        posture.key().replace('_', "-")
+    ))
+}
+
+fn note_warnings(file: &Path, film: &Film) {
+    for warning in judge_landmarks(film).all() {
+        let level = warning.level.map_or_else(String::new, |level| format!(", {level}"));
+        let (posture, text) = (film.posture, warning.text());
+        say(&format!("note: {}: {posture} film{level}: {text}\n", file.display()));
+    }
+}
+
+/// Refuses a file that states other readings than the one that was given for it.
+fn refuse_other_readings(file: &Path, given: &ReadingId, film: &Film) -> Result<(), Failure> {
+    match film.landmarks.reading_ids().into_iter().find(|id| *id != given) {
+        None => Ok(()),
+        Some(other) => {
+            let what = format!("it states observer {other}, and --reading says {given}");
+            let help = "leave --reading out: it is for files that state no observer";
+            Err(Failure::input(&file.display().to_string(), &what, help))
+        }
+    }
+}
+
+/// Notes names of observers that differ by capitals and marks alone.
+pub fn note_alike_observers(landmarks: &LandmarksByPosture, lateral: Option<&LateralFilm>) {
+    let frontal = landmarks.values().flat_map(FilmLandmarks::reading_ids);
+    let lateral = lateral.iter().flat_map(|film| &film.readings).map(|reading| &reading.id);
+    for alike in alike_observers(frontal.chain(lateral).map(|id| id.observer.as_str())) {
+        say(&format!("note: {}\n", alike_words(&alike)));
     }
 }
 
@@ -140,8 +184,11 @@ pub fn read_lateral(
 ) -> Result<Vec<Reading<LateralCorners>>, Failure> {
     let mut readings: Vec<Reading<LateralCorners>> = Vec::new();
     for path in &args.lateral_landmarks {
+        let reading = args.reading_of(path).cloned();
+        let default = LandmarkHint::default();
+        let hint = LandmarkHint { reading: reading.unwrap_or(default.reading), ..default };
         let found = read_file(path)
-            .and_then(|bytes| parse_lateral_csv(&bytes, &LandmarkHint::default()))
+            .and_then(|bytes| parse_lateral_csv(&bytes, &hint))
             .map_err(|error| Failure::landmarks(path, &error))?;
         readings.extend(found);
         let mut warnings = Warnings::default();
@@ -156,18 +203,20 @@ pub fn read_lateral(
     Ok(readings)
 }
 
-/// What is known before a file is read: one that is for one film may need that film's picture.
-fn hint_for(posture: Option<Posture>, films: &[ResolvedFilm]) -> LandmarkHint {
-    let only = match (posture, films) {
-        (Some(posture), films) => films.iter().find(|f| f.role.posture() == Some(posture)),
-        (None, [film]) => Some(film),
-        (None, _) => None,
-    };
+/// What is known before a file is read: one that is for one film may need that film's picture. The posture is none of it: what a file
+/// states goes first.
+fn hint_for(
+    posture: Option<Posture>,
+    films: &[ResolvedFilm],
+    reading: Option<&ReadingId>,
+) -> LandmarkHint {
+    let film = films.iter().find(|film| posture.is_some() && film.role.posture() == posture);
+    let default = LandmarkHint::default();
     LandmarkHint {
-        posture: posture.or(only.and_then(|film| film.role.posture())),
-        patient_left: only.map(|film| film.side),
-        image: only.map(ResolvedFilm::image),
-        ..LandmarkHint::default()
+        patient_left: film.map(|film| film.side),
+        image: film.map(ResolvedFilm::image),
+        reading: reading.cloned().unwrap_or(default.reading),
+        ..default
     }
 }
 

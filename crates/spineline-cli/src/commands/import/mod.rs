@@ -2,11 +2,13 @@
 
 mod aasce;
 mod args;
+mod assignment;
 mod candidates;
 mod dialogue;
 mod exposure;
 mod landmarks;
 mod midlines;
+mod pictures;
 mod resolve;
 mod role;
 mod text;
@@ -18,6 +20,7 @@ use spineline::anatomy::ImageSide;
 use spineline_films::{FilmDoubt, Stated, film_doubts};
 
 use candidates::{Candidates, Seen};
+use pictures::Pictures;
 use resolve::{Question, ResolvedFilm, check_films, resolve, same_identifier};
 use role::Role;
 use write::Marks;
@@ -62,13 +65,14 @@ pub fn run(args: &ImportArgs) -> Result<Ending, Failure> {
         first.notes.extend(same_identifier(&seen));
     }
     exposure::decide(args, &seen, &mut films)?;
-    let landmarks = landmarks::read_onto(args, &films)?;
+    let landmarks = landmarks::read_onto(args, &films, &Pictures::of(&films, &candidates))?;
     let lateral = match films.iter().find(|film| film.role == Role::Lateral) {
         Some(film) => Some(film.lateral(landmarks::read_lateral(args, film)?)),
         None => None,
     };
     let marked = landmarks.len()
         + usize::from(lateral.as_ref().is_some_and(|film| !film.readings.is_empty()));
+    landmarks::note_alike_observers(&landmarks, lateral.as_ref());
     let marks = Marks { frontal: landmarks, lateral };
     write::write(args, folder, case_id, &candidates, &films, &marks)?;
     print(&text::outcome(&films, folder, marked))

@@ -18,13 +18,13 @@ use crate::run::provenance::{generator, in_svg, this_run};
 pub const EXAMPLES: &str = "\
 Cases are pooled: subjects are case × film × vertebra, and an observer of one name is one observer.
 
-A table has one reading per row and the columns
+A table has one reading per row, commas, semicolons or tabs between them (decimal commas only beside semicolons and tabs), and the columns
   quantity   measured quantity, such as tilt_T6
   unit       deg, mm, …
   subject    code of the patient, or of the patient and film
   observer   code of the reader
   repeat     number of the reading, from 1
-  value      a number with a decimal point; leave the row out where it is missing
+  value      a number; empty, or no row, where it is missing
   synthetic  true or false; this column may be absent
 
 Examples:

@@ -1,7 +1,9 @@
 //! A case into a store: its films by their bytes, its readings click by click.
 
+use std::collections::BTreeSet;
 use std::path::Path;
 
+use spineline::measure::{alike_observers, alike_words};
 use spineline::warning::counted;
 use spineline_files::parse_case_file;
 use spineline_films::intake::{IntakeLimits, Place, read};
@@ -23,7 +25,7 @@ pub fn add(
         read(&place, &IntakeLimits::default()).map_err(|error| Failure::intake(&error))
     };
     let case = NewCase::read(&text, bytes_of).map_err(|error| refusal(path, error))?;
-    let warnings = film_warnings(path, &text)?;
+    let (warnings, observers) = film_warnings(path, &text)?;
     let doubts: Vec<&FilmWarning> = warnings.iter().filter(|one| one.doubts_film()).collect();
     if !accept && !doubts.is_empty() {
         return Err(doubtful(path, &doubts));
@@ -33,6 +35,9 @@ pub fn add(
         (counted(added.films.len(), "film"), counted(added.readings, "reading"));
     let mut text = format!("{}: added {films} and {readings}.\n", added.study);
     for remark in &added.remarks {
+        text.push_str(&format!("  ! {remark}\n"));
+    }
+    for remark in alike_names(store, at, &observers)? {
         text.push_str(&format!("  ! {remark}\n"));
     }
     for one in &warnings {
@@ -47,12 +52,28 @@ fn doubtful(path: &Path, doubts: &[&FilmWarning]) -> Failure {
     Failure::input(&path.display().to_string(), &texts.join("; "), help)
 }
 
-/// Warnings about the films of the case; one picture for two films is refused.
-fn film_warnings(path: &Path, text: &str) -> Result<Vec<FilmWarning>, Failure> {
+/// Warnings about the films of the case, and its observers; one picture for two films is refused.
+fn film_warnings(path: &Path, text: &str) -> Result<(Vec<FilmWarning>, BTreeSet<String>), Failure> {
     let failed = |error| Failure::file(path, &error);
     let file = parse_case_file(text).map_err(failed)?;
     let case = file.clone().into_case().map_err(failed)?;
-    check_films(path, &file, &case)
+    let frontal = case.films.iter().flat_map(|film| film.landmarks.reading_ids());
+    let lateral = case.lateral.iter().flat_map(|film| &film.readings).map(|reading| &reading.id);
+    let observers = frontal.chain(lateral).map(|id| id.observer.clone()).collect();
+    Ok((check_films(path, &file, &case)?, observers))
+}
+
+/// Remarks on observers of the case whose names differ from one another or from those of accounts by capitals and marks alone.
+fn alike_names(
+    store: &Store,
+    at: &Path,
+    observers: &BTreeSet<String>,
+) -> Result<Vec<String>, Failure> {
+    let accounts = store.accounts().map_err(|error| Failure::store(at, &error))?;
+    let accounts = accounts.iter().map(|account| account.name.as_str());
+    let alike = alike_observers(observers.iter().map(String::as_str).chain(accounts));
+    let of_case = |names: &&Vec<&str>| names.iter().any(|name| observers.contains(*name));
+    Ok(alike.iter().filter(of_case).map(|names| alike_words(names)).collect())
 }
 
 fn refusal(path: &Path, error: CaseError<Failure>) -> Failure {
