@@ -39,12 +39,12 @@ pub enum CaseError {
         /// The other.
         second: Posture,
     },
-    /// The lateral tilts of the two bends are exchanged.
-    #[error("the lateral tilt is {} on the left bending film and {} on the right bending film: the two films are exchanged", left.leaning(), right.leaning())]
+    /// Both bends lean to the wrong side of the erect film, beyond noise.
+    #[error("from the erect film, the left bending film leans {} and the right bending film {}: the two films are exchanged", left.leaning(), right.leaning())]
     BendsExchanged {
-        /// Lateral tilt of the film named left.
+        /// Change of the lateral tilt from the erect film on the film named left; positive to the right.
         left: Angle,
-        /// Lateral tilt of the film named right.
+        /// The same on the film named right.
         right: Angle,
     },
 }

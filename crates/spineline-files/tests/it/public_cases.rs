@@ -8,14 +8,18 @@ use spineline::analysis::{AnalysisOptions, analyze_movement};
 use spineline_files::parse_case;
 
 /// Errors and warnings of films that contradict themselves or one another.
-const CHECKS: [&str; 11] = [
+const CHECKS: [&str; 15] = [
     "axes_exchanged",
+    "bend_keeps_shape",
     "bend_leans_away",
+    "bend_leans_little",
     "bends_exchanged",
     "corners",
+    "erect_leans",
     "film_looks_mirrored",
     "film_mirrored",
     "film_repeated",
+    "films_show_one_shape",
     "levels_may_be_shifted",
     "out_of_order",
     "spacing_unusual",

@@ -1,14 +1,12 @@
 //! Consistency checks between the films of one patient, before they are analysed together.
 
-use crate::anatomy::{Levels, Posture, Side};
+use super::wrong_film::tilt_margin;
+use crate::anatomy::{Levels, Posture};
 use crate::clinical::ClinicalCurve;
 use crate::error::CaseError;
 use crate::measure::{Film, FilmLength, Outline, body_widths, same_landmarks};
 use crate::spatial::Angle;
 use crate::warning::{Step, Warnings};
-
-/// A lateral tilt to the wrong side counts above the tilt noise of L4.
-const TILT_MARGIN: Angle = Angle::from_deg(2.0);
 
 /// No person is known to have lived longer than 122 years.
 const MAX_AGE_YEARS: f64 = 125.0;
@@ -56,16 +54,17 @@ pub(super) fn check_outlines(
     warnings: &mut Warnings,
 ) -> Result<(), CaseError> {
     let of = |posture| outlines.iter().find(|outline| outline.posture == posture);
+    let erect = &outlines[0];
     if let (Some(left), Some(right)) = (of(Posture::LeftBending), of(Posture::RightBending)) {
-        let [left, right] = [left, right].map(top_tilt);
-        if left - right > TILT_MARGIN {
+        let change = |film: &Outline| top_tilt(film) - top_tilt(erect);
+        let [left_margin, right_margin] = [left, right].map(|film| tilt_margin(erect, film));
+        // If only one leans to the wrong side, an exchange makes the other one wrong.
+        if change(left) > left_margin && -change(right) > right_margin {
+            let [left, right] = [left, right].map(change);
             return Err(CaseError::BendsExchanged { left, right });
         }
     }
-    let erect = &outlines[0];
     for film in &outlines[1..] {
-        warn_of_wrong_tilt(erect, film, warnings);
-        warn_of_mirror(erect, film, warnings);
         if film.scale.plane != erect.scale.plane {
             let text = format!(
                 "its lengths are in {}, those of the erect film in {}: they are compared without conversion",
@@ -110,42 +109,6 @@ pub(super) fn warn_of_length(film: &Outline, warnings: &mut Warnings) {
 
 fn top_tilt(outline: &Outline) -> Angle {
     outline.vertebrae[outline.vertebrae.len() - 1].location.lateral_tilt()
-}
-
-fn warn_of_wrong_tilt(erect: &Outline, film: &Outline, warnings: &mut Warnings) {
-    let Some(side) = film.posture.bend() else { return };
-    let change = top_tilt(film) - top_tilt(erect);
-    let away = match side {
-        Side::Left => change,
-        Side::Right => -change,
-    };
-    if away > TILT_MARGIN {
-        let text = format!(
-            "the lateral tilt of {} to {} is {} of that on the erect film: the film may be mirrored or may show another posture",
-            film.levels().base(),
-            film.levels().top(),
-            change.leaning()
-        );
-        warnings.film(Step::Measure, "bend_leans_away", film.posture, text);
-    }
-}
-
-/// At rest or under traction a spine keeps its shape; a mirrored film shows the opposite one.
-fn warn_of_mirror(erect: &Outline, film: &Outline, warnings: &mut Warnings) {
-    if film.posture.bend().is_some() {
-        return;
-    }
-    let turns = |outline: &Outline| -> Vec<f64> {
-        outline.vertebrae.windows(2).map(|pair| (pair[1].tilt - pair[0].tilt).rad()).collect()
-    };
-    let (a, b) = (turns(erect), turns(film));
-    let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(x, y)| x * y).sum::<f64>();
-    let likeness = dot(&a, &b) / (dot(&a, &a) * dot(&b, &b)).sqrt();
-    let turning: f64 = a.iter().map(|turn| turn.abs()).sum();
-    if likeness < -0.8 && turning > Angle::from_deg(20.0).rad() {
-        let text = "the spine has the shape of the mirrored erect spine: check `patient_left` of this film and of the erect film";
-        warnings.film(Step::Measure, "film_looks_mirrored", film.posture, text);
-    }
 }
 
 /// Body widths of one film against those of the erect one: a film whose vertebrae all carry the name of their neighbour

@@ -7,6 +7,7 @@ mod checks;
 mod comparison;
 mod compatibility;
 mod endings;
+mod film_likelihood;
 mod findings;
 mod force_path;
 mod headline;

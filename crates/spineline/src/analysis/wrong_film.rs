@@ -1,6 +1,7 @@
 //! Films that do not show what they are named after: another posture, the same film twice, or another patient.
 
-use crate::anatomy::{Levels, Posture, Side};
+use super::film_likelihood::{FilmDifference, Taken, is_clear};
+use crate::anatomy::{Level, Levels, Side};
 use crate::measure::{Film, FilmLandmarks, Outline, body_shapes};
 use crate::spatial::Angle;
 use crate::warning::{Step, Warning, Warnings};
@@ -11,18 +12,15 @@ use crate::warning::{Step, Warning, Warnings};
 /// has 14.2°.
 const MAX_ERECT_TILT: Angle = Angle::from_deg(15.0);
 
-/// A bend whose tilts differ from those of the erect film by less than this shows no bend.
-///
-/// Root mean square over L4 to T2, about the mean. In 30 bends of 15 patients, measured on midlines of the back, the
-/// smallest is 3.8°.
-const MIN_BEND_DIFFERENCE: Angle = Angle::from_deg(3.0);
-
-/// The same for any two films, in standard deviations of the difference of two tilts: with 14 degrees of freedom, noise
-/// alone stays below it with a probability of 0.999.
-const MAX_NOISE_FACTOR: f64 = 1.6;
-
-/// Least change of the lateral tilt of L4 to T2 towards the side of a bend; the smallest of the same 30 bends is 5.6°.
+/// Least change of the lateral tilt of L4 to T2 towards the side of a bend; the smallest of 30 bends of 15 patients, measured on midlines
+/// of the back, is 5.6°.
 const MIN_BEND_TILT: Angle = Angle::from_deg(3.0);
+
+/// A bend that leans away by more is most likely one to the other side.
+///
+/// Of bends to the stated side 3 % lean away, by 4° in the mean; those to the other side lean by 5 to 40°, all alike (assumptions, which
+/// make the second 20 times as probable from here on).
+const MAX_LEANING_AWAY: Angle = Angle::from_deg(7.0);
 
 /// Bodies that both films must show before they are compared.
 const MIN_BODIES: usize = 8;
@@ -37,12 +35,14 @@ const MAX_SHAPE_RATIO: f64 = 1.35;
 /// In the same 366 pairs of one patient the largest is 0.176; 1 % of the pairs of two patients exceed the limit.
 const MAX_WIDTH_DEVIATION: f64 = 0.18;
 
+/// Both limits of bodies are wider by so many standard deviations of corners that a program found.
+const PROGRAM_FACTOR: f64 = 2.0;
+
 /// Codes of warnings that a film does not show what it is named after.
-pub(crate) const WRONG_FILM: [&str; 10] = [
+pub(crate) const WRONG_FILM: [&str; 9] = [
     "another_patient",
     "bend_keeps_shape",
     "bend_leans_away",
-    "bend_leans_little",
     "erect_leans",
     "film_looks_mirrored",
     "films_show_one_shape",
@@ -68,24 +68,18 @@ pub(super) fn warn_of_wrong_films(
     if !is_synthetic {
         warn_of_leaning_erect(erect, warnings);
     }
-    for film in others {
+    for (i, film) in others.iter().enumerate() {
         match film.posture.bend() {
             Some(side) => warn_of_no_bend(erect, film, side, warnings),
-            // An assumed noise may be far above that of these readings, and a neutral film may differ by less.
-            None if erect.noise.is_measured() && film.noise.is_measured() => {
-                warn_of_one_shape(erect, film, warnings);
-            }
-            None => {}
+            None => warn_of_rest(erect, film, warnings),
         }
-    }
-    for (i, film) in others.iter().enumerate() {
         for other in &others[..i] {
-            warn_of_one_shape(other, film, warnings);
+            warn_of_one_picture(other, film, warnings);
         }
     }
-    if let Some((erect, others)) = films.split_first() {
-        for film in others {
-            warn_of_another_patient(erect, film, warnings);
+    if let Some((first, films)) = films.split_first() {
+        for (film, outline) in films.iter().zip(others) {
+            warn_of_another_patient((first, erect), (film, outline), warnings);
         }
     }
 }
@@ -110,115 +104,154 @@ fn warn_of_leaning_erect(erect: &Outline, warnings: &mut Warnings) {
     }
 }
 
+/// A film at rest that is the erect film, or a mirror image.
+fn warn_of_rest(erect: &Outline, film: &Outline, warnings: &mut Warnings) {
+    if !warn_of_one_picture(erect, film, warnings) && is_mirrored(erect, film) {
+        let text = "the spine has the shape of the mirrored erect spine: check `patient_left` of this film and of the erect film";
+        warnings.film(Step::Measure, "film_looks_mirrored", film.posture, text);
+    }
+}
+
+/// A bend whose film shows the erect shape, a mirror image, or a bend to the other side.
 fn warn_of_no_bend(erect: &Outline, bend: &Outline, side: Side, warnings: &mut Warnings) {
-    // A true bend may come near the mirror image: among the same 30 bends one does to 2.8°.
-    let noise = noise_limit(erect, bend);
-    let limit = noise.max(MIN_BEND_DIFFERENCE.rad());
-    for (sign, shape, limit) in [(1.0, "erect shape", limit), (-1.0, "mirrored erect shape", noise)]
-    {
-        let difference = shape_difference(erect, bend, sign);
-        if difference < limit {
-            let text = format!(
-                "it shows the {shape}: the tilts of its vertebrae differ by {:.1}° in the root mean square (limit {:.1}°): check that it is the film of the bend and carries its own landmarks",
-                Angle::from_rad(difference).deg(),
-                Angle::from_rad(limit).deg()
-            );
-            warnings.film(Step::Measure, "bend_keeps_shape", bend.posture, text);
-            return;
-        }
+    let as_stated = FilmDifference::between(erect, bend, Taken::AsStated).log_odds_of_no_bend();
+    let mirrored =
+        || FilmDifference::between(erect, bend, Taken::Mirrored).log_odds_of_one_picture();
+    let shape = if is_clear(as_stated) {
+        Some(("erect shape", 1.0))
+    } else {
+        is_clear(mirrored()).then_some(("mirrored erect shape", -1.0))
+    };
+    if let Some((shape, sign)) = shape {
+        let text = format!(
+            "it shows the {shape}: the tilts of its vertebrae differ by {} in the root mean square, as two readings of one film do: check that it is the film of the bend and carries its own landmarks",
+            shape_difference(erect, bend, sign)
+        );
+        warnings.film(Step::Measure, "bend_keeps_shape", bend.posture, text);
+        return;
     }
     let change = line_tilt(bend) - line_tilt(erect);
     let towards = match side {
         Side::Left => -change,
         Side::Right => change,
     };
-    // Further away than noise is a warning of its own.
-    if towards.abs() < MIN_BEND_TILT && !doubted(warnings, "bend_leans_away", bend.posture) {
+    let ends = format!("{} to {}", bend.levels().base(), bend.levels().top());
+    let leans_away = -towards > tilt_margin(erect, bend);
+    let is_mirrored = is_mirrored(erect, bend);
+    if leans_away && (is_mirrored || -towards > MAX_LEANING_AWAY) {
         let text = format!(
-            "the lateral tilt of {} to {} changes by only {:.1}° from the erect film (limit {:.0}°): check that the film shows a bend",
-            erect.levels().base(),
-            erect.levels().top(),
-            towards.abs().deg(),
+            "the lateral tilt of {ends} is {} of that on the erect film: the film may be mirrored or may show another posture",
+            change.leaning()
+        );
+        warnings.film(Step::Measure, "bend_leans_away", bend.posture, text);
+    } else if is_mirrored {
+        let text = "its shape is nearer to a bend of the mirrored spine: check `patient_left` of this film and of the erect film";
+        warnings.film(Step::Measure, "film_looks_mirrored", bend.posture, text);
+    } else if towards < MIN_BEND_TILT {
+        let text = format!(
+            "the lateral tilt of {ends} changes by {:.1}° towards the side of the bend from the erect film (usual: {:.0}° or more): check that the film shows a bend",
+            towards.deg(),
             MIN_BEND_TILT.deg()
         );
         warnings.film(Step::Measure, "bend_leans_little", bend.posture, text);
     }
 }
 
-fn doubted(warnings: &Warnings, code: &str, posture: Posture) -> bool {
-    warnings.all().iter().any(|one| one.code == code && one.posture == Some(posture))
+/// Whether the mirror image of a film is clearly more probable than the film.
+fn is_mirrored(erect: &Outline, film: &Outline) -> bool {
+    let [as_stated, mirrored] = [Taken::AsStated, Taken::Mirrored].map(|taken| {
+        let difference = FilmDifference::between(erect, film, taken);
+        difference.log_density_of_posture(film.posture.bend())
+    });
+    is_clear(mirrored - as_stated)
 }
 
-/// Two postures of equal shape are most likely one film, read twice.
-fn warn_of_one_shape(first: &Outline, second: &Outline, warnings: &mut Warnings) {
-    let limit = noise_limit(first, second);
-    let difference = shape_difference(first, second, 1.0);
-    if difference < limit {
+/// Whether two postures are most likely one film, read twice.
+fn warn_of_one_picture(first: &Outline, second: &Outline, warnings: &mut Warnings) -> bool {
+    let difference = FilmDifference::between(first, second, Taken::AsStated);
+    let is_one = is_clear(difference.log_odds_of_one_picture());
+    if is_one {
         let text = format!(
-            "it shows the shape of the {} film: the tilts of its vertebrae differ by {:.1}° in the root mean square, which is within landmark noise (limit {:.1}°): check that the two are not one film",
+            "it shows the shape of the {} film: the tilts of its vertebrae differ by {} in the root mean square, as two readings of one film do: check that the two are not one film",
             first.posture,
-            Angle::from_rad(difference).deg(),
-            Angle::from_rad(limit).deg()
+            shape_difference(first, second, 1.0)
         );
         warnings.film(Step::Measure, "films_show_one_shape", second.posture, text);
     }
+    is_one
 }
 
 fn line_tilt(outline: &Outline) -> Angle {
     outline.vertebrae[outline.vertebrae.len() - 1].location.lateral_tilt()
 }
 
-/// In rad.
-fn noise_limit(a: &Outline, b: &Outline) -> f64 {
-    let [a, b] = [a, b].map(|outline| outline.noise_over(&outline.vertebrae).tilt.rad());
-    MAX_NOISE_FACTOR * a.hypot(b)
+/// Change of the lateral tilt of L4 to T2 between two films that noise explains: three standard deviations of the difference of two
+/// tilts of L4, in whose frame it is measured, and at least 2°.
+pub(super) fn tilt_margin(a: &Outline, b: &Outline) -> Angle {
+    const LEAST: Angle = Angle::from_deg(2.0);
+    let [a, b] = [a, b].map(|film| film.noise_of(&film.vertebrae[0]).tilt.rad());
+    let noise = Angle::from_rad(3.0 * a.hypot(b));
+    if noise > LEAST { noise } else { LEAST }
 }
 
-/// Root mean square of the differences of tilts about their mean, in rad: a lateral tilt of the whole patient makes no difference.
+/// Root mean square of the differences of tilts about their mean: a lateral tilt of the whole patient makes no difference.
 /// The first film is mirrored with a sign of -1.
-fn shape_difference(a: &Outline, b: &Outline, sign: f64) -> f64 {
+fn shape_difference(a: &Outline, b: &Outline, sign: f64) -> String {
     let differences: Vec<f64> = a
         .vertebrae
         .iter()
         .zip(&b.vertebrae)
-        .map(|(a, b)| b.tilt.rad() - sign * a.tilt.rad())
+        .map(|(a, b)| b.tilt.deg() - sign * a.tilt.deg())
         .collect();
     let count = differences.len() as f64;
     let mean = differences.iter().sum::<f64>() / count;
     let squares: f64 = differences.iter().map(|one| (one - mean).powi(2)).sum();
-    (squares / (count - 1.0)).sqrt()
+    format!("{:.1}°", (squares / (count - 1.0)).sqrt())
 }
 
 /// Bodies of one film against those of the erect one. A common factor, such as another magnification, makes no difference.
-fn warn_of_another_patient(erect: &Film, film: &Film, warnings: &mut Warnings) {
+///
+/// What corners that a program found add to the noise, such as those completed from two clicks, widens the limits.
+fn warn_of_another_patient(
+    (erect, erect_outline): (&Film, &Outline),
+    (film, outline): (&Film, &Outline),
+    warnings: &mut Warnings,
+) {
     // Without a spacing, heights and widths are comparable in square pixels only.
     let scaled = |film: &Film| matches!(&film.landmarks, FilmLandmarks::Corners { image, .. } if image.scale().is_some());
     if scaled(erect) != scaled(film) {
         return;
     }
     let [reference, bodies] = [erect, film].map(|film| body_shapes(film, Levels::COMPLETE));
-    let seen: Vec<_> = reference.into_iter().zip(bodies).filter_map(|(a, b)| a.zip(b)).collect();
+    let pairs = Levels::COMPLETE.iter().zip(reference.into_iter().zip(bodies));
+    let marked: Vec<(Level, [[f64; 2]; 2])> =
+        pairs.filter_map(|(level, (a, b))| Some((level, [a?, b?]))).collect();
     // A median of few bodies says little.
-    if seen.len() < MIN_BODIES {
+    if marked.len() < MIN_BODIES {
         return;
     }
     let logs = |of: &dyn Fn([f64; 2]) -> f64| -> Vec<f64> {
-        seen.iter().map(|(a, b)| (of(*b) / of(*a)).ln()).collect()
+        marked.iter().map(|(_, [a, b])| (of(*b) / of(*a)).ln()).collect()
     };
     let [heights, widths] = [logs(&|[height, _]| height), logs(&|[_, width]| width)];
     let width = median(widths.clone());
     let ratio = (median(heights) - width).exp();
     let deviation = median(widths.iter().map(|log| (log - width).abs()).collect());
-    let found = if ratio.max(1.0 / ratio) > MAX_SHAPE_RATIO {
+    let [height_sd, width_sd] =
+        [0, 1].map(|side| program_log_sd([erect_outline, outline], &marked, side));
+    // Corners of one film that a program found err alike, so that a median of many is no surer than one.
+    let max_ratio = MAX_SHAPE_RATIO * (PROGRAM_FACTOR * height_sd.hypot(width_sd)).exp();
+    let max_deviation = MAX_WIDTH_DEVIATION + PROGRAM_FACTOR * width_sd;
+    let found = if ratio.max(1.0 / ratio) > max_ratio {
         format!(
-            "its vertebral bodies are {ratio:.2} times as high for their width as on the erect film (limits {:.2} and {MAX_SHAPE_RATIO})",
-            1.0 / MAX_SHAPE_RATIO
+            "its vertebral bodies are {ratio:.2} times as high for their width as on the erect film (limits {:.2} and {max_ratio:.2})",
+            1.0 / max_ratio
         )
-    } else if deviation > MAX_WIDTH_DEVIATION {
+    } else if deviation > max_deviation {
         format!(
             "the widths of its vertebral bodies grow differently from those of the erect film (median deviation {:.0} %, limit {:.0} %)",
             100.0 * deviation,
-            100.0 * MAX_WIDTH_DEVIATION
+            100.0 * max_deviation
         )
     } else {
         return;
@@ -227,6 +260,20 @@ fn warn_of_another_patient(erect: &Film, film: &Film, warnings: &mut Warnings) {
         "{found}: check that both films show the same patient, and the spacing of their rows and columns"
     );
     warnings.film(Step::Measure, "another_patient", film.posture, text);
+}
+
+/// Root mean square, over the bodies, of what corners that a program found add to the error of the logarithm of a height (side 0) or a
+/// width (side 1) in either film.
+fn program_log_sd(outlines: [&Outline; 2], marked: &[(Level, [[f64; 2]; 2])], side: usize) -> f64 {
+    // The mean of two opposite sides, with four corners, has the error of one corner.
+    let square = |outline: &Outline, level: Level, size: f64| {
+        let program = outline.vertebra(level).and_then(|vertebra| vertebra.program);
+        program.map_or(0.0, |noise| (2.0 * noise.location_mm / size).powi(2))
+    };
+    let of_pair = |(level, sizes): &(Level, [[f64; 2]; 2])| -> f64 {
+        outlines.iter().zip(sizes).map(|(outline, size)| square(outline, *level, size[side])).sum()
+    };
+    (marked.iter().map(of_pair).sum::<f64>() / marked.len() as f64).sqrt()
 }
 
 /// Median of at least one value, all finite.
