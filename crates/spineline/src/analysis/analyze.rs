@@ -92,9 +92,15 @@ pub(crate) fn analyze_known(
     let mut warnings = Warnings::default();
     let measured = known.map(|(known, errors)| (&known.noise[..], errors));
     let movement = Movement::of(case, options, measured, &mut warnings)?;
-    let known = known.map(|(known, _)| known);
-    let mechanics = Mechanics::of(movement.findings(options), known, &mut warnings);
-    Ok(movement.into_analysis(case, options, mechanics, warnings))
+    let others = known.map(|(known, _)| known);
+    let mechanics = Mechanics::of(movement.findings(options), others, &mut warnings);
+    let mut analysis = movement.into_analysis(case, options, mechanics, warnings);
+    // Nobody reads warnings of perturbed landmarks.
+    if known.is_none() {
+        let of_lines = analysis.kept_line_warnings();
+        analysis.warnings.merge(&of_lines);
+    }
+    Ok(analysis)
 }
 
 /// Steps 1 to 4, and the unloaded spine.

@@ -135,7 +135,7 @@ impl Analysis {
 
 /// Bonferroni's bound on the probability that noise of a deviation carries any of `joints` so far against the force, when
 /// none truly turns against it. It holds for any dependence: neighbours share a vertebra.
-fn against_by_chance(contradicted: &[ContradictedJoint], joints: usize) -> f64 {
+pub(super) fn against_by_chance(contradicted: &[ContradictedJoint], joints: usize) -> f64 {
     let sure = contradicted.iter().filter(|joint| joint.lever_arm_mm.abs() >= SURE_ARM_MM);
     let furthest =
         sure.map(|joint| joint.rotation.rad().abs() / joint.rotation_sd.rad()).fold(0.0, f64::max);

@@ -1,23 +1,17 @@
-use super::LineModel;
+use super::compatibility::against_by_chance;
+use super::{Analysis, LineModel};
+use crate::action::LineKind;
+use crate::evaluate::Simulation;
 use crate::multibody::{MAX_HUMAN_COLUMN, MAX_HUMAN_JOINT, MatchStatus};
-use crate::personalize::{FitStatus, StiffnessBound};
+use crate::personalize::{FitStatus, SIGNIFICANCE, StiffnessBound};
 use crate::warning::{Step, Warnings, counted};
 
-/// Warns of fits and simulations without result, and of joints that contradict the line.
+/// Warns of fits and simulations without result.
 pub(super) fn warn_of_endings(model: &LineModel, warnings: &mut Warnings) {
     let mut warn = |step, code, posture, text| warnings.line(step, code, model.kind, posture, text);
     if model.fit.status != FitStatus::Converged {
         let text = format!("the fit did not converge (`{}`)", model.fit.status.key());
         warn(Step::Personalize, "fit_not_converged", None, text);
-    }
-    for (name, bound) in model.groups.names().iter().zip(&model.fit.bounds) {
-        if *bound != StiffnessBound::Inside {
-            let text = format!(
-                "the multiplier of {} reached its limit, so its value is not identified",
-                name.replace('_', " ")
-            );
-            warn(Step::Personalize, "multiplier_at_bound", None, text);
-        }
     }
     for simulation in &model.postures {
         let posture = Some(simulation.posture);
@@ -41,15 +35,51 @@ pub(super) fn warn_of_endings(model: &LineModel, warnings: &mut Warnings) {
             );
             warn(Step::Evaluate, "forces_lost", posture, text);
         }
-        let beyond = simulation.contradicted.iter().filter(|joint| joint.beyond_noise).count();
-        if beyond > 0 {
+    }
+}
+
+impl Analysis {
+    /// What contradicts the lines that the bends keep, and the multipliers of their models that reached a limit.
+    ///
+    /// A line that the bends reject has both in nearly every patient. Its result says so itself: the test of the line, the
+    /// counter-rotating joints of every film and the verdict on every multiplier. A line that no bend tests is kept.
+    pub(super) fn kept_line_warnings(&self) -> Warnings {
+        let mut warnings = Warnings::default();
+        for model in self.models.iter().filter(|model| !self.compatibility(model).rejects()) {
+            warn_of_bounds(model, &mut warnings);
+            for simulation in &model.postures {
+                warn_of_contradiction(model.kind, simulation, &mut warnings);
+            }
+        }
+        warnings
+    }
+}
+
+fn warn_of_bounds(model: &LineModel, warnings: &mut Warnings) {
+    for (name, bound) in model.groups.names().iter().zip(&model.fit.bounds) {
+        if *bound != StiffnessBound::Inside {
             let text = format!(
-                "{} of {} joints turn against the force, {beyond} of them beyond noise ({:.0} % of the work): no positive stiffness explains them",
-                simulation.contradicted.len(),
-                simulation.joints(),
-                100.0 * simulation.contradicted_weight()
+                "the multiplier of {} reached its limit, so its value is not identified",
+                name.replace('_', " ")
             );
-            warn(Step::Personalize, "joints_contradict_line", posture, text);
+            warnings.line(Step::Personalize, "multiplier_at_bound", model.kind, None, text);
         }
     }
+}
+
+/// Joints of one film that turn against the force further than noise carries one of so many.
+fn warn_of_contradiction(line: LineKind, simulation: &Simulation, warnings: &mut Warnings) {
+    let against = &simulation.contradicted;
+    if against_by_chance(against, simulation.joints()) >= SIGNIFICANCE {
+        return;
+    }
+    let text = format!(
+        "{} of {} joints turn against the force, {} of them beyond noise ({:.0} % of the work): no positive stiffness explains them",
+        against.len(),
+        simulation.joints(),
+        against.iter().filter(|joint| joint.beyond_noise).count(),
+        100.0 * simulation.contradicted_weight()
+    );
+    let posture = Some(simulation.posture);
+    warnings.line(Step::Personalize, "joints_contradict_line", line, posture, text);
 }

@@ -104,6 +104,21 @@ fn bends_that_lean_to_one_side_are_not_exchanged() {
 }
 
 #[test]
+fn lines_that_the_bends_reject_have_their_contradictions_in_the_result_alone() {
+    // Oracle: all joints turn to one side, so that no force through the inflections bent the spine.
+    let analysis = analyzed(&exact_case(0), &on_a_table());
+    let mut models = analysis.models.iter();
+    let rejected =
+        models.find(|model| model.kind == LineKind::Inflection).expect("two inflections");
+    assert!(analysis.compatibility(rejected).rejects());
+    assert!(rejected.postures.iter().any(|film| film.contradicted.iter().any(|j| j.beyond_noise)));
+    let warnings = analysis.warnings.all().iter().filter(|one| one.line == Some(rejected.kind));
+    for code in ["joints_contradict_line", "multiplier_at_bound"] {
+        assert!(!warnings.clone().any(|one| one.code == code), "{code}");
+    }
+}
+
+#[test]
 fn two_films_of_one_posture_are_refused() {
     // Oracle: a posture has one film.
     for posture in Posture::ALL {
