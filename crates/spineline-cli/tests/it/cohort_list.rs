@@ -30,17 +30,18 @@ fn a_list_in_a_file_has_the_same_bytes_for_any_number_of_threads_and_leaves_out_
     }
     let all: Value = serde_json::from_str(&one_thread).expect("JSON");
     let all = all.as_array().expect("a list");
-    assert_eq!(all.len(), 6);
-    let case = all[0]["case_id"].as_str().expect("a name");
+    assert_eq!(all.len(), 7);
+    assert_eq!(all[0]["refused"]["file"], "a-bad-one.json", "the refused case has its place");
+    let case = all[1]["case_id"].as_str().expect("a name");
     let (alone, error, code) =
         program::run(here.path(), &["analyze", &format!("cases/{case}.json"), "--json", "-"]);
     assert_eq!(code, 0, "{error}");
     let alone: Value = serde_json::from_str(&results(&alone)).expect("JSON");
-    assert_eq!(all[0], alone, "a patient in a cohort is as the patient alone");
+    assert_eq!(all[1], alone, "a patient in a cohort is as the patient alone");
 }
 
 #[test]
-fn a_cohort_without_a_usable_case_writes_an_empty_list() {
+fn a_cohort_without_a_usable_case_writes_a_list_of_refused_cases() {
     let here = tempfile::tempdir().expect("a place for files");
     for name in ["a.json", "b.json"] {
         fs::write(here.path().join(name), "{}").expect("a place");
@@ -48,5 +49,9 @@ fn a_cohort_without_a_usable_case_writes_an_empty_list() {
     let (_, error, code) =
         program::run(here.path(), &["analyze", "a.json", "b.json", "--json", "all.json"]);
     assert_eq!(code, 3, "{error}");
-    assert_eq!(fs::read_to_string(here.path().join("all.json")).expect("the list"), "[]\n");
+    let list = fs::read_to_string(here.path().join("all.json")).expect("the list");
+    let list: Value = serde_json::from_str(&list).expect("JSON");
+    let items = list.as_array().expect("a list");
+    assert_eq!(items.len(), 2);
+    assert!(items.iter().all(|item| item["format"] == "spineline-refused-case"), "{items:?}");
 }

@@ -59,7 +59,7 @@ impl Described for ComparisonOutcome {
         match self {
             Self::Better => "Its error is smaller, significantly after Holm's correction.",
             Self::Worse => {
-                "Its error is larger: significantly after Holm's correction, or the whole 95 % interval of the difference is above zero."
+                "Its error is larger: significantly after Holm's correction, or the whole 95 % interval of the difference over at least six patients is above zero."
             }
             Self::NoDifference => "The data show no difference.",
             Self::NotTested => "Too few patients have both.",

@@ -127,7 +127,7 @@ fn other_loads_are_tested_against_no_mechanics_by_one_difference_per_patient() {
     // Lines are a family of their own, and every one of them has its sentence.
     let verdict = cohort.verdict();
     for line in ["inflection line", "iliac line", "estimated line"] {
-        let start = format!("There the {line} is not significantly better than");
+        let start = format!("There the {line} is not significantly different from");
         assert!(verdict.iter().any(|sentence| sentence.starts_with(&start)), "{verdict:?}");
     }
     assert!(verdict.iter().any(|s| s.contains("other loads and bases")), "{verdict:?}");

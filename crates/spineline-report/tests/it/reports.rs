@@ -69,7 +69,9 @@ fn page_one_sets_every_line_beside_predictions_without_mechanics() {
     // A rod obeys the paper's line and no other.
     assert!(sentences[0].contains("reject a single force along the iliac line"));
     assert!(sentences[0].contains("keep one along the inflection line"));
-    assert!(sentences[1].starts_with("The inflection line predicts left-out bends best"));
+    assert!(
+        sentences[1].starts_with("The inflection line predicts bends left out of the fit best")
+    );
     assert!(sentences[2].starts_with("With the inflection line, all 3"));
     let table = tables(short)[0];
     assert_eq!(table.rows.len(), compared.lines.len() + 3);

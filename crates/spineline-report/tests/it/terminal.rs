@@ -171,7 +171,7 @@ fn every_error_force_and_multiplier_is_shown() {
                 role.to_string(),
                 line.kind.to_string(),
                 evidence.to_owned(),
-                errors.films.to_string(),
+                format!("{} of {}", errors.films, compared.count(role)),
                 format!("{:.2}", errors.location_mm),
                 format!("{:.1}", errors.ferguson_deg),
             ];
@@ -407,7 +407,7 @@ fn a_cohort_shows_every_patient_line_and_test() {
     }
     let compared = &together.compared;
     assert!(compared.family() > 0);
-    let heads = ["First minus second line", "Films", "Error", "Patients"];
+    let heads = ["First minus second line", "Films", "Error"];
     holds(&text, &heads.map(str::to_owned));
     holds(&text, &["Sign-flip p", "Holm p", "Pooled p (the paper's)"].map(str::to_owned));
     holds(&text, &["inflection – iliac".to_owned()]);

@@ -9,14 +9,17 @@ use crate::personalize::TestOutcome;
 pub enum ComparisonOutcome {
     /// Its error is smaller, significantly after Holm's correction.
     Better,
-    /// Its error is larger: significantly after Holm's correction, or the whole 95 % interval of the difference is above zero. A
-    /// claim that a model is better needs the correction; that it is worse does not.
+    /// Its error is larger: significantly after Holm's correction, or the whole 95 % interval of the difference is above zero
+    /// over at least six patients. A claim that a model is better needs the correction; that it is worse does not.
     Worse,
     /// The data show no difference.
     NoDifference,
     /// Too few patients have both.
     NotTested,
 }
+
+/// With fewer patients a sign-flip test never reaches 5 %, and a percentile interval is too narrow to decide.
+const MIN_PATIENTS: usize = 6;
 
 impl ComparisonOutcome {
     /// All of them.
@@ -96,7 +99,8 @@ impl PairedComparison {
     #[must_use]
     pub fn outcome(&self, holm_p: Option<f64>) -> ComparisonOutcome {
         let is_larger = self.mean_difference > 0.0;
-        let is_clearly_larger = self.bootstrap.is_some_and(|[low, _]| low > 0.0);
+        let is_clearly_larger =
+            self.patients() >= MIN_PATIENTS && self.bootstrap.is_some_and(|[low, _]| low > 0.0);
         match TestOutcome::of(holm_p) {
             TestOutcome::NotTested => ComparisonOutcome::NotTested,
             TestOutcome::Rejected if !is_larger => ComparisonOutcome::Better,
@@ -124,14 +128,16 @@ mod tests {
 
     #[test]
     fn a_larger_error_with_a_whole_interval_above_zero_is_worse() {
-        let outcome = |mean_difference, interval, holm_p| {
-            let one = PairedComparison {
-                mean_difference,
-                bootstrap: Some(interval),
-                ..PairedComparison::of_differences(Summary::of(&[]), &[], None, 0)
-            };
+        let of_patients = |patients: usize, mean_difference, interval, holm_p| {
+            let differences = vec![mean_difference; patients];
+            let pooled = Summary::of(&differences);
+            let one = PairedComparison::of_differences(pooled, &differences, Some(interval), 0);
             one.outcome(holm_p)
         };
+        let outcome = |mean, interval, holm_p| of_patients(6, mean, interval, holm_p);
+        // Of three patients, an interval decides nothing.
+        let few = of_patients(3, 2.5, [0.7, 4.7], Some(0.3));
+        assert_eq!(few, ComparisonOutcome::NoDifference);
         assert_eq!(outcome(2.5, [0.7, 4.7], Some(0.3)), ComparisonOutcome::Worse);
         assert_eq!(outcome(2.5, [0.7, 4.7], Some(0.01)), ComparisonOutcome::Worse);
         assert_eq!(outcome(2.5, [-0.1, 4.7], Some(0.3)), ComparisonOutcome::NoDifference);
