@@ -31,6 +31,9 @@ const MAX_STRETCH: f64 = 1.5;
 /// Vertebrae from which a length or a median is judged: fewer say little.
 const MIN_VERTEBRAE: usize = 4;
 
+/// The length by the median step may differ from that of all steps by so much: proportions of spines vary (assumption).
+const NEAR: f64 = 1.25;
+
 /// What lengths that are wrong by such a factor were probably given in.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum SuspectedUnit {
@@ -122,10 +125,11 @@ impl FilmSize {
         !(self.limits[0]..=self.limits[1]).contains(&self.length)
     }
 
-    /// Whether another measure of it misses the same limit.
+    /// Whether it misses a limit, and another measure of it is beyond that limit too, or near it.
     fn is_on_one_side(&self, other: f64) -> bool {
         let [least, most] = self.limits;
-        self.length < least && other < least || self.length > most && other > most
+        let is_short = self.length < least && other < NEAR * least;
+        is_short || self.length > most && NEAR * other > most
     }
 
     /// What may be wrong.

@@ -26,9 +26,13 @@ impl Following {
             (three[2].1.location - three[0].1.location).lateral_tilt()
         };
         let first = placed.get(..3).map(way)?;
+        let first_tilt = placed.get(1)?.1.tilt;
         let pairs: Vec<[f64; 2]> = placed
             .windows(3)
-            .map(|three| [(way(three) - first).wrapped().deg(), three[1].1.tilt.deg()])
+            .map(|three| {
+                let turns = [way(three) - first, three[1].1.tilt - first_tilt];
+                turns.map(|turn| turn.wrapped().deg())
+            })
             .collect();
         let count = pairs.len() as f64;
         let mean = |i: usize| pairs.iter().map(|pair| pair[i]).sum::<f64>() / count;
