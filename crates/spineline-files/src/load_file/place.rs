@@ -126,7 +126,7 @@ impl LoadFile {
             placed.load_of_item.resize(fresh, number);
             placed.load_of_rod.resize(placed.loading.rods.len(), number);
         }
-        placed.loading.check(&model.spine).map_err(|error| {
+        placed.loading.check(&model.spine, model.support).map_err(|error| {
             let number = match error.place {
                 LoadPlace::Item(place) => placed.load_of_item[place],
                 LoadPlace::Rod(place) => placed.load_of_rod[place],
@@ -240,6 +240,12 @@ fn reason(fault: &LoadingFault, model: &StoredModel) -> String {
             "a rod needs a lower and an upper vertebra, but {} is not below {}",
             name(inferior),
             name(superior)
+        ),
+        LoadingFault::RodJoints { inferior, superior, joints, least } => format!(
+            "it moves {} beside {}, and between the two there are {joints} of the {least} joints that this takes with {} support",
+            name(superior),
+            name(inferior),
+            model.support.key()
         ),
         other => other.to_string(),
     }

@@ -32,7 +32,8 @@ pub use bodies::BodySize;
 pub use general::{
     BodyLoad, BranchEvent, BranchEventKind, Equilibrium, EquilibriumPath, GeneralStatics, Goal,
     LoadItem, LoadPlace, Loading, LoadingError, LoadingFault, NearbyReport, NewtonWork, OnPoint,
-    PathEnding, PathOptions, PathPoint, Rod, ShapeParameter, SpringError, Timing, UNIT_TOLERANCE,
+    PathEnding, PathOptions, PathPoint, Rod, RodComponent, ShapeParameter, SpringError, Timing,
+    UNIT_TOLERANCE,
 };
 pub(crate) use geometry::disc_mm;
 pub use geometry::{Joint, SpineModel};

@@ -31,6 +31,7 @@ mod oracle_hand;
 mod properties;
 mod published;
 mod response;
+mod rods;
 mod rotation_prior;
 mod shared_heights;
 mod space;

@@ -194,8 +194,8 @@ fn a_round_column_with_a_small_tilt_does_not_stay_upright() {
 
 #[test]
 fn a_column_with_a_rod_buckles_below_the_rod_on_a_table() {
-    // Oracle: a rod from the first to the fourth vertebra leaves one hinge, which buckles at P = k / L. On a table the rod
-    // asks six things of three hinges.
+    // Oracle: a rod from the first to the fourth vertebra leaves one hinge, which buckles at P = k / L. In a frontal support
+    // the rod asks two things of three hinges, and what it leaves them buckles at twelve times that.
     let z: Vec<f64> = (0..5).map(|i| 30.0 * f64::from(i)).collect();
     let model = straight(&z, &z[..4]);
     let k = 1e5;

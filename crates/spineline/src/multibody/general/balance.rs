@@ -1,5 +1,6 @@
 use super::loading::{Loading, Timing};
-use super::wrench::{Pose, Spatial, SpatialMatrix, first, second, spatial};
+use super::rods::{RodEquations, RodState};
+use super::wrench::{Pose, Spatial, SpatialMatrix, spatial};
 use crate::multibody::{Deformed, SpineModel, Support};
 use crate::spatial::{Angle, Mat3, Vec3, sin_cos};
 
@@ -62,10 +63,8 @@ pub(super) struct State {
     pub residual: Vec<Vec3>,
     /// Change of the load moments with the factor that varies.
     pub growth: Vec<Vec3>,
-    /// Twist from where each rod wants its upper vertebra to where that is.
-    pub rod_errors: Vec<Spatial>,
-    /// Change of these with the factor that varies.
-    pub rod_rates: Vec<Spatial>,
+    /// What each rod asks.
+    pub rods: Vec<RodEquations>,
     /// Per vertebra, then summed from above: wrench and its change with the factor.
     loads: Vec<(Spatial, Spatial)>,
 }
@@ -84,8 +83,7 @@ impl State {
             load_tangents: vec![None; joints + 1],
             residual: vec![Vec3::zeros(); joints],
             growth: vec![Vec3::zeros(); joints],
-            rod_errors: vec![Spatial::zeros(); rods],
-            rod_rates: vec![Spatial::zeros(); rods],
+            rods: vec![RodEquations::zeros(); rods],
             loads: vec![(Spatial::zeros(), Spatial::zeros()); joints + 1],
         }
     }
@@ -116,11 +114,8 @@ impl Balance<'_> {
 
     /// Largest distance (mm) and angle (rad) of a rod from its pose.
     pub(super) fn rod_gap(&self, state: &State) -> (f64, f64) {
-        let rods = state.rod_errors.iter().zip(&self.loading.rods);
-        rods.fold((0.0, 0.0), |(mm, rad), (error, rod)| {
-            let shift = second(error) + first(error).cross(&state.midpoints[rod.superior]);
-            (nan_max(mm, shift.norm()), nan_max(rad, first(error).norm()))
-        })
+        let gaps = state.rods.iter().map(|rod| rod.gap);
+        gaps.fold((0.0, 0.0), |(mm, rad), gap| (nan_max(mm, gap.0), nan_max(rad, gap.1)))
     }
 
     /// Puts the vertebrae where the hinges say, and sums up what acts on them.
@@ -192,20 +187,15 @@ impl Balance<'_> {
             let reaction = state.reactions[number];
             state.loads[rod.superior].0 += reaction;
             state.loads[rod.inferior].0 -= reaction;
-            let wanted = rod.pose_at(self.model, factors.of(rod.timing));
-            let (low_mm, low_axes) = (state.midpoints[rod.inferior], state.axes[rod.inferior]);
-            let wanted_mm = low_mm + low_axes * wanted.place_mm;
-            let wanted_axes = low_axes * wanted.axes;
-            let turn = rotation_vector(&(state.axes[rod.superior] * wanted_axes.transpose()));
-            let shift = state.midpoints[rod.superior] - wanted_mm;
-            state.rod_errors[number] =
-                spatial(&turn, &(shift - turn.cross(&state.midpoints[rod.superior])));
-            state.rod_rates[number] = if rod.timing == factors.varies {
-                let (turn, shift) = (low_axes * rod.turn_rad, low_axes * rod.shift_mm);
-                -spatial(&turn, &(shift - turn.cross(&wanted_mm)))
-            } else {
-                Spatial::zeros()
+            let ends = [rod.inferior, rod.superior];
+            let of_rod = RodState {
+                midpoints: ends.map(|v| &state.midpoints[v]),
+                axes: ends.map(|v| &state.axes[v]),
+                reaction: &reaction,
+                wanted: rod.pose_at(self.model, factors.of(rod.timing)),
+                varies: rod.timing == factors.varies,
             };
+            state.rods[number] = RodEquations::of(self, rod, &of_rod);
         }
     }
 }
@@ -216,7 +206,7 @@ pub(super) fn nan_max(a: f64, b: f64) -> f64 {
 }
 
 /// The rotation vector of a rotation, to rounding near the identity too (an arc cosine would leave 1e-8).
-fn rotation_vector(rotation: &Mat3) -> Vec3 {
+pub(super) fn rotation_vector(rotation: &Mat3) -> Vec3 {
     let sine = Vec3::new(
         rotation[(2, 1)] - rotation[(1, 2)],
         rotation[(0, 2)] - rotation[(2, 0)],

@@ -1,6 +1,6 @@
 use crate::anatomy::{Levels, named, trunk_weight_shares};
-use crate::multibody::SpineModel;
-use crate::spatial::{Mat3, Vec3};
+use crate::multibody::{SpineModel, Support};
+use crate::spatial::{Angle, Mat3, Vec3};
 
 /// What one vertebra carries. Frame `G` unless the name says `in_vertebra`.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -108,14 +108,19 @@ pub struct LoadItem {
 
 /// Two vertebrae whose relative pose is prescribed, as a rod screwed to both does.
 ///
-/// Joints turn and do not stretch, so a chain between the two is nearly as long in every shape: a pose that asks for much
-/// more or less distance is out of reach, and the path ends before it (as unreachable, or as not converged). A rod holds
-/// from the start; `timing` says when its pose is brought from the erect to the prescribed one.
+/// A rod prescribes what the support leaves free. In a free support that is the whole pose. In a frontal support it is the
+/// tilt of the upper vertebra and its lateral place, both seen along the lower one's anterior axis: the support holds
+/// flexion, axial rotation and what follows from them, and the distance of the two vertebrae follows from the tilts of the
+/// joints, along which the screws slide. [`Loading::check`] refuses a rod that prescribes more.
+///
+/// Joints turn and do not stretch, so a chain between the two is nearly as long in every shape: in a free support, a pose
+/// that asks for much more or less distance is out of reach, and the path ends before it (as unreachable, or as not
+/// converged). A rod holds from the start; `timing` says when its pose is brought from the erect to the prescribed one.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Rod {
     /// Lower vertebra.
     pub inferior: usize,
-    /// Upper vertebra. With fewer than three joints between the two not every pose can be had.
+    /// Upper vertebra; a rod that moves it needs [`Rod::least_joints`] between the two.
     pub superior: usize,
     /// How the upper vertebra moves from its erect pose, in the lower one's axes.
     pub shift_mm: Vec3,
@@ -190,7 +195,7 @@ pub enum LoadingFault {
         length: f64,
     },
     /// A spring that is no spring.
-    #[error("its stiffness is {n_per_mm} N/mm, and must be positive")]
+    #[error("its stiffness is {n_per_mm} per mm, and must be positive")]
     Spring {
         /// What was given.
         n_per_mm: f64,
@@ -216,6 +221,65 @@ pub enum LoadingFault {
     /// A rod whose pose is no pose.
     #[error("its translation or rotation is not finite, or the rotation exceeds 180°")]
     RodPose,
+    /// A rod that prescribes what the support holds.
+    #[error(
+        "it prescribes {component} of {value} {}, but in the frontal support a rod prescribes only the tilt (rotation about x) and the lateral place (displacement along y) of its upper vertebra", component.unit()
+    )]
+    RodAgainstSupport {
+        /// What it prescribes.
+        component: RodComponent,
+        /// How much, in its unit.
+        value: f64,
+    },
+    /// A rod that moves vertebrae with too few joints between them.
+    #[error(
+        "it moves vertebra {superior} beside vertebra {inferior}, and between the two there are {joints} of the {least} joints that this takes"
+    )]
+    RodJoints {
+        /// Lower vertebra.
+        inferior: usize,
+        /// Upper vertebra.
+        superior: usize,
+        /// Joints between the two.
+        joints: usize,
+        /// Least number of joints.
+        least: usize,
+    },
+}
+
+/// A component of a rod's pose that a frontal support does not leave to it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum RodComponent {
+    /// Displacement along the lower vertebra's anterior axis.
+    ShiftX,
+    /// Displacement along its cranial axis.
+    ShiftZ,
+    /// Rotation about its left axis.
+    TurnY,
+    /// Rotation about its cranial axis.
+    TurnZ,
+}
+
+impl RodComponent {
+    /// `mm` or `°`.
+    #[must_use]
+    pub const fn unit(self) -> &'static str {
+        match self {
+            Self::ShiftX | Self::ShiftZ => "mm",
+            Self::TurnY | Self::TurnZ => "°",
+        }
+    }
+}
+
+impl std::fmt::Display for RodComponent {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(match self {
+            Self::ShiftX => "a displacement along x (to the front)",
+            Self::ShiftZ => "a displacement along z (along the spine)",
+            Self::TurnY => "a rotation about y (flexion)",
+            Self::TurnZ => "a rotation about z (axial rotation)",
+        })
+    }
 }
 
 impl LoadingError {
@@ -228,9 +292,13 @@ impl LoadingError {
             }
             LoadingFault::NotFinite { .. } | LoadingFault::RodPose => "give finite numbers",
             LoadingFault::Direction { .. } => "divide the direction by its length",
-            LoadingFault::Spring { .. } => "give the stiffness in N/mm, greater than zero",
+            LoadingFault::Spring { .. } => "give the stiffness as force per mm, greater than zero",
             LoadingFault::Strap { .. } => "tie the strap to a point away from the vertebra",
             LoadingFault::RodEnds { .. } => "name the lower vertebra first",
+            LoadingFault::RodAgainstSupport { .. } => "set it to 0, or take the free support",
+            LoadingFault::RodJoints { .. } => {
+                "take vertebrae with more joints between them, or a rod that keeps the erect pose"
+            }
         }
     }
 }
@@ -277,18 +345,18 @@ impl Loading {
             || self.rods.iter().any(|rod| constant(rod.timing))
     }
 
-    /// Looks for what cannot be applied to a spine.
+    /// Looks for what cannot be applied to a spine in a support.
     ///
     /// # Errors
     /// [`LoadingError`], the first one found.
-    pub fn check(&self, model: &SpineModel) -> Result<(), LoadingError> {
+    pub fn check(&self, model: &SpineModel, support: Support) -> Result<(), LoadingError> {
         let last = model.midpoints_mm.len() - 1;
         for (place, item) in self.items.iter().enumerate() {
             item.check(model, last)
                 .map_err(|fault| LoadingError { place: LoadPlace::Item(place), fault })?;
         }
         for (place, rod) in self.rods.iter().enumerate() {
-            rod.check(last)
+            rod.check(last, support)
                 .map_err(|fault| LoadingError { place: LoadPlace::Rod(place), fault })?;
         }
         Ok(())
@@ -373,14 +441,48 @@ impl Rod {
         Self { inferior, superior, shift_mm: Vec3::zeros(), turn_rad: Vec3::zeros(), timing }
     }
 
-    fn check(&self, last: usize) -> Result<(), LoadingFault> {
+    /// The least number of joints between the vertebrae of a rod that moves them: so that their hinges have as many degrees of
+    /// freedom as the rod prescribes. Two ball joints do not do in a free support: they keep the distance of their centres.
+    #[must_use]
+    pub const fn least_joints(support: Support) -> usize {
+        match support {
+            Support::Free => 3,
+            Support::Frontal => 2,
+        }
+    }
+
+    fn check(&self, last: usize, support: Support) -> Result<(), LoadingFault> {
         let Self { inferior, superior, shift_mm, turn_rad, .. } = *self;
         if inferior >= superior || superior > last {
             return Err(LoadingFault::RodEnds { inferior, superior, last });
         }
         let turns = turn_rad.norm() <= std::f64::consts::PI;
         let is_pose = is_finite(&shift_mm) && is_finite(&turn_rad) && turns;
-        if is_pose { Ok(()) } else { Err(LoadingFault::RodPose) }
+        if !is_pose {
+            return Err(LoadingFault::RodPose);
+        }
+        if support == Support::Frontal {
+            self.check_frontal()?;
+        }
+        let (joints, least) = (superior - inferior, Self::least_joints(support));
+        if joints < least && (shift_mm, turn_rad) != (Vec3::zeros(), Vec3::zeros()) {
+            return Err(LoadingFault::RodJoints { inferior, superior, joints, least });
+        }
+        Ok(())
+    }
+
+    /// Looks for components that a frontal support does not leave to a rod.
+    fn check_frontal(&self) -> Result<(), LoadingFault> {
+        let held = [
+            (RodComponent::ShiftX, self.shift_mm.x),
+            (RodComponent::ShiftZ, self.shift_mm.z),
+            (RodComponent::TurnY, Angle::from_rad(self.turn_rad.y).deg()),
+            (RodComponent::TurnZ, Angle::from_rad(self.turn_rad.z).deg()),
+        ];
+        let more = held.into_iter().find(|(_, value)| *value != 0.0);
+        more.map_or(Ok(()), |(component, value)| {
+            Err(LoadingFault::RodAgainstSupport { component, value })
+        })
     }
 
     /// The pose at a factor: from the erect one (0) to the prescribed one (1).

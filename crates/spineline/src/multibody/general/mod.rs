@@ -16,6 +16,7 @@ mod loading;
 mod newton;
 mod path;
 mod rates;
+mod rods;
 mod singular;
 mod solver;
 mod stability;
@@ -27,7 +28,8 @@ pub use equilibrium::{
     BranchEvent, BranchEventKind, Equilibrium, EquilibriumPath, PathEnding, PathPoint,
 };
 pub use loading::{
-    BodyLoad, LoadItem, LoadPlace, Loading, LoadingError, LoadingFault, Rod, Timing, UNIT_TOLERANCE,
+    BodyLoad, LoadItem, LoadPlace, Loading, LoadingError, LoadingFault, Rod, RodComponent, Timing,
+    UNIT_TOLERANCE,
 };
 pub use path::{Goal, OnPoint, PathOptions};
 pub use rates::ShapeParameter;

@@ -3,6 +3,7 @@ use super::border::Border;
 use super::elimination::Elimination;
 use super::stability::Signs;
 use super::wrench::{Spatial, first, second};
+use crate::multibody::Support;
 use crate::spatial::Vec3;
 
 /// A step of Newton that is smaller leaves an error of its square.
@@ -157,7 +158,7 @@ impl Newton {
             self.border.reset(order);
             for rod in 0..rods {
                 let right_hand =
-                    -self.state.rod_errors[rod] - self.rod_twist(balance, rod, TO_RESIDUAL);
+                    -self.state.rods[rod].errors - self.rod_change(balance, rod, TO_RESIDUAL);
                 self.fill_rod_rows(balance, rod, arc, &right_hand);
             }
             if let Closing::Arc { from, along, length } = closing {
@@ -255,10 +256,17 @@ impl Newton {
         }
     }
 
-    /// The twist between a rod's vertebrae in one of the answers.
-    fn rod_twist(&self, balance: &Balance<'_>, rod: usize, answer: usize) -> Spatial {
-        let rod = &balance.loading.rods[rod];
-        (rod.inferior..rod.superior).map(|j| self.state.twists[j] * self.answers[answer][j]).sum()
+    /// How a rod's equations change with one of the answers.
+    fn rod_change(&self, balance: &Balance<'_>, rod: usize, answer: usize) -> Spatial {
+        let (equations, rod) = (&self.state.rods[rod], &balance.loading.rods[rod]);
+        let twist = |joints: std::ops::Range<usize>| -> Spatial {
+            joints.map(|j| self.state.twists[j] * self.answers[answer][j]).sum()
+        };
+        let change = equations.by_relative * twist(rod.inferior..rod.superior);
+        match balance.support {
+            Support::Free => change,
+            Support::Frontal => change + equations.by_both * twist(0..rod.inferior),
+        }
     }
 
     fn fill_rod_rows(
@@ -270,12 +278,15 @@ impl Newton {
     ) {
         let columns = 6 * balance.loading.rods.len();
         for column in 0..columns {
-            let twist = self.rod_twist(balance, rod, TO_RODS + column);
-            (0..6).for_each(|i| self.border.set(6 * rod + i, column, twist[i]));
+            let mut change = self.rod_change(balance, rod, TO_RODS + column);
+            if column / 6 == rod {
+                change += self.state.rods[rod].by_reaction.column(column % 6);
+            }
+            (0..6).for_each(|i| self.border.set(6 * rod + i, column, change[i]));
         }
         if arc {
-            let twist = self.rod_twist(balance, rod, TO_FACTOR) + self.state.rod_rates[rod];
-            (0..6).for_each(|i| self.border.set(6 * rod + i, columns, twist[i]));
+            let change = self.rod_change(balance, rod, TO_FACTOR) + self.state.rods[rod].rates;
+            (0..6).for_each(|i| self.border.set(6 * rod + i, columns, change[i]));
         }
         (0..6).for_each(|i| self.border.set_right_hand(6 * rod + i, right_hand[i]));
     }

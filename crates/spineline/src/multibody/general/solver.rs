@@ -146,7 +146,7 @@ impl<'a> GeneralStatics<'a> {
     /// # Errors
     /// [`LoadingError`] where a load cannot be applied to this spine.
     pub fn work(&self, loading: &Loading) -> Result<NewtonWork, LoadingError> {
-        loading.check(self.model)?;
+        loading.check(self.model, self.support)?;
         Ok(NewtonWork(Newton::new(&self.balance(loading))))
     }
 

@@ -2,7 +2,8 @@
 
 use super::balance::{Balance, State};
 use super::elimination::{RowsOf6, moment_by_twist};
-use super::wrench::{Spatial, SpatialMatrix};
+use super::rods::prescribed;
+use super::wrench::SpatialMatrix;
 use crate::multibody::Support;
 use crate::spatial::Mat3;
 
@@ -36,6 +37,9 @@ impl Signs {
     /// Those of the tangent on the turns that rods allow.
     pub(super) fn within_rods(balance: &Balance<'_>, state: &State) -> Self {
         let tangent = allowed_tangent(balance, state);
+        if tangent.is_empty() {
+            return Self::UNLOADED;
+        }
         let symmetric = (&tangent + tangent.transpose()) * 0.5;
         let values = symmetric.symmetric_eigenvalues();
         let negative = values.iter().filter(|value| **value < 0.0).count();
@@ -61,22 +65,69 @@ fn hinges_per_joint(balance: &Balance<'_>) -> usize {
 
 /// The scaled tangent on the turns that the rods allow.
 fn allowed_tangent(balance: &Balance<'_>, state: &State) -> nalgebra::DMatrix<f64> {
-    let tangent = scaled_tangent(balance, state);
+    let mut tangent = scaled_tangent(balance, state);
     if balance.loading.rods.is_empty() {
         return tangent;
     }
-    let per_joint = hinges_per_joint(balance);
-    let mut prescribed = nalgebra::DMatrix::zeros(6 * balance.loading.rods.len(), tangent.nrows());
-    for (number, rod) in balance.loading.rods.iter().enumerate() {
-        for column in rod.inferior * per_joint..rod.superior * per_joint {
-            let (j, a) = (column / per_joint, column % per_joint);
-            let twist: Spatial = state.twists[j].column(a).into();
-            let scaled = twist / balance.stiffness[j][(a, a)].sqrt();
-            prescribed.fixed_view_mut::<6, 1>(6 * number, column).copy_from(&scaled);
+    let each = prescribed(balance.support);
+    let mut equations =
+        nalgebra::DMatrix::zeros(each * balance.loading.rods.len(), tangent.nrows());
+    for number in 0..balance.loading.rods.len() {
+        let relative = scaled_twists(balance, state, number, Part::Between);
+        let rows = state.rods[number].by_relative.rows(0, each) * &relative;
+        equations.rows_mut(each * number, each).copy_from(&rows);
+        if balance.support == Support::Frontal {
+            tangent -= relative.tr_mul(&reaction_by_hinges(balance, state, number));
         }
     }
-    let free = free_directions(&prescribed);
+    let free = free_directions(&equations);
     free.transpose() * tangent * free
+}
+
+/// Which hinges of a chain with a rod.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Part {
+    Below,
+    Between,
+}
+
+/// Twists by the hinges below or between the vertebrae of a rod, over all hinges, each divided by the root of its spring.
+fn scaled_twists(
+    balance: &Balance<'_>,
+    state: &State,
+    rod: usize,
+    part: Part,
+) -> nalgebra::OMatrix<f64, nalgebra::U6, nalgebra::Dyn> {
+    let rod = &balance.loading.rods[rod];
+    let joints = match part {
+        Part::Below => 0..rod.inferior,
+        Part::Between => rod.inferior..rod.superior,
+    };
+    let per_joint = hinges_per_joint(balance);
+    let hinges = per_joint * balance.model.joints.len();
+    let mut twists = nalgebra::OMatrix::<f64, nalgebra::U6, nalgebra::Dyn>::zeros(hinges);
+    for column in joints.start * per_joint..joints.end * per_joint {
+        let (j, a) = (column / per_joint, column % per_joint);
+        let scaled = state.twists[j].column(a) / balance.stiffness[j][(a, a)].sqrt();
+        twists.set_column(column, &scaled);
+    }
+    twists
+}
+
+/// How the reaction of a rod in a frontal support turns with the vertebrae, up to parts that do no work on what it leaves free.
+fn reaction_by_hinges(
+    balance: &Balance<'_>,
+    state: &State,
+    rod: usize,
+) -> nalgebra::OMatrix<f64, nalgebra::U6, nalgebra::Dyn> {
+    let equations = &state.rods[rod];
+    let [relative, below] =
+        [Part::Between, Part::Below].map(|part| scaled_twists(balance, state, rod, part));
+    let change = equations.by_relative * relative + equations.by_both * below;
+    let each = prescribed(balance.support);
+    let by_reaction = equations.by_reaction.rows(each, 6 - each).into_owned();
+    let inverse = by_reaction.pseudo_inverse(0.0).expect("zero is no negative tolerance");
+    -inverse * change.rows(each, 6 - each)
 }
 
 /// An orthonormal basis of what equations leave free.
