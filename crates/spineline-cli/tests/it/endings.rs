@@ -1,6 +1,7 @@
 //! What an exit code promises, and what is refused before any work.
 
 use std::fs;
+use std::path::Path;
 
 use serde_json::Value;
 
@@ -96,7 +97,8 @@ fn a_file_that_is_not_ours_or_not_utf_8_is_named_as_such() {
 fn the_line_that_predicts_best_gives_the_model() {
     let here = with_phantom(&["--truth", "pull", "--subject", "2", "--noise", "0"]);
     let case = "cases/phantom-pull-02.json";
-    let auto = ["analyze", case, "--json", "a.json", "--model", "m.json", "--model-line", "auto"];
+    // Without `--model-line`, the program chooses.
+    let auto = ["analyze", case, "--json", "a.json", "--model", "m.json"];
     let (_, error, code) = run(here.path(), &auto);
     assert_eq!(code, 0, "{error}");
     assert!(error.contains("the model of the iliac line is written"), "{error}");
@@ -124,6 +126,47 @@ fn the_line_that_predicts_best_gives_the_model() {
 }
 
 #[test]
+fn a_patient_without_an_inflection_line_has_a_model() {
+    let here = with_phantom(&["--truth", "bend", "--subject", "2"]);
+    let case = "cases/phantom-bend-02.json";
+    // No curve is so large, so that there are no inflections.
+    let analyze = ["analyze", case, "--min-curve", "80", "--json", "a.json", "--model", "m.json"];
+    let (text, error, code) = run(here.path(), &analyze);
+    assert_eq!(code, 0, "{error}{text}");
+    assert!(
+        json(&here.path().join("a.json"))["models"]["inflection_line"].is_null(),
+        "no such line"
+    );
+    let model = json(&here.path().join("m.json"));
+    let line = model["line"].as_str().expect("a line").replace('_', " ");
+    let error = words(&error);
+    assert!(
+        error.contains(&format!("the model of the {line} is written. Of the lines")),
+        "{error}"
+    );
+    done(here.path(), &["simulate", "m.json", "--push", "left", "--force", "10"]);
+}
+
+#[test]
+fn results_that_cannot_be_written_are_shown() {
+    let here = with_phantom(&[]);
+    let full = Path::new("/dev/full");
+    if !full.exists() {
+        return;
+    }
+    let case = "cases/phantom-rod-01.json";
+    done(here.path(), &["analyze", case, "--model", "m.json"]);
+    for command in [
+        &["analyze", case, "--json", "/dev/full"][..],
+        &["simulate", "m.json", "--push", "left", "--force", "10", "--json", "/dev/full"],
+    ] {
+        let (text, error, code) = run(here.path(), command);
+        assert!(code == 3 && error.contains("/dev/full could not be written"), "{code} {error}");
+        assert!(text.contains("phantom-rod-01"), "{text}");
+    }
+}
+
+#[test]
 fn a_model_that_cannot_be_written_says_what_would_give_one() {
     let here = with_phantom(&[]);
     let case = json(&here.path().join("cases/phantom-rod-01.json"));
@@ -141,10 +184,18 @@ fn a_model_that_cannot_be_written_says_what_would_give_one() {
         ("given.json", case, "given", "--model-line inflection"),
     ] {
         fs::write(here.path().join(name), case.to_string()).expect("a case");
-        let analyze = ["analyze", name, "--model", "m.json", "--model-line", line];
-        let error = refused(here.path(), &analyze, 3);
+        let analyze =
+            ["analyze", name, "--model", "m.json", "--model-line", line, "--json", "a.json"];
+        let (text, error, code) = run(here.path(), &analyze);
         let error = words(&error);
-        assert!(error.contains(expected), "{name}: {error}");
+        assert!(code == 4 && error.contains(expected), "{name}: {code} {error}");
+        // What was found is shown and written nevertheless, and what is missing is named last.
+        assert!(text.contains("phantom-rod-01"), "{name}: {text}");
+        assert_eq!(json(&here.path().join("a.json"))["case_id"], "phantom-rod-01");
+        assert!(!here.path().join("m.json").exists());
+        let last = error.rfind("error: ").expect("an error");
+        assert!(error[last..].starts_with("error: m.json is not written"), "{name}: {error}");
+        fs::remove_file(here.path().join("a.json")).expect("it was written");
         // Another line helps only where it has a model.
         assert_eq!(error.contains("--model-line"), line == "given", "{name}: {error}");
     }

@@ -37,6 +37,14 @@ impl FilmRole {
             Self::HeldOut => "held_out",
         }
     }
+
+    /// The films, in a sentence on their prediction.
+    pub(super) const fn predicted_words(self) -> &'static str {
+        match self {
+            Self::LeftOutBend => "bends left out of the fit",
+            Self::Fitted | Self::HeldOut => "neutral and traction films",
+        }
+    }
 }
 
 impl std::fmt::Display for FilmRole {

@@ -4,6 +4,7 @@
 
 mod analyze;
 mod checks;
+mod choice;
 mod comparison;
 mod compatibility;
 mod endings;
@@ -27,6 +28,7 @@ mod wrong_film;
 pub(crate) use analyze::{OtherReadings, analyze_known};
 pub use analyze::{analyze, analyze_movement};
 pub use checks::check_repeated;
+pub use choice::ModelChoice;
 pub(crate) use comparison::ferguson_errors_deg;
 pub use comparison::{
     ComparedFilm, ComparedLine, FilmRole, FreeNumbers, LeftOutBend, LinesCompared, MeanErrors,

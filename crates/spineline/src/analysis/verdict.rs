@@ -378,10 +378,7 @@ impl LinesCompared {
 
     /// The films of a ranking, after "on".
     pub(super) fn ranked_films_words(&self, ranking: &Ranking) -> String {
-        let films = match ranking.role {
-            FilmRole::LeftOutBend => "bends left out of the fit",
-            FilmRole::Fitted | FilmRole::HeldOut => "neutral and traction films",
-        };
+        let films = ranking.role.predicted_words();
         let (shared, all) = (ranking.films.len(), self.count(ranking.role));
         if shared == all {
             films.to_owned()

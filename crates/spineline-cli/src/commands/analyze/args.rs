@@ -14,10 +14,13 @@ use crate::options::uncertainty::UncertaintyArgs;
 use crate::options::values::threads;
 use crate::run::outputs::OverwriteArgs;
 
+/// The name of [`ModelLine::Auto`].
+const AUTO: &str = "auto";
+
 /// Which model is written.
 #[derive(Clone, Copy)]
 pub enum ModelLine {
-    /// That of the line with the smallest error on predicted films.
+    /// That of the line with the smallest error on predicted films, or else of the first one with a result.
     Auto,
     /// That of a line by its name.
     Kind(LineKind),
@@ -26,7 +29,7 @@ pub enum ModelLine {
 /// Reads `auto` or the name of a line; help and completion list all of them.
 fn model_line() -> impl TypedValueParser<Value = ModelLine> {
     let lines = LineKind::ALL.iter().map(|kind| kind.spelling());
-    PossibleValuesParser::new(lines.chain(["auto"]))
+    PossibleValuesParser::new(std::iter::once(AUTO).chain(lines))
         .map(|text| of_spelling(&text).map_or(ModelLine::Auto, ModelLine::Kind))
 }
 
@@ -52,8 +55,9 @@ pub struct AnalyzeArgs {
     #[arg(long, value_name = "FILE")]
     pub model: Option<PathBuf>,
     /// Line of action of the model that `--model` writes; `auto`: the one that predicts films which it was not fitted to with
-    /// the smallest error, among those that take one number from each
-    #[arg(long, value_name = "LINE", value_parser = model_line(), default_value = LineKind::Inflection.spelling())]
+    /// the smallest error, among those that take one number from each; where no line predicts any, the first one with a result. A message
+    /// says which one it is, and why
+    #[arg(long, value_name = "LINE", value_parser = model_line(), default_value = AUTO)]
     pub model_line: ModelLine,
     /// Draw figures as SVG into this folder
     #[arg(long, value_name = "DIR")]

@@ -11,7 +11,7 @@ pub use args::AnalyzeArgs;
 use std::path::{Path, PathBuf};
 
 use indicatif::ProgressBar;
-use spineline::analysis::LineModel;
+use spineline::analysis::{LineModel, ModelChoice};
 use spineline::cohort::{Cohort, Listed, RefusalStep, RefusedCase};
 use spineline::warning::counted;
 use spineline_files::{Provenance, to_text};
@@ -33,7 +33,7 @@ use crate::run::outputs::{Outputs, is_stdout, print, print_notices};
 use crate::run::progress::bar;
 use crate::run::provenance::generator;
 use crate::run::threads::stream_all;
-use model::{write_model, written_model};
+use model::{choose, say_missing, write_model};
 use patient::{Analysed, Asked, OutputParts};
 use written::Written;
 
@@ -50,22 +50,43 @@ pub fn run(args: &AnalyzeArgs) -> Result<Ending, Failure> {
         return Err(Failure::interrupted());
     }
     print_notices(&found.read.warnings());
-    let provenance = || record.provenance_of_all(&found.read);
-    written.keep(args, provenance)?;
     let listed = if args.cohort.is_some() { Listed::All } else { Listed::First };
     let statistics = || cohort::of_kept(&mut found.patients, listed, args.threads);
     let together = asked.is_cohort.then(statistics).transpose()?;
-    if let (Some(path), Some(together)) = (&args.cohort, &together) {
-        write_cohort(path, &found, together, provenance(), &outputs)?;
-    }
-    if let (Some(path), Some(one)) = (&args.model, &found.one) {
-        write_model(path, args, &one.analysis, &provenance(), &outputs)?;
-    }
-    outputs.commit()?;
+    // What was found is shown although it cannot be written.
+    let kept = keep(&found, together.as_ref(), asked, written, &outputs);
+    let kept = kept.and_then(|()| outputs.commit());
     if !to_stdout {
         print(&text(&found, together.as_ref()))?;
     }
+    kept?;
+    if let (Some(path), Some(one), None) = (&args.model, &found.one, &found.model) {
+        say_missing(path, args, &one.analysis);
+    }
     Ok(if found.is_cut_short { Ending::Interrupted } else { found.ending })
+}
+
+/// Writes what is left to write.
+fn keep(
+    found: &Found,
+    together: Option<&Cohort>,
+    asked: Asked<'_>,
+    written: Written<'_>,
+    outputs: &Outputs,
+) -> Result<(), Failure> {
+    let args = asked.args;
+    let provenance = || asked.record.provenance_of_all(&found.read);
+    written.keep(args, provenance)?;
+    if let (Some(path), Some(together)) = (&args.cohort, together) {
+        write_cohort(path, found, together, provenance(), outputs)?;
+    }
+    if let (Some(path), Some(one), Some(choice)) = (&args.model, &found.one, &found.model)
+        && let Some(model) = one.analysis.model(choice.kind)
+    {
+        let chosen = (&one.analysis, model, &choice.words[..]);
+        write_model(path, chosen, &provenance(), outputs)?;
+    }
+    Ok(())
 }
 
 /// The cases to analyse: all, or one part of them.
@@ -130,6 +151,8 @@ struct Found {
     refused: Vec<RefusedCase>,
     /// Of a single case.
     one: Option<Analysed>,
+    /// The model of it that is written, where one is asked for.
+    model: Option<ModelChoice>,
     ending: Ending,
     is_cut_short: bool,
     has_replicates: bool,
@@ -152,6 +175,7 @@ fn analyze_all(
         rows: PatientRows::default(),
         refused: Vec::new(),
         one: None,
+        model: None,
         ending: Ending::Done,
         is_cut_short: false,
         has_replicates: false,
@@ -212,11 +236,10 @@ impl Found {
         }
         self.is_cut_short |= confidence.is_cut_short();
         self.has_replicates |= confidence.has_replicates();
-        let is_written = || {
-            args.model.is_none()
-                || written_model(args, analysis).is_none_or(LineModel::is_converged)
-        };
-        if self.ending == Ending::Done && !(analysis.has_what_was_asked() && is_written()) {
+        self.model = args.model.as_ref().and_then(|_| choose(args, analysis));
+        let chosen = self.model.as_ref().and_then(|choice| analysis.model(choice.kind));
+        let is_written = args.model.is_none() || chosen.is_some_and(LineModel::is_converged);
+        if self.ending == Ending::Done && !(analysis.has_what_was_asked() && is_written) {
             self.ending = Ending::NotConverged;
         }
         if let Some((patient, row)) = row.take() {

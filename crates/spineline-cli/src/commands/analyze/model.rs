@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use spineline::analysis::{Analysis, LineModel};
+use spineline::analysis::{Analysis, LineModel, ModelChoice};
 use spineline_files::{ModelFile, Provenance, to_text};
 
 use super::args::{AnalyzeArgs, ModelLine};
@@ -12,40 +12,42 @@ use crate::run::messages::say;
 use crate::run::outputs::Outputs;
 use crate::run::provenance::generator;
 
-/// The model that `--model` writes.
-pub fn written_model<'a>(args: &AnalyzeArgs, analysis: &'a Analysis) -> Option<&'a LineModel> {
-    let kind = match args.model_line {
-        ModelLine::Kind(kind) => kind,
-        ModelLine::Auto => analysis.compare_lines().best_predictor()?.0,
-    };
-    analysis.models.iter().find(|model| model.kind == kind)
+/// The model that `--model` writes; without words where the user names its line. `None` where there is none.
+pub fn choose(args: &AnalyzeArgs, analysis: &Analysis) -> Option<ModelChoice> {
+    match args.model_line {
+        ModelLine::Kind(kind) => {
+            analysis.model(kind).map(|model| ModelChoice { kind: model.kind, words: String::new() })
+        }
+        ModelLine::Auto => analysis.choose_model(&analysis.compare_lines()),
+    }
 }
 
-/// Writes it.
+/// Writes the chosen model, and says which one it is where the program chose it.
 ///
 /// # Errors
-/// If there is none, or it cannot be written.
+/// If it cannot be written.
 pub fn write_model(
     path: &Path,
-    args: &AnalyzeArgs,
-    analysis: &Analysis,
+    (analysis, model, why): (&Analysis, &LineModel, &str),
     provenance: &Provenance,
     outputs: &Outputs,
 ) -> Result<(), Failure> {
-    let Some(model) = written_model(args, analysis) else {
-        let text = match args.model_line {
-            ModelLine::Kind(kind) => format!("there is no model with the {kind}"),
-            ModelLine::Auto => "no line predicts a film that it was not fitted to".to_owned(),
-        };
-        let text = format!("{text}, so --model has nothing to write");
-        return Err(Failure::input(&analysis.case_id, &text, &help_without_model(analysis)));
-    };
-    if matches!(args.model_line, ModelLine::Auto) {
-        let why = analysis.compare_lines().choice_words().unwrap_or_default();
-        say(&format!("{}: the model of the {} is written. {why}\n", analysis.case_id, model.kind));
+    if !why.is_empty() {
+        let (case, kind) = (&analysis.case_id, model.kind);
+        say(&format!("{case}: the model of the {kind} is written. {why}\n"));
     }
     let file = ModelFile::new(analysis, model, &generator());
     outputs.write(path, to_text(&file.with_provenance(provenance.clone())))
+}
+
+/// Says that there is no model to write, and what would give one.
+pub fn say_missing(path: &Path, args: &AnalyzeArgs, analysis: &Analysis) {
+    let what = match args.model_line {
+        ModelLine::Kind(kind) => format!("there is no model with the {kind}"),
+        ModelLine::Auto => "there is no model".to_owned(),
+    };
+    let why = format!("{}: {what}", analysis.case_id);
+    say(&format!("{}\n", Failure::target(path, &why, &help_without_model(analysis))));
 }
 
 /// What gives a model to write: a line that has one, or what all lines lack.

@@ -39,13 +39,14 @@ pub fn run(args: &SimulateArgs) -> Result<Ending, Failure> {
     let source = Source::of(args, &model)?;
     let outcome = with_progress(|on_point| Outcome::of(args, model, loads, notes, on_point))?;
     let outcome = outcome.with_replicates(args, source)?;
-    outcome.write(args, &outputs)?;
-    outputs.commit()?;
+    // What was found is shown although it cannot be written.
+    let written = outcome.write(args, &outputs).and_then(|()| outputs.commit());
     if streams == 0 {
         print(&text::report(&outcome))?;
     } else {
         print_notices(&text::notices(&outcome));
     }
+    written?;
     Ok(if !outcome.response.ending.is_usable() {
         Ending::NotConverged
     } else if outcome.interruption().is_some() {
