@@ -31,11 +31,11 @@ model
 # works.
 
 # %%
-erect = model.simulate(sl.Pad("T9", towards="left", newtons=0.0)).cobb_deg["main_thoracic"]
+erect = model.simulate(sl.Pad("T9", towards="left", force=0.0)).cobb_deg["main_thoracic"]
 levels = [level for level in model.levels if level.startswith("T")]
 changes = {}
 for side in ("left", "right"):
-    found = [model.simulate(sl.Pad(level, towards=side, newtons=4.0), allow_unusable=True) for level in levels]
+    found = [model.simulate(sl.Pad(level, towards=side, force=4.0), allow_unusable=True) for level in levels]
     changes[side] = [r.cobb_deg["main_thoracic"] - erect if r.is_usable else np.nan for r in found]
 
 figure, ax = plt.subplots(figsize=(5.5, 3.2), layout="constrained")
@@ -54,7 +54,7 @@ plt.show()
 # A rod between T5 and L1 keeps what it connects. Under the same side force the rest of the spine moves alone.
 
 # %%
-push = sl.Force("T2", towards="right", newtons=8.0)
+push = sl.Force("T2", towards="right", force=8.0)
 free = model.simulate(push)
 instrumented = model.simulate(push, sl.Rod("L1", "T5", timing="held"))
 for name, r in (("free", free), ("with a rod", instrumented)):
@@ -80,5 +80,5 @@ plt.show()
 
 # %%
 for tilt in (5, 10, 15):
-    r = model.simulate(sl.Force("T2", towards="right", newtons=1.0), amplitude_deg=tilt, towards="right")
+    r = model.simulate(sl.Force("T2", towards="right", force=1.0), amplitude_deg=tilt, towards="right")
     print(f"{tilt:2}° to the right: {r.status}, main thoracic {r.cobb_deg['main_thoracic']:.1f}°")

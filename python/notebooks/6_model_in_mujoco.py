@@ -35,14 +35,14 @@ print(f"{spine.nbody} bodies, {spine.nv} degrees of freedom")
 # A horizontal force on T2, towards the patient's right. MuJoCo lets time pass until the spine is at rest; Spineline solves for equilibrium.
 
 # %%
-push = sl.Force("T2", towards="right", newtons=8.0)
+push = sl.Force("T2", towards="right", force=8.0)
 ours = model.simulate(push).midpoints_mm
 
-force_n = np.array(push.as_load()["force_n"])
+force = np.array(push.as_load()["force"])
 top = spine.body("T2").id
 while data.time < 30:
     data.qfrc_applied[:] = 0
-    grown = min(1.0, data.time) * force_n
+    grown = min(1.0, data.time) * force
     mujoco.mj_applyFT(spine, data, grown, np.zeros(3), data.site("T2_midpoint").xpos, top, data.qfrc_applied)
     mujoco.mj_step(spine, data)
     if data.time > 1 and np.abs(data.qvel).max() < 1e-11:

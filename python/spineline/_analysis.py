@@ -145,17 +145,21 @@ class Analysis:
         """Errors on the films that the models were fitted to. They are no predictions."""
         return FilmErrors(self, fitted=True)
 
-    def model(self, line: LineName | str = "inflection") -> Model:
+    def model(self, line: LineName | Literal["auto"] | str = "auto") -> Model:
         """The personalised model with a line of action: ``"inflection"``, ``"iliac"``, ``"estimated"`` or ``"given"``.
+
+        ``"auto"``: the line that predicts films which it was not fitted to with the smallest error, of those whose model converged and
+        that take one number from each film; where no line predicts any, the first one with a result. :attr:`Model.line` says which.
 
         Raises
         ------
         InputError
-            If there is no model with this line.
+            If there is no model with this line, or none at all.
         """
         from ._model import Model
 
-        return Model(_native.Model(self._native, _line_key(line)))
+        key = "auto" if line == "auto" else _line_key(line)
+        return Model(_native.Model(self._native, key))
 
     @property
     def plot(self) -> Plot:

@@ -31,18 +31,18 @@ class Force:
     """Vertebra, such as ``"T9"``."""
     towards: Direction
     """Direction in the patient's terms."""
-    newtons: float
-    """Size: newtons where the model is absolute, else relative."""
+    force: float
+    """Size: newtons where the model is absolute, because a force was measured; else relative to the nominal stiffness."""
     timing: Timing = "growing"
     """``"held"``: constant, applied first; ``"growing"``: proportional, varied."""
 
     def as_load(self) -> dict[str, Any]:
         """The load as files have it."""
-        force = list(_native.force_vector(self.towards, self.newtons))
+        force = list(_native.force_vector(self.towards, self.force))
         return {
             "kind": "force_at_point",
             "level": self.level,
-            "force_n": force,
+            "force": force,
             "timing": self.timing,
         }
 
@@ -51,7 +51,7 @@ class Force:
 class Pad:
     """A frictionless pad that pushes a vertebra: with a given force, or as a spring that is advanced.
 
-    Give either ``newtons``, or ``n_per_mm`` and ``advance_mm``. With ``newtons`` it pushes with this force wherever the
+    Give either ``force``, or ``force_per_mm`` and ``advance_mm``. With ``force`` it pushes with this force wherever the
     vertebra goes. As a spring it touches the erect spine without force, is then advanced, and gives way with its stiffness.
     """
 
@@ -59,9 +59,9 @@ class Pad:
     """Vertebra, such as ``"T9"``."""
     towards: Direction
     """Direction of the push, in the patient's terms."""
-    newtons: float | None = None
-    """Force: newtons where the model is absolute, else relative."""
-    n_per_mm: float | None = None
+    force: float | None = None
+    """Force: newtons where the model is absolute, because a force was measured; else relative to the nominal stiffness."""
+    force_per_mm: float | None = None
     """Stiffness, in the unit of forces per mm."""
     advance_mm: float | None = None
     """Displacement of the pad."""
@@ -76,32 +76,36 @@ class Pad:
         InputError
             If not exactly one of force and spring is given.
         """
-        if self.newtons is not None and self.n_per_mm is None and self.advance_mm is None:
-            return Force(self.level, self.towards, self.newtons, self.timing).as_load()
-        if self.newtons is None and self.n_per_mm is not None and self.advance_mm is not None:
+        if self.force is not None and self.force_per_mm is None and self.advance_mm is None:
+            return Force(self.level, self.towards, self.force, self.timing).as_load()
+        if self.force is None and self.force_per_mm is not None and self.advance_mm is not None:
             return {
                 "kind": "pad",
                 "level": self.level,
                 "direction": list(_native.force_vector(self.towards, 1.0)),
-                "n_per_mm": self.n_per_mm,
+                "force_per_mm": self.force_per_mm,
                 "advance_mm": self.advance_mm,
                 "timing": self.timing,
             }
         raise InputError(
             f"the pad on {self.level} has neither a force nor a spring, or both",
-            help="give `newtons`, or `n_per_mm` and `advance_mm`",
+            help="give `force`, or `force_per_mm` and `advance_mm`",
             level=self.level,
         )
 
 
 @dataclass(frozen=True)
 class Rod:
-    """A stiff rod between two vertebrae, which keeps their erect pose relative to each other, or prescribes another."""
+    """A stiff rod between two vertebrae, which keeps their erect pose relative to each other, or prescribes another.
+
+    With frontal support it prescribes the tilt and the lateral place of the upper vertebra alone: the first number of ``turn_deg`` and
+    the second one of ``shift_mm``; the others must be zero.
+    """
 
     inferior: str
     """Lower vertebra."""
     superior: str
-    """Upper vertebra, at least two joints above."""
+    """Upper vertebra; where the rod moves it, at least three joints above, with frontal support two."""
     shift_mm: tuple[float, float, float] = (0.0, 0.0, 0.0)
     """Displacement of the upper vertebra from its erect pose, in the lower one's axes: anterior, left, cranial."""
     turn_deg: tuple[float, float, float] = (0.0, 0.0, 0.0)
@@ -125,14 +129,14 @@ class Rod:
 class Gravity:
     """The weight of trunk, head and arms, at the midpoints of the vertebrae above the base."""
 
-    body_weight_n: float
+    body_weight: float
     """Weight of the whole patient, in the unit of forces of the model."""
     timing: Timing = "held"
     """``"held"``: constant, applied first; ``"growing"``: proportional, varied."""
 
     def as_load(self) -> dict[str, Any]:
         """The load as files have it."""
-        return {"kind": "gravity", "body_weight_n": self.body_weight_n, "timing": self.timing}
+        return {"kind": "gravity", "body_weight": self.body_weight, "timing": self.timing}
 
 
 Load = Force | Pad | Rod | Gravity | dict[str, Any]
@@ -318,7 +322,7 @@ class Model:
         return self
 
     def __repr__(self) -> str:
-        unit = "newtons" if self.absolute else "relative forces"
+        unit = "forces in newtons" if self.absolute else "relative forces"
         synthetic = ", SYNTHETIC" if self.synthetic else ""
         return f"<Model {self.id}{synthetic}: {self.line}, {unit}>"
 

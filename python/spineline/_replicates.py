@@ -21,7 +21,7 @@ class Spread:
     """Distribution of one number over the replicates, in its unit."""
 
     unit: str
-    """``"mm"``, ``"px"``, ``"deg"``, ``"segments"``, ``"force"`` (newtons where a force is known, else relative) or ``"1"``."""
+    """``"mm"``, ``"px"``, ``"deg"``, ``"segments"``, ``"N"``, ``"relative"`` (a force relative to the nominal stiffness) or ``"1"``."""
     value: float | None
     """In the case itself."""
     mean: float | None
@@ -29,7 +29,9 @@ class Spread:
     sd: float | None
     """Standard deviation; None of a multiplier."""
     quantiles: tuple[float, float, float, float, float] | None
-    """The 2.5, 25, 50, 75 and 97.5 % quantiles; None where no replicate has the number, and for distances and absolute errors, which any noise makes larger."""
+    """The 2.5, 25, 50, 75 and 97.5 % quantiles; None where no replicate has the number, at a bound of the fit, and for distances and absolute errors, which any noise makes larger."""
+    at_bound: bool
+    """Whether the value is at a bound of the fit: the films do not identify it, and it has no interval."""
     count: int
     """Replicates that have the number."""
 
@@ -88,11 +90,16 @@ class Replicates(Mapping[str, Spread]):
         Raises
         ------
         InputError
-            If there is no number of this name, no replicate has it, or it is a distance or an absolute error: any noise
-            makes these larger, so that an interval would lie too high.
+            If there is no number of this name, no replicate has it, it is at a bound of the fit, or it is a distance or an
+            absolute error: any noise makes these larger, so that an interval would lie too high.
         """
         found = self[name]
         quantiles = found.quantiles
+        if found.at_bound:
+            raise InputError(
+                f"`{name}` has no interval: it is at a bound of the fit, and the films do not identify it",
+                help="look at `at_bound` and `value`",
+            )
         if quantiles is None and found.count > 0:
             raise InputError(
                 f"`{name}` has no interval: any noise makes a distance or an absolute error larger",

@@ -181,6 +181,21 @@ def test_names_that_there_are_not_are_errors(analysis: sl.Analysis) -> None:
     assert "vertebra" not in analysis.tables
 
 
+def test_the_model_is_that_of_the_line_that_predicts_best(case: sl.Case) -> None:
+    analysis = sl.analyze(case)
+    predicted = analysis.data["comparison"]["lines"]
+    errors = {line: of["errors"]["left_out_bend"]["location_mm"] for line, of in predicted.items()}
+    assert errors[analysis.model().line] == min(
+        errors[line] for line in ("inflection_line", "iliac_line")
+    )
+    # Curves that are so small that there are no inflections leave another line.
+    without = sl.analyze(case, min_curve=80.0)
+    assert "inflection_line" not in without.lines
+    assert without.model().line in without.lines
+    with pytest.raises(sl.InputError, match="inflection_line"):
+        without.model("inflection")
+
+
 def test_a_notebook_shows_banner_verdict_and_figure(analysis: sl.Analysis) -> None:
     html = analysis._repr_html_()
     assert "Synthetic data" in html and "<svg" in html and analysis.verdict[0][:20] in html

@@ -43,9 +43,9 @@ def test_a_simulation_is_that_of_the_program(
 
 def test_pads_push_by_force_or_by_spring(analysis: sl.Analysis) -> None:
     model = analysis.model()
-    by_force = model.simulate(sl.Pad("T9", towards="left", newtons=10))
+    by_force = model.simulate(sl.Pad("T9", towards="left", force=10))
     assert by_force.cobb_deg == model.simulate(sl.Force("T9", "left", 10)).cobb_deg
-    spring = model.simulate(sl.Pad("T9", towards="left", n_per_mm=1.0, advance_mm=5.0))
+    spring = model.simulate(sl.Pad("T9", towards="left", force_per_mm=1.0, advance_mm=5.0))
     assert spring.is_usable and "springs_stick" in dict(spring.warnings)
     moved = spring.midpoints_mm - model.midpoints_mm
     assert moved[model.levels.index("T9"), 1] > 0.0, "to the patient's left"
@@ -78,14 +78,14 @@ def test_an_ending_without_a_result_raises_on_its_shape(analysis: sl.Analysis) -
 
 
 def test_copies_and_pickles_of_simulations_are_equal(analysis: sl.Analysis) -> None:
-    model, pad = analysis.model(), sl.Pad("T9", towards="left", newtons=10)
+    model, pad = analysis.model(), sl.Pad("T9", towards="left", force=10)
     found = model.simulate(pad)
     for again in (copy.copy(found), copy.deepcopy(found), pickle.loads(pickle.dumps(found))):
         assert again == found and again.cobb_deg == found.cobb_deg and again.levels == found.levels
     with pytest.raises(TypeError, match="unhashable"):
         hash(found)
     others = (
-        model.simulate(sl.Pad("T9", towards="left", newtons=11)),
+        model.simulate(sl.Pad("T9", towards="left", force=11)),
         model.simulate(pad, support="free"),
         model.simulate(pad, amplitude_deg=5.0, towards="left"),
         analysis.model("iliac").simulate(pad),
@@ -97,7 +97,7 @@ def test_copies_and_pickles_of_simulations_are_equal(analysis: sl.Analysis) -> N
 
 
 def test_a_pickled_simulation_of_another_version_is_refused(analysis: sl.Analysis) -> None:
-    found = analysis.model().simulate(sl.Pad("T9", towards="left", newtons=10))
+    found = analysis.model().simulate(sl.Pad("T9", towards="left", force=10))
     repeat, (model, asked, allow_unusable, text) = found.__reduce__()
     data = json.loads(text)
     assert repeat(model, asked, allow_unusable, json.dumps(data | {"generator": "spineline 9"})) == found

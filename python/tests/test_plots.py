@@ -43,6 +43,6 @@ def test_lines_are_drawn_on_own_and_on_given_axes(analysis: sl.Analysis) -> None
 
 def test_the_model_turns_in_space(analysis: sl.Analysis) -> None:
     pytest.importorskip("plotly")
-    loaded = analysis.model().simulate(sl.Pad("T9", towards="left", newtons=10))
+    loaded = analysis.model().simulate(sl.Pad("T9", towards="left", force=10))
     figure = analysis.plot.model3d(simulation=loaded)
     assert len(figure.data) == 2 and "SYNTHETIC" in figure.layout.title.text

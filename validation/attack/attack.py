@@ -21,7 +21,7 @@ import mutations
 import signals
 from program import run
 
-LOAD = """{"format": "spineline-load", "version": 1, "loads": [{"kind": "force", "level": "T2", "force_n": [0, 10, 0], "point_mm": [0, 0, 300]}]}"""
+LOAD = """{"format": "spineline-load", "version": 1, "loads": [{"kind": "force", "level": "T2", "force": [0, 10, 0], "point_mm": [0, 0, 300]}]}"""
 READINGS = "\n".join(
     ["quantity,unit,subject,observer,repeat,value,synthetic"]
     + [f"tilt_T6,deg,P{s},{o},{r},{s + r / 10},true" for s in range(1, 6) for o in "AB" for r in (1, 2)]

@@ -55,7 +55,7 @@ class Load:
         kind, point = "force_at_point", "point_in_vertebra_mm"
         if self.on_line:
             kind, point = "force_on_line", "point_mm"
-        load = {"kind": kind, "level": "T2", "force_n": list(self.force_n)}
+        load = {"kind": kind, "level": "T2", "force": list(self.force_n)}
         load[point] = list(self.point_mm)
         return {"format": "spineline-load", "version": 1, "loads": [load]}
 
@@ -153,7 +153,7 @@ def loads(model: dict, subject: Subject) -> list[tuple[str, Load]]:
 
 def load_of(record: dict) -> Load:
     """A posture's load in a model file."""
-    force_n = record["force_n"] * np.array(record["direction"])
+    force_n = record["force"] * np.array(record["direction"])
     if record["application"] == "fixed":
         return Load(True, force_n, np.array(record["point_mm"]))
     return Load(False, force_n, np.zeros(3))

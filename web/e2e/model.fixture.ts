@@ -187,6 +187,8 @@ export function modelView(): Api<"ModelView"> {
     gauge_text:
       "only ratios are known: forces and stiffness are relative to the geometric mean of the multipliers",
     length_unit: "patient mm",
+    force_symbol: "rel. units",
+    force_unit_text: "a relative force of 1, not 1 newton",
     bodies: LEVELS.map((level, i) => ({
       level,
       width_mm: WIDTHS[i]!,
@@ -240,7 +242,7 @@ export function loadAnswer(request: Api<"LoadRequest">): Api<"LoadAnswer"> {
       part === 1
         ? "Equilibrium, reached from the erect spine"
         : `Not a result: there is no equilibrium near. The shape at ${(part * 100).toFixed(0)} % of the load is shown`,
-    load_text: `${Math.abs(force[1]!).toFixed(0)} N to the patient's ${force[1]! >= 0 ? "left" : "right"} on ${request.level}`,
+    load_text: `Relative force ${Math.abs(force[1]!).toFixed(0)} to the patient's ${force[1]! >= 0 ? "left" : "right"} on ${request.level}`,
     part,
     shape: curved(24, -force[1]! * 0.4 * part),
     texts: [

@@ -315,14 +315,14 @@ test("a load is applied by keyboard alone and announced", async ({ app, page }) 
   await page.keyboard.press("Shift+ArrowLeft");
   await page.keyboard.press("Shift+ArrowLeft");
   const spoken = page.locator("[aria-live=polite]").filter({ hasText: "T2" });
-  await expect(spoken).toContainText("20 N to the patient's left on T2; Equilibrium");
-  await expect(page.getByLabel("Sideways, in N")).toHaveValue("20");
+  await expect(spoken).toContainText("Relative force 20 to the patient's left on T2; Equilibrium");
+  await expect(page.getByLabel("Sideways, in rel. units")).toHaveValue("20");
 
   await page.getByLabel("Sideways: direction").selectOption("patient’s right");
-  await expect(page.getByText(/20 N to the patient's right on T2 ·/)).toBeVisible();
-  await page.getByLabel("Sideways, in N").fill("35");
-  await page.getByLabel("Sideways, in N").press("Enter");
-  await expect(page.getByText(/35 N to the patient's right on T2 ·/)).toBeVisible();
+  await expect(page.getByText(/Relative force 20 to the patient's right on T2 ·/)).toBeVisible();
+  await page.getByLabel("Sideways, in rel. units").fill("35");
+  await page.getByLabel("Sideways, in rel. units").press("Enter");
+  await expect(page.getByText(/Relative force 35 to the patient's right on T2 ·/)).toBeVisible();
 });
 
 test("intervals are computed in the background, and can be cancelled", async ({ app, page }) => {
@@ -381,8 +381,8 @@ test("without WebGL the model is shown in two dimensions with a message", async 
   expect(await frontal.innerHTML()).not.toBe(before);
   await shot(page, "model-without-webgl");
   await page.getByRole("button", { name: "Load by hand" }).click();
-  await page.getByLabel("Sideways, in N").fill("40");
-  await page.getByLabel("Sideways, in N").press("Enter");
+  await page.getByLabel("Sideways, in rel. units").fill("40");
+  await page.getByLabel("Sideways, in rel. units").press("Enter");
   await expect(page.getByText(/^Equilibrium, reached/)).toBeVisible();
   await expectAccessible(page);
   await shot(page, "model-without-webgl-load");

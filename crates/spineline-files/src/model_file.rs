@@ -17,7 +17,7 @@ const VERSION: u32 = 1;
 const AXES_TOLERANCE: f64 = 1e-6;
 
 /// A personalised model alone: vertebrae, joints, springs, and the loads that were found. `G`: x anterior, y left, z
-/// cranial, origin at L4's midpoint; mm, N, N·mm/rad.
+/// cranial, origin at L4's midpoint; mm. Forces and springs are in N and N·mm/rad where `absolute`, else relative.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
@@ -103,13 +103,15 @@ struct JointRecord {
     superior: LevelKey,
     /// Centre in `G`, erect.
     centre_mm: [f64; 3],
-    /// Three hinges in series about the inferior vertebra's x, y and z: lateral, flexion, axial.
+    /// Three hinges in series about the inferior vertebra's x, y and z: lateral, flexion, axial. N·mm/rad where the model is
+    /// `absolute`; else at the level of the nominal values, and only the ratios are meaningful.
+    #[serde(rename = "stiffness")]
     stiffness_nmm_per_rad: [f64; 3],
     /// Symmetric, positive definite matrix about the same hinges that couples them; where given, it is used instead by
     /// `simulate`.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(rename = "stiffness_matrix", default, skip_serializing_if = "Option::is_none")]
     stiffness_matrix_nmm_per_rad: Option<[[f64; 3]; 3]>,
-    /// Before personalisation.
+    /// Before personalisation, in N·mm/rad.
     nominal_nmm_per_rad: [f64; 3],
     /// Source of the nominal values.
     source: String,
@@ -132,7 +134,8 @@ pub struct LoadRecord {
     pub posture: Key<Posture>,
     /// How the search for it ended.
     pub status: String,
-    /// Signed force along the direction.
+    /// Signed force along the direction: newtons where the model is `absolute`, else relative.
+    #[serde(rename = "force")]
     pub force_n: f64,
     /// Point of the line; x is its sagittal place.
     pub point_mm: [f64; 3],

@@ -14,7 +14,7 @@ use crate::keys::{ByLevel, JointKey, Key, LevelKey};
 use crate::simulation_uncertainty::SimulationUncertainty;
 use crate::{AppliedLoad, LoadFile, PlacedLoads, Provenance, StoredModel};
 
-/// The response of a personalised model to loads. `G`: x anterior, y left, z cranial, origin at L4's midpoint; mm, N, N·mm,
+/// The response of a personalised model to loads. `G`: x anterior, y left, z cranial, origin at L4's midpoint; mm,
 /// rad, angles for people in degrees. A positive lateral tilt is to the patient's right, positive Cobb and Ferguson angles are
 /// convex to the left. Numbers have full precision.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -35,7 +35,7 @@ pub struct SimulationFile {
     synthetic: bool,
     /// Whether forces are in newtons; else they are relative, and only their ratios mean anything.
     absolute: bool,
-    /// `N`, or `relative units, not newtons`.
+    /// `N`, or `relative`: to the nominal stiffness. The unit of every force here; moments are force × mm, stiffness force / mm.
     force_unit: String,
     /// `converged`, `several_equilibria`, `limit_point`, `branch_point`, `beyond_human_range`, `unreachable`, `not_converged` or `interrupted`.
     /// Only the first two have a result.
@@ -139,6 +139,7 @@ struct SpringForceRecord {
     load: usize,
     level: LevelKey,
     /// Negative for a pad that pulls or a strap that pushes.
+    #[serde(rename = "force")]
     force_n: f64,
 }
 
@@ -148,7 +149,10 @@ struct RodReactionRecord {
     /// Which load, from 1.
     load: usize,
     /// On the upper vertebra, at its midpoint; the opposite acts on the lower one.
+    #[serde(rename = "force")]
     force_n: [f64; 3],
+    /// Force × mm.
+    #[serde(rename = "moment")]
     moment_nmm: [f64; 3],
 }
 
@@ -209,7 +213,7 @@ impl SimulationFile {
             case_id: model.case_id.clone(),
             synthetic: model.synthetic,
             absolute: model.absolute,
-            force_unit: model.force_unit().to_owned(),
+            force_unit: if model.absolute { "N" } else { "relative" }.to_owned(),
             status: response.ending.key().to_owned(),
             goal,
             largest_factor: response.largest_factor,

@@ -185,12 +185,12 @@ const PNG: &[u8] = b"\x89PNG\r\n\x1a\n\0\0\0\rIHDR\0\0\0\x01\0\0\0\x01\x08\0\0\0
 \0\0\0\nIDAT\x78\x9c\x63\xf8\x0f\0\x01\x01\x01\0\x1b\xb6\xee\x56\0\0\0\0IEND\xae\x42\x60\x82";
 
 const LOAD: &str = r#"{ "format": "spineline-load", "version": 1, "loads": [
-  { "kind": "force_on_line", "level": "T2", "force_n": [0, 10, 0], "point_mm": [-10, 0, 380] },
-  { "kind": "follower_force", "level": "T5", "force_in_vertebra_n": [0, 5, 0], "point_in_vertebra_mm": [0, 0, 2] },
-  { "kind": "moment", "level": "T3", "moment_nmm": [100, 0, 0] },
-  { "kind": "gravity", "body_weight_n": 40 },
-  { "kind": "pad", "level": "T9", "point_in_vertebra_mm": [0, -40, 0], "direction": [0, 1, 0], "n_per_mm": 2, "advance_mm": 5 },
-  { "kind": "strap", "level": "T4", "anchor_mm": [0, -200, 300], "n_per_mm": 1, "shortening_mm": 5 },
+  { "kind": "force_on_line", "level": "T2", "force": [0, 10, 0], "point_mm": [-10, 0, 380] },
+  { "kind": "follower_force", "level": "T5", "force_in_vertebra": [0, 5, 0], "point_in_vertebra_mm": [0, 0, 2] },
+  { "kind": "moment", "level": "T3", "moment": [100, 0, 0] },
+  { "kind": "gravity", "body_weight": 40 },
+  { "kind": "pad", "level": "T9", "point_in_vertebra_mm": [0, -40, 0], "direction": [0, 1, 0], "force_per_mm": 2, "advance_mm": 5 },
+  { "kind": "strap", "level": "T4", "anchor_mm": [0, -200, 300], "force_per_mm": 1, "shortening_mm": 5 },
   { "kind": "rod", "inferior": "T12", "superior": "T6", "turn_deg": [9, 0, 0], "timing": "held" } ] }"#;
 
 const READINGS: &str = "quantity,unit,subject,observer,repeat,value\n\

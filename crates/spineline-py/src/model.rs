@@ -43,13 +43,18 @@ pub fn parse_model_text(py: Python<'_>, text: String) -> PyResult<Model> {
 
 #[pymethods]
 impl Model {
-    /// The model of an analysis with a line of action.
+    /// The model of an analysis with a line of action; `auto`: the one that [`spineline::analysis::Analysis::choose_model`] takes.
     #[new]
     fn new(py: Python<'_>, analysis: &Analysis, line: &str) -> PyResult<Self> {
         let found = &analysis.analysis;
+        let automatic =
+            (line == "auto").then(|| py.detach(|| found.choose_model(&found.compare_lines())));
+        let line = automatic.flatten().map_or(line, |choice| choice.kind.key());
         let Some(model) = found.models.iter().find(|model| model.kind.key() == line) else {
             let lines: Vec<&str> = found.models.iter().map(|model| model.kind.key()).collect();
-            let text = format!("{}: there is no model with the line `{line}`", found.case_id);
+            let which =
+                if line == "auto" { String::new() } else { format!(" with the line `{line}`") };
+            let text = format!("{}: there is no model{which}", found.case_id);
             let help = match &lines[..] {
                 [] => "a model needs a bending film with a line of action, and the scale of every film".to_owned(),
                 lines => format!("give one of {}", lines.join(", ")),
@@ -78,7 +83,7 @@ impl Model {
         &self.model.line
     }
 
-    /// Whether forces and springs are in newtons.
+    /// Whether forces and springs are in newtons, because a force was measured.
     #[getter]
     fn absolute(&self) -> bool {
         self.model.absolute
@@ -217,11 +222,11 @@ impl Simulation {
 
 /// A force by its direction in the patient's terms and its size, in the frame of the model.
 #[pyfunction]
-pub fn force_vector(py: Python<'_>, towards: &str, newtons: f64) -> PyResult<[f64; 3]> {
+pub fn force_vector(py: Python<'_>, towards: &str, size: f64) -> PyResult<[f64; 3]> {
     let Some(direction) = spineline_files::direction(towards) else {
         let names = spineline_files::DIRECTIONS.map(|(name, _)| name);
         let text = format!("unknown direction `{towards}`");
         return Err(Fault::new(text, format!("give one of {}", names.join(", "))).raise(py));
     };
-    Ok(direction.map(|part| part * newtons))
+    Ok(direction.map(|part| part * size))
 }

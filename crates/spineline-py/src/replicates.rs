@@ -95,6 +95,7 @@ impl Replicates {
                 sd: one.spread.map(|spread| spread.sd),
                 // What has no interval has no quantiles to make one of.
                 quantiles: one.interval_95().and(one.spread).map(|spread| spread.quantiles),
+                at_bound: one.at_bound,
                 count: one.count,
             };
             if let (Some(rest), Some(ratio)) =
@@ -215,6 +216,7 @@ struct Numbers {
     mean: Option<f64>,
     sd: Option<f64>,
     quantiles: Option<[f64; 5]>,
+    at_bound: bool,
     count: u64,
 }
 
@@ -226,6 +228,7 @@ impl Numbers {
         found.set_item("mean", self.mean)?;
         found.set_item("sd", self.sd)?;
         found.set_item("quantiles", self.quantiles)?;
+        found.set_item("at_bound", self.at_bound)?;
         found.set_item("count", self.count)?;
         Ok(found)
     }

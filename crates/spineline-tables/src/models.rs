@@ -181,6 +181,14 @@ fn newton_metres(nmm_per_rad: [f64; 3], axis: usize) -> Option<f64> {
     Some(nmm_per_rad[axis] / 1000.0)
 }
 
+/// A personalised spring in N·m/rad, where a force was measured.
+fn absolute_spring(row: &SpringsRow<'_>, axis: usize) -> Option<f64> {
+    let found = &row.item;
+    absolute(row.analysis, found.model)
+        .then(|| newton_metres(found.personal_nmm_per_rad, axis))
+        .flatten()
+}
+
 fn columns_of_springs<'a>() -> Vec<Column<SpringsRow<'a>>> {
     vec![
         text("line", "line of action of the model", |row| {
@@ -195,22 +203,28 @@ fn columns_of_springs<'a>() -> Vec<Column<SpringsRow<'a>>> {
             |row| newton_metres(row.item.nominal.nmm_per_rad, 0),
         ),
         number(
+            "lateral_relative",
+            Unit::One,
+            "personalised lateral stiffness relative to the nominal one; without a known force only ratios between joints are identified",
+            |row| Some(row.item.personal_nmm_per_rad[0] / row.item.nominal.nmm_per_rad[0]),
+        ),
+        number(
             "lateral",
             Unit::NewtonMetresPerRadian,
-            "personalised lateral stiffness; relative unless `absolute` in `models` is true",
-            |row| newton_metres(row.item.personal_nmm_per_rad, 0),
+            "personalised lateral stiffness; empty where no force was measured",
+            |row| absolute_spring(row, 0),
         ),
         number(
             "flexion",
             Unit::NewtonMetresPerRadian,
-            "personalised stiffness about the flexion hinge",
-            |row| newton_metres(row.item.personal_nmm_per_rad, 1),
+            "personalised stiffness about the flexion hinge, likewise",
+            |row| absolute_spring(row, 1),
         ),
         number(
             "axial",
             Unit::NewtonMetresPerRadian,
-            "personalised stiffness about the axial hinge",
-            |row| newton_metres(row.item.personal_nmm_per_rad, 2),
+            "personalised stiffness about the axial hinge, likewise",
+            |row| absolute_spring(row, 2),
         ),
         text("source", "source of the nominal values", |row| Some(row.item.nominal.source.clone())),
     ]

@@ -1,7 +1,7 @@
 use spineline::uncertainty::QuantitySpread;
 
 use crate::Patient;
-use crate::define::{Column, Row, Unit, count, keyed, number, text};
+use crate::define::{Column, Row, Unit, count, keyed, number, text, truth};
 use crate::table::Table;
 
 type SpreadRow<'a> = Row<'a, &'a QuantitySpread>;
@@ -35,7 +35,7 @@ fn which<'a>() -> Vec<Column<SpreadRow<'a>>> {
         text("line", "line of action", |row| {
             row.item.quantity.line().map(|line| line.key().to_owned())
         }),
-        text("unit", "`mm`, `px`, `deg`, `segments`, `force` or `1`", |row| {
+        text("unit", "`mm`, `px`, `deg`, `segments`, `N`, `relative` or `1`", |row| {
             Some(row.item.quantity.unit(row.analysis).key().to_owned())
         }),
     ]
@@ -53,12 +53,17 @@ fn spread<'a>() -> Vec<Column<SpreadRow<'a>>> {
         number(
             "interval_95_low",
             Unit::Stated,
-            "2.5 % quantile; empty for distances and absolute errors, which any noise makes larger",
+            "2.5 % quantile; empty at a bound of the fit, and for distances and absolute errors, which any noise makes larger",
             |row| row.item.interval_95().map(|interval| interval[0]),
         ),
         number("interval_95_high", Unit::Stated, "97.5 % quantile, likewise", |row| {
             row.item.interval_95().map(|interval| interval[1])
         }),
+        truth(
+            "at_bound",
+            "whether the value is at a bound of the fit, and so not identified",
+            |row| Some(row.item.at_bound),
+        ),
         count("replicates", "number of replicates with a value", |row| Some(row.item.count as i64)),
     ]
 }

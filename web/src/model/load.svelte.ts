@@ -59,13 +59,13 @@ export class HandLoad {
     return at(this.view.erect.midpoints_mm, this.index) as Point;
   }
 
-  /** The load in N along the patient's axes: the arrow is drawn with 1 mm for 1 N. */
-  get force_n(): Point {
+  /** The load along the patient's axes, in the unit of the model: the arrow is drawn with 1 mm for 1 of it. */
+  get force(): Point {
     return this.tip.map((value, axis) => value - at(this.from, axis)) as Point;
   }
 
   get isZero(): boolean {
-    return this.force_n.every((value) => Math.abs(value) < 1e-9);
+    return this.force.every((value) => Math.abs(value) < 1e-9);
   }
 
   drag(tip: Point, since_ms = performance.now()): void {
@@ -73,14 +73,14 @@ export class HandLoad {
     this.#ask(since_ms);
   }
 
-  set(axis: 0 | 1 | 2, force_n: number): void {
+  set(axis: 0 | 1 | 2, force: number): void {
     const tip: Point = [...this.tip];
-    tip[axis] = at(this.from, axis) + force_n;
+    tip[axis] = at(this.from, axis) + force;
     this.drag(tip);
   }
 
   moveTo(level: string): void {
-    const force = this.force_n;
+    const force = this.force;
     this.level = level;
     this.tip = this.from.map((value, axis) => value + at(force, axis)) as Point;
     this.again();

@@ -22,7 +22,7 @@ beforeEach(() => {
 afterEach(() => void vi.unstubAllGlobals());
 
 const settled = (): Promise<void> => new Promise((resolve) => setTimeout(resolve, 5));
-const ANSWER = { load_text: "10 N", status_text: "found", texts: [] };
+const ANSWER = { load_text: "Relative force 10", status_text: "found", texts: [] };
 
 it("shows no earlier shape with a load that could not be applied", async () => {
   const load = new HandLoad(VIEW, () => "bodies" as Api<"LineName">);

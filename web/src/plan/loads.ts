@@ -77,14 +77,14 @@ const FIELDS: Record<Kind, readonly Field[]> = {
   pad: [
     LEVEL,
     { key: "direction", type: "direction", label: "Pushes to the" },
-    number("n_per_mm", "Stiffness", "{force}/mm", [0, 1000]),
+    number("force_per_mm", "Stiffness", "{force}/mm", [0, 1000]),
     number("advance_mm", "Displacement", "mm", [-500, 500]),
     POINT,
   ],
   strap: [
     LEVEL,
     vector("anchor_mm", "Point on the ground", "mm", PATIENT),
-    number("n_per_mm", "Stiffness", "{force}/mm", [0, 1000]),
+    number("force_per_mm", "Stiffness", "{force}/mm", [0, 1000]),
     number("shortening_mm", "Shortening", "mm", [-500, 500]),
     POINT,
   ],
@@ -94,16 +94,16 @@ const FIELDS: Record<Kind, readonly Field[]> = {
     vector("turn_deg", "Rotation of the upper vertebra", "°", TURNS),
     vector("shift_mm", "Displacement of the upper vertebra", "mm", OWN),
   ],
-  gravity: [number("body_weight_n", "Weight of the whole body", "{force}", [0, 10_000])],
-  force_at_point: [LEVEL, vector("force_n", "Force", "{force}", PATIENT), POINT],
+  gravity: [number("body_weight", "Weight of the whole body", "{force}", [0, 10_000])],
+  force_at_point: [LEVEL, vector("force", "Force", "{force}", PATIENT), POINT],
   force_on_line: [
     LEVEL,
-    vector("force_n", "Force", "{force}", PATIENT),
+    vector("force", "Force", "{force}", PATIENT),
     vector("point_mm", "Point of the line", "mm", PATIENT),
   ],
-  follower_force: [LEVEL, vector("force_in_vertebra_n", "Force", "{force}", OWN), POINT],
-  moment: [LEVEL, vector("moment_nmm", "Moment", "{force}·mm", TURNS)],
-  follower_moment: [LEVEL, vector("moment_in_vertebra_nmm", "Moment", "{force}·mm", TURNS)],
+  follower_force: [LEVEL, vector("force_in_vertebra", "Force", "{force}", OWN), POINT],
+  moment: [LEVEL, vector("moment", "Moment", "{force}·mm", TURNS)],
+  follower_moment: [LEVEL, vector("moment_in_vertebra", "Moment", "{force}·mm", TURNS)],
 };
 
 /** The fields of a load, with the unit of forces of its model. */
@@ -149,7 +149,7 @@ export const isPointed = (load: Load): boolean =>
 export function pointed(load: Load, left: 1 | -1, midpointOf: (level: string) => Point): Load {
   if (load.kind === "pad") return withValue(load, "direction", [0, left, 0]);
   if (load.kind === "force_at_point")
-    return withValue(load, "force_n", sideways(load.force_n, left));
+    return withValue(load, "force", sideways(load.force, left));
   if (load.kind !== "strap") return load;
   const from = midpointOf(load.level);
   const reach = load.anchor_mm.map((value, axis) => value - at(from, axis));

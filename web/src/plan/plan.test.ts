@@ -9,7 +9,7 @@ const PAD: Load = {
   kind: "pad",
   level: "T8",
   direction: [0, 1, 0],
-  n_per_mm: 2,
+  force_per_mm: 2,
   advance_mm: 10,
   point_in_vertebra_mm: [0, 0, 0],
   timing: "growing",
@@ -18,7 +18,7 @@ const STRAP: Load = {
   kind: "strap",
   level: "T8",
   anchor_mm: [3, 154, 200],
-  n_per_mm: 2,
+  force_per_mm: 2,
   shortening_mm: 10,
   point_in_vertebra_mm: [0, 0, 0],
   timing: "growing",
@@ -122,8 +122,8 @@ it("moves and points loads; the end of a strap stays at its side", () => {
   expect(moved(STRAP, "T6", midpointOf)).toMatchObject({ level: "T6", anchor_mm: [5, 144, 230] });
   expect(pointed(PAD, -1, midpointOf)).toMatchObject({ direction: [0, -1, 0] });
   expect(pointed(STRAP, -1, midpointOf)).toMatchObject({ anchor_mm: [3, -146, 200] });
-  const force: Load = { kind: "force_at_point", level: "T8", force_n: [3, 0, 4] } as Load;
-  expect(pointed(force, 1, midpointOf)).toMatchObject({ force_n: [0, 5, 0] });
+  const force: Load = { kind: "force_at_point", level: "T8", force: [3, 0, 4] } as Load;
+  expect(pointed(force, 1, midpointOf)).toMatchObject({ force: [0, 5, 0] });
 });
 
 it("has fields with units for every value of a kind", () => {
@@ -134,7 +134,7 @@ it("has fields with units for every value of a kind", () => {
   }
   const units = fieldsOf("moment", "N").flatMap((field) => ("unit" in field ? [field.unit] : []));
   expect(units).toEqual(["N·mm"]);
-  const weight = { kind: "gravity", body_weight_n: 20 } as Load;
+  const weight = { kind: "gravity", body_weight: 20 } as Load;
   expect([valueOf(weight, "timing"), valueOf(PAD, "timing")]).toEqual(["held", "growing"]);
   expect(valueOf({ kind: "force_at_point" } as Load, "point_in_vertebra_mm")).toEqual([0, 0, 0]);
 });

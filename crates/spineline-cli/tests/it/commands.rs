@@ -99,7 +99,7 @@ fn the_json_has_its_documented_keys() {
         "/models/inflection_line/multipliers/main_thoracic",
         "/models/iliac_line/multipliers/thoracolumbar_lumbar",
         "/models/estimated_line/postures/left_bending/status",
-        "/models/inflection_line/postures/left_bending/force_n",
+        "/models/inflection_line/postures/left_bending/force",
         "/models/inflection_line/postures/left_bending/line/point_mm/0",
         "/models/inflection_line/postures/left_bending/line/direction/1",
         "/models/inflection_line/postures/left_bending/ferguson_error_deg/main_thoracic",
@@ -282,7 +282,7 @@ fn a_known_force_makes_forces_absolute() {
     let (text, _, _) = run(here.path(), &arguments);
     let json: serde_json::Value = serde_json::from_str(&text).expect("JSON");
     let model = &json["models"]["inflection_line"];
-    let force = model["postures"]["traction"]["force_n"].as_f64().expect("a force");
+    let force = model["postures"]["traction"]["force"].as_f64().expect("a force");
     assert!((force - 120.0).abs() < 1e-9, "{force}");
     assert_eq!(model["absolute"], true);
 }

@@ -66,6 +66,7 @@ fn a_force_gives_a_report_and_complete_files() {
     for words in [
         "SYNTHETIC",
         "relative units, not newtons",
+        "relative to the nominal stiffness, not newtons: no force was measured",
         "CONVERGED",
         "Cobb, main thoracic",
         "convex right",
@@ -83,6 +84,16 @@ fn a_force_gives_a_report_and_complete_files() {
         (&json["synthetic"], &json["absolute"], &json["status"]),
         (&json!(true), &json!(false), &json!("converged"))
     );
+    assert_eq!(
+        (&json["force_unit"], &json["loads"][0]["force"]),
+        (&json!("relative"), &json!([0.0, 20.0, 0.0]))
+    );
+    // A key with a newton belongs to a measured force.
+    for name in ["out/s.json", "model.json"] {
+        let named = read(name);
+        let newtons = ["_n\"", "_nmm\"", "n_per_mm", "\"stiffness_nmm"];
+        newtons.iter().for_each(|key| assert!(!named.contains(key), "{name}: {key}"));
+    }
     let rows = read("out/s.csv");
     let columns: Vec<usize> = rows.lines().map(|row| row.split(',').count()).collect();
     assert!(columns.len() > 3 && columns.iter().all(|n| *n == columns[0]), "{columns:?}");
@@ -108,8 +119,8 @@ fn the_load_of_a_film_gives_the_shape_of_the_analysis() {
         let (json, code) = simulate(here.path(), &["--posture", film]);
         assert_eq!(code, 0);
         let there = &analysis["models"]["inflection_line"]["postures"][film];
-        let force = there["force_n"].as_f64().expect("a force");
-        let sent = json["loads"][0]["force_n"].as_array().expect("a vector");
+        let force = there["force"].as_f64().expect("a force");
+        let sent = json["loads"][0]["force"].as_array().expect("a vector");
         let size: f64 = sent.iter().map(|part| part.as_f64().expect("a part").powi(2)).sum();
         assert!((size.sqrt() - force.abs()).abs() < 1e-9 * force.abs());
         let main = |json: &Value, pointer: &str| number(json, pointer);
@@ -123,7 +134,7 @@ fn the_load_of_a_film_gives_the_shape_of_the_analysis() {
         );
     }
     let (json, _) = simulate(here.path(), &["--posture", "right_bending", "--force", "10"]);
-    let along = number(&json, "/loads/0/force_n/2");
+    let along = number(&json, "/loads/0/force/2");
     assert!(along < 0.0, "the right bend's force is caudal, and 10 of it too");
 }
 
@@ -210,13 +221,13 @@ fn a_mirrored_model_has_the_mirrored_response() {
 fn weight_and_a_pad_come_from_a_file() {
     let here = folder();
     let load = json!({ "format": "spineline-load", "version": 1, "loads": [
-        { "kind": "gravity", "body_weight_n": 20 },
-        { "kind": "pad", "level": "T9", "direction": [0, 1, 0], "n_per_mm": 2, "advance_mm": 20 },
-        { "kind": "strap", "level": "T4", "anchor_mm": [0, 200, 320], "n_per_mm": 1, "shortening_mm": -30 } ] });
+        { "kind": "gravity", "body_weight": 20 },
+        { "kind": "pad", "level": "T9", "direction": [0, 1, 0], "force_per_mm": 2, "advance_mm": 20 },
+        { "kind": "strap", "level": "T4", "anchor_mm": [0, 200, 320], "force_per_mm": 1, "shortening_mm": -30 } ] });
     fs::write(here.path().join("load.json"), load.to_string()).expect("written");
     let (json, code) = simulate(here.path(), &["--load", "load.json"]);
     assert_eq!(code, 0);
-    assert!(number(&json, "/equilibria/0/spring_forces/0/force_n") > 0.0);
+    assert!(number(&json, "/equilibria/0/spring_forces/0/force") > 0.0);
     assert_eq!(json["equilibria"][0]["spring_forces"][0]["load"], 2);
     let codes: Vec<&str> = json["warnings"]
         .as_array()
@@ -233,7 +244,8 @@ fn weight_and_a_pad_come_from_a_file() {
 #[test]
 fn a_whole_body_weight_that_folds_the_spine_is_no_result() {
     let here = folder();
-    let load = r#"{"format":"spineline-load","version":1,"loads":[{"kind":"gravity","body_weight_n":700}]}"#;
+    let load =
+        r#"{"format":"spineline-load","version":1,"loads":[{"kind":"gravity","body_weight":700}]}"#;
     fs::write(here.path().join("weight.json"), load).expect("a file");
     let line = ["simulate", "model.json", "--load", "weight.json", "--json", "w.json"];
     let (text, _, code) = run(here.path(), &line);
@@ -281,7 +293,7 @@ fn a_missing_result_ends_with_4_and_is_labelled_everywhere() {
 #[test]
 fn bad_loads_and_models_end_with_3_and_wrong_usage_with_2() {
     let here = folder();
-    let bad = r#"{"format":"spineline-load","version":1,"loads":[{"kind":"moment","level":"T1","moment_nmm":[1,0,0]}]}"#;
+    let bad = r#"{"format":"spineline-load","version":1,"loads":[{"kind":"moment","level":"T1","moment":[1,0,0]}]}"#;
     fs::write(here.path().join("bad.json"), bad).expect("written");
     for (arguments, expected, words) in [
         (

@@ -179,7 +179,7 @@ fn replicates_that_are_not_possible_are_refused_with_what_to_do() {
         words(&refused(path, &with(CASE), 3))
     };
     let error = change(&|model| {
-        let stiffness = &mut model["joints"][3]["stiffness_nmm_per_rad"][0];
+        let stiffness = &mut model["joints"][3]["stiffness"][0];
         *stiffness = json!(1.01 * stiffness.as_f64().expect("a number"));
     });
     assert!(error.contains("the springs of the model file differ"), "{error}");

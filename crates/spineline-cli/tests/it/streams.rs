@@ -138,7 +138,7 @@ fn a_number_beyond_all_numbers_is_bad_input_wherever_it_stands() {
         &["rerun", "hostile.json"],
     );
     let simulate = ["simulate", "hostile.json", "--push", "left", "--force", "5"];
-    try_all(&model, &["centre_mm", "stiffness_nmm_per_rad"], &simulate);
+    try_all(&model, &["centre_mm", "stiffness"], &simulate);
 }
 
 #[test]

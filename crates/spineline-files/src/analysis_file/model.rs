@@ -23,7 +23,7 @@ pub(super) struct ModelRecord {
     at_bound: Vec<String>,
     /// Factor on springs about all axes; 1 unless a force is known.
     absolute_scale: f64,
-    /// Whether forces and stiffness are absolute.
+    /// Whether forces are in newtons, because a force was measured; else they are relative to the nominal stiffness.
     absolute: bool,
     fit: FitRecord,
     /// Identifiability of the multipliers; absent if not requested or if the fit did not converge.
@@ -56,7 +56,8 @@ struct SimulationRecord {
     /// Scale of the film against the erect film, from T2 for a film that was not fitted; absent in older files.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     film_scale: Option<ScaleRecord>,
-    /// Signed force along the line's direction.
+    /// Signed force along the line's direction: newtons where the model is `absolute`, else relative to the nominal stiffness.
+    #[serde(rename = "force")]
     force_n: f64,
     /// Degrees left of the amplitude (bends) or mm left of T2's place.
     residual: f64,
@@ -90,6 +91,8 @@ struct LineRecord {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 struct AlternativeRecord {
+    /// As `force` of the simulation.
+    #[serde(rename = "force")]
     force_n: f64,
     ferguson_rms_deg: f64,
 }

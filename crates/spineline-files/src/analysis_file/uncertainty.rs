@@ -59,7 +59,7 @@ struct SpreadRecord {
     quantity: String,
     /// In words.
     label: String,
-    /// `mm`, `px`, `deg`, `segments`, `force` (newtons, or relative where no force is known) or `1`.
+    /// `mm`, `px`, `deg`, `segments`, `N`, `relative` (a force relative to the nominal stiffness) or `1`.
     unit: String,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     posture: Option<Key<Posture>>,
@@ -77,11 +77,14 @@ struct SpreadRecord {
     value: Option<f64>,
     mean: Option<f64>,
     sd: Option<f64>,
-    /// Absent for distances and absolute errors, which any noise makes larger.
+    /// `null` where the value is at a bound of the fit, and for distances and absolute errors, which any noise makes larger.
     interval_95: Option<[f64; 2]>,
     /// How often the interval of a multiplier holds the true one; absent for other numbers.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     interval_coverage: Option<String>,
+    /// Whether the value is at a bound of the fit, so that the films do not identify it.
+    #[serde(default)]
+    at_bound: bool,
     /// The 25, 50 and 75 % quantiles.
     quartiles: Option<[f64; 3]>,
     /// Replicates that have it.
@@ -162,6 +165,7 @@ fn record(found: &QuantitySpread, analysis: &Analysis) -> SpreadRecord {
         sd: spread.map(|s| s.sd),
         interval_95: found.interval_95(),
         interval_coverage: quantity.interval_caveat().map(str::to_owned),
+        at_bound: found.at_bound,
         quartiles: spread.map(|s| [s.quantiles[1], s.quantiles[2], s.quantiles[3]]),
         count: found.count,
         absent: absent.collect(),

@@ -16,8 +16,8 @@ const FORMAT: &str = "spineline-load";
 const VERSION: u32 = 1;
 
 /// Loads on a spine. `G`: x anterior, y to the patient's left, z cranial along L4's own axis, origin at L4's midpoint;
-/// names that say `in_vertebra` are in a vertebra's own axes, from its midpoint. Forces are in the units of the model's
-/// springs: newtons where the model is `absolute`, else relative.
+/// names that say `in_vertebra` are in a vertebra's own axes, from its midpoint. The unit of forces is that of the model:
+/// newtons where it is `absolute`, because a force was measured; else relative to the nominal stiffness. Moments are force × mm.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
@@ -41,6 +41,7 @@ pub enum AppliedLoad {
         /// Vertebra that carries it.
         level: LevelKey,
         /// Force in `G`.
+        #[serde(rename = "force")]
         force_n: [f64; 3],
         /// Any point of the line, in `G`.
         point_mm: [f64; 3],
@@ -53,6 +54,7 @@ pub enum AppliedLoad {
         /// Vertebra.
         level: LevelKey,
         /// Force in `G`.
+        #[serde(rename = "force")]
         force_n: [f64; 3],
         /// Point; the midpoint if not given.
         #[serde(default)]
@@ -66,6 +68,7 @@ pub enum AppliedLoad {
         /// Vertebra.
         level: LevelKey,
         /// Force in the vertebra's axes.
+        #[serde(rename = "force_in_vertebra")]
         force_in_vertebra_n: [f64; 3],
         /// Point; the midpoint if not given.
         #[serde(default)]
@@ -79,6 +82,7 @@ pub enum AppliedLoad {
         /// Vertebra.
         level: LevelKey,
         /// Right-handed moment about the axes of `G`.
+        #[serde(rename = "moment")]
         moment_nmm: [f64; 3],
         /// `held` (constant) or `growing` (proportional).
         #[serde(default)]
@@ -89,6 +93,7 @@ pub enum AppliedLoad {
         /// Vertebra.
         level: LevelKey,
         /// Right-handed moment about the vertebra's axes.
+        #[serde(rename = "moment_in_vertebra")]
         moment_in_vertebra_nmm: [f64; 3],
         /// `held` (constant) or `growing` (proportional).
         #[serde(default)]
@@ -96,7 +101,8 @@ pub enum AppliedLoad {
     },
     /// The weight of trunk, head and arms, slice by slice, at the midpoints of L3 to T2.
     Gravity {
-        /// The whole patient's weight.
+        /// The whole patient's weight, in the unit of forces.
+        #[serde(rename = "body_weight")]
         body_weight_n: f64,
         /// Unit vector in `G`; `[0, 0, -1]`, along L4's own axis, if not given.
         #[serde(default = "caudal")]
@@ -114,7 +120,8 @@ pub enum AppliedLoad {
         point_in_vertebra_mm: [f64; 3],
         /// Direction of the push: unit vector in `G`.
         direction: [f64; 3],
-        /// Stiffness.
+        /// Stiffness: force per mm.
+        #[serde(rename = "force_per_mm")]
         n_per_mm: f64,
         /// Displacement of the pad.
         advance_mm: f64,
@@ -131,7 +138,8 @@ pub enum AppliedLoad {
         point_in_vertebra_mm: [f64; 3],
         /// Point on the ground, in `G`.
         anchor_mm: [f64; 3],
-        /// Stiffness.
+        /// Stiffness: force per mm.
+        #[serde(rename = "force_per_mm")]
         n_per_mm: f64,
         /// Shortening of the strap.
         shortening_mm: f64,
@@ -140,11 +148,12 @@ pub enum AppliedLoad {
         timing: Key<Timing>,
     },
     /// A stiff rod between two vertebrae, which prescribes their relative pose; as in the erect posture if nothing else is
-    /// given.
+    /// given. With frontal support it prescribes the tilt and the lateral place of the upper vertebra alone: the first number of
+    /// `turn_deg` and the second one of `shift_mm`; the others must be zero.
     Rod {
         /// Lower vertebra.
         inferior: LevelKey,
-        /// Upper vertebra; at least two joints above.
+        /// Upper vertebra; where the rod moves it, at least three joints above, with frontal support two.
         superior: LevelKey,
         /// Displacement of the upper vertebra from its erect pose, in the lower one's axes.
         #[serde(default)]

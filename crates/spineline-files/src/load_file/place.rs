@@ -200,11 +200,11 @@ impl LoadFile {
             ));
         };
         if !(body_weight_n > 0.0 && body_weight_n.is_finite()) {
-            let reason = format!("the body weight is {body_weight_n} N; it must be positive");
+            let reason = format!("the body weight is {body_weight_n}; it must be positive");
             return Err(self.refused(
                 number,
                 &reason,
-                "give the body weight of the patient in newtons: 9.81 times the mass in kg",
+                "give the body weight in the unit of the model's forces: where that is newtons, 9.81 times the mass in kg",
             ));
         }
         let length = Vec3::from(*down).norm();

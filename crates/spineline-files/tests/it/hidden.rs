@@ -96,7 +96,8 @@ fn a_shorter_model_is_stored_and_carries_the_weight_of_what_is_above() {
     let stored = parse_model(&text).expect("our own file");
     assert_eq!((stored.levels.len(), stored.top()), (13, Level::T4));
     assert_eq!(stored.known_levels(), Some(analysis.levels()));
-    let load = r#"{"format":"spineline-load","version":1,"loads":[{"kind":"gravity","body_weight_n":400}]}"#;
+    let load =
+        r#"{"format":"spineline-load","version":1,"loads":[{"kind":"gravity","body_weight":400}]}"#;
     let weight = |text: &str| {
         let model = parse_model(text).expect("our own file");
         let placed = parse_load(load).expect("a load").place(&model).expect("on this model");

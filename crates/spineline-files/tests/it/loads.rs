@@ -12,15 +12,15 @@ use spineline_files::{
 use spineline_phantom::{Readers, Truth, generate};
 
 const EVERY_KIND: &str = r#"[
-  {"kind":"force_on_line","level":"T2","force_n":[0,10,0],"point_mm":[-10,0,380]},
-  {"kind":"force_at_point","level":"T8","force_n":[1,2,3],"point_in_vertebra_mm":[1,0,0],"timing":"held"},
-  {"kind":"force_at_point","level":"T8","force_n":[1,2,3]},
-  {"kind":"follower_force","level":"T5","force_in_vertebra_n":[0,5,0],"point_in_vertebra_mm":[0,0,2]},
-  {"kind":"moment","level":"T3","moment_nmm":[100,0,0]},
-  {"kind":"follower_moment","level":"T3","moment_in_vertebra_nmm":[0,100,0]},
-  {"kind":"gravity","body_weight_n":40},
-  {"kind":"pad","level":"T9","point_in_vertebra_mm":[0,-40,0],"direction":[0,1,0],"n_per_mm":2,"advance_mm":5},
-  {"kind":"strap","level":"Th4","anchor_mm":[0,-200,300],"n_per_mm":1,"shortening_mm":5},
+  {"kind":"force_on_line","level":"T2","force":[0,10,0],"point_mm":[-10,0,380]},
+  {"kind":"force_at_point","level":"T8","force":[1,2,3],"point_in_vertebra_mm":[1,0,0],"timing":"held"},
+  {"kind":"force_at_point","level":"T8","force":[1,2,3]},
+  {"kind":"follower_force","level":"T5","force_in_vertebra":[0,5,0],"point_in_vertebra_mm":[0,0,2]},
+  {"kind":"moment","level":"T3","moment":[100,0,0]},
+  {"kind":"follower_moment","level":"T3","moment_in_vertebra":[0,100,0]},
+  {"kind":"gravity","body_weight":40},
+  {"kind":"pad","level":"T9","point_in_vertebra_mm":[0,-40,0],"direction":[0,1,0],"force_per_mm":2,"advance_mm":5},
+  {"kind":"strap","level":"Th4","anchor_mm":[0,-200,300],"force_per_mm":1,"shortening_mm":5},
   {"kind":"rod","inferior":"T12","superior":"T6","turn_deg":[90,0,0],"timing":"held"}
 ]"#;
 
@@ -78,8 +78,9 @@ fn loads_round_trip() {
 
 #[test]
 fn unknown_keys_are_reported_with_the_nearest_name_and_kinds_with_all() {
-    let error =
-        refused(r#"[{"kind":"pad","level":"T8","directon":[0,1,0],"n_per_mm":1,"advance_mm":1}]"#);
+    let error = refused(
+        r#"[{"kind":"pad","level":"T8","directon":[0,1,0],"force_per_mm":1,"advance_mm":1}]"#,
+    );
     assert!(
         error.to_string().contains("`loads[0]`: unknown key `directon`; did you mean `direction`"),
         "{error}"
@@ -89,7 +90,7 @@ fn unknown_keys_are_reported_with_the_nearest_name_and_kinds_with_all() {
     let text = error.to_string();
     assert!(text.contains("`pad`") && !text.contains("did you mean"), "{text}");
     let error = refused(r#"[{"kind":"moment","level":"T8"}]"#);
-    assert!(error.to_string().contains("missing field `moment_nmm`"), "{error}");
+    assert!(error.to_string().contains("missing field `moment`"), "{error}");
     assert!(matches!(refused("[]"), FileError::NoLoads));
     let bare = parse_load(r#"{"format":"spineline-load","version":1,"load":[]}"#);
     assert!(bare.expect_err("a misspelt key").to_string().contains("did you mean `loads`"));
@@ -98,19 +99,16 @@ fn unknown_keys_are_reported_with_the_nearest_name_and_kinds_with_all() {
 
 #[test]
 fn an_inapplicable_load_is_reported_with_number_kind_and_vertebra() {
-    let sound = r#"{"kind":"gravity","body_weight_n":40}"#;
+    let sound = r#"{"kind":"gravity","body_weight":40}"#;
     for (load, words) in [
+        (r#"{"kind":"moment","level":"T1","moment":[1,2,3]}"#, ["(moment, T1)", "from L4 to T2"]),
+        (r#"{"kind":"moment","level":"L4","moment":[1,2,3]}"#, ["(moment, L4)", "fixed"]),
         (
-            r#"{"kind":"moment","level":"T1","moment_nmm":[1,2,3]}"#,
-            ["(moment, T1)", "from L4 to T2"],
-        ),
-        (r#"{"kind":"moment","level":"L4","moment_nmm":[1,2,3]}"#, ["(moment, L4)", "fixed"]),
-        (
-            r#"{"kind":"pad","level":"T8","direction":[0,2,0],"n_per_mm":1,"advance_mm":1}"#,
+            r#"{"kind":"pad","level":"T8","direction":[0,2,0],"force_per_mm":1,"advance_mm":1}"#,
             ["(pad, T8)", "length 2"],
         ),
         (
-            r#"{"kind":"pad","level":"T8","direction":[0,1,0],"n_per_mm":-1,"advance_mm":1}"#,
+            r#"{"kind":"pad","level":"T8","direction":[0,1,0],"force_per_mm":-1,"advance_mm":1}"#,
             ["(pad, T8)", "-1 N/mm"],
         ),
         (
@@ -121,8 +119,8 @@ fn an_inapplicable_load_is_reported_with_number_kind_and_vertebra() {
             r#"{"kind":"rod","inferior":"T12","superior":"T6","turn_deg":[200,0,0]}"#,
             ["(rod, T12 to T6)", "180°"],
         ),
-        (r#"{"kind":"gravity","body_weight_n":-4}"#, ["gravity", "-4 N"]),
-        (r#"{"kind":"gravity","body_weight_n":4,"down":[0,0,-2]}"#, ["gravity", "length 2"]),
+        (r#"{"kind":"gravity","body_weight":-4}"#, ["gravity", "-4"]),
+        (r#"{"kind":"gravity","body_weight":4,"down":[0,0,-2]}"#, ["gravity", "length 2"]),
     ] {
         let error = refused(&format!("[{sound},{load}]")).to_string();
         assert!(
@@ -155,7 +153,7 @@ fn old_models_and_coupled_springs_are_read() {
     let diagonal = Mat3::from_diagonal(&Vec3::from(old.stiffness_nmm_per_rad[3]));
     assert_eq!(old.stiffness[3], diagonal);
     let rows = [[5e4, 1e3, 0.0], [1e3, 6e4, 2e3], [0.0, 2e3, 7e4]];
-    json["joints"][3]["stiffness_matrix_nmm_per_rad"] = serde_json::json!(rows);
+    json["joints"][3]["stiffness_matrix"] = serde_json::json!(rows);
     let coupled = parse_model(&json.to_string()).expect("a matrix");
     assert_eq!(coupled.stiffness[3], Mat3::from_fn(|i, k| rows[i][k]));
     assert_eq!(coupled.stiffness_nmm_per_rad, old.stiffness_nmm_per_rad);
@@ -167,7 +165,7 @@ fn old_models_and_coupled_springs_are_read() {
 #[test]
 fn a_simulation_file_is_read_by_its_type() {
     let model = model();
-    let loads = parse_load(&file(r#"[{"kind":"force_at_point","level":"T2","force_n":[0,20,0]}]"#))
+    let loads = parse_load(&file(r#"[{"kind":"force_at_point","level":"T2","force":[0,20,0]}]"#))
         .expect("sound");
     let placed = loads.place(&model).expect("on this model");
     let statics =

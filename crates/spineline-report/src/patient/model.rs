@@ -127,8 +127,12 @@ fn multipliers(patient: &Patient<'_>) -> Table {
             let scale = model.fit.absolute_scale;
             let profile =
                 found.map(|found| uncertainty::interval(&found.multipliers[group], scale));
-            let noise =
-                patient.uncertainty.and_then(|found| noise_interval(found, model, group, scale));
+            let noise = match model.fit.bounds[group] {
+                StiffnessBound::Inside => {
+                    patient.uncertainty.and_then(|found| noise_interval(found, model, group, scale))
+                }
+                _ => Some("none: at its bound".to_owned()),
+            };
             table.row(vec![
                 model.kind.to_string(),
                 name.replace('_', " "),
@@ -171,8 +175,10 @@ fn springs(analysis: &Analysis) -> Table {
         Column::numbers("flexion (N·m/rad)"),
         Column::numbers("axial (N·m/rad)"),
     ];
+    let absolute = |model: &LineModel| model.is_absolute(analysis.options.gauge);
     columns.extend(analysis.models.iter().map(|model| {
-        Column::numbers(format!("{}: lateral (N·m/rad)", sentence_case(&model.kind.to_string())))
+        let unit = if absolute(model) { "N·m/rad" } else { "of the table" };
+        Column::numbers(format!("{}: lateral ({unit})", sentence_case(&model.kind.to_string())))
     }));
     let mut table = Table::new("Springs of every joint, caudal first", columns);
     let fitted: Vec<Vec<[f64; 3]>> =
@@ -181,14 +187,17 @@ fn springs(analysis: &Analysis) -> Table {
         let shown = |nmm: f64| format!("{:.0}", nmm / 1000.0);
         let mut cells = vec![format!("{}/{}", row.superior, row.inferior), row.source.clone()];
         cells.extend(row.nmm_per_rad.map(shown));
-        cells.extend(fitted.iter().map(|model| shown(model[i][0])));
+        cells.extend(analysis.models.iter().zip(&fitted).map(|(model, springs)| {
+            let lateral = springs[i][0];
+            let relative = || format!("{:.2}", lateral / row.nmm_per_rad[0]);
+            if absolute(model) { shown(lateral) } else { relative() }
+        }));
         table.row(cells);
     }
-    let absolute = analysis.models.iter().all(|model| model.is_absolute(analysis.options.gauge));
-    table.note = if absolute {
+    table.note = if analysis.models.iter().all(absolute) {
         "Springs are scaled to the known force, about all axes.".to_owned()
     } else {
-        "Springs are at the level of the table: only their ratios are known. Flexion and axial springs are those of the table.".to_owned()
+        "No force was measured: springs of the models are relative to those of the table, and only their ratios are known. Flexion and axial springs are those of the table.".to_owned()
     };
     table
 }

@@ -218,10 +218,14 @@ fn spreads(analysis: &Analysis, found: &Uncertainty) -> Table {
             spread.nominal.ok().map_or_else(none, number),
             of.map_or_else(none, |s| number(s.mean)),
             of.map_or_else(none, |s| format!("{:.2}", s.sd)),
-            spread.interval_95().map_or_else(none, |[low, high]| {
-                let only_if = if_exact(spread.quantity);
-                format!("{} to {}{only_if}", number(low), number(high))
-            }),
+            match spread.interval_95() {
+                Some([low, high]) => {
+                    let only_if = if_exact(spread.quantity);
+                    format!("{} to {}{only_if}", number(low), number(high))
+                }
+                None if spread.at_bound => "none: at its bound".to_owned(),
+                None => none(),
+            },
             format!("{:.1}", 100.0 * spread.count as f64 / found.done.max(1) as f64),
         ]);
     }

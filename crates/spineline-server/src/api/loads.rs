@@ -165,6 +165,7 @@ pub struct PadMapRequest {
     /// Largest force, in the units of the model.
     pub largest_force: f64,
     /// Stiffness of the pads, in these units per mm.
+    #[serde(rename = "force_per_mm")]
     pub n_per_mm: f64,
     /// The loads beside which each pad is tried.
     #[serde(default)]

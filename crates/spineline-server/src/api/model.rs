@@ -28,7 +28,11 @@ pub struct ModelView {
     pub measured: Vec<MeasuredShape>,
     /// One model per line of action; the notices give the reason for an absent result.
     pub lines: Vec<LineModelView>,
-    /// The line that predicts films best which it was not fitted to, where lines can be compared.
+    /// Unit of a load's force: `N` where a force was measured, else `rel.`.
+    pub force_symbol: String,
+    /// One of this unit, in words.
+    pub force_unit_text: String,
+    /// The line that predicts films best which it was not fitted to, or else the first one with a result.
     pub automatic: Option<LineName>,
     /// Why, as text.
     pub automatic_text: Option<String>,

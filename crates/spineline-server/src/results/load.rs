@@ -131,16 +131,12 @@ fn equilibrium(
 }
 
 fn load_text(analysis: &Analysis, model: &LineModel, level: Level, force_n: Vec3) -> String {
-    let absolute = model.is_absolute(analysis.options.gauge);
-    let meaning = if absolute {
-        ""
-    } else {
-        "; no force was measured: the force is relative to the nominal stiffness, only shapes and ratios are meaningful"
-    };
+    let (size, way) = (force_n.norm(), vector_words(force_n.into()));
+    if model.is_absolute(analysis.options.gauge) {
+        return format!("{size:.0} N at the midpoint of {level}: {way}");
+    }
     format!(
-        "{:.0} N at the midpoint of {level}: {}{meaning}",
-        force_n.norm(),
-        vector_words(force_n.into())
+        "Relative force {size:.0} at the midpoint of {level}: {way}; no force was measured: it is relative to the nominal stiffness, only shapes and ratios are meaningful"
     )
 }
 

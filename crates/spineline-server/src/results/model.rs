@@ -1,11 +1,12 @@
 //! The personalised models of a study in 3D.
 
 use axum::extract::State;
-use spineline::analysis::{Analysis, Identification, LineModel, LinesCompared, MultiplierVerdict};
+use spineline::analysis::{Analysis, Identification, LineModel, MultiplierVerdict};
 use spineline::anatomy::Level;
 use spineline::measure::{LengthScale, SpacingPlane};
 use spineline::personalize::FitStatus;
 
+use super::loads::RELATIVE_SYMBOL;
 use super::notices;
 use super::simulated::{deformed_shape, shape, simulated};
 use super::words::length_unit;
@@ -40,6 +41,9 @@ fn view(result: &StudyResult, analysis: &Analysis) -> ModelView {
     let moved = analysis.postures.iter().skip(1);
     let relative = analysis.relative_stiffness();
     let lines = analysis.models.iter().zip(&relative);
+    let is_absolute = |model: &LineModel| model.is_absolute(analysis.options.gauge);
+    let absolute = !analysis.models.is_empty() && analysis.models.iter().all(is_absolute);
+    let automatic = result.compared().and_then(|found| analysis.choose_model(found));
     ModelView {
         study: result.study.to_string(),
         synthetic: analysis.synthetic,
@@ -60,8 +64,11 @@ fn view(result: &StudyResult, analysis: &Analysis) -> ModelView {
             })
             .collect(),
         lines: lines.map(|(model, relative)| line(analysis, model, relative)).collect(),
-        automatic: result.compared().and_then(|found| Some(Wire(found.best_predictor()?.0))),
-        automatic_text: result.compared().and_then(LinesCompared::choice_words),
+        force_symbol: if absolute { "N" } else { RELATIVE_SYMBOL }.to_owned(),
+        force_unit_text: if absolute { "1 N" } else { "a relative force of 1, not 1 newton" }
+            .to_owned(),
+        automatic: automatic.as_ref().map(|choice| Wire(choice.kind)),
+        automatic_text: automatic.map(|choice| choice.words),
         verdict: result.compared().map(|lines| analysis.verdict(lines)).unwrap_or_default(),
         notices: model_notices(result, analysis),
     }
@@ -120,12 +127,11 @@ fn multipliers(analysis: &Analysis, model: &LineModel) -> Vec<MultiplierView> {
 }
 
 fn joints(analysis: &Analysis, model: &LineModel, relative: &[f64]) -> Vec<JointView> {
-    let stiffness = model.stiffness_nmm_per_rad(&analysis.library);
-    let pairs = analysis.levels().joint_pairs().zip(&stiffness).zip(relative);
-    let view = |((pair, springs), &relative): (([Level; 2], &[f64; 3]), &f64)| JointView {
+    let pairs = analysis.levels().joint_pairs().zip(relative).enumerate();
+    let view = |(joint, (pair, &relative)): (usize, ([Level; 2], &f64))| JointView {
         label: format!("{}/{}", pair[0], pair[1]),
         relative,
-        text: analysis.spring_words(model, *springs),
+        text: analysis.spring_words(model, joint),
         contradicted_in: contradicted_in(model, pair[0]),
     };
     pairs.map(view).collect()

@@ -172,20 +172,31 @@ impl Analysis {
         if model.is_absolute(self.options.gauge) {
             format!("{size:.0} N, {way}")
         } else {
-            format!("relative force {size:.0} (not newtons), {way}")
+            format!(
+                "relative force {size:.0} (relative to the nominal stiffness, not newtons), {way}"
+            )
         }
     }
 
-    /// Springs of a joint about its lateral, flexion and axial hinge, with what they mean under the gauge.
+    /// Springs of a joint, by its place from the base, about its lateral, flexion and axial hinge: in N·m/rad where a force was
+    /// measured, else relative to the nominal stiffness.
+    ///
+    /// # Panics
+    /// If there is no such joint.
     #[must_use]
-    pub fn spring_words(&self, model: &LineModel, nmm_per_rad: [f64; 3]) -> String {
-        let [lateral, flexion, axial] = nmm_per_rad.map(|k| k / 1000.0);
-        let meaning = if model.is_absolute(self.options.gauge) {
-            "scaled to the known force"
-        } else {
-            "at the nominal overall level: only ratios are identified"
-        };
-        format!("lateral {lateral:.0}, flexion {flexion:.0}, axial {axial:.0} N·m/rad ({meaning})")
+    pub fn spring_words(&self, model: &LineModel, joint: usize) -> String {
+        let springs = model.stiffness_nmm_per_rad(&self.library)[joint];
+        if model.is_absolute(self.options.gauge) {
+            let [lateral, flexion, axial] = springs.map(|k| k / 1000.0);
+            return format!(
+                "lateral {lateral:.0}, flexion {flexion:.0}, axial {axial:.0} N·m/rad (scaled to the known force)"
+            );
+        }
+        let nominal = self.library.rows()[joint].nmm_per_rad;
+        let [lateral, flexion, axial] = [0, 1, 2].map(|axis| springs[axis] / nominal[axis]);
+        format!(
+            "lateral {lateral:.2}, flexion {flexion:.2}, axial {axial:.2} of the nominal stiffness (no force was measured: only ratios are identified)"
+        )
     }
 }
 

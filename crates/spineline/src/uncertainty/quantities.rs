@@ -5,7 +5,7 @@ use crate::analysis::{Analysis, LineModel, PostureAnalysis};
 use crate::anatomy::{Level, Posture, Region, named};
 use crate::clinical::{SagittalPart, SpatialMeasures};
 use crate::evaluate::Simulation;
-use crate::personalize::FitStatus;
+use crate::personalize::{FitStatus, StiffnessBound};
 use crate::spatial::Angle;
 
 /// One number of an analysis.
@@ -118,8 +118,10 @@ pub enum QuantityUnit {
     Pixels,
     /// Degrees.
     Degrees,
-    /// Newtons, or relative where no force is known.
-    Force,
+    /// Newtons, of a model that is scaled to a measured force.
+    Newtons,
+    /// A force relative to the nominal stiffness, because no force was measured.
+    RelativeForce,
     /// Segments of the chain.
     Segments,
     /// A number without a unit.
@@ -134,7 +136,8 @@ impl QuantityUnit {
             Self::Millimetres => "mm",
             Self::Pixels => "px",
             Self::Degrees => "deg",
-            Self::Force => "force",
+            Self::Newtons => "N",
+            Self::RelativeForce => "relative",
             Self::Segments => "segments",
             Self::One => "1",
         }
@@ -194,6 +197,13 @@ pub(super) fn all_of(nominal: &Analysis, kinds: &[LineKind]) -> Vec<AnalysisQuan
 }
 
 impl AnalysisQuantity {
+    /// Whether it is a multiplier that ended at a bound of the fit.
+    pub(super) fn is_at_bound(self, analysis: &Analysis) -> bool {
+        let Self::LogMultiplier(kind, group) = self else { return false };
+        let bound = analysis.model(kind).and_then(|model| model.fit.bounds.get(group));
+        bound.is_some_and(|bound| *bound != StiffnessBound::Inside)
+    }
+
     /// Its value in an analysis, in its unit as people see it; `measures` are that analysis's numbers in space, and `nominal` is the
     /// analysis of the case itself.
     pub(super) fn value(

@@ -37,6 +37,9 @@ pub struct QuantitySpread {
     pub absent: Vec<(Absent, u64)>,
     /// Mean, standard deviation and quantiles; `None` where no replicate has it.
     pub spread: Option<Spread>,
+    /// Whether the value in the case itself is at a bound of the fit: the films do not identify it, and the replicates that end at the
+    /// same bound say nothing about where it may lie.
+    pub at_bound: bool,
 }
 
 /// Distribution of a multiplier, whose logarithm is what an analysis counts in.
@@ -44,7 +47,7 @@ pub struct QuantitySpread {
 pub struct MultiplierSpread {
     /// In the case itself.
     pub value: Option<f64>,
-    /// The quantiles at [`Spread::PARTS`]: the exponential keeps the order of values, so that it takes quantiles to quantiles.
+    /// The quantiles at [`Spread::PARTS`], `None` where the value is at a bound: the exponential keeps the order of values, so that it takes quantiles to quantiles.
     pub quantiles: Option<[f64; 5]>,
 }
 
@@ -54,7 +57,8 @@ impl QuantitySpread {
     pub fn multiplier(&self) -> Option<MultiplierSpread> {
         let AnalysisQuantity::LogMultiplier(..) = self.quantity else { return None };
         let value = self.nominal.ok().map(f64::exp);
-        Some(MultiplierSpread { value, quantiles: self.spread.map(|s| s.quantiles.map(f64::exp)) })
+        let spread = self.spread.filter(|_| !self.at_bound);
+        Some(MultiplierSpread { value, quantiles: spread.map(|s| s.quantiles.map(f64::exp)) })
     }
 }
 
@@ -75,11 +79,12 @@ impl Spread {
 }
 
 impl QuantitySpread {
-    /// The central 95 % of the replicates. `None` where no replicate has the number, and for distances and absolute errors: any
-    /// noise makes these larger, a replicate has it twice, and the interval would lie too high.
+    /// The central 95 % of the replicates. `None` where no replicate has the number, where it is at a bound of the fit, and for
+    /// distances and absolute errors: any noise makes these larger, a replicate has it twice, and the interval would lie too high.
     #[must_use]
     pub fn interval_95(&self) -> Option<[f64; 2]> {
-        let spread = self.spread.filter(|_| !self.quantity.grows_with_noise())?;
+        let has_none = self.at_bound || self.quantity.grows_with_noise();
+        let spread = self.spread.filter(|_| !has_none)?;
         Some([spread.quantiles[0], spread.quantiles[4]])
     }
 }
@@ -153,10 +158,12 @@ impl<'a> Tally<'a> {
     /// The result, of so many requested replicates.
     #[must_use]
     pub fn finish(self, requested: u64) -> Uncertainty {
+        let nominal = self.of.nominal;
         let spread = |(counted, &quantity): (Counted, &AnalysisQuantity)| {
             let (count, spread) = (counted.values.count(), counted.values.spread());
             let absent = counted.absent.into_iter().collect();
-            QuantitySpread { quantity, nominal: counted.nominal, count, absent, spread }
+            let at_bound = quantity.is_at_bound(nominal);
+            QuantitySpread { quantity, nominal: counted.nominal, count, absent, spread, at_bound }
         };
         let failure = |((code, line, posture), count)| FailureCount {
             code: Cow::Borrowed(code),

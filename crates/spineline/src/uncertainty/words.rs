@@ -126,7 +126,12 @@ impl AnalysisQuantity {
             | Self::ComparisonAngle(_)
             | Self::LineTilt(..)
             | Self::FergusonError(..) => QuantityUnit::Degrees,
-            Self::Force(..) => QuantityUnit::Force,
+            Self::Force(kind, _) => {
+                let gauge = analysis.options.gauge;
+                let is_absolute =
+                    analysis.model(kind).is_some_and(|model| model.is_absolute(gauge));
+                if is_absolute { QuantityUnit::Newtons } else { QuantityUnit::RelativeForce }
+            }
             Self::LeastSegment(..) | Self::LeastDistanceSegments(..) => QuantityUnit::Segments,
             Self::FilmScale(_)
             | Self::InflectionCount

@@ -5,6 +5,7 @@ use spineline::anatomy::{Level, Posture, Region};
 use spineline::measure::{
     Corners, FilmLandmarks, Placement, PlacementSource, Reading, SpacingPlane,
 };
+use spineline::personalize::StiffnessBound;
 use spineline::spatial::{Angle, Frontal};
 use spineline::uncertainty::{
     Absent, AnalysisQuantity, LandmarkNoise, MonteCarlo, NoiseSource, Replicate, Uncertainty,
@@ -104,7 +105,8 @@ fn without_noise_all_replicates_equal_the_case() {
         assert_eq!(quantity.count, 3, "{:?}", quantity.quantity);
         assert_eq!(spread.sd, 0.0, "{:?}", quantity.quantity);
         let interval = quantity.interval_95();
-        let expected = (!quantity.quantity.grows_with_noise()).then_some([spread.mean; 2]);
+        let has_none = quantity.at_bound || quantity.quantity.grows_with_noise();
+        let expected = (!has_none).then_some([spread.mean; 2]);
         assert_eq!(interval, expected, "{:?}", quantity.quantity);
         // A fit goes on from where that of the case has ended, by a small part of what noise does.
         let sd = usual.spread(quantity.quantity).map_or(0.0, |spread| spread.sd);
@@ -118,6 +120,31 @@ fn without_noise_all_replicates_equal_the_case() {
         let spread = quantity.spread.expect("the case has it");
         assert_eq!((spread.sd, spread.mean), (0.0, nominal), "{:?}", quantity.quantity);
     }
+}
+
+#[test]
+fn a_multiplier_at_its_bound_has_no_interval() {
+    // Oracle: the bounds of the fit of the case itself.
+    let mut at_bound = 0;
+    for subject in 0..6 {
+        let case = case(subject, Truth::Bend, &Readers::default());
+        let nominal = analyzed(&case);
+        let found = run(&case, LandmarkNoise::Measured, 1, 4);
+        for one in &found.quantities {
+            let AnalysisQuantity::LogMultiplier(kind, group) = one.quantity else {
+                assert!(!one.at_bound, "{:?}", one.quantity);
+                continue;
+            };
+            let model = nominal.model(kind).expect("its line has a model");
+            let is_inside = model.fit.bounds[group] == StiffnessBound::Inside;
+            assert_eq!(one.at_bound, !is_inside, "{:?}", one.quantity);
+            let multiplier = one.multiplier().expect("it is one");
+            assert_eq!(one.interval_95().is_some(), is_inside && one.spread.is_some());
+            assert_eq!(multiplier.quantiles.is_some(), is_inside && one.spread.is_some());
+            at_bound += usize::from(one.at_bound);
+        }
+    }
+    assert!(at_bound > 0, "the test means something");
 }
 
 #[test]

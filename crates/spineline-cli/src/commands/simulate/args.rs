@@ -19,7 +19,7 @@ Examples:
   spineline analyze CASE.json --model model.json
       make a model to simulate
   spineline simulate model.json --push left --force 50
-      apply 50 N to the patient's left at T2
+      apply a force of 50 to the patient's left at T2: a relative force, not newtons, unless the model is absolute
   spineline simulate model.json --push caudal --force 300 --level T6 --follow
       apply a force that follows the rotation of its vertebra
   spineline simulate model.json --posture left_bending
@@ -33,8 +33,8 @@ Examples:
 
 A load file; `spineline schema load` explains every kind:
   { \"format\": \"spineline-load\", \"version\": 1, \"loads\": [
-    { \"kind\": \"gravity\", \"body_weight_n\": 20 },
-    { \"kind\": \"pad\", \"level\": \"T9\", \"direction\": [0, 1, 0], \"n_per_mm\": 2, \"advance_mm\": 20 } ] }
+    { \"kind\": \"gravity\", \"body_weight\": 20 },
+    { \"kind\": \"pad\", \"level\": \"T9\", \"direction\": [0, 1, 0], \"force_per_mm\": 2, \"advance_mm\": 20 } ] }
 x is anterior, y to the patient's left, z cranial. Constant loads (`\"timing\": \"held\"`, the default of \
 gravity) are applied first and stay; proportional loads (`\"growing\"`) are then multiplied by one factor from 0 to 1, or up to \
 the wanted lateral tilt.
@@ -42,7 +42,9 @@ the wanted lateral tilt.
 Exit codes: 0 a result; 2 wrong usage; 3 bad input; 4 no result: a limit or branch point came first, the target is out of \
 reach, the path was lost, or Ctrl-C (the files then hold the path and the replicates so far; a second Ctrl-C ends the program at once).
 
-Films identify only ratios of stiffness: forces are relative, not newtons, unless the model was made with a known force.";
+Films identify only ratios of stiffness. Unless the model is absolute (made with `analyze --gauge known-force:POSTURE=NEWTON`), every force \
+is relative to the nominal stiffness, not newtons: --force 20 bends the model as 20 N would bend one with the nominal springs, and the patient by \
+an unknown force.";
 
 /// The command line.
 #[derive(Args)]
@@ -60,8 +62,9 @@ pub struct SimulateArgs {
     /// Apply the force that the analysis found for this film: left_bending, right_bending, neutral or traction
     #[arg(long, value_name = "FILM", value_parser = posture, help_heading = "One force")]
     pub posture: Option<Posture>,
-    /// Magnitude of the force in N; with --posture, it replaces the magnitude that was found
-    #[arg(long, value_name = "N", value_parser = positive, allow_negative_numbers = true, conflicts_with = "load", help_heading = "One force")]
+    /// Magnitude of the force: newtons where the model is absolute, because a force was measured; else a relative force, not newtons.
+    /// With --posture, it replaces the magnitude that was found
+    #[arg(long, value_name = "FORCE", value_parser = positive, allow_negative_numbers = true, conflicts_with = "load", help_heading = "One force")]
     pub force: Option<f64>,
     /// Vertebra that the force acts on, at its midpoint [default: T2]
     #[arg(long, value_name = "LEVEL", value_parser = level, conflicts_with_all = ["load", "posture"], help_heading = "One force")]
@@ -75,7 +78,7 @@ pub struct SimulateArgs {
     /// Side of the lateral tilt
     #[arg(long, value_parser = choice::<Side>(), value_name = "SIDE", requires = "amplitude", help_heading = "Target")]
     pub towards: Option<Side>,
-    /// Largest factor of the proportional loads [default: 2, or about 1500 N with --amplitude]
+    /// Largest factor of the proportional loads [default: 2; with --amplitude, a force of about 1500]
     #[arg(long, value_name = "FACTOR", value_parser = positive, allow_negative_numbers = true, help_heading = "Target")]
     pub largest_factor: Option<f64>,
     /// Support of the patient [default: as in the model file]

@@ -11,7 +11,7 @@ use super::args::SimulateArgs;
 use crate::run::failure::Failure;
 
 /// Reference force of a search for a factor; its size only sets the steps of the path.
-const REFERENCE_FORCE_N: f64 = 100.0;
+const REFERENCE_FORCE: f64 = 100.0;
 
 /// The loads that are asked for, and warnings about them.
 pub fn of(
@@ -28,17 +28,17 @@ pub fn of(
     let Some(push) = args.push else {
         return Err(Failure::usage("give --load, --push or --posture"));
     };
-    let size_n = match (args.force, args.amplitude) {
+    let size = match (args.force, args.amplitude) {
         (Some(force), _) => force,
-        (None, Some(_)) => REFERENCE_FORCE_N,
+        (None, Some(_)) => REFERENCE_FORCE,
         (None, None) => {
             return Err(Failure::usage(
-                "--push needs --force N, or --amplitude DEG to find the force for a lateral tilt",
+                "--push needs --force FORCE, or --amplitude DEG to find the force for a lateral tilt",
             ));
         }
     };
     let level = args.level.unwrap_or(model.top());
-    let force = Vec3::from(push) * size_n;
+    let force = Vec3::from(push) * size;
     let load = if args.follow {
         let Some(vertebra) = model.levels.iter().position(|other| *other == level) else {
             return Err(Failure::usage(format!("--level {level} is not in the model")));

@@ -56,6 +56,10 @@ fn target(outcome: &Outcome) -> Section {
     for (number, load) in outcome.loads.loads.iter().enumerate() {
         section.paragraph(format!("Load {}: {}", number + 1, load.words()));
     }
+    if !outcome.model.absolute {
+        let text = "Forces are relative to the nominal stiffness, not newtons: no force was measured for this model";
+        section.paragraph(text.to_owned());
+    }
     section.paragraph(match outcome.response.goal {
         Goal::FullLoad => "Target: the shape under these loads".to_owned(),
         Goal::LateralTilt(tilt) => format!(

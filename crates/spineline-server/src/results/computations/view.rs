@@ -77,19 +77,19 @@ fn intervals(analysis: &Analysis, found: &Uncertainty) -> Vec<IntervalView> {
 }
 
 fn interval(analysis: &Analysis, one: &QuantitySpread) -> Option<IntervalView> {
-    let [low, high] = one.interval_95()?;
     let multiplier = one.multiplier();
-    let (value, low, high) =
-        match multiplier.and_then(|found| Some((found.value?, found.quantiles?))) {
-            Some((value, quantiles)) => (value, quantiles[0], quantiles[4]),
-            None => (one.nominal.ok()?, low, high),
-        };
+    let value = multiplier.map_or(one.nominal.ok(), |found| found.value)?;
+    let ends = match multiplier {
+        Some(found) => found.quantiles.map(|quantiles| [quantiles[0], quantiles[4]]),
+        None => one.interval_95(),
+    };
     let only_if = one.quantity.interval_caveat().map_or("", |_| " (if the model is exact)");
     let label = one.quantity.label(analysis);
     let label = if multiplier.is_some() { label.replace("ln of the ", "") } else { label };
     let text = |number: f64| match one.quantity.unit(analysis) {
         QuantityUnit::Degrees => format!("{number:.1}°"),
-        QuantityUnit::Force => format!("{number:.0}"),
+        QuantityUnit::Newtons => format!("{number:.0} N"),
+        QuantityUnit::RelativeForce => format!("{number:.0} (relative)"),
         QuantityUnit::Millimetres | QuantityUnit::Pixels | QuantityUnit::Segments => {
             format!("{number:.1}")
         }
@@ -98,6 +98,10 @@ fn interval(analysis: &Analysis, one: &QuantitySpread) -> Option<IntervalView> {
     Some(IntervalView {
         label,
         value: text(value),
-        interval: format!("{} to {}{only_if}", text(low), text(high)),
+        interval: match ends {
+            Some([low, high]) => format!("{} to {}{only_if}", text(low), text(high)),
+            None if one.at_bound => "none: at its bound, not identified".to_owned(),
+            None => return None,
+        },
     })
 }

@@ -2,7 +2,7 @@
 
 use spineline::anatomy::Side;
 use spineline::clinical::convex_side;
-use spineline::multibody::{Support, Timing};
+use spineline::multibody::{Rod, Support, Timing};
 use spineline::response::{CurveChange, erect_shape, measure_angles};
 use spineline_files::{AppliedLoad, DIRECTIONS, Key, LevelKey, StoredModel};
 
@@ -15,14 +15,19 @@ const LIMITS: [&str; 3] = [
     "The base is fixed and the top is free: a load that nothing opposes also tilts the whole spine",
 ];
 
+/// Symbol of a force where no force was measured.
+pub const RELATIVE_SYMBOL: &str = "rel. units";
+
 /// What a support in the frontal plane does to loads.
-const FRONTAL: &str = "The model bends sideways only: what a load does to the front, to the back or about the spine moves nothing";
+const FRONTAL: &str = "The model bends sideways only: what a load does to the front, to the back or about the spine moves nothing, and a rod prescribes tilt and lateral place alone";
 
 /// Sizes of the examples: small beside what the springs of a spine carry, so that each of them has a result on most spines.
 const FORCE: f64 = 20.0;
 const MOMENT: f64 = 2000.0;
 const SPRING_PER_MM: f64 = 2.0;
 const ADVANCE_MM: f64 = 10.0;
+/// Turn of a rod's upper vertebra.
+const TURN_DEG: f64 = 5.0;
 /// Distance of a strap's end from the spine.
 const STRAP_MM: f64 = 150.0;
 
@@ -35,7 +40,7 @@ pub fn menu(model: &StoredModel) -> LoadMenu {
     let frontal = (model.support == Support::Frontal).then_some(FRONTAL);
     LoadMenu {
         force_unit: model.force_unit().to_owned(),
-        force_symbol: if model.absolute { "N" } else { "rel. units" }.to_owned(),
+        force_symbol: if model.absolute { "N" } else { RELATIVE_SYMBOL }.to_owned(),
         levels: model.levels.iter().skip(1).map(ToString::to_string).collect(),
         kinds: kinds(model),
         films: films.collect(),
@@ -91,8 +96,8 @@ fn kinds(model: &StoredModel) -> Vec<LoadKind> {
         ),
         kind(
             "Rod",
-            "a stiff rod that keeps the pose of two vertebrae relative to each other, or changes it",
-            rod(model, vertebra, timing),
+            "a stiff rod between two vertebrae: it changes their pose relative to each other, or keeps it where all its numbers are 0",
+            rod(model, (vertebra, sideways), timing),
         ),
         kind(
             "Traction",
@@ -121,16 +126,22 @@ fn kinds(model: &StoredModel) -> Vec<LoadKind> {
     ]
 }
 
-/// A rod over the curve, from two vertebrae below to two above, as far as there are vertebrae.
-fn rod(model: &StoredModel, apex: usize, timing: Key<Timing>) -> AppliedLoad {
+/// A rod over the curve that lessens it, from two vertebrae below to two above, as far as there are vertebrae; over too few joints
+/// one that keeps the pose.
+fn rod(
+    model: &StoredModel,
+    (apex, towards_left): (usize, f64),
+    timing: Key<Timing>,
+) -> AppliedLoad {
     let superior = (apex + 2).min(model.levels.len() - 1);
     let inferior = superior.saturating_sub(4);
     let level = |vertebra: usize| LevelKey(model.levels[vertebra]);
+    let moves = superior - inferior >= Rod::least_joints(model.support);
     AppliedLoad::Rod {
         inferior: level(inferior),
         superior: level(superior),
         shift_mm: [0.0; 3],
-        turn_deg: [0.0; 3],
+        turn_deg: [if moves { towards_left * TURN_DEG } else { 0.0 }, 0.0, 0.0],
         timing,
     }
 }
@@ -154,7 +165,7 @@ fn against_the_curve(model: &StoredModel) -> (usize, Side) {
 #[cfg(test)]
 mod tests {
     use spineline::analysis::{AnalysisOptions, analyze};
-    use spineline_files::{LoadFile, ModelFile, parse_model, to_text};
+    use spineline_files::{LoadFile, ModelFile, Simulated, parse_model, to_text};
     use spineline_phantom::{Readers, Truth, generate};
 
     use spineline::anatomy::{Level, Posture};
@@ -180,6 +191,30 @@ mod tests {
         let says = |words: &str| menu.limits.iter().any(|text| text.contains(words));
         assert!(says("Research only") && says("no rib cage, no muscles"));
         assert_eq!(says("bends sideways only"), model.support == Support::Frontal);
+    }
+
+    #[test]
+    fn every_example_has_a_result_on_the_models_of_phantoms() {
+        for (subject, truth) in [(0, Truth::Rod), (3, Truth::Bend), (7, Truth::Pull)] {
+            let phantom = generate(subject, truth, &Readers::default(), 1).expect("a phantom");
+            for support in [Support::Frontal, Support::Free] {
+                let options = AnalysisOptions { support, ..AnalysisOptions::default() };
+                let analysis = analyze(&phantom.case, &options).expect("a phantom");
+                for line in &analysis.models {
+                    let stored = StoredModel::of(&analysis, line).expect("a model that is read");
+                    for kind in menu(&stored).kinds {
+                        let loads = LoadFile::new(vec![kind.example.0]);
+                        let goal = spineline::multibody::Goal::FullLoad;
+                        let mut go_on = |_, _: &_| std::ops::ControlFlow::Continue(());
+                        let found =
+                            Simulated::of(stored.clone(), loads, goal, None, vec![], &mut go_on);
+                        let ending = found.expect("a load that fits").response.ending;
+                        let of = (subject, support, line.kind, &kind.label);
+                        assert!(ending.is_usable(), "{of:?}: {}", ending.key());
+                    }
+                }
+            }
+        }
     }
 
     #[test]

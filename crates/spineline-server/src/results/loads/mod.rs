@@ -27,6 +27,7 @@ use crate::problem::{Answer, Failure};
 use crate::result_cache::{StudyResult, computed};
 use crate::session::User;
 use crate::state::AppState;
+pub use menu::RELATIVE_SYMBOL;
 pub use view::tables;
 
 /// More loads than any plan has.

@@ -16,7 +16,7 @@ const COUNT: u64 = 12;
 
 /// The text of a load file with one force at T2.
 fn push(left: f64, up: f64) -> String {
-    let load = json!({ "kind": "force_at_point", "level": "T2", "force_n": [0.0, left, up] });
+    let load = json!({ "kind": "force_at_point", "level": "T2", "force": [0.0, left, up] });
     json!({ "format": "spineline-load", "version": 1, "loads": [load] }).to_string()
 }
 

@@ -82,8 +82,7 @@ fn each_example_has_a_result_with_angles_before_and_after() {
 fn a_pull_on_both_sides_moves_the_spine_to_both_sides() {
     let running = running();
     let y_mm = |force: f64| {
-        let load =
-            json!([{ "kind": "force_at_point", "level": "T6", "force_n": [0.0, force, 0.0] }]);
+        let load = json!([{ "kind": "force_at_point", "level": "T6", "force": [0.0, force, 0.0] }]);
         let answer = running.post(PATH, &file(&load));
         let steps = answer["simulation"]["steps"].as_array().expect("steps").clone();
         let last = steps.last().expect("the result");
@@ -101,7 +100,7 @@ fn a_pull_on_both_sides_moves_the_spine_to_both_sides() {
 #[test]
 fn the_balance_changes_as_the_uppermost_vertebra_moves() {
     let running = running();
-    let load = json!([{ "kind": "force_at_point", "level": "T2", "force_n": [0.0, 12.0, 0.0] }]);
+    let load = json!([{ "kind": "force_at_point", "level": "T2", "force": [0.0, 12.0, 0.0] }]);
     let answer = running.post(PATH, &file(&load));
     let rows = answer["simulation"]["angles"]["rows"].as_array().expect("rows");
     let change_mm = |name: &str| {
@@ -124,10 +123,10 @@ fn the_balance_changes_as_the_uppermost_vertebra_moves() {
 fn faults_name_their_load_and_all_of_them() {
     let running = running();
     let loads = json!([
-        { "kind": "pad", "level": "T8", "direction": [0.0, 0.5, 0.0], "n_per_mm": 2.0, "advance_mm": 5.0 },
-        { "kind": "force_at_point", "level": "T6", "force_n": [0.0, 5.0, 0.0] },
-        { "kind": "gravity", "body_weight_n": -3.0 },
-        { "kind": "moment", "level": "L4", "moment_nmm": [100.0, 0.0, 0.0] },
+        { "kind": "pad", "level": "T8", "direction": [0.0, 0.5, 0.0], "force_per_mm": 2.0, "advance_mm": 5.0 },
+        { "kind": "force_at_point", "level": "T6", "force": [0.0, 5.0, 0.0] },
+        { "kind": "gravity", "body_weight": -3.0 },
+        { "kind": "moment", "level": "L4", "moment": [100.0, 0.0, 0.0] },
     ]);
     let answer = running.post(PATH, &file(&loads));
     assert_eq!(answer["simulation"], Value::Null);
@@ -149,7 +148,7 @@ fn a_file_that_is_no_load_file_is_refused_with_its_line() {
         (file(&misspelt), 422, "did you mean `level`?"),
         (file(&json!([])), 422, "load"),
         (json!({ "format": "spineline-model" }), 422, "spineline-load"),
-        (file(&json!(vec![json!({ "kind": "gravity", "body_weight_n": 1.0 }); 101])), 422, "101"),
+        (file(&json!(vec![json!({ "kind": "gravity", "body_weight": 1.0 }); 101])), 422, "101"),
     ] {
         let (status, problem) = running.ask("POST", PATH, Some(&body));
         assert_eq!(status, code, "{problem}");
@@ -161,7 +160,7 @@ fn a_file_that_is_no_load_file_is_refused_with_its_line() {
 #[test]
 fn loads_that_fold_the_spine_end_by_name_without_angles() {
     let running = running();
-    let load = json!([{ "kind": "force_at_point", "level": "T2", "force_n": [0.0, 0.0, -9000.0] }]);
+    let load = json!([{ "kind": "force_at_point", "level": "T2", "force": [0.0, 0.0, -9000.0] }]);
     let answer = running.post(PATH, &file(&load));
     let simulation = &answer["simulation"];
     assert_eq!(simulation["converged"], false);

@@ -16,10 +16,10 @@ fn pads_are_tried_shown_and_cancelled() {
     let lead = app.observer(READER);
     assert_eq!(lead.get(PATH).json()["state"], "none");
     for (force, stiffness) in [(0.0, 2.0), (40.0, -1.0), (1e9, 2.0)] {
-        let request = json!({ "largest_force": force, "n_per_mm": stiffness });
+        let request = json!({ "largest_force": force, "force_per_mm": stiffness });
         assert_eq!(lead.post(PATH, &request).status, StatusCode::UNPROCESSABLE_ENTITY);
     }
-    let request = json!({ "largest_force": 30.0, "n_per_mm": 2.0 });
+    let request = json!({ "largest_force": 30.0, "force_per_mm": 2.0 });
     let begun = lead.post(PATH, &request);
     assert_eq!((begun.status, begun.json()["asked"].as_u64()), (StatusCode::OK, Some(112)));
     let done = lead.ended(PATH);
@@ -37,7 +37,7 @@ fn pads_are_tried_shown_and_cancelled() {
 
     // The next one beside the first.
     let first = best["load"].clone();
-    let request = json!({ "largest_force": 20.0, "n_per_mm": 2.0, "beside": [first] });
+    let request = json!({ "largest_force": 20.0, "force_per_mm": 2.0, "beside": [first] });
     assert_eq!(lead.post(PATH, &request).status, StatusCode::OK);
     let done = lead.ended(PATH);
     assert!(done["texts"].to_string().contains("beside the one load that the plan had"), "{done}");
@@ -49,9 +49,9 @@ fn loads_that_cannot_stand_beside_a_pad_are_refused() {
     let app = App::new(Access::Token, |store| add_read_study(store, "S1", &phantom().case));
     let lead = app.observer(READER);
     let force = |level: &str, up: f64| {
-        let beside = json!({ "kind": "force_at_point", "level": level, "force_n": [0.0, 0.0, up],
+        let beside = json!({ "kind": "force_at_point", "level": level, "force": [0.0, 0.0, up],
             "point_in_vertebra_mm": [0.0, 0.0, 0.0] });
-        json!({ "largest_force": 20.0, "n_per_mm": 2.0, "beside": [beside] })
+        json!({ "largest_force": 20.0, "force_per_mm": 2.0, "beside": [beside] })
     };
     let refused = lead.post(PATH, &force("L4", 1.0));
     assert_eq!(refused.status, StatusCode::UNPROCESSABLE_ENTITY);
@@ -94,7 +94,7 @@ fn check_cell(lead: &Browser<'_>, cell: &Value, others: &[Value]) {
 fn a_cancelled_map_shows_no_numbers() {
     let app = App::new(Access::Token, |store| add_read_study(store, "S1", &phantom().case));
     let lead = app.observer(READER);
-    let request = json!({ "largest_force": 60.0, "n_per_mm": 2.0 });
+    let request = json!({ "largest_force": 60.0, "force_per_mm": 2.0 });
     assert_eq!(lead.post(PATH, &request).status, StatusCode::OK);
     assert_eq!(lead.delete(PATH).status, StatusCode::OK);
     let view = lead.ended(PATH);
