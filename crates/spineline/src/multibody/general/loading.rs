@@ -223,7 +223,7 @@ pub enum LoadingFault {
     RodPose,
     /// A rod that prescribes what the support holds.
     #[error(
-        "it prescribes {component} of {value} {}, but in the frontal support a rod prescribes only the tilt (rotation about x) and the lateral place (displacement along y) of its upper vertebra", component.unit()
+        "it prescribes {component} of {value:.3}{}, but in the frontal support a rod prescribes only the tilt (rotation about x) and the lateral place (displacement along y) of its upper vertebra", component.unit()
     )]
     RodAgainstSupport {
         /// What it prescribes.
@@ -261,11 +261,11 @@ pub enum RodComponent {
 }
 
 impl RodComponent {
-    /// `mm` or `°`.
+    /// The unit as it follows a number: ` mm` or `°`.
     #[must_use]
     pub const fn unit(self) -> &'static str {
         match self {
-            Self::ShiftX | Self::ShiftZ => "mm",
+            Self::ShiftX | Self::ShiftZ => " mm",
             Self::TurnY | Self::TurnZ => "°",
         }
     }
