@@ -15,7 +15,14 @@ pub const MAX_ANALYSES_BYTES: u64 = 256 << 20;
 /// # Errors
 /// [`FileError::Read`], [`FileError::TooLarge`], [`FileError::NotUtf8`].
 pub fn read_text(path: &Path) -> Result<String, FileError> {
-    let bytes = read_bytes(path, MAX_FILE_BYTES)?;
+    text_of(path, read_bytes(path, MAX_FILE_BYTES)?)
+}
+
+/// The text of a file from its bytes.
+///
+/// # Errors
+/// [`FileError::NotUtf8`].
+pub fn text_of(path: &Path, bytes: Vec<u8>) -> Result<String, FileError> {
     let utf_16 = is_utf_16(&bytes);
     let refused = |at| FileError::NotUtf8 { path: path.to_owned(), at, utf_16 };
     match String::from_utf8(bytes) {

@@ -12,7 +12,7 @@ use spineline::analysis::{Analysis, Subject};
 use spineline::uncertainty::Uncertainty;
 use spineline_files::method_text::option_file;
 use spineline_files::{
-    FileError, InputFile, MAX_FILE_BYTES, Replicates, Request, parse_case_within, read_bytes,
+    InputFile, MAX_FILE_BYTES, Replicates, Request, parse_case_within, read_bytes,
     sha256_hex, to_line,
 };
 use spineline_tables::{NumberFormat, Patient, Series, Table, TableError, Values, tables};
@@ -147,11 +147,8 @@ impl CaseText {
             Ok(bytes) => bytes,
             Err(error) => return Self(Err((error.to_string(), error.into()))),
         };
-        Self(String::from_utf8(bytes).map_err(|error| {
-            let at = error.utf8_error().valid_up_to() + 1;
-            let digest = sha256_hex(error.as_bytes());
-            (digest, FileError::NotUtf8 { path: path.to_owned(), at }.into())
-        }))
+        let digest = sha256_hex(&bytes);
+        Self(text_of(path, bytes).map_err(|error| (digest, error.into())))
     }
 
     /// SHA-256, or why there is none, and the identifier of the case.

@@ -8,7 +8,8 @@ use clap::Args;
 use spineline::analysis::{CASE_ID_RULE, is_case_id};
 use spineline::anatomy::{ImageSide, Posture};
 use spineline::measure::{
-    Calibration, Calibrator, OBSERVER_RULE, ReadingId, Spacing, SpacingPlane, is_observer_code,
+    Calibration, Calibrator, OBSERVER_RULE, ReadingId, Spacing, SpacingPlane, SpacingSource,
+    is_observer_code,
 };
 use spineline::spatial::Pixel;
 
