@@ -12,8 +12,8 @@ use spineline::analysis::{Analysis, Subject};
 use spineline::uncertainty::Uncertainty;
 use spineline_files::method_text::option_file;
 use spineline_files::{
-    InputFile, MAX_FILE_BYTES, Replicates, Request, parse_case_within, read_bytes,
-    sha256_hex, to_line,
+    InputFile, MAX_FILE_BYTES, Replicates, Request, parse_case_within, read_bytes, sha256_hex,
+    text_of, to_line,
 };
 use spineline_tables::{NumberFormat, Patient, Series, Table, TableError, Values, tables};
 

@@ -37,7 +37,8 @@ impl Analysis {
             Some((ranking, *found))
         });
         if let Some((ranking, (kind, mm))) = best {
-            let lost = ranking.lines.iter().map(|(kind, _)| kind).take_while(|other| **other != kind);
+            let lost =
+                ranking.lines.iter().map(|(kind, _)| kind).take_while(|other| **other != kind);
             let lost: Vec<String> = lost.map(|kind| format!("the {kind}")).collect();
             let words = if lost.is_empty() {
                 compared.choice_words().unwrap_or_default()
