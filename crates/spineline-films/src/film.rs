@@ -7,28 +7,7 @@ use sha2::{Digest, Sha256};
 use spineline::measure::{SpacingEvidence, ViewEvidence};
 
 use super::error::{FilmError, UnsupportedPhotometric};
-use super::{ExposureMarks, FilmRemark, Look, PatientMarks};
-
-/// What kind of file a film came from.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[allow(missing_docs)]
-pub enum FilmKind {
-    Dicom,
-    Png,
-    Jpeg,
-    Tiff,
-}
-
-impl std::fmt::Display for FilmKind {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.pad(match self {
-            Self::Dicom => "DICOM",
-            Self::Png => "PNG",
-            Self::Jpeg => "JPEG",
-            Self::Tiff => "TIFF",
-        })
-    }
-}
+use super::{ExposureMarks, FilmKind, FilmRemark, Look, PatientMarks};
 
 /// Which values are bright: Photometric Interpretation (0028,0004).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]

@@ -28,6 +28,7 @@ mod error;
 mod exposure;
 mod film;
 pub mod intake;
+mod kind;
 mod limits;
 mod lookup;
 mod pair;
@@ -55,9 +56,8 @@ pub use error::{
     Codec, CodecFault, ElementFault, FilmError, Lookalike, Measure, Place, UnsupportedPhotometric,
 };
 pub use exposure::{ExposureMarks, Exposures};
-pub use film::{
-    FilmFile, FilmKind, FilmTags, FilmUids, Photometric, PresentationShape, StoredPixels,
-};
+pub use film::{FilmFile, FilmTags, FilmUids, Photometric, PresentationShape, StoredPixels};
+pub use kind::FilmKind;
 pub use limits::FilmLimits;
 pub use lookup::{Look, Lut, ModalityTransform, Voi, Window, WindowFunction};
 pub use patient::PatientMarks;

@@ -39,7 +39,7 @@ pub enum CaseError {
         /// The other.
         second: Posture,
     },
-    /// Both bends lean to the wrong side of the erect film, beyond noise.
+    /// Both bends are tilted to the wrong side of the erect film, beyond noise.
     #[error("from the erect film, the left bending film leans {} and the right bending film {}: the two films are exchanged", left.leaning(), right.leaning())]
     BendsExchanged {
         /// Change of the lateral tilt from the erect film on the film named left; positive to the right.

@@ -148,8 +148,7 @@ export const isPointed = (load: Load): boolean =>
 /** The same load towards the patient's left (1) or right (-1). */
 export function pointed(load: Load, left: 1 | -1, midpointOf: (level: string) => Point): Load {
   if (load.kind === "pad") return withValue(load, "direction", [0, left, 0]);
-  if (load.kind === "force_at_point")
-    return withValue(load, "force", sideways(load.force, left));
+  if (load.kind === "force_at_point") return withValue(load, "force", sideways(load.force, left));
   if (load.kind !== "strap") return load;
   const from = midpointOf(load.level);
   const reach = load.anchor_mm.map((value, axis) => value - at(from, axis));

@@ -51,7 +51,7 @@ pub fn run(args: &MergeArgs) -> Result<Ending, Failure> {
     let parts = args.parts.iter().map(|folder| Part::read(folder)).collect::<Result<_, _>>()?;
     let parts = in_order(parts)?;
     check_alike(&parts)?;
-    let patients = check_patients(&parts)?;
+    let cases = check_cases(&parts)?;
     let inputs = parts.iter().flat_map(|part| part.files().map(|file| part.path(&file.name)));
     let inputs: Vec<PathBuf> = inputs.chain(parts.iter().map(|part| part.path(LIST))).collect();
     let outputs = Outputs::new(args.overwrite, inputs.iter().map(PathBuf::as_path));
@@ -73,7 +73,7 @@ pub fn run(args: &MergeArgs) -> Result<Ending, Failure> {
     outputs.commit()?;
     print(&format!(
         "{} of {} in {} of {}\n",
-        counted(patients, "patient"),
+        counted(cases, "case"),
         counted(parts.len(), "part"),
         counted(merged, "file"),
         args.out.display()
@@ -186,8 +186,8 @@ fn check_alike(parts: &[Part]) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Refuses a patient in two parts; counts all.
-fn check_patients(parts: &[Part]) -> Result<usize, Failure> {
+/// Refuses a case in two parts; counts all, refused ones too.
+fn check_cases(parts: &[Part]) -> Result<usize, Failure> {
     let mut known: HashMap<String, &Part> = HashMap::new();
     for part in parts {
         let has = |name: &str| part.files().any(|file| file.name == name);

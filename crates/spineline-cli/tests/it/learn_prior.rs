@@ -98,6 +98,28 @@ fn too_few_patients_doubted_films_and_files_that_are_no_distribution_are_refused
 
     done(here.path(), &["phantom", "--subject", "5", "--out", "cases"]);
     done(here.path(), &["phantom", "--subject", "6", "--out", "cases"]);
+    // The erect film again, moved by five pixels, under the name of a bend.
+    let doubted = here.path().join("cases/phantom-rod-06.json");
+    let mut case = json(&doubted);
+    let film = |case: &Value, posture: &str| {
+        let mut films = case["films"].as_array().expect("films").iter();
+        films.position(|film| film["posture"] == posture).expect("every posture")
+    };
+    let (erect, left) = (film(&case, "erect"), film(&case, "left_bending"));
+    let mut again = case["films"][erect].clone();
+    again["posture"] = "left_bending".into();
+    again["image"]["file"] = case["films"][left]["image"]["file"].clone();
+    for reading in again["readings"].as_array_mut().expect("readings") {
+        for corners in reading["vertebrae"].as_object_mut().expect("vertebrae").values_mut() {
+            for corner in corners.as_object_mut().expect("corners").values_mut() {
+                if let Some([column, _]) = corner.as_array_mut().map(Vec::as_mut_slice) {
+                    *column = (column.as_f64().expect("a number") + 5.0).into();
+                }
+            }
+        }
+    }
+    case["films"][left] = again;
+    fs::write(&doubted, case.to_string()).expect("a place");
     let error = refused(here.path(), &["learn-prior", "cases", "--out", "prior.json"], 3);
     assert!(error.contains("may not show what it is named after"), "{error}");
     fs::remove_file(here.path().join("prior.json")).expect("of the others");

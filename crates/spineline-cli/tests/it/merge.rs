@@ -28,7 +28,7 @@ fn rows(path: &Path) -> Vec<String> {
 fn merged_shards_are_the_tables_of_one_run() {
     let here = analysed();
     let said = program::done(here.path(), &["merge", "part2", "part1", "--out", "merged"]);
-    assert!(said.starts_with("3 patients of 2 parts in "), "{said}");
+    assert!(said.starts_with("3 cases of 2 parts in "), "{said}");
     let (whole, merged) = (here.path().join("whole"), here.path().join("merged"));
     let mut tables = 0;
     for entry in fs::read_dir(&whole).expect("a folder") {
@@ -115,5 +115,5 @@ fn a_shard_without_a_usable_case_is_merged_too() {
         program::done(here.path(), &["analyze", "cases", "--shard", shard, "--tables", folder]);
     }
     let said = program::done(here.path(), &["merge", "1", "2", "3", "--out", "merged"]);
-    assert!(said.starts_with("2 patients of 3 parts"), "{said}");
+    assert!(said.starts_with("3 cases of 3 parts"), "{said}");
 }

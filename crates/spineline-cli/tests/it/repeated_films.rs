@@ -186,7 +186,7 @@ fn the_picture_of_a_frontal_film_is_no_lateral_one_in_another_file() {
 /// Corners of T9 and T8 by name: column and row.
 fn corners(down: f64) -> Vec<(String, [f64; 2])> {
     let mut all = Vec::new();
-    for (level, top) in [("T9", 100.0), ("T8", 70.0)] {
+    for (level, top) in [("T9", 101.0), ("T8", 71.0)] {
         for (endplate, row) in [("superior", top + down), ("inferior", top + down + 20.0)] {
             for (side, column) in [("left", 45.0), ("right", 15.0)] {
                 all.push((format!("{level}_{endplate}_{side}"), [column, row]));

@@ -265,7 +265,7 @@ fn a_bad_table_of_the_lateral_film_is_refused_by_line_and_column() {
     };
     fails(
         &table.replace("superior_anterior_column_px", "superior_front_column_px"),
-        "superior_front_column_px",
+        "superior_anterior_column_px",
     );
     let first = table.lines().nth(1).expect("a vertebra");
     let cut = first.rsplit_once(',').expect("cells").0;

@@ -15,7 +15,6 @@ use spineline::spatial::{Angle, Frontal, Pixel};
 use crate::FileError;
 use crate::json::parse;
 use crate::keys::{ByLevel, Key, LevelKey};
-
 use image::ImageRecord;
 pub use image::{FilmSource, image_value, parse_image, with_spacing};
 use lateral::LateralRecord;

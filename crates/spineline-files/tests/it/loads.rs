@@ -109,7 +109,7 @@ fn an_inapplicable_load_is_reported_with_number_kind_and_vertebra() {
         ),
         (
             r#"{"kind":"pad","level":"T8","direction":[0,1,0],"force_per_mm":-1,"advance_mm":1}"#,
-            ["(pad, T8)", "-1 N/mm"],
+            ["(pad, T8)", "-1 per mm"],
         ),
         (
             r#"{"kind":"rod","inferior":"T6","superior":"T12"}"#,

@@ -89,9 +89,10 @@ fn every_film_is_checked_and_known_errors_are_found() {
         ROWS - (&by_geometry | &by_eye).len(),
         false_alarms,
     );
-    // On row 143 two neighbouring distances are 1.4 times their share: between one and two vertebrae, so neither.
+    // On row 143 two neighbouring distances are 1.4 times their share: between one and two vertebrae, so neither. On row 313 the one that
+    // is too long stays below the limit with distances from CT (decision 0047).
     let missed: Vec<usize> = (&by_geometry - &caught).into_iter().collect();
-    assert!(missed == [143], "missed: {missed:?}");
+    assert!(missed == [143, 313], "missed: {missed:?}");
     // One in a hundred: the limits of the core (0.6 and 1.6 of the usual distance) were not chosen on these films.
     assert!(false_alarms.len() * 100 <= ROWS, "false alarms: {false_alarms:?}");
 }

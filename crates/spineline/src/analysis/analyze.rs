@@ -10,6 +10,7 @@ use super::models::fit_models;
 use super::preference::{PreferredLine, prefer_lines};
 use super::result::{Analysis, PostureAnalysis, is_read_once};
 use super::standing::widths_mm;
+use super::words::counted_inflections;
 use super::wrong_film::warn_of_wrong_films;
 use super::{AnalysisOptions, Case, LineModel};
 use crate::anatomy::Posture;
@@ -491,17 +492,8 @@ fn warn_of_inflections(found: &Inflections, warnings: &mut Warnings) {
     };
     let text = format!(
         "the erect curve has {} (curves of {}), not two: {then}",
-        counted(found.all.len()),
+        counted_inflections(found.all.len()),
         curves.join(", ")
     );
     warnings.film(Step::Motion, "inflections_not_two", Posture::Erect, text);
-}
-
-/// A number of inflections in words.
-pub(super) fn counted(inflections: usize) -> String {
-    match inflections {
-        0 => "no inflection".to_owned(),
-        1 => "one inflection".to_owned(),
-        n => format!("{n} inflections"),
-    }
 }

@@ -58,7 +58,7 @@ pub(super) fn check_outlines(
     if let (Some(left), Some(right)) = (of(Posture::LeftBending), of(Posture::RightBending)) {
         let change = |film: &Outline| top_tilt(film) - top_tilt(erect);
         let [left_margin, right_margin] = [left, right].map(|film| tilt_margin(erect, film));
-        // If only one leans to the wrong side, an exchange makes the other one wrong.
+        // If only one is tilted to the wrong side, an exchange makes the other one wrong.
         if change(left) > left_margin && -change(right) > right_margin {
             let [left, right] = [left, right].map(change);
             return Err(CaseError::BendsExchanged { left, right });

@@ -1,6 +1,6 @@
-use super::analyze::counted;
 use super::comparison::{FilmRole, LinesCompared, Ranking};
 use super::compatibility::{BendEvidence, Compatibility};
+use super::words::counted_inflections;
 use super::wrong_film::doubts_film;
 use super::{Analysis, LineModel, PostureAnalysis};
 use crate::action::LineKind;
@@ -75,7 +75,7 @@ impl Analysis {
         }
         format!(
             "There is no inflection line: the erect curve has {} (minimum angle of a curve between inflections: {}).",
-            counted(self.inflections.all.len()),
+            counted_inflections(self.inflections.all.len()),
             self.options.min_curve
         )
     }

@@ -16,9 +16,9 @@ const MAX_ERECT_TILT: Angle = Angle::from_deg(15.0);
 /// of the back, is 5.6°.
 const MIN_BEND_TILT: Angle = Angle::from_deg(3.0);
 
-/// A bend that leans away by more is most likely one to the other side.
+/// A bend that is tilted away by more is most likely one to the other side.
 ///
-/// Of bends to the stated side 3 % lean away, by 4° in the mean; those to the other side lean by 5 to 40°, all alike (assumptions, which
+/// Of bends to the stated side 3 % are tilted away, by 4° in the mean; those to the other side by 5 to 40°, all alike (assumptions, which
 /// make the second 20 times as probable from here on).
 const MAX_LEANING_AWAY: Angle = Angle::from_deg(7.0);
 

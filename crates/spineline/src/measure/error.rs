@@ -1,13 +1,10 @@
+use super::observer::OBSERVER_HELP;
 use super::order::out_of_order_words;
 use super::{
     CornerFault, CornerOrder, FilmSize, FilmTooLarge, LateralFault, OBSERVER_RULE, PedicleFault,
     ReadingId,
 };
 use crate::anatomy::{Level, Levels, Posture};
-
-/// Remedy where the observer of a reading is no code.
-pub(super) const OBSERVER_HELP: &str =
-    "give every observer a code, the same in all files and studies, and no name of a person";
 
 /// The corners in their order, as errors name them.
 const CORNER_NAMES: [&str; 4] =

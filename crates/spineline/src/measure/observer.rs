@@ -8,6 +8,10 @@ use crate::warning::{Step, Warnings};
 /// What a code of an observer is, in words.
 pub const OBSERVER_RULE: &str = "1 to 64 letters, digits, `.`, `-` and `_`, such as A or reader-2";
 
+/// Remedy where the observer of a reading is no code.
+pub(super) const OBSERVER_HELP: &str =
+    "give every observer a code, the same in all files and studies, and no name of a person";
+
 /// Whether a text is the code of an observer: 1 to 64 ASCII letters, digits, `.`, `-` and `_`.
 ///
 /// ```

@@ -11,7 +11,7 @@ use spineline::anatomy::{Level, Posture};
 use spineline::chain::{Chain, ChainError, SEGMENT_WINDOW};
 use spineline::curve::{CurveError, InflectionChoice, OrderRule, Site};
 use spineline::error::{CaseError, Error};
-use spineline::measure::{Film, IliacCrests};
+use spineline::measure::{Film, IliacCrests, MeasureError};
 use spineline::spatial::{Angle, Frontal};
 use spineline::warning::{Step, Warning};
 
@@ -257,7 +257,12 @@ fn tilts_of_the_wrong_sign_are_detected_by_the_curve() {
             }
         }
     }
-    warned(&analyzed(&case, &on_a_table()), "tilts_disagree_with_locations", Some(Posture::Erect));
+    let error = analyze(&case, &on_a_table()).expect_err("tilts of the wrong sign");
+    let expected = Posture::Erect;
+    assert!(
+        matches!(&error, Error::Measure(MeasureError::TiltsReversed { posture, .. }) if *posture == expected),
+        "{error}"
+    );
 }
 
 #[test]

@@ -53,7 +53,7 @@ pub fn run(args: &AnalyzeArgs) -> Result<Ending, Failure> {
     let listed = if args.cohort.is_some() { Listed::All } else { Listed::First };
     let statistics = || cohort::of_kept(&mut found.patients, listed, args.threads);
     let together = asked.is_cohort.then(statistics).transpose()?;
-    // What was found is shown although it cannot be written.
+    // Results are shown although they cannot be written.
     let kept = keep(&found, together.as_ref(), asked, written, &outputs);
     let kept = kept.and_then(|()| outputs.commit());
     if !to_stdout {

@@ -39,7 +39,7 @@ pub fn run(args: &SimulateArgs) -> Result<Ending, Failure> {
     let source = Source::of(args, &model)?;
     let outcome = with_progress(|on_point| Outcome::of(args, model, loads, notes, on_point))?;
     let outcome = outcome.with_replicates(args, source)?;
-    // What was found is shown although it cannot be written.
+    // Results are shown although they cannot be written.
     let written = outcome.write(args, &outputs).and_then(|()| outputs.commit());
     if streams == 0 {
         print(&text::report(&outcome))?;

@@ -1,5 +1,5 @@
 use crate::anatomy::Level;
-use crate::measure::error::OBSERVER_HELP;
+use crate::measure::observer::OBSERVER_HELP;
 use crate::measure::{CornerOrder, FilmSize, OBSERVER_RULE, ReadingId};
 
 /// The corners in their order, as errors name them.
