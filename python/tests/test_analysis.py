@@ -64,8 +64,12 @@ def test_files_and_tables_have_the_bytes_of_the_program(
 def test_what_stops_the_program_stops_the_package_with_the_same_words(
     program: Path, tmp_path: Path
 ) -> None:
-    # Bends that lean to one side by the weight alone are taken for exchanged films.
-    case = sl.phantom("weight", subject=10)
+    # Each bend under the name of the other one.
+    told = json.loads(sl.phantom("pull", subject=2).to_json())
+    other = {"left_bending": "right_bending", "right_bending": "left_bending"}
+    for film in told["films"]:
+        film["posture"] = other.get(film["posture"], film["posture"])
+    case = sl.Case.from_json(json.dumps(told))
     file = case.save(tmp_path / "case.json")
     ending = subprocess.run([program, "analyze", file], capture_output=True, text=True)
     with pytest.raises(sl.InputError) as caught:
