@@ -4,6 +4,7 @@ use spineline::analysis::probability;
 use spineline::cohort::Cohort;
 use spineline::evaluate::statistics::{PairedT, Summary};
 use spineline::multibody::Support;
+use spineline::personalize::TestOutcome;
 
 /// Rows under one heading.
 pub struct Section {
@@ -121,17 +122,16 @@ fn short(ratio: f64) -> String {
 /// The verdict of a p-value: whether it lies on the same side of 0.05 as the paper's.
 pub fn test_verdict(paper_rejects: bool, ours: &[Cell; 3]) -> String {
     let (mut alike, mut differs) = (Vec::new(), Vec::new());
+    let paper = if paper_rejects { TestOutcome::Rejected } else { TestOutcome::Kept };
     for (name, cell) in TRUTHS.iter().zip(ours) {
+        let outcome = TestOutcome::of(Some(cell.mean).filter(|p| p.is_finite()));
         // The paper rejected where its first mean was the smaller one.
-        if paper_rejects && cell.mean < 0.05 && cell.difference > 0.0 {
-            differs.push(format!("rejected in the other direction for {name}"));
-        } else if (cell.mean < 0.05) == paper_rejects && cell.mean.is_finite() {
+        if paper_rejects && outcome == paper && cell.difference > 0.0 {
+            differs.push(format!("{outcome} in the other direction for {name}"));
+        } else if outcome == paper {
             alike.push(*name);
         } else {
-            differs.push(format!(
-                "{} for {name}",
-                if paper_rejects { "not rejected" } else { "rejected" }
-            ));
+            differs.push(format!("{outcome} for {name}"));
         }
     }
     sentence(&alike, &differs)
