@@ -40,7 +40,7 @@ pub enum CaseError {
         second: Posture,
     },
     /// Both bends are tilted to the wrong side of the erect film, beyond noise.
-    #[error("from the erect film, the left bending film leans {} and the right bending film {}: the two films are exchanged", left.leaning(), right.leaning())]
+    #[error("from the erect film, the lateral tilt changes by {} on the left bending film and by {} on the right bending film: the two films are exchanged", left.leaning(), right.leaning())]
     BendsExchanged {
         /// Change of the lateral tilt from the erect film on the film named left; positive to the right.
         left: Angle,
