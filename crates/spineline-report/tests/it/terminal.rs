@@ -308,7 +308,7 @@ fn requested_numbers_of_replicates_are_shown() {
 #[test]
 fn every_warning_names_case_place_and_code() {
     let mut case = case(0, Truth::Rod);
-    case.films.retain(|film| film.posture == spineline::anatomy::Posture::Erect);
+    case.films.truncate(1);
     let analysis = analyzed(&case);
     let notices = warnings(&analysis);
     assert!(!notices.is_empty() && notices.len() == analysis.warnings.all().len());
@@ -326,7 +326,7 @@ fn every_warning_names_case_place_and_code() {
 #[test]
 fn a_single_film_has_no_models_and_no_empty_sections() {
     let mut alone = case(0, Truth::Rod);
-    alone.films.retain(|film| film.posture == spineline::anatomy::Posture::Erect);
+    alone.films.truncate(1);
     let document = summary(&alone, &analyzed(&alone), None, None);
     let ids: Vec<&str> = document.sections.iter().map(|section| section.id).collect();
     assert_eq!(ids, ["verdict", "films"]);
@@ -454,8 +454,7 @@ fn a_large_cohort_shows_its_first_patients_and_counts_all() {
 fn an_empty_cohort_says_so() {
     let document =
         cohort::summary(&PatientRows::default(), &Cohort::of(&[], 1), &[], "spineline test");
-    let text = terminal(&document, WIDTH);
-    assert!(text.contains("No case could be analysed."), "{text}");
+    assert!(terminal(&document, WIDTH).contains("No case could be analysed."));
 }
 
 #[test]
