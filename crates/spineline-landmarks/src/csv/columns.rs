@@ -155,7 +155,6 @@ impl Columns {
 }
 
 /// Where every known column of a heading is, and the other ones.
-#[expect(clippy::type_complexity, reason = "both parts of a heading, for one caller")]
 fn places(
     heading: &ByteRecord,
     line: u64,

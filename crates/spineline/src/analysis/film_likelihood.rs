@@ -161,7 +161,7 @@ impl FilmDifference {
             let noise = DMatrix::from_diagonal(&(&self.noise * factor.powi(2)));
             one.push(log_weight + log_density(&self.values, &still + &noise));
             for &(deg, log_prior) in &movements {
-                let covariance = &moved + &noise + &joints * deg.to_radians().powi(2);
+                let covariance = &moved + &noise + &joints * Angle::from_deg(deg).rad().powi(2);
                 two.push(log_weight + log_prior + log_density(&self.values, covariance));
             }
         }
@@ -193,7 +193,8 @@ impl FilmDifference {
         let (size, log_sd) = MOVEMENT;
         let densities =
             weighted(&MOVEMENTS_DEG, size.deg(), log_sd).into_iter().map(|(deg, log_prior)| {
-                log_prior + log_density(&residual, &known + &own * deg.to_radians().powi(2))
+                log_prior
+                    + log_density(&residual, &known + &own * Angle::from_deg(deg).rad().powi(2))
             });
         log_sum(&densities.collect::<Vec<_>>())
     }

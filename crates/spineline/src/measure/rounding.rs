@@ -13,10 +13,10 @@ const THREE_DIGITS_PX: f64 = 1000.0;
 pub(super) fn warn_of_rounding(film: &Film, warnings: &mut Warnings) {
     let FilmLandmarks::Corners { readings, .. } = &film.landmarks else { return };
     for reading in readings {
-        let directions: [(&str, fn(&Pixel) -> f64); 2] =
-            [("columns", |place| place.column_px), ("rows", |place| place.row_px)];
-        for (direction, of) in directions {
-            let Some(count) = whole_tens(reading, of) else { continue };
+        let columns = whole_tens(reading, |place| place.column_px);
+        let rows = whole_tens(reading, |place| place.row_px);
+        for (direction, found) in [("columns", columns), ("rows", rows)] {
+            let Some(count) = found else { continue };
             let text = format!(
                 "observer {}: {count} of its {direction} are whole tens, as in 1.89E+03 of a spreadsheet: if the file was rounded, export it again with all digits",
                 reading.id
