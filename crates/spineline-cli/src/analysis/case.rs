@@ -21,7 +21,7 @@ pub fn analyze_file(path: &Path, options: &AnalysisOptions) -> Result<Analysis, 
 
 /// A case without a result, and what to do about it.
 pub struct Refusal {
-    pub case: RefusedCase,
+    pub case: Box<RefusedCase>,
     pub failure: Failure,
 }
 
@@ -38,7 +38,7 @@ impl Refusal {
         let reason = failure.what().replace(&path.display().to_string(), &file);
         let reason = reason.strip_prefix(&format!("{file}: ")).unwrap_or(&reason).to_owned();
         let case_id = input.map(|input| input.case.id.clone());
-        Self { case: RefusedCase { file, case_id, step, reason }, failure }
+        Self { case: Box::new(RefusedCase { file, case_id, step, reason }), failure }
     }
 }
 

@@ -186,8 +186,8 @@ fn a_rod_that_prescribes_what_the_support_holds_is_refused_by_its_component() {
     for (shift_mm, turn_rad, component, value) in [
         ([3.0, 0.0, 0.0], [0.0; 3], RodComponent::ShiftX, 3.0),
         ([0.0, 2.0, -4.0], [0.0; 3], RodComponent::ShiftZ, -4.0),
-        ([0.0; 3], [0.1, 0.2, 0.0], RodComponent::TurnY, 0.2_f64.to_degrees()),
-        ([0.0; 3], [0.0, 0.0, 0.1], RodComponent::TurnZ, 0.1_f64.to_degrees()),
+        ([0.0; 3], [0.1, 0.2, 0.0], RodComponent::TurnY, Angle::from_rad(0.2).deg()),
+        ([0.0; 3], [0.0, 0.0, 0.1], RodComponent::TurnZ, Angle::from_rad(0.1).deg()),
     ] {
         let expected = LoadingFault::RodAgainstSupport { component, value };
         assert_eq!(refused([3, 9], shift_mm, turn_rad, Support::Frontal), Some(expected));

@@ -204,7 +204,7 @@ fn analyze_all(
                 progress.suspend(|| say(&format!("{failure}\n")));
                 found.ending = Ending::BadInput;
                 written.add(OutputParts::refused(&case, asked))?;
-                found.refused.push(case);
+                found.refused.push(*case);
                 Ok(())
             }
         }

@@ -49,7 +49,7 @@ pub fn run(paths: &[PathBuf], args: &ReportArgs, outputs: Outputs) -> Result<End
             }
             Err(Refusal { case, failure }) => {
                 say(&format!("{failure}\n"));
-                refused.push(case);
+                refused.push(*case);
             }
         }
     }
