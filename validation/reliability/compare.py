@@ -204,7 +204,10 @@ def compare_sem(c: Comparison, name: str, ours: dict, squares: tuple, n: int, k:
     agreement = parts.sum()
     with np.errstate(all="ignore"):
         satterthwaite = agreement**2 / (parts**2 / freedoms).sum()
-    cases = {"agreement": (agreement, satterthwaite), "consistency": (error, freedoms[1])}
+    consistency = (error, freedoms[1])
+    # The variance between raters is zero where its estimate is below.
+    with_raters = consistency if columns < error else (agreement, satterthwaite)
+    cases = {"agreement": with_raters, "consistency": consistency}
     for kind, (variance, freedom) in cases.items():
         found, changes = ours[f"sem_{kind}"], ours[f"mdc95_{kind}"]
         c.same(name, f"sem_{kind}", found["value"], np.sqrt(variance))
