@@ -230,7 +230,7 @@ export function modelView(): Api<"ModelView"> {
   };
 }
 
-/** Response to a load: the spine bends towards the arrow; above 120 N there is no equilibrium. */
+/** Response to a load: the spine bends towards the arrow; above a force of 120 there is no equilibrium. */
 export function loadAnswer(request: Api<"LoadRequest">): Api<"LoadAnswer"> {
   const from = ERECT.midpoints_mm[LEVELS.indexOf(request.level)]!;
   const force = request.tip_mm.map((v, i) => v - from[i]!);

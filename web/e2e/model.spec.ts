@@ -145,7 +145,7 @@ test("the demo's model is computed and drawn, and responds to a load", async ({ 
   await page.mouse.move(x - 45, y, { steps: 20 });
   await page.mouse.up();
   // The picture did not move during the drag: the load is horizontal.
-  await expect(page.getByLabel("Up or down, in N")).toHaveValue("0");
+  await expect(page.getByLabel("Up or down, in rel. units")).toHaveValue("0");
   await expect(page.getByText(/^Equilibrium, reached/)).toBeVisible();
   expect((await steady(page, view)).equals(rest)).toBe(false);
   await shot(page, "model-of-the-demo-load");
@@ -276,7 +276,7 @@ test("the spine follows a dragged load", async ({ app, page }) => {
   await page.mouse.move(x - 70, y, { steps: 15 });
   await expect(page.getByText(/^Equilibrium, reached/)).toBeVisible();
   // From behind, the left of the picture is the patient's left.
-  await expect(page.getByText(/\d+ N to the patient's left on T7 · largest/)).toBeVisible();
+  await expect(page.getByText(/Relative force \d+ to the patient's left on T7 · largest/)).toBeVisible();
   await page.mouse.up();
   expect((await steady(page, view)).equals(rest)).toBe(false);
   // The tip stays under the pointer.
