@@ -276,7 +276,9 @@ test("the spine follows a dragged load", async ({ app, page }) => {
   await page.mouse.move(x - 70, y, { steps: 15 });
   await expect(page.getByText(/^Equilibrium, reached/)).toBeVisible();
   // From behind, the left of the picture is the patient's left.
-  await expect(page.getByText(/Relative force \d+ to the patient's left on T7 · largest/)).toBeVisible();
+  await expect(
+    page.getByText(/Relative force \d+ to the patient's left on T7 · largest/),
+  ).toBeVisible();
   await page.mouse.up();
   expect((await steady(page, view)).equals(rest)).toBe(false);
   // The tip stays under the pointer.
