@@ -101,7 +101,7 @@ test.describe("with films of one phantom", () => {
   });
 
   test("a film of an archive is found by keyboard and becomes a study", async ({ app, page }) => {
-    const { address, server } = await startArchive(await readFile(films()[0] ?? ""));
+    const { address, server, owner } = await startArchive(await readFile(films()[0] ?? ""));
     await app.kill();
     await app.start("--dicomweb", `clinic=${address}`);
     await app.open(page);
@@ -113,7 +113,7 @@ test.describe("with films of one phantom", () => {
     await section.getByLabel("Patient ID", { exact: true }).fill("P-08");
     await page.keyboard.press("Enter");
     await expect(section.getByRole("status")).toContainText("no film for this Patient ID");
-    await section.getByLabel("Patient ID", { exact: true }).fill("P-07");
+    await section.getByLabel("Patient ID", { exact: true }).fill(owner);
     await page.keyboard.press("Enter");
     await expect(section.getByRole("status")).toContainText("1 series is found");
     await section.getByRole("button", { name: "Show films" }).press("Enter");
