@@ -50,8 +50,12 @@ plt.show()
 # %%
 for name, a in patients.items():
     replicates = sl.replicates(a, n=100, noise="measured", seed=1)
-    low, high = replicates.interval("multiplier.main_thoracic")
-    print(f"{name:5} multiplier of the main thoracic joints: 95 % interval {low:.2f} to {high:.2f}")
+    name_of_value = f"{name:5} multiplier of the main thoracic joints"
+    if replicates["multiplier.main_thoracic"].at_bound:
+        print(f"{name_of_value}: at its bound, not identified")
+    else:
+        low, high = replicates.interval("multiplier.main_thoracic")
+        print(f"{name_of_value}: 95 % interval if the model is exact {low:.2f} to {high:.2f}")
 
 # %% [markdown]
 # ## Contradictions
