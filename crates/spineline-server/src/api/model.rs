@@ -28,7 +28,7 @@ pub struct ModelView {
     pub measured: Vec<MeasuredShape>,
     /// One model per line of action; the notices give the reason for an absent result.
     pub lines: Vec<LineModelView>,
-    /// Unit of a load's force: `N` where a force was measured, else `rel.`.
+    /// Unit of a load's force: `N` where a force was measured, else `rel. units`.
     pub force_symbol: String,
     /// One of this unit, in words.
     pub force_unit_text: String,
