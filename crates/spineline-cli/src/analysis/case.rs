@@ -14,7 +14,7 @@ use crate::run::provenance::shown_name;
 /// Reads and analyses a case.
 ///
 /// # Errors
-/// If the file is no case, or what stops the analysis.
+/// If the file does not hold a case, or the analysis fails.
 pub fn analyze_file(path: &Path, options: &AnalysisOptions) -> Result<Analysis, Failure> {
     analyze_input(path, &CaseInput::read(path)?, options)
 }
@@ -45,7 +45,7 @@ impl Refusal {
 /// Reads and analyses a case of a cohort.
 ///
 /// # Errors
-/// If the file is no case, or what stops the analysis.
+/// If the file does not hold a case, or the analysis fails.
 pub fn analyze_member(
     path: &Path,
     options: &AnalysisOptions,

@@ -40,7 +40,7 @@ pub fn write_model(
     outputs.write(path, to_text(&file.with_provenance(provenance.clone())))
 }
 
-/// Says that there is no model to write, and what would give one.
+/// Names the missing model and the options that give one.
 pub fn say_missing(path: &Path, args: &AnalyzeArgs, analysis: &Analysis) {
     let what = match args.model_line {
         ModelLine::Kind(kind) => format!("there is no model with the {kind}"),
