@@ -13,8 +13,9 @@ use crate::anatomy::Side;
 use crate::measure::{MeasuredVertebra, Noise, Outline};
 use crate::spatial::Angle;
 
-/// Another explanation of a film is reported where the film is so many times as probable with it.
-const CLEARLY: f64 = 20.0;
+/// Another explanation of a film is reported where it makes the film 60 times as probable. If 3 of 100 films are wrong (assumption), the
+/// other explanation is then twice as probable as the stated one.
+const CLEARLY: f64 = 60.0;
 
 /// Size of joint rotations between two postures, and the standard deviation of its logarithm (assumptions).
 ///
