@@ -92,14 +92,18 @@ pub fn archive(plan: &Plan<'_>) -> Result<(), String> {
     cargo_on(plan, &["test", "--quiet", "--test", "it"], &["orthanc"], &[])
 }
 
-/// Studies of minutes over thousands of synthetic patients, which are ignored by other runs. They compute for so long that
-/// a release build pays. The one of a quarter of an hour is for `cargo xtask studies`; a full run has a quarter of its patients.
+/// Studies of minutes over thousands of synthetic patients, which are ignored by other runs.
+///
+/// `cargo xtask studies` runs all of them, for so long that a release build pays. A full run takes what the tests have built and leaves out
+/// the longest (`.config/nextest.toml`).
 pub fn slow_studies(plan: &Plan<'_>) -> Result<(), String> {
+    if plan.is_full() {
+        let arguments = ["nextest", "run", "--profile", "studies", "--run-ignored", "only"];
+        return cargo_on(plan, &arguments, &[], &[]);
+    }
     let arguments =
         ["test", "--release", "--locked", "--package", "spineline-phantom", "--test", "it"];
-    let left_out: &[&str] =
-        if plan.is_full() { &["--skip", "over_tens_of_thousands"] } else { &[] };
-    cargo(plan.root, &[&arguments[..], &["--", "--ignored"], left_out].concat())
+    cargo(plan.root, &[&arguments[..], &["--", "--ignored"]].concat())
 }
 
 pub fn doctest(plan: &Plan<'_>) -> Result<(), String> {
