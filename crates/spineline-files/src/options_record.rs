@@ -39,7 +39,6 @@ pub(crate) struct OptionsRecord {
     /// Picked by hand, caudal first; `null` where they come from the erect curve.
     inflections: Option<[SiteRecord; 2]>,
     /// Minimum angle of a curve between inflections of the erect curve, in degrees.
-    #[serde(alias = "min_lobe_deg")]
     min_curve_deg: f64,
     /// Fewest and most segments of the erect chain.
     segment_window: [u32; 2],

@@ -65,11 +65,7 @@ enum GoalRecord {
     /// The loads as they are given: a factor of one.
     FullLoad,
     /// A lateral tilt of the line from L4 to T2.
-    #[serde(alias = "lean")]
-    LateralTilt {
-        #[serde(alias = "lean_right_deg")]
-        lateral_tilt_right_deg: f64,
-    },
+    LateralTilt { lateral_tilt_right_deg: f64 },
 }
 
 /// A warning of a simulation.
@@ -94,7 +90,6 @@ impl SimulationWarning {
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 struct AnglesRecord {
     /// Lateral tilt of the line from L4 to T2; positive to the patient's right.
-    #[serde(alias = "lean_right_deg")]
     lateral_tilt_right_deg: f64,
     /// Between endplates, positive where convex to the left; empty where the model file has no endplates.
     cobb_deg: BTreeMap<Key<Region>, f64>,

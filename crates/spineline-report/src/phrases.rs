@@ -54,7 +54,7 @@ pub fn no_model_reason(analysis: &Analysis) -> String {
     reason.to_owned()
 }
 
-/// Why a patient has no personalised model, and what would give one.
+/// Why a patient has no personalised model, and what to add for a model.
 pub fn no_model(analysis: &Analysis) -> String {
     let scale = films_without_scale(analysis).map(|_| format!(" {GIVE_SCALE}"));
     format!(

@@ -61,7 +61,7 @@ pub fn analyze_member(
 /// Analyses a case that was read, after a comparison of the pictures beside it.
 ///
 /// # Errors
-/// If two films are the same picture, or what stops the analysis.
+/// If two films are the same picture, or the case cannot be analysed.
 pub fn analyze_input(
     path: &Path,
     input: &CaseInput,

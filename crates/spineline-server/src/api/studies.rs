@@ -15,7 +15,7 @@ pub enum StudyStatus {
     ToMark,
     /// A reading was begun, and the erect film lacks vertebrae.
     Marking,
-    /// The curve and its angles are measured; there is no model.
+    /// The curve and its angles are measured, without a model.
     Measured,
     /// All fitted models converged, and the films support one.
     Modelled,

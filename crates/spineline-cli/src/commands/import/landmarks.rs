@@ -203,8 +203,8 @@ pub fn read_lateral(
     Ok(readings)
 }
 
-/// What is known before a file is read: one that is for one film may need that film's picture. The posture is none of it: what a file
-/// states goes first.
+/// Facts that a reader of landmarks may need and that the file may lack: side, size and picture of the film. The posture is left out, since
+/// the posture in the file goes first.
 fn hint_for(
     posture: Option<Posture>,
     films: &[ResolvedFilm],
