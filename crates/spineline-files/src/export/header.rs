@@ -56,7 +56,7 @@ pub(super) fn header(model: &StoredModel, generator: &str, dialect: &Dialect) ->
     let title = format!("Personalised multibody model of a spine as {}", dialect.format);
     let mut lines = opening(model, &title, generator);
     lines.push(format!("Frame: {}", dialect.frame));
-    lines.push("Units: m, kg, s, N, N m/rad, rad.".to_owned());
+    lines.push(units(model.absolute).to_owned());
     lines.push(
         "Bodies: vertebrae in the erect posture, unloaded; a body's origin is the vertebra's midpoint. The lowest is fixed."
             .to_owned(),
@@ -68,11 +68,7 @@ pub(super) fn header(model: &StoredModel, generator: &str, dialect: &Dialect) ->
     );
     lines.push(dialect.notes.to_owned());
     lines.push(support(model.support).to_owned());
-    lines.push(format!(
-        "Stiffness: fitted with the line of action `{}`. {}",
-        model.line,
-        level(model.absolute)
-    ));
+    lines.push(format!("Stiffness: fitted with the line of action `{}`.", model.line));
     lines.push(format!(
         "NOMINAL, not measured, without influence on an equilibrium: mass {} kg and inertia {} kg m2 of a vertebra, damping {} s times the stiffness, and all shapes but the widths named above. Gravity is off.",
         number(NOMINAL_MASS_KG),
@@ -95,11 +91,11 @@ const fn support(support: Support) -> &'static str {
     }
 }
 
-const fn level(absolute: bool) -> &'static str {
+const fn units(absolute: bool) -> &'static str {
     if absolute {
-        "Springs and forces are absolute."
+        "Units: m, kg, s, rad, N, N m/rad. A measured force makes springs and forces absolute."
     } else {
-        "Only ratios of springs and forces are meaningful: all have one unknown common factor."
+        "Units: m, kg, s, rad. Springs and forces are RELATIVE: all have one unknown common factor, which the format reads as N m/rad and N."
     }
 }
 

@@ -146,7 +146,7 @@ fn every_spring_is_exported_with_its_value() {
             }
         }
         assert_eq!(found, wanted, "{format:?}");
-        for word in ["SYNTHETIC", "not a medical device", "phantom-rod-01", "ratios", "NOMINAL"] {
+        for word in ["SYNTHETIC", "not a medical device", "phantom-rod-01", "RELATIVE", "NOMINAL"] {
             assert!(comments[0].contains(word), "{word} in {format:?}");
         }
     }
