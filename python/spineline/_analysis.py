@@ -406,7 +406,7 @@ def analyze(
     Raises
     ------
     InputError
-        If an option or its value is unknown (a similar name of an option, or all values, are given), or what stops the analysis: with film, vertebra,
+        If an option or its value is unknown (a similar name of an option, or all values, are given), or the case cannot be analysed: with film, vertebra,
         value and limit.
     """
     given: dict[str, Any] = dict(options)

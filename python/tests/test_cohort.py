@@ -409,3 +409,21 @@ def test_progress_counts_the_cases(
     assert capsys.readouterr().err == ""
     cohort.analyze(out=tmp_path, chunk=2, progress=True)
     assert capsys.readouterr().err.endswith("analysed 4 of 4 cases\n")
+
+
+def test_nothing_is_predicted_of_patients_who_were_learned_from(
+    program: Path, folder_of_cases: Path, tmp_path: Path
+) -> None:
+    names = sorted(folder_of_cases.glob("*.json"))[:6]
+    prior = tmp_path / "prior.json"
+    learn = [program, "learn-prior", *names[:5], "--out", prior]
+    subprocess.run(learn, check=True, capture_output=True)
+    known, other = sl.read_case(names[0]), sl.read_case(names[5])
+    assert sl.analyze(other, rotation_prior=prior).is_usable
+    with pytest.raises(sl.InputError, match=f"was learned from the case {known.id}"):
+        sl.analyze(known, rotation_prior=prior)
+    with pytest.raises(sl.InputError, match="learned with tilts by `endplates`"):
+        sl.analyze(other, rotation_prior=prior, tilt="axis")
+    cohort = sl.Cohort([names[0], names[5]])
+    run = cohort.analyze(out=tmp_path / "out", rotation_prior=prior)
+    assert run.read("cases")["status"].to_pylist() == ["error", "ok"]

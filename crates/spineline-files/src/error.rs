@@ -163,6 +163,24 @@ pub enum FileError {
     /// A prior of joint rotations whose numbers are no distribution.
     #[error(transparent)]
     RotationPrior(#[from] spineline::evaluate::RotationPriorError),
+    /// A distribution of joint rotations that was learned from the case itself.
+    #[error(
+        "the distribution of joint rotations was learned from the case {case_id}, so it cannot predict its films"
+    )]
+    LearnedFrom {
+        /// Identifier of the case.
+        case_id: String,
+    },
+    /// A distribution of joint rotations that was learned with other tilts.
+    #[error(
+        "the distribution of joint rotations was learned with tilts by `{learned}`, and this analysis measures them by `{asked}`"
+    )]
+    LearnedWithTilt {
+        /// The rule that it was learned with.
+        learned: &'static str,
+        /// The rule of the analysis.
+        asked: &'static str,
+    },
     /// A prior of joint rotations of vertebrae in the wrong order.
     #[error("`top` must be above `base`, both between L4 and T2, but they are {top} and {base}")]
     PriorLevels {
@@ -354,6 +372,12 @@ impl FileError {
             }
             Self::NotRepeatable { .. } | Self::NoKnownForce | Self::NoSeed => {
                 "analyse the case again with `spineline analyze CASE --json FILE`"
+            }
+            Self::LearnedFrom { .. } => {
+                "leave out `rotation_prior` (a cohort predicts every patient from the others), or learn it from other cases"
+            }
+            Self::LearnedWithTilt { .. } => {
+                "choose the tilts that it was learned with, or learn it again with `spineline learn-prior --tilt`"
             }
             Self::RotationPrior(_) | Self::PriorLevels { .. } | Self::PriorRows => {
                 "learn it again with `spineline learn-prior CASE… --out FILE`"

@@ -28,6 +28,7 @@ mod model_source;
 mod nearest;
 mod options_record;
 mod provenance;
+mod published_record;
 mod read;
 mod readings_table;
 mod refused_file;

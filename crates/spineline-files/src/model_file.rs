@@ -84,13 +84,13 @@ struct VertebraRecord {
     midpoint_mm: [f64; 3],
     /// Unit vectors in `G`: anterior, left, cranial axis of the vertebra.
     axes: [[f64; 3]; 3],
-    /// Where pitch and depth come from; absent in older files.
+    /// Where pitch and depth come from.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pitch_from: Option<Key<PitchSource>>,
-    /// Where the axial rotation comes from; absent in older files.
+    /// Where the axial rotation comes from.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     axial_rotation_from: Option<Key<AxialSource>>,
-    /// Width of the body between its corners on the erect film, for drawing it; absent where nobody placed them, and in older files.
+    /// Width of the body between its corners on the erect film, for drawing it; absent where nobody placed them.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     width_mm: Option<f64>,
 }

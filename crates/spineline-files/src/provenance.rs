@@ -8,6 +8,7 @@ use spineline::uncertainty::LandmarkNoise;
 use crate::FileError;
 use crate::json::parse;
 use crate::options_record::OptionsRecord;
+use crate::published_record::PublishedRecord;
 use crate::request::{Replicates, Request};
 
 /// The run of a program, given by the program: no function here reads a clock or a command line.
@@ -107,6 +108,10 @@ pub struct Provenance {
     /// Choices of the analysis; absent where nothing was analysed.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     options: Option<OptionsRecord>,
+    /// Published numbers of a typical spine that results rest on; absent where nothing was analysed or simulated. Springs have their
+    /// sources beside them.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    published_numbers: Vec<PublishedRecord>,
 }
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -132,23 +137,32 @@ impl Provenance {
             identifiability: false,
             replicates: None,
             options: None,
+            published_numbers: Vec::new(),
         }
+    }
+
+    /// The same with the published numbers that results of patients and of models rest on.
+    #[must_use]
+    pub fn with_published_numbers(mut self) -> Self {
+        self.published_numbers = PublishedRecord::all();
+        self
     }
 
     /// The same with the request for every case.
     #[must_use]
-    pub fn asking(mut self, request: &Request) -> Self {
-        self.options = Some(OptionsRecord::from(&request.options));
-        self.identifiability = request.identifiability;
-        self.seed = request.replicates.map(|asked| asked.seed).or(self.seed);
-        self.replicates = request.replicates.map(|asked| ReplicatesRecord {
+    pub fn asking(self, request: &Request) -> Self {
+        let mut this = self.with_published_numbers();
+        this.options = Some(OptionsRecord::from(&request.options));
+        this.identifiability = request.identifiability;
+        this.seed = request.replicates.map(|asked| asked.seed).or(this.seed);
+        this.replicates = request.replicates.map(|asked| ReplicatesRecord {
             count: asked.count,
             noise_px: match asked.noise {
                 LandmarkNoise::Measured => None,
                 LandmarkNoise::Pixels(px) => Some(px),
             },
         });
-        self
+        this
     }
 
     /// Provenance of a file that joins others: their inputs one after the other, and the choices of the first; `None` of none.

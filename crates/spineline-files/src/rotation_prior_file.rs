@@ -6,6 +6,7 @@ use spineline::measure::TiltRule;
 use crate::FileError;
 use crate::json::parse;
 use crate::keys::Key;
+use crate::method_text::Choice;
 use crate::provenance::{FilmOrigin, Provenance};
 use crate::rotation_prior_record::RotationPriorRecord;
 
@@ -24,11 +25,9 @@ pub struct RotationPriorFile {
     version: u32,
     /// Whether any film is of a synthetic patient.
     synthetic: bool,
-    /// Identifiers of the cases that the prior was learned from; absent in older files.
-    #[serde(default)]
+    /// Identifiers of the cases that the prior was learned from.
     case_ids: Vec<String>,
     /// Landmarks from which tilts were measured (`endplates` or `axis`): rotations of another rule are not predicted from it.
-    #[serde(default = "endplate_tilts")]
     tilt: Key<TiltRule>,
     prior: RotationPriorRecord,
     /// Errors on bends of patients who were left out.
@@ -66,17 +65,27 @@ pub struct StoredRotationPrior {
 }
 
 impl StoredRotationPrior {
-    /// Whether it was learned from a case with this SHA-256 or this identifier.
-    #[must_use]
-    pub fn was_learned_from(&self, sha256: &str, case_id: &str) -> bool {
-        self.learned_from.iter().any(|one| one == sha256)
-            || self.case_ids.iter().any(|one| one == case_id)
+    /// Refuses a case, by SHA-256 and identifier, that it was learned from: what is then predicted of the case is no prediction.
+    ///
+    /// # Errors
+    /// [`FileError::LearnedFrom`].
+    pub fn check_case(&self, sha256: &str, case_id: &str) -> Result<(), FileError> {
+        let is_known = self.learned_from.iter().any(|one| one == sha256)
+            || self.case_ids.iter().any(|one| one == case_id);
+        if is_known { Err(FileError::LearnedFrom { case_id: case_id.to_owned() }) } else { Ok(()) }
     }
-}
 
-/// All files without the rule were learned with this one.
-const fn endplate_tilts() -> Key<TiltRule> {
-    Key(TiltRule::Endplates)
+    /// Refuses tilts that are measured by another rule than those that it was learned with.
+    ///
+    /// # Errors
+    /// [`FileError::LearnedWithTilt`].
+    pub fn check_tilt(&self, asked: TiltRule) -> Result<(), FileError> {
+        if self.tilt == asked {
+            return Ok(());
+        }
+        let [learned, asked] = [self.tilt, asked].map(|rule| rule.spelling());
+        Err(FileError::LearnedWithTilt { learned, asked })
+    }
 }
 
 /// Reads a prior of joint rotations from the text of its file.

@@ -28,7 +28,7 @@ use spineline_tables::{Patient, tables};
 use crate::case::Case;
 use crate::fault::Fault;
 use crate::numbers;
-use crate::patient::{generator, options, run};
+use crate::patient::{check_case, generator, options, run};
 use crate::table::Table;
 use crate::wait::apart;
 
@@ -67,7 +67,7 @@ fn waited_for(
 /// Computes everything that a request asks of a case, but for replicates; of work that was stopped, a part.
 ///
 /// # Errors
-/// What stops the analysis.
+/// If the case cannot be analysed.
 pub fn compute(
     case: &analysis::Case,
     request: &Request,
@@ -166,6 +166,8 @@ impl Analysis {
         date_utc: String,
     ) -> PyResult<Self> {
         let (options, files) = options(&given).map_err(|fault| fault.raise(py))?;
+        let sha256 = case.input.as_ref().map_or("", |input| &input.sha256);
+        check_case(&files, sha256, &case.case.id).map_err(|fault| fault.raise(py))?;
         let request = Request { options, replicates: None, identifiability };
         let found = waited_for(py, &case.case, &request)?;
         let (found, identified) = found.map_err(|fault| fault.raise(py))?;

@@ -10,7 +10,7 @@ use rayon::ThreadPool;
 use rayon::prelude::*;
 use spineline::analysis::{Analysis, Subject};
 use spineline::uncertainty::Uncertainty;
-use spineline_files::method_text::option_file;
+use spineline_files::method_text::{OptionFile, option_file};
 use spineline_files::{
     InputFile, MAX_FILE_BYTES, Replicates, Request, parse_case_within, read_bytes, sha256_hex,
     text_of, to_line,
@@ -19,7 +19,7 @@ use spineline_tables::{NumberFormat, Patient, Series, Table, TableError, Values,
 
 use crate::analysis::compute;
 use crate::fault::Fault;
-use crate::patient::{OptionFile, generator, options};
+use crate::patient::{check_case, generator, options};
 use crate::replicates::{asked, pool, run_replicates};
 use crate::wait::{apart, apart_while};
 
@@ -182,6 +182,7 @@ impl Found {
     fn of(text: &str, task: &Task, pool: &ThreadPool, stop: &AtomicBool) -> Result<Self, Fault> {
         let (case, _) = parse_case_within(text)?;
         let case = case.into_case()?;
+        check_case(&task.option_files, &sha256_hex(text.as_bytes()), &case.id)?;
         let (analysis, _) = compute(&case, &task.request, stop)?;
         let replicates = task.request.replicates.as_ref();
         let spread = replicates.map(|asked| run_replicates(&case, &analysis, asked, pool, stop));
@@ -290,7 +291,7 @@ fn cases(rows: &[Row]) -> Table {
             row.found.as_ref().ok().map(|found| found.analysis.case_id.clone())
         }),
         text("status", "`ok`, `not_converged` or `error`", &|row| Some(row.status().to_owned())),
-        text("error", "what stops the analysis", &|row| row.fault().map(Fault::text)),
+        text("error", "why the case has no analysis", &|row| row.fault().map(Fault::text)),
         text("help", "what to do about it", &|row| row.fault().map(Fault::help)),
         text("film", "the film of the error", &|row| row.fault().and_then(Fault::film)),
         text("level", "the vertebra of the error", &|row| row.fault().and_then(Fault::level)),

@@ -2,11 +2,10 @@
 
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use serde::Serialize;
 use spineline::analysis::AnalysisOptions;
 use spineline::warning::Warning;
-use spineline_files::method_text::{OPTION_NAMES, option_file, set_option};
-use spineline_files::{InputFile, ProgramRun};
+use spineline_files::ProgramRun;
+use spineline_files::method_text::{OPTION_NAMES, OptionFile, option_file, set_option};
 
 use spineline_report::document::NoticeKind;
 
@@ -25,25 +24,26 @@ pub fn run(command: Vec<String>, date_utc: String) -> ProgramRun {
 /// Options of an analysis, with the files that they name, each with its option.
 ///
 /// # Errors
-/// If an option or its value is not known, or a file cannot be read.
+/// If an option or its value is not known, a file cannot be read, or joint rotations were learned with other tilts.
 pub fn options(given: &[(String, String)]) -> Result<(AnalysisOptions, Vec<OptionFile>), Fault> {
     let mut options = AnalysisOptions::default();
     let mut files = Vec::new();
     for (name, value) in given {
-        let file = set_option(&mut options, name, value)?;
-        files.extend(file.map(|file| OptionFile { option: name.replace('-', "_"), file }));
+        files.extend(set_option(&mut options, name, value)?);
+    }
+    for prior in files.iter().filter_map(|file: &OptionFile| file.rotation_prior.as_ref()) {
+        prior.check_tilt(options.tilt)?;
     }
     Ok((options, files))
 }
 
-/// A file that an option names.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
-pub struct OptionFile {
-    /// The option.
-    pub option: String,
-    /// The file.
-    #[serde(flatten)]
-    pub file: InputFile,
+/// Refuses a case that the distribution of joint rotations was learned from.
+///
+/// # Errors
+/// If it was.
+pub fn check_case(files: &[OptionFile], sha256: &str, case_id: &str) -> Result<(), Fault> {
+    let mut priors = files.iter().filter_map(|file| file.rotation_prior.as_ref());
+    Ok(priors.try_for_each(|prior| prior.check_case(sha256, case_id))?)
 }
 
 /// Whether the value of an option is the name of a file.

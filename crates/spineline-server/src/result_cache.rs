@@ -104,11 +104,8 @@ fn analysed(current: &CurrentCase) -> Outcome {
         Err(error) => return refused_options(error.to_string()),
     };
     let prior = current.options.rotation_prior().ok().flatten();
-    if prior.is_some_and(|prior| prior.was_learned_from("", &case.id)) {
-        return refused_options(format!(
-            "the distribution of joint rotations was learned from the case {}, so it cannot predict its films",
-            case.id
-        ));
+    if let Some(Err(error)) = prior.map(|prior| prior.check_case("", &case.id)) {
+        return refused_options(error.to_string());
     }
     if let Some(posture) = missing_known_force(&options, &case) {
         return refused_options(format!(

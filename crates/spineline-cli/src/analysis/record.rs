@@ -1,5 +1,7 @@
 //! What a run was asked and what it has read.
 
+use std::path::Path;
+
 use indexmap::IndexMap;
 use spineline_files::{
     FilmOrigin, InputFile, ProgramRun, Provenance, Request, StoredRotationPrior,
@@ -77,13 +79,9 @@ impl ReadCases {
     /// from it, since what is then predicted of it is no prediction.
     pub fn add(&mut self, source: &CaseInput, record: &RunRecord) -> Result<(), Failure> {
         let (name, id) = (&source.input.name, &source.case.id);
-        let mut prior = record.rotation_prior.iter();
-        if prior.any(|prior| prior.was_learned_from(&source.input.sha256, id)) {
-            let text = format!(
-                "the distribution of joint rotations was learned from the case {id}, so it cannot predict its films"
-            );
-            let help = "leave out --rotation-prior (a cohort predicts every patient from the others), or learn it from other cases";
-            return Err(Failure::input(name, &text, help));
+        if let Some(prior) = &record.rotation_prior {
+            let known = prior.check_case(&source.input.sha256, id);
+            known.map_err(|error| Failure::file(Path::new(name), &error))?;
         }
         if self.cases.contains_key(id) {
             let text = format!("the case {id} was given already");

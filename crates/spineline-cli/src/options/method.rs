@@ -14,9 +14,9 @@ use spineline::personalize::{FitTarget, Gauge};
 use spineline::spatial::Angle;
 use spineline_files::StoredRotationPrior;
 use spineline_files::method_text::{
-    Choice, ChosenHypotheses, Prior, StiffnessSource, curve_turn, end_vertebrae, film_lengths,
-    gauge, given_line, hypotheses, inflection_sites, option_named, order_rule, prior,
-    read_rotation_prior, stiffness_source,
+    ChosenHypotheses, Prior, StiffnessSource, curve_turn, end_vertebrae, film_lengths, gauge,
+    given_line, hypotheses, inflection_sites, option_named, order_rule, prior, read_rotation_prior,
+    stiffness_source,
 };
 
 use super::choice::choice;
@@ -58,7 +58,7 @@ pub struct MethodArgs {
     stiffness: StiffnessSource,
     #[arg(long, help = help_of("inflections"), value_name = "SITE,SITE", value_parser = inflection_sites)]
     inflections: Option<[Site; 2]>,
-    #[arg(long, help = help_of("min_curve"), alias = "min-lobe", value_name = "DEG", default_value = default_of("min_curve"), value_parser = curve_turn)]
+    #[arg(long, help = help_of("min_curve"), value_name = "DEG", default_value = default_of("min_curve"), value_parser = curve_turn)]
     min_curve: Angle,
     #[arg(long, help = help_of("given_line"), value_name = "LINE", value_parser = given_line)]
     given_line: Vec<(Posture, LineOfAction)>,
@@ -105,15 +105,7 @@ impl MethodArgs {
     pub fn stored_rotation_prior(&self) -> Result<Option<StoredRotationPrior>, Failure> {
         let Some(path) = &self.rotation_prior else { return Ok(None) };
         let stored = read_rotation_prior(path).map_err(|error| Failure::file(path, &error))?;
-        if stored.tilt != self.tilt {
-            let [learned, asked] = [stored.tilt, self.tilt].map(|rule| rule.spelling());
-            let text =
-                format!("it was learned with --tilt {learned}, and this run has --tilt {asked}");
-            let help = format!(
-                "give --tilt {learned}, or learn it anew with `learn-prior --tilt {asked}`"
-            );
-            return Err(Failure::input(&path.display().to_string(), &text, &help));
-        }
+        stored.check_tilt(self.tilt).map_err(|error| Failure::file(path, &error))?;
         Ok(Some(stored))
     }
 

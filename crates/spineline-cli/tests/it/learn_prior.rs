@@ -84,7 +84,7 @@ fn a_distribution_of_tilts_by_another_rule_is_refused() {
         let analyze = ["analyze", "other", "--rotation-prior", "prior.json", "--tilt"];
         done(here.path(), &[&analyze[..], &[rule]].concat());
         let error = refused(here.path(), &[&analyze[..], &[other]].concat(), 3);
-        let (error, said) = (words(&error), format!("learned with --tilt {rule}"));
+        let (error, said) = (words(&error), format!("learned with tilts by `{rule}`"));
         assert!(error.contains(&said), "{error}");
     }
 }

@@ -58,7 +58,7 @@ struct PredictionRecord {
     joints_against_beyond_noise: usize,
     /// Their part in the work of all joints.
     work_against: f64,
-    /// Scale of the film against the erect film, from T2 for a film that was not fitted; absent in older files.
+    /// Scale of the film against the erect film, from T2 for a film that was not fitted.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     film_scale: Option<ScaleRecord>,
     /// L4 to T2.

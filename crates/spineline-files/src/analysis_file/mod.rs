@@ -5,7 +5,6 @@ mod hypothesis;
 mod identifiability;
 mod model;
 mod posture;
-mod published;
 mod space;
 mod stored;
 mod uncertainty;
@@ -29,7 +28,6 @@ use hypothesis::HypothesisRecord;
 use identifiability::IdentifiabilityRecord;
 use model::ModelRecord;
 use posture::PostureRecord;
-use published::PublishedRecord;
 use space::{AxialRecord, SpaceRecord};
 use spineline::uncertainty::Uncertainty;
 use spineline::warning::Warning;
@@ -61,7 +59,6 @@ pub struct AnalysisFile {
     /// The two inflections of the erect curve that carry the line; empty where there is no such pair.
     inflections: Vec<InflectionRecord>,
     /// Curves between inflections of the erect curve, caudal first.
-    #[serde(alias = "lobes")]
     curves: Vec<TurnRecord>,
     clinical: ClinicalRecord,
     /// Where the spine's sagittal profile comes from: `measured` on the lateral film, or a `population`'s.
@@ -87,8 +84,6 @@ pub struct AnalysisFile {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     uncertainty: Option<UncertaintyRecord>,
     warnings: Vec<WarningRecord>,
-    /// Published numbers of a typical spine that the program uses, with their sources; those of the springs stand with the joints.
-    published_numbers: Vec<PublishedRecord>,
     /// The case itself, as it was read.
     case: CaseFile,
 }
@@ -288,7 +283,6 @@ impl AnalysisFile {
                 .collect(),
             uncertainty: None,
             warnings: analysis.warnings.all().iter().map(WarningRecord::new).collect(),
-            published_numbers: PublishedRecord::all(),
             case,
         }
     }

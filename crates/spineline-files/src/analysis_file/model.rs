@@ -53,7 +53,7 @@ struct SimulationRecord {
     fitted: bool,
     /// `converged`, `unreachable`, `beyond_human_range` or `not_converged`; only the first is a result.
     status: String,
-    /// Scale of the film against the erect film, from T2 for a film that was not fitted; absent in older files.
+    /// Scale of the film against the erect film, from T2 for a film that was not fitted.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     film_scale: Option<ScaleRecord>,
     /// Signed force along the line's direction: newtons where the model is `absolute`, else relative to the nominal stiffness.

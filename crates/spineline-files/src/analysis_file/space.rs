@@ -25,7 +25,7 @@ pub(super) struct SpaceRecord {
     vertebrae: BTreeMap<LevelKey, VertebraRecord>,
     /// Kyphosis, lordosis, planes of maximum curvature and length, each named 2-D (one film) or 3-D (in space).
     measures: Vec<MeasureRecord>,
-    /// What a model without the lateral film has in place of the measured profile; absent in older files.
+    /// What a model without the lateral film has in place of the measured profile.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     template: Option<TemplateRecord>,
 }

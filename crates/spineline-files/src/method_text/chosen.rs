@@ -5,7 +5,7 @@ use spineline::analysis::AnalysisOptions;
 
 use super::catalogue::{MethodOption, OPTIONS};
 use super::parse::given_line;
-use super::{Choice, OptionError, set_option_of_text};
+use super::{OptionError, set_option_of_text};
 use crate::{StoredRotationPrior, parse_rotation_prior, sha256_hex};
 
 /// Options that a study does not keep, because they have results of their own.
@@ -167,12 +167,7 @@ fn prior_of(all: &[ChosenOption]) -> Result<Option<StoredRotationPrior>, OptionE
     if let Some(tilt) = all.iter().find(|one| one.name == "tilt") {
         set(&mut options, tilt)?;
     }
-    if stored.tilt != options.tilt {
-        let [learned, asked] = [stored.tilt, options.tilt].map(|rule| rule.spelling());
-        return Err(one.refused(format!(
-            "it was learned with tilts by `{learned}`, and those of the study are by `{asked}`"
-        )));
-    }
+    stored.check_tilt(options.tilt).map_err(error)?;
     Ok(Some(stored))
 }
 
@@ -191,8 +186,8 @@ fn set(options: &mut AnalysisOptions, one: &ChosenOption) -> Result<(), OptionEr
                 options.given_lines.push((posture, line));
             }
         }
-        (name, None) => set_option_of_text(options, name, &one.value, None)?,
-        (name, Some(file)) => set_option_of_text(options, name, file, Some(&one.value))?,
+        (name, None) => drop(set_option_of_text(options, name, &one.value, None)?),
+        (name, Some(file)) => drop(set_option_of_text(options, name, file, Some(&one.value))?),
     }
     Ok(())
 }

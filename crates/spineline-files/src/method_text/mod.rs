@@ -30,6 +30,7 @@ pub use values::{number, posture};
 
 use std::path::PathBuf;
 
+use serde::Serialize;
 use spineline::analysis::{AnalysisOptions, Case};
 use spineline::anatomy::Posture;
 use spineline::curve::InflectionChoice;
@@ -37,7 +38,9 @@ use spineline::multibody::StiffnessTable;
 use spineline::personalize::Gauge;
 
 use crate::nearest::nearest;
-use crate::{FileError, InputFile, parse_rotation_prior, parse_stiffness, read_text};
+use crate::{
+    FileError, InputFile, StoredRotationPrior, parse_rotation_prior, parse_stiffness, read_text,
+};
 
 /// An option that cannot be used.
 #[derive(Debug, thiserror::Error)]
@@ -92,6 +95,19 @@ pub fn option_file(name: &str, value: &str) -> Option<PathBuf> {
     option.values.names_a_file(value).then(|| PathBuf::from(value))
 }
 
+/// A file that an option names.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct OptionFile {
+    /// The option.
+    pub option: String,
+    /// The file.
+    #[serde(flatten)]
+    pub file: InputFile,
+    /// The distribution of joint rotations that it holds.
+    #[serde(skip)]
+    pub rotation_prior: Option<StoredRotationPrior>,
+}
+
 /// Sets one option by its name, and returns the file that its value names, if it names one. A `given_line` is added to those that
 /// were given before.
 ///
@@ -101,19 +117,22 @@ pub fn set_option(
     options: &mut AnalysisOptions,
     name: &str,
     value: &str,
-) -> Result<Option<InputFile>, OptionError> {
+) -> Result<Option<OptionFile>, OptionError> {
     let Some(path) = option_file(name, value) else {
         set_option_of_text(options, name, value, None)?;
         return Ok(None);
     };
-    let text = read_text(&path)
-        .map_err(|error| OptionError::File { name: name.replace('-', "_"), error })?;
-    set_option_of_text(options, name, value, Some(&text))?;
-    let file = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy();
-    Ok(Some(InputFile::of(file, text.as_bytes())))
+    let option = name.replace('-', "_");
+    let text =
+        read_text(&path).map_err(|error| OptionError::File { name: option.clone(), error })?;
+    let rotation_prior = set_option_of_text(options, name, value, Some(&text))?;
+    let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy();
+    let file = InputFile::of(name, text.as_bytes());
+    Ok(Some(OptionFile { option, file, rotation_prior }))
 }
 
-/// Sets one option without reading a file: where its value names one, the text of the file is given.
+/// Sets one option without reading a file: where its value names one, the text of the file is given. Returns the distribution of joint
+/// rotations that the file holds.
 ///
 /// # Errors
 /// As of [`set_option`], and a file for an option that takes none.
@@ -122,7 +141,7 @@ pub(crate) fn set_option_of_text(
     name: &str,
     value: &str,
     file: Option<&str>,
-) -> Result<(), OptionError> {
+) -> Result<Option<StoredRotationPrior>, OptionError> {
     let name = name.replace('-', "_");
     let refused =
         |reason: String| OptionError::Value { name: name.clone(), value: value.to_owned(), reason };
@@ -144,7 +163,8 @@ pub(crate) fn set_option_of_text(
         "rotation_prior" => {
             let expected = || refused("expected a file of `spineline learn-prior`".to_owned());
             let stored = parse_rotation_prior(file.ok_or_else(expected)?).map_err(in_file)?;
-            options.rotation_prior = Some(stored.prior);
+            options.rotation_prior = Some(stored.prior.clone());
+            return Ok(Some(stored));
         }
         "stiffness" => {
             options.library = match file {
@@ -164,7 +184,7 @@ pub(crate) fn set_option_of_text(
             return Err(OptionError::Unknown { name, nearest });
         }
     }
-    Ok(())
+    Ok(None)
 }
 
 /// The film whose force the options know, where the case does not have it: such options do not fit the case.
@@ -230,7 +250,8 @@ mod tests {
         std::fs::write(&path, &text).expect("a file");
         let mut options = AnalysisOptions::default();
         let read = set_option(&mut options, "stiffness", path.to_str().expect("a path"));
-        assert_eq!(read.expect("a table"), Some(InputFile::of("own.json", text.as_bytes())));
+        let read = read.expect("a table").map(|one| one.file);
+        assert_eq!(read, Some(InputFile::of("own.json", text.as_bytes())));
         assert_eq!(options.library, StiffnessTable::InVitro.library());
         // A word is no file, in either spelling.
         for word in ["in-vitro", "in_vitro"] {

@@ -94,7 +94,7 @@ impl Outcome {
             inputs.map(|path| read_input(path)).collect::<Result<_, _>>()?;
         inputs.extend(self.source.as_ref().map(|source| source.input().clone()));
         let films = FilmOrigin::of([self.model.synthetic]);
-        let mut provenance = Provenance::new(this_run()?, films, inputs);
+        let mut provenance = Provenance::new(this_run()?, films, inputs).with_published_numbers();
         if let Some(source) = &self.source {
             provenance = provenance.asking(&source.request());
         }

@@ -6,7 +6,7 @@ use crate::keys::Key;
 /// Published numbers of a typical spine.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
-pub(super) struct PublishedRecord {
+pub struct PublishedRecord {
     /// The numbers, and of which vertebrae.
     numbers: String,
     /// What the program does with them.
@@ -18,6 +18,7 @@ pub(super) struct PublishedRecord {
 }
 
 impl PublishedRecord {
+    /// All of them.
     pub fn all() -> Vec<Self> {
         PublishedNumbers::ALL.map(Self::new).to_vec()
     }
