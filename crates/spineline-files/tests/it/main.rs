@@ -4,6 +4,7 @@ mod biplanar_lines;
 mod bodies;
 mod exports;
 mod files;
+mod goldens;
 mod hidden;
 mod left_out_bends;
 mod loads;

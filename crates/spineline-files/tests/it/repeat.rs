@@ -19,7 +19,7 @@ use spineline_files::{
 };
 use spineline_phantom::{Readers, Truth, generate};
 
-fn run() -> ProgramRun {
+pub(super) fn run() -> ProgramRun {
     ProgramRun {
         program: "spineline 0".to_owned(),
         command: ["spineline", "analyze", "case.json"].map(str::to_owned).to_vec(),
