@@ -251,7 +251,7 @@ impl Analysis {
     /// The verdict in sentences.
     #[getter]
     fn verdict(&self) -> Vec<String> {
-        self.analysis.verdict(&self.analysis.compare_lines())
+        self.analysis.verdict()
     }
 
     /// The case that was analysed.

@@ -47,8 +47,7 @@ impl Model {
     #[new]
     fn new(py: Python<'_>, analysis: &Analysis, line: &str) -> PyResult<Self> {
         let found = &analysis.analysis;
-        let automatic =
-            (line == "auto").then(|| py.detach(|| found.choose_model(&found.compare_lines())));
+        let automatic = (line == "auto").then(|| py.detach(|| found.choose_model()));
         let line = automatic.flatten().map_or(line, |choice| choice.kind.key());
         let Some(model) = found.models.iter().find(|model| model.kind.key() == line) else {
             let lines: Vec<&str> = found.models.iter().map(|model| model.kind.key()).collect();

@@ -1,6 +1,6 @@
 //! Loads and bases other than the lines of action, fitted and left out, over one patient or several.
 
-use spineline::analysis::{Analysis, FilmRole, LinesCompared};
+use spineline::analysis::{Analysis, FilmRole};
 use spineline::cohort::{BaselinesOverPatients, ComparisonOutcome};
 use spineline::evaluate::Baseline;
 use spineline::hypothesis::{
@@ -41,12 +41,12 @@ pub fn section<'a>(
     Some(section)
 }
 
-/// The same of one patient. `compared` is what [`Analysis::compare_lines`] gives.
-pub fn of_patient(analysis: &Analysis, compared: &LinesCompared) -> Option<Section> {
+/// The same of one patient.
+pub fn of_patient(analysis: &Analysis) -> Option<Section> {
     if analysis.hypotheses.is_empty() {
         return None;
     }
-    let baselines = BaselinesOverPatients::of_patient(analysis, compared);
+    let baselines = BaselinesOverPatients::of_patient(analysis);
     let scores = HypothesisScores::all(&analysis.hypotheses);
     section(std::iter::once((analysis.synthetic, &scores[..])), &baselines)
 }

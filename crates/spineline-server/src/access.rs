@@ -64,7 +64,7 @@ pub async fn study_result(state: &AppState, study: &Name) -> Answer<Arc<StudyRes
             computed(move || {
                 let result = Arc::new(StudyResult::of(&name, current));
                 // The list of studies needs it, and asks while it holds the store.
-                result.compared();
+                result.models_verdict();
                 state.results().keep(sequence, &result);
                 result
             })

@@ -2,10 +2,10 @@
 
 use std::collections::BTreeMap;
 use std::fmt;
-use std::sync::{Arc, Mutex, OnceLock, PoisonError};
+use std::sync::{Arc, Mutex, PoisonError};
 
 use axum::http::StatusCode;
-use spineline::analysis::{Analysis, LinesCompared, ModelsVerdict, analyze};
+use spineline::analysis::{Analysis, ModelsVerdict, analyze};
 use spineline::anatomy::Posture;
 use spineline_files::method_text::missing_known_force;
 use spineline_store::{CaseReadings, CurrentCase, CurrentFilm, Name, Store, StoreError};
@@ -41,8 +41,6 @@ pub struct StudyResult {
     pub current: CurrentCase,
     /// Outcome.
     pub outcome: Outcome,
-    /// The lines compared, which takes as long as the analysis: computed where it is first asked for.
-    compared: OnceLock<Option<LinesCompared>>,
 }
 
 impl StudyResult {
@@ -50,7 +48,7 @@ impl StudyResult {
     pub fn of(study: &Name, current: CurrentCase) -> Self {
         let has_erect = current.film(Posture::Erect).is_some_and(CurrentFilm::is_usable);
         let outcome = if has_erect { analysed(&current) } else { Outcome::Waiting };
-        Self { study: study.clone(), current, outcome, compared: OnceLock::new() }
+        Self { study: study.clone(), current, outcome }
     }
 
     /// The model options that differ from the defaults, where any does.
@@ -66,14 +64,9 @@ impl StudyResult {
         }
     }
 
-    /// The lines of action compared, where there is an analysis.
-    pub fn compared(&self) -> Option<&LinesCompared> {
-        self.compared.get_or_init(|| self.analysis().map(Analysis::compare_lines)).as_ref()
-    }
-
     /// What the films say of the models, where there are models.
     pub fn models_verdict(&self) -> Option<ModelsVerdict> {
-        self.analysis()?.models_verdict(self.compared()?)
+        self.analysis()?.models_verdict()
     }
 
     /// The analysis, or the reason for its absence.

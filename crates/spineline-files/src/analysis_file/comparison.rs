@@ -155,7 +155,7 @@ impl ComparisonRecord {
         if analysis.models.is_empty() {
             return None;
         }
-        let found = analysis.compare_lines();
+        let found = analysis.comparison();
         let compatibility = analysis.models.iter().map(|model| {
             (model.kind.key().to_owned(), compatibility(&analysis.compatibility(model)))
         });
@@ -167,13 +167,13 @@ impl ComparisonRecord {
         });
         Some(Self {
             same_data: found.same_data(),
-            lines: (0..found.lines.len()).map(|i| line(&found, i)).collect(),
-            baselines_mm: baselines_mm(&found),
-            against_baselines: against_baselines(analysis, &found),
+            lines: (0..found.lines.len()).map(|i| line(found, i)).collect(),
+            baselines_mm: baselines_mm(found),
+            against_baselines: against_baselines(analysis),
             films: found.films.iter().map(|f| film(f, &found.lines)).collect(),
             compatibility: compatibility.collect(),
             left_out_bends: left_out.collect(),
-            verdict: analysis.verdict(&found),
+            verdict: analysis.verdict(),
         })
     }
 }
@@ -188,7 +188,7 @@ fn baselines_mm(found: &LinesCompared) -> BTreeMap<String, BTreeMap<String, f64>
     Baseline::ALL.into_iter().map(|one| (one.key().to_owned(), by_role(one))).collect()
 }
 
-fn against_baselines(analysis: &Analysis, found: &LinesCompared) -> Vec<AgainstRecord> {
+fn against_baselines(analysis: &Analysis) -> Vec<AgainstRecord> {
     fn record<M>(
         baselines: &BaselinesOverPatients,
         test: &BaselineTest<M>,
@@ -203,7 +203,7 @@ fn against_baselines(analysis: &Analysis, found: &LinesCompared) -> Vec<AgainstR
             difference_mm: test.comparison.mean_difference,
         })
     }
-    let all = BaselinesOverPatients::of_patient(analysis, found);
+    let all = BaselinesOverPatients::of_patient(analysis);
     let lines = all.tests.iter();
     let lines = lines.filter_map(|test| record(&all, test, test.model.key().to_owned()));
     let hypotheses = all.hypothesis_tests.iter();

@@ -68,7 +68,7 @@ fn left_out_bends_of_real_patients_have_the_errors_that_are_published() {
         near(baseline.key(), found.expect("predicted").mean_mm(), published_mm);
     }
     for (kind, published_mm) in [(LineKind::Iliac, 4.6), (LineKind::Estimated, 1.8)] {
-        let errors = analyses.iter().filter_map(|one| line_error_mm(&one.compare_lines(), kind));
+        let errors = analyses.iter().filter_map(|one| line_error_mm(one.comparison(), kind));
         near(kind.key(), mean(errors), published_mm);
     }
 }
@@ -87,7 +87,7 @@ fn rotations_of_half_of_the_patients_predict_the_others_better_than_lines_do() {
     let learned = learn_rotation_prior(&known, 1).expect("patients with bends");
     let options = AnalysisOptions { rotation_prior: Some(learned.prior), ..Default::default() };
     let compared: Vec<LinesCompared> =
-        unseen.iter().map(|case| analyzed(case, &options).compare_lines()).collect();
+        unseen.iter().map(|case| analyzed(case, &options).comparison().clone()).collect();
     // On the bends that a line predicts, too: one mean per patient.
     let errors = |kind: LineKind| -> Vec<[f64; 2]> {
         let of_patient = |found: &LinesCompared| {

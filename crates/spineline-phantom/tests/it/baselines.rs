@@ -99,7 +99,7 @@ fn other_loads_are_tested_against_no_mechanics_by_one_difference_per_patient() {
         let mut differences = Vec::new();
         for patient in &patients {
             let fit = patient.hypotheses.iter().find(|fit| fit.hypothesis == hypothesis);
-            let compared = patient.compare_lines();
+            let compared = patient.comparison();
             let (mut of_load, mut without) = (Vec::new(), Vec::new());
             for film in compared.films.iter().filter(|film| film.role == FilmRole::LeftOutBend) {
                 let mut predictions = fit.expect("it was asked for").of_role(Role::LeftOut);
@@ -132,7 +132,7 @@ fn other_loads_are_tested_against_no_mechanics_by_one_difference_per_patient() {
     }
     assert!(verdict.iter().any(|s| s.starts_with("Other loads and bases")), "{verdict:?}");
     // One patient has the same differences, without an interval.
-    let one = BaselinesOverPatients::of_patient(&patients[0], &patients[0].compare_lines());
+    let one = BaselinesOverPatients::of_patient(&patients[0]);
     assert!(!one.hypothesis_tests.is_empty());
     for test in &one.hypothesis_tests {
         assert_eq!((test.comparison.bootstrap, test.holm_p), (None, None), "{test:?}");

@@ -164,7 +164,7 @@ fn film(posture: Posture, shape: &Deformed) -> Film {
 
 /// Fitted and left-out bends: those with a result, of two each, and their mean location error.
 fn cell(analysis: &Analysis, kind: LineKind, role: FilmRole) -> String {
-    let compared = analysis.compare_lines();
+    let compared = analysis.comparison();
     let Some(place) = compared.lines.iter().position(|line| line.kind == kind) else {
         return "no model".to_owned();
     };

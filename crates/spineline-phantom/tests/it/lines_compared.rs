@@ -33,7 +33,7 @@ fn a_left_out_bend_does_not_change_the_stiffness_that_predicts_it() {
         p.case.films.iter().position(right).map(|i| (i, p.case.films[i].clone())).expect("a bend")
     });
     other.case.films[own.0] = theirs.1;
-    let [first, second] = [&phantom, &other].map(|p| analyzed(p).compare_lines());
+    let [first, second] = [&phantom, &other].map(|p| analyzed(p).comparison().clone());
     let fits = |found: &LinesCompared, posture: Posture, kind: LineKind| -> Vec<f64> {
         let bend = found.left_out.iter().find(|bend| bend.posture == posture).expect("two bends");
         let model = bend.models.iter().find(|model| model.kind == kind).expect("every line");
@@ -60,9 +60,8 @@ fn the_verdict_on_the_models_is_that_of_the_sentences() {
     for (truth, index) in Truth::EVERY.into_iter().flat_map(|t| (0..3).map(move |i| (t, i))) {
         let phantom = generate(index, truth, &Readers::default(), 1).expect("a phantom");
         let analysis = analyzed(&phantom);
-        let compared = analysis.compare_lines();
-        let verdict = analysis.models_verdict(&compared).expect("models");
-        let words = analysis.headline(&compared).join(" ");
+        let verdict = analysis.models_verdict().expect("models");
+        let words = analysis.headline().join(" ");
         let says = |text: &str| words.contains(text);
         assert_eq!(verdict == ModelsVerdict::DoubtedFilm, says("Check the films first"), "{words}");
         match verdict {
@@ -80,12 +79,12 @@ fn the_verdict_on_the_models_is_that_of_the_sentences() {
     let mut alone = exact(0, Truth::Rod);
     alone.case.films.retain(|film| film.posture == Posture::Erect);
     let analysis = analyzed(&alone);
-    assert_eq!(analysis.models_verdict(&analysis.compare_lines()), None);
+    assert_eq!(analysis.models_verdict(), None);
 }
 
 #[test]
 fn every_value_from_a_film_is_counted() {
-    let found = analyzed(&exact(0, Truth::Pull)).compare_lines();
+    let found = analyzed(&exact(0, Truth::Pull)).comparison().clone();
     let numbers = |kind| {
         let n = found.lines[place(&found, kind)].numbers;
         ([n.multipliers, n.forces, n.line], n.fitted(), n.per_predicted_film)
@@ -99,7 +98,7 @@ fn every_value_from_a_film_is_counted() {
 
 #[test]
 fn a_line_without_a_result_takes_no_film_from_the_others() {
-    let mut found = analyzed(&exact(4, Truth::Rod)).compare_lines();
+    let mut found = analyzed(&exact(4, Truth::Rod)).comparison().clone();
     let role = FilmRole::LeftOutBend;
     assert_eq!(found.count(role), 2);
     let lines = [LineKind::Inflection, LineKind::Iliac].map(|kind| place(&found, kind));
@@ -161,7 +160,7 @@ fn a_line_of_one_patient_takes_no_film_from_the_other_lines_of_a_cohort() {
 /// Joints that turn as published move without a force: whatever line has the smallest error, it predicts nothing.
 #[test]
 fn no_line_is_said_to_predict_beyond_the_limit() {
-    let mut found = analyzed(&exact(1, Truth::Pull)).compare_lines();
+    let mut found = analyzed(&exact(1, Truth::Pull)).comparison().clone();
     let says = |found: &LinesCompared, text: &str| found.sentences().join(" ").contains(text);
     assert!(found.ranking().expect("lines").is_prediction());
     assert!(!says(&found, "No line predicts"), "{:?}", found.sentences());
@@ -192,7 +191,7 @@ fn a_line_that_could_not_be_tested_is_neither_rejected_nor_kept() {
     };
     assert_eq!(outcome(&with), TestOutcome::Kept);
     assert_eq!(outcome(&without), TestOutcome::NotTested);
-    let headline = without.headline(&without.compare_lines()).join(" ");
+    let headline = without.headline().join(" ");
     assert!(headline.contains("The iliac line is not tested: the iliac crests"), "{headline}");
     assert!(!headline.contains("keep a single force along the iliac line"), "{headline}");
     let cohort = Cohort::of(&[&with, &without].map(CohortPatient::of), 1);
@@ -277,7 +276,7 @@ fn the_true_line_is_kept_and_the_wrong_one_judged_by_the_same_tests() {
                 {
                     continue;
                 }
-                let verdict = analysis.verdict(&analysis.compare_lines());
+                let verdict = analysis.verdict();
                 asked += 1;
                 for (kind, found) in found {
                     // The joints and the line itself, on either bend.

@@ -123,7 +123,7 @@ fn compare(about: &[Frontal], one: &LineOfAction, other: &LineOfAction) -> (Angl
 
 fn found(phantom: &BentPhantom, way: &Way) -> Vec<Found> {
     let analysis = analysis(phantom, way);
-    let compared = analysis.compare_lines();
+    let compared = analysis.comparison();
     let of_bend = |posture: Posture| {
         let film = compared
             .films

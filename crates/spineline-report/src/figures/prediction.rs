@@ -1,6 +1,6 @@
 //! Bends that were left out of the fit: measured, predicted by the best line, and predicted without mechanics.
 
-use spineline::analysis::{Analysis, ComparedFilm, FilmRole, LinesCompared};
+use spineline::analysis::{Analysis, ComparedFilm, FilmRole};
 use spineline::spatial::Frontal;
 
 use super::frontal::{Extent, VIEW, extent_words, frame_px, frontal_panel};
@@ -14,7 +14,8 @@ const TALL_PX: f64 = 300.0;
 
 /// One panel per film of the ranking of the lines. `None` where no film was predicted.
 #[must_use]
-pub fn predictions(analysis: &Analysis, compared: &LinesCompared) -> Option<String> {
+pub fn predictions(analysis: &Analysis) -> Option<String> {
+    let compared = analysis.comparison();
     let ranking = compared.ranking()?;
     let kind = ranking.best().0;
     let line = compared.lines.iter().position(|one| one.kind == kind)?;

@@ -11,7 +11,7 @@ mod space;
 mod summary;
 mod uncertainty;
 
-use spineline::analysis::{Analysis, AnalysisOptions, Case, LinesCompared};
+use spineline::analysis::{Analysis, AnalysisOptions, Case};
 use spineline::personalize::Identifiability;
 use spineline::uncertainty::Uncertainty;
 
@@ -46,8 +46,7 @@ pub struct Patient<'a> {
 #[must_use]
 pub fn report(patient: &Patient<'_>) -> Document {
     let analysis = patient.analysis;
-    let compared = analysis.compare_lines();
-    let mut sections = vec![short::short(analysis, &compared), verdict(analysis, &compared)];
+    let mut sections = vec![short::short(analysis), verdict(analysis)];
     sections.push(measured::films(patient));
     sections.extend(space::both_films(analysis));
     sections.extend(space::axial(analysis));
@@ -57,8 +56,8 @@ pub fn report(patient: &Patient<'_>) -> Document {
     sections.push(model::space(analysis));
     sections.push(model::stiffness(patient));
     sections.push(model::errors(analysis));
-    sections.push(model::comparison(analysis, &compared));
-    sections.extend(hypotheses::of_patient(analysis, &compared));
+    sections.push(model::comparison(analysis));
+    sections.extend(hypotheses::of_patient(analysis));
     sections.extend(patient.uncertainty.map(|found| uncertainty::numbers(analysis, found)));
     sections.push(method::how(patient));
     Document {
@@ -91,8 +90,8 @@ pub(crate) fn of_options(options: &AnalysisOptions) -> Option<Notice> {
 }
 
 /// The verdict in sentences.
-fn sentences(section: &mut Section, analysis: &Analysis, compared: &LinesCompared) {
-    for sentence in analysis.verdict(compared) {
+fn sentences(section: &mut Section, analysis: &Analysis) {
+    for sentence in analysis.verdict() {
         section.paragraph(sentence);
     }
 }
@@ -100,7 +99,7 @@ fn sentences(section: &mut Section, analysis: &Analysis, compared: &LinesCompare
 /// What a notebook shows of an analysis: banners, verdict, contradictions and warnings, and all films side by side.
 #[must_use]
 pub fn overview(analysis: &Analysis, generator: &str) -> Document {
-    let mut verdict = verdict(analysis, &analysis.compare_lines());
+    let mut verdict = verdict(analysis);
     verdict.title = String::new();
     let caption = "Measured spine, fitted curve, inflections and candidate lines of action";
     verdict.figure(Figure::new("overview", caption, figures::case_overview(analysis)));
@@ -115,9 +114,9 @@ pub fn overview(analysis: &Analysis, generator: &str) -> Document {
 }
 
 /// The verdict in sentences, then contradictions and warnings, the most severe first.
-fn verdict(analysis: &Analysis, compared: &LinesCompared) -> Section {
+fn verdict(analysis: &Analysis) -> Section {
     let mut section = Section::new("verdict", "Evidence, contradictions and warnings");
-    sentences(&mut section, analysis, compared);
+    sentences(&mut section, analysis);
     let mut notices = grouped::notices(analysis.warnings.all());
     notices.sort_by_key(|notice| notice.kind);
     if notices.is_empty() {

@@ -272,7 +272,8 @@ fn is_interpolated(analysis: &Analysis) -> bool {
 }
 
 /// The lines on the same films, every bend left out once.
-pub fn comparison(analysis: &Analysis, found: &LinesCompared) -> Section {
+pub fn comparison(analysis: &Analysis) -> Section {
+    let found = analysis.comparison();
     let mut section = Section::new("comparison", "Comparison of the lines");
     if analysis.models.is_empty() {
         section.paragraph(no_model(analysis));

@@ -1,6 +1,6 @@
 //! Parts of a patient's report by themselves, for pages that show one of them.
 
-use spineline::analysis::{Analysis, LinesCompared};
+use spineline::analysis::Analysis;
 use spineline::personalize::Identifiability;
 
 use super::{measured, model, short, space, uncertainty};
@@ -9,12 +9,8 @@ use crate::hypotheses;
 
 /// The lines of action beside predictions without mechanics, and the line of best fit of every film.
 #[must_use]
-pub fn lines(analysis: &Analysis, compared: &LinesCompared) -> Vec<Section> {
-    vec![
-        short::short(analysis, compared),
-        model::comparison(analysis, compared),
-        measured::line(analysis),
-    ]
+pub fn lines(analysis: &Analysis) -> Vec<Section> {
+    vec![short::short(analysis), model::comparison(analysis), measured::line(analysis)]
 }
 
 /// Both films together, as far as there is a lateral one, and axial rotations, as far as pedicles are marked.
@@ -34,6 +30,6 @@ pub fn identifiability(analysis: &Analysis, found: &[Option<Identifiability>]) -
 
 /// Other loads and bases beside the lines; `None` where the analysis has none.
 #[must_use]
-pub fn models(analysis: &Analysis, compared: &LinesCompared) -> Option<Section> {
-    hypotheses::of_patient(analysis, compared)
+pub fn models(analysis: &Analysis) -> Option<Section> {
+    hypotheses::of_patient(analysis)
 }

@@ -1,6 +1,6 @@
 //! The first page: what a reader in a hurry takes away.
 
-use spineline::analysis::{Analysis, FilmRole, Identification, LineModel, LinesCompared};
+use spineline::analysis::{Analysis, FilmRole, Identification, LineModel};
 use spineline::evaluate::Baseline;
 
 use crate::document::{Column, Figure, Section, Table};
@@ -8,15 +8,15 @@ use crate::figures;
 use crate::phrases::{none, sentence_case};
 
 /// Three sentences, a picture and a table.
-pub fn short(analysis: &Analysis, compared: &LinesCompared) -> Section {
+pub fn short(analysis: &Analysis) -> Section {
     let mut section = Section::new("short", "In short");
-    for sentence in analysis.headline(compared) {
+    for sentence in analysis.headline() {
         section.paragraph(sentence);
     }
-    if !compared.lines.is_empty() {
-        section.table(table(analysis, compared));
+    if !analysis.comparison().lines.is_empty() {
+        section.table(table(analysis));
     }
-    if let Some(svg) = figures::predictions(analysis, compared) {
+    if let Some(svg) = figures::predictions(analysis) {
         let caption = "The line with the smallest error, and the best prediction without mechanics, on films that were not fitted.";
         section.figure(Figure::new("predictions", caption, svg));
     }
@@ -24,7 +24,8 @@ pub fn short(analysis: &Analysis, compared: &LinesCompared) -> Section {
 }
 
 /// Errors of every line beside those without mechanics.
-fn table(analysis: &Analysis, compared: &LinesCompared) -> Table {
+fn table(analysis: &Analysis) -> Table {
+    let compared = analysis.comparison();
     let columns = vec![
         Column::words("Prediction"),
         Column::numbers("Left-out bends (mm)"),

@@ -15,9 +15,9 @@ const NUMBERS: &str = "Numbers fitted: multipliers + forces + free line. A bend 
 #[must_use]
 pub fn summary(patient: &Patient<'_>) -> Document {
     let analysis = patient.analysis;
-    let compared = analysis.compare_lines();
+    let compared = analysis.comparison();
     let mut verdict = Section::new("verdict", "");
-    sentences(&mut verdict, analysis, &compared);
+    sentences(&mut verdict, analysis);
     let mut line = Section::new("line", "");
     line.table(best_fit(analysis));
     let mut errors = Section::new("errors", "");
@@ -25,13 +25,13 @@ pub fn summary(patient: &Patient<'_>) -> Document {
     let mut stiffness = Section::new("stiffness", "");
     model::multipliers_in_short(&mut stiffness, analysis);
     let mut comparison = Section::new("comparison", "");
-    let note = [NUMBERS, model::other_data(&compared)].join(" ").trim_end().to_owned();
-    comparison.table(Table { note, ..model::by_line(&compared) });
+    let note = [NUMBERS, model::other_data(compared)].join(" ").trim_end().to_owned();
+    comparison.table(Table { note, ..model::by_line(compared) });
     let mut sections = vec![verdict, films(analysis)];
     sections.extend(space::both_films(analysis));
     sections.extend(space::axial(analysis));
     sections.extend([line, errors, stiffness, comparison]);
-    sections.extend(hypotheses::of_patient(analysis, &compared));
+    sections.extend(hypotheses::of_patient(analysis));
     if let Some(found) = patient.identifiability {
         let title = "Identifiability of the multipliers from the bending films";
         let mut section = Section::new("identifiability", title);

@@ -42,7 +42,7 @@ fn every_patient_and_line_has_its_error_on_left_out_bends() {
     assert_eq!(rows.len(), 9, "three lines of three patients");
     for analysis in &analyses {
         // The oracle is the comparison of each patient alone.
-        let compared = analysis.compare_lines();
+        let compared = analysis.comparison();
         for (place, model) in analysis.models.iter().enumerate() {
             let name = model.kind.to_string();
             let row = rows.iter().find(|row| row[0] == analysis.case_id && row[1] == name);

@@ -59,7 +59,7 @@ fn page_one_sets_every_line_beside_predictions_without_mechanics() {
     let case = case(0);
     let document = document(&case);
     let short = section(&document, "short");
-    let compared = analyzed(&case).compare_lines();
+    let compared = analyzed(&case).comparison().clone();
     let sentences: Vec<&String> = short
         .blocks
         .iter()

@@ -58,7 +58,7 @@ fn the_header_the_main_finding_and_the_curve_are_shown() {
         let text = terminal(&summary(&case, &analysis, None, None), WIDTH);
         let head = format!("{} · SYNTHETIC · films: {}", case.id, analysis.postures.len());
         assert!(text.lines().next().expect("a line").contains(&head), "{text}");
-        let said = analysis.verdict(&analysis.compare_lines());
+        let said = analysis.verdict();
         let curve = analysis.inflection_words();
         let chain = format!("Chain of {} segments of", analysis.chain.segments);
         let said = said.into_iter().chain(curve.lines().map(str::to_owned));
@@ -70,7 +70,7 @@ fn the_header_the_main_finding_and_the_curve_are_shown() {
             assert!(words(&text).contains(said), "`{said}` is missing in\n{text}");
         }
         let second = text.lines().nth(1).expect("a line");
-        assert!(analysis.verdict(&analysis.compare_lines())[0].starts_with(second), "{text}");
+        assert!(analysis.verdict()[0].starts_with(second), "{text}");
     }
 }
 
@@ -126,7 +126,7 @@ fn every_clinical_angle_and_every_fitted_curve_is_shown() {
 fn every_error_force_and_multiplier_is_shown() {
     let case = case(0, Truth::Rod);
     let analysis = analyzed(&case);
-    let compared = analysis.compare_lines();
+    let compared = analysis.comparison();
     let text = terminal(&summary(&case, &analysis, None, None), WIDE);
     assert_eq!(analysis.models.len(), 3);
     for model in &analysis.models {
@@ -399,7 +399,7 @@ fn a_cohort_shows_every_patient_line_and_test() {
                 analysis.models.iter().position(|model| model.kind == kind).expect("a model");
             let [fitted, held_out] =
                 [true, false].map(|fitted| analysis.models[place].mean_location_error_mm(fitted));
-            let left_out = analysis.compare_lines().errors(place, FilmRole::LeftOutBend);
+            let left_out = analysis.comparison().errors(place, FilmRole::LeftOutBend);
             let errors = [fitted, left_out.map(|errors| errors.location_mm), held_out]
                 .map(|e| e.map_or("–".to_owned(), |e| format!("{e:.1}")));
             cells.push(errors.join(" / "));

@@ -43,7 +43,7 @@ fn view(result: &StudyResult, analysis: &Analysis) -> ModelView {
     let lines = analysis.models.iter().zip(&relative);
     let is_absolute = |model: &LineModel| model.is_absolute(analysis.options.gauge);
     let absolute = !analysis.models.is_empty() && analysis.models.iter().all(is_absolute);
-    let automatic = result.compared().and_then(|found| analysis.choose_model(found));
+    let automatic = analysis.choose_model();
     ModelView {
         study: result.study.to_string(),
         synthetic: analysis.synthetic,
@@ -69,7 +69,7 @@ fn view(result: &StudyResult, analysis: &Analysis) -> ModelView {
             .to_owned(),
         automatic: automatic.as_ref().map(|choice| Wire(choice.kind)),
         automatic_text: automatic.map(|choice| choice.words),
-        verdict: result.compared().map(|lines| analysis.verdict(lines)).unwrap_or_default(),
+        verdict: analysis.verdict(),
         notices: model_notices(result, analysis),
     }
 }

@@ -23,7 +23,7 @@ pub async fn lines(
 ) -> Answer<Json<Vec<SectionView>>> {
     of_analysis(&state, &user, &study, |result| {
         let analysis = result.analysed()?;
-        Ok(result.compared().map(|compared| parts::lines(analysis, compared)).unwrap_or_default())
+        Ok(parts::lines(analysis))
     })
     .await
 }

@@ -4,6 +4,7 @@ use super::checks::{
     check_age, check_outlines, check_postures, warn_of_length, warn_of_shifted_levels,
     warn_of_unknown_rotation,
 };
+use super::comparison::Remembered;
 use super::findings::Findings;
 use super::hypotheses::fit_hypotheses;
 use super::models::fit_models;
@@ -225,6 +226,7 @@ impl Movement {
             hypotheses: mechanics.hypotheses,
             options: options.clone(),
             warnings,
+            comparison: Remembered::default(),
         }
     }
 }

@@ -1,6 +1,5 @@
 //! Which personalised model stands for a patient where nobody names a line.
 
-use super::comparison::LinesCompared;
 use super::{Analysis, LineModel};
 use crate::action::LineKind;
 
@@ -23,12 +22,11 @@ impl Analysis {
     /// The model of the line that predicts films which it was not fitted to best, of those that converged; where no line
     /// predicts any, the first one that converged, and where none did, the first one. `None` without any model.
     ///
-    /// `compared` is what [`Analysis::compare_lines`] gives.
-    ///
     /// # Definition
-    /// Lines are ranked by [`LinesCompared::ranking`]. Their order is that of [`Analysis::models`].
+    /// Lines are ranked by [`LinesCompared::ranking`](super::LinesCompared::ranking). Their order is that of [`Analysis::models`].
     #[must_use]
-    pub fn choose_model(&self, compared: &LinesCompared) -> Option<ModelChoice> {
+    pub fn choose_model(&self) -> Option<ModelChoice> {
+        let compared = self.comparison();
         let first = self.models.first()?;
         let converged = |kind: LineKind| self.model(kind).is_some_and(LineModel::is_converged);
         let ranking = compared.ranking();

@@ -1,5 +1,7 @@
 //! Lines of action on the same films, with the numbers of their parameters and every bend left out once.
 
+use std::sync::OnceLock;
+
 use super::models::{FitTask, bending_loads, fit_model, settings_of};
 use super::{Analysis, LineModel};
 use crate::action::LineKind;
@@ -351,12 +353,27 @@ pub(crate) fn ferguson_errors_deg(simulation: &Simulation) -> Vec<f64> {
     simulation.ferguson_difference.iter().map(|angle| angle.abs().deg()).collect()
 }
 
+/// A comparison, once it was asked for. Two analyses are equal whether or not one of them was asked.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Remembered(OnceLock<Box<LinesCompared>>);
+
+impl PartialEq for Remembered {
+    fn eq(&self, _: &Self) -> bool {
+        true
+    }
+}
+
 impl Analysis {
     /// All lines on the same films, every bend left out once.
     ///
-    /// Computed on request, because no other result depends on it: it takes one more fit per line and bend.
+    /// It is computed when it is first asked for, since it takes one more fit per line and bend, and kept: a field that is changed after
+    /// that does not change it.
     #[must_use]
-    pub fn compare_lines(&self) -> LinesCompared {
+    pub fn comparison(&self) -> &LinesCompared {
+        self.comparison.0.get_or_init(|| Box::new(self.compare_lines()))
+    }
+
+    fn compare_lines(&self) -> LinesCompared {
         let settings = settings_of(self.findings(), &[]);
         let lines = self.models.iter().map(|model| {
             let numbers = FreeNumbers::of(model, self.options.gauge);

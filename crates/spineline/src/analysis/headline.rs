@@ -8,12 +8,12 @@ use crate::personalize::TestOutcome;
 
 impl Analysis {
     /// The verdict in at most three sentences: what the bends say of the lines, what predicts best, and what is identified.
-    ///
-    /// `compared` is what [`Analysis::compare_lines`] gives. [`Analysis::verdict`] has the evidence.
+    /// [`Analysis::verdict`] has the evidence.
     #[must_use]
-    pub fn headline(&self, compared: &LinesCompared) -> Vec<String> {
+    pub fn headline(&self) -> Vec<String> {
+        let compared = self.comparison();
         if self.models.is_empty() {
-            return self.verdict(compared);
+            return self.verdict();
         }
         let doubted = self.has_doubted_film().then(|| {
             "Check the films first: some may not show what they are named after.".to_owned()

@@ -3,7 +3,7 @@
 use std::fmt;
 
 use super::Analysis;
-use super::comparison::{LinesCompared, Ranking};
+use super::comparison::Ranking;
 use crate::action::LineKind;
 use crate::personalize::TestOutcome;
 
@@ -37,10 +37,10 @@ impl fmt::Display for ModelsVerdict {
 
 impl Analysis {
     /// The verdict as one value; `None` without a model. The first that applies, in the order of [`ModelsVerdict`].
-    ///
-    /// `compared` is what [`Analysis::compare_lines`] gives. [`Analysis::verdict`] has the evidence.
+    /// [`Analysis::verdict`] has the evidence.
     #[must_use]
-    pub fn models_verdict(&self, compared: &LinesCompared) -> Option<ModelsVerdict> {
+    pub fn models_verdict(&self) -> Option<ModelsVerdict> {
+        let compared = self.comparison();
         if self.models.is_empty() {
             return None;
         }

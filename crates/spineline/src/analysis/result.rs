@@ -1,3 +1,4 @@
+use super::comparison::Remembered;
 use super::findings::Findings;
 use super::preference::PreferredLine;
 use super::{AnalysisOptions, LineModel};
@@ -90,6 +91,8 @@ pub struct Analysis {
     pub options: AnalysisOptions,
     /// Problems that do not stop the analysis.
     pub warnings: Warnings,
+    /// What [`Analysis::comparison`] has found.
+    pub(super) comparison: Remembered,
 }
 
 impl Analysis {

@@ -27,10 +27,9 @@ impl Analysis {
     /// every line that is not fitted to the films, whether the bends reject a single force along it
     /// ([`Analysis::compatibility`]), then how well each line predicts films that it was not fitted to, and last how small
     /// its error is on the fitted films, which proves nothing.
-    ///
-    /// `compared` is what [`Analysis::compare_lines`] gives.
     #[must_use]
-    pub fn verdict(&self, compared: &LinesCompared) -> Vec<String> {
+    pub fn verdict(&self) -> Vec<String> {
+        let compared = self.comparison();
         let mut sentences: Vec<String> = self
             .film_doubts()
             .map(|warning| {

@@ -9,7 +9,7 @@ use super::samples::{Kept, Samples};
 use super::workers::OneThread;
 use super::{Clustered, PairedComparison, Seen};
 use crate::action::LineKind;
-use crate::analysis::{Analysis, FilmRole, LinesCompared, listed, probability};
+use crate::analysis::{Analysis, FilmRole, listed, probability};
 use crate::evaluate::Baseline;
 use crate::evaluate::statistics::Resampling;
 use crate::hypothesis::Hypothesis;
@@ -87,12 +87,12 @@ impl BaselinesOverPatients {
     }
 
     /// The models of one patient beside what is predicted without mechanics and without other patients: differences, with no
-    /// interval and no test. `compared` is what [`Analysis::compare_lines`] gives.
+    /// interval and no test.
     #[must_use]
-    pub fn of_patient(analysis: &Analysis, compared: &LinesCompared) -> Self {
+    pub fn of_patient(analysis: &Analysis) -> Self {
         // One patient is not resampled.
         let resampling = Resampling::new(1, 0);
-        let mut patients = &[CohortPatient::of_compared(analysis, compared)][..];
+        let mut patients = &[CohortPatient::of(analysis)][..];
         let Ok(mut gathering) =
             Gathering::begin(&mut patients, resampling, Kept { values: false, listed: 0 });
         let Gathering { census, samples, .. } = &mut gathering;

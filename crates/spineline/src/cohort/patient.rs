@@ -18,7 +18,7 @@ use crate::spatial::Angle;
 /// The numbers of a patient that enter a [`super::Cohort`].
 ///
 /// It holds no curve, no chain and no outline: about 10 kB. Making it takes one more fit per line and bend
-/// ([`Analysis::compare_lines`]).
+/// ([`Analysis::comparison`]).
 #[derive(Debug, Clone, PartialEq)]
 pub struct CohortPatient {
     pub(super) case_id: String,
@@ -115,11 +115,7 @@ impl CohortPatient {
     /// Of an analysed patient.
     #[must_use]
     pub fn of(analysis: &Analysis) -> Self {
-        Self::of_compared(analysis, &analysis.compare_lines())
-    }
-
-    /// The same, where the lines were compared already.
-    pub(super) fn of_compared(analysis: &Analysis, compared: &LinesCompared) -> Self {
+        let compared = analysis.comparison();
         let tested =
             candidates(analysis).map(|model| (model.kind, analysis.compatibility(model).outcome()));
         let erect = &analysis.postures[0].outline;

@@ -35,7 +35,7 @@ const FACTORS: [(Posture, f64); 4] = [
 ];
 
 fn errors_mm(analysis: &Analysis, kind: LineKind, role: FilmRole) -> f64 {
-    let found = analysis.compare_lines();
+    let found = analysis.comparison();
     let place = found.lines.iter().position(|line| line.kind == kind).expect("every line");
     found.errors(place, role).expect("such films").location_mm
 }

@@ -27,7 +27,7 @@ fn doubts(analysis: &Analysis) -> Vec<(&'static str, Option<Posture>)> {
 }
 
 fn verdict(analysis: &Analysis) -> String {
-    analysis.verdict(&analysis.compare_lines()).join(" ")
+    analysis.verdict().join(" ")
 }
 
 /// The case as it is, and with all its pictures mirrored.

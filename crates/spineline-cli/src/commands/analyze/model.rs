@@ -18,7 +18,7 @@ pub fn choose(args: &AnalyzeArgs, analysis: &Analysis) -> Option<ModelChoice> {
         ModelLine::Kind(kind) => {
             analysis.model(kind).map(|model| ModelChoice { kind: model.kind, words: String::new() })
         }
-        ModelLine::Auto => analysis.choose_model(&analysis.compare_lines()),
+        ModelLine::Auto => analysis.choose_model(),
     }
 }
 

@@ -47,10 +47,7 @@ fn add(view: &mut ComputationView, job: &ComputationJob, found: &Found) {
             Vec::new()
         }
         Found::Identifiability(found) => vec![parts::identifiability(analysis, found)],
-        Found::Models(found) => {
-            let compared = job.result.compared();
-            compared.and_then(|compared| parts::models(found, compared)).into_iter().collect()
-        }
+        Found::Models(found) => parts::models(found).into_iter().collect(),
     };
     view.sections = sections.into_iter().map(section_view).collect();
 }

@@ -43,7 +43,7 @@ fn models_equal_those_of_the_exported_case() {
         farthest_mm(&points(&model["erect"]["midpoints_mm"]), &analysis.spine.midpoints_mm)
             < SAME_MM
     );
-    let compared = analysis.compare_lines();
+    let compared = analysis.comparison();
     let (automatic, _) = compared.best_predictor().expect("compared lines");
     assert_eq!(model["automatic"], automatic.key());
     assert_eq!(model["automatic_text"], json!(compared.choice_words()));
