@@ -20,8 +20,9 @@ import kills
 import mutations
 import signals
 from program import run
+from small import write_small
 
-LOAD = """{"format": "spineline-load", "version": 1, "loads": [{"kind": "force", "level": "T2", "force": [0, 10, 0], "point_mm": [0, 0, 300]}]}"""
+LOAD = """{"format": "spineline-load", "version": 1, "loads": [{"kind": "force_on_line", "level": "T2", "force": [0, 10, 0], "point_mm": [0, 0, 300]}]}"""
 READINGS = "\n".join(
     ["quantity,unit,subject,observer,repeat,value,synthetic"]
     + [f"tilt_T6,deg,P{s},{o},{r},{s + r / 10},true" for s in range(1, 6) for o in "AB" for r in (1, 2)]
@@ -80,6 +81,10 @@ def make_samples(program: Path, seeds: Path, samples: Path) -> None:
     (samples / "stiffness.csv").write_text(make("stiffness"))
     (samples / "readings.csv").write_text(READINGS)
     (samples / "load.json").write_text(LOAD)
+    write_small(samples / "case.json", samples / "landmarks")
+    for name in ("csv", "slicer", "labelme", "coco"):
+        one = ("--posture", "erect") if name in ("slicer", "labelme") else ()
+        make("export", "landmarks/case.json", "--to", name, *one, "--out", f"landmarks/{name}")
     make("study", "create", "study.spineline")
     film = ("--film", "erect=1", "--patient-left", "image-left")
     make("import", "seeds/film/rle", "--case-id", "P07", "--out", "small", *film)

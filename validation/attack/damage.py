@@ -7,7 +7,7 @@ import re
 
 # What numbers of a text are replaced by.
 NUMBERS = (b"1e400", b"-1e400", b"NaN", b"1e308", b"-0", b"0", b"4294967296", b"-1", b"1e-320", b"99999999999999999999", b"null", b'""')
-WORDS = (b"\xff\xfe", b"\x00", b"{", b"[" * 2000, b'"\\ud800"', b"=cmd|' /C calc'!A0", b"\xe2\x80\xae", b",,,,")
+WORDS = (b"\xff\xfe", b"\x00", b"{", b"[" * 2000, b'"\\ud800"', b"=cmd|' /C calc'!A0", b"\xe2\x80\xae", b"\x1b[2J\n", b"\\u001b[2J\\n\\u202e", b"A" * 100_000, b",,,,")
 
 
 def damaged(data: bytes, dice: random.Random) -> bytes:

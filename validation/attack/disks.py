@@ -53,6 +53,10 @@ def attack(program: Path, samples: Path) -> Iterator[str]:
     """Faults over all outputs and limits."""
     count = refused = 0
     for kind, command in outputs(samples):
+        with temporary() as place:
+            end = run(program, [f"out.{kind}" if word == "OUT" else word for word in command], Path(place))
+            if end.code:
+                yield f"{' '.join(command)}: refused with {end.code} where there is room: {end.errors.strip()}"
         for limit in LIMITS:
             with temporary() as place:
                 folder = Path(place)

@@ -1,4 +1,5 @@
-"""Damaged files of every kind that the program reads: each ends in a code of the guide, without a panic, in bounded memory."""
+"""Damaged files of every kind that the program reads: each ends in a code of the guide, without a panic, in bounded memory, and without
+a character that steers the terminal. Every sample is accepted before it is damaged."""
 
 from __future__ import annotations
 
@@ -13,8 +14,8 @@ from damage import damaged
 from program import Run, parts, run, temporary
 
 
-# Seeds of one format and much the same content.
-TWINS = {f"Slicer-{number}" for number in range(1, 5)}
+# Finished, with everything or with something that did not converge.
+ACCEPTED = (0, 4)
 
 
 @dataclass
@@ -27,15 +28,17 @@ class Kind:
     command: list[str]
     # How many files one run reads.
     batch: int = 1
+    # With which words the sound sample is refused after it was read; none where it is accepted.
+    known_refusal: str = ""
     results: list[Run] = field(default_factory=list)
 
 
 def kinds(samples: Path) -> list[Kind]:
     """Every kind, with its sample."""
     model, case, film = samples / "model.json", samples / "case.json", samples / "seeds" / "film"
-    landmarks = samples / "seeds" / "landmarks"
-    into = ["import", str(film / "rle"), "--case-id", "P07", "--out", "out", "--film", "erect=1"]
-    into += ["--patient-left", "image-left", "--landmarks", "FILE"]
+    small, landmarks = samples / "landmarks", samples / "seeds" / "landmarks"
+    into = ["import", str(small / "erect.png"), "--case-id", "P07", "--out", "out", "--film", "erect=1"]
+    into += ["--patient-left", "image-left", "--spacing", "erect=1,1,patient", "--landmarks", "FILE"]
     return [
         Kind("case", case, ["check", "FILE"], batch=25),
         Kind("case, analysed", case, ["analyze", "FILE", "--json", "-"]),
@@ -46,8 +49,13 @@ def kinds(samples: Path) -> list[Kind]:
         Kind("load", samples / "load.json", ["simulate", str(model), "--load", "FILE"]),
         Kind("stiffness table", samples / "stiffness.csv", ["analyze", str(case), "--stiffness", "FILE"]),
         Kind("readings table", samples / "readings.csv", ["reliability", "FILE"]),
-        *(Kind(f"film, {seed}", film / seed, ["film", "FILE"], batch=50) for seed in ("jpegls", "rle", "plain", "png")),
-        *(Kind(f"landmarks, {seed.name}", seed, into) for seed in sorted(landmarks.iterdir()) if seed.name not in TWINS),
+        *(Kind(f"film, {seed}", film / seed, ["film", "FILE"], batch=50) for seed in ("jpegls", "rle", "plain")),
+        Kind("film, png", small / "erect.png", ["film", "FILE"], batch=50),
+        *(Kind(f"landmarks, {name}", small / name, into) for name in ("csv", "slicer", "labelme", "coco")),
+        # Files of other programs that no command writes. They are read, and their vertebrae do not fit this film.
+        Kind("landmarks, mat", landmarks / "mat", into, known_refusal="lies outside of the"),
+        Kind("landmarks, report", landmarks / "report", into, known_refusal="lies outside of the"),
+        Kind("landmarks, midlines", landmarks / "midlines", ["import", "FILE", "--midlines", "--case-id", "P07", "--out", "out"]),
         Kind("store", samples / "study.spineline", ["study", "verify", "FILE"]),
         Kind("archive", samples / "films.zip", ["import", "FILE", "--list"]),
     ]
@@ -56,6 +64,7 @@ def kinds(samples: Path) -> list[Kind]:
 def attack(program: Path, samples: Path, copies: int, seed: int) -> Iterator[str]:
     """Faults over all kinds; prints the counts of each."""
     for kind in kinds(samples):
+        yield from refusals(program, kind)
         dice = random.Random(f"{seed} {kind.name}")
         with temporary() as folder, ThreadPoolExecutor(2) as pool:
             batches = list(files(kind, Path(folder), copies, dice))
@@ -65,6 +74,20 @@ def attack(program: Path, samples: Path, copies: int, seed: int) -> Iterator[str
         print(f"{copies:4} damaged: {kind.name:16} codes {codes}, at most {largest:.0f} MB")
         for end in ends:
             yield from end.faults()
+
+
+def refusals(program: Path, kind: Kind) -> Iterator[str]:
+    """A fault where the sample itself is refused: its damaged copies would show nothing."""
+    with temporary() as folder:
+        place = Path(folder) / "sound"
+        place.mkdir()
+        sample = place / f"sample{kind.seed.suffix}"
+        sample.write_bytes(kind.seed.read_bytes())
+        end = run_on(program, kind, [sample])
+    yield from end.faults()
+    is_read = end.code in ACCEPTED if not kind.known_refusal else kind.known_refusal in end.errors
+    if not is_read:
+        yield f"{kind.name}: the sample is refused with {end.code}: {end.errors.strip()}"
 
 
 def files(kind: Kind, folder: Path, copies: int, dice: random.Random) -> Iterator[list[Path]]:

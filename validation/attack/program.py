@@ -15,6 +15,7 @@ from pathlib import Path
 EXIT_CODES = {0, 1, 2, 3, 4, 130}
 MAX_RESIDENT_MB = 1024
 MAX_SECONDS = 120
+MAX_LINE_LETTERS = 10_000
 PARTS = (".part", ".tmp")
 
 
@@ -39,11 +40,25 @@ class Run:
             found.append("panicked")
         if self.code not in (0, 130) and not (self.errors + self.output).strip():
             found.append(f"ended with {self.code} and no word")
+        # What goes to `-` is for a program, and is what a file would hold.
+        for_people = self.errors + ("" if "-" in self.arguments else self.output)
+        steering = sorted({hex(ord(char)) for char in for_people if is_hidden(char)})
+        if steering:
+            found.append(f"sent {', '.join(steering)} to the terminal")
+        if max(map(len, self.errors.split("\n"))) > MAX_LINE_LETTERS:
+            found.append("wrote an endless line of errors")
         if self.left:
             found.append(f"left {', '.join(self.left)}")
         if self.resident_mb > MAX_RESIDENT_MB:
             found.append(f"took {self.resident_mb:.0f} MB")
         return [f"{' '.join(self.arguments)}: {fault}" for fault in found]
+
+
+def is_hidden(char: str) -> bool:
+    """Whether a character steers a terminal, ends a line unseen, or turns the direction of writing."""
+    code = ord(char)
+    turns = code in (0x61C, 0x200E, 0x200F, 0xFEFF) or 0x2028 <= code <= 0x202E or 0x2060 <= code <= 0x206F
+    return turns or (char != "\n" and (code < 32 or 127 <= code < 160))
 
 
 def run(

@@ -37,8 +37,9 @@ cargo xtask COMMAND
   setup    install what the tests need: Debian packages, cargo-nextest, npm packages, Python environments
   check    format, tidy and lints
   tidy     house rules that no compiler knows
-  advisories
-           check dependencies for known faults and their licences (needs cargo-deny, and the network for the faults)
+  advisories [--required]
+           check dependencies for known faults and their licences (needs cargo-deny, and the network for the faults);
+           what cannot be checked is named at the end, and fails with --required, as for a release
   studies  run the slow studies over tens of thousands of synthetic patients, in a release build (half an hour)
   web      check, test and build the browser app, which the program then embeds
   browser  drive the browser app in Chromium
@@ -85,6 +86,9 @@ fn main() -> ExitCode {
         ("setup", []) => tools::setup(&root),
         ("docs", []) => book::make(&root),
         ("bench", []) => cargo(&root, &["bench", "--package", "spineline", "--benches"]),
+        ("advisories", [option]) if option == "--required" => {
+            Plan::new(&root, Extent::Usual).run_all_of(&steps("advisories").unwrap_or_default())
+        }
         (name, rest) => match (steps(name), rest) {
             (Some(steps), []) => Plan::new(&root, Extent::Usual).run(&steps),
             (Some(steps), [option]) if name == "test" && option == "--full" => {

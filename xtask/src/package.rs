@@ -9,7 +9,7 @@ use std::time::Instant;
 use crate::checks::native_module;
 use crate::plan::Plan;
 use crate::tools::Tool;
-use crate::{cargo, python, run, web};
+use crate::{python, run, web};
 
 /// The name of its Python environment.
 const ENVIRONMENT: &str = "package";
@@ -46,9 +46,11 @@ fn wheels_with(root: &Path, features: &[&str], others: &[&str]) -> Result<Vec<Pa
     } else {
         println!("Node.js is missing: the program of this wheel has no browser app");
     }
-    let program = ["build", "--release", "--locked", "--package", "spineline-cli"];
-    cargo(root, &[&program[..], features].concat())?;
     let target = python::target()?;
+    let flags = flags_without_places(root, &target)?;
+    let flags = [("CARGO_ENCODED_RUSTFLAGS", flags.as_str())];
+    let program = ["build", "--release", "--locked", "--package", "spineline-cli"];
+    run(root, "cargo", &[&program[..], features].concat(), &flags)?;
     let scripts = root.join("python/spineline.data/scripts");
     let program = Path::new("spineline").with_extension(EXE_EXTENSION);
     fs::create_dir_all(&scripts).map_err(|error| format!("{}: {error}", scripts.display()))?;
@@ -63,7 +65,14 @@ fn wheels_with(root: &Path, features: &[&str], others: &[&str]) -> Result<Vec<Pa
         vec!["-m", "maturin", "build", "--release", "--out", &out, "--interpreter", &interpreter];
     let others = others.iter().map(|other| interpreter_of(other)).collect::<Result<Vec<_>, _>>()?;
     arguments.extend(others.iter().map(String::as_str));
-    run(&root.join("python"), &interpreter, &arguments, &[("CARGO_TARGET_DIR", &built)])?;
+    let variables = [("CARGO_TARGET_DIR", built.as_str()), flags[0]];
+    run(&root.join("python"), &interpreter, &arguments, &variables)?;
+    let module = target.join("release").join(module_file());
+    for file in [&scripts.join(&program), &module] {
+        let bytes = fs::read(file).map_err(|error| format!("{}: {error}", file.display()))?;
+        check_given(&bytes, &builder(root, &target)?)
+            .map_err(|fault| format!("{}: {fault}", file.display()))?;
+    }
     let wheels = files(&wheels)?;
     for wheel in &wheels {
         let bytes =
@@ -72,6 +81,41 @@ fn wheels_with(root: &Path, features: &[&str], others: &[&str]) -> Result<Vec<Pa
     }
     println!("» built in {} s", start.elapsed().as_secs());
     Ok(wheels)
+}
+
+/// Places of this machine, with the names that stand for them in what is given to people.
+fn builder(root: &Path, target: &Path) -> Result<Vec<(String, &'static str)>, String> {
+    let home = std::env::home_dir().ok_or("the home folder is not known")?;
+    let cargo = std::env::var_os("CARGO_HOME").map_or_else(|| home.join(".cargo"), PathBuf::from);
+    // The last one that fits counts.
+    let places = [(home, "home"), (cargo, "cargo"), (root.to_owned(), "spineline")];
+    let places = places.into_iter().chain([(target.to_owned(), "target")]);
+    // A container may have `/` as its home.
+    let places = places.filter(|(place, _)| place.parent().is_some());
+    places.map(|(place, name)| Ok((python::text(&place)?, name))).collect()
+}
+
+/// Flags of the compiler with which a panic names the file of a crate and not where the builder keeps it.
+fn flags_without_places(root: &Path, target: &Path) -> Result<String, String> {
+    let places = builder(root, target)?.into_iter();
+    let given = std::env::var("RUSTFLAGS").unwrap_or_default();
+    let given = given.split_whitespace().map(str::to_owned);
+    let remapped = places.map(|(place, name)| format!("--remap-path-prefix={place}={name}"));
+    // What separates flags, so that a place may hold blanks.
+    Ok(given.chain(remapped).collect::<Vec<_>>().join("\x1f"))
+}
+
+/// That a program or module holds no place of its builder and no names of its functions.
+fn check_given(bytes: &[u8], builder: &[(String, &'static str)]) -> Result<(), String> {
+    let holds = |text: &str| bytes.windows(text.len()).any(|window| window == text.as_bytes());
+    if let Some((place, _)) = builder.iter().find(|(place, _)| holds(&format!("{place}/"))) {
+        return Err(format!("it holds the path {place} of its builder"));
+    }
+    // Both ways of writing names of functions put the length of a crate's name before it.
+    match ["13spineline_cli", "15spineline_files"].into_iter().find(|name| holds(name)) {
+        Some(name) => Err(format!("it is not stripped: it holds `{name}`")),
+        None => Ok(()),
+    }
 }
 
 /// Tests the package and its types, with the native module that the tests have built.
@@ -169,4 +213,48 @@ fn files(folder: &Path) -> Result<Vec<PathBuf>, String> {
         entries.map(|entry| Ok(entry.map_err(failed)?.path())).collect::<Result<_, String>>()?;
     files.sort();
     Ok(files)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_given_to_people_holds_no_place_of_its_builder_and_no_symbols() {
+        let builder = [("/home/doe".to_owned(), "home")];
+        assert_eq!(check_given(b"..cargo/registry/src/lib.rs..", &builder), Ok(()));
+        for bytes in [&b"..\0/home/doe/.cargo/registry"[..], b"_ZN13spineline_cli4main17h0E"] {
+            assert!(check_given(bytes, &builder).is_err());
+        }
+    }
+
+    /// A package that has settings of its own in a profile loses `strip` of the profile.
+    #[test]
+    fn the_program_states_that_it_is_stripped() {
+        let manifest = include_str!("../../Cargo.toml");
+        let (_, release) = manifest.split_once("[profile.release]").expect("a profile");
+        assert!(release.lines().take(5).any(|line| line == "strip = true"));
+        for package in ["spineline-cli = ", "spineline-py = "] {
+            let mut own = release.lines().filter(|line| line.starts_with(package));
+            assert!(own.all(|line| line.contains("strip = true")), "{package}");
+        }
+    }
+
+    #[test]
+    fn every_build_that_is_given_to_people_hides_the_places_of_its_builder() {
+        for (name, text) in [
+            ("Dockerfile", include_str!("../../packaging/Dockerfile")),
+            ("recipe.yaml", include_str!("../../packaging/conda/recipe.yaml")),
+            ("release.yml", include_str!("../../packaging/github/release.yml")),
+        ] {
+            let before = text.split("cargo build --release").next().expect("a part");
+            assert!(before.len() < text.len(), "{name} builds");
+            assert!(
+                before.contains("--remap-path-prefix=${CARGO_HOME:-$HOME/.cargo}=cargo"),
+                "{name}"
+            );
+        }
+        let release = include_str!("../../packaging/github/release.yml");
+        assert!(release.contains("cargo xtask advisories --required"));
+    }
 }

@@ -5,6 +5,7 @@ use std::fs::{self, File};
 use std::io::{IsTerminal, Write};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::thread::{self, ScopedJoinHandle};
 use std::time::{Duration, Instant};
 
@@ -77,6 +78,8 @@ impl<'a> Step<'a> {
 pub struct Plan<'a> {
     pub root: &'a Path,
     pub extent: Extent,
+    /// Parts of steps that could not be run, and why.
+    not_run: Mutex<Vec<String>>,
 }
 
 /// How a step ended.
@@ -118,7 +121,25 @@ pub fn output_file(name: &str) -> Result<(PathBuf, File), String> {
 
 impl<'a> Plan<'a> {
     pub fn new(root: &'a Path, extent: Extent) -> Self {
-        Self { root, extent }
+        Self { root, extent, not_run: Mutex::default() }
+    }
+
+    /// Notes that a part of a step cannot be run on this machine; the list at the end names it.
+    pub fn note_not_run(&self, what: &str, why: &str) {
+        self.not_run_so_far().push(format!("{what}: {why}"));
+    }
+
+    fn not_run_so_far(&self) -> MutexGuard<'_, Vec<String>> {
+        self.not_run.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// As [`Plan::run`]; what cannot be run is an error.
+    pub fn run_all_of(&self, steps: &[Step<'_>]) -> Result<(), String> {
+        self.run(steps)?;
+        match self.not_run_so_far().join("; ") {
+            missing if missing.is_empty() => Ok(()),
+            missing => Err(format!("not everything was run: {missing}")),
+        }
     }
 
     pub fn is_full(&self) -> bool {
@@ -154,7 +175,7 @@ impl<'a> Plan<'a> {
             ended.extend(beside.into_iter().map(joined));
             ended.iter().find_map(|step| step.result.clone().err()).map_or(Ok(()), Err)
         });
-        print_times(&ended, start.elapsed());
+        print!("{}", times(&ended, &self.not_run_so_far(), start.elapsed()));
         result
     }
 
@@ -227,14 +248,46 @@ fn asked_to_install() -> bool {
     read.is_ok() && answer.trim().eq_ignore_ascii_case("y")
 }
 
-/// Steps beside others count in no sum, so the whole is measured by itself.
-fn print_times(ended: &[Ended], whole: Duration) {
-    println!("\n━━ times");
+/// What each step took, then what was not run. Steps beside others count in no sum, so the whole is measured by itself.
+fn times(ended: &[Ended], not_run: &[String], whole: Duration) -> String {
+    let mut text = "\n━━ times\n".to_owned();
+    let mut left_out = String::new();
     for step in ended {
         match &step.left_out {
-            None => println!("{:>7.1} s  {}", step.time.as_secs_f64(), step.name),
-            Some(missing) => println!("NOT RUN    {}: {missing} is missing", step.name),
+            None => text.push_str(&format!("{:>7.1} s  {}\n", step.time.as_secs_f64(), step.name)),
+            Some(missing) => {
+                left_out.push_str(&format!("NOT RUN    {}: {missing} is missing\n", step.name));
+            }
         }
     }
-    println!("{:>7.1} s  all", whole.as_secs_f64());
+    text.push_str(&format!("{:>7.1} s  all\n", whole.as_secs_f64()));
+    left_out.extend(not_run.iter().map(|what| format!("NOT RUN    {what}\n")));
+    text + &left_out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_was_not_run_stands_at_the_end() {
+        let plan = Plan::new(Path::new("."), Extent::Usual);
+        let steps = || {
+            vec![
+                Step::new("first", &[], |plan| {
+                    plan.note_not_run("advisories", "no database");
+                    Ok(())
+                }),
+                Step::new("second", &[], |_| Ok(())),
+            ]
+        };
+        assert_eq!(plan.run(&steps()), Ok(()), "tests go on");
+        let ended = |name, left_out| Ended { name, time: Duration::ZERO, left_out, result: Ok(()) };
+        let ended = [ended("a", None), ended("b", Some("DCMTK".to_owned())), ended("c", None)];
+        let text = times(&ended, &plan.not_run_so_far(), Duration::ZERO);
+        let end = "NOT RUN    b: DCMTK is missing\nNOT RUN    advisories: no database\n";
+        assert!(text.ends_with(&format!("    0.0 s  all\n{end}")), "{text}");
+        let error = Plan::new(Path::new("."), Extent::Usual).run_all_of(&steps());
+        assert_eq!(error, Err("not everything was run: advisories: no database".to_owned()));
+    }
 }

@@ -13,6 +13,7 @@ mod run;
 use std::process::ExitCode;
 
 use clap::Parser;
+use spineline_report::terminal::{Lines, shown};
 
 use commands::{Cli, Command};
 use run::failure::{Ending, Failure};
@@ -25,7 +26,7 @@ pub fn main() -> ExitCode {
     match guarded(run) {
         Ok(Ok(ending)) => ending.into(),
         Ok(Err(failure)) => {
-            say(&format!("{failure}\n"));
+            say(&failure);
             failure.into()
         }
         Err(bug) => bug.into(),
@@ -40,11 +41,28 @@ fn run() -> Result<Ending, Failure> {
         }
         // Help and version are results; all else is a refusal, whose code it knows.
         Err(words) if !words.use_stderr() => return outputs::shown(words.print()),
-        Err(words) => suggestions::near_only(words).exit(),
+        Err(words) => refuse(words),
     };
     // The decoder of films is ended by its parent.
     if !matches!(command, Command::DecodeFilm) {
         interrupt::catch()?;
     }
     commands::run(command)
+}
+
+/// Says why the command line is refused, and ends the program. Names of files may hold anything: where one would not be shown as it is,
+/// the line is refused as it is shown.
+fn refuse(words: clap::Error) -> ! {
+    let given = std::env::args_os().map(|one| one.to_string_lossy().into_owned());
+    let (given, plain): (Vec<_>, Vec<_>) = given.map(|one| (shown(&one), one)).unzip();
+    if given == plain {
+        suggestions::near_only(words).exit();
+    }
+    match Cli::try_parse_from(given) {
+        Err(words) if words.use_stderr() => suggestions::near_only(words).exit(),
+        _ => {
+            say(Lines::of_text(&words.render().to_string()));
+            std::process::exit(words.exit_code());
+        }
+    }
 }

@@ -83,7 +83,10 @@ pub use stored_identifiability::{identifiability_text, parse_identifiability};
 pub use stored_uncertainty::{
     loaded_uncertainty_text, parse_loaded_uncertainty, parse_uncertainty, uncertainty_text,
 };
-pub use table_text::{column_name, decode_text, is_no_number, stated_separator, whole_number};
+pub use table_text::{
+    column_name, decode_text, guarded, is_no_number, starts_formula, stated_separator, unguarded,
+    whole_number,
+};
 
 /// The text of a file: JSON with two blanks of indent and a line feed at the end.
 ///

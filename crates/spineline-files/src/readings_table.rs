@@ -7,7 +7,9 @@ use spineline::reliability::RatedQuantity;
 
 use crate::FileError;
 use crate::nearest::nearest;
-use crate::table_text::{column_name, is_no_number, stated_separator, whole_number};
+use crate::table_text::{
+    column_name, is_no_number, starts_formula, stated_separator, unguarded, whole_number,
+};
 
 /// Columns of the table, in any order; the last may be absent.
 const COLUMNS: [&str; 7] =
@@ -188,7 +190,12 @@ impl Columns {
 }
 
 /// A cell that names something.
-fn name<'a>(column: &str, text: &'a str) -> Result<&'a str, String> {
+fn name<'a>(column: &str, cell: &'a str) -> Result<&'a str, String> {
+    if starts_formula(cell) {
+        let cell = shortened(cell);
+        return Err(format!("`{column}` starts like a formula, which spreadsheets run: `{cell}`"));
+    }
+    let text = unguarded(cell);
     if text.is_empty() {
         return Err(format!("`{column}` is empty"));
     }
@@ -197,10 +204,6 @@ fn name<'a>(column: &str, text: &'a str) -> Result<&'a str, String> {
     }
     if text.chars().any(char::is_control) {
         return Err(format!("`{column}` holds a control character"));
-    }
-    // A spreadsheet would take it for a formula when it opens a result.
-    if text.starts_with(['=', '@', '+', '-']) {
-        return Err(format!("`{column}` starts like a formula: `{}`", shortened(text)));
     }
     Ok(text)
 }

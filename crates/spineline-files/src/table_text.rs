@@ -53,6 +53,41 @@ pub fn column_name(cell: &str) -> String {
     cell.to_lowercase().replace([' ', '-', '\u{a0}'], "_").replace(['(', ')', '[', ']'], "")
 }
 
+/// Whether a spreadsheet takes a cell for a formula, and runs it; also in the wide letters of Chinese and Japanese, and behind blanks.
+#[must_use]
+pub fn starts_formula(cell: &str) -> bool {
+    const BLANKS: [char; 3] = ['\t', '\r', '\n'];
+    let unseen =
+        |c: char| c.is_whitespace() || c.is_control() || matches!(c, '\u{200b}' | '\u{feff}');
+    cell.starts_with(BLANKS)
+        || cell.trim_start_matches(unseen).starts_with(['=', '+', '-', '@', '＝', '＋', '－', '＠'])
+}
+
+/// A text as a cell of CSV: a quote before what a spreadsheet would run, and before what [`unguarded`] would take for such a quote.
+///
+/// ```
+/// use spineline_files::{guarded, unguarded};
+///
+/// assert_eq!(guarded("=1+1"), "'=1+1");
+/// for text in ["P07", "=1+1", "'=1+1", "'P07", "-", ""] {
+///     assert_eq!(unguarded(&guarded(text)), text);
+/// }
+/// ```
+#[must_use]
+pub fn guarded(text: &str) -> Cow<'_, str> {
+    if needs_guard(text) { Cow::Owned(format!("'{text}")) } else { Cow::Borrowed(text) }
+}
+
+/// The text of a cell that [`guarded`] wrote.
+#[must_use]
+pub fn unguarded(cell: &str) -> &str {
+    cell.strip_prefix('\'').filter(|text| needs_guard(text)).unwrap_or(cell)
+}
+
+fn needs_guard(text: &str) -> bool {
+    text.starts_with('\'') || starts_formula(text)
+}
+
 /// Whether a cell or text of a number says that there is none.
 #[must_use]
 pub fn is_no_number(cell: &str) -> bool {
@@ -130,6 +165,28 @@ mod tests {
             ("", None),
         ] {
             assert_eq!(stated_separator(text), separator, "{text:?}");
+        }
+    }
+
+    #[test]
+    fn what_a_spreadsheet_would_run_has_a_quote_before_it() {
+        for text in [
+            "=cmd|' /C calc'!A0",
+            "-A1",
+            "+1",
+            "@SUM(A1)",
+            "\t=1",
+            " =1",
+            "\u{feff}=1",
+            "＝1",
+            "\r",
+        ] {
+            assert_eq!(guarded(text), format!("'{text}"));
+            assert_eq!(unguarded(&guarded(text)), text);
+        }
+        for text in ["P07", "a=1", "", ".", "'"] {
+            assert_eq!(unguarded(&guarded(text)), text);
+            assert_eq!(unguarded(text), text);
         }
     }
 

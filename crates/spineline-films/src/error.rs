@@ -245,6 +245,14 @@ pub enum FilmError {
         /// Why.
         fault: CodecFault,
     },
+    /// Compressed pixels with values beyond Bits Stored, where a text may hide that de-identification cannot take out without another picture.
+    #[error(
+        "some pixel values exceed the {bits_stored} bits that Bits Stored (0028,0101) declares; text may be hidden in the bits above"
+    )]
+    HiddenBits {
+        /// Declared bits.
+        bits_stored: u8,
+    },
     /// The case identifier of a de-identified film has other characters than letters, digits, dot, dash, underscore,
     /// or more than 64 of them.
     #[error("the case identifier must be 1 to 64 letters, digits, dots, dashes or underscores")]
@@ -407,6 +415,9 @@ impl FilmError {
             Self::Frames { .. } => "export the one frame or page that is the film",
             Self::Photometric { .. } | Self::PixelFormat { .. } => {
                 "export the film as 8 or 16 bit greyscale"
+            }
+            Self::HiddenBits { .. } => {
+                "export the film uncompressed: then these bits are cleared; if they belong to the picture, correct Bits Stored"
             }
             Self::CaseId => "use a short pseudonym without blanks",
             Self::DecoderStart { .. } | Self::DecoderAnswer => "install the program again",

@@ -50,12 +50,16 @@ pub(super) fn read(
         _ => return Err(FilmError::NoPixels { missing: PIXEL_DATA }),
     };
     let bits_stored = format.stored;
+    let fits = fit(&words, format);
+    if !fits {
+        remarks.push(FilmRemark::BeyondBitsStored { bits_stored });
+    }
     let stored = if format.signed {
-        StoredPixels::Signed(signed(words, bits_stored, remarks))
+        // Two's complement of so many bits; of all 16 where a value does not fit.
+        let shift = if fits { 16 - u32::from(bits_stored) } else { 0 };
+        let extended = |word: u16| (word << shift).cast_signed() >> shift;
+        StoredPixels::Signed(words.into_iter().map(extended).collect())
     } else {
-        if words.iter().any(|&word| word > top(bits_stored)) {
-            remarks.push(FilmRemark::BeyondBitsStored { bits_stored });
-        }
         StoredPixels::Unsigned(words)
     };
     let (columns, rows) = (u32::from(format.columns), u32::from(format.rows));
@@ -63,23 +67,19 @@ pub(super) fn read(
 }
 
 /// The largest unsigned value of so many bits.
-const fn top(bits: u8) -> u16 {
+pub(super) const fn top(bits: u8) -> u16 {
     u16::MAX >> (16 - bits)
 }
 
-/// Two's complement of so many bits; of all 16 where a value does not fit.
-fn signed(words: Vec<u16>, bits_stored: u8, remarks: &mut Vec<FilmRemark>) -> Vec<i16> {
-    let shift = 16 - u32::from(bits_stored);
-    let extend = |word: u16| (word << shift).cast_signed() >> shift;
-    let fits = |word: u16| word <= top(bits_stored) || extend(word).cast_unsigned() == word;
-    if words.iter().all(|&word| fits(word)) {
-        return words.into_iter().map(extend).collect();
-    }
-    remarks.push(FilmRemark::BeyondBitsStored { bits_stored });
-    words.into_iter().map(u16::cast_signed).collect()
+/// Whether all words hold no more than their stored bits, negative ones being continued by ones.
+pub(super) fn fit(words: &[u16], format: Format) -> bool {
+    let top = top(format.stored);
+    let beyond = !top | (top & !(top >> 1));
+    words.iter().all(|&word| word <= top || format.signed && word & beyond == beyond)
 }
 
-fn format(
+/// The values of the image pixel module, checked.
+pub(super) fn format(
     data: &InMemDicomObject,
     photometric: Photometric,
     limits: &FilmLimits,
@@ -241,16 +241,6 @@ impl Coded {
             _ => Err(FilmError::Codec { codec, fault: CodecFault::Corrupt }),
         }
     }
-}
-
-/// Bytes of the uncompressed picture of a data set.
-pub(super) fn native_length(
-    data: &InMemDicomObject,
-    limits: &FilmLimits,
-) -> Result<usize, FilmError> {
-    let photometric = Photometric::read(data.text(PHOTOMETRIC).as_deref())?;
-    let format = format(data, photometric, limits)?;
-    Ok(format.pixels() * usize::from(format.samples) * usize::from(format.allocated / 8))
 }
 
 /// 16-bit words as bytes.

@@ -1,18 +1,20 @@
-//! RLE Lossless of 16-bit pictures (DICOM PS3.5 annex G); the DICOM library reads it but does not write it.
+//! RLE Lossless (DICOM PS3.5 annex G); the DICOM library reads it but does not write it.
 
-/// One frame: a header of sixteen words, then the high bytes and the low bytes of all pixels, packed row by row.
-pub(super) fn encode(pixels: &[u16], columns: usize) -> Vec<u8> {
+/// The high bytes and the low bytes of all pixels.
+pub(super) fn planes(pixels: &[u16]) -> [Vec<u8>; 2] {
+    let of = |byte: fn(u16) -> u8| pixels.iter().map(|&value| byte(value)).collect();
+    [of(|value| (value >> 8) as u8), of(|value| value as u8)]
+}
+
+/// One frame: a header of sixteen words, then the planes, each with one byte per pixel, packed row by row.
+pub(super) fn encode(planes: &[Vec<u8>], columns: usize) -> Vec<u8> {
     const HEADER_BYTES: usize = 64;
     let mut frame = vec![0; HEADER_BYTES];
     let mut header = [0_u32; 16];
-    header[0] = 2;
-    let planes: [fn(u16) -> u8; 2] = [|value| (value >> 8) as u8, |value| value as u8];
-    for (number, plane) in planes.into_iter().enumerate() {
+    header[0] = planes.len() as u32;
+    for (number, plane) in planes.iter().enumerate() {
         header[1 + number] = frame.len() as u32;
-        for row in pixels.chunks(columns.max(1)) {
-            let bytes: Vec<u8> = row.iter().map(|&value| plane(value)).collect();
-            pack(&bytes, &mut frame);
-        }
+        plane.chunks(columns.max(1)).for_each(|row| pack(row, &mut frame));
         if frame.len() % 2 == 1 {
             frame.push(0);
         }

@@ -15,7 +15,7 @@ use spineline::anatomy::{ImageSide, Posture};
 use spineline::measure::{ImageGeometry, SpacingPlane};
 
 use super::pixels::little_endian;
-use super::uid;
+use super::{rle, uid};
 
 /// Meaning of large stored values.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -418,7 +418,7 @@ impl DicomFilm<'_> {
                 let words = PrimitiveValue::U16(self.pixels.into());
                 return Ok(DataElement::new(tags::PIXEL_DATA, VR::OW, words));
             }
-            Encoding::Rle => super::rle::encode(self.pixels, self.image.columns as usize),
+            Encoding::Rle => rle::encode(&rle::planes(self.pixels), self.image.columns as usize),
             Encoding::JpegLs => self.jpeg_ls()?,
         };
         if fragment.len() % 2 == 1 {

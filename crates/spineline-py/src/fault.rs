@@ -10,6 +10,7 @@ use spineline::error::Error;
 use spineline_files::FileError;
 use spineline_files::method_text::OptionError;
 use spineline_landmarks::LandmarkError;
+use spineline_report::terminal::shown;
 
 /// What an `InputError` says; on the heap, since a result carries it beside what it is for.
 #[derive(Default)]
@@ -80,7 +81,8 @@ impl Fault {
             facts.set_item("level", level.map(|level| level.to_string()))?;
             facts.set_item("value", value)?;
             facts.set_item("limit", limit)?;
-            Ok(PyErr::from_value(class.call((text,), Some(&facts))?))
+            // A traceback goes to a terminal.
+            Ok(PyErr::from_value(class.call((shown(&text),), Some(&facts))?))
         };
         made().unwrap_or_else(|error| error)
     }

@@ -11,6 +11,7 @@ use parquet::file::metadata::KeyValue;
 use parquet::file::properties::WriterProperties;
 use parquet::file::reader::{FileReader, SerializedFileReader};
 use parquet::file::writer::SerializedFileWriter;
+use spineline_files::unguarded;
 
 /// A part of a table that does not go with the first one.
 #[derive(Debug, thiserror::Error)]
@@ -158,8 +159,9 @@ pub fn csv_case_ids(table: &str) -> Result<HashSet<String>, MergeError> {
     let mut reader = csv::Reader::from_reader(table.as_bytes());
     let place = reader.headers()?.iter().position(|name| name == CASE_ID);
     let place = place.ok_or(MergeError::NoCases)?;
-    let cell =
-        |row: csv::Result<csv::StringRecord>| Ok(row?.get(place).unwrap_or_default().to_owned());
+    let cell = |row: csv::Result<csv::StringRecord>| {
+        Ok(unguarded(row?.get(place).unwrap_or_default()).to_owned())
+    };
     reader.records().map(cell).collect()
 }
 

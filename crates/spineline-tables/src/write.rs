@@ -8,6 +8,7 @@ use parquet::file::metadata::KeyValue;
 use parquet::file::properties::WriterProperties;
 use parquet::file::writer::{SerializedFileWriter, SerializedRowGroupWriter};
 use parquet::schema::types::{Type, TypePtr};
+use spineline_files::guarded;
 
 use crate::error::TableError;
 use crate::table::{Series, Table, Values};
@@ -16,7 +17,8 @@ use crate::table::{Series, Table, Values};
 pub const SCHEMA_VERSION: u32 = 1;
 
 impl Table {
-    /// The table as CSV: a heading, commas between cells, decimal points, UTF-8, empty cells without a value.
+    /// The table as CSV: a heading, commas between cells, decimal points, UTF-8, empty cells without a value, and a quote before texts that a
+    /// spreadsheet would run ([`spineline_files::guarded`]).
     ///
     /// # Errors
     /// [`TableError::Csv`].
@@ -39,7 +41,7 @@ impl Table {
     pub fn csv_rows(&self) -> Result<String, TableError> {
         self.csv(|writer| {
             (0..self.rows()).try_for_each(|row| {
-                writer.write_record(self.columns.iter().map(|column| column.shown(row)))
+                writer.write_record(self.columns.iter().map(|column| csv_cell(column, row)))
             })
         })
     }
@@ -152,6 +154,15 @@ impl ParquetWriter {
         }
         let ended = self.file.into_inner();
         ended.map_err(|source| TableError::Parquet { table: self.table, source })
+    }
+}
+
+/// One value as a cell of CSV.
+fn csv_cell(column: &Series, row: usize) -> String {
+    let text = column.shown(row);
+    match column.values {
+        Values::Text(_) => guarded(&text).into_owned(),
+        Values::Number(_) | Values::Count(_) | Values::Truth(_) => text,
     }
 }
 

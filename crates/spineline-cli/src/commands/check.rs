@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use spineline::analysis::{Analysis, AnalysisOptions};
 use spineline_report::patient::{film_warnings, films_table};
-use spineline_report::terminal;
+use spineline_report::terminal::{self, Lines};
 
 use crate::analysis::case::analyze_file;
 use crate::run::failure::{Ending, Failure};
@@ -25,10 +25,10 @@ pub fn run(args: &CheckArgs) -> Result<Ending, Failure> {
     for path in case_files(&args.cases)? {
         match analyze_file(&path, &AnalysisOptions::default()) {
             Ok(analysis) => {
-                print(&text(&path, &analysis))?;
+                print(text(&path, &analysis))?;
             }
             Err(failure) => {
-                say(&format!("{failure}\n"));
+                say(&failure);
                 ending = Ending::BadInput;
             }
         }
@@ -37,25 +37,26 @@ pub fn run(args: &CheckArgs) -> Result<Ending, Failure> {
 }
 
 /// The films of a case, its warnings, and the models that it supports.
-fn text(path: &Path, analysis: &Analysis) -> String {
+fn text(path: &Path, analysis: &Analysis) -> Lines {
     let synthetic = if analysis.synthetic { " · SYNTHETIC" } else { "" };
-    let mut text = format!("{}: {}{synthetic}\n", path.display(), analysis.case_id);
-    text.push_str(&terminal::table(&films_table(analysis), terminal::WIDTH));
+    let mut text = Lines::of(format!("{}: {}{synthetic}", path.display(), analysis.case_id));
+    text.text(&terminal::table(&films_table(analysis), terminal::WIDTH));
     let warnings: Vec<_> = film_warnings(analysis).collect();
     for warning in &warnings {
         let place = warning.posture.map_or_else(String::new, |p| format!("{p} film: "));
         let level = warning.level.map_or_else(String::new, |l| format!("{l}: "));
         let note = format!("! {place}{level}{}", warning.text());
-        text.push_str(&terminal::paragraph(&note, terminal::WIDTH, "  "));
+        text.text(&terminal::paragraph(&note, terminal::WIDTH, "  "));
     }
     if warnings.is_empty() {
-        text.push_str("  no warnings about these films\n");
+        text.line("  no warnings about these films");
     }
     let lines: Vec<String> = analysis.models.iter().map(|m| m.kind.to_string()).collect();
-    text.push_str(&if lines.is_empty() {
-        "  `analyze` gives the curve and the clinical angles\n\n".to_owned()
+    text.line(if lines.is_empty() {
+        "  `analyze` gives the curve and the clinical angles".to_owned()
     } else {
-        format!("  `analyze` can personalise with the {}\n\n", lines.join(", the "))
+        format!("  `analyze` can personalise with the {}", lines.join(", the "))
     });
+    text.line("");
     text
 }

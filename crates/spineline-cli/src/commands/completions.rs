@@ -4,7 +4,7 @@ use clap::{Args, Command};
 use clap_complete::{Shell, generate};
 
 use crate::run::failure::{Ending, Failure};
-use crate::run::outputs::print;
+use crate::run::outputs::print_data;
 
 #[derive(Args)]
 pub struct CompletionsArgs {
@@ -15,5 +15,5 @@ pub struct CompletionsArgs {
 pub fn run(args: &CompletionsArgs, command: &mut Command) -> Result<Ending, Failure> {
     let mut script = Vec::new();
     generate(args.shell, command, "spineline", &mut script);
-    print(&String::from_utf8_lossy(&script))
+    print_data(&String::from_utf8_lossy(&script))
 }

@@ -15,6 +15,7 @@ use spineline_detect::{Detection, Picture, detect};
 use spineline_files::{CaseFile, FilmSource, sha256_hex, to_text};
 use spineline_films::FilmFile;
 use spineline_films::intake::{IntakeLimits, Place, read};
+use spineline_report::terminal::Lines;
 
 use crate::options::choice::choice;
 use crate::run::failure::{Ending, Failure};
@@ -53,18 +54,18 @@ pub fn run(args: &DetectArgs) -> Result<Ending, Failure> {
     outputs.folder(&args.out)?;
     let decoder = Decoder::new()?;
     let progress = bar("films", args.films.len());
-    let (mut text, mut ending) = (String::new(), Ending::Done);
+    let (mut text, mut ending) = (Lines::default(), Ending::Done);
     for (number, path) in (1..).zip(&args.films) {
         let id = format!("detected-{number:02}");
         match found(&decoder, path, args.patient_left, id) {
             Ok((case, detection)) => {
                 let out = args.out.join(format!("detected-{number:02}.json"));
                 outputs.write(&out, to_text(&case))?;
-                text.push_str(&summary(&out, &detection));
+                add_summary(&mut text, &out, &detection);
             }
             // The other films are looked at all the same.
             Err(failure) => {
-                progress.suspend(|| say(&format!("{failure}\n")));
+                progress.suspend(|| say(&failure));
                 ending = Ending::BadInput;
             }
         }
@@ -72,7 +73,7 @@ pub fn run(args: &DetectArgs) -> Result<Ending, Failure> {
     }
     progress.finish_and_clear();
     outputs.commit()?;
-    print(&text)?;
+    print(text)?;
     Ok(ending)
 }
 
@@ -143,7 +144,7 @@ fn in_picture(
     })
 }
 
-fn summary(out: &Path, detection: &Detection) -> String {
+fn add_summary(text: &mut Lines, out: &Path, detection: &Detection) {
     let Detection { vertebrae, doubts } = detection;
     let ends = vertebrae.first().zip(vertebrae.last());
     let range =
@@ -153,13 +154,12 @@ fn summary(out: &Path, detection: &Detection) -> String {
         100.0 * vertebrae.iter().map(of).sum::<f64>() / count.max(1) as f64
     };
     let (confidence, sd) = (mean(|one| one.confidence), mean(|one| one.sd_share));
-    let mut text = format!(
-        "{}: {}{range}; mean confidence {confidence:.0} %, standard deviation of a corner {sd:.0} % of a vertebral height\n",
+    text.line(format!(
+        "{}: {}{range}; mean confidence {confidence:.0} %, standard deviation of a corner {sd:.0} % of a vertebral height",
         out.display(),
         counted(count, "level")
-    );
+    ));
     for doubt in doubts {
-        text.push_str(&format!("  check the levels: {doubt}\n"));
+        text.line(format!("  check the levels: {doubt}"));
     }
-    text
 }

@@ -162,7 +162,7 @@ fn landmarks(args: &ExportArgs, name: LandmarkName) -> Result<Ending, Failure> {
     let files = export_landmarks(&case, args.posture, target)
         .map_err(|error| Failure::input(&place, &error, error.help()))?;
     for part in target.left_out(&case) {
-        say(&format!("note: this format has no place for {part}; the case keeps them\n"));
+        say(format!("note: this format has no place for {part}; the case keeps them"));
     }
     write_landmarks(args, &case, &files)
 }
@@ -258,7 +258,7 @@ fn curves_of(case: &Case) -> Vec<(Region, CobbEnds)> {
     match analyze(case, &AnalysisOptions::default()) {
         Ok(analysis) => analysis.clinical.iter().map(|curve| (curve.region, curve.ends)).collect(),
         Err(error) => {
-            say(&format!("note: the reports have no Cobb angles: {error}\n"));
+            say(format!("note: the reports have no Cobb angles: {error}"));
             Vec::new()
         }
     }

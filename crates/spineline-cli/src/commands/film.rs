@@ -1,6 +1,5 @@
 //! `spineline film`: what radiographs are, what their spacing and view are worth, and what they look like.
 
-use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
@@ -8,12 +7,13 @@ use serde_json::{Value, json};
 use spineline::measure::{judge_spacing, judge_view};
 use spineline_films::intake::{IntakeLimits, Place, read};
 use spineline_films::{FilmError, FilmFile, ModalityTransform, Voi, Window, WindowFunction};
+use spineline_report::terminal::Lines;
 
 use crate::options::values::number;
 use crate::run::failure::{Ending, Failure};
 use crate::run::film_decoder::Decoder;
 use crate::run::messages::say;
-use crate::run::outputs::{Outputs, OverwriteArgs, print};
+use crate::run::outputs::{Outputs, OverwriteArgs, print, print_data};
 use crate::run::provenance::shown_name;
 
 #[derive(Args)]
@@ -61,16 +61,16 @@ pub fn run(args: &FilmArgs) -> Result<Ending, Failure> {
             Ok(film) => film,
             Err(error) => {
                 let place = path.display().to_string();
-                say(&format!("{}\n", Failure::input(&place, &error, error.help())));
+                say(&Failure::input(&place, &error, error.help()));
                 ending = Ending::BadInput;
                 continue;
             }
         };
-        print(&if args.json {
-            format!("{}\n", as_json(path, &film))
+        if args.json {
+            print_data(&format!("{}\n", as_json(path, &film)))?;
         } else {
-            as_text(path, &film)
-        })?;
+            print(as_text(path, &film))?;
+        }
         if let Some(out) = &args.png {
             let png = film.display(args.window.as_ref(), args.invert).to_png();
             outputs.write(out, png)?;
@@ -86,15 +86,14 @@ fn decode(decoder: &Decoder, path: &Path) -> Result<Result<FilmFile, FilmError>,
     Ok(decoder.decode(bytes))
 }
 
-fn as_text(path: &Path, film: &FilmFile) -> String {
-    let mut text = String::new();
+fn as_text(path: &Path, film: &FilmFile) -> Lines {
+    let mut text = Lines::of(format!("{}:", path.display()));
     let tags = &film.tags;
     let modality = tags.modality.as_deref().unwrap_or("modality not stated");
     let syntax =
         tags.transfer_syntax.as_deref().map_or_else(String::new, |name| format!(", {name}"));
     let mut line = |label: &str, value: &str| {
-        // Writing to a string cannot fail.
-        let _ = writeln!(text, "  {label:<9} {value}");
+        text.line(format!("  {label:<9} {value}"));
     };
     line("kind", &format!("{} {modality}{syntax}", film.kind));
     line(
@@ -141,7 +140,7 @@ fn as_text(path: &Path, film: &FilmFile) -> String {
     for question in &view.questions {
         line("?", &question.to_string());
     }
-    format!("{}:\n{text}", path.display())
+    text
 }
 
 fn voi_text(film: &FilmFile) -> String {

@@ -7,6 +7,7 @@ use spineline::analysis::AnalysisOptions;
 use spineline::cohort::{CohortPatient, learn_rotation_prior};
 use spineline::measure::TiltRule;
 use spineline_files::{FilmOrigin, InputFile, Provenance, RotationPriorFile};
+use spineline_report::terminal::Lines;
 use spineline_report::{rotation_prior, terminal};
 
 use crate::analysis::case::analyze_input;
@@ -69,7 +70,7 @@ pub fn run(args: &LearnPriorArgs) -> Result<Ending, Failure> {
     outputs.commit()?;
     if !is_stdout(&args.out) {
         let document = rotation_prior::summary(&learned, films != FilmOrigin::Real, &generator());
-        print(&terminal(&document, terminal::WIDTH))?;
+        print(Lines::of_text(&terminal(&document, terminal::WIDTH)))?;
     }
     Ok(ending)
 }
@@ -97,7 +98,7 @@ fn read(paths: &[PathBuf], args: &LearnPriorArgs) -> Result<Patients, Failure> {
                 patients.inputs.push(input);
             }
             Err(failure) => {
-                say(&format!("{failure}\n"));
+                say(&failure);
                 patients.ending = Ending::BadInput;
             }
         }

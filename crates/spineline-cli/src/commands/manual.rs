@@ -4,7 +4,7 @@ use clap::{Args, Command};
 use clap_mangen::Man;
 
 use crate::run::failure::{Ending, Failure};
-use crate::run::outputs::print;
+use crate::run::outputs::print_data;
 
 pub const EXAMPLES: &str = "\
 Examples:
@@ -29,7 +29,7 @@ pub fn run(args: &ManualArgs, program: Command) -> Result<Ending, Failure> {
     Man::new(command).render(&mut page).map_err(|error| {
         Failure::internal(format!("the manual page could not be written: {error}"))
     })?;
-    print(&String::from_utf8_lossy(&page))
+    print_data(&String::from_utf8_lossy(&page))
 }
 
 fn unknown(words: &[String], parent: &Command) -> Failure {

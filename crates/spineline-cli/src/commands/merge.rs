@@ -71,8 +71,8 @@ pub fn run(args: &MergeArgs) -> Result<Ending, Failure> {
     let list = ProvenanceFile::new(files, provenance);
     outputs.write(&args.out.join(LIST), to_text(&list))?;
     outputs.commit()?;
-    print(&format!(
-        "{} of {} in {} of {}\n",
+    print(format!(
+        "{} of {} in {} of {}",
         counted(cases, "case"),
         counted(parts.len(), "part"),
         counted(merged, "file"),

@@ -4,7 +4,7 @@ use clap::Args;
 use clap::builder::PossibleValuesParser;
 
 use crate::run::failure::{Ending, Failure};
-use crate::run::outputs::print;
+use crate::run::outputs::print_data;
 
 #[derive(Args)]
 pub struct SchemaArgs {
@@ -15,7 +15,7 @@ pub struct SchemaArgs {
 
 pub fn run(args: &SchemaArgs) -> Result<Ending, Failure> {
     match spineline_files::schema(&args.name) {
-        Some(schema) => print(schema),
+        Some(schema) => print_data(schema),
         None => Err(Failure::usage(format!("there is no file format {}", args.name))),
     }
 }

@@ -6,7 +6,7 @@ use spineline_files::{StiffnessFile, to_text};
 
 use crate::options::choice::{Choice, choice};
 use crate::run::failure::{Ending, Failure};
-use crate::run::outputs::print;
+use crate::run::outputs::print_data;
 
 #[derive(Args)]
 pub struct StiffnessArgs {
@@ -16,5 +16,5 @@ pub struct StiffnessArgs {
 }
 
 pub fn run(args: &StiffnessArgs) -> Result<Ending, Failure> {
-    print(&to_text(&StiffnessFile::from(&args.table.library())))
+    print_data(&to_text(&StiffnessFile::from(&args.table.library())))
 }

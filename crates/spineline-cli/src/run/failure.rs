@@ -7,6 +7,7 @@ use std::process::ExitCode;
 
 use spineline_films::intake::IntakeError;
 use spineline_landmarks::LandmarkError;
+use spineline_report::terminal::Lines;
 use spineline_store::StoreError;
 use spineline_tables::TableError;
 
@@ -54,36 +55,38 @@ impl From<Ending> for ExitCode {
 pub struct Failure {
     code: u8,
     what: String,
+    /// Lines between what went wrong and what to do.
+    details: Vec<String>,
     help: Option<String>,
 }
 
 impl Failure {
     /// The command line is wrong.
     pub fn usage(what: impl Into<String>) -> Self {
-        Self { code: USAGE, what: what.into(), help: None }
+        Self { code: USAGE, what: what.into(), details: Vec::new(), help: None }
     }
 
     /// A file or its content cannot be used.
     pub fn input(place: &str, error: &dyn fmt::Display, help: &str) -> Self {
-        Self { code: FILES, what: format!("{place}: {error}"), help: Some(help.to_owned()) }
+        Self::files(format!("{place}: {error}"), help)
     }
 
     /// An output could not be written.
     pub fn write(place: &str, error: &io::Error) -> Self {
         let what = format!("{place} could not be written: {error}");
-        Self { code: FILES, what, help: Some(write_help(error.kind()).to_owned()) }
+        Self::files(what, write_help(error.kind()))
     }
 
     /// An output that must not be written.
     pub fn target(path: &Path, why: &str, help: &str) -> Self {
         let what = format!("{} is not written: {why}", path.display());
-        Self { code: FILES, what, help: Some(help.to_owned()) }
+        Self::files(what, help)
     }
 
     /// Ctrl-C or SIGTERM came before there was any result.
     pub fn interrupted() -> Self {
         let what = "interrupted before a result was written".to_owned();
-        Self { code: INTERRUPTED, what, help: None }
+        Self { code: INTERRUPTED, what, details: Vec::new(), help: None }
     }
 
     /// A file that cannot be read as its format.
@@ -95,7 +98,7 @@ impl Failure {
             | spineline_files::FileError::TooLarge { .. } => error.to_string(),
             _ => format!("{}: {error}", path.display()),
         };
-        Self { code: FILES, what, help: Some(error.help().to_owned()) }
+        Self::files(what, error.help())
     }
 
     /// Landmarks of another program that cannot be read.
@@ -109,12 +112,23 @@ impl Failure {
     /// A store that refused.
     pub fn store(path: &Path, error: &StoreError) -> Self {
         let what = format!("{}: {error}", path.display());
-        Self { code: FILES, what, help: Some(error.help().to_owned()) }
+        Self::files(what, error.help())
     }
 
     /// Films that could not be found or read.
     pub fn intake(error: &IntakeError) -> Self {
-        Self { code: FILES, what: error.to_string(), help: Some(error.help().to_owned()) }
+        Self::files(error.to_string(), error.help())
+    }
+
+    fn files(what: String, help: &str) -> Self {
+        Self { code: FILES, what, details: Vec::new(), help: Some(help.to_owned()) }
+    }
+
+    /// With one more line on what went wrong.
+    #[must_use]
+    pub fn with_line(mut self, line: impl Into<String>) -> Self {
+        self.details.push(line.into());
+        self
     }
 
     /// What went wrong, without what to do.
@@ -124,7 +138,7 @@ impl Failure {
 
     /// Something that should not happen.
     pub fn internal(what: impl Into<String>) -> Self {
-        Self { code: INTERNAL, what: what.into(), help: None }
+        Self { code: INTERNAL, what: what.into(), details: Vec::new(), help: None }
     }
 }
 
@@ -156,13 +170,22 @@ impl From<TableError> for Failure {
     }
 }
 
+impl From<&Failure> for Lines {
+    fn from(failure: &Failure) -> Self {
+        let mut lines = Self::of(format!("error: {}", failure.what));
+        for line in &failure.details {
+            lines.line(line);
+        }
+        if let Some(help) = &failure.help {
+            lines.line(format!("  help: {help}"));
+        }
+        lines
+    }
+}
+
 impl fmt::Display for Failure {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "error: {}", self.what)?;
-        match &self.help {
-            Some(help) => write!(f, "\n  help: {help}"),
-            None => Ok(()),
-        }
+        f.write_str(Lines::from(self).as_str().trim_end())
     }
 }
 
@@ -192,7 +215,8 @@ mod tests {
         ] {
             let failure = Failure::write("out.json", &io::Error::from(kind));
             assert_eq!(failure.code, FILES);
-            let text = failure.to_string();
+            let lines = Lines::from(&failure);
+            let text = lines.as_str();
             assert!(text.starts_with("error: out.json could not be written"), "{text}");
             assert!(text.contains(&format!("help: {}", write_help(kind))), "{text}");
             assert!(text.contains(word), "{text}");

@@ -77,8 +77,8 @@ fn without_outputs(folder: &Path, inside: Vec<PathBuf>) -> Result<Vec<PathBuf>, 
     }
     for (format, file) in &outputs {
         let format = format.as_deref().unwrap_or_default();
-        say(&format!(
-            "note: {} is passed over: it is an output (`{format}`), not a case\n",
+        say(format!(
+            "note: {} is passed over: it is an output (`{format}`), not a case",
             file.display()
         ));
     }

@@ -94,11 +94,11 @@ fn on_signal() {
         };
         drop(state);
         REQUEST.notify_one();
-        say(&format!("{what}; Ctrl-C again ends the program at once\n"));
+        say(format!("{what}; Ctrl-C again ends the program at once"));
         return;
     }
     if is_first {
-        say(&format!("{}\n", Failure::interrupted()));
+        say(&Failure::interrupted());
     }
     for part in &state.parts {
         let _ = fs::remove_file(part);

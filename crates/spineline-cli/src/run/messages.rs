@@ -4,10 +4,12 @@
 use std::io::Write;
 use std::panic;
 
-/// Writes a text to the standard error.
-pub fn say(text: &str) {
+use spineline_report::terminal::Lines;
+
+/// Writes a message to the standard error: one line, unless it is made of several.
+pub fn say(message: impl Into<Lines>) {
     // Nobody is left to be told.
-    let _ = std::io::stderr().lock().write_all(text.as_bytes());
+    let _ = std::io::stderr().lock().write_all(message.into().as_str().as_bytes());
 }
 
 /// Runs the program so that a bug ends it with a failure. The message of a panic may quote a file, so only its place is shown.
@@ -17,7 +19,7 @@ pub fn say(text: &str) {
 pub fn guarded<T>(run: impl FnOnce() -> T) -> Result<T, Bug> {
     panic::set_hook(Box::new(|panic| {
         let place = panic.location().map_or_else(String::new, |place| format!(" at {place}"));
-        say(&format!("error: a bug{place}; please report it\n"));
+        say(format!("error: a bug{place}; please report it"));
     }));
     panic::catch_unwind(panic::AssertUnwindSafe(run)).map_err(|_| Bug)
 }

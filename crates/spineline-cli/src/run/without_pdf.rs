@@ -29,8 +29,7 @@ pub fn check_is_built() -> Result<(), Failure> {
 }
 
 fn refusal() -> Failure {
-    Failure::usage(
-        "this program was built without PDF\n  help: build it with `cargo build --release --features pdf`, or write HTML and \
-         print it from a browser",
+    Failure::usage("this program was built without PDF").with_line(
+        "  help: build it with `cargo build --release --features pdf`, or write HTML and print it from a browser",
     )
 }

@@ -36,4 +36,5 @@ mod space;
 mod streams;
 mod study;
 mod tables;
+mod terminals;
 mod unpacked;

@@ -1,9 +1,10 @@
 //! De-identification of films after the Basic Application Level Confidentiality Profile of DICOM PS3.15, annex E.
 //! Kept attributes are listed (the `policy` module), and each kept value is checked: a number, a word
 //! of the standard, a direction. So no text of the file reaches the output. Compressed pictures lose their comments and the
-//! segments of applications; nothing else of the pixels changes: lead markers stay, and so does text that is burned in, which
+//! segments of applications, and bits beyond the stored ones are cleared; nothing else of the pixels changes: lead markers stay, and so does text that is burned in, which
 //! only eyes can find; the report says so.
 
+mod clean;
 mod policy;
 mod stream;
 
@@ -11,7 +12,7 @@ use std::io::Cursor;
 
 use dicom_core::dictionary::{DataDictionary, DataDictionaryEntry};
 use dicom_core::header::Length;
-use dicom_core::value::{DataSetSequence, PixelFragmentSequence, PrimitiveValue, Value};
+use dicom_core::value::{DataSetSequence, PixelFragmentSequence, PrimitiveValue};
 use dicom_core::{DataElement, VR};
 use dicom_dictionary_std::StandardDataDictionary;
 use dicom_object::mem::InMemElement;
@@ -21,12 +22,13 @@ use spineline::analysis::is_case_id;
 
 use super::codec::foreign;
 use super::container::{self, Container};
-use super::element::{self, Attributes, DataSet};
+use super::element::{self, Attributes};
 use super::error::{Codec, CodecFault, FilmError, Measure};
 use super::scan::PIXEL_DATA;
 use super::tags::{self, STANCES, VIEW_CODES, is_uid};
 use super::uid;
-use super::{Attribute, FilmKind, FilmLimits, FilmRemark, StoredPixels, lookup, pixels, raster};
+use super::{Attribute, FilmKind, FilmLimits, FilmRemark, StoredPixels, lookup, raster};
+use clean::{Clean, clean};
 use policy::{Rule, TERMS, rule};
 
 /// Options of de-identification.
@@ -99,11 +101,11 @@ const METHOD_CODES: Attribute = Attribute(0x0012, 0x0064);
 
 /// De-identifies a film.
 ///
-/// The transfer syntax stays, but for deflated files, which become Explicit VR Little Endian; the pixels are the same to the
-/// byte. Pictures are decoded and written as PNG of 8 or 16 bits, with nothing but pixels.
+/// The transfer syntax stays, but for deflated files, which become Explicit VR Little Endian; so do the values of all pixels. Bits that hold
+/// no pixel become zero, and run lengths are written again; other compressed pixels stay as they are. Pictures are decoded and written as PNG of 8 or 16 bits, with nothing but pixels.
 ///
 /// # Errors
-/// [`FilmError::CaseId`], and all that reading a film can end with, but for what is wrong inside of compressed pixels.
+/// [`FilmError::CaseId`], [`FilmError::HiddenBits`], and all that reading a film can end with.
 pub fn deidentify(
     bytes: &[u8],
     options: &DeidOptions,
@@ -152,6 +154,7 @@ fn dicom(
     let data = element::parse(&body, syntax.encoding, limits)?;
     // Refuses files that are not films; remarks of reading are dropped.
     let (film, _) = tags::read(&data, syntax.name, &mut Vec::new())?;
+    let mut clean = clean(&data, &syntax, film.photometric, limits)?;
     let mut report = DeidReport::default();
     report.remarks.extend(match film.burned_in_annotation {
         Some(true) => Some(FilmRemark::BurnedIn),
@@ -162,7 +165,10 @@ fn dicom(
     let native = data.native.map(|native| (PIXEL_DATA, native.vr));
     let elements = data.object.iter().map(|element| (element.header().tag.into(), element.vr()));
     for (tag, vr) in elements.chain(native) {
-        let kept = keep(tag, vr, &data, options, limits)?;
+        let kept = match clean.take_if(|_| tag == PIXEL_DATA) {
+            Some(clean) => Some((pixel_data(clean, vr), DeidAction::Kept)),
+            None => keep(tag, vr, &data.object, options),
+        };
         let action = kept.as_ref().map_or(DeidAction::Removed, |&(_, action)| action);
         report.entries.push(DeidEntry { attribute: tag, action });
         if let Some((element, _)) = kept {
@@ -201,15 +207,13 @@ fn write(object: InMemDicomObject, transfer_syntax: &str) -> Result<Vec<u8>, Fil
 fn keep(
     tag: Attribute,
     stated: VR,
-    data: &DataSet<'_>,
+    object: &InMemDicomObject,
     options: &DeidOptions,
-    limits: &FilmLimits,
-) -> Result<Option<(InMemElement, DeidAction)>, FilmError> {
-    let object = &data.object;
+) -> Option<(InMemElement, DeidAction)> {
     let vr = known_vr(tag, stated);
     let text = || short_text(tag, object);
     let as_text = |vr: VR, text: &str| (element(tag, vr, text), DeidAction::Kept);
-    Ok(match rule(tag) {
+    match rule(tag) {
         Rule::Remove => None,
         Rule::Empty => Some((DataElement::empty(tag.into(), vr), DeidAction::Emptied)),
         Rule::Case => {
@@ -247,8 +251,7 @@ fn keep(
             text().and_then(|text| age(&text)).map(|age| as_text(VR::AS, &age))
         }
         Rule::Age => None,
-        Rule::Pixels => pixel_data(data, limits)?.map(|element| (element, DeidAction::Kept)),
-    })
+    }
 }
 
 /// A text of at most 1024 bytes.
@@ -276,24 +279,19 @@ fn known_vr(tag: Attribute, stated: VR) -> VR {
     known.filter(|_| stated == VR::UN).unwrap_or(stated)
 }
 
-/// Exact pixels without surplus bytes.
-fn pixel_data(data: &DataSet<'_>, limits: &FilmLimits) -> Result<Option<InMemElement>, FilmError> {
-    if let Some(native) = data.native {
-        let length = pixels::native_length(&data.object, limits)?.min(native.bytes.len());
-        let vr = if native.vr == VR::OB { VR::OB } else { VR::OW };
-        let bytes = PrimitiveValue::U8(native.bytes[..length].into());
-        return Ok(Some(element(PIXEL_DATA, vr, bytes)));
-    }
-    let Some(packed) = data.object.get(PIXEL_DATA.into()) else { return Ok(None) };
-    let Value::PixelSequence(sequence) = packed.value() else { return Ok(None) };
-    Ok(Some(match stream::cleaned(sequence.fragments())? {
-        None => packed.clone(),
-        Some(mut clean) => {
-            clean.resize(clean.len().next_multiple_of(2), 0);
-            let sequence = PixelFragmentSequence::new(Vec::<u32>::new(), vec![clean]);
+/// The cleaned pixels as an element.
+fn pixel_data(clean: Clean, stated: VR) -> InMemElement {
+    match clean {
+        Clean::Native(bytes) => {
+            let vr = if stated == VR::OB { VR::OB } else { VR::OW };
+            element(PIXEL_DATA, vr, PrimitiveValue::U8(bytes.into()))
+        }
+        Clean::Packed(mut frame) => {
+            frame.resize(frame.len().next_multiple_of(2), 0);
+            let sequence = PixelFragmentSequence::new(Vec::<u32>::new(), vec![frame]);
             DataElement::new(PIXEL_DATA.into(), VR::OB, sequence)
         }
-    }))
+    }
 }
 
 fn element(tag: Attribute, vr: VR, value: impl Into<PrimitiveValue>) -> InMemElement {

@@ -31,8 +31,6 @@ pub(super) enum Rule {
     Sex,
     /// Kept on request: age, 90 years at most.
     Age,
-    /// Kept to the byte.
-    Pixels,
     /// Removed (X).
     Remove,
 }
@@ -52,7 +50,6 @@ pub(super) fn rule(attribute: Attribute) -> Rule {
         (0x0020, 0x0020) => Rule::Direction,
         (0x0054, 0x0220 | 0x0410) => Rule::Code,
         (0x0028, 0x3000 | 0x3010) => Rule::Table,
-        (0x7FE0, 0x0010) => Rule::Pixels,
         _ if TERM_ATTRIBUTES.contains(&(group, element)) => Rule::Terms,
         _ if NUMBER_ATTRIBUTES.contains(&(group, element)) => Rule::Number,
         _ => Rule::Remove,

@@ -4,22 +4,21 @@ use crate::codec::header_segment;
 use crate::error::{Codec, CodecFault, FilmError};
 
 /// The one compressed picture of a film, its fragments joined, without comments, segments of applications, and what
-/// follows its end. Run lengths hold nothing else than pixels and come back as they are.
+/// follows its end.
 ///
 /// # Errors
-/// [`FilmError::Codec`] where the headers do not hold together: what cannot be followed cannot be cleaned.
-pub(super) fn cleaned(fragments: &[Vec<u8>]) -> Result<Option<Vec<u8>>, FilmError> {
+/// [`FilmError::Codec`] where the headers do not hold together: what cannot be followed cannot be cleaned. Boxes of a JP2 file, which DICOM
+/// does not allow around the picture, are such a case.
+pub(super) fn cleaned(codec: Codec, fragments: &[Vec<u8>]) -> Result<Vec<u8>, FilmError> {
     let joined = fragments.concat();
-    let (codec, clean) = match joined.get(..4) {
-        Some([0xFF, 0xD8, 0xFF, _]) => (Codec::Jpeg, clean_jpeg(&joined)),
-        Some([0xFF, 0x4F, 0xFF, 0x51]) => (Codec::Jpeg2000, clean_jpeg_2000(&joined)),
-        // The boxes of a JP2 file, which DICOM does not allow around the picture.
-        Some([0, 0, 0, 0x0C]) if joined.get(4..8) == Some(b"jP  ") => {
-            (Codec::Jpeg2000, Err(CodecFault::Header))
+    let clean = match (codec, joined.get(..4)) {
+        (Codec::Jpeg2000, Some([0xFF, 0x4F, 0xFF, 0x51])) => clean_jpeg_2000(&joined),
+        (Codec::Jpeg | Codec::JpegLossless | Codec::JpegLs, Some([0xFF, 0xD8, 0xFF, _])) => {
+            clean_jpeg(&joined)
         }
-        _ => return Ok(None),
+        _ => Err(CodecFault::Header),
     };
-    clean.map(Some).map_err(|fault| FilmError::Codec { codec, fault })
+    clean.map_err(|fault| fault.of(codec))
 }
 
 /// JPEG and JPEG-LS: marker segments up to the first scan, then the scans up to the end of the image.
@@ -74,6 +73,7 @@ fn clean_header(
 #[cfg(test)]
 mod tests {
     use super::cleaned;
+    use crate::error::Codec;
 
     fn segment(marker: u8, body: &[u8]) -> Vec<u8> {
         [&[0xFF, marker], &(body.len() as u16 + 2).to_be_bytes()[..], body].concat()
@@ -97,8 +97,8 @@ mod tests {
         let without = [&[0xFF, 0xD8][..], &frame, &scan, &pixels].concat();
         // In one fragment or in several.
         let halves = [with[..20].to_vec(), with[20..].to_vec()];
-        assert_eq!(cleaned(&[with]).expect("sound").expect("JPEG"), without);
-        assert_eq!(cleaned(&halves).expect("sound").expect("JPEG"), without);
+        assert_eq!(cleaned(Codec::Jpeg, &[with]).expect("sound"), without);
+        assert_eq!(cleaned(Codec::Jpeg, &halves).expect("sound"), without);
     }
 
     #[test]
@@ -108,13 +108,13 @@ mod tests {
         let with =
             [&[0xFF, 0x4F][..], &size, &segment(0x64, b"\0\x01DOE^JANE"), &tile, b"DOE"].concat();
         let without = [&[0xFF, 0x4F][..], &size, &tile].concat();
-        assert_eq!(cleaned(&[with]).expect("sound").expect("JPEG 2000"), without);
+        assert_eq!(cleaned(Codec::Jpeg2000, &[with]).expect("sound"), without);
     }
 
     #[test]
-    fn unknown_streams_are_refused_and_run_lengths_are_not_changed() {
-        assert!(cleaned(&[vec![0xFF, 0xD8, 0xFF, 0xE0, 0xFF]]).is_err());
-        assert!(cleaned(&[b"\0\0\0\x0cjP  \r\n\x87\n".to_vec()]).is_err());
-        assert_eq!(cleaned(&[vec![2, 0, 0, 0, 64]]).expect("no headers"), None);
+    fn unknown_streams_are_refused() {
+        assert!(cleaned(Codec::Jpeg, &[vec![0xFF, 0xD8, 0xFF, 0xE0, 0xFF]]).is_err());
+        assert!(cleaned(Codec::Jpeg2000, &[b"\0\0\0\x0cjP  \r\n\x87\n".to_vec()]).is_err());
+        assert!(cleaned(Codec::JpegLs, &[b"DOE^JANE".to_vec()]).is_err());
     }
 }

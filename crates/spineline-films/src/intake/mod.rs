@@ -8,7 +8,7 @@ mod folder;
 
 use std::fs::File;
 use std::io::Read;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use crate::{FilmError, FilmKind, Lookalike, sniff};
 
@@ -48,23 +48,13 @@ pub enum Place {
 impl std::fmt::Display for Place {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
-            Self::File(path) => write!(f, "{}", printable(path)),
+            Self::File(path) => write!(f, "{}", path.display()),
             // The entry's own name may be anything, a patient's name among others.
             Self::Entry { archive, index } => {
-                write!(f, "{}, entry {}", printable(archive), index + 1)
+                write!(f, "{}, entry {}", archive.display(), index + 1)
             }
         }
     }
-}
-
-/// A path as it may be printed: without the control characters that could rewrite a terminal's screen.
-fn printable(path: &Path) -> String {
-    let text = path.to_string_lossy();
-    let hidden = |c: char| {
-        c.is_control()
-            || matches!(c, '\u{200e}'..='\u{200f}' | '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}')
-    };
-    text.chars().map(|c| if hidden(c) { '\u{fffd}' } else { c }).collect()
 }
 
 /// A film that was found.

@@ -10,8 +10,8 @@ use spineline_films::{
 };
 
 use crate::maker::{
-    BIG_ENDIAN, DEFLATED, EXPLICIT, IMPLICIT, JPEG_LOSSLESS_1, Maker, Syntax, Value, jpeg_lossless,
-    ramp, text,
+    BIG_ENDIAN, DEFLATED, EXPLICIT, IMPLICIT, JPEG_LOSSLESS_1, JPEG_LS, Maker, RLE, Syntax, Value,
+    jpeg_lossless, jpeg_ls, ramp, rle, text,
 };
 use crate::reading::read;
 
@@ -246,6 +246,82 @@ fn compressed_pixels_are_copied_exactly_without_surplus_bytes() {
     assert_eq!(report.remarks, [FilmRemark::BurnedIn]);
     maker.remove((0x28, 0x301));
     assert_eq!(run(&maker.file(EXPLICIT)).1.remarks, [FilmRemark::BurnedInUnknown]);
+}
+
+/// A ramp of 12 bits with a name in the four bits of each word that hold no pixel.
+fn with_name(shift: u32) -> Vec<u16> {
+    let nibbles = CANARY.bytes().flat_map(|byte| [byte >> 4, byte & 15]);
+    let mut words: Vec<u16> = ramp(6, 5).iter().map(|word| word << shift).collect();
+    let name_at = if shift == 0 { 12 } else { 0 };
+    for (word, nibble) in words.iter_mut().zip(nibbles) {
+        *word |= u16::from(nibble) << name_at;
+    }
+    words
+}
+
+/// Whether the stored bytes hold the nibbles of the name at this place of their words.
+fn nibbles_hold_name(bytes: &[u8]) -> bool {
+    let nibbles: Vec<u8> = CANARY.bytes().flat_map(|byte| [byte >> 4, byte & 15]).collect();
+    let of = |part: fn(u8) -> u8, from: usize| -> Vec<u8> {
+        bytes[from..].iter().step_by(2).map(|&byte| part(byte)).collect()
+    };
+    let parts: [fn(u8) -> u8; 2] = [|byte| byte >> 4, |byte| byte & 15];
+    let all = parts.into_iter().flat_map(|part| [of(part, 0), of(part, 1)]);
+    all.into_iter().any(|found| found.windows(nibbles.len()).any(|window| window == nibbles))
+}
+
+#[test]
+fn a_name_in_bits_that_hold_no_pixel_is_cleared() {
+    for (shift, high) in [(0, 11), (4, 15)] {
+        for representation in [0, 1] {
+            for syntax in [IMPLICIT, EXPLICIT, BIG_ENDIAN, DEFLATED] {
+                let words = with_name(shift);
+                let mut maker = Maker::new(6, 5, &words);
+                maker.word((0x28, 0x102), high).word((0x28, 0x103), representation);
+                let file = maker.file(syntax);
+                assert!(syntax == DEFLATED || nibbles_hold_name(&file), "the test means something");
+                let (bytes, _) = run(&file);
+                assert!(!nibbles_hold_name(&bytes), "{shift} {} {representation}", syntax.uid);
+                assert_eq!(read(&bytes).unwrap().stored, read(&file).unwrap().stored);
+            }
+            let mut maker = Maker::new(6, 5, &[]);
+            maker.word((0x28, 0x102), high).word((0x28, 0x103), representation);
+            // Something behind the last run too.
+            let frame = [&rle(&with_name(shift))[..], CANARY.as_bytes()].concat();
+            let file = maker.fragments(vec![frame]).file(RLE);
+            let (bytes, _) = run(&file);
+            let raw = read(&bytes).unwrap();
+            assert_eq!(raw.stored, read(&file).unwrap().stored);
+            assert_eq!(raw.remarks, []);
+            assert!(!holds(&bytes, CANARY));
+            // The same words without the name give the same file.
+            let plain: Vec<u16> = ramp(6, 5).iter().map(|word| word << shift).collect();
+            let plain = maker.fragments(vec![rle(&plain)]).file(RLE);
+            assert_eq!(run(&plain).0, bytes);
+        }
+    }
+    let mut maker = Maker::new(6, 5, &[]);
+    maker.word((0x28, 0x100), 8).word((0x28, 0x101), 6).word((0x28, 0x102), 5);
+    maker.set((0x7FE0, 0x10), "OB", Value::Bytes((0..30).map(|i| i | (i % 4) << 6).collect()));
+    let (bytes, _) = run(&maker.file(EXPLICIT));
+    assert_eq!(bytes[bytes.len() - 30..], (0..30).collect::<Vec<u8>>());
+}
+
+#[test]
+fn a_compressed_film_with_a_name_in_bits_that_hold_no_pixel_is_refused() {
+    let words = with_name(0);
+    for (syntax, coded) in [
+        (JPEG_LS, jpeg_ls(6, 5, 16, &words)),
+        (JPEG_LOSSLESS_1, jpeg_lossless(6, 5, 16, &words, 1, 0, 0)),
+    ] {
+        let file = Maker::new(6, 5, &[]).fragments(vec![coded]).file(syntax);
+        let error = deidentify(&file, &options(), &FilmLimits::default()).unwrap_err();
+        assert_eq!(error, FilmError::HiddenBits { bits_stored: 12 });
+        assert!(error.to_string().contains("12 bits") && error.help().contains("uncompressed"));
+    }
+    // A codec of 16 bits with values of 12 is no fault.
+    let file = Maker::new(6, 5, &[]).fragments(vec![jpeg_ls(6, 5, 16, &ramp(6, 5))]).file(JPEG_LS);
+    assert_eq!(read(&run(&file).0).unwrap().stored, StoredPixels::Unsigned(ramp(6, 5)));
 }
 
 #[test]

@@ -96,8 +96,3 @@ pub(super) const WALLS: [&str; 4] =
     ["left_wall_column_px", "left_wall_row_px", "right_wall_column_px", "right_wall_row_px"];
 
 pub(super) const SD_SHARE: &str = "corner_sd_share";
-
-/// What makes a spreadsheet take a cell for a formula.
-pub(super) fn starts_formula(cell: &str) -> bool {
-    cell.starts_with(['=', '+', '-', '@', '\t', '\r'])
-}

@@ -6,13 +6,15 @@ use spineline::measure::{
     Corners, IliacCrests, Origin, Placement, Reading, ReadingId, VertebraLandmarks,
 };
 use spineline::spatial::{Angle, Frontal, Pixel};
-use spineline_files::{column_name, decode_text, stated_separator, whole_number};
+use spineline_files::{
+    column_name, decode_text, starts_formula, stated_separator, unguarded, whole_number,
+};
 
 use super::cells::{DecimalMark, is_blank, place, text};
 use super::columns::{Columns, Values, View};
 use super::{
     AXIS, CONFIDENCES, CORNERS, CRESTS, MAX_ROWS, OBSERVER, ORIGINS, PEDICLES, PLACED, POSTURE,
-    REPEAT, SD_SHARE, VERTEBRA, WALLS, starts_formula,
+    REPEAT, SD_SHARE, VERTEBRA, WALLS,
 };
 use crate::film::{confidence, merge_crests, named, origin, pixel};
 use crate::names::{CREST_LEFT, CREST_RIGHT, observer, parse_level, shown};
@@ -412,9 +414,7 @@ impl Table<'_> {
                     expected: "the code of an observer: spreadsheets would read it as a formula",
                 });
             }
-            // A quote guards a name that looks like a formula.
-            let name = cell.strip_prefix('\'').filter(|rest| guarded(rest)).unwrap_or(cell);
-            id.observer = observer(name, &place(line, OBSERVER))?;
+            id.observer = observer(unguarded(cell), &place(line, OBSERVER))?;
         }
         if let Some(cell) = self.naming((1, self.columns.repeat), record, line)? {
             id.repeat = whole_number(cell).filter(|&repeat| repeat > 0).ok_or_else(|| {
@@ -482,9 +482,4 @@ fn readings<T>(rows: BTreeMap<ReadingId, BTreeMap<Level, (T, u64)>>) -> Vec<Read
             vertebrae: vertebrae.into_iter().map(|(level, (value, _))| (level, value)).collect(),
         })
         .collect()
-}
-
-/// Whether the writer puts a quote before such a name.
-pub(super) fn guarded(name: &str) -> bool {
-    starts_formula(name) || name.starts_with('\'')
 }

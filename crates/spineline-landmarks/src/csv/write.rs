@@ -1,8 +1,8 @@
 use csv::{Terminator, WriterBuilder};
 use spineline::measure::{Film, FilmLandmarks, Origin, Reading, VertebraLandmarks};
 use spineline::spatial::Pixel;
+use spineline_files::guarded;
 
-use super::read::guarded;
 use super::{
     AXIS, CONFIDENCES, CORNERS, CRESTS, OBSERVER, ORIGINS, PEDICLES, PLACED, POSTURE, REPEAT,
     SD_SHARE, VERTEBRA, WALLS,
@@ -165,9 +165,7 @@ pub(super) fn start<T>(
         let reason = "it is empty, or begins or ends with a blank";
         return Err(LandmarkExportError::Observer { name: name.clone(), reason });
     }
-    // A spreadsheet runs what begins like a formula.
-    let observer = if guarded(name) { format!("'{name}") } else { name.clone() };
-    Ok([observer, reading.id.repeat.to_string(), level.to_owned()])
+    Ok([guarded(name).into_owned(), reading.id.repeat.to_string(), level.to_owned()])
 }
 
 pub(super) fn cells<const N: usize>(points: [Pixel; N]) -> impl Iterator<Item = String> {

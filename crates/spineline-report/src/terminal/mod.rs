@@ -2,13 +2,17 @@
 //!
 //! No control character and no change of the writing direction reaches the terminal, whatever a case file holds.
 
+mod lines;
 mod table;
 
 use unicode_width::UnicodeWidthStr;
 
 use crate::document::{Block, Document, Notice, Section};
 
+pub use lines::{Lines, shown};
 pub use table::table;
+
+use lines::is_hidden;
 
 /// Columns of a terminal that programs lay text out for, unless they know better.
 pub const WIDTH: usize = 110;
@@ -88,22 +92,17 @@ fn hanging(text: &str, width: usize) -> String {
     lines.join(&format!("\n{HANGING}")) + "\n"
 }
 
-/// Text as text: control characters and changes of the writing direction are left out, and all of it is one line.
+/// Text as text: what is hidden is left out, and all of it is one line.
 fn plain(text: &str) -> String {
     let mut plain = String::with_capacity(text.len());
     for word in text.split_whitespace() {
         let end = plain.len();
-        plain.extend(word.chars().filter(|&c| !c.is_control() && !turns(c)));
+        plain.extend(word.chars().filter(|&c| !is_hidden(c)));
         if end > 0 && plain.len() > end {
             plain.insert(end, ' ');
         }
     }
     plain
-}
-
-/// Whether a character changes the direction of what follows it.
-const fn turns(c: char) -> bool {
-    matches!(c, '\u{200e}' | '\u{200f}' | '\u{061c}' | '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}')
 }
 
 /// Breaks plain text into lines of at most so many columns; never none. A longer word has a line of its own. The heads of
@@ -185,7 +184,7 @@ mod tests {
             analysis: hostile.to_owned(),
         };
         let text = terminal(&document, 40);
-        assert!(text.chars().all(|c| c == '\n' || !(c.is_control() || turns(c))), "{text:?}");
+        assert!(text.chars().all(|c| c == '\n' || !is_hidden(c)), "{text:?}");
         assert!(text.contains("[Figure name: x]0;title y]"), "{text}");
     }
 

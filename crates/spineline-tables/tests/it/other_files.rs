@@ -8,8 +8,8 @@ use spineline::multibody::{Deformed, ForceSign, PathPoint, Timing};
 use spineline::response::{CurveAngles, SpineAngles};
 use spineline::spatial::{Angle, Vec3};
 use spineline_tables::{
-    LoadedShape, NoisePoint, ReproducedNumber, RowVerdict, noise_study_table, path_table,
-    reproduction_table, verdicts_table,
+    LoadedShape, NoisePoint, ReproducedNumber, RowVerdict, csv_case_ids, noise_study_table,
+    parquet_case_ids, path_table, reproduction_table, verdicts_table,
 };
 
 #[test]
@@ -32,6 +32,23 @@ fn verdicts_of_imported_rows() {
          1,training-0001,clean,-12.3457,\n\
          2,training-0002,faults,,\"T5: corners are swapped; T6, T7: they overlap\"\n"
     );
+}
+
+#[test]
+fn a_text_that_a_spreadsheet_would_run_is_guarded_in_csv_and_reads_back() {
+    for text in ["=cmd|' /C calc'!A0", "-A1", "+1", "@SUM(A1)", "\t=1", " =1", "'=1", "＝1"] {
+        let verdict =
+            RowVerdict { line: 1, case_id: text.to_owned(), found: Ok(Angle::from_deg(-1.0)) };
+        let table = verdicts_table(&[verdict]);
+        let csv_text = table.to_csv().expect("a table");
+        let mut reader = csv::Reader::from_reader(csv_text.as_bytes());
+        let row = reader.records().next().expect("a row").expect("CSV");
+        assert_eq!(row[1], format!("'{text}"));
+        assert_eq!(&row[3], "-1.0000", "a number is no text");
+        assert_eq!(csv_case_ids(&csv_text).expect("a table"), [text.to_owned()].into());
+        let parquet = table.to_parquet(&[]).expect("a table");
+        assert_eq!(parquet_case_ids(parquet).expect("a table"), [text.to_owned()].into());
+    }
 }
 
 #[test]

@@ -47,21 +47,36 @@ const ANGLES: [(&str, &str); 2] = [
 /// agree whatever the film shows. Accepted corners count, and are counted, since readers share the model that proposed them.
 #[must_use]
 pub fn film_quantities(cases: &[(&str, &[FilmReadings])]) -> Vec<RatedQuantity> {
-    let units: BTreeSet<&str> = cases
-        .iter()
-        .flat_map(|(_, films)| films.iter())
-        .map(|film| film.length_unit.as_str())
-        .collect();
-    let unit = match Vec::from_iter(units)[..] {
-        [one] => one.to_owned(),
-        _ => "mm (planes differ)".to_owned(),
-    };
-    let lengths = LENGTHS.map(|(key, meaning)| RatedQuantity::new(key, unit.clone(), meaning));
-    let angles = ANGLES.map(|(key, meaning)| RatedQuantity::new(key, "deg", meaning));
-    let mut all: Vec<RatedQuantity> = lengths.into_iter().chain(angles).collect();
+    let mut all = FilmQuantities::default();
     for (case, films) in cases {
-        for film in *films {
-            let place = format!("{case}/{}", film.posture.key());
+        all.add(case, films);
+    }
+    all.finish()
+}
+
+/// [`film_quantities`] of cases that come one after the other, since a cohort's films need not be in memory together.
+#[derive(Debug, Clone)]
+pub struct FilmQuantities {
+    all: Vec<RatedQuantity>,
+    length_units: BTreeSet<String>,
+}
+
+impl Default for FilmQuantities {
+    fn default() -> Self {
+        let lengths = LENGTHS.map(|(key, meaning)| RatedQuantity::new(key, "", meaning));
+        let angles = ANGLES.map(|(key, meaning)| RatedQuantity::new(key, "deg", meaning));
+        Self { all: lengths.into_iter().chain(angles).collect(), length_units: BTreeSet::new() }
+    }
+}
+
+impl FilmQuantities {
+    /// Adds the films of a case.
+    pub fn add(&mut self, case: &str, films: &[FilmReadings]) {
+        for film in films {
+            if !self.length_units.contains(&film.length_unit) {
+                self.length_units.insert(film.length_unit.clone());
+            }
+            let place = format!("{case}/{}/", film.posture.key());
             let references = references(&film.readings);
             for reading in &film.readings {
                 let is_read = |vertebra: &&Placement| {
@@ -70,17 +85,29 @@ pub fn film_quantities(cases: &[(&str, &[FilmReadings])]) -> Vec<RatedQuantity> 
                 let read = reading.vertebrae.values().filter(is_read);
                 let accepted = read.clone().filter(|vertebra| vertebra.program.is_some()).count();
                 let not_reviewed = reading.vertebrae.len() - read.count();
-                for quantity in &mut all {
+                for quantity in &mut self.all {
                     quantity.not_reviewed += not_reviewed;
                     quantity.accepted += accepted;
                 }
                 let mut reading = reading.clone();
                 reading.vertebrae.retain(|_, vertebra| is_read(&&*vertebra));
-                insert(&mut all, &place, &reading, &references);
+                insert(&mut self.all, &place, &reading, &references);
             }
+            self.all.iter_mut().for_each(|quantity| quantity.shrink(&place));
         }
     }
-    all
+
+    /// The quantities of all cases.
+    #[must_use]
+    pub fn finish(mut self) -> Vec<RatedQuantity> {
+        let mut units = self.length_units.into_iter();
+        let unit = match (units.next(), units.next()) {
+            (Some(one), None) => one,
+            _ => "mm (planes differ)".to_owned(),
+        };
+        self.all[..LENGTHS.len()].iter_mut().for_each(|quantity| quantity.unit.clone_from(&unit));
+        self.all
+    }
 }
 
 /// A tilt of each vertebra, against which all readings of it are unwrapped: a film may be held upside down.
@@ -97,26 +124,27 @@ fn insert(
     reading: &Reading<Placement>,
     references: &BTreeMap<Level, Angle>,
 ) {
-    let mut set = |key: &str, subject: &str, value: f64| {
+    let reader = (reading.id.observer.clone(), reading.id.repeat);
+    let mut set = |key: &str, part: &str, value: f64| {
         let quantity = all.iter_mut().find(|quantity| quantity.key == key);
         let quantity = quantity.expect("every key is one of the table's");
         // A case that is given twice adds nothing.
-        let _ = quantity.insert(subject, &reading.id.observer, reading.id.repeat, value);
+        quantity.insert_part((place, part), &reader, value);
     };
     let tilt_deg = |level: Level, tilt: Angle| {
         let reference = references[&level];
         (reference + (tilt - reference).wrapped()).deg()
     };
     for (&level, vertebra) in &reading.vertebrae {
-        let subject = format!("{place}/{level}");
-        set("location_y_as_paper", &subject, vertebra.location.y_mm);
-        set("location_z_as_paper", &subject, vertebra.location.z_mm);
-        set("tilt_as_paper", &subject, tilt_deg(level, vertebra.tilt));
+        let subject = level.name();
+        set("location_y_as_paper", subject, vertebra.location.y_mm);
+        set("location_z_as_paper", subject, vertebra.location.z_mm);
+        set("tilt_as_paper", subject, tilt_deg(level, vertebra.tilt));
     }
     for pair in Level::ALL.windows(2) {
         let [below, above] = [pair[0], pair[1]].map(|level| reading.vertebrae.get(&level));
         let (Some(below), Some(above)) = (below, above) else { continue };
-        let subject = format!("{place}/{}-{}", pair[0], pair[1]);
+        let subject = format!("{}-{}", pair[0], pair[1]);
         set("spacing", &subject, above.location.distance_mm(below.location));
         set("tilt_step", &subject, (above.tilt - below.tilt).wrapped().deg());
     }
@@ -124,6 +152,6 @@ fn insert(
         let places = [triple[0], triple[1], triple[2]].map(|level| reading.vertebrae.get(&level));
         let [Some(below), Some(inner), Some(above)] = places else { continue };
         let bow = inner.location - (below.location + above.location) * 0.5;
-        set("lateral_bow", &format!("{place}/{}", triple[1]), bow.y_mm);
+        set("lateral_bow", triple[1].name(), bow.y_mm);
     }
 }

@@ -51,7 +51,7 @@ mod tests;
 mod words;
 
 pub use agreement::{BlandAltman, SemKind};
-pub use films::film_quantities;
+pub use films::{FilmQuantities, film_quantities};
 pub use icc::Icc;
 pub use ratings::RatedQuantity;
 pub use study::{Design, DesignReliability, QuantityReliability, Remark, assess};

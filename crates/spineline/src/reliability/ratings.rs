@@ -18,7 +18,27 @@ pub struct RatedQuantity {
     pub not_reviewed: usize,
     /// Readings of a vertebra with corners that a reader accepted from a program.
     pub accepted: usize,
-    cells: BTreeMap<String, BTreeMap<Reader, f64>>,
+    /// Readers by number; a cohort has millions of readings by a few of them.
+    readers: BTreeMap<Reader, u32>,
+    /// Parts of places by number, such as the vertebrae of a film.
+    parts: BTreeMap<String, u32>,
+    /// A subject is a part of a place.
+    places: BTreeMap<String, Vec<Cell>>,
+    subjects: usize,
+}
+
+/// One reading.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Cell {
+    part: u32,
+    reader: u32,
+    value: f64,
+}
+
+/// The number of a name, in the order in which they come.
+fn number<K: Ord>(names: &mut BTreeMap<K, u32>, name: K) -> u32 {
+    let next = names.len() as u32;
+    *names.entry(name).or_insert(next)
 }
 
 impl RatedQuantity {
@@ -29,53 +49,97 @@ impl RatedQuantity {
         meaning: impl Into<String>,
     ) -> Self {
         let (key, unit, meaning) = (key.into(), unit.into(), meaning.into());
-        Self { key, unit, meaning, not_reviewed: 0, accepted: 0, cells: BTreeMap::new() }
+        let (readers, parts, places) = (BTreeMap::new(), BTreeMap::new(), BTreeMap::new());
+        let (not_reviewed, accepted, subjects) = (0, 0, 0);
+        Self { key, unit, meaning, not_reviewed, accepted, readers, parts, places, subjects }
     }
 
     /// Adds a reading; `false`, and nothing is changed, where this observer's repeat of this subject is there already.
     #[must_use]
     pub fn insert(&mut self, subject: &str, observer: &str, repeat: u32, value: f64) -> bool {
-        let readings = self.cells.entry(subject.to_owned()).or_default();
-        let reader = (observer.to_owned(), repeat);
-        let free = !readings.contains_key(&reader);
-        if free {
-            readings.insert(reader, value);
+        self.insert_part((subject, ""), &(observer.to_owned(), repeat), value)
+    }
+
+    /// As [`RatedQuantity::insert`], of a subject that is one of a few parts of a place; a place and its parts are ordered as their names
+    /// one after the other.
+    pub(super) fn insert_part(
+        &mut self,
+        (place, part): (&str, &str),
+        reader: &Reader,
+        value: f64,
+    ) -> bool {
+        let reader = match self.readers.get(reader) {
+            Some(&known) => known,
+            None => number(&mut self.readers, reader.clone()),
+        };
+        let part = match self.parts.get(part) {
+            Some(&known) => known,
+            None => number(&mut self.parts, part.to_owned()),
+        };
+        if !self.places.contains_key(place) {
+            self.places.insert(place.to_owned(), Vec::new());
         }
-        free
+        let cells = self.places.get_mut(place).expect("it was put there");
+        let of_part = || cells.iter().filter(|cell| cell.part == part);
+        if of_part().any(|cell| cell.reader == reader) {
+            return false;
+        }
+        self.subjects += usize::from(of_part().next().is_none());
+        cells.push(Cell { part, reader, value });
+        true
+    }
+
+    /// Gives back what was kept for more readings of a place.
+    pub(super) fn shrink(&mut self, place: &str) {
+        if let Some(cells) = self.places.get_mut(place) {
+            cells.shrink_to_fit();
+        }
     }
 
     /// Number of subjects that anybody read.
     #[must_use]
     pub fn subjects(&self) -> usize {
-        self.cells.len()
+        self.subjects
     }
 
     /// Every observer with the repeats that he made of any subject, both in order.
     pub(super) fn readers(&self) -> BTreeMap<&str, Vec<u32>> {
         let mut readers: BTreeMap<&str, Vec<u32>> = BTreeMap::new();
-        for (observer, repeat) in self.cells.values().flat_map(BTreeMap::keys) {
-            let repeats = readers.entry(observer).or_default();
-            if let Err(place) = repeats.binary_search(repeat) {
-                repeats.insert(place, *repeat);
-            }
+        for (observer, repeat) in self.readers.keys() {
+            readers.entry(observer).or_default().push(*repeat);
         }
         readers
     }
 
     /// Every subject that all raters rated, one row each; a rater's value is the mean over his readings.
     pub(super) fn complete(&self, raters: &[Vec<Reader>]) -> Vec<Vec<f64>> {
-        let mean = |readings: &BTreeMap<Reader, f64>, rater: &Vec<Reader>| {
-            let values = rater.iter().map(|reader| readings.get(reader).copied());
+        let known = |rater: &Vec<Reader>| -> Option<Vec<u32>> {
+            rater.iter().map(|reader| self.readers.get(reader).copied()).collect()
+        };
+        let Some(raters) = raters.iter().map(known).collect::<Option<Vec<_>>>() else {
+            return Vec::new();
+        };
+        let mean = |cells: &[Cell], rater: &Vec<u32>| {
+            let of = |reader: u32| cells.iter().find(|cell| cell.reader == reader);
+            let values = rater.iter().map(|&reader| of(reader).map(|cell| cell.value));
             let values = values.collect::<Option<Vec<f64>>>()?;
             // Against the first, so that equal readings have exactly their own mean.
             let first = *values.first()?;
             let off: f64 = values.iter().map(|value| value - first).sum();
             Some(first + off / values.len() as f64)
         };
-        self.cells
-            .values()
-            .filter_map(|readings| raters.iter().map(|rater| mean(readings, rater)).collect())
-            .collect()
+        // Rows in the order of names, whatever order the readings had.
+        let ranks: BTreeMap<u32, usize> = self.parts.values().copied().zip(0..).collect();
+        let mut rows = Vec::new();
+        for cells in self.places.values() {
+            let mut cells = cells.clone();
+            cells.sort_by_key(|cell| ranks[&cell.part]);
+            let subjects = cells.chunk_by(|a, b| a.part == b.part);
+            rows.extend(subjects.filter_map(|subject| {
+                raters.iter().map(|rater| mean(subject, rater)).collect::<Option<Vec<f64>>>()
+            }));
+        }
+        rows
     }
 }
 

@@ -10,7 +10,7 @@ use std::path::Path;
 use chrono::Utc;
 use spineline::anatomy::Named;
 use spineline_report::document::{Column, Table};
-use spineline_report::terminal;
+use spineline_report::terminal::{self, Lines};
 use spineline_store::{Account, AccountChange, PasswordHash, Signature, Store, StoreError};
 
 use args::AccountCommand;
@@ -26,7 +26,7 @@ pub fn run(args: &AccountArgs) -> Result<Ending, Failure> {
     let path = args.command.store();
     let fail = |error: StoreError| Failure::store(path, &error);
     if let AccountCommand::List { .. } = args.command {
-        return print(&list(&Store::view(path).map_err(fail)?).map_err(fail)?);
+        return print(Lines::of_text(&list(&Store::view(path).map_err(fail)?).map_err(fail)?));
     }
     let mut store = Store::open(path).map_err(fail)?;
     let by = Signature::new(store_name(&args.by)?, Utc::now().into());
@@ -35,7 +35,7 @@ pub fn run(args: &AccountArgs) -> Result<Ending, Failure> {
             let account = Account { name: store_name(account)?, role: *role, enabled: true };
             let password = password(path, *password_stdin)?;
             store.add_account(&account, &password, &by).map_err(fail)?;
-            print(&format!("Account {} was added as {}.\n", account.name, role.key()))
+            print(format!("Account {} was added as {}.", account.name, role.key()))
         }
         AccountCommand::Edit { name: account, .. } => {
             let account = store_name(account)?;
@@ -44,15 +44,15 @@ pub fn run(args: &AccountArgs) -> Result<Ending, Failure> {
             let change = change(&args.command)?;
             let account = store.edit_account(&account, &change, &by).map_err(fail)?;
             let state = if account.enabled { "may sign in" } else { "may not sign in" };
-            print(&format!("Account {} is {} and {state}.\n", account.name, account.role.key()))
+            print(format!("Account {} is {} and {state}.", account.name, account.role.key()))
         }
         AccountCommand::Grant { name: account, study, role, .. } => {
             store.grant(&store_name(study)?, &store_name(account)?, *role, &by).map_err(fail)?;
-            print(&format!("Account {account} is {} of study {study}.\n", role.key()))
+            print(format!("Account {account} is {} of study {study}.", role.key()))
         }
         AccountCommand::Revoke { name: account, study, .. } => {
             store.revoke(&store_name(study)?, &store_name(account)?, &by).map_err(fail)?;
-            print(&format!("Account {account} no longer sees study {study}.\n"))
+            print(format!("Account {account} no longer sees study {study}."))
         }
         AccountCommand::List { .. } => Ok(Ending::Done),
     }

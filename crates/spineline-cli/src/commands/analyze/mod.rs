@@ -17,6 +17,7 @@ use spineline::warning::counted;
 use spineline_files::{Provenance, to_text};
 use spineline_report::cohort::PatientRows;
 use spineline_report::document::Notice;
+use spineline_report::terminal::Lines;
 use spineline_report::{patient as report, terminal};
 use spineline_tables::cohort_tests_table;
 
@@ -57,7 +58,7 @@ pub fn run(args: &AnalyzeArgs) -> Result<Ending, Failure> {
     let kept = keep(&found, together.as_ref(), asked, written, &outputs);
     let kept = kept.and_then(|()| outputs.commit());
     if !to_stdout {
-        print(&text(&found, together.as_ref()))?;
+        print(Lines::of_text(&text(&found, together.as_ref())))?;
     }
     kept?;
     if let (Some(path), Some(one), None) = (&args.model, &found.one, &found.model) {
@@ -201,7 +202,7 @@ fn analyze_all(
             }
             Err(refusal) if !asked.is_list => Err(refusal.failure),
             Err(Refusal { case, failure }) => {
-                progress.suspend(|| say(&format!("{failure}\n")));
+                progress.suspend(|| say(&failure));
                 found.ending = Ending::BadInput;
                 written.add(OutputParts::refused(&case, asked))?;
                 found.refused.push(*case);

@@ -34,7 +34,7 @@ pub fn write_model(
 ) -> Result<(), Failure> {
     if !why.is_empty() {
         let (case, kind) = (&analysis.case_id, model.kind);
-        say(&format!("{case}: the model of the {kind} is written. {why}\n"));
+        say(format!("{case}: the model of the {kind} is written. {why}"));
     }
     let file = ModelFile::new(analysis, model, &generator());
     outputs.write(path, to_text(&file.with_provenance(provenance.clone())))
@@ -47,7 +47,7 @@ pub fn say_missing(path: &Path, args: &AnalyzeArgs, analysis: &Analysis) {
         ModelLine::Auto => "there is no model".to_owned(),
     };
     let why = format!("{}: {what}", analysis.case_id);
-    say(&format!("{}\n", Failure::target(path, &why, &help_without_model(analysis))));
+    say(&Failure::target(path, &why, &help_without_model(analysis)));
 }
 
 /// What gives a model to write: a line that has one, or what all lines lack.

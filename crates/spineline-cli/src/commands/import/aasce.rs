@@ -13,7 +13,7 @@ use spineline_landmarks::{
     AasceRow, AasceRows, AasceVerdict, LandmarkError, LandmarkHint, image_sizes, judge_aasce,
     picture_names, read_file,
 };
-use spineline_report::terminal;
+use spineline_report::terminal::{self, Lines};
 use spineline_tables::{RowVerdict, verdicts_table};
 
 use super::args::ImportArgs;
@@ -57,7 +57,7 @@ fn import(args: &ImportArgs, folder: &Path, side: ImageSide) -> Result<(), Failu
     if let Some(out) = &args.out {
         outputs.folder(out)?;
     }
-    let (mut table, mut clean, mut text) = (Vec::new(), 0, String::new());
+    let (mut table, mut clean, mut text) = (Vec::new(), 0, Lines::default());
     for row in rows(args, folder, side)? {
         let case_id = format!("{name}-{:04}", row.line);
         let verdict = judge_aasce(&row.film, side).map_err(|error| fail(folder, &error))?;
@@ -74,23 +74,23 @@ fn import(args: &ImportArgs, folder: &Path, side: ImageSide) -> Result<(), Failu
                 let words: Vec<String> = faults.iter().map(ToString::to_string).collect();
                 let words = words.join("; ");
                 let note = format!("! line {}: {words}", row.line);
-                text.push_str(&terminal::paragraph(&note, terminal::WIDTH, "  "));
+                text.text(&terminal::paragraph(&note, terminal::WIDTH, "  "));
                 Err(words)
             }
         };
         table.push(RowVerdict { line: row.line, case_id, found });
     }
-    text.push_str(&format!(
-        "{}: {clean} of {} without faults; cases are written for these only\n",
+    text.line(format!(
+        "{}: {clean} of {} without faults; cases are written for these only",
         folder.display(),
         counted(table.len(), "row")
     ));
     if let Some(verdicts) = verdicts {
         outputs.write(&verdicts, verdicts_table(&table).to_csv()?)?;
-        text.push_str(&format!("Verdicts on every row: {}\n", verdicts.display()));
+        text.line(format!("Verdicts on every row: {}", verdicts.display()));
     }
     outputs.commit()?;
-    print(&text).map(|_| ())
+    print(text).map(|_| ())
 }
 
 /// The rows of a set.

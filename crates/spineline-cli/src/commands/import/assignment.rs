@@ -45,8 +45,8 @@ impl Assignment<'_> {
         }
         if !others.is_empty() {
             let (file, names) = (self.of.value.display(), listed(&others));
-            say(&format!(
-                "note: {file}: pictures of no film of this case were passed over: {names}\n"
+            say(format!(
+                "note: {file}: pictures of no film of this case were passed over: {names}"
             ));
         }
         Ok(found)
@@ -60,22 +60,22 @@ impl Assignment<'_> {
         film: &MarkedFilm,
     ) -> Result<(), Failure> {
         let file = self.of.value.display();
-        let Some(name) = film.picture.as_deref().map(printable) else { return Ok(()) };
+        let Some(name) = film.picture.as_deref().map(shortened) else { return Ok(()) };
         match (named, self.pictures.name_of(posture)) {
             (Some(other), _) if other != posture => {
                 let what = format!(
                     "its landmarks of the {posture} film name the picture {name}, which is that of the {other} film"
                 );
                 if self.args.accept {
-                    say(&format!("note: {file}: {what}; accepted by --accept\n"));
+                    say(format!("note: {file}: {what}; accepted by --accept"));
                     return Ok(());
                 }
                 let help = "give the file for the film that it names, or --accept if you are sure";
                 Err(Failure::input(&file.to_string(), &what, help))
             }
             (None, Some(own)) => {
-                say(&format!(
-                    "note: {file}: its landmarks of the {posture} film name the picture {name}, and the film is {own}: check that they are of this film\n"
+                say(format!(
+                    "note: {file}: its landmarks of the {posture} film name the picture {name}, and the film is {own}: check that they are of this film"
                 ));
                 Ok(())
             }
@@ -104,19 +104,19 @@ fn display(path: &Path) -> String {
     path.display().to_string()
 }
 
-/// A name from a file without what could rewrite a terminal's screen, and at most its last 60 letters.
-fn printable(name: &str) -> String {
-    let clean: Vec<char> = name.chars().map(|c| if c.is_control() { ' ' } else { c }).collect();
-    let from = clean.len().saturating_sub(60);
-    let end: String = clean[from..].iter().collect();
-    if from > 0 { format!("…{end}") } else { end }
+/// At most the last 60 letters of a name from a file.
+fn shortened(name: &str) -> String {
+    match name.char_indices().rev().nth(60) {
+        Some((before, c)) => format!("…{}", &name[before + c.len_utf8()..]),
+        None => name.to_owned(),
+    }
 }
 
 /// The first names of a list.
 fn listed(names: &[String]) -> String {
     const SHOWN: usize = 5;
     let mut text =
-        names.iter().take(SHOWN).map(|name| printable(name)).collect::<Vec<_>>().join(", ");
+        names.iter().take(SHOWN).map(|name| shortened(name)).collect::<Vec<_>>().join(", ");
     if names.len() > SHOWN {
         text.push_str(&format!(" and {} more", names.len() - SHOWN));
     }

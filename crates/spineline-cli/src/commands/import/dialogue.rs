@@ -5,6 +5,7 @@ use std::io::IsTerminal;
 use dialoguer::{Confirm, Select};
 use spineline::anatomy::{ImageSide, Posture};
 use spineline::measure::View;
+use spineline_report::terminal::shown;
 
 use super::candidates::Candidates;
 use super::resolve::{About, Question};
@@ -23,7 +24,8 @@ pub fn choose_films(
     candidates: &Candidates,
     chosen: &mut Vec<(Role, usize)>,
 ) -> Result<(), Failure> {
-    say(&format!("{}\n", text::list(candidates)));
+    say(text::list(candidates));
+    say("");
     for posture in Posture::ALL {
         let role = Role::Frontal(posture);
         let has_one = chosen.iter().any(|(other, _)| *other == role);
@@ -87,7 +89,7 @@ fn pick(
     let words: Vec<String> = options
         .iter()
         .map(|option| match option {
-            Some(index) => text::line(candidates, *index),
+            Some(index) => shown(&text::line(candidates, *index)),
             None => "none of them".to_owned(),
         })
         .collect();
@@ -120,8 +122,12 @@ pub fn ask(question: &Question) -> Result<Option<ImageSide>, Failure> {
             }
         }
         // What is typed has to be kept: it is an option.
-        About::Spacing(_) => Err(Failure::usage(format!("{question}\n    {}", question.answer()))),
+        About::Spacing(_) => {
+            Err(Failure::usage(question.to_string())
+                .with_line(format!("    {}", question.answer())))
+        }
         About::Contradiction(text) => {
+            let text = shown(text);
             let prompt = format!("{}: {text}. Continue with your options?", question.role);
             let sure =
                 Confirm::new().with_prompt(prompt).default(false).interact().map_err(asked)?;

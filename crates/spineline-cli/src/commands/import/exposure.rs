@@ -31,9 +31,8 @@ pub fn decide(
                 if by_file { "" } else { "not " }
             );
             if !args.accept {
-                return Err(Failure::usage(format!(
-                    "lateral film: {text}\n    leave out --simultaneous, or --accept if you are sure"
-                )));
+                return Err(Failure::usage(format!("lateral film: {text}"))
+                    .with_line("    leave out --simultaneous, or --accept if you are sure"));
             }
             (said, Some(format!("{text}; accepted by --accept")))
         }

@@ -105,7 +105,7 @@ pub fn read_onto(
         let hint = hint_for(of.posture.or(only), films, given);
         let file = read_landmarks(&of.value, &hint).map_err(|error| fail(&error))?;
         for remark in &file.remarks {
-            say(&format!("note: {}: {remark}\n", of.value.display()));
+            say(format!("note: {}: {remark}", of.value.display()));
         }
         let assignment = Assignment { args, of, pictures, only };
         for (posture, marked) in assignment.films(file.films)? {
@@ -125,8 +125,8 @@ pub fn read_onto(
                 (other != film.posture).then_some((name, other))
             });
             if let Some((name, other)) = other {
-                say(&format!(
-                    "note: {}: the landmarks of the {} film and of the {other} film name one picture, {name}: check that they are of two films\n",
+                say(format!(
+                    "note: {}: the landmarks of the {} film and of the {other} film name one picture, {name}: check that they are of two films",
                     of.value.display(),
                     film.posture
                 ));
@@ -152,7 +152,7 @@ fn note_warnings(file: &Path, film: &Film) {
     for warning in judge_landmarks(film).all() {
         let level = warning.level.map_or_else(String::new, |level| format!(", {level}"));
         let (posture, text) = (film.posture, warning.text());
-        say(&format!("note: {}: {posture} film{level}: {text}\n", file.display()));
+        say(format!("note: {}: {posture} film{level}: {text}", file.display()));
     }
 }
 
@@ -173,7 +173,7 @@ pub fn note_alike_observers(landmarks: &LandmarksByPosture, lateral: Option<&Lat
     let frontal = landmarks.values().flat_map(FilmLandmarks::reading_ids);
     let lateral = lateral.iter().flat_map(|film| &film.readings).map(|reading| &reading.id);
     for alike in alike_observers(frontal.chain(lateral).map(|id| id.observer.as_str())) {
-        say(&format!("note: {}\n", alike_words(&alike)));
+        say(format!("note: {}", alike_words(&alike)));
     }
 }
 
@@ -197,7 +197,7 @@ pub fn read_lateral(
             .measure(&mut warnings)
             .map_err(|error| Failure::input(&path.display().to_string(), &error, error.help()))?;
         for warning in warnings.all() {
-            say(&format!("note: {}: lateral film: {}\n", path.display(), warning.text()));
+            say(format!("note: {}: lateral film: {}", path.display(), warning.text()));
         }
     }
     Ok(readings)

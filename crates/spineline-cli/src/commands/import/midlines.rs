@@ -6,6 +6,7 @@ use spineline::analysis::{Case, Subject};
 use spineline::measure::Film;
 use spineline_files::{CaseFile, to_text};
 use spineline_landmarks::{LandmarkError, LandmarkFormat, LandmarkHint, read_landmarks};
+use spineline_report::terminal::Lines;
 
 use super::args::ImportArgs;
 use super::write::check_free;
@@ -43,11 +44,11 @@ pub fn run(args: &ImportArgs) -> Result<Ending, Failure> {
     let path = folder.join("case.json");
     outputs.write(&path, to_text(&CaseFile::from_case(&case)))?;
     outputs.commit()?;
-    print(&format!(
-        "{}: {}\nNo vertebra was seen: the levels were placed by arc length and are estimates.\nTry: spineline check {0}\n",
-        path.display(),
-        postures.join(", "),
-    ))
+    let path = path.display();
+    let mut text = Lines::of(format!("{path}: {}", postures.join(", ")));
+    text.line("No vertebra was seen: the levels were placed by arc length and are estimates.");
+    text.line(format!("Try: spineline check {path}"));
+    print(text)
 }
 
 fn read(path: &Path) -> Result<Vec<Film>, Failure> {

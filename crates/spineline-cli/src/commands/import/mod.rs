@@ -37,7 +37,7 @@ pub fn run(args: &ImportArgs) -> Result<Ending, Failure> {
         return midlines::run(args);
     }
     let (Some(folder), Some(case_id), false) = (&args.out, &args.case_id, args.list) else {
-        return print(&text::list(&Candidates::find(args)?));
+        return print(text::list(&Candidates::find(args)?));
     };
     write::check_free(folder)?;
     args.check_answers()?;
@@ -48,7 +48,7 @@ pub fn run(args: &ImportArgs) -> Result<Ending, Failure> {
         dialogue::choose_films(&candidates, &mut chosen)?;
     }
     if chosen.is_empty() {
-        say(&text::list(&candidates));
+        say(text::list(&candidates));
         return Err(Failure::usage(
             "which film shows which posture? Give their numbers, as in --film erect=1 --film left-bending=2",
         ));
@@ -75,7 +75,7 @@ pub fn run(args: &ImportArgs) -> Result<Ending, Failure> {
     landmarks::note_alike_observers(&landmarks, lateral.as_ref());
     let marks = Marks { frontal: landmarks, lateral };
     write::write(args, folder, case_id, &candidates, &films, &marks)?;
-    print(&text::outcome(&films, folder, marked))
+    print(text::outcome(&films, folder, marked))
 }
 
 /// The films that the command line chooses.
@@ -117,11 +117,10 @@ fn resolve_all(
     if open.is_empty() {
         return Ok(films);
     }
-    let mut text = format!("{} to answer before these films make a case", counted(open.len()));
-    for question in &open {
-        text.push_str(&format!("\n  {question}\n    {}", question.answer()));
-    }
-    Err(Failure::usage(text))
+    let what = format!("{} to answer before these films make a case", counted(open.len()));
+    Err(open.iter().fold(Failure::usage(what), |failure, question| {
+        failure.with_line(format!("  {question}")).with_line(format!("    {}", question.answer()))
+    }))
 }
 
 fn resolve_by_asking(

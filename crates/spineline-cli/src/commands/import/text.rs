@@ -1,12 +1,10 @@
 //! The list of films, and the outcome of an import, as text.
 
-use std::fmt::Write;
-
 use spineline::anatomy::ImageSide;
 use spineline::measure::{LengthScale, Spacing, View};
 use spineline::warning::counted;
 use spineline_report::document::{Column, Table};
-use spineline_report::terminal;
+use spineline_report::terminal::{self, Lines};
 
 use super::candidates::{Candidate, Candidates, Seen};
 use super::resolve::ResolvedFilm;
@@ -15,8 +13,8 @@ use super::resolve::ResolvedFilm;
 const SQUARE_PIXELS: &str = "pixels (taken as square)";
 
 /// Everything that was found, with numbers to choose by.
-pub fn list(candidates: &Candidates) -> String {
-    let mut text = String::new();
+pub fn list(candidates: &Candidates) -> Lines {
+    let mut text = Lines::default();
     let words = ["Kind", "Size", "View", "Patient's left", "Lengths", "File"].map(Column::words);
     let columns = [Column::numbers("Film")].into_iter().chain(words).collect();
     let mut table = Table::new("", columns);
@@ -41,15 +39,15 @@ pub fn list(candidates: &Candidates) -> String {
         }
     }
     if candidates.films.is_empty() {
-        text.push_str("No film was found.\n");
+        text.line("No film was found.");
     } else {
-        text.push_str(&terminal::table(&table, usize::MAX));
+        text.text(&terminal::table(&table, usize::MAX));
     }
     for (note, films) in shared_notes(candidates) {
         let note = format!("! {}: {note}", numbered(&films));
-        text.push_str(&terminal::paragraph(&note, terminal::WIDTH, "  "));
+        text.text(&terminal::paragraph(&note, terminal::WIDTH, "  "));
     }
-    text.push_str(&passed_over(candidates));
+    add_passed_over(&mut text, candidates);
     text
 }
 
@@ -144,22 +142,20 @@ fn notes(film: &Candidate) -> Vec<String> {
 }
 
 /// What is no film: the first few by name, the rest by number.
-fn passed_over(candidates: &Candidates) -> String {
+fn add_passed_over(text: &mut Lines, candidates: &Candidates) {
     const SHOWN: usize = 8;
     let all = &candidates.survey.passed_over;
-    let mut text = String::new();
     for passed in all.iter().take(SHOWN) {
-        let _ = writeln!(text, "  skipped: {}: {}", passed.place, passed.reason);
+        text.line(format!("  skipped: {}: {}", passed.place, passed.reason));
     }
     if all.len() > SHOWN {
-        let _ = writeln!(text, "  skipped: {} more", all.len() - SHOWN);
+        text.line(format!("  skipped: {} more", all.len() - SHOWN));
     }
-    text
 }
 
 /// What went into the case.
-pub fn outcome(films: &[ResolvedFilm], folder: &std::path::Path, marked: usize) -> String {
-    let mut text = String::new();
+pub fn outcome(films: &[ResolvedFilm], folder: &std::path::Path, marked: usize) -> Lines {
+    let mut text = Lines::default();
     let heads = ["Film", "Size", "Patient's left", "Lengths"];
     let mut table = Table::new("", heads.map(Column::words).to_vec());
     for film in films {
@@ -174,25 +170,23 @@ pub fn outcome(films: &[ResolvedFilm], folder: &std::path::Path, marked: usize) 
         let size = format!("{} × {}", film.columns, film.rows);
         table.row(vec![film.role.key().replace('_', " "), size, left, scale]);
     }
-    text.push_str(&terminal::table(&table, usize::MAX));
+    text.text(&terminal::table(&table, usize::MAX));
     for film in films {
         for note in &film.notes {
             let note = format!("! {}: {note}", film.role);
-            text.push_str(&terminal::paragraph(&note, terminal::WIDTH, "  "));
+            text.text(&terminal::paragraph(&note, terminal::WIDTH, "  "));
         }
     }
     let case = folder.join("case.json");
-    let _ = writeln!(text, "\nWrote {} and {}.", case.display(), counted(films.len(), "film"));
+    let films_words = counted(films.len(), "film");
+    text.line("").line(format!("Wrote {} and {films_words}.", case.display()));
     if films.iter().all(|film| film.is_phantom) {
-        text.push_str("All films are phantoms: the case is marked SYNTHETIC.\n");
+        text.line("All films are phantoms: the case is marked SYNTHETIC.");
     }
     if marked == 0 {
-        let _ = writeln!(
-            text,
-            "No landmarks yet: place them in the browser app, or add them with --landmarks."
-        );
+        text.line("No landmarks yet: place them in the browser app, or add them with --landmarks.");
     } else {
-        let _ = writeln!(text, "Try: spineline check {}", case.display());
+        text.line(format!("Try: spineline check {}", case.display()));
     }
     text
 }

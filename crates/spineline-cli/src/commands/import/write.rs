@@ -249,10 +249,7 @@ fn secret(args: &ImportArgs) -> Result<[u8; 32], Failure> {
     std::os::unix::fs::OpenOptionsExt::mode(&mut options, 0o600);
     let mut file = options.open(&path).map_err(|error| failed(&error))?;
     file.write_all(&secret).and_then(|()| file.sync_all()).map_err(|error| failed(&error))?;
-    say(&format!(
-        "new secret for identifiers: {} (keep it, and do not pass it on)\n",
-        path.display()
-    ));
+    say(format!("new secret for identifiers: {} (keep it, and do not pass it on)", path.display()));
     Ok(secret)
 }
 

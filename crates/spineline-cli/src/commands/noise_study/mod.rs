@@ -12,6 +12,7 @@ mod text;
 pub use args::NoiseStudyArgs;
 
 use spineline_files::{FilmOrigin, Provenance};
+use spineline_report::terminal::Lines;
 use spineline_tables::{NoisePoint, noise_study_table};
 
 use crate::run::failure::{Ending, Failure};
@@ -32,10 +33,9 @@ pub fn run(args: &NoiseStudyArgs) -> Result<Ending, Failure> {
     outputs.write_table(&table, noise_study_table(&rows).to_csv()?, &provenance)?;
     outputs.write(&figure, in_svg(&drawing::svg(&points, args), &provenance))?;
     outputs.commit()?;
-    print(&text::report(&points, args))?;
-    print(&format!(
-        "\nTable   {}\nFigure  {} (open it in a browser)\n",
-        table.display(),
-        figure.display()
-    ))
+    print(Lines::of_text(&text::report(&points, args)))?;
+    let mut written = Lines::of("");
+    written.line(format!("Table   {}", table.display()));
+    written.line(format!("Figure  {} (open it in a browser)", figure.display()));
+    print(written)
 }

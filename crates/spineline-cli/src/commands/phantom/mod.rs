@@ -13,6 +13,7 @@ use spineline_files::CaseFile;
 use spineline_phantom::{
     Build, Construction, Phantom, PhantomError, SUBJECTS, TrueFilm, generate_built,
 };
+use spineline_report::terminal::Lines;
 
 use crate::options::phantoms::readers;
 use crate::run::failure::{Ending, Failure};
@@ -71,7 +72,7 @@ pub fn run(args: &PhantomArgs) -> Result<Ending, Failure> {
     let outputs = Outputs::new(args.overwrite, []);
     outputs.folder(&args.out)?;
     let films = if args.films { films::write(&phantoms, args, &outputs)? } else { BTreeMap::new() };
-    let mut text = String::new();
+    let mut text = Lines::default();
     for phantom in &phantoms {
         let path = args.out.join(format!("{}.json", phantom.case.id));
         let own = films.get(&phantom.case.id);
@@ -83,16 +84,16 @@ pub fn run(args: &PhantomArgs) -> Result<Ending, Failure> {
         outputs.write(&path, spineline_files::to_text(&case))?;
         let truth = TruthFile { films: own.cloned(), ..TruthFile::new(phantom) };
         outputs.write(&path.with_extension("truth.json"), spineline_files::to_text(&truth))?;
-        text.push_str(&format!("{} (synthetic; its true values are beside it)\n", path.display()));
+        text.line(format!("{} (synthetic; its true values are beside it)", path.display()));
     }
     outputs.commit()?;
     let all: Vec<_> = films.values().flat_map(BTreeMap::values).collect();
     if !all.is_empty() {
         let mb = all.iter().map(|film| film.bytes).sum::<usize>() as f64 / 1e6;
         let films = all.len();
-        text.push_str(&format!("{films} synthetic films beside the cases, {mb:.0} MB in all\n"));
+        text.line(format!("{films} synthetic films beside the cases, {mb:.0} MB in all"));
     }
-    print(&text)
+    print(text)
 }
 
 /// The true values of a phantom. Positive tilts are to the patient's right, as everywhere.

@@ -1,12 +1,14 @@
 //! `spineline reliability`: agreement within and between observers.
 
+use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
 use spineline::measure::{FilmReadings, TiltRule};
-use spineline::reliability::{QuantityReliability, RatedQuantity, assess, film_quantities};
+use spineline::reliability::{FilmQuantities, QuantityReliability, RatedQuantity, assess};
 use spineline_files::{FilmOrigin, InputFile, Provenance, ReliabilityFile};
 use spineline_report::reliability::summary;
+use spineline_report::terminal::Lines;
 use spineline_report::{figures, terminal};
 use spineline_tables::statistics_table;
 
@@ -58,7 +60,9 @@ pub fn run(args: &ReliabilityArgs) -> Result<Ending, Failure> {
     let outputs = check_outputs(args)?;
     let Readings { quantities, synthetic, inputs } = read(&args.inputs)?;
     let provenance = Provenance::new(this_run()?, FilmOrigin::of([synthetic]), inputs);
-    let found: Vec<QuantityReliability> = quantities.iter().map(assess).collect();
+    // Each is dropped as soon as its statistics are known.
+    let found: Vec<QuantityReliability> =
+        quantities.into_iter().map(|quantity| assess(&quantity)).collect();
     if let Some(path) = &args.json {
         let file = ReliabilityFile::new(&found, synthetic, &generator())
             .with_provenance(provenance.clone());
@@ -73,7 +77,7 @@ pub fn run(args: &ReliabilityArgs) -> Result<Ending, Failure> {
     outputs.commit()?;
     if to_stdout == 0 {
         let document = summary(&found, synthetic, &generator());
-        print(&terminal(&document, terminal::WIDTH))?;
+        print(Lines::of_text(&terminal(&document, terminal::WIDTH)))?;
     }
     Ok(Ending::Done)
 }
@@ -123,13 +127,13 @@ fn read(inputs: &[PathBuf]) -> Result<Readings, Failure> {
 }
 
 fn read_cases(given: &[PathBuf]) -> Result<Readings, Failure> {
-    let mut cases: Vec<(String, Vec<FilmReadings>)> = Vec::new();
+    let (mut ids, mut quantities) = (HashSet::new(), FilmQuantities::default());
     let (mut synthetic, mut inputs) = (false, Vec::new());
     for path in case_files(given)? {
         let CaseInput { case, input, .. } = CaseInput::read(&path)?;
         inputs.push(input);
         let place = path.display().to_string();
-        if cases.iter().any(|(id, _)| *id == case.id) {
+        if !ids.insert(case.id.clone()) {
             let text = format!("the case {} was given already", case.id);
             return Err(Failure::input(&place, &text, "give every case a `case_id` of its own"));
         }
@@ -137,14 +141,12 @@ fn read_cases(given: &[PathBuf]) -> Result<Readings, Failure> {
             .films
             .iter()
             .map(|film| FilmReadings::measure(film, TiltRule::default()))
-            .collect::<Result<_, _>>();
+            .collect::<Result<Vec<_>, _>>();
         let films = films.map_err(|error| Failure::input(&place, &error, error.help()))?;
         synthetic |= case.synthetic;
-        cases.push((case.id, films));
+        quantities.add(&case.id, &films);
     }
-    let borrowed: Vec<(&str, &[FilmReadings])> =
-        cases.iter().map(|(id, films)| (id.as_str(), films.as_slice())).collect();
-    Ok(Readings { quantities: film_quantities(&borrowed), synthetic, inputs })
+    Ok(Readings { quantities: quantities.finish(), synthetic, inputs })
 }
 
 /// One picture per quantity and design; observers' names stay out of the files' names.

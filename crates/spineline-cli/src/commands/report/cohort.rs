@@ -48,7 +48,7 @@ pub fn run(paths: &[PathBuf], args: &ReportArgs, outputs: Outputs) -> Result<End
                 sources.push(source);
             }
             Err(Refusal { case, failure }) => {
-                say(&format!("{failure}\n"));
+                say(&failure);
                 refused.push(*case);
             }
         }

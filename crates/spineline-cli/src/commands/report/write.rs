@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use spineline_files::{InputFile, Provenance, ProvenanceFile, to_text};
 use spineline_report::document::{Figure, Notice, NoticeKind};
 use spineline_report::fonts::Fonts;
+use spineline_report::terminal::Lines;
 use spineline_report::{Document, PRINT_SCALE, html, markdown, png};
 
 use super::args::{FormName, ReportArgs};
@@ -51,14 +52,14 @@ impl Report<'_> {
             FormName::Md => self.write_markdown(out, &outputs)?,
             FormName::Pdf => outputs.write(out, pdf::pdf(document, self.provenance.date_utc())?)?,
         }
-        let mut said = format!("Report   {}\n", out.display());
+        let mut said = Lines::of(format!("Report   {}", out.display()));
         if let Some(folder) = &args.figures {
             self.warn_of_letters();
             self.write_figures(folder, args.threads, &outputs)?;
-            said.push_str(&format!("Figures  {} (SVG and PNG)\n", folder.display()));
+            said.line(format!("Figures  {} (SVG and PNG)", folder.display()));
         }
         outputs.commit()?;
-        print(&said)
+        print(said)
     }
 
     /// A PDF says itself which letters no font has; a browser looks for letters where it is.

@@ -20,7 +20,7 @@ use std::path::Path;
 use spineline_files::{FilmOrigin, Provenance};
 use spineline_phantom::{SUBJECTS, Truth};
 use spineline_report::document::{Column, Table};
-use spineline_report::terminal;
+use spineline_report::terminal::{self, Lines};
 
 use crate::options::phantoms::readers;
 use crate::run::failure::{Ending, Failure};
@@ -38,14 +38,14 @@ pub fn run(args: &ReproduceArgs) -> Result<Ending, Failure> {
     let runs = runs::all_runs(args, &phantoms)?;
     let mut sections = sections::sections(&runs);
     sections.push(film_lengths::section(args, &phantoms)?);
-    print(&text(&sections, args))?;
+    print(Lines::of_text(&text(&sections, args)))?;
     let provenance =
         Provenance::new(this_run()?, FilmOrigin::Synthetic, Vec::new()).with_seed(args.seed);
     files::write(&outputs, &runs, &sections, args, &provenance)?;
     drawings::write(&outputs, &args.out.join("figures"), &runs, &provenance)?;
     reports::write(&outputs, &args.out.join("reports"), &runs, &provenance)?;
     outputs.commit()?;
-    print(&closing(&args.out))?;
+    print(closing(&args.out))?;
     // A model without result in a scenario that contradicts it is a finding: the table counts it.
     Ok(Ending::Done)
 }
@@ -85,15 +85,13 @@ fn text(sections: &[Section], args: &ReproduceArgs) -> String {
     text
 }
 
-fn closing(out: &Path) -> String {
-    format!(
-        "\nTables   {} (and .json)\n         {} (every vertebra), {} (every patient)\n\
-         Figures  {} (open them in a browser)\n\
-         Reports  {} (a cohort and one patient per scenario)\n",
-        out.join("summary.csv").display(),
-        out.join("errors").display(),
-        out.join("analyses").display(),
-        out.join("figures").display(),
-        out.join("reports").display()
-    )
+fn closing(out: &Path) -> Lines {
+    let at = |name: &str| out.join(name).display().to_string();
+    let mut lines = Lines::of("");
+    lines.line(format!("Tables   {} (and .json)", at("summary.csv")));
+    let (errors, analyses) = (at("errors"), at("analyses"));
+    lines.line(format!("         {errors} (every vertebra), {analyses} (every patient)"));
+    lines.line(format!("Figures  {} (open them in a browser)", at("figures")));
+    lines.line(format!("Reports  {} (a cohort and one patient per scenario)", at("reports")));
+    lines
 }

@@ -13,6 +13,7 @@ use spineline_files::{
     parse_json, read_bytes, to_text,
 };
 use spineline_report::document::{Column, Table};
+use spineline_report::terminal::Lines;
 use spineline_report::{embedded, terminal};
 
 use crate::analysis::case::analyze_case;
@@ -77,11 +78,14 @@ pub fn run(args: &RerunArgs) -> Result<Ending, Failure> {
     }
     let stored = stored(&args.file)?;
     let to_stdout = args.json.as_ref().is_some_and(|path| is_stdout(path));
-    let (mut same, mut texts, mut again) = (true, Vec::new(), Vec::new());
+    let (mut same, mut text, mut again) = (true, Lines::default(), Vec::new());
     for old in &stored.analyses {
         let repeated = Repeated::of(args, old)?;
         same &= repeated.found.all.is_empty();
-        texts.push(repeated.text(args));
+        if !text.as_str().is_empty() {
+            text.line("");
+        }
+        repeated.add_to(&mut text, args);
         again.push(repeated);
     }
     if let Some(folder) = &args.figures {
@@ -99,7 +103,7 @@ pub fn run(args: &RerunArgs) -> Result<Ending, Failure> {
     }
     outputs.commit()?;
     if !to_stdout {
-        print(&texts.join("\n"))?;
+        print(text)?;
     }
     Ok(if same { Ending::Done } else { Ending::Differs })
 }
@@ -179,27 +183,23 @@ impl Repeated {
         Ok(Self { stored, analysis, provenance, new, found })
     }
 
-    fn text(&self, args: &RerunArgs) -> String {
+    fn add_to(&self, text: &mut Lines, args: &RerunArgs) {
         let (then, now) = (&self.stored.provenance, &self.provenance);
         let synthetic = if self.stored.case.synthetic { " · SYNTHETIC" } else { "" };
-        let mut text = format!(
-            "{}{synthetic} · analysed {} by {}\n",
-            self.stored.case.id,
-            then.date_utc(),
-            then.program()
-        );
+        let (case, date) = (&self.stored.case.id, then.date_utc());
+        text.line(format!("{case}{synthetic} · analysed {date} by {}", then.program()));
         let command = format!("Then: {}", then.command().join(" "));
-        text.push_str(&terminal::paragraph(&command, terminal::WIDTH, "  "));
+        text.text(&terminal::paragraph(&command, terminal::WIDTH, "  "));
         if then.program() == now.program() {
-            text.push_str(&format!("  Version: the same, {}\n", now.program()));
+            text.line(format!("  Version: the same, {}", now.program()));
         } else {
-            text.push_str(&format!("  Version: then {}, now {}\n", then.program(), now.program()));
+            text.line(format!("  Version: then {}, now {}", then.program(), now.program()));
         }
         for input in then.inputs() {
             let said = format!("Input {}: {}", input.name, input_words(&args.file, input));
-            text.push_str(&terminal::paragraph(&said, terminal::WIDTH, "  "));
+            text.text(&terminal::paragraph(&said, terminal::WIDTH, "  "));
         }
-        text + &found_text(&self.found, args.tolerance)
+        text.text(&found_text(&self.found, args.tolerance));
     }
 }
 

@@ -50,8 +50,8 @@ impl ArchiveArgs {
 
     fn with_login(&self, archive: Archive) -> Result<Archive, Failure> {
         if archive.is_exposed() {
-            say(&format!(
-                "warning: films and logins are not encrypted between this machine and the archive `{}`: others can read and\n  change them; use an https:// address\n",
+            say(format!(
+                "warning: films and logins are not encrypted between this machine and the archive `{}`: others can read and change them; use an https:// address",
                 archive.name()
             ));
         }
@@ -73,8 +73,8 @@ fn read_login(archive: Archive, file: &Path) -> Result<Archive, Failure> {
     };
     let login = std::fs::read_to_string(file).map_err(|error| fail(&error))?;
     if let Some(mode) = wider_permissions(file) {
-        say(&format!(
-            "warning: other users of this machine have access to {place} (permissions {mode}), which holds the login of the\n  archive `{}`; close it with: chmod 600 {place}\n",
+        say(format!(
+            "warning: other users of this machine have access to {place} (permissions {mode}), which holds the login of the archive `{}`; close it with: chmod 600 {place}",
             archive.name()
         ));
     }

@@ -76,13 +76,13 @@ pub fn run(args: &ServeArgs) -> Result<Ending, Failure> {
     check(args, &store, access)?;
     if let Some(mode) = wider_permissions(&args.store) {
         let store = args.store.display();
-        say(&format!(
-            "warning: other users of this machine have access to {store} (permissions {mode}), which holds films and names of\n  readers; close it with: chmod 600 {store}\n"
+        say(format!(
+            "warning: other users of this machine have access to {store} (permissions {mode}), which holds films and names of readers; close it with: chmod 600 {store}"
         ));
     }
     if !spineline_server::has_app() {
         say(
-            "warning: the browser app is not in this program: its address shows a page that says so.\n  build the app with `cargo xtask web` (needs Node), then build the program again\n",
+            "warning: the browser app is not in this program: its address shows a page that says so; build the app with `cargo xtask web` (needs Node), then build the program again",
         );
     }
     let decoder = std::env::current_exe()
@@ -134,8 +134,8 @@ fn check(args: &ServeArgs, store: &Store, access: Access) -> Result<(), Failure>
         )));
     }
     if !args.bind.is_loopback() && !args.https {
-        say(&format!(
-            "warning: films, names and passwords are not encrypted between {} and the browsers: others can read and\n  change them; use a TLS proxy, and start with --https\n",
+        say(format!(
+            "warning: films, names and passwords are not encrypted between {} and the browsers: others can read and change them; use a TLS proxy, and start with --https",
             args.bind
         ));
     }
@@ -150,7 +150,7 @@ async fn serve(args: &ServeArgs, store: Store, options: ServeOptions) -> Result<
     };
     let listener = match tokio::net::TcpListener::bind(address).await {
         Err(error) if args.port.is_none() && error.kind() == std::io::ErrorKind::AddrInUse => {
-            say(&format!("note: port {PORT} is in use; a free port is used instead\n"));
+            say(format!("note: port {PORT} is in use; a free port is used instead"));
             tokio::net::TcpListener::bind(SocketAddr::new(args.bind, 0)).await
         }
         other => other,
@@ -162,20 +162,18 @@ async fn serve(args: &ServeArgs, store: Store, options: ServeOptions) -> Result<
     if access == Access::Token {
         let mut tokens = server.tokens();
         let token = tokens.borrow_and_update().clone();
-        print(&format!("{base}#token={token}\n"))?;
-        print("Open this address in a browser; it works once. Press Ctrl-C to stop.\n")?;
+        print(format!("{base}#token={token}"))?;
+        print("Open this address in a browser; it works once. Press Ctrl-C to stop.")?;
         tokio::spawn(async move {
             while tokens.changed().await.is_ok() {
                 let token = tokens.borrow_and_update().clone();
                 // A closed terminal needs no further address.
-                let _ = print(&format!("Address for another browser: {base}#token={token}\n"));
+                let _ = print(format!("Address for another browser: {base}#token={token}"));
             }
         });
     } else {
-        print(&format!("{base}\n"))?;
-        print(
-            "Open this address in a browser and sign in with an account. Press Ctrl-C to stop.\n",
-        )?;
+        print(base)?;
+        print("Open this address in a browser and sign in with an account. Press Ctrl-C to stop.")?;
     }
     server
         .run(interrupt::requested())

@@ -13,6 +13,7 @@ use std::path::PathBuf;
 
 use spineline::multibody::{ForceSign, PathPoint};
 use spineline_files::{FilmOrigin, InputFile, Provenance, to_text};
+use spineline_report::terminal::Lines;
 
 use crate::run::failure::{Ending, Failure};
 use crate::run::inputs::{read_input, read_model};
@@ -42,7 +43,7 @@ pub fn run(args: &SimulateArgs) -> Result<Ending, Failure> {
     // Results are shown although they cannot be written.
     let written = outcome.write(args, &outputs).and_then(|()| outputs.commit());
     if streams == 0 {
-        print(&text::report(&outcome))?;
+        print(Lines::of_text(&text::report(&outcome)))?;
     } else {
         print_notices(&text::notices(&outcome));
     }

@@ -7,6 +7,7 @@ use spineline::measure::{alike_observers, alike_words};
 use spineline::warning::counted;
 use spineline_files::parse_case_file;
 use spineline_films::intake::{IntakeLimits, Place, read};
+use spineline_report::terminal::Lines;
 use spineline_store::{CaseError, NewCase, Signature, Store};
 
 use crate::analysis::films::{FilmWarning, check_films};
@@ -18,7 +19,7 @@ pub fn add(
     at: &Path,
     (path, accept): (&Path, bool),
     by: &Signature,
-) -> Result<String, Failure> {
+) -> Result<Lines, Failure> {
     let text = spineline_files::read_text(path).map_err(|error| Failure::file(path, &error))?;
     let bytes_of = |file: &str| {
         let place = Place::File(path.with_file_name(file));
@@ -33,15 +34,15 @@ pub fn add(
     let added = store.add_case(&case, by).map_err(|error| Failure::store(at, &error))?;
     let (films, readings) =
         (counted(added.films.len(), "film"), counted(added.readings, "reading"));
-    let mut text = format!("{}: added {films} and {readings}.\n", added.study);
+    let mut text = Lines::of(format!("{}: added {films} and {readings}.", added.study));
     for remark in &added.remarks {
-        text.push_str(&format!("  ! {remark}\n"));
+        text.line(format!("  ! {remark}"));
     }
     for remark in alike_names(store, at, &observers)? {
-        text.push_str(&format!("  ! {remark}\n"));
+        text.line(format!("  ! {remark}"));
     }
     for one in &warnings {
-        text.push_str(&format!("  ! {}\n", one.place_and_text()));
+        text.line(format!("  ! {}", one.place_and_text()));
     }
     Ok(text)
 }

@@ -10,7 +10,7 @@ use std::path::Path;
 use chrono::Utc;
 use spineline::warning::counted;
 use spineline_report::document::{Column, Table};
-use spineline_report::terminal;
+use spineline_report::terminal::{self, Lines};
 use spineline_store::{
     FilmRecord, Head, Name, Next, PlanDesign, ReadingRecord, Signature, Store, StoreError,
     Timestamp, Verification,
@@ -32,16 +32,16 @@ pub fn run(args: &StudyArgs) -> Result<Ending, Failure> {
         StudyCommand::Create { .. } => {
             interrupt::begin_writing();
             Store::create(path, &by()?).map_err(fail)?;
-            print(&format!("{} was created as an empty store.\n", path.display()))
+            print(format!("{} was created as an empty store.", path.display()))
         }
         StudyCommand::Add { cases, accept, .. } => {
             let mut store = Store::open(path).map_err(fail)?;
             for case in cases {
-                print(&add::add(&mut store, path, (case, *accept), &by()?)?)?;
+                print(add::add(&mut store, path, (case, *accept), &by()?)?)?;
             }
             Ok(Ending::Done)
         }
-        StudyCommand::List { .. } => print(&list(&view(path)?).map_err(fail)?),
+        StudyCommand::List { .. } => print(Lines::of_text(&list(&view(path)?).map_err(fail)?)),
         StudyCommand::Plan {
             study, observers, repeats, washout_days, seed, no_proposals, ..
         } => {
@@ -53,7 +53,7 @@ pub fn run(args: &StudyArgs) -> Result<Ending, Failure> {
         StudyCommand::Export { study, out, overwrite, .. } => {
             export(path, study, out, Outputs::new(*overwrite, [path]))
         }
-        StudyCommand::Log { .. } => print(&log(&view(path)?).map_err(fail)?),
+        StudyCommand::Log { .. } => print(Lines::of_text(&log(&view(path)?).map_err(fail)?)),
         StudyCommand::Verify { head, .. } => verify(path, head.as_ref()),
         StudyCommand::Backup { out, .. } => {
             let store = view(path)?;
@@ -75,8 +75,8 @@ fn plan(
     let mut store = Store::open(path).map_err(fail)?;
     let observers = observers.iter().map(|o| store_name(o)).collect::<Result<Vec<_>, _>>()?;
     let readings = store.reading_plan(&store_name(study)?, &observers, design, by).map_err(fail)?;
-    print(&format!(
-        "Planned {}: every observer reads every film {}, {} apart, in a random order each{}.\n",
+    print(format!(
+        "Planned {}: every observer reads every film {}, {} apart, in a random order each{}.",
         counted(readings, "reading"),
         counted(design.repeats, "time"),
         counted(design.washout_days, "day"),
@@ -93,7 +93,7 @@ fn next(path: &Path, study: &str, observer: &str) -> Result<Ending, Failure> {
     if !planned.contains(&observer) {
         return Err(unknown_observer(path, &study, &observer, &planned));
     }
-    print(&next_text(&next))
+    print(next_text(&next))
 }
 
 fn export(path: &Path, study: &str, out: &Path, outputs: Outputs) -> Result<Ending, Failure> {
@@ -101,7 +101,7 @@ fn export(path: &Path, study: &str, out: &Path, outputs: Outputs) -> Result<Endi
     let exported = view(path)?.export_case(&store_name(study)?);
     let exported = exported.map_err(|error| Failure::store(path, &error))?;
     for remark in &exported.remarks {
-        say(&format!("note: {remark}\n"));
+        say(format!("note: {remark}"));
     }
     outputs.write(out, &exported.text)?;
     outputs.commit()?;
@@ -162,10 +162,10 @@ fn row(study: &str, film: &FilmRecord, readings: &[ReadingRecord]) -> Vec<String
 
 fn next_text(next: &Next) -> String {
     match next {
-        Next::Begin(film) => format!("Next: film {}.\n", film.code),
-        Next::Continue(film, _) => format!("Continue with film {}.\n", film.code),
-        Next::Wait(until) => format!("Washout: no film before {until}.\n"),
-        Next::Done => "All films are read.\n".to_owned(),
+        Next::Begin(film) => format!("Next: film {}.", film.code),
+        Next::Continue(film, _) => format!("Continue with film {}.", film.code),
+        Next::Wait(until) => format!("Washout: no film before {until}."),
+        Next::Done => "All films are read.".to_owned(),
     }
 }
 
@@ -191,23 +191,23 @@ fn verify(path: &Path, head: Option<&Head>) -> Result<Ending, Failure> {
 }
 
 fn report(path: &Path, verification: &Verification) -> Result<Ending, Failure> {
-    let mut text = String::new();
+    let mut text = Lines::default();
     if let Some(head) = &verification.head {
-        text.push_str(&format!(
-            "{}: entries in the log: {}; end of the log {head}\n",
+        text.line(format!(
+            "{}: entries in the log: {}; end of the log {head}",
             path.display(),
             head.entries
         ));
     }
     for finding in &verification.findings {
-        text.push_str(&format!("  ! {finding}\n"));
+        text.line(format!("  ! {finding}"));
     }
     if verification.is_clean() {
-        text.push_str(
-            "  no damage found. Keep the end of the log elsewhere: with `--head`, `verify` also detects a store that was rewritten as a whole.\n",
+        text.line(
+            "  no damage found. Keep the end of the log elsewhere: with `--head`, `verify` also detects a store that was rewritten as a whole.",
         );
-        return print(&text);
+        return print(text);
     }
-    print(&text)?;
+    print(text)?;
     Ok(Ending::BadInput)
 }

@@ -9,19 +9,31 @@ pub use pieces::Pieces;
 pub use staged::{Outputs, OverwriteArgs};
 pub use target::is_stdout;
 
-use std::io::{self, ErrorKind, Write};
+use std::io::{self, ErrorKind, IsTerminal, Write};
 
 use spineline_report::document::Notice;
-use spineline_report::terminal;
+use spineline_report::terminal::{self, Lines};
 
 use super::failure::{Ending, Failure};
 use super::messages::say;
 
-/// Writes to the standard output; a closed pipe is no error.
+/// Writes text for a person to the standard output: one line, unless it is made of several. A closed pipe is no error.
 ///
 /// # Errors
 /// If it cannot be written.
-pub fn print(text: &str) -> Result<Ending, Failure> {
+pub fn print(text: impl Into<Lines>) -> Result<Ending, Failure> {
+    to_stdout(text.into().as_str())
+}
+
+/// Writes text for a program to the standard output, as it is; a terminal gets it as text for a person.
+///
+/// # Errors
+/// If it cannot be written.
+pub fn print_data(text: &str) -> Result<Ending, Failure> {
+    if io::stdout().is_terminal() { print(Lines::of_text(text)) } else { to_stdout(text) }
+}
+
+fn to_stdout(text: &str) -> Result<Ending, Failure> {
     let mut output = io::stdout().lock();
     // What is still held back at the end of the program is lost without a word where the disk is full.
     shown(output.write_all(text.as_bytes()).and_then(|()| output.flush()))
@@ -43,6 +55,6 @@ pub fn shown(written: io::Result<()>) -> Result<Ending, Failure> {
 /// Writes notices to the standard error, one line each, so that other programs can read them by line.
 pub fn print_notices(notices: &[Notice]) {
     for notice in notices {
-        say(&terminal::notice(notice, usize::MAX));
+        say(terminal::notice(notice, usize::MAX).trim_end());
     }
 }

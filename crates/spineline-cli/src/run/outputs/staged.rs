@@ -11,7 +11,7 @@ use tempfile::{NamedTempFile, TempPath};
 
 use super::origin::is_result;
 use super::pieces::Pieces;
-use super::print;
+use super::print_data;
 use super::target::{Identity, Target};
 use crate::run::failure::Failure;
 use crate::run::interrupt;
@@ -216,7 +216,7 @@ impl Outputs {
             }
         }
         if !printed.is_empty() {
-            print(&printed)?;
+            print_data(&printed)?;
         }
         Ok(())
     }
