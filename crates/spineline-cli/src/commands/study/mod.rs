@@ -6,8 +6,8 @@ mod args;
 pub use args::{EXAMPLES, StudyArgs};
 
 use std::path::Path;
+use std::time::SystemTime;
 
-use chrono::Utc;
 use spineline::warning::counted;
 use spineline_report::document::{Column, Table};
 use spineline_report::terminal;
@@ -27,7 +27,7 @@ use crate::run::outputs::{Outputs, print};
 pub fn run(args: &StudyArgs) -> Result<Ending, Failure> {
     let path = args.command.store();
     let fail = |error: StoreError| Failure::store(path, &error);
-    let by = || Ok::<_, Failure>(Signature::new(store_name(&args.by)?, Utc::now().into()));
+    let by = || Ok::<_, Failure>(Signature::new(store_name(&args.by)?, SystemTime::now().into()));
     match &args.command {
         StudyCommand::Create { .. } => {
             interrupt::begin_writing();
@@ -88,7 +88,8 @@ fn next(path: &Path, study: &str, observer: &str) -> Result<Ending, Failure> {
     let fail = |error: StoreError| Failure::store(path, &error);
     let store = view(path)?;
     let (study, observer) = (store_name(study)?, store_name(observer)?);
-    let next = store.observer(&observer).next_film_for(&study, Utc::now().into()).map_err(fail)?;
+    let next =
+        store.observer(&observer).next_film_for(&study, SystemTime::now().into()).map_err(fail)?;
     let planned = store.planned_observers(&study).map_err(fail)?;
     if !planned.contains(&observer) {
         return Err(unknown_observer(path, &study, &observer, &planned));
