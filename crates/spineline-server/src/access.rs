@@ -25,14 +25,21 @@ pub fn seen_film(store: &Store, user: &User, film: FilmId) -> Answer<FilmRecord>
     Ok(film)
 }
 
-/// A reading that this user may see; a reading of others is answered as not found.
+/// A reading that this user may see; a reading of others is answered as not found. An own one that is finished stays hidden while its plan
+/// goes on.
 pub fn seen_reading(store: &Store, user: &User, reading: ReadingId) -> Answer<SeenReading> {
     let seen = store.observer(&user.name).reading(reading).map_err(|error| match error {
         StoreError::NotYours { .. } => Failure::not_found(),
+        StoreError::Finished { .. } => finished_reading_hidden(),
         other => other.into(),
     })?;
     user.on_study(store, &seen.study.id)?;
     Ok(seen)
+}
+
+fn finished_reading_hidden() -> Failure {
+    let text = "a finished reading is shown when all planned readings are finished";
+    Failure::new(StatusCode::FORBIDDEN, "blinded", text).help("go on with your next film")
 }
 
 /// Refuses a film of a study of which this user may see codes only.

@@ -13,6 +13,7 @@ use serde::de::DeserializeOwned;
 
 use crate::pace::TooSlow;
 use crate::problem::Failure;
+use crate::session::{self, User};
 use crate::state::AppState;
 
 /// A JSON body, of a request or of an answer.
@@ -58,7 +59,17 @@ async fn json_body(request: Request, state: &AppState) -> Result<Bytes, Failure>
             "the body must be JSON with Content-Type: application/json",
         ));
     }
-    Bytes::from_request(request, state).await.map_err(|refused| unread(&refused))
+    let (asker, headers) = (request.extensions().get::<User>().cloned(), request.headers().clone());
+    let body = Bytes::from_request(request, state).await.map_err(|refused| unread(&refused))?;
+    // A body may take its time, and a role that was taken meanwhile is gone.
+    match asker {
+        Some(asker) if session::user_of(state, &headers).await? != asker => {
+            let text = "your role was changed while the request came";
+            let refused = Failure::new(StatusCode::FORBIDDEN, "not_allowed", text);
+            Err(refused.help("load the page again"))
+        }
+        _ => Ok(body),
+    }
 }
 
 fn is_json(headers: &HeaderMap) -> bool {

@@ -68,6 +68,7 @@ impl From<StoreError> for Failure {
             StoreError::NotYours { .. } => (S::FORBIDDEN, "not_yours"),
             StoreError::Finished { .. } => (S::CONFLICT, "finished"),
             StoreError::Exists { .. } | StoreError::AlreadyKnown { .. } => (S::CONFLICT, "exists"),
+            StoreError::FilmsFrozen { .. } => (S::CONFLICT, "films_frozen"),
             StoreError::LastAdmin { .. } => (S::CONFLICT, "last_admin"),
             StoreError::BadPassword { .. } => (S::UNPROCESSABLE_ENTITY, "bad_password"),
             StoreError::TooLarge { .. } => (S::PAYLOAD_TOO_LARGE, "too_large"),

@@ -4,6 +4,7 @@ use std::fmt;
 use std::net::SocketAddr;
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex, PoisonError};
+use std::time::SystemTime;
 
 use spineline_dicomweb::Archive;
 use spineline_store::{Access, Store, StoreError, Timestamp};
@@ -225,6 +226,6 @@ impl AppState {
     /// Current time.
     #[must_use]
     pub fn now(&self) -> Timestamp {
-        chrono::Utc::now().into()
+        SystemTime::now().into()
     }
 }

@@ -196,6 +196,20 @@ pub enum StoreError {
         /// Study.
         study: Name,
     },
+    /// A change of a film while its plan runs.
+    #[error(
+        "the films of study {study} keep their posture, scale and grey levels until all planned readings are finished"
+    )]
+    FilmsFrozen {
+        /// Study.
+        study: Name,
+    },
+    /// A release of a plan in which no finished reading has a time in the future.
+    #[error("no finished reading of study {study} has a time ahead of the clock")]
+    NothingAhead {
+        /// Study.
+        study: Name,
+    },
     /// A plan without films, observers or repeats, or of too many.
     #[error("a plan needs {needs}")]
     BadPlan {
@@ -282,6 +296,10 @@ impl StoreError {
             Self::BadEvent { .. } => "reload the reading",
             Self::Incomplete { .. } => "place the missing corners, or remove the vertebra",
             Self::PlanGoverns { .. } => "ask for the observer's next film, or make a new study",
+            Self::FilmsFrozen { .. } => "change the film when the plan is complete",
+            Self::NothingAhead { .. } => {
+                "wait until the washout is over; `spineline study next` prints when"
+            }
             Self::BadPlan { .. } => "give films first, then observers and repeats",
             Self::OutOfTurn => "ask for the next film again",
             Self::Washout { .. } => "read the film on or after that date",

@@ -10,6 +10,7 @@ use crate::conflicts::{Acknowledged, keep_lost};
 use crate::connection::Store;
 use crate::error::{StoreError, limit};
 use crate::names::{FilmId, Hash, Name, Signature};
+use crate::plan;
 
 /// Largest film, in bytes; a frontal radiograph has some tens of millions.
 const MAX_FILM_BYTES: usize = 512 << 20;
@@ -155,9 +156,10 @@ impl Store {
         films(&self.connection, study)
     }
 
-    /// Changes a film's record, if it has the expected revision.
+    /// Changes a film's record, if it has the expected revision. While a plan runs, all its readings have the same film.
     ///
     /// # Errors
+    /// [`StoreError::FilmsFrozen`] until all planned readings are finished;
     /// [`StoreError::Conflict`], and then the edit is among [`Store::conflicts_of_film`]; [`StoreError::Unknown`];
     /// [`StoreError::NotFrontal`] for a posture of the lateral film; [`StoreError::Case`] for a spacing where the image's description is not that of a case file.
     pub fn edit_film(
@@ -169,6 +171,9 @@ impl Store {
     ) -> Result<Acknowledged, StoreError> {
         self.write(by, |ledger| {
             let now = self::film(ledger.transaction, film)?;
+            if !plan::is_open(ledger.transaction, &now.study)? {
+                return Err(StoreError::FilmsFrozen { study: now.study });
+            }
             if now.revision != expected_revision {
                 let change = [edit.json().to_string()];
                 let object = film.to_string();

@@ -10,6 +10,7 @@ use crate::error::{StoreError, limit};
 use crate::event::Event;
 use crate::films;
 use crate::names::{ReadingId, Signature};
+use crate::plan;
 use crate::readings::{self, ReadingRecord};
 use crate::state::ReadingState;
 
@@ -84,6 +85,8 @@ impl Store {
                 Err(lost) => return Ok(Err(lost)),
             };
             let sequence = readings::finish(ledger, reading, &state)?;
+            let film = readings::reading(ledger.transaction, reading)?.film;
+            plan::reveal_order(ledger, &films::film(ledger.transaction, film)?.study)?;
             Ok(Ok(Acknowledged { sequence, revision: state.revision }))
         })?
     }

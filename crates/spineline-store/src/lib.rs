@@ -51,6 +51,7 @@ mod state;
 mod thumbnails;
 mod verify;
 mod visibility;
+mod washout;
 
 #[cfg(test)]
 mod full_disk;
@@ -68,14 +69,14 @@ pub use export::{ExportRemark, ExportedCase};
 pub use films::{AddedFilm, FilmEdit, FilmRecord, Study};
 pub use names::{FilmId, Hash, Name, ReadingId, Signature, Timestamp};
 pub use options::StudyOptions;
-pub use plan::{BlindFilm, FilmCode, Next, ObserverView, OwnReading, PlanDesign, VisibleReadings};
+pub use plan::{BlindFilm, FilmCode, Next, ObserverView, PlanDesign, system_random};
 pub use privacy::wider_permissions;
 pub use readings::ReadingRecord;
 pub use sessions::{Access, Session, SessionLimits};
 pub use state::{ReadingState, Scale, VertebraReading};
 pub use thumbnails::Thumbnails;
 pub use verify::{Finding, Verification};
-pub use visibility::{LastChange, SeenReading, Visibility};
+pub use visibility::{ClosedReading, LastChange, SeenReading, Visibility};
 
 // The session of the crash tests is one file, which unit tests use too.
 #[cfg(test)]

@@ -1,6 +1,7 @@
 //! Identifiers, times and signatures.
 
 use std::fmt;
+use std::time::SystemTime;
 
 use chrono::{DateTime, Days, SecondsFormat, SubsecRound, Utc};
 use sha2::{Digest, Sha256};
@@ -33,9 +34,10 @@ impl fmt::Display for Name {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Timestamp(DateTime<Utc>);
 
-impl From<DateTime<Utc>> for Timestamp {
-    fn from(time: DateTime<Utc>) -> Self {
-        Self(time.trunc_subsecs(3))
+impl From<SystemTime> for Timestamp {
+    /// The time of a clock, which may be before 1970.
+    fn from(time: SystemTime) -> Self {
+        Self(DateTime::from(time).trunc_subsecs(3))
     }
 }
 

@@ -3,20 +3,15 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt;
 
-use rand::RngExt;
-use rand_chacha::ChaCha12Rng;
-use rand_chacha::rand_core::SeedableRng;
 use rusqlite::{Connection, Row, params};
-use sha2::{Digest, Sha256};
 
-use crate::audit::{self, next_id};
+use crate::audit::{self, Ledger, next_id};
 use crate::connection::Store;
 use crate::error::StoreError;
 use crate::films;
-use crate::journal;
 use crate::names::{FilmId, Hash, Name, ReadingId, Signature, Timestamp};
 use crate::readings::{self, ReadingRecord};
-use crate::state::ReadingState;
+use crate::washout;
 
 /// Maximum number of readings in one plan.
 const MAX_SLOTS: usize = 100_000;
@@ -28,11 +23,17 @@ pub struct PlanDesign {
     pub repeats: u32,
     /// Days of 24 hours between two readings of a film by one observer.
     pub washout_days: u32,
-    /// Seed of the order and of the codes; the same seed gives the same plan of the same study.
-    pub seed: u64,
     /// Whether readers see vertebrae that the program proposes, and may accept them. Readers who do share its model, so that
     /// their agreement is better than that of clicks.
     pub proposals: bool,
+}
+
+/// Fills bytes with random numbers of the operating system: the source of codes and of secrets outside of tests.
+///
+/// # Panics
+/// If the system has no random numbers.
+pub fn system_random(bytes: &mut [u8]) {
+    getrandom::fill(bytes).expect("the system has random numbers");
 }
 
 /// The name of a film in one reading of one observer. It does not reveal study, posture, repeat or other readings.
@@ -81,24 +82,22 @@ pub enum Next {
     Done,
 }
 
-/// An own reading, as a blinded observer sees it.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct OwnReading {
-    /// Reading.
-    pub id: ReadingId,
-    /// Code of its film.
-    pub code: FilmCode,
-    /// Time of the end.
-    pub finished_at: Option<Timestamp>,
+/// The plan of a study.
+pub(crate) struct Plan {
+    pub id: i64,
+    washout_days: u32,
+    secret: String,
 }
 
-/// The readings that an observer may see.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub enum VisibleReadings {
-    /// The own readings, while the plan is incomplete.
-    Blinded(Vec<OwnReading>),
-    /// All readings, if the plan is complete or there is none.
-    Open(Vec<ReadingRecord>),
+pub(crate) fn plan_of(connection: &Connection, study: &Name) -> Result<Option<Plan>, StoreError> {
+    let plans = audit::load(connection, "plans", "WHERE study = ?1", [study.as_str()], |row| {
+        Ok(Plan {
+            id: row.get("id")?,
+            washout_days: row.get("washout_days")?,
+            secret: row.get("seed")?,
+        })
+    })?;
+    Ok(plans.into_iter().next())
 }
 
 /// A place in an observer's order.
@@ -114,6 +113,10 @@ impl Store {
     /// Plans the readings of a study: every observer reads every film once, in an order of their own, then every film
     /// again, and so on. The order within a round is strict, so that waiting does not make it less random.
     ///
+    /// The codes are drawn from `random`, and so is the secret from which the order follows. The hash of the plan in the log covers the secret
+    /// from the beginning, and the log shows the secret when the last reading is finished: an entry `reveal_SECRET`. A round of an observer is
+    /// sorted by the SHA-256 of the texts `SECRET STUDY OBSERVER REPEAT FILM`, where `FILM` is the number of the film in the store.
+    ///
     /// Returns the number of readings.
     ///
     /// # Errors
@@ -123,6 +126,7 @@ impl Store {
         study: &Name,
         observers: &[Name],
         design: PlanDesign,
+        random: &mut dyn FnMut(&mut [u8]),
         by: &Signature,
     ) -> Result<usize, StoreError> {
         let observers: BTreeSet<&Name> = observers.iter().collect();
@@ -138,7 +142,7 @@ impl Store {
                 return Err(StoreError::BadPlan { needs: "a study without readings" });
             }
             let plan = next_id(transaction, "plans", "id")?;
-            let seed = design.seed.to_string();
+            let secret = draw_secret(random);
             transaction.execute(
                 "INSERT INTO plans VALUES (?1, ?2, ?3, ?4, ?5, ?6)",
                 params![
@@ -146,7 +150,7 @@ impl Store {
                     study.as_str(),
                     design.repeats,
                     design.washout_days,
-                    seed,
+                    secret,
                     design.proposals
                 ],
             )?;
@@ -154,12 +158,15 @@ impl Store {
             let films: Vec<FilmId> = films.iter().map(|film| film.id).collect();
             let mut codes = taken_codes(transaction)?;
             for &observer in &observers {
-                let order = order_of(study, observer, &films, design, &mut codes);
-                for (place, slot) in (1_i64..).zip(order) {
-                    let code = slot.code.as_str();
+                let rounds = (1..=design.repeats).flat_map(|repeat| {
+                    let order = round(&secret, study, observer, repeat, &films);
+                    order.into_iter().map(move |film| (film, repeat))
+                });
+                for (place, (film, repeat)) in (1_i64..).zip(rounds) {
+                    let code = draw_code(random, &mut codes);
                     transaction.execute(
                         "INSERT INTO slots VALUES (?1, ?2, ?3, ?4, ?5, ?6)",
-                        params![code, plan, observer.as_str(), place, slot.film.0, slot.repeat],
+                        params![code, plan, observer.as_str(), place, film.0, repeat],
                     )?;
                     ledger.seal("plan", "slots", &code)?;
                 }
@@ -246,39 +253,6 @@ impl ObserverView<'_> {
         let snapshot = self.store.connection.unchecked_transaction()?;
         next(&snapshot, study, self.who, now)
     }
-
-    /// The readings that this observer may see.
-    ///
-    /// # Errors
-    /// [`StoreError::Unknown`].
-    pub fn readings(&self, study: &Name) -> Result<VisibleReadings, StoreError> {
-        let snapshot = self.store.connection.unchecked_transaction()?;
-        films::study(&snapshot, study)?;
-        let readings = readings::of_study(&snapshot, study)?;
-        if is_open(&snapshot, study)? {
-            return Ok(VisibleReadings::Open(readings));
-        }
-        let own = slots_of(&snapshot, study, Some(self.who))?.into_iter().filter_map(|slot| {
-            let reading = readings.iter().find(|reading| slot.is(reading))?;
-            let (id, finished_at) = (reading.id, reading.finished_at);
-            Some(OwnReading { id, code: slot.code, finished_at })
-        });
-        Ok(VisibleReadings::Blinded(own.collect()))
-    }
-
-    /// A reading after all its events: an own one, or any where [`ObserverView::readings`] is open.
-    ///
-    /// # Errors
-    /// [`StoreError::NotYours`], [`StoreError::Unknown`].
-    pub fn reading_state(&self, reading: ReadingId) -> Result<ReadingState, StoreError> {
-        let snapshot = self.store.connection.unchecked_transaction()?;
-        let record = readings::reading(&snapshot, reading)?;
-        let study = films::film(&snapshot, record.film)?.study;
-        if record.observer != *self.who && !is_open(&snapshot, &study)? {
-            return Err(StoreError::NotYours { reading });
-        }
-        journal::state(&snapshot, &record)
-    }
 }
 
 impl Slot {
@@ -299,41 +273,51 @@ fn check(films: usize, observers: usize, repeats: u32) -> Result<usize, StoreErr
     }
 }
 
-/// An observer's order, from a random stream of their own: other observers do not change it.
-fn order_of(
+/// 256 random bits in hexadecimal digits.
+fn draw_secret(random: &mut dyn FnMut(&mut [u8])) -> String {
+    let mut bytes = [0; 32];
+    random(&mut bytes);
+    bytes.iter().map(|byte| format!("{byte:02x}")).collect()
+}
+
+/// The films of one round in an observer's order; see [`Store::reading_plan`].
+fn round(
+    secret: &str,
     study: &Name,
     observer: &Name,
+    repeat: u32,
     films: &[FilmId],
-    design: PlanDesign,
-    codes: &mut BTreeSet<String>,
-) -> Vec<Slot> {
-    // No name contains a line feed.
-    let stream = format!("{study}\n{observer}\n{}", design.seed);
-    let mut random = ChaCha12Rng::from_seed(Sha256::digest(stream).into());
-    let mut order = Vec::new();
-    for repeat in 1..=design.repeats {
-        let mut round = films.to_vec();
-        for last in (1..round.len()).rev() {
-            round.swap(last, random.random_range(0..=last));
-        }
-        for film in round {
-            let code = draw_code(&mut random, codes);
-            order.push(Slot { code, film, repeat, observer: observer.clone() });
-        }
-    }
+) -> Vec<FilmId> {
+    let mut order = films.to_vec();
+    order.sort_by_cached_key(|film| {
+        Hash::of(format!("{secret} {study} {observer} {repeat} {}", film.0).as_bytes())
+    });
     order
 }
 
 /// Six unambiguous letters and digits that no slot of the store has.
-fn draw_code(random: &mut ChaCha12Rng, taken: &mut BTreeSet<String>) -> FilmCode {
+fn draw_code(random: &mut dyn FnMut(&mut [u8]), taken: &mut BTreeSet<String>) -> String {
     const LETTERS: [u8; 32] = *b"23456789ABCDEFGHJKLMNPQRSTUVWXYZ";
     loop {
-        let draw = |_| char::from(LETTERS[random.random_range(0..LETTERS.len())]);
-        let code: String = (0..6).map(draw).collect();
+        let mut bytes = [0; 6];
+        random(&mut bytes);
+        let code: String =
+            bytes.iter().map(|byte| char::from(LETTERS[usize::from(byte % 32)])).collect();
         if taken.insert(code.clone()) {
-            return FilmCode(code);
+            return code;
         }
     }
+}
+
+/// Writes the secret of a study's plan into the log if all its readings are finished now.
+pub(crate) fn reveal_order(ledger: &Ledger<'_>, study: &Name) -> Result<(), StoreError> {
+    let connection = ledger.transaction;
+    if let Some(plan) = plan_of(connection, study)?
+        && is_open(connection, study)?
+    {
+        ledger.seal(&format!("reveal_{}", plan.secret), "plans", &plan.id)?;
+    }
+    Ok(())
 }
 
 fn taken_codes(connection: &Connection) -> Result<BTreeSet<String>, StoreError> {
@@ -372,6 +356,9 @@ fn slot(row: &Row<'_>) -> Result<Slot, StoreError> {
 
 /// Whether there is no blinding: no plan, or all its readings are finished.
 pub(crate) fn is_open(connection: &Connection, study: &Name) -> Result<bool, StoreError> {
+    if !films::is_planned(connection, study)? {
+        return Ok(true);
+    }
     let readings = readings::of_study(connection, study)?;
     let finished: BTreeSet<_> = readings
         .iter()
@@ -382,17 +369,18 @@ pub(crate) fn is_open(connection: &Connection, study: &Name) -> Result<bool, Sto
     Ok(slots.iter().all(|slot| finished.contains(&(slot.film, slot.repeat, &slot.observer))))
 }
 
+pub(crate) fn no_plan(study: &Name) -> StoreError {
+    StoreError::Unknown { object: format!("plan of study/{study}") }
+}
+
 fn next(
     connection: &Connection,
     study: &Name,
     who: &Name,
     now: Timestamp,
 ) -> Result<Next, StoreError> {
-    let washouts = audit::load(connection, "plans", "WHERE study = ?1", [study.as_str()], |row| {
-        Ok(row.get::<_, u32>("washout_days")?)
-    })?;
-    let no_plan = || StoreError::Unknown { object: format!("plan of study/{study}") };
-    let &washout_days = washouts.first().ok_or_else(no_plan)?;
+    let plan = plan_of(connection, study)?;
+    let plan = plan.ok_or_else(|| no_plan(study))?;
     let readings = readings::of_study(connection, study)?;
     let own: BTreeMap<_, _> = readings
         .iter()
@@ -410,12 +398,11 @@ fn next(
             return Ok(Next::Continue(film, reading.id));
         }
         let before = own.get(&(slot.film, slot.repeat.saturating_sub(1)));
-        let released =
-            before.and_then(|reading| reading.rest_from).map(|t| t.plus_days(washout_days));
-        return Ok(match released {
-            Some(until) if now < until => Next::Wait(until),
-            _ => Next::Begin(film),
-        });
+        let rest = before.and_then(|reading| Some((reading.id, reading.rest_from?)));
+        let Some((before, rest_from)) = rest else { return Ok(Next::Begin(film)) };
+        let until = rest_from.plus_days(plan.washout_days);
+        let waits = now < until && !washout::is_released(connection, plan.id, before, rest_from)?;
+        return Ok(if waits { Next::Wait(until) } else { Next::Begin(film) });
     }
     Ok(Next::Done)
 }

@@ -10,6 +10,9 @@ use crate::names::{Hash, Name, Timestamp};
 /// Minimum interval between writes of a session's last use, to save disk writes.
 const TOUCH_MS: i64 = 60_000;
 
+/// Largest step by which a clock is set back in daily use. A session that is farther in the future was begun or used while the clock was wrong.
+const CLOCK_STEP_MS: i64 = 10_000;
+
 /// Way of signing in.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Access {
@@ -39,7 +42,7 @@ pub struct Session {
     pub access: Access,
 }
 
-/// When sessions end by themselves.
+/// When sessions end by themselves. One whose beginning or last use lies in the future is over.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct SessionLimits {
     /// After this long without any request, in milliseconds.
@@ -63,8 +66,12 @@ impl Store {
         let now_ms = now.unix_ms();
         let transaction = self.connection.transaction()?;
         transaction.execute(
-            "DELETE FROM sessions WHERE used_ms <= ?1 OR begun_ms <= ?2",
-            [now_ms.saturating_sub(limits.idle_ms), now_ms.saturating_sub(limits.whole_ms)],
+            "DELETE FROM sessions WHERE used_ms <= ?1 OR begun_ms <= ?2 OR max(begun_ms, used_ms) > ?3",
+            [
+                now_ms.saturating_sub(limits.idle_ms),
+                now_ms.saturating_sub(limits.whole_ms),
+                now_ms.saturating_add(CLOCK_STEP_MS),
+            ],
         )?;
         transaction.execute(
             "INSERT INTO sessions VALUES (?1, ?2, ?3, ?4, ?4)",
@@ -122,7 +129,8 @@ impl Store {
         });
         let Some((name, access, begun_ms, used_ms)) = found.optional()? else { return Ok(None) };
         let (begun_ms, used_ms): (i64, i64) = (begun_ms, used_ms);
-        if now_ms.saturating_sub(used_ms) >= limits.idle_ms
+        if begun_ms.max(used_ms) > now_ms.saturating_add(CLOCK_STEP_MS)
+            || now_ms.saturating_sub(used_ms) >= limits.idle_ms
             || now_ms.saturating_sub(begun_ms) >= limits.whole_ms
         {
             return Ok(None);

@@ -1,6 +1,6 @@
 //! Visibility of a study for an observer, and its last change.
 
-use rusqlite::OptionalExtension;
+use rusqlite::{OptionalExtension, params};
 
 use crate::audit::EXPORT;
 use crate::connection::Store;
@@ -18,7 +18,7 @@ use crate::state::ReadingState;
 pub enum Visibility {
     /// All: there is no plan, or all its readings are finished.
     Open,
-    /// The plan is incomplete and has readings of this observer: codes, and their own readings.
+    /// The plan is incomplete and has readings of this observer: codes, and the own reading that is not finished.
     Reader,
     /// The plan is incomplete and has no readings of this observer: films, and no readings.
     Apart,
@@ -40,6 +40,15 @@ pub struct SeenReading {
     events: Vec<Event>,
 }
 
+/// An own reading that is finished while its plan goes on. Its landmarks and its picture would reveal a film that is read again.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct ClosedReading {
+    /// Its study, for checks of permissions.
+    pub study: Name,
+    /// Its last revision.
+    pub revision: u64,
+}
+
 impl SeenReading {
     /// The reading after all its events and these.
     ///
@@ -57,34 +66,66 @@ impl ObserverView<'_> {
     /// [`StoreError::Damaged`].
     pub fn visibility(&self, study: &Name) -> Result<Visibility, StoreError> {
         let snapshot = self.store.connection.unchecked_transaction()?;
-        if !films::is_planned(&snapshot, study)? || plan::is_open(&snapshot, study)? {
+        if plan::is_open(&snapshot, study)? {
             return Ok(Visibility::Open);
         }
         let own = plan::slots_of(&snapshot, study, Some(self.who))?;
         Ok(if own.is_empty() { Visibility::Apart } else { Visibility::Reader })
     }
 
-    /// A reading: an own one, or any where the study is open.
+    /// A reading: an own one that is not finished, or any where the study is open.
     ///
     /// # Errors
-    /// [`StoreError::NotYours`], [`StoreError::Unknown`].
+    /// [`StoreError::NotYours`], [`StoreError::Unknown`]; [`StoreError::Finished`] for a [`ClosedReading`].
     pub fn reading(&self, reading: ReadingId) -> Result<SeenReading, StoreError> {
         let snapshot = self.store.connection.unchecked_transaction()?;
         let record = readings::reading(&snapshot, reading)?;
         let film = films::film(&snapshot, record.film)?;
         let study = films::study(&snapshot, &film.study)?;
         let mut code = None;
-        if films::is_planned(&snapshot, &film.study)? && !plan::is_open(&snapshot, &film.study)? {
+        if !plan::is_open(&snapshot, &film.study)? {
             if record.observer != *self.who {
                 return Err(StoreError::NotYours { reading });
             }
             let slots = plan::slots_of(&snapshot, &film.study, Some(self.who))?;
             let slot = slots.into_iter().find(|slot| slot.is(&record));
             code = Some(slot.ok_or(StoreError::NotYours { reading })?.code);
+            if record.finished_at.is_some() {
+                return Err(StoreError::Finished { reading });
+            }
         }
         let events = journal::events(&snapshot, reading)?;
         let proposals = readings::allows_proposals(&snapshot, reading)?;
         Ok(SeenReading { record, film, study, code, proposals, events })
+    }
+
+    /// What is left to know of an own reading that is finished while its plan goes on; `None` for every other reading.
+    ///
+    /// # Errors
+    /// [`StoreError::Unknown`].
+    pub fn closed(&self, reading: ReadingId) -> Result<Option<ClosedReading>, StoreError> {
+        let snapshot = self.store.connection.unchecked_transaction()?;
+        let record = readings::reading(&snapshot, reading)?;
+        let study = films::film(&snapshot, record.film)?.study;
+        if record.finished_at.is_none()
+            || record.observer != *self.who
+            || plan::is_open(&snapshot, &study)?
+        {
+            return Ok(None);
+        }
+        let revision = journal::events(&snapshot, reading)?.len() as u64;
+        Ok(Some(ClosedReading { study, revision }))
+    }
+
+    /// The last change of a study that this observer may know of: while their readings are blinded, of the plan and of their own readings.
+    ///
+    /// # Errors
+    /// [`StoreError::Unknown`].
+    pub fn last_change(&self, study: &Name) -> Result<LastChange, StoreError> {
+        match self.visibility(study)? {
+            Visibility::Reader => self.store.last_entry(study, Some(self.who), BLINDED_OBJECTS),
+            Visibility::Open | Visibility::Apart => self.store.last_change(study),
+        }
     }
 }
 
@@ -111,6 +152,11 @@ const OTHER_OBJECTS: &str = "SELECT 'plan/' || id FROM plans WHERE study = ?1
         WHERE object = 'film/' || own_films.id) FROM own_films
     UNION ALL SELECT 'conflict/' || (SELECT max(id) FROM conflicts
         WHERE object = 'reading/' || own_readings.id) FROM own_readings";
+/// Objects of which a blinded observer may know that they have changed, with the observer's readings alone.
+const BLINDED_OBJECTS: &str = "SELECT 'plan/' || id FROM plans WHERE study = ?1
+    UNION ALL SELECT 'reading/' || id FROM own_readings
+    UNION ALL SELECT 'event/' || (SELECT sequence FROM events
+        WHERE reading = own_readings.id ORDER BY revision DESC LIMIT 1) FROM own_readings";
 
 impl Store {
     /// When a study, its films, readings, plan or lost changes changed last; a few look-ups, independent of the length of
@@ -119,7 +165,7 @@ impl Store {
     /// # Errors
     /// [`StoreError::Unknown`].
     pub fn last_change(&self, study: &Name) -> Result<LastChange, StoreError> {
-        self.last_entry(study, &format!("{RESULT_OBJECTS} UNION ALL {OTHER_OBJECTS}"))
+        self.last_entry(study, None, &format!("{RESULT_OBJECTS} UNION ALL {OTHER_OBJECTS}"))
     }
 
     /// When a study, its model options, a film of it, or the beginning or end of a reading changed last. Events of open readings do not change
@@ -128,13 +174,20 @@ impl Store {
     /// # Errors
     /// [`StoreError::Unknown`].
     pub fn last_result_change(&self, study: &Name) -> Result<LastChange, StoreError> {
-        self.last_entry(study, RESULT_OBJECTS)
+        self.last_entry(study, None, RESULT_OBJECTS)
     }
 
-    fn last_entry(&self, study: &Name, objects: &str) -> Result<LastChange, StoreError> {
+    /// The last entry about objects, in which readings are those of all observers or of one.
+    fn last_entry(
+        &self,
+        study: &Name,
+        observer: Option<&Name>,
+        objects: &str,
+    ) -> Result<LastChange, StoreError> {
         let query = format!(
             "WITH own_films AS (SELECT id FROM films WHERE study = ?1),
-            own_readings AS (SELECT id FROM readings WHERE film IN (SELECT id FROM own_films)),
+            own_readings AS (SELECT id FROM readings WHERE film IN (SELECT id FROM own_films)
+                AND (?2 IS NULL OR observer = ?2)),
             objects (object) AS ({objects})
             SELECT sequence, time_ms FROM audit WHERE sequence = (
                 SELECT max((SELECT max(sequence) FROM audit
@@ -143,7 +196,9 @@ impl Store {
         );
         let mut statement = self.connection.prepare(&query)?;
         let found: Option<(i64, i64)> = statement
-            .query_row([study.as_str()], |row| Ok((row.get(0)?, row.get(1)?)))
+            .query_row(params![study.as_str(), observer.map(Name::as_str)], |row| {
+                Ok((row.get(0)?, row.get(1)?))
+            })
             .optional()?;
         let unknown = || StoreError::Unknown { object: format!("study/{study}") };
         let (sequence, time_ms) = found.ok_or_else(unknown)?;

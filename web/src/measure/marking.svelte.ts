@@ -357,7 +357,9 @@ export class Marking {
 
   async finish(): Promise<void> {
     const { reading, revision } = this.#recorded;
-    this.#use(await finishReading(reading, { expected_revision: revision }));
+    const done = await finishReading(reading, { expected_revision: revision });
+    // A plan hides the landmarks of what is finished.
+    this.#use(done.reading ?? { ...this.#recorded, finished: true });
   }
 
   /** Records the refused changes again on the current reading. */

@@ -37,6 +37,3 @@ export function wholeNumber(text: string, least: number): number | null {
   const number = Number(written);
   return number >= least ? number : null;
 }
-
-/** A seed that nobody chose. */
-export const freshSeed = (): number => crypto.getRandomValues(new Uint32Array(1))[0] ?? 0;

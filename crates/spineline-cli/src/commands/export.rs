@@ -265,7 +265,7 @@ fn curves_of(case: &Case) -> Vec<(Region, CobbEnds)> {
 }
 
 fn now() -> [String; 2] {
-    let now = chrono::Utc::now();
+    let now = chrono::DateTime::<chrono::Utc>::from(std::time::SystemTime::now());
     [now.format("%Y%m%d").to_string(), now.format("%H%M%S").to_string()]
 }
 

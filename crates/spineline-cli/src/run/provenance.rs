@@ -2,6 +2,7 @@
 
 use std::path::Path;
 use std::sync::OnceLock;
+use std::time::SystemTime;
 
 use chrono::{DateTime, SecondsFormat, Utc};
 use spineline_files::{ProgramRun, Provenance};
@@ -82,7 +83,7 @@ fn is_path(word: &str) -> bool {
 }
 
 fn now() -> Result<DateTime<Utc>, Failure> {
-    let Some(given) = std::env::var_os(EPOCH) else { return Ok(Utc::now()) };
+    let Some(given) = std::env::var_os(EPOCH) else { return Ok(SystemTime::now().into()) };
     let seconds = given.to_str().and_then(|text| text.parse::<i64>().ok());
     seconds.and_then(|seconds| DateTime::from_timestamp(seconds, 0)).ok_or_else(|| {
         Failure::usage(format!(

@@ -203,6 +203,17 @@ pub struct NewEvent {
     pub events: Vec<Event>,
 }
 
+/// A reading that is finished.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+pub struct FinishedReading {
+    /// Always true.
+    pub finished: bool,
+    /// Its last revision.
+    pub revision: u64,
+    /// Its landmarks; absent while a plan hides them, because its film is read again.
+    pub reading: Option<ReadingView>,
+}
+
 /// A finish of a reading.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]

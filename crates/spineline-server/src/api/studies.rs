@@ -34,7 +34,7 @@ pub enum StudyStatus {
 pub struct StudySummary {
     /// Identifier, without the patient's name.
     pub id: String,
-    /// Free text.
+    /// Free text; absent while readings of the requester are blinded.
     pub label: Option<String>,
     /// Whether the films are synthetic.
     pub synthetic: bool,
@@ -52,7 +52,7 @@ pub struct StudySummary {
     pub warnings: usize,
     /// Number of notices with severity `contradiction`.
     pub contradictions: usize,
-    /// Last change, in ms since 1970-01-01 UTC.
+    /// Last change, in ms since 1970-01-01 UTC; while readings of the requester are blinded, of the plan or of one of these.
     pub changed_ms: i64,
 }
 
@@ -177,6 +177,8 @@ pub enum NextReading {
     },
     /// No more readings, or the observer is not in the plan.
     Done,
+    /// The observer may no longer place landmarks in the study.
+    NotAllowed,
 }
 
 /// A new plan of blinded readings.
@@ -189,8 +191,6 @@ pub struct NewPlan {
     pub repeats: u32,
     /// Days between two readings of a film by one observer.
     pub washout_days: u32,
-    /// Seed of the order.
-    pub seed: u64,
     /// Whether readers see vertebrae that the program proposes, and may accept them.
     #[serde(default = "allowed")]
     pub proposals: bool,

@@ -7,12 +7,16 @@ mod view;
 use axum::extract::State;
 use axum::http::StatusCode;
 use axum::response::{IntoResponse, Response};
-use spineline_store::{FilmCode, FilmId, ReadingId, Role, SeenReading, Store, StoreError};
+use spineline_store::{
+    ClosedReading, FilmCode, FilmId, ReadingId, Role, SeenReading, Store, StoreError,
+};
 use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
 
 use crate::access::{seen_film, seen_reading};
-use crate::api::{Change, ConflictAnswer, Finish, NewReading, Problem, ReadingView};
+use crate::api::{
+    Change, ConflictAnswer, Finish, FinishedReading, NewReading, Problem, ReadingView,
+};
 use crate::extract::{Json, Path};
 use crate::problem::{Answer, Failure};
 use crate::session::User;
@@ -66,7 +70,7 @@ async fn begin_planned(
     let view = state.ask(move |store| {
         let code = FilmCode::new(&code);
         let study = store.observer(&user.name).study_of(&code)?;
-        user.on_study(store, &study)?;
+        user.need_on_study(store, &study, Role::Editor)?;
         let id = store.begin_planned(&code, &by)?;
         announced(&asker, store, &user, id)
     });
@@ -90,7 +94,7 @@ async fn reading(
 
 /// Finishes a reading, which can then no longer be changed.
 #[utoipa::path(post, path = "/api/readings/{reading}/finish", params(("reading" = i64, Path)), request_body = Finish,
-    responses((status = 200, body = ReadingView), (status = 404, body = Problem),
+    responses((status = 200, body = FinishedReading), (status = 404, body = Problem),
         (status = 409, body = ConflictAnswer), (status = 422, body = Problem)))]
 async fn finish(
     State(state): State<AppState>,
@@ -102,30 +106,63 @@ async fn finish(
     let asker = state.clone();
     let answer = state.ask(move |store| {
         let id = ReadingId(reading);
-        let known = may_mark(store, &user, id)?;
+        let known = match markable(store, &user, id)? {
+            Markable::Shown(seen) => seen,
+            Markable::Closed(closed) if closed.revision == new.expected_revision => {
+                return Ok(Ok(finished(closed.revision, None)));
+            }
+            Markable::Closed(_) => return Err(StoreError::Finished { reading: id }.into()),
+        };
         let before = known.state(&[])?;
         // A repeated request after a lost acknowledgement.
         let is_repeated = before.finished && before.revision == new.expected_revision;
-        let finished = if is_repeated && known.record.observer == user.name {
-            Ok(())
-        } else {
-            store.finish_reading(id, new.expected_revision, &by).map(drop)
+        if !(is_repeated && known.record.observer == user.name)
+            && let Err(refused) = store.finish_reading(id, new.expected_revision, &by)
+        {
+            return refusal(&asker, store, &user, id, refused).map(Err);
+        }
+        announce(&asker, &user, &known, before.revision);
+        let shown = match markable(store, &user, id)? {
+            Markable::Shown(seen) => Some(view(store, &user, &seen, &[])?),
+            Markable::Closed(_) => None,
         };
-        answer_of(&asker, store, &user, id, finished)
+        Ok(Ok(finished(before.revision, shown)))
     });
     Ok(match answer.await? {
-        Ok(view) => Json(view).into_response(),
+        Ok(finished) => Json(finished).into_response(),
         Err(lost) => conflict(lost),
     })
 }
 
-/// A reading that this user may change: a planned one, or one of a study that they may edit.
-pub fn may_mark(store: &Store, user: &User, reading: ReadingId) -> Answer<SeenReading> {
-    let seen = seen_reading(store, user, reading)?;
-    if seen.code.is_none() {
-        user.need_on_study(store, &seen.study.id, Role::Editor)?;
+fn finished(revision: u64, reading: Option<ReadingView>) -> FinishedReading {
+    FinishedReading { finished: true, revision, reading }
+}
+
+/// A reading of a study in which this user may place landmarks.
+enum Markable {
+    /// It may be seen.
+    Shown(Box<SeenReading>),
+    /// It is finished and hidden by its plan.
+    Closed(ClosedReading),
+}
+
+fn markable(store: &Store, user: &User, reading: ReadingId) -> Answer<Markable> {
+    let closed = store.observer(&user.name).closed(reading)?;
+    if let Some(closed) = closed {
+        user.need_on_study(store, &closed.study, Role::Editor)?;
+        return Ok(Markable::Closed(closed));
     }
-    Ok(seen)
+    let seen = seen_reading(store, user, reading)?;
+    user.need_on_study(store, &seen.study.id, Role::Editor)?;
+    Ok(Markable::Shown(Box::new(seen)))
+}
+
+/// A reading of a study in which this user may place landmarks, planned or not.
+pub fn may_mark(store: &Store, user: &User, reading: ReadingId) -> Answer<SeenReading> {
+    match markable(store, user, reading)? {
+        Markable::Shown(seen) => Ok(*seen),
+        Markable::Closed(_) => Err(StoreError::Finished { reading }.into()),
+    }
 }
 
 /// The reading after a change, or its current state if the change was refused.
@@ -138,16 +175,25 @@ pub fn answer_of(
 ) -> Answer<Result<ReadingView, ConflictAnswer>> {
     match changed {
         Ok(()) => announced(state, store, user, reading).map(Ok),
-        Err(error @ StoreError::Conflict { conflict, .. }) => {
-            let problem = Failure::from(error).into_problem();
-            let seen = seen_reading(store, user, reading)?;
-            let view = view_after_loss(store, user, &seen, conflict)?;
-            // A refused change is reported too, because it is kept.
-            announce(state, user, &seen, &view);
-            Ok(Err(ConflictAnswer { problem, reading: view }))
-        }
-        Err(other) => Err(other.into()),
+        Err(refused) => refusal(state, store, user, reading, refused).map(Err),
     }
+}
+
+/// The current state of a reading after a change that lost a race; every other refusal stays one.
+fn refusal(
+    state: &AppState,
+    store: &Store,
+    user: &User,
+    reading: ReadingId,
+    refused: StoreError,
+) -> Answer<ConflictAnswer> {
+    let StoreError::Conflict { conflict, .. } = refused else { return Err(refused.into()) };
+    let problem = Failure::from(refused).into_problem();
+    let seen = seen_reading(store, user, reading)?;
+    let view = view_after_loss(store, user, &seen, conflict)?;
+    // A refused change is reported too, because it is kept.
+    announce(state, user, &seen, view.revision);
+    Ok(ConflictAnswer { problem, reading: view })
 }
 
 /// The answer to a refused change.
@@ -164,16 +210,16 @@ fn announced(
 ) -> Answer<ReadingView> {
     let seen = seen_reading(store, user, reading)?;
     let view = view(store, user, &seen, &[])?;
-    announce(state, user, &seen, &view);
+    announce(state, user, &seen, view.revision);
     Ok(view)
 }
 
-fn announce(state: &AppState, user: &User, seen: &SeenReading, view: &ReadingView) {
+fn announce(state: &AppState, user: &User, seen: &SeenReading, revision: u64) {
     let change = Change {
         who: user.name.to_string(),
         film: Some(seen.film.id.0),
-        reading: Some(view.reading),
-        revision: Some(view.revision),
+        reading: Some(seen.record.id.0),
+        revision: Some(revision),
     };
     state.changes().send(&seen.study.id, change);
 }

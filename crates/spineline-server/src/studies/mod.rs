@@ -7,7 +7,7 @@ use axum::extract::State;
 use axum::http::StatusCode;
 use axum::response::Response;
 use spineline_store::{
-    Access, Account, Name, Next, PlanDesign, Role, Store, Timestamp, Visibility,
+    Access, Account, Name, Next, PlanDesign, Role, Store, Timestamp, Visibility, system_random,
 };
 use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
@@ -92,6 +92,10 @@ fn plan_view(
         return Ok(None);
     }
     let next = match store.observer(&user.name).next_film_for(study, now)? {
+        // A code is the way to a film.
+        _ if visibility == Visibility::Reader && user.on_study(store, study)? < Role::Editor => {
+            NextReading::NotAllowed
+        }
         Next::Begin(film) => NextReading::Begin { code: film.code.to_string() },
         Next::Continue(film, reading) => {
             NextReading::Continue { code: film.code.to_string(), reading: reading.0 }
@@ -122,9 +126,9 @@ async fn plan(
         if asker.options().access == Access::Accounts {
             observers.iter().try_for_each(|name| may_read(store, &study, name))?;
         }
-        let NewPlan { repeats, washout_days, seed, proposals, .. } = new;
-        let design = PlanDesign { repeats, washout_days, seed, proposals };
-        store.reading_plan(&study, &observers, design, &user.sign(now))?;
+        let NewPlan { repeats, washout_days, proposals, .. } = new;
+        let design = PlanDesign { repeats, washout_days, proposals };
+        store.reading_plan(&study, &observers, design, &mut system_random, &user.sign(now))?;
         asker.changes().send(&study, of_study(&user));
         detail(&asker, store, &user, &study)
     });

@@ -39,7 +39,7 @@ pub fn study_summary(
     };
     Ok(StudySummary {
         id: study.id.to_string(),
-        label: study.label.clone(),
+        label: study.label.clone().filter(|_| visibility != Visibility::Reader),
         synthetic: study.synthetic,
         role: Wire(role),
         status,
@@ -48,7 +48,7 @@ pub fn study_summary(
         curve: found.curve,
         warnings: found.warnings,
         contradictions: found.contradictions,
-        changed_ms: changed.at.unix_ms(),
+        changed_ms: store.observer(&user.name).last_change(&study.id)?.at.unix_ms(),
     })
 }
 

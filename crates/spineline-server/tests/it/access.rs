@@ -90,7 +90,7 @@ fn observers_of_a_plan_need_accounts_that_may_edit() {
     let app = App::with_accounts();
     let lead = app.account("lead");
     let plan = |observer: &str| {
-        let body = json!({ "observers": [observer], "repeats": 1, "washout_days": 0, "seed": 1 });
+        let body = json!({ "observers": [observer], "repeats": 1, "washout_days": 0 });
         lead.post("/api/studies/S-1/plan", &body)
     };
     for (observer, why) in [

@@ -1,5 +1,6 @@
 //! An app with its own store, and signed-in browsers.
 
+use std::convert::Infallible;
 use std::fs;
 use std::future::poll_fn;
 use std::net::SocketAddr;
@@ -20,6 +21,8 @@ use spineline_store::{
 };
 use tempfile::TempDir;
 use tokio::runtime::Runtime;
+use tokio::sync::mpsc;
+use tokio_stream::wrappers::ReceiverStream;
 use tower::ServiceExt;
 
 pub const HOST: &str = "127.0.0.1:8765";
@@ -130,6 +133,29 @@ impl App {
     pub fn ask(&self, request: Request<Body>) -> Answer {
         self.runtime.block_on(async {
             let answer = self.router.clone().oneshot(request).await.expect("an answer");
+            let (parts, body) = answer.into_parts();
+            let body = to_bytes(body, 64 << 20).await.expect("a body");
+            Answer { status: parts.status, headers: parts.headers, body: body.to_vec() }
+        })
+    }
+
+    /// Sends a request whose body comes when something else has happened.
+    pub fn ask_slowly(
+        &self,
+        head: axum::http::request::Builder,
+        body: Vec<u8>,
+        meanwhile: impl FnOnce(),
+    ) -> Answer {
+        let (sender, receiver) = mpsc::channel::<Result<Vec<u8>, Infallible>>(1);
+        let body_of = Body::from_stream(ReceiverStream::new(receiver));
+        let request = head.body(body_of).expect("a request");
+        self.runtime.block_on(async {
+            let asked = tokio::spawn(self.router.clone().oneshot(request));
+            tokio::time::sleep(Duration::from_millis(200)).await;
+            meanwhile();
+            sender.send(Ok(body)).await.expect("somebody reads it");
+            drop(sender);
+            let answer = asked.await.expect("no panic").expect("an answer");
             let (parts, body) = answer.into_parts();
             let body = to_bytes(body, 64 << 20).await.expect("a body");
             Answer { status: parts.status, headers: parts.headers, body: body.to_vec() }

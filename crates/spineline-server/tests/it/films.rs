@@ -332,7 +332,7 @@ fn no_answer_to_a_blinded_reader_contains_a_posture() {
     let app = app_with_demo();
     let lead = app.observer("Ann");
     add_unread_study(&app);
-    let plan = json!({ "observers": ["Bob"], "repeats": 2, "washout_days": 0, "seed": 3 });
+    let plan = json!({ "observers": ["Bob"], "repeats": 2, "washout_days": 0 });
     assert_eq!(lead.post("/api/studies/blind/plan", &plan).status, StatusCode::OK);
 
     let reader = app.observer("Bob");

@@ -5,6 +5,7 @@
 mod access;
 mod accounts;
 mod archives;
+mod blinded;
 mod browser;
 mod computations;
 mod crowd;

@@ -93,7 +93,7 @@ fn a_plan_without_proposals_shows_none_and_takes_none() {
     let app = app_with_demo();
     let lead = app.observer("Ann");
     add_unread_study(&app);
-    let plan = json!({ "observers": ["Bob"], "repeats": 1, "washout_days": 0, "seed": 3, "proposals": false });
+    let plan = json!({ "observers": ["Bob"], "repeats": 1, "washout_days": 0, "proposals": false });
     assert_eq!(lead.post("/api/studies/blind/plan", &plan).status, StatusCode::OK);
     let reader = app.observer("Bob");
     let detail = reader.get("/api/studies/blind").json();

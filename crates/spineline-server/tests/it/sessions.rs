@@ -41,6 +41,25 @@ fn f70_a_session_ends_after_idle_time_and_after_a_week() {
 }
 
 #[test]
+fn a_session_of_a_clock_that_was_years_ahead_is_over() {
+    for (begun_hours, used_hours) in
+        [(-1, -1), (-24 * 365 * 20, -24 * 365 * 20), (1, -20), (-20, 1)]
+    {
+        let app = App::with_token();
+        let browser = app.observer("A");
+        age(&app, begun_hours, used_hours);
+        let status = browser.get("/api/session").status;
+        assert_eq!(
+            status,
+            StatusCode::UNAUTHORIZED,
+            "begun {begun_hours} h, used {used_hours} h ago"
+        );
+        app.observer("B");
+        assert_eq!(sessions(&app).len(), 1, "and it is deleted");
+    }
+}
+
+#[test]
 fn f70_use_prolongs_a_session_and_ended_ones_are_deleted() {
     let app = App::with_token();
     let used = app.observer("A");

@@ -8,6 +8,7 @@ use spineline_store::{
     StoreError, Study,
 };
 
+use crate::plan::random;
 use crate::session::{by, create, film_bytes, image, minute, name, place};
 
 const BODY: [(Corner, [f64; 2]); 4] = [
@@ -111,8 +112,8 @@ fn a_plan_without_proposals_takes_clicked_corners_only() {
         .add_study(&Study { id: id.clone(), label: None, synthetic: true }, &lead)
         .expect("a study");
     store.add_film(&id, Posture::Erect, &film_bytes(1), &image(), &lead).expect("a film");
-    let design = PlanDesign { repeats: 1, washout_days: 0, seed: 1, proposals: false };
-    store.reading_plan(&id, &[name("A")], design, &lead).expect("a plan");
+    let design = PlanDesign { repeats: 1, washout_days: 0, proposals: false };
+    store.reading_plan(&id, &[name("A")], design, &mut random(1), &lead).expect("a plan");
     let Next::Begin(film) =
         store.observer(&name("A")).next_film_for(&id, minute(2)).expect("a plan")
     else {

@@ -1,19 +1,42 @@
-//! Blinded plans: seeded order, washouts, and what a reader may see.
+//! Blinded plans: codes and order that nobody can compute, washouts, and what a reader may see.
 
 use std::collections::{BTreeMap, BTreeSet};
 
+use sha2::{Digest, Sha256};
 use spineline::anatomy::{Level, Posture};
+use spineline::measure::{Spacing, SpacingPlane};
 use spineline_store::{
-    BlindFilm, Corner, Event, FilmCode, Name, Next, PlanDesign, ReadingId, Signature, Store,
-    StoreError, Study, Timestamp, VisibleReadings,
+    BlindFilm, ClosedReading, Corner, Event, FilmCode, FilmEdit, Hash, Name, Next, PlanDesign,
+    ReadingId, Signature, Store, StoreError, Study, Timestamp, Visibility, system_random,
 };
 
 use crate::session::{by, create, film_bytes, image, minute, name, place};
 
 const DAY: i64 = 24 * 60;
-const DESIGN: PlanDesign = PlanDesign { repeats: 2, washout_days: 14, seed: 7, proposals: true };
+const DESIGN: PlanDesign = PlanDesign { repeats: 2, washout_days: 14, proposals: true };
+
+/// Random numbers that are the same in every run, for codes and secrets of plans.
+pub fn random(seed: u8) -> impl FnMut(&mut [u8]) {
+    let mut count = 0_u64;
+    move |bytes| {
+        for byte in bytes {
+            count += 1;
+            *byte = Sha256::digest([&[seed][..], &count.to_le_bytes()].concat())[0];
+        }
+    }
+}
 
 fn planned(folder: &tempfile::TempDir, file: &str, study: &str, design: PlanDesign) -> Store {
+    planned_by(folder, file, study, design, &mut random(7))
+}
+
+fn planned_by(
+    folder: &tempfile::TempDir,
+    file: &str,
+    study: &str,
+    design: PlanDesign,
+    random: &mut dyn FnMut(&mut [u8]),
+) -> Store {
     let mut store = create(&folder.path().join(file));
     let id = name(study);
     let label = Some("Doe, Jane".to_owned());
@@ -24,7 +47,8 @@ fn planned(folder: &tempfile::TempDir, file: &str, study: &str, design: PlanDesi
         store.add_film(&id, posture, &film_bytes(seed), &image(), &by("lead", 2)).expect("a film");
     }
     let observers = [name("B"), name("A")];
-    let slots = store.reading_plan(&id, &observers, design, &by("lead", 3)).expect("a plan");
+    let slots =
+        store.reading_plan(&id, &observers, design, random, &by("lead", 3)).expect("a plan");
     assert_eq!(slots, 5 * 2 * design.repeats as usize);
     store
 }
@@ -60,17 +84,76 @@ fn read_all(store: &mut Store, who: &str) -> Vec<(String, i64)> {
     }
 }
 
+/// Codes of all plans, in the order of the log.
+fn codes(store: &Store) -> Vec<String> {
+    let log = store.audit_log().expect("a log").into_iter();
+    log.filter_map(|entry| entry.object.strip_prefix("slot/").map(str::to_owned)).collect()
+}
+
 #[test]
-fn the_order_depends_on_seed_and_observers_only() {
+fn the_order_depends_on_the_random_numbers_and_observers_only() {
     let folder = tempfile::tempdir().expect("a folder");
     let mut orders = BTreeMap::new();
-    for (file, design) in [("a", DESIGN), ("b", DESIGN), ("c", PlanDesign { seed: 8, ..DESIGN })] {
-        let mut store = planned(&folder, file, "S-1", design);
-        orders.insert(file, (read_all(&mut store, "A"), read_all(&mut store, "B")));
+    for (file, seed) in [("a", 7), ("b", 7), ("c", 8)] {
+        let mut store = planned_by(&folder, file, "S-1", DESIGN, &mut random(seed));
+        let codes = codes(&store);
+        orders.insert(file, (codes, read_all(&mut store, "A"), read_all(&mut store, "B")));
     }
     assert_eq!(orders["a"], orders["b"]);
-    assert_ne!(orders["a"].0, orders["c"].0);
-    assert_ne!(orders["a"].0, orders["a"].1);
+    assert_ne!(orders["a"].1, orders["c"].1);
+    assert_ne!(orders["a"].1, orders["a"].2);
+}
+
+#[test]
+fn codes_and_order_cannot_be_computed_in_a_store_of_ones_own() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let design = PlanDesign { repeats: 6, washout_days: 0, ..DESIGN };
+    let [(clinic, clinic_order), (own, own_order)] = ["clinic", "own"].map(|file| {
+        let mut store = planned_by(&folder, file, "S-1", design, &mut system_random);
+        let codes: BTreeSet<String> = codes(&store).into_iter().collect();
+        (codes, read_all(&mut store, "A"))
+    });
+    assert_eq!((clinic.len(), own.len()), (60, 60));
+    assert!(clinic.is_disjoint(&own), "{clinic:?} and {own:?}");
+    assert_ne!(clinic_order, own_order);
+}
+
+#[test]
+fn the_log_shows_the_secret_of_the_order_when_the_plan_is_done() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let mut store = planned(&folder, "store", "S-1", DESIGN);
+    let revealed = |store: &Store| {
+        let log = store.audit_log().expect("a log");
+        let shown: Vec<String> = log
+            .iter()
+            .filter_map(|entry| entry.action.strip_prefix("reveal_").map(str::to_owned))
+            .collect();
+        let digests: BTreeSet<&String> = log
+            .iter()
+            .filter(|entry| entry.object == "plan/1")
+            .map(|entry| &entry.digest)
+            .collect();
+        assert_eq!(digests.len(), 1, "the secret was fixed when the plan was made");
+        shown
+    };
+    let first = read_all(&mut store, "A");
+    assert_eq!(revealed(&store), Vec::<String>::new(), "B has not read");
+    let second = read_all(&mut store, "B");
+    let shown = revealed(&store);
+    let [secret] = &shown[..] else { panic!("{shown:?}") };
+    assert_eq!(secret.len(), 64);
+    let films = store.films(&name("S-1")).expect("films");
+    for (observer, order) in [("A", first), ("B", second)] {
+        let expected = [1, 2].into_iter().flat_map(|repeat| {
+            let mut round: Vec<_> = films.iter().map(|film| (film.id.0, &film.content)).collect();
+            round.sort_by_key(|(film, _)| {
+                Hash::of(format!("{secret} S-1 {observer} {repeat} {film}").as_bytes())
+            });
+            round.into_iter().map(|(_, content)| content.to_string())
+        });
+        assert!(expected.eq(order.into_iter().map(|(content, _)| content)), "{observer}");
+    }
+    assert!(store.verify(None).expect("verifiable").is_clean());
 }
 
 #[test]
@@ -149,24 +232,124 @@ fn a_blinded_reader_sees_only_codes_and_own_readings_until_the_end() {
     store.record(first, &event, 0, &by("A", 10)).expect("an event");
     store.record(first, &Event::Undo, 1, &by("A", 10)).expect("an event");
     store.finish_reading(first, 2, &by("A", 10)).expect("finished");
-    assert_eq!(store.observer(&a).reading_state(first).expect("own").revision, 2);
-    let refused = store.observer(&b).reading_state(first);
+    let refused = store.observer(&b).reading(first);
     assert!(matches!(refused, Err(StoreError::NotYours { .. })), "{refused:?}");
-    let visible =
-        |store: &Store, who: &Name| store.observer(who).readings(&study).expect("readings");
-    assert_eq!(visible(&store, &b), VisibleReadings::Blinded(Vec::new()));
-    let VisibleReadings::Blinded(own) = visible(&store, &a) else { panic!("not yet open") };
-    assert_eq!((own.len(), own[0].id, own[0].code.clone()), (1, first, film.code));
+    assert_eq!(store.observer(&b).closed(first).expect("a reading"), None);
+    // Its picture is that of a film that is read again.
+    let refused = store.observer(&a).reading(first);
+    assert!(matches!(refused, Err(StoreError::Finished { .. })), "{refused:?}");
+    let closed = store.observer(&a).closed(first).expect("a reading");
+    assert_eq!(closed, Some(ClosedReading { study: study.clone(), revision: 2 }));
+    let sees = |store: &Store, who: &Name| store.observer(who).visibility(&study).expect("a study");
     read_all(&mut store, "A");
-    assert!(matches!(visible(&store, &a), VisibleReadings::Blinded(own) if own.len() == 5));
+    assert_eq!(sees(&store, &a), Visibility::Reader);
     read_all(&mut store, "B");
-    assert!(matches!(visible(&store, &a), VisibleReadings::Open(all) if all.len() == 10));
-    assert_eq!(store.observer(&b).reading_state(first).expect("open").revision, 2);
+    assert_eq!(sees(&store, &a), Visibility::Open);
+    for who in [&a, &b] {
+        let seen = store.observer(who).reading(first).expect("open");
+        assert_eq!(seen.state(&[]).expect("a state").revision, 2);
+        assert_eq!(store.observer(who).closed(first).expect("a reading"), None);
+    }
     assert_eq!(next(&store, "B", minute(9_999_999)), Next::Done);
 }
 
 #[test]
-fn codes_are_unique_across_plans_with_one_seed() {
+fn a_blinded_reader_learns_no_time_of_a_click_of_others() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let mut store = planned(&folder, "store", "S-1", DESIGN);
+    let changed = |store: &Store, who: &str| {
+        store.observer(&name(who)).last_change(&name("S-1")).expect("a change").at
+    };
+    assert_eq!(changed(&store, "A"), minute(3), "the plan");
+    let Next::Begin(film) = next(&store, "B", minute(10)) else { panic!("a film") };
+    let reading = store.begin_planned(&film.code, &by("B", 10)).expect("the next film");
+    let event = place(Level::L4, Corner::SuperiorLeft, 1.0, 2.0);
+    store.record(reading, &event, 0, &by("B", 11)).expect("an event");
+    assert_eq!((changed(&store, "A"), changed(&store, "B")), (minute(3), minute(11)));
+    store.finish_reading(reading, 9, &by("B", 12)).expect_err("another revision");
+    store.record(reading, &Event::Undo, 1, &by("B", 13)).expect("an event");
+    store.finish_reading(reading, 2, &by("B", 14)).expect("finished");
+    assert_eq!((changed(&store, "A"), changed(&store, "B")), (minute(3), minute(14)));
+    assert_eq!(changed(&store, "lead"), minute(14));
+    let Next::Begin(film) = next(&store, "A", minute(15)) else { panic!("a film") };
+    store.begin_planned(&film.code, &by("A", 15)).expect("the next film");
+    assert_eq!((changed(&store, "A"), changed(&store, "B")), (minute(15), minute(14)));
+}
+
+#[test]
+fn a_film_does_not_change_between_its_planned_readings() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let mut store = planned(&folder, "store", "S-1", DESIGN);
+    let before = store.films(&name("S-1")).expect("films");
+    let edits = [
+        FilmEdit::Inverted(true),
+        FilmEdit::Posture(Posture::Neutral),
+        FilmEdit::Spacing(Spacing::stated(0.3, 0.3, SpacingPlane::Patient)),
+    ];
+    for edit in edits {
+        // A stale edit is refused too, and not kept as a conflict that somebody could apply.
+        for revision in [0, 5] {
+            let refused = store.edit_film(before[0].id, edit, revision, &by("lead", 5));
+            assert!(matches!(refused, Err(StoreError::FilmsFrozen { .. })), "{refused:?}");
+        }
+    }
+    read_all(&mut store, "A");
+    let refused = store.edit_film(before[0].id, edits[0], 0, &by("lead", 6));
+    assert!(matches!(refused, Err(StoreError::FilmsFrozen { .. })), "{refused:?}");
+    assert_eq!(store.films(&name("S-1")).expect("films"), before);
+    read_all(&mut store, "B");
+    store.edit_film(before[0].id, edits[0], 0, &by("lead", 7)).expect("the plan is complete");
+}
+
+#[test]
+fn a_plan_that_was_read_by_a_clock_years_ahead_is_released() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let mut store = planned(&folder, "store", "S-1", DESIGN);
+    let (study, lead) = (name("S-1"), by("lead", 50));
+    let refused = store.release_washout(&study, &lead);
+    assert!(matches!(refused, Err(StoreError::NothingAhead { .. })), "{refused:?}");
+    let ahead = 20 * 365 * DAY;
+    // The clock of the first four readings is 20 years ahead.
+    let mut last = String::new();
+    for minutes in [ahead, ahead, ahead, ahead, 40] {
+        let Next::Begin(film) = next(&store, "A", minute(minutes)) else { panic!("a film") };
+        read_one(&mut store, &film, "A", minutes);
+        last = film.content.to_string();
+    }
+    let locked = [minute(ahead), minute(40)].map(|finished| Next::Wait(finished.plus_days(14)));
+    assert!(locked.contains(&next(&store, "A", minute(60))));
+    assert_eq!(store.release_washout(&study, &by("lead", 70)).expect("released"), 4);
+    let entry = store.audit_log().expect("a log").pop().expect("an entry");
+    assert_eq!((entry.action.as_str(), entry.object.as_str()), ("release", "plan/1"));
+    assert_eq!((entry.actor.as_str(), entry.time_ms), ("lead", minute(70).unix_ms()));
+    let again = store.release_washout(&study, &by("lead", 71));
+    assert!(matches!(again, Err(StoreError::NothingAhead { .. })), "{again:?}");
+    // What was read by the right clock keeps its washout.
+    let (mut minutes, mut order) = (80, Vec::new());
+    loop {
+        match next(&store, "A", minute(minutes)) {
+            Next::Begin(film) => {
+                read_one(&mut store, &film, "A", minutes);
+                order.push((film.content.to_string(), minutes));
+            }
+            Next::Wait(until) => {
+                assert_eq!(until, minute(40).plus_days(14));
+                minutes = 40 + 14 * DAY;
+            }
+            Next::Done => break,
+            Next::Continue(..) => panic!("every reading was finished"),
+        }
+    }
+    let kept = order.iter().position(|(film, _)| *film == last).expect("it was read again");
+    assert!(order[..kept].iter().all(|(_, minutes)| *minutes == 80), "{order:?}");
+    assert!(order[kept..].iter().all(|(_, minutes)| *minutes == 40 + 14 * DAY), "{order:?}");
+    assert!(store.verify(None).expect("verifiable").is_clean());
+    let refused = store.release_washout(&name("S-9"), &lead);
+    assert!(matches!(refused, Err(StoreError::Unknown { .. })), "{refused:?}");
+}
+
+#[test]
+fn codes_are_unique_across_plans_with_the_same_random_numbers() {
     let folder = tempfile::tempdir().expect("a folder");
     let mut store = planned(&folder, "store", "S-1", DESIGN);
     let lead: Signature = by("lead", 5);
@@ -174,14 +357,15 @@ fn codes_are_unique_across_plans_with_one_seed() {
     store.add_study(&study, &lead).expect("a study");
     store.add_film(&study.id, Posture::Erect, b"x", &image(), &lead).expect("a film");
     store
-        .reading_plan(&study.id, &[name("A")], PlanDesign { repeats: 900, ..DESIGN }, &lead)
+        .reading_plan(
+            &study.id,
+            &[name("A")],
+            PlanDesign { repeats: 900, ..DESIGN },
+            &mut random(7),
+            &lead,
+        )
         .expect("a plan");
-    let codes: BTreeSet<String> = store
-        .audit_log()
-        .expect("a log")
-        .into_iter()
-        .filter_map(|entry| entry.object.strip_prefix("slot/").map(str::to_owned))
-        .collect();
+    let codes: BTreeSet<String> = codes(&store).into_iter().collect();
     assert_eq!(codes.len(), 20 + 900);
 }
 
@@ -193,16 +377,16 @@ fn an_empty_plan_or_a_plan_after_readings_is_refused() {
     store
         .add_study(&Study { id: study.clone(), label: None, synthetic: true }, &lead)
         .expect("a study");
-    let refused = store.reading_plan(&study, &[name("A")], DESIGN, &lead);
+    let refused = store.reading_plan(&study, &[name("A")], DESIGN, &mut random(7), &lead);
     assert!(matches!(refused, Err(StoreError::BadPlan { .. })), "no films: {refused:?}");
     let film = store.add_film(&study, Posture::Erect, b"x", &image(), &lead).expect("a film").film;
     for (observers, repeats) in [(&[][..], 2), (&[name("A")][..], 0), (&[name("A")][..], u32::MAX)]
     {
-        let refused =
-            store.reading_plan(&study, observers, PlanDesign { repeats, ..DESIGN }, &lead);
+        let design = PlanDesign { repeats, ..DESIGN };
+        let refused = store.reading_plan(&study, observers, design, &mut random(7), &lead);
         assert!(matches!(refused, Err(StoreError::BadPlan { .. })), "{refused:?}");
     }
     store.begin_reading(film, 1, &by("A", 2)).expect("a reading");
-    let refused = store.reading_plan(&study, &[name("A")], DESIGN, &lead);
+    let refused = store.reading_plan(&study, &[name("A")], DESIGN, &mut random(7), &lead);
     assert!(matches!(refused, Err(StoreError::BadPlan { .. })), "a reading: {refused:?}");
 }

@@ -6,8 +6,8 @@ pub use args::{AccountArgs, EXAMPLES};
 
 use std::io::{IsTerminal, Read, stdin};
 use std::path::Path;
+use std::time::SystemTime;
 
-use chrono::Utc;
 use spineline::anatomy::Named;
 use spineline_report::document::{Column, Table};
 use spineline_report::terminal::{self, Lines};
@@ -29,7 +29,7 @@ pub fn run(args: &AccountArgs) -> Result<Ending, Failure> {
         return print(Lines::of_text(&list(&Store::view(path).map_err(fail)?).map_err(fail)?));
     }
     let mut store = Store::open(path).map_err(fail)?;
-    let by = Signature::new(store_name(&args.by)?, Utc::now().into());
+    let by = Signature::new(store_name(&args.by)?, SystemTime::now().into());
     match &args.command {
         AccountCommand::Add { name: account, role, password_stdin, .. } => {
             let account = Account { name: store_name(account)?, role: *role, enabled: true };

@@ -4,8 +4,8 @@ mod archives;
 
 use std::net::{IpAddr, Ipv4Addr, SocketAddr};
 use std::path::PathBuf;
+use std::time::SystemTime;
 
-use chrono::Utc;
 use clap::Args;
 use spineline_server::{ServeLimits, ServeOptions, Server};
 use spineline_store::{Access, Name, Role, Signature, Store, wider_permissions};
@@ -111,7 +111,7 @@ fn open(args: &ServeArgs) -> Result<Store, Failure> {
     if args.store.exists() {
         return Store::open(&args.store).map_err(fail);
     }
-    let by = Signature::new(Name::new("serve").map_err(fail)?, Utc::now().into());
+    let by = Signature::new(Name::new("serve").map_err(fail)?, SystemTime::now().into());
     Store::create(&args.store, &by).map_err(fail)
 }
 

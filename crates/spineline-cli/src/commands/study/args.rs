@@ -14,6 +14,7 @@ Examples:
   spineline study add clinic.spineline p07/case.json
   spineline study plan clinic.spineline P07 --observers A,B --repeats 3 --washout-days 14
   spineline study next clinic.spineline P07 --observer A
+  spineline study release clinic.spineline P07 --by lead
   spineline study export clinic.spineline P07 --out p07-read.json
   spineline study verify clinic.spineline
   spineline study backup clinic.spineline clinic-2026-11-21.spineline";
@@ -66,9 +67,6 @@ pub enum StudyCommand {
         /// Washout period: days between two readings of one film by one observer
         #[arg(long, default_value_t = 14)]
         washout_days: u32,
-        /// Seed of the random order
-        #[arg(long, default_value_t = 1)]
-        seed: u64,
         /// Show no proposed vertebrae: observers who accept them share the program's model, and agree better than by clicks
         #[arg(long)]
         no_proposals: bool,
@@ -83,6 +81,14 @@ pub enum StudyCommand {
         /// Code of the observer
         #[arg(long, value_name = "NAME")]
         observer: String,
+    },
+    /// End the washout of readings that a clock which was ahead has dated into the future; the log says who did it
+    Release {
+        /// File of the store
+        store: PathBuf,
+        /// Identifier of the study
+        #[arg(value_name = "CASE_ID")]
+        study: String,
     },
     /// Write a study with its finished readings as a case file
     Export {
@@ -128,6 +134,7 @@ impl StudyCommand {
             | Self::List { store }
             | Self::Plan { store, .. }
             | Self::Next { store, .. }
+            | Self::Release { store, .. }
             | Self::Export { store, .. }
             | Self::Log { store }
             | Self::Verify { store, .. }

@@ -6,14 +6,14 @@ mod args;
 pub use args::{EXAMPLES, StudyArgs};
 
 use std::path::Path;
+use std::time::SystemTime;
 
-use chrono::Utc;
 use spineline::warning::counted;
 use spineline_report::document::{Column, Table};
 use spineline_report::terminal::{self, Lines};
 use spineline_store::{
     FilmRecord, Head, Name, Next, PlanDesign, ReadingRecord, Signature, Store, StoreError,
-    Timestamp, Verification,
+    Timestamp, Verification, system_random,
 };
 
 use args::StudyCommand;
@@ -27,7 +27,7 @@ use crate::run::outputs::{Outputs, print};
 pub fn run(args: &StudyArgs) -> Result<Ending, Failure> {
     let path = args.command.store();
     let fail = |error: StoreError| Failure::store(path, &error);
-    let by = || Ok::<_, Failure>(Signature::new(store_name(&args.by)?, Utc::now().into()));
+    let by = || Ok::<_, Failure>(Signature::new(store_name(&args.by)?, SystemTime::now().into()));
     match &args.command {
         StudyCommand::Create { .. } => {
             interrupt::begin_writing();
@@ -42,14 +42,13 @@ pub fn run(args: &StudyArgs) -> Result<Ending, Failure> {
             Ok(Ending::Done)
         }
         StudyCommand::List { .. } => print(Lines::of_text(&list(&view(path)?).map_err(fail)?)),
-        StudyCommand::Plan {
-            study, observers, repeats, washout_days, seed, no_proposals, ..
-        } => {
-            let (repeats, washout_days, seed) = (*repeats, *washout_days, *seed);
-            let design = PlanDesign { repeats, washout_days, seed, proposals: !no_proposals };
+        StudyCommand::Plan { study, observers, repeats, washout_days, no_proposals, .. } => {
+            let (repeats, washout_days) = (*repeats, *washout_days);
+            let design = PlanDesign { repeats, washout_days, proposals: !no_proposals };
             plan(path, study, observers, design, &by()?)
         }
         StudyCommand::Next { study, observer, .. } => next(path, study, observer),
+        StudyCommand::Release { study, .. } => release(path, study, &by()?),
         StudyCommand::Export { study, out, overwrite, .. } => {
             export(path, study, out, Outputs::new(*overwrite, [path]))
         }
@@ -74,9 +73,17 @@ fn plan(
     let fail = |error: StoreError| Failure::store(path, &error);
     let mut store = Store::open(path).map_err(fail)?;
     let observers = observers.iter().map(|o| store_name(o)).collect::<Result<Vec<_>, _>>()?;
+<<<<<<< HEAD
     let readings = store.reading_plan(&store_name(study)?, &observers, design, by).map_err(fail)?;
     print(format!(
         "Planned {}: every observer reads every film {}, {} apart, in a random order each{}.",
+=======
+    let study = store_name(study)?;
+    let readings = store.reading_plan(&study, &observers, design, &mut system_random, by);
+    let readings = readings.map_err(fail)?;
+    print(&format!(
+        "Planned {}: every observer reads every film {}, {} apart, in a random order each{}.\n",
+>>>>>>> blind
         counted(readings, "reading"),
         counted(design.repeats, "time"),
         counted(design.washout_days, "day"),
@@ -88,12 +95,24 @@ fn next(path: &Path, study: &str, observer: &str) -> Result<Ending, Failure> {
     let fail = |error: StoreError| Failure::store(path, &error);
     let store = view(path)?;
     let (study, observer) = (store_name(study)?, store_name(observer)?);
-    let next = store.observer(&observer).next_film_for(&study, Utc::now().into()).map_err(fail)?;
+    let next =
+        store.observer(&observer).next_film_for(&study, SystemTime::now().into()).map_err(fail)?;
     let planned = store.planned_observers(&study).map_err(fail)?;
     if !planned.contains(&observer) {
         return Err(unknown_observer(path, &study, &observer, &planned));
     }
     print(next_text(&next))
+}
+
+fn release(path: &Path, study: &str, by: &Signature) -> Result<Ending, Failure> {
+    let fail = |error: StoreError| Failure::store(path, &error);
+    let study = store_name(study)?;
+    let readings = Store::open(path).and_then(|mut store| store.release_washout(&study, by));
+    let readings = readings.map_err(fail)?;
+    print(&format!(
+        "{study}: the washout of {} with a time ahead of the clock is over.\n",
+        counted(readings, "reading")
+    ))
 }
 
 fn export(path: &Path, study: &str, out: &Path, outputs: Outputs) -> Result<Ending, Failure> {

@@ -1,9 +1,10 @@
 //! The landmarks of a study for other programs, as `spineline export` writes them.
 
 use std::collections::BTreeMap;
+use std::time::SystemTime;
 
 use axum::http::StatusCode;
-use chrono::Utc;
+use chrono::{DateTime, Utc};
 use spineline::analysis::{Analysis, Case};
 use spineline::anatomy::{Posture, Region};
 use spineline::clinical::CobbEnds;
@@ -43,7 +44,7 @@ pub fn dicom_sr(
 ) -> Answer<Download> {
     let curves: Vec<(Region, CobbEnds)> =
         analysis.clinical.iter().map(|curve| (curve.region, curve.ends)).collect();
-    let now = Utc::now();
+    let now = DateTime::<Utc>::from(SystemTime::now());
     let [date, time] = ["%Y%m%d", "%H%M%S"].map(|form| now.format(form).to_string());
     let target = LandmarkTarget::DicomSr { sources, curves: &curves, written: [&date, &time] };
     written(analysis, case, "-dicom-sr.zip", target)

@@ -7,9 +7,11 @@ mod model;
 mod report;
 mod tables;
 
+use std::time::SystemTime;
+
 use axum::extract::State;
 use axum::response::Response;
-use chrono::{SecondsFormat, Utc};
+use chrono::{DateTime, SecondsFormat, Utc};
 use spineline::analysis::{Analysis, Case};
 use spineline::uncertainty::LandmarkNoise;
 use spineline_files::{
@@ -134,7 +136,8 @@ pub fn provenance(analysis: &Analysis) -> Provenance {
     let run = ProgramRun {
         program: PROGRAM.to_owned(),
         command: vec!["spineline".to_owned(), "serve".to_owned()],
-        date_utc: Utc::now().to_rfc3339_opts(SecondsFormat::Secs, true),
+        date_utc: DateTime::<Utc>::from(SystemTime::now())
+            .to_rfc3339_opts(SecondsFormat::Secs, true),
     };
     let films = FilmOrigin::of([analysis.synthetic]);
     let request = Request { options: analysis.options.clone(), ..Request::default() };

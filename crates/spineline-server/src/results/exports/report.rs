@@ -73,7 +73,7 @@ fn figures(document: &Document, analysis: &Analysis) -> Answer<Download> {
 
 #[cfg(feature = "pdf")]
 fn pdf(document: &Document) -> Answer<Vec<u8>> {
-    let made = spineline_pdf::Made::of(chrono::Utc::now())
+    let made = spineline_pdf::Made::of(std::time::SystemTime::now().into())
         .ok_or_else(|| internal(&"the clock of this machine has no valid year"))?;
     spineline_pdf::pdf(document, made).map_err(|error| internal(&error))
 }

@@ -3,7 +3,7 @@ use spineline::analysis::Case;
 use spineline::anatomy::{Level, Posture};
 use spineline::measure::{Corners, FilmLandmarks, VertebraLandmarks};
 use spineline::spatial::{Angle, Pixel};
-use spineline_store::{PlanDesign, ReadingId, Store};
+use spineline_store::{PlanDesign, ReadingId, Store, system_random};
 
 use super::server::{
     READER, Running, add_read_study, add_study, assert_numbers, by, events, name, phantom,
@@ -231,8 +231,11 @@ fn blinded_readers_see_no_results() {
     let case = phantom().case;
     let (running, reading) = serve_reading(|store| {
         add_study(store, "S1", &case);
-        let design = PlanDesign { repeats: 1, washout_days: 1, seed: 1, proposals: true };
-        store.reading_plan(&name("S1"), &[name(READER)], design, &by("lead")).expect("a plan");
+        let design = PlanDesign { repeats: 1, washout_days: 1, proposals: true };
+        let random = &mut system_random;
+        store
+            .reading_plan(&name("S1"), &[name(READER)], design, random, &by("lead"))
+            .expect("a plan");
         let who = name(READER);
         let next = store.observer(&who).next_film_for(&name("S1"), by(READER).at).expect("a plan");
         let spineline_store::Next::Begin(film) = next else { panic!("a film to begin") };
