@@ -253,7 +253,7 @@ async fn by_account(state: &AppState, name: &str, password: String) -> Answer<Us
     state.attempts().begin(name.as_str(), state.now().unix_ms())?;
     let asked = name.clone();
     let credential = state.store(move |store| store.credential(&asked)).await?;
-    let account = state.with_password(move || credential.check(&password)).await?;
+    let account = state.with_password(move || credential.check(&password).cloned()).await?;
     let account = account.ok_or_else(refused)?;
     state.attempts().succeeded(name.as_str());
     Ok(User { name, role: account.role })

@@ -39,9 +39,11 @@ mod error;
 mod event;
 mod export;
 mod films;
+mod guessing;
 mod journal;
 mod names;
 mod options;
+mod passwords;
 mod plan;
 mod privacy;
 mod readings;
@@ -55,7 +57,7 @@ mod visibility;
 #[cfg(test)]
 mod full_disk;
 
-pub use accounts::{Account, AccountChange, Credential, PasswordHash, Role, StudyGrant};
+pub use accounts::{Account, AccountChange, Role, StudyGrant};
 pub use audit::{AuditEntry, Head};
 pub use cases::{AddedCase, CaseError, CaseRemark, NewCase};
 pub use computations::KeptComputation;
@@ -68,6 +70,7 @@ pub use export::{ExportRemark, ExportedCase};
 pub use films::{AddedFilm, FilmEdit, FilmRecord, Study};
 pub use names::{FilmId, Hash, Name, ReadingId, Signature, Timestamp};
 pub use options::StudyOptions;
+pub use passwords::{Credential, PasswordFault, PasswordHash};
 pub use plan::{BlindFilm, FilmCode, Next, ObserverView, OwnReading, PlanDesign, VisibleReadings};
 pub use privacy::wider_permissions;
 pub use readings::ReadingRecord;

@@ -51,7 +51,7 @@ impl App {
     /// these roles for the study `S-1`, and `S-2` has no grants; each study has a film, and `S-2` a reading, by `lead`.
     pub fn with_accounts() -> Self {
         Self::new(Access::Accounts, |store| {
-            let password = PasswordHash::new(PASSWORD).expect("long enough");
+            let password = PasswordHash::new(PASSWORD, &name("lead")).expect("a password");
             for (who, role) in [
                 ("lead", Role::Admin),
                 ("editor", Role::Editor),

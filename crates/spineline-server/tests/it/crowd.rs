@@ -28,7 +28,7 @@ fn listening(limits: ServeLimits) -> Listening {
     let folder = tempfile::tempdir().expect("a folder");
     let mut store = Store::create(&folder.path().join("store"), &by("lead")).expect("a store");
     let account = Account { name: name("lead"), role: Role::Admin, enabled: true };
-    let password = PasswordHash::new(PASSWORD).expect("long enough");
+    let password = PasswordHash::new(PASSWORD, &account.name).expect("a password");
     store.add_account(&account, &password, &by("lead")).expect("an account");
     let runtime = Runtime::new().expect("a runtime");
     let options = ServeOptions { limits, ..options(Access::Accounts) };
