@@ -290,6 +290,11 @@ impl StoreError {
         }
     }
 
+    /// Whether the disk takes no change, while it may still be read.
+    pub(crate) fn is_no_room(&self) -> bool {
+        matches!(self, Self::Full | Self::Disk { .. } | Self::CannotOpen)
+    }
+
     pub(crate) fn damaged(object: impl Into<String>) -> Self {
         Self::Damaged { object: Some(object.into()) }
     }

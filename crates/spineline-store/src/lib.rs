@@ -51,6 +51,7 @@ mod schema;
 mod sessions;
 mod state;
 mod thumbnails;
+mod unsaved;
 mod verify;
 mod visibility;
 
