@@ -21,6 +21,7 @@ mod guards;
 mod marking;
 mod numbers;
 mod openapi;
+mod passwords;
 mod privacy;
 mod repeated_films;
 mod results;
