@@ -48,7 +48,10 @@ async fn put_account(
     let name = Name::new(&name)?;
     let AccountEdit { role, password, enabled } = edit;
     let password = match password {
-        Some(text) => Some(state.with_password(move || PasswordHash::new(&text)).await??),
+        Some(text) => {
+            let account = name.clone();
+            Some(state.with_password(move || PasswordHash::new(&text, &account)).await??)
+        }
         None => None,
     };
     let by = user.sign(state.now());

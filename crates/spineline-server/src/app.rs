@@ -19,7 +19,7 @@ use crate::{
 };
 
 /// Largest body of a request, in bytes. A route that takes films sets a limit of its own.
-const MAX_BODY_BYTES: usize = 1 << 20;
+pub const MAX_BODY_BYTES: usize = 1 << 20;
 
 /// The description of the interface, from which the browser's types are generated.
 #[must_use]
@@ -53,7 +53,7 @@ pub fn app(state: AppState) -> Router {
         .layer(DefaultBodyLimit::max(MAX_BODY_BYTES))
         .layer(middleware::from_fn_with_state(state.clone(), guard::guard))
         .layer(CatchPanicLayer::custom(panicked))
-        .layer(middleware::from_fn(guard::headers))
+        .layer(middleware::from_fn_with_state(state.clone(), guard::headers))
         .with_state(state)
 }
 

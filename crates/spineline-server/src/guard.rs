@@ -6,14 +6,16 @@ use axum::http::{HeaderMap, HeaderValue, Method, StatusCode, Uri, header};
 use axum::middleware::Next;
 use axum::response::{IntoResponse, Response};
 use subtle::ConstantTimeEq;
-use tokio::sync::SemaphorePermit;
 
+use crate::app::MAX_BODY_BYTES;
 use crate::extract::unread;
 use crate::pace::Paced;
+use crate::places::{Place, Whose, Work};
 use crate::problem::{Answer, Failure};
 use crate::seats::SeatOf;
 use crate::session;
 use crate::state::AppState;
+use crate::whence::{self, Whence};
 
 /// Largest body that any route may take, in bytes: a study's films in one archive.
 pub const MAX_UPLOAD_BYTES: usize = 600 << 20;
@@ -34,12 +36,16 @@ const HEADERS: [(&str, &str); 6] = [
     ("x-frame-options", "DENY"),
 ];
 
+/// With `--https`: browsers ask this host by https alone for a year.
+const HTTPS_ONLY: (&str, &str) = ("strict-transport-security", "max-age=31536000");
+
 /// Adds the headers of every answer. Browsers must not cache answers of the interface.
-pub async fn headers(request: Request, next: Next) -> Response {
+pub async fn headers(State(state): State<AppState>, request: Request, next: Next) -> Response {
     let is_api = is_api(request.uri());
     let mut answer = next.run(request).await;
     let headers = answer.headers_mut();
-    for (name, value) in HEADERS {
+    let https_only = state.options().https.then_some(HTTPS_ONLY);
+    for (name, value) in HEADERS.into_iter().chain(https_only) {
         headers.insert(name, HeaderValue::from_static(value));
     }
     if is_api {
@@ -49,7 +55,7 @@ pub async fn headers(request: Request, next: Next) -> Response {
 }
 
 /// Refuses what does not come from the app itself, and answers so many at once. Who asks is known before anything of a body is
-/// read, and a stranger's body is read before its request takes a place, so that no body holds one that it does not get.
+/// read, and a body is read before its request takes a place, so that no slow body holds one.
 pub async fn guard(State(state): State<AppState>, request: Request, next: Next) -> Response {
     match admitted(&state, request).await {
         Ok((request, _place)) => next.run(request).await,
@@ -57,29 +63,47 @@ pub async fn guard(State(state): State<AppState>, request: Request, next: Next) 
     }
 }
 
-async fn admitted(
-    state: &AppState,
-    mut request: Request,
-) -> Answer<(Request, SemaphorePermit<'_>)> {
+async fn admitted(state: &AppState, mut request: Request) -> Answer<(Request, Option<Place>)> {
     check(state, &request)?;
     let pace = state.limits().body;
     request = request.map(|body| Body::new(Paced::new(body, pace)));
     // What keeps a session from being read is for the handler to say.
     let user = session::user_of(state, request.headers()).await.ok();
-    let signed_in = user.is_some();
-    if let Some(user) = user {
-        if let Some(seat) = request.extensions().get::<SeatOf>() {
-            seat.keep();
-        }
-        request.extensions_mut().insert(user);
-    } else if signs_in(&request) {
-        request = whole(state, request).await?;
+    if let (Some(user), Some(seat)) = (&user, request.extensions().get::<SeatOf>()) {
+        seat.keep(&user.name);
     }
-    let place = state.in_flight(signed_in).try_acquire().map_err(|_| {
-        Failure::new(StatusCode::SERVICE_UNAVAILABLE, "busy", "too many requests at once")
-            .retry_after(1)
-    })?;
-    Ok((request, place))
+    let (work, whose) = if signs_in(&request) {
+        let address = whence::address(state, &request);
+        let whence = Whence::of(state, address, request.headers()).await?;
+        let (whose, is_known) = whence.whose();
+        request.extensions_mut().insert(whence);
+        request = whole(state, request, MAX_SIGN_IN_BYTES).await?;
+        (if is_known { Work::KnownSignIn } else { Work::Stranger }, whose)
+    } else if let Some(user) = user {
+        let whose = Whose::Account(user.name.clone());
+        request.extensions_mut().insert(user);
+        if uploads(&request) {
+            return Ok((request, None));
+        }
+        request = whole(state, request, MAX_BODY_BYTES).await?;
+        (if marks(&request) { Work::Click } else { Work::Other }, whose)
+    } else {
+        (Work::Stranger, Whose::Address(whence::address(state, &request)))
+    };
+    let place = state.rooms().take(work, whose).await?;
+    Ok((request, Some(place)))
+}
+
+/// The only request whose body is too large for memory before there is room for it: it takes its place itself.
+fn uploads(request: &Request) -> bool {
+    request.method() == Method::POST && request.uri().path() == "/api/uploads"
+}
+
+/// Whether a request records or finishes a reading.
+fn marks(request: &Request) -> bool {
+    let path = request.uri().path().strip_prefix("/api/readings/");
+    let what = path.and_then(|path| path.split_once('/')).map(|(_, what)| what);
+    request.method() == Method::POST && matches!(what, Some("events" | "finish"))
 }
 
 /// The only request with a body that needs no session.
@@ -88,10 +112,10 @@ fn signs_in(request: &Request) -> bool {
 }
 
 /// A request with its body in memory.
-async fn whole(state: &AppState, request: Request) -> Answer<Request> {
+async fn whole(state: &AppState, request: Request, most_bytes: usize) -> Answer<Request> {
     let (parts, body) = request.into_parts();
     let mut body = Request::new(body);
-    DefaultBodyLimit::max(MAX_SIGN_IN_BYTES).apply(&mut body);
+    DefaultBodyLimit::max(most_bytes).apply(&mut body);
     let body = Bytes::from_request(body, state).await.map_err(|refused| unread(&refused))?;
     Ok(Request::from_parts(parts, Body::from(body)))
 }

@@ -1,24 +1,40 @@
 //! Limit of attempts to sign in.
 //!
-//! Rate limiters such as `governor` count requests of an address; here failures count alone, by account name, with locks that
-//! double and end with quiet, and by the clock that the caller gives.
+//! Rate limiters such as `governor` count requests of an address; here failures count alone, by account and by where they come
+//! from, with locks that double and end with quiet, and by the clock that the caller gives. Nobody's failures lock others: an
+//! attempt elsewhere, or from a browser that signed in lately, is another count.
 
 use std::collections::BTreeMap;
+use std::net::IpAddr;
 use std::sync::{Mutex, PoisonError};
 
-use crate::problem::Failure;
 use axum::http::StatusCode;
+use spineline_store::Name;
 
-/// Failures of one name before it is locked.
+use crate::problem::Failure;
+
+/// Failures before a lock.
 const FREE: u32 = 5;
-/// Failures under all names before everybody is locked out.
-const FREE_IN_ALL: u32 = 50;
 /// The first lock; each further failure doubles it.
 const FIRST_LOCK_MS: i64 = 60_000;
 /// The longest lock, and the quiet after which failures are forgotten.
 const MAX_LOCK_MS: i64 = 15 * 60_000;
-/// Names that are remembered. Failures of further ones count for all of them together.
-const MAX_NAMES: usize = 1000;
+/// Counts that are remembered. Of more, those that have been quiet for longest are forgotten.
+const MAX_COUNTS: usize = 2000;
+/// Refused attempts that get an entry in the log, per hour: strangers must not fill the disk.
+const LOGGED_PER_HOUR: u64 = 300;
+const HOUR_MS: i64 = 60 * 60_000;
+
+/// Where an attempt comes from.
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Source {
+    /// A browser that signed in to this account lately, by its proof.
+    Device(String),
+    /// An address; a network of 2^64 addresses counts as one.
+    Address(Option<IpAddr>),
+    /// Somebody who is signed in and gives the password again.
+    Session,
+}
 
 #[derive(Debug, Default, Clone, Copy)]
 struct Failures {
@@ -28,10 +44,10 @@ struct Failures {
 }
 
 impl Failures {
-    fn add(&mut self, now_ms: i64, free: u32) {
+    fn add(&mut self, now_ms: i64) {
         self.count = self.count.saturating_add(1);
         self.last_ms = now_ms;
-        if let Some(above) = self.count.checked_sub(free) {
+        if let Some(above) = self.count.checked_sub(FREE) {
             let lock_ms = (FIRST_LOCK_MS << above.min(8)).min(MAX_LOCK_MS);
             self.locked_until_ms = now_ms.saturating_add(lock_ms);
         }
@@ -43,50 +59,38 @@ impl Failures {
     }
 }
 
-#[derive(Debug, Default)]
-struct Counted {
-    names: BTreeMap<String, Failures>,
-    others: Failures,
-    all: Failures,
-}
-
 /// Counts attempts to sign in. Every attempt counts as failed until it has succeeded, so that many at once gain nothing.
 #[derive(Debug, Default)]
-pub struct Attempts(Mutex<Counted>);
+pub struct Attempts(Mutex<BTreeMap<(Source, Name), Failures>>);
 
 impl Attempts {
     /// Counts an attempt, or refuses it.
     ///
     /// # Errors
     /// 429, with the time to wait.
-    pub fn begin(&self, name: &str, now_ms: i64) -> Result<(), Failure> {
-        let mut counted = self.0.lock().unwrap_or_else(PoisonError::into_inner);
-        let Counted { names, others, all } = &mut *counted;
-        names.retain(|_, failures| !failures.is_over(now_ms));
-        for failures in [&mut *others, &mut *all] {
-            if failures.is_over(now_ms) {
-                *failures = Failures::default();
+    pub fn begin(&self, source: &Source, name: &Name, now_ms: i64) -> Result<(), Failure> {
+        let mut counts = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        counts.retain(|_, failures| !failures.is_over(now_ms));
+        let key = (source.clone(), name.clone());
+        if counts.len() >= MAX_COUNTS && !counts.contains_key(&key) {
+            let oldest = counts.iter().min_by_key(|(_, failures)| failures.last_ms);
+            if let Some(oldest) = oldest.map(|(key, _)| key.clone()) {
+                counts.remove(&oldest);
             }
         }
-        let is_full = names.len() >= MAX_NAMES && !names.contains_key(name);
-        let own = if is_full { others } else { names.entry(name.to_owned()).or_default() };
-        let wait_ms = own.locked_until_ms.max(all.locked_until_ms) - now_ms;
+        let failures = counts.entry(key).or_default();
+        let wait_ms = failures.locked_until_ms - now_ms;
         if wait_ms > 0 {
             return Err(locked(wait_ms));
         }
-        own.add(now_ms, FREE);
-        all.add(now_ms, FREE_IN_ALL);
+        failures.add(now_ms);
         Ok(())
     }
 
     /// Records that the attempt succeeded.
-    pub fn succeeded(&self, name: &str) {
-        let mut counted = self.0.lock().unwrap_or_else(PoisonError::into_inner);
-        let failures = counted.names.remove(name).map_or(0, |failures| failures.count);
-        counted.all.count = counted.all.count.saturating_sub(failures);
-        if counted.all.count < FREE_IN_ALL {
-            counted.all.locked_until_ms = 0;
-        }
+    pub fn succeeded(&self, source: &Source, name: &Name) {
+        let mut counts = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        counts.remove(&(source.clone(), name.clone()));
     }
 }
 
@@ -95,57 +99,129 @@ fn locked(wait_ms: i64) -> Failure {
     Failure::new(
         StatusCode::TOO_MANY_REQUESTS,
         "too_many_attempts",
-        format!("too many attempts to sign in; the next one is allowed in {wait_s} s"),
+        format!(
+            "too many wrong passwords for this account from here; the next attempt is allowed in {wait_s} s"
+        ),
     )
+    .help("wait, or sign in in a browser in which you signed in during the last 30 days")
     .retry_after(wait_s)
+}
+
+/// Which refused attempts get an entry in the log.
+#[derive(Debug, Default)]
+pub struct LoggedRefusals(Mutex<Hour>);
+
+#[derive(Debug, Default)]
+struct Hour {
+    begun_ms: i64,
+    logged: u64,
+    unlogged: u64,
+}
+
+impl LoggedRefusals {
+    /// Whether this one gets an entry: then the number of earlier ones without.
+    pub fn log(&self, now_ms: i64) -> Option<u64> {
+        let mut hour = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        if !(0..HOUR_MS).contains(&now_ms.saturating_sub(hour.begun_ms)) {
+            (hour.begun_ms, hour.logged) = (now_ms, 0);
+        }
+        if hour.logged >= LOGGED_PER_HOUR {
+            hour.unlogged += 1;
+            return None;
+        }
+        hour.logged += 1;
+        Some(std::mem::take(&mut hour.unlogged))
+    }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::{Attempts, FREE, FREE_IN_ALL, MAX_LOCK_MS};
+    use super::{
+        Attempts, FREE, HOUR_MS, LOGGED_PER_HOUR, LoggedRefusals, MAX_COUNTS, MAX_LOCK_MS,
+    };
+    use super::{Name, Source};
 
     const NOW_MS: i64 = 1_760_000_000_000;
 
-    #[test]
-    fn the_lock_of_a_name_doubles() {
-        let attempts = Attempts::default();
+    fn name(text: &str) -> Name {
+        Name::new(text).expect("a name")
+    }
+
+    fn from(last: u8) -> Source {
+        Source::Address(Some([10, 0, 0, last].into()))
+    }
+
+    fn locked_out(attempts: &Attempts, source: &Source, account: &Name) {
         for _ in 0..FREE {
-            attempts.begin("A", NOW_MS).expect("free");
+            attempts.begin(source, account, NOW_MS).expect("free");
         }
-        assert!(attempts.begin("A", NOW_MS + 59_999).is_err());
-        attempts.begin("B", NOW_MS).expect("another name");
-        attempts.begin("A", NOW_MS + 60_000).expect("after a minute");
-        assert!(attempts.begin("A", NOW_MS + 60_000 + 119_999).is_err());
-        attempts.begin("A", NOW_MS + 60_000 + 120_000).expect("after two");
-        attempts.begin("A", NOW_MS + 180_000 + MAX_LOCK_MS).expect("forgotten");
-        attempts.begin("A", NOW_MS + 180_000 + MAX_LOCK_MS).expect("and free again");
+        attempts.begin(source, account, NOW_MS).expect_err("locked");
+    }
+
+    #[test]
+    fn a_lock_doubles() {
+        let (attempts, here, account) = (Attempts::default(), from(1), name("A"));
+        let begin = |at_ms| attempts.begin(&here, &account, NOW_MS + at_ms);
+        for _ in 0..FREE {
+            begin(0).expect("free");
+        }
+        assert!(begin(59_999).is_err());
+        begin(60_000).expect("after a minute");
+        assert!(begin(60_000 + 119_999).is_err());
+        begin(60_000 + 120_000).expect("after two");
+        begin(180_000 + MAX_LOCK_MS).expect("forgotten");
+        begin(180_000 + MAX_LOCK_MS).expect("and free again");
+    }
+
+    #[test]
+    fn failures_lock_no_other_account_address_or_browser() {
+        let attempts = Attempts::default();
+        for guessed in 0..50 {
+            locked_out(&attempts, &from(1), &name(&format!("N{guessed}")));
+        }
+        let account = name("N0");
+        attempts.begin(&from(1), &name("A"), NOW_MS).expect("another account");
+        attempts.begin(&from(2), &account, NOW_MS).expect("another address");
+        attempts.begin(&Source::Session, &account, NOW_MS).expect("signed in");
+        let device = Source::Device("proof".to_owned());
+        attempts.begin(&device, &account, NOW_MS).expect("a browser that is known");
+        attempts.succeeded(&device, &account);
+        assert!(attempts.begin(&from(1), &account, NOW_MS).is_err(), "the lock stays");
+    }
+
+    #[test]
+    fn more_names_than_are_remembered_lock_nobody() {
+        let attempts = Attempts::default();
+        for guess in 0..2 * MAX_COUNTS {
+            attempts.begin(&from(1), &name(&format!("N{guess}")), NOW_MS).expect("free");
+        }
+        attempts.begin(&from(2), &name("A"), NOW_MS).expect("free");
+        assert!(attempts.0.lock().expect("unlocked").len() <= MAX_COUNTS);
     }
 
     #[test]
     fn a_successful_attempt_does_not_count_as_a_failure() {
-        let attempts = Attempts::default();
-        for _ in 0..FREE_IN_ALL * 3 {
-            attempts.begin("A", NOW_MS).expect("free");
-            attempts.succeeded("A");
+        let (attempts, account) = (Attempts::default(), name("A"));
+        for _ in 0..FREE * 3 {
+            attempts.begin(&from(1), &account, NOW_MS).expect("free");
+            attempts.succeeded(&from(1), &account);
         }
-    }
-
-    #[test]
-    fn failures_under_many_names_lock_all_names() {
-        let attempts = Attempts::default();
-        for guess in 0..FREE_IN_ALL {
-            attempts.begin(&format!("N{guess}"), NOW_MS).expect("free");
-        }
-        assert!(attempts.begin("A", NOW_MS).is_err());
-        attempts.begin("A", NOW_MS + 60_000).expect("after a minute");
     }
 
     #[test]
     fn a_clock_that_goes_back_keeps_no_lock() {
-        let attempts = Attempts::default();
-        for _ in 0..FREE {
-            attempts.begin("A", NOW_MS).expect("free");
-        }
-        attempts.begin("A", NOW_MS - 1_000_000_000).expect("another time");
+        let (attempts, account) = (Attempts::default(), name("A"));
+        locked_out(&attempts, &from(1), &account);
+        attempts.begin(&from(1), &account, NOW_MS - 1_000_000_000).expect("another time");
+    }
+
+    #[test]
+    fn refusals_without_number_do_not_fill_the_log() {
+        let refusals = LoggedRefusals::default();
+        let logged = (0..10_000).filter(|_| refusals.log(NOW_MS) == Some(0)).count();
+        assert_eq!(logged as u64, LOGGED_PER_HOUR);
+        assert_eq!(refusals.log(NOW_MS + HOUR_MS), Some(10_000 - LOGGED_PER_HOUR));
+        assert_eq!(refusals.log(NOW_MS + HOUR_MS), Some(0));
+        assert_eq!(refusals.log(NOW_MS - HOUR_MS), Some(0), "a clock that goes back logs again");
     }
 }

@@ -10,7 +10,7 @@ pub struct ServeLimits {
     /// Connections at once.
     pub connections: Shares,
     /// Requests that are answered at once.
-    pub requests: Shares,
+    pub requests: RequestPlaces,
     /// How fast a body must arrive.
     pub body: Pace,
     /// How often an event stream asks whether it still may run: sessions end by time, and other programs change accounts.
@@ -26,9 +26,31 @@ pub struct ServeLimits {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Shares {
     /// For those who are signed in.
-    pub users: usize,
+    pub users: Places,
     /// For everybody else.
     pub strangers: usize,
+}
+
+/// Places, and the most of them that one account or address takes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Places {
+    /// All.
+    pub all: usize,
+    /// Of one account or address.
+    pub each: usize,
+}
+
+/// Places for requests, by what they are for: no work takes the places of another.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct RequestPlaces {
+    /// Recording landmarks.
+    pub clicks: Places,
+    /// Everything else of those who are signed in.
+    pub users: Places,
+    /// Signing in from a browser that signed in lately.
+    pub known: Places,
+    /// Everybody else.
+    pub strangers: Places,
 }
 
 /// The least pace of a body: it has `grace`, and a second more for every `bytes_per_s` that arrived.
@@ -65,8 +87,13 @@ impl Default for ServeLimits {
     /// over a poor line.
     fn default() -> Self {
         Self {
-            connections: Shares { users: 192, strangers: 128 },
-            requests: Shares { users: 48, strangers: 16 },
+            connections: Shares { users: Places { all: 192, each: 64 }, strangers: 128 },
+            requests: RequestPlaces {
+                clicks: Places { all: 32, each: 6 },
+                users: Places { all: 48, each: 8 },
+                known: Places { all: 8, each: 2 },
+                strangers: Places { all: 16, each: 8 },
+            },
             body: Pace { grace: Duration::from_secs(30), bytes_per_s: 16 << 10 },
             recheck: Duration::from_secs(5),
             uploads: UploadLimits {

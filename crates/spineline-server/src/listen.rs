@@ -19,13 +19,14 @@ use tower_http::add_extension::AddExtension;
 
 use crate::app::app;
 use crate::seats::{SeatOf, Seats};
+use crate::session;
 use crate::state::{AppState, ServeOptions};
 
 /// Longest wait for the whole head of the next request.
 const HEAD_TIMEOUT: Duration = Duration::from_secs(30);
 /// Most bytes of a request's head.
 const MAX_HEAD_BYTES: usize = 64 << 10;
-/// How often uploads are dropped whose time is over.
+/// How often uploads are dropped whose time is over, and what found no room on the disk is written.
 const SWEEP_EVERY: Duration = Duration::from_secs(60);
 /// Time for running requests after a shutdown was requested. Event streams never end by themselves.
 const END_TIMEOUT: Duration = Duration::from_secs(3);
@@ -88,17 +89,18 @@ impl Server {
                 accepted = self.listener.accept() => accepted,
                 _ = sweeps.tick() => {
                     self.state.films().uploads.sweep(self.state.now());
+                    save_unsaved(&self.state);
                     continue;
                 }
                 () = &mut end => break,
             };
-            let Ok((stream, _)) = accepted else {
+            let Ok((stream, peer)) = accepted else {
                 tokio::time::sleep(ACCEPT_REST).await;
                 continue;
             };
             // Small answers are sent at once. An error here only makes them slower.
             let _ = stream.set_nodelay(true);
-            let seat = seats.take();
+            let seat = seats.take(Some(peer.ip()));
             let app = AddExtension::new(app.clone(), seat.for_requests());
             let connection = open.watch(connection(stream, app));
             tokio::spawn(async move {
@@ -115,6 +117,12 @@ impl Server {
         let _ = tokio::time::timeout(END_TIMEOUT, open.shutdown()).await;
         Ok(())
     }
+}
+
+/// Writes what found no room on the disk before. While there is none, it stays in memory.
+fn save_unsaved(state: &AppState) {
+    let (state, by) = (state.clone(), session::program(state.now()));
+    tokio::spawn(async move { state.store(move |store| store.save_unsaved(&by)).await });
 }
 
 type App = AddExtension<axum::Router, SeatOf>;
@@ -160,7 +168,7 @@ mod tests {
             limits: ServeLimits::default(),
         };
         let address = "127.0.0.1:8765".parse().expect("an address");
-        let seat = Seats::new(options.limits.connections).take();
+        let seat = Seats::new(options.limits.connections).take(None);
         let app = app(AppState::new(store, address, options));
         let app = AddExtension::new(app, seat.for_requests());
         let (mut client, server) = tokio::io::duplex(1 << 16);

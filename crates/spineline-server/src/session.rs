@@ -1,22 +1,27 @@
 //! Sessions, and the user of a request.
 
-use axum::extract::{FromRequestParts, State};
+use axum::extract::{Extension, FromRequestParts, State};
+use axum::http::header::SET_COOKIE;
 use axum::http::request::Parts;
-use axum::http::{HeaderMap, StatusCode};
+use axum::http::{HeaderMap, HeaderName, StatusCode};
+use axum::response::AppendHeaders;
 use axum_extra::extract::CookieJar;
 use axum_extra::extract::cookie::{Cookie, SameSite};
 use spineline::anatomy::Named;
 use spineline_store::{
-    Access, Hash, Name, Role, Session, SessionLimits, Signature, Store, Study, Timestamp,
+    Access, Credential, Hash, Name, PasswordHash, Role, Session, SessionLimits, Signature, Store,
+    Study, Timestamp,
 };
 use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
 
-use crate::api::{Problem, SessionView, SignIn, SignInPage, Wire};
+use crate::api::{PasswordChange, Problem, SessionView, SignIn, SignInPage, Wire};
 use crate::extract::Json;
+use crate::guard_rate::Source;
 use crate::problem::{Answer, Failure};
 use crate::secret::secret;
 use crate::state::AppState;
+use crate::whence::{Whence, device_cookie};
 
 /// Sessions end after 12 hours without use, and after 7 days in any case.
 const LIMITS: SessionLimits =
@@ -176,7 +181,10 @@ pub fn csrf_of(secret: &str) -> String {
 }
 
 pub fn routes() -> OpenApiRouter<AppState> {
-    OpenApiRouter::new().routes(routes!(sign_in_page)).routes(routes!(session, sign_in, sign_out))
+    OpenApiRouter::new()
+        .routes(routes!(sign_in_page))
+        .routes(routes!(session, sign_in, sign_out))
+        .routes(routes!(change_password))
 }
 
 /// Data of the sign-in page.
@@ -209,58 +217,170 @@ async fn session(
     ))]
 async fn sign_in(
     State(state): State<AppState>,
+    Extension(whence): Extension<Whence>,
     headers: HeaderMap,
     Json(how): Json<SignIn>,
-) -> Answer<(CookieJar, Json<SessionView>)> {
-    let access = state.options().access;
-    let user = match (access, how) {
-        (Access::Token, SignIn::Token { token, observer }) => by_token(&state, &token, &observer)?,
-        (Access::Accounts, SignIn::Account { name, password }) => {
-            by_account(&state, &name, password).await?
-        }
-        _ => return Err(not_signed_in(access)),
+) -> Answer<Begun> {
+    let account = match &how {
+        SignIn::Account { name, .. } => Name::new(name).ok(),
+        SignIn::Token { .. } => None,
     };
-    let id = secret();
+    let found = match (state.options().access, how) {
+        (Access::Token, SignIn::Token { token, observer }) => by_token(&state, &token, &observer),
+        (Access::Accounts, SignIn::Account { password, .. }) => {
+            by_account(&state, &whence, account.as_ref(), password).await
+        }
+        (access, _) => Err(not_signed_in(access)),
+    };
+    let found = match found {
+        Ok(found) => found,
+        Err(refusal) => {
+            log_refused(&state, account).await;
+            return Err(refusal);
+        }
+    };
+    let by = found.user.sign(state.now());
+    state.store(move |store| store.log_sign_in(&by)).await?;
+    begin(&state, &headers, found).await
+}
+
+/// Somebody who proved to be this user, in accounts by this credential.
+struct Proved {
+    user: User,
+    credential: Option<Credential>,
+}
+
+/// A session that has begun, with its cookie and that by which the browser is known later.
+type Begun = (CookieJar, AppendHeaders<Option<(HeaderName, String)>>, Json<SessionView>);
+
+/// Begins a session in a browser.
+async fn begin(state: &AppState, headers: &HeaderMap, proved: Proved) -> Answer<Begun> {
+    let Proved { user, credential } = proved;
+    let (access, id) = (state.options().access, secret());
     let session = Session { name: user.name.clone(), access };
-    let (before, now) = (secret_of(&state, &headers), state.now());
-    let begun = id.clone();
+    let (before, now) = (secret_of(state, headers), state.now());
+    let (begun, checked) = (id.clone(), credential.clone());
     state
-        .store(move |store| {
+        .ask(move |store| {
+            // The password may have been changed while it was compared.
+            if let Some(checked) = checked
+                && store.credential(&session.name)? != checked
+            {
+                return Err(wrong_password());
+            }
             if let Some(before) = before {
                 store.end_session(&before)?;
             }
-            store.begin_session(&begun, &session, now, LIMITS)
+            Ok(store.begin_session(&begun, &session, now, LIMITS)?)
         })
         .await?;
     state.changes().rights_changed();
     let answer = Json(view(&user, access, &id));
-    Ok((CookieJar::new().add(cookie(&state, id)), answer))
+    let proof = credential.and_then(|credential| credential.device(now));
+    let device = proof.map(|proof| device_cookie(state, &user.name, proof));
+    // A jar has no order, and the session comes first for clients that read one cookie.
+    let device = device.map(|cookie| (SET_COOKIE, cookie.encoded().to_string()));
+    Ok((CookieJar::new().add(cookie(state, id)), AppendHeaders(device), answer))
 }
 
-fn by_token(state: &AppState, token: &str, observer: &str) -> Answer<User> {
+fn by_token(state: &AppState, token: &str, observer: &str) -> Answer<Proved> {
     let name = Name::new(observer)?;
     // 192 random bits cannot be guessed, and failed attempts must not lock out the owner, so no limit of attempts applies.
     if !state.token().use_up(token) {
         return Err(wrong("this address was used already, or is not the one in the terminal")
             .help("open the newest address that `spineline serve` printed"));
     }
-    Ok(User { name, role: Role::Admin })
+    Ok(Proved { user: User { name, role: Role::Admin }, credential: None })
 }
 
-async fn by_account(state: &AppState, name: &str, password: String) -> Answer<User> {
-    let refused = || wrong("no enabled account has this name and this password");
-    let name = Name::new(name).map_err(|_| refused())?;
-    state.attempts().begin(name.as_str(), state.now().unix_ms())?;
+async fn by_account(
+    state: &AppState,
+    whence: &Whence,
+    name: Option<&Name>,
+    password: String,
+) -> Answer<Proved> {
+    let name = name.ok_or_else(wrong_password)?;
+    let source = whence.source(name);
+    state.attempts().begin(&source, name, state.now().unix_ms())?;
     let asked = name.clone();
     let credential = state.store(move |store| store.credential(&asked)).await?;
-    let account = state.with_password(move || credential.check(&password)).await?;
-    let account = account.ok_or_else(refused)?;
-    state.attempts().succeeded(name.as_str());
-    Ok(User { name, role: account.role })
+    let compare = move || credential.check(&password).cloned().map(|account| (account, credential));
+    let found = match source {
+        Source::Device(_) => state.with_password(compare).await?,
+        _ => state.with_strangers_password(compare).await?,
+    };
+    let (account, credential) = found.ok_or_else(wrong_password)?;
+    state.attempts().succeeded(&source, name);
+    let user = User { name: account.name, role: account.role };
+    Ok(Proved { user, credential: Some(credential) })
+}
+
+/// Writes a refused attempt into the log. What fails here does not change the answer.
+async fn log_refused(state: &AppState, account: Option<Name>) {
+    let by = program(state.now());
+    let Some(unlogged) = state.logged_refusals().log(by.at.unix_ms()) else { return };
+    let log = move |store: &mut Store| {
+        let account = account.filter(|name| store.account(name).is_ok());
+        store.log_refused_sign_in(account.as_ref(), unlogged, &by)
+    };
+    let _ = state.store(log).await;
+}
+
+/// The program itself, as the log names it.
+pub fn program(at: Timestamp) -> Signature {
+    Signature::new(Name::new("serve").expect("a good name"), at)
 }
 
 fn wrong(message: &str) -> Failure {
     Failure::new(StatusCode::UNAUTHORIZED, "wrong", message)
+}
+
+fn wrong_password() -> Failure {
+    wrong("no enabled account has this name and this password")
+}
+
+/// Changes one's own password. All other sessions of the account end, and browsers that signed in lately are strangers again.
+#[utoipa::path(put, path = "/api/session/password", request_body = PasswordChange,
+    responses(
+        (status = 200, body = SessionView),
+        (status = 401, body = Problem),
+        (status = 403, body = Problem),
+        (status = 409, body = Problem),
+        (status = 422, body = Problem),
+        (status = 429, body = Problem),
+    ))]
+async fn change_password(
+    State(state): State<AppState>,
+    user: User,
+    headers: HeaderMap,
+    Json(PasswordChange { current, password }): Json<PasswordChange>,
+) -> Answer<Begun> {
+    if state.options().access == Access::Token {
+        let text = "this program runs without accounts: there is no password to change";
+        return Err(Failure::new(StatusCode::CONFLICT, "no_accounts", text));
+    }
+    let by = user.sign(state.now());
+    state.attempts().begin(&Source::Session, &user.name, by.at.unix_ms())?;
+    let name = user.name.clone();
+    let before = state.store(move |store| store.credential(&name)).await?;
+    let name = user.name.clone();
+    let made = state.with_password(move || {
+        before.check(&current)?;
+        Some(PasswordHash::new(&password, &name).map(|password| (before, password)))
+    });
+    let made = made.await?.ok_or_else(|| {
+        let text = "the current password is another one; nothing was changed";
+        Failure::new(StatusCode::FORBIDDEN, "wrong", text).help("ask an admin if you forgot it")
+    })?;
+    state.attempts().succeeded(&Source::Session, &user.name);
+    let (before, password) = made?;
+    let name = user.name.clone();
+    let changed = state.store(move |store| {
+        store.change_password(&before, &password, &by)?;
+        store.credential(&name)
+    });
+    let proved = Proved { user, credential: Some(changed.await?) };
+    begin(&state, &headers, proved).await
 }
 
 /// Signs out.

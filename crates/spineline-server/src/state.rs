@@ -14,18 +14,21 @@ use crate::archive_client::Archives;
 use crate::channel::Channel;
 use crate::computation_jobs::ComputationJobs;
 use crate::film_cache::FilmCache;
-use crate::guard_rate::Attempts;
+use crate::guard_rate::{Attempts, LoggedRefusals};
 use crate::guard_token::OneTimeToken;
 use crate::hosts::Hosts;
 use crate::limits::ServeLimits;
 use crate::load_interval_jobs::LoadIntervalJobs;
 use crate::overview_cache::OverviewCache;
 use crate::pad_jobs::PadMapJobs;
+use crate::places::Rooms;
 use crate::problem::Answer;
 use crate::result_cache::{ResultCache, computed};
 
-/// Concurrent comparisons of passwords, of 19 MB each.
+/// Concurrent comparisons of passwords, of 19 MB each, for those who are or were signed in.
 const MAX_PASSWORDS: usize = 2;
+/// The same for strangers: their guesses take at most one processor.
+const MAX_STRANGERS_PASSWORDS: usize = 1;
 
 /// Options of the server.
 #[derive(Debug, Clone)]
@@ -59,9 +62,10 @@ struct Shared {
     hosts: Hosts,
     token: OneTimeToken,
     attempts: Attempts,
-    users_in_flight: Semaphore,
-    strangers_in_flight: Semaphore,
+    logged_refusals: LoggedRefusals,
+    rooms: Rooms,
     passwords: Semaphore,
+    strangers_passwords: Semaphore,
     films: FilmCache,
     archives: Archives,
     overviews: OverviewCache,
@@ -93,9 +97,10 @@ impl AppState {
             hosts,
             token: OneTimeToken::new(),
             attempts: Attempts::default(),
-            users_in_flight: Semaphore::new(requests.users),
-            strangers_in_flight: Semaphore::new(requests.strangers),
+            logged_refusals: LoggedRefusals::default(),
+            rooms: Rooms::new(requests),
             passwords: Semaphore::new(MAX_PASSWORDS),
+            strangers_passwords: Semaphore::new(MAX_STRANGERS_PASSWORDS),
             films: FilmCache::new(uploads),
             archives,
             overviews: OverviewCache::default(),
@@ -168,9 +173,14 @@ impl AppState {
         &self.shared.attempts
     }
 
-    /// Places for requests of those who are signed in, or of the others.
-    pub(crate) fn in_flight(&self, signed_in: bool) -> &Semaphore {
-        if signed_in { &self.shared.users_in_flight } else { &self.shared.strangers_in_flight }
+    /// Which refused attempts to sign in get an entry in the log.
+    pub(crate) fn logged_refusals(&self) -> &LoggedRefusals {
+        &self.shared.logged_refusals
+    }
+
+    /// Places for requests.
+    pub(crate) fn rooms(&self) -> &Rooms {
+        &self.shared.rooms
     }
 
     pub(crate) fn limits(&self) -> &ServeLimits {
@@ -220,6 +230,18 @@ impl AppState {
         work: impl FnOnce() -> T + Send + 'static,
     ) -> Answer<T> {
         let _place = self.shared.passwords.acquire().await.expect("it is never closed");
+        computed(work).await
+    }
+
+    /// The same for strangers, of whom nobody keeps the others waiting.
+    ///
+    /// # Errors
+    /// If the work panics.
+    pub(crate) async fn with_strangers_password<T: Send + 'static>(
+        &self,
+        work: impl FnOnce() -> T + Send + 'static,
+    ) -> Answer<T> {
+        let _place = self.shared.strangers_passwords.acquire().await.expect("it is never closed");
         computed(work).await
     }
 

@@ -1,11 +1,5 @@
-//! Accounts, passwords, and permissions per study.
+//! Accounts, and permissions per study.
 
-use std::fmt;
-use std::sync::OnceLock;
-
-use argon2::Argon2;
-use argon2::password_hash::phc;
-use argon2::password_hash::{PasswordHasher, PasswordVerifier};
 use rusqlite::{Connection, Row, params};
 use spineline::anatomy::Named;
 
@@ -14,12 +8,8 @@ use crate::connection::Store;
 use crate::error::StoreError;
 use crate::films::{self, Study};
 use crate::names::{Name, Signature};
+use crate::passwords::PasswordHash;
 use crate::sessions;
-
-/// Minimum number of characters of a password.
-const MIN_CHARACTERS: usize = 12;
-/// Maximum number of bytes of a password.
-const MAX_BYTES: usize = 1024;
 
 /// Permissions in increasing order; each includes those before it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -75,65 +65,6 @@ pub struct StudyGrant {
     pub name: Name,
     /// Reader or editor.
     pub role: Role,
-}
-
-/// Stored form of a password: a salted Argon2id hash. Hashing takes time and memory by design, so hash before the store is
-/// locked.
-#[derive(Clone)]
-pub struct PasswordHash(String);
-
-impl fmt::Debug for PasswordHash {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str("PasswordHash")
-    }
-}
-
-impl PasswordHash {
-    /// Hashes a password of at least 12 characters and at most 1024 bytes.
-    ///
-    /// # Errors
-    /// [`StoreError::BadPassword`].
-    ///
-    /// # Panics
-    /// If the system has no random numbers.
-    pub fn new(password: &str) -> Result<Self, StoreError> {
-        if password.chars().count() < MIN_CHARACTERS || password.len() > MAX_BYTES {
-            let (least, most_bytes) = (MIN_CHARACTERS, MAX_BYTES);
-            return Err(StoreError::BadPassword { least, most_bytes });
-        }
-        Ok(Self::of_any(password))
-    }
-
-    fn of_any(password: &str) -> Self {
-        let mut salt = [0_u8; 16];
-        getrandom::fill(&mut salt).expect("the system has random numbers");
-        let hash: phc::PasswordHash = Argon2::default()
-            .hash_password_with_salt(password.as_bytes(), &salt)
-            .expect("the default parameters and a salt of 16 bytes are allowed");
-        Self(hash.to_string())
-    }
-
-    fn is_of(&self, password: &str) -> bool {
-        let hash = phc::PasswordHash::new(&self.0);
-        hash.is_ok_and(|hash| Argon2::default().verify_password(password.as_bytes(), &hash).is_ok())
-    }
-}
-
-/// Hash with which a password is compared. The comparison takes time and memory by design, so compare after the store is
-/// released.
-#[derive(Debug)]
-pub struct Credential {
-    account: Option<Account>,
-    password: PasswordHash,
-}
-
-impl Credential {
-    /// The account, if the password is its own and it may sign in. An unknown name takes as long as a wrong password.
-    #[must_use]
-    pub fn check(self, password: &str) -> Option<Account> {
-        let right = password.len() <= MAX_BYTES && self.password.is_of(password);
-        self.account.filter(|account| right && account.enabled)
-    }
 }
 
 impl Store {
@@ -211,23 +142,6 @@ impl Store {
     /// [`StoreError::Unknown`], [`StoreError::Damaged`].
     pub fn account(&self, name: &Name) -> Result<Account, StoreError> {
         account(&self.connection, name)
-    }
-
-    /// Hash with which a password for this name is compared, whether or not the account exists.
-    ///
-    /// # Errors
-    /// [`StoreError::Damaged`].
-    pub fn credential(&self, name: &Name) -> Result<Credential, StoreError> {
-        static NOBODY: OnceLock<PasswordHash> = OnceLock::new();
-        let condition = "WHERE name = ?1";
-        let found = audit::load(&self.connection, "accounts", condition, [name.as_str()], |row| {
-            let (account, password) = (read(row)?, PasswordHash(row.get("password")?));
-            Ok(Credential { account: Some(account), password })
-        })?;
-        Ok(found.into_iter().next().unwrap_or_else(|| Credential {
-            account: None,
-            password: NOBODY.get_or_init(|| PasswordHash::of_any("nobody")).clone(),
-        }))
     }
 
     /// Adds a study and grants its creator to edit it, in one transaction.
@@ -331,7 +245,7 @@ fn leads(account: &Account) -> bool {
     account.enabled && account.role == Role::Admin
 }
 
-fn read(row: &Row<'_>) -> Result<Account, StoreError> {
+pub(crate) fn read(row: &Row<'_>) -> Result<Account, StoreError> {
     let role: String = row.get("role")?;
     Ok(Account {
         name: Name::new(&row.get::<_, String>("name")?)?,

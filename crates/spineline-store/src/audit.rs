@@ -32,7 +32,7 @@ pub(crate) const TABLES: [(&str, &str, &str); 11] = [
 ];
 
 /// Object of an entry without a row.
-const WHOLE_STORE: &str = "store";
+pub(crate) const WHOLE_STORE: &str = "store";
 
 /// Length of the log and hash of its last entry. A copy outside of the store reveals even a log that was rewritten as a whole.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -117,13 +117,16 @@ pub(crate) fn digest(row: &Row<'_>) -> Result<Hash, StoreError> {
 /// What actions of entries begin with on a study that was taken out as a file, and not changed.
 pub(crate) const EXPORT: &str = "export_";
 
-/// Statement for the last entry on an object.
+/// The digest of the last entry on an object.
+const LAST_DIGEST: &str =
+    "SELECT digest FROM audit WHERE object = ?1 ORDER BY sequence DESC LIMIT 1";
+
+/// Statement for it.
 struct Seals<'a>(Statement<'a>);
 
 impl<'a> Seals<'a> {
     fn of(connection: &'a Connection) -> Result<Self, StoreError> {
-        let last = "SELECT digest FROM audit WHERE object = ?1 ORDER BY sequence DESC LIMIT 1";
-        Ok(Self(connection.prepare(last)?))
+        Ok(Self(connection.prepare(LAST_DIGEST)?))
     }
 
     fn holds(&mut self, object: &str, digest: &Hash) -> Result<bool, StoreError> {
@@ -160,6 +163,14 @@ impl Ledger<'_> {
     /// Records an entry on the whole store.
     pub fn note(&self, action: &str) -> Result<(), StoreError> {
         self.append(action, WHOLE_STORE, "").map(drop)
+    }
+
+    /// Records a step that does not change its object: the entry repeats the digest of the last one, so that a row which was
+    /// changed without the log is not approved by it.
+    pub fn mention(&self, action: &str, object: &str) -> Result<(), StoreError> {
+        let sealed =
+            self.transaction.query_row(LAST_DIGEST, [object], |row| row.get::<_, String>(0));
+        self.append(action, object, &sealed.optional()?.unwrap_or_default()).map(drop)
     }
 
     /// Records the current state of a row; returns the entry's sequence number.

@@ -14,6 +14,7 @@ use crate::names::{ReadingId, Signature};
 use crate::privacy;
 use crate::schema;
 use crate::state::ReadingState;
+use crate::unsaved::Unsaved;
 
 /// A study store, through one connection. Several may be open on one file, in one program or in many.
 #[derive(Debug)]
@@ -21,6 +22,7 @@ pub struct Store {
     pub(crate) connection: Connection,
     /// States of finished readings, which never change.
     pub(crate) finals: RefCell<BTreeMap<ReadingId, ReadingState>>,
+    pub(crate) unsaved: Unsaved,
 }
 
 impl Store {
@@ -79,7 +81,7 @@ impl Store {
     }
 
     fn over(connection: Connection) -> Self {
-        Self { connection, finals: RefCell::default() }
+        Self { connection, finals: RefCell::default(), unsaved: Unsaved::default() }
     }
 
     /// How long a write waits while another program writes, before it gives up as [`StoreError::Busy`]: 5 s at
@@ -120,8 +122,10 @@ impl Store {
             self.connection.transaction_with_behavior(TransactionBehavior::Immediate)?;
         let ledger = Ledger { transaction: &transaction, by };
         ledger.notice_clock()?;
+        self.unsaved.save(&transaction, by.at)?;
         let value = change(&ledger)?;
         transaction.commit()?;
+        self.unsaved = Unsaved::default();
         Ok(value)
     }
 }

@@ -6,6 +6,7 @@ use rusqlite::ErrorCode;
 use spineline::anatomy::{FilmView, Level};
 
 use crate::names::{FilmId, Name, ReadingId, Timestamp};
+use crate::passwords::PasswordFault;
 
 /// Why the store refused or failed. A refusal changes no state, except that a [`Conflict`](Self::Conflict) stores the refused
 /// event.
@@ -116,14 +117,9 @@ pub enum StoreError {
         /// What it shows.
         view: FilmView,
     },
-    /// An invalid password.
-    #[error("a password has {least} characters at least and {most_bytes} bytes at most")]
-    BadPassword {
-        /// Fewest characters.
-        least: usize,
-        /// Most bytes.
-        most_bytes: usize,
-    },
+    /// A password that is too short, too long or easy to guess.
+    #[error("{0}")]
+    BadPassword(PasswordFault),
     /// No enabled admin would remain.
     #[error("account {name} is the last enabled admin")]
     LastAdmin {
@@ -280,7 +276,9 @@ impl StoreError {
             }
             Self::Database { .. } => "report this as a bug, with the code",
             Self::BadName { .. } => "use a code such as `S-017`, without the patient's name",
-            Self::BadPassword { .. } => "use a sentence that is hard to guess",
+            Self::BadPassword(_) => {
+                "use a sentence that nobody else would say, such as four words that do not belong together"
+            }
             Self::LastAdmin { .. } => "give another account the role `admin` first",
             Self::AlreadyKnown { .. } => "check whether one film was exported under two names",
             Self::TooLarge { .. } => "split it, or remove parts that are not needed",
@@ -308,6 +306,11 @@ impl StoreError {
             Self::NotFrontal { .. } => "make a new study with this film as a frontal one",
             Self::Case(error) => error.help(),
         }
+    }
+
+    /// Whether the disk takes no change, while it may still be read.
+    pub(crate) fn is_no_room(&self) -> bool {
+        matches!(self, Self::Full | Self::Disk { .. } | Self::CannotOpen)
     }
 
     pub(crate) fn damaged(object: impl Into<String>) -> Self {

@@ -8,7 +8,7 @@ use spineline::anatomy::FilmView;
 use spineline_files::CaseFile;
 
 use crate::assembly;
-use crate::audit::EXPORT;
+use crate::audit::{EXPORT, WHOLE_STORE};
 use crate::connection::Store;
 use crate::error::StoreError;
 use crate::films::{self, FilmRecord};
@@ -105,31 +105,29 @@ impl Store {
     /// The study is not changed by it.
     ///
     /// # Errors
-    /// [`StoreError::Unknown`], and errors of writing.
+    /// [`StoreError::Unknown`], and errors of writing, except those of a full disk.
     pub fn log_export(
         &mut self,
         study: &Name,
         form: &str,
         by: &Signature,
     ) -> Result<(), StoreError> {
-        self.write(by, |ledger| {
-            films::study(ledger.transaction, study)?;
-            ledger.seal(&format!("{EXPORT}{form}"), "studies", &study.as_str()).map(drop)
-        })
+        films::study(&self.connection, study)?;
+        self.log_step(&format!("{EXPORT}{form}"), &format!("study/{study}"), by)
     }
 
     /// Writes into the log who did something with an image archive, such as `retrieve`: the action is `retrieve_NAME`, on the store as a
     /// whole. It holds nothing of the patient.
     ///
     /// # Errors
-    /// Errors of writing.
+    /// Errors of writing, except those of a full disk.
     pub fn log_archive(
         &mut self,
         what: &str,
         archive: &str,
         by: &Signature,
     ) -> Result<(), StoreError> {
-        self.write(by, |ledger| ledger.note(&format!("{what}_{archive}")))
+        self.log_step(&format!("{what}_{archive}"), WHOLE_STORE, by)
     }
 }
 

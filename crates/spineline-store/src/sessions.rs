@@ -6,6 +6,7 @@ use spineline::anatomy::Named;
 use crate::connection::Store;
 use crate::error::StoreError;
 use crate::names::{Hash, Name, Timestamp};
+use crate::unsaved::{self, UnsavedSession};
 
 /// Minimum interval between writes of a session's last use, to save disk writes.
 const TOUCH_MS: i64 = 60_000;
@@ -52,10 +53,11 @@ pub struct SessionLimits {
 }
 
 impl Store {
-    /// Begins a session with a secret that only its cookie contains, and deletes ended sessions.
+    /// Begins a session with a secret that only its cookie contains, and deletes ended sessions. On a full disk the session is
+    /// in memory.
     ///
     /// # Errors
-    /// Errors of writing to the store.
+    /// Errors of writing to the store, except those of a full disk.
     pub fn begin_session(
         &mut self,
         secret: &str,
@@ -63,21 +65,16 @@ impl Store {
         now: Timestamp,
         limits: SessionLimits,
     ) -> Result<(), StoreError> {
-        let now_ms = now.unix_ms();
-        let transaction = self.connection.transaction()?;
-        transaction.execute(
-            "DELETE FROM sessions WHERE used_ms <= ?1 OR begun_ms <= ?2 OR max(begun_ms, used_ms) > ?3",
-            [
-                now_ms.saturating_sub(limits.idle_ms),
-                now_ms.saturating_sub(limits.whole_ms),
-                now_ms.saturating_add(CLOCK_STEP_MS),
-            ],
-        )?;
-        transaction.execute(
-            "INSERT INTO sessions VALUES (?1, ?2, ?3, ?4, ?4)",
-            params![hash(secret), session.name.as_str(), session.access.key(), now_ms],
-        )?;
-        Ok(transaction.commit()?)
+        match begin(&mut self.connection, secret, session, now, limits) {
+            Err(error) if error.is_no_room() => {
+                let now_ms = now.unix_ms();
+                let password = unsaved::password(&self.connection, &session.name)?;
+                let session = session.clone();
+                let kept = UnsavedSession { session, begun_ms: now_ms, used_ms: now_ms, password };
+                self.unsaved.begin(hash(secret), kept)
+            }
+            begun => begun,
+        }
     }
 
     /// The session of a secret, if it has not ended; updates its last use.
@@ -95,6 +92,10 @@ impl Store {
         };
         let now_ms = now.unix_ms();
         if now_ms.saturating_sub(used_ms) >= TOUCH_MS {
+            if let Some(unsaved) = self.unsaved.begun.get_mut(&hash(secret)) {
+                unsaved.used_ms = now_ms;
+                return Ok(Some(session));
+            }
             let touch = "UPDATE sessions SET used_ms = ?2 WHERE secret_hash = ?1";
             // On a full or read-only disk the session ends early, but reading must still work.
             let _ = self.connection.execute(touch, params![hash(secret), now_ms]);
@@ -123,31 +124,92 @@ impl Store {
         limits: SessionLimits,
     ) -> Result<Option<(Session, i64)>, StoreError> {
         let (secret_hash, now_ms) = (hash(secret), now.unix_ms());
+        if self.unsaved.ended.contains(&secret_hash) {
+            return Ok(None);
+        }
+        if let Some(unsaved) = self.unsaved.begun.get(&secret_hash) {
+            let is_over = is_over(unsaved.begun_ms, unsaved.used_ms, now_ms, limits)
+                || unsaved.password != unsaved::password(&self.connection, &unsaved.session.name)?;
+            return Ok((!is_over).then(|| (unsaved.session.clone(), unsaved.used_ms)));
+        }
         let query = "SELECT name, access, begun_ms, used_ms FROM sessions WHERE secret_hash = ?1";
         let found = self.connection.query_row(query, [&secret_hash], |row| {
             Ok((row.get::<_, String>(0)?, row.get::<_, String>(1)?, row.get(2)?, row.get(3)?))
         });
         let Some((name, access, begun_ms, used_ms)) = found.optional()? else { return Ok(None) };
         let (begun_ms, used_ms): (i64, i64) = (begun_ms, used_ms);
-        if begun_ms.max(used_ms) > now_ms.saturating_add(CLOCK_STEP_MS)
-            || now_ms.saturating_sub(used_ms) >= limits.idle_ms
-            || now_ms.saturating_sub(begun_ms) >= limits.whole_ms
-        {
+        if is_over(begun_ms, used_ms, now_ms, limits) {
             return Ok(None);
         }
         let access = Access::from_key(&access).ok_or_else(|| StoreError::damaged("session"))?;
         Ok(Some((Session { name: Name::new(&name)?, access }, used_ms)))
     }
 
-    /// Ends a session.
+    /// Ends a session, on a full disk as long as the program runs.
     ///
     /// # Errors
-    /// Errors of writing to the store.
+    /// Errors of writing to the store, except those of a full disk.
     pub fn end_session(&mut self, secret: &str) -> Result<(), StoreError> {
-        let end = "DELETE FROM sessions WHERE secret_hash = ?1";
-        self.connection.execute(end, [hash(secret)])?;
-        Ok(())
+        let secret_hash = hash(secret);
+        match delete(&self.connection, &secret_hash) {
+            Ok(()) => {
+                self.unsaved.begun.remove(&secret_hash);
+                Ok(())
+            }
+            Err(error) if error.is_no_room() => {
+                self.unsaved.end(secret_hash);
+                Ok(())
+            }
+            Err(error) => Err(error),
+        }
     }
+}
+
+fn is_over(begun_ms: i64, used_ms: i64, now_ms: i64, limits: SessionLimits) -> bool {
+    begun_ms.max(used_ms) > now_ms.saturating_add(CLOCK_STEP_MS)
+        || now_ms.saturating_sub(used_ms) >= limits.idle_ms
+        || now_ms.saturating_sub(begun_ms) >= limits.whole_ms
+}
+
+/// Writes a session, and deletes those that have ended.
+fn begin(
+    connection: &mut Connection,
+    secret: &str,
+    session: &Session,
+    now: Timestamp,
+    limits: SessionLimits,
+) -> Result<(), StoreError> {
+    let now_ms = now.unix_ms();
+    let transaction = connection.transaction()?;
+    transaction.execute(
+        "DELETE FROM sessions WHERE used_ms <= ?1 OR begun_ms <= ?2 OR max(begun_ms, used_ms) > ?3",
+        [
+            now_ms.saturating_sub(limits.idle_ms),
+            now_ms.saturating_sub(limits.whole_ms),
+            now_ms.saturating_add(CLOCK_STEP_MS),
+        ],
+    )?;
+    insert(&transaction, &hash(secret), session, [now_ms; 2])?;
+    Ok(transaction.commit()?)
+}
+
+/// Writes a session with the times of its beginning and its last use.
+pub(crate) fn insert(
+    connection: &Connection,
+    secret_hash: &str,
+    session: &Session,
+    [begun_ms, used_ms]: [i64; 2],
+) -> Result<(), StoreError> {
+    connection.execute(
+        "INSERT INTO sessions VALUES (?1, ?2, ?3, ?4, ?5)",
+        params![secret_hash, session.name.as_str(), session.access.key(), begun_ms, used_ms],
+    )?;
+    Ok(())
+}
+
+pub(crate) fn delete(connection: &Connection, secret_hash: &str) -> Result<(), StoreError> {
+    connection.execute("DELETE FROM sessions WHERE secret_hash = ?1", [secret_hash])?;
+    Ok(())
 }
 
 /// Ends all sessions of an account.

@@ -34,6 +34,16 @@ pub enum SignIn {
     },
 }
 
+/// Another password for the account that is signed in.
+#[derive(Clone, PartialEq, Serialize, Deserialize, ToSchema)]
+#[serde(deny_unknown_fields)]
+pub struct PasswordChange {
+    /// The current password.
+    pub current: String,
+    /// The new one, of at least 12 characters and hard to guess.
+    pub password: String,
+}
+
 /// The current session.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct SessionView {
@@ -66,7 +76,7 @@ pub struct AccountView {
 pub struct AccountEdit {
     /// Role.
     pub role: Option<RoleName>,
-    /// New password, of at least 12 characters.
+    /// New password, of at least 12 characters and hard to guess.
     pub password: Option<String>,
     /// Whether it may sign in.
     pub enabled: Option<bool>,

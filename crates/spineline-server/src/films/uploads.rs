@@ -19,6 +19,7 @@ use crate::decoded::decode;
 use crate::extract::{Json, Path, unread};
 use crate::film_cache::{Reservation, Upload, draw_thumbnails};
 use crate::guard::declared_bytes;
+use crate::places::{Whose, Work};
 use crate::problem::{Answer, Failure};
 use crate::result_cache::computed;
 use crate::session::User;
@@ -56,6 +57,8 @@ async fn upload(
     let room = state.films().uploads.reserve(&user.name, bytes, state.now())?;
     let body = Bytes::from_request(request, &state).await;
     let bytes = body.map_err(|refused| refusal(&refused))?.into();
+    let whose = Whose::Account(user.name.clone());
+    let _place = state.rooms().take(Work::Other, whose).await?;
     stage(&state, &user, (room, bytes), |_| Ok(())).await.map(Json)
 }
 

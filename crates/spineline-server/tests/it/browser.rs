@@ -54,7 +54,7 @@ impl App {
     /// these roles for the study `S-1`, and `S-2` has no grants; each study has a film, and `S-2` a reading, by `lead`.
     pub fn with_accounts() -> Self {
         Self::new(Access::Accounts, |store| {
-            let password = PasswordHash::new(PASSWORD).expect("long enough");
+            let password = PasswordHash::new(PASSWORD, &name("lead")).expect("a password");
             for (who, role) in [
                 ("lead", Role::Admin),
                 ("editor", Role::Editor),
@@ -172,7 +172,7 @@ impl App {
 
     /// A browser without a session.
     pub fn browser(&self) -> Browser<'_> {
-        Browser { app: self, cookie: String::new(), csrf: String::new() }
+        Browser { app: self, cookie: String::new(), csrf: String::new(), device: String::new() }
     }
 
     /// A browser that used the token.
@@ -220,6 +220,8 @@ pub struct Browser<'a> {
     pub app: &'a App,
     pub cookie: String,
     pub csrf: String,
+    /// The cookie by which the browser is known.
+    pub device: String,
 }
 
 impl Browser<'_> {
@@ -227,11 +229,21 @@ impl Browser<'_> {
     pub fn sign_in(&mut self, how: &Value) -> Answer {
         let answer = self.post("/api/session", how);
         if answer.status == StatusCode::OK {
-            let cookie = answer.header("set-cookie");
-            self.cookie = cookie.split(';').next().unwrap_or_default().to_owned();
-            self.csrf = answer.json()["csrf"].as_str().expect("a token").to_owned();
+            self.keep_session(&answer);
         }
         answer
+    }
+
+    /// Keeps the cookies and the token of an answer.
+    pub fn keep_session(&mut self, answer: &Answer) {
+        let cookies = answer.headers.get_all(header::SET_COOKIE).iter();
+        let mut cookies = cookies.map(|cookie| {
+            let cookie = cookie.to_str().expect("text");
+            cookie.split(';').next().unwrap_or_default().to_owned()
+        });
+        self.cookie = cookies.next().expect("a cookie");
+        self.device = cookies.next().unwrap_or_default();
+        self.csrf = answer.json()["csrf"].as_str().expect("a token").to_owned();
     }
 
     pub fn get(&self, path: &str) -> Answer {

@@ -1,16 +1,18 @@
-//! Strangers who are many and slow, at a server that listens.
+//! Requests that are many or slow.
 
 use std::io::{Read, Write};
 use std::net::{SocketAddr, TcpStream};
 use std::time::Duration;
 
 use serde_json::json;
-use spineline_server::{ServeLimits, ServeOptions, Server, Shares};
+use spineline_server::{Places, RequestPlaces, ServeLimits, ServeOptions, Server, Shares};
 use spineline_store::{Access, Account, PasswordHash, Role, Store};
 use tempfile::TempDir;
 use tokio::runtime::Runtime;
 
 use crate::browser::{PASSWORD, by, name, options};
+use crate::demo::{STUDY, app_with_demo};
+use crate::films::{begin, decoding, record};
 
 struct Listening {
     address: SocketAddr,
@@ -28,7 +30,7 @@ fn listening(limits: ServeLimits) -> Listening {
     let folder = tempfile::tempdir().expect("a folder");
     let mut store = Store::create(&folder.path().join("store"), &by("lead")).expect("a store");
     let account = Account { name: name("lead"), role: Role::Admin, enabled: true };
-    let password = PasswordHash::new(PASSWORD).expect("long enough");
+    let password = PasswordHash::new(PASSWORD, &account.name).expect("a password");
     store.add_account(&account, &password, &by("lead")).expect("an account");
     let runtime = Runtime::new().expect("a runtime");
     let options = ServeOptions { limits, ..options(Access::Accounts) };
@@ -65,6 +67,16 @@ impl Listening {
         (cookie.to_owned(), answer)
     }
 
+    /// Signs in; the headers of a request with a JSON body of this session.
+    fn writer(&self) -> String {
+        let (cookie, answer) = self.sign_in();
+        let csrf = answer.split("\"csrf\":\"").nth(1).and_then(|rest| rest.split('"').next());
+        let csrf = csrf.expect("a token");
+        format!(
+            "Cookie: {cookie}\r\nX-Spineline-Csrf: {csrf}\r\nContent-Type: application/json\r\n"
+        )
+    }
+
     fn who(&self, cookie: &str) -> String {
         let more = format!("Cookie: {cookie}\r\nConnection: close\r\n");
         answer_to(self.connect(), &self.head("GET /api/session", &more))
@@ -93,7 +105,8 @@ const OK: &str = "HTTP/1.1 200 OK";
 
 #[test]
 fn f65_bodies_of_strangers_that_trickle_take_no_places() {
-    let requests = Shares { users: 1, strangers: 1 };
+    let one = Places { all: 1, each: 1 };
+    let requests = RequestPlaces { clicks: one, users: one, known: one, strangers: one };
     let server = listening(ServeLimits { requests, ..ServeLimits::default() });
     let (cookie, answer) = server.sign_in();
     assert!(answer.starts_with(OK), "{answer}");
@@ -111,7 +124,7 @@ fn f65_bodies_of_strangers_that_trickle_take_no_places() {
 
 #[test]
 fn f65_connections_of_strangers_that_say_nothing_keep_nobody_out() {
-    let connections = Shares { users: 4, strangers: 8 };
+    let connections = Shares { users: Places { all: 4, each: 4 }, strangers: 8 };
     let server = listening(ServeLimits { connections, ..ServeLimits::default() });
     let (cookie, _) = server.sign_in();
     // A connection of somebody who is signed in, between two requests.
@@ -141,4 +154,52 @@ fn nothing_of_a_strangers_film_is_waited_for() {
         let answer = answer_to(server.connect(), &server.head("POST /api/uploads", &more));
         assert!(answer.starts_with("HTTP/1.1 401"), "{answer}");
     }
+}
+
+#[test]
+fn slow_bodies_of_somebody_who_is_signed_in_take_no_places() {
+    let server = listening(ServeLimits::default());
+    let writer = server.writer();
+    let mut crowd = Vec::new();
+    for path in ["/api/readings/1/events", "/api/readings/1/preview", "/api/studies", "/api/none"] {
+        let more = format!("{writer}Content-Length: 1000\r\n");
+        let begun = server.head(&format!("POST {path}"), &more) + "{\"events\":[";
+        crowd.extend(server.crowd(12, &begun));
+    }
+    let more = format!("{writer}Content-Length: 2\r\nConnection: close\r\n");
+    for path in ["/api/readings/1/events", "/api/studies"] {
+        let whole = server.head(&format!("POST {path}"), &more) + "{}";
+        let answer = answer_to(server.connect(), &whole);
+        assert!(answer.starts_with("HTTP/1.1 422"), "{path}: {answer}");
+    }
+    let (cookie, answer) = server.sign_in();
+    assert!(answer.starts_with(OK), "{answer}");
+    assert!(server.who(&cookie).starts_with(OK));
+    drop(crowd);
+}
+
+#[test]
+fn reports_of_one_take_no_places_of_anothers_clicks() {
+    let one = Places { all: 1, each: 1 };
+    let requests = RequestPlaces { clicks: one, users: one, known: one, strangers: one };
+    let limits = ServeLimits { requests, ..ServeLimits::default() };
+    let app = app_with_demo().restarted(ServeOptions { limits, ..decoding() });
+    let (ann, other) = (app.observer("Ann"), app.observer("Bob"));
+    let study = ann.get(&format!("/api/studies/{STUDY}")).json();
+    let film = study["summary"]["films"][0]["film"].as_i64().expect("a number");
+    let reading = begin(&ann, film);
+    let report = format!("/api/studies/{STUDY}/exports/report");
+    std::thread::scope(|scope| {
+        for _ in 0..6 {
+            scope.spawn(|| other.get(&report));
+        }
+        for click in 0..12_u32 {
+            let level = ["L4", "L3", "L2", "L1"][click as usize / 4 % 4];
+            let corner = ["superior_left", "superior_right", "inferior_right", "inferior_left"];
+            let event = json!([{ "kind": "place_corner", "level": level, "corner": corner[click as usize % 4],
+                "column_px": 900.0 + f64::from(click), "row_px": 1800.0 }]);
+            let answer = record(&ann, reading, click.into(), event);
+            assert_eq!(answer.status, 200, "click {click}: {}", answer.text());
+        }
+    });
 }

@@ -22,6 +22,7 @@ mod guards;
 mod marking;
 mod numbers;
 mod openapi;
+mod passwords;
 mod privacy;
 mod repeated_films;
 mod results;

@@ -68,7 +68,7 @@ fn full_store(path: &Path) -> Store {
     for step in 0..STEPS {
         run(&mut store, step).expect("a step");
     }
-    let password = PasswordHash::new("a password that all share").expect("long enough");
+    let password = PasswordHash::new("a sentence that all share", &account(0)).expect("a password");
     for number in 0..ACCOUNTS {
         let account = Account { name: account(number), role: Role::Reader, enabled: true };
         store.add_account(&account, &password, &by("lead", 100)).expect("an account");

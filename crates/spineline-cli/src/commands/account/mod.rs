@@ -11,7 +11,7 @@ use std::time::SystemTime;
 use spineline::anatomy::Named;
 use spineline_report::document::{Column, Table};
 use spineline_report::terminal::{self, Lines};
-use spineline_store::{Account, AccountChange, PasswordHash, Signature, Store, StoreError};
+use spineline_store::{Account, AccountChange, Name, PasswordHash, Signature, Store, StoreError};
 
 use args::AccountCommand;
 
@@ -33,7 +33,7 @@ pub fn run(args: &AccountArgs) -> Result<Ending, Failure> {
     match &args.command {
         AccountCommand::Add { name: account, role, password_stdin, .. } => {
             let account = Account { name: store_name(account)?, role: *role, enabled: true };
-            let password = password(path, *password_stdin)?;
+            let password = password(path, &account.name, *password_stdin)?;
             store.add_account(&account, &password, &by).map_err(fail)?;
             print(format!("Account {} was added as {}.", account.name, role.key()))
         }
@@ -41,7 +41,7 @@ pub fn run(args: &AccountArgs) -> Result<Ending, Failure> {
             let account = store_name(account)?;
             // An unknown account must fail before the password is entered.
             store.account(&account).map_err(fail)?;
-            let change = change(&args.command)?;
+            let change = change(&args.command, &account)?;
             let account = store.edit_account(&account, &change, &by).map_err(fail)?;
             let state = if account.enabled { "may sign in" } else { "may not sign in" };
             print(format!("Account {} is {} and {state}.", account.name, account.role.key()))
@@ -58,7 +58,7 @@ pub fn run(args: &AccountArgs) -> Result<Ending, Failure> {
     }
 }
 
-fn change(command: &AccountCommand) -> Result<AccountChange, Failure> {
+fn change(command: &AccountCommand, account: &Name) -> Result<AccountChange, Failure> {
     let AccountCommand::Edit {
         store, role, password: ask, password_stdin, enable, disable, ..
     } = command
@@ -66,7 +66,7 @@ fn change(command: &AccountCommand) -> Result<AccountChange, Failure> {
         return Ok(AccountChange::default());
     };
     let enabled = (*enable || *disable).then_some(*enable);
-    let password = (*ask || *password_stdin).then(|| password(store, *password_stdin));
+    let password = (*ask || *password_stdin).then(|| password(store, account, *password_stdin));
     let change = AccountChange { role: *role, password: password.transpose()?, enabled };
     if change.role.is_none() && change.password.is_none() && change.enabled.is_none() {
         let options = "--role, --password, --password-stdin, --enable or --disable";
@@ -75,9 +75,9 @@ fn change(command: &AccountCommand) -> Result<AccountChange, Failure> {
     Ok(change)
 }
 
-fn password(store: &Path, from_stdin: bool) -> Result<PasswordHash, Failure> {
+fn password(store: &Path, account: &Name, from_stdin: bool) -> Result<PasswordHash, Failure> {
     let text = if from_stdin { first_line()? } else { asked()? };
-    PasswordHash::new(&text).map_err(|error| Failure::store(store, &error))
+    PasswordHash::new(&text, account).map_err(|error| Failure::store(store, &error))
 }
 
 fn first_line() -> Result<String, Failure> {
