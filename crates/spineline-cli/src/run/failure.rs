@@ -55,35 +55,60 @@ pub struct Failure {
     code: u8,
     what: String,
     help: Option<String>,
+    /// Other results of the same command that could not be made either.
+    others: Vec<Self>,
 }
 
+/// So many failures of one command are shown, and the others counted.
+const SHOWN: usize = 20;
+
 impl Failure {
+    fn new(code: u8, what: String, help: Option<String>) -> Self {
+        Self { code, what, help, others: Vec::new() }
+    }
+
+    /// All failures of a command as one, which has the code of the first; `None` of none.
+    pub fn together(failures: Vec<Self>) -> Option<Self> {
+        let mut failures = failures.into_iter();
+        let first = failures.next()?;
+        Some(Self { others: failures.collect(), ..first })
+    }
+
+    /// The same with the name of the result that could not be made, where it does not say it.
+    pub fn of_result(mut self, result: &Path) -> Self {
+        let name = result.display().to_string();
+        if !self.what.contains(&name) {
+            self.what = format!("{name}: {}", self.what);
+        }
+        self
+    }
+
     /// The command line is wrong.
     pub fn usage(what: impl Into<String>) -> Self {
-        Self { code: USAGE, what: what.into(), help: None }
+        Self::new(USAGE, what.into(), None)
     }
 
     /// A file or its content cannot be used.
     pub fn input(place: &str, error: &dyn fmt::Display, help: &str) -> Self {
-        Self { code: FILES, what: format!("{place}: {error}"), help: Some(help.to_owned()) }
+        Self::new(FILES, format!("{place}: {error}"), Some(help.to_owned()))
     }
 
     /// An output could not be written.
     pub fn write(place: &str, error: &io::Error) -> Self {
         let what = format!("{place} could not be written: {error}");
-        Self { code: FILES, what, help: Some(write_help(error.kind()).to_owned()) }
+        Self::new(FILES, what, Some(write_help(error.kind()).to_owned()))
     }
 
     /// An output that must not be written.
     pub fn target(path: &Path, why: &str, help: &str) -> Self {
         let what = format!("{} is not written: {why}", path.display());
-        Self { code: FILES, what, help: Some(help.to_owned()) }
+        Self::new(FILES, what, Some(help.to_owned()))
     }
 
     /// Ctrl-C or SIGTERM came before there was any result.
     pub fn interrupted() -> Self {
         let what = "interrupted before a result was written".to_owned();
-        Self { code: INTERRUPTED, what, help: None }
+        Self::new(INTERRUPTED, what, None)
     }
 
     /// A file that cannot be read as its format.
@@ -95,7 +120,7 @@ impl Failure {
             | spineline_files::FileError::TooLarge { .. } => error.to_string(),
             _ => format!("{}: {error}", path.display()),
         };
-        Self { code: FILES, what, help: Some(error.help().to_owned()) }
+        Self::new(FILES, what, Some(error.help().to_owned()))
     }
 
     /// Landmarks of another program that cannot be read.
@@ -109,12 +134,12 @@ impl Failure {
     /// A store that refused.
     pub fn store(path: &Path, error: &StoreError) -> Self {
         let what = format!("{}: {error}", path.display());
-        Self { code: FILES, what, help: Some(error.help().to_owned()) }
+        Self::new(FILES, what, Some(error.help().to_owned()))
     }
 
     /// Films that could not be found or read.
     pub fn intake(error: &IntakeError) -> Self {
-        Self { code: FILES, what: error.to_string(), help: Some(error.help().to_owned()) }
+        Self::new(FILES, error.to_string(), Some(error.help().to_owned()))
     }
 
     /// What went wrong, without what to do.
@@ -124,7 +149,7 @@ impl Failure {
 
     /// Something that should not happen.
     pub fn internal(what: impl Into<String>) -> Self {
-        Self { code: INTERNAL, what: what.into(), help: None }
+        Self::new(INTERNAL, what.into(), None)
     }
 }
 
@@ -159,9 +184,15 @@ impl From<TableError> for Failure {
 impl fmt::Display for Failure {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "error: {}", self.what)?;
-        match &self.help {
-            Some(help) => write!(f, "\n  help: {help}"),
-            None => Ok(()),
+        if let Some(help) = &self.help {
+            write!(f, "\n  help: {help}")?;
+        }
+        for other in self.others.iter().take(SHOWN) {
+            write!(f, "\n{other}")?;
+        }
+        match self.others.len().saturating_sub(SHOWN) {
+            0 => Ok(()),
+            more => write!(f, "\nerror: {more} more results could not be written"),
         }
     }
 }
