@@ -58,12 +58,37 @@ pub struct Failure {
     /// Lines between what went wrong and what to do.
     details: Vec<String>,
     help: Option<String>,
+    /// Other results of the same command that could not be made either.
+    others: Vec<Self>,
 }
 
+/// So many failures of one command are shown, and the others counted.
+const SHOWN: usize = 20;
+
 impl Failure {
+    fn new(code: u8, what: String, help: Option<String>) -> Self {
+        Self { code, what, details: Vec::new(), help, others: Vec::new() }
+    }
+
+    /// All failures of a command as one, which has the code of the first; `None` of none.
+    pub fn together(failures: Vec<Self>) -> Option<Self> {
+        let mut failures = failures.into_iter();
+        let first = failures.next()?;
+        Some(Self { others: failures.collect(), ..first })
+    }
+
+    /// The same with the name of the result that could not be made, where it does not say it.
+    pub fn of_result(mut self, result: &Path) -> Self {
+        let name = result.display().to_string();
+        if !self.what.contains(&name) {
+            self.what = format!("{name}: {}", self.what);
+        }
+        self
+    }
+
     /// The command line is wrong.
     pub fn usage(what: impl Into<String>) -> Self {
-        Self { code: USAGE, what: what.into(), details: Vec::new(), help: None }
+        Self::new(USAGE, what.into(), None)
     }
 
     /// A file or its content cannot be used.
@@ -86,7 +111,7 @@ impl Failure {
     /// Ctrl-C or SIGTERM came before there was any result.
     pub fn interrupted() -> Self {
         let what = "interrupted before a result was written".to_owned();
-        Self { code: INTERRUPTED, what, details: Vec::new(), help: None }
+        Self::new(INTERRUPTED, what, None)
     }
 
     /// A file that cannot be read as its format.
@@ -121,7 +146,7 @@ impl Failure {
     }
 
     fn files(what: String, help: &str) -> Self {
-        Self { code: FILES, what, details: Vec::new(), help: Some(help.to_owned()) }
+        Self::new(FILES, what, Some(help.to_owned()))
     }
 
     /// With one more line on what went wrong.
@@ -138,7 +163,7 @@ impl Failure {
 
     /// Something that should not happen.
     pub fn internal(what: impl Into<String>) -> Self {
-        Self { code: INTERNAL, what: what.into(), details: Vec::new(), help: None }
+        Self::new(INTERNAL, what.into(), None)
     }
 }
 
@@ -178,6 +203,13 @@ impl From<&Failure> for Lines {
         }
         if let Some(help) = &failure.help {
             lines.line(format!("  help: {help}"));
+        }
+        for other in failure.others.iter().take(SHOWN) {
+            lines.text(Self::from(other).as_str());
+        }
+        let more = failure.others.len().saturating_sub(SHOWN);
+        if more > 0 {
+            lines.line(format!("error: {more} more results could not be written"));
         }
         lines
     }

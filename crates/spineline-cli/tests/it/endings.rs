@@ -5,7 +5,7 @@ use std::path::Path;
 
 use serde_json::Value;
 
-use crate::program::{done, json, run, with_phantom, words};
+use crate::program::{CASE, done, json, run, with_phantom, with_phantoms, words};
 
 /// The ending of the simulations of one line.
 fn statuses(analysis: &Value, line: &str) -> Vec<String> {
@@ -199,4 +199,84 @@ fn a_model_that_cannot_be_written_says_what_would_give_one() {
         // Another line helps only where it has a model.
         assert_eq!(error.contains("--model-line"), line == "given", "{name}: {error}");
     }
+}
+
+/// A folder where a file is to be written: known only when the file is made.
+fn block(here: &Path, file: &str) {
+    fs::create_dir_all(here.join(file)).expect("a folder");
+}
+
+fn names(folder: &Path) -> Vec<String> {
+    let entries = fs::read_dir(folder).expect("a folder");
+    let name = |entry: std::io::Result<fs::DirEntry>| entry.expect("an entry").file_name();
+    let mut names: Vec<String> =
+        entries.map(|entry| name(entry).to_string_lossy().into_owned()).collect();
+    names.sort();
+    names
+}
+
+#[test]
+fn an_output_that_cannot_be_made_does_not_stop_the_others() {
+    let here = with_phantom(&[]);
+    let at = |name: &str| here.path().join(name);
+    let (figure, table) = ("figures/phantom-rod-01-overview.svg", "tables/joints.csv");
+    block(here.path(), figure);
+    block(here.path(), table);
+    let outputs = [
+        ["--figures", "figures"],
+        ["--tables", "tables"],
+        ["--json", "a.json"],
+        ["--csv", "e.csv"],
+        ["--chain", "c.csv"],
+        ["--cohort", "cohort.json"],
+        ["--model", "m.json"],
+    ];
+    let analyze = [&["analyze", CASE][..], outputs.as_flattened()].concat();
+    let (text, error, code) = run(here.path(), &analyze);
+    assert_eq!(code, 3, "{text}{error}");
+    assert!(text.contains("phantom-rod-01"), "{text}");
+    for blocked in [figure, table] {
+        assert!(error.contains(&format!("error: {blocked} could not be written")), "{error}");
+    }
+    assert_eq!(error.matches("help: ").count(), 2, "{error}");
+    for made in ["a.json", "e.csv", "e.csv.provenance.json", "c.csv", "cohort.json", "m.json"] {
+        assert!(at(made).is_file(), "{made}: {error}");
+    }
+    // A folder of results is complete or as it was.
+    assert_eq!(names(&at("figures")), ["phantom-rod-01-overview.svg"]);
+    assert_eq!(names(&at("tables")), ["joints.csv"]);
+    let rerun = ["rerun", "a.json", "--figures", "figures", "--json", "again.json"];
+    let (text, error, code) = run(here.path(), &rerun);
+    assert!(code == 3 && error.contains(figure), "{error}");
+    assert!(text.contains("Nothing differs") && at("again.json").is_file(), "{text}{error}");
+}
+
+#[test]
+fn a_report_is_made_although_its_figures_cannot_be() {
+    let here = with_phantom(&[]);
+    let at = |name: &str| here.path().join(name);
+    let report = ["report", CASE, "--out", "r.html", "--figures", "figures"];
+    done(here.path(), &report);
+    let first = names(&at("figures")).remove(0);
+    fs::remove_dir_all(at("figures")).expect("a folder");
+    fs::remove_file(at("r.html")).expect("a report");
+    block(here.path(), &format!("figures/{first}"));
+    let (text, error, code) = run(here.path(), &report);
+    assert!(code == 3 && error.contains(&first), "{code} {error}");
+    assert!(at("r.html").is_file() && text.contains("r.html"), "{text}{error}");
+    assert_eq!(names(&at("figures")), [first]);
+}
+
+#[test]
+fn figures_of_one_patient_do_not_stop_those_of_the_next() {
+    let here = with_phantoms("rod", &["1", "2"]);
+    block(here.path(), "figures/phantom-rod-01-overview.svg");
+    let analyze = ["analyze", "cases", "--figures", "figures", "--json", "all.json"];
+    let (text, error, code) = run(here.path(), &analyze);
+    assert!(code == 3 && error.contains("phantom-rod-01-overview.svg"), "{code} {error}");
+    assert!(text.contains("2 patients"), "{text}");
+    assert_eq!(json(&here.path().join("all.json")).as_array().map(Vec::len), Some(2));
+    let names = names(&here.path().join("figures"));
+    assert!(names.iter().any(|name| name == "phantom-rod-02-overview.svg"), "{names:?}");
+    assert_eq!(names.iter().filter(|name| name.starts_with("phantom-rod-01")).count(), 1);
 }

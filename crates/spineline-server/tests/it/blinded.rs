@@ -15,9 +15,9 @@ const COLUMN_PX: f64 = 123.4567;
 /// A study of two films that `anna` and `ben` read once each, with `lead` as its admin.
 fn app() -> App {
     let app = App::new(Access::Accounts, |store| {
-        let password = PasswordHash::new(PASSWORD).expect("long enough");
         for (who, role) in [("lead", Role::Admin), ("anna", Role::Editor), ("ben", Role::Editor)] {
             let account = Account { name: name(who), role, enabled: true };
+            let password = PasswordHash::new(PASSWORD, &account.name).expect("a password");
             store.add_account(&account, &password, &by("lead")).expect("an account");
         }
         let study = Study { id: name("B-1"), label: Some(LABEL.to_owned()), synthetic: true };

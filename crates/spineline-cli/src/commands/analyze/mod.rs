@@ -51,12 +51,10 @@ pub fn run(args: &AnalyzeArgs) -> Result<Ending, Failure> {
         return Err(Failure::interrupted());
     }
     print_notices(&found.read.warnings());
-    let listed = if args.cohort.is_some() { Listed::All } else { Listed::First };
-    let statistics = || cohort::of_kept(&mut found.patients, listed, args.threads);
-    let together = asked.is_cohort.then(statistics).transpose()?;
+    let together = statistics(&mut found, asked, &outputs);
     // Results are shown although they cannot be written.
-    let kept = keep(&found, together.as_ref(), asked, written, &outputs);
-    let kept = kept.and_then(|()| outputs.commit());
+    keep(&found, together.as_ref(), asked, written, &outputs);
+    let kept = outputs.commit();
     if !to_stdout {
         print(Lines::of_text(&text(&found, together.as_ref())))?;
     }
@@ -67,6 +65,14 @@ pub fn run(args: &AnalyzeArgs) -> Result<Ending, Failure> {
     Ok(if found.is_cut_short { Ending::Interrupted } else { found.ending })
 }
 
+/// Statistics over a cohort; `None` of one patient, and where there is no room for them.
+fn statistics(found: &mut Found, asked: Asked<'_>, outputs: &Outputs) -> Option<Cohort> {
+    let args = asked.args;
+    let listed = if args.cohort.is_some() { Listed::All } else { Listed::First };
+    let patients = found.patients.as_mut().filter(|_| asked.is_cohort)?;
+    cohort::of_kept(patients, listed, args.threads).map_err(|failure| outputs.go_on(failure)).ok()
+}
+
 /// Writes what is left to write.
 fn keep(
     found: &Found,
@@ -74,20 +80,19 @@ fn keep(
     asked: Asked<'_>,
     written: Written<'_>,
     outputs: &Outputs,
-) -> Result<(), Failure> {
+) {
     let args = asked.args;
     let provenance = || asked.record.provenance_of_all(&found.read);
-    written.keep(args, provenance)?;
+    written.keep(provenance);
     if let (Some(path), Some(together)) = (&args.cohort, together) {
-        write_cohort(path, found, together, provenance(), outputs)?;
+        outputs.attempt(path, || write_cohort(path, found, together, provenance(), outputs));
     }
     if let (Some(path), Some(one), Some(choice)) = (&args.model, &found.one, &found.model)
         && let Some(model) = one.analysis.model(choice.kind)
     {
         let chosen = (&one.analysis, model, &choice.words[..]);
-        write_model(path, chosen, &provenance(), outputs)?;
+        outputs.attempt(path, || write_model(path, chosen, &provenance(), outputs));
     }
-    Ok(())
 }
 
 /// The cases to analyse: all, or one part of them.
@@ -145,8 +150,8 @@ fn is_csv(path: &Path) -> bool {
 /// What is left of the patients after their results were written.
 struct Found {
     read: ReadCases,
-    /// For a cohort.
-    patients: KeptPatients,
+    /// For a cohort; `None` if there was no room for one.
+    patients: Option<KeptPatients>,
     rows: PatientRows,
     /// Cases of a list without a result.
     refused: Vec<RefusedCase>,
@@ -172,7 +177,7 @@ fn analyze_all(
         if asked.is_long() { ProgressBar::hidden() } else { bar("analysing", paths.len()) };
     let mut found = Found {
         read: ReadCases::default(),
-        patients: KeptPatients::default(),
+        patients: Some(KeptPatients::default()),
         rows: PatientRows::default(),
         refused: Vec::new(),
         one: None,
@@ -193,7 +198,7 @@ fn analyze_all(
         match checked {
             Ok(one) => {
                 let notices = notices(&one);
-                found.add(one, asked, written, outputs)?;
+                found.add(one, asked, written, outputs);
                 // Nobody waits for the results of an interrupted run that has none.
                 if !found.is_cut_short || found.has_replicates {
                     progress.suspend(|| print_notices(&notices));
@@ -204,7 +209,7 @@ fn analyze_all(
             Err(Refusal { case, failure }) => {
                 progress.suspend(|| say(&failure));
                 found.ending = Ending::BadInput;
-                written.add(OutputParts::refused(&case, asked))?;
+                written.add(OutputParts::refused(&case, asked));
                 found.refused.push(*case);
                 Ok(())
             }
@@ -228,12 +233,13 @@ impl Found {
         asked: Asked<'_>,
         written: &mut Written<'_>,
         outputs: &Outputs,
-    ) -> Result<(), Failure> {
-        written.add(std::mem::take(&mut one.parts))?;
+    ) {
+        written.add(std::mem::take(&mut one.parts));
         let Analysed { input, analysis, confidence, row, .. } = &mut one;
         let args = asked.args;
         if let Some(folder) = &args.figures {
-            draw_figures(analysis, &asked.record.provenance_of(input), folder, outputs)?;
+            let provenance = asked.record.provenance_of(input);
+            outputs.attempt(folder, || draw_figures(analysis, &provenance, folder, outputs));
         }
         self.is_cut_short |= confidence.is_cut_short();
         self.has_replicates |= confidence.has_replicates();
@@ -244,13 +250,17 @@ impl Found {
             self.ending = Ending::NotConverged;
         }
         if let Some((patient, row)) = row.take() {
-            self.patients.add(&patient)?;
+            if let Some(patients) = &mut self.patients
+                && let Err(failure) = patients.add(&patient)
+            {
+                outputs.go_on(failure);
+                self.patients = None;
+            }
             self.rows.add(row);
         }
         if !asked.is_list {
             self.one = Some(one);
         }
-        Ok(())
     }
 }
 

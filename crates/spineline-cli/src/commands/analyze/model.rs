@@ -32,12 +32,13 @@ pub fn write_model(
     provenance: &Provenance,
     outputs: &Outputs,
 ) -> Result<(), Failure> {
+    let file = ModelFile::new(analysis, model, &generator());
+    outputs.write(path, to_text(&file.with_provenance(provenance.clone())))?;
     if !why.is_empty() {
         let (case, kind) = (&analysis.case_id, model.kind);
         say(format!("{case}: the model of the {kind} is written. {why}"));
     }
-    let file = ModelFile::new(analysis, model, &generator());
-    outputs.write(path, to_text(&file.with_provenance(provenance.clone())))
+    Ok(())
 }
 
 /// Names the missing model and the options that give one.

@@ -30,10 +30,13 @@ pub fn run(args: &NoiseStudyArgs) -> Result<Ending, Failure> {
     let rows: Vec<NoisePoint<'_>> = points.iter().map(study::Point::row).collect();
     let provenance =
         Provenance::new(this_run()?, FilmOrigin::Synthetic, Vec::new()).with_seed(args.seed);
-    outputs.write_table(&table, noise_study_table(&rows).to_csv()?, &provenance)?;
-    outputs.write(&figure, in_svg(&drawing::svg(&points, args), &provenance))?;
-    outputs.commit()?;
+    let rows = noise_study_table(&rows);
+    outputs.attempt(&table, || outputs.write_table(&table, rows.to_csv()?, &provenance));
+    let svg = || in_svg(&drawing::svg(&points, args), &provenance);
+    outputs.attempt(&figure, || outputs.write(&figure, svg()));
+    let kept = outputs.commit();
     print(Lines::of_text(&text::report(&points, args)))?;
+    kept?;
     let mut written = Lines::of("");
     written.line(format!("Table   {}", table.display()));
     written.line(format!("Figure  {} (open it in a browser)", figure.display()));

@@ -66,20 +66,21 @@ pub fn run(args: &ReliabilityArgs) -> Result<Ending, Failure> {
     if let Some(path) = &args.json {
         let file = ReliabilityFile::new(&found, synthetic, &generator())
             .with_provenance(provenance.clone());
-        outputs.write(path, spineline_files::to_text(&file))?;
+        outputs.attempt(path, || outputs.write(path, spineline_files::to_text(&file)));
     }
     if let Some(path) = &args.csv {
-        outputs.write_table(path, statistics_table(&found, synthetic).to_csv()?, &provenance)?;
+        let table = statistics_table(&found, synthetic);
+        outputs.attempt(path, || outputs.write_table(path, table.to_csv()?, &provenance));
     }
     if let Some(folder) = &args.figure {
-        draw(&found, synthetic, &provenance, folder, &outputs)?;
+        outputs.attempt(folder, || draw(&found, synthetic, &provenance, folder, &outputs));
     }
-    outputs.commit()?;
+    let kept = outputs.commit();
     if to_stdout == 0 {
         let document = summary(&found, synthetic, &generator());
         print(Lines::of_text(&terminal(&document, terminal::WIDTH)))?;
     }
-    Ok(Ending::Done)
+    kept.map(|()| Ending::Done)
 }
 
 /// Checks every output before any work.

@@ -46,20 +46,30 @@ impl Report<'_> {
         args: &ReportArgs,
         outputs: Outputs,
     ) -> Result<Ending, Failure> {
-        let document = self.document;
-        match args.form()? {
-            FormName::Html => outputs.write(out, html(document))?,
-            FormName::Md => self.write_markdown(out, &outputs)?,
-            FormName::Pdf => outputs.write(out, pdf::pdf(document, self.provenance.date_utc())?)?,
+        let form = args.form()?;
+        let mut said = Lines::default();
+        if outputs.attempt(out, || self.write_page(form, out, &outputs)) {
+            said.line(format!("Report   {}", out.display()));
         }
-        let mut said = Lines::of(format!("Report   {}", out.display()));
         if let Some(folder) = &args.figures {
             self.warn_of_letters();
-            self.write_figures(folder, args.threads, &outputs)?;
-            said.line(format!("Figures  {} (SVG and PNG)", folder.display()));
+            if outputs.attempt(folder, || self.write_figures(folder, args.threads, &outputs)) {
+                said.line(format!("Figures  {} (SVG and PNG)", folder.display()));
+            }
         }
-        outputs.commit()?;
-        print(said)
+        let kept = outputs.commit();
+        let shown = print(said);
+        kept.and(shown)
+    }
+
+    fn write_page(&self, form: FormName, out: &Path, outputs: &Outputs) -> Result<(), Failure> {
+        match form {
+            FormName::Html => outputs.write(out, html(self.document)),
+            FormName::Md => self.write_markdown(out, outputs),
+            FormName::Pdf => {
+                outputs.write(out, pdf::pdf(self.document, self.provenance.date_utc())?)
+            }
+        }
     }
 
     /// A PDF says itself which letters no font has; a browser looks for letters where it is.

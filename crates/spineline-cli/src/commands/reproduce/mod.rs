@@ -41,9 +41,10 @@ pub fn run(args: &ReproduceArgs) -> Result<Ending, Failure> {
     print(Lines::of_text(&text(&sections, args)))?;
     let provenance =
         Provenance::new(this_run()?, FilmOrigin::Synthetic, Vec::new()).with_seed(args.seed);
-    files::write(&outputs, &runs, &sections, args, &provenance)?;
-    drawings::write(&outputs, &args.out.join("figures"), &runs, &provenance)?;
-    reports::write(&outputs, &args.out.join("reports"), &runs, &provenance)?;
+    let (figures, reports) = (args.out.join("figures"), args.out.join("reports"));
+    outputs.attempt(&args.out, || files::write(&outputs, &runs, &sections, args, &provenance));
+    outputs.attempt(&figures, || drawings::write(&outputs, &figures, &runs, &provenance));
+    outputs.attempt(&reports, || reports::write(&outputs, &reports, &runs, &provenance));
     outputs.commit()?;
     print(closing(&args.out))?;
     // A model without result in a scenario that contradicts it is a finding: the table counts it.

@@ -90,7 +90,8 @@ pub fn run(args: &RerunArgs) -> Result<Ending, Failure> {
     }
     if let Some(folder) = &args.figures {
         for repeated in &again {
-            draw_figures(&repeated.analysis, &repeated.provenance, folder, &outputs)?;
+            let Repeated { analysis, provenance, .. } = repeated;
+            outputs.attempt(folder, || draw_figures(analysis, provenance, folder, &outputs));
         }
     }
     if let Some(path) = &args.json {
@@ -99,12 +100,13 @@ pub fn run(args: &RerunArgs) -> Result<Ending, Failure> {
             [one] if !stored.is_list => to_text(one),
             all => to_text(&all),
         };
-        outputs.write(path, &text)?;
+        outputs.attempt(path, || outputs.write(path, &text));
     }
-    outputs.commit()?;
+    let kept = outputs.commit();
     if !to_stdout {
         print(text)?;
     }
+    kept?;
     Ok(if same { Ending::Done } else { Ending::Differs })
 }
 

@@ -14,6 +14,7 @@ use std::path::PathBuf;
 use spineline::multibody::{ForceSign, PathPoint};
 use spineline_files::{FilmOrigin, InputFile, Provenance, to_text};
 use spineline_report::terminal::Lines;
+use spineline_tables::Table;
 
 use crate::run::failure::{Ending, Failure};
 use crate::run::inputs::{read_input, read_model};
@@ -100,16 +101,21 @@ impl Outcome {
             provenance = provenance.asking(&source.request());
         }
         if let Some(path) = &args.json {
-            outputs.write(path, to_text(&self.file().with_provenance(provenance.clone())))?;
+            let file = || self.file().with_provenance(provenance.clone());
+            outputs.attempt(path, || outputs.write(path, to_text(&file())));
         }
+        let table = |path: &PathBuf, table: Table| {
+            let write = || outputs.write_table(path, table.to_csv()?, &provenance);
+            outputs.attempt(path, write);
+        };
         if let Some(path) = &args.csv {
-            outputs.write_table(path, self.path().to_csv()?, &provenance)?;
+            table(path, self.path());
         }
         if let Some(path) = &args.measures {
-            outputs.write_table(path, self.measures().to_csv()?, &provenance)?;
+            table(path, self.measures());
         }
         if let Some(path) = &args.svg {
-            outputs.write(path, in_svg(&self.svg(), &provenance))?;
+            outputs.attempt(path, || outputs.write(path, in_svg(&self.svg(), &provenance)));
         }
         Ok(())
     }

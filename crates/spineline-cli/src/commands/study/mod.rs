@@ -73,17 +73,11 @@ fn plan(
     let fail = |error: StoreError| Failure::store(path, &error);
     let mut store = Store::open(path).map_err(fail)?;
     let observers = observers.iter().map(|o| store_name(o)).collect::<Result<Vec<_>, _>>()?;
-<<<<<<< HEAD
-    let readings = store.reading_plan(&store_name(study)?, &observers, design, by).map_err(fail)?;
-    print(format!(
-        "Planned {}: every observer reads every film {}, {} apart, in a random order each{}.",
-=======
     let study = store_name(study)?;
     let readings = store.reading_plan(&study, &observers, design, &mut system_random, by);
     let readings = readings.map_err(fail)?;
-    print(&format!(
-        "Planned {}: every observer reads every film {}, {} apart, in a random order each{}.\n",
->>>>>>> blind
+    print(format!(
+        "Planned {}: every observer reads every film {}, {} apart, in a random order each{}.",
         counted(readings, "reading"),
         counted(design.repeats, "time"),
         counted(design.washout_days, "day"),
@@ -109,8 +103,8 @@ fn release(path: &Path, study: &str, by: &Signature) -> Result<Ending, Failure> 
     let study = store_name(study)?;
     let readings = Store::open(path).and_then(|mut store| store.release_washout(&study, by));
     let readings = readings.map_err(fail)?;
-    print(&format!(
-        "{study}: the washout of {} with a time ahead of the clock is over.\n",
+    print(format!(
+        "{study}: the washout of {} with a time ahead of the clock is over.",
         counted(readings, "reading")
     ))
 }

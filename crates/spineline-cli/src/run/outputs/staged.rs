@@ -27,7 +27,8 @@ pub struct OverwriteArgs {
 /// The outputs of one command.
 ///
 /// Files are written beside their targets under temporary names, and get their own names in [`Outputs::commit`]. Without that,
-/// such as after a failure, every target is as it was and nothing is left behind.
+/// such as after a failure, every target is as it was and nothing is left behind. Of several results, one that cannot be made does not
+/// stop the others ([`Outputs::attempt`]).
 pub struct Outputs {
     overwrite: bool,
     inputs: Vec<Identity>,
@@ -40,7 +41,8 @@ struct State {
     staged: Vec<Staged>,
     /// Folders that were made, the outer one first.
     folders: Vec<PathBuf>,
-    is_committed: bool,
+    /// Results that could not be made, beside others that can.
+    failures: Vec<Failure>,
 }
 
 enum Staged {
@@ -194,31 +196,69 @@ impl Outputs {
         self.write(&beside(path), to_text(&file))
     }
 
+    /// Makes one result of several. If that fails, nothing of it is left and the others are made: [`Outputs::commit`] ends with the failure.
+    /// Returns whether it was made.
+    pub fn attempt(&self, result: &Path, make: impl FnOnce() -> Result<(), Failure>) -> bool {
+        let before = self.state().staged.len();
+        let made = make();
+        let is_made = made.is_ok();
+        if let Err(failure) = made {
+            forget(self.state().staged.drain(before..));
+            self.go_on(failure.of_result(result));
+        }
+        is_made
+    }
+
+    /// The next step of a result that is made step by step, as [`Outputs::attempt`]: `None` is left of it if that fails.
+    pub fn step<T>(
+        &self,
+        result: &Path,
+        made: &mut Option<T>,
+        step: impl FnOnce(&mut T) -> Result<(), Failure>,
+    ) {
+        if let Some(one) = made
+            && !self.attempt(result, || step(one))
+        {
+            *made = None;
+        }
+    }
+
+    /// Keeps a failure for the end of the command, since other results can be made.
+    pub fn go_on(&self, failure: Failure) {
+        self.state().failures.push(failure);
+    }
+
     /// Gives all results their names, and prints what goes to the standard output.
     ///
     /// # Errors
-    /// If one cannot be written; those before it are.
+    /// Of every result that could not be made or written; the others are.
     pub fn commit(self) -> Result<(), Failure> {
         interrupt::begin_writing();
-        let mut state = self.state();
-        state.is_committed = true;
-        let staged = std::mem::take(&mut state.staged);
+        let (staged, mut failures) = {
+            let mut state = self.state();
+            (std::mem::take(&mut state.staged), std::mem::take(&mut state.failures))
+        };
         let mut printed = String::new();
         for one in staged {
-            match one {
-                Staged::Printed(text) => printed.push_str(&text),
-                Staged::Into(stream, content) => write_into(&stream, &content)?,
+            let written = match one {
+                Staged::Printed(text) => {
+                    printed.push_str(&text);
+                    Ok(())
+                }
+                Staged::Into(stream, content) => write_into(&stream, &content),
                 Staged::File { part, file, shown } => {
                     let name = part.to_path_buf();
-                    part.persist(&file).map_err(|error| failed(&shown)(error.error))?;
+                    let named = part.persist(&file);
                     interrupt::forget_part(&name);
+                    named.map_err(|error| failed(&shown)(error.error))
                 }
-            }
+            };
+            failures.extend(written.err());
         }
         if !printed.is_empty() {
-            print_data(&printed)?;
+            failures.extend(print_data(&printed).err());
         }
-        Ok(())
+        Failure::together(failures).map_or(Ok(()), Err)
     }
 
     /// Refuses an input of this command.
@@ -255,19 +295,22 @@ impl Outputs {
 }
 
 impl Drop for Outputs {
-    /// Removes what a command that failed began.
+    /// Removes what was begun and not committed.
     fn drop(&mut self) {
         let state = self.state.get_mut().unwrap_or_else(PoisonError::into_inner);
-        for staged in state.staged.drain(..) {
-            if let Staged::File { part, .. } = staged {
-                interrupt::forget_part(&part);
-            }
+        forget(state.staged.drain(..));
+        for folder in state.folders.iter().rev() {
+            // A folder with a file in it stays.
+            let _ = fs::remove_dir(folder);
         }
-        if !state.is_committed {
-            for folder in state.folders.iter().rev() {
-                // A folder in which somebody else has put a file stays.
-                let _ = fs::remove_dir(folder);
-            }
+    }
+}
+
+/// Removes results that are not to be written.
+fn forget(staged: impl Iterator<Item = Staged>) {
+    for one in staged {
+        if let Staged::File { part, .. } = one {
+            interrupt::forget_part(&part);
         }
     }
 }
