@@ -15,6 +15,7 @@ import zipfile
 from pathlib import Path
 
 import bombs
+import clocks
 import disks
 import kills
 import mutations
@@ -48,6 +49,7 @@ def main() -> int:
         disks.attack(program, samples),
         signals.attack(program, samples, options.interruptions, options.seed),
         kills.attack(program, samples, options.kills, options.seed),
+        clocks.attack(program, samples),
     )
     faults = []
     for attack in attacks:

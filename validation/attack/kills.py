@@ -23,9 +23,12 @@ CORNERS = ("superior_left", "superior_right", "inferior_right", "inferior_left")
 class Server:
     """The program over a store, with one session."""
 
-    def __init__(self, program: Path, store: Path) -> None:
-        words = [str(program), "serve", str(store), "--port", "0"]
-        self.child = subprocess.Popen(words, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, cwd=store.parent)
+    def __init__(self, program: Path, store: Path, *, port: int = 0, environment: dict[str, str] | None = None) -> None:
+        words = [str(program), "serve", str(store), "--port", str(port)]
+        around = os.environ | (environment or {})
+        self.child = subprocess.Popen(
+            words, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, cwd=store.parent, env=around
+        )
         self.errors: list[str] = []
         threading.Thread(target=lambda: self.errors.extend(self.child.stderr), daemon=True).start()
         address = None

@@ -68,6 +68,7 @@ def run(
     *,
     largest_file: int | None = None,
     interrupt_after_s: float | None = None,
+    environment: dict[str, str] | None = None,
 ) -> Run:
     """Runs the program in a folder; a file may grow to a size, and Ctrl-C may come after a time."""
 
@@ -86,7 +87,7 @@ def run(
         preexec_fn=limit,
         # Python ignores the signal of a file that is too large, and so must its child: it sees an error, as of a full disk.
         restore_signals=False,
-        env=os.environ | {"NO_COLOR": "1", "HOME": str(folder)},
+        env=os.environ | {"NO_COLOR": "1", "HOME": str(folder)} | (environment or {}),
     ) as child:
         texts: dict[str, bytes] = {}
         readers = [

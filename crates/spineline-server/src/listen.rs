@@ -136,8 +136,6 @@ fn connection<I: AsyncRead + AsyncWrite + Unpin + Send + 'static>(
         .timer(TokioTimer::new())
         .header_read_timeout(HEAD_TIMEOUT)
         .max_buf_size(MAX_HEAD_BYTES)
-        // A date cannot be written where the clock is before 1970, and nobody needs it: answers are not kept.
-        .auto_date_header(false)
         .serve_connection(TokioIo::new(stream), TowerToHyperService::new(app))
 }
 

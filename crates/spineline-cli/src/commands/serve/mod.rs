@@ -4,7 +4,7 @@ mod archives;
 
 use std::net::{IpAddr, Ipv4Addr, SocketAddr};
 use std::path::PathBuf;
-use std::time::SystemTime;
+use std::time::{SystemTime, UNIX_EPOCH};
 
 use clap::Args;
 use spineline_server::{ServeLimits, ServeOptions, Server};
@@ -69,6 +69,7 @@ pub struct ServeArgs {
 }
 
 pub fn run(args: &ServeArgs) -> Result<Ending, Failure> {
+    check_clock()?;
     let archives = args.archives.read()?;
     let store = open(args)?;
     let access =
@@ -113,6 +114,17 @@ fn open(args: &ServeArgs) -> Result<Store, Failure> {
     }
     let by = Signature::new(Name::new("serve").map_err(fail)?, SystemTime::now().into());
     Store::create(&args.store, &by).map_err(fail)
+}
+
+/// The library that serves cannot write the date of an answer before 1970 or after 9999.
+fn check_clock() -> Result<(), Failure> {
+    const END_S: u64 = 253_402_300_800;
+    let since_1970 = SystemTime::now().duration_since(UNIX_EPOCH);
+    if since_1970.is_ok_and(|time| time.as_secs() < END_S) {
+        return Ok(());
+    }
+    let what = "the time is before 1970 or after 9999";
+    Err(Failure::input("the clock of this computer", &what, "set the clock, and start again"))
 }
 
 /// Refuses settings that give access to the wrong people or to no one.
