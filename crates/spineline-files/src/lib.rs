@@ -21,6 +21,7 @@ mod error;
 mod export;
 mod json;
 mod keys;
+mod keys_once;
 mod load_file;
 pub mod method_text;
 mod model_file;
@@ -58,6 +59,7 @@ pub use error::FileError;
 pub use export::{ExportError, ExportFormat, export};
 pub use json::{file_format, parse_json};
 pub use keys::{Key, LevelKey};
+pub use keys_once::KeysOnce;
 pub use load_file::{
     AppliedLoad, DIRECTIONS, LoadFault, LoadFile, PlacedLoads, direction, parse_load,
 };
