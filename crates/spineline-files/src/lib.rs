@@ -16,6 +16,7 @@ mod analysis_file;
 pub mod by_key;
 mod case_file;
 mod cohort_file;
+mod content;
 mod digest;
 mod error;
 mod export;
@@ -54,7 +55,8 @@ pub use case_file::{
     written_axis_deg,
 };
 pub use cohort_file::CohortFile;
-pub use digest::{RunningDigest, sha256_hex};
+pub use content::{Content, RunningContent, case_ids, content_words, text_with_hash, with_hash};
+pub use digest::sha256_hex;
 pub use error::FileError;
 pub use export::{ExportError, ExportFormat, export};
 pub use json::{file_format, parse_json};

@@ -7,7 +7,7 @@ use spineline::measure::{FilmReadings, TiltRule};
 use spineline::reliability::{QuantityReliability, RatedQuantity, assess, film_quantities};
 use spineline_files::{FilmOrigin, InputFile, Provenance, ReliabilityFile};
 use spineline_report::reliability::summary;
-use spineline_report::{figures, terminal};
+use spineline_report::{figures, file_stem, terminal};
 use spineline_tables::statistics_table;
 
 use crate::run::failure::{Ending, Failure};
@@ -56,8 +56,10 @@ pub fn run(args: &ReliabilityArgs) -> Result<Ending, Failure> {
         return Err(Failure::usage("only one of --json and --csv can go to the standard output"));
     }
     let outputs = check_outputs(args)?;
-    let Readings { quantities, synthetic, inputs } = read(&args.inputs)?;
+    let Readings { quantities, synthetic, inputs, case_ids } = read(&args.inputs)?;
+    case_ids.iter().for_each(|id| outputs.of_case(id));
     let provenance = Provenance::new(this_run()?, FilmOrigin::of([synthetic]), inputs);
+    let provenance = provenance.of_cases(case_ids);
     let found: Vec<QuantityReliability> = quantities.iter().map(assess).collect();
     if let Some(path) = &args.json {
         let file = ReliabilityFile::new(&found, synthetic, &generator())
@@ -105,6 +107,7 @@ struct Readings {
     /// Whether any film is synthetic.
     synthetic: bool,
     inputs: Vec<InputFile>,
+    case_ids: Vec<String>,
 }
 
 /// The quantities of a table or of cases.
@@ -120,7 +123,8 @@ fn read(inputs: &[PathBuf]) -> Result<Readings, Failure> {
     let text = spineline_files::read_text(path).map_err(failed)?;
     let table = spineline_files::parse_readings(&text).map_err(failed)?;
     let (quantities, synthetic) = (table.quantities, table.synthetic);
-    Ok(Readings { quantities, synthetic, inputs: vec![input_of(path, &text)] })
+    let inputs = vec![input_of(path, &text)];
+    Ok(Readings { quantities, synthetic, inputs, case_ids: Vec::new() })
 }
 
 fn read_cases(given: &[PathBuf]) -> Result<Readings, Failure> {
@@ -145,7 +149,9 @@ fn read_cases(given: &[PathBuf]) -> Result<Readings, Failure> {
     }
     let borrowed: Vec<(&str, &[FilmReadings])> =
         cases.iter().map(|(id, films)| (id.as_str(), films.as_slice())).collect();
-    Ok(Readings { quantities: film_quantities(&borrowed), synthetic, inputs })
+    let quantities = film_quantities(&borrowed);
+    let case_ids = cases.into_iter().map(|(id, _)| id).collect();
+    Ok(Readings { quantities, synthetic, inputs, case_ids })
 }
 
 /// One picture per quantity and design; observers' names stay out of the files' names.
@@ -156,11 +162,10 @@ fn draw(
     folder: &Path,
     outputs: &Outputs,
 ) -> Result<(), Failure> {
-    let plain = |c: char| if c.is_ascii_alphanumeric() || c == '_' { c } else { '-' };
     for (i, quantity) in found.iter().enumerate() {
         for (j, design) in quantity.designs.iter().enumerate() {
             let Some(svg) = figures::bland_altman(quantity, design, synthetic) else { continue };
-            let name: String = quantity.key.chars().map(plain).take(40).collect();
+            let name = file_stem(&quantity.key);
             let file = format!("{:02}-{name}-{}-{}.svg", i + 1, j + 1, design.design.key());
             outputs.write(&folder.join(file), in_svg(&svg, provenance))?;
         }

@@ -95,7 +95,9 @@ impl Outcome {
             inputs.map(|path| read_input(path)).collect::<Result<_, _>>()?;
         inputs.extend(self.source.as_ref().map(|source| source.input().clone()));
         let films = FilmOrigin::of([self.model.synthetic]);
-        let mut provenance = Provenance::new(this_run()?, films, inputs);
+        let case_id = self.model.case_id.clone();
+        outputs.of_case(&case_id);
+        let mut provenance = Provenance::new(this_run()?, films, inputs).of_cases([case_id]);
         if let Some(source) = &self.source {
             provenance = provenance.asking(&source.request());
         }

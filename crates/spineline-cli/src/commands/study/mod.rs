@@ -103,7 +103,7 @@ fn export(path: &Path, study: &str, out: &Path, outputs: Outputs) -> Result<Endi
     for remark in &exported.remarks {
         say(&format!("note: {remark}\n"));
     }
-    outputs.write(out, &exported.text)?;
+    outputs.write(out, exported.text)?;
     outputs.commit()?;
     Ok(Ending::Done)
 }
