@@ -17,9 +17,9 @@ import spineline as sl
 
 
 def without_run(text: str) -> str:
-    """The file of an analysis without what tells one run from another: command, time and program's words."""
+    """The file of an analysis without what tells one run from another: command, time, and the hash of the file."""
     data = json.loads(text)
-    for key in ("command", "date_utc"):
+    for key in ("command", "date_utc", "content_sha256"):
         del data["provenance"][key]
     return json.dumps(data, ensure_ascii=False, indent=2)
 

@@ -15,27 +15,17 @@ pub fn sha256_hex(bytes: &[u8]) -> String {
 }
 
 /// [`sha256_hex`] of bytes that come piece by piece.
-///
-/// ```
-/// use spineline_files::{RunningDigest, sha256_hex};
-///
-/// let mut digest = RunningDigest::default();
-/// digest.update(b"spine");
-/// digest.update(b"line");
-/// assert_eq!(digest.hex(), sha256_hex(b"spineline"));
-/// ```
 #[derive(Debug, Clone, Default)]
-pub struct RunningDigest(Sha256);
+pub(crate) struct RunningDigest(Sha256);
 
 impl RunningDigest {
     /// Adds the next piece.
-    pub fn update(&mut self, bytes: &[u8]) {
+    pub(crate) fn update(&mut self, bytes: &[u8]) {
         self.0.update(bytes);
     }
 
     /// In 64 lower-case hexadecimal digits.
-    #[must_use]
-    pub fn hex(self) -> String {
+    pub(crate) fn hex(self) -> String {
         self.0.finalize().iter().map(|byte| format!("{byte:02x}")).collect()
     }
 }

@@ -6,6 +6,7 @@ use serde::Deserializer;
 use serde::de::{DeserializeOwned, IgnoredAny, MapAccess, Visitor};
 
 use crate::FileError;
+use crate::keys_once::KeysOnce;
 use crate::nearest::nearest;
 
 /// The first two keys of every file.
@@ -96,15 +97,19 @@ fn without_mark(text: &str) -> &str {
 /// Reads any JSON; a mark of the byte order at its beginning is skipped.
 ///
 /// # Errors
-/// [`FileError::Syntax`], for a number beyond the largest one too.
+/// [`FileError::Syntax`], for a number beyond the largest one too; [`FileError::Value`] for a key that an object has twice.
 pub fn parse_json(text: &str) -> Result<serde_json::Value, FileError> {
     parse_value(without_mark(text))
 }
 
 /// Reads a part of a file.
 pub(crate) fn parse_value<T: DeserializeOwned>(text: &str) -> Result<T, FileError> {
+    let once = serde_json::from_str::<KeysOnce>(text);
     // To know the place all the way takes longer than to read, so a file with a fault is read again for its place.
-    serde_json::from_str(text).or_else(|_| parse_with_place(text))
+    once.and_then(|_| serde_json::from_str(text)).or_else(|_| {
+        parse_with_place::<KeysOnce>(text)?;
+        parse_with_place(text)
+    })
 }
 
 fn parse_with_place<T: DeserializeOwned>(text: &str) -> Result<T, FileError> {

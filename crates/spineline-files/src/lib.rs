@@ -16,11 +16,13 @@ mod analysis_file;
 pub mod by_key;
 mod case_file;
 mod cohort_file;
+mod content;
 mod digest;
 mod error;
 mod export;
 mod json;
 mod keys;
+mod keys_once;
 mod load_file;
 pub mod method_text;
 mod model_file;
@@ -54,11 +56,13 @@ pub use case_file::{
     written_axis_deg,
 };
 pub use cohort_file::CohortFile;
-pub use digest::{RunningDigest, sha256_hex};
+pub use content::{Content, RunningContent, case_ids, content_words, text_with_hash, with_hash};
+pub use digest::sha256_hex;
 pub use error::FileError;
 pub use export::{ExportError, ExportFormat, export};
 pub use json::{file_format, parse_json};
 pub use keys::{Key, LevelKey};
+pub use keys_once::KeysOnce;
 pub use load_file::{
     AppliedLoad, DIRECTIONS, LoadFault, LoadFile, PlacedLoads, direction, parse_load,
 };

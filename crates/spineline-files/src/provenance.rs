@@ -6,6 +6,7 @@ use serde::{Deserialize, Serialize};
 use spineline::uncertainty::LandmarkNoise;
 
 use crate::FileError;
+use crate::content::ContentHash;
 use crate::json::parse;
 use crate::options_record::OptionsRecord;
 use crate::published_record::PublishedRecord;
@@ -94,6 +95,9 @@ pub struct Provenance {
     date_utc: String,
     /// Whether the films are `synthetic`, `real`, or `synthetic_and_real`.
     films: FilmOrigin,
+    /// The cases that the file holds results of; absent where it holds those of none.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    case_ids: Vec<String>,
     /// Files that were read.
     inputs: Vec<InputFile>,
     /// Of everything random; absent where nothing is.
@@ -112,6 +116,10 @@ pub struct Provenance {
     /// sources beside them.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     published_numbers: Vec<PublishedRecord>,
+    /// SHA-256 of the file in which this stands, with 64 zeros in the place of this hash; absent where a provenance file has the
+    /// hash of the file.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    content_sha256: Option<ContentHash>,
 }
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -132,12 +140,14 @@ impl Provenance {
             command,
             date_utc,
             films,
+            case_ids: Vec::new(),
             inputs,
             seed: None,
             identifiability: false,
             replicates: None,
             options: None,
             published_numbers: Vec::new(),
+            content_sha256: Some(ContentHash),
         }
     }
 
@@ -145,6 +155,20 @@ impl Provenance {
     #[must_use]
     pub fn with_published_numbers(mut self) -> Self {
         self.published_numbers = PublishedRecord::all();
+        self
+    }
+
+    /// The same of a file with results of these cases.
+    #[must_use]
+    pub fn of_cases(mut self, ids: impl IntoIterator<Item = String>) -> Self {
+        self.case_ids = ids.into_iter().collect();
+        self
+    }
+
+    /// The same within a file whose hash is in a provenance file, and not within itself.
+    #[must_use]
+    pub fn of_listed_file(mut self) -> Self {
+        self.content_sha256 = None;
         self
     }
 
@@ -176,7 +200,9 @@ impl Provenance {
         let mut known = HashSet::new();
         let inputs = parts.iter().flat_map(|part| &part.inputs);
         let inputs = inputs.filter(|file| known.insert(*file)).cloned().collect();
-        Some(Self { program, command, date_utc, films, inputs, ..(*parts.first()?).clone() })
+        let case_ids = parts.iter().flat_map(|part| part.case_ids.clone()).collect();
+        let first = (*parts.first()?).clone();
+        Some(Self { program, command, date_utc, films, case_ids, inputs, ..first })
     }
 
     /// Whether both come of one program with one request, whatever the inputs.
@@ -212,6 +238,12 @@ impl Provenance {
     #[must_use]
     pub fn date_utc(&self) -> &str {
         &self.date_utc
+    }
+
+    /// The cases that the file holds results of.
+    #[must_use]
+    pub fn case_ids(&self) -> &[String] {
+        &self.case_ids
     }
 
     /// Files that were read.

@@ -5,7 +5,7 @@ use std::fmt;
 
 use serde::de::{DeserializeOwned, IgnoredAny, MapAccess, SeqAccess, Visitor};
 use serde::{Deserialize, Deserializer};
-use spineline_files::decode_text;
+use spineline_files::{KeysOnce, decode_text};
 
 use super::LandmarkError;
 
@@ -14,8 +14,9 @@ pub(super) fn parse_foreign<T: DeserializeOwned>(bytes: &[u8]) -> Result<T, Land
     let text = decode_text(bytes).ok_or_else(|| LandmarkError::Unrecognised {
         reason: "its text is neither UTF-8 nor UTF-16".to_owned(),
     })?;
-    parse_text(&text).or_else(|error| match without_nan(&text) {
-        Some(text) => parse_text(&text),
+    let parse = |text: &str| parse_text::<KeysOnce>(text).and_then(|_| parse_text(text));
+    parse(&text).or_else(|error| match without_nan(&text) {
+        Some(text) => parse(&text),
         None => Err(error),
     })
 }

@@ -1,6 +1,7 @@
 //! A report as the data that the template reads: texts that can be set, in their order, with the measures of tables.
 
 use serde_json::{Value, json};
+use spineline_files::{case_ids, content_words};
 use spineline_report::Document;
 use spineline_report::document::{Block, Notice, NoticeKind, Section, Table};
 
@@ -60,6 +61,8 @@ pub(crate) fn page(document: &Document, letters: &Letters, missing: Option<&str>
         "heading": letters.plain(&format!("{}: {}", document.title, document.subject)),
         "footer": letters.words(&shortened(&document.subject)),
         "generator": letters.plain(&document.generator),
+        // Programs show them; the place of the hash is filled in by who writes the file.
+        "keywords": content_words(&case_ids(document.analysis.as_bytes())),
         "banners": banners.map(|banner| notice_value(banner, letters)).collect::<Vec<_>>(),
         "sections": sections,
     })

@@ -18,7 +18,7 @@ use spineline::warning::Step;
 use spineline_files::method_text::missing_known_force;
 use spineline_files::{
     AnalysisFile, CaseFile, FilmOrigin, PICTURE_WARNINGS, Provenance, Request, parse_analysis,
-    parse_json, to_line, to_text,
+    parse_json, text_with_hash, to_line, to_text,
 };
 use spineline_report::figures;
 use spineline_report::patient::{Patient as ReportedPatient, overview, report, summary};
@@ -174,7 +174,8 @@ impl Analysis {
         let inputs =
             case.input.iter().cloned().chain(files.into_iter().map(|one| one.file)).collect();
         let films = FilmOrigin::of([case.case.synthetic]);
-        let provenance = Provenance::new(run(command, date_utc), films, inputs).asking(&request);
+        let provenance = Provenance::new(run(command, date_utc), films, inputs);
+        let provenance = provenance.of_cases([case.case.id.clone()]).asking(&request);
         Ok(Self {
             file: Arc::clone(&case.file),
             case: Arc::clone(&case.case),
@@ -273,7 +274,7 @@ impl Analysis {
 
     /// The text of its file.
     fn to_json(&self, py: Python<'_>) -> String {
-        py.detach(|| to_text(&self.stored()))
+        py.detach(|| text_with_hash(to_text(&self.stored())))
     }
 
     /// All tables, in the order of the dictionary.
@@ -295,7 +296,7 @@ impl Analysis {
     /// The report as one HTML page.
     fn report_html(&self, py: Python<'_>) -> String {
         let made = generator();
-        py.detach(|| html(&report(&self.reported(&made, &to_line(&self.stored())))))
+        py.detach(|| text_with_hash(html(&report(&self.reported(&made, &to_line(&self.stored()))))))
     }
 
     /// A figure as SVG; None where there is nothing to show.

@@ -12,7 +12,8 @@ use spineline::response::{CurveAngles, measure_angles};
 use spineline::spatial::Angle;
 use spineline_files::method_text::of_spelling;
 use spineline_files::{
-    ExportFormat, ModelFile, Simulated, StoredModel, export, parse_load, parse_model, to_text,
+    ExportFormat, ModelFile, Simulated, StoredModel, export, parse_load, parse_model,
+    text_with_hash, to_text,
 };
 
 use crate::analysis::Analysis;
@@ -61,7 +62,8 @@ impl Model {
             return Err(Fault::new(text, help).raise(py));
         };
         let file = ModelFile::new(found, model, &generator());
-        parse_model_text(py, to_text(&file.with_provenance(analysis.provenance.clone())))
+        let file = file.with_provenance(analysis.provenance.clone());
+        parse_model_text(py, text_with_hash(to_text(&file)))
     }
 
     /// Identifier of the case.

@@ -13,7 +13,7 @@ use spineline::uncertainty::{
 };
 use spineline_files::method_text::noise;
 use spineline_files::{
-    AnalysisFile, FilmOrigin, Provenance, Replicates as Asked, Request, to_text,
+    AnalysisFile, FilmOrigin, Provenance, Replicates as Asked, Request, text_with_hash, to_text,
 };
 use spineline_tables::{Patient, tables};
 
@@ -59,7 +59,8 @@ impl Replicates {
         let films = FilmOrigin::of([analysis.case.synthetic]);
         let inputs = analysis.provenance.inputs().to_vec();
         let request = Request { replicates: Some(asked), ..analysis.request.clone() };
-        let provenance = Provenance::new(run(command, date_utc), films, inputs).asking(&request);
+        let provenance = Provenance::new(run(command, date_utc), films, inputs);
+        let provenance = provenance.of_cases([case.id.clone()]).asking(&request);
         Ok(Self { of, asked, found, provenance })
     }
 
@@ -133,7 +134,7 @@ impl Replicates {
                 Some(found) => file.with_identifiability(&of.analysis, found),
                 None => file,
             };
-            to_text(&file.with_uncertainty(&of.analysis, &self.found))
+            text_with_hash(to_text(&file.with_uncertainty(&of.analysis, &self.found)))
         })
     }
 }

@@ -5,7 +5,7 @@ use std::path::Path;
 use spineline::analysis::Analysis;
 use spineline::anatomy::Posture;
 use spineline_files::Provenance;
-use spineline_report::figures;
+use spineline_report::{figures, file_stem};
 
 use crate::run::failure::Failure;
 use crate::run::outputs::Outputs;
@@ -21,11 +21,9 @@ pub fn draw_figures(
     folder: &Path,
     outputs: &Outputs,
 ) -> Result<(), Failure> {
+    let stem = file_stem(&analysis.case_id);
     let save = |name: &str, svg: &str| {
-        outputs.write(
-            &folder.join(format!("{}-{name}.svg", analysis.case_id.replace(['/', '\\'], "_"))),
-            in_svg(svg, provenance),
-        )
+        outputs.write(&folder.join(format!("{stem}-{name}.svg")), in_svg(svg, provenance))
     };
     save("overview", &figures::case_overview(analysis))?;
     if let Some(svg) = figures::rotations(analysis) {

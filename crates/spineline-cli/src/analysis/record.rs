@@ -53,12 +53,14 @@ impl RunRecord {
 
     /// Provenance of an output that is made from one case.
     pub fn provenance_of(&self, case: &CaseInput) -> Provenance {
-        self.provenance_from([(case.case.synthetic, &case.input)])
+        let from = [(case.case.synthetic, &case.input)];
+        self.provenance_from(from).of_cases([case.case.id.clone()])
     }
 
     /// Provenance of an output that is made from several cases.
     pub fn provenance_of_all(&self, read: &ReadCases) -> Provenance {
-        self.provenance_from(read.cases.values().map(|case| (case.synthetic, &case.input)))
+        let from = read.cases.values().map(|case| (case.synthetic, &case.input));
+        self.provenance_from(from).of_cases(read.ids())
     }
 
     fn provenance_from<'a>(

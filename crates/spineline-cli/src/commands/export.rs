@@ -132,7 +132,8 @@ pub fn run(args: &ExportArgs) -> Result<Ending, Failure> {
     let model = read_model(&args.file)?;
     let text = export(&model, format, &generator())
         .map_err(|error| Failure::input(&args.file.display().to_string(), &error, error.help()))?;
-    outputs.write(&args.out, &text)?;
+    outputs.of_case(&model.case_id);
+    outputs.write(&args.out, text)?;
     outputs.commit().map(|()| Ending::Done)
 }
 
@@ -183,10 +184,12 @@ fn write_landmarks(
 ) -> Result<Ending, Failure> {
     let outputs = Outputs::new(args.overwrite, [args.file.as_path()]);
     let origin = FilmOrigin::of([case.synthetic]);
+    outputs.of_case(&case.id);
     let provenance = Provenance::new(this_run()?, origin, vec![read_input(&args.file)?]);
+    let provenance = provenance.of_cases([case.id.clone()]);
     if let [only] = files {
         outputs.table(&args.out)?;
-        outputs.write_table(&args.out, &only.bytes, &provenance)?;
+        outputs.write_table(&args.out, &only.bytes[..], &provenance)?;
         return outputs.commit().map(|()| Ending::Done);
     }
     if is_stdout(&args.out) {
@@ -197,7 +200,7 @@ fn write_landmarks(
     }
     outputs.folder(&args.out)?;
     for exported in files {
-        outputs.write(&args.out.join(&exported.name), &exported.bytes)?;
+        outputs.write(&args.out.join(&exported.name), &exported.bytes[..])?;
     }
     let list = files.iter().map(|file| InputFile::of(&*file.name, &file.bytes)).collect();
     let list = to_text(&ProvenanceFile::new(list, provenance));

@@ -63,8 +63,9 @@ pub fn run(args: &LearnPriorArgs) -> Result<Ending, Failure> {
         Failure::input("the cohort", &error, help)
     })?;
     let films = FilmOrigin::of(patients.iter().map(CohortPatient::is_synthetic));
-    let provenance = Provenance::new(this_run()?, films, inputs).with_seed(SEED);
-    let ids = patients.iter().map(|patient| patient.case_id().to_owned()).collect();
+    let ids: Vec<String> = patients.iter().map(|patient| patient.case_id().to_owned()).collect();
+    let provenance = Provenance::new(this_run()?, films, inputs);
+    let provenance = provenance.of_cases(ids.iter().cloned()).with_seed(SEED);
     let file = RotationPriorFile::new(&learned, ids, args.tilt, provenance);
     outputs.write(&args.out, spineline_files::to_text(&file))?;
     outputs.commit()?;

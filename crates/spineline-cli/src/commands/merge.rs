@@ -246,7 +246,7 @@ fn merge_table(
             let added = merger.add(part.table(name)?, &[ORIGIN]).map_err(failed(part, name))?;
             merged.add(added)?;
         }
-        let origin = to_text(provenance);
+        let origin = to_text(&provenance.clone().of_listed_file());
         merged.add(merger.finish(&[(ORIGIN, &origin)]).map_err(failed(&parts[0], name))?)?;
     } else {
         let mut merger = CsvMerger::default();

@@ -100,7 +100,8 @@ pub fn in_svg(svg: &str, provenance: &Provenance) -> String {
         return svg.to_owned();
     };
     let text = spineline_files::to_text(provenance);
-    let text = text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;");
+    // Only its strings have these letters, where JSON takes their codes.
+    let text = text.replace('&', "\\u0026").replace('<', "\\u003c").replace('>', "\\u003e");
     format!("{}\n<metadata>{text}</metadata>{}", &svg[..end], &svg[end..])
 }
 

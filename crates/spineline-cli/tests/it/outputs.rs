@@ -167,6 +167,150 @@ fn a_command_replaces_its_own_results() {
     }
 }
 
+/// Adds something at the end of a file, or changes its last digit, which stands in a result and not in its hash.
+fn edit(file: &Path, is_added: bool) {
+    let mut bytes = fs::read(file).expect("a result");
+    let last = bytes.iter().rposition(u8::is_ascii_digit).expect("a digit");
+    if is_added {
+        bytes.extend_from_slice(b"\nseen on Monday\n");
+    } else {
+        bytes[last] = if bytes[last] == b'7' { b'8' } else { b'7' };
+    }
+    fs::write(file, bytes).expect("an edited result");
+}
+
+#[test]
+fn a_result_that_was_edited_is_replaced_only_when_asked() {
+    let here = samples();
+    let file = here.path().join("result");
+    for command in TO_FILE {
+        for is_added in [true, false] {
+            let arguments = with(command, "result");
+            run(here.path(), &arguments);
+            edit(&file, is_added);
+            refuses(&here, &arguments, "result", "--overwrite");
+            let (_, error, code) = run(here.path(), &[&arguments[..], &["--overwrite"]].concat());
+            assert!(code == 0 || code == 4, "{command:?}: {error}");
+            fs::remove_file(&file).expect("a result");
+            let _ = fs::remove_file(here.path().join("result.provenance.json"));
+        }
+    }
+}
+
+#[test]
+fn an_edited_file_of_a_folder_is_replaced_only_when_asked() {
+    let here = samples();
+    for (command, name) in [
+        (TO_FOLDER[0], "phantom-rod-01-overview.svg"),
+        (TO_FOLDER[1], "joints.csv"),
+        (TO_FOLDER[1], "joints.parquet"),
+        (TO_FOLDER[3], "phantom-rod-01-overview.svg"),
+        (TO_FOLDER[4], "erect.mrk.json"),
+    ] {
+        let arguments = with(command, "result");
+        run(here.path(), &arguments);
+        edit(&here.path().join("result").join(name), true);
+        let before = content(here.path());
+        let (_, error, code) = run(here.path(), &arguments);
+        assert!(code == 3 && error.contains(name) && error.contains("--overwrite"), "{error}");
+        assert!(before == content(here.path()), "{arguments:?} changed files");
+        fs::remove_dir_all(here.path().join("result")).expect("a folder");
+    }
+    let report = ["report", "case.json", "--to", "md", "--out", "r.md", "--figures", "pictures"];
+    run(here.path(), &report);
+    let folder = fs::read_dir(here.path().join("r-figures")).expect("figures");
+    let figure = folder.map(|one| one.expect("a figure").path()).min().expect("a figure");
+    edit(&figure, false);
+    let before = fs::read(&figure).expect("a figure");
+    let (_, error, code) = run(here.path(), &report);
+    let name = figure.file_name().expect("a name").to_string_lossy();
+    assert!(code == 3 && error.contains(&*name) && error.contains("--overwrite"), "{error}");
+    assert!(fs::read(&figure).expect("a figure") == before);
+}
+
+#[test]
+fn a_result_of_another_patient_is_replaced_only_when_asked() {
+    let here = samples();
+    let make = |arguments: &[&str]| {
+        let (_, error, code) = run(here.path(), arguments);
+        assert!(code == 0 || code == 4, "{arguments:?}: {code} {error}");
+    };
+    make(&["phantom", "--truth", "rod", "--subject", "2", "--noise", "0", "--out", "p"]);
+    fs::rename(here.path().join("p/phantom-rod-02.json"), here.path().join("other-case.json"))
+        .expect("a case");
+    make(&[
+        "analyze",
+        "other-case.json",
+        "--json",
+        "other-analysis.json",
+        "--model",
+        "other-model.json",
+    ]);
+    for command in TO_FILE.iter().filter(|command| command[1] != "readings.csv") {
+        make(&with(command, "result"));
+        let other = format!("other-{}", command[1]);
+        let mut arguments = with(command, "result");
+        arguments[1] = &other;
+        refuses(&here, &arguments, "phantom-rod-01", "--overwrite");
+        make(&[&arguments[..], &["--overwrite"]].concat());
+        make(&arguments);
+        fs::remove_file(here.path().join("result")).expect("a result");
+        let _ = fs::remove_file(here.path().join("result.provenance.json"));
+        let _ = fs::remove_dir_all(here.path().join("result-figures"));
+    }
+    // A cohort may gain patients and lose none.
+    let of = |cases: &[&str]| {
+        let outputs = ["--json", "all.json", "--csv", "all.csv", "--tables", "tables"];
+        run(here.path(), &[&["analyze"], cases, &outputs].concat())
+    };
+    assert_eq!(of(&["case.json"]).2, 0);
+    assert_eq!(of(&["case.json", "other-case.json"]).2, 0);
+    let (_, error, code) = of(&["case.json"]);
+    assert!(code == 3 && error.contains("phantom-rod-02"), "{error}");
+}
+
+#[test]
+#[cfg(unix)]
+fn a_result_is_made_again_from_a_pipe() {
+    let here = samples();
+    let case = fs::read(here.path().join("case.json")).expect("a case");
+    for _ in 0..2 {
+        let outputs = ["--json", "a.json", "--csv", "a.csv", "--tables", "t", "--figures", "f"];
+        let mut command = crate::program::spineline(here.path());
+        command.args(["analyze", "/dev/stdin"]).args(outputs).write_stdin(case.clone());
+        let (_, error, code) = crate::program::finish(&mut command);
+        assert_eq!(code, 0, "{error}");
+    }
+}
+
+#[test]
+fn names_that_differ_in_case_alone_are_one_name() {
+    let here = samples();
+    let arguments = ["analyze", "case.json", "--json", "Out.x", "--csv", "oUT.x"];
+    refuses(&here, &arguments, "oUT.x", "two outputs");
+    let new = ["analyze", "case.json", "--json", "new/./Out.x", "--csv", "New/out.x"];
+    refuses(&here, &new, "out.x", "two outputs");
+    let figure = "figures/phantom-rod-01-OVERVIEW.svg";
+    refuses(
+        &here,
+        &["analyze", "case.json", "--json", figure, "--figures", "figures"],
+        "phantom-rod-01-overview.svg",
+        "two outputs",
+    );
+    let case = fs::read_to_string(here.path().join("case.json")).expect("a case");
+    fs::create_dir(here.path().join("two")).expect("a folder");
+    for id in ["P01", "p01"] {
+        let text = case.replace("phantom-rod-01", id);
+        fs::write(here.path().join(format!("two/of-{}.json", u8::from(id == "P01"))), text)
+            .expect("a case");
+    }
+    let cohort = ["analyze", "two", "--json", "all.json", "--figures", "figures"];
+    let before = content(here.path());
+    let (_, error, code) = run(here.path(), &cohort);
+    assert!(code == 3 && error.contains("two outputs"), "{error}");
+    assert!(before == content(here.path()), "something was written");
+}
+
 #[test]
 fn two_outputs_need_two_files() {
     let here = samples();
@@ -273,6 +417,35 @@ mod unix {
             assert!(status.success());
             assert_eq!(fs::read_to_string(here.path().join("log")).expect("a log"), dash);
         }
+    }
+
+    #[test]
+    fn a_killed_run_leaves_nothing_that_the_next_one_does_not_remove() {
+        let here = samples();
+        let parts = || {
+            let names = content(here.path()).into_iter().map(|(name, _)| name);
+            names.filter(|name| name.ends_with(".part")).count()
+        };
+        let long = ["--json", "a.json", "--replicates", "1000000", "--seed", "1"];
+        let mut child = Command::new(assert_cmd::cargo::cargo_bin("spineline"))
+            .args(["analyze", "case.json"])
+            .args(long)
+            .current_dir(here.path())
+            .stdout(Stdio::null())
+            .stderr(Stdio::null())
+            .spawn()
+            .expect("the program starts");
+        while parts() == 0 {
+            thread::sleep(std::time::Duration::from_millis(10));
+        }
+        // What a run has that goes on stays.
+        assert_eq!(run(here.path(), &["analyze", "case.json", "--csv", "b.csv"]).2, 0);
+        assert!(parts() > 0);
+        child.kill().expect("it runs");
+        child.wait().expect("an end");
+        assert!(parts() > 0);
+        assert_eq!(run(here.path(), &["analyze", "case.json", "--json", "a.json"]).2, 0);
+        assert_eq!(parts(), 0);
     }
 
     #[test]

@@ -5,6 +5,7 @@ use std::path::Path;
 
 use assert_cmd::Command;
 use serde_json::Value;
+use spineline_files::Content;
 use tempfile::TempDir;
 
 use crate::program::{CASE, finish, json, spineline};
@@ -61,7 +62,8 @@ fn an_analysis_is_repeated_from_its_file() {
     let (mut a, mut b) = (json(&at("elsewhere/a.json")), json(&at("elsewhere/b.json")));
     assert_eq!(a["provenance"]["inputs"].as_array().map(Vec::len), Some(2), "case and springs");
     for file in [&mut a, &mut b] {
-        file["provenance"].as_object_mut().expect("an object").remove("command");
+        let provenance = file["provenance"].as_object_mut().expect("an object");
+        provenance.retain(|key, _| !["command", "content_sha256"].contains(&key.as_str()));
     }
     assert_eq!(a, b);
 }
@@ -108,6 +110,53 @@ fn changes_are_listed_with_their_place_and_set_the_exit_code() {
 }
 
 #[test]
+fn a_key_that_stands_twice_is_refused() {
+    let here = folder_with_phantom();
+    let path = here.path().join("a.json");
+    assert_eq!(run(here.path(), &["analyze", CASE, "--json", "a.json"]).2, 0);
+    let text = fs::read_to_string(&path).expect("an analysis");
+    let case = fs::read_to_string(here.path().join(CASE)).expect("a case");
+    let other = case.replace("phantom-rod-01", "phantom-rod-02");
+    let within = text.replacen("\"chain\": {", "\"chain\": {\"segment_mm\": 1.0,", 1);
+    for (twice, key) in [
+        (text.replacen("\"case\":", &format!("\"case\": {other}, \"case\":"), 1), "key case is"),
+        (within, "key segment_mm is"),
+    ] {
+        assert_ne!(twice, text, "the test means something");
+        fs::write(&path, &twice).expect("written");
+        for command in ["rerun", "check", "analyze"] {
+            let (_, error, code) = run(here.path(), &[command, "a.json"]);
+            let said = error.contains(key) && error.contains("given twice");
+            assert!(code == 3 && said, "{command}: {code} {error}");
+        }
+    }
+}
+
+#[test]
+fn a_report_with_another_printed_number_is_found() {
+    let here = folder_with_phantom();
+    for name in ["r.html", "r.md"] {
+        let path = here.path().join(name);
+        assert_eq!(run(here.path(), &["report", CASE, "--out", name]).2, 0);
+        let (text, _, code) = run(here.path(), &["rerun", name]);
+        assert!(code == 0 && text.contains("Page: as it was written"), "{text}");
+        let page = fs::read_to_string(&path).expect("a report");
+        let at = page.find('°').expect("an angle");
+        let digit = page[..at].rfind(|c: char| c.is_ascii_digit()).expect("a number");
+        let other = if &page[digit..=digit] == "7" { "8" } else { "7" };
+        let changed = [&page[..digit], other, &page[digit + 1..]].concat();
+        fs::write(&path, changed).expect("written");
+        let (text, error, code) = run(here.path(), &["rerun", name]);
+        assert!(code == 4 && text.contains("Page: CHANGED"), "{text}{error}");
+        assert!(text.contains("Nothing differs"), "the analysis in it is as it was: {text}");
+        let without = page.replace("content_sha256", "content");
+        fs::write(&path, without).expect("written");
+        let (text, ..) = run(here.path(), &["rerun", name]);
+        assert!(text.contains("Page: NOT CHECKED"), "{text}");
+    }
+}
+
+#[test]
 fn figures_are_made_from_the_analysis_and_a_cohort_is_a_list() {
     let here = folder_with_phantom();
     let (_, error, code) = run(here.path(), &["phantom", "--subject", "2", "--out", "cases"]);
@@ -125,6 +174,7 @@ fn figures_are_made_from_the_analysis_and_a_cohort_is_a_list() {
         let (metadata, after) = rest.split_once("</metadata>").expect("an end");
         let provenance: Value = serde_json::from_str(metadata).expect("JSON");
         assert_eq!(provenance["options"]["support"], "frontal");
+        assert_eq!(Content::of(svg.as_bytes()), Content::AsWritten);
         format!("{before}{after}")
     };
     for entry in fs::read_dir(here.path().join("first")).expect("figures") {

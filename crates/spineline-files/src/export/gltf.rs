@@ -11,6 +11,7 @@ use super::header::about_bodies;
 use super::rotation::quaternion;
 use super::standing::key;
 use crate::StoredModel;
+use crate::content::ContentHash;
 
 /// Format and frame.
 const DESCRIBED: [&str; 2] = [
@@ -42,7 +43,8 @@ pub(super) fn text(model: &StoredModel, vertebrae: &[Vertebra], generator: &str)
             "version": "2.0",
             "generator": generator,
             "extras": {
-                "case_id": model.case_id,
+                "case_ids": [model.case_id],
+                "content_sha256": ContentHash,
                 "synthetic": model.synthetic,
                 "about": about_bodies(model, generator, DESCRIBED),
             },

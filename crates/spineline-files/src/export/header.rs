@@ -7,7 +7,8 @@ use spineline::spatial::Vec3;
 use super::assembly::{NOMINAL_INERTIA_KG_M2, NOMINAL_MASS_KG};
 use super::standing::sources;
 use super::xml::{number, vector};
-use crate::{LoadRecord, StoredModel};
+use crate::content::{ContentHash, ContentMark};
+use crate::{LoadRecord, StoredModel, to_line};
 
 /// Differences between the formats.
 pub(super) struct Dialect {
@@ -51,6 +52,12 @@ fn opening(model: &StoredModel, title: &str, generator: &str) -> Vec<String> {
     lines
 }
 
+/// The case and the place of the hash. XML allows no two hyphens in a row in a comment, so the second one is written as its code.
+pub(super) fn mark(model: &StoredModel) -> String {
+    let mark = ContentMark { case_ids: [&model.case_id], content_sha256: ContentHash };
+    to_line(&mark).replace("--", "-\\u002d")
+}
+
 /// The comment's text.
 pub(super) fn header(model: &StoredModel, generator: &str, dialect: &Dialect) -> String {
     let title = format!("Personalised multibody model of a spine as {}", dialect.format);
@@ -79,6 +86,7 @@ pub(super) fn header(model: &StoredModel, generator: &str, dialect: &Dialect) ->
         lines.push("Loads on the uppermost vertebra that this model needs for its films (not applied here):".to_owned());
         lines.extend(model.loads.iter().map(|one| load(one, model.force_unit(), dialect)));
     }
+    lines.push(mark(model));
     lines.join("\n  ")
 }
 

@@ -20,7 +20,7 @@ mod xml;
 use spineline::anatomy::{Level, Named};
 use spineline::multibody::Support;
 
-use crate::StoredModel;
+use crate::{StoredModel, text_with_hash};
 use assembly::{Assembly, Axis, vertebrae};
 
 /// A format of another program.
@@ -172,13 +172,13 @@ pub fn export(
     }
     let vertebrae = vertebrae(model)?;
     let assembly = |vertebrae| Assembly::of(model, vertebrae, format);
-    Ok(match format {
+    Ok(text_with_hash(match format {
         ExportFormat::Mjcf => mjcf::text(model, &assembly(vertebrae)?, generator),
         ExportFormat::Osim => osim::text(model, &assembly(vertebrae)?, generator),
         ExportFormat::Urdf => urdf::text(model, &assembly(vertebrae)?, generator),
         ExportFormat::Vtp => vtp::text(model, &vertebrae, generator),
         ExportFormat::Gltf => gltf::text(model, &vertebrae, generator),
-    })
+    }))
 }
 
 /// Control characters and the two that are none have no place in XML, not even escaped.

@@ -5,7 +5,7 @@ use spineline::spatial::Vec3;
 
 use super::assembly::Vertebra;
 use super::boxes::{SIDES, corners};
-use super::header::about_bodies;
+use super::header::{about_bodies, mark};
 use super::standing::{flag, key};
 use super::xml::{Document, numbers};
 use crate::StoredModel;
@@ -25,7 +25,9 @@ fn to_lps(v: &Vec3) -> Vec3 {
 pub(super) fn text(model: &StoredModel, vertebrae: &[Vertebra], generator: &str) -> String {
     let count = |number: usize| number.to_string();
     let mut xml = Document::new();
-    xml.comment(&about_bodies(model, generator, DESCRIBED).join("\n  "));
+    let mut about = about_bodies(model, generator, DESCRIBED);
+    about.push(mark(model));
+    xml.comment(&about.join("\n  "));
     let file = [
         ("type", "PolyData"),
         ("version", "1.0"),

@@ -51,8 +51,8 @@ pub fn section(analyses: &[Analysis]) -> Section {
     let synthetic = analyses.iter().any(|analysis| analysis.synthetic);
     let mut plots: Vec<Figure> = Vec::new();
     for quantity in film_quantities(&cases).iter().map(assess) {
-        for design in &quantity.designs {
-            plots.extend(plot(&quantity, design, synthetic));
+        for (number, design) in (1..).zip(&quantity.designs) {
+            plots.extend(plot(&quantity, (number, design), synthetic));
             for statistic in design.statistics.iter().filter(|s| SHOWN.contains(&s.kind)) {
                 let (Some(value), interval) = statistic.shown() else { continue };
                 table.row(vec![
@@ -75,10 +75,10 @@ pub fn section(analyses: &[Analysis]) -> Section {
     section
 }
 
-/// Bland and Altman's plot, where it can be read.
+/// Bland and Altman's plot, where it can be read. Its name has the number of the design: every observer has one of the same kind.
 fn plot(
     quantity: &QuantityReliability,
-    design: &DesignReliability,
+    (number, design): (usize, &DesignReliability),
     synthetic: bool,
 ) -> Option<Figure> {
     let few = design.bland_altman.iter().all(|pair| pair.points.len() <= MAX_POINTS);
@@ -91,7 +91,7 @@ fn plot(
         quantity.key.replace('_', " "),
         design.design
     );
-    let name = format!("agreement-{}-{}", quantity.key, design.design.key());
+    let name = format!("agreement-{}-{number}-{}", quantity.key, design.design.key());
     let figure = Figure::new(name, caption, svg);
     // More than one row of panels.
     Some(if design.bland_altman.len() > 2 { figure.on_whole_page() } else { figure })

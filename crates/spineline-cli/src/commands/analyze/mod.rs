@@ -209,6 +209,7 @@ fn analyze_all(
             Err(Refusal { case, failure }) => {
                 progress.suspend(|| say(&failure));
                 found.ending = Ending::BadInput;
+                case.case_id.iter().for_each(|id| outputs.of_case(id));
                 written.add(OutputParts::refused(&case, asked));
                 found.refused.push(*case);
                 Ok(())
@@ -234,6 +235,7 @@ impl Found {
         written: &mut Written<'_>,
         outputs: &Outputs,
     ) {
+        outputs.of_case(&one.analysis.case_id);
         written.add(std::mem::take(&mut one.parts));
         let Analysed { input, analysis, confidence, row, .. } = &mut one;
         let args = asked.args;

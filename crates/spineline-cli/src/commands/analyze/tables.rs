@@ -117,7 +117,7 @@ impl<'a> TablesFolder<'a> {
         if self.patients > 0 {
             self.write_rows()?;
         }
-        let origin = to_text(provenance);
+        let origin = to_text(&provenance.clone().of_listed_file());
         let mut files = Vec::new();
         for table in self.tables.drain(..) {
             table.keep(&origin, &mut files)?;

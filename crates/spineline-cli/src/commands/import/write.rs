@@ -113,7 +113,7 @@ pub fn write(
     let mut sources = Vec::new();
     for film in films {
         let (bytes, source, report) = cleaned_film(args, case_id, candidates, film, &secret)?;
-        outputs.write(&folder.join(&report.file), &bytes)?;
+        outputs.write(&folder.join(&report.file), bytes)?;
         sources.push((film.role, source));
         reports.push(report);
     }

@@ -79,7 +79,7 @@ fn write_film(
     let drawn =
         draw_film(phantom, film, encoding).map_err(|error| Failure::internal(error.to_string()))?;
     let DrawnFilm { file, bytes, photometric_interpretation, pixels_sha256 } = drawn;
-    outputs.write(&args.out.join(&file), &bytes)?;
+    outputs.write(&args.out.join(&file), &bytes[..])?;
     let image = film.image;
     Ok(FilmRecord {
         file,

@@ -1,15 +1,15 @@
 //! `spineline reliability`: agreement within and between observers.
 
-use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
+use indexmap::IndexSet;
 use spineline::measure::{FilmReadings, TiltRule};
 use spineline::reliability::{FilmQuantities, QuantityReliability, RatedQuantity, assess};
 use spineline_files::{FilmOrigin, InputFile, Provenance, ReliabilityFile};
 use spineline_report::reliability::summary;
 use spineline_report::terminal::Lines;
-use spineline_report::{figures, terminal};
+use spineline_report::{figures, file_stem, terminal};
 use spineline_tables::statistics_table;
 
 use crate::run::failure::{Ending, Failure};
@@ -58,8 +58,10 @@ pub fn run(args: &ReliabilityArgs) -> Result<Ending, Failure> {
         return Err(Failure::usage("only one of --json and --csv can go to the standard output"));
     }
     let outputs = check_outputs(args)?;
-    let Readings { quantities, synthetic, inputs } = read(&args.inputs)?;
+    let Readings { quantities, synthetic, inputs, case_ids } = read(&args.inputs)?;
+    case_ids.iter().for_each(|id| outputs.of_case(id));
     let provenance = Provenance::new(this_run()?, FilmOrigin::of([synthetic]), inputs);
+    let provenance = provenance.of_cases(case_ids);
     // Each is dropped as soon as its statistics are known.
     let found: Vec<QuantityReliability> =
         quantities.into_iter().map(|quantity| assess(&quantity)).collect();
@@ -109,6 +111,7 @@ struct Readings {
     /// Whether any film is synthetic.
     synthetic: bool,
     inputs: Vec<InputFile>,
+    case_ids: Vec<String>,
 }
 
 /// The quantities of a table or of cases.
@@ -124,11 +127,12 @@ fn read(inputs: &[PathBuf]) -> Result<Readings, Failure> {
     let text = spineline_files::read_text(path).map_err(failed)?;
     let table = spineline_files::parse_readings(&text).map_err(failed)?;
     let (quantities, synthetic) = (table.quantities, table.synthetic);
-    Ok(Readings { quantities, synthetic, inputs: vec![input_of(path, &text)] })
+    let inputs = vec![input_of(path, &text)];
+    Ok(Readings { quantities, synthetic, inputs, case_ids: Vec::new() })
 }
 
 fn read_cases(given: &[PathBuf]) -> Result<Readings, Failure> {
-    let (mut ids, mut quantities) = (HashSet::new(), FilmQuantities::default());
+    let (mut ids, mut quantities) = (IndexSet::new(), FilmQuantities::default());
     let (mut synthetic, mut inputs) = (false, Vec::new());
     for path in case_files(given)? {
         let CaseInput { case, input, .. } = CaseInput::read(&path)?;
@@ -147,7 +151,8 @@ fn read_cases(given: &[PathBuf]) -> Result<Readings, Failure> {
         synthetic |= case.synthetic;
         quantities.add(&case.id, &films);
     }
-    Ok(Readings { quantities: quantities.finish(), synthetic, inputs })
+    let case_ids = ids.into_iter().collect();
+    Ok(Readings { quantities: quantities.finish(), synthetic, inputs, case_ids })
 }
 
 /// One picture per quantity and design; observers' names stay out of the files' names.
@@ -158,11 +163,10 @@ fn draw(
     folder: &Path,
     outputs: &Outputs,
 ) -> Result<(), Failure> {
-    let plain = |c: char| if c.is_ascii_alphanumeric() || c == '_' { c } else { '-' };
     for (i, quantity) in found.iter().enumerate() {
         for (j, design) in quantity.designs.iter().enumerate() {
             let Some(svg) = figures::bland_altman(quantity, design, synthetic) else { continue };
-            let name: String = quantity.key.chars().map(plain).take(40).collect();
+            let name = file_stem(&quantity.key);
             let file = format!("{:02}-{name}-{}-{}.svg", i + 1, j + 1, design.design.key());
             outputs.write(&folder.join(file), in_svg(&svg, provenance))?;
         }

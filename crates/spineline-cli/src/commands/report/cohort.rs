@@ -57,6 +57,7 @@ pub fn run(paths: &[PathBuf], args: &ReportArgs, outputs: Outputs) -> Result<End
         return Err(Failure::usage("no case could be analysed: there is no cohort to report"));
     }
     print_notices(&read.warnings());
+    read.ids().iter().for_each(|id| outputs.of_case(id));
     let pairs: Vec<(&Analysis, &CaseInput)> = analyses.iter().zip(&sources).collect();
     let files = map_all("writing", &pairs, args.threads, |(analysis, source)| {
         let provenance = record.provenance_of(source);

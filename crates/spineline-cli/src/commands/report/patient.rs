@@ -22,6 +22,7 @@ pub fn run(path: &Path, args: &ReportArgs, outputs: Outputs) -> Result<Ending, F
     let source = CaseInput::read(path)?;
     let mut read = ReadCases::default();
     read.add(&source, &record)?;
+    outputs.of_case(&source.case.id);
     let stem = file_stem(&source.case.id);
     let out = write::target(&stem, args, &outputs)?;
     print_notices(&read.warnings());

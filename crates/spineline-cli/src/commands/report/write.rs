@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use spineline_files::{InputFile, Provenance, ProvenanceFile, to_text};
+use spineline_files::{InputFile, Provenance, ProvenanceFile, to_text, with_hash};
 use spineline_report::document::{Figure, Notice, NoticeKind};
 use spineline_report::fonts::Fonts;
 use spineline_report::terminal::Lines;
@@ -12,6 +12,7 @@ use super::args::{FormName, ReportArgs};
 use crate::run::failure::{Ending, Failure};
 use crate::run::outputs::{Outputs, print, print_notices};
 use crate::run::pdf;
+use crate::run::provenance::in_svg;
 use crate::run::threads::map_all;
 
 /// The file of a report, checked before any work; named after its subject unless the user names it.
@@ -94,14 +95,16 @@ impl Report<'_> {
     ) -> Result<(), Failure> {
         let figures: Vec<&Figure> = self.document.figures().collect();
         let written = map_all("figures", &figures, threads, |figure| {
+            let svg = with_hash(in_svg(&figure.svg, self.provenance).into_bytes());
             let pixels = png(&figure.svg, PRINT_SCALE)
                 .map_err(|error| Failure::internal(format!("{}: {error}", figure.name)))?;
-            let add = |ending: &str, content: &[u8]| {
+            let add = |ending: &str, content: Vec<u8>| {
                 let name = format!("{}-{}.{ending}", self.stem, figure.name);
-                outputs.write(&folder.join(&name), content)?;
-                Ok::<_, Failure>(InputFile::of(name, content))
+                let path = folder.join(&name);
+                let file = InputFile::of(name, &content);
+                outputs.write(&path, content).map(|()| file)
             };
-            Ok([add("svg", figure.svg.as_bytes())?, add("png", &pixels)?])
+            Ok([add("svg", svg)?, add("png", pixels)?])
         })?;
         let written = written.into_iter().collect::<Result<Vec<_>, Failure>>()?;
         let name = format!("{}-figures.provenance.json", self.stem);
@@ -113,13 +116,10 @@ impl Report<'_> {
         let name = out.file_stem().unwrap_or_default().to_string_lossy();
         let name = format!("{}-figures", spineline_report::file_stem(&name));
         let folder = out.with_file_name(&name);
-        let mut written = Vec::new();
         for figure in self.document.figures() {
-            let file = format!("{}.svg", figure.name);
-            outputs.write(&folder.join(&file), &figure.svg)?;
-            written.push(InputFile::of(file, figure.svg.as_bytes()));
+            let file = folder.join(format!("{}.svg", figure.name));
+            outputs.write(&file, in_svg(&figure.svg, self.provenance))?;
         }
-        self.write_list(&folder.join("provenance.json"), written, outputs)?;
         outputs.write(out, markdown(self.document, &name))
     }
 

@@ -61,7 +61,7 @@ pub fn write(
 /// One patient's analysis as it is written.
 pub fn analysis_file(case: &Case, analysis: &Analysis, provenance: &Provenance) -> AnalysisFile {
     let request = Request { options: analysis.options.clone(), ..Request::default() };
-    let provenance = provenance.clone().asking(&request);
+    let provenance = provenance.clone().of_cases([analysis.case_id.clone()]).asking(&request);
     AnalysisFile::new(analysis, CaseFile::from_case(case), provenance)
 }
 

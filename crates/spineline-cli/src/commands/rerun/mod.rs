@@ -9,8 +9,8 @@ use serde_json::Value;
 use spineline::analysis::Analysis;
 use spineline::anatomy::{Named, Posture};
 use spineline_files::{
-    AnalysisFile, InputFile, MAX_ANALYSES_BYTES, Provenance, StoredAnalysis, parse_analysis,
-    parse_json, read_bytes, to_text,
+    AnalysisFile, Content, InputFile, MAX_ANALYSES_BYTES, Provenance, StoredAnalysis,
+    parse_analysis, parse_json, read_bytes, to_text,
 };
 use spineline_report::document::{Column, Table};
 use spineline_report::terminal::Lines;
@@ -78,14 +78,16 @@ pub fn run(args: &RerunArgs) -> Result<Ending, Failure> {
     }
     let stored = stored(&args.file)?;
     let to_stdout = args.json.as_ref().is_some_and(|path| is_stdout(path));
-    let (mut same, mut text, mut again) = (true, Lines::default(), Vec::new());
+    let mut same = stored.origin.is_as_printed();
+    let (mut text, mut again) = (Lines::default(), Vec::new());
     for old in &stored.analyses {
         let repeated = Repeated::of(args, old)?;
         same &= repeated.found.all.is_empty();
+        outputs.of_case(&repeated.stored.case.id);
         if !text.as_str().is_empty() {
             text.line("");
         }
-        repeated.add_to(&mut text, args);
+        repeated.add_to(&mut text, args, stored.origin);
         again.push(repeated);
     }
     if let Some(folder) = &args.figures {
@@ -100,7 +102,7 @@ pub fn run(args: &RerunArgs) -> Result<Ending, Failure> {
             [one] if !stored.is_list => to_text(one),
             all => to_text(&all),
         };
-        outputs.attempt(path, || outputs.write(path, &text));
+        outputs.attempt(path, || outputs.write(path, text));
     }
     let kept = outputs.commit();
     if !to_stdout {
@@ -114,33 +116,80 @@ pub fn run(args: &RerunArgs) -> Result<Ending, Failure> {
 struct Stored {
     analyses: Vec<Value>,
     is_list: bool,
+    origin: Origin,
 }
 
 fn stored(path: &Path) -> Result<Stored, Failure> {
     let bytes =
         read_bytes(path, MAX_ANALYSES_BYTES).map_err(|error| Failure::file(path, &error))?;
-    let text = analysis_text(path, &bytes)?;
+    let (text, form) = analysis_text(path, &bytes)?;
+    let origin = Origin { form, content: Content::of(&bytes) };
     let value = parse_json(&text).map_err(|error| Failure::file(path, &error))?;
     Ok(match value {
-        Value::Array(analyses) => Stored { analyses, is_list: true },
-        one => Stored { analyses: vec![one], is_list: false },
+        Value::Array(analyses) => Stored { analyses, is_list: true, origin },
+        one => Stored { analyses: vec![one], is_list: false, origin },
     })
 }
 
 /// The analysis JSON that a file is, or that a report holds.
-fn analysis_text(path: &Path, bytes: &[u8]) -> Result<String, Failure> {
+fn analysis_text(path: &Path, bytes: &[u8]) -> Result<(String, Form), Failure> {
     let text = std::str::from_utf8(bytes).ok().map(|text| text.trim_start_matches('\u{feff}'));
     let is_json = |text: &&str| text.trim_start().starts_with(['{', '[']);
-    if let Some(text) = text.filter(is_json).map(str::to_owned).or_else(|| embedded(bytes)) {
-        return Ok(text);
+    if let Some(text) = text.filter(is_json) {
+        return Ok((text.to_owned(), Form::Analysis));
+    }
+    if let Some(text) = embedded(bytes) {
+        return Ok((text, Form::Report));
     }
     match attached(bytes)? {
-        Some(text) => Ok(text),
+        Some(text) => Ok((text, Form::Report)),
         None => Err(Failure::input(
             &path.display().to_string(),
             &"there is no analysis in this file",
             "give a file from `spineline analyze CASE --json FILE` or from `spineline report CASE`",
         )),
+    }
+}
+
+/// Where the analysis stands.
+#[derive(Clone, Copy, PartialEq)]
+enum Form {
+    /// A file that has nothing else.
+    Analysis,
+    /// A page with its results as text and figures, which are not compared.
+    Report,
+}
+
+/// The file, and whether it is as it was written.
+#[derive(Clone, Copy)]
+struct Origin {
+    form: Form,
+    content: Content,
+}
+
+impl Origin {
+    /// Whether nothing was changed that is not compared.
+    fn is_as_printed(self) -> bool {
+        self.form == Form::Analysis || self.content != Content::Changed
+    }
+
+    const fn words(self) -> &'static str {
+        match (self.form, self.content) {
+            (Form::Analysis, Content::AsWritten) => "File: as it was written",
+            (Form::Analysis, Content::Changed) => {
+                "File: CHANGED since it was written; all but the provenance is compared"
+            }
+            (Form::Analysis, Content::NoHash) => "File: without a hash of its content",
+            (Form::Report, Content::AsWritten) => {
+                "Page: as it was written; pictures in other files are not checked"
+            }
+            (Form::Report, Content::Changed) => {
+                "Page: CHANGED since it was written; the analysis in it is compared, its text and figures are not"
+            }
+            (Form::Report, Content::NoHash) => {
+                "Page: NOT CHECKED, since it has no hash of its content; the analysis in it is compared"
+            }
+        }
     }
 }
 
@@ -176,8 +225,9 @@ impl Repeated {
             return Err(Failure::interrupted());
         }
         let inputs = stored.provenance.inputs().to_vec();
-        let provenance =
-            Provenance::new(this_run()?, stored.provenance.films(), inputs).asking(request);
+        let provenance = Provenance::new(this_run()?, stored.provenance.films(), inputs)
+            .of_cases([case.id.clone()])
+            .asking(request);
         let file = AnalysisFile::new(&analysis, stored.case_file.clone(), provenance.clone());
         let file = to_text(&confidence.add_to(&analysis, file));
         let new = parse_json(&file).map_err(|error| Failure::internal(error.to_string()))?;
@@ -185,7 +235,7 @@ impl Repeated {
         Ok(Self { stored, analysis, provenance, new, found })
     }
 
-    fn add_to(&self, text: &mut Lines, args: &RerunArgs) {
+    fn add_to(&self, text: &mut Lines, args: &RerunArgs, origin: Origin) {
         let (then, now) = (&self.stored.provenance, &self.provenance);
         let synthetic = if self.stored.case.synthetic { " · SYNTHETIC" } else { "" };
         let (case, date) = (&self.stored.case.id, then.date_utc());
@@ -197,6 +247,7 @@ impl Repeated {
         } else {
             text.line(format!("  Version: then {}, now {}", then.program(), now.program()));
         }
+        text.text(&terminal::paragraph(origin.words(), terminal::WIDTH, "  "));
         for input in then.inputs() {
             let said = format!("Input {}: {}", input.name, input_words(&args.file, input));
             text.text(&terminal::paragraph(&said, terminal::WIDTH, "  "));

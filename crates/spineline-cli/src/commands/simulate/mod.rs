@@ -96,7 +96,11 @@ impl Outcome {
             inputs.map(|path| read_input(path)).collect::<Result<_, _>>()?;
         inputs.extend(self.source.as_ref().map(|source| source.input().clone()));
         let films = FilmOrigin::of([self.model.synthetic]);
-        let mut provenance = Provenance::new(this_run()?, films, inputs).with_published_numbers();
+        let case_id = self.model.case_id.clone();
+        outputs.of_case(&case_id);
+        let mut provenance = Provenance::new(this_run()?, films, inputs)
+            .with_published_numbers()
+            .of_cases([case_id]);
         if let Some(source) = &self.source {
             provenance = provenance.asking(&source.request());
         }

@@ -116,7 +116,7 @@ fn export(path: &Path, study: &str, out: &Path, outputs: Outputs) -> Result<Endi
     for remark in &exported.remarks {
         say(format!("note: {remark}"));
     }
-    outputs.write(out, &exported.text)?;
+    outputs.write(out, exported.text)?;
     outputs.commit()?;
     Ok(Ending::Done)
 }

@@ -1,9 +1,10 @@
 //! The one way in which results leave the program: whole files, all or none of a command's; streams; the standard output.
 
-mod origin;
+mod parts;
 mod pieces;
 mod staged;
 mod target;
+mod there;
 
 pub use pieces::Pieces;
 pub use staged::{Outputs, OverwriteArgs};

@@ -1,9 +1,11 @@
 //! Results that are written piece by piece.
 
-use std::io::Write;
+use std::collections::BTreeSet;
+use std::fs::File;
+use std::io::{self, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 
-use spineline_files::{InputFile, RunningDigest};
+use spineline_files::{InputFile, RunningContent};
 use tempfile::NamedTempFile;
 
 use super::staged::{Outputs, failed, name_of};
@@ -14,7 +16,7 @@ use crate::run::interrupt;
 pub struct Pieces<'a> {
     outputs: &'a Outputs,
     path: PathBuf,
-    digest: RunningDigest,
+    content: RunningContent,
     place: Place,
 }
 
@@ -40,7 +42,7 @@ impl<'a> Pieces<'a> {
     }
 
     fn new(outputs: &'a Outputs, path: &Path, place: Place) -> Self {
-        Self { outputs, path: path.to_owned(), digest: RunningDigest::default(), place }
+        Self { outputs, path: path.to_owned(), content: RunningContent::default(), place }
     }
 
     /// Adds the next piece.
@@ -49,7 +51,7 @@ impl<'a> Pieces<'a> {
     /// If it cannot be written.
     pub fn add(&mut self, piece: impl AsRef<[u8]>) -> Result<(), Failure> {
         let piece = piece.as_ref();
-        self.digest.update(piece);
+        self.content.update(piece);
         match &mut self.place {
             Place::Memory(all) => all.extend_from_slice(piece),
             Place::File { part, .. } => {
@@ -61,27 +63,40 @@ impl<'a> Pieces<'a> {
         Ok(())
     }
 
-    /// Keeps the result for its path, and returns its name and digest.
+    /// Keeps the result for its path, and returns its name and hash.
     ///
     /// # Errors
     /// If it cannot be written.
     pub fn keep(mut self) -> Result<InputFile, Failure> {
-        let digest = std::mem::take(&mut self.digest);
+        let (sha256, places) = std::mem::take(&mut self.content).finish();
         match &mut self.place {
             Place::Memory(bytes) => self.outputs.write(&self.path, std::mem::take(bytes))?,
             Place::File { part, file } => {
                 if let Some(mut whole) = part.take() {
-                    if let Err(error) = whole.flush() {
+                    let filled = fill(whole.as_file_mut(), &sha256, &places);
+                    let kept = filled.map_err(failed(&self.path)).and_then(|()| {
+                        self.outputs.check_replaceable(&self.path, file, Some(&BTreeSet::new()))
+                    });
+                    if let Err(failure) = kept {
                         interrupt::forget_part(whole.path());
-                        return Err(failed(&self.path)(error));
+                        return Err(failure);
                     }
                     let file = std::mem::take(file);
                     self.outputs.keep(whole.into_temp_path(), file, self.path.clone());
                 }
             }
         }
-        Ok(InputFile { name: name_of(&self.path), sha256: digest.hex() })
+        Ok(InputFile { name: name_of(&self.path), sha256 })
     }
+}
+
+/// Writes the hash of the content into its places.
+fn fill(file: &mut File, hash: &str, places: &[u64]) -> io::Result<()> {
+    for &place in places {
+        file.seek(SeekFrom::Start(place))?;
+        file.write_all(hash.as_bytes())?;
+    }
+    file.flush()
 }
 
 impl Drop for Pieces<'_> {

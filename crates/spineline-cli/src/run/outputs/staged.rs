@@ -1,25 +1,31 @@
 //! Results of one command: their targets are checked before any work, and they appear together at its end.
 
+use std::collections::{BTreeSet, HashSet};
 use std::fs::{self, OpenOptions};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
-use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::sync::{Mutex, MutexGuard, OnceLock, PoisonError};
 
 use clap::Args;
-use spineline_files::{InputFile, Provenance, ProvenanceFile, to_text};
+use spineline_files::{
+    InputFile, MAX_ANALYSES_BYTES, Provenance, ProvenanceFile, case_ids, read_bytes, to_text,
+    with_hash,
+};
 use tempfile::{NamedTempFile, TempPath};
 
-use super::origin::is_result;
+use super::parts::Parts;
 use super::pieces::Pieces;
 use super::print_data;
 use super::target::{Identity, Target};
+use super::there::There;
 use crate::run::failure::Failure;
 use crate::run::interrupt;
 
 /// What replacing files needs.
 #[derive(Args, Debug, Clone, Copy)]
 pub struct OverwriteArgs {
-    /// Replace output files that this program did not write; inputs and study stores are never replaced
+    /// Replace output files that this program did not write, that were changed since, or that are of other patients; inputs and study
+    /// stores are never replaced
     #[arg(long)]
     pub overwrite: bool,
 }
@@ -32,17 +38,26 @@ pub struct OverwriteArgs {
 pub struct Outputs {
     overwrite: bool,
     inputs: Vec<Identity>,
+    /// The cases in the inputs; `None` where nobody knows them before they are read.
+    input_cases: OnceLock<Option<BTreeSet<String>>>,
     state: Mutex<State>,
 }
 
 #[derive(Default)]
 struct State {
     declared: Vec<Identity>,
+    /// Names of what was written, with upper and lower case as one.
+    written: HashSet<String>,
+    /// The cases that this command has read.
+    cases: BTreeSet<String>,
+    parts: Vec<Parts>,
     staged: Vec<Staged>,
     /// Folders that were made, the outer one first.
     folders: Vec<PathBuf>,
     /// Results that could not be made, beside others that can.
     failures: Vec<Failure>,
+    /// Two results have one name, so that nothing is written.
+    conflict: Option<Failure>,
 }
 
 enum Staged {
@@ -55,7 +70,13 @@ impl Outputs {
     /// For a command that reads these files, whichever of them are there.
     pub fn new<'a>(args: OverwriteArgs, inputs: impl IntoIterator<Item = &'a Path>) -> Self {
         let inputs = inputs.into_iter().map(Identity::of).collect();
-        Self { overwrite: args.overwrite, inputs, state: Mutex::default() }
+        let input_cases = OnceLock::new();
+        Self { overwrite: args.overwrite, inputs, input_cases, state: Mutex::default() }
+    }
+
+    /// The results are of this case, among others: they may replace others of it.
+    pub fn of_case(&self, id: &str) {
+        self.state().cases.insert(id.to_owned());
     }
 
     fn state(&self) -> MutexGuard<'_, State> {
@@ -70,7 +91,7 @@ impl Outputs {
     pub fn file(&self, path: &Path) -> Result<(), Failure> {
         self.declare(path)?;
         if let Target::File(file) = Target::of(path)? {
-            self.check_replaceable(path, &file)?;
+            self.check_replaceable(path, &file, None)?;
         }
         Ok(())
     }
@@ -82,12 +103,8 @@ impl Outputs {
     pub fn declare(&self, path: &Path) -> Result<(), Failure> {
         let Target::File(file) = Target::of(path)? else { return Ok(()) };
         let identity = self.check_own(path, &file)?;
-        if self.state().declared.iter().any(|other| other.is(&identity)) {
-            return Err(Failure::target(
-                path,
-                "it is named for two outputs of this command",
-                "give each output a file of its own",
-            ));
+        if self.state().declared.iter().any(|other| other.is_alike(&identity)) {
+            return Err(named_twice(path));
         }
         check_folder(path, file.parent().unwrap_or(Path::new("")))?;
         self.state().declared.push(identity);
@@ -118,25 +135,28 @@ impl Outputs {
     ///
     /// # Errors
     /// As [`Outputs::file`], unless the same content is there; or if it cannot be written.
-    pub fn write(&self, path: &Path, content: impl AsRef<[u8]>) -> Result<(), Failure> {
-        let content = content.as_ref();
+    pub fn write(&self, path: &Path, content: impl Into<Vec<u8>>) -> Result<(), Failure> {
+        let content = with_hash(content.into());
         let staged = match Target::of(path)? {
             Target::StandardOutput => {
-                let text = std::str::from_utf8(content).map_err(|_| {
+                Staged::Printed(String::from_utf8(content).map_err(|_| {
                     Failure::usage("this result is not text; name a file and not `-`")
-                })?;
-                Staged::Printed(text.to_owned())
+                })?)
             }
-            Target::Into(stream) => Staged::Into(stream, content.to_vec()),
+            Target::Into(stream) => Staged::Into(stream, content),
             Target::File(file) => {
-                self.check_own(path, &file)?;
+                let mut part = self.begin_file(path, &file)?;
                 let is_same = || fs::read(&file).is_ok_and(|there| there == content);
-                if self.check_replaceable(path, &file).is_err() && !is_same() {
-                    return self.check_replaceable(path, &file);
+                let written = self
+                    .check_replaceable(path, &file, Some(&case_ids(&content)))
+                    .or_else(|failure| if is_same() { Ok(()) } else { Err(failure) })
+                    .and_then(|()| part.write_all(&content).map_err(failed(path)))
+                    .and_then(|()| part.flush().map_err(failed(path)));
+                if let Err(failure) = written {
+                    interrupt::forget_part(part.path());
+                    return Err(failure);
                 }
-                self.make_folder(path, file.parent().unwrap_or(Path::new("")))?;
-                let part = part(path, &file, |part| written(path, part, content))?;
-                Staged::File { part, file, shown: path.to_owned() }
+                Staged::File { part: part.into_temp_path(), file, shown: path.to_owned() }
             }
         };
         self.state().staged.push(staged);
@@ -151,11 +171,33 @@ impl Outputs {
         let Target::File(file) = Target::of(path)? else {
             return Ok(Pieces::in_memory(self, path));
         };
-        self.check_own(path, &file)?;
-        self.check_replaceable(path, &file)?;
-        self.make_folder(path, file.parent().unwrap_or(Path::new("")))?;
-        let part = make_part(path, &file)?;
+        self.check_replaceable(path, &file, None)?;
+        let part = self.begin_file(path, &file)?;
         Ok(Pieces::in_file(self, path, file, part))
+    }
+
+    /// An empty file in the folder of a target that no other result has.
+    fn begin_file(&self, path: &Path, file: &Path) -> Result<NamedTempFile, Failure> {
+        let identity = self.check_own(path, file)?;
+        let mut state = self.state();
+        if !state.written.insert(identity.name()) {
+            state.conflict.get_or_insert_with(|| named_twice(path));
+            return Err(named_twice(path));
+        }
+        let folder = folder_or_here(file.parent().unwrap_or(Path::new("")));
+        let made = interrupt::make_folder(folder).map_err(failed(path))?;
+        state.folders.extend(made);
+        let known = state.parts.iter().position(|parts| parts.folder == *folder);
+        let place = known.map_or_else(
+            || {
+                Parts::begin(folder).map(|new| {
+                    state.parts.push(new);
+                    state.parts.len() - 1
+                })
+            },
+            Ok,
+        );
+        place.and_then(|place| state.parts[place].add()).map_err(failed(path))
     }
 
     /// Keeps a result of [`Outputs::begin`].
@@ -171,12 +213,13 @@ impl Outputs {
     pub fn write_table(
         &self,
         path: &Path,
-        content: impl AsRef<[u8]>,
+        content: impl Into<Vec<u8>>,
         provenance: &Provenance,
     ) -> Result<(), Failure> {
-        let content = content.as_ref();
+        let content = content.into();
+        let table = InputFile::of(name_of(path), &content);
         self.write(path, content)?;
-        self.write_provenance(path, InputFile::of(name_of(path), content), provenance)
+        self.write_provenance(path, table, provenance)
     }
 
     /// The provenance of a table, in a file beside it.
@@ -231,11 +274,14 @@ impl Outputs {
     /// Gives all results their names, and prints what goes to the standard output.
     ///
     /// # Errors
-    /// Of every result that could not be made or written; the others are.
+    /// Of every result that could not be made or written; the others are. If two results have one name, nothing is written.
     pub fn commit(self) -> Result<(), Failure> {
         interrupt::begin_writing();
         let (staged, mut failures) = {
             let mut state = self.state();
+            if let Some(conflict) = state.conflict.take() {
+                return Err(conflict);
+            }
             (std::mem::take(&mut state.staged), std::mem::take(&mut state.failures))
         };
         let mut printed = String::new();
@@ -274,23 +320,57 @@ impl Outputs {
         Ok(identity)
     }
 
-    /// Refuses to replace what this program did not write.
-    fn check_replaceable(&self, path: &Path, file: &Path) -> Result<(), Failure> {
-        if self.overwrite || !file.exists() || is_result(path, file) {
+    /// Refuses to replace what this program did not write, what was changed since, and results of other cases than those of the
+    /// inputs, of the cases that were read, and of the content; `None` before there is any.
+    pub(super) fn check_replaceable(
+        &self,
+        path: &Path,
+        file: &Path,
+        content: Option<&BTreeSet<String>>,
+    ) -> Result<(), Failure> {
+        if self.overwrite || !file.exists() {
             return Ok(());
         }
-        Err(Failure::target(
-            path,
-            "it exists, and is not a result that this program can make again",
-            "name another file, or add `--overwrite` to replace it",
-        ))
+        let why = match There::of(path, file) {
+            There::Result(cases) => {
+                let Some(other) = self.other_case(&cases, content) else { return Ok(()) };
+                format!("it is a result of the case {other}, which is not a case of this command")
+            }
+            There::Changed => "it was changed after this program wrote it".to_owned(),
+            There::Other => {
+                "it exists, and is not a result that this program can make again".to_owned()
+            }
+        };
+        let help = "name another file, or add `--overwrite` to replace it";
+        Err(Failure::target(path, &why, help))
     }
 
-    /// Makes a folder and those around it.
-    fn make_folder(&self, path: &Path, folder: &Path) -> Result<(), Failure> {
-        let made = interrupt::make_folder(folder).map_err(failed(path))?;
-        self.state().folders.extend(made);
-        Ok(())
+    /// A case of a result that is not a case of this command.
+    fn other_case<'a>(
+        &self,
+        cases: &'a BTreeSet<String>,
+        content: Option<&BTreeSet<String>>,
+    ) -> Option<&'a String> {
+        if cases.is_empty() || (self.input_cases().is_none() && content.is_none()) {
+            return None;
+        }
+        let state = self.state();
+        let known = [Some(&state.cases), content, self.input_cases()];
+        cases.iter().find(|case| !known.iter().flatten().any(|all| all.contains(*case)))
+    }
+
+    /// The cases in the inputs; `None` where there is no input, or one that can be read only once.
+    fn input_cases(&self) -> Option<&BTreeSet<String>> {
+        let read = || {
+            let paths = self.inputs.iter().map(Identity::path);
+            let cases = paths.map(|path| {
+                let bytes = path.is_file().then(|| read_bytes(path, MAX_ANALYSES_BYTES).ok());
+                bytes.flatten().map(|bytes| case_ids(&bytes))
+            });
+            let cases: Vec<BTreeSet<String>> = cases.collect::<Option<_>>()?;
+            (!cases.is_empty()).then(|| cases.into_iter().flatten().collect())
+        };
+        self.input_cases.get_or_init(read).as_ref()
     }
 }
 
@@ -299,6 +379,7 @@ impl Drop for Outputs {
     fn drop(&mut self) {
         let state = self.state.get_mut().unwrap_or_else(PoisonError::into_inner);
         forget(state.staged.drain(..));
+        state.parts.clear();
         for folder in state.folders.iter().rev() {
             // A folder with a file in it stays.
             let _ = fs::remove_dir(folder);
@@ -336,34 +417,12 @@ fn check_folder(path: &Path, folder: &Path) -> Result<(), Failure> {
     tempfile::tempfile_in(there).map(|_| ()).map_err(failed(path))
 }
 
-/// A file in the folder of its target, filled by `fill`.
-fn part(
-    path: &Path,
-    file: &Path,
-    fill: impl FnOnce(&mut NamedTempFile) -> Result<(), Failure>,
-) -> Result<TempPath, Failure> {
-    let mut part = make_part(path, file)?;
-    let filled = fill(&mut part).and_then(|()| part.flush().map_err(failed(path)));
-    if let Err(failure) = filled {
-        interrupt::forget_part(part.path());
-        return Err(failure);
-    }
-    Ok(part.into_temp_path())
-}
-
-/// An empty file in the folder of its target.
-fn make_part(path: &Path, file: &Path) -> Result<NamedTempFile, Failure> {
-    let folder = folder_or_here(file.parent().unwrap_or(Path::new("")));
-    let mut builder = tempfile::Builder::new();
-    builder.prefix(".spineline-").suffix(".part");
-    // A temporary file is its owner's alone; a result has the permissions of an ordinary new file.
-    #[cfg(unix)]
-    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
-    interrupt::make_part(|| builder.tempfile_in(folder)).map_err(failed(path))
-}
-
-fn written(path: &Path, part: &mut NamedTempFile, content: &[u8]) -> Result<(), Failure> {
-    part.write_all(content).map_err(failed(path))
+fn named_twice(path: &Path) -> Failure {
+    Failure::target(
+        path,
+        "it is named for two outputs of this command (upper and lower case count as one)",
+        "give each output a file, and each case a `case_id`, that differs in more than upper and lower case",
+    )
 }
 
 /// A pipe or device gets the content and stays what it is.

@@ -109,6 +109,17 @@ fn is_database(file: &Path) -> bool {
     read.is_ok() && start == *DATABASE
 }
 
+/// A folder behind all links, as far as it is there.
+fn canonical(folder: &Path) -> PathBuf {
+    folder.canonicalize().unwrap_or_else(|_| match (folder.parent(), folder.file_name()) {
+        (Some(around), Some(name)) if !around.as_os_str().is_empty() => {
+            canonical(around).join(name)
+        }
+        (_, Some(name)) => canonical(Path::new(".")).join(name),
+        _ => folder.to_owned(),
+    })
+}
+
 /// What tells whether two paths lead to one file, through links of both kinds.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Identity {
@@ -122,7 +133,7 @@ impl Identity {
     pub fn of(file: &Path) -> Self {
         let folder = file.parent().filter(|folder| !folder.as_os_str().is_empty());
         let folder = folder.unwrap_or(Path::new("."));
-        let folder = folder.canonicalize().unwrap_or_else(|_| folder.to_owned());
+        let folder = canonical(folder);
         let path = file
             .canonicalize()
             .unwrap_or_else(|_| folder.join(file.file_name().unwrap_or_default()));
@@ -134,6 +145,21 @@ impl Identity {
                 (found.dev(), found.ino())
             }),
         }
+    }
+
+    /// Where it is.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// Its path with upper and lower case as one, as some disks have it.
+    pub fn name(&self) -> String {
+        self.path.to_string_lossy().to_lowercase()
+    }
+
+    /// Whether both are one file, here or on a disk for which upper and lower case are one.
+    pub fn is_alike(&self, other: &Self) -> bool {
+        self.is(other) || self.name() == other.name()
     }
 
     /// Whether both are one file.

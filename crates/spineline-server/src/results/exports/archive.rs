@@ -2,7 +2,7 @@
 
 use std::io::{Cursor, Write};
 
-use spineline_files::{InputFile, Provenance, ProvenanceFile, to_text};
+use spineline_files::{InputFile, Provenance, ProvenanceFile, to_text, with_hash};
 use zip::ZipWriter;
 use zip::write::SimpleFileOptions;
 
@@ -16,7 +16,7 @@ pub fn archive(
     provenance: Provenance,
 ) -> Answer<Download> {
     let list = files.iter().map(|(name, bytes)| InputFile::of(name.as_str(), bytes)).collect();
-    let list = to_text(&ProvenanceFile::new(list, provenance)).into_bytes();
+    let list = with_hash(to_text(&ProvenanceFile::new(list, provenance)).into_bytes());
     let mut writer = ZipWriter::new(Cursor::new(Vec::new()));
     for (name, bytes) in files.into_iter().chain([("provenance.json".to_owned(), list)]) {
         writer.start_file(name, SimpleFileOptions::default()).map_err(|error| internal(&error))?;

@@ -15,7 +15,8 @@ use chrono::{DateTime, SecondsFormat, Utc};
 use spineline::analysis::{Analysis, Case};
 use spineline::uncertainty::LandmarkNoise;
 use spineline_files::{
-    AnalysisFile, CaseFile, FilmOrigin, ProgramRun, Provenance, Replicates, Request,
+    AnalysisFile, CaseFile, FilmOrigin, ProgramRun, Provenance, Replicates, Request, to_text,
+    with_hash,
 };
 use spineline_store::Name;
 use utoipa_axum::router::OpenApiRouter;
@@ -90,7 +91,7 @@ pub async fn export(
             ExportName::Analysis => Ok(Download {
                 ending: "-analysis.json",
                 kind: JSON,
-                bytes: spineline_files::to_text(&file_of(analysis, &case, &found)).into_bytes(),
+                bytes: with_hash(to_text(&file_of(analysis, &case, &found)).into_bytes()),
             }),
             ExportName::TablesCsv => tables::csv(analysis, &case, &found),
             ExportName::TablesParquet => tables::parquet(analysis, &case, &found),
@@ -141,7 +142,8 @@ pub fn provenance(analysis: &Analysis) -> Provenance {
     };
     let films = FilmOrigin::of([analysis.synthetic]);
     let request = Request { options: analysis.options.clone(), ..Request::default() };
-    Provenance::new(run, films, Vec::new()).asking(&request)
+    let provenance = Provenance::new(run, films, Vec::new());
+    provenance.of_cases([analysis.case_id.clone()]).asking(&request)
 }
 
 /// A writer of this program that failed on its own results.

@@ -56,7 +56,7 @@ pub fn download(
         _ => Ok(Download {
             ending: ".html",
             kind: "text/html; charset=utf-8",
-            bytes: html(&document).into_bytes(),
+            bytes: spineline_files::with_hash(html(&document).into_bytes()),
         }),
     }
 }

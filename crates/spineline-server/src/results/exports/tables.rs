@@ -16,7 +16,7 @@ pub fn csv(analysis: &Analysis, case: &Case, found: &Computed) -> Answer<Downloa
 }
 
 pub fn parquet(analysis: &Analysis, case: &Case, found: &Computed) -> Answer<Download> {
-    let origin = to_text(&provenance(analysis));
+    let origin = to_text(&provenance(analysis).of_listed_file());
     written((analysis, case, found), "-tables-parquet.zip", "parquet", |table| {
         table.to_parquet(&[("spineline.provenance", &origin)])
     })

@@ -12,7 +12,8 @@ use spineline::analysis::{Analysis, LineModel};
 use spineline::multibody::Goal;
 use spineline::personalize::FitStatus;
 use spineline_files::{
-    LoadFile, ModelFile, Simulated, SimulationError, StoredModel, parse_load, parse_model, to_text,
+    LoadFile, ModelFile, Simulated, SimulationError, StoredModel, parse_load, parse_model,
+    text_with_hash, to_text,
 };
 use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
@@ -106,7 +107,7 @@ async fn simulation_file(
             file = file.with_uncertainty(found);
             origin = origin.asking(&request);
         }
-        Ok::<_, Failure>(to_text(&file.with_provenance(origin)))
+        Ok::<_, Failure>(text_with_hash(to_text(&file.with_provenance(origin))))
     });
     let text = made.await??;
     log(&state, &user, &study, "simulation").await?;
@@ -179,7 +180,7 @@ pub fn fitted_model(result: &StudyResult, line: LineName) -> Answer<(&Analysis, 
 pub fn model_text(result: &StudyResult, line: LineName) -> Answer<String> {
     let (analysis, model) = fitted_model(result, line)?;
     let file = ModelFile::new(analysis, model, PROGRAM).with_provenance(provenance(analysis));
-    Ok(to_text(&file))
+    Ok(text_with_hash(to_text(&file)))
 }
 
 /// A model as it is read back from its file, so that the results are those of the file.

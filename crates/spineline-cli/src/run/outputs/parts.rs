@@ -1,0 +1,124 @@
+//! Files in the making, beside their targets. A program that is killed leaves some; the next one that writes into the folder removes them.
+
+use std::collections::BTreeSet;
+use std::fs::{self, File, TryLockError};
+use std::io;
+use std::path::{Path, PathBuf};
+
+use tempfile::NamedTempFile;
+
+use crate::run::interrupt;
+
+/// What the names of all of them begin and end with; between the two, a word per run, and another one per file.
+const BEGIN: &str = ".spineline-";
+const END: &str = ".part";
+
+/// The files in the making of this run in one folder.
+pub struct Parts {
+    pub folder: PathBuf,
+    /// It is locked as long as the program runs, whose files are not left ones then.
+    lock: NamedTempFile,
+}
+
+impl Parts {
+    /// Removes what earlier runs have left in a folder, and begins.
+    ///
+    /// # Errors
+    /// If no file can be made there.
+    pub fn begin(folder: &Path) -> io::Result<Self> {
+        remove_left(folder);
+        loop {
+            let lock = make(folder, BEGIN)?;
+            let is_taken = matches!(lock.as_file().try_lock(), Err(TryLockError::WouldBlock));
+            // Another run, which took it for a left one, may have been faster.
+            if !is_taken && lock.path().exists() {
+                return Ok(Self { folder: folder.to_owned(), lock });
+            }
+            interrupt::forget_part(lock.path());
+        }
+    }
+
+    /// An empty file.
+    ///
+    /// # Errors
+    /// If it cannot be made.
+    pub fn add(&self) -> io::Result<NamedTempFile> {
+        let name = self.lock.path().file_name().unwrap_or_default().to_string_lossy();
+        make(&self.folder, &format!("{}-", name.trim_end_matches(END)))
+    }
+}
+
+impl Drop for Parts {
+    fn drop(&mut self) {
+        interrupt::forget_part(self.lock.path());
+    }
+}
+
+fn make(folder: &Path, begin: &str) -> io::Result<NamedTempFile> {
+    let mut builder = tempfile::Builder::new();
+    builder.prefix(begin).suffix(END);
+    // A temporary file is its owner's alone; a result has the permissions of an ordinary new file.
+    #[cfg(unix)]
+    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
+    interrupt::make_part(|| builder.tempfile_in(folder))
+}
+
+/// Removes the files of runs that have ended without doing so.
+fn remove_left(folder: &Path) {
+    let entries = fs::read_dir(folder).into_iter().flatten().filter_map(Result::ok);
+    let names = entries.filter_map(|entry| entry.file_name().into_string().ok());
+    let names: Vec<String> = names.filter(|name| run_of(name).is_some()).collect();
+    let runs: BTreeSet<&str> = names.iter().filter_map(|name| run_of(name)).collect();
+    for run in runs {
+        let lock = folder.join(format!("{BEGIN}{run}{END}"));
+        let Some(_held) = left(&lock) else { continue };
+        for name in names.iter().filter(|name| run_of(name) == Some(run)) {
+            let file = folder.join(name);
+            if file != lock {
+                // What cannot be removed hinders nobody.
+                let _ = fs::remove_file(file);
+            }
+        }
+        let _ = fs::remove_file(lock);
+    }
+}
+
+/// The run that a file in the making belongs to, by its name.
+fn run_of(name: &str) -> Option<&str> {
+    let words = name.strip_prefix(BEGIN)?.strip_suffix(END)?;
+    words.split('-').next()
+}
+
+/// The lock of a run that has ended, held from now on, or without a file if that is gone; `None` of a run that goes on.
+fn left(lock: &Path) -> Option<Option<File>> {
+    match File::options().write(true).open(lock) {
+        Err(error) if error.kind() == io::ErrorKind::NotFound => Some(None),
+        Err(_) => None,
+        Ok(file) => file.try_lock().is_ok().then_some(Some(file)),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn files(folder: &Path) -> usize {
+        fs::read_dir(folder).expect("a folder").count()
+    }
+
+    #[test]
+    fn what_a_killed_run_has_left_is_removed_and_what_a_running_one_has_is_not() {
+        let folder = tempfile::tempdir().expect("a folder");
+        for name in ["aaaaaa", "aaaaaa-bbbbbb", "cccccc-dddddd"] {
+            fs::write(folder.path().join(format!("{BEGIN}{name}{END}")), "half").expect("a file");
+        }
+        fs::write(folder.path().join("my.part"), "notes").expect("a file");
+        let running = Parts::begin(folder.path()).expect("a place");
+        let part = running.add().expect("a file");
+        assert_eq!(files(folder.path()), 3);
+        let other = Parts::begin(folder.path()).expect("a place");
+        assert!(part.path().exists());
+        drop((part, running, other));
+        assert_eq!(files(folder.path()), 1, "what others wrote stays");
+    }
+}
