@@ -15,6 +15,7 @@ import zipfile
 from pathlib import Path
 
 import bombs
+import crowds
 import disks
 import kills
 import mutations
@@ -47,6 +48,7 @@ def main() -> int:
         disks.attack(program, samples),
         signals.attack(program, samples, options.interruptions, options.seed),
         kills.attack(program, samples, options.kills, options.seed),
+        crowds.attack(program, samples, options.seed),
     )
     faults = []
     for attack in attacks:
