@@ -16,6 +16,7 @@ from pathlib import Path
 
 import bombs
 import clocks
+import crowds
 import disks
 import kills
 import mutations
@@ -50,6 +51,7 @@ def main() -> int:
         signals.attack(program, samples, options.interruptions, options.seed),
         kills.attack(program, samples, options.kills, options.seed),
         clocks.attack(program, samples),
+        crowds.attack(program, samples, options.seed),
     )
     faults = []
     for attack in attacks:

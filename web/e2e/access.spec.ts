@@ -113,6 +113,36 @@ test("the last admin stays admin, and the page gives the reason", async ({ app, 
   await shot(page, "access-last-admin");
 });
 
+test("people change their own password", async ({ app, page }) => {
+  await answerWith(page, "/api/session", { ...LEAD, name: "ab", role: "reader" });
+  await answerWith(page, "/api/studies", [study("S-003")]);
+  await usePages(page);
+  await page.goto(app.address);
+  await page.getByRole("button", { name: "ab: change your password" }).click();
+  const dialog = page.getByRole("dialog", { name: "Your password" });
+  await dialog.getByLabel("Current password").fill("the one from the admin");
+  await dialog.getByLabel("Password", { exact: true }).fill("aaaaaaaaaaaa");
+  await dialog.getByLabel("Repeat the password").fill("aaaaaaaaaaaa");
+  const weak = { code: "bad_password", message: "the password has 1 different characters" };
+  await answerWith(page, "/api/session/password", weak, 422);
+  await dialog.getByRole("button", { name: "Change the password" }).click();
+  await expect(dialog.getByRole("alert")).toContainText("1 different characters");
+  await expect(dialog.getByLabel("Repeat the password")).toHaveValue("");
+  await shot(page, "own-password");
+
+  await dialog.getByLabel("Current password").fill("the one from the admin");
+  await dialog.getByLabel("Password", { exact: true }).fill("a sentence of my own");
+  await dialog.getByLabel("Repeat the password").fill("a sentence of my own");
+  await answerWith(page, "/api/session/password", { ...LEAD, name: "ab", role: "reader" });
+  const sent = page.waitForRequest("**/api/session/password");
+  await dialog.getByRole("button", { name: "Change the password" }).click();
+  expect((await sent).postDataJSON()).toEqual({
+    current: "the one from the admin",
+    password: "a sentence of my own",
+  });
+  await expect(dialog).toBeHidden();
+});
+
 test("admins add accounts and grant studies", async ({ app, page }) => {
   await answerWith(page, "/api/session", LEAD);
   await answerWith(page, "/api/studies", [study("S-003")]);

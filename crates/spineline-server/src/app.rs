@@ -18,9 +18,6 @@ use crate::{
     studies,
 };
 
-/// Largest body of a request, in bytes. A route that takes films sets a limit of its own.
-pub const MAX_BODY_BYTES: usize = 1 << 20;
-
 /// The description of the interface, from which the browser's types are generated.
 #[must_use]
 pub fn openapi() -> OpenApi {
@@ -50,7 +47,7 @@ pub fn app(state: AppState) -> Router {
         .route("/api/{*unknown}", routing::any(unknown))
         .fallback(assets::serve)
         .method_not_allowed_fallback(wrong_method)
-        .layer(DefaultBodyLimit::max(MAX_BODY_BYTES))
+        .layer(DefaultBodyLimit::max(guard::MAX_BODY_BYTES))
         .layer(middleware::from_fn_with_state(state.clone(), guard::guard))
         .layer(CatchPanicLayer::custom(panicked))
         .layer(middleware::from_fn_with_state(state.clone(), guard::headers))

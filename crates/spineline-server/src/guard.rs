@@ -7,7 +7,6 @@ use axum::middleware::Next;
 use axum::response::{IntoResponse, Response};
 use subtle::ConstantTimeEq;
 
-use crate::app::MAX_BODY_BYTES;
 use crate::extract::unread;
 use crate::pace::Paced;
 use crate::places::{Place, Whose, Work};
@@ -19,6 +18,8 @@ use crate::whence::{self, Whence};
 
 /// Largest body that any route may take, in bytes: a study's films in one archive.
 pub const MAX_UPLOAD_BYTES: usize = 600 << 20;
+/// Largest body of a request, in bytes. A route that takes films sets a limit of its own.
+pub const MAX_BODY_BYTES: usize = 1 << 20;
 /// Largest body of somebody who signs in, in bytes: a name and a password.
 const MAX_SIGN_IN_BYTES: usize = 16 << 10;
 /// Header with the session's token, required by every request that changes something.

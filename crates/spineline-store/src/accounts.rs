@@ -8,7 +8,7 @@ use crate::connection::Store;
 use crate::error::StoreError;
 use crate::films::{self, Study};
 use crate::names::{Name, Signature};
-use crate::passwords::PasswordHash;
+use crate::password_hash::PasswordHash;
 use crate::sessions;
 
 /// Permissions in increasing order; each includes those before it.

@@ -5,8 +5,8 @@ use std::path::PathBuf;
 use rusqlite::ErrorCode;
 use spineline::anatomy::{FilmView, Level};
 
+use crate::guessing::PasswordFault;
 use crate::names::{FilmId, Name, ReadingId, Timestamp};
-use crate::passwords::PasswordFault;
 
 /// Why the store refused or failed. A refusal changes no state, except that a [`Conflict`](Self::Conflict) stores the refused
 /// event.

@@ -65,14 +65,12 @@ impl Store {
         now: Timestamp,
         limits: SessionLimits,
     ) -> Result<(), StoreError> {
-        match begin(&mut self.connection, secret, session, now, limits) {
-            Err(error) if error.is_no_room() => {
-                let now_ms = now.unix_ms();
-                let password = unsaved::password(&self.connection, &session.name)?;
-                let session = session.clone();
-                let kept = UnsavedSession { session, begun_ms: now_ms, used_ms: now_ms, password };
-                self.unsaved.begin(hash(secret), kept)
-            }
+        let (now_ms, secret_hash) = (now.unix_ms(), hash(secret));
+        let (name, access) = (session.name.clone(), session.access.key());
+        let password = unsaved::password(&self.connection, &name)?;
+        let begun = UnsavedSession { name, access, begun_ms: now_ms, used_ms: now_ms, password };
+        match begin(&mut self.connection, &secret_hash, &begun, limits) {
+            Err(error) if error.is_no_room() => self.unsaved.begin(secret_hash, begun),
             begun => begun,
         }
     }
@@ -127,17 +125,23 @@ impl Store {
         if self.unsaved.ended.contains(&secret_hash) {
             return Ok(None);
         }
-        if let Some(unsaved) = self.unsaved.begun.get(&secret_hash) {
-            let is_over = is_over(unsaved.begun_ms, unsaved.used_ms, now_ms, limits)
-                || unsaved.password != unsaved::password(&self.connection, &unsaved.session.name)?;
-            return Ok((!is_over).then(|| (unsaved.session.clone(), unsaved.used_ms)));
-        }
-        let query = "SELECT name, access, begun_ms, used_ms FROM sessions WHERE secret_hash = ?1";
-        let found = self.connection.query_row(query, [&secret_hash], |row| {
-            Ok((row.get::<_, String>(0)?, row.get::<_, String>(1)?, row.get(2)?, row.get(3)?))
-        });
-        let Some((name, access, begun_ms, used_ms)) = found.optional()? else { return Ok(None) };
-        let (begun_ms, used_ms): (i64, i64) = (begun_ms, used_ms);
+        let found = match self.unsaved.begun.get(&secret_hash) {
+            Some(begun) if begun.password == unsaved::password(&self.connection, &begun.name)? => {
+                let (name, access) = (begun.name.to_string(), begun.access.to_owned());
+                Some((name, access, begun.begun_ms, begun.used_ms))
+            }
+            Some(_) => None,
+            None => {
+                let query =
+                    "SELECT name, access, begun_ms, used_ms FROM sessions WHERE secret_hash = ?1";
+                let read = |row: &rusqlite::Row<'_>| {
+                    Ok((row.get(0)?, row.get::<_, String>(1)?, row.get(2)?, row.get(3)?))
+                };
+                self.connection.query_row(query, [&secret_hash], read).optional()?
+            }
+        };
+        let Some((name, access, begun_ms, used_ms)) = found else { return Ok(None) };
+        let (name, begun_ms, used_ms): (String, i64, i64) = (name, begun_ms, used_ms);
         if is_over(begun_ms, used_ms, now_ms, limits) {
             return Ok(None);
         }
@@ -151,7 +155,7 @@ impl Store {
     /// Errors of writing to the store, except those of a full disk.
     pub fn end_session(&mut self, secret: &str) -> Result<(), StoreError> {
         let secret_hash = hash(secret);
-        match delete(&self.connection, &secret_hash) {
+        match unsaved::delete_session(&self.connection, &secret_hash) {
             Ok(()) => {
                 self.unsaved.begun.remove(&secret_hash);
                 Ok(())
@@ -174,12 +178,11 @@ fn is_over(begun_ms: i64, used_ms: i64, now_ms: i64, limits: SessionLimits) -> b
 /// Writes a session, and deletes those that have ended.
 fn begin(
     connection: &mut Connection,
-    secret: &str,
-    session: &Session,
-    now: Timestamp,
+    secret_hash: &str,
+    begun: &UnsavedSession,
     limits: SessionLimits,
 ) -> Result<(), StoreError> {
-    let now_ms = now.unix_ms();
+    let now_ms = begun.begun_ms;
     let transaction = connection.transaction()?;
     transaction.execute(
         "DELETE FROM sessions WHERE used_ms <= ?1 OR begun_ms <= ?2 OR max(begun_ms, used_ms) > ?3",
@@ -189,27 +192,8 @@ fn begin(
             now_ms.saturating_add(CLOCK_STEP_MS),
         ],
     )?;
-    insert(&transaction, &hash(secret), session, [now_ms; 2])?;
+    begun.insert(&transaction, secret_hash)?;
     Ok(transaction.commit()?)
-}
-
-/// Writes a session with the times of its beginning and its last use.
-pub(crate) fn insert(
-    connection: &Connection,
-    secret_hash: &str,
-    session: &Session,
-    [begun_ms, used_ms]: [i64; 2],
-) -> Result<(), StoreError> {
-    connection.execute(
-        "INSERT INTO sessions VALUES (?1, ?2, ?3, ?4, ?5)",
-        params![secret_hash, session.name.as_str(), session.access.key(), begun_ms, used_ms],
-    )?;
-    Ok(())
-}
-
-pub(crate) fn delete(connection: &Connection, secret_hash: &str) -> Result<(), StoreError> {
-    connection.execute("DELETE FROM sessions WHERE secret_hash = ?1", [secret_hash])?;
-    Ok(())
 }
 
 /// Ends all sessions of an account.

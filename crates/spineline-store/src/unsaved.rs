@@ -3,13 +3,11 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use rusqlite::{Connection, OptionalExtension, Transaction};
+use rusqlite::{Connection, OptionalExtension, Transaction, params};
 
-use crate::audit::{Ledger, WHOLE_STORE};
-use crate::connection::Store;
+use crate::audit::Ledger;
 use crate::error::StoreError;
 use crate::names::{Name, Signature, Timestamp};
-use crate::sessions::{self, Session};
 
 /// Most entries in memory; further steps are refused as the disk refuses them.
 const MAX_ENTRIES: usize = 10_000;
@@ -29,7 +27,9 @@ pub(crate) struct Unsaved {
 /// A session that is not on the disk.
 #[derive(Debug, Clone)]
 pub(crate) struct UnsavedSession {
-    pub session: Session,
+    pub name: Name,
+    /// Key of the way of signing in.
+    pub access: &'static str,
     pub begun_ms: i64,
     pub used_ms: i64,
     /// Stored form of the account's password: another one ends the session, whichever program wrote it.
@@ -44,8 +44,25 @@ struct Step {
     object: String,
 }
 
+impl UnsavedSession {
+    /// Writes its row.
+    pub fn insert(&self, connection: &Connection, secret_hash: &str) -> Result<(), StoreError> {
+        connection.execute(
+            "INSERT INTO sessions VALUES (?1, ?2, ?3, ?4, ?5)",
+            params![secret_hash, self.name.as_str(), self.access, self.begun_ms, self.used_ms],
+        )?;
+        Ok(())
+    }
+}
+
+/// Deletes the row of a session.
+pub(crate) fn delete_session(connection: &Connection, secret_hash: &str) -> Result<(), StoreError> {
+    connection.execute("DELETE FROM sessions WHERE secret_hash = ?1", [secret_hash])?;
+    Ok(())
+}
+
 impl Unsaved {
-    fn is_empty(&self) -> bool {
+    pub fn is_empty(&self) -> bool {
         self.entries.is_empty() && self.begun.is_empty() && self.ended.is_empty()
     }
 
@@ -57,19 +74,24 @@ impl Unsaved {
             Ledger { transaction, by: &by }.mention(&action, &step.object)?;
         }
         for (hash, begun) in &self.begun {
-            if begun.password == password(transaction, &begun.session.name)? {
-                sessions::insert(
-                    transaction,
-                    hash,
-                    &begun.session,
-                    [begun.begun_ms, begun.used_ms],
-                )?;
+            if begun.password == password(transaction, &begun.name)? {
+                begun.insert(transaction, hash)?;
             }
         }
         for hash in &self.ended {
-            sessions::delete(transaction, hash)?;
+            delete_session(transaction, hash)?;
         }
         Ok(())
+    }
+
+    /// Keeps an entry that found no room; false where there are too many.
+    pub fn log(&mut self, action: &str, object: &str, who: &Name) -> bool {
+        let has_room = self.entries.len() < MAX_ENTRIES;
+        if has_room {
+            let (action, object) = (action.to_owned(), object.to_owned());
+            self.entries.push(Step { who: who.clone(), action, object });
+        }
+        has_room
     }
 
     /// Keeps a session that found no room.
@@ -94,63 +116,4 @@ impl Unsaved {
 pub(crate) fn password(connection: &Connection, name: &Name) -> Result<Option<String>, StoreError> {
     let query = "SELECT password FROM accounts WHERE name = ?1";
     Ok(connection.query_row(query, [name.as_str()], |row| row.get(0)).optional()?)
-}
-
-impl Store {
-    /// Writes into the log who did what to an object that the step does not change. Where the disk is full, the entry is written
-    /// before the next change that finds room.
-    pub(crate) fn log_step(
-        &mut self,
-        action: &str,
-        object: &str,
-        by: &Signature,
-    ) -> Result<(), StoreError> {
-        let logged = self.write(by, |ledger| ledger.mention(action, object));
-        match logged {
-            Err(error) if error.is_no_room() && self.unsaved.entries.len() < MAX_ENTRIES => {
-                let (action, object) = (action.to_owned(), object.to_owned());
-                self.unsaved.entries.push(Step { who: by.who.clone(), action, object });
-                Ok(())
-            }
-            logged => logged,
-        }
-    }
-
-    /// Writes into the log that somebody signed in; the object is `session/NAME`.
-    ///
-    /// # Errors
-    /// Errors of writing, except those of a full disk.
-    pub fn log_sign_in(&mut self, by: &Signature) -> Result<(), StoreError> {
-        self.log_step("sign_in", &format!("session/{}", by.who), by)
-    }
-
-    /// Writes into the log that an attempt to sign in was refused; the object is `session/NAME` for an account of that name, and
-    /// the store for others: what is typed as a name may be a password. `unlogged` earlier ones have no entries of their own.
-    ///
-    /// # Errors
-    /// Errors of writing, except those of a full disk.
-    pub fn log_refused_sign_in(
-        &mut self,
-        account: Option<&Name>,
-        unlogged: u64,
-        by: &Signature,
-    ) -> Result<(), StoreError> {
-        if unlogged > 0 {
-            self.log_step(&format!("{unlogged}_sign_ins_refused"), WHOLE_STORE, by)?;
-        }
-        let object =
-            account.map_or_else(|| WHOLE_STORE.to_owned(), |name| format!("session/{name}"));
-        self.log_step("sign_in_refused", &object, by)
-    }
-
-    /// Writes what found no room before, if there is some now.
-    ///
-    /// # Errors
-    /// Errors of writing.
-    pub fn save_unsaved(&mut self, by: &Signature) -> Result<(), StoreError> {
-        if self.unsaved.is_empty() {
-            return Ok(());
-        }
-        self.write(by, |_| Ok(()))
-    }
 }

@@ -8,4 +8,7 @@ export const readSession = () => answerOf(api.GET("/api/session"));
 
 export const beginSession = (body: Api<"SignIn">) => answerOf(api.POST("/api/session", { body }));
 
+export const putPassword = (body: Api<"PasswordChange">) =>
+  answerOf(api.PUT("/api/session/password", { body }));
+
 export const endSession = () => answerOf(api.DELETE("/api/session"));

@@ -1,5 +1,5 @@
 import { Refusal, useSession } from "../api/client";
-import { beginSession, endSession, readSession, readSignInPage } from "../api/session";
+import { beginSession, endSession, putPassword, readSession, readSignInPage } from "../api/session";
 import type { Api } from "../api/types";
 import { addressOf, router } from "./router.svelte";
 import { takeToken } from "./token";
@@ -47,6 +47,11 @@ class Session {
   async signIn(how: Api<"SignIn">): Promise<void> {
     this.#use(await beginSession(how));
     this.token = null;
+  }
+
+  /** Another password for this account: the program gives the browser another session. */
+  async changePassword(change: Api<"PasswordChange">): Promise<void> {
+    this.#use(await putPassword(change));
   }
 
   async signOut(): Promise<void> {
