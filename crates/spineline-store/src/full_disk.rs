@@ -1,10 +1,7 @@
 //! Disks that are full at any page of a session. SQLite's limit of pages belongs to a connection, so the test is inside the
 //! crate.
 
-#[path = "../tests/it/session.rs"]
-mod session;
-
-use crate::{Store, StoreError, schema};
+use crate::{Store, StoreError, schema, session};
 
 fn limit_pages(store: &Store, pages: i64) {
     let pragma = "max_page_count";

@@ -26,10 +26,12 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod acceptance;
 mod accounts;
 mod assembly;
 mod audit;
 mod backup;
+mod beside;
 mod cases;
 mod computations;
 mod conflicts;
@@ -39,12 +41,16 @@ mod error;
 mod event;
 mod export;
 mod films;
+mod heads;
 mod journal;
+mod log_file;
 mod names;
 mod options;
+mod part;
 mod plan;
 mod privacy;
 mod readings;
+mod restore;
 mod schema;
 mod sessions;
 mod state;
@@ -54,6 +60,11 @@ mod visibility;
 
 #[cfg(test)]
 mod full_disk;
+#[cfg(test)]
+mod restore_killed;
+#[cfg(test)]
+#[path = "../tests/it/session.rs"]
+mod session;
 
 pub use accounts::{Account, AccountChange, Credential, PasswordHash, Role, StudyGrant};
 pub use audit::{AuditEntry, Head};
@@ -71,6 +82,7 @@ pub use options::StudyOptions;
 pub use plan::{BlindFilm, FilmCode, Next, ObserverView, OwnReading, PlanDesign, VisibleReadings};
 pub use privacy::wider_permissions;
 pub use readings::ReadingRecord;
+pub use restore::Restoration;
 pub use sessions::{Access, Session, SessionLimits};
 pub use state::{ReadingState, Scale, VertebraReading};
 pub use thumbnails::Thumbnails;
