@@ -43,6 +43,13 @@ pub struct Head {
     pub hash: Hash,
 }
 
+impl Default for Head {
+    /// The head of a log without entries.
+    fn default() -> Self {
+        Self { entries: 0, hash: Hash(String::new()) }
+    }
+}
+
 impl Head {
     /// Parses a stored head: a number and 64 hexadecimal digits.
     #[must_use]
@@ -121,7 +128,15 @@ pub(crate) const EXPORT: &str = "export_";
 const LAST_DIGEST: &str =
     "SELECT digest FROM audit WHERE object = ?1 ORDER BY sequence DESC LIMIT 1";
 
-/// Statement for it.
+/// The digest in the last entry on an object.
+pub(crate) fn last_digest(
+    connection: &Connection,
+    object: &str,
+) -> Result<Option<String>, StoreError> {
+    Ok(Seals::of(connection)?.0.query_row([object], |row| row.get(0)).optional()?)
+}
+
+/// Statement for the last entry on an object.
 struct Seals<'a>(Statement<'a>);
 
 impl<'a> Seals<'a> {

@@ -3,15 +3,18 @@
 use std::cell::RefCell;
 use std::collections::BTreeMap;
 use std::fs;
-use std::path::Path;
-use std::time::Duration;
+use std::path::{Path, PathBuf};
+use std::time::{Duration, SystemTime};
 
 use rusqlite::{Connection, MAIN_DB, OpenFlags, TransactionBehavior};
 
+use crate::acceptance::{accept, compare_end, contains};
 use crate::audit::{self, AuditEntry, Head, Ledger};
+use crate::beside::{HEADS, LOG, behind_links, beside, has_content};
 use crate::error::StoreError;
+use crate::heads::{HeadFile, Heads};
 use crate::names::{ReadingId, Signature};
-use crate::privacy;
+use crate::part::{Part, check_free};
 use crate::schema;
 use crate::state::ReadingState;
 use crate::unsaved::Unsaved;
@@ -23,65 +26,128 @@ pub struct Store {
     /// States of finished readings, which never change.
     pub(crate) finals: RefCell<BTreeMap<ReadingId, ReadingState>>,
     pub(crate) unsaved: Unsaved,
+    /// The file, behind links.
+    pub(crate) path: PathBuf,
+    /// What only a store that is written has.
+    writer: Option<Writer>,
+    busy_timeout: Duration,
 }
+
+#[derive(Debug)]
+struct Writer {
+    heads: HeadFile,
+    /// The last change that was acknowledged, where the log does not contain it.
+    lost: Option<Head>,
+    /// Length and time of SQLite's log when it was last looked at.
+    log: Option<(u64, SystemTime)>,
+}
+
+/// What an entry says whose author was the first to write after the store had gone back.
+const WENT_BACK: &str = "store_went_back";
 
 impl Store {
     /// Makes a new store in a file that does not exist yet, or is empty.
     ///
     /// # Errors
-    /// [`StoreError::AlreadyExists`], [`StoreError::CannotOpen`] and errors of the file system.
+    /// [`StoreError::AlreadyExists`]; [`StoreError::UnfittingLog`] where the log of another store lies beside the file;
+    /// [`StoreError::CannotOpen`] and errors of the file system.
     pub fn create(path: &Path, by: &Signature) -> Result<Self, StoreError> {
-        let taken = || StoreError::AlreadyExists { path: path.to_owned() };
-        let flags = OpenFlags::SQLITE_OPEN_READ_WRITE | OpenFlags::SQLITE_OPEN_CREATE;
-        let is_ours = privacy::reserve(path);
-        let made = schema::connect(path, flags).and_then(|mut connection| {
-            schema::configure(&connection)?;
-            let is_made = schema::create(&mut connection, by)?;
-            Ok((connection, is_made))
-        });
-        match made {
-            Ok((connection, true)) => Ok(Self::over(connection)),
-            // A file that SQLite cannot read is not a store.
-            Ok((_, false)) | Err(StoreError::Damaged { .. }) => Err(taken()),
-            Err(error) => {
-                if is_ours {
-                    // The first error is reported; a failed clean-up must not hide it.
-                    let _ = fs::remove_file(path);
-                }
-                Err(error)
-            }
-        }
+        let file = behind_links(path);
+        check_free(&file)?;
+        let part = Part::of(&file).map_err(read_only)?;
+        let mut connection = schema::connect(part.path(), OpenFlags::SQLITE_OPEN_READ_WRITE)?;
+        schema::configure(&connection)?;
+        schema::without_journal(&connection)?;
+        schema::create(&mut connection, by)?;
+        connection.close().map_err(|(_, error)| error)?;
+        part.place_new()?;
+        Self::open(path)
     }
 
     /// Opens a store for reading and writing. One of an older schema gets the tables that it lacks.
     ///
     /// # Errors
     /// [`StoreError::NotFound`], [`StoreError::NotAStore`], [`StoreError::NewerSchema`], [`StoreError::ReadOnly`];
-    /// none of them has changed the file.
+    /// [`StoreError::UnfittingLog`] for the log of another store, or a damaged one, beside it; [`StoreError::Damaged`] where it does
+    /// not end as its log says. None of them has changed a file.
     pub fn open(path: &Path) -> Result<Self, StoreError> {
-        let mut connection = connect(path, OpenFlags::SQLITE_OPEN_READ_WRITE)?;
+        let Opened { mut connection, file, main } =
+            connect(path, OpenFlags::SQLITE_OPEN_READ_WRITE)?;
         // SQLite opens for reading where it may not write.
         if connection.is_readonly(MAIN_DB)? {
             return Err(StoreError::ReadOnly);
         }
+        compare_end(&connection, main.as_ref())?;
+        // An unreadable file of heads is a finding of the verification.
+        let kept = Heads::read(&file).unwrap_or_default();
+        let (last, in_main) = kept.map_or_else(Default::default, |kept| (kept.last, kept.in_main));
+        let lost = (!contains(&connection, &last)?).then(|| last.clone());
+        let last = if lost.is_some() { last } else { audit::head(&connection)?.0 };
+        let heads = Heads { last, in_main: main.unwrap_or(in_main) };
+        // First, because a folder that cannot be written refuses it.
+        let heads = HeadFile::open(&file, heads).map_err(read_only)?;
         schema::configure(&connection)?;
         schema::write_ahead(&connection)?;
         schema::upgrade(&mut connection)?;
-        Ok(Self::over(connection))
+        schema::allow_checkpoints(&connection)?;
+        let writer = Writer { heads, lost, log: None };
+        Ok(Self::over(connection, file, Some(writer)))
     }
 
     /// Opens a store for reading only, such as a backup on a disk that cannot be written. Every change is refused as
     /// [`StoreError::ReadOnly`].
     ///
     /// # Errors
-    /// As [`Store::open`].
+    /// As [`Store::open`], but for the end of the store, which [`Store::verify`] looks at.
     pub fn view(path: &Path) -> Result<Self, StoreError> {
-        let connection = connect(path, OpenFlags::SQLITE_OPEN_READ_ONLY)?;
-        Ok(Self::over(connection))
+        let opened = connect(path, OpenFlags::SQLITE_OPEN_READ_ONLY)?;
+        Ok(Self::over(opened.connection, opened.file, None))
     }
 
-    fn over(connection: Connection) -> Self {
-        Self { connection, finals: RefCell::default(), unsaved: Unsaved::default() }
+    fn over(connection: Connection, path: PathBuf, writer: Option<Writer>) -> Self {
+        let (finals, unsaved) = (RefCell::default(), Unsaved::default());
+        let busy_timeout = schema::BUSY_TIMEOUT;
+        Self { connection, finals, unsaved, path, writer, busy_timeout }
+    }
+
+    /// The last change that was acknowledged here, where the log does not contain it: the store went back, because its log was lost, or
+    /// an earlier copy was put in its place. The next change writes this into the audit log.
+    #[must_use]
+    pub fn lost_head(&self) -> Option<&Head> {
+        self.writer.as_ref()?.lost.as_ref()
+    }
+
+    /// Writes SQLite's log into the store, if nothing was written since the last call: to be called every few seconds, so that
+    /// a copy of the main file alone lacks the changes of a few seconds at most.
+    ///
+    /// # Errors
+    /// [`StoreError::Full`], [`StoreError::Disk`] and the like; the changes stay in the log.
+    pub fn rest(&mut self) -> Result<(), StoreError> {
+        let log = fs::metadata(beside(&self.path, LOG));
+        let now = log.ok().and_then(|log| Some((log.len(), log.modified().ok()?)));
+        let Some(writer) = &mut self.writer else { return Ok(()) };
+        let is_at_rest = std::mem::replace(&mut writer.log, now) == now;
+        if is_at_rest && now.is_some_and(|(bytes, _)| bytes > 0) {
+            self.checkpoint()
+        } else {
+            Ok(())
+        }
+    }
+
+    /// Writes SQLite's log into the store and empties it, as far as nobody reads from it.
+    fn checkpoint(&mut self) -> Result<(), StoreError> {
+        let Some(writer) = &mut self.writer else { return Ok(()) };
+        let (head, _) = audit::head(&self.connection)?;
+        // Who reads is not waited for.
+        self.connection.busy_timeout(Duration::ZERO)?;
+        let query = "PRAGMA wal_checkpoint(TRUNCATE)";
+        let is_busy = self.connection.query_row(query, [], |row| row.get::<_, bool>(0));
+        self.connection.busy_timeout(self.busy_timeout)?;
+        if !is_busy? {
+            let last = writer.lost.as_ref().unwrap_or(&head).clone();
+            writer.heads.keep(Heads { last, in_main: head });
+        }
+        Ok(())
     }
 
     /// How long a write waits while another program writes, before it gives up as [`StoreError::Busy`]: 5 s at
@@ -89,9 +155,10 @@ impl Store {
     ///
     /// # Errors
     /// [`StoreError::Database`], if SQLite refuses.
-    pub fn set_busy_timeout(&self, timeout: Duration) -> Result<(), StoreError> {
+    pub fn set_busy_timeout(&mut self, timeout: Duration) -> Result<(), StoreError> {
         let longest = Duration::from_secs(24 * 60 * 60);
-        Ok(self.connection.busy_timeout(timeout.min(longest))?)
+        self.busy_timeout = timeout.min(longest);
+        Ok(self.connection.busy_timeout(self.busy_timeout)?)
     }
 
     /// The head of the audit log (number of entries and hash), to be kept outside of the store.
@@ -123,20 +190,64 @@ impl Store {
         let ledger = Ledger { transaction: &transaction, by };
         ledger.notice_clock()?;
         self.unsaved.save(&transaction, by.at)?;
+        let writer = self.writer.as_mut();
+        if writer.as_ref().is_some_and(|writer| writer.lost.is_some()) {
+            ledger.note(WENT_BACK)?;
+        }
         let value = change(&ledger)?;
+        let (head, _) = audit::head(&transaction)?;
         transaction.commit()?;
         self.unsaved = Unsaved::default();
+        if let Some(writer) = writer {
+            writer.lost = None;
+            writer.heads.acknowledged(head);
+        }
         Ok(value)
     }
 }
 
-fn connect(path: &Path, flags: OpenFlags) -> Result<Connection, StoreError> {
-    match std::fs::metadata(path) {
-        Ok(metadata) if metadata.is_file() => {}
+impl Drop for Store {
+    fn drop(&mut self) {
+        // What is not written into the store now stays in its log.
+        let _ = self.checkpoint();
+    }
+}
+
+/// A folder in which no file can be made.
+fn read_only(error: StoreError) -> StoreError {
+    use std::io::ErrorKind::{PermissionDenied, ReadOnlyFilesystem};
+    match error {
+        StoreError::File { source, .. }
+            if matches!(source.kind(), PermissionDenied | ReadOnlyFilesystem) =>
+        {
+            StoreError::ReadOnly
+        }
+        other => other,
+    }
+}
+
+/// A store that was accepted.
+struct Opened {
+    connection: Connection,
+    /// Its file, behind links.
+    file: PathBuf,
+    /// The head that the main file holds alone, unless it cannot be read without the log.
+    main: Option<Head>,
+}
+
+fn connect(path: &Path, flags: OpenFlags) -> Result<Opened, StoreError> {
+    let file = behind_links(path);
+    let is_begun = [HEADS, LOG].iter().any(|end| has_content(&beside(&file, end)));
+    match fs::metadata(path) {
+        Ok(metadata) if metadata.is_file() && metadata.len() > 0 => {}
+        // SQLite would remove the log beside an empty file.
+        Ok(metadata) if metadata.is_file() && is_begun => {
+            return Err(StoreError::damaged("its file, which is empty"));
+        }
         Ok(_) => return Err(StoreError::NotAStore { path: path.to_owned() }),
         Err(_) => return Err(StoreError::NotFound { path: path.to_owned() }),
     }
-    let connection = schema::connect(path, flags)?;
-    schema::check(&connection, path)?;
-    Ok(connection)
+    let connection = schema::connect(&file, flags)?;
+    let main = accept(&connection, &file)?;
+    Ok(Opened { connection, file, main })
 }

@@ -31,6 +31,24 @@ pub enum StoreError {
         /// Which file.
         path: PathBuf,
     },
+    /// A log or journal of SQLite beside the store that is damaged, or not the store's.
+    #[error(
+        "{}: this log is damaged, or belongs to another store or to another version of this one; neither it nor the store was changed",
+        log.display()
+    )]
+    UnfittingLog {
+        /// The log.
+        log: PathBuf,
+    },
+    /// Another program has the store open that is to be replaced.
+    #[error("another program has the store open")]
+    Held,
+    /// A store in its own place.
+    #[error("{}: a store cannot be restored from itself", path.display())]
+    SameFile {
+        /// The store.
+        path: PathBuf,
+    },
     /// Written by a newer program.
     #[error("the study store has schema {found}; this program supports schemas up to {supported}")]
     NewerSchema {
@@ -259,11 +277,18 @@ impl StoreError {
             Self::NotFound { .. } | Self::Unknown { .. } => "check the name",
             Self::AlreadyExists { .. } | Self::Exists { .. } => "choose another name",
             Self::NotAStore { .. } => "name a file that Spineline created as a store",
+            Self::UnfittingLog { .. } => {
+                "to use the store without this log, move the log to another folder; to put a backup in the place of the store, use `spineline study restore BACKUP STORE`"
+            }
+            Self::Held => "stop the server and other programs that use the store, and repeat",
+            Self::SameFile { .. } => "name a backup",
             Self::NewerSchema { .. } => "install a newer Spineline; the file was not touched",
             Self::OlderSchema { .. } => {
                 "export its studies with the program that wrote it, and add them to a new store; the file was not touched"
             }
-            Self::Damaged { .. } => "keep a copy of the file, verify it, and restore a backup",
+            Self::Damaged { .. } => {
+                "verify it, and restore a backup with `spineline study restore BACKUP STORE`, which keeps the damaged file"
+            }
             Self::ReadOnly | Self::CannotOpen => {
                 "give this user the right to write the file and its folder, or copy the store elsewhere"
             }

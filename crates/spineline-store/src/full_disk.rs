@@ -1,12 +1,9 @@
 //! Disks that are full at any page of a session. SQLite's limit of pages belongs to a connection, so the test is inside the
 //! crate.
 
-#[path = "../tests/it/session.rs"]
-mod session;
-
 use crate::{
     Access, Account, AccountChange, Name, PasswordHash, Role, Session, SessionLimits, Signature,
-    Store, StoreError, Timestamp, schema,
+    Store, StoreError, Timestamp, schema, session,
 };
 
 fn limit_pages(store: &Store, pages: i64) {

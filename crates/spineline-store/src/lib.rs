@@ -26,10 +26,12 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod acceptance;
 mod accounts;
 mod assembly;
 mod audit;
 mod backup;
+mod beside;
 mod cases;
 mod computations;
 mod conflicts;
@@ -40,15 +42,19 @@ mod event;
 mod export;
 mod films;
 mod guessing;
+mod heads;
 mod journal;
+mod log_file;
 mod log_steps;
 mod names;
 mod options;
+mod part;
 mod password_hash;
 mod passwords;
 mod plan;
 mod privacy;
 mod readings;
+mod restore;
 mod schema;
 mod sessions;
 mod state;
@@ -60,6 +66,11 @@ mod washout;
 
 #[cfg(test)]
 mod full_disk;
+#[cfg(test)]
+mod restore_killed;
+#[cfg(test)]
+#[path = "../tests/it/session.rs"]
+mod session;
 
 pub use accounts::{Account, AccountChange, Role, StudyGrant};
 pub use audit::{AuditEntry, Head};
@@ -80,6 +91,7 @@ pub use passwords::Credential;
 pub use plan::{BlindFilm, FilmCode, Next, ObserverView, PlanDesign, system_random};
 pub use privacy::wider_permissions;
 pub use readings::ReadingRecord;
+pub use restore::Restoration;
 pub use sessions::{Access, Session, SessionLimits};
 pub use state::{ReadingState, Scale, VertebraReading};
 pub use thumbnails::Thumbnails;

@@ -11,12 +11,6 @@ pub(crate) fn owner_only(options: &mut OpenOptions) -> &mut OpenOptions {
     options
 }
 
-/// Makes the file of a new store, empty, where there is none; says whether it was made. Whatever keeps it from that keeps SQLite
-/// from opening it, which says why.
-pub(crate) fn reserve(path: &Path) -> bool {
-    owner_only(OpenOptions::new().write(true).create_new(true)).open(path).is_ok()
-}
-
 /// Permissions of a store that others than its owner can read or write, such as `0644`; `None` where nobody else can, and on
 /// systems without such permissions.
 #[must_use]

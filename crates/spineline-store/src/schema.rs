@@ -15,8 +15,32 @@ use crate::audit::Ledger;
 use crate::error::StoreError;
 use crate::names::Signature;
 
-/// `SpSt`, the application identifier of store files.
-const APPLICATION_ID: i64 = 0x5370_5374;
+/// `SpSt`, the application identifier of stores.
+const STORE_ID: i32 = 0x5370_5374;
+/// `SpSb`, that of backups: no log beside a backup belongs to it.
+const BACKUP_ID: i32 = 0x5370_5362;
+/// Where a file of SQLite has its application identifier.
+const ID_BYTES: std::ops::Range<usize> = 68..72;
+/// Stands in the definitions of every store.
+pub(crate) const SIGNATURE: &[u8] = b"audit_is_never_edited";
+
+/// What a file says that it is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Mark {
+    /// A store, which is in use.
+    Store,
+    /// A copy of a store, which nobody has changed since.
+    Backup,
+}
+
+impl Mark {
+    fn id(self) -> i32 {
+        match self {
+            Self::Store => STORE_ID,
+            Self::Backup => BACKUP_ID,
+        }
+    }
+}
 
 /// The definition of every table of version 2.
 const SCHEMA: &str = include_str!("schema.sql");
@@ -31,14 +55,39 @@ const VERSION: i64 = OLDEST + ADDED.len() as i64;
 const OLDEST: i64 = 2;
 
 /// Default time that a write waits for another program.
-const BUSY_TIMEOUT: Duration = Duration::from_secs(5);
+pub(crate) const BUSY_TIMEOUT: Duration = Duration::from_secs(5);
 
-/// Opens an existing file without checks of its content.
+/// Opens an existing file without checks of its content. Its log stays as it is until [`allow_checkpoints`].
 pub(crate) fn connect(path: &Path, flags: OpenFlags) -> Result<Connection, StoreError> {
     let connection = Connection::open_with_flags(path, flags | OpenFlags::SQLITE_OPEN_NO_MUTEX)?;
     connection.busy_timeout(BUSY_TIMEOUT)?;
     connection.set_db_config(DbConfig::SQLITE_DBCONFIG_DEFENSIVE, true)?;
+    connection.set_db_config(DbConfig::SQLITE_DBCONFIG_NO_CKPT_ON_CLOSE, true)?;
     Ok(connection)
+}
+
+/// The connection may write the log into the store from now on.
+pub(crate) fn allow_checkpoints(connection: &Connection) -> Result<(), StoreError> {
+    connection.set_db_config(DbConfig::SQLITE_DBCONFIG_NO_CKPT_ON_CLOSE, false)?;
+    Ok(())
+}
+
+/// Opens the main file of a store for reading, as if no log lay beside it.
+pub(crate) fn connect_to_main_alone(path: &Path) -> Result<Connection, StoreError> {
+    let mut uri = String::from("file:");
+    if cfg!(windows) {
+        uri.push('/');
+    }
+    for &byte in path.as_os_str().as_encoded_bytes() {
+        match byte {
+            b'\\' if cfg!(windows) => uri.push('/'),
+            b'/' | b':' | b'.' | b'-' | b'_' => uri.push(byte.into()),
+            _ if byte.is_ascii_alphanumeric() => uri.push(byte.into()),
+            _ => uri.push_str(&format!("%{byte:02X}")),
+        }
+    }
+    uri.push_str("?immutable=1");
+    connect(Path::new(&uri), OpenFlags::SQLITE_OPEN_READ_ONLY | OpenFlags::SQLITE_OPEN_URI)
 }
 
 /// Settings of a connection, which SQLite does not keep in the file.
@@ -53,22 +102,13 @@ pub(crate) fn configure(connection: &Connection) -> Result<(), StoreError> {
     Ok(())
 }
 
-/// Turns an empty database into a store, or does nothing.
-///
-/// Returns false where the database was not empty.
-pub(crate) fn create(connection: &mut Connection, by: &Signature) -> Result<bool, StoreError> {
+/// Turns an empty database into a store.
+pub(crate) fn create(connection: &mut Connection, by: &Signature) -> Result<(), StoreError> {
     let transaction = connection.transaction_with_behavior(TransactionBehavior::Immediate)?;
-    let objects: i64 =
-        transaction.query_row("SELECT count(*) FROM sqlite_schema", [], |row| row.get(0))?;
-    if objects > 0 || number(&transaction, "application_id")? != 0 {
-        return Ok(false);
-    }
     build(&transaction, VERSION)?;
-    transaction.pragma_update(None, "application_id", APPLICATION_ID)?;
+    put_mark(&transaction, Mark::Store)?;
     Ledger { transaction: &transaction, by }.note("create")?;
-    transaction.commit()?;
-    write_ahead(connection)?;
-    Ok(true)
+    Ok(transaction.commit()?)
 }
 
 fn build(transaction: &Transaction<'_>, version: i64) -> Result<(), StoreError> {
@@ -109,8 +149,44 @@ pub(crate) fn has_table(connection: &Connection, table: &str) -> Result<bool, St
     Ok(connection.prepare("SELECT 1 FROM sqlite_schema WHERE name = ?1")?.exists([table])?)
 }
 
+/// Makes a store that was accepted write ahead, and a backup a store.
 pub(crate) fn write_ahead(connection: &Connection) -> Result<(), StoreError> {
-    connection.pragma_update_and_check(None, "journal_mode", "WAL", |_| Ok(()))?;
+    if mark(connection)? != Some(Mark::Store) {
+        without_journal(connection)?;
+        put_mark(connection, Mark::Store)?;
+    }
+    if journal_mode(connection)? != "wal" {
+        without_journal(connection)?;
+        connection.pragma_update_and_check(None, "journal_mode", "WAL", |_| Ok(()))?;
+    }
+    Ok(())
+}
+
+/// Keeps the next changes without a journal on the disk, so that no crash leaves one beside a store. They are changes of the first
+/// page's head, which the disk writes as a whole.
+pub(crate) fn without_journal(connection: &Connection) -> Result<(), StoreError> {
+    connection.pragma_update_and_check(None, "journal_mode", "MEMORY", |_| Ok(()))?;
+    Ok(())
+}
+
+fn journal_mode(connection: &Connection) -> Result<String, StoreError> {
+    Ok(connection.pragma_query_value(None, "journal_mode", |row| row.get(0))?)
+}
+
+/// What a file says that it is, if it says so.
+pub(crate) fn mark(connection: &Connection) -> Result<Option<Mark>, StoreError> {
+    let id = number(connection, "application_id")?;
+    Ok([Mark::Store, Mark::Backup].into_iter().find(|mark| i64::from(mark.id()) == id))
+}
+
+/// Whether bytes of a file have a mark in the place of a file of SQLite.
+pub(crate) fn is_marked(file: &[u8]) -> bool {
+    let ids = [Mark::Store, Mark::Backup].map(|mark| mark.id().to_be_bytes());
+    file.get(ID_BYTES).is_some_and(|found| ids.iter().any(|id| id == found))
+}
+
+pub(crate) fn put_mark(connection: &Connection, mark: Mark) -> Result<(), StoreError> {
+    connection.pragma_update(None, "application_id", mark.id())?;
     Ok(())
 }
 
@@ -122,19 +198,15 @@ pub(crate) fn number(connection: &Connection, pragma: &str) -> Result<i64, Store
 /// Refuses a file that is not a store of this schema.
 ///
 /// # Errors
-/// [`StoreError::NotAStore`], [`StoreError::NewerSchema`], [`StoreError::OlderSchema`].
+/// [`StoreError::NotAStore`], [`StoreError::NewerSchema`], [`StoreError::OlderSchema`], [`StoreError::Damaged`].
 pub(crate) fn check(connection: &Connection, path: &Path) -> Result<(), StoreError> {
     let not_ours = || StoreError::NotAStore { path: path.to_owned() };
-    match number(connection, "application_id") {
-        Ok(APPLICATION_ID) => {}
-        Ok(_) | Err(StoreError::Damaged { .. }) => return Err(not_ours()),
-        Err(other) => return Err(other),
-    }
+    mark(connection)?.ok_or_else(not_ours)?;
     match number(connection, "user_version")? {
         OLDEST..=VERSION => Ok(()),
         found if found > VERSION => Err(StoreError::NewerSchema { found, supported: VERSION }),
         found if found > 0 => Err(StoreError::OlderSchema { found, supported: VERSION }),
-        _ => Err(not_ours()),
+        _ => Err(StoreError::damaged("its schema")),
     }
 }
 

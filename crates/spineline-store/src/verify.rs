@@ -4,9 +4,11 @@ use std::collections::BTreeMap;
 
 use rusqlite::Connection;
 
+use crate::acceptance::contains;
 use crate::audit::{self, AuditEntry, Head, TABLES};
 use crate::connection::Store;
 use crate::error::StoreError;
+use crate::heads::Heads;
 use crate::names::Hash;
 use crate::schema;
 
@@ -55,6 +57,11 @@ pub enum Finding {
     HeadChanged,
     /// The log does not contain the external head: it was rewritten.
     Rewritten,
+    /// The log lacks the last change that was acknowledged: it was lost, or an earlier copy is in the store's place.
+    WentBack {
+        /// Number of entries up to that change.
+        acknowledged: u64,
+    },
     /// A row of the log is missing.
     RowMissing {
         /// Such as `event/17`.
@@ -99,6 +106,10 @@ impl std::fmt::Display for Finding {
             Self::Rewritten => {
                 f.write_str("the log does not contain the given head: the log was rewritten")
             }
+            Self::WentBack { acknowledged } => write!(
+                f,
+                "the store went back: its log does not contain entry {acknowledged}, which was acknowledged (see the file beside it that ends in `-head`)"
+            ),
             Self::RowMissing { object } => write!(f, "{object} is missing"),
             Self::RowChanged { object } => {
                 write!(f, "{object} differs from its entry in the log")
@@ -131,13 +142,29 @@ impl Verification {
 impl Store {
     /// Checks everything: the file, its references, the log, every row against the log, every film against its hash.
     ///
-    /// With an external head it also detects a log that was rewritten as a whole. **Without one, a person who can write the
+    /// The log must contain the head that is kept beside the store. With an external head, this
+    /// method also detects a log that was rewritten as a whole. **Without one, a person who can write the
     /// file can compute a new log, and this cannot be detected.**
     ///
     /// # Errors
     /// Damage is a finding. Errors are failures of reading, such as [`StoreError::Busy`].
     pub fn verify(&self, known: Option<&Head>) -> Result<Verification, StoreError> {
-        verify(&self.connection, known)
+        // First: what other programs write in between makes the store newer.
+        let kept = Heads::read(&self.path);
+        let mut verification = verify(&self.connection, known)?;
+        match kept {
+            Ok(Some(kept)) => {
+                let acknowledged = kept.last.entries;
+                if !contains(&self.connection, &kept.last).unwrap_or(false) {
+                    verification.findings.push(Finding::WentBack { acknowledged });
+                }
+            }
+            Ok(None) => {}
+            Err(_) => verification.findings.push(Finding::Unreadable {
+                part: "the file beside the store that ends in `-head`",
+            }),
+        }
+        Ok(verification)
     }
 }
 

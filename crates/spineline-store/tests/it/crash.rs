@@ -167,6 +167,8 @@ fn a_truncated_write_ahead_log_gives_an_acknowledged_state() {
     let mut last = 0;
     for bytes in (0..=log.len()).step_by(512).chain([log.len()]) {
         fs::copy(&path, &cut).expect("a copy");
+        // Each is a crash of its own, which knows of no later one.
+        let _ = fs::remove_file(folder.path().join("cut-head"));
         fs::write(&cut_log, &log[..bytes]).expect("a log");
         // A view replays the log without writing it into the file.
         let print = fingerprint(&Store::view(&cut).expect("a store"));
@@ -181,10 +183,7 @@ fn a_truncated_write_ahead_log_gives_an_acknowledged_state() {
         last = kept;
     }
     assert_eq!(last, STEPS - 1);
-    // Without a log, and with an invalid one.
-    fs::copy(&path, &cut).expect("a copy");
-    fs::write(&cut_log, vec![0xA5; 40_000]).expect("a log");
-    assert_eq!(fingerprint(&Store::open(&cut).expect("a store")), reference[0]);
+    // Without a log.
     fs::copy(&path, &cut).expect("a copy");
     let _ = fs::remove_file(&cut_log);
     assert_eq!(fingerprint(&Store::open(&cut).expect("a store")), reference[0]);

@@ -38,7 +38,7 @@ fn findings_after(sql: &str) -> Vec<Finding> {
     let path = folder.path().join("store");
     drop(full_session(&path));
     attack(&path, sql);
-    Store::open(&path).expect("a store").verify(None).expect("verifiable").findings
+    Store::view(&path).expect("a store").verify(None).expect("verifiable").findings
 }
 
 #[test]

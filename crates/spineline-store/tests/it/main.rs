@@ -5,6 +5,7 @@
 mod corruption;
 mod crash;
 mod current_case;
+mod foreign_logs;
 mod history;
 mod journal;
 mod lateral;

@@ -61,7 +61,7 @@ fn edited_options_are_damage_and_never_other_options() {
     let raw = rusqlite::Connection::open(&path).expect("a database");
     raw.execute("UPDATE options SET chosen = '[]'", []).expect("an edit by hand");
     drop(raw);
-    let store = Store::open(&path).expect("a store");
+    let store = Store::view(&path).expect("a store");
     let found = store.study_options(&study);
     assert!(matches!(found, Err(StoreError::Damaged { .. })), "{found:?}");
     let changed = Finding::RowChanged { object: "options/S-1".to_owned() };
