@@ -6,7 +6,6 @@ use spineline::measure::TiltRule;
 use crate::FileError;
 use crate::json::parse;
 use crate::keys::Key;
-use crate::method_text::Choice;
 use crate::provenance::{FilmOrigin, Provenance};
 use crate::rotation_prior_record::RotationPriorRecord;
 
@@ -83,7 +82,7 @@ impl StoredRotationPrior {
         if self.tilt == asked {
             return Ok(());
         }
-        let [learned, asked] = [self.tilt, asked].map(|rule| rule.spelling());
+        let [learned, asked] = [self.tilt, asked].map(|rule| rule.key());
         Err(FileError::LearnedWithTilt { learned, asked })
     }
 }

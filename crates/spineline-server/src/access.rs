@@ -10,8 +10,8 @@ use spineline_store::{
 
 use crate::problem::{Answer, Failure};
 use crate::result_cache::{StudyResult, computed};
-use crate::session::User;
 use crate::state::AppState;
+use crate::user::User;
 
 /// A study's name in an address. An impossible name is answered as not found.
 pub fn study_name(text: &str) -> Answer<Name> {

@@ -9,8 +9,8 @@ use utoipa_axum::routes;
 use crate::api::{AccountEdit, AccountView, Problem, Wire};
 use crate::extract::{Json, Path};
 use crate::problem::{Answer, Failure};
-use crate::session::User;
 use crate::state::AppState;
+use crate::user::User;
 
 pub fn routes() -> OpenApiRouter<AppState> {
     OpenApiRouter::new().routes(routes!(accounts)).routes(routes!(put_account))

@@ -11,8 +11,8 @@ use utoipa::openapi::OpenApi;
 use utoipa_axum::router::OpenApiRouter;
 
 use crate::problem::Failure;
-use crate::session::User;
 use crate::state::AppState;
+use crate::user::User;
 use crate::{
     accounts, archives, assets, changes, demo, films, grants, guard, readings, results, session,
     studies,

@@ -14,8 +14,8 @@ use crate::api::{
 use crate::extract::Json;
 use crate::films::stage;
 use crate::problem::Answer;
-use crate::session::User;
 use crate::state::AppState;
+use crate::user::User;
 
 pub fn routes() -> OpenApiRouter<AppState> {
     OpenApiRouter::new()

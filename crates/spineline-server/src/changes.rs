@@ -18,8 +18,8 @@ use crate::api::{Change, Problem};
 use crate::channel::Message;
 use crate::extract::Path;
 use crate::problem::{Answer, Failure};
-use crate::session::{self, User};
 use crate::state::AppState;
+use crate::user::{self, User};
 
 pub fn routes() -> OpenApiRouter<AppState> {
     OpenApiRouter::new().routes(routes!(changes))
@@ -39,7 +39,7 @@ async fn changes(
     let study = study_name(&study)?;
     // Listening begins before the lookup, so that no change is missed.
     let messages = BroadcastStream::new(state.changes().subscribe());
-    let secret = session::secret_of(&state, &headers).unwrap_or_default();
+    let secret = user::secret_of(&state, &headers).unwrap_or_default();
     let (asked, who) = (study.clone(), user.clone());
     let found = state.ask(move |store| {
         let role = who.on_study(store, &asked)?;
@@ -95,7 +95,7 @@ impl Listener {
     /// Refuses where the session has ended, or does not reach as far as it did, or farther.
     fn still_may(&self, store: &Store) -> Answer<()> {
         let access = self.state.options().access;
-        let user = session::user_behind(store, &self.secret, access, self.state.now())?;
+        let user = user::user_behind(store, &self.secret, access, self.state.now())?;
         if user == self.user
             && user.on_study(store, &self.study)? == self.role
             && store.observer(&user.name).visibility(&self.study)? == self.visibility

@@ -18,10 +18,10 @@ use crate::extract::Json;
 use crate::film_cache::draw_thumbnails;
 use crate::problem::{Answer, Failure};
 use crate::result_cache::computed;
-use crate::session::User;
 use crate::state::AppState;
 use crate::studies;
 use crate::synthetic::{DrawnFilm, case_file, draw_film};
+use crate::user::User;
 
 /// Pixels of 0.2 mm, as those of a computed radiograph of a whole spine; phantoms are drawn with a quarter of that area.
 const COARSER: u32 = 2;

@@ -13,8 +13,8 @@ use serde::de::DeserializeOwned;
 
 use crate::pace::TooSlow;
 use crate::problem::Failure;
-use crate::session::{self, User};
 use crate::state::AppState;
+use crate::user::{self, User};
 
 /// A JSON body, of a request or of an answer.
 #[derive(Debug, Clone, Copy)]
@@ -63,7 +63,7 @@ async fn json_body(request: Request, state: &AppState) -> Result<Bytes, Failure>
     let body = Bytes::from_request(request, state).await.map_err(|refused| unread(&refused))?;
     // A body may take its time, and a role that was taken meanwhile is gone.
     match asker {
-        Some(asker) if session::user_of(state, &headers).await? != asker => {
+        Some(asker) if user::user_of(state, &headers).await? != asker => {
             let text = "your role was changed while the request came";
             let refused = Failure::new(StatusCode::FORBIDDEN, "not_allowed", text);
             Err(refused.help("load the page again"))

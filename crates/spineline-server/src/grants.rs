@@ -10,8 +10,8 @@ use crate::access::study_name;
 use crate::api::{Grant, Problem, Wire};
 use crate::extract::{Json, Path};
 use crate::problem::{Answer, Failure};
-use crate::session::User;
 use crate::state::AppState;
+use crate::user::User;
 
 pub fn routes() -> OpenApiRouter<AppState> {
     OpenApiRouter::new().routes(routes!(grants, put_grants))

@@ -12,8 +12,8 @@ use crate::pace::Paced;
 use crate::places::{Place, Whose, Work};
 use crate::problem::{Answer, Failure};
 use crate::seats::SeatOf;
-use crate::session;
 use crate::state::AppState;
+use crate::user;
 use crate::whence::{self, Whence};
 
 /// Largest body that any route may take, in bytes: a study's films in one archive.
@@ -69,7 +69,7 @@ async fn admitted(state: &AppState, mut request: Request) -> Answer<(Request, Op
     let pace = state.limits().body;
     request = request.map(|body| Body::new(Paced::new(body, pace)));
     // What keeps a session from being read is for the handler to say.
-    let user = session::user_of(state, request.headers()).await.ok();
+    let user = user::user_of(state, request.headers()).await.ok();
     if let (Some(user), Some(seat)) = (&user, request.extensions().get::<SeatOf>()) {
         seat.keep(&user.name);
     }
@@ -197,8 +197,8 @@ fn comes_from_here(headers: &HeaderMap, host: &str, https: bool, reads: bool) ->
 
 /// Without a cookie there is no session; the handler reports it.
 fn csrf(state: &AppState, headers: &HeaderMap) -> Answer<()> {
-    let Some(secret) = session::secret_of(state, headers) else { return Ok(()) };
-    let expected = session::csrf_of(&secret);
+    let Some(secret) = user::secret_of(state, headers) else { return Ok(()) };
+    let expected = user::csrf_of(&secret);
     let given = headers.get(CSRF).map(HeaderValue::as_bytes).unwrap_or_default();
     if bool::from(given.ct_eq(expected.as_bytes())) {
         return Ok(());

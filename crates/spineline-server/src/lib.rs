@@ -40,6 +40,7 @@ mod session;
 mod state;
 mod studies;
 pub mod synthetic;
+mod user;
 mod whence;
 mod words;
 
@@ -49,5 +50,5 @@ pub use guard::MAX_UPLOAD_BYTES;
 pub use limits::{Pace, Places, RequestPlaces, ServeLimits, Shares, UploadLimits, UploadRoom};
 pub use listen::Server;
 pub use problem::{Answer, Failure};
-pub use session::User;
 pub use state::{AppState, ServeOptions};
+pub use user::User;

@@ -205,7 +205,7 @@ impl AppState {
     }
 
     /// Runs a query of the store that may also be refused for other reasons, such as
-    /// [`User::on_study`](crate::session::User::on_study).
+    /// [`User::on_study`](crate::user::User::on_study).
     ///
     /// # Errors
     /// Errors of the query, or its panic.

@@ -18,6 +18,7 @@ use crate::part::{Part, check_free};
 use crate::schema;
 use crate::state::ReadingState;
 use crate::unsaved::Unsaved;
+use crate::verify::{Finding, Verification, verify};
 
 /// A study store, through one connection. Several may be open on one file, in one program or in many.
 #[derive(Debug)]
@@ -250,4 +251,33 @@ fn connect(path: &Path, flags: OpenFlags) -> Result<Opened, StoreError> {
     let connection = schema::connect(&file, flags)?;
     let main = accept(&connection, &file)?;
     Ok(Opened { connection, file, main })
+}
+
+impl Store {
+    /// Checks everything: the file, its references, the log, every row against the log, every film against its hash.
+    ///
+    /// The log must contain the head that is kept beside the store. With an external head, this
+    /// method also detects a log that was rewritten as a whole. **Without one, a person who can write the
+    /// file can compute a new log, and this cannot be detected.**
+    ///
+    /// # Errors
+    /// Damage is a finding. Errors are failures of reading, such as [`StoreError::Busy`].
+    pub fn verify(&self, known: Option<&Head>) -> Result<Verification, StoreError> {
+        // First: what other programs write in between makes the store newer.
+        let kept = Heads::read(&self.path);
+        let mut verification = verify(&self.connection, known)?;
+        match kept {
+            Ok(Some(kept)) => {
+                let acknowledged = kept.last.entries;
+                if !contains(&self.connection, &kept.last).unwrap_or(false) {
+                    verification.findings.push(Finding::WentBack { acknowledged });
+                }
+            }
+            Ok(None) => {}
+            Err(_) => verification.findings.push(Finding::Unreadable {
+                part: "the file beside the store that ends in `-head`",
+            }),
+        }
+        Ok(verification)
+    }
 }

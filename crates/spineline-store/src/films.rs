@@ -2,15 +2,13 @@
 
 use rusqlite::{Connection, OptionalExtension, Row, params};
 use serde_json::Value;
-use spineline::anatomy::{FilmView, Named, Posture};
-use spineline::measure::{ImageGeometry, Spacing};
+use spineline::anatomy::{FilmView, Named};
+use spineline::measure::ImageGeometry;
 
 use crate::audit::{self, Ledger, next_id};
-use crate::conflicts::{Acknowledged, keep_lost};
 use crate::connection::Store;
 use crate::error::{StoreError, limit};
 use crate::names::{FilmId, Hash, Name, Signature};
-use crate::plan;
 
 /// Largest film, in bytes; a frontal radiograph has some tens of millions.
 const MAX_FILM_BYTES: usize = 512 << 20;
@@ -72,30 +70,6 @@ pub struct AddedFilm {
     pub bytes_are_new: bool,
 }
 
-/// A change of a film's record.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum FilmEdit {
-    /// Correct the posture of a frontal film.
-    Posture(Posture),
-    /// Invert grey levels on the screen, or not.
-    Inverted(bool),
-    /// Set the spacing.
-    Spacing(Spacing),
-}
-
-impl FilmEdit {
-    fn json(self) -> Value {
-        match self {
-            Self::Spacing(spacing) => serde_json::json!({
-                "column_spacing_mm": spacing.column_mm, "row_spacing_mm": spacing.row_mm,
-                "spacing_plane": spacing.plane.key(), "spacing_source": spacing.source.key(),
-            }),
-            Self::Posture(posture) => serde_json::json!({ "posture": posture.key() }),
-            Self::Inverted(inverted) => serde_json::json!({ "inverted": inverted }),
-        }
-    }
-}
-
 impl Store {
     /// Adds a study.
     ///
@@ -154,49 +128,6 @@ impl Store {
     pub fn films(&self, study: &Name) -> Result<Vec<FilmRecord>, StoreError> {
         self::study(&self.connection, study)?;
         films(&self.connection, study)
-    }
-
-    /// Changes a film's record, if it has the expected revision. While a plan runs, all its readings have the same film.
-    ///
-    /// # Errors
-    /// [`StoreError::FilmsFrozen`] until all planned readings are finished;
-    /// [`StoreError::Conflict`], and then the edit is among [`Store::conflicts_of_film`]; [`StoreError::Unknown`];
-    /// [`StoreError::NotFrontal`] for a posture of the lateral film; [`StoreError::Case`] for a spacing where the image's description is not that of a case file.
-    pub fn edit_film(
-        &mut self,
-        film: FilmId,
-        edit: FilmEdit,
-        expected_revision: u64,
-        by: &Signature,
-    ) -> Result<Acknowledged, StoreError> {
-        self.write(by, |ledger| {
-            let now = self::film(ledger.transaction, film)?;
-            if !plan::is_open(ledger.transaction, &now.study)? {
-                return Err(StoreError::FilmsFrozen { study: now.study });
-            }
-            if now.revision != expected_revision {
-                let change = [edit.json().to_string()];
-                let object = film.to_string();
-                return keep_lost(ledger, object, expected_revision, now.revision, &change)
-                    .map(Err);
-            }
-            let (column, value): (_, Box<dyn rusqlite::ToSql>) = match edit {
-                FilmEdit::Posture(_) if now.view == FilmView::Lateral => {
-                    return Err(StoreError::NotFrontal { film });
-                }
-                FilmEdit::Posture(posture) => ("posture", Box::new(posture.key())),
-                FilmEdit::Inverted(inverted) => ("inverted", Box::new(inverted)),
-                FilmEdit::Spacing(spacing) => {
-                    let image = spineline_files::with_spacing(&now.image, now.view, spacing)?;
-                    ("image", Box::new(described(&image, now.simultaneous)))
-                }
-            };
-            let update =
-                format!("UPDATE films SET {column} = ?1, revision = revision + 1 WHERE id = ?2");
-            ledger.transaction.execute(&update, params![value, film.0])?;
-            let sequence = ledger.seal("edit", "films", &film.0)?;
-            Ok(Ok(Acknowledged { sequence, revision: now.revision + 1 }))
-        })?
     }
 
     /// The bytes of a film, compared with their hash. They are the original file, which may contain the patient's name and the
@@ -273,7 +204,7 @@ pub(crate) fn add_film(
 }
 
 /// The description of an image as its row has it: a lateral film's says whether it was exposed together with the erect one.
-fn described(image: &Value, simultaneous: bool) -> String {
+pub(crate) fn described(image: &Value, simultaneous: bool) -> String {
     let mut image = image.clone();
     if simultaneous {
         image[SIMULTANEOUS] = true.into();

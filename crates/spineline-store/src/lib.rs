@@ -40,6 +40,7 @@ mod current_case;
 mod error;
 mod event;
 mod export;
+mod film_edits;
 mod films;
 mod guessing;
 mod heads;
@@ -82,7 +83,8 @@ pub use current_case::{CaseReadings, ComparedReading, CurrentCase, CurrentFilm, 
 pub use error::StoreError;
 pub use event::{AcceptedVertebra, Corner, CornerOrigin, Event, PatientSide};
 pub use export::{ExportRemark, ExportedCase};
-pub use films::{AddedFilm, FilmEdit, FilmRecord, Study};
+pub use film_edits::FilmEdit;
+pub use films::{AddedFilm, FilmRecord, Study};
 pub use guessing::PasswordFault;
 pub use names::{FilmId, Hash, Name, ReadingId, Signature, Timestamp};
 pub use options::StudyOptions;

@@ -11,7 +11,9 @@ use crate::error::StoreError;
 use crate::films;
 use crate::names::{FilmId, Hash, Name, ReadingId, Signature, Timestamp};
 use crate::readings::{self, ReadingRecord};
-use crate::washout;
+
+/// Action of the log's entry that ends the washout of readings from a clock that was ahead, on the plan.
+pub(crate) const RELEASE: &str = "release";
 
 /// Maximum number of readings in one plan.
 const MAX_SLOTS: usize = 100_000;
@@ -401,8 +403,22 @@ fn next(
         let rest = before.and_then(|reading| Some((reading.id, reading.rest_from?)));
         let Some((before, rest_from)) = rest else { return Ok(Next::Begin(film)) };
         let until = rest_from.plus_days(plan.washout_days);
-        let waits = now < until && !washout::is_released(connection, plan.id, before, rest_from)?;
+        let waits = now < until && !is_released(connection, plan.id, before, rest_from)?;
         return Ok(if waits { Next::Wait(until) } else { Next::Begin(film) });
     }
     Ok(Next::Done)
+}
+
+/// Whether a release followed a finished reading while the clock was behind the time from which the washout counts.
+pub(crate) fn is_released(
+    connection: &Connection,
+    plan: i64,
+    reading: ReadingId,
+    rest_from: Timestamp,
+) -> Result<bool, StoreError> {
+    let release =
+        "SELECT 1 FROM audit WHERE object = 'plan/' || ?1 AND action = ?2 AND time_ms < ?3
+        AND sequence > (SELECT max(sequence) FROM audit WHERE object = ?4)";
+    let parameters = params![plan, RELEASE, rest_from.unix_ms(), reading.to_string()];
+    Ok(connection.prepare(release)?.exists(parameters)?)
 }

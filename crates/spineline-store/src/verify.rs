@@ -4,11 +4,8 @@ use std::collections::BTreeMap;
 
 use rusqlite::Connection;
 
-use crate::acceptance::contains;
 use crate::audit::{self, AuditEntry, Head, TABLES};
-use crate::connection::Store;
 use crate::error::StoreError;
-use crate::heads::Heads;
 use crate::names::Hash;
 use crate::schema;
 
@@ -136,35 +133,6 @@ impl Verification {
     #[must_use]
     pub fn is_clean(&self) -> bool {
         self.findings.is_empty()
-    }
-}
-
-impl Store {
-    /// Checks everything: the file, its references, the log, every row against the log, every film against its hash.
-    ///
-    /// The log must contain the head that is kept beside the store. With an external head, this
-    /// method also detects a log that was rewritten as a whole. **Without one, a person who can write the
-    /// file can compute a new log, and this cannot be detected.**
-    ///
-    /// # Errors
-    /// Damage is a finding. Errors are failures of reading, such as [`StoreError::Busy`].
-    pub fn verify(&self, known: Option<&Head>) -> Result<Verification, StoreError> {
-        // First: what other programs write in between makes the store newer.
-        let kept = Heads::read(&self.path);
-        let mut verification = verify(&self.connection, known)?;
-        match kept {
-            Ok(Some(kept)) => {
-                let acknowledged = kept.last.entries;
-                if !contains(&self.connection, &kept.last).unwrap_or(false) {
-                    verification.findings.push(Finding::WentBack { acknowledged });
-                }
-            }
-            Ok(None) => {}
-            Err(_) => verification.findings.push(Finding::Unreadable {
-                part: "the file beside the store that ends in `-head`",
-            }),
-        }
-        Ok(verification)
     }
 }
 

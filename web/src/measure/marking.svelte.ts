@@ -356,9 +356,8 @@ export class Marking {
   }
 
   async finish(): Promise<void> {
-    const { reading, revision } = this.#recorded;
-    const done = await finishReading(reading, { expected_revision: revision });
-    // A plan hides the landmarks of what is finished.
+    const { reading, revision: expected_revision } = this.#recorded;
+    const done = await finishReading(reading, { expected_revision });
     this.#use(done.reading ?? { ...this.#recorded, finished: true });
   }
 

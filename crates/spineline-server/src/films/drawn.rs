@@ -12,8 +12,8 @@ use crate::access::seen_film;
 use crate::api::{DrawnRequest, DrawnView, Problem};
 use crate::extract::{Json, Path};
 use crate::problem::{Answer, Failure};
-use crate::session::User;
 use crate::state::AppState;
+use crate::user::User;
 
 pub fn routes() -> OpenApiRouter<AppState> {
     OpenApiRouter::new().routes(routes!(drawn))

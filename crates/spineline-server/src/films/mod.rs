@@ -18,8 +18,8 @@ use crate::access::{seen_film, seen_reading};
 use crate::api::{Change, FilmChange, FilmEditName, FilmSummary, Problem};
 use crate::extract::{Json, Path};
 use crate::problem::{Answer, Failure};
-use crate::session::User;
 use crate::state::AppState;
+use crate::user::User;
 use crate::{decoded, studies, words};
 
 pub fn routes() -> OpenApiRouter<AppState> {

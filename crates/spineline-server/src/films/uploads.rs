@@ -22,8 +22,8 @@ use crate::guard::declared_bytes;
 use crate::places::{Whose, Work};
 use crate::problem::{Answer, Failure};
 use crate::result_cache::computed;
-use crate::session::User;
 use crate::state::AppState;
+use crate::user::User;
 use crate::words;
 
 pub fn routes() -> OpenApiRouter<AppState> {

@@ -15,8 +15,8 @@ use crate::extract::{Json, Path};
 use crate::film_cache::Screen;
 use crate::problem::{Answer, Failure};
 use crate::result_cache::computed;
-use crate::session::User;
 use crate::state::AppState;
+use crate::user::User;
 use crate::words::pixel_aspect;
 
 /// Finds vertebrae in the picture of a reading. Nothing is recorded.

@@ -19,8 +19,8 @@ use crate::api::{
 };
 use crate::extract::{Json, Path};
 use crate::problem::{Answer, Failure};
-use crate::session::User;
 use crate::state::AppState;
+use crate::user::User;
 
 pub use lost::{of_film as lost_of_film, of_reading as lost_of_reading};
 pub use view::view;

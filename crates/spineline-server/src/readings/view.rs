@@ -15,7 +15,7 @@ use crate::api::{
     ReadingImage, ReadingView, Severity, SidesView, VertebraView, Wire,
 };
 use crate::problem::Answer;
-use crate::session::User;
+use crate::user::User;
 use crate::words;
 
 /// A reading as this user may see it, after its recorded events and the given unrecorded ones.

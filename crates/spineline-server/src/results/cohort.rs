@@ -20,8 +20,8 @@ use crate::api::{
 use crate::extract::Json;
 use crate::problem::Answer;
 use crate::result_cache::{Outcome, StudyResult, computed};
-use crate::session::User;
 use crate::state::AppState;
+use crate::user::User;
 
 /// Seed of the bootstrap.
 const BOOTSTRAP_SEED: u64 = 1;

@@ -10,8 +10,8 @@ use crate::api::{HeightView, Problem};
 use crate::extract::{Json, Path};
 use crate::problem::{Answer, Failure};
 use crate::result_cache::computed;
-use crate::session::User;
 use crate::state::AppState;
+use crate::user::User;
 
 /// Heights on one film of the vertebrae that finished readings mark on the other one of the erect and the lateral film.
 #[utoipa::path(get, path = "/api/studies/{study}/films/{film}/heights",

@@ -16,8 +16,8 @@ use crate::api::{FilmOverlay, LiveStatus, LiveView, Notice, Problem, Severity, W
 use crate::extract::{Json, Path};
 use crate::problem::Answer;
 use crate::result_cache::{Outcome, StudyResult, computed};
-use crate::session::User;
 use crate::state::AppState;
+use crate::user::User;
 use crate::words::{marked_text, progress};
 
 /// Results of the current reading.

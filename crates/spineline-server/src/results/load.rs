@@ -19,8 +19,8 @@ use crate::api::{LoadAnswer, LoadRequest, Problem};
 use crate::extract::{Json, Path};
 use crate::problem::{Answer, Failure};
 use crate::result_cache::{StudyResult, computed};
-use crate::session::User;
 use crate::state::AppState;
+use crate::user::User;
 
 /// Longer arrows are refused as input errors.
 const MAX_ARROW_MM: f64 = 5_000.0;

@@ -19,8 +19,8 @@ use crate::api::{
 use crate::extract::{Json, Path};
 use crate::problem::Answer;
 use crate::result_cache::{StudyResult, computed};
-use crate::session::User;
 use crate::state::AppState;
+use crate::user::User;
 
 /// The models of a study.
 #[utoipa::path(get, path = "/api/studies/{study}/model", params(("study" = String, Path)),

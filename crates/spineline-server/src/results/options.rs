@@ -13,8 +13,8 @@ use crate::access::open_study;
 use crate::api::{Change, OptionValueView, OptionView, OptionsChange, OptionsView, Problem};
 use crate::extract::{Json, Path};
 use crate::problem::{Answer, Failure};
-use crate::session::User;
 use crate::state::AppState;
+use crate::user::User;
 
 /// Characters of a file's name that are kept.
 const MAX_FILE_NAME: usize = 100;

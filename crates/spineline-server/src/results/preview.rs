@@ -14,8 +14,8 @@ use crate::api::{Preview, PreviewRequest, Problem, ReadingView, TurnAxis};
 use crate::extract::{Json, Path};
 use crate::problem::{Answer, Failure};
 use crate::readings;
-use crate::session::User;
 use crate::state::AppState;
+use crate::user::User;
 
 /// Results of unrecorded events on a reading.
 #[utoipa::path(post, path = "/api/readings/{reading}/preview", params(("reading" = i64, Path)),

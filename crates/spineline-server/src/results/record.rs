@@ -9,8 +9,8 @@ use crate::api::{ConflictAnswer, NewEvent, Preview, Problem};
 use crate::extract::{Json, Path};
 use crate::problem::Answer;
 use crate::readings;
-use crate::session::User;
 use crate::state::AppState;
+use crate::user::User;
 
 /// Records all events or none, and returns the results. A repeated request gets the same answer and records nothing.
 #[utoipa::path(post, path = "/api/readings/{reading}/events", params(("reading" = i64, Path)), request_body = NewEvent,

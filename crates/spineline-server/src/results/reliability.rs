@@ -10,8 +10,8 @@ use crate::api::{BlandAltmanView, NamedText, Problem, ReliabilityView};
 use crate::extract::{Json, Path};
 use crate::problem::Answer;
 use crate::result_cache::{StudyResult, computed};
-use crate::session::User;
 use crate::state::AppState;
+use crate::user::User;
 
 /// Repeatability of the readings of a study.
 #[utoipa::path(get, path = "/api/studies/{study}/reliability", params(("study" = String, Path)),

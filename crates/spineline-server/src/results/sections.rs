@@ -9,8 +9,8 @@ use crate::api::{BlockView, ColumnView, Problem, SectionView};
 use crate::extract::{Json, Path};
 use crate::problem::Answer;
 use crate::result_cache::{StudyResult, computed};
-use crate::session::User;
 use crate::state::AppState;
+use crate::user::User;
 
 /// The lines of action beside predictions without mechanics, the automatic choice, and the line of best fit of every film.
 #[utoipa::path(get, path = "/api/studies/{study}/lines", params(("study" = String, Path)),

@@ -12,8 +12,8 @@ use crate::api::{FilmOverlay, LiveStatus, LiveView, Problem};
 use crate::extract::{Json, Path};
 use crate::problem::{Answer, Failure};
 use crate::result_cache::{Outcome, StudyResult, computed};
-use crate::session::User;
 use crate::state::AppState;
+use crate::user::User;
 use crate::words::{marked_text, progress};
 
 /// Clinical angles and rotations of a study.

@@ -19,8 +19,8 @@ use crate::extract::Json;
 use crate::film_cache::Upload;
 use crate::problem::{Answer, Failure};
 use crate::result_cache::computed;
-use crate::session::User;
 use crate::state::AppState;
+use crate::user::User;
 
 pub fn routes() -> OpenApiRouter<AppState> {
     OpenApiRouter::new().routes(routes!(new_study)).routes(routes!(import_case))

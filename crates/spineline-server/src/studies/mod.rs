@@ -18,8 +18,8 @@ use crate::attachment::attachment;
 use crate::extract::{Json, Path};
 use crate::problem::{Answer, Failure};
 use crate::readings;
-use crate::session::User;
 use crate::state::AppState;
+use crate::user::User;
 
 pub use summary::{film_summary, study_summary};
 

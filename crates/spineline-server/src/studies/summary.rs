@@ -7,8 +7,8 @@ use spineline_store::{FilmId, FilmRecord, Role, Store, Study, Visibility};
 use crate::api::{FilmSummary, ReadingSummary, StudyStatus, StudySummary, Wire};
 use crate::overview_cache::Overview;
 use crate::problem::Answer;
-use crate::session::User;
 use crate::state::AppState;
+use crate::user::User;
 use crate::{results, words};
 
 /// A study in the list, as this user may see it.

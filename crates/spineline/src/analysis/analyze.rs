@@ -197,17 +197,15 @@ impl Movement {
         warnings: Warnings,
     ) -> Analysis {
         let widths_mm = widths_mm(case, &self.postures[0].outline);
-        let lines = mechanics.preferred_lines.into_iter().chain(std::iter::repeat(None));
-        let postures = self
-            .postures
-            .into_iter()
-            .zip(lines)
-            .map(|(posture, preferred_line)| PostureAnalysis { preferred_line, ..posture });
+        let mut postures = self.postures;
+        for (posture, line) in postures.iter_mut().zip(mechanics.preferred_lines) {
+            posture.preferred_line = line;
+        }
         Analysis {
             case_id: case.id.clone(),
             synthetic: case.synthetic,
             readings: self.readings,
-            postures: postures.collect(),
+            postures,
             inflections: self.curves.inflections,
             inflection_intervals: self.inflection_intervals,
             inflection_segments: self.inflection_segments,

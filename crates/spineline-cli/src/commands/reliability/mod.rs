@@ -62,9 +62,9 @@ pub fn run(args: &ReliabilityArgs) -> Result<Ending, Failure> {
     case_ids.iter().for_each(|id| outputs.of_case(id));
     let provenance = Provenance::new(this_run()?, FilmOrigin::of([synthetic]), inputs);
     let provenance = provenance.of_cases(case_ids);
-    // Each is dropped as soon as its statistics are known.
-    let found: Vec<QuantityReliability> =
-        quantities.into_iter().map(|quantity| assess(&quantity)).collect();
+    // Readings are dropped as soon as their statistics are known.
+    let assess = |quantity: RatedQuantity| assessed(&quantity, args.figure.is_some());
+    let found: Vec<QuantityReliability> = quantities.into_iter().map(assess).collect();
     if let Some(path) = &args.json {
         let file = ReliabilityFile::new(&found, synthetic, &generator())
             .with_provenance(provenance.clone());
@@ -83,6 +83,14 @@ pub fn run(args: &ReliabilityArgs) -> Result<Ending, Failure> {
         print(Lines::of_text(&terminal(&document, terminal::WIDTH)))?;
     }
     kept.map(|()| Ending::Done)
+}
+
+/// The statistics of a quantity. Of a cohort, the points of plots that nobody asked for would be most of what is kept.
+fn assessed(quantity: &RatedQuantity, with_points: bool) -> QuantityReliability {
+    let mut found = assess(quantity);
+    let pairs = found.designs.iter_mut().flat_map(|design| &mut design.bland_altman);
+    pairs.filter(|_| !with_points).for_each(|pair| pair.points = Vec::new());
+    found
 }
 
 /// Checks every output before any work.

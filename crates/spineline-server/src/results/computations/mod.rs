@@ -22,8 +22,8 @@ use crate::extract::{Json, Path};
 use crate::jobs::Job;
 use crate::problem::{Answer, Failure};
 use crate::result_cache::{StudyResult, computed};
-use crate::session::User;
 use crate::state::AppState;
+use crate::user::User;
 pub use kept::{inputs_with, recall};
 use view::view;
 

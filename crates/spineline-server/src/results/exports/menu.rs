@@ -5,7 +5,7 @@ use spineline_files::ExportFormat;
 
 use crate::api::{ExportList, ExportName, ExportView, ModelFormatView, Wire};
 use crate::extract::Json;
-use crate::session::User;
+use crate::user::User;
 
 /// What this program writes of a study.
 #[utoipa::path(get, path = "/api/exports", responses((status = 200, body = ExportList)))]

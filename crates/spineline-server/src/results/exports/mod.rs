@@ -30,8 +30,8 @@ use crate::computation_jobs::Computed;
 use crate::extract::Path;
 use crate::problem::Answer;
 use crate::result_cache::computed;
-use crate::session::User;
 use crate::state::AppState;
+use crate::user::User;
 
 /// This program and its version, as files name what wrote them.
 pub const PROGRAM: &str = concat!("spineline ", env!("CARGO_PKG_VERSION"));

@@ -13,8 +13,8 @@ use crate::attachment::attachment;
 use crate::extract::Path;
 use crate::problem::{Answer, Failure};
 use crate::result_cache::{StudyResult, computed};
-use crate::session::User;
 use crate::state::AppState;
+use crate::user::User;
 
 /// The model of a line of action in the format of another program. The log of the store has an entry for it.
 #[utoipa::path(get, path = "/api/studies/{study}/models/{line}/{format}",

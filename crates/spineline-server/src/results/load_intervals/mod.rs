@@ -23,8 +23,8 @@ use crate::jobs::Ending;
 use crate::load_interval_jobs::{LoadIntervalJob, LoadIntervalWork};
 use crate::problem::{Answer, Failure};
 use crate::result_cache::{StudyResult, computed};
-use crate::session::User;
 use crate::state::AppState;
+use crate::user::User;
 pub use kept::recall;
 
 pub fn routes() -> OpenApiRouter<AppState> {

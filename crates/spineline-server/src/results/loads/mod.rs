@@ -26,8 +26,8 @@ use crate::attachment::attachment;
 use crate::extract::{Json, JsonText, Path};
 use crate::problem::{Answer, Failure};
 use crate::result_cache::{StudyResult, computed};
-use crate::session::User;
 use crate::state::AppState;
+use crate::user::User;
 pub use menu::RELATIVE_SYMBOL;
 pub use view::tables;
 

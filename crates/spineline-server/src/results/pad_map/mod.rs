@@ -24,8 +24,8 @@ use crate::extract::{Json, Path};
 use crate::pad_jobs::{PadMapJob, PadMapWork};
 use crate::problem::{Answer, Failure};
 use crate::result_cache::{StudyResult, computed};
-use crate::session::User;
 use crate::state::AppState;
+use crate::user::User;
 use view::view;
 
 /// Equal steps of the force up to the largest one.

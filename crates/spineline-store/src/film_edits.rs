@@ -1,0 +1,81 @@
+//! Changes of a film's record.
+
+use rusqlite::params;
+use serde_json::Value;
+use spineline::anatomy::{FilmView, Posture};
+use spineline::measure::Spacing;
+
+use crate::conflicts::{Acknowledged, keep_lost};
+use crate::connection::Store;
+use crate::error::StoreError;
+use crate::names::{FilmId, Signature};
+use crate::{films, plan};
+
+/// A change of a film's record.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum FilmEdit {
+    /// Correct the posture of a frontal film.
+    Posture(Posture),
+    /// Invert grey levels on the screen, or not.
+    Inverted(bool),
+    /// Set the spacing.
+    Spacing(Spacing),
+}
+
+impl FilmEdit {
+    fn json(self) -> Value {
+        match self {
+            Self::Spacing(spacing) => serde_json::json!({
+                "column_spacing_mm": spacing.column_mm, "row_spacing_mm": spacing.row_mm,
+                "spacing_plane": spacing.plane.key(), "spacing_source": spacing.source.key(),
+            }),
+            Self::Posture(posture) => serde_json::json!({ "posture": posture.key() }),
+            Self::Inverted(inverted) => serde_json::json!({ "inverted": inverted }),
+        }
+    }
+}
+
+impl Store {
+    /// Changes a film's record, if it has the expected revision. While a plan runs, all its readings have the same film.
+    ///
+    /// # Errors
+    /// [`StoreError::FilmsFrozen`] until all planned readings are finished;
+    /// [`StoreError::Conflict`], and then the edit is among [`Store::conflicts_of_film`]; [`StoreError::Unknown`];
+    /// [`StoreError::NotFrontal`] for a posture of the lateral film; [`StoreError::Case`] for a spacing where the image's description is not that of a case file.
+    pub fn edit_film(
+        &mut self,
+        film: FilmId,
+        edit: FilmEdit,
+        expected_revision: u64,
+        by: &Signature,
+    ) -> Result<Acknowledged, StoreError> {
+        self.write(by, |ledger| {
+            let now = films::film(ledger.transaction, film)?;
+            if !plan::is_open(ledger.transaction, &now.study)? {
+                return Err(StoreError::FilmsFrozen { study: now.study });
+            }
+            if now.revision != expected_revision {
+                let change = [edit.json().to_string()];
+                let object = film.to_string();
+                return keep_lost(ledger, object, expected_revision, now.revision, &change)
+                    .map(Err);
+            }
+            let (column, value): (_, Box<dyn rusqlite::ToSql>) = match edit {
+                FilmEdit::Posture(_) if now.view == FilmView::Lateral => {
+                    return Err(StoreError::NotFrontal { film });
+                }
+                FilmEdit::Posture(posture) => ("posture", Box::new(posture.key())),
+                FilmEdit::Inverted(inverted) => ("inverted", Box::new(inverted)),
+                FilmEdit::Spacing(spacing) => {
+                    let image = spineline_files::with_spacing(&now.image, now.view, spacing)?;
+                    ("image", Box::new(films::described(&image, now.simultaneous)))
+                }
+            };
+            let update =
+                format!("UPDATE films SET {column} = ?1, revision = revision + 1 WHERE id = ?2");
+            ledger.transaction.execute(&update, params![value, film.0])?;
+            let sequence = ledger.seal("edit", "films", &film.0)?;
+            Ok(Ok(Acknowledged { sequence, revision: now.revision + 1 }))
+        })?
+    }
+}
