@@ -28,6 +28,8 @@ const HEAD_TIMEOUT: Duration = Duration::from_secs(30);
 const MAX_HEAD_BYTES: usize = 64 << 10;
 /// How often uploads are dropped whose time is over, and what found no room on the disk is written.
 const SWEEP_EVERY: Duration = Duration::from_secs(60);
+/// After a rest of this time, what was acknowledged is in the main file of the store.
+const REST: Duration = Duration::from_secs(2);
 /// Time for running requests after a shutdown was requested. Event streams never end by themselves.
 const END_TIMEOUT: Duration = Duration::from_secs(3);
 /// Pause after a connection could not be accepted, for example without free file handles.
@@ -83,6 +85,8 @@ impl Server {
         let open = GracefulShutdown::new();
         let seats = Seats::new(self.state.limits().connections);
         let mut sweeps = tokio::time::interval(SWEEP_EVERY);
+        let mut rests = tokio::time::interval(REST);
+        rests.set_missed_tick_behavior(tokio::time::MissedTickBehavior::Delay);
         let mut end = pin!(end);
         loop {
             let accepted = tokio::select! {
@@ -90,6 +94,12 @@ impl Server {
                 _ = sweeps.tick() => {
                     self.state.films().uploads.sweep(self.state.now());
                     save_unsaved(&self.state);
+                    continue;
+                }
+                _ = rests.tick() => {
+                    let state = self.state.clone();
+                    // Changes that could not be written now stay in the log, and are tried again.
+                    tokio::spawn(async move { state.store(Store::rest).await });
                     continue;
                 }
                 () = &mut end => break,

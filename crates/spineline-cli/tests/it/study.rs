@@ -3,6 +3,8 @@
 use std::fs;
 use std::path::Path;
 
+use spineline_store::{Name, Signature, Store, Study};
+
 use crate::program::{done, refused, run};
 
 /// A store with one synthetic case of one reading, whose films are small files of any bytes.
@@ -111,4 +113,46 @@ fn a_film_of_another_case_is_refused_before_any_write() {
     let error = refused(here.path(), &["study", "add", "s.db", "p/phantom-rod-01.json"], 3);
     assert!(error.contains("neutral film") && error.contains("SHA-256"), "{error}");
     assert!(!run(here.path(), &["study", "list", "s.db"]).0.contains("other"));
+}
+
+#[test]
+fn a_backup_beside_the_log_of_a_killed_server_is_refused_and_restore_puts_it_in_place() {
+    let here = tempfile::tempdir().expect("a temporary folder");
+    let at = |name: &str| here.path().join(name);
+    store(here.path());
+    done(here.path(), &["study", "backup", "s.db", "copy.db"]);
+    // Two changes that only the log holds, as a killed server leaves them.
+    let by =
+        Signature::new(Name::new("lead").expect("a name"), std::time::SystemTime::now().into());
+    let mut writer = Store::open(&at("s.db")).expect("a store");
+    for id in ["T-1", "T-2"] {
+        let id = Name::new(id).expect("a name");
+        writer.add_study(&Study { id, label: None, synthetic: true }, &by).expect("a study");
+    }
+    let held = refused(here.path(), &["study", "restore", "copy.db", "s.db"], 3);
+    assert!(held.contains("another program has the store open"), "{held}");
+    for (from, to) in [("copy.db", "k.db"), ("s.db-wal", "k.db-wal"), ("s.db-head", "k.db-head")] {
+        fs::copy(at(from), at(to)).expect("a copy");
+    }
+    let files = || ["k.db", "k.db-wal"].map(|name| fs::read(at(name)).expect("a file"));
+    let before = files();
+    let add = ["study", "add", "k.db", "p/phantom-rod-01.json"];
+    let account = ["account", "add", "A", "--role", "admin", "--password-stdin", "k.db"];
+    let verify = ["study", "verify", "k.db"];
+    for command in [&add[..], &account, &["serve", "k.db", "--port", "0"], &verify] {
+        let error = refused(here.path(), command, 3);
+        assert!(error.contains("k.db-wal") && error.contains("study restore"), "{error}");
+    }
+    assert!(files() == before);
+    let out = done(here.path(), &["study", "restore", "copy.db", "k.db"]);
+    assert!(
+        out.contains("k.db was restored from copy.db") && out.contains("k.db.replaced-1"),
+        "{out}"
+    );
+    let head = |store: &str| {
+        let out = done(here.path(), &["study", "verify", store]);
+        out.split_whitespace().find(|word| word.len() > 64).expect("the end of the log").to_owned()
+    };
+    assert_eq!(head("k.db"), head("copy.db"));
+    assert_eq!(fs::read(at("k.db.replaced-1-wal")).expect("the log"), before[1]);
 }

@@ -59,7 +59,9 @@ pub(super) fn read(path: &Path, index: usize, limits: &IntakeLimits) -> Result<V
 
 fn open(path: &Path) -> Result<Archive, Reason> {
     let file = File::open(path).map_err(|error| Reason::Unreadable(error.kind()))?;
-    ZipArchive::new(BufReader::new(file)).map_err(|error| reason(&error))
+    let archive = ZipArchive::new(BufReader::new(file)).map_err(|error| reason(&error))?;
+    // The list of the library has the last entry of a name alone.
+    if archive.has_duplicate_names() { Err(Reason::SameNames) } else { Ok(archive) }
 }
 
 /// One entry as far as a survey wants to know it.

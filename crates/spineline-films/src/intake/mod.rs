@@ -101,6 +101,11 @@ pub enum Reason {
     /// A name that leads out of the archive, or that no file can have.
     #[error("its name in the archive is no plain name of a file")]
     UnsafeName,
+    /// Two entries of an archive with one name.
+    #[error(
+        "two of its entries have the same name, so that one of them cannot be read: give each film a name and pack it again"
+    )]
+    SameNames,
     /// An encrypted entry.
     #[error("it is encrypted")]
     Encrypted,
@@ -159,6 +164,9 @@ impl IntakeError {
         match self {
             Self::Missing { .. } => "check the path, and that you may read it",
             Self::TooMany { .. } => "name the patient's own folder, or the films one by one",
+            Self::Gone { reason: Reason::SameNames, .. } => {
+                "give each film a name of its own and pack the archive again"
+            }
             Self::Gone { reason: Reason::TooLarge { .. }, .. } => {
                 "check that it is a film; export only the frontal film"
             }

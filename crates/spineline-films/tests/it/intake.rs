@@ -151,6 +151,37 @@ fn names_that_point_outside_of_an_archive_are_skipped() {
 }
 
 #[test]
+fn an_archive_with_one_name_twice_is_refused_and_loses_no_film_silently() {
+    let here = folder();
+    let path = here.path().join("films.zip");
+    let other = [PNG, b"another film"].concat();
+    let names = ["erect.png", "other.png", "a/erect.png", "Erect.png"];
+    for again in names {
+        // The writer refuses the second name, so that it is put in afterwards, in both of its places.
+        let stand_in = "x".repeat(again.len());
+        let entries: Vec<(&str, &[u8])> = names
+            .iter()
+            .map(|&name| (name, PNG))
+            .chain([(stand_in.as_str(), &other[..])])
+            .collect();
+        archive(&path, &entries);
+        let mut bytes = fs::read(&path).expect("an archive");
+        for start in 0..bytes.len() - stand_in.len() {
+            if bytes[start..].starts_with(stand_in.as_bytes()) {
+                bytes[start..start + again.len()].copy_from_slice(again.as_bytes());
+            }
+        }
+        fs::write(&path, bytes).expect("an archive");
+        let found = look(&path);
+        assert_eq!(found.films, [], "{again}");
+        assert_eq!(reasons(&found), [&Reason::SameNames], "{again}");
+    }
+    // Names that differ in capitals or folders alone are names of their own.
+    archive(&path, &names.map(|name| (name, PNG)));
+    assert_eq!(look(&path).films.len(), names.len());
+}
+
+#[test]
 fn a_nested_archive_is_not_opened() {
     let here = folder();
     let (inner, outer) = (here.path().join("inner.zip"), here.path().join("outer.zip"));

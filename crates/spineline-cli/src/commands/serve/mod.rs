@@ -109,8 +109,17 @@ pub fn run(args: &ServeArgs) -> Result<Ending, Failure> {
 
 fn open(args: &ServeArgs) -> Result<Store, Failure> {
     let fail = |error| Failure::store(&args.store, &error);
-    if args.store.exists() {
-        return Store::open(&args.store).map_err(fail);
+    // A file that is empty becomes a store, like one that is not there.
+    if std::fs::metadata(&args.store).is_ok_and(|found| !found.is_file() || found.len() > 0) {
+        let store = Store::open(&args.store).map_err(fail)?;
+        if let Some(lost) = store.lost_head() {
+            let name = args.store.display();
+            say(format!(
+                "warning: {name} went back: entry {} of its log was acknowledged and is missing, because an earlier copy is in its place or its log was lost; the next change writes this into the log (`spineline study verify {name}`)",
+                lost.entries
+            ));
+        }
+        return Ok(store);
     }
     let by = Signature::new(Name::new("serve").map_err(fail)?, SystemTime::now().into());
     Store::create(&args.store, &by).map_err(fail)

@@ -17,7 +17,8 @@ Examples:
   spineline study release clinic.spineline P07 --by lead
   spineline study export clinic.spineline P07 --out p07-read.json
   spineline study verify clinic.spineline
-  spineline study backup clinic.spineline clinic-2026-11-21.spineline";
+  spineline study backup clinic.spineline clinic-2026-11-21.spineline
+  spineline study restore clinic-2026-11-21.spineline clinic.spineline";
 
 #[derive(Args)]
 pub struct StudyArgs {
@@ -124,6 +125,17 @@ pub enum StudyCommand {
         #[arg(value_name = "FILE")]
         out: PathBuf,
     },
+    /// Put a backup in the place of a store, and keep the earlier store under another name
+    ///
+    /// Stop the server first: a store that another program has open is not replaced. The backup is verified before. The earlier store,
+    /// which may be damaged, stays as STORE.replaced-1 (or the next free number), with its log. A copy of the store's file with `cp`
+    /// does less: the log of the earlier store stays beside it.
+    Restore {
+        /// File of the backup, as `backup` wrote it
+        backup: PathBuf,
+        /// File of the store
+        store: PathBuf,
+    },
 }
 
 impl StudyCommand {
@@ -138,7 +150,8 @@ impl StudyCommand {
             | Self::Export { store, .. }
             | Self::Log { store }
             | Self::Verify { store, .. }
-            | Self::Backup { store, .. } => store,
+            | Self::Backup { store, .. }
+            | Self::Restore { store, .. } => store,
         }
     }
 }

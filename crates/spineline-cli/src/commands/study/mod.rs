@@ -60,6 +60,7 @@ pub fn run(args: &StudyArgs) -> Result<Ending, Failure> {
             let verification = store.backup_to(out).map_err(fail)?;
             report(out, &verification)
         }
+        StudyCommand::Restore { backup, .. } => restore(backup, path),
     }
 }
 
@@ -201,6 +202,20 @@ fn log(store: &Store) -> Result<String, StoreError> {
 fn verify(path: &Path, head: Option<&Head>) -> Result<Ending, Failure> {
     let verification = view(path)?.verify(head).map_err(|error| Failure::store(path, &error))?;
     report(path, &verification)
+}
+
+fn restore(backup: &Path, path: &Path) -> Result<Ending, Failure> {
+    interrupt::begin_writing();
+    let restored = Store::restore(backup, path).map_err(|error| Failure::store(path, &error))?;
+    if !restored.verification.is_clean() {
+        say(format!("{} was not changed: the backup is damaged.", path.display()));
+        return report(backup, &restored.verification);
+    }
+    let mut said = Lines::of(format!("{} was restored from {}.", path.display(), backup.display()));
+    if let Some(kept) = restored.replaced {
+        said.line(format!("The earlier store is {}.", kept.display()));
+    }
+    print(said)
 }
 
 fn report(path: &Path, verification: &Verification) -> Result<Ending, Failure> {

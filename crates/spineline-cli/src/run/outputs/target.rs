@@ -11,7 +11,7 @@ const MAX_LINKS: usize = 40;
 /// What every store of studies begins with.
 const DATABASE: &[u8; 16] = b"SQLite format 3\0";
 /// Ends of the files that lie beside a store while it is in use.
-const BESIDE_STORE: [&str; 3] = ["-wal", "-shm", "-journal"];
+const BESIDE_STORE: [&str; 4] = ["-wal", "-shm", "-journal", "-head"];
 
 /// How a result gets to its path.
 #[derive(Debug, Clone, PartialEq, Eq)]
