@@ -20,3 +20,11 @@ export interface Trouble {
   readonly what: string;
   readonly error: unknown;
 }
+
+/** The program lacks changes of a reading that it had acknowledged. */
+export const WENT_BACK: Trouble = {
+  what: "The study store went back",
+  error:
+    "changes of this reading that were acknowledged are missing, because an earlier copy is in its place or its log was lost; " +
+    "stop, and tell the person who keeps the store (`spineline study verify` says more)",
+};

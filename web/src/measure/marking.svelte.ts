@@ -27,7 +27,7 @@ import {
   type Landmark,
   type ReadingView,
 } from "./landmarks";
-import { AGAIN_MS, AGAIN_TIMES, type Lost, type Trouble } from "./lost";
+import { AGAIN_MS, AGAIN_TIMES, type Lost, type Trouble, WENT_BACK } from "./lost";
 import * as proposing from "./proposals";
 import { Outbox, type SaveState } from "./outbox";
 import { CRESTS, MISSING, targetOf, type Chosen } from "./target";
@@ -136,9 +136,10 @@ export class Marking {
         recordEvents(reading.reading, { expected_revision, events: [...events] }),
       keeping: this.#keeping,
       saved: (answer) => this.#use(answer.reading, answer.live ?? null),
-      conflict: (_, answer) => {
+      conflict: (_, answer, wentBack) => {
         // The refusal brings what it lost alone; what was lost before stays listed.
         this.#use({ ...answer, conflicts: [...this.#recorded.conflicts, ...answer.conflicts] });
+        if (wentBack) this.trouble = WENT_BACK;
         void this.#showLost();
       },
       refused: (events, error) => {
@@ -396,7 +397,6 @@ export class Marking {
 
   /** Uses a reading with its results; requests the results if they are absent. */
   #use(reading: ReadingView, live?: LiveView | null): void {
-    // A newer answer has arrived before.
     const isOlder = reading.revision < this.#outbox.known;
     if (isOlder || (this.#recorded.finished && !reading.finished)) return;
     this.#recorded = reading;

@@ -63,13 +63,21 @@ class Program {
 }
 
 function outbox(program: Program, keeping: Keeping = memory()) {
-  const told = { saved: [] as number[], lost: [] as Event[], refused: [] as Event[] };
+  const told = {
+    saved: [] as number[],
+    lost: [] as Event[],
+    refused: [] as Event[],
+    wentBack: false,
+  };
   const box = new Outbox({
     revision: program.events.length,
     send: (events, expected) => program.send(events, expected),
     keeping,
     saved: (answer) => told.saved.push(answer.reading.revision),
-    conflict: (lost) => told.lost.push(...lost),
+    conflict: (lost, _, wentBack) => {
+      told.lost.push(...lost);
+      told.wentBack = wentBack;
+    },
     refused: (lost) => told.refused.push(...lost),
     changed: () => undefined,
     restMs: 300,
@@ -84,6 +92,21 @@ function refusal(status: number, code: string): Refusal {
 }
 
 const settle = (ms = 0): Promise<unknown> => vi.advanceTimersByTimeAsync(ms);
+
+it("says that a store went back which lacks acknowledged events", async () => {
+  const program = new Program();
+  const { box, told } = outbox(program);
+  box.push([at(1), at(2)]);
+  await settle();
+  program.events.push(at(9));
+  box.push([at(3)]);
+  await settle();
+  expect([told.lost, told.wentBack]).toEqual([[at(3)], false]);
+  program.events.length = 1;
+  box.push([at(4)]);
+  await settle();
+  expect([told.lost, told.wentBack]).toEqual([[at(3), at(4)], true]);
+});
 
 it("sends entries in order, each after the one before", async () => {
   const program = new Program();
@@ -236,7 +259,7 @@ it("keeps its entries for the next load when it is closed, for any answer", asyn
     expect(entries.map(({ events }) => events)).toEqual([[at(1)], [at(2)]]);
     await settle(5_000);
     expect({ ...keeping }).toMatchObject({ entries, saves, lost: [] });
-    expect(told).toEqual({ saved: [], lost: [], refused: [] });
+    expect(told).toMatchObject({ saved: [], lost: [], refused: [] });
     expect(program.asked).toHaveLength(1);
   }
 });

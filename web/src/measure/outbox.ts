@@ -42,8 +42,11 @@ export interface OutboxOptions {
   keeping: Keeping;
   /** The reading after events that were recorded. */
   saved(answer: Preview): void;
-  /** Other changes came first: these events are not recorded; the current reading is given. */
-  conflict(lost: readonly Event[], reading: ReadingView): void;
+  /**
+   * Other changes came first, or the program lacks changes that it had acknowledged (`wentBack`): these events are not recorded; the
+   * current reading is given.
+   */
+  conflict(lost: readonly Event[], reading: ReadingView, wentBack: boolean): void;
   /** The program refuses these events. */
   refused(lost: readonly Event[], why: Refusal): void;
   /** The state or the waiting events have changed. */
@@ -202,14 +205,14 @@ export class Outbox {
 
   /** Later entries depend on the refused one. */
   #lose(reading: ReadingView): void {
-    const lost = this.pending;
+    const [lost, wentBack] = [this.pending, reading.revision < this.#revision];
     // Stored as refused first, then removed from the waiting ones.
     this.#options.keeping.lose(lost);
     this.#entries = [];
     this.#failures = 0;
     this.#revision = reading.revision;
     this.#keep();
-    this.#options.conflict(lost, reading);
+    this.#options.conflict(lost, reading, wentBack);
   }
 
   /** Continues after the person signed in again or got the role back. */
