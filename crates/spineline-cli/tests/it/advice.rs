@@ -6,7 +6,7 @@ use std::path::Path;
 use crate::program::{folder, run};
 
 /// Options of other programs.
-const OF_OTHERS: [&str; 4] = ["--release", "--features", "--raw", "--mjcf"];
+const OF_OTHERS: [&str; 6] = ["--release", "--features", "--raw", "--mjcf", "--exact", "--ignored"];
 
 /// The options that a text names.
 fn options(text: &str) -> BTreeSet<String> {

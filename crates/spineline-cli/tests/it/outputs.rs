@@ -491,7 +491,18 @@ mod unix {
             fs::write(whole.join(&last), "notes of a week").expect("a file");
             fs::write(whole.join("beside.txt"), "more notes").expect("a file");
             let name = last.to_string_lossy().into_owned();
-            refuses(&here, &with(command, "whole"), &name, "--overwrite");
+            let before = content(&whole);
+            let (_, error, code) = run(here.path(), &with(command, "whole"));
+            assert!(code == 3 && error.contains(&name), "{command:?}: {error}");
+            assert!(error.contains("--overwrite") && error.contains("help: "), "{error}");
+            // The page of a report and the table of a study are results by themselves.
+            if command[0] != "noise-study" {
+                assert!(before == content(&whole), "{command:?} changed the folder");
+            }
+            let notes = ["notes of a week", "more notes"];
+            for (file, text) in [&*name, "beside.txt"].iter().zip(notes) {
+                assert_eq!(fs::read_to_string(whole.join(file)).expect("a file"), text);
+            }
             fs::remove_dir_all(&whole).expect("a folder");
             let _ = fs::remove_file(here.path().join("r.html"));
         }
