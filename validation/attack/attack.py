@@ -20,6 +20,7 @@ import crowds
 import disks
 import kills
 import mutations
+import restores
 import signals
 from program import run
 from small import write_small
@@ -52,6 +53,7 @@ def main() -> int:
         kills.attack(program, samples, options.kills, options.seed),
         clocks.attack(program, samples),
         crowds.attack(program, samples, options.seed),
+        restores.attack(program, samples, options.kills, options.seed),
     )
     faults = []
     for attack in attacks:
