@@ -414,7 +414,7 @@ def test_progress_counts_the_cases(
 def test_nothing_is_predicted_of_patients_who_were_learned_from(
     program: Path, folder_of_cases: Path, tmp_path: Path
 ) -> None:
-    names = sorted(folder_of_cases.glob("*.json"))[:6]
+    names = list(sl.Cohort.glob(str(folder_of_cases / "*.json")))[:6]
     prior = tmp_path / "prior.json"
     learn = [program, "learn-prior", *names[:5], "--out", prior]
     subprocess.run(learn, check=True, capture_output=True)
