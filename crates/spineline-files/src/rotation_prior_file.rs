@@ -64,7 +64,7 @@ pub struct StoredRotationPrior {
 }
 
 impl StoredRotationPrior {
-    /// Refuses a case, by SHA-256 and identifier, that it was learned from: what is then predicted of the case is no prediction.
+    /// Refuses a case that the distribution was learned from (by SHA-256 or identifier): the distribution knows its films.
     ///
     /// # Errors
     /// [`FileError::LearnedFrom`].

@@ -65,7 +65,7 @@ pub fn run(args: &AnalyzeArgs) -> Result<Ending, Failure> {
     Ok(if found.is_cut_short { Ending::Interrupted } else { found.ending })
 }
 
-/// Statistics over a cohort; `None` of one patient, and where there is no room for them.
+/// Statistics over a cohort; `None` for one patient, and after the disk was full.
 fn statistics(found: &mut Found, asked: Asked<'_>, outputs: &Outputs) -> Option<Cohort> {
     let args = asked.args;
     let listed = if args.cohort.is_some() { Listed::All } else { Listed::First };

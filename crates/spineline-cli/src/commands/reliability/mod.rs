@@ -62,7 +62,7 @@ pub fn run(args: &ReliabilityArgs) -> Result<Ending, Failure> {
     case_ids.iter().for_each(|id| outputs.of_case(id));
     let provenance = Provenance::new(this_run()?, FilmOrigin::of([synthetic]), inputs);
     let provenance = provenance.of_cases(case_ids);
-    // Readings are dropped as soon as their statistics are known.
+    // The readings of a quantity leave memory when their statistics are made.
     let assess = |quantity: RatedQuantity| assessed(&quantity, args.figure.is_some());
     let found: Vec<QuantityReliability> = quantities.into_iter().map(assess).collect();
     if let Some(path) = &args.json {

@@ -18,7 +18,7 @@ use spineline_report::terminal::{self, Lines};
 use super::failure::{Ending, Failure};
 use super::messages::say;
 
-/// Writes text for a person to the standard output: one line, unless it is made of several. A closed pipe is no error.
+/// Writes lines for a person to the standard output. It ignores a closed pipe.
 ///
 /// # Errors
 /// If it cannot be written.

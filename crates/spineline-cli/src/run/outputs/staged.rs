@@ -359,7 +359,7 @@ impl Outputs {
         cases.iter().find(|case| !known.iter().flatten().any(|all| all.contains(*case)))
     }
 
-    /// The cases in the inputs; `None` where there is no input, or one that can be read only once.
+    /// The cases in the inputs; `None` without an input, and with an input that allows one reading only.
     fn input_cases(&self) -> Option<&BTreeSet<String>> {
         let read = || {
             let paths = self.inputs.iter().map(Identity::path);

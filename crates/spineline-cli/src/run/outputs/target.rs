@@ -109,7 +109,7 @@ fn is_database(file: &Path) -> bool {
     read.is_ok() && start == *DATABASE
 }
 
-/// A folder behind all links, as far as it is there.
+/// Follows all links of a folder's path, up to the first part that does not exist.
 fn canonical(folder: &Path) -> PathBuf {
     folder.canonicalize().unwrap_or_else(|_| match (folder.parent(), folder.file_name()) {
         (Some(around), Some(name)) if !around.as_os_str().is_empty() => {
