@@ -187,17 +187,13 @@ impl Outputs {
         let folder = folder_or_here(file.parent().unwrap_or(Path::new("")));
         let made = interrupt::make_folder(folder).map_err(failed(path))?;
         state.folders.extend(made);
-        let known = state.parts.iter().position(|parts| parts.folder == *folder);
-        let place = known.map_or_else(
-            || {
-                Parts::begin(folder).map(|new| {
-                    state.parts.push(new);
-                    state.parts.len() - 1
-                })
-            },
-            Ok,
-        );
-        place.and_then(|place| state.parts[place].add()).map_err(failed(path))
+        if let Some(known) = state.parts.iter().find(|parts| parts.folder == *folder) {
+            return known.add().map_err(failed(path));
+        }
+        let parts = Parts::begin(folder).map_err(failed(path))?;
+        let part = parts.add().map_err(failed(path));
+        state.parts.push(parts);
+        part
     }
 
     /// Keeps a result of [`Outputs::begin`].
