@@ -27,7 +27,7 @@ const COMPARED_ENTRIES: u64 = 1_000;
 /// it cannot be read without the log.
 ///
 /// # Errors
-/// [`StoreError::NotAStore`], [`StoreError::NewerSchema`], [`StoreError::OlderSchema`], [`StoreError::Damaged`],
+/// [`StoreError::NotAStore`], [`StoreError::NewerSchema`], [`StoreError::Damaged`],
 /// [`StoreError::UnfittingLog`].
 pub(crate) fn accept(connection: &Connection, path: &Path) -> Result<Option<Head>, StoreError> {
     let unfitting = |end| StoreError::UnfittingLog { log: beside(path, end) };

@@ -6,7 +6,6 @@ use crate::conflicts::signed;
 use crate::connection::Store;
 use crate::error::StoreError;
 use crate::names::{Hash, Name};
-use crate::schema;
 
 /// A finished computation.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -47,9 +46,6 @@ impl Store {
         study: &Name,
         kind: &str,
     ) -> Result<Option<KeptComputation>, StoreError> {
-        if !schema::has_table(&self.connection, "computations")? {
-            return Ok(None);
-        }
         let query = "SELECT asked, found, digest FROM computations WHERE study = ?1 AND kind = ?2";
         let kept = self.connection.query_row(query, params![study.as_str(), kind], |row| {
             Ok(KeptComputation {

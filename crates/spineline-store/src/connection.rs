@@ -65,15 +65,14 @@ impl Store {
         Self::open(path)
     }
 
-    /// Opens a store for reading and writing. One of an older schema gets the tables that it lacks.
+    /// Opens a store for reading and writing.
     ///
     /// # Errors
     /// [`StoreError::NotFound`], [`StoreError::NotAStore`], [`StoreError::NewerSchema`], [`StoreError::ReadOnly`];
     /// [`StoreError::UnfittingLog`] for the log of another store, or a damaged one, beside it; [`StoreError::Damaged`] where it does
     /// not end as its log says. None of them has changed a file.
     pub fn open(path: &Path) -> Result<Self, StoreError> {
-        let Opened { mut connection, file, main } =
-            connect(path, OpenFlags::SQLITE_OPEN_READ_WRITE)?;
+        let Opened { connection, file, main } = connect(path, OpenFlags::SQLITE_OPEN_READ_WRITE)?;
         // SQLite opens for reading where it may not write.
         if connection.is_readonly(MAIN_DB)? {
             return Err(StoreError::ReadOnly);
@@ -89,7 +88,6 @@ impl Store {
         let heads = HeadFile::open(&file, heads).map_err(read_only)?;
         schema::configure(&connection)?;
         schema::write_ahead(&connection)?;
-        schema::upgrade(&mut connection)?;
         schema::allow_checkpoints(&connection)?;
         let writer = Writer { heads, lost, log: None };
         Ok(Self::over(connection, file, Some(writer)))

@@ -57,16 +57,6 @@ pub enum StoreError {
         /// Newest schema known here.
         supported: i64,
     },
-    /// Written by a development build.
-    #[error(
-        "the study store has schema {found}, of a development build; this program reads schema {supported}"
-    )]
-    OlderSchema {
-        /// Schema of the file.
-        found: i64,
-        /// Schema of this program.
-        supported: i64,
-    },
     /// Neither file nor folder may be written.
     #[error("the store cannot be written: its file or folder is read-only")]
     ReadOnly,
@@ -274,7 +264,10 @@ impl StoreError {
     #[must_use]
     pub fn help(&self) -> &'static str {
         match self {
-            Self::NotFound { .. } | Self::Unknown { .. } => "check the name",
+            Self::NotFound { .. } => {
+                "check the name, or make a store with `spineline study create STORE`"
+            }
+            Self::Unknown { .. } => "check the name",
             Self::AlreadyExists { .. } | Self::Exists { .. } => "choose another name",
             Self::NotAStore { .. } => "name a file that Spineline created as a store",
             Self::UnfittingLog { .. } => {
@@ -283,9 +276,6 @@ impl StoreError {
             Self::Held => "stop the server and other programs that use the store, and repeat",
             Self::SameFile { .. } => "name a backup",
             Self::NewerSchema { .. } => "install a newer Spineline; the file was not touched",
-            Self::OlderSchema { .. } => {
-                "export its studies with the program that wrote it, and add them to a new store; the file was not touched"
-            }
             Self::Damaged { .. } => {
                 "verify it, and restore a backup with `spineline study restore BACKUP STORE`, which keeps the damaged file"
             }

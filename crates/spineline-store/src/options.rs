@@ -9,7 +9,6 @@ use crate::connection::Store;
 use crate::error::StoreError;
 use crate::films;
 use crate::names::{Name, Signature};
-use crate::schema;
 
 /// The options with which a study is analysed.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
@@ -65,9 +64,6 @@ impl Store {
 
 /// The options of a study that exists.
 pub(crate) fn of_study(connection: &Connection, study: &Name) -> Result<StudyOptions, StoreError> {
-    if !schema::has_table(connection, "options")? {
-        return Ok(StudyOptions::default());
-    }
     let rows = audit::load(connection, "options", "WHERE study = ?1", [study.as_str()], |row| {
         let chosen = serde_json::from_str(&row.get::<_, String>("chosen")?);
         Ok(StudyOptions {

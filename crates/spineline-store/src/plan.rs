@@ -96,7 +96,7 @@ pub(crate) fn plan_of(connection: &Connection, study: &Name) -> Result<Option<Pl
         Ok(Plan {
             id: row.get("id")?,
             washout_days: row.get("washout_days")?,
-            secret: row.get("seed")?,
+            secret: row.get("secret")?,
         })
     })?;
     Ok(plans.into_iter().next())

@@ -102,8 +102,7 @@ impl There {
             Err(
                 StoreError::Damaged { .. }
                 | StoreError::UnfittingLog { .. }
-                | StoreError::NewerSchema { .. }
-                | StoreError::OlderSchema { .. },
+                | StoreError::NewerSchema { .. },
             ) => Ok(Self::Unusable),
             Err(other) => Err(other),
         }

@@ -1,9 +1,4 @@
 //! The tables of a store, and the recognition of a store file.
-//!
-//! The schema is version 4. Version 1 was that of development builds, and its stores are refused. `schema_3.sql` leads from version 2
-//! to 3 and `schema_4.sql` to 4: a new store runs all scripts, and [`Store::open`](crate::Store::open) runs those that an older store lacks, in
-//! one transaction. They only add tables and indices. [`Store::view`](crate::Store::view) reads an older store as it is. A script that changes rows
-//! would need a copy of the store and new log entries for them.
 
 use std::path::Path;
 use std::time::Duration;
@@ -42,17 +37,11 @@ impl Mark {
     }
 }
 
-/// The definition of every table of version 2.
+/// The definition of every table.
 const SCHEMA: &str = include_str!("schema.sql");
 
-/// What every later version adds, from version 3.
-const ADDED: [&str; 2] = [include_str!("schema_3.sql"), include_str!("schema_4.sql")];
-
-/// The version that this program writes.
-const VERSION: i64 = OLDEST + ADDED.len() as i64;
-
-/// The oldest version that it reads.
-const OLDEST: i64 = 2;
+/// The version that this program reads and writes.
+const VERSION: i64 = 1;
 
 /// Default time that a write waits for another program.
 pub(crate) const BUSY_TIMEOUT: Duration = Duration::from_secs(5);
@@ -105,46 +94,20 @@ pub(crate) fn configure(connection: &Connection) -> Result<(), StoreError> {
 /// Turns an empty database into a store.
 pub(crate) fn create(connection: &mut Connection, by: &Signature) -> Result<(), StoreError> {
     let transaction = connection.transaction_with_behavior(TransactionBehavior::Immediate)?;
-    build(&transaction, VERSION)?;
+    build(&transaction)?;
     put_mark(&transaction, Mark::Store)?;
     Ledger { transaction: &transaction, by }.note("create")?;
     Ok(transaction.commit()?)
 }
 
-fn build(transaction: &Transaction<'_>, version: i64) -> Result<(), StoreError> {
+fn build(transaction: &Transaction<'_>) -> Result<(), StoreError> {
     transaction.execute_batch(SCHEMA)?;
     transaction.execute("INSERT INTO head VALUES (1, 0, '', ?1)", [i64::MIN])?;
-    transaction.pragma_update(None, "user_version", OLDEST)?;
-    add(transaction, OLDEST, version)
-}
-
-/// Leads a store from one version to a later one.
-fn add(transaction: &Transaction<'_>, from: i64, to: i64) -> Result<(), StoreError> {
-    for (version, script) in (OLDEST + 1..=to).zip(ADDED) {
-        if version > from {
-            transaction.execute_batch(script)?;
-            transaction.pragma_update(None, "user_version", version)?;
-        }
-    }
+    transaction.pragma_update(None, "user_version", VERSION)?;
     Ok(())
 }
 
-/// Brings a store of an older version, which [`check`] accepts, to this one; no effect on others.
-///
-/// # Errors
-/// [`StoreError::Full`], [`StoreError::Busy`] and the like, which change nothing.
-pub(crate) fn upgrade(connection: &mut Connection) -> Result<(), StoreError> {
-    if number(connection, "user_version")? == VERSION {
-        return Ok(());
-    }
-    let transaction = connection.transaction_with_behavior(TransactionBehavior::Immediate)?;
-    // Another program may have done it meanwhile.
-    let found = number(&transaction, "user_version")?;
-    add(&transaction, found, VERSION)?;
-    Ok(transaction.commit()?)
-}
-
-/// Whether a store has this table: an older one lacks some while it is only viewed.
+/// Whether a store has this table: a damaged one may lack some.
 pub(crate) fn has_table(connection: &Connection, table: &str) -> Result<bool, StoreError> {
     Ok(connection.prepare("SELECT 1 FROM sqlite_schema WHERE name = ?1")?.exists([table])?)
 }
@@ -198,14 +161,13 @@ pub(crate) fn number(connection: &Connection, pragma: &str) -> Result<i64, Store
 /// Refuses a file that is not a store of this schema.
 ///
 /// # Errors
-/// [`StoreError::NotAStore`], [`StoreError::NewerSchema`], [`StoreError::OlderSchema`], [`StoreError::Damaged`].
+/// [`StoreError::NotAStore`], [`StoreError::NewerSchema`], [`StoreError::Damaged`].
 pub(crate) fn check(connection: &Connection, path: &Path) -> Result<(), StoreError> {
     let not_ours = || StoreError::NotAStore { path: path.to_owned() };
     mark(connection)?.ok_or_else(not_ours)?;
     match number(connection, "user_version")? {
-        OLDEST..=VERSION => Ok(()),
+        VERSION => Ok(()),
         found if found > VERSION => Err(StoreError::NewerSchema { found, supported: VERSION }),
-        found if found > 0 => Err(StoreError::OlderSchema { found, supported: VERSION }),
         _ => Err(StoreError::damaged("its schema")),
     }
 }
@@ -219,10 +181,10 @@ pub(crate) fn definitions(connection: &Connection) -> Result<Vec<(String, String
     Ok(rows.collect::<Result<_, _>>()?)
 }
 
-/// The definitions that a store of this version should have.
-pub(crate) fn expected_definitions(version: i64) -> Result<Vec<(String, String)>, StoreError> {
+/// The definitions that a store should have.
+pub(crate) fn expected_definitions() -> Result<Vec<(String, String)>, StoreError> {
     let mut connection = Connection::open_in_memory()?;
     let transaction = connection.transaction()?;
-    build(&transaction, version)?;
+    build(&transaction)?;
     definitions(&transaction)
 }

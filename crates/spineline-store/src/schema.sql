@@ -43,6 +43,8 @@ CREATE TABLE films (
     revision INTEGER NOT NULL,
     UNIQUE (study, content)
 ) STRICT;
+-- A study has one lateral film.
+CREATE UNIQUE INDEX one_lateral_film ON films (study) WHERE posture = 'lateral';
 
 -- Small pictures of films, so that a list of studies need not decode every film again. They are drawn from the contents
 -- and drawn again when they are missing: these rows are no record, and the log does not know them.
@@ -95,7 +97,8 @@ CREATE TABLE plans (
     study TEXT NOT NULL UNIQUE REFERENCES studies (id),
     repeats INTEGER NOT NULL CHECK (repeats >= 1),
     washout_days INTEGER NOT NULL CHECK (washout_days >= 0),
-    seed TEXT NOT NULL,
+    -- The order of films follows from it.
+    secret TEXT NOT NULL,
     -- Whether readers see vertebrae that the program proposes, and may accept them.
     proposals INTEGER NOT NULL CHECK (proposals IN (0, 1))
 ) STRICT;
@@ -109,6 +112,26 @@ CREATE TABLE slots (
     repeat INTEGER NOT NULL CHECK (repeat >= 1),
     UNIQUE (plan, observer, place),
     UNIQUE (film, observer, repeat)
+) STRICT;
+
+-- Model options of a study: a JSON array of names and values, which differ from the defaults. Edits are numbered, so that a
+-- stale one is noticed. A study without a row has the defaults.
+CREATE TABLE options (
+    study TEXT PRIMARY KEY REFERENCES studies (id),
+    chosen TEXT NOT NULL,
+    revision INTEGER NOT NULL
+) STRICT;
+
+-- What was computed of a study and took long. It can be computed again: these rows are no record, and the log does not know
+-- them. The digest is of everything that it was computed from and of its result, so that neither stale nor damaged
+-- rows are used.
+CREATE TABLE computations (
+    study TEXT NOT NULL REFERENCES studies (id),
+    kind TEXT NOT NULL,
+    asked INTEGER NOT NULL,
+    digest TEXT NOT NULL,
+    found TEXT NOT NULL,
+    PRIMARY KEY (study, kind)
 ) STRICT;
 
 -- Accounts, what they may do in which study, and who is signed in.
@@ -167,3 +190,5 @@ CREATE TRIGGER accounts_are_never_deleted BEFORE DELETE ON accounts
 BEGIN SELECT RAISE (ABORT, 'accounts are disabled, never deleted'); END;
 CREATE TRIGGER grants_are_never_deleted BEFORE DELETE ON grants
 BEGIN SELECT RAISE (ABORT, 'grants are taken back, never deleted'); END;
+CREATE TRIGGER options_are_never_deleted BEFORE DELETE ON options
+BEGIN SELECT RAISE (ABORT, 'options are reset, never deleted'); END;

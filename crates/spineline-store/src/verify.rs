@@ -190,8 +190,7 @@ fn integrity(connection: &Connection, findings: &mut Vec<Finding>) -> Result<(),
 }
 
 fn definitions(connection: &Connection, findings: &mut Vec<Finding>) -> Result<(), StoreError> {
-    let version = schema::number(connection, "user_version")?;
-    let expected = schema::expected_definitions(version)?;
+    let expected = schema::expected_definitions()?;
     let mut expected = expected.into_iter().collect::<BTreeMap<_, _>>();
     for (name, sql) in schema::definitions(connection)? {
         if expected.remove(&name) != Some(sql) {

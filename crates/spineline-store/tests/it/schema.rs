@@ -16,9 +16,8 @@ use crate::options::option;
 use crate::session::{by, film_bytes, image, name};
 
 const SCHEMA: &str = include_str!("../../src/schema.sql");
-const SCHEMA_3: &str = include_str!("../../src/schema_3.sql");
-/// The schema that this program writes.
-const VERSION: i64 = 4;
+/// The schema that this program reads and writes.
+const VERSION: i64 = 1;
 const TIME_MS: i64 = 1_700_000_000_000;
 
 fn sha256(bytes: impl AsRef<[u8]>) -> String {
@@ -59,7 +58,7 @@ fn write_store(path: &Path, films: i64) {
     use serde_json::json;
     let raw = Connection::open(path).expect("a database");
     raw.execute_batch(SCHEMA).expect("the schema");
-    raw.execute_batch("PRAGMA application_id = 1399870324; PRAGMA user_version = 2; BEGIN")
+    raw.execute_batch("PRAGMA application_id = 1399870324; PRAGMA user_version = 1; BEGIN")
         .expect("marks");
     let mut writer = Writer { raw, entries: 0, hash: String::new() };
     writer.log("store", "");
@@ -111,23 +110,13 @@ fn write_store(path: &Path, films: i64) {
     writer.raw.execute_batch("COMMIT; PRAGMA journal_mode = WAL").expect("committed");
 }
 
-fn version_of(path: &Path) -> i64 {
-    let raw = Connection::open(path).expect("a database");
-    raw.pragma_query_value(None, "user_version", |row| row.get(0)).expect("a version")
-}
-
 #[test]
-fn a_store_of_schema_3_takes_a_lateral_film_after_it_is_opened() {
+fn a_study_takes_one_lateral_film() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("store");
     write_store(&path, 1);
-    let raw = Connection::open(&path).expect("a database");
-    raw.execute_batch(SCHEMA_3).expect("the schema");
-    raw.execute_batch("PRAGMA user_version = 3").expect("a mark");
-    drop(raw);
     assert!(Store::view(&path).expect("a store").verify(None).expect("verifiable").is_clean());
     let mut store = Store::open(&path).expect("a store");
-    assert_eq!(version_of(&path), VERSION);
     let (study, lateral) = (name("S-1"), FilmView::Lateral);
     let mut add =
         |seed| store.add_film(&study, lateral, &film_bytes(seed), &image(), &by("lead", 0));
@@ -140,20 +129,19 @@ fn a_store_of_schema_3_takes_a_lateral_film_after_it_is_opened() {
     assert!(store.verify(None).expect("verifiable").is_clean());
 }
 
-/// The writer makes schema 2, which lacks the options of studies.
 #[test]
 fn a_store_with_the_described_schema_is_read_and_written() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("store");
     write_store(&path, 3);
     let study = name("S-1");
+    let before = fs::read(&path).expect("bytes");
     let viewed = Store::view(&path).expect("a store");
     assert!(viewed.verify(None).expect("verifiable").is_clean());
     assert_eq!(viewed.study_options(&study).expect("none yet"), StudyOptions::default());
     drop(viewed);
-    assert_eq!(version_of(&path), 2, "viewing changes nothing");
+    assert!(fs::read(&path).expect("bytes") == before, "viewing changes nothing");
     let mut store = Store::open(&path).expect("a store");
-    assert_eq!(version_of(&path), VERSION);
     let verified = store.verify(None).expect("verifiable");
     assert!(verified.is_clean(), "{verified:?}");
     let readings = store.readings(&name("S-1")).expect("readings");
@@ -188,24 +176,6 @@ fn a_store_of_a_newer_program_is_refused_and_not_changed() {
             "{refused:?}"
         );
     }
-    assert!(fs::read(&path).expect("bytes") == before);
-}
-
-#[test]
-fn a_store_of_a_development_build_is_refused_and_not_changed() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let path = folder.path().join("store");
-    drop(crate::session::create(&path));
-    let raw = Connection::open(&path).expect("a database");
-    raw.execute_batch("PRAGMA user_version = 1; PRAGMA journal_mode = DELETE")
-        .expect("an older schema");
-    drop(raw);
-    let before = fs::read(&path).expect("bytes");
-    let refused = Store::open(&path).expect_err("older");
-    assert!(
-        matches!(refused, StoreError::OlderSchema { found: 1, supported: VERSION }),
-        "{refused:?}"
-    );
     assert!(fs::read(&path).expect("bytes") == before);
 }
 
