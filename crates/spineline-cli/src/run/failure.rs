@@ -77,10 +77,10 @@ impl Failure {
         Some(Self { others: failures.collect(), ..first })
     }
 
-    /// The same with the name of the result that could not be made, where it does not say it.
-    pub fn of_result(mut self, result: &Path) -> Self {
-        let name = result.display().to_string();
-        if !self.what.contains(&name) {
+    /// The same with the name of its file at the beginning, where it is missing.
+    pub fn naming(mut self, file: &Path) -> Self {
+        let name = file.display().to_string();
+        if !self.what.starts_with(&name) {
             self.what = format!("{name}: {}", self.what);
         }
         self
@@ -116,14 +116,7 @@ impl Failure {
 
     /// A file that cannot be read as its format.
     pub fn file(path: &Path, error: &spineline_files::FileError) -> Self {
-        // Errors of reading name the path themselves.
-        let what = match error {
-            spineline_files::FileError::Read { .. }
-            | spineline_files::FileError::NotUtf8 { .. }
-            | spineline_files::FileError::TooLarge { .. } => error.to_string(),
-            _ => format!("{}: {error}", path.display()),
-        };
-        Self::files(what, error.help())
+        Self::files(error.to_string(), error.help()).naming(path)
     }
 
     /// Landmarks of another program that cannot be read.
@@ -136,8 +129,7 @@ impl Failure {
 
     /// A store that refused.
     pub fn store(path: &Path, error: &StoreError) -> Self {
-        let what = format!("{}: {error}", path.display());
-        Self::files(what, error.help())
+        Self::files(error.to_string(), error.help()).naming(path)
     }
 
     /// Films that could not be found or read.

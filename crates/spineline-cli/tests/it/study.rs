@@ -156,3 +156,11 @@ fn a_backup_beside_the_log_of_a_killed_server_is_refused_and_restore_puts_it_in_
     assert_eq!(head("k.db"), head("copy.db"));
     assert_eq!(fs::read(at("k.db.replaced-1-wal")).expect("the log"), before[1]);
 }
+
+#[test]
+fn an_error_names_a_missing_store_once() {
+    let here = tempfile::tempdir().expect("a temporary folder");
+    let error = refused(here.path(), &["study", "list", "s.db"], 3);
+    assert!(error.starts_with("error: s.db: no such store"), "{error}");
+    assert!(error.contains("spineline study create"), "{error}");
+}

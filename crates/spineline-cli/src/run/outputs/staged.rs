@@ -243,7 +243,7 @@ impl Outputs {
         let is_made = made.is_ok();
         if let Err(failure) = made {
             forget(self.state().staged.drain(before..));
-            self.go_on(failure.of_result(result));
+            self.go_on(failure.naming(result));
         }
         is_made
     }
