@@ -44,11 +44,13 @@ pub(crate) fn accept(connection: &Connection, path: &Path) -> Result<Option<Head
     let heads = Heads::read(path).unwrap_or_default();
     let main = MainFile::read(path);
     if content == LogContent::Nothing {
-        return match schema::check(connection, path) {
-            Err(StoreError::Damaged { .. } | StoreError::NotAStore { .. }) | Ok(()) => {
-                main.map(|main| Some(main.head))
-            }
-            Err(other) => Err(other),
+        return match (schema::check(connection, path), main) {
+            // The main file says best what is wrong with it.
+            (
+                Ok(()) | Err(StoreError::Damaged { .. } | StoreError::NotAStore { .. }),
+                Err(wrong),
+            ) => Err(wrong),
+            (checked, main) => checked.and(main).map(|main| Some(main.head)),
         };
     }
     let main = match main {

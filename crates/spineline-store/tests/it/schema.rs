@@ -180,6 +180,26 @@ fn a_store_of_a_newer_program_is_refused_and_not_changed() {
 }
 
 #[test]
+fn a_store_without_the_number_of_its_schema_is_damaged_and_not_changed() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("store");
+    for number in [0, -1] {
+        let _ = fs::remove_file(&path);
+        drop(crate::session::create(&path));
+        let raw = Connection::open(&path).expect("a database");
+        let change = format!("PRAGMA user_version = {number}; PRAGMA journal_mode = DELETE");
+        raw.execute_batch(&change).expect("another number");
+        drop(raw);
+        let before = fs::read(&path).expect("bytes");
+        for refused in [Store::open(&path), Store::view(&path)] {
+            let refused = refused.expect_err("no schema");
+            assert!(matches!(refused, StoreError::Damaged { .. }), "{refused:?}");
+        }
+        assert!(fs::read(&path).expect("bytes") == before);
+    }
+}
+
+#[test]
 fn an_event_of_the_schema_round_trips() {
     let json = r#"{"kind":"place_corner","level":"Th12","corner":"superior_left","column_px":1,"row_px":2.5}"#;
     let event: Event = serde_json::from_str(json).expect("an event");
