@@ -19,13 +19,19 @@ fn crates(plan: &Plan<'_>) -> &'static [&'static str] {
     if plan.is_full() { &FULL } else { &USUAL }
 }
 
+/// Calls cargo with clippy in the place of the compiler: what is built is linted, and a lint ends the build.
+///
+/// Lints by themselves check all dependencies once more, which takes a third as long as building them.
 fn cargo_on(
     plan: &Plan<'_>,
     command: &[&str],
     rest: &[&str],
     variables: &[(&str, &str)],
 ) -> Result<(), String> {
-    run(plan.root, "cargo", &[command, crates(plan), rest].concat(), variables)
+    let linted = as_linted(plan.root)?;
+    let linted = linted.iter().map(|(name, value)| (*name, value.as_str()));
+    let variables: Vec<(&str, &str)> = linted.chain(variables.iter().copied()).collect();
+    run(plan.root, "cargo", &[command, crates(plan), rest].concat(), &variables)
 }
 
 /// The program and its examples as the tests have built them.
@@ -57,7 +63,8 @@ pub fn format(plan: &Plan<'_>) -> Result<(), String> {
 }
 
 pub fn lint(plan: &Plan<'_>) -> Result<(), String> {
-    cargo_on(plan, &["clippy", "--all-targets"], &["--", "--deny", "warnings"], &[])
+    let arguments = ["--all-targets", "--", "--deny", "warnings"];
+    run(plan.root, "cargo", &[&["clippy"], crates(plan), &arguments].concat(), &[])
 }
 
 /// Clippy as `cargo clippy` calls it in [`lint`], so that the documentation takes the crates that the lints have checked. Should
@@ -116,13 +123,7 @@ pub fn rustdoc(plan: &Plan<'_>) -> Result<(), String> {
     let programs = ["--bin", "xtask", "--bin", "spineline-peers"];
     // An example asks for the features that the lints' tests ask for.
     let targets = [&programs[..], &["--example", "dictionary"]].concat();
-    let [wrapper, arguments] = as_linted(plan.root)?;
-    let variables = [
-        ("RUSTDOCFLAGS", "--deny warnings"),
-        (wrapper.0, &wrapper.1[..]),
-        (arguments.0, &arguments.1[..]),
-    ];
-    cargo_on(plan, &command, &targets, &variables)
+    cargo_on(plan, &command, &targets, &[("RUSTDOCFLAGS", "--deny warnings")])
 }
 
 /// Quick tests of some crates and of all that depend on them.

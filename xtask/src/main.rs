@@ -149,7 +149,7 @@ fn steps(command: &str) -> Option<Vec<Step<'static>>> {
             exchange.beside(),
             package.beside(),
             Step::new("doc examples", &[], checks::doctest),
-            lint,
+            lint.full(),
             Step::new("docs", &[], checks::rustdoc).full(),
             // Both write where the Python step reads, or where the lints look.
             notebooks.alone(),

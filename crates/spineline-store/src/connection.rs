@@ -178,6 +178,33 @@ impl Store {
         Ok(entries.collect::<Result<_, _>>()?)
     }
 
+    /// Checks everything: the file, its references, the log, every row against the log, every film against its hash.
+    ///
+    /// The log must contain the head that is kept beside the store. With an external head, this
+    /// method also detects a log that was rewritten as a whole. **Without one, a person who can write the
+    /// file can compute a new log, and this cannot be detected.**
+    ///
+    /// # Errors
+    /// Damage is a finding. Errors are failures of reading, such as [`StoreError::Busy`].
+    pub fn verify(&self, known: Option<&Head>) -> Result<Verification, StoreError> {
+        // First: what other programs write in between makes the store newer.
+        let kept = Heads::read(&self.path);
+        let mut verification = verify(&self.connection, known)?;
+        match kept {
+            Ok(Some(kept)) => {
+                let acknowledged = kept.last.entries;
+                if !contains(&self.connection, &kept.last).unwrap_or(false) {
+                    verification.findings.push(Finding::WentBack { acknowledged });
+                }
+            }
+            Ok(None) => {}
+            Err(_) => verification.findings.push(Finding::Unreadable {
+                part: "the file beside the store that ends in `-head`",
+            }),
+        }
+        Ok(verification)
+    }
+
     /// Commits one change with its log entries and flushes it, or rolls it back.
     pub(crate) fn write<T>(
         &mut self,
@@ -249,33 +276,4 @@ fn connect(path: &Path, flags: OpenFlags) -> Result<Opened, StoreError> {
     let connection = schema::connect(&file, flags)?;
     let main = accept(&connection, &file)?;
     Ok(Opened { connection, file, main })
-}
-
-impl Store {
-    /// Checks everything: the file, its references, the log, every row against the log, every film against its hash.
-    ///
-    /// The log must contain the head that is kept beside the store. With an external head, this
-    /// method also detects a log that was rewritten as a whole. **Without one, a person who can write the
-    /// file can compute a new log, and this cannot be detected.**
-    ///
-    /// # Errors
-    /// Damage is a finding. Errors are failures of reading, such as [`StoreError::Busy`].
-    pub fn verify(&self, known: Option<&Head>) -> Result<Verification, StoreError> {
-        // First: what other programs write in between makes the store newer.
-        let kept = Heads::read(&self.path);
-        let mut verification = verify(&self.connection, known)?;
-        match kept {
-            Ok(Some(kept)) => {
-                let acknowledged = kept.last.entries;
-                if !contains(&self.connection, &kept.last).unwrap_or(false) {
-                    verification.findings.push(Finding::WentBack { acknowledged });
-                }
-            }
-            Ok(None) => {}
-            Err(_) => verification.findings.push(Finding::Unreadable {
-                part: "the file beside the store that ends in `-head`",
-            }),
-        }
-        Ok(verification)
-    }
 }
