@@ -85,11 +85,9 @@ struct VertebraRecord {
     /// Unit vectors in `G`: anterior, left, cranial axis of the vertebra.
     axes: [[f64; 3]; 3],
     /// Where pitch and depth come from.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pitch_from: Option<Key<PitchSource>>,
+    pitch_from: Key<PitchSource>,
     /// Where the axial rotation comes from.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    axial_rotation_from: Option<Key<AxialSource>>,
+    axial_rotation_from: Key<AxialSource>,
     /// Width of the body between its corners on the erect film, for drawing it; absent where nobody placed them.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     width_mm: Option<f64>,
@@ -158,10 +156,10 @@ pub struct StoredModel {
     pub absolute: bool,
     /// The vertebrae by name, as many as the spine has.
     pub levels: Vec<Level>,
-    /// Where pitch and depth of each come from, in their order; `None` where the file does not say.
-    pub pitch_from: Vec<Option<PitchSource>>,
-    /// Where the axial rotation of each comes from; `None` where the file does not say.
-    pub axial_from: Vec<Option<AxialSource>>,
+    /// Where pitch and depth of each come from, in their order.
+    pub pitch_from: Vec<PitchSource>,
+    /// Where the axial rotation of each comes from.
+    pub axial_from: Vec<AxialSource>,
     /// Width of each body between its corners on the erect film; `None` where it is not known.
     pub widths_mm: Vec<Option<f64>>,
     /// Vertebrae and joints.
@@ -250,8 +248,8 @@ fn vertebrae(analysis: &Analysis) -> Vec<VertebraRecord> {
             level: LevelKey(level),
             midpoint_mm: vector(midpoint_mm),
             axes: [0, 1, 2].map(|axis| column(axes, axis)),
-            pitch_from: Some(analysis.pitch_source(level).into()),
-            axial_rotation_from: Some(analysis.axial_source(level).into()),
+            pitch_from: analysis.pitch_source(level).into(),
+            axial_rotation_from: analysis.axial_source(level).into(),
             width_mm: widths.next().flatten(),
         })
         .collect()
@@ -404,12 +402,8 @@ impl ModelFile {
             line: self.line,
             absolute: self.absolute,
             levels,
-            pitch_from: self.vertebrae.iter().map(|v| v.pitch_from.map(|key| key.0)).collect(),
-            axial_from: self
-                .vertebrae
-                .iter()
-                .map(|v| v.axial_rotation_from.map(|key| key.0))
-                .collect(),
+            pitch_from: self.vertebrae.iter().map(|v| v.pitch_from.0).collect(),
+            axial_from: self.vertebrae.iter().map(|v| v.axial_rotation_from.0).collect(),
             widths_mm: self.vertebrae.iter().map(|v| v.width_mm).collect(),
             spine: SpineModel::from_poses(midpoints_mm, axes, &centres),
             stiffness_nmm_per_rad: self

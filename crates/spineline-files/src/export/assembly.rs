@@ -107,9 +107,9 @@ pub(super) struct Vertebra {
     /// Drawn height of the disc above.
     pub(super) disc_m: f64,
     /// Where pitch and depth come from.
-    pub(super) pitch_from: Option<PitchSource>,
+    pub(super) pitch_from: PitchSource,
     /// Where the axial rotation comes from.
-    pub(super) axial_from: Option<AxialSource>,
+    pub(super) axial_from: AxialSource,
     /// Whether the drawn width is the patient's.
     pub(super) width_is_measured: bool,
 }

@@ -9,7 +9,6 @@ use super::assembly::Vertebra;
 use super::boxes::{SIDES, corners};
 use super::header::about_bodies;
 use super::rotation::quaternion;
-use super::standing::key;
 use crate::StoredModel;
 use crate::content::ContentHash;
 
@@ -99,8 +98,8 @@ fn node(vertebra: &Vertebra) -> Value {
             "lateral_tilt_deg": lateral_tilt_deg,
             "pitch_deg": pitch_deg,
             "axial_rotation_deg": axial_rotation_deg,
-            "pitch_from": key(vertebra.pitch_from),
-            "axial_rotation_from": key(vertebra.axial_from),
+            "pitch_from": vertebra.pitch_from.key(),
+            "axial_rotation_from": vertebra.axial_from.key(),
             "width_is_measured": vertebra.width_is_measured,
         },
     })

@@ -3,9 +3,8 @@
 use serde::{Deserialize, Serialize};
 use spineline::analysis::AnalysisOptions;
 
-use super::catalogue::{MethodOption, OPTIONS};
 use super::parse::given_line;
-use super::{OptionError, set_option_of_text};
+use super::{MethodOption, OPTIONS, OptionError, option_of, set_option_of_text};
 use crate::{StoredRotationPrior, parse_rotation_prior, sha256_hex};
 
 /// Options that a study does not keep, because they have results of their own.
@@ -41,6 +40,11 @@ impl ChosenOption {
             }
             None => self.value.clone(),
         }
+    }
+
+    /// What the option is; empty where the program does not know it.
+    fn title(&self) -> &'static str {
+        option_of(&self.name).map_or("", |option| option.title)
     }
 
     fn refused(&self, reason: impl Into<String>) -> OptionError {
@@ -80,17 +84,12 @@ impl ChosenOptions {
             if kept.iter().any(|other| other.name == one.name) {
                 return Err(one.refused("the option is given twice"));
             }
-            let option = OPTIONS.iter().find(|option| option.name == one.name);
-            if one.file.is_none() && option.is_some_and(|option| option.default == one.value) {
-                continue;
-            }
-            kept.push(one);
-        }
-        for one in &kept {
             let mut alone = AnalysisOptions::default();
-            set(&mut alone, one)?;
+            set(&mut alone, &one)?;
+            if alone != AnalysisOptions::default() {
+                kept.push(one);
+            }
         }
-        kept.retain(differs);
         prior_of(&kept)?;
         kept.sort_by_key(|one| OPTIONS.iter().position(|option| option.name == one.name));
         Ok(Self(kept))
@@ -131,31 +130,20 @@ impl ChosenOptions {
     /// What was chosen in a few words, such as `Support: free; Fitted to: ferguson`; empty for the defaults.
     #[must_use]
     pub fn words(&self) -> String {
-        let title = |name: &str| {
-            OPTIONS.iter().find(|option| option.name == name).map_or("", |option| option.title)
-        };
-        let words = self.0.iter().map(|one| format!("{}: {}", title(&one.name), one.words()));
+        let words = self.0.iter().map(|one| format!("{}: {}", one.title(), one.words()));
         words.collect::<Vec<_>>().join("; ")
     }
 
     /// The files among them in words, each with its option.
     pub fn files(&self) -> impl Iterator<Item = (&'static str, String)> {
         let files = self.0.iter().filter(|one| one.file.is_some());
-        files.filter_map(|one| {
-            let option = OPTIONS.iter().find(|option| option.name == one.name)?;
-            Some((option.title, one.words()))
-        })
+        files.map(|one| (one.title(), one.words()))
     }
 }
 
 /// The options that a study keeps, in their order.
 pub fn study_options() -> impl Iterator<Item = &'static MethodOption> {
     OPTIONS.iter().filter(|option| !NOT_OF_A_STUDY.contains(&option.name))
-}
-
-fn differs(one: &ChosenOption) -> bool {
-    let mut alone = AnalysisOptions::default();
-    set(&mut alone, one).is_ok() && alone != AnalysisOptions::default()
 }
 
 /// The distribution of joint rotations among some options, which has to have been learned with their tilts.
@@ -221,11 +209,8 @@ mod tests {
     fn every_suggested_value_is_read() {
         for of_study in study_options() {
             let values: Vec<&str> = match of_study.values {
-                OptionValues::Named(all) | OptionValues::NamedOrFile(all) => {
-                    all().iter().map(|one| one.spelling).collect()
-                }
+                OptionValues::Named(all) => all.iter().map(|one| one.spelling).collect(),
                 OptionValues::Text(some) => some.to_vec(),
-                OptionValues::File => Vec::new(),
             };
             for value in values {
                 ChosenOptions::new(&[option(of_study.name, value)]).expect(value);

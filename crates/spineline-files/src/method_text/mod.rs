@@ -10,37 +10,23 @@
 //! assert_eq!(error.to_string(), "unknown option `suport`; did you mean `support`?");
 //! ```
 
-mod catalogue;
-mod choice;
 mod chosen;
-mod ends;
 mod parse;
-mod values;
+mod table;
 
-pub use catalogue::{MethodOption, NamedValue, OPTION_NAMES, OPTIONS, OptionValues, option_named};
-pub use choice::{Choice, of_spelling};
 pub use chosen::{ChosenOption, ChosenOptions, study_options};
-pub use ends::end_vertebrae;
-pub use parse::{
-    ChosenHypotheses, Prior, StiffnessSource, curve_turn, film_lengths, gauge, given_line,
-    hypotheses, inflection_sites, noise, order_rule, prior, read_rotation_prior, site_text,
-    stiffness_source,
-};
-pub use values::{number, posture};
+pub use parse::{noise, number, posture, site_text};
+pub use table::{MethodOption, NamedValue, OPTION_NAMES, OPTIONS, OptionValues, option_named};
 
 use std::path::PathBuf;
 
 use serde::Serialize;
 use spineline::analysis::{AnalysisOptions, Case};
 use spineline::anatomy::Posture;
-use spineline::curve::InflectionChoice;
-use spineline::multibody::StiffnessTable;
 use spineline::personalize::Gauge;
 
 use crate::nearest::nearest;
-use crate::{
-    FileError, InputFile, StoredRotationPrior, parse_rotation_prior, parse_stiffness, read_text,
-};
+use crate::{FileError, InputFile, StoredRotationPrior, read_text};
 
 /// An option that cannot be used.
 #[derive(Debug, thiserror::Error)]
@@ -87,12 +73,19 @@ impl OptionError {
     }
 }
 
+/// The option of a name, in either spelling.
+fn option_of(name: &str) -> Result<&'static MethodOption, OptionError> {
+    let name = name.replace('-', "_");
+    OPTIONS.iter().find(|option| option.name == name).ok_or_else(|| {
+        let nearest = nearest(&name, &OPTION_NAMES);
+        OptionError::Unknown { name, nearest }
+    })
+}
+
 /// The file that the value of an option names; `None` where the value is a word.
 #[must_use]
 pub fn option_file(name: &str, value: &str) -> Option<PathBuf> {
-    let name = name.replace('-', "_");
-    let option = OPTIONS.iter().find(|option| option.name == name)?;
-    option.values.names_a_file(value).then(|| PathBuf::from(value))
+    option_of(name).ok()?.names_a_file(value).then(|| PathBuf::from(value))
 }
 
 /// A file that an option names.
@@ -133,58 +126,23 @@ pub fn set_option(
 
 /// Sets one option without reading a file: where its value names one, the text of the file is given. Returns the distribution of joint
 /// rotations that the file holds.
-///
-/// # Errors
-/// As of [`set_option`], and a file for an option that takes none.
-pub(crate) fn set_option_of_text(
+fn set_option_of_text(
     options: &mut AnalysisOptions,
     name: &str,
     value: &str,
     file: Option<&str>,
 ) -> Result<Option<StoredRotationPrior>, OptionError> {
-    let name = name.replace('-', "_");
+    let option = option_of(name)?;
+    let name = option.name.to_owned();
     let refused =
-        |reason: String| OptionError::Value { name: name.clone(), value: value.to_owned(), reason };
-    let in_file = |error| OptionError::File { name: name.clone(), error };
-    let known = OPTIONS.iter().find(|option| option.name == name);
-    if file.is_some() && known.is_some_and(|option| !option.values.takes_a_file()) {
-        return Err(refused("this option takes no file".to_owned()));
-    }
-    match name.as_str() {
-        "order_rule" => options.order_rule = order_rule(value).map_err(refused)?,
-        "gauge" => options.gauge = gauge(value).map_err(refused)?,
-        "support" => options.support = named(value).map_err(refused)?,
-        "fit" => options.target = named(value).map_err(refused)?,
-        "tilt" => options.tilt = named(value).map_err(refused)?,
-        "film_lengths" => options.film_lengths = film_lengths(value).map_err(refused)?,
-        "end_vertebrae" => options.ends = end_vertebrae(value).map_err(refused)?,
-        "multipliers" => options.grouping = named(value).map_err(refused)?,
-        "prior" => options.prior = prior(value).map_err(refused)?.0,
-        "rotation_prior" => {
-            let expected = || refused("expected a file of `spineline learn-prior`".to_owned());
-            let stored = parse_rotation_prior(file.ok_or_else(expected)?).map_err(in_file)?;
-            options.rotation_prior = Some(stored.prior.clone());
-            return Ok(Some(stored));
-        }
-        "stiffness" => {
-            options.library = match file {
-                Some(text) => parse_stiffness(text).map_err(in_file)?,
-                None => named::<StiffnessTable>(value).map_err(refused)?.library(),
-            };
-        }
-        "inflections" => {
-            let sites = inflection_sites(value).map_err(refused)?;
-            options.inflections = InflectionChoice::ByHand(sites);
-        }
-        "min_curve" => options.min_curve = curve_turn(value).map_err(refused)?,
-        "given_line" => options.given_lines.push(given_line(value).map_err(refused)?),
-        "compare_models" => options.hypotheses = hypotheses(value).map_err(refused)?.0,
-        _ => {
-            let nearest = nearest(&name, &OPTION_NAMES);
-            return Err(OptionError::Unknown { name, nearest });
+        |reason| OptionError::Value { name: name.clone(), value: value.to_owned(), reason };
+    match (file, option.read_file) {
+        (None, _) => (option.read)(options, value).map(|()| None).map_err(refused),
+        (Some(_), None) => Err(refused("this option takes no file".to_owned())),
+        (Some(text), Some(read)) => {
+            read(options, text).map_err(|error| OptionError::File { name, error })
         }
     }
-    Ok(None)
 }
 
 /// The film whose force the options know, where the case does not have it: such options do not fit the case.
@@ -195,18 +153,11 @@ pub fn missing_known_force(options: &AnalysisOptions, case: &Case) -> Option<Pos
     (!has).then_some(posture)
 }
 
-/// A named value, in either spelling.
-fn named<T: Choice>(text: &str) -> Result<T, String> {
-    of_spelling(&text.replace('_', "-")).or_else(|| of_spelling(text)).ok_or_else(|| {
-        let known: Vec<&str> = T::ALL.iter().map(|value| value.spelling()).collect();
-        format!("expected one of {}", known.join(", "))
-    })
-}
-
 #[cfg(test)]
 mod tests {
+    use super::parse::inflection_sites;
     use super::*;
-    use spineline::multibody::Support;
+    use spineline::multibody::{StiffnessTable, Support};
 
     #[test]
     fn every_option_is_set_by_its_name() {
@@ -236,10 +187,20 @@ mod tests {
     }
 
     #[test]
+    fn the_named_values_of_an_option_are_all_that_it_reads() {
+        for option in OPTIONS.iter().filter(|option| !option.named_values().is_empty()) {
+            let mut options = AnalysisOptions::default();
+            let error = (option.read)(&mut options, "?").expect_err(option.name);
+            let all: Vec<&str> = option.named_values().iter().map(|one| one.spelling).collect();
+            assert_eq!(error, format!("expected one of {}", all.join(", ")), "{}", option.name);
+        }
+    }
+
+    #[test]
     fn the_file_of_every_option_that_takes_one_is_named_by_its_bytes() {
         let folder = tempfile::tempdir().expect("a folder");
         let path = folder.path().join("own.json");
-        for option in OPTIONS.iter().filter(|option| option.values.takes_a_file()) {
+        for option in OPTIONS.iter().filter(|option| option.takes_a_file()) {
             let value = path.to_str().expect("a path");
             assert_eq!(option_file(option.name, value), Some(path.clone()));
             let mut options = AnalysisOptions::default();

@@ -144,7 +144,6 @@ impl Described for PitchSource {
         match self {
             Self::LateralFilm => "Measured: the lateral film shows the vertebra.",
             Self::Population => "Assumed: the profile of a population.",
-            Self::Given => "Assumed: a profile that the options give.",
         }
     }
 }
@@ -157,7 +156,6 @@ impl Described for AxialSource {
         match self {
             Self::Pedicles => "Measured: both pedicles are marked on the erect film.",
             Self::Unknown => "Not known, and zero in the model.",
-            Self::Given => "Assumed: the options give it.",
         }
     }
 }

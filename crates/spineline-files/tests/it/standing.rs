@@ -60,7 +60,7 @@ fn every_format_says_what_was_measured() {
         } else {
             AxialSource::Unknown
         };
-        assert_eq!((*pitch, *axial), (Some(pitch_from), Some(axial_from)), "{level}");
+        assert_eq!((*pitch, *axial), (pitch_from, axial_from), "{level}");
     }
     for &format in ExportFormat::ALL {
         let text = written(&model, format);
@@ -127,22 +127,8 @@ fn widths_are_those_between_the_corners_of_the_erect_film_and_else_typical() {
 }
 
 #[test]
-fn a_model_without_a_lateral_film_is_assumed_and_an_older_file_does_not_say() {
+fn a_model_without_a_lateral_film_is_assumed() {
     let frontal = model(Support::Frontal);
-    assert!(frontal.pitch_from.iter().all(|from| *from == Some(PitchSource::Population)));
-    assert!(frontal.axial_from.iter().all(|from| *from == Some(AxialSource::Unknown)));
-    let mut older: Value = serde_json::from_str(&partly_measured()).expect("JSON");
-    for vertebra in older["vertebrae"].as_array_mut().expect("vertebrae") {
-        let vertebra = vertebra.as_object_mut().expect("a vertebra");
-        assert!(vertebra.remove("pitch_from").is_some());
-        assert!(vertebra.remove("axial_rotation_from").is_some());
-    }
-    let older = parse_model(&older.to_string()).expect("a file of an earlier version");
-    let text = written(&older, ExportFormat::Mjcf);
-    assert!(text.contains("which the model file does not say (L4 to T2)"), "{text}");
-    for part in ["MEASURED on the lateral film", "MEASURED from both pedicles"] {
-        assert!(!text.contains(part), "{part}");
-    }
-    let view = written(&older, ExportFormat::Vtp);
-    assert!(view.contains("-1"), "not stated");
+    assert!(frontal.pitch_from.iter().all(|from| *from == PitchSource::Population));
+    assert!(frontal.axial_from.iter().all(|from| *from == AxialSource::Unknown));
 }

@@ -48,42 +48,41 @@ const MEANING: &str = "Method: Jalalian et al. 2016, Finding line of action of t
 pub(crate) fn options(generator: &str, options: &AnalysisOptions) -> Table {
     let mut table =
         Table::new("Version and options", vec![Column::words("What"), Column::words("Choice")]);
-    let mut add = |what: &str, words: String| table.row(vec![what.to_owned(), words]);
-    add("Program", generator.to_owned());
-    add("Order of the curves", order_words(options.order_rule));
-    add("Inflections", inflection_words(options));
-    add("Scale constraint (gauge)", gauge_words(options.gauge));
-    add(
-        "Support",
-        match options.support {
-            Support::Free => "free: every joint rotates about three axes (the paper)",
-            Support::Frontal => "frontal: flexion and axial hinges are locked",
-        }
-        .to_owned(),
-    );
-    add(
-        "Fitted to",
-        match options.target {
-            FitTarget::Shape => "locations and tilts of all vertebrae",
-            FitTarget::Ferguson => "three Ferguson angles per bend (the paper)",
-        }
-        .to_owned(),
-    );
-    add(
-        "Multipliers",
-        match options.grouping {
-            Grouping::Regional => "one per region (the paper)",
-            Grouping::PerJoint => "one per joint",
-        }
-        .to_owned(),
-    );
+    table.row(vec!["Program".to_owned(), generator.to_owned()]);
+    for (what, words) in choices(options) {
+        table.row(vec![what.to_owned(), words]);
+    }
+    table
+}
+
+/// The choices that change a model, in words.
+fn choices(options: &AnalysisOptions) -> [(&'static str, String); 8] {
+    let support = match options.support {
+        Support::Free => "free: every joint rotates about three axes (the paper)",
+        Support::Frontal => "frontal: flexion and axial hinges are locked",
+    };
+    let target = match options.target {
+        FitTarget::Shape => "locations and tilts of all vertebrae",
+        FitTarget::Ferguson => "three Ferguson angles per bend (the paper)",
+    };
+    let grouping = match options.grouping {
+        Grouping::Regional => "one per region (the paper)",
+        Grouping::PerJoint => "one per joint",
+    };
     let prior = options.prior.map_or_else(
         || "none".to_owned(),
         |prior| format!("log-normal, standard deviation of ln {}", prior.log_sd),
     );
-    add("Prior of the multipliers", prior);
-    add("Stiffness table", library_words(&options.library));
-    table
+    [
+        ("Order of the curves", order_words(options.order_rule)),
+        ("Inflections", inflection_words(options)),
+        ("Scale constraint (gauge)", gauge_words(options.gauge)),
+        ("Support", support.to_owned()),
+        ("Fitted to", target.to_owned()),
+        ("Multipliers", grouping.to_owned()),
+        ("Prior of the multipliers", prior),
+        ("Stiffness table", library_words(&options.library)),
+    ]
 }
 
 /// The options that differ from the defaults, with what was chosen; empty for the defaults.
@@ -91,16 +90,15 @@ pub(crate) fn options(generator: &str, options: &AnalysisOptions) -> Table {
 /// The distribution of joint rotations and the compared loads change no model and have sections of their own.
 pub(crate) fn changed(options: &AnalysisOptions) -> String {
     let usual = AnalysisOptions::default();
-    let [chosen, defaults] = [options, &usual].map(|one| self::options("", one).rows);
-    let rows = chosen.into_iter().zip(defaults).filter(|(chosen, usual)| chosen != usual);
-    let mut words: Vec<String> = rows.map(|(chosen, _)| chosen.join(": ")).collect();
+    let rows = choices(options).into_iter().zip(choices(&usual));
+    let rows = rows.filter(|(chosen, usual)| chosen != usual);
+    let mut words: Vec<String> =
+        rows.map(|((what, chosen), _)| format!("{what}: {chosen}")).collect();
     let mut add = |differs: bool, text: &str| words.extend(differs.then(|| text.to_owned()));
     add(options.tilt != usual.tilt, tilt_words(options.tilt));
     let lengths = format!("Lengths of the films: {}", length_words(options.film_lengths));
     add(options.film_lengths != usual.film_lengths, &lengths);
     add(options.ends != usual.ends, "End vertebrae of Cobb angles: chosen otherwise");
-    add(options.segment_window != usual.segment_window, "Number of segments: given");
-    add(options.profile != usual.profile, "Sagittal shape: given");
     add(!options.given_lines.is_empty(), "Given line of action: added");
     words.join("; ")
 }

@@ -14,8 +14,8 @@ use super::standing::widths_mm;
 use super::words::counted_inflections;
 use super::wrong_film::warn_of_wrong_films;
 use super::{AnalysisOptions, Case, LineModel};
-use crate::anatomy::Posture;
-use crate::chain::{Chain, ChainPose};
+use crate::anatomy::{Posture, SagittalProfile};
+use crate::chain::{Chain, ChainPose, SEGMENT_WINDOW};
 use crate::clinical::{
     Balance, ClinicalCurve, LenkeType, Regions, lenke_type, measure_balance, measure_curves,
 };
@@ -130,7 +130,7 @@ impl Movement {
         let (readings, outlines) = measure(case, options.tilt, known, warnings)?;
         let outlines = at_erect_length(outlines, options.film_lengths, warnings);
         let (curves, fits) = fit_curves(&outlines, options, warnings)?;
-        let (chain, poses) = lay_chain(&fits, options)?;
+        let (chain, poses) = lay_chain(&fits)?;
         // Replicates show what noise does; what the form of the curve leaves open is that of the case. What a user has picked is
         // not doubted.
         let automatic = options.inflections == InflectionChoice::Automatic;
@@ -142,8 +142,7 @@ impl Movement {
             .pair
             .map(|pair| pair.map(|inflection| poses[0].nearest_segment(inflection.erect)));
         // Step 6 comes before step 4: the rotations of joints on the films need the unloaded spine.
-        let UnloadedSpine { spine, space, axial } =
-            unloaded_spine(case, &outlines[0], options, warnings)?;
+        let UnloadedSpine { spine, space, axial } = unloaded_spine(case, &outlines[0], warnings)?;
         if space.is_some() && axial.is_empty() {
             warn_of_unknown_rotation(&curves.clinical, warnings);
         }
@@ -356,13 +355,10 @@ fn fit_curves(
 }
 
 /// Step 3: one segment length for all films, and the chain laid on every curve.
-fn lay_chain(
-    fits: &[CurveFit],
-    options: &AnalysisOptions,
-) -> Result<(Chain, Vec<ChainPose>), Error> {
+fn lay_chain(fits: &[CurveFit]) -> Result<(Chain, Vec<ChainPose>), Error> {
     let lengths: Vec<f64> =
         fits.iter().map(|fit| fit.curve.length_mm(fit.curve.end_mm())).collect();
-    let chain = Chain::fit(lengths[0], &lengths[1..], options.segment_window.clone())?;
+    let chain = Chain::fit(lengths[0], &lengths[1..], SEGMENT_WINDOW)?;
     let poses = fits.iter().map(|fit| chain.lay(&fit.curve)).collect();
     Ok((chain, poses))
 }
@@ -377,7 +373,6 @@ struct UnloadedSpine {
 fn unloaded_spine(
     case: &Case,
     erect: &Outline,
-    options: &AnalysisOptions,
     warnings: &mut Warnings,
 ) -> Result<UnloadedSpine, Error> {
     let film = case.films.iter().find(|film| film.posture == Posture::Erect);
@@ -389,7 +384,7 @@ fn unloaded_spine(
         Some(film) => axial_rotations(film, erect)?,
         None => Vec::new(),
     };
-    let mut profile = options.profile.clone();
+    let mut profile = SagittalProfile::default();
     for found in &axial {
         let place = found.level.model_index().and_then(|i| profile.axial_deg.get_mut(i));
         if let Some(axial_deg) = place {

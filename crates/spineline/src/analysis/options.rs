@@ -1,9 +1,6 @@
-use std::ops::RangeInclusive;
-
 use super::PostureAnalysis;
 use crate::action::{LineKind, LineOfAction};
-use crate::anatomy::{Posture, SagittalProfile, named};
-use crate::chain::SEGMENT_WINDOW;
+use crate::anatomy::{Posture, named};
 use crate::clinical::EndChoice;
 use crate::curve::{InflectionChoice, MIN_TURN, OrderRule};
 use crate::evaluate::RotationPrior;
@@ -54,10 +51,6 @@ pub struct AnalysisOptions {
     pub min_curve: Angle,
     /// How the end vertebrae of Cobb angles are chosen.
     pub ends: EndChoice,
-    /// How many segments the erect chain may have.
-    pub segment_window: RangeInclusive<u32>,
-    /// Sagittal profile.
-    pub profile: SagittalProfile,
     /// Springs before personalisation.
     pub library: StiffnessLibrary,
     /// What holds the patient.
@@ -79,6 +72,23 @@ pub struct AnalysisOptions {
 }
 
 impl AnalysisOptions {
+    /// The paper's method: tilts by the axes of the vertebrae, one scale for all films, the order of the least residual, rotation about
+    /// all axes, and stiffness from Ferguson angles. What the paper leaves open is as in [`AnalysisOptions::default`].
+    ///
+    /// # References
+    /// [jalalian-loa].
+    #[must_use]
+    pub fn paper() -> Self {
+        Self {
+            tilt: TiltRule::Axis,
+            film_lengths: FilmLengthRule::AsMarked,
+            order_rule: OrderRule::Paper,
+            support: Support::Free,
+            target: FitTarget::Ferguson,
+            ..Self::default()
+        }
+    }
+
     /// The lines of action that models are fitted with, where there is a bending film.
     pub(crate) fn line_kinds(&self) -> Vec<LineKind> {
         let mut kinds = vec![LineKind::Inflection, LineKind::Iliac, LineKind::Estimated];
@@ -106,8 +116,6 @@ impl Default for AnalysisOptions {
             inflections: InflectionChoice::default(),
             min_curve: MIN_TURN,
             ends: EndChoice::default(),
-            segment_window: SEGMENT_WINDOW,
-            profile: SagittalProfile::default(),
             library: StiffnessLibrary::default(),
             support: Support::default(),
             gauge: Gauge::default(),

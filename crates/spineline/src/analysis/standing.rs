@@ -1,7 +1,7 @@
 //! What the model's vertebrae in space rest on: a measurement, or an assumption.
 
 use super::{Analysis, Case};
-use crate::anatomy::{Level, Posture, SagittalProfile, named};
+use crate::anatomy::{Level, Posture, named};
 use crate::measure::{Outline, body_widths};
 use crate::multibody::BodySize;
 
@@ -10,15 +10,13 @@ use crate::multibody::BodySize;
 pub enum PitchSource {
     /// Measured: the lateral film shows the vertebra.
     LateralFilm,
-    /// Assumed: turns of a population ([`SagittalProfile::default`]), from the vertebrae that the lateral film shows, if any.
+    /// Assumed: turns of a population ([`crate::anatomy::SagittalProfile::default`]), from the vertebrae that the lateral film shows, if any.
     Population,
-    /// Assumed: turns that the options give.
-    Given,
 }
 
 impl PitchSource {
     /// Every source.
-    pub const ALL: [Self; 3] = [Self::LateralFilm, Self::Population, Self::Given];
+    pub const ALL: [Self; 2] = [Self::LateralFilm, Self::Population];
 
     /// The name used in files.
     #[must_use]
@@ -26,7 +24,6 @@ impl PitchSource {
         match self {
             Self::LateralFilm => "lateral_film",
             Self::Population => "population",
-            Self::Given => "given",
         }
     }
 
@@ -44,13 +41,11 @@ pub enum AxialSource {
     Pedicles,
     /// Not known, and zero in the model.
     Unknown,
-    /// Assumed: the options give it.
-    Given,
 }
 
 impl AxialSource {
     /// Every source.
-    pub const ALL: [Self; 3] = [Self::Pedicles, Self::Unknown, Self::Given];
+    pub const ALL: [Self; 2] = [Self::Pedicles, Self::Unknown];
 
     /// The name used in files.
     #[must_use]
@@ -58,7 +53,6 @@ impl AxialSource {
         match self {
             Self::Pedicles => "pedicles",
             Self::Unknown => "unknown",
-            Self::Given => "given",
         }
     }
 
@@ -96,25 +90,19 @@ impl Analysis {
     /// Where pitch and depth of a vertebra of the model come from.
     #[must_use]
     pub fn pitch_source(&self, level: Level) -> PitchSource {
-        if self.space.as_ref().is_some_and(|space| space.vertebra(level).is_some()) {
-            return PitchSource::LateralFilm;
+        match self.space.as_ref().and_then(|space| space.vertebra(level)) {
+            Some(_) => PitchSource::LateralFilm,
+            None => PitchSource::Population,
         }
-        let usual = SagittalProfile::default().turns_deg;
-        #[expect(
-            clippy::float_cmp,
-            reason = "what the options do not change is equal to the last bit"
-        )]
-        let is_usual = self.options.profile.turns_deg == usual;
-        if is_usual { PitchSource::Population } else { PitchSource::Given }
     }
 
     /// Where the axial rotation of a vertebra of the model comes from.
     #[must_use]
     pub fn axial_source(&self, level: Level) -> AxialSource {
         if self.axial.iter().any(|found| found.level == level) {
-            return AxialSource::Pedicles;
+            AxialSource::Pedicles
+        } else {
+            AxialSource::Unknown
         }
-        let given = level.model_index().and_then(|i| self.options.profile.axial_deg.get(i));
-        if given.is_some_and(|deg| *deg != 0.0) { AxialSource::Given } else { AxialSource::Unknown }
     }
 }

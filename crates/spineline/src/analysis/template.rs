@@ -1,7 +1,7 @@
 //! The sagittal profile of the patient beside that of a population: what a model without the lateral film gets wrong.
 
 use super::Analysis;
-use crate::anatomy::Level;
+use crate::anatomy::{Level, SagittalProfile};
 use crate::measure::LengthScale;
 use crate::multibody::SpineModel;
 use crate::spatial::{Angle, Mat3};
@@ -80,13 +80,13 @@ impl TemplateError {
 }
 
 impl Analysis {
-    /// What the profile of the options gets wrong in this patient; `None` without a lateral film.
+    /// What the profile of a population gets wrong in this patient; `None` without a lateral film.
     ///
     /// Computed on request, because no other result depends on it.
     #[must_use]
     pub fn template_error(&self) -> Option<TemplateError> {
         let space = self.space.as_ref()?;
-        let alone = SpineModel::from_outline(&self.erect().outline, &self.options.profile);
+        let alone = SpineModel::from_outline(&self.erect().outline, &SagittalProfile::default());
         let places = self.spine.midpoints_mm.iter().zip(&alone.midpoints_mm).zip(&alone.axes);
         let vertebrae: Vec<ProfileVertebra> = self
             .levels()

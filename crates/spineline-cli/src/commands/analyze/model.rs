@@ -5,8 +5,7 @@ use std::path::Path;
 use spineline::analysis::{Analysis, LineModel, ModelChoice};
 use spineline_files::{ModelFile, Provenance, to_text};
 
-use super::args::{AnalyzeArgs, ModelLine};
-use crate::options::choice::Choice;
+use super::args::{AnalyzeArgs, ModelLine, line_name};
 use crate::run::failure::Failure;
 use crate::run::messages::say;
 use crate::run::outputs::Outputs;
@@ -56,7 +55,7 @@ fn help_without_model(analysis: &Analysis) -> String {
     let lines: Vec<String> = analysis
         .models
         .iter()
-        .map(|model| format!("--model-line {}", model.kind.spelling()))
+        .map(|model| format!("--model-line {}", line_name(model.kind)))
         .collect();
     if !lines.is_empty() {
         return format!("write another one: {}", lines.join(" or "));
