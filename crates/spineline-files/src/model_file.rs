@@ -8,7 +8,7 @@ use spineline::spatial::{Angle, Mat3, Vec3};
 
 use crate::error::NEIGHBOURS_MM;
 use crate::json::parse;
-use crate::keys::{Key, LevelKey};
+use crate::keys::LevelKey;
 use crate::{FileError, Provenance};
 
 const FORMAT: &str = "spineline-model";
@@ -36,7 +36,7 @@ pub struct ModelFile {
     /// Line of action that the stiffness was fitted with.
     line: String,
     /// `free` or `frontal` (flexion and axial hinges locked).
-    support: Key<Support>,
+    support: Support,
     /// Scale constraint of stiffness and force.
     gauge: String,
     /// Whether forces and springs are absolute; else only their ratios are meaningful.
@@ -60,7 +60,7 @@ pub struct ModelFile {
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 struct RegionRecord {
-    region: Key<Region>,
+    region: Region,
     /// Lower end of the Ferguson angle.
     inferior: LevelKey,
     apex: LevelKey,
@@ -86,10 +86,10 @@ struct VertebraRecord {
     axes: [[f64; 3]; 3],
     /// Where pitch and depth come from.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pitch_from: Option<Key<PitchSource>>,
+    pitch_from: Option<PitchSource>,
     /// Where the axial rotation comes from.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    axial_rotation_from: Option<Key<AxialSource>>,
+    axial_rotation_from: Option<AxialSource>,
     /// Width of the body between its corners on the erect film, for drawing it; absent where nobody placed them.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     width_mm: Option<f64>,
@@ -131,7 +131,7 @@ impl JointRecord {
 #[serde(deny_unknown_fields)]
 pub struct LoadRecord {
     /// Posture that it simulates.
-    pub posture: Key<Posture>,
+    pub posture: Posture,
     /// How the search for it ended.
     pub status: String,
     /// Signed force along the direction: newtons where the model is `absolute`, else relative.
@@ -142,7 +142,7 @@ pub struct LoadRecord {
     /// Unit vector.
     pub direction: [f64; 3],
     /// `fixed` in space, or `at_t2`: through T2's midpoint wherever that goes.
-    pub application: Key<Application>,
+    pub application: Application,
 }
 
 /// A model read from its file, for a simulation.
@@ -220,7 +220,7 @@ impl ModelFile {
             case_id: analysis.case_id.clone(),
             synthetic: analysis.synthetic,
             line: model.kind.key().to_owned(),
-            support: analysis.options.support.into(),
+            support: analysis.options.support,
             gauge: analysis.options.gauge.key().to_owned(),
             absolute: model.is_absolute(analysis.options.gauge),
             vertebrae: vertebrae(analysis),
@@ -250,8 +250,8 @@ fn vertebrae(analysis: &Analysis) -> Vec<VertebraRecord> {
             level: LevelKey(level),
             midpoint_mm: vector(midpoint_mm),
             axes: [0, 1, 2].map(|axis| column(axes, axis)),
-            pitch_from: Some(analysis.pitch_source(level).into()),
-            axial_rotation_from: Some(analysis.axial_source(level).into()),
+            pitch_from: Some(analysis.pitch_source(level)),
+            axial_rotation_from: Some(analysis.axial_source(level)),
             width_mm: widths.next().flatten(),
         })
         .collect()
@@ -291,12 +291,12 @@ fn loads(analysis: &Analysis, model: &LineModel) -> Vec<LoadRecord> {
                 Application::AtT2 => top_x_mm,
             };
             LoadRecord {
-                posture: film.posture.into(),
+                posture: film.posture,
                 status: film.status.key().to_owned(),
                 force_n: film.force_n,
                 point_mm: [x_mm, line.point.y_mm, line.point.z_mm],
                 direction: [0.0, line.direction.y_mm, line.direction.z_mm],
-                application: line.application.into(),
+                application: line.application,
             }
         })
         .collect()
@@ -313,7 +313,7 @@ fn regions(analysis: &Analysis) -> Vec<RegionRecord> {
     let bounds = analysis.regions.bounds.iter().zip(&analysis.clinical);
     bounds
         .map(|(bounds, curve)| RegionRecord {
-            region: bounds.region.into(),
+            region: bounds.region,
             inferior: level(bounds.inferior),
             apex: level(bounds.apex),
             superior: level(bounds.superior),
@@ -331,7 +331,7 @@ fn regions(analysis: &Analysis) -> Vec<RegionRecord> {
 fn places(records: &[RegionRecord], levels: &[Level]) -> Result<Vec<CurvePlaces>, FileError> {
     let find = |level: LevelKey, record: &RegionRecord| {
         let found = levels.iter().position(|other| *other == level.0);
-        found.ok_or(FileError::Region { region: record.region.0, level: level.0 })
+        found.ok_or(FileError::Region { region: record.region, level: level.0 })
     };
     let place = |record: &RegionRecord| {
         let [inferior, apex, superior, low, high] = [
@@ -341,7 +341,7 @@ fn places(records: &[RegionRecord], levels: &[Level]) -> Result<Vec<CurvePlaces>
             find(record.cobb_inferior, record)?,
             find(record.cobb_superior, record)?,
         ];
-        let region = record.region.0;
+        let region = record.region;
         if inferior < apex && apex < superior && low < high {
             let bounds = RegionBounds { region, inferior, apex, superior };
             let endplate_difference = record.endplate_difference_deg.map(Angle::from_deg);
@@ -404,12 +404,8 @@ impl ModelFile {
             line: self.line,
             absolute: self.absolute,
             levels,
-            pitch_from: self.vertebrae.iter().map(|v| v.pitch_from.map(|key| key.0)).collect(),
-            axial_from: self
-                .vertebrae
-                .iter()
-                .map(|v| v.axial_rotation_from.map(|key| key.0))
-                .collect(),
+            pitch_from: self.vertebrae.iter().map(|v| v.pitch_from).collect(),
+            axial_from: self.vertebrae.iter().map(|v| v.axial_rotation_from).collect(),
             widths_mm: self.vertebrae.iter().map(|v| v.width_mm).collect(),
             spine: SpineModel::from_poses(midpoints_mm, axes, &centres),
             stiffness_nmm_per_rad: self
@@ -419,7 +415,7 @@ impl ModelFile {
                 .collect(),
             stiffness: self.joints.iter().map(JointRecord::stiffness).collect(),
             curves,
-            support: self.support.0,
+            support: self.support,
             loads: self.loads,
             provenance: self.provenance,
         })

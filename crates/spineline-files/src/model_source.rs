@@ -1,8 +1,6 @@
 //! The analysis that a stored model was made from, made again from its case.
 
-use spineline::action::LineKind;
 use spineline::analysis::{Analysis, AnalysisOptions, Case, analyze};
-use spineline::anatomy::Named;
 use spineline::error::Error;
 use spineline::spatial::{Mat3, Vec3};
 
@@ -89,7 +87,7 @@ impl ModelSource {
         let request = request.transpose()?.flatten().ok_or(ModelSourceError::NoOptions)?;
         let options = AnalysisOptions { hypotheses: Vec::new(), ..request.options };
         let analysis = analyze(case, &options)?;
-        let kind = <LineKind as Named>::from_key(&model.line);
+        let kind = model.line.parse().ok();
         let found = analysis.models.iter().find(|found| Some(found.kind) == kind);
         let found = found.ok_or_else(|| ModelSourceError::NoModel { line: model.line.clone() })?;
         let kind = found.kind;

@@ -13,7 +13,7 @@ use spineline::personalize::{FitTarget, Gauge, LogNormalPrior};
 use spineline::spatial::{Angle, Frontal};
 
 use crate::FileError;
-use crate::keys::{Key, LevelKey};
+use crate::keys::LevelKey;
 use crate::rotation_prior_record::RotationPriorRecord;
 use crate::stiffness_file::{StiffnessFile, border};
 
@@ -23,14 +23,14 @@ use crate::stiffness_file::{StiffnessFile, border};
 pub(crate) struct OptionsRecord {
     /// From which landmarks tilts are measured; files from before this choice have those of the axes.
     #[serde(default = "axis_tilts")]
-    tilt: Key<TiltRule>,
+    tilt: TiltRule,
     /// Standard deviation of a film's scale against the erect film, as a part of it, where the films do not state theirs;
     /// `null`, as in files from before this choice, where lengths are compared as marked.
     #[serde(default)]
     film_length_sd: Option<f64>,
     /// Where end vertebrae of Cobb angles are the most tilted ones.
     #[serde(default = "erect_ends")]
-    end_vertebrae: Key<EndRule>,
+    end_vertebrae: EndRule,
     /// End vertebrae picked by the user.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     given_end_vertebrae: Vec<GivenEndsRecord>,
@@ -42,14 +42,14 @@ pub(crate) struct OptionsRecord {
     min_curve_deg: f64,
     /// Fewest and most segments of the erect chain.
     segment_window: [u32; 2],
-    support: Key<Support>,
+    support: Support,
     /// Scale constraint of stiffness and force.
     gauge: GaugeKey,
     /// The force of the gauge `known_force`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     known_force: Option<KnownForceRecord>,
-    fit: Key<FitTarget>,
-    multipliers: Key<Grouping>,
+    fit: FitTarget,
+    multipliers: Grouping,
     /// Standard deviation of `ln α` in the prior; `null` without a prior.
     prior_log_sd: Option<f64>,
     /// Distribution of joint rotations learned from other patients; absent for the published one.
@@ -139,17 +139,17 @@ enum GaugeKey {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 struct KnownForceRecord {
-    posture: Key<Posture>,
+    posture: Posture,
     force_n: f64,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 struct GivenLineRecord {
-    posture: Key<Posture>,
+    posture: Posture,
     point_mm: [f64; 2],
     direction: [f64; 2],
-    application: Key<Application>,
+    application: Application,
 }
 
 /// Degrees from L4 upwards.
@@ -169,12 +169,12 @@ impl From<&AnalysisOptions> for OptionsRecord {
             superior: LevelKey(site.superior),
         };
         Self {
-            tilt: options.tilt.into(),
+            tilt: options.tilt,
             film_length_sd: match options.film_lengths {
                 FilmLengthRule::PerFilm { relative_sd } => Some(relative_sd),
                 FilmLengthRule::AsMarked => None,
             },
-            end_vertebrae: options.ends.rule.into(),
+            end_vertebrae: options.ends.rule,
             given_end_vertebrae: given_ends(&options.ends),
             order_rule: OrderRuleKey(options.order_rule),
             inflections: match options.inflections {
@@ -185,7 +185,7 @@ impl From<&AnalysisOptions> for OptionsRecord {
                 Angle::from_deg(deg).rad()
             }),
             segment_window: [*options.segment_window.start(), *options.segment_window.end()],
-            support: options.support.into(),
+            support: options.support,
             gauge: match options.gauge {
                 Gauge::GeometricMean => GaugeKey::GeometricMean,
                 Gauge::KnownForce { .. } => GaugeKey::KnownForce,
@@ -193,12 +193,12 @@ impl From<&AnalysisOptions> for OptionsRecord {
             },
             known_force: match options.gauge {
                 Gauge::KnownForce { posture, force_n } => {
-                    Some(KnownForceRecord { posture: posture.into(), force_n })
+                    Some(KnownForceRecord { posture, force_n })
                 }
                 Gauge::GeometricMean | Gauge::FrozenForce => None,
             },
-            fit: options.target.into(),
-            multipliers: options.grouping.into(),
+            fit: options.target,
+            multipliers: options.grouping,
             prior_log_sd: options.prior.map(|prior| prior.log_sd),
             rotation_prior: options.rotation_prior.as_ref().and_then(RotationPriorRecord::new),
             given_lines: options.given_lines.iter().map(GivenLineRecord::from).collect(),
@@ -216,40 +216,36 @@ impl From<&AnalysisOptions> for OptionsRecord {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 struct GivenEndsRecord {
-    region: Key<Region>,
+    region: Region,
     /// Lower end vertebra.
     inferior: LevelKey,
     /// Upper end vertebra.
     superior: LevelKey,
 }
 
-const fn axis_tilts() -> Key<TiltRule> {
-    Key(TiltRule::Axis)
+const fn axis_tilts() -> TiltRule {
+    TiltRule::Axis
 }
 
-const fn erect_ends() -> Key<EndRule> {
-    Key(EndRule::Erect)
+const fn erect_ends() -> EndRule {
+    EndRule::Erect
 }
 
 fn given_ends(choice: &EndChoice) -> Vec<GivenEndsRecord> {
     let given = Region::ALL.into_iter().zip(choice.given);
     let record = |(region, ends): (Region, Option<CobbEnds>)| {
         let CobbEnds { inferior, superior } = ends?;
-        Some(GivenEndsRecord {
-            region: region.into(),
-            inferior: LevelKey(inferior),
-            superior: LevelKey(superior),
-        })
+        Some(GivenEndsRecord { region, inferior: LevelKey(inferior), superior: LevelKey(superior) })
     };
     given.filter_map(record).collect()
 }
 
 impl OptionsRecord {
     fn ends(&self) -> EndChoice {
-        let mut choice = EndChoice { rule: self.end_vertebrae.0, ..EndChoice::default() };
+        let mut choice = EndChoice { rule: self.end_vertebrae, ..EndChoice::default() };
         for ends in &self.given_end_vertebrae {
             let given = CobbEnds { inferior: ends.inferior.0, superior: ends.superior.0 };
-            choice.given[ends.region.0.index()] = Some(given);
+            choice.given[ends.region.index()] = Some(given);
         }
         choice
     }
@@ -259,7 +255,7 @@ impl OptionsRecord {
         let site = |site: SiteRecord| Site { inferior: site.inferior.0, superior: site.superior.0 };
         let [fewest, most] = self.segment_window;
         Ok(AnalysisOptions {
-            tilt: self.tilt.0,
+            tilt: self.tilt,
             film_lengths: match self.film_length_sd {
                 Some(relative_sd) => FilmLengthRule::PerFilm { relative_sd },
                 None => FilmLengthRule::AsMarked,
@@ -276,17 +272,17 @@ impl OptionsRecord {
                 axial_deg: self.sagittal_profile.axial_deg,
             },
             library: self.stiffness.clone().library()?,
-            support: self.support.0,
+            support: self.support,
             gauge: match (self.gauge, self.known_force) {
                 (GaugeKey::GeometricMean, _) => Gauge::GeometricMean,
                 (GaugeKey::FrozenForce, _) => Gauge::FrozenForce,
                 (GaugeKey::KnownForce, Some(known)) => {
-                    Gauge::KnownForce { posture: known.posture.0, force_n: known.force_n }
+                    Gauge::KnownForce { posture: known.posture, force_n: known.force_n }
                 }
                 (GaugeKey::KnownForce, None) => return Err(FileError::NoKnownForce),
             },
-            target: self.fit.0,
-            grouping: self.multipliers.0,
+            target: self.fit,
+            grouping: self.multipliers,
             prior: self.prior_log_sd.map(|log_sd| LogNormalPrior { log_sd }),
             rotation_prior: self
                 .rotation_prior
@@ -302,10 +298,10 @@ impl OptionsRecord {
 impl From<&(Posture, LineOfAction)> for GivenLineRecord {
     fn from((posture, line): &(Posture, LineOfAction)) -> Self {
         Self {
-            posture: (*posture).into(),
+            posture: *posture,
             point_mm: [line.point.y_mm, line.point.z_mm],
             direction: [line.direction.y_mm, line.direction.z_mm],
-            application: line.application.into(),
+            application: line.application,
         }
     }
 }
@@ -315,8 +311,8 @@ impl GivenLineRecord {
         let line = LineOfAction {
             point: Frontal::new(self.point_mm[0], self.point_mm[1]),
             direction: Frontal::new(self.direction[0], self.direction[1]),
-            application: self.application.0,
+            application: self.application,
         };
-        (self.posture.0, line)
+        (self.posture, line)
     }
 }

@@ -10,7 +10,7 @@ use spineline::response::{
 use spineline::spatial::{Mat3, Vec3};
 use spineline::uncertainty::LoadedUncertainty;
 
-use crate::keys::{ByLevel, JointKey, Key, LevelKey};
+use crate::keys::{ByLevel, JointKey, LevelKey};
 use crate::simulation_uncertainty::SimulationUncertainty;
 use crate::{AppliedLoad, LoadFile, PlacedLoads, Provenance, StoredModel};
 
@@ -92,12 +92,12 @@ struct AnglesRecord {
     /// Lateral tilt of the line from L4 to T2; positive to the patient's right.
     lateral_tilt_right_deg: f64,
     /// Between endplates, positive where convex to the left; empty where the model file has no endplates.
-    cobb_deg: BTreeMap<Key<Region>, f64>,
+    cobb_deg: BTreeMap<Region, f64>,
     /// Tilt of the upper minus tilt of the lower end vertebra; positive where convex to the left.
     #[serde(default)]
-    tilt_range_deg: BTreeMap<Key<Region>, f64>,
+    tilt_range_deg: BTreeMap<Region, f64>,
     /// Positive where convex to the left.
-    ferguson_deg: BTreeMap<Key<Region>, f64>,
+    ferguson_deg: BTreeMap<Region, f64>,
 }
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -157,7 +157,7 @@ struct EventRecord {
     /// `limit_point` or `branch_point`.
     kind: String,
     direction: String,
-    timing: Key<Timing>,
+    timing: Timing,
     factor: f64,
     arc_rad: f64,
 }
@@ -167,7 +167,7 @@ struct EventRecord {
 struct PathRecord {
     direction: String,
     /// Which loads are varied here.
-    timing: Key<Timing>,
+    timing: Timing,
     factor: f64,
     /// Length of the path up to here: hinges in rad, and a factor of one as much as it turns the unloaded hinges. Lengths
     /// of paths with different loads do not compare.
@@ -241,7 +241,7 @@ fn events(signed: &SignedPath) -> impl Iterator<Item = EventRecord> {
     signed.path.events.iter().map(|event| EventRecord {
         kind: event.kind.key().to_owned(),
         direction: direction_word(signed.sign).to_owned(),
-        timing: event.timing.into(),
+        timing: event.timing,
         factor: event.factor,
         arc_rad: event.arc_rad,
     })
@@ -257,18 +257,11 @@ struct Writer<'a> {
 impl Writer<'_> {
     fn angles(&self, shape: &Deformed) -> AnglesRecord {
         let SpineAngles { lateral_tilt: tilt, curves, .. } = measure_angles(shape, self.places);
-        let key = Key::<Region>;
         AnglesRecord {
             lateral_tilt_right_deg: tilt.deg(),
-            cobb_deg: curves
-                .iter()
-                .filter_map(|c| Some((key(c.region), c.ends.cobb?.deg())))
-                .collect(),
-            tilt_range_deg: curves
-                .iter()
-                .map(|c| (key(c.region), c.ends.tilt_range.deg()))
-                .collect(),
-            ferguson_deg: curves.iter().map(|c| (key(c.region), c.ferguson.deg())).collect(),
+            cobb_deg: curves.iter().filter_map(|c| Some((c.region, c.ends.cobb?.deg()))).collect(),
+            tilt_range_deg: curves.iter().map(|c| (c.region, c.ends.tilt_range.deg())).collect(),
+            ferguson_deg: curves.iter().map(|c| (c.region, c.ferguson.deg())).collect(),
         }
     }
 
@@ -315,7 +308,7 @@ impl Writer<'_> {
         let direction = direction_word(signed.sign);
         signed.path.points.iter().map(move |point: &PathPoint| PathRecord {
             direction: direction.to_owned(),
-            timing: point.timing.into(),
+            timing: point.timing,
             factor: point.factor,
             arc_rad: point.arc_rad,
             limit_points: point.limit_points,

@@ -10,7 +10,6 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use serde_json::Value;
 use spineline::analysis::{self, AnalysisOptions, Grouping, LineModel};
-use spineline::anatomy::{Named, Posture};
 use spineline::measure::FilmFrame;
 use spineline::personalize::Identifiability;
 use spineline::spatial::Frontal;
@@ -124,7 +123,7 @@ impl Analysis {
 
     /// The results of a posture.
     fn posture(&self, film: &str) -> Result<&analysis::PostureAnalysis, Fault> {
-        let known = Posture::from_key(&film.replace('-', "_"));
+        let known = film.replace('-', "_").parse().ok();
         known.and_then(|posture| self.analysis.posture(posture)).ok_or_else(|| {
             let films: Vec<&str> =
                 self.analysis.postures.iter().map(|one| one.outline.posture.key()).collect();
@@ -409,7 +408,7 @@ fn keep_picture_warnings(then: &Value, found: &mut analysis::Analysis) {
         let code = PICTURE_WARNINGS.into_iter().find(|code| warning["code"] == *code);
         let Some(code) = code else { continue };
         let text = warning["message"].as_str().unwrap_or_default();
-        match warning["posture"].as_str().and_then(Posture::from_key) {
+        match warning["posture"].as_str().and_then(|key| key.parse().ok()) {
             Some(posture) => found.warnings.film(Step::Measure, code, posture, text),
             None => found.warnings.push(Step::Measure, code, text),
         }

@@ -2,7 +2,7 @@
 
 use pyo3::prelude::*;
 use spineline::analysis::{self, Subject, check_repeated};
-use spineline::anatomy::{ImageSide, Named, Posture};
+use spineline::anatomy::{ImageSide, Posture};
 use spineline::error::Error;
 use spineline::measure::{Film, ImageGeometry, Spacing, SpacingPlane};
 use spineline::spatial::Pixel;
@@ -96,7 +96,8 @@ fn image(
     given: &Given<'_>,
 ) -> Result<Option<ImageGeometry>, Fault> {
     let LandmarkReadings::Corners(readings) = &marked.landmarks else { return Ok(None) };
-    let plane = SpacingPlane::from_key(given.plane).filter(|plane| *plane != SpacingPlane::Pixels);
+    let plane =
+        given.plane.parse().ok().filter(|plane: &SpacingPlane| *plane != SpacingPlane::Pixels);
     let Some(plane) = plane else {
         let text = format!("`plane` is `{}`", given.plane);
         return Err(Fault::new(text, "give \"patient\", \"detector\" or \"unknown\""));

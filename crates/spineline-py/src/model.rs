@@ -6,7 +6,6 @@ use std::sync::atomic::Ordering;
 use numpy::PyArray2;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use spineline::anatomy::Named;
 use spineline::multibody::{Goal, Support};
 use spineline::response::{CurveAngles, measure_angles};
 use spineline::spatial::Angle;
@@ -108,7 +107,7 @@ impl Model {
 
     /// The model as another program reads it: `mjcf`, `osim`, `urdf`, `vtp` or `gltf`.
     fn export(&self, py: Python<'_>, format: &str) -> PyResult<String> {
-        let Some(format) = ExportFormat::from_key(format) else {
+        let Ok(format) = format.parse::<ExportFormat>() else {
             let text = format!("unknown format `{format}`");
             return Err(Fault::new(text, "give \"mjcf\", \"osim\", \"urdf\", \"vtp\" or \"gltf\"")
                 .raise(py));

@@ -7,7 +7,7 @@ use std::sync::LazyLock;
 use clap::builder::PossibleValue;
 use clap::{Args, ValueEnum};
 use spineline::analysis::{AnalysisOptions, Case, analyze};
-use spineline::anatomy::{Named, Posture, Region};
+use spineline::anatomy::{Posture, Region};
 use spineline::clinical::CobbEnds;
 use spineline_files::{
     CaseFile, ExportFormat, FileError, FilmOrigin, InputFile, Provenance, ProvenanceFile, export,
@@ -103,7 +103,7 @@ enum LandmarkName {
 impl ValueEnum for Target {
     fn value_variants<'a>() -> &'a [Self] {
         static TARGETS: LazyLock<Vec<Target>> = LazyLock::new(|| {
-            let models = ExportFormat::ALL.iter().map(|&format| Target::Model(format));
+            let models = ExportFormat::ALL.into_iter().map(Target::Model);
             let landmarks =
                 LandmarkName::value_variants().iter().map(|&name| Target::Landmarks(name));
             models.chain(landmarks).collect()

@@ -19,7 +19,7 @@ use spineline::measure::LengthScale;
 use spineline::personalize::Identifiability;
 use spineline::spatial::{Angle, Frontal};
 
-use crate::keys::{Key, LevelKey};
+use crate::keys::LevelKey;
 use crate::reliability_file::QuantityRecord;
 use crate::{CaseFile, Provenance};
 use comparison::ComparisonRecord;
@@ -69,7 +69,7 @@ pub struct AnalysisFile {
     /// Axial rotations of vertebrae whose pedicles are marked; absent where none are, and then unknown.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     axial_rotation: BTreeMap<LevelKey, AxialRecord>,
-    postures: BTreeMap<Key<Posture>, PostureRecord>,
+    postures: BTreeMap<Posture, PostureRecord>,
     /// Reliability of the readings, by quantity; `null` where every film was read once.
     reliability: Option<Vec<QuantityRecord>>,
     /// One model per line of action: `inflection_line`, `iliac_line`, `estimated_line`, `given_line`.
@@ -194,11 +194,11 @@ struct ClinicalCurveRecord {
     /// The patient's side to which the erect curve is convex.
     convex: Option<String>,
     /// Superior endplate of the upper against the inferior endplate of the lower end vertebra; films without corners have none.
-    cobb_deg: BTreeMap<Key<Posture>, f64>,
+    cobb_deg: BTreeMap<Posture, f64>,
     /// Tilt of the upper minus tilt of the lower end vertebra.
     #[serde(default)]
-    tilt_range_deg: BTreeMap<Key<Posture>, f64>,
-    ferguson_deg: BTreeMap<Key<Posture>, f64>,
+    tilt_range_deg: BTreeMap<Posture, f64>,
+    ferguson_deg: BTreeMap<Posture, f64>,
     /// Distance of the apex from the central sacral vertical line, positive to the patient's left; absent where the erect film
     /// has no spacing or no known vertical.
     apical_translation_mm: Option<f64>,
@@ -215,7 +215,7 @@ struct ClinicalCurveRecord {
 struct WarningRecord {
     code: String,
     step: String,
-    posture: Option<Key<Posture>>,
+    posture: Option<Posture>,
     level: Option<LevelKey>,
     message: String,
 }
@@ -225,7 +225,7 @@ impl WarningRecord {
         Self {
             code: warning.code.to_owned(),
             step: warning.step.key().to_owned(),
-            posture: warning.posture.map(Into::into),
+            posture: warning.posture,
             level: warning.level.map(LevelKey),
             message: warning.text(),
         }
@@ -265,7 +265,7 @@ impl AnalysisFile {
             postures: analysis
                 .postures
                 .iter()
-                .map(|p| (p.outline.posture.into(), PostureRecord::new(p, scale)))
+                .map(|p| (p.outline.posture, PostureRecord::new(p, scale)))
                 .collect(),
             reliability: Some(analysis.reliability())
                 .filter(|found| !found.is_empty())
@@ -344,11 +344,11 @@ fn clinical_curve(
 ) -> (String, ClinicalCurveRecord) {
     let translation_mm = balance.map(|found| found.apical_translation_mm[curve.region.index()]);
     let angles = |all: &[(Posture, Angle)]| {
-        all.iter().map(|(posture, angle)| ((*posture).into(), angle.deg())).collect()
+        all.iter().map(|(posture, angle)| (*posture, angle.deg())).collect()
     };
     let ends = |pick: &dyn Fn(&EndAngles) -> Option<Angle>| {
         let known = curve.angles.iter().filter_map(|(posture, all)| Some((posture, pick(all)?)));
-        known.map(|(posture, angle)| ((*posture).into(), angle.deg())).collect()
+        known.map(|(posture, angle)| (*posture, angle.deg())).collect()
     };
     let record = ClinicalCurveRecord {
         ends: [LevelKey(curve.ends.inferior), LevelKey(curve.ends.superior)],

@@ -12,7 +12,7 @@ use spineline::spatial::Angle;
 use super::identifiability::IdentifiabilityRecord;
 use super::posture::ScaleRecord;
 use super::{by_level, point};
-use crate::keys::{Key, LevelKey};
+use crate::keys::LevelKey;
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
@@ -29,7 +29,7 @@ pub(super) struct ModelRecord {
     /// Identifiability of the multipliers; absent if not requested or if the fit did not converge.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub(super) identifiability: Option<IdentifiabilityRecord>,
-    postures: BTreeMap<Key<Posture>, SimulationRecord>,
+    postures: BTreeMap<Posture, SimulationRecord>,
 }
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -141,7 +141,7 @@ impl ModelRecord {
             postures: m
                 .postures
                 .iter()
-                .map(|s| (s.posture.into(), simulation(s, analysis.levels())))
+                .map(|s| (s.posture, simulation(s, analysis.levels())))
                 .collect(),
         }
     }

@@ -109,12 +109,12 @@ const fn units(absolute: bool) -> &'static str {
 
 fn load(load: &LoadRecord, unit: &str, dialect: &Dialect) -> String {
     let force_n = (dialect.from_global)(&(Vec3::from(load.direction) * load.force_n));
-    let place = match load.application.0 {
+    let place = match load.application {
         Application::Fixed => {
             let point_m = (dialect.from_global)(&(Vec3::from(load.point_mm) / 1000.0));
             format!("along the line fixed in space through {} m", vector(&point_m))
         }
         Application::AtT2 => "at the midpoint, and moves with it".to_owned(),
     };
-    format!("  {}: {} ({unit}) {place} ({})", load.posture.0.key(), vector(&force_n), load.status)
+    format!("  {}: {} ({unit}) {place} ({})", load.posture.key(), vector(&force_n), load.status)
 }

@@ -17,38 +17,25 @@ mod urdf;
 mod vtp;
 mod xml;
 
-use spineline::anatomy::{Level, Named};
+use spineline::anatomy::Level;
 use spineline::multibody::Support;
 
 use crate::{StoredModel, text_with_hash};
 use assembly::{Assembly, Axis, vertebrae};
 
-/// A format of another program.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum ExportFormat {
-    /// MuJoCo's own XML.
-    Mjcf,
-    /// An OpenSim 4 model.
-    Osim,
-    /// Unified robot description format, with the springs in SDFormat's extension.
-    Urdf,
-    /// Vertebral bodies as VTK's XML PolyData.
-    Vtp,
-    /// Vertebral bodies as glTF 2.0, with its data inside.
-    Gltf,
-}
-
-impl Named for ExportFormat {
-    const ALL: &'static [Self] = &[Self::Mjcf, Self::Osim, Self::Urdf, Self::Vtp, Self::Gltf];
-
-    fn key(self) -> &'static str {
-        match self {
-            Self::Mjcf => "mjcf",
-            Self::Osim => "osim",
-            Self::Urdf => "urdf",
-            Self::Vtp => "vtp",
-            Self::Gltf => "gltf",
-        }
+spineline::named! {
+    /// A format of another program.
+    pub enum ExportFormat {
+        /// MuJoCo's own XML.
+        Mjcf = "mjcf",
+        /// An OpenSim 4 model.
+        Osim = "osim",
+        /// Unified robot description format, with the springs in SDFormat's extension.
+        Urdf = "urdf",
+        /// Vertebral bodies as VTK's XML PolyData.
+        Vtp = "vtp",
+        /// Vertebral bodies as glTF 2.0, with its data inside.
+        Gltf = "gltf",
     }
 }
 

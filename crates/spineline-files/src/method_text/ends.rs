@@ -2,7 +2,7 @@
 
 use std::str::FromStr;
 
-use spineline::anatomy::{Level, Named, Region};
+use spineline::anatomy::{Level, Region};
 use spineline::clinical::{CobbEnds, EndChoice, EndRule};
 
 /// Reads `erect`, `each-film`, or end vertebrae of regions such as `main-thoracic=T12/T5`.
@@ -29,7 +29,7 @@ pub fn end_vertebrae(text: &str) -> Result<EndChoice, String> {
 }
 
 fn region_of(text: &str) -> Result<Region, String> {
-    Region::from_key(&text.replace('-', "_")).ok_or_else(|| {
+    text.replace('-', "_").parse().map_err(|_| {
         let known = Region::ALL.map(|region| region.key().replace('_', "-")).join(", ");
         format!("no region is called `{text}`: expected one of {known}")
     })

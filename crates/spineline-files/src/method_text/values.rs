@@ -1,6 +1,6 @@
 //! Postures and numbers as text.
 
-use spineline::anatomy::{Named, Posture};
+use spineline::anatomy::Posture;
 
 /// A posture by its key, with `-` or `_`.
 ///
@@ -8,7 +8,7 @@ use spineline::anatomy::{Named, Posture};
 /// If there is no such posture.
 pub fn posture(text: &str) -> Result<Posture, String> {
     let wanted = text.replace('-', "_");
-    Posture::from_key(&wanted).ok_or_else(|| {
+    wanted.parse().map_err(|_| {
         format!(
             "unknown posture `{text}`; expected one of {}",
             Posture::ALL.map(Posture::key).join(", ")

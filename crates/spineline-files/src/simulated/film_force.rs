@@ -18,8 +18,8 @@ impl LoadRecord {
     #[must_use]
     pub fn load(&self, top: Level) -> AppliedLoad {
         let force_n = (Vec3::from(self.direction) * self.force_n).into();
-        let (level, timing) = (LevelKey(top), Timing::Proportional.into());
-        match self.application.0 {
+        let (level, timing) = (LevelKey(top), Timing::Proportional);
+        match self.application {
             Application::Fixed => {
                 AppliedLoad::ForceOnLine { level, force_n, point_mm: self.point_mm, timing }
             }
@@ -32,7 +32,7 @@ impl LoadRecord {
     /// The warning about a force that was not found.
     #[must_use]
     pub fn doubt(&self) -> Option<SimulationWarning> {
-        let (posture, status) = (self.posture.0, &self.status);
+        let (posture, status) = (self.posture, &self.status);
         (status != "converged").then(|| {
             let text = format!(
                 "the analysis found no force for the {posture} film ({status}); this is the one whose shape came nearest"

@@ -2,7 +2,7 @@
 
 use serde_json::Value;
 use spineline::analysis::{AnalysisOptions, AxialSource, PitchSource, analyze};
-use spineline::anatomy::{Level, Named, Posture};
+use spineline::anatomy::{Level, Posture};
 use spineline::measure::{FilmLandmarks, body_widths};
 use spineline::multibody::{StiffnessLibrary, Support};
 use spineline::spatial::Vec3;
@@ -62,7 +62,7 @@ fn every_format_says_what_was_measured() {
         };
         assert_eq!((*pitch, *axial), (Some(pitch_from), Some(axial_from)), "{level}");
     }
-    for &format in ExportFormat::ALL {
+    for format in ExportFormat::ALL {
         let text = written(&model, format);
         for part in [
             "MEASURED on the lateral film (L4 to T4); ASSUMED, the profile of a population (T3 to T2)",

@@ -5,7 +5,6 @@ use std::ops::ControlFlow;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use spineline::analysis::{AnalysisOptions, analyze};
-use spineline::anatomy::Named;
 use spineline::measure::{
     FilmLandmarks, Placement, PlacementSource, Reading, ReadingId, SpacingPlane,
 };
@@ -159,7 +158,7 @@ fn options_of_any_numbers_are_used_or_refused() {
 fn a_model_of_any_numbers_is_exported_or_refused() {
     let found = panics(&seed("model"), 60, |copy| {
         let Ok(model) = parse_model(copy) else { return };
-        for &format in ExportFormat::ALL {
+        for format in ExportFormat::ALL {
             let _ = export(&model, format, "test");
         }
     });

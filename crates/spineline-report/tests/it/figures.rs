@@ -217,7 +217,7 @@ fn a_shape_without_its_force_is_not_shown_as_a_result() {
     let set = |simulation: &mut Simulation, status| simulation.status = status;
     for model in &mut analysis.models {
         for simulation in model.postures.iter_mut().filter(|s| s.posture == posture) {
-            set(simulation, MatchStatus::Matched);
+            set(simulation, MatchStatus::Converged);
         }
     }
     let svg = measured_and_simulated(&analysis, posture).expect("simulated");

@@ -1,5 +1,6 @@
 //! Lines of action on the same films, with the numbers of their parameters and every bend left out once.
 
+use crate::anatomy::named;
 use std::sync::OnceLock;
 
 use super::models::{FitTask, bending_loads, fit_model, settings_of};
@@ -15,47 +16,25 @@ use crate::multibody::Load;
 use crate::personalize::{FitTarget, Gauge};
 use crate::warning::Warnings;
 
-/// What the stiffness knew of a film.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum FilmRole {
-    /// It was fitted to it: a small error says how much the line can bend to data, not that it is right.
-    Fitted,
-    /// A bend, predicted with the stiffness that the other bend alone gave.
-    LeftOutBend,
-    /// A neutral or traction film, which no fit ever sees.
-    HeldOut,
+named! {
+    /// What the stiffness knew of a film.
+    pub enum FilmRole {
+        /// It was fitted to it: a small error says how much the line can bend to data, not that it is right.
+        Fitted = "fitted" as "fitted bends",
+        /// A bend, predicted with the stiffness that the other bend alone gave.
+        LeftOutBend = "left_out_bend" as "bends left out",
+        /// A neutral or traction film, which no fit ever sees.
+        HeldOut = "held_out" as "neutral, traction",
+    }
 }
 
 impl FilmRole {
-    /// All, the fitted ones first.
-    pub const ALL: [Self; 3] = [Self::Fitted, Self::LeftOutBend, Self::HeldOut];
-
-    /// The name used in files.
-    #[must_use]
-    pub const fn key(self) -> &'static str {
-        match self {
-            Self::Fitted => "fitted",
-            Self::LeftOutBend => "left_out_bend",
-            Self::HeldOut => "held_out",
-        }
-    }
-
     /// The films, in a sentence on their prediction.
     pub(super) const fn predicted_words(self) -> &'static str {
         match self {
             Self::LeftOutBend => "bends left out of the fit",
             Self::Fitted | Self::HeldOut => "neutral and traction films",
         }
-    }
-}
-
-impl std::fmt::Display for FilmRole {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.pad(match self {
-            Self::Fitted => "fitted bends",
-            Self::LeftOutBend => "bends left out",
-            Self::HeldOut => "neutral, traction",
-        })
     }
 }
 

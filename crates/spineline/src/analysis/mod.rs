@@ -50,31 +50,17 @@ pub(crate) use wrong_film::WRONG_FILM;
 use crate::anatomy::named;
 use crate::measure::{Film, LateralFilm};
 
-/// Sex of a patient as far as it was recorded.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[allow(missing_docs)]
-pub enum Sex {
-    Female,
-    Male,
-    Other,
-}
-
-impl Sex {
-    /// Every value.
-    pub const ALL: [Self; 3] = [Self::Female, Self::Male, Self::Other];
-
-    /// The name used in files.
-    #[must_use]
-    pub const fn key(self) -> &'static str {
-        match self {
-            Self::Female => "female",
-            Self::Male => "male",
-            Self::Other => "other",
-        }
+named! {
+    /// Sex of a patient as far as it was recorded.
+    pub enum Sex {
+        /// Female.
+        Female = "female",
+        /// Male.
+        Male = "male",
+        /// Recorded as neither.
+        Other = "other",
     }
 }
-
-named!(Sex);
 
 /// Who was X-rayed, without any name.
 #[derive(Debug, Clone, Default, PartialEq)]

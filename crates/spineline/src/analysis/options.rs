@@ -13,31 +13,16 @@ use crate::multibody::{StiffnessLibrary, Support};
 use crate::personalize::{FitTarget, Gauge, LogNormalPrior};
 use crate::spatial::Angle;
 
-/// Which joints share a multiplier.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Grouping {
-    /// One per region (Petit, the paper).
-    #[default]
-    Regional,
-    /// One per joint, fitted to the whole shape.
-    PerJoint,
-}
-
-impl Grouping {
-    /// Every grouping.
-    pub const ALL: [Self; 2] = [Self::Regional, Self::PerJoint];
-
-    /// The name used in files.
-    #[must_use]
-    pub const fn key(self) -> &'static str {
-        match self {
-            Self::Regional => "regional",
-            Self::PerJoint => "per_joint",
-        }
+named! {
+    /// Which joints share a multiplier.
+    #[default(Regional)]
+    pub enum Grouping {
+        /// One per region (Petit, the paper).
+        Regional = "regional",
+        /// One per joint, fitted to the whole shape.
+        PerJoint = "per_joint",
     }
 }
-
-named!(Grouping);
 
 /// Every choice of an analysis, each with its default.
 #[derive(Debug, Clone, PartialEq)]

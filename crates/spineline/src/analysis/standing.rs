@@ -5,31 +5,19 @@ use crate::anatomy::{Level, Posture, SagittalProfile, named};
 use crate::measure::{Outline, body_widths};
 use crate::multibody::BodySize;
 
-/// Where pitch and depth of a vertebra of the model come from.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum PitchSource {
-    /// Measured: the lateral film shows the vertebra.
-    LateralFilm,
-    /// Assumed: turns of a population ([`SagittalProfile::default`]), from the vertebrae that the lateral film shows, if any.
-    Population,
-    /// Assumed: turns that the options give.
-    Given,
+named! {
+    /// Where pitch and depth of a vertebra of the model come from.
+    pub enum PitchSource {
+        /// Measured: the lateral film shows the vertebra.
+        LateralFilm = "lateral_film",
+        /// Assumed: turns of a population, from the vertebrae that the lateral film shows, if any.
+        Population = "population",
+        /// Assumed: turns that the options give.
+        Given = "given",
+    }
 }
 
 impl PitchSource {
-    /// Every source.
-    pub const ALL: [Self; 3] = [Self::LateralFilm, Self::Population, Self::Given];
-
-    /// The name used in files.
-    #[must_use]
-    pub const fn key(self) -> &'static str {
-        match self {
-            Self::LateralFilm => "lateral_film",
-            Self::Population => "population",
-            Self::Given => "given",
-        }
-    }
-
     /// Whether it is this patient's.
     #[must_use]
     pub const fn is_measured(self) -> bool {
@@ -37,39 +25,25 @@ impl PitchSource {
     }
 }
 
-/// Where the axial rotation of a vertebra of the model comes from.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum AxialSource {
-    /// Measured: both pedicles are marked on the erect film.
-    Pedicles,
-    /// Not known, and zero in the model.
-    Unknown,
-    /// Assumed: the options give it.
-    Given,
+named! {
+    /// Where the axial rotation of a vertebra of the model comes from.
+    pub enum AxialSource {
+        /// Measured: both pedicles are marked on the erect film.
+        Pedicles = "pedicles",
+        /// Not known, and zero in the model.
+        Unknown = "unknown",
+        /// Assumed: the options give it.
+        Given = "given",
+    }
 }
 
 impl AxialSource {
-    /// Every source.
-    pub const ALL: [Self; 3] = [Self::Pedicles, Self::Unknown, Self::Given];
-
-    /// The name used in files.
-    #[must_use]
-    pub const fn key(self) -> &'static str {
-        match self {
-            Self::Pedicles => "pedicles",
-            Self::Unknown => "unknown",
-            Self::Given => "given",
-        }
-    }
-
     /// Whether it is this patient's.
     #[must_use]
     pub const fn is_measured(self) -> bool {
         matches!(self, Self::Pedicles)
     }
 }
-
-named!(PitchSource, AxialSource);
 
 /// Widths of the bodies of the model between their corners on the erect film, means over the readings; `None` where a person did not
 /// place these: what a program proposes follows a typical vertebra too.

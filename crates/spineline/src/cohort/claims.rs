@@ -1,5 +1,6 @@
 use crate::action::LineKind;
 use crate::analysis::Analysis;
+use crate::anatomy::named;
 use crate::evaluate::Simulation;
 use crate::evaluate::statistics::{
     Share, Summary, cluster_bootstrap, paired_t, quantile, ratio_bootstrap,
@@ -116,15 +117,16 @@ fn both_lines(analysis: &Analysis, fitted: bool) -> Option<[f64; 2]> {
     Some([mean(&first)?, mean(&second)?])
 }
 
-/// What the numbers say of a claim.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum ClaimVerdict {
-    /// The whole interval is on the claim's side.
-    Holds,
-    /// The interval has both sides in it.
-    Open,
-    /// The whole interval is on the other side.
-    Fails,
+named! {
+    /// What the numbers say of a claim.
+    pub enum ClaimVerdict {
+        /// The whole interval is on the claim's side.
+        Holds = "holds",
+        /// The interval has both sides in it.
+        Open = "open",
+        /// The whole interval is on the other side.
+        Fails = "fails",
+    }
 }
 
 impl ClaimVerdict {
@@ -137,16 +139,6 @@ impl ClaimVerdict {
             Self::Fails
         } else {
             Self::Open
-        }
-    }
-
-    /// The name used in files.
-    #[must_use]
-    pub const fn key(self) -> &'static str {
-        match self {
-            Self::Holds => "holds",
-            Self::Open => "open",
-            Self::Fails => "fails",
         }
     }
 }

@@ -7,32 +7,22 @@ use super::{Clustered, PairedComparison, Seen};
 use crate::action::LineKind;
 use crate::analysis::{FilmRole, FreeNumbers, LineModel};
 use crate::anatomy::Posture;
+use crate::anatomy::named;
 use crate::evaluate::Simulation;
 use crate::multibody::MatchStatus;
 use crate::personalize::SIGNIFICANCE;
 
-/// Which error is compared.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum ErrorKind {
-    /// Distance of vertebrae, in mm: what a verdict is about.
-    Location,
-    /// Absolute errors of Ferguson angles, in degrees.
-    Ferguson,
+named! {
+    /// Which error is compared.
+    pub enum ErrorKind {
+        /// Distance of vertebrae, in mm: what a verdict is about.
+        Location = "location_mm",
+        /// Absolute errors of Ferguson angles, in degrees.
+        Ferguson = "ferguson_deg",
+    }
 }
 
 impl ErrorKind {
-    /// Both.
-    pub const ALL: [Self; 2] = [Self::Location, Self::Ferguson];
-
-    /// The name used in files.
-    #[must_use]
-    pub const fn key(self) -> &'static str {
-        match self {
-            Self::Location => "location_mm",
-            Self::Ferguson => "ferguson_deg",
-        }
-    }
-
     /// What it is measured in.
     #[must_use]
     pub const fn unit(self) -> &'static str {
@@ -126,41 +116,19 @@ impl LinePairTest {
     }
 }
 
-/// Why a line has no result on a film.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum NoResult {
-    /// The patient has no model of this line; for a left-out bend, none that was fitted to the other bend.
-    NoModel,
-    /// The line has no place on the film.
-    NoLine,
-    /// No force up to the limit gives the shape that was asked for.
-    Unreachable,
-    /// The search for the force did not converge.
-    NotConverged,
-    /// The shape that was found is beyond the human range of motion.
-    BeyondHumanRange,
-}
-
-impl NoResult {
-    /// All of them.
-    pub const ALL: [Self; 5] = [
-        Self::NoModel,
-        Self::NoLine,
-        Self::Unreachable,
-        Self::NotConverged,
-        Self::BeyondHumanRange,
-    ];
-
-    /// The name used in files.
-    #[must_use]
-    pub const fn key(self) -> &'static str {
-        match self {
-            Self::NoModel => "no_model",
-            Self::NoLine => "no_line",
-            Self::Unreachable => MatchStatus::Unreachable.key(),
-            Self::NotConverged => MatchStatus::NotConverged.key(),
-            Self::BeyondHumanRange => MatchStatus::BeyondHumanRange.key(),
-        }
+named! {
+    /// Why a line has no result on a film.
+    pub enum NoResult {
+        /// The patient has no model of this line; for a left-out bend, none that was fitted to the other bend.
+        NoModel = "no_model" as "the line has no model",
+        /// The line has no place on the film.
+        NoLine = "no_line" as "the line has no place on this film",
+        /// No force up to the limit gives the shape that was asked for.
+        Unreachable = "unreachable" as "no force up to the limit gives the shape",
+        /// The search for the force did not converge.
+        NotConverged = "not_converged" as "the search for the force did not converge",
+        /// The shape that was found is beyond the human range of motion.
+        BeyondHumanRange = "beyond_human_range" as "the shape found is beyond the human range of motion",
     }
 }
 
@@ -173,7 +141,7 @@ pub(super) fn result_on(
     let model = models.iter().find(|model| model.kind == kind).ok_or(NoResult::NoModel)?;
     let simulation = model.posture(posture).ok_or(NoResult::NoLine)?;
     match simulation.status {
-        MatchStatus::Matched => Ok(simulation),
+        MatchStatus::Converged => Ok(simulation),
         MatchStatus::Unreachable => Err(NoResult::Unreachable),
         MatchStatus::NotConverged => Err(NoResult::NotConverged),
         MatchStatus::BeyondHumanRange => Err(NoResult::BeyondHumanRange),

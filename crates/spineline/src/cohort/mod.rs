@@ -38,15 +38,12 @@ pub use rows::{CohortRows, RowsInMemory};
 pub use workers::{OneThread, Workers};
 
 use crate::action::LineKind;
-use crate::anatomy::named;
 use crate::evaluate::statistics::{Resampling, Summary};
 use crate::motion::SegmentEstimate;
 use census::{Census, Gathering};
 use others::Seen;
 use patient::{FilmErrors, PatientFilm, SimulatedFilm};
 use samples::{Kept, Paired, Sampled, Samples};
-
-named!(ComparisonOutcome, RefusalStep);
 
 /// Resamples of a cluster bootstrap.
 const RESAMPLES: u32 = 2000;

@@ -1,4 +1,5 @@
 use crate::action::LineOfAction;
+use crate::anatomy::named;
 use crate::anatomy::{Level, Posture};
 use crate::clinical::{Regions, ferguson_angle};
 use crate::measure::{FilmScale, Outline};
@@ -56,34 +57,23 @@ impl NearbyMatch {
     }
 }
 
-/// Why a force is the one that is shown.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum ForceChoice {
-    /// It was fitted together with the stiffness.
-    Fitted,
-    /// No other force of either sign, up to the cap, was found to meet the amplitude.
-    OnlyOne,
-    /// Of all that meet the amplitude, its shape has the lowest sum of squared Ferguson errors.
-    LeastFergusonError,
-    /// The smallest that brings T2 within a millimetre of the nearest that it gets.
-    SmallestNearT2,
-    /// None meets the target; this one's shape comes nearest, and is no result.
-    NearestMiss,
+named! {
+    /// Why a force is the one that is shown.
+    pub enum ForceChoice {
+        /// It was fitted together with the stiffness.
+        Fitted = "fitted",
+        /// No other force of either sign, up to the cap, was found to meet the amplitude.
+        OnlyOne = "only_one",
+        /// Of all that meet the amplitude, its shape has the lowest sum of squared Ferguson errors.
+        LeastFergusonError = "least_ferguson_error",
+        /// The smallest that brings T2 within a millimetre of the nearest that it gets.
+        SmallestNearT2 = "smallest_near_t2",
+        /// None meets the target; this one's shape comes nearest, and is no result.
+        NearestMiss = "nearest_miss",
+    }
 }
 
 impl ForceChoice {
-    /// The name used in files.
-    #[must_use]
-    pub const fn key(self) -> &'static str {
-        match self {
-            Self::Fitted => "fitted",
-            Self::OnlyOne => "only_one",
-            Self::LeastFergusonError => "least_ferguson_error",
-            Self::SmallestNearT2 => "smallest_near_t2",
-            Self::NearestMiss => "nearest_miss",
-        }
-    }
-
     const fn of(target: Target, usable: bool, others: usize) -> Self {
         match target {
             Target::Fitted(_) => Self::Fitted,
@@ -163,7 +153,7 @@ impl Simulation {
     /// Whether the shape may be shown as a result.
     #[must_use]
     pub fn is_usable(&self) -> bool {
-        self.status == MatchStatus::Matched
+        self.status == MatchStatus::Converged
     }
 
     /// Mean of the location errors.

@@ -1,27 +1,17 @@
 //! Bounded Levenberg-Marquardt, and the scale constraint of multipliers as a row of it: the one minimiser of all fits.
 
+use crate::anatomy::named;
 use nalgebra::{DMatrix, DVector};
 
-/// How a minimisation ended.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum FitStatus {
-    /// No step lowers the sum of squares any more.
-    Converged,
-    /// The limit of iterations was reached.
-    IterationLimit,
-    /// The start itself could not be evaluated.
-    NotEvaluable,
-}
-
-impl FitStatus {
-    /// The name used in files.
-    #[must_use]
-    pub const fn key(self) -> &'static str {
-        match self {
-            Self::Converged => "converged",
-            Self::IterationLimit => "iteration_limit",
-            Self::NotEvaluable => "not_evaluable",
-        }
+named! {
+    /// How a minimisation ended.
+    pub enum FitStatus {
+        /// No step lowers the sum of squares any more.
+        Converged = "converged",
+        /// The limit of iterations was reached.
+        IterationLimit = "iteration_limit",
+        /// The start itself could not be evaluated.
+        NotEvaluable = "not_evaluable",
     }
 }
 

@@ -2,6 +2,7 @@ use super::nearest::nearest_on_path;
 use super::roots::{Along, Lost, Sample, zeros_between};
 use super::target::{AmplitudeTarget, NearestT2Target, PathState, SearchTarget};
 use super::{Load, Parameter, Solution, Statics};
+use crate::anatomy::named;
 use crate::spatial::{Angle, Frontal, Vec3};
 
 /// The way a force points along its line.
@@ -31,30 +32,18 @@ impl ForceSign {
     }
 }
 
-/// How a search for a force ended.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum MatchStatus {
-    /// The target is met, or the force was known and its equilibrium found.
-    Matched,
-    /// The target is not met up to the largest force or hinge angle; the nearest shape is given.
-    Unreachable,
-    /// The target is met, or the force known, but the shape is beyond the human range of motion; only
-    /// [`crate::evaluate::simulate`] judges this.
-    BeyondHumanRange,
-    /// A load that moves with T2 could not be closed, or the search did not end.
-    NotConverged,
-}
-
-impl MatchStatus {
-    /// The name used in files.
-    #[must_use]
-    pub const fn key(self) -> &'static str {
-        match self {
-            Self::Matched => "converged",
-            Self::Unreachable => "unreachable",
-            Self::BeyondHumanRange => "beyond_human_range",
-            Self::NotConverged => "not_converged",
-        }
+named! {
+    /// How a search for a force ended.
+    pub enum MatchStatus {
+        /// The target is met, or the force was known and its equilibrium found.
+        Converged = "converged",
+        /// The target is not met up to the largest force or hinge angle; the nearest shape is given.
+        Unreachable = "unreachable",
+        /// The target is met, or the force known, but the shape is beyond the human range of motion; only
+        /// [`crate::evaluate::simulate`] judges this.
+        BeyondHumanRange = "beyond_human_range",
+        /// A load that moves with T2 could not be closed, or the search did not end.
+        NotConverged = "not_converged",
     }
 }
 
@@ -83,7 +72,7 @@ impl ForceMatch {
         let mut solution = Solution::default();
         statics.solve(load, &[force_n], &[], &mut solution);
         let status =
-            if solution.converged { MatchStatus::Matched } else { MatchStatus::NotConverged };
+            if solution.converged { MatchStatus::Converged } else { MatchStatus::NotConverged };
         let residual = (solution.deformed.lateral_tilt() - tilt).wrapped().rad();
         Self { status, force_n, residual, evaluations: 1, solution, other_mm: f64::INFINITY }
     }
@@ -91,7 +80,7 @@ impl ForceMatch {
     /// Whether the shape may be shown as a result.
     #[must_use]
     pub fn is_usable(&self) -> bool {
-        self.status == MatchStatus::Matched
+        self.status == MatchStatus::Converged
     }
 }
 
@@ -304,7 +293,7 @@ impl<L: OneComponent, S: SearchTarget> Path<L, S> {
         let last = self.evaluations + MAX_EVALUATIONS;
         while self.evaluations < last {
             if now.met {
-                self.record(MatchStatus::Matched, now.force_n, now.residual);
+                self.record(MatchStatus::Converged, now.force_n, now.residual);
                 if self.found.len() >= self.enough {
                     return;
                 }
@@ -328,7 +317,7 @@ impl<L: OneComponent, S: SearchTarget> Path<L, S> {
             self.others.extend(places.into_iter().flatten());
             if next.met {
                 if stops && plausible {
-                    self.record(MatchStatus::Matched, next.force_n, next.residual);
+                    self.record(MatchStatus::Converged, next.force_n, next.residual);
                 }
             } else if self.target.counts_between(&now, &next, self.least_residual()) {
                 let evaluations = self.evaluations;
@@ -396,7 +385,7 @@ impl<L: OneComponent, S: SearchTarget> Path<L, S> {
                 return None;
             }
             if now.met {
-                self.record(MatchStatus::Matched, now.force_n, now.residual);
+                self.record(MatchStatus::Converged, now.force_n, now.residual);
                 return self.found.pop();
             }
             let step_n = now.newton_step_n(self.seen[1].as_ref());
@@ -431,7 +420,7 @@ impl<L: OneComponent, S: SearchTarget> Along for Path<L, S> {
         if zero.is_ok() && !self.is_plausible() {
             return true;
         }
-        let status = if zero.is_ok() { MatchStatus::Matched } else { MatchStatus::NotConverged };
+        let status = if zero.is_ok() { MatchStatus::Converged } else { MatchStatus::NotConverged };
         let PathState { force_n, residual, .. } =
             self.last.expect("a zero is found by computing states");
         self.record(status, force_n, residual);

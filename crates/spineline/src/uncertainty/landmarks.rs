@@ -1,3 +1,4 @@
+use crate::anatomy::named;
 use std::collections::{BTreeMap, BTreeSet};
 
 use rand_chacha::ChaCha12Rng;
@@ -24,26 +25,15 @@ pub enum LandmarkNoise {
     Pixels(f64),
 }
 
-/// Where the deviation of a reading comes from.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum NoiseSource {
-    /// The standard deviation of the case's readings of this film, or, for corners, of all its films.
-    Readings,
-    /// The assumption for one careful reading, without repeats.
-    Assumed,
-    /// The user.
-    Given,
-}
-
-impl NoiseSource {
-    /// The name used in files.
-    #[must_use]
-    pub const fn key(self) -> &'static str {
-        match self {
-            Self::Readings => "readings",
-            Self::Assumed => "assumed",
-            Self::Given => "given",
-        }
+named! {
+    /// Where the deviation of a reading comes from.
+    pub enum NoiseSource {
+        /// The standard deviation of the case's readings of this film, or, for corners, of all its films.
+        Readings = "readings",
+        /// The assumption for one careful reading, without repeats.
+        Assumed = "assumed",
+        /// The user.
+        Given = "given",
     }
 }
 

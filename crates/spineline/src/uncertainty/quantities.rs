@@ -77,70 +77,37 @@ pub enum AnalysisQuantity {
     ContradictedJoints(LineKind, Posture),
 }
 
-/// Why an analysis does not have a number.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Absent {
-    /// The erect curve has no pair of inflections.
-    NoInflections,
-    /// The films do not give it: no such line, no such window, or a moved curve too short for the segment.
-    NotMeasured,
-    /// The fit of this line did not converge.
-    FitNotConverged,
-    /// No force was found for this posture.
-    ForceNotFound,
-}
-
-impl Absent {
-    /// Every reason.
-    pub const ALL: [Self; 4] =
-        [Self::NoInflections, Self::NotMeasured, Self::FitNotConverged, Self::ForceNotFound];
-
-    /// The name used in files.
-    #[must_use]
-    pub const fn key(self) -> &'static str {
-        match self {
-            Self::NoInflections => "no_inflections",
-            Self::NotMeasured => "not_measured",
-            Self::FitNotConverged => "fit_not_converged",
-            Self::ForceNotFound => "force_not_found",
-        }
+named! {
+    /// Why an analysis does not have a number.
+    pub enum Absent {
+        /// The erect curve has no pair of inflections.
+        NoInflections = "no_inflections",
+        /// The films do not give it: no such line, no such window, or a moved curve too short for the segment.
+        NotMeasured = "not_measured",
+        /// The fit of this line did not converge.
+        FitNotConverged = "fit_not_converged",
+        /// No force was found for this posture.
+        ForceNotFound = "force_not_found",
     }
 }
 
-named!(Absent);
-
-/// What a number counts in, as people see it.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum QuantityUnit {
-    /// Millimetres of the film's plane.
-    Millimetres,
-    /// Pixels of a film without a spacing.
-    Pixels,
-    /// Degrees.
-    Degrees,
-    /// Newtons, of a model that is scaled to a measured force.
-    Newtons,
-    /// A force relative to the nominal stiffness, because no force was measured.
-    RelativeForce,
-    /// Segments of the chain.
-    Segments,
-    /// A number without a unit.
-    One,
-}
-
-impl QuantityUnit {
-    /// The name used in files.
-    #[must_use]
-    pub const fn key(self) -> &'static str {
-        match self {
-            Self::Millimetres => "mm",
-            Self::Pixels => "px",
-            Self::Degrees => "deg",
-            Self::Newtons => "N",
-            Self::RelativeForce => "relative",
-            Self::Segments => "segments",
-            Self::One => "1",
-        }
+named! {
+    /// What a number counts in, as people see it.
+    pub enum QuantityUnit {
+        /// Millimetres of the film's plane.
+        Millimetres = "mm",
+        /// Pixels of a film without a spacing.
+        Pixels = "px",
+        /// Degrees.
+        Degrees = "deg",
+        /// Newtons, of a model that is scaled to a measured force.
+        Newtons = "N",
+        /// A force relative to the nominal stiffness, because no force was measured.
+        RelativeForce = "relative",
+        /// Segments of the chain.
+        Segments = "segments",
+        /// A number without a unit.
+        One = "1",
     }
 }
 

@@ -79,7 +79,7 @@ fn the_forces_of_a_lateral_tilt_equal_those_of_the_march() {
         let march = amplitude_matches(&statics, &Load::along(line, 0.0), tilt);
         let expected: Vec<f64> = march
             .iter()
-            .filter(|found| found.status == MatchStatus::Matched)
+            .filter(|found| found.status == MatchStatus::Converged)
             .filter(|found| found.residual.abs() < TILT_RAD)
             .filter(|found| found.solution.deformed.largest_hinge_rad() <= MAX_HINGE_RAD)
             .map(|found| found.force_n)

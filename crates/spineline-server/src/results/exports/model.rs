@@ -3,7 +3,6 @@
 use axum::extract::State;
 use axum::http::StatusCode;
 use axum::response::Response;
-use spineline::anatomy::Named;
 
 use super::super::loads::stored_model;
 use super::{PROGRAM, log};

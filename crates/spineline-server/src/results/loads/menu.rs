@@ -4,7 +4,7 @@ use spineline::anatomy::Side;
 use spineline::clinical::convex_side;
 use spineline::multibody::{Rod, Support, Timing};
 use spineline::response::{CurveChange, erect_shape, measure_angles};
-use spineline_files::{AppliedLoad, DIRECTIONS, Key, LevelKey, StoredModel};
+use spineline_files::{AppliedLoad, DIRECTIONS, LevelKey, StoredModel};
 
 use crate::api::{FileLoad, FilmForce, LoadKind, LoadMenu, NamedDirection, Wire};
 
@@ -33,7 +33,7 @@ const STRAP_MM: f64 = 150.0;
 
 pub fn menu(model: &StoredModel) -> LoadMenu {
     let films = model.loads.iter().map(|record| FilmForce {
-        posture: Wire(record.posture.0),
+        posture: Wire(record.posture),
         load: FileLoad(record.load(model.top())),
         doubt: record.doubt().map(|doubt| doubt.message),
     });
@@ -59,7 +59,7 @@ fn kinds(model: &StoredModel) -> Vec<LoadKind> {
         Side::Left => 1.0,
         Side::Right => -1.0,
     };
-    let timing: Key<Timing> = Timing::Proportional.into();
+    let timing = Timing::Proportional;
     let point_in_vertebra_mm = [0.0; 3];
     let at = model.spine.midpoints_mm[vertebra];
     let force =
@@ -128,11 +128,7 @@ fn kinds(model: &StoredModel) -> Vec<LoadKind> {
 
 /// A rod over the curve that lessens it, from two vertebrae below to two above, as far as there are vertebrae; over too few joints
 /// one that keeps the pose.
-fn rod(
-    model: &StoredModel,
-    (apex, towards_left): (usize, f64),
-    timing: Key<Timing>,
-) -> AppliedLoad {
+fn rod(model: &StoredModel, (apex, towards_left): (usize, f64), timing: Timing) -> AppliedLoad {
     let superior = (apex + 2).min(model.levels.len() - 1);
     let inferior = superior.saturating_sub(4);
     let level = |vertebra: usize| LevelKey(model.levels[vertebra]);
