@@ -129,7 +129,7 @@ pub fn run(args: &ExportArgs) -> Result<Ending, Failure> {
     }
     let outputs = Outputs::new(args.overwrite, [args.file.as_path()]);
     outputs.file(&args.out)?;
-    let model = read_model(&args.file)?;
+    let model = read_model(&args.file)?.model;
     let text = export(&model, format, &generator())
         .map_err(|error| Failure::input(&args.file.display().to_string(), &error, error.help()))?;
     outputs.of_case(&model.case_id);

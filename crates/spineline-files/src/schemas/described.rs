@@ -1,13 +1,13 @@
 //! Descriptions of named values in schemas.
 
-use spineline::action::Application;
+use spineline::action::{Application, LineKind};
 use spineline::analysis::{AxialSource, Grouping, PitchSource, Sex};
 use spineline::anatomy::{ImageSide, Named, Posture, Region, SourceCheck};
 use spineline::clinical::EndRule;
 use spineline::cohort::{ComparisonOutcome, RefusalStep};
 use spineline::evaluate::Baseline;
 use spineline::measure::{Origin, PlacementSource, SpacingPlane, TiltRule};
-use spineline::multibody::{Support, Timing};
+use spineline::multibody::{MatchStatus, Support, Timing};
 use spineline::personalize::{FitTarget, TestOutcome};
 
 /// A named value as the schema of a file describes it.
@@ -36,6 +36,15 @@ impl Described for Posture {
             Self::Traction => "Lying under traction.",
         }
     }
+}
+
+impl Described for LineKind {
+    const DEFINITION: &'static str = "LineKey";
+}
+
+impl Described for MatchStatus {
+    const DEFINITION: &'static str = "MatchStatusKey";
+    const DESCRIPTION: &'static str = "How a search for a force ended.";
 }
 
 impl Described for TestOutcome {

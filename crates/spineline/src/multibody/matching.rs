@@ -2,6 +2,7 @@ use super::nearest::nearest_on_path;
 use super::roots::{Along, Lost, Sample, zeros_between};
 use super::target::{AmplitudeTarget, NearestT2Target, PathState, SearchTarget};
 use super::{Load, Parameter, Solution, Statics};
+use crate::anatomy::named;
 use crate::spatial::{Angle, Frontal, Vec3};
 
 /// The way a force points along its line.
@@ -45,7 +46,13 @@ pub enum MatchStatus {
     NotConverged,
 }
 
+named!(MatchStatus);
+
 impl MatchStatus {
+    /// Every ending.
+    pub const ALL: [Self; 4] =
+        [Self::Matched, Self::Unreachable, Self::BeyondHumanRange, Self::NotConverged];
+
     /// The name used in files.
     #[must_use]
     pub const fn key(self) -> &'static str {
