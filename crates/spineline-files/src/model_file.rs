@@ -240,11 +240,11 @@ impl ModelFile {
 }
 
 fn vertebrae(analysis: &Analysis) -> Vec<VertebraRecord> {
-    let spine = &analysis.spine;
+    let spine = &analysis.movement.spine;
     let column = |m: &Mat3, i: usize| [m[(0, i)], m[(1, i)], m[(2, i)]];
     let places = spine.midpoints_mm.iter().zip(&spine.axes);
-    let mut widths = analysis.widths_mm.iter().copied();
-    let vertebrae = analysis.levels().as_slice().iter().zip(places);
+    let mut widths = analysis.movement.widths_mm.iter().copied();
+    let vertebrae = analysis.movement.levels().as_slice().iter().zip(places);
     vertebrae
         .map(|(&level, (midpoint_mm, axes))| VertebraRecord {
             level: LevelKey(level),
@@ -258,9 +258,9 @@ fn vertebrae(analysis: &Analysis) -> Vec<VertebraRecord> {
 }
 
 fn joints(analysis: &Analysis, model: &LineModel) -> Vec<JointRecord> {
-    let spine = &analysis.spine;
-    let stiffness = model.stiffness_nmm_per_rad(&analysis.library);
-    let joints = stiffness.into_iter().zip(analysis.library.rows()).enumerate();
+    let spine = &analysis.movement.spine;
+    let stiffness = model.stiffness_nmm_per_rad(&analysis.movement.library);
+    let joints = stiffness.into_iter().zip(analysis.movement.library.rows()).enumerate();
     joints
         .map(|(j, (stiffness_nmm_per_rad, row))| JointRecord {
             inferior: LevelKey(row.inferior),
@@ -280,8 +280,8 @@ fn joints(analysis: &Analysis, model: &LineModel) -> Vec<JointRecord> {
 }
 
 fn loads(analysis: &Analysis, model: &LineModel) -> Vec<LoadRecord> {
-    let top = analysis.levels().as_slice().len() - 1;
-    let top_x_mm = analysis.spine.midpoints_mm[top].x;
+    let top = analysis.movement.levels().as_slice().len() - 1;
+    let top_x_mm = analysis.movement.spine.midpoints_mm[top].x;
     let loads = model.postures.iter();
     loads
         .map(|film| {
@@ -308,9 +308,9 @@ fn vector(v: &Vec3) -> [f64; 3] {
 
 /// The places of the analysis's own angles.
 fn regions(analysis: &Analysis) -> Vec<RegionRecord> {
-    let levels = analysis.levels().as_slice();
+    let levels = analysis.movement.levels().as_slice();
     let level = |place: usize| LevelKey(levels[place]);
-    let bounds = analysis.regions.bounds.iter().zip(&analysis.clinical);
+    let bounds = analysis.movement.regions.bounds.iter().zip(&analysis.movement.clinical);
     bounds
         .map(|(bounds, curve)| RegionRecord {
             region: bounds.region.into(),

@@ -141,10 +141,10 @@ struct ClinicalRecord {
 
 impl ClinicalRecord {
     fn new(analysis: &Analysis) -> Self {
-        let (balance, scale) = (analysis.balance.as_ref(), analysis.scale());
-        let curves = analysis.clinical.iter();
+        let (balance, scale) = (analysis.movement.balance.as_ref(), analysis.movement.scale());
+        let curves = analysis.movement.clinical.iter();
         Self {
-            lenke_type: analysis.lenke.map(|lenke| lenke.number),
+            lenke_type: analysis.movement.lenke.map(|lenke| lenke.number),
             balance: balance.map(|found| BalanceRecord::new(found, scale)),
             curves: curves.map(|curve| clinical_curve(curve, balance, scale)).collect(),
         }
@@ -236,7 +236,7 @@ impl AnalysisFile {
     /// The file of an analysis of a case, with its provenance.
     #[must_use]
     pub fn new(analysis: &Analysis, case: CaseFile, provenance: Provenance) -> Self {
-        let scale = analysis.scale();
+        let scale = analysis.movement.scale();
         Self {
             format: FORMAT.to_owned(),
             version: VERSION,
@@ -245,25 +245,31 @@ impl AnalysisFile {
             length_unit: scale.plane.unit().to_owned(),
             provenance,
             chain: ChainRecord {
-                segments: analysis.chain.segments,
-                segment_mm: scale.mm(analysis.chain.segment_mm),
-                segment_scale_sd_mm: scale.sd_mm(analysis.chain.segment_mm),
-                difference: analysis.chain.difference,
+                segments: analysis.movement.chain.segments,
+                segment_mm: scale.mm(analysis.movement.chain.segment_mm),
+                segment_scale_sd_mm: scale.sd_mm(analysis.movement.chain.segment_mm),
+                difference: analysis.movement.chain.difference,
             },
             inflections: inflections(analysis),
             curves: analysis
+                .movement
                 .inflections
                 .curves
                 .iter()
                 .map(|part| TurnRecord { turn_deg: part.turn.deg() })
                 .collect(),
             clinical: ClinicalRecord::new(analysis),
-            sagittal_profile: if analysis.space.is_some() { "measured" } else { "population" }
-                .to_owned(),
+            sagittal_profile: if analysis.movement.space.is_some() {
+                "measured"
+            } else {
+                "population"
+            }
+            .to_owned(),
             space: SpaceRecord::new(analysis),
-            axial_rotation: analysis.axial.iter().map(AxialRecord::new).collect(),
+            axial_rotation: analysis.movement.axial.iter().map(AxialRecord::new).collect(),
             postures: analysis
-                .postures
+                .movement
+                .films
                 .iter()
                 .map(|p| (p.outline.posture.into(), PostureRecord::new(p, scale)))
                 .collect(),
@@ -312,14 +318,15 @@ impl AnalysisFile {
 }
 
 fn inflections(analysis: &Analysis) -> Vec<InflectionRecord> {
-    let scale = analysis.scale();
+    let scale = analysis.movement.scale();
     let pairs = analysis
+        .movement
         .inflections
         .pair
         .iter()
         .flatten()
-        .zip(analysis.inflection_segments.iter().flatten());
-    let intervals = analysis.inflection_intervals.map_or([None; 2], |found| found.each);
+        .zip(analysis.movement.inflection_segments.iter().flatten());
+    let intervals = analysis.movement.inflection_intervals.map_or([None; 2], |found| found.each);
     pairs
         .zip(intervals)
         .map(|((inflection, &segment), interval)| InflectionRecord {

@@ -132,8 +132,8 @@ struct VertebraRecord {
 impl SpaceRecord {
     /// `None` without a lateral film.
     pub fn new(analysis: &Analysis) -> Option<Self> {
-        let found = analysis.space.as_ref()?;
-        let mm = |mm: f64| analysis.scale().mm(mm);
+        let found = analysis.movement.space.as_ref()?;
+        let mm = |mm: f64| analysis.movement.scale().mm(mm);
         let vertebrae = found.vertebrae.iter();
         let record = |vertebra: &SpatialVertebra| {
             let place_mm = mm(0.0).map(|_| vertebra.place_mm.into());
@@ -145,14 +145,15 @@ impl SpaceRecord {
             corner_sd_from: if found.is_measured { "readings" } else { "assumed" }.to_owned(),
             vertebrae: vertebrae.map(record).collect(),
             measures: analysis
+                .movement
                 .spatial_measures()?
-                .numbers(analysis.scale())
+                .numbers(analysis.movement.scale())
                 .iter()
                 .map(MeasureRecord::new)
                 .collect(),
             template: analysis
                 .template_error()
-                .map(|error| TemplateRecord::new(&error, analysis.scale())),
+                .map(|error| TemplateRecord::new(&error, analysis.movement.scale())),
         })
     }
 }

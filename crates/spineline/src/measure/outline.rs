@@ -127,13 +127,18 @@ impl Outline {
         self.vertebrae.iter().map(|vertebra| vertebra.location)
     }
 
+    /// The location of the model's top vertebra.
+    #[must_use]
+    pub fn top(&self) -> Frontal {
+        self.vertebrae[self.vertebrae.len() - 1].location
+    }
+
     /// Lateral tilt of the line from base to top (L4→T2) relative to the normal of the iliac line, or against L4's axis where no crest was marked.
     ///
     /// This is the amplitude of a bend [petit-2004], between the ends of the model. Positive to the right.
     #[must_use]
     pub fn amplitude(&self) -> Angle {
-        let top = self.vertebrae[self.vertebrae.len() - 1].location;
-        top.lateral_tilt() - self.iliac_normal.unwrap_or(Angle::ZERO)
+        self.top().lateral_tilt() - self.iliac_normal.unwrap_or(Angle::ZERO)
     }
 
     /// Length of the polygon through the midpoints.
@@ -173,15 +178,17 @@ pub fn measure_film(
     let seen = [(film.posture, seen_levels(&readings))];
     let levels = common_levels(&seen)?;
     warn_of_shortened_chain(levels, &seen, warnings);
-    outline_of((film, &readings), levels, (rule, None), warnings)
+    outline_of(film, &readings, levels, rule, None, warnings)
 }
 
 /// The outline of a film whose readings were measured before; its base and its top are marked. Its noise is that of the readings, if it
 /// is not known from elsewhere.
 pub(crate) fn outline_of(
-    (film, readings): (&Film, &[Reading<Placement>]),
+    film: &Film,
+    readings: &[Reading<Placement>],
     levels: Levels,
-    (rule, noise): (TiltRule, Option<Noise>),
+    rule: TiltRule,
+    noise: Option<Noise>,
     warnings: &mut Warnings,
 ) -> Result<Outline, MeasureError> {
     let posture = film.posture;
@@ -220,8 +227,7 @@ pub(crate) fn outline_of(
         let observers: Vec<&str> = readings.iter().map(|one| one.id.observer.as_str()).collect();
         Noise::of_means(&observers, &placed, &on_film)
     });
-    let shared_errors =
-        SharedErrors::of_film((film, &program), rule, &in_global, (base.tilt, &scale));
+    let shared_errors = SharedErrors::of_film(film, &program, rule, &in_global, base.tilt, &scale);
     let vertebrae = vertebrae_of(posture, levels, &in_global, &noise)?;
     warn_of_interpolated(posture, &vertebrae, &scale, warnings);
     let iliac_normal = iliac_normal.map(|normal| (normal - base.tilt).wrapped());
@@ -320,7 +326,7 @@ fn place_film(
             check_body_sizes(film)?;
             (readings, LengthScale::of(&spacing))
         }
-        None => scaled_from_pixels((posture, image), readings, warnings),
+        None => scaled_from_pixels(posture, image, readings, warnings),
     };
     let per_mm = 1.0 / scale.pixels_per_mm.unwrap_or(1.0);
     let iliac_middle = iliac_crests
@@ -425,7 +431,8 @@ pub(super) fn check_placements(
 
 /// Readings in pixels, as if this spine had the typical length: no angle depends on it.
 fn scaled_from_pixels(
-    (posture, image): (Posture, &ImageGeometry),
+    posture: Posture,
+    image: &ImageGeometry,
     mut placed: Vec<BTreeMap<Level, Placement>>,
     warnings: &mut Warnings,
 ) -> (Vec<BTreeMap<Level, Placement>>, LengthScale) {
