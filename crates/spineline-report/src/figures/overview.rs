@@ -23,19 +23,20 @@ const INFLECTION: Marker = Marker { radius_px: 5.0, ..Marker::new(Shape::Diamond
 /// The films of one patient at one scale: vertebrae, fitted curve, inflections and lines of action.
 #[must_use]
 pub fn case_overview(analysis: &Analysis) -> String {
+    let movement = &analysis.movement;
     let title = format!("Measured spine and candidate lines of action, case {}", analysis.case_id);
     let mut page = Page::new(title, analysis.synthetic);
-    let base = analysis.movement.levels().base();
+    let base = movement.levels().base();
     page.notes.push(format!("{VIEW} All panels have the same scale; {base} is at the origin."));
     page.notes.extend(scale_note(analysis));
     let midpoints = format!("vertebra midpoints, {}", extent_words(analysis));
     page.legend.push((Sample::Marker(VERTEBRA), midpoints));
-    if analysis.movement.films.iter().any(|p| p.outline.interpolated().next().is_some()) {
+    if movement.films.iter().any(|p| p.outline.interpolated().next().is_some()) {
         let label = "not marked on this film, interpolated";
         page.legend.push((Sample::Marker(INTERPOLATED), label.to_owned()));
     }
     page.legend.push((Sample::Stroke(CURVE, None), "fitted curve".to_owned()));
-    if analysis.movement.inflection_segments.is_some() {
+    if movement.inflection_segments.is_some() {
         let label = "inflections of the erect curve, where they lie in each posture";
         page.legend.push((Sample::Marker(INFLECTION), label.to_owned()));
     }
@@ -43,11 +44,10 @@ pub fn case_overview(analysis: &Analysis) -> String {
     for kind in kinds {
         page.legend.push((Sample::Stroke(action_ink(kind), None), kind.to_string()));
     }
-    let axes =
-        axes_of_row(analysis.movement.films.iter().map(|posture| has_scale(&posture.outline)));
+    let axes = axes_of_row(movement.films.iter().map(|posture| has_scale(&posture.outline)));
     let (extents, px_per_mm) = scaled(analysis, page.inner_px() - gaps_px(&axes));
     let mut panels: Vec<Panel> = Vec::new();
-    for ((posture, extent), written) in analysis.movement.films.iter().zip(extents).zip(axes) {
+    for ((posture, extent), written) in movement.films.iter().zip(extents).zip(axes) {
         let mut panel = frontal_panel(extent, px_per_mm, base);
         panel.y_written = written;
         if !has_scale(&posture.outline) {

@@ -10,13 +10,14 @@ use crate::phrases::none;
 
 /// What the two films give together; `None` without a lateral film.
 pub fn both_films(analysis: &Analysis) -> Option<Section> {
-    let found = analysis.movement.space.as_ref()?;
+    let movement = &analysis.movement;
+    let found = movement.space.as_ref()?;
     let mut section = Section::new("both-films", "The erect and the lateral film together");
-    section.paragraph(found.alignment_words(analysis.movement.scale()));
-    section.table(measures(analysis, &analysis.movement.spatial_measures()?));
+    section.paragraph(found.alignment_words(movement.scale()));
+    section.table(measures(analysis, &movement.spatial_measures()?));
     let template = analysis.template_error();
     if let Some(error) = &template {
-        section.paragraph(error.words(analysis.movement.scale()));
+        section.paragraph(error.words(movement.scale()));
     }
     if let Some(svg) = figures::sagittal_profile(analysis) {
         let caption =

@@ -37,8 +37,9 @@ pub async fn model(
 }
 
 fn view(result: &StudyResult, analysis: &Analysis) -> ModelView {
-    let erect = spineline::response::erect_shape(&analysis.movement.spine);
-    let moved = analysis.movement.films.iter().skip(1);
+    let movement = &analysis.movement;
+    let erect = spineline::response::erect_shape(&movement.spine);
+    let moved = movement.films.iter().skip(1);
     let relative = analysis.relative_stiffness();
     let lines = analysis.models.iter().zip(&relative);
     let is_absolute = |model: &LineModel| model.is_absolute(analysis.options.gauge);
@@ -50,18 +51,16 @@ fn view(result: &StudyResult, analysis: &Analysis) -> ModelView {
         profile_text: analysis.profile_words().to_owned(),
         gauge_text: analysis.gauge_words().to_owned(),
         options_text: result.options_text(),
-        length_unit: drawn_unit(analysis.movement.scale()).to_owned(),
+        length_unit: drawn_unit(movement.scale()).to_owned(),
         bodies: bodies(analysis),
-        erect: deformed_shape(&analysis.movement.spine, &erect),
+        erect: deformed_shape(&movement.spine, &erect),
         measured: moved
             .map(|posture| {
-                let (midpoints_mm, axes) = analysis
-                    .movement
-                    .spine
-                    .posed_on_film(&posture.outline, &analysis.movement.erect().outline);
+                let (midpoints_mm, axes) =
+                    movement.spine.posed_on_film(&posture.outline, &movement.erect().outline);
                 MeasuredShape {
                     posture: Wire(posture.outline.posture),
-                    shape: shape(&analysis.movement.spine, &midpoints_mm, &axes),
+                    shape: shape(&movement.spine, &midpoints_mm, &axes),
                 }
             })
             .collect(),

@@ -410,16 +410,17 @@ impl Analysis {
 
     /// Predictions of a film that need no other patient.
     fn baselines(&self, posture: Posture, role: FilmRole) -> Vec<BaselinePrediction> {
-        let film = self.movement.film(posture).filter(|_| role != FilmRole::Fitted);
+        let movement = &self.movement;
+        let film = movement.film(posture).filter(|_| role != FilmRole::Fitted);
         let Some(film) = film.map(|film| &film.outline) else { return Vec::new() };
         let other = match posture {
-            Posture::LeftBending => self.movement.film(Posture::RightBending),
-            Posture::RightBending => self.movement.film(Posture::LeftBending),
+            Posture::LeftBending => movement.film(Posture::RightBending),
+            Posture::RightBending => movement.film(Posture::LeftBending),
             _ => None,
         };
-        let erect = &self.movement.erect().outline;
+        let erect = &movement.erect().outline;
         let mirrored = other.map(|bend| joint_rotations(erect, &bend.outline));
-        let published = published_lateral_bending(self.movement.levels());
+        let published = published_lateral_bending(movement.levels());
         let patterns = mirrored.map(|pattern| (Baseline::MirroredBend, pattern));
         patterns
             .into_iter()

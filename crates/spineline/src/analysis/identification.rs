@@ -78,17 +78,18 @@ impl Analysis {
     /// Computed on request, because no other result depends on it: it takes tens of fits.
     #[must_use]
     pub fn identifiability(&self, model: &LineModel) -> Option<Identifiability> {
+        let movement = &self.movement;
         // The analysis holds the warnings about these lines already.
         let mut repeated = Warnings::default();
-        let bends = bending_loads(&self.movement, &self.options, model.kind, &mut repeated);
+        let bends = bending_loads(movement, &self.options, model.kind, &mut repeated);
         let films: Vec<FitFilm<'_>> =
             bends.iter().map(|(p, load)| FitFilm { outline: &p.outline, load: *load }).collect();
         let springs = FittedSprings {
-            model: &self.movement.spine,
-            library: &self.movement.library,
+            model: &movement.spine,
+            library: &movement.library,
             groups: &model.groups,
         };
-        identify(&springs, &films, &settings_of(&self.movement, &self.options, &[]), &model.fit)
+        identify(&springs, &films, &settings_of(movement, &self.options, &[]), &model.fit)
     }
 
     /// Lateral springs of every model's joints on one logarithmic scale: 0 for the softest of all models, 1 for the

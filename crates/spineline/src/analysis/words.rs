@@ -26,15 +26,16 @@ impl Analysis {
     /// Angles of the curves between inflections, and the inflections.
     #[must_use]
     pub fn inflection_words(&self) -> String {
+        let movement = &self.movement;
         let curves: Vec<String> =
-            self.movement.inflections.curves.iter().map(|l| l.turn.leaning()).collect();
+            movement.inflections.curves.iter().map(|l| l.turn.leaning()).collect();
         let place = |inflection: &Inflection| {
             let (below, above) = inflection.between;
-            let height = self.movement.scale().text(inflection.erect.z_mm, 0);
-            format!("{below}/{above} ({height} above {})", self.movement.levels().base())
+            let height = movement.scale().text(inflection.erect.z_mm, 0);
+            format!("{below}/{above} ({height} above {})", movement.levels().base())
         };
         let turns = format!("Erect curve bends {}", curves.join(", "));
-        match &self.movement.inflections.pair {
+        match &movement.inflections.pair {
             Some([a, b]) => {
                 let intervals = self.inflection_interval_words();
                 format!("{turns}\nInflections at {} and {}{intervals}", place(a), place(b))
@@ -85,20 +86,21 @@ impl Analysis {
     /// Lenke's type, or what is missing for it.
     #[must_use]
     pub fn lenke_words(&self) -> String {
+        let movement = &self.movement;
         let bends = [Posture::LeftBending, Posture::RightBending];
-        match self.movement.lenke {
+        match movement.lenke {
             Some(lenke) => format!(
                 "Lenke type {} from frontal films (kyphosis and modifiers are not assessed)",
                 lenke.number
             ),
-            None if bends.iter().any(|&bend| self.movement.film(bend).is_none()) => {
+            None if bends.iter().any(|&bend| movement.film(bend).is_none()) => {
                 "No Lenke type: it needs both bending films".to_owned()
             }
-            None if !self.movement.clinical.iter().all(ClinicalCurve::has_cobb) => {
+            None if !movement.clinical.iter().all(ClinicalCurve::has_cobb) => {
                 "No Lenke type: it needs Cobb angles, and the corners of the vertebrae are not known"
                     .to_owned()
             }
-            None if self.movement.inflections.pair.is_none() => {
+            None if movement.inflections.pair.is_none() => {
                 "No Lenke type: the erect curve does not have two inflections that separate the curves".to_owned()
             }
             None => "No Lenke type: no curve reaches 10°, or the structural curves match no type"

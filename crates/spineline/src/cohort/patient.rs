@@ -115,27 +115,23 @@ impl CohortPatient {
     /// Of an analysed patient.
     #[must_use]
     pub fn of(analysis: &Analysis) -> Self {
+        let movement = &analysis.movement;
         let compared = analysis.comparison();
         let tested =
             candidates(analysis).map(|model| (model.kind, analysis.compatibility(model).outcome()));
-        let erect = &analysis.movement.films[0].outline;
-        let moved = analysis.movement.films[1..].iter().map(|film| &film.outline);
+        let erect = &movement.films[0].outline;
+        let moved = movement.films[1..].iter().map(|film| &film.outline);
         Self {
             case_id: analysis.case_id.clone(),
             synthetic: analysis.synthetic,
-            levels: analysis.movement.levels(),
-            segments: analysis.movement.chain.segments,
-            segment_mm: analysis.movement.chain.segment_mm,
+            levels: movement.levels(),
+            segments: movement.chain.segments,
+            segment_mm: movement.chain.segment_mm,
             rotation_deg: Summary::of(&rotations_deg(analysis)),
-            inflections: analysis.movement.inflections.all.len(),
+            inflections: movement.inflections.all.len(),
             doubts: DoubtedFilm::of(analysis),
             has_rotation_prior: analysis.options.rotation_prior.is_some(),
-            films: analysis
-                .movement
-                .films
-                .iter()
-                .map(|film| PatientFilm::of(film, analysis))
-                .collect(),
+            films: movement.films.iter().map(|film| PatientFilm::of(film, analysis)).collect(),
             links: Links::of(erect),
             from_top: moved.map(|film| FilmFromTop::of(erect, film)).collect(),
             bends: bend_rotations(analysis),

@@ -197,9 +197,8 @@ pub(crate) fn outline_of(
     let PlacedFilm { readings: placed, scale, iliac_normal, iliac_middle } =
         place_film(film, readings, warnings)?;
     let on_film = average(&placed);
-    let base = levels.base();
     let (base, _) = *on_film
-        .get(&base)
+        .get(&levels.base())
         .ok_or(MeasureError::BaseMissing { posture, lowest: Levels::HIGHEST_BASE })?;
     // The global frame: the base's (L4's) midpoint is the origin, and its own axis is +Z.
     let mut in_global: BTreeMap<Level, MeasuredVertebra> = on_film
@@ -207,17 +206,15 @@ pub(crate) fn outline_of(
         .map(|(&level, &(placement, readings))| {
             let location = (placement.location - base.location).rotated(-base.tilt);
             let tilt = (placement.tilt - base.tilt).wrapped();
-            let endplates = placement.endplates.map(|tilts| tilts.against(base.tilt));
-            let (interpolated, program, origin) = (None, placement.program, placement.origin);
             let vertebra = MeasuredVertebra {
                 level,
                 location,
                 tilt,
-                endplates,
+                endplates: placement.endplates.map(|tilts| tilts.against(base.tilt)),
                 readings,
-                interpolated,
-                program,
-                origin,
+                interpolated: None,
+                program: placement.program,
+                origin: placement.origin,
             };
             (level, vertebra)
         })

@@ -146,15 +146,16 @@ impl QuantityUnit {
 
 /// All quantities of an analysis of these films with these lines.
 pub(super) fn all_of(nominal: &Analysis, kinds: &[LineKind]) -> Vec<AnalysisQuantity> {
+    let movement = &nominal.movement;
     use AnalysisQuantity as Q;
-    let postures: Vec<Posture> = nominal.movement.films.iter().map(|p| p.outline.posture).collect();
+    let postures: Vec<Posture> = movement.films.iter().map(|p| p.outline.posture).collect();
     let moved = || postures.iter().copied().filter(|posture| *posture != Posture::Erect);
     let mut all = vec![Q::ChainLength, Q::SegmentLength, Q::InflectionCount, Q::InflectionPair];
     for end in 0..2 {
         all.extend([Q::InflectionY(end), Q::InflectionZ(end), Q::InflectionArc(end)]);
     }
     for &posture in &postures {
-        for level in nominal.movement.levels().iter().skip(1) {
+        for level in movement.levels().iter().skip(1) {
             let of_vertebra = [Q::LocationY, Q::LocationZ, Q::Tilt];
             all.extend(of_vertebra.map(|quantity| quantity(posture, level)));
         }
@@ -162,16 +163,16 @@ pub(super) fn all_of(nominal: &Analysis, kinds: &[LineKind]) -> Vec<AnalysisQuan
             all.extend([Q::Cobb, Q::TiltRange, Q::Ferguson].map(|angle| angle(posture, region)));
         }
     }
-    let in_space = nominal.movement.space.iter().flat_map(|space| &space.vertebrae);
+    let in_space = movement.space.iter().flat_map(|space| &space.vertebrae);
     all.extend(in_space.map(|vertebra| Q::Pitch(vertebra.level)));
-    if let Some(found) = nominal.movement.spatial_measures() {
+    if let Some(found) = movement.spatial_measures() {
         all.extend(found.sagittal.iter().map(|angle| Q::Sagittal(angle.part)));
         let curves = found.curves.iter();
         all.extend(curves.flat_map(|c| [Q::LargestCurve(c.region), Q::Convexity(c.region)]));
         all.push(Q::SpinalLength);
     }
     let is_free = |posture: &Posture| {
-        nominal.movement.film(*posture).is_some_and(|film| film.outline.length.is_free())
+        movement.film(*posture).is_some_and(|film| film.outline.length.is_free())
     };
     all.extend(moved().filter(is_free).map(Q::FilmScale));
     for posture in moved() {
@@ -258,25 +259,20 @@ impl AnalysisQuantity {
     }
 
     fn of_curve(self, analysis: &Analysis) -> Result<f64, Absent> {
-        let scale = analysis.movement.scale();
+        let movement = &analysis.movement;
+        let scale = movement.scale();
         let length = |mm: f64| mm * scale.pixels_per_mm.unwrap_or(1.0);
         let at = |end: usize| {
-            analysis.movement.inflections.pair.map(|pair| pair[end]).ok_or(Absent::NoInflections)
+            movement.inflections.pair.map(|pair| pair[end]).ok_or(Absent::NoInflections)
         };
         Ok(match self {
-            Self::ChainLength => {
-                length(analysis.movement.chain.segment_mm * analysis.movement.chain.segments as f64)
-            }
-            Self::SegmentLength => length(analysis.movement.chain.segment_mm),
-            Self::InflectionCount => analysis.movement.inflections.all.len() as f64,
-            Self::InflectionPair => {
-                f64::from(u8::from(analysis.movement.inflections.pair.is_some()))
-            }
+            Self::ChainLength => length(movement.chain.segment_mm * movement.chain.segments as f64),
+            Self::SegmentLength => length(movement.chain.segment_mm),
+            Self::InflectionCount => movement.inflections.all.len() as f64,
+            Self::InflectionPair => f64::from(u8::from(movement.inflections.pair.is_some())),
             Self::InflectionY(end) => length(at(end)?.erect.y_mm),
             Self::InflectionZ(end) => length(at(end)?.erect.z_mm),
-            Self::InflectionArc(end) => {
-                length(analysis.movement.erect().fit.curve.length_mm(at(end)?.t_mm))
-            }
+            Self::InflectionArc(end) => length(movement.erect().fit.curve.length_mm(at(end)?.t_mm)),
             _ => return Err(Absent::NotMeasured),
         })
     }
