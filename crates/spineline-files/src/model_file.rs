@@ -197,7 +197,7 @@ impl ModelFile {
             gauge: analysis.options.gauge.key().to_owned(),
             absolute: model.absolute,
             vertebrae: vertebrae(&model),
-            joints: joints(&model, &analysis.library),
+            joints: joints(&model, &analysis.movement.library),
             loads: model.loads.iter().map(LoadRecord::from).collect(),
             regions: model.curves.as_deref().map(|curves| regions(curves, &model.levels)),
             provenance: None,

@@ -259,7 +259,9 @@ fn read_sources(
 /// The ends of the curves as `spineline analyze` finds them; none where the case cannot be analysed.
 fn curves_of(case: &Case) -> Vec<(Region, CobbEnds)> {
     match analyze(case, &AnalysisOptions::default()) {
-        Ok(analysis) => analysis.clinical.iter().map(|curve| (curve.region, curve.ends)).collect(),
+        Ok(analysis) => {
+            analysis.movement.clinical.iter().map(|curve| (curve.region, curve.ends)).collect()
+        }
         Err(error) => {
             say(format!("note: the reports have no Cobb angles: {error}"));
             Vec::new()

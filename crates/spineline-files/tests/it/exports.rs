@@ -241,7 +241,7 @@ fn axial_rotations_from_pedicles_reach_the_bodies_of_every_format() {
     mark_pedicles(&mut case, [0.35, -0.25]);
     let analysis = analyze(&case, &AnalysisOptions::default()).expect("a phantom");
     let model = analysis.personalised_model(&analysis.models[0]);
-    assert_eq!(analysis.axial.len(), model.levels.len());
+    assert_eq!(analysis.movement.axial.len(), model.levels.len());
     let mjcf = read(&exported(&model, ExportFormat::Mjcf)).0;
     let urdf = read(&exported(&model, ExportFormat::Urdf)).0;
     let osim = read(&exported(&model, ExportFormat::Osim)).0;
@@ -257,7 +257,7 @@ fn axial_rotations_from_pedicles_reach_the_bodies_of_every_format() {
         assert!((axes - model.spine.axes[0]).norm() < 1e-14);
     }
     assert!(named(&osim, "orientation").len() > model.levels.len());
-    for (axes, found) in model.spine.axes.iter().zip(&analysis.axial) {
+    for (axes, found) in model.spine.axes.iter().zip(&analysis.movement.axial) {
         let axial = Angle::from_sin_cos(-axes[(0, 1)], axes[(0, 0)]);
         assert!((axial - found.stokes).deg().abs() < 1e-9 && axial.deg().abs() > 3.0);
     }

@@ -137,7 +137,7 @@ fn a_stored_model_gives_the_angles_of_its_analysis() {
     let analysis = analyze(&phantom.case, &AnalysisOptions::default()).expect("a phantom");
     let places = model().curves.expect("regions are written");
     let measured = measure_angles(&erect_shape(&model().spine), &places);
-    for (curve, expected) in measured.curves.iter().zip(&analysis.clinical) {
+    for (curve, expected) in measured.curves.iter().zip(&analysis.movement.clinical) {
         assert_eq!(curve.region, expected.region);
         assert!((curve.ends.size() - expected.erect_size()).rad().abs() < 1e-12);
         assert!((curve.ferguson - expected.ferguson[0].1).rad().abs() < 1e-12);

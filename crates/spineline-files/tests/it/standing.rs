@@ -109,8 +109,10 @@ fn widths_are_those_between_the_corners_of_the_erect_film_and_else_typical() {
     let case = generate(0, Truth::Rod, &Readers::exact(), 1).expect("subject 1 exists").case;
     let erect = case.films.iter().find(|film| film.posture == Posture::Erect).expect("erect");
     let analysis = analyze(&case, &AnalysisOptions::default()).expect("a phantom");
-    let wanted: Vec<f64> =
-        body_widths(erect, analysis.levels()).into_iter().map(|w| w.expect("corners")).collect();
+    let wanted: Vec<f64> = body_widths(erect, analysis.movement.levels())
+        .into_iter()
+        .map(|w| w.expect("corners"))
+        .collect();
     let mut model = analysis.personalised_model(&analysis.models[0]);
     let near = |a: &[f64], b: &[f64]| a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-9);
     let text = written(&model, ExportFormat::Vtp);

@@ -116,7 +116,7 @@ fn a_case_of_any_numbers_is_analysed_or_refused() {
 fn placements() -> String {
     let mut case = generate(0, Truth::Rod, &Readers::exact(), 1).expect("subject 1 exists").case;
     let nominal = analyze(&case, &AnalysisOptions::default()).expect("a phantom");
-    for (film, posture) in case.films.iter_mut().zip(&nominal.postures) {
+    for (film, posture) in case.films.iter_mut().zip(&nominal.movement.films) {
         let vertebrae = posture.outline.vertebrae.iter();
         let placed = vertebrae.map(|v| (v.level, Placement::new(v.location, v.tilt)));
         let reading = Reading { id: ReadingId::new("program", 1), vertebrae: placed.collect() };

@@ -20,9 +20,10 @@ fn a_patient_is_predicted_from_the_other_patients_alone() {
     let (own, other) = (analyzed(2, Truth::Pull), analyzed(4, Truth::Bend));
     let cohort = Cohort::of(&[&own, &other].map(CohortPatient::of), 1);
     // The mean of the other patient's two bends, as if both were to the right.
-    let erect = &other.erect().outline;
+    let erect = &other.movement.erect().outline;
     let bends: Vec<(f64, Vec<Angle>)> = other
-        .postures
+        .movement
+        .films
         .iter()
         .filter_map(|posture| {
             let sign = if posture.outline.posture.bend()? == Side::Right { 1.0 } else { -1.0 };
@@ -44,8 +45,8 @@ fn a_patient_is_predicted_from_the_other_patients_alone() {
         let expected: Vec<f64> = films
             .iter()
             .flat_map(|&film| {
-                let film = &own.posture(film).expect("a film").outline;
-                let own = &own.erect().outline;
+                let film = &own.movement.film(film).expect("a film").outline;
+                let own = &own.movement.erect().outline;
                 let baseline = Baseline::OtherPatients;
                 predict_baseline(baseline, &pattern, own, film).location_errors_mm
             })

@@ -57,8 +57,8 @@ impl PatientRow {
         Self {
             case_id: analysis.case_id.as_str().into(),
             synthetic: analysis.synthetic,
-            main_curve: analysis.main_curve().map(|curve| curve_size(curve).into()),
-            inflections: analysis.inflections.all.len(),
+            main_curve: analysis.movement.main_curve().map(|curve| curve_size(curve).into()),
+            inflections: analysis.movement.inflections.all.len(),
             models: analysis.models.iter().map(ModelRow::of).collect(),
             notices: KINDS_OF_NOTICES.map(|kind| notices(analysis, kind)),
             doubted_films: doubted_films(analysis),

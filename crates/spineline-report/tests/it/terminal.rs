@@ -56,16 +56,16 @@ fn the_header_the_main_finding_and_the_curve_are_shown() {
         let case = case(subject, truth);
         let analysis = analyzed(&case);
         let text = terminal(&summary(&case, &analysis, None, None), WIDTH);
-        let head = format!("{} · SYNTHETIC · films: {}", case.id, analysis.postures.len());
+        let head = format!("{} · SYNTHETIC · films: {}", case.id, analysis.movement.films.len());
         assert!(text.lines().next().expect("a line").contains(&head), "{text}");
         let said = analysis.verdict();
         let curve = analysis.inflection_words();
-        let chain = format!("Chain of {} segments of", analysis.chain.segments);
+        let chain = format!("Chain of {} segments of", analysis.movement.chain.segments);
         let said = said.into_iter().chain(curve.lines().map(str::to_owned));
         for sentence in said.chain([analysis.lenke_words(), chain]) {
             assert!(words(&text).contains(&words(&sentence)), "`{sentence}` is missing in\n{text}");
         }
-        let segment = analysis.scale().text(analysis.chain.segment_mm, 4);
+        let segment = analysis.movement.scale().text(analysis.movement.chain.segment_mm, 4);
         for said in [segment.as_str(), analysis.gauge_words()] {
             assert!(words(&text).contains(said), "`{said}` is missing in\n{text}");
         }
@@ -79,8 +79,8 @@ fn every_clinical_angle_and_every_fitted_curve_is_shown() {
     let case = case(0, Truth::Rod);
     let analysis = analyzed(&case);
     let text = terminal(&summary(&case, &analysis, None, None), WIDE);
-    assert!(!analysis.clinical.is_empty());
-    for curve in &analysis.clinical {
+    assert!(!analysis.movement.clinical.is_empty());
+    for curve in &analysis.movement.clinical {
         let sign = curve.erect_size().rad().signum();
         let mut cells = vec![
             curve.region.to_string(),
@@ -92,7 +92,7 @@ fn every_clinical_angle_and_every_fitted_curve_is_shown() {
         cells.push(percent(curve.flexibility.expect("it was bent")));
         holds(&text, &cells);
     }
-    for p in &analysis.postures {
+    for p in &analysis.movement.films {
         let mut cells = vec![
             p.outline.posture.to_string(),
             p.outline.amplitude().leaning(),
@@ -117,7 +117,7 @@ fn every_clinical_angle_and_every_fitted_curve_is_shown() {
         &text,
         &["p: through both inflections", "p: parallel to the iliac line"].map(str::to_owned),
     );
-    let mut lines = analysis.postures.iter().filter_map(|p| p.preferred_line.as_ref());
+    let mut lines = analysis.movement.films.iter().filter_map(|p| p.preferred_line.as_ref());
     let spread = percent(lines.next().expect("a line").joint_log_sd);
     assert!(text.contains(&format!("differ in stiffness by {spread} %")), "{text}");
 }
@@ -295,7 +295,7 @@ fn requested_numbers_of_replicates_are_shown() {
         assert!(rows.peek().is_some(), "{label} is missing in\n{text}");
         assert!(rows.any(|row| row.contains(&sd)), "{label}: {sd} is missing in\n{text}");
     }
-    for posture in analysis.postures.iter().map(|p| p.outline.posture) {
+    for posture in analysis.movement.films.iter().map(|p| p.outline.posture) {
         let of = |level: Level| found.spread(AnalysisQuantity::Tilt(posture, level)).map(|s| s.sd);
         let sds = || Level::MODEL[1..].iter().filter_map(|&level| of(level));
         let largest = format!("{:.2} (", sds().fold(0.0, f64::max));
@@ -388,11 +388,11 @@ fn a_cohort_shows_every_patient_line_and_test() {
         assert!(words(&text).contains(&words(&sentence)), "`{sentence}` is missing in\n{text}");
     }
     for analysis in &analyses {
-        let cobb = analysis.clinical.iter().map(|curve| curve.erect_size().abs().deg());
+        let cobb = analysis.movement.clinical.iter().map(|curve| curve.erect_size().abs().deg());
         let mut cells = vec![
             analysis.case_id.clone(),
             format!("{:.0}", cobb.fold(0.0, f64::max)),
-            analysis.inflections.all.len().to_string(),
+            analysis.movement.inflections.all.len().to_string(),
         ];
         for kind in [LineKind::Inflection, LineKind::Iliac, LineKind::Estimated] {
             let place =

@@ -153,13 +153,13 @@ fn cell(heading: &str, value: Option<f64>, places: usize) -> CohortCell {
 /// The same headings for every study.
 fn cells(analysis: Option<&Analysis>) -> Vec<CohortCell> {
     let of = |value: &dyn Fn(&Analysis) -> Option<f64>| analysis.and_then(value);
-    let cobb = of(&|a| Some(a.main_curve()?.cobb_in(Posture::Erect)?.abs().deg()));
+    let cobb = of(&|a| Some(a.movement.main_curve()?.cobb_in(Posture::Erect)?.abs().deg()));
     let mut cells = vec![
-        cell("Lenke type", of(&|a| a.lenke.map(|lenke| f64::from(lenke.number))), 0),
+        cell("Lenke type", of(&|a| a.movement.lenke.map(|lenke| f64::from(lenke.number))), 0),
         cell("main Cobb (°)", cobb, 1),
-        cell("inflections", of(&|a| Some(a.inflections.all.len() as f64)), 0),
-        cell("segments", of(&|a| Some(a.chain.segments as f64)), 0),
-        cell("segment length (mm)", of(&|a| a.scale().mm(a.chain.segment_mm)), 4),
+        cell("inflections", of(&|a| Some(a.movement.inflections.all.len() as f64)), 0),
+        cell("segments", of(&|a| Some(a.movement.chain.segments as f64)), 0),
+        cell("segment length (mm)", of(&|a| a.movement.scale().mm(a.movement.chain.segment_mm)), 4),
         cell("rotation at inflection (0.001°)", of(&inflection_rotation_mdeg), 1),
     ];
     for kind in LINES {
@@ -177,7 +177,7 @@ fn cells(analysis: Option<&Analysis>) -> Vec<CohortCell> {
 
 /// Mean rotation of the inflection segments over all films.
 fn inflection_rotation_mdeg(analysis: &Analysis) -> Option<f64> {
-    let estimates = analysis.postures.iter().filter_map(|p| p.inflection_estimates.as_ref());
+    let estimates = analysis.movement.films.iter().filter_map(|p| p.inflection_estimates.as_ref());
     let rotations: Vec<f64> =
         estimates.flatten().map(|estimate| 1000.0 * estimate.rotation.deg()).collect();
     (!rotations.is_empty()).then(|| Summary::of(&rotations).mean)
@@ -191,7 +191,8 @@ fn charts(analyses: &[&Analysis], cohort: &Cohort) -> Vec<BoxChart> {
         });
         chart(title, "location error (mm)", boxes.collect())
     };
-    let motions = analyses.iter().flat_map(|one| &one.postures).filter_map(|p| p.motion.as_ref());
+    let motions =
+        analyses.iter().flat_map(|one| &one.movement.films).filter_map(|p| p.motion.as_ref());
     let all_segments = motions.flat_map(|motion| motion.rotations.iter().map(|r| 1000.0 * r.deg()));
     let millidegrees =
         |values: &Clustered| -> Vec<f64> { values.values.iter().map(|deg| 1000.0 * deg).collect() };

@@ -76,11 +76,13 @@ impl Analysis {
     /// The personalised model of a line of action.
     #[must_use]
     pub fn personalised_model(&self, line: &LineModel) -> PersonalisedModel {
-        let levels = self.levels().as_slice();
-        let spine = &self.spine;
+        let movement = &self.movement;
+        let levels = movement.levels();
+        let levels = levels.as_slice();
+        let spine = &movement.spine;
         let centres: Vec<Vec3> =
             spine.joints.iter().map(|joint| joint.centre_in_inferior_mm).collect();
-        let known_widths = self.widths_mm.iter().copied().chain(std::iter::repeat(None));
+        let known_widths = movement.widths_mm.iter().copied().chain(std::iter::repeat(None));
         PersonalisedModel {
             case_id: self.case_id.clone(),
             synthetic: self.synthetic,
@@ -91,16 +93,16 @@ impl Analysis {
             axial_from: levels.iter().map(|&level| Some(self.axial_source(level))).collect(),
             widths_mm: known_widths.take(levels.len()).collect(),
             spine: SpineModel::from_poses(spine.midpoints_mm.clone(), spine.axes.clone(), &centres),
-            stiffness_nmm_per_rad: line.stiffness_nmm_per_rad(&self.library),
-            stiffness: line.stiffness_matrices(&self.library),
-            curves: Some(self.curve_places()),
+            stiffness_nmm_per_rad: line.stiffness_nmm_per_rad(&movement.library),
+            stiffness: line.stiffness_matrices(&movement.library),
+            curves: Some(movement.curve_places()),
             support: self.options.support,
             loads: self.film_loads(line),
         }
     }
 
     fn film_loads(&self, line: &LineModel) -> Vec<FilmLoad> {
-        let top_x_mm = self.spine.midpoints_mm.last().map_or(0.0, |top| top.x);
+        let top_x_mm = self.movement.spine.midpoints_mm.last().map_or(0.0, |top| top.x);
         let load = |film: &Simulation| {
             let line = self.line_in_model(film);
             let x_mm = match line.application {

@@ -3,7 +3,6 @@
 
 mod level;
 mod levels;
-mod line_kind;
 mod morphometry;
 mod named;
 mod pedicles;
@@ -13,7 +12,6 @@ mod trunk;
 
 pub use level::{Level, UnknownLevel};
 pub use levels::Levels;
-pub use line_kind::LineKind;
 pub use morphometry::{Morphometry, SagittalProfile};
 pub(crate) use named::named;
 pub use named::{Named, UnknownKey};

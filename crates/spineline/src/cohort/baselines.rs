@@ -76,7 +76,8 @@ impl BaselinesOverPatients {
         hypotheses: &[Hypothesis],
         samples: &mut Samples,
     ) -> impl FnOnce(&mut Samples) -> Self + use<> {
-        let errors: Vec<_> = cells().map(|cell| errors(cell, samples)).collect();
+        let errors: Vec<_> =
+            cells().map(|(baseline, role)| errors(baseline, role, samples)).collect();
         let tests = tests_of(kinds, line_errors_mm, samples);
         let hypothesis_tests = tests_of(hypotheses, hypothesis_errors_mm, samples);
         move |samples| Self {
@@ -126,7 +127,8 @@ fn cells() -> impl Iterator<Item = (Baseline, FilmRole)> {
 
 /// Asks for the errors of a baseline on the films of a role; `None` where it predicts none.
 fn errors(
-    (baseline, role): (Baseline, FilmRole),
+    baseline: Baseline,
+    role: FilmRole,
     samples: &mut Samples,
 ) -> impl FnOnce(&mut Samples) -> Option<BaselineErrors> + use<> {
     let location = samples.sample(move |seen, values| {
@@ -154,8 +156,9 @@ fn tests_of<Model: Copy + 'static>(
 ) -> impl FnOnce(&mut Samples) -> Vec<BaselineTest<Model>> + use<Model> {
     let fair = || cells().filter(|(baseline, _)| !baseline.knows_tilt());
     let pairs = models.iter().flat_map(|&model| fair().map(move |cell| (model, cell)));
-    let asked: Vec<_> =
-        pairs.map(|(model, cell)| test((model, errors_mm), cell, samples)).collect();
+    let asked: Vec<_> = pairs
+        .map(|(model, (baseline, role))| test(model, errors_mm, baseline, role, samples))
+        .collect();
     move |samples| {
         let found = asked.into_iter().filter_map(|test| test(samples));
         let mut tests: Vec<BaselineTest<Model>> = found.collect();
@@ -285,8 +288,10 @@ type ErrorsOf<Model> =
 
 /// Asks for a model against a baseline; `None` where they have no film in common.
 fn test<Model: Copy + 'static>(
-    (model, errors_mm): (Model, ErrorsOf<Model>),
-    (baseline, role): (Baseline, FilmRole),
+    model: Model,
+    errors_mm: ErrorsOf<Model>,
+    baseline: Baseline,
+    role: FilmRole,
     samples: &mut Samples,
 ) -> impl FnOnce(&mut Samples) -> Option<BaselineTest<Model>> + use<Model> {
     let both = move |seen: &Seen<'_>, take: &mut dyn FnMut(&[f64], &[f64])| {

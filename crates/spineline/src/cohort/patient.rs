@@ -4,7 +4,7 @@ use super::DoubtedFilm;
 use super::lines::{NoResult, result_on};
 use crate::action::LineKind;
 use crate::analysis::{
-    Analysis, ComparedFilm, ComparedLine, FilmRole, LineModel, LinesCompared, PostureAnalysis,
+    Analysis, ComparedFilm, ComparedLine, FilmMovement, FilmRole, LineModel, LinesCompared,
     ferguson_errors_deg,
 };
 use crate::anatomy::{Levels, Posture, Side};
@@ -115,22 +115,23 @@ impl CohortPatient {
     /// Of an analysed patient.
     #[must_use]
     pub fn of(analysis: &Analysis) -> Self {
+        let movement = &analysis.movement;
         let compared = analysis.comparison();
         let tested =
             candidates(analysis).map(|model| (model.kind, analysis.compatibility(model).outcome()));
-        let erect = &analysis.postures[0].outline;
-        let moved = analysis.postures[1..].iter().map(|film| &film.outline);
+        let erect = &movement.films[0].outline;
+        let moved = movement.films[1..].iter().map(|film| &film.outline);
         Self {
             case_id: analysis.case_id.clone(),
             synthetic: analysis.synthetic,
-            levels: analysis.levels(),
-            segments: analysis.chain.segments,
-            segment_mm: analysis.chain.segment_mm,
+            levels: movement.levels(),
+            segments: movement.chain.segments,
+            segment_mm: movement.chain.segment_mm,
             rotation_deg: Summary::of(&rotations_deg(analysis)),
-            inflections: analysis.inflections.all.len(),
+            inflections: movement.inflections.all.len(),
             doubts: DoubtedFilm::of(analysis),
             has_rotation_prior: analysis.options.rotation_prior.is_some(),
-            films: analysis.postures.iter().map(|film| PatientFilm::of(film, analysis)).collect(),
+            films: movement.films.iter().map(|film| PatientFilm::of(film, analysis)).collect(),
             links: Links::of(erect),
             from_top: moved.map(|film| FilmFromTop::of(erect, film)).collect(),
             bends: bend_rotations(analysis),
@@ -207,8 +208,8 @@ impl CohortPatient {
 
 /// Rotations of every bend, as if it were to the right.
 fn bend_rotations(analysis: &Analysis) -> Vec<Vec<Angle>> {
-    let erect = &analysis.postures[0].outline;
-    let bends = analysis.postures.iter().filter_map(|film| {
+    let erect = &analysis.movement.films[0].outline;
+    let bends = analysis.movement.films.iter().filter_map(|film| {
         let sign = match film.outline.posture.bend()? {
             Side::Right => 1.0,
             Side::Left => -1.0,
@@ -221,7 +222,7 @@ fn bend_rotations(analysis: &Analysis) -> Vec<Vec<Angle>> {
 
 /// Rotations of all segments over all films.
 fn rotations_deg(analysis: &Analysis) -> Vec<f64> {
-    let motions = analysis.postures.iter().filter_map(|film| film.motion.as_ref());
+    let motions = analysis.movement.films.iter().filter_map(|film| film.motion.as_ref());
     motions.flat_map(|motion| motion.rotations.iter().map(|rotation| rotation.deg())).collect()
 }
 
@@ -231,7 +232,7 @@ fn candidates(analysis: &Analysis) -> impl Iterator<Item = &LineModel> {
 }
 
 impl PatientFilm {
-    fn of(film: &PostureAnalysis, analysis: &Analysis) -> Self {
+    fn of(film: &FilmMovement, analysis: &Analysis) -> Self {
         let motion = film.motion.as_ref();
         let is_bend = film.outline.posture.bend().is_some();
         let outcome =

@@ -1,12 +1,10 @@
 use std::fmt;
 
-use super::named;
+use crate::anatomy::named;
 
 named!(LineKind);
 
-/// A candidate for the line of action.
-///
-/// It is only a name, so that a warning can carry it; [`crate::action::LineOfAction`] is the line itself.
+/// A candidate for the line of action; [`LineOfAction`](super::LineOfAction) is the line itself.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum LineKind {
     /// Through the two inflections as they lie in the posture.
