@@ -10,7 +10,7 @@ use spineline::personalize::{FitStatus, Identifiability, LogNormalPrior, Stiffne
 use spineline::reliability::{QuantityReliability, assess, film_quantities};
 use spineline::uncertainty::{AnalysisQuantity, LandmarkNoise, MonteCarlo, Uncertainty};
 use spineline_phantom::{Readers, Truth, generate};
-use spineline_report::cohort::{self, PatientRow, PatientRows};
+use spineline_report::cohort::{self, PatientRow};
 use spineline_report::document::{Block, NoticeKind, Table};
 use spineline_report::patient::{self, Patient, warnings};
 use spineline_report::{Document, reliability, terminal};
@@ -378,8 +378,7 @@ fn a_cohort_shows_every_patient_line_and_test() {
     let cases: Vec<Case> = (0..4).map(|subject| case(subject, Truth::Pull)).collect();
     let analyses: Vec<Analysis> = cases.iter().map(analyzed).collect();
     let together = Cohort::of(&analyses.iter().map(CohortPatient::of).collect::<Vec<_>>(), 1);
-    let mut rows = PatientRows::default();
-    analyses.iter().map(PatientRow::of).for_each(|row| rows.add(row));
+    let rows: Vec<PatientRow> = analyses.iter().map(PatientRow::of).collect();
     let document = cohort::summary(&rows, &together, &[], "spineline test");
     assert_whole(&document);
     let text = terminal(&document, WIDE);
@@ -435,15 +434,14 @@ fn a_cohort_shows_every_patient_line_and_test() {
 fn a_large_cohort_shows_its_first_patients_and_counts_all() {
     let analysis = analyzed(&case(0, Truth::Pull));
     let patient = CohortPatient::of(&analysis);
-    let all = PatientRows::MAX_SHOWN + 1;
+    let all = PatientRow::MAX_SHOWN + 1;
     for (patients, is_cut) in [(all - 1, false), (all, true)] {
         let together = Cohort::of(&vec![patient.clone(); patients], 1);
-        let mut rows = PatientRows::default();
-        (0..patients).for_each(|_| rows.add(PatientRow::of(&analysis)));
+        let rows = vec![PatientRow::of(&analysis); patients];
         let document = cohort::summary(&rows, &together, &[], "spineline test");
         let tables = tables(&document);
         let table = tables.iter().find(|t| t.caption.contains("Mean location")).expect("rows");
-        assert_eq!(table.rows.len(), PatientRows::MAX_SHOWN);
+        assert_eq!(table.rows.len(), PatientRow::MAX_SHOWN);
         assert_eq!(table.caption.contains("the first 200 of 201 patients"), is_cut);
         assert_eq!(table.note.contains("--tables and --json write all"), is_cut, "{}", table.note);
         assert!(document.subject.starts_with(&format!("{patients} patients")));
@@ -451,9 +449,32 @@ fn a_large_cohort_shows_its_first_patients_and_counts_all() {
 }
 
 #[test]
+fn films_without_a_result_are_shown_of_the_first_patients() {
+    let whole = analyzed(&case(0, Truth::Pull));
+    // Changed before anything is asked of it: an analysis keeps its comparison.
+    let mut without = whole.clone();
+    without.models.retain(|model| model.kind != LineKind::Inflection);
+    let mut patients = vec![CohortPatient::of(&whole)];
+    for (lacking, is_cut) in [(PatientRow::MAX_SHOWN, false), (PatientRow::MAX_SHOWN + 1, true)] {
+        patients.resize_with(lacking + 1, || {
+            without.case_id.push('x');
+            CohortPatient::of(&without)
+        });
+        let together = Cohort::of(&patients, 1);
+        let row = [PatientRow::of(&whole)];
+        let document = cohort::summary(&row, &together, &[], "spineline test");
+        let tables = tables(&document);
+        let table = tables.iter().find(|t| t.caption.contains("no result")).expect("films");
+        assert_eq!(table.note.contains("The first 200 of 201 patients"), is_cut, "{}", table.note);
+        let mut named: Vec<&String> = table.rows.iter().map(|row| &row[0]).collect();
+        named.dedup();
+        assert_eq!(named.len(), PatientRow::MAX_SHOWN);
+    }
+}
+
+#[test]
 fn an_empty_cohort_says_so() {
-    let document =
-        cohort::summary(&PatientRows::default(), &Cohort::of(&[], 1), &[], "spineline test");
+    let document = cohort::summary(&[], &Cohort::of(&[], 1), &[], "spineline test");
     assert!(terminal(&document, WIDTH).contains("No case could be analysed."));
 }
 

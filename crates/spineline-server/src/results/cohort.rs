@@ -6,7 +6,7 @@ use axum::extract::State;
 use spineline::action::LineKind;
 use spineline::analysis::Analysis;
 use spineline::anatomy::Posture;
-use spineline::cohort::{Clustered, Cohort, CohortPatient};
+use spineline::cohort::{Cohort, CohortPatient};
 use spineline::evaluate::statistics::{Summary, box_summary};
 use spineline_files::method_text::ChosenOptions;
 use spineline_store::StoreError;
@@ -187,21 +187,20 @@ fn charts(analyses: &[&Analysis], cohort: &Cohort) -> Vec<BoxChart> {
     let errors = |title: &str, held_out: bool| {
         let boxes = cohort.lines.iter().filter_map(|line| {
             let errors = if held_out { &line.held_out } else { &line.fitted };
-            box_of(&line.kind.to_string(), &errors.location_mm.values)
+            box_of(&line.kind.to_string(), &errors.all_location_mm)
         });
         chart(title, "location error (mm)", boxes.collect())
     };
     let motions =
         analyses.iter().flat_map(|one| &one.movement.films).filter_map(|p| p.motion.as_ref());
     let all_segments = motions.flat_map(|motion| motion.rotations.iter().map(|r| 1000.0 * r.deg()));
-    let millidegrees =
-        |values: &Clustered| -> Vec<f64> { values.values.iter().map(|deg| 1000.0 * deg).collect() };
+    let millidegrees = |deg: &[f64]| -> Vec<f64> { deg.iter().map(|deg| 1000.0 * deg).collect() };
     let rotations = [
         ("all segments", all_segments.collect()),
-        ("inflections", millidegrees(&cohort.inflection[0].rotation_deg)),
-        ("least-rotating", millidegrees(&cohort.least_rotation_deg)),
+        ("inflections", millidegrees(&cohort.inflection[0].all_rotations_deg)),
+        ("least-rotating", millidegrees(&cohort.all_least_rotations_deg)),
     ];
-    let [bends, others] = [1, 2].map(|i| &cohort.inflection[i].distance_segments.values);
+    let [bends, others] = [1, 2].map(|i| &cohort.inflection[i].all_distances_segments);
     vec![
         errors("Location errors on fitted films", false),
         errors("Location errors on held-out films", true),

@@ -39,7 +39,7 @@ const MAX_WIDTH_DEVIATION: f64 = 0.18;
 const PROGRAM_FACTOR: f64 = 2.0;
 
 /// Codes of warnings that a film does not show what it is named after.
-pub(crate) const WRONG_FILM: [&str; 9] = [
+const WRONG_FILM: [&str; 9] = [
     "another_patient",
     "bend_keeps_shape",
     "bend_leans_away",
