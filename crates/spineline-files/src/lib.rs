@@ -65,7 +65,7 @@ pub use keys_once::KeysOnce;
 pub use load_file::{
     AppliedLoad, DIRECTIONS, LoadFault, LoadFile, PlacedLoads, direction, parse_load,
 };
-pub use model_file::{LoadRecord, ModelFile, StoredModel, parse_model};
+pub use model_file::{ModelFile, StoredModel, parse_model};
 pub use model_source::{ModelSource, ModelSourceError};
 pub use nearest::nearest;
 pub use provenance::{

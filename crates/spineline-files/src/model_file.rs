@@ -1,9 +1,12 @@
 use serde::{Deserialize, Serialize};
 use spineline::action::Application;
-use spineline::analysis::{Analysis, AxialSource, LineModel, PitchSource};
-use spineline::anatomy::{Level, Levels, Posture, Region};
+use spineline::action::LineKind;
+use spineline::analysis::{
+    Analysis, AxialSource, FilmLoad, LineModel, PersonalisedModel, PitchSource,
+};
+use spineline::anatomy::{Level, Posture, Region};
 use spineline::clinical::{CurvePlaces, RegionBounds};
-use spineline::multibody::{SpineModel, Support, coupled_matrix};
+use spineline::multibody::{JointStiffness, MatchStatus, SpineModel, StiffnessLibrary, Support};
 use spineline::spatial::{Angle, Mat3, Vec3};
 
 use crate::error::NEIGHBOURS_MM;
@@ -34,7 +37,7 @@ pub struct ModelFile {
     /// Whether that case is synthetic.
     synthetic: bool,
     /// Line of action that the stiffness was fitted with.
-    line: String,
+    line: LineKind,
     /// `free` or `frontal` (flexion and axial hinges locked).
     support: Support,
     /// Scale constraint of stiffness and force.
@@ -129,105 +132,77 @@ impl JointRecord {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
-pub struct LoadRecord {
+struct LoadRecord {
     /// Posture that it simulates.
-    pub posture: Posture,
+    posture: Posture,
     /// How the search for it ended.
-    pub status: String,
+    status: MatchStatus,
     /// Signed force along the direction: newtons where the model is `absolute`, else relative.
     #[serde(rename = "force")]
-    pub force_n: f64,
+    force_n: f64,
     /// Point of the line; x is its sagittal place.
-    pub point_mm: [f64; 3],
+    point_mm: [f64; 3],
     /// Unit vector.
-    pub direction: [f64; 3],
+    direction: [f64; 3],
     /// `fixed` in space, or `at_t2`: through T2's midpoint wherever that goes.
-    pub application: Application,
+    application: Application,
 }
 
-/// A model read from its file, for a simulation.
+impl From<&FilmLoad> for LoadRecord {
+    fn from(load: &FilmLoad) -> Self {
+        Self {
+            posture: load.posture,
+            status: load.status,
+            force_n: load.force_n,
+            point_mm: load.point_mm.into(),
+            direction: load.direction.into(),
+            application: load.application,
+        }
+    }
+}
+
+impl LoadRecord {
+    fn load(&self) -> FilmLoad {
+        FilmLoad {
+            posture: self.posture,
+            status: self.status,
+            force_n: self.force_n,
+            point_mm: self.point_mm.into(),
+            direction: self.direction.into(),
+            application: self.application,
+        }
+    }
+}
+
+/// A model read from its file.
 #[derive(Debug, Clone, PartialEq)]
 pub struct StoredModel {
-    /// Case that it was made from.
-    pub case_id: String,
-    /// Whether that case is synthetic.
-    pub synthetic: bool,
-    /// Line of action that the stiffness was fitted with.
-    pub line: String,
-    /// Whether forces and springs are absolute; else only their ratios are meaningful.
-    pub absolute: bool,
-    /// The vertebrae by name, as many as the spine has.
-    pub levels: Vec<Level>,
-    /// Where pitch and depth of each come from, in their order; `None` where the file does not say.
-    pub pitch_from: Vec<Option<PitchSource>>,
-    /// Where the axial rotation of each comes from; `None` where the file does not say.
-    pub axial_from: Vec<Option<AxialSource>>,
-    /// Width of each body between its corners on the erect film; `None` where it is not known.
-    pub widths_mm: Vec<Option<f64>>,
-    /// Vertebrae and joints.
-    pub spine: SpineModel,
-    /// Springs of every joint about x, y and z.
-    pub stiffness_nmm_per_rad: Vec<[f64; 3]>,
-    /// The same as matrices: diagonal, but for joints whose hinges the file couples.
-    pub stiffness: Vec<Mat3>,
-    /// Where Cobb and Ferguson angles are measured; `None` where the file does not say.
-    pub curves: Option<Vec<CurvePlaces>>,
-    /// Support of the patient.
-    pub support: Support,
-    /// Loads that were found.
-    pub loads: Vec<LoadRecord>,
+    /// The model.
+    pub model: PersonalisedModel,
     /// Provenance, with the options of the analysis.
     pub provenance: Option<Provenance>,
 }
 
-impl StoredModel {
-    /// A personalised model of an analysis, as it is read back from its file.
-    ///
-    /// # Errors
-    /// [`FileError`] where no reader takes it, such as for vertebrae at distances that no spine has.
-    pub fn of(analysis: &Analysis, model: &LineModel) -> Result<Self, FileError> {
-        ModelFile::new(analysis, model, "").stored()
-    }
-
-    /// Its vertebrae as those of an analysis; `None` where they are not neighbours among L4 to T2.
-    #[must_use]
-    pub fn known_levels(&self) -> Option<Levels> {
-        let levels = Levels::between(*self.levels.first()?, *self.levels.last()?)?;
-        (levels.as_slice() == self.levels).then_some(levels)
-    }
-
-    /// The vertebra that carries the force of a film: the highest one.
-    #[must_use]
-    pub fn top(&self) -> Level {
-        self.levels.last().copied().unwrap_or(Level::T2)
-    }
-
-    /// Unit of forces: `N`, or a text that warns where only ratios are known.
-    #[must_use]
-    pub const fn force_unit(&self) -> &'static str {
-        if self.absolute { "N" } else { "relative units, not newtons" }
-    }
-}
-
 impl ModelFile {
-    /// The file of one personalised model of an analysis.
+    /// The file of the personalised model of a line of action.
     #[must_use]
-    pub fn new(analysis: &Analysis, model: &LineModel, generator: &str) -> Self {
+    pub fn new(analysis: &Analysis, line: &LineModel, generator: &str) -> Self {
+        let model = analysis.personalised_model(line);
         Self {
             format: FORMAT.to_owned(),
             version: VERSION,
             generator: generator.to_owned(),
-            case_id: analysis.case_id.clone(),
-            synthetic: analysis.synthetic,
-            line: model.kind.key().to_owned(),
-            support: analysis.options.support,
+            line: model.line,
+            support: model.support,
             gauge: analysis.options.gauge.key().to_owned(),
-            absolute: model.is_absolute(analysis.options.gauge),
-            vertebrae: vertebrae(analysis),
-            joints: joints(analysis, model),
-            loads: loads(analysis, model),
-            regions: Some(regions(analysis)),
+            absolute: model.absolute,
+            vertebrae: vertebrae(&model),
+            joints: joints(&model, &analysis.movement.library),
+            loads: model.loads.iter().map(LoadRecord::from).collect(),
+            regions: model.curves.as_deref().map(|curves| regions(curves, &model.levels)),
             provenance: None,
+            case_id: model.case_id,
+            synthetic: model.synthetic,
         }
     }
 
@@ -239,92 +214,51 @@ impl ModelFile {
     }
 }
 
-fn vertebrae(analysis: &Analysis) -> Vec<VertebraRecord> {
-    let spine = &analysis.spine;
-    let column = |m: &Mat3, i: usize| [m[(0, i)], m[(1, i)], m[(2, i)]];
-    let places = spine.midpoints_mm.iter().zip(&spine.axes);
-    let mut widths = analysis.widths_mm.iter().copied();
-    let vertebrae = analysis.levels().as_slice().iter().zip(places);
-    vertebrae
-        .map(|(&level, (midpoint_mm, axes))| VertebraRecord {
-            level: LevelKey(level),
-            midpoint_mm: vector(midpoint_mm),
-            axes: [0, 1, 2].map(|axis| column(axes, axis)),
-            pitch_from: Some(analysis.pitch_source(level)),
-            axial_rotation_from: Some(analysis.axial_source(level)),
-            width_mm: widths.next().flatten(),
-        })
-        .collect()
+fn vertebrae(model: &PersonalisedModel) -> Vec<VertebraRecord> {
+    let spine = &model.spine;
+    let record = |(i, &level): (usize, &Level)| VertebraRecord {
+        level: LevelKey(level),
+        midpoint_mm: spine.midpoints_mm[i].into(),
+        axes: [0, 1, 2].map(|axis| spine.axes[i].column(axis).into_owned().into()),
+        pitch_from: model.pitch_from[i],
+        axial_rotation_from: model.axial_from[i],
+        width_mm: model.widths_mm[i],
+    };
+    model.levels.iter().enumerate().map(record).collect()
 }
 
-fn joints(analysis: &Analysis, model: &LineModel) -> Vec<JointRecord> {
-    let spine = &analysis.spine;
-    let stiffness = model.stiffness_nmm_per_rad(&analysis.library);
-    let joints = stiffness.into_iter().zip(analysis.library.rows()).enumerate();
-    joints
-        .map(|(j, (stiffness_nmm_per_rad, row))| JointRecord {
-            inferior: LevelKey(row.inferior),
-            superior: LevelKey(row.superior),
-            centre_mm: vector(
-                &(spine.midpoints_mm[j] + spine.axes[j] * spine.joints[j].centre_in_inferior_mm),
-            ),
-            stiffness_nmm_per_rad,
-            stiffness_matrix_nmm_per_rad: (row.axial_per_lateral != 0.0).then(|| {
-                let matrix = coupled_matrix(stiffness_nmm_per_rad, row.axial_per_lateral);
-                [0, 1, 2].map(|i| [0, 1, 2].map(|j| matrix[(i, j)]))
-            }),
-            nominal_nmm_per_rad: row.nmm_per_rad,
-            source: row.source.clone(),
-        })
-        .collect()
+fn joints(model: &PersonalisedModel, library: &StiffnessLibrary) -> Vec<JointRecord> {
+    let spine = &model.spine;
+    let record = |(j, row): (usize, &JointStiffness)| JointRecord {
+        inferior: LevelKey(row.inferior),
+        superior: LevelKey(row.superior),
+        centre_mm: (spine.midpoints_mm[j] + spine.axes[j] * spine.joints[j].centre_in_inferior_mm)
+            .into(),
+        stiffness_nmm_per_rad: model.stiffness_nmm_per_rad[j],
+        stiffness_matrix_nmm_per_rad: (row.axial_per_lateral != 0.0).then(|| {
+            let matrix = &model.stiffness[j];
+            [0, 1, 2].map(|i| [0, 1, 2].map(|k| matrix[(i, k)]))
+        }),
+        nominal_nmm_per_rad: row.nmm_per_rad,
+        source: row.source.clone(),
+    };
+    library.rows().iter().enumerate().map(record).collect()
 }
 
-fn loads(analysis: &Analysis, model: &LineModel) -> Vec<LoadRecord> {
-    let top = analysis.levels().as_slice().len() - 1;
-    let top_x_mm = analysis.spine.midpoints_mm[top].x;
-    let loads = model.postures.iter();
-    loads
-        .map(|film| {
-            let line = analysis.line_in_model(film);
-            let x_mm = match line.application {
-                Application::Fixed => film.depth_mm,
-                Application::AtT2 => top_x_mm,
-            };
-            LoadRecord {
-                posture: film.posture,
-                status: film.status.key().to_owned(),
-                force_n: film.force_n,
-                point_mm: [x_mm, line.point.y_mm, line.point.z_mm],
-                direction: [0.0, line.direction.y_mm, line.direction.z_mm],
-                application: line.application,
-            }
-        })
-        .collect()
-}
-
-fn vector(v: &Vec3) -> [f64; 3] {
-    [v.x, v.y, v.z]
-}
-
-/// The places of the analysis's own angles.
-fn regions(analysis: &Analysis) -> Vec<RegionRecord> {
-    let levels = analysis.levels().as_slice();
+/// The places of curves by the names of their vertebrae.
+fn regions(curves: &[CurvePlaces], levels: &[Level]) -> Vec<RegionRecord> {
     let level = |place: usize| LevelKey(levels[place]);
-    let bounds = analysis.regions.bounds.iter().zip(&analysis.clinical);
-    bounds
-        .map(|(bounds, curve)| RegionRecord {
+    let record =
+        |CurvePlaces { bounds, cobb_ends, endplate_difference }: &CurvePlaces| RegionRecord {
             region: bounds.region,
             inferior: level(bounds.inferior),
             apex: level(bounds.apex),
             superior: level(bounds.superior),
-            cobb_inferior: LevelKey(curve.ends.inferior),
-            cobb_superior: LevelKey(curve.ends.superior),
-            endplate_difference_deg: curve
-                .angles
-                .first()
-                .and_then(|(_, all)| Some((all.cobb? - all.tilt_range).wrapped().deg())),
-        })
-        .collect()
+            cobb_inferior: level(cobb_ends[0]),
+            cobb_superior: level(cobb_ends[1]),
+            endplate_difference_deg: endplate_difference.map(Angle::deg),
+        };
+    curves.iter().map(record).collect()
 }
 
 /// Regions as places among the vertebrae of a file.
@@ -398,7 +332,7 @@ impl ModelFile {
             .enumerate()
             .map(|(j, joint)| axes[j].transpose() * (Vec3::from(joint.centre_mm) - midpoints_mm[j]))
             .collect();
-        Ok(StoredModel {
+        let model = PersonalisedModel {
             case_id: self.case_id,
             synthetic: self.synthetic,
             line: self.line,
@@ -416,9 +350,9 @@ impl ModelFile {
             stiffness: self.joints.iter().map(JointRecord::stiffness).collect(),
             curves,
             support: self.support,
-            loads: self.loads,
-            provenance: self.provenance,
-        })
+            loads: self.loads.iter().map(LoadRecord::load).collect(),
+        };
+        Ok(StoredModel { model, provenance: self.provenance })
     }
 }
 

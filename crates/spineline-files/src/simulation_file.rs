@@ -1,6 +1,7 @@
 use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
+use spineline::analysis::PersonalisedModel;
 use spineline::anatomy::Region;
 use spineline::clinical::CurvePlaces;
 use spineline::multibody::{Deformed, Goal, PathPoint, Timing};
@@ -12,7 +13,7 @@ use spineline::uncertainty::LoadedUncertainty;
 
 use crate::keys::{ByLevel, JointKey, LevelKey};
 use crate::simulation_uncertainty::SimulationUncertainty;
-use crate::{AppliedLoad, LoadFile, PlacedLoads, Provenance, StoredModel};
+use crate::{AppliedLoad, LoadFile, PlacedLoads, Provenance};
 
 /// The response of a personalised model to loads. `G`: x anterior, y left, z cranial, origin at L4's midpoint; mm,
 /// rad, angles for people in degrees. A positive lateral tilt is to the patient's right, positive Cobb and Ferguson angles are
@@ -185,7 +186,7 @@ impl SimulationFile {
     /// The file of a model's response to loads, with angles measured between given vertebrae.
     #[must_use]
     pub fn new(
-        model: &StoredModel,
+        model: &PersonalisedModel,
         loads: (&LoadFile, &PlacedLoads),
         places: &[CurvePlaces],
         response: &Response,
@@ -249,7 +250,7 @@ fn events(signed: &SignedPath) -> impl Iterator<Item = EventRecord> {
 
 /// Data for all records.
 struct Writer<'a> {
-    model: &'a StoredModel,
+    model: &'a PersonalisedModel,
     placed: &'a PlacedLoads,
     places: &'a [CurvePlaces],
 }

@@ -122,11 +122,11 @@ impl Analysis {
     }
 
     /// The results of a posture.
-    fn posture(&self, film: &str) -> Result<&analysis::PostureAnalysis, Fault> {
+    fn posture(&self, film: &str) -> Result<&analysis::FilmMovement, Fault> {
         let known = film.replace('-', "_").parse().ok();
-        known.and_then(|posture| self.analysis.posture(posture)).ok_or_else(|| {
+        known.and_then(|posture| self.analysis.movement.film(posture)).ok_or_else(|| {
             let films: Vec<&str> =
-                self.analysis.postures.iter().map(|one| one.outline.posture.key()).collect();
+                self.analysis.movement.films.iter().map(|one| one.outline.posture.key()).collect();
             let text = format!("{}: there is no `{film}` film", self.analysis.case_id);
             Fault::new(text, format!("give one of {}", films.join(", ")))
         })
@@ -239,7 +239,7 @@ impl Analysis {
     /// Postures that have a film, the erect one first.
     #[getter]
     fn films(&self) -> Vec<&'static str> {
-        self.analysis.postures.iter().map(|one| one.outline.posture.key()).collect()
+        self.analysis.movement.films.iter().map(|one| one.outline.posture.key()).collect()
     }
 
     /// The lines of action that have a model.

@@ -1,8 +1,8 @@
 //! Maps of pads in the background.
 
+use spineline::analysis::PersonalisedModel;
 use spineline::multibody::Loading;
 use spineline::response::{PadEffect, PadTrial};
-use spineline_files::StoredModel;
 
 use crate::api::{LineName, PadMapRequest};
 use crate::jobs::{Job, Jobs};
@@ -22,7 +22,7 @@ pub struct PadMapWork {
     /// The other loads on the model.
     pub others: Loading,
     /// The model.
-    pub model: StoredModel,
+    pub model: PersonalisedModel,
     /// The pads.
     pub trials: Vec<PadTrial>,
 }

@@ -1,7 +1,7 @@
 //! Warnings: they do not stop the analysis, and every reader of a result sees them. Each says what was done about it.
 
-use crate::anatomy::named;
-use crate::anatomy::{Level, LineKind, Posture};
+use crate::action::LineKind;
+use crate::anatomy::{Level, Posture, named};
 
 /// A number of things in words: `1 film`, `2 films`. `noun` is in the singular and takes an s.
 #[must_use]

@@ -129,7 +129,7 @@ pub fn run(args: &ExportArgs) -> Result<Ending, Failure> {
     }
     let outputs = Outputs::new(args.overwrite, [args.file.as_path()]);
     outputs.file(&args.out)?;
-    let model = read_model(&args.file)?;
+    let model = read_model(&args.file)?.model;
     let text = export(&model, format, &generator())
         .map_err(|error| Failure::input(&args.file.display().to_string(), &error, error.help()))?;
     outputs.of_case(&model.case_id);
@@ -259,7 +259,9 @@ fn read_sources(
 /// The ends of the curves as `spineline analyze` finds them; none where the case cannot be analysed.
 fn curves_of(case: &Case) -> Vec<(Region, CobbEnds)> {
     match analyze(case, &AnalysisOptions::default()) {
-        Ok(analysis) => analysis.clinical.iter().map(|curve| (curve.region, curve.ends)).collect(),
+        Ok(analysis) => {
+            analysis.movement.clinical.iter().map(|curve| (curve.region, curve.ends)).collect()
+        }
         Err(error) => {
             say(format!("note: the reports have no Cobb angles: {error}"));
             Vec::new()

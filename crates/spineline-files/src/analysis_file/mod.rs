@@ -141,10 +141,11 @@ struct ClinicalRecord {
 
 impl ClinicalRecord {
     fn new(analysis: &Analysis) -> Self {
-        let (balance, scale) = (analysis.balance.as_ref(), analysis.scale());
-        let curves = analysis.clinical.iter();
+        let movement = &analysis.movement;
+        let (balance, scale) = (movement.balance.as_ref(), movement.scale());
+        let curves = movement.clinical.iter();
         Self {
-            lenke_type: analysis.lenke.map(|lenke| lenke.number),
+            lenke_type: movement.lenke.map(|lenke| lenke.number),
             balance: balance.map(|found| BalanceRecord::new(found, scale)),
             curves: curves.map(|curve| clinical_curve(curve, balance, scale)).collect(),
         }
@@ -236,7 +237,8 @@ impl AnalysisFile {
     /// The file of an analysis of a case, with its provenance.
     #[must_use]
     pub fn new(analysis: &Analysis, case: CaseFile, provenance: Provenance) -> Self {
-        let scale = analysis.scale();
+        let movement = &analysis.movement;
+        let scale = movement.scale();
         Self {
             format: FORMAT.to_owned(),
             version: VERSION,
@@ -245,25 +247,25 @@ impl AnalysisFile {
             length_unit: scale.plane.unit().to_owned(),
             provenance,
             chain: ChainRecord {
-                segments: analysis.chain.segments,
-                segment_mm: scale.mm(analysis.chain.segment_mm),
-                segment_scale_sd_mm: scale.sd_mm(analysis.chain.segment_mm),
-                difference: analysis.chain.difference,
+                segments: movement.chain.segments,
+                segment_mm: scale.mm(movement.chain.segment_mm),
+                segment_scale_sd_mm: scale.sd_mm(movement.chain.segment_mm),
+                difference: movement.chain.difference,
             },
             inflections: inflections(analysis),
-            curves: analysis
+            curves: movement
                 .inflections
                 .curves
                 .iter()
                 .map(|part| TurnRecord { turn_deg: part.turn.deg() })
                 .collect(),
             clinical: ClinicalRecord::new(analysis),
-            sagittal_profile: if analysis.space.is_some() { "measured" } else { "population" }
+            sagittal_profile: if movement.space.is_some() { "measured" } else { "population" }
                 .to_owned(),
             space: SpaceRecord::new(analysis),
-            axial_rotation: analysis.axial.iter().map(AxialRecord::new).collect(),
-            postures: analysis
-                .postures
+            axial_rotation: movement.axial.iter().map(AxialRecord::new).collect(),
+            postures: movement
+                .films
                 .iter()
                 .map(|p| (p.outline.posture, PostureRecord::new(p, scale)))
                 .collect(),
@@ -312,14 +314,15 @@ impl AnalysisFile {
 }
 
 fn inflections(analysis: &Analysis) -> Vec<InflectionRecord> {
-    let scale = analysis.scale();
-    let pairs = analysis
+    let movement = &analysis.movement;
+    let scale = movement.scale();
+    let pairs = movement
         .inflections
         .pair
         .iter()
         .flatten()
-        .zip(analysis.inflection_segments.iter().flatten());
-    let intervals = analysis.inflection_intervals.map_or([None; 2], |found| found.each);
+        .zip(movement.inflection_segments.iter().flatten());
+    let intervals = movement.inflection_intervals.map_or([None; 2], |found| found.each);
     pairs
         .zip(intervals)
         .map(|((inflection, &segment), interval)| InflectionRecord {

@@ -5,6 +5,7 @@ use spineline::action::{Application, LineOfAction};
 use spineline::analysis::{Analysis, LineModel};
 use spineline::anatomy::{Levels, Posture, Region};
 use spineline::evaluate::Simulation;
+use spineline::multibody::Residual;
 use spineline::personalize::StiffnessBound;
 use spineline::personalize::evidence::ContradictedJoint;
 use spineline::spatial::Angle;
@@ -141,7 +142,7 @@ impl ModelRecord {
             postures: m
                 .postures
                 .iter()
-                .map(|s| (s.posture, simulation(s, analysis.levels())))
+                .map(|s| (s.posture, simulation(s, analysis.movement.levels())))
                 .collect(),
         }
     }
@@ -157,11 +158,11 @@ fn simulation(s: &Simulation, levels: Levels) -> SimulationRecord {
         status: s.status.key().to_owned(),
         film_scale: Some(s.scale.into()),
         force_n: s.force_n,
-        // Bends leave an angle, the others a distance.
-        residual: if s.posture.bend().is_some() {
-            Angle::from_rad(s.residual).deg()
-        } else {
-            s.residual
+        residual: match s.residual {
+            Residual::Amplitude(angle) => angle.deg(),
+            // The distance that a left-out bend leaves is scaled as the angles of other bends are.
+            Residual::Distance { mm } if s.posture.bend().is_some() => Angle::from_rad(mm).deg(),
+            Residual::Distance { mm } => mm,
         },
         line: line(&s.line, s.depth_mm),
         choice: s.choice.key().to_owned(),

@@ -1,7 +1,7 @@
 use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
-use spineline::analysis::{LineComparison, PostureAnalysis, PreferredLine};
+use spineline::analysis::{FilmMovement, LineComparison, PreferredLine};
 use spineline::curve::{CurveFit, CurveForm};
 use spineline::measure::{
     FilmLength, FilmScale, Interpolation, LengthScale, MeasuredVertebra, Origin, SpacingSource,
@@ -301,7 +301,7 @@ fn origin(vertebra: &MeasuredVertebra) -> Option<(LevelKey, String)> {
 
 impl PostureRecord {
     /// The record of a posture; distances between segments are those on the erect film, in its scale.
-    pub fn new(p: &PostureAnalysis, erect: &LengthScale) -> Self {
+    pub fn new(p: &FilmMovement, erect: &LengthScale) -> Self {
         let scale = &p.outline.scale;
         let spine_mm = p.outline.polygon_mm();
         let levels = p.outline.levels().as_slice();

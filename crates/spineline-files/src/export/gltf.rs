@@ -3,6 +3,7 @@
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use serde_json::{Value, json};
+use spineline::analysis::PersonalisedModel;
 use spineline::spatial::{Mat3, Vec3};
 
 use super::assembly::Vertebra;
@@ -10,7 +11,6 @@ use super::boxes::{SIDES, corners};
 use super::header::about_bodies;
 use super::rotation::quaternion;
 use super::standing::key;
-use crate::StoredModel;
 use crate::content::ContentHash;
 
 /// Format and frame.
@@ -35,7 +35,7 @@ const PLACES: usize = SIDES.len() * 4 * 3 * 4;
 const INDICES: usize = SIDES.len() * 6;
 
 /// The whole file.
-pub(super) fn text(model: &StoredModel, vertebrae: &[Vertebra], generator: &str) -> String {
+pub(super) fn text(model: &PersonalisedModel, vertebrae: &[Vertebra], generator: &str) -> String {
     let nodes: Vec<Value> = vertebrae.iter().map(node).collect();
     let corners_of_sides = SIDES.len() * 4;
     let file = json!({

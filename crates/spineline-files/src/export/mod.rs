@@ -1,6 +1,6 @@
 //! Export of personalised models for other programs: MJCF, OpenSim and URDF for multibody programs, VTK and glTF for 3-D views.
 //!
-//! Those for multibody programs hold what [`StoredModel`] holds: bodies in the erect posture, three hinges in series at every joint,
+//! Those for multibody programs hold what [`PersonalisedModel`] holds: bodies in the erect posture, three hinges in series at every joint,
 //! and a linear spring on each. What they ask for beyond that (masses, damping, shapes to draw) is nominal, and moves no
 //! equilibrium. Those for 3-D views hold the vertebral bodies only, as boxes. Each file says what it is, where it came from, and
 //! in which frame and units.
@@ -17,10 +17,11 @@ mod urdf;
 mod vtp;
 mod xml;
 
+use spineline::analysis::PersonalisedModel;
 use spineline::anatomy::Level;
 use spineline::multibody::Support;
 
-use crate::{StoredModel, text_with_hash};
+use crate::text_with_hash;
 use assembly::{Assembly, Axis, vertebrae};
 
 spineline::named! {
@@ -145,17 +146,12 @@ impl ExportError {
 /// # Panics
 /// If the model has not one level per vertebra, which [`parse_model`](crate::parse_model) sees to.
 pub fn export(
-    model: &StoredModel,
+    model: &PersonalisedModel,
     format: ExportFormat,
     generator: &str,
 ) -> Result<String, ExportError> {
-    for (what, text) in
-        [("case_id", &*model.case_id), ("line", &*model.line), ("generator", generator)]
-    {
+    for (what, text) in [("case_id", &*model.case_id), ("generator", generator)] {
         check_text(what, text)?;
-    }
-    for load in &model.loads {
-        check_text("status", &load.status)?;
     }
     let vertebrae = vertebrae(model)?;
     let assembly = |vertebrae| Assembly::of(model, vertebrae, format);

@@ -1,12 +1,10 @@
 //! What of a model's vertebrae was measured, and what was assumed, for every format.
 
-use spineline::analysis::{AxialSource, PitchSource};
+use spineline::analysis::{AxialSource, PersonalisedModel, PitchSource};
 use spineline::anatomy::{Level, Named};
 
-use crate::StoredModel;
-
 /// Sentences on pitch and depth, on axial rotation, and on the drawn widths: which vertebrae were measured, and what the others have.
-pub(super) fn sources(model: &StoredModel) -> [String; 3] {
+pub(super) fn sources(model: &PersonalisedModel) -> [String; 3] {
     let widths: Vec<bool> = model.widths_mm.iter().map(Option::is_some).collect();
     [
         told(model, "Pitch and depth", &model.pitch_from, |source| match source {
@@ -47,7 +45,7 @@ pub(super) fn flag(is_measured: Option<bool>) -> &'static str {
 
 /// Every source with its vertebrae, in the order in which they come from the lowest vertebra on.
 fn told<T: PartialEq + Copy>(
-    model: &StoredModel,
+    model: &PersonalisedModel,
     what: &str,
     sources: &[T],
     words: impl Fn(T) -> &'static str,

@@ -1,6 +1,6 @@
 //! Vertebral bodies as VTK's XML PolyData.
 
-use spineline::analysis::{AxialSource, PitchSource};
+use spineline::analysis::{AxialSource, PersonalisedModel, PitchSource};
 use spineline::spatial::Vec3;
 
 use super::assembly::Vertebra;
@@ -8,7 +8,6 @@ use super::boxes::{SIDES, corners};
 use super::header::{about_bodies, mark};
 use super::standing::{flag, key};
 use super::xml::{Document, numbers};
-use crate::StoredModel;
 
 /// Format and frame.
 const DESCRIBED: [&str; 2] = [
@@ -22,7 +21,7 @@ fn to_lps(v: &Vec3) -> Vec3 {
 }
 
 /// The whole file.
-pub(super) fn text(model: &StoredModel, vertebrae: &[Vertebra], generator: &str) -> String {
+pub(super) fn text(model: &PersonalisedModel, vertebrae: &[Vertebra], generator: &str) -> String {
     let count = |number: usize| number.to_string();
     let mut xml = Document::new();
     let mut about = about_bodies(model, generator, DESCRIBED);

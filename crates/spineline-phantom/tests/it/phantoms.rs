@@ -87,7 +87,7 @@ fn check_by_ferguson(
     for (index, row) in SUBJECTS.iter().enumerate().filter(|(_, row)| of(row)) {
         let phantom = phantom(index, Truth::Bend, &Readers::exact(), 1);
         let analysis = analyze(&phantom.case, &Default::default()).expect("a sound case");
-        let curve = &analysis.clinical[main_region(row)];
+        let curve = &analysis.movement.clinical[main_region(row)];
         let ratio = (size(curve).rad() / curve.ferguson[0].1.rad()).abs();
         assert!(range.contains(&ratio), "subject {}: ratio {ratio:.3}", row.number);
     }

@@ -17,7 +17,7 @@ pub fn how(patient: &Patient<'_>) -> Section {
     let mut add = |what: &str, words: String| table.row(vec![what.to_owned(), words]);
     let analysis: &Analysis = patient.analysis;
     add("Films", if analysis.synthetic { "synthetic" } else { "real" }.to_owned());
-    add("Lengths", analysis.scale().to_string());
+    add("Lengths", analysis.movement.scale().to_string());
     add("Sagittal shape", analysis.profile_words().to_owned());
     section.table(table);
     section.table(published());

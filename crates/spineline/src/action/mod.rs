@@ -7,7 +7,10 @@
 //! # References
 //! [jalalian-loa], section 3.1 and figure 7; [petit-2004].
 
-pub use crate::anatomy::LineKind;
+mod line_kind;
+
+pub use line_kind::LineKind;
+
 use crate::anatomy::named;
 use crate::spatial::{Angle, Frontal};
 

@@ -353,7 +353,7 @@ impl Analysis {
     }
 
     fn compare_lines(&self) -> LinesCompared {
-        let settings = settings_of(self.findings(), &[]);
+        let settings = settings_of(&self.movement, &self.options, &[]);
         let lines = self.models.iter().map(|model| {
             let numbers = FreeNumbers::of(model, self.options.gauge);
             let free = numbers.per_predicted_film > 1;
@@ -375,7 +375,7 @@ impl Analysis {
             baselines: self.baselines(posture, role),
         };
         let (mut fitted, mut held_out) = (Vec::new(), Vec::new());
-        let moved = self.postures.iter().map(|p| p.outline.posture);
+        let moved = self.movement.films.iter().map(|p| p.outline.posture);
         for posture in moved.filter(|posture| *posture != Posture::Erect) {
             match posture.bend() {
                 Some(_) => fitted.push(film(posture, FilmRole::Fitted, &self.models)),
@@ -389,16 +389,17 @@ impl Analysis {
 
     /// Predictions of a film that need no other patient.
     fn baselines(&self, posture: Posture, role: FilmRole) -> Vec<BaselinePrediction> {
-        let film = self.posture(posture).filter(|_| role != FilmRole::Fitted);
+        let movement = &self.movement;
+        let film = movement.film(posture).filter(|_| role != FilmRole::Fitted);
         let Some(film) = film.map(|film| &film.outline) else { return Vec::new() };
         let other = match posture {
-            Posture::LeftBending => self.posture(Posture::RightBending),
-            Posture::RightBending => self.posture(Posture::LeftBending),
+            Posture::LeftBending => movement.film(Posture::RightBending),
+            Posture::RightBending => movement.film(Posture::LeftBending),
             _ => None,
         };
-        let erect = &self.erect().outline;
+        let erect = &movement.erect().outline;
         let mirrored = other.map(|bend| joint_rotations(erect, &bend.outline));
-        let published = published_lateral_bending(self.levels());
+        let published = published_lateral_bending(movement.levels());
         let patterns = mirrored.map(|pattern| (Baseline::MirroredBend, pattern));
         patterns
             .into_iter()
@@ -410,15 +411,16 @@ impl Analysis {
 
     /// Predictions of a film from distributions of joint rotations: one that was given describes bends only.
     fn predicted_from_priors(&self, film: &Outline) -> Vec<BaselinePrediction> {
-        let predict =
-            |baseline, prior| predict_from_prior(baseline, prior, &self.erect().outline, film);
+        let predict = |baseline, prior| {
+            predict_from_prior(baseline, prior, &self.movement.erect().outline, film)
+        };
         let given = self.options.rotation_prior.as_ref().filter(|_| film.posture.bend().is_some());
-        match given.and_then(|prior| prior.of(self.levels())) {
+        match given.and_then(|prior| prior.of(self.movement.levels())) {
             Some(learned) => [Baseline::RotationPrior, Baseline::RotationPriorWithTilt]
                 .map(|baseline| predict(baseline, &learned))
                 .into(),
             None => {
-                let published = RotationPrior::published(self.levels());
+                let published = RotationPrior::published(self.movement.levels());
                 vec![predict(Baseline::RotationPriorWithTilt, &published)]
             }
         }
@@ -428,7 +430,8 @@ impl Analysis {
     /// free, and brings T2 where it was.
     fn leave_bends_out(&self) -> Vec<LeftOutBend> {
         let bends: Vec<Posture> = self
-            .postures
+            .movement
+            .films
             .iter()
             .map(|p| p.outline.posture)
             .filter(|posture| posture.bend().is_some())
@@ -442,7 +445,7 @@ impl Analysis {
             let mut models = Vec::new();
             for line in &self.models {
                 let mut seen: Vec<(_, Load)> =
-                    bending_loads(self.findings(), line.kind, &mut repeated);
+                    bending_loads(&self.movement, &self.options, line.kind, &mut repeated);
                 seen.retain(|(bend, _)| bend.outline.posture != posture);
                 let task = FitTask {
                     bends: &seen,
@@ -451,7 +454,8 @@ impl Analysis {
                     estimate: None,
                     other: None,
                 };
-                let model = fit_model(self.findings(), line.kind, task, &mut repeated);
+                let model =
+                    fit_model(&self.movement, &self.options, line.kind, task, &mut repeated);
                 models.extend(model);
             }
             LeftOutBend { posture, models }

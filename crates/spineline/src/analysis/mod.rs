@@ -1,6 +1,6 @@
 //! One patient through all steps: [`analyze`].
 //!
-//! `analyze` runs the steps; `findings` is what the first four found; `result` is the whole of it.
+//! `analyze` runs the steps; `movement` is what the films show before any force; `result` is the whole of it.
 
 mod analyze;
 mod checks;
@@ -9,14 +9,16 @@ mod comparison;
 mod compatibility;
 mod endings;
 mod film_likelihood;
-mod findings;
 mod force_path;
 mod headline;
 mod hypotheses;
 mod identification;
+mod measured;
 mod models;
 mod models_verdict;
+mod movement;
 mod options;
+mod personalised_model;
 mod preference;
 mod result;
 mod standing;
@@ -38,14 +40,15 @@ pub use compatibility::{BendEvidence, Compatibility};
 pub use identification::{Identification, MultiplierVerdict};
 pub use models::LineModel;
 pub use models_verdict::ModelsVerdict;
+pub use movement::{FilmMovement, Movement};
 pub use options::{AnalysisOptions, Grouping};
+pub use personalised_model::{FilmLoad, PersonalisedModel, SimulationError};
 pub use preference::{LineComparison, LineCrossing, PreferredLine};
-pub use result::{Analysis, PostureAnalysis};
+pub use result::Analysis;
 pub use standing::{AxialSource, PitchSource};
 pub use template::{ProfileVertebra, TemplateError};
 pub(crate) use verdict::listed;
 pub use verdict::probability;
-pub(crate) use wrong_film::WRONG_FILM;
 
 use crate::anatomy::named;
 use crate::measure::{Film, LateralFilm};

@@ -1,6 +1,6 @@
 use std::ops::RangeInclusive;
 
-use super::PostureAnalysis;
+use super::FilmMovement;
 use crate::action::{LineKind, LineOfAction};
 use crate::anatomy::{Posture, SagittalProfile, named};
 use crate::chain::SEGMENT_WINDOW;
@@ -74,7 +74,7 @@ impl AnalysisOptions {
     }
 
     /// The line that was given for a film, at the film's scale against the erect one.
-    pub(super) fn given_line(&self, film: &PostureAnalysis) -> Option<LineOfAction> {
+    pub(super) fn given_line(&self, film: &FilmMovement) -> Option<LineOfAction> {
         let (_, line) = self.given_lines.iter().find(|(p, _)| *p == film.outline.posture)?;
         // It was given on the film as it is.
         let point = line.point * (1.0 / film.outline.length.scale.factor);

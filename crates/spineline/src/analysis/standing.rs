@@ -61,16 +61,16 @@ pub(super) fn widths_mm(case: &Case, erect: &Outline) -> Vec<Option<f64>> {
 
 impl Analysis {
     /// Sizes of the bodies of the model, the base first, for drawing it: widths between the corners of the erect film where a person placed
-    /// them ([`Analysis::widths_mm`]), and else typical; depths and heights typical.
+    /// them ([`Movement::widths_mm`](super::Movement::widths_mm)), and else typical; depths and heights typical.
     #[must_use]
     pub fn body_sizes(&self) -> Vec<BodySize> {
-        self.spine.body_sizes(self.levels(), &self.widths_mm)
+        self.movement.spine.body_sizes(self.movement.levels(), &self.movement.widths_mm)
     }
 
     /// Where pitch and depth of a vertebra of the model come from.
     #[must_use]
     pub fn pitch_source(&self, level: Level) -> PitchSource {
-        if self.space.as_ref().is_some_and(|space| space.vertebra(level).is_some()) {
+        if self.movement.space.as_ref().is_some_and(|space| space.vertebra(level).is_some()) {
             return PitchSource::LateralFilm;
         }
         let usual = SagittalProfile::default().turns_deg;
@@ -85,7 +85,7 @@ impl Analysis {
     /// Where the axial rotation of a vertebra of the model comes from.
     #[must_use]
     pub fn axial_source(&self, level: Level) -> AxialSource {
-        if self.axial.iter().any(|found| found.level == level) {
+        if self.movement.axial.iter().any(|found| found.level == level) {
             return AxialSource::Pedicles;
         }
         let given = level.model_index().and_then(|i| self.options.profile.axial_deg.get(i));

@@ -85,10 +85,11 @@ impl Analysis {
     /// Computed on request, because no other result depends on it.
     #[must_use]
     pub fn template_error(&self) -> Option<TemplateError> {
-        let space = self.space.as_ref()?;
-        let alone = SpineModel::from_outline(&self.erect().outline, &self.options.profile);
-        let places = self.spine.midpoints_mm.iter().zip(&alone.midpoints_mm).zip(&alone.axes);
-        let vertebrae: Vec<ProfileVertebra> = self
+        let movement = &self.movement;
+        let space = movement.space.as_ref()?;
+        let alone = SpineModel::from_outline(&movement.erect().outline, &self.options.profile);
+        let places = movement.spine.midpoints_mm.iter().zip(&alone.midpoints_mm).zip(&alone.axes);
+        let vertebrae: Vec<ProfileVertebra> = movement
             .levels()
             .iter()
             .zip(places)

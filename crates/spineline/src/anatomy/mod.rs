@@ -3,7 +3,6 @@
 
 mod level;
 mod levels;
-mod line_kind;
 mod morphometry;
 mod named;
 mod pedicles;
@@ -14,7 +13,6 @@ mod trunk;
 pub(crate) use crate::named;
 pub use level::{Level, UnknownLevel};
 pub use levels::Levels;
-pub use line_kind::LineKind;
 pub use morphometry::{Morphometry, SagittalProfile};
 #[cfg(feature = "schema")]
 #[doc(hidden)]

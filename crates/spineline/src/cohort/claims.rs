@@ -39,7 +39,7 @@ impl PatientClaims {
     /// Reads the numbers off an analysis.
     #[must_use]
     pub fn of(analysis: &Analysis) -> Self {
-        let moved = analysis.postures.iter().filter_map(|posture| {
+        let moved = analysis.movement.films.iter().filter_map(|posture| {
             Some((posture.motion.as_ref()?, posture.inflection_estimates.as_ref()?))
         });
         let (mut distances, mut inflections, mut all) = (Vec::new(), Vec::new(), Vec::new());
@@ -48,13 +48,13 @@ impl PatientClaims {
             inflections.extend(estimates.iter().map(|e| e.rotation.deg()));
             all.push(motion.mean_rotation().deg());
         }
-        let erect = analysis.erect();
+        let erect = analysis.movement.erect();
         let windows = least_windows(&erect.fit, &erect.pose);
         let chance = windows.map(|(from, to)| {
             ((2 * NEAR_SEGMENTS + 1) as f64 / (to.saturating_sub(from) + 1) as f64).min(1.0)
         });
         let of_films = |value: &dyn Fn(&crate::curve::CurveFit) -> f64| {
-            mean(&analysis.postures.iter().map(|p| value(&p.fit)).collect::<Vec<_>>())
+            mean(&analysis.movement.films.iter().map(|p| value(&p.fit)).collect::<Vec<_>>())
                 .unwrap_or(f64::NAN)
         };
         Self {

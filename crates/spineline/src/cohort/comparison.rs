@@ -85,11 +85,9 @@ impl PairedComparison {
 }
 
 /// Sign-flip probabilities of a family of comparisons after Holm's correction; `None` where there is no such test.
-pub(super) fn corrected_by_holm<'a>(
-    family: impl Iterator<Item = &'a PairedComparison>,
-) -> Vec<Option<f64>> {
+pub(super) fn corrected_by_holm(family: &[PairedComparison]) -> Vec<Option<f64>> {
     let flips: Vec<Option<f64>> =
-        family.map(|one| one.sign_flip.map(|test| test.p_two_sided)).collect();
+        family.iter().map(|one| one.sign_flip.map(|test| test.p_two_sided)).collect();
     let adjusted = holm(&flips.iter().flatten().copied().collect::<Vec<f64>>());
     let mut adjusted = adjusted.into_iter();
     flips.into_iter().map(|flip| flip.and_then(|_| adjusted.next())).collect()

@@ -150,21 +150,24 @@ pub(crate) struct FilmFromTop {
     pub top_sd_mm: f64,
     /// How far T2 turned from the erect film, and the standard deviation of that.
     pub turn: [Angle; 2],
-    /// The vertebrae above the base that the film shows, caudal first, with their places in the chain.
-    pub shown: Vec<(usize, Level, Frontal)>,
+    /// The vertebrae above the base that the film shows, caudal first, and their places in the chain.
+    pub shown: Box<[(u8, Level)]>,
+    /// Their locations on the outline of the film.
+    pub locations: Box<[Frontal]>,
 }
 
 impl FilmFromTop {
     pub fn of(erect: &Outline, film: &Outline) -> Self {
         let last = film.vertebrae.len() - 1;
-        let shown = film.measured().skip(1);
+        let shown = || film.measured().skip(1);
         Self {
             posture: film.posture,
             length: film.length,
             top: film.vertebrae[last].location * film.length.scale.factor,
             top_sd_mm: film.top_sd_mm(),
             turn: [turn_of_top(erect, film), turn_of_top_sd(erect, film)],
-            shown: shown.map(|(i, vertebra)| (i, vertebra.level, vertebra.location)).collect(),
+            shown: shown().map(|(i, vertebra)| (i as u8, vertebra.level)).collect(),
+            locations: shown().map(|(_, vertebra)| vertebra.location).collect(),
         }
     }
 
@@ -215,9 +218,11 @@ impl FilmFromTop {
         let carried = erect.carried(&found).locations;
         let locations: Vec<Frontal> =
             carried.into_iter().map(|location| location * factor).collect();
-        let errors =
-            |&(i, level, shown): &(usize, Level, Frontal)| (level, locations[i].distance_mm(shown));
-        let (compared, location_errors_mm) = self.shown.iter().map(errors).unzip();
+        let errors = |(&(place, level), &location): (&(u8, Level), &Frontal)| {
+            (level, locations[usize::from(place)].distance_mm(location))
+        };
+        let (compared, location_errors_mm) =
+            self.shown.iter().zip(&self.locations).map(errors).unzip();
         BaselinePrediction {
             posture: self.posture,
             baseline,

@@ -395,6 +395,6 @@ impl Ended<'_> {
         if !loaded.solve(&statics, &components, base) {
             return Err(LossReason::NoEquilibrium);
         }
-        prediction(loaded, (film, role), spine, components, base)
+        prediction(loaded, film, role, spine, components, base)
     }
 }

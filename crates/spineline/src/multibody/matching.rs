@@ -47,6 +47,29 @@ named! {
     }
 }
 
+/// What is left of the target of a search.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Residual {
+    /// Of an amplitude: lateral tilt of the line L4→T2 beyond the target's.
+    Amplitude(Angle),
+    /// Distance of T2 from the target's place.
+    Distance {
+        /// In mm.
+        mm: f64,
+    },
+}
+
+impl Residual {
+    /// The distance of T2; `None` for an amplitude.
+    #[must_use]
+    pub const fn distance_mm(self) -> Option<f64> {
+        match self {
+            Self::Amplitude(_) => None,
+            Self::Distance { mm } => Some(mm),
+        }
+    }
+}
+
 /// A force found by continuation from zero.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ForceMatch {
@@ -54,8 +77,8 @@ pub struct ForceMatch {
     pub status: MatchStatus,
     /// Signed force along the line.
     pub force_n: f64,
-    /// What is left of the target: rad for an amplitude, mm for T2's distance.
-    pub residual: f64,
+    /// What is left of the target.
+    pub residual: Residual,
     /// Equilibria computed.
     pub evaluations: u32,
     /// The shape.
@@ -73,7 +96,7 @@ impl ForceMatch {
         statics.solve(load, &[force_n], &[], &mut solution);
         let status =
             if solution.converged { MatchStatus::Converged } else { MatchStatus::NotConverged };
-        let residual = (solution.deformed.lateral_tilt() - tilt).wrapped().rad();
+        let residual = Residual::Amplitude((solution.deformed.lateral_tilt() - tilt).wrapped());
         Self { status, force_n, residual, evaluations: 1, solution, other_mm: f64::INFINITY }
     }
 
@@ -277,6 +300,7 @@ impl<L: OneComponent, S: SearchTarget> Path<L, S> {
 
     fn record(&mut self, status: MatchStatus, force_n: f64, residual: f64) {
         let (evaluations, solution) = (self.evaluations, self.solution.clone());
+        let residual = S::residual(residual);
         let other_mm = f64::INFINITY;
         self.found.push(ForceMatch { status, force_n, residual, evaluations, solution, other_mm });
     }

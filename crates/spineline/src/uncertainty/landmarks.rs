@@ -110,14 +110,14 @@ impl NoisyCase {
         let mut films = case
             .films
             .iter()
-            .zip(&nominal.postures)
+            .zip(&nominal.movement.films)
             .map(|(film, posture)| film_noise(&case, film, &posture.outline, noise))
             .collect::<Result<Vec<FilmNoise>, _>>()?;
         for (film, corners) in films.iter_mut().zip(&program) {
             film.program_corners =
                 corners.iter().flatten().map(|corners| corners.corners().len()).sum();
         }
-        let interpolated = nominal.postures.iter().flat_map(|posture| {
+        let interpolated = nominal.movement.films.iter().flat_map(|posture| {
             let outline = &posture.outline;
             outline.interpolated().map(|(vertebra, _)| (outline.posture, vertebra.level))
         });
@@ -141,13 +141,7 @@ impl NoisyCase {
                         let found = corners.as_ref().map_or(&[][..], ProgramCorners::corners);
                         for (&level, landmark) in &mut reading.vertebrae {
                             let is_moved = |name| !found.contains(&(level, name));
-                            move_landmarks(
-                                (landmark, image),
-                                is_moved,
-                                *sd_px,
-                                *axis_sd,
-                                &mut draw,
-                            );
+                            move_landmarks(landmark, image, is_moved, *sd_px, *axis_sd, &mut draw);
                         }
                     }
                     move_together(image, readings, program, &mut draw);
@@ -199,7 +193,8 @@ impl Draw {
 }
 
 fn move_landmarks(
-    (landmark, image): (&mut VertebraLandmarks, &ImageGeometry),
+    landmark: &mut VertebraLandmarks,
+    image: &ImageGeometry,
     is_moved: impl Fn(CornerName) -> bool,
     sd_px: [f64; 2],
     axis_sd: Option<Angle>,
@@ -308,7 +303,7 @@ fn film_noise(
 
 /// Deviation of a corner of one reading of the lateral film.
 fn lateral_sd_px(case: &Case, nominal: &Analysis, noise: LandmarkNoise) -> [f64; 2] {
-    let Some((film, space)) = case.lateral.as_ref().zip(nominal.space.as_ref()) else {
+    let Some((film, space)) = case.lateral.as_ref().zip(nominal.movement.space.as_ref()) else {
         return [0.0; 2];
     };
     if let LandmarkNoise::Pixels(sd_px) = noise {

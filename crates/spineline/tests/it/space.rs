@@ -24,7 +24,7 @@ fn measured(phantom: &SpacePhantom) -> (SpatialOutline, Warnings) {
     let erect = &phantom.case.films[0];
     let outline = measure_film(erect, TiltRule::default(), &mut warnings).expect("a good film");
     let lateral = phantom.case.lateral.as_ref().expect("both films");
-    let found = SpatialOutline::measure((erect, &outline), lateral, &mut warnings);
+    let found = SpatialOutline::measure(erect, &outline, lateral, &mut warnings);
     (found.expect("a good film").expect("all vertebrae on both films"), warnings)
 }
 
@@ -77,8 +77,8 @@ fn the_turns_of_the_model_are_those_in_space() {
         assert_near(turn_deg, turn.deg(), 1e-6, "turn");
     }
     let analysis = analyze(&phantom.case, &AnalysisOptions::default()).expect("a good case");
-    assert_eq!(analysis.space, Some(found));
-    let joint = &analysis.spine.joints[8].inferior_from_superior;
+    assert_eq!(analysis.movement.space, Some(found));
+    let joint = &analysis.movement.spine.joints[8].inferior_from_superior;
     let cranial = [8, 9].map(|i| phantom.body(Level::MODEL[i]).expect("every level").cranial);
     assert_near(joint[(2, 2)], cranial[0].dot(&cranial[1]), 1e-3, "cosine between two axes");
 }
@@ -105,7 +105,7 @@ fn the_model_stands_in_space_as_the_bodies_do() {
     for hidden in [&[][..], &[Level::L4, Level::L3, Level::T7, Level::T2]] {
         let lateral = phantom.case.lateral.as_mut().expect("both films");
         lateral.readings[0].vertebrae.retain(|level, _| !hidden.contains(level));
-        let model = analyze_movement(&phantom.case, &options).expect("a good case").spine;
+        let model = analyze_movement(&phantom.case, &options).expect("a good case").movement.spine;
         assert_eq!(model.midpoints_mm[0], Vec3::zeros());
         let seen: Vec<usize> = (0..15).filter(|&i| !hidden.contains(&Level::MODEL[i])).collect();
         let first = seen[0];
@@ -272,7 +272,7 @@ fn replicated() -> (Analysis, Uncertainty) {
 #[test]
 fn replicates_vary_a_pitch_by_its_deviation() {
     let (nominal, found) = replicated();
-    let space = nominal.space.as_ref().expect("both films");
+    let space = nominal.movement.space.as_ref().expect("both films");
     for level in [Level::L3, Level::T12, Level::T8, Level::T4] {
         let spread = found.of(AnalysisQuantity::Pitch(level)).expect("measured");
         let stated = space.pitch_sd(space.vertebra(level).expect("both films")).deg();
@@ -324,8 +324,8 @@ fn a_lateral_film_shows_two_degrees_of_kyphosis_too_many() {
 fn no_plane_shows_a_larger_curve_than_that_of_maximum_curvature() {
     let phantom = generate_in_space(&SpaceSetup::default());
     let analysis = analyze_movement(&phantom.case, &AnalysisOptions::default()).expect("good");
-    let measures = analysis.spatial_measures().expect("both films");
-    assert_eq!(measures.curves.len(), analysis.clinical.len());
+    let measures = analysis.movement.spatial_measures().expect("both films");
+    assert_eq!(measures.curves.len(), analysis.movement.clinical.len());
     for curve in &measures.curves {
         let axis = |level| phantom.body(level).expect("every level").cranial;
         let [low, high] = [curve.ends.inferior, curve.ends.superior].map(axis);
@@ -345,7 +345,7 @@ fn no_plane_shows_a_larger_curve_than_that_of_maximum_curvature() {
 #[test]
 fn replicates_vary_the_numbers_in_space_by_their_deviations() {
     let (nominal, found) = replicated();
-    let measures = nominal.spatial_measures().expect("both films");
+    let measures = nominal.movement.spatial_measures().expect("both films");
     let sd = |quantity| found.spread(quantity).expect("measured").sd;
     for angle in &measures.sagittal {
         let share = sd(AnalysisQuantity::Sagittal(angle.part)) / angle.sd_3d.deg();

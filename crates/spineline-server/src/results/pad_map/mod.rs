@@ -10,7 +10,6 @@ use std::thread;
 
 use axum::extract::State;
 use axum::http::StatusCode;
-use spineline::multibody::GeneralStatics;
 use spineline::response::{OtherLoads, PadEffect, PadTrial, try_pad};
 use spineline_files::LoadFile;
 use spineline_store::Role;
@@ -18,7 +17,7 @@ use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
 
 use super::computations::analysed;
-use super::loads::{check_count, refused, stored_model};
+use super::loads::{check_count, personalised_model, refused};
 use crate::api::{LineName, PadMapRequest, PadMapView, Problem};
 use crate::extract::{Json, Path};
 use crate::pad_jobs::{PadMapJob, PadMapWork};
@@ -67,7 +66,7 @@ async fn compute_pad_map(
     check("largest force", request.largest_force, MAX_FORCE)?;
     check("stiffness per mm", request.n_per_mm, MAX_PER_MM)?;
     let of = Arc::clone(&result);
-    let model = computed(move || stored_model(&of, line)).await??;
+    let model = computed(move || personalised_model(&of, line)).await??;
     let others = LoadFile::new(request.beside.iter().map(|load| load.0.clone()).collect());
     check_count(&others)?;
     let others =
@@ -125,9 +124,7 @@ async fn run(state: AppState, job: Arc<PadMapJob>) {
 fn tried(job: &PadMapJob) -> Answer<Option<Vec<PadEffect>>> {
     let PadMapWork { model, trials, others, .. } = &job.work;
     let unusable = |text: String| refused(text, "read the notices of the model");
-    let springs = model.stiffness.iter().copied();
-    let statics = GeneralStatics::new(&model.spine, springs, model.support)
-        .map_err(|error| unusable(error.to_string()))?;
+    let statics = model.statics().map_err(|error| unusable(error.to_string()))?;
     let places = model.curves.as_deref().unwrap_or_default();
     let mut go_on = |_, _: &_| ControlFlow::Continue(());
     let others = OtherLoads::new(&statics, others.clone(), &mut go_on).map_err(|error| {

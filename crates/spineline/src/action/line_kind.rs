@@ -1,9 +1,9 @@
-use super::named;
+use crate::anatomy::named;
 
 named! {
     /// A candidate for the line of action.
     ///
-    /// It is only a name, so that a warning can carry it; [`crate::action::LineOfAction`] is the line itself.
+    /// [`LineOfAction`](crate::action::LineOfAction) is the line itself.
     pub enum LineKind {
         /// Through the two inflections as they lie in the posture.
         Inflection = "inflection_line" as "inflection line",
