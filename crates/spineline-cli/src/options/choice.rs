@@ -7,7 +7,7 @@ pub use spineline_files::method_text::{Choice, of_spelling};
 pub fn choice<T: Choice>() -> impl TypedValueParser<Value = T> {
     let possible = |value: &T| {
         let possible = PossibleValue::new(value.spelling());
-        match value.help() {
+        match Choice::help(*value) {
             "" => possible,
             help => possible.help(help),
         }

@@ -133,7 +133,7 @@ impl ImageRecord {
     }
 
     pub fn geometry(&self, posture: Posture) -> Result<ImageGeometry, FileError> {
-        let source = self.spacing_source.map_or(SpacingSource::Stated, |key| key.0);
+        let source = self.spacing_source.unwrap_or(SpacingSource::Stated);
         let spacing = match (self.column_spacing_mm, self.row_spacing_mm, self.spacing_plane) {
             (Some(_), Some(_), _) if self.pixel_aspect.is_some() => {
                 return Err(FileError::SpacingIncomplete { posture });

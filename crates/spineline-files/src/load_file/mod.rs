@@ -204,7 +204,7 @@ impl AppliedLoad {
             | Self::Gravity { timing, .. }
             | Self::Pad { timing, .. }
             | Self::Strap { timing, .. }
-            | Self::Rod { timing, .. } => timing,
+            | Self::Rod { timing, .. } => *timing,
         }
     }
 

@@ -66,7 +66,10 @@ pub struct NamedValue {
 }
 
 fn named_values<T: Choice>() -> Vec<NamedValue> {
-    T::ALL.iter().map(|one| NamedValue { spelling: one.spelling(), help: one.help() }).collect()
+    T::ALL
+        .iter()
+        .map(|one| NamedValue { spelling: one.spelling(), help: Choice::help(*one) })
+        .collect()
 }
 
 /// All options of the method, in the order of the help of the command line.

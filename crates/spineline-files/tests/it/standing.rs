@@ -2,7 +2,7 @@
 
 use serde_json::Value;
 use spineline::analysis::{AnalysisOptions, AxialSource, PersonalisedModel, PitchSource, analyze};
-use spineline::anatomy::{Level, Named, Posture};
+use spineline::anatomy::{Level, Posture};
 use spineline::measure::{FilmLandmarks, body_widths};
 use spineline::multibody::{StiffnessLibrary, Support};
 use spineline::spatial::Vec3;

@@ -1,10 +1,8 @@
 //! Sentences about a cohort, shared by all front ends.
 
-
 use super::films::{chains_sentence, doubted_sentence};
 use super::{
-    Cohort, ErrorKind, LineOutcomes, LinePairTest, LinesOverPatients, PairedComparison,
-    RoleErrors,
+    Cohort, ErrorKind, LineOutcomes, LinePairTest, LinesOverPatients, PairedComparison, RoleErrors,
 };
 use crate::analysis::{FilmRole, Ranking, listed, probability};
 use crate::evaluate::statistics::PairedT;
