@@ -6,7 +6,8 @@ use axum::response::Response;
 use spineline::anatomy::Named;
 
 use super::super::loads::stored_model;
-use super::{PROGRAM, log};
+use super::log;
+use crate::PROGRAM;
 use crate::access::{open_study, study_result};
 use crate::api::{LineName, ModelFormatName, Problem};
 use crate::attachment::attachment;
