@@ -25,7 +25,7 @@ fn any_case() -> impl Strategy<Value = (usize, usize, bool)> {
 
 fn case((subject, truth, exact): (usize, usize, bool)) -> Case {
     let readers = if exact { Readers::exact() } else { Readers::default() };
-    phantom(subject, Truth::ALL[truth], &readers).case
+    phantom(subject, Truth::PAPER[truth], &readers).case
 }
 
 fn options(ferguson: bool) -> AnalysisOptions {
@@ -188,7 +188,7 @@ proptest! {
         truth in 0..3_usize,
         moves in prop::collection::vec((-80.0..80.0_f64, -900.0..900.0_f64, -900.0..900.0_f64), 5),
     ) {
-        let phantom = phantom(subject, Truth::ALL[truth], &Readers::exact());
+        let phantom = phantom(subject, Truth::PAPER[truth], &Readers::exact());
         let films = |moves: &[(f64, f64, f64)]| -> Vec<Film> {
             let postures = phantom.postures.iter().zip(moves);
             postures.map(|(posture, &(deg, y, z))| {
@@ -212,7 +212,7 @@ proptest! {
     /// reading (so there are six here), T2's tolerance of a millimetre in held-out postures, and the least gap of a line.
     #[test]
     fn a_larger_patient_has_the_same_angles(subject in 0..18_usize, truth in 0..3_usize) {
-        let case = phantom(subject, Truth::ALL[truth], &Readers::default()).case;
+        let case = phantom(subject, Truth::PAPER[truth], &Readers::default()).case;
         let mut large = case.clone();
         for film in &mut large.films {
             let (image, _, _) = landmarks(film);

@@ -46,7 +46,7 @@ impl NoiseStudyArgs {
     /// What is studied, in the order of the figure.
     pub fn truths(&self) -> Vec<Truth> {
         let wanted: Vec<Truth> = self.truths.iter().map(|name| name.0).collect();
-        let every = Truth::EVERY.into_iter();
+        let every = Truth::LINES.iter().copied();
         every.filter(|truth| wanted.is_empty() || wanted.contains(truth)).collect()
     }
 }

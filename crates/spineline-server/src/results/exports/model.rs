@@ -5,7 +5,8 @@ use axum::http::StatusCode;
 use axum::response::Response;
 
 use super::super::loads::personalised_model;
-use super::{PROGRAM, log};
+use super::log;
+use crate::PROGRAM;
 use crate::access::{open_study, study_result};
 use crate::api::{LineName, ModelFormatName, Problem};
 use crate::attachment::attachment;

@@ -17,8 +17,9 @@ use spineline_files::{
 use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
 
-use super::exports::{PROGRAM, log, provenance};
+use super::exports::{log, provenance};
 use super::load_intervals::recall;
+use crate::PROGRAM;
 use crate::access::{open_study, study_result};
 use crate::api::{FileOfLoads, LineName, LoadMenu, LoadedModel, Problem};
 use crate::attachment::attachment;

@@ -9,19 +9,19 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::thread;
 
 use axum::extract::State;
-use axum::http::StatusCode;
 use spineline::response::{OtherLoads, PadEffect, PadTrial, try_pad};
 use spineline_files::LoadFile;
 use spineline_store::Role;
 use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
 
+use super::background::{Task, start};
 use super::computations::analysed;
 use super::loads::{check_count, personalised_model, refused};
 use crate::api::{LineName, PadMapRequest, PadMapView, Problem};
 use crate::extract::{Json, Path};
-use crate::pad_jobs::{PadMapJob, PadMapWork};
-use crate::problem::{Answer, Failure};
+use crate::jobs::{Jobs, PadMapJob, PadMapWork};
+use crate::problem::Answer;
 use crate::result_cache::{StudyResult, computed};
 use crate::state::AppState;
 use crate::user::User;
@@ -74,11 +74,7 @@ async fn compute_pad_map(
     let trials = PadTrial::all(model.levels.len(), request.largest_force, STEPS);
     let asked = trials.len() as u64;
     let work = PadMapWork { line, request, others, model, trials };
-    let job = state.pad_maps().begin(&result, ((), work), asked).ok_or_else(|| {
-        Failure::new(StatusCode::CONFLICT, "running", "pads are being tried on this study")
-            .help("wait for them, or cancel them")
-    })?;
-    tokio::spawn(run(state, Arc::clone(&job)));
+    let job = start(&state, &result, work, asked)?;
     Ok(Json(view(Some(&job))))
 }
 
@@ -102,7 +98,7 @@ async fn cancel_pad_map(
 
 /// The map of this line; that of another line is none.
 fn map_of(state: &AppState, result: &Arc<StudyResult>, line: LineName) -> Option<Arc<PadMapJob>> {
-    state.pad_maps().of(result, ()).filter(|job| job.work.line == line)
+    state.pad_maps().of(result, PadMapWork::KEY).filter(|job| job.work.line == line)
 }
 
 fn check(what: &str, value: f64, limit: f64) -> Answer<()> {
@@ -113,11 +109,20 @@ fn check(what: &str, value: f64, limit: f64) -> Answer<()> {
     Err(refused(text, "correct this number"))
 }
 
-async fn run(state: AppState, job: Arc<PadMapJob>) {
-    // The semaphore is never closed.
-    let _turn = state.pad_maps().turns.acquire().await;
-    let of = Arc::clone(&job);
-    job.end(computed(move || tried(&of)).await.and_then(|found| found));
+impl Task for PadMapWork {
+    const RUNNING: [&'static str; 2] =
+        ["pads are being tried on this study", "wait for them, or cancel them"];
+
+    fn jobs(state: &AppState) -> &Jobs<Self> {
+        state.pad_maps()
+    }
+
+    async fn run(state: &AppState, job: &Arc<PadMapJob>) -> Answer<Option<Vec<PadEffect>>> {
+        // The semaphore is never closed.
+        let _turn = state.pad_maps().turns.acquire().await;
+        let of = Arc::clone(job);
+        computed(move || tried(&of)).await.and_then(|found| found)
+    }
 }
 
 /// The effects of all pads, in the order of the trials; `None` where they were cancelled.

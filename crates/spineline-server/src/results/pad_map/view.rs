@@ -12,8 +12,7 @@ use super::STEPS;
 use crate::api::{
     ComputationState, FileLoad, PadMapCell, PadMapColumn, PadMapRow, PadMapView, Wire,
 };
-use crate::jobs::Ending;
-use crate::pad_jobs::{PadMapJob, PadMapWork};
+use crate::jobs::{Ending, PadMapJob, PadMapWork};
 
 /// State, progress and map of a computation.
 pub fn view(job: Option<&PadMapJob>) -> PadMapView {
