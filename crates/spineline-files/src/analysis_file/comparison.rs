@@ -284,6 +284,6 @@ fn compatibility(found: &Compatibility) -> CompatibilityRecord {
         outcome: found.outcome(),
         tests: found.tests,
         bends: found.bends.iter().map(bend).collect(),
-        without_force: found.without_force.iter().map(|&posture| posture).collect(),
+        without_force: found.without_force.clone(),
     }
 }

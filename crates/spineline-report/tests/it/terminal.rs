@@ -21,7 +21,7 @@ const WIDTH: usize = 110;
 /// No line is broken below it.
 const WIDE: usize = 1000;
 
-fn case(subject: usize, truth: Truth) -> Case {
+pub fn case(subject: usize, truth: Truth) -> Case {
     generate(subject, truth, &Readers::scaled(1.0), 1).expect("a subject of table 1").case
 }
 
@@ -333,7 +333,7 @@ fn a_single_film_has_no_models_and_no_empty_sections() {
     assert!(document.sections.iter().all(|section| !section.blocks.is_empty()));
 }
 
-fn tables(document: &Document) -> Vec<&Table> {
+pub fn tables(document: &Document) -> Vec<&Table> {
     let blocks = document.sections.iter().flat_map(|section| &section.blocks);
     let tables = blocks.filter_map(|block| match block {
         Block::Table(table) => Some(table),
@@ -427,48 +427,6 @@ fn a_cohort_shows_every_patient_line_and_test() {
     assert_eq!(rows, compared.family());
     for said in [compared.believe_words().to_owned(), compared.family_words()] {
         assert!(words(&text).contains(&words(&said)), "{said}");
-    }
-}
-
-#[test]
-fn a_large_cohort_shows_its_first_patients_and_counts_all() {
-    let analysis = analyzed(&case(0, Truth::Pull));
-    let patient = CohortPatient::of(&analysis);
-    let all = PatientRow::MAX_SHOWN + 1;
-    for (patients, is_cut) in [(all - 1, false), (all, true)] {
-        let together = Cohort::of(&vec![patient.clone(); patients], 1);
-        let rows = vec![PatientRow::of(&analysis); patients];
-        let document = cohort::summary(&rows, &together, &[], "spineline test");
-        let tables = tables(&document);
-        let table = tables.iter().find(|t| t.caption.contains("Mean location")).expect("rows");
-        assert_eq!(table.rows.len(), PatientRow::MAX_SHOWN);
-        assert_eq!(table.caption.contains("the first 200 of 201 patients"), is_cut);
-        assert_eq!(table.note.contains("--tables and --json write all"), is_cut, "{}", table.note);
-        assert!(document.subject.starts_with(&format!("{patients} patients")));
-    }
-}
-
-#[test]
-fn films_without_a_result_are_shown_of_the_first_patients() {
-    let whole = analyzed(&case(0, Truth::Pull));
-    // Changed before anything is asked of it: an analysis keeps its comparison.
-    let mut without = whole.clone();
-    without.models.retain(|model| model.kind != LineKind::Inflection);
-    let mut patients = vec![CohortPatient::of(&whole)];
-    for (lacking, is_cut) in [(PatientRow::MAX_SHOWN, false), (PatientRow::MAX_SHOWN + 1, true)] {
-        patients.resize_with(lacking + 1, || {
-            without.case_id.push('x');
-            CohortPatient::of(&without)
-        });
-        let together = Cohort::of(&patients, 1);
-        let row = [PatientRow::of(&whole)];
-        let document = cohort::summary(&row, &together, &[], "spineline test");
-        let tables = tables(&document);
-        let table = tables.iter().find(|t| t.caption.contains("no result")).expect("films");
-        assert_eq!(table.note.contains("The first 200 of 201 patients"), is_cut, "{}", table.note);
-        let mut named: Vec<&String> = table.rows.iter().map(|row| &row[0]).collect();
-        named.dedup();
-        assert_eq!(named.len(), PatientRow::MAX_SHOWN);
     }
 }
 

@@ -8,7 +8,8 @@ use crate::anatomy::{Level, Levels, Posture};
 use crate::clinical::CurvePlaces;
 use crate::evaluate::Simulation;
 use crate::multibody::{
-    GeneralStatics, Goal, Loading, LoadingError, MatchStatus, SpineModel, SpringError, Support,
+    GeneralStatics, Goal, Joint, Loading, LoadingError, MatchStatus, SpineModel, SpringError,
+    Support,
 };
 use crate::response::{OnSignedPoint, Response, respond, usual_limit};
 use crate::spatial::{Mat3, Vec3};
@@ -80,8 +81,13 @@ impl Analysis {
         let levels = movement.levels();
         let levels = levels.as_slice();
         let spine = &movement.spine;
-        let centres: Vec<Vec3> =
-            spine.joints.iter().map(|joint| joint.centre_in_inferior_mm).collect();
+        // Through `G`, where the file states them: the model that is read from its file is the same to the last bit.
+        let inferior = spine.midpoints_mm.iter().zip(&spine.axes);
+        let centre = |(joint, (place_mm, axes)): (&Joint, (&Vec3, &Mat3))| {
+            let centre_mm = place_mm + axes * joint.centre_in_inferior_mm;
+            axes.transpose() * (centre_mm - place_mm)
+        };
+        let centres: Vec<Vec3> = spine.joints.iter().zip(inferior).map(centre).collect();
         let known_widths = movement.widths_mm.iter().copied().chain(std::iter::repeat(None));
         PersonalisedModel {
             case_id: self.case_id.clone(),

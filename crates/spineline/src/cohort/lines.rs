@@ -209,7 +209,8 @@ impl LinesOverPatients {
 /// A line on the films of a role, by one of the errors.
 type LineSample = (FilmRole, LineKind, ErrorKind);
 
-fn add(seen: &Seen<'_>, &(role, kind, error): &LineSample, values: &mut Vec<f64>) {
+fn add(seen: &Seen<'_>, sample: &LineSample, values: &mut Vec<f64>) {
+    let &(role, kind, error) = sample;
     for [film] in seen.patient.films_of(role, [kind]) {
         values.extend_from_slice(error.of(film));
     }

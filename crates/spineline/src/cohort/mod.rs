@@ -311,9 +311,9 @@ fn estimates(patients: &Patients<'_>) -> [EstimateStatistics; 5] {
     ];
     let samples =
         sets.map(|(films, of)| [DISTANCE, DISTANCE_MM, ROTATION].map(|value| (films, of, value)));
-    let add = |seen: &Seen<'_>,
-               (films, of, value): &(Films, EstimatesOf, EstimateValue),
-               values: &mut Vec<f64>| {
+    type Sample = (Films, EstimatesOf, EstimateValue);
+    let add = |seen: &Seen<'_>, sample: &Sample, values: &mut Vec<f64>| {
+        let (films, of, value) = sample;
         let films = seen.patient.films.iter().filter(|film| films.has(film));
         values.extend(films.filter_map(of).flatten().map(value));
     };

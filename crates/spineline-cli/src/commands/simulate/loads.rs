@@ -47,14 +47,14 @@ pub fn of(
             level: LevelKey(level),
             force_in_vertebra_n: in_vertebra.into(),
             point_in_vertebra_mm: [0.0; 3],
-            timing: Timing::Proportional.into(),
+            timing: Timing::Proportional,
         }
     } else {
         AppliedLoad::ForceAtPoint {
             level: LevelKey(level),
             force_n: force.into(),
             point_in_vertebra_mm: [0.0; 3],
-            timing: Timing::Proportional.into(),
+            timing: Timing::Proportional,
         }
     };
     Ok((LoadFile::new(vec![load]), Vec::new()))

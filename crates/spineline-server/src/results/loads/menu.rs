@@ -111,7 +111,7 @@ fn kinds(model: &PersonalisedModel) -> Vec<LoadKind> {
             AppliedLoad::Gravity {
                 body_weight_n: FORCE,
                 down: [0.0, 0.0, -1.0],
-                timing: Timing::Constant.into(),
+                timing: Timing::Constant,
             },
         ),
         kind(

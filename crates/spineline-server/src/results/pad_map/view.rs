@@ -183,7 +183,7 @@ impl Map<'_> {
             direction: effect.trial.direction().into(),
             n_per_mm,
             advance_mm: effect.advance_mm(n_per_mm)?,
-            timing: Timing::Proportional.into(),
+            timing: Timing::Proportional,
         }))
     }
 }
