@@ -2,11 +2,11 @@ use serde::{Deserialize, Serialize};
 use spineline::action::Application;
 use spineline::action::LineKind;
 use spineline::analysis::{
-    Analysis, AxialSource, FilmLoad, LineModel, PersonalisedModel, PitchSource,
+    Analysis, AxialSource, FilmLoad, LineModel, Movement, PersonalisedModel, PitchSource,
 };
 use spineline::anatomy::{Level, Posture, Region};
 use spineline::clinical::{CurvePlaces, RegionBounds};
-use spineline::multibody::{JointStiffness, MatchStatus, SpineModel, StiffnessLibrary, Support};
+use spineline::multibody::{JointStiffness, MatchStatus, SpineModel, Support};
 use spineline::spatial::{Angle, Mat3, Vec3};
 
 use crate::error::NEIGHBOURS_MM;
@@ -197,7 +197,7 @@ impl ModelFile {
             gauge: analysis.options.gauge.key().to_owned(),
             absolute: model.absolute,
             vertebrae: vertebrae(&model),
-            joints: joints(&model, &analysis.movement.library),
+            joints: joints(&model, &analysis.movement),
             loads: model.loads.iter().map(LoadRecord::from).collect(),
             regions: model.curves.as_deref().map(|curves| regions(curves, &model.levels)),
             provenance: None,
@@ -227,8 +227,8 @@ fn vertebrae(model: &PersonalisedModel) -> Vec<VertebraRecord> {
     model.levels.iter().enumerate().map(record).collect()
 }
 
-fn joints(model: &PersonalisedModel, library: &StiffnessLibrary) -> Vec<JointRecord> {
-    let spine = &model.spine;
+fn joints(model: &PersonalisedModel, movement: &Movement) -> Vec<JointRecord> {
+    let spine = &movement.spine;
     let record = |(j, row): (usize, &JointStiffness)| JointRecord {
         inferior: LevelKey(row.inferior),
         superior: LevelKey(row.superior),
@@ -242,7 +242,7 @@ fn joints(model: &PersonalisedModel, library: &StiffnessLibrary) -> Vec<JointRec
         nominal_nmm_per_rad: row.nmm_per_rad,
         source: row.source.clone(),
     };
-    library.rows().iter().enumerate().map(record).collect()
+    movement.library.rows().iter().enumerate().map(record).collect()
 }
 
 /// The places of curves by the names of their vertebrae.

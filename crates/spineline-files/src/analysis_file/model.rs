@@ -5,7 +5,6 @@ use spineline::action::{Application, LineOfAction};
 use spineline::analysis::{Analysis, LineModel};
 use spineline::anatomy::{Levels, Posture, Region};
 use spineline::evaluate::Simulation;
-use spineline::multibody::Residual;
 use spineline::personalize::StiffnessBound;
 use spineline::personalize::evidence::ContradictedJoint;
 use spineline::spatial::Angle;
@@ -60,8 +59,12 @@ struct SimulationRecord {
     /// Signed force along the line's direction: newtons where the model is `absolute`, else relative to the nominal stiffness.
     #[serde(rename = "force")]
     force_n: f64,
-    /// Degrees left of the amplitude (bends) or mm left of T2's place.
-    residual: f64,
+    /// Lateral tilt of the line L4→T2 beyond the film's, where an amplitude was sought.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    residual_deg: Option<f64>,
+    /// Distance of T2 from its place on the film, where that was sought.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    residual_mm: Option<f64>,
     line: LineRecord,
     /// Why this force was chosen: `fitted`, `only_one`, `least_ferguson_error`, `smallest_near_t2`, or `nearest_miss`.
     choice: String,
@@ -158,12 +161,8 @@ fn simulation(s: &Simulation, levels: Levels) -> SimulationRecord {
         status: s.status.key().to_owned(),
         film_scale: Some(s.scale.into()),
         force_n: s.force_n,
-        residual: match s.residual {
-            Residual::Amplitude(angle) => angle.deg(),
-            // The distance that a left-out bend leaves is scaled as the angles of other bends are.
-            Residual::Distance { mm } if s.posture.bend().is_some() => Angle::from_rad(mm).deg(),
-            Residual::Distance { mm } => mm,
-        },
+        residual_deg: s.residual.tilt().map(Angle::deg),
+        residual_mm: s.residual.distance_mm(),
         line: line(&s.line, s.depth_mm),
         choice: s.choice.key().to_owned(),
         lost_forces: s.lost_forces,

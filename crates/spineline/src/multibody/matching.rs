@@ -39,8 +39,8 @@ named! {
         Converged = "converged",
         /// The target is not met up to the largest force or hinge angle; the nearest shape is given.
         Unreachable = "unreachable",
-        /// The target is met, or the force known, but the shape is beyond the human range of motion; only
-        /// [`crate::evaluate::simulate`] judges this.
+        /// The target is met, or the force known, but the shape is beyond the human range of motion. Only simulations of films
+        /// judge this.
         BeyondHumanRange = "beyond_human_range",
         /// A load that moves with T2 could not be closed, or the search did not end.
         NotConverged = "not_converged",
@@ -60,6 +60,15 @@ pub enum Residual {
 }
 
 impl Residual {
+    /// The tilt of an amplitude; `None` for a distance.
+    #[must_use]
+    pub const fn tilt(self) -> Option<Angle> {
+        match self {
+            Self::Amplitude(tilt) => Some(tilt),
+            Self::Distance { .. } => None,
+        }
+    }
+
     /// The distance of T2; `None` for an amplitude.
     #[must_use]
     pub const fn distance_mm(self) -> Option<f64> {

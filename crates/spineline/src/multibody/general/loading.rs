@@ -61,12 +61,12 @@ pub enum BodyLoad {
 }
 
 named! {
-    /// When a load comes. Pads, straps and rods stand from the start: this is when they are advanced.
+    /// Timing of a load. Pads, straps and rods stand from the start; their advance has this timing.
     #[default(Proportional)]
     pub enum Timing {
-        /// First, and then it stays: gravity, say.
+        /// Constant: applied before the proportional loads, and then constant.
         Constant = "held",
-        /// After the constant ones; this is what the path follows.
+        /// Proportional: increases with the load factor, after the constant loads.
         Proportional = "growing",
     }
 }
