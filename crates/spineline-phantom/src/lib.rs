@@ -21,7 +21,7 @@
 //! use spineline_phantom::{Readers, Truth, generate};
 //! let phantom = generate(0, Truth::Rod, &Readers::exact(), 1)?;
 //! let analysis = spineline::analysis::analyze(&phantom.case, &Default::default())?;
-//! assert!(analysis.synthetic && analysis.inflections.all.len() == 2);
+//! assert!(analysis.synthetic && analysis.movement.inflections.all.len() == 2);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
