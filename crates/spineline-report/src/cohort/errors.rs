@@ -135,7 +135,8 @@ pub fn tests(cohort: &Cohort) -> Section {
     section
 }
 
-/// Films on which a line has no result, of at most so many patients, and the lines: films of a patient with the same lines in one row.
+/// Lists the films on which a line lacks a result, with the lines. Films of a patient with the same lines share a row. `most` bounds
+/// the number of patients.
 fn films_without_result(cohort: &Cohort, most: usize) -> Table {
     let columns = vec![
         Column::words("Case"),
@@ -174,7 +175,7 @@ fn films_without_result(cohort: &Cohort, most: usize) -> Table {
     table
 }
 
-/// The lines on the same films, the test of every pair of them, and the films that are left out, of at most so many patients.
+/// Shows the lines on the same films, the test of every pair, and the films that are left out. `most` bounds the number of patients.
 pub fn compared(section: &mut Section, cohort: &Cohort, most: usize) {
     pairs(section, cohort);
     section.table(films_without_result(cohort, most));

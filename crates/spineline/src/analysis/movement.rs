@@ -59,7 +59,7 @@ pub struct Movement {
     pub films: Vec<FilmMovement>,
     /// Inflections of the erect curve, and the curves between them.
     pub inflections: Inflections,
-    /// Where the two inflections may lie if the erect curve is no polynomial; `None` without them, where they were picked by hand,
+    /// Where the two inflections may lie where the erect curve departs from a polynomial; `None` without them, where they were picked by hand,
     /// and in Monte Carlo replicates.
     pub inflection_intervals: Option<InflectionIntervals>,
     /// The inflections as segments of the chain.
@@ -368,7 +368,7 @@ fn warn_of_inflections(found: &Inflections, warnings: &mut Warnings) {
     let then = if found.pair.is_some() {
         "the pair around the largest curve is used"
     } else {
-        "there is no inflection line; the other lines are still compared"
+        "the inflection line is missing; the other lines are still compared"
     };
     let text = format!(
         "the erect curve has {} (curves of {}), not two: {then}",

@@ -154,7 +154,7 @@ impl fmt::Display for FilmView {
 }
 
 named! {
-    /// A region of the spine with one curve of its own, from caudal to cranial.
+    /// A region of the spine that has one curve. Regions go from caudal to cranial.
     pub enum Region {
         /// Thoracolumbar or lumbar.
         ThoracolumbarLumbar = "thoracolumbar_lumbar" as "thoracolumbar/lumbar",

@@ -16,7 +16,7 @@ named! {
         KyphosisT5T12 = "kyphosis_t5_t12",
         /// Kyphosis from T1 to T12.
         KyphosisT1T12 = "kyphosis_t1_t12",
-        /// Lordosis from L1 to L5; the endplate of S1 is no landmark.
+        /// Lordosis from L1 to L5. The landmarks do not include the endplate of S1.
         LordosisL1L5 = "lordosis_l1_l5",
     }
 }
