@@ -1,12 +1,11 @@
 use serde::{Deserialize, Serialize};
-use spineline::action::Application;
 use spineline::action::LineKind;
 use spineline::analysis::{
     Analysis, AxialSource, FilmLoad, LineModel, Movement, PersonalisedModel, PitchSource,
 };
-use spineline::anatomy::{Level, Posture, Region};
+use spineline::anatomy::{Level, Region};
 use spineline::clinical::{CurvePlaces, RegionBounds};
-use spineline::multibody::{JointStiffness, MatchStatus, SpineModel, Support};
+use spineline::multibody::{JointStiffness, SpineModel, Support};
 use spineline::spatial::{Angle, Mat3, Vec3};
 
 use crate::error::NEIGHBOURS_MM;
@@ -49,7 +48,7 @@ pub struct ModelFile {
     /// Caudal first.
     joints: Vec<JointRecord>,
     /// One load per simulated posture.
-    loads: Vec<LoadRecord>,
+    loads: Vec<FilmLoad>,
     /// Where Cobb and Ferguson angles are measured, caudal first; the usual places if not given.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     regions: Option<Vec<RegionRecord>>,
@@ -128,52 +127,6 @@ impl JointRecord {
     }
 }
 
-/// A force on T2.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
-#[serde(deny_unknown_fields)]
-struct LoadRecord {
-    /// Posture that it simulates.
-    posture: Posture,
-    /// How the search for it ended.
-    status: MatchStatus,
-    /// Signed force along the direction: newtons where the model is `absolute`, else relative.
-    #[serde(rename = "force")]
-    force_n: f64,
-    /// Point of the line; x is its sagittal place.
-    point_mm: [f64; 3],
-    /// Unit vector.
-    direction: [f64; 3],
-    /// `fixed` in space, or `at_t2`: through T2's midpoint wherever that goes.
-    application: Application,
-}
-
-impl From<&FilmLoad> for LoadRecord {
-    fn from(load: &FilmLoad) -> Self {
-        Self {
-            posture: load.posture,
-            status: load.status,
-            force_n: load.force_n,
-            point_mm: load.point_mm.into(),
-            direction: load.direction.into(),
-            application: load.application,
-        }
-    }
-}
-
-impl LoadRecord {
-    fn load(&self) -> FilmLoad {
-        FilmLoad {
-            posture: self.posture,
-            status: self.status,
-            force_n: self.force_n,
-            point_mm: self.point_mm.into(),
-            direction: self.direction.into(),
-            application: self.application,
-        }
-    }
-}
-
 /// A model read from its file.
 #[derive(Debug, Clone, PartialEq)]
 pub struct StoredModel {
@@ -198,7 +151,7 @@ impl ModelFile {
             absolute: model.absolute,
             vertebrae: vertebrae(&model),
             joints: joints(&model, &analysis.movement),
-            loads: model.loads.iter().map(LoadRecord::from).collect(),
+            loads: model.loads,
             regions: model.curves.as_deref().map(|curves| regions(curves, &model.levels)),
             provenance: None,
             case_id: model.case_id,
@@ -350,7 +303,7 @@ impl ModelFile {
             stiffness: self.joints.iter().map(JointRecord::stiffness).collect(),
             curves,
             support: self.support,
-            loads: self.loads.iter().map(LoadRecord::load).collect(),
+            loads: self.loads,
         };
         Ok(StoredModel { model, provenance: self.provenance })
     }

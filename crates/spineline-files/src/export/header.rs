@@ -112,7 +112,7 @@ fn load(load: &FilmLoad, unit: &str, dialect: &Dialect) -> String {
     let force_n = (dialect.from_global)(&load.force_vector_n());
     let place = match load.application {
         Application::Fixed => {
-            let point_m = (dialect.from_global)(&(load.point_mm / 1000.0));
+            let point_m = (dialect.from_global)(&(Vec3::from(load.point_mm) / 1000.0));
             format!("along the line fixed in space through {} m", vector(&point_m))
         }
         Application::AtT2 => "at the midpoint, and moves with it".to_owned(),

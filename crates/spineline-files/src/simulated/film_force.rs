@@ -15,7 +15,7 @@ impl AppliedLoad {
         let (level, timing) = (LevelKey(top), Timing::Proportional);
         match film.application {
             Application::Fixed => {
-                Self::ForceOnLine { level, force_n, point_mm: film.point_mm.into(), timing }
+                Self::ForceOnLine { level, force_n, point_mm: film.point_mm, timing }
             }
             Application::AtT2 => {
                 Self::ForceAtPoint { level, force_n, point_in_vertebra_mm: [0.0; 3], timing }

@@ -2,6 +2,8 @@
 
 use std::ops::ControlFlow;
 
+use serde::{Deserialize, Serialize};
+
 use super::{Analysis, AxialSource, LineModel, PitchSource};
 use crate::action::{Application, LineKind};
 use crate::anatomy::{Level, Levels, Posture};
@@ -49,19 +51,22 @@ pub struct PersonalisedModel {
 }
 
 /// The force on the uppermost vertebra that a model needs for a film.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields)]
 pub struct FilmLoad {
     /// Posture of the film.
     pub posture: Posture,
     /// How the search for the force ended.
     pub status: MatchStatus,
     /// Signed force along the direction: newtons where the model is `absolute`, else relative.
+    #[serde(rename = "force")]
     pub force_n: f64,
     /// Point of the line in `G`; x is its sagittal place.
-    pub point_mm: Vec3,
+    pub point_mm: [f64; 3],
     /// Unit vector in `G`.
-    pub direction: Vec3,
-    /// Whether the line is fixed in space or moves with the vertebra.
+    pub direction: [f64; 3],
+    /// `fixed` in space, or `at_t2`: through T2's midpoint wherever that goes.
     pub application: Application,
 }
 
@@ -69,7 +74,7 @@ impl FilmLoad {
     /// The force as a vector in `G`.
     #[must_use]
     pub fn force_vector_n(&self) -> Vec3 {
-        self.direction * self.force_n
+        Vec3::from(self.direction) * self.force_n
     }
 }
 
@@ -119,8 +124,8 @@ impl Analysis {
                 posture: film.posture,
                 status: film.status,
                 force_n: film.force_n,
-                point_mm: Vec3::new(x_mm, line.point.y_mm, line.point.z_mm),
-                direction: Vec3::new(0.0, line.direction.y_mm, line.direction.z_mm),
+                point_mm: [x_mm, line.point.y_mm, line.point.z_mm],
+                direction: [0.0, line.direction.y_mm, line.direction.z_mm],
                 application: line.application,
             }
         };

@@ -70,10 +70,10 @@ impl Analysis {
 
     fn no_inflection_line(&self) -> String {
         if self.movement.inflections.pair.is_some() {
-            return "There is no inflection line: see the warnings.".to_owned();
+            return "The inflection line is missing: see the warnings.".to_owned();
         }
         format!(
-            "There is no inflection line: the erect curve has {} (minimum angle of a curve between inflections: {}).",
+            "The inflection line is missing: the erect curve has {} (minimum angle of a curve between inflections: {}).",
             counted_inflections(self.movement.inflections.all.len()),
             self.options.min_curve
         )
