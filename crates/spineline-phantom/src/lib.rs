@@ -105,7 +105,7 @@ impl Truth {
     ];
     /// The three scenarios that `spineline reproduce` compares with the paper.
     pub const PAPER: [Self; 3] = [Self::Rod, Self::Bend, Self::Pull];
-    /// Scenarios for a comparison of lines: those of [`Truth::PAPER`] and the counter-examples.
+    /// Scenarios for a comparison of lines: [`Truth::PAPER`] and the counter-examples.
     pub const LINES: &[Self] = Self::ALL.split_at(7).0;
     /// Scenarios for a comparison of loads, which no single line describes.
     pub const LOADS: &[Self] = Self::ALL.split_at(7).1;

@@ -118,8 +118,9 @@ fn check_parameters(core: &Path, file: &Path, faults: &mut Vec<String>) -> Resul
     for (number, line) in read(file)?.lines().enumerate() {
         if has_tuple_parameter(line) {
             let place = format!("{}:{}", inside.display(), number + 1);
-            faults
-                .push(format!("{place}: a tuple is no parameter; give its parts, or name a type"));
+            faults.push(format!(
+                "{place}: a parameter is taken apart as a tuple: give its parts, or name a type"
+            ));
         }
     }
     Ok(())

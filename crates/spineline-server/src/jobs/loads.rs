@@ -71,7 +71,7 @@ impl Work for PadMapWork {
 }
 
 impl Jobs<LoadIntervalWork> {
-    /// The intervals of this line; those of another line are not shown.
+    /// The intervals of this line; the intervals of another line are not shown.
     pub fn of_line(
         &self,
         result: &Arc<StudyResult>,

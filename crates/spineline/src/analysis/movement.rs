@@ -118,7 +118,7 @@ impl Movement {
         if space.is_some() && axial.is_empty() {
             warn_of_unknown_rotation(&clinical, warnings);
         }
-        // Replicates show what noise does; what the form of the curve leaves open is that of the case. What a user has picked is
+        // Replicates show what noise does; the form of the curve is uncertain for the case itself. What a user has picked is
         // not doubted.
         let automatic = options.inflections == InflectionChoice::Automatic;
         let pair = inflections.pair.filter(|_| automatic && known.is_none());
@@ -130,7 +130,7 @@ impl Movement {
                 .map(|pair| pair.map(|inflection| erect.pose.nearest_segment(inflection.erect))),
             mean_least_segments: None,
             balance: measure_balance(&erect.outline, &regions, &clinical),
-            // Regions that end at usual vertebrae are no curves, and give no type.
+            // Regions that end at usual vertebrae are not curves, so they give no type.
             lenke: inflections.pair.and_then(|_| lenke_type(&clinical)),
             widths_mm: widths_mm(case, &erect.outline),
             library: options.library.between(erect.outline.levels()).under(options.support),

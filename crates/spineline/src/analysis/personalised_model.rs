@@ -137,7 +137,7 @@ impl Analysis {
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum SimulationError {
-    /// The springs of a joint are no springs.
+    /// The stiffness of a joint is not symmetric and positive definite.
     #[error(transparent)]
     Springs(#[from] SpringError),
     /// A load cannot be applied.
@@ -180,7 +180,7 @@ impl PersonalisedModel {
         Ok(respond(&statics, loading, goal, factor, on_point)?)
     }
 
-    /// Its vertebrae as those of an analysis; `None` where they are not neighbours among L4 to T2.
+    /// Its vertebrae as levels of an analysis; `None` where they are not neighbours among L4 to T2.
     #[must_use]
     pub fn known_levels(&self) -> Option<Levels> {
         let levels = Levels::between(*self.levels.first()?, *self.levels.last()?)?;

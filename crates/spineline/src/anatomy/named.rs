@@ -201,7 +201,7 @@ pub fn deserialize_key<'de, T: Named, D: Deserializer<'de>>(from: D) -> Result<T
     from.deserialize_enum("", &[], ByKey(std::marker::PhantomData))
 }
 
-/// Reads the key in place, so that an error carries its line and not that of the object's end.
+/// Reads the key in place, so that an error carries the line of the key and not the end of the object.
 struct ByKey<T>(std::marker::PhantomData<T>);
 
 impl<'de, T: Named> Visitor<'de> for ByKey<T> {

@@ -82,7 +82,7 @@ pub struct EstimateStatistics {
 }
 
 impl EstimateStatistics {
-    /// Share of the guesses at a distance of 0, 1 and 2 segments, and beyond; NaN where there is no guess.
+    /// Share of the guesses at a distance of 0, 1 and 2 segments, and beyond; NaN without a guess.
     #[must_use]
     pub fn shares(&self) -> [f64; 4] {
         let values = &self.all_distances_segments;

@@ -53,7 +53,7 @@ impl<'a> Seen<'a> {
         Self { patient, has_learned: prior.is_some(), of_others_mm }
     }
 
-    /// Location errors of a baseline on a film by its place, in mm; `None` where there is no result.
+    /// Location errors of a baseline on a film by its place, in mm; `None` without a result.
     pub fn baseline_mm(&self, film: u8, baseline: Baseline) -> Option<&[f64]> {
         let is_bend = self.patient.compared[usize::from(film)].0.bend().is_some();
         let is_replaced = self.has_learned && is_bend && LEARNED.contains(&baseline);

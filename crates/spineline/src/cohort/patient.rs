@@ -249,12 +249,12 @@ impl CohortPatient {
         films.filter_map(|(posture, errors)| Some((posture, errors?)))
     }
 
-    /// Location errors of an own prediction of a film without mechanics; `None` where there is no result.
+    /// Location errors of a prediction without mechanics from the patient's films; `None` without a result.
     pub(super) fn baseline_mm(&self, film: u8, baseline: Baseline) -> Option<&[f64]> {
         self.baselines_mm.get(&(film, baseline))
     }
 
-    /// Location errors of a line on a film; `None` where there is no result.
+    /// Location errors of a line on a film; `None` without a result.
     pub(super) fn line_mm(&self, film: u8, kind: LineKind) -> Option<&[f64]> {
         self.result(film, kind).ok().map(FilmErrors::location_mm)
     }

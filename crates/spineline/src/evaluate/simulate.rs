@@ -69,7 +69,7 @@ named! {
         LeastFergusonError = "least_ferguson_error",
         /// The smallest that brings T2 within a millimetre of the nearest that it gets.
         SmallestNearT2 = "smallest_near_t2",
-        /// None meets the target; this one's shape comes nearest, and is no result.
+        /// The shape misses the target and does not count as a result; it is the nearest one.
         NearestMiss = "nearest_miss",
     }
 }
