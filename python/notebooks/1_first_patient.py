@@ -87,4 +87,4 @@ multipliers[["line", "joints", "multiplier", "at_bound"]]
 # The file of the analysis holds the case, the options and every result; `spineline rerun` repeats it to the last bit. The report is one HTML file.
 
 # %%
-print(a.save("patient.json"), a.report("patient.html"))
+print(a.save("patient.json", overwrite=True), a.report("patient.html", overwrite=True))

@@ -26,7 +26,7 @@ folder = pathlib.Path("cases")
 folder.mkdir(exist_ok=True)
 for truth in ("rod", "bend", "pull"):
     for subject in range(1, 7):
-        sl.phantom(truth, subject=subject).save(folder / f"{truth}-{subject:02}.json")
+        sl.phantom(truth, subject=subject).save(folder / f"{truth}-{subject:02}.json", overwrite=True)
 (folder / "broken.json").write_text("{")  # a file that was cut off
 cohort = sl.Cohort.glob("cases/*.json")
 len(cohort)

@@ -23,7 +23,7 @@ import spineline as sl
 
 a = sl.analyze(sl.phantom("rod", subject=2))
 model = a.model("inflection")
-path = model.to_mujoco("patient.xml")
+path = model.to_mujoco("patient.xml", overwrite=True)
 spine = mujoco.MjModel.from_xml_path(str(path))
 data = mujoco.MjData(spine)
 mujoco.mj_forward(spine, data)

@@ -12,7 +12,8 @@ from typing import TYPE_CHECKING, Any, Literal, TypedDict
 from . import _native
 from ._case import Case, Finding
 from ._errors import InputError
-from ._run import command, now_utc, write_whole
+from ._export import _Exportable, export
+from ._run import command, now_utc
 from ._tables import Tables
 
 if TYPE_CHECKING:
@@ -63,15 +64,12 @@ class MethodOptions(TypedDict, total=False):
     """Other loads and bases to compare: ``"all"``, or names."""
 
 
-class Analysis:
+class Analysis(_Exportable[_native.Analysis]):
     """The results of all steps for one patient, made by :func:`analyze`. It does not change.
 
     Two analyses are equal where case, options and results are. Pickle and copies hold the file of the analysis and repeat the
     computation where they are read, which refuses another version of Spineline.
     """
-
-    def __init__(self, native: _native.Analysis) -> None:
-        self._native = native
 
     @classmethod
     def from_json(cls, text: str | bytes) -> Analysis:
@@ -199,43 +197,15 @@ class Analysis:
         """The results in about a page of text, as ``spineline analyze`` prints them."""
         return self._native.summary()
 
-    def to_json(self) -> str:
-        """The text of its file."""
-        return self._native.to_json()
-
-    def save(self, path: str | os.PathLike[str]) -> Path:
-        """Writes the analysis as JSON, as ``spineline analyze --json``; whole or not at all. Returns the path.
-
-        Raises
-        ------
-        OSError
-            If it cannot be written.
-        """
-        return write_whole(path, self.to_json().encode())
-
-    def report(self, path: str | os.PathLike[str]) -> Path:
+    def report(self, path: str | os.PathLike[str], *, overwrite: bool = False) -> Path:
         """Writes the report as one HTML file, as ``spineline report``; whole or not at all. Returns the path.
 
         Raises
         ------
         OSError
-            If it cannot be written.
+            As :meth:`save`.
         """
-        return write_whole(path, self._native.report_html().encode())
-
-    def __eq__(self, other: object) -> bool:
-        return isinstance(other, Analysis) and self._native == other._native
-
-    __hash__ = None  # type: ignore[assignment]
-
-    def __reduce__(self) -> tuple[Any, ...]:
-        return (Analysis.from_json, (self.to_json(),))
-
-    def __deepcopy__(self, memo: object) -> Analysis:
-        return self
-
-    def __copy__(self) -> Analysis:
-        return self
+        return export(path, self._native.report_html(), overwrite=overwrite)
 
     def __repr__(self) -> str:
         synthetic = ", SYNTHETIC" if self.synthetic else ""

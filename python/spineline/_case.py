@@ -5,27 +5,23 @@ from __future__ import annotations
 import os
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
 from . import _native
-from ._run import write_whole
+from ._export import _Exportable
 
 if TYPE_CHECKING:
     import pandas
 
 
-class Case:
+class Case(_Exportable[_native.Case]):
     """The films of one patient with their landmarks. It does not change.
 
     Made by :func:`read_case`, :meth:`Case.from_landmarks`, :meth:`Case.from_json` or :func:`phantom`. Two cases are equal
     where their files are.
     """
 
-    __slots__ = ("_native",)
-
-    def __init__(self, native: _native.Case) -> None:
-        self._native = native
+    __slots__ = ()
 
     @classmethod
     def from_json(cls, text: str | bytes) -> Case:
@@ -111,34 +107,6 @@ class Case:
         An error that stops the analysis is a row too; nothing is raised.
         """
         return Check(*self._native.check())
-
-    def to_json(self) -> str:
-        """The text of its file, from which :meth:`from_json` makes an equal case."""
-        return self._native.to_json()
-
-    def save(self, path: str | os.PathLike[str]) -> Path:
-        """Writes the case file, whole or not at all, over an existing one; returns its path.
-
-        Raises
-        ------
-        OSError
-            If it cannot be written.
-        """
-        return write_whole(path, self.to_json().encode())
-
-    def __eq__(self, other: object) -> bool:
-        return isinstance(other, Case) and self._native == other._native
-
-    __hash__ = None  # type: ignore[assignment]
-
-    def __reduce__(self) -> tuple[Any, ...]:
-        return (Case.from_json, (self.to_json(),))
-
-    def __deepcopy__(self, memo: object) -> Case:
-        return self
-
-    def __copy__(self) -> Case:
-        return self
 
     def __repr__(self) -> str:
         synthetic = ", SYNTHETIC" if self.synthetic else ""

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, Literal
 
 from . import _native
 from ._errors import InputError, NotAResultError
-from ._run import write_whole
+from ._export import _Exportable, export
 
 if TYPE_CHECKING:
     import numpy as np
@@ -142,14 +142,11 @@ class Gravity:
 Load = Force | Pad | Rod | Gravity | dict[str, Any]
 
 
-class Model:
+class Model(_Exportable[_native.Model]):
     """A personalised model: vertebrae, joints, springs, and the loads that were found. It does not change.
 
     Made by :meth:`Analysis.model` or :meth:`Model.from_json`. Pickle, copies and equality go by its file.
     """
-
-    def __init__(self, native: _native.Model) -> None:
-        self._native = native
 
     @classmethod
     def from_json(cls, text: str | bytes) -> Model:
@@ -239,37 +236,37 @@ class Model:
         text = json.dumps({"format": "spineline-load", "version": 1, "loads": given})
         return Simulation(self, (text, tilt, largest_factor, support), allow_unusable=allow_unusable)
 
-    def to_mujoco(self, path: str | os.PathLike[str]) -> Path:
+    def to_mujoco(self, path: str | os.PathLike[str], *, overwrite: bool = False) -> Path:
         """Writes the model for MuJoCo (MJCF), in m, N and rad; whole or not at all. Returns the path.
 
         Raises
         ------
         OSError
-            If it cannot be written.
+            As :meth:`save`.
         """
-        return write_whole(path, self._native.export("mjcf").encode())
+        return export(path, self._native.export("mjcf"), overwrite=overwrite)
 
-    def to_opensim(self, path: str | os.PathLike[str]) -> Path:
+    def to_opensim(self, path: str | os.PathLike[str], *, overwrite: bool = False) -> Path:
         """Writes the model for OpenSim 4, in m, N and rad; whole or not at all. Returns the path.
 
         Raises
         ------
         OSError
-            If it cannot be written.
+            As :meth:`save`.
         """
-        return write_whole(path, self._native.export("osim").encode())
+        return export(path, self._native.export("osim"), overwrite=overwrite)
 
-    def to_urdf(self, path: str | os.PathLike[str]) -> Path:
+    def to_urdf(self, path: str | os.PathLike[str], *, overwrite: bool = False) -> Path:
         """Writes the model as URDF, in m, N and rad; whole or not at all. Returns the path.
 
         Raises
         ------
         OSError
-            If it cannot be written.
+            As :meth:`save`.
         """
-        return write_whole(path, self._native.export("urdf").encode())
+        return export(path, self._native.export("urdf"), overwrite=overwrite)
 
-    def to_vtk(self, path: str | os.PathLike[str]) -> Path:
+    def to_vtk(self, path: str | os.PathLike[str], *, overwrite: bool = False) -> Path:
         """Writes the vertebral bodies with their angles as VTK PolyData (`.vtp`), in mm, in the frame of 3D Slicer's files (LPS).
 
         Whole or not at all. Returns the path.
@@ -277,11 +274,11 @@ class Model:
         Raises
         ------
         OSError
-            If it cannot be written.
+            As :meth:`save`.
         """
-        return write_whole(path, self._native.export("vtp").encode())
+        return export(path, self._native.export("vtp"), overwrite=overwrite)
 
-    def to_gltf(self, path: str | os.PathLike[str]) -> Path:
+    def to_gltf(self, path: str | os.PathLike[str], *, overwrite: bool = False) -> Path:
         """Writes the vertebral bodies as glTF 2.0 (`.gltf`), in m, with x left, y cranial, z anterior.
 
         Whole or not at all. Returns the path.
@@ -289,37 +286,9 @@ class Model:
         Raises
         ------
         OSError
-            If it cannot be written.
+            As :meth:`save`.
         """
-        return write_whole(path, self._native.export("gltf").encode())
-
-    def to_json(self) -> str:
-        """The text of its file, from which :meth:`from_json` makes an equal model."""
-        return self._native.to_json()
-
-    def save(self, path: str | os.PathLike[str]) -> Path:
-        """Writes the model file, whole or not at all; returns its path.
-
-        Raises
-        ------
-        OSError
-            If it cannot be written.
-        """
-        return write_whole(path, self.to_json().encode())
-
-    def __eq__(self, other: object) -> bool:
-        return isinstance(other, Model) and self._native == other._native
-
-    __hash__ = None  # type: ignore[assignment]
-
-    def __reduce__(self) -> tuple[Any, ...]:
-        return (Model.from_json, (self.to_json(),))
-
-    def __deepcopy__(self, memo: object) -> Model:
-        return self
-
-    def __copy__(self) -> Model:
-        return self
+        return export(path, self._native.export("gltf"), overwrite=overwrite)
 
     def __repr__(self) -> str:
         unit = "forces in newtons" if self.absolute else "relative forces"
@@ -331,17 +300,17 @@ _Asked = tuple[str, float | None, float | None, str | None]
 """What is asked of a model: text of the load file, tilt to the right in degrees, largest factor, support."""
 
 
-class Simulation:
+class Simulation(_Exportable[_native.Simulation]):
     """What a model does under loads, made by :meth:`Model.simulate`. It does not change.
 
     Two simulations are equal where the models and the files of the simulations are. Pickle holds these files and what was asked,
     and repeats the computation where it is read, which refuses another version of Spineline that finds another result.
     """
 
-    __slots__ = ("_allow_unusable", "_asked", "_model", "_native", "levels")
+    __slots__ = ("_allow_unusable", "_asked", "_model", "levels")
 
     def __init__(self, model: Model, asked: _Asked, *, allow_unusable: bool) -> None:
-        self._native = model._native.simulate(*asked)
+        super().__init__(model._native.simulate(*asked))
         self._model = model
         self._asked = asked
         self._allow_unusable = allow_unusable
@@ -425,20 +394,6 @@ class Simulation:
         tilt: float = self._all_angles()["lateral_tilt"]
         return tilt
 
-    def to_json(self) -> str:
-        """The text of its file, with the whole path of equilibria (``spineline schema simulation``)."""
-        return self._native.to_json()
-
-    def save(self, path: str | os.PathLike[str]) -> Path:
-        """Writes the simulation file, whole or not at all; returns its path.
-
-        Raises
-        ------
-        OSError
-            If it cannot be written.
-        """
-        return write_whole(path, self.to_json().encode())
-
     def _angles(self, name: str) -> dict[str, float]:
         found: dict[str, float] = self._all_angles()[name]
         return found
@@ -468,16 +423,10 @@ class Simulation:
             and self.to_json() == other.to_json()
         )
 
-    __hash__ = None  # type: ignore[assignment]
+    __hash__ = None
 
     def __reduce__(self) -> tuple[Any, ...]:
         return (_repeated, (self._model, self._asked, self._allow_unusable, self.to_json()))
-
-    def __deepcopy__(self, memo: object) -> Simulation:
-        return self
-
-    def __copy__(self) -> Simulation:
-        return self
 
     def __repr__(self) -> str:
         return f"<Simulation: {self.status}>"

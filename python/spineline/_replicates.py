@@ -12,7 +12,8 @@ from typing import Any
 from . import _native
 from ._analysis import Analysis
 from ._errors import InputError
-from ._run import command, now_utc, write_whole
+from ._export import export
+from ._run import command, now_utc
 from ._tables import Table
 
 
@@ -123,15 +124,15 @@ class Replicates(Mapping[str, Spread]):
         """The text of the file of the analysis with all distributions."""
         return self._json
 
-    def save(self, path: str | os.PathLike[str]) -> Path:
+    def save(self, path: str | os.PathLike[str], *, overwrite: bool = False) -> Path:
         """Writes the analysis with all distributions as JSON; whole or not at all. Returns the path.
 
         Raises
         ------
         OSError
-            If it cannot be written.
+            As :meth:`Analysis.save`.
         """
-        return write_whole(path, self._json.encode())
+        return export(path, self._json, overwrite=overwrite)
 
     def __eq__(self, other: object) -> bool:
         return isinstance(other, Replicates) and self._spreads == other._spreads

@@ -218,6 +218,18 @@ def test_reports_and_figures_are_written(analysis: sl.Analysis, tmp_path: Path) 
     assert [path.name for path in tmp_path.iterdir()] == ["p.html"]
 
 
+def test_a_file_is_replaced_only_where_asked(analysis: sl.Analysis, tmp_path: Path) -> None:
+    model, path = analysis.model(), tmp_path / "kept"
+    path.write_text("mine")
+    for write in (analysis.case.save, analysis.save, analysis.report, model.save, model.to_mujoco):
+        with pytest.raises(FileExistsError, match="overwrite=True"):
+            write(path)
+        assert path.read_text() == "mine"
+        assert write(path, overwrite=True).read_text() != "mine"
+        path.write_text("mine")
+    assert list(tmp_path.iterdir()) == [path]
+
+
 def test_threads_give_the_same(case: sl.Case, analysis: sl.Analysis) -> None:
     with ThreadPoolExecutor(4) as pool:
         found = list(pool.map(lambda _: sl.analyze(case), range(8)))

@@ -82,6 +82,8 @@ def interrupt():
     os.kill(os.getpid(), signal.SIGINT)
 
 if __name__ == "__main__":
+    # A shell may start its background jobs with interrupts ignored.
+    signal.signal(signal.SIGINT, signal.default_int_handler)
     at = []
     folder, out = sys.argv[1:]
     local = dict(host="127.0.0.1", dashboard_address=None, threads_per_worker=1)

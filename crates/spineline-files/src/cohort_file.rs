@@ -13,7 +13,6 @@ use spineline::evaluate::statistics::PairedT;
 
 use crate::Provenance;
 use crate::analysis_file::NumbersRecord;
-use crate::keys::Key;
 use crate::refused_file::RefusedRecord;
 
 /// The lines of action over many patients, on the same films. Location errors in mm, Ferguson errors in degrees.
@@ -133,7 +132,7 @@ struct MissingRecord {
 struct DoubtedRecord {
     case_id: String,
     /// `null` for the lateral film.
-    posture: Option<Key<Posture>>,
+    posture: Option<Posture>,
     /// Code of the warning.
     code: String,
     reason: String,
@@ -192,7 +191,7 @@ struct TestRecord {
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 struct BaselineRecord {
     /// `mirrored_bend`, `published_mobility` or `other_patients`.
-    baseline: Key<Baseline>,
+    baseline: Baseline,
     /// `left_out_bend` or `held_out`.
     role: String,
     films: usize,
@@ -205,7 +204,7 @@ struct BaselineRecord {
 struct BaselineTestRecord {
     /// Name of the line, or of the load and base.
     model: String,
-    baseline: Key<Baseline>,
+    baseline: Baseline,
     role: String,
     films: usize,
     patients: usize,
@@ -217,7 +216,7 @@ struct BaselineTestRecord {
     /// After Holm's correction over all of these tests.
     holm_p: Option<f64>,
     /// What the model is beside the baseline.
-    outcome: Key<ComparisonOutcome>,
+    outcome: ComparisonOutcome,
 }
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -313,7 +312,7 @@ fn sample(values: &Clustered) -> SampleRecord {
 
 fn baseline(found: &BaselineErrors) -> BaselineRecord {
     BaselineRecord {
-        baseline: found.baseline.into(),
+        baseline: found.baseline,
         role: found.role.key().to_owned(),
         films: found.films,
         location_mm: sample(&found.location_mm),
@@ -324,7 +323,7 @@ fn baseline_test<M>(found: &BaselineTest<M>, model: String) -> BaselineTestRecor
     let c = &found.comparison;
     BaselineTestRecord {
         model,
-        baseline: found.baseline.into(),
+        baseline: found.baseline,
         role: found.role.key().to_owned(),
         films: found.films,
         patients: c.patients(),
@@ -332,7 +331,7 @@ fn baseline_test<M>(found: &BaselineTest<M>, model: String) -> BaselineTestRecor
         interval_95_mm: c.bootstrap,
         sign_flip_p: c.sign_flip.map(|test| test.p_two_sided),
         holm_p: found.holm_p,
-        outcome: found.outcome().into(),
+        outcome: found.outcome(),
     }
 }
 
@@ -350,7 +349,7 @@ fn errors(found: &RoleErrors) -> ErrorsRecord {
 fn doubted(film: &DoubtedFilm) -> DoubtedRecord {
     DoubtedRecord {
         case_id: film.case_id.clone(),
-        posture: film.posture.map(Into::into),
+        posture: film.posture,
         code: film.code.to_owned(),
         reason: film.why.clone(),
     }

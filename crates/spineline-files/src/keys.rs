@@ -6,10 +6,7 @@ use std::marker::PhantomData;
 
 use serde::de::{Error, MapAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
-use spineline::anatomy::{Level, Named};
-use spineline::measure::SpacingSource;
-
-use crate::by_key;
+use spineline::anatomy::Level;
 
 /// A vertebra as a key: `L4`, `T12` (`Th12` and `D12` are read too).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -47,48 +44,6 @@ impl<'de> Deserialize<'de> for JointKey {
     }
 }
 
-/// A named value, stored by its name.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Default)]
-pub struct Key<T>(pub T);
-
-impl<T> From<T> for Key<T> {
-    fn from(value: T) -> Self {
-        Self(value)
-    }
-}
-
-impl<T: Named> Serialize for Key<T> {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        by_key::serialize(self.0, serializer)
-    }
-}
-
-impl<'de, T: Named> Deserialize<'de> for Key<T> {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        by_key::deserialize(T::ALL, deserializer).map(Self)
-    }
-}
-
-/// How a film's spacing became known, as a key.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct SourceKey(pub SpacingSource);
-
-impl Serialize for SourceKey {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        serializer.serialize_str(self.0.key())
-    }
-}
-
-impl<'de> Deserialize<'de> for SourceKey {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        let text = String::deserialize(deserializer)?;
-        let known = SpacingSource::ALL.map(SpacingSource::key);
-        SpacingSource::from_key(&text)
-            .map(Self)
-            .ok_or_else(|| D::Error::custom(format!("`{text}` is none of {}", known.join(", "))))
-    }
-}
-
 /// A map by level in which a level that is given twice is an error, not an overwriting.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[serde(transparent)]
@@ -123,30 +78,18 @@ impl<'de, T: Deserialize<'de>> Deserialize<'de> for ByLevel<T> {
 
 #[cfg(test)]
 mod tests {
-    use schemars::{JsonSchema, schema_for};
     use serde::de::DeserializeOwned;
-    use spineline::analysis::Grouping;
     use spineline::multibody::Support;
 
     use super::*;
     use crate::json::parse_value;
     use crate::to_text;
 
-    /// Support of the patient.
-    #[derive(Debug, Serialize, Deserialize, JsonSchema)]
+    #[derive(Debug, Serialize, Deserialize)]
     #[serde(rename_all = "snake_case")]
-    enum SupportKey {
-        /// Free above L4.
+    enum Derived {
         Free,
-        /// A table: flexion and axial hinges are locked.
         Frontal,
-    }
-
-    #[derive(Debug, Serialize, Deserialize, JsonSchema)]
-    #[serde(rename_all = "snake_case")]
-    enum GroupingKey {
-        Regional,
-        PerJoint,
     }
 
     /// A list of values read and written again, or what is wrong with it.
@@ -158,13 +101,9 @@ mod tests {
     }
 
     #[test]
-    fn a_key_equals_that_of_a_derived_enum() {
-        let schemas = [schema_for!(Key<Support>), schema_for!(SupportKey)].map(|s| to_text(&s));
-        assert_eq!(schemas[0], schemas[1]);
-        let schemas = [schema_for!(Key<Grouping>), schema_for!(GroupingKey)].map(|s| to_text(&s));
-        assert_eq!(schemas[0], schemas[1]);
+    fn a_named_value_is_read_and_written_as_a_derived_enum() {
         for text in ["[\n\"free\"]", "[\n\"fre\"\n]", "[5]", "[{\n\"free\": null}]", "[null]"] {
-            assert_eq!(again::<Key<Support>>(text), again::<SupportKey>(text), "{text}");
+            assert_eq!(again::<Support>(text), again::<Derived>(text), "{text}");
         }
     }
 }

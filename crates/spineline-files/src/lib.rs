@@ -13,7 +13,6 @@
 //! ```
 
 mod analysis_file;
-pub mod by_key;
 mod case_file;
 mod cohort_file;
 mod content;
@@ -61,12 +60,12 @@ pub use digest::sha256_hex;
 pub use error::FileError;
 pub use export::{ExportError, ExportFormat, export};
 pub use json::{file_format, parse_json};
-pub use keys::{Key, LevelKey};
+pub use keys::LevelKey;
 pub use keys_once::KeysOnce;
 pub use load_file::{
     AppliedLoad, DIRECTIONS, LoadFault, LoadFile, PlacedLoads, direction, parse_load,
 };
-pub use model_file::{LoadRecord, ModelFile, StoredModel, parse_model};
+pub use model_file::{ModelFile, StoredModel, parse_model};
 pub use model_source::{ModelSource, ModelSourceError};
 pub use nearest::nearest;
 pub use provenance::{

@@ -1,14 +1,16 @@
 use serde::{Deserialize, Serialize};
-use spineline::action::Application;
-use spineline::analysis::{Analysis, AxialSource, LineModel, PitchSource};
-use spineline::anatomy::{Level, Levels, Posture, Region};
+use spineline::action::LineKind;
+use spineline::analysis::{
+    Analysis, AxialSource, FilmLoad, LineModel, Movement, PersonalisedModel, PitchSource,
+};
+use spineline::anatomy::{Level, Region};
 use spineline::clinical::{CurvePlaces, RegionBounds};
-use spineline::multibody::{SpineModel, Support, coupled_matrix};
+use spineline::multibody::{JointStiffness, SpineModel, Support};
 use spineline::spatial::{Angle, Mat3, Vec3};
 
 use crate::error::NEIGHBOURS_MM;
 use crate::json::parse;
-use crate::keys::{Key, LevelKey};
+use crate::keys::LevelKey;
 use crate::{FileError, Provenance};
 
 const FORMAT: &str = "spineline-model";
@@ -34,9 +36,9 @@ pub struct ModelFile {
     /// Whether that case is synthetic.
     synthetic: bool,
     /// Line of action that the stiffness was fitted with.
-    line: String,
+    line: LineKind,
     /// `free` or `frontal` (flexion and axial hinges locked).
-    support: Key<Support>,
+    support: Support,
     /// Scale constraint of stiffness and force.
     gauge: String,
     /// Whether forces and springs are absolute; else only their ratios are meaningful.
@@ -46,7 +48,7 @@ pub struct ModelFile {
     /// Caudal first.
     joints: Vec<JointRecord>,
     /// One load per simulated posture.
-    loads: Vec<LoadRecord>,
+    loads: Vec<FilmLoad>,
     /// Where Cobb and Ferguson angles are measured, caudal first; the usual places if not given.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     regions: Option<Vec<RegionRecord>>,
@@ -60,7 +62,7 @@ pub struct ModelFile {
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 struct RegionRecord {
-    region: Key<Region>,
+    region: Region,
     /// Lower end of the Ferguson angle.
     inferior: LevelKey,
     apex: LevelKey,
@@ -85,9 +87,11 @@ struct VertebraRecord {
     /// Unit vectors in `G`: anterior, left, cranial axis of the vertebra.
     axes: [[f64; 3]; 3],
     /// Where pitch and depth come from.
-    pitch_from: Key<PitchSource>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pitch_from: Option<PitchSource>,
     /// Where the axial rotation comes from.
-    axial_rotation_from: Key<AxialSource>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    axial_rotation_from: Option<AxialSource>,
     /// Width of the body between its corners on the erect film, for drawing it; absent where nobody placed them.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     width_mm: Option<f64>,
@@ -123,109 +127,35 @@ impl JointRecord {
     }
 }
 
-/// A force on T2.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
-#[serde(deny_unknown_fields)]
-pub struct LoadRecord {
-    /// Posture that it simulates.
-    pub posture: Key<Posture>,
-    /// How the search for it ended.
-    pub status: String,
-    /// Signed force along the direction: newtons where the model is `absolute`, else relative.
-    #[serde(rename = "force")]
-    pub force_n: f64,
-    /// Point of the line; x is its sagittal place.
-    pub point_mm: [f64; 3],
-    /// Unit vector.
-    pub direction: [f64; 3],
-    /// `fixed` in space, or `at_t2`: through T2's midpoint wherever that goes.
-    pub application: Key<Application>,
-}
-
-/// A model read from its file, for a simulation.
+/// A model read from its file.
 #[derive(Debug, Clone, PartialEq)]
 pub struct StoredModel {
-    /// Case that it was made from.
-    pub case_id: String,
-    /// Whether that case is synthetic.
-    pub synthetic: bool,
-    /// Line of action that the stiffness was fitted with.
-    pub line: String,
-    /// Whether forces and springs are absolute; else only their ratios are meaningful.
-    pub absolute: bool,
-    /// The vertebrae by name, as many as the spine has.
-    pub levels: Vec<Level>,
-    /// Where pitch and depth of each come from, in their order.
-    pub pitch_from: Vec<PitchSource>,
-    /// Where the axial rotation of each comes from.
-    pub axial_from: Vec<AxialSource>,
-    /// Width of each body between its corners on the erect film; `None` where it is not known.
-    pub widths_mm: Vec<Option<f64>>,
-    /// Vertebrae and joints.
-    pub spine: SpineModel,
-    /// Springs of every joint about x, y and z.
-    pub stiffness_nmm_per_rad: Vec<[f64; 3]>,
-    /// The same as matrices: diagonal, but for joints whose hinges the file couples.
-    pub stiffness: Vec<Mat3>,
-    /// Where Cobb and Ferguson angles are measured; `None` where the file does not say.
-    pub curves: Option<Vec<CurvePlaces>>,
-    /// Support of the patient.
-    pub support: Support,
-    /// Loads that were found.
-    pub loads: Vec<LoadRecord>,
+    /// The model.
+    pub model: PersonalisedModel,
     /// Provenance, with the options of the analysis.
     pub provenance: Option<Provenance>,
 }
 
-impl StoredModel {
-    /// A personalised model of an analysis, as it is read back from its file.
-    ///
-    /// # Errors
-    /// [`FileError`] where no reader takes it, such as for vertebrae at distances that no spine has.
-    pub fn of(analysis: &Analysis, model: &LineModel) -> Result<Self, FileError> {
-        ModelFile::new(analysis, model, "").stored()
-    }
-
-    /// Its vertebrae as those of an analysis; `None` where they are not neighbours among L4 to T2.
-    #[must_use]
-    pub fn known_levels(&self) -> Option<Levels> {
-        let levels = Levels::between(*self.levels.first()?, *self.levels.last()?)?;
-        (levels.as_slice() == self.levels).then_some(levels)
-    }
-
-    /// The vertebra that carries the force of a film: the highest one.
-    #[must_use]
-    pub fn top(&self) -> Level {
-        self.levels.last().copied().unwrap_or(Level::T2)
-    }
-
-    /// Unit of forces: `N`, or a text that warns where only ratios are known.
-    #[must_use]
-    pub const fn force_unit(&self) -> &'static str {
-        if self.absolute { "N" } else { "relative units, not newtons" }
-    }
-}
-
 impl ModelFile {
-    /// The file of one personalised model of an analysis.
+    /// The file of the personalised model of a line of action.
     #[must_use]
-    pub fn new(analysis: &Analysis, model: &LineModel, generator: &str) -> Self {
+    pub fn new(analysis: &Analysis, line: &LineModel, generator: &str) -> Self {
+        let model = analysis.personalised_model(line);
         Self {
             format: FORMAT.to_owned(),
             version: VERSION,
             generator: generator.to_owned(),
-            case_id: analysis.case_id.clone(),
-            synthetic: analysis.synthetic,
-            line: model.kind.key().to_owned(),
-            support: analysis.options.support.into(),
+            line: model.line,
+            support: model.support,
             gauge: analysis.options.gauge.key().to_owned(),
-            absolute: model.is_absolute(analysis.options.gauge),
-            vertebrae: vertebrae(analysis),
-            joints: joints(analysis, model),
-            loads: loads(analysis, model),
-            regions: Some(regions(analysis)),
+            absolute: model.absolute,
+            vertebrae: vertebrae(&model),
+            joints: joints(&model, &analysis.movement),
+            loads: model.loads,
+            regions: model.curves.as_deref().map(|curves| regions(curves, &model.levels)),
             provenance: None,
+            case_id: model.case_id,
+            synthetic: model.synthetic,
         }
     }
 
@@ -237,99 +167,58 @@ impl ModelFile {
     }
 }
 
-fn vertebrae(analysis: &Analysis) -> Vec<VertebraRecord> {
-    let spine = &analysis.spine;
-    let column = |m: &Mat3, i: usize| [m[(0, i)], m[(1, i)], m[(2, i)]];
-    let places = spine.midpoints_mm.iter().zip(&spine.axes);
-    let mut widths = analysis.widths_mm.iter().copied();
-    let vertebrae = analysis.levels().as_slice().iter().zip(places);
-    vertebrae
-        .map(|(&level, (midpoint_mm, axes))| VertebraRecord {
-            level: LevelKey(level),
-            midpoint_mm: vector(midpoint_mm),
-            axes: [0, 1, 2].map(|axis| column(axes, axis)),
-            pitch_from: analysis.pitch_source(level).into(),
-            axial_rotation_from: analysis.axial_source(level).into(),
-            width_mm: widths.next().flatten(),
-        })
-        .collect()
+fn vertebrae(model: &PersonalisedModel) -> Vec<VertebraRecord> {
+    let spine = &model.spine;
+    let record = |(i, &level): (usize, &Level)| VertebraRecord {
+        level: LevelKey(level),
+        midpoint_mm: spine.midpoints_mm[i].into(),
+        axes: [0, 1, 2].map(|axis| spine.axes[i].column(axis).into_owned().into()),
+        pitch_from: model.pitch_from[i],
+        axial_rotation_from: model.axial_from[i],
+        width_mm: model.widths_mm[i],
+    };
+    model.levels.iter().enumerate().map(record).collect()
 }
 
-fn joints(analysis: &Analysis, model: &LineModel) -> Vec<JointRecord> {
-    let spine = &analysis.spine;
-    let stiffness = model.stiffness_nmm_per_rad(&analysis.library);
-    let joints = stiffness.into_iter().zip(analysis.library.rows()).enumerate();
-    joints
-        .map(|(j, (stiffness_nmm_per_rad, row))| JointRecord {
-            inferior: LevelKey(row.inferior),
-            superior: LevelKey(row.superior),
-            centre_mm: vector(
-                &(spine.midpoints_mm[j] + spine.axes[j] * spine.joints[j].centre_in_inferior_mm),
-            ),
-            stiffness_nmm_per_rad,
-            stiffness_matrix_nmm_per_rad: (row.axial_per_lateral != 0.0).then(|| {
-                let matrix = coupled_matrix(stiffness_nmm_per_rad, row.axial_per_lateral);
-                [0, 1, 2].map(|i| [0, 1, 2].map(|j| matrix[(i, j)]))
-            }),
-            nominal_nmm_per_rad: row.nmm_per_rad,
-            source: row.source.clone(),
-        })
-        .collect()
+fn joints(model: &PersonalisedModel, movement: &Movement) -> Vec<JointRecord> {
+    let spine = &movement.spine;
+    let record = |(j, row): (usize, &JointStiffness)| JointRecord {
+        inferior: LevelKey(row.inferior),
+        superior: LevelKey(row.superior),
+        centre_mm: (spine.midpoints_mm[j] + spine.axes[j] * spine.joints[j].centre_in_inferior_mm)
+            .into(),
+        stiffness_nmm_per_rad: model.stiffness_nmm_per_rad[j],
+        stiffness_matrix_nmm_per_rad: (row.axial_per_lateral != 0.0).then(|| {
+            let matrix = &model.stiffness[j];
+            [0, 1, 2].map(|i| [0, 1, 2].map(|k| matrix[(i, k)]))
+        }),
+        nominal_nmm_per_rad: row.nmm_per_rad,
+        source: row.source.clone(),
+    };
+    movement.library.rows().iter().enumerate().map(record).collect()
 }
 
-fn loads(analysis: &Analysis, model: &LineModel) -> Vec<LoadRecord> {
-    let top = analysis.levels().as_slice().len() - 1;
-    let top_x_mm = analysis.spine.midpoints_mm[top].x;
-    let loads = model.postures.iter();
-    loads
-        .map(|film| {
-            let line = analysis.line_in_model(film);
-            let x_mm = match line.application {
-                Application::Fixed => film.depth_mm,
-                Application::AtT2 => top_x_mm,
-            };
-            LoadRecord {
-                posture: film.posture.into(),
-                status: film.status.key().to_owned(),
-                force_n: film.force_n,
-                point_mm: [x_mm, line.point.y_mm, line.point.z_mm],
-                direction: [0.0, line.direction.y_mm, line.direction.z_mm],
-                application: line.application.into(),
-            }
-        })
-        .collect()
-}
-
-fn vector(v: &Vec3) -> [f64; 3] {
-    [v.x, v.y, v.z]
-}
-
-/// The places of the analysis's own angles.
-fn regions(analysis: &Analysis) -> Vec<RegionRecord> {
-    let levels = analysis.levels().as_slice();
+/// The places of curves by the names of their vertebrae.
+fn regions(curves: &[CurvePlaces], levels: &[Level]) -> Vec<RegionRecord> {
     let level = |place: usize| LevelKey(levels[place]);
-    let bounds = analysis.regions.bounds.iter().zip(&analysis.clinical);
-    bounds
-        .map(|(bounds, curve)| RegionRecord {
-            region: bounds.region.into(),
+    let record =
+        |CurvePlaces { bounds, cobb_ends, endplate_difference }: &CurvePlaces| RegionRecord {
+            region: bounds.region,
             inferior: level(bounds.inferior),
             apex: level(bounds.apex),
             superior: level(bounds.superior),
-            cobb_inferior: LevelKey(curve.ends.inferior),
-            cobb_superior: LevelKey(curve.ends.superior),
-            endplate_difference_deg: curve
-                .angles
-                .first()
-                .and_then(|(_, all)| Some((all.cobb? - all.tilt_range).wrapped().deg())),
-        })
-        .collect()
+            cobb_inferior: level(cobb_ends[0]),
+            cobb_superior: level(cobb_ends[1]),
+            endplate_difference_deg: endplate_difference.map(Angle::deg),
+        };
+    curves.iter().map(record).collect()
 }
 
 /// Regions as places among the vertebrae of a file.
 fn places(records: &[RegionRecord], levels: &[Level]) -> Result<Vec<CurvePlaces>, FileError> {
     let find = |level: LevelKey, record: &RegionRecord| {
         let found = levels.iter().position(|other| *other == level.0);
-        found.ok_or(FileError::Region { region: record.region.0, level: level.0 })
+        found.ok_or(FileError::Region { region: record.region, level: level.0 })
     };
     let place = |record: &RegionRecord| {
         let [inferior, apex, superior, low, high] = [
@@ -339,7 +228,7 @@ fn places(records: &[RegionRecord], levels: &[Level]) -> Result<Vec<CurvePlaces>
             find(record.cobb_inferior, record)?,
             find(record.cobb_superior, record)?,
         ];
-        let region = record.region.0;
+        let region = record.region;
         if inferior < apex && apex < superior && low < high {
             let bounds = RegionBounds { region, inferior, apex, superior };
             let endplate_difference = record.endplate_difference_deg.map(Angle::from_deg);
@@ -396,14 +285,14 @@ impl ModelFile {
             .enumerate()
             .map(|(j, joint)| axes[j].transpose() * (Vec3::from(joint.centre_mm) - midpoints_mm[j]))
             .collect();
-        Ok(StoredModel {
+        let model = PersonalisedModel {
             case_id: self.case_id,
             synthetic: self.synthetic,
             line: self.line,
             absolute: self.absolute,
             levels,
-            pitch_from: self.vertebrae.iter().map(|v| v.pitch_from.0).collect(),
-            axial_from: self.vertebrae.iter().map(|v| v.axial_rotation_from.0).collect(),
+            pitch_from: self.vertebrae.iter().map(|v| v.pitch_from).collect(),
+            axial_from: self.vertebrae.iter().map(|v| v.axial_rotation_from).collect(),
             widths_mm: self.vertebrae.iter().map(|v| v.width_mm).collect(),
             spine: SpineModel::from_poses(midpoints_mm, axes, &centres),
             stiffness_nmm_per_rad: self
@@ -413,10 +302,10 @@ impl ModelFile {
                 .collect(),
             stiffness: self.joints.iter().map(JointRecord::stiffness).collect(),
             curves,
-            support: self.support.0,
+            support: self.support,
             loads: self.loads,
-            provenance: self.provenance,
-        })
+        };
+        Ok(StoredModel { model, provenance: self.provenance })
     }
 }
 

@@ -1,8 +1,7 @@
 //! The analysis that a stored model was made from, made again from its case.
 
 use spineline::action::LineKind;
-use spineline::analysis::{Analysis, AnalysisOptions, Case, analyze};
-use spineline::anatomy::Named;
+use spineline::analysis::{Analysis, AnalysisOptions, Case, PersonalisedModel, analyze};
 use spineline::error::Error;
 use spineline::spatial::{Mat3, Vec3};
 
@@ -47,7 +46,7 @@ pub enum ModelSourceError {
     #[error("the analysis of the case has no model with the line {line}")]
     NoModel {
         /// Line in the model file.
-        line: String,
+        line: &'static str,
     },
     /// A model that was changed, or made from other landmarks or by another version of the program.
     #[error("{what} of the model file differ from those of the model that the case gives now")]
@@ -81,20 +80,18 @@ impl ModelSource {
     /// # Errors
     /// [`ModelSourceError`] where that does not give this model.
     pub fn of(model: &StoredModel, case: &Case) -> Result<Self, ModelSourceError> {
-        if case.id != model.case_id {
-            let (model, case) = (model.case_id.clone(), case.id.clone());
+        if case.id != model.model.case_id {
+            let (model, case) = (model.model.case_id.clone(), case.id.clone());
             return Err(ModelSourceError::OtherCase { model, case });
         }
         let request = model.provenance.as_ref().map(|provenance| provenance.request());
         let request = request.transpose()?.flatten().ok_or(ModelSourceError::NoOptions)?;
         let options = AnalysisOptions { hypotheses: Vec::new(), ..request.options };
         let analysis = analyze(case, &options)?;
-        let kind = <LineKind as Named>::from_key(&model.line);
-        let found = analysis.models.iter().find(|found| Some(found.kind) == kind);
-        let found = found.ok_or_else(|| ModelSourceError::NoModel { line: model.line.clone() })?;
-        let kind = found.kind;
-        let now = StoredModel::of(&analysis, found)?;
-        match difference(model, &now) {
+        let kind = model.model.line;
+        let found = analysis.models.iter().find(|found| found.kind == kind);
+        let found = found.ok_or(ModelSourceError::NoModel { line: kind.key() })?;
+        match difference(&model.model, &analysis.personalised_model(found)) {
             Some(what) => Err(ModelSourceError::Differs { what }),
             None => Ok(Self { analysis, kind }),
         }
@@ -102,18 +99,18 @@ impl ModelSource {
 }
 
 /// What of two models differs, but for the support, which is a matter of the simulation.
-fn difference(one: &StoredModel, other: &StoredModel) -> Option<&'static str> {
+fn difference(one: &PersonalisedModel, other: &PersonalisedModel) -> Option<&'static str> {
     let far = |a: &Vec3, b: &Vec3| (a - b).abs().max() > SAME_MM;
     let turned = |a: &Mat3, b: &Mat3| (a - b).abs().max() > SAME_PART;
     let stiffer = |a: &Mat3, b: &Mat3| (a - b).abs().max() > SAME_PART * b.abs().max();
-    let joints = |model: &StoredModel| -> Vec<Vec3> {
+    let joints = |model: &PersonalisedModel| -> Vec<Vec3> {
         model.spine.joints.iter().map(|joint| joint.centre_in_inferior_mm).collect()
     };
     let any = |a: &[Mat3], b: &[Mat3], differs: &dyn Fn(&Mat3, &Mat3) -> bool| {
         a.iter().zip(b).any(|(a, b)| differs(a, b))
     };
     let any_far = |a: &[Vec3], b: &[Vec3]| a.iter().zip(b).any(|(a, b)| far(a, b));
-    let places = |model: &StoredModel| {
+    let places = |model: &PersonalisedModel| {
         let curves = model.curves.iter().flatten();
         curves.map(|curve| (curve.bounds, curve.cobb_ends)).collect::<Vec<_>>()
     };

@@ -13,22 +13,22 @@ use spineline::personalize::{FitTarget, Gauge, LogNormalPrior};
 use spineline::spatial::{Angle, Frontal};
 
 use crate::FileError;
-use crate::keys::{Key, LevelKey};
+use crate::keys::LevelKey;
 use crate::rotation_prior_record::RotationPriorRecord;
-use crate::stiffness_file::{StiffnessFile, border};
+use crate::stiffness_file::{StiffnessFile, degrees};
 
 /// The options of an analysis.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 pub(crate) struct OptionsRecord {
     /// From which landmarks tilts are measured.
-    tilt: Key<TiltRule>,
+    tilt: TiltRule,
     /// Standard deviation of a film's scale against the erect film, as a part of it, where the films do not state theirs;
     /// `null` where lengths are compared as marked.
     #[serde(deserialize_with = "Option::deserialize")]
     film_length_sd: Option<f64>,
     /// Where end vertebrae of Cobb angles are the most tilted ones.
-    end_vertebrae: Key<EndRule>,
+    end_vertebrae: EndRule,
     /// End vertebrae picked by the user.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     given_end_vertebrae: Vec<GivenEndsRecord>,
@@ -39,14 +39,14 @@ pub(crate) struct OptionsRecord {
     inflections: Option<[SiteRecord; 2]>,
     /// Minimum angle of a curve between inflections of the erect curve, in degrees.
     min_curve_deg: f64,
-    support: Key<Support>,
+    support: Support,
     /// Scale constraint of stiffness and force.
     gauge: GaugeKey,
     /// The force of the gauge `known_force`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     known_force: Option<KnownForceRecord>,
-    fit: Key<FitTarget>,
-    multipliers: Key<Grouping>,
+    fit: FitTarget,
+    multipliers: Grouping,
     /// Standard deviation of `ln α` in the prior; `null` without a prior.
     #[serde(deserialize_with = "Option::deserialize")]
     prior_log_sd: Option<f64>,
@@ -131,60 +131,76 @@ enum GaugeKey {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 struct KnownForceRecord {
-    posture: Key<Posture>,
+    posture: Posture,
     force_n: f64,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 struct GivenLineRecord {
-    posture: Key<Posture>,
+    posture: Posture,
     point_mm: [f64; 2],
     direction: [f64; 2],
-    application: Key<Application>,
+    application: Application,
 }
 
 impl From<&AnalysisOptions> for OptionsRecord {
     fn from(options: &AnalysisOptions) -> Self {
+        // Every option is in the file: a new one does not compile here until it is.
+        let AnalysisOptions {
+            tilt,
+            film_lengths,
+            order_rule,
+            inflections,
+            min_curve,
+            ends,
+            library,
+            support,
+            gauge,
+            target,
+            grouping,
+            prior,
+            rotation_prior,
+            given_lines,
+            hypotheses,
+        } = options;
         let site = |site: Site| SiteRecord {
             inferior: LevelKey(site.inferior),
             superior: LevelKey(site.superior),
         };
         Self {
-            tilt: options.tilt.into(),
-            film_length_sd: match options.film_lengths {
+            tilt: *tilt,
+            film_length_sd: match *film_lengths {
                 FilmLengthRule::PerFilm { relative_sd } => Some(relative_sd),
                 FilmLengthRule::AsMarked => None,
             },
-            end_vertebrae: options.ends.rule.into(),
-            given_end_vertebrae: given_ends(&options.ends),
-            order_rule: OrderRuleKey(options.order_rule),
-            inflections: match options.inflections {
+            end_vertebrae: ends.rule,
+            given_end_vertebrae: given_ends(ends),
+            order_rule: OrderRuleKey(*order_rule),
+            inflections: match *inflections {
                 InflectionChoice::Automatic => None,
                 InflectionChoice::ByHand(sites) => Some(sites.map(site)),
             },
-            min_curve_deg: border(options.min_curve.rad(), options.min_curve.deg(), |deg| {
-                Angle::from_deg(deg).rad()
-            }),
-            support: options.support.into(),
-            gauge: match options.gauge {
+            min_curve_deg: degrees(*min_curve),
+            support: *support,
+            gauge: match *gauge {
                 Gauge::GeometricMean => GaugeKey::GeometricMean,
                 Gauge::KnownForce { .. } => GaugeKey::KnownForce,
                 Gauge::FrozenForce => GaugeKey::FrozenForce,
             },
-            known_force: match options.gauge {
+            known_force: match *gauge {
                 Gauge::KnownForce { posture, force_n } => {
-                    Some(KnownForceRecord { posture: posture.into(), force_n })
+                    Some(KnownForceRecord { posture, force_n })
                 }
                 Gauge::GeometricMean | Gauge::FrozenForce => None,
             },
-            fit: options.target.into(),
-            multipliers: options.grouping.into(),
-            prior_log_sd: options.prior.map(|prior| prior.log_sd),
-            rotation_prior: options.rotation_prior.as_ref().and_then(RotationPriorRecord::new),
-            given_lines: options.given_lines.iter().map(GivenLineRecord::from).collect(),
-            compared_models: options.hypotheses.iter().map(|&one| HypothesisKey(one)).collect(),
-            stiffness: StiffnessFile::from(&options.library),
+            fit: *target,
+            multipliers: *grouping,
+            prior_log_sd: prior.map(|prior| prior.log_sd),
+            rotation_prior: rotation_prior.as_ref().and_then(RotationPriorRecord::new),
+            given_lines: given_lines.iter().map(GivenLineRecord::from).collect(),
+            compared_models: hypotheses.iter().map(|&one| HypothesisKey(one)).collect(),
+            stiffness: StiffnessFile::from(library),
         }
     }
 }
@@ -193,7 +209,7 @@ impl From<&AnalysisOptions> for OptionsRecord {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 struct GivenEndsRecord {
-    region: Key<Region>,
+    region: Region,
     /// Lower end vertebra.
     inferior: LevelKey,
     /// Upper end vertebra.
@@ -204,21 +220,17 @@ fn given_ends(choice: &EndChoice) -> Vec<GivenEndsRecord> {
     let given = Region::ALL.into_iter().zip(choice.given);
     let record = |(region, ends): (Region, Option<CobbEnds>)| {
         let CobbEnds { inferior, superior } = ends?;
-        Some(GivenEndsRecord {
-            region: region.into(),
-            inferior: LevelKey(inferior),
-            superior: LevelKey(superior),
-        })
+        Some(GivenEndsRecord { region, inferior: LevelKey(inferior), superior: LevelKey(superior) })
     };
     given.filter_map(record).collect()
 }
 
 impl OptionsRecord {
     fn ends(&self) -> EndChoice {
-        let mut choice = EndChoice { rule: self.end_vertebrae.0, ..EndChoice::default() };
+        let mut choice = EndChoice { rule: self.end_vertebrae, ..EndChoice::default() };
         for ends in &self.given_end_vertebrae {
             let given = CobbEnds { inferior: ends.inferior.0, superior: ends.superior.0 };
-            choice.given[ends.region.0.index()] = Some(given);
+            choice.given[ends.region.index()] = Some(given);
         }
         choice
     }
@@ -227,7 +239,7 @@ impl OptionsRecord {
     pub fn options(&self) -> Result<AnalysisOptions, FileError> {
         let site = |site: SiteRecord| Site { inferior: site.inferior.0, superior: site.superior.0 };
         Ok(AnalysisOptions {
-            tilt: self.tilt.0,
+            tilt: self.tilt,
             film_lengths: match self.film_length_sd {
                 Some(relative_sd) => FilmLengthRule::PerFilm { relative_sd },
                 None => FilmLengthRule::AsMarked,
@@ -239,17 +251,17 @@ impl OptionsRecord {
             }),
             min_curve: Angle::from_deg(self.min_curve_deg),
             library: self.stiffness.clone().library()?,
-            support: self.support.0,
+            support: self.support,
             gauge: match (self.gauge, self.known_force) {
                 (GaugeKey::GeometricMean, _) => Gauge::GeometricMean,
                 (GaugeKey::FrozenForce, _) => Gauge::FrozenForce,
                 (GaugeKey::KnownForce, Some(known)) => {
-                    Gauge::KnownForce { posture: known.posture.0, force_n: known.force_n }
+                    Gauge::KnownForce { posture: known.posture, force_n: known.force_n }
                 }
                 (GaugeKey::KnownForce, None) => return Err(FileError::NoKnownForce),
             },
-            target: self.fit.0,
-            grouping: self.multipliers.0,
+            target: self.fit,
+            grouping: self.multipliers,
             prior: self.prior_log_sd.map(|log_sd| LogNormalPrior { log_sd }),
             rotation_prior: self
                 .rotation_prior
@@ -265,10 +277,10 @@ impl OptionsRecord {
 impl From<&(Posture, LineOfAction)> for GivenLineRecord {
     fn from((posture, line): &(Posture, LineOfAction)) -> Self {
         Self {
-            posture: (*posture).into(),
+            posture: *posture,
             point_mm: [line.point.y_mm, line.point.z_mm],
             direction: [line.direction.y_mm, line.direction.z_mm],
-            application: line.application.into(),
+            application: line.application,
         }
     }
 }
@@ -278,8 +290,22 @@ impl GivenLineRecord {
         let line = LineOfAction {
             point: Frontal::new(self.point_mm[0], self.point_mm[1]),
             direction: Frontal::new(self.direction[0], self.direction[1]),
-            application: self.application.0,
+            application: self.application,
         };
-        (self.posture.0, line)
+        (self.posture, line)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::method_text::all_others;
+
+    #[test]
+    fn every_option_of_the_method_is_in_the_file_and_read_from_it() {
+        let options = all_others();
+        let read = OptionsRecord::from(&options).options().expect("sound options");
+        // The file has the direction of a line, and the text its angle.
+        assert!(read == options, "an option is lost in the file");
     }
 }

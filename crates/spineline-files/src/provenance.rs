@@ -41,17 +41,16 @@ impl InputFile {
     }
 }
 
-/// Whether the films are synthetic.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
-#[serde(rename_all = "snake_case")]
-pub enum FilmOrigin {
-    /// All are synthetic.
-    Synthetic,
-    /// None is.
-    Real,
-    /// Some are.
-    SyntheticAndReal,
+spineline::named! {
+    /// Whether the films are synthetic.
+    pub enum FilmOrigin {
+        /// All are synthetic.
+        Synthetic = "synthetic",
+        /// None is.
+        Real = "real",
+        /// Some are.
+        SyntheticAndReal = "synthetic_and_real",
+    }
 }
 
 impl FilmOrigin {
@@ -67,16 +66,6 @@ impl FilmOrigin {
             (true, true) => Self::Synthetic,
             (true, false) => Self::SyntheticAndReal,
             (false, _) => Self::Real,
-        }
-    }
-
-    /// The name used in files.
-    #[must_use]
-    pub const fn key(self) -> &'static str {
-        match self {
-            Self::Synthetic => "synthetic",
-            Self::Real => "real",
-            Self::SyntheticAndReal => "synthetic_and_real",
         }
     }
 }

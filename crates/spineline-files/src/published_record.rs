@@ -1,8 +1,6 @@
 use serde::{Deserialize, Serialize};
 use spineline::anatomy::{PublishedNumbers, SourceCheck};
 
-use crate::keys::Key;
-
 /// Published numbers of a typical spine.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
@@ -14,7 +12,7 @@ pub struct PublishedRecord {
     /// Keys of the project's list of references.
     source: String,
     /// How far they were compared with it.
-    check: Key<SourceCheck>,
+    check: SourceCheck,
 }
 
 impl PublishedRecord {
@@ -28,7 +26,7 @@ impl PublishedRecord {
             numbers: one.numbers.to_owned(),
             used_for: one.used_for.to_owned(),
             source: one.source.to_owned(),
-            check: one.check.into(),
+            check: one.check,
         }
     }
 }

@@ -3,8 +3,6 @@
 use serde::{Deserialize, Serialize};
 use spineline::cohort::{RefusalStep, RefusedCase};
 
-use crate::keys::Key;
-
 /// A case that was given and has no result.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
@@ -14,7 +12,7 @@ pub(crate) struct RefusedRecord {
     /// `null` where the file could not be read.
     case_id: Option<String>,
     /// Step at which it stopped.
-    step: Key<RefusalStep>,
+    step: RefusalStep,
     /// What is wrong.
     reason: String,
 }
@@ -24,7 +22,7 @@ impl RefusedRecord {
         Self {
             file: refused.file.clone(),
             case_id: refused.case_id.clone(),
-            step: refused.step.into(),
+            step: refused.step,
             reason: refused.reason.clone(),
         }
     }

@@ -5,7 +5,6 @@ use spineline::measure::TiltRule;
 
 use crate::FileError;
 use crate::json::parse;
-use crate::keys::Key;
 use crate::provenance::{FilmOrigin, Provenance};
 use crate::rotation_prior_record::RotationPriorRecord;
 
@@ -27,7 +26,7 @@ pub struct RotationPriorFile {
     /// Identifiers of the cases that the prior was learned from.
     case_ids: Vec<String>,
     /// Landmarks from which tilts were measured (`endplates` or `axis`): rotations of another rule are not predicted from it.
-    tilt: Key<TiltRule>,
+    tilt: TiltRule,
     prior: RotationPriorRecord,
     /// Errors on bends of patients who were left out.
     left_out: LeftOutRecord,
@@ -98,7 +97,7 @@ pub fn parse_rotation_prior(text: &str) -> Result<StoredRotationPrior, FileError
         prior: file.prior.prior()?,
         learned_from,
         case_ids: file.case_ids,
-        tilt: file.tilt.0,
+        tilt: file.tilt,
     })
 }
 
@@ -125,7 +124,7 @@ impl RotationPriorFile {
             version: VERSION,
             synthetic: provenance.films() != FilmOrigin::Real,
             case_ids,
-            tilt: tilt.into(),
+            tilt,
             prior: record,
             left_out: LeftOutRecord {
                 patients: learned.from_location_mm.patients.n,

@@ -1,6 +1,7 @@
 use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
+use spineline::analysis::PersonalisedModel;
 use spineline::anatomy::Region;
 use spineline::clinical::CurvePlaces;
 use spineline::multibody::{Deformed, Goal, PathPoint, Timing};
@@ -10,9 +11,9 @@ use spineline::response::{
 use spineline::spatial::{Mat3, Vec3};
 use spineline::uncertainty::LoadedUncertainty;
 
-use crate::keys::{ByLevel, JointKey, Key, LevelKey};
+use crate::keys::{ByLevel, JointKey, LevelKey};
 use crate::simulation_uncertainty::SimulationUncertainty;
-use crate::{AppliedLoad, LoadFile, PlacedLoads, Provenance, StoredModel};
+use crate::{AppliedLoad, LoadFile, PlacedLoads, Provenance};
 
 /// The response of a personalised model to loads. `G`: x anterior, y left, z cranial, origin at L4's midpoint; mm,
 /// rad, angles for people in degrees. A positive lateral tilt is to the patient's right, positive Cobb and Ferguson angles are
@@ -92,12 +93,12 @@ struct AnglesRecord {
     /// Lateral tilt of the line from L4 to T2; positive to the patient's right.
     lateral_tilt_right_deg: f64,
     /// Between endplates, positive where convex to the left; empty where the model file has no endplates.
-    cobb_deg: BTreeMap<Key<Region>, f64>,
+    cobb_deg: BTreeMap<Region, f64>,
     /// Tilt of the upper minus tilt of the lower end vertebra; positive where convex to the left.
     #[serde(default)]
-    tilt_range_deg: BTreeMap<Key<Region>, f64>,
+    tilt_range_deg: BTreeMap<Region, f64>,
     /// Positive where convex to the left.
-    ferguson_deg: BTreeMap<Key<Region>, f64>,
+    ferguson_deg: BTreeMap<Region, f64>,
 }
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -157,7 +158,7 @@ struct EventRecord {
     /// `limit_point` or `branch_point`.
     kind: String,
     direction: String,
-    timing: Key<Timing>,
+    timing: Timing,
     factor: f64,
     arc_rad: f64,
 }
@@ -167,7 +168,7 @@ struct EventRecord {
 struct PathRecord {
     direction: String,
     /// Which loads are varied here.
-    timing: Key<Timing>,
+    timing: Timing,
     factor: f64,
     /// Length of the path up to here: hinges in rad, and a factor of one as much as it turns the unloaded hinges. Lengths
     /// of paths with different loads do not compare.
@@ -185,7 +186,7 @@ impl SimulationFile {
     /// The file of a model's response to loads, with angles measured between given vertebrae.
     #[must_use]
     pub fn new(
-        model: &StoredModel,
+        model: &PersonalisedModel,
         loads: (&LoadFile, &PlacedLoads),
         places: &[CurvePlaces],
         response: &Response,
@@ -241,7 +242,7 @@ fn events(signed: &SignedPath) -> impl Iterator<Item = EventRecord> {
     signed.path.events.iter().map(|event| EventRecord {
         kind: event.kind.key().to_owned(),
         direction: direction_word(signed.sign).to_owned(),
-        timing: event.timing.into(),
+        timing: event.timing,
         factor: event.factor,
         arc_rad: event.arc_rad,
     })
@@ -249,7 +250,7 @@ fn events(signed: &SignedPath) -> impl Iterator<Item = EventRecord> {
 
 /// Data for all records.
 struct Writer<'a> {
-    model: &'a StoredModel,
+    model: &'a PersonalisedModel,
     placed: &'a PlacedLoads,
     places: &'a [CurvePlaces],
 }
@@ -257,18 +258,11 @@ struct Writer<'a> {
 impl Writer<'_> {
     fn angles(&self, shape: &Deformed) -> AnglesRecord {
         let SpineAngles { lateral_tilt: tilt, curves, .. } = measure_angles(shape, self.places);
-        let key = Key::<Region>;
         AnglesRecord {
             lateral_tilt_right_deg: tilt.deg(),
-            cobb_deg: curves
-                .iter()
-                .filter_map(|c| Some((key(c.region), c.ends.cobb?.deg())))
-                .collect(),
-            tilt_range_deg: curves
-                .iter()
-                .map(|c| (key(c.region), c.ends.tilt_range.deg()))
-                .collect(),
-            ferguson_deg: curves.iter().map(|c| (key(c.region), c.ferguson.deg())).collect(),
+            cobb_deg: curves.iter().filter_map(|c| Some((c.region, c.ends.cobb?.deg()))).collect(),
+            tilt_range_deg: curves.iter().map(|c| (c.region, c.ends.tilt_range.deg())).collect(),
+            ferguson_deg: curves.iter().map(|c| (c.region, c.ferguson.deg())).collect(),
         }
     }
 
@@ -315,7 +309,7 @@ impl Writer<'_> {
         let direction = direction_word(signed.sign);
         signed.path.points.iter().map(move |point: &PathPoint| PathRecord {
             direction: direction.to_owned(),
-            timing: point.timing.into(),
+            timing: point.timing,
             factor: point.factor,
             arc_rad: point.arc_rad,
             limit_points: point.limit_points,

@@ -5,7 +5,6 @@ use spineline::anatomy::{Posture, Region};
 use spineline::uncertainty::{LoadedSpread, LoadedUncertainty};
 
 use crate::analysis_file::NoiseRecord;
-use crate::keys::Key;
 
 /// What replicates with perturbed landmarks gave under the same loads. The intervals cover landmark noise and the scales of the
 /// films against the erect one; they do not cover the errors of the model, of the loads and of the erect film's scale, and no bias
@@ -20,7 +19,7 @@ pub(crate) struct SimulationUncertainty {
     /// Replicates with a result under the loads; the numbers are theirs.
     usable: u64,
     seed: u64,
-    noise: BTreeMap<Key<Posture>, NoiseRecord>,
+    noise: BTreeMap<Posture, NoiseRecord>,
     /// How many replicates have no result, by code: of the error that stopped an analysis; `no_inflections`, `not_measured` or
     /// `fit_not_converged`, where there is no model; or the `status` of the simulation.
     endings: BTreeMap<String, u64>,
@@ -35,7 +34,7 @@ struct LoadedSpreadRecord {
     /// positive where convex to the left, tilts to the right, distances to the left.
     quantity: String,
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    region: Option<Key<Region>>,
+    region: Option<Region>,
     /// `erect`, `loaded`, or `change`: loaded minus erect.
     state: String,
     /// `deg`, `mm` or `1`.
@@ -72,7 +71,7 @@ impl From<&LoadedSpread> for LoadedSpreadRecord {
         let (quantity, spread) = (found.quantity, found.spread);
         Self {
             quantity: quantity.key().to_owned(),
-            region: quantity.region().map(Into::into),
+            region: quantity.region(),
             state: found.state.key().to_owned(),
             unit: quantity.unit_key().to_owned(),
             value: found.nominal,

@@ -3,14 +3,11 @@
 use serde::{Deserialize, Serialize};
 use spineline::anatomy::Posture;
 use spineline::hypothesis::{
-    CounterRotatingJoints, Criteria, HypothesisFit, LossReason, LostPrediction, Role,
-    ShapePrediction,
+    CounterRotatingJoints, Criteria, HypothesisFit, LossReason, LostPrediction, ShapePrediction,
 };
 use spineline::measure::FilmScale;
-use spineline::personalize::FitStatus;
 use spineline::spatial::{Angle, Frontal};
 
-use crate::keys::Key;
 use crate::options_record::HypothesisKey;
 use crate::stored_identifiability::Limit;
 
@@ -30,7 +27,7 @@ struct Stored {
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct StoredPrediction {
-    posture: Key<Posture>,
+    posture: Posture,
     role: String,
     /// Factor, and standard deviation of its logarithm.
     scale: (f64, f64),
@@ -47,7 +44,7 @@ struct StoredPrediction {
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct StoredLoss {
-    posture: Key<Posture>,
+    posture: Posture,
     role: String,
     is_beyond_human_range: bool,
 }
@@ -71,7 +68,7 @@ pub fn parse_hypotheses(text: &str) -> Option<Vec<HypothesisFit>> {
 
 fn stored(fit: &HypothesisFit) -> Stored {
     let loss = |lost: &LostPrediction| StoredLoss {
-        posture: Key(lost.posture),
+        posture: lost.posture,
         role: lost.role.key().to_owned(),
         is_beyond_human_range: lost.reason == LossReason::BeyondHumanRange,
     };
@@ -89,7 +86,7 @@ fn stored(fit: &HypothesisFit) -> Stored {
 
 fn stored_prediction(one: &ShapePrediction) -> StoredPrediction {
     StoredPrediction {
-        posture: Key(one.posture),
+        posture: one.posture,
         role: one.role.key().to_owned(),
         scale: (one.scale.factor, one.scale.log_sd),
         components: one.components.clone(),
@@ -102,16 +99,11 @@ fn stored_prediction(one: &ShapePrediction) -> StoredPrediction {
     }
 }
 
-fn role_of(key: &str) -> Option<Role> {
-    Role::ALL.into_iter().find(|role| role.key() == key)
-}
-
 fn fit(stored: Stored) -> Option<HypothesisFit> {
-    let statuses = [FitStatus::Converged, FitStatus::IterationLimit, FitStatus::NotEvaluable];
     let loss = |lost: StoredLoss| {
         Some(LostPrediction {
-            posture: lost.posture.0,
-            role: role_of(&lost.role)?,
+            posture: lost.posture,
+            role: lost.role.parse().ok()?,
             reason: if lost.is_beyond_human_range {
                 LossReason::BeyondHumanRange
             } else {
@@ -122,7 +114,7 @@ fn fit(stored: Stored) -> Option<HypothesisFit> {
     let free = stored.fitted.checked_sub(1)?;
     Some(HypothesisFit {
         hypothesis: stored.hypothesis.0,
-        status: statuses.into_iter().find(|status| status.key() == stored.status)?,
+        status: stored.status.parse().ok()?,
         log_multipliers: stored.log_multipliers,
         criteria: Criteria::new(stored.chi_squared.into(), stored.measured, free),
         predictions: stored.predictions.into_iter().map(prediction).collect::<Option<_>>()?,
@@ -135,8 +127,8 @@ fn prediction(stored: StoredPrediction) -> Option<ShapePrediction> {
     let (joints, beyond_noise, weight) = stored.against;
     let locations = stored.locations_mm.into_iter();
     Some(ShapePrediction {
-        posture: stored.posture.0,
-        role: role_of(&stored.role)?,
+        posture: stored.posture,
+        role: stored.role.parse().ok()?,
         scale: FilmScale { factor, log_sd },
         components: stored.components,
         base: Angle::from_rad(stored.base_rad),

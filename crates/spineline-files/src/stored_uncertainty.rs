@@ -7,8 +7,6 @@ use spineline::uncertainty::{
     Absent, FailureCount, LoadedSpread, LoadedUncertainty, QuantitySpread, Spread, Uncertainty,
 };
 
-use crate::keys::Key;
-
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Stored {
@@ -23,8 +21,8 @@ struct Stored {
 #[serde(deny_unknown_fields)]
 struct StoredFailure {
     code: String,
-    line: Option<Key<LineKind>>,
-    posture: Option<Key<Posture>>,
+    line: Option<LineKind>,
+    posture: Option<Posture>,
     count: u64,
 }
 
@@ -32,7 +30,7 @@ struct StoredFailure {
 #[serde(deny_unknown_fields)]
 struct StoredSpread {
     count: u64,
-    absent: Vec<(Key<Absent>, u64)>,
+    absent: Vec<(Absent, u64)>,
     spread: Option<StoredValues>,
 }
 
@@ -62,13 +60,13 @@ fn spread_of((mean, sd, quantiles): StoredValues) -> Spread {
 pub fn uncertainty_text(found: &Uncertainty) -> String {
     let failure = |one: &FailureCount| StoredFailure {
         code: one.code.to_string(),
-        line: one.line.map(Key),
-        posture: one.posture.map(Key),
+        line: one.line,
+        posture: one.posture,
         count: one.count,
     };
     let spread = |one: &QuantitySpread| StoredSpread {
         count: one.count,
-        absent: one.absent.iter().map(|(why, count)| (Key(*why), *count)).collect(),
+        absent: one.absent.clone(),
         spread: one.spread.map(stored_values),
     };
     crate::to_line(&Stored {
@@ -90,14 +88,14 @@ pub fn parse_uncertainty(text: &str, empty: Uncertainty) -> Option<Uncertainty> 
     let spreads = empty.quantities.iter().zip(stored.quantities);
     let spread = |(one, kept): (&QuantitySpread, StoredSpread)| QuantitySpread {
         count: kept.count,
-        absent: kept.absent.into_iter().map(|(why, count)| (why.0, count)).collect(),
+        absent: kept.absent,
         spread: kept.spread.map(spread_of),
         ..one.clone()
     };
     let failure = |one: StoredFailure| FailureCount {
         code: one.code.into(),
-        line: one.line.map(|key| key.0),
-        posture: one.posture.map(|key| key.0),
+        line: one.line,
+        posture: one.posture,
         count: one.count,
     };
     Some(Uncertainty {

@@ -8,9 +8,9 @@ use std::collections::BTreeMap;
 use std::io::{self, Read, Write};
 
 use serde::Deserialize;
-use spineline::anatomy::{ImageSide, Level, Named, Posture, Side};
+use spineline::anatomy::{ImageSide, Level, Posture, Side};
+use spineline::measure::ImageGeometry;
 use spineline::measure::completion::{Click, Clicks, Mark, ShapeModel, complete, complete_by};
-use spineline::measure::{CornerName, ImageGeometry};
 use spineline::spatial::Pixel;
 
 #[derive(Deserialize)]
@@ -62,7 +62,7 @@ fn completed(
             "superior_endplate" => Mark::SuperiorEndplate,
             "inferior_endplate" => Mark::InferiorEndplate,
             "centre" => Mark::Centre,
-            corner => Mark::Corner(<CornerName as Named>::from_key(corner)?),
+            corner => Mark::Corner(corner.parse().ok()?),
         };
         let level = Level::ALL.into_iter().find(|one| one.name() == level)?;
         clicks.vertebrae.push(Click { level, mark, place });

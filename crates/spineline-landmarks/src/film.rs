@@ -372,7 +372,7 @@ pub(super) fn named<T: Named>(
     what: &'static str,
     at: &str,
 ) -> Result<T, LandmarkError> {
-    T::from_key(&column_name(name)).ok_or_else(|| LandmarkError::Choice {
+    column_name(name).parse().map_err(|_| LandmarkError::Choice {
         at: at.to_owned(),
         what,
         name: shown(name),

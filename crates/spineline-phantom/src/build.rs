@@ -9,35 +9,23 @@ use spineline::multibody::StiffnessLibrary;
 pub(crate) const SEGMENTS: usize = 998;
 const JOINTS: usize = Level::MODEL.len() - 1;
 
-/// Construction of a synthetic spine. They differ in the erect curve, in what bends, and in how stiffness varies, so that a
-/// claim that holds on one of them can be tried on the others.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Default)]
-pub enum Construction {
-    /// A continuous rod that bends everywhere. Its erect curve is a polynomial; its stiffness steps at the inflections.
-    #[default]
-    Rod,
-    /// Rigid vertebrae and discs that bend evenly over their thickness. The curvature of the erect spine is three half sines;
-    /// stiffness rises smoothly from the lumbar spine to the rib cage.
-    Discs,
-    /// Rigid vertebrae and hinges, which lie up or down of the middle of their discs at random. The curvature of the erect spine
-    /// has three half-waves, each with its maximum at another place; stiffness follows the curve of a random walk from joint to joint.
-    Hinges,
+spineline::named! {
+    /// Construction of a synthetic spine. They differ in the erect curve, in what bends, and in how stiffness varies, so that a
+    /// claim that holds on one of them can be tried on the others.
+    #[default(Rod)]
+    pub enum Construction {
+        /// A continuous rod that bends everywhere. Its erect curve is a polynomial; its stiffness steps at the inflections.
+        Rod = "rod",
+        /// Rigid vertebrae and discs that bend evenly over their thickness. The curvature of the erect spine is three half sines;
+        /// stiffness rises smoothly from the lumbar spine to the rib cage.
+        Discs = "discs",
+        /// Rigid vertebrae and hinges, which lie up or down of the middle of their discs at random. The curvature of the erect spine
+        /// has three half-waves, each with its maximum at another place; stiffness follows the curve of a random walk from joint to joint.
+        Hinges = "hinges",
+    }
 }
 
 impl Construction {
-    /// All of them.
-    pub const ALL: [Self; 3] = [Self::Rod, Self::Discs, Self::Hinges];
-
-    /// The name used in files.
-    #[must_use]
-    pub const fn key(self) -> &'static str {
-        match self {
-            Self::Rod => "rod",
-            Self::Discs => "discs",
-            Self::Hinges => "hinges",
-        }
-    }
-
     /// Short description.
     #[must_use]
     pub const fn meaning(self) -> &'static str {

@@ -12,7 +12,7 @@
 //! - [`Truth::Flatten`], [`Truth::Offset`], [`Truth::Spread`] and [`Truth::Random`]: movements that no force through the
 //!   inflections made, as counter-examples.
 //!
-//! [`Truth::OTHERS`] bend the same rod by loads that no single line describes, or turn its base: for comparisons of loads.
+//! [`Truth::LOADS`] bend the same rod by loads that no single line describes, or turn its base: for comparisons of loads.
 //!
 //! A [`TrueFilm`] is how a posture lies on its film. The readers mark it, and [`Phantom::radiograph`] draws it, so that the
 //! two agree to a part of a pixel.
@@ -21,7 +21,7 @@
 //! use spineline_phantom::{Readers, Truth, generate};
 //! let phantom = generate(0, Truth::Rod, &Readers::exact(), 1)?;
 //! let analysis = spineline::analysis::analyze(&phantom.case, &Default::default())?;
-//! assert!(analysis.synthetic && analysis.inflections.all.len() == 2);
+//! assert!(analysis.synthetic && analysis.movement.inflections.all.len() == 2);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
@@ -88,10 +88,8 @@ pub enum Truth {
 }
 
 impl Truth {
-    /// The three scenarios that `spineline reproduce` compares with the paper.
-    pub const ALL: [Self; 3] = [Self::Rod, Self::Bend, Self::Pull];
-    /// These and the counter-examples.
-    pub const EVERY: [Self; 7] = [
+    /// Every scenario.
+    pub const ALL: [Self; 12] = [
         Self::Rod,
         Self::Flatten,
         Self::Offset,
@@ -99,11 +97,18 @@ impl Truth {
         Self::Pull,
         Self::Spread,
         Self::Random,
+        Self::Weight,
+        Self::Lateral,
+        Self::Couple,
+        Self::TwoForces,
+        Self::TurnedBase,
     ];
-
-    /// Loading scenarios for a comparison of loads.
-    pub const OTHERS: [Self; 5] =
-        [Self::Weight, Self::Lateral, Self::Couple, Self::TwoForces, Self::TurnedBase];
+    /// The three scenarios that `spineline reproduce` compares with the paper.
+    pub const PAPER: [Self; 3] = [Self::Rod, Self::Bend, Self::Pull];
+    /// Scenarios for a comparison of lines: [`Truth::PAPER`] and the counter-examples.
+    pub const LINES: &[Self] = Self::ALL.split_at(7).0;
+    /// Scenarios for a comparison of loads, which no single line describes.
+    pub const LOADS: &[Self] = Self::ALL.split_at(7).1;
 
     /// The name used in files.
     #[must_use]
@@ -332,7 +337,7 @@ fn streams(place: u64, truth: Truth) -> (u64, u64) {
     if truth <= Truth::Pull {
         return (place + 1 + number, place + 5 + number);
     }
-    match Truth::OTHERS.iter().position(|other| *other == truth) {
+    match Truth::LOADS.iter().position(|other| *other == truth) {
         Some(other) => {
             let own = 1000 + 2 * (place + other as u64);
             (own, own + 1)

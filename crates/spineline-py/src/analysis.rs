@@ -10,12 +10,11 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use serde_json::Value;
 use spineline::analysis::{self, AnalysisOptions, Grouping, LineModel};
-use spineline::anatomy::{Named, Posture};
 use spineline::measure::FilmFrame;
 use spineline::personalize::Identifiability;
 use spineline::spatial::Frontal;
 use spineline::warning::Step;
-use spineline_files::method_text::missing_known_force;
+use spineline_files::method_text::{missing_known_force, options_of};
 use spineline_files::{
     AnalysisFile, CaseFile, FilmOrigin, PICTURE_WARNINGS, Provenance, Request, parse_analysis,
     parse_json, text_with_hash, to_line, to_text,
@@ -28,7 +27,7 @@ use spineline_tables::{Patient, tables};
 use crate::case::Case;
 use crate::fault::Fault;
 use crate::numbers;
-use crate::patient::{check_case, generator, options, run};
+use crate::patient::{check_case, generator, run, words};
 use crate::table::Table;
 use crate::wait::apart;
 
@@ -123,11 +122,11 @@ impl Analysis {
     }
 
     /// The results of a posture.
-    fn posture(&self, film: &str) -> Result<&analysis::PostureAnalysis, Fault> {
-        let known = Posture::from_key(&film.replace('-', "_"));
-        known.and_then(|posture| self.analysis.posture(posture)).ok_or_else(|| {
+    fn posture(&self, film: &str) -> Result<&analysis::FilmMovement, Fault> {
+        let known = film.replace('-', "_").parse().ok();
+        known.and_then(|posture| self.analysis.movement.film(posture)).ok_or_else(|| {
             let films: Vec<&str> =
-                self.analysis.postures.iter().map(|one| one.outline.posture.key()).collect();
+                self.analysis.movement.films.iter().map(|one| one.outline.posture.key()).collect();
             let text = format!("{}: there is no `{film}` film", self.analysis.case_id);
             Fault::new(text, format!("give one of {}", films.join(", ")))
         })
@@ -165,7 +164,8 @@ impl Analysis {
         command: Vec<String>,
         date_utc: String,
     ) -> PyResult<Self> {
-        let (options, files) = options(&given).map_err(|fault| fault.raise(py))?;
+        let (options, files) =
+            options_of(words(&given)).map_err(|error| Fault::from(error).raise(py))?;
         let sha256 = case.input.as_ref().map_or("", |input| &input.sha256);
         check_case(&files, sha256, &case.case.id).map_err(|fault| fault.raise(py))?;
         let request = Request { options, replicates: None, identifiability };
@@ -240,7 +240,7 @@ impl Analysis {
     /// Postures that have a film, the erect one first.
     #[getter]
     fn films(&self) -> Vec<&'static str> {
-        self.analysis.postures.iter().map(|one| one.outline.posture.key()).collect()
+        self.analysis.movement.films.iter().map(|one| one.outline.posture.key()).collect()
     }
 
     /// The lines of action that have a model.
@@ -409,7 +409,7 @@ fn keep_picture_warnings(then: &Value, found: &mut analysis::Analysis) {
         let code = PICTURE_WARNINGS.into_iter().find(|code| warning["code"] == *code);
         let Some(code) = code else { continue };
         let text = warning["message"].as_str().unwrap_or_default();
-        match warning["posture"].as_str().and_then(Posture::from_key) {
+        match warning["posture"].as_str().and_then(|key| key.parse().ok()) {
             Some(posture) => found.warnings.film(Step::Measure, code, posture, text),
             None => found.warnings.push(Step::Measure, code, text),
         }

@@ -65,9 +65,8 @@ pub fn phantom(
     seed: u64,
     noise: f64,
 ) -> PyResult<Case> {
-    let known = || Truth::EVERY.into_iter().chain(Truth::OTHERS);
-    let Some(truth) = known().find(|known| known.key() == truth) else {
-        let names: Vec<&str> = known().map(Truth::key).collect();
+    let Some(truth) = Truth::ALL.into_iter().find(|known| known.key() == truth) else {
+        let names = Truth::ALL.map(Truth::key);
         let text = format!("unknown loading scenario `{truth}`");
         return Err(Fault::new(text, format!("give one of {}", names.join(", "))).raise(py));
     };

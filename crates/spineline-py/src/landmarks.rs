@@ -2,12 +2,12 @@
 
 use pyo3::prelude::*;
 use spineline::analysis::{self, Subject, check_repeated};
-use spineline::anatomy::{ImageSide, Named, Posture};
+use spineline::anatomy::{ImageSide, Posture};
 use spineline::error::Error;
 use spineline::measure::{Film, ImageGeometry, Spacing, SpacingPlane};
 use spineline::spatial::Pixel;
 use spineline_files::CaseFile;
-use spineline_files::method_text::posture;
+use spineline_files::method_text::{named, posture};
 use spineline_landmarks::{LandmarkHint, LandmarkReadings, MarkedFilm, parse_landmarks};
 
 use crate::case::Case;
@@ -83,7 +83,7 @@ fn one_film_per_posture(films: &[MarkedFilm]) -> Result<(), Fault> {
 
 /// The side of the picture that shows the patient's left.
 fn side(patient_left: &str) -> Result<ImageSide, Fault> {
-    ImageSide::from_key(&patient_left.replace('-', "_")).ok_or_else(|| {
+    named(patient_left).map_err(|_| {
         let text = format!("`patient_left` is `{patient_left}`");
         Fault::new(text, "give \"image-left\" or \"image-right\"")
     })
@@ -96,7 +96,8 @@ fn image(
     given: &Given<'_>,
 ) -> Result<Option<ImageGeometry>, Fault> {
     let LandmarkReadings::Corners(readings) = &marked.landmarks else { return Ok(None) };
-    let plane = SpacingPlane::from_key(given.plane).filter(|plane| *plane != SpacingPlane::Pixels);
+    let plane =
+        given.plane.parse().ok().filter(|plane: &SpacingPlane| *plane != SpacingPlane::Pixels);
     let Some(plane) = plane else {
         let text = format!("`plane` is `{}`", given.plane);
         return Err(Fault::new(text, "give \"patient\", \"detector\" or \"unknown\""));

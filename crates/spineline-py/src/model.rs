@@ -6,13 +6,12 @@ use std::sync::atomic::Ordering;
 use numpy::PyArray2;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use spineline::anatomy::Named;
+use spineline::analysis::PersonalisedModel;
 use spineline::multibody::{Goal, Support};
 use spineline::response::{CurveAngles, measure_angles};
 use spineline::spatial::Angle;
 use spineline_files::{
-    ExportFormat, ModelFile, Simulated, StoredModel, export, parse_load, parse_model,
-    text_with_hash, to_text,
+    ExportFormat, ModelFile, Simulated, export, parse_load, parse_model, text_with_hash, to_text,
 };
 
 use crate::analysis::Analysis;
@@ -25,18 +24,18 @@ use crate::wait::beside;
 #[pyclass(frozen, module = "spineline._native")]
 pub struct Model {
     text: String,
-    model: StoredModel,
+    model: PersonalisedModel,
 }
 
 /// Reads a model from the text of its file.
 #[pyfunction]
 pub fn parse_model_text(py: Python<'_>, text: String) -> PyResult<Model> {
     match parse_model(&text) {
-        Ok(model) if model.spine.joints.is_empty() => {
+        Ok(stored) if stored.model.spine.joints.is_empty() => {
             let help = "give a model of at least two vertebrae";
             Err(Fault::new("the model has no joint", help).raise(py))
         }
-        Ok(model) => Ok(Model { text, model }),
+        Ok(stored) => Ok(Model { text, model: stored.model }),
         Err(error) => Err(Fault::from(error).raise(py)),
     }
 }
@@ -80,7 +79,7 @@ impl Model {
     /// The line of action with which it was fitted.
     #[getter]
     fn line(&self) -> &str {
-        &self.model.line
+        self.model.line.key()
     }
 
     /// Whether forces and springs are in newtons, because a force was measured.
@@ -107,7 +106,7 @@ impl Model {
 
     /// The model as another program reads it: `mjcf`, `osim`, `urdf`, `vtp` or `gltf`.
     fn export(&self, py: Python<'_>, format: &str) -> PyResult<String> {
-        let Some(format) = ExportFormat::from_key(format) else {
+        let Ok(format) = format.parse::<ExportFormat>() else {
             let text = format!("unknown format `{format}`");
             return Err(Fault::new(text, "give \"mjcf\", \"osim\", \"urdf\", \"vtp\" or \"gltf\"")
                 .raise(py));
@@ -127,7 +126,7 @@ impl Model {
     ) -> PyResult<Simulation> {
         let mut model = self.model.clone();
         if let Some(name) = support {
-            let Some(support) = Support::from_key(name) else {
+            let Ok(support) = name.parse::<Support>() else {
                 let text = format!("unknown support `{name}`");
                 return Err(Fault::new(text, "give \"free\" or \"frontal\"").raise(py));
             };

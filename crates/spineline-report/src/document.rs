@@ -50,18 +50,18 @@ pub enum Block {
     Figure(Box<Figure>),
 }
 
-/// Severity of a notice.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
-#[serde(rename_all = "snake_case")]
-pub enum NoticeKind {
-    /// What applies to the whole report: synthetic data, or no medical device.
-    Banner,
-    /// The data contradict the model, or a number is not a result.
-    Contradiction,
-    /// A value is doubtful.
-    Warning,
-    /// Information.
-    Note,
+spineline::named! {
+    /// Severity of a notice.
+    pub enum NoticeKind {
+        /// What applies to the whole report: synthetic data, or no medical device.
+        Banner = "banner",
+        /// The data contradict the model, or a number is not a result.
+        Contradiction = "contradiction",
+        /// A value is doubtful.
+        Warning = "warning",
+        /// Information.
+        Note = "note",
+    }
 }
 
 impl NoticeKind {
@@ -73,17 +73,6 @@ impl NoticeKind {
             Self::Contradiction => "Contradiction",
             Self::Warning => "Warning",
             Self::Note => "Note",
-        }
-    }
-
-    /// The name used in files.
-    #[must_use]
-    pub const fn key(self) -> &'static str {
-        match self {
-            Self::Banner => "banner",
-            Self::Contradiction => "contradiction",
-            Self::Warning => "warning",
-            Self::Note => "note",
         }
     }
 }

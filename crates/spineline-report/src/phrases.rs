@@ -1,6 +1,6 @@
 //! Phrases that reports of patients and of cohorts share.
 
-use spineline::analysis::{Analysis, FilmRole, FreeNumbers, PostureAnalysis};
+use spineline::analysis::{Analysis, FilmMovement, FilmRole, FreeNumbers};
 use spineline::measure::SpacingPlane;
 
 /// Note on errors on held-out films.
@@ -35,7 +35,7 @@ pub fn sentence_case(text: &str) -> String {
 
 /// Films of a patient whose lengths are pixels, as text such as `erect, left bending`; `None` where all have a scale.
 pub fn films_without_scale(analysis: &Analysis) -> Option<String> {
-    let outlines = analysis.postures.iter().map(|posture| &posture.outline);
+    let outlines = analysis.movement.films.iter().map(|posture| &posture.outline);
     let without = outlines.filter(|outline| outline.scale.plane == SpacingPlane::Pixels);
     let names: Vec<String> = without.map(|outline| outline.posture.to_string()).collect();
     (!names.is_empty()).then(|| names.join(", "))
@@ -46,8 +46,8 @@ pub fn no_model_reason(analysis: &Analysis) -> String {
     if let Some(films) = films_without_scale(analysis) {
         return format!("films without a scale ({films})");
     }
-    let is_bend = |posture: &PostureAnalysis| posture.outline.posture.bend().is_some();
-    let reason = match analysis.postures.iter().any(is_bend) {
+    let is_bend = |posture: &FilmMovement| posture.outline.posture.bend().is_some();
+    let reason = match analysis.movement.films.iter().any(is_bend) {
         false => "no bending film",
         true => "no line of action on any bend",
     };

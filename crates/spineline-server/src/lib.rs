@@ -11,7 +11,6 @@ mod assets;
 mod attachment;
 mod changes;
 mod channel;
-mod computation_jobs;
 mod decoded;
 mod demo;
 pub mod extract;
@@ -25,10 +24,8 @@ mod hosts;
 mod jobs;
 mod limits;
 mod listen;
-mod load_interval_jobs;
 mod overview_cache;
 mod pace;
-mod pad_jobs;
 mod places;
 mod problem;
 mod readings;
@@ -52,3 +49,6 @@ pub use listen::Server;
 pub use problem::{Answer, Failure};
 pub use state::{AppState, ServeOptions};
 pub use user::User;
+
+/// This program and its version, as files name what wrote them.
+const PROGRAM: &str = concat!("spineline ", env!("CARGO_PKG_VERSION"));

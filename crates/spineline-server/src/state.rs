@@ -10,17 +10,16 @@ use spineline_dicomweb::Archive;
 use spineline_store::{Access, Store, StoreError, Timestamp};
 use tokio::sync::Semaphore;
 
+use crate::api::ComputationName;
 use crate::archive_client::Archives;
 use crate::channel::Channel;
-use crate::computation_jobs::ComputationJobs;
 use crate::film_cache::FilmCache;
 use crate::guard_rate::{Attempts, LoggedRefusals};
 use crate::guard_token::OneTimeToken;
 use crate::hosts::Hosts;
+use crate::jobs::{Jobs, LoadIntervalWork, PadMapWork};
 use crate::limits::ServeLimits;
-use crate::load_interval_jobs::LoadIntervalJobs;
 use crate::overview_cache::OverviewCache;
-use crate::pad_jobs::PadMapJobs;
 use crate::places::Rooms;
 use crate::problem::Answer;
 use crate::result_cache::{ResultCache, computed};
@@ -71,9 +70,9 @@ struct Shared {
     overviews: OverviewCache,
     changes: Channel,
     results: ResultCache,
-    jobs: ComputationJobs,
-    pad_maps: PadMapJobs,
-    load_intervals: LoadIntervalJobs,
+    jobs: Jobs<ComputationName>,
+    pad_maps: Jobs<PadMapWork>,
+    load_intervals: Jobs<LoadIntervalWork>,
 }
 
 impl fmt::Debug for AppState {
@@ -106,9 +105,9 @@ impl AppState {
             overviews: OverviewCache::default(),
             changes: Channel::default(),
             results: ResultCache::default(),
-            jobs: ComputationJobs::default(),
-            pad_maps: PadMapJobs::default(),
-            load_intervals: LoadIntervalJobs::default(),
+            jobs: Jobs::default(),
+            pad_maps: Jobs::default(),
+            load_intervals: Jobs::default(),
         };
         Self { shared: Arc::new(shared) }
     }
@@ -127,17 +126,17 @@ impl AppState {
     }
 
     /// Computations in the background.
-    pub(crate) fn jobs(&self) -> &ComputationJobs {
+    pub(crate) fn jobs(&self) -> &Jobs<ComputationName> {
         &self.shared.jobs
     }
 
     /// Pads that are tried in the background.
-    pub(crate) fn pad_maps(&self) -> &PadMapJobs {
+    pub(crate) fn pad_maps(&self) -> &Jobs<PadMapWork> {
         &self.shared.pad_maps
     }
 
     /// Intervals under loads that are computed in the background.
-    pub(crate) fn load_intervals(&self) -> &LoadIntervalJobs {
+    pub(crate) fn load_intervals(&self) -> &Jobs<LoadIntervalWork> {
         &self.shared.load_intervals
     }
 

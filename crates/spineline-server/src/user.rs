@@ -4,7 +4,6 @@ use axum::extract::FromRequestParts;
 use axum::http::request::Parts;
 use axum::http::{HeaderMap, StatusCode};
 use axum_extra::extract::CookieJar;
-use spineline::anatomy::Named;
 use spineline_store::{
     Access, Hash, Name, Role, Session, SessionLimits, Signature, Store, Study, Timestamp,
 };

@@ -1,7 +1,6 @@
 //! Accounts, and permissions per study.
 
 use rusqlite::{Connection, Row, params};
-use spineline::anatomy::Named;
 
 use crate::audit::{self, Ledger, next_id};
 use crate::connection::Store;
@@ -11,26 +10,15 @@ use crate::names::{Name, Signature};
 use crate::password_hash::PasswordHash;
 use crate::sessions;
 
-/// Permissions in increasing order; each includes those before it.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Role {
-    /// May view.
-    Reader,
-    /// May place landmarks and create studies.
-    Editor,
-    /// May manage accounts, grants, plans and every study.
-    Admin,
-}
-
-impl Named for Role {
-    const ALL: &'static [Self] = &[Self::Reader, Self::Editor, Self::Admin];
-
-    fn key(self) -> &'static str {
-        match self {
-            Self::Reader => "reader",
-            Self::Editor => "editor",
-            Self::Admin => "admin",
-        }
+spineline::named! {
+    /// Permissions in increasing order; each includes those before it.
+    pub enum Role {
+        /// May view.
+        Reader = "reader",
+        /// May place landmarks and create studies.
+        Editor = "editor",
+        /// May manage accounts, grants, plans and every study.
+        Admin = "admin",
     }
 }
 
@@ -249,7 +237,7 @@ pub(crate) fn read(row: &Row<'_>) -> Result<Account, StoreError> {
     let role: String = row.get("role")?;
     Ok(Account {
         name: Name::new(&row.get::<_, String>("name")?)?,
-        role: Role::from_key(&role).ok_or_else(|| StoreError::damaged("account"))?,
+        role: role.parse().map_err(|_| StoreError::damaged("account"))?,
         enabled: row.get("enabled")?,
     })
 }
@@ -287,7 +275,7 @@ fn grants(
         Ok(StudyGrant {
             study: Name::new(&row.get::<_, String>("study")?)?,
             name: Name::new(&row.get::<_, String>("name")?)?,
-            role: Role::from_key(&role).ok_or_else(|| StoreError::damaged("grant"))?,
+            role: role.parse().map_err(|_| StoreError::damaged("grant"))?,
         })
     })
 }

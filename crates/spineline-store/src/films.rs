@@ -2,7 +2,7 @@
 
 use rusqlite::{Connection, OptionalExtension, Row, params};
 use serde_json::Value;
-use spineline::anatomy::{FilmView, Named};
+use spineline::anatomy::FilmView;
 use spineline::measure::ImageGeometry;
 
 use crate::audit::{self, Ledger, next_id};
@@ -265,7 +265,7 @@ fn read(row: &Row<'_>) -> Result<FilmRecord, StoreError> {
     Ok(FilmRecord {
         id,
         study: Name::new(&row.get::<_, String>("study")?)?,
-        view: FilmView::from_key(&view).ok_or_else(damaged)?,
+        view: view.parse().map_err(|_| damaged())?,
         simultaneous: simultaneous == Some(Value::Bool(true)),
         content: Hash(row.get("content")?),
         image,

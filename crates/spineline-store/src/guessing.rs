@@ -3,6 +3,8 @@
 
 use std::collections::BTreeSet;
 
+use spineline::warning::counted;
+
 use crate::names::Name;
 
 /// Minimum number of characters of a password.
@@ -80,7 +82,7 @@ pub enum PasswordFault {
     },
     /// Few different characters.
     #[error(
-        "the password has {found} different characters, not counting blanks; it needs at least {MIN_DIFFERENT}"
+        "the password has {}, not counting blanks; it needs at least {MIN_DIFFERENT}", counted(*.found as u64, "different character")
     )]
     Uniform {
         /// Its different characters.

@@ -3,7 +3,7 @@
 use std::fmt;
 use std::time::SystemTime;
 
-use chrono::{DateTime, Days, SecondsFormat, SubsecRound, Utc};
+use chrono::{DateTime, Days, NaiveTime, SecondsFormat, SubsecRound, Utc};
 use sha2::{Digest, Sha256};
 use spineline::measure::is_observer_code;
 
@@ -58,6 +58,13 @@ impl Timestamp {
     #[must_use]
     pub fn plus_days(self, days: u32) -> Self {
         Self(self.0.checked_add_days(Days::new(days.into())).unwrap_or(DateTime::<Utc>::MAX_UTC))
+    }
+
+    /// The first midnight (UTC) at or after this time.
+    #[must_use]
+    pub fn midnight_after(self) -> Self {
+        let midnight = self.0.with_time(NaiveTime::MIN).single().map(Self);
+        midnight.map_or(self, |before| if before < self { before.plus_days(1) } else { before })
     }
 }
 

@@ -402,7 +402,8 @@ fn next(
         let before = own.get(&(slot.film, slot.repeat.saturating_sub(1)));
         let rest = before.and_then(|reading| Some((reading.id, reading.rest_from?)));
         let Some((before, rest_from)) = rest else { return Ok(Next::Begin(film)) };
-        let until = rest_from.plus_days(plan.washout_days);
+        // The exact time would tell the reader which earlier reading was of this film.
+        let until = rest_from.plus_days(plan.washout_days).midnight_after();
         let waits = now < until && !is_released(connection, plan.id, before, rest_from)?;
         return Ok(if waits { Next::Wait(until) } else { Next::Begin(film) });
     }

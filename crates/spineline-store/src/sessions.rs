@@ -1,7 +1,6 @@
 //! Sessions. They are in the store so that they survive a restart of the server; they are not part of the audit log.
 
 use rusqlite::{Connection, OptionalExtension, params};
-use spineline::anatomy::Named;
 
 use crate::connection::Store;
 use crate::error::StoreError;
@@ -14,23 +13,13 @@ const TOUCH_MS: i64 = 60_000;
 /// Largest step by which a clock is set back in daily use. A session that is farther in the future was begun or used while the clock was wrong.
 const CLOCK_STEP_MS: i64 = 10_000;
 
-/// Way of signing in.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Access {
-    /// By the token of the terminal.
-    Token,
-    /// By an account and its password.
-    Accounts,
-}
-
-impl Named for Access {
-    const ALL: &'static [Self] = &[Self::Token, Self::Accounts];
-
-    fn key(self) -> &'static str {
-        match self {
-            Self::Token => "token",
-            Self::Accounts => "accounts",
-        }
+spineline::named! {
+    /// Way of signing in.
+    pub enum Access {
+        /// By the token of the terminal.
+        Token = "token",
+        /// By an account and its password.
+        Accounts = "accounts",
     }
 }
 
@@ -145,7 +134,7 @@ impl Store {
         if is_over(begun_ms, used_ms, now_ms, limits) {
             return Ok(None);
         }
-        let access = Access::from_key(&access).ok_or_else(|| StoreError::damaged("session"))?;
+        let access = access.parse().map_err(|_| StoreError::damaged("session"))?;
         Ok(Some((Session { name: Name::new(&name)?, access }, used_ms)))
     }
 

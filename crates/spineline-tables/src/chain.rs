@@ -1,6 +1,6 @@
 //! `analyze --chain`: the Denavit-Hartenberg table of every chain.
 
-use spineline::analysis::{Analysis, PostureAnalysis};
+use spineline::analysis::{Analysis, FilmMovement};
 use spineline::chain::DenavitHartenberg;
 use spineline::spatial::Frontal;
 
@@ -9,7 +9,7 @@ use crate::table::Table;
 
 /// A segment of a chain.
 struct Segment<'a> {
-    posture: &'a PostureAnalysis,
+    posture: &'a FilmMovement,
     index: usize,
     row: DenavitHartenberg,
     joint: Frontal,
@@ -28,8 +28,8 @@ type SegmentRow<'a> = Row<'a, Segment<'a>>;
 pub fn chain_table(analyses: &[Analysis]) -> Table {
     let mut rows: Vec<SegmentRow<'_>> = Vec::new();
     for analysis in analyses {
-        for posture in &analysis.postures {
-            let table = posture.pose.to_denavit_hartenberg(&analysis.chain);
+        for posture in &analysis.movement.films {
+            let table = posture.pose.to_denavit_hartenberg(&analysis.movement.chain);
             let segments = table.into_iter().zip(&posture.pose.joints).enumerate();
             rows.extend(segments.map(|(index, (row, &joint))| Row {
                 analysis,

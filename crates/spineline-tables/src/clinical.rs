@@ -29,8 +29,8 @@ type ClinicalRow<'a> = Row<'a, Measured<'a>>;
 pub(crate) fn table(patients: &[Patient<'_>]) -> Table {
     let mut rows: Vec<ClinicalRow<'_>> = Vec::new();
     for patient in patients {
-        for posture in patient.analysis.postures.iter().map(|p| p.outline.posture) {
-            let curves = patient.analysis.clinical.iter();
+        for posture in patient.analysis.movement.films.iter().map(|p| p.outline.posture) {
+            let curves = patient.analysis.movement.clinical.iter();
             rows.extend(curves.map(|curve| patient.row(Measured { curve, posture })));
         }
     }
@@ -78,8 +78,8 @@ fn columns_of_curves<'a>() -> Vec<Column<ClinicalRow<'a>>> {
             "distance of the apex from the central sacral vertical line on the erect film, positive to the patient's left; only in the row of the erect film",
             |row| {
                 let region = row.item.erect()?.region;
-                let balance = row.analysis.balance.as_ref()?;
-                row.analysis.scale().mm(balance.apical_translation_mm[region.index()])
+                let balance = row.analysis.movement.balance.as_ref()?;
+                row.analysis.movement.scale().mm(balance.apical_translation_mm[region.index()])
             },
         ),
         number(

@@ -1,5 +1,5 @@
 use spineline::action::LineKind;
-use spineline::analysis::PostureAnalysis;
+use spineline::analysis::FilmMovement;
 use spineline::anatomy::Level;
 use spineline::evaluate::Simulation;
 use spineline::personalize::evidence::{ContradictedJoint, JointEvidence};
@@ -11,7 +11,7 @@ use crate::vertebrae::simulations;
 
 /// A joint on a film, and under one line of action.
 pub(crate) struct Joint<'a> {
-    posture: &'a PostureAnalysis,
+    posture: &'a FilmMovement,
     inferior: Level,
     superior: Level,
     evidence: &'a JointEvidence,
@@ -34,7 +34,7 @@ type JointRow<'a> = Row<'a, Joint<'a>>;
 pub(crate) fn table(patients: &[Patient<'_>]) -> Table {
     let mut rows: Vec<JointRow<'_>> = Vec::new();
     for patient in patients {
-        for posture in &patient.analysis.postures {
+        for posture in &patient.analysis.movement.films {
             let Some(evidence) = &posture.evidence else { continue };
             for simulated in simulations(patient.analysis, posture) {
                 let pairs = evidence.levels.joint_pairs();

@@ -100,8 +100,8 @@ impl OptionalTables {
         Self {
             uncertainty: patients.iter().any(|patient| patient.spread.is_some()),
             hypotheses: patients.iter().any(|p| !p.analysis.options.hypotheses.is_empty()),
-            space: patients.iter().any(|patient| patient.analysis.space.is_some()),
-            axial: patients.iter().any(|patient| !patient.analysis.axial.is_empty()),
+            space: patients.iter().any(|patient| patient.analysis.movement.space.is_some()),
+            axial: patients.iter().any(|patient| !patient.analysis.movement.axial.is_empty()),
         }
     }
 }

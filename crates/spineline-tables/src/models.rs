@@ -165,7 +165,7 @@ type SpringsRow<'a> = Row<'a, Springs<'a>>;
 pub(crate) fn springs(patients: &[Patient<'_>]) -> Table {
     let mut rows: Vec<SpringsRow<'_>> = Vec::new();
     for patient in patients {
-        let library = &patient.analysis.library;
+        let library = &patient.analysis.movement.library;
         for model in &patient.analysis.models {
             let personal = model.stiffness_nmm_per_rad(library);
             let joints = library.rows().iter().zip(personal);

@@ -52,19 +52,19 @@ fn doubted_films(analysis: &Analysis) -> Option<String> {
 }
 
 fn inflection(row: &PatientRow<'_>, end: usize) -> Option<Inflection> {
-    row.analysis.inflections.pair.map(|pair| pair[end])
+    row.analysis.movement.inflections.pair.map(|pair| pair[end])
 }
 
 fn inflection_mm(row: &PatientRow<'_>, end: usize) -> Option<[f64; 2]> {
     let place = inflection(row, end)?.erect;
-    let scale = row.analysis.scale();
+    let scale = row.analysis.movement.scale();
     Some([scale.mm(place.y_mm)?, scale.mm(place.z_mm)?])
 }
 
 /// End of the 95 % interval of an inflection along the erect curve.
 fn interval_mm(row: &PatientRow<'_>, inflection: usize, end: usize) -> Option<f64> {
-    let found = row.analysis.inflection_intervals?.each[inflection]?;
-    row.analysis.scale().mm(found.along_mm[end])
+    let found = row.analysis.movement.inflection_intervals?.each[inflection]?;
+    row.analysis.movement.scale().mm(found.along_mm[end])
 }
 
 fn between(row: &PatientRow<'_>, end: usize) -> Option<String> {
@@ -73,28 +73,30 @@ fn between(row: &PatientRow<'_>, end: usize) -> Option<String> {
 
 fn curve<'a>() -> Vec<Column<PatientRow<'a>>> {
     vec![
-        count("films", "number of frontal films", |row| Some(row.analysis.postures.len() as i64)),
+        count("films", "number of frontal films", |row| {
+            Some(row.analysis.movement.films.len() as i64)
+        }),
         text(
             "doubted",
             "films that may not show what they are named after, in the order of the warnings, with spaces between them; empty where there is none",
             |row| doubted_films(row.analysis),
         ),
         text("chain_base", "lowest vertebra of the model, which is fixed", |row| {
-            Some(row.analysis.levels().base().to_string())
+            Some(row.analysis.movement.levels().base().to_string())
         }),
         text("chain_top", "highest vertebra of the model, which carries the force", |row| {
-            Some(row.analysis.levels().top().to_string())
+            Some(row.analysis.movement.levels().top().to_string())
         }),
         text(
             "lengths",
             "plane of the lengths of the erect film: `patient`, `detector`, `unknown`, or `pixels` without a spacing",
-            |row| Some(row.analysis.scale().plane.key().to_owned()),
+            |row| Some(row.analysis.movement.scale().plane.key().to_owned()),
         ),
         count("chain_segments", "number of segments of the erect chain (n)", |row| {
-            Some(row.analysis.chain.segments as i64)
+            Some(row.analysis.movement.chain.segments as i64)
         }),
         number("segment", Unit::Millimetres, "length of a segment of the chain (l)", |row| {
-            row.analysis.scale().mm(row.analysis.chain.segment_mm)
+            row.analysis.movement.scale().mm(row.analysis.movement.chain.segment_mm)
         }),
     ]
 }
@@ -102,7 +104,7 @@ fn curve<'a>() -> Vec<Column<PatientRow<'a>>> {
 fn inflections<'a>() -> Vec<Column<PatientRow<'a>>> {
     vec![
         count("inflections", "number of inflections of the erect curve", |row| {
-            Some(row.analysis.inflections.all.len() as i64)
+            Some(row.analysis.movement.inflections.all.len() as i64)
         }),
         text("inflection_caudal_between", "vertebrae around the caudal inflection", |row| {
             between(row, 0)
@@ -158,13 +160,13 @@ fn inflections<'a>() -> Vec<Column<PatientRow<'a>>> {
 fn findings<'a>() -> Vec<Column<PatientRow<'a>>> {
     vec![
         count("lenke_type", "Lenke's curve type as far as frontal films determine it", |row| {
-            row.analysis.lenke.map(|lenke| i64::from(lenke.number))
+            row.analysis.movement.lenke.map(|lenke| i64::from(lenke.number))
         }),
         text(
             "sagittal_profile",
             "`measured` on the lateral film, or that of a `population`",
             |row| {
-                let measured = row.analysis.space.is_some();
+                let measured = row.analysis.movement.space.is_some();
                 Some(if measured { "measured" } else { "population" }.to_owned())
             },
         ),
@@ -218,39 +220,39 @@ fn balance<'a>() -> Vec<Column<PatientRow<'a>>> {
         text(
             "sacral_reference",
             "what the central sacral vertical line runs through: `iliac_crests`, `l5` or `base`",
-            |row| Some(row.analysis.balance.as_ref()?.reference.key().to_owned()),
+            |row| Some(row.analysis.movement.balance.as_ref()?.reference.key().to_owned()),
         ),
         text("plumb_level", "vertebra from which the plumb line falls", |row| {
-            Some(row.analysis.balance.as_ref()?.plumb_level.to_string())
+            Some(row.analysis.movement.balance.as_ref()?.plumb_level.to_string())
         }),
         number(
             "coronal_balance",
             Unit::Millimetres,
             "distance of the plumb line from the central sacral vertical line, positive to the patient's left",
             |row| {
-                let balance = row.analysis.balance.as_ref()?;
-                row.analysis.scale().mm(balance.coronal_balance_mm)
+                let balance = row.analysis.movement.balance.as_ref()?;
+                row.analysis.movement.scale().mm(balance.coronal_balance_mm)
             },
         ),
         number(
             "t1_tilt",
             Unit::Degrees,
             "tilt of the superior endplate of T1 against the horizontal; positive where its normal is tilted to the patient's right",
-            |row| row.analysis.balance.as_ref()?.t1_tilt.map(Angle::deg),
+            |row| row.analysis.movement.balance.as_ref()?.t1_tilt.map(Angle::deg),
         ),
         number("l4_tilt", Unit::Degrees, "the same of L4", |row| {
-            row.analysis.balance.as_ref()?.l4_tilt.map(Angle::deg)
+            row.analysis.movement.balance.as_ref()?.l4_tilt.map(Angle::deg)
         }),
         number(
             "pelvic_obliquity",
             Unit::Degrees,
             "tilt of the iliac line against the horizontal; positive where the patient's left crest is higher",
-            |row| row.analysis.balance.as_ref()?.pelvic_obliquity.map(Angle::deg),
+            |row| row.analysis.movement.balance.as_ref()?.pelvic_obliquity.map(Angle::deg),
         ),
         text(
             "stable_vertebra",
             "vertebra below the apex of the main thoracic curve that is nearest to the central sacral vertical line",
-            |row| Some(row.analysis.balance.as_ref()?.stable.to_string()),
+            |row| Some(row.analysis.movement.balance.as_ref()?.stable.to_string()),
         ),
     ]
 }

@@ -1,5 +1,5 @@
 use spineline::action::LineKind;
-use spineline::analysis::PostureAnalysis;
+use spineline::analysis::FilmMovement;
 use spineline::curve::CurveForm;
 use spineline::measure::FilmLength;
 use spineline::spatial::Angle;
@@ -8,13 +8,13 @@ use crate::Patient;
 use crate::define::{Column, LENGTHS, Row, Unit, count, keyed, number, text, truth};
 use crate::table::Table;
 
-type PostureRow<'a> = Row<'a, &'a PostureAnalysis>;
+type PostureRow<'a> = Row<'a, &'a FilmMovement>;
 
 /// One row per patient and posture.
 pub(crate) fn table(patients: &[Patient<'_>]) -> Table {
     let rows: Vec<PostureRow<'_>> = patients
         .iter()
-        .flat_map(|patient| patient.analysis.postures.iter().map(|item| patient.row(item)))
+        .flat_map(|patient| patient.analysis.movement.films.iter().map(|item| patient.row(item)))
         .collect();
     keyed("postures", "patient × posture", [film(), curve(), film_scale(), movement(), own_line()])
         .fill(&rows)
@@ -138,7 +138,7 @@ fn distance(row: &PostureRow<'_>, end: usize) -> Option<f64> {
 
 fn distance_mm(row: &PostureRow<'_>, end: usize) -> Option<f64> {
     let pair = row.item.inflection_estimates?;
-    row.analysis.scale().mm(pair[end].distance_mm)
+    row.analysis.movement.scale().mm(pair[end].distance_mm)
 }
 
 fn rotation(row: &PostureRow<'_>, end: usize) -> Option<f64> {

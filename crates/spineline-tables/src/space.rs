@@ -23,7 +23,7 @@ type VertebraRow<'a> = Row<'a, InSpace<'a>>;
 pub(crate) fn vertebrae(patients: &[Patient<'_>]) -> Table {
     let mut rows: Vec<VertebraRow<'_>> = Vec::new();
     for patient in patients {
-        let Some(space) = &patient.analysis.space else { continue };
+        let Some(space) = &patient.analysis.movement.space else { continue };
         let error = patient.analysis.template_error();
         rows.extend(space.vertebrae.iter().map(|vertebra| {
             let mut known = error.iter().flat_map(|error| &error.vertebrae);
@@ -39,8 +39,8 @@ pub(crate) fn vertebrae(patients: &[Patient<'_>]) -> Table {
 pub(crate) fn measures(patients: &[Patient<'_>]) -> Table {
     let mut rows: Vec<NumberRow<'_>> = Vec::new();
     for patient in patients {
-        let found = patient.analysis.spatial_measures();
-        let numbers = found.map(|found| found.numbers(patient.analysis.scale()));
+        let found = patient.analysis.movement.spatial_measures();
+        let numbers = found.map(|found| found.numbers(patient.analysis.movement.scale()));
         rows.extend(numbers.into_iter().flatten().map(|number| patient.row(number)));
     }
     keyed("space_measures", "patient × number of the spine in space", [numbers()]).fill(&rows)
@@ -84,7 +84,7 @@ fn numbers<'a>() -> Vec<Column<NumberRow<'a>>> {
 }
 
 fn place_mm(row: &VertebraRow<'_>, part: fn(&Vec3) -> f64) -> Option<f64> {
-    row.analysis.scale().mm(part(&row.item.vertebra.place_mm))
+    row.analysis.movement.scale().mm(part(&row.item.vertebra.place_mm))
 }
 
 fn places<'a>() -> Vec<Column<VertebraRow<'a>>> {
@@ -144,7 +144,7 @@ type AxialRow<'a> = Row<'a, &'a AxialRotation>;
 pub(crate) fn axial(patients: &[Patient<'_>]) -> Table {
     let mut rows: Vec<AxialRow<'_>> = Vec::new();
     for patient in patients {
-        rows.extend(patient.analysis.axial.iter().map(|found| patient.row(found)));
+        rows.extend(patient.analysis.movement.axial.iter().map(|found| patient.row(found)));
     }
     let row = "patient × vertebra whose pedicles are marked on the erect film";
     keyed("axial_rotation", row, [rotations()]).fill(&rows)

@@ -1,5 +1,5 @@
 use spineline::action::LineKind;
-use spineline::analysis::{Analysis, PostureAnalysis};
+use spineline::analysis::{Analysis, FilmMovement};
 use spineline::evaluate::Simulation;
 use spineline::measure::MeasuredVertebra;
 
@@ -12,7 +12,7 @@ use crate::table::{NumberFormat, Table};
 /// A vertebra on a film, and under one line of action.
 #[derive(Clone, Copy)]
 pub(crate) struct Vertebra<'a> {
-    posture: &'a PostureAnalysis,
+    posture: &'a FilmMovement,
     /// Place among the vertebrae of the model.
     index: usize,
     simulated: Option<(LineKind, &'a Simulation)>,
@@ -37,7 +37,7 @@ type VertebraRow<'a> = Row<'a, Vertebra<'a>>;
 /// What the models give on a film; one `None` without a model.
 pub(crate) fn simulations<'a>(
     analysis: &'a Analysis,
-    posture: &PostureAnalysis,
+    posture: &FilmMovement,
 ) -> Vec<Option<(LineKind, &'a Simulation)>> {
     let posture = posture.outline.posture;
     let models = analysis.models.iter();
@@ -53,7 +53,7 @@ pub(crate) fn simulations<'a>(
 pub(crate) fn table(patients: &[Patient<'_>]) -> Table {
     let mut rows: Vec<VertebraRow<'_>> = Vec::new();
     for patient in patients {
-        for posture in &patient.analysis.postures {
+        for posture in &patient.analysis.movement.films {
             for simulated in simulations(patient.analysis, posture) {
                 let of_level = |index| Vertebra { posture, index, simulated };
                 rows.extend(
@@ -91,7 +91,7 @@ const OF_ERRORS: [&str; 16] = [
 pub fn errors_table(analyses: &[Analysis]) -> Table {
     let mut rows: Vec<VertebraRow<'_>> = Vec::new();
     for analysis in analyses {
-        for posture in &analysis.postures {
+        for posture in &analysis.movement.films {
             let simulations = simulations(analysis, posture);
             for index in 0..posture.outline.vertebrae.len() {
                 let of_line = |&simulated| Vertebra { posture, index, simulated };

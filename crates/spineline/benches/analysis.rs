@@ -72,7 +72,7 @@ fn steps(criterion: &mut Criterion) {
     criterion.bench_function("chain.lay, about 1000 segments", |bencher| {
         bencher.iter(|| {
             next = (next + 1) % fits.len();
-            black_box(analysis.chain.lay(black_box(&fits[next].curve)))
+            black_box(analysis.movement.chain.lay(black_box(&fits[next].curve)))
         });
     });
 }

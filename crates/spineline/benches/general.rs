@@ -45,8 +45,9 @@ fn started(work: &mut NewtonWork, hinges: &[Vec3]) {
 fn general(criterion: &mut Criterion) {
     let analysis = common::analyzed(0, Truth::Rod, Support::Free);
     let springs = |_| Mat3::from_diagonal(&Vec3::new(140e3, 140e3, 250e3));
-    let statics = GeneralStatics::new(&analysis.spine, (0..14).map(springs), Support::Free)
-        .expect("sound springs");
+    let statics =
+        GeneralStatics::new(&analysis.movement.spine, (0..14).map(springs), Support::Free)
+            .expect("sound springs");
     let loadings = loadings();
     let mut group = criterion.benchmark_group("general");
     for (name, loading) in &loadings {

@@ -29,8 +29,9 @@ fn march(criterion: &mut Criterion) {
         let analysis = common::analyzed(0, Truth::Rod, support);
         let load = common::bending_loads(&analysis, LineKind::Inflection)[0];
         let (library, groups) =
-            (StiffnessLibrary::default(), JointGroups::regional(&analysis.regions));
-        let statics = Statics::new(&analysis.spine, &library, &groups, &[0.1, 0.3, -0.4], support);
+            (StiffnessLibrary::default(), JointGroups::regional(&analysis.movement.regions));
+        let statics =
+            Statics::new(&analysis.movement.spine, &library, &groups, &[0.1, 0.3, -0.4], support);
         for count in [0, 1, 4] {
             let name = format!("{support:?}, {count} derivatives").to_lowercase();
             let mut state = 7;

@@ -23,9 +23,9 @@ fn search(criterion: &mut Criterion) {
     for (truth, kind) in [(Truth::Pull, LineKind::Iliac), (Truth::Rod, LineKind::Inflection)] {
         let analysis = common::analyzed(0, truth, Support::Frontal);
         let model = analysis.models.iter().find(|m| m.kind == kind).expect("every line");
-        let groups = JointGroups::regional(&analysis.regions);
+        let groups = JointGroups::regional(&analysis.movement.regions);
         let statics = Statics::new(
-            &analysis.spine,
+            &analysis.movement.spine,
             &library,
             &groups,
             &model.fit.log_multipliers,
@@ -54,12 +54,12 @@ fn fit(criterion: &mut Criterion) {
     for support in [Support::Free, Support::Frontal] {
         for target in [FitTarget::Shape, FitTarget::Ferguson] {
             let analysis = common::analyzed(0, Truth::Rod, support);
-            let groups = JointGroups::regional(&analysis.regions);
+            let groups = JointGroups::regional(&analysis.movement.regions);
             let loads = common::bending_loads(&analysis, LineKind::Inflection);
-            let erect = &analysis.erect().outline;
+            let erect = &analysis.movement.erect().outline;
             let variants: Vec<Vec<Outline>> = (0..16).map(|i| bends(&analysis, i)).collect();
             let settings = FitSettings {
-                regions: &analysis.regions,
+                regions: &analysis.movement.regions,
                 target,
                 gauge: Gauge::GeometricMean,
                 support,
@@ -78,7 +78,7 @@ fn fit(criterion: &mut Criterion) {
                         .collect();
                     let films = black_box(films.as_slice());
                     black_box(personalize(
-                        &analysis.spine,
+                        &analysis.movement.spine,
                         &library,
                         &groups,
                         erect,
@@ -96,7 +96,7 @@ fn fit(criterion: &mut Criterion) {
 fn bends(analysis: &spineline::analysis::Analysis, variant: u32) -> Vec<Outline> {
     BENDS
         .map(|posture| {
-            let mut outline = analysis.posture(posture).expect("both bends").outline.clone();
+            let mut outline = analysis.movement.film(posture).expect("both bends").outline.clone();
             for (i, vertebra) in outline.vertebrae.iter_mut().enumerate().skip(1) {
                 let wobble = (f64::from(variant) + 1.7 * i as f64).sin();
                 vertebra.location.y_mm += 0.2 * wobble;

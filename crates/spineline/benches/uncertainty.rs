@@ -13,7 +13,7 @@ use spineline_phantom::{Readers, Truth};
 fn replicate(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("replicate, five films of six readings");
     for (support, name) in [(Support::Free, "free"), (Support::Frontal, "frontal")] {
-        for truth in Truth::ALL {
+        for truth in Truth::PAPER {
             let case = common::case(0, truth, &Readers::default());
             let nominal = analyze(&case, &common::options(support)).expect("a sound case");
             let monte_carlo =

@@ -20,6 +20,12 @@
 
 #![cfg_attr(test, allow(clippy::float_cmp, reason = "tests compare with exact values"))]
 
+#[cfg(feature = "schema")]
+#[doc(hidden)]
+pub use schemars;
+#[doc(hidden)]
+pub use serde;
+
 pub mod action;
 pub mod analysis;
 pub mod anatomy;

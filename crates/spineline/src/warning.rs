@@ -1,6 +1,7 @@
 //! Warnings: they do not stop the analysis, and every reader of a result sees them. Each says what was done about it.
 
-use crate::anatomy::{Level, LineKind, Posture};
+use crate::action::LineKind;
+use crate::anatomy::{Level, Posture, named};
 
 /// A number of things in words: `1 film`, `2 films`. `noun` is in the singular and takes an s.
 #[must_use]
@@ -9,36 +10,27 @@ pub fn counted<N: std::fmt::Display + PartialEq + From<u8>>(count: N, noun: &str
     format!("{count} {noun}{ending}")
 }
 
-/// A step of the pipeline, in its order.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
-#[allow(missing_docs)]
-pub enum Step {
-    Measure,
-    Curve,
-    Clinical,
-    Chain,
-    Motion,
-    Action,
-    Multibody,
-    Personalize,
-    Evaluate,
-}
-
-impl Step {
-    /// The name of the step, which is the name of its module.
-    #[must_use]
-    pub const fn key(self) -> &'static str {
-        match self {
-            Self::Measure => "measure",
-            Self::Curve => "curve",
-            Self::Clinical => "clinical",
-            Self::Chain => "chain",
-            Self::Motion => "motion",
-            Self::Action => "action",
-            Self::Multibody => "multibody",
-            Self::Personalize => "personalize",
-            Self::Evaluate => "evaluate",
-        }
+named! {
+    /// A step of the pipeline, in its order.
+    pub enum Step {
+        /// Landmarks and lengths of the films.
+        Measure = "measure",
+        /// Curves and inflections.
+        Curve = "curve",
+        /// Clinical measures.
+        Clinical = "clinical",
+        /// The chain of segments.
+        Chain = "chain",
+        /// Movement from film to film.
+        Motion = "motion",
+        /// Lines of action.
+        Action = "action",
+        /// Equilibrium of the model.
+        Multibody = "multibody",
+        /// Stiffness fitted to the bends.
+        Personalize = "personalize",
+        /// Errors of the models.
+        Evaluate = "evaluate",
     }
 }
 

@@ -6,15 +6,11 @@
 #[path = "it/common/mod.rs"]
 mod common;
 
-use std::num::NonZeroUsize;
-
 use allocation_counter::measure;
 use common::spine;
 use spineline::analysis::{AnalysisOptions, analyze};
 use spineline::anatomy::Levels;
-use spineline::cohort::{
-    Cohort, CohortPatient, CohortRows, CohortSource, Listed, OneThread, TakePart,
-};
+use spineline::cohort::{Cohort, CohortPatient};
 use spineline::multibody::{
     BodyLoad, GeneralStatics, Loading, Parameter, Rod, Solution, Statics, Support, Timing, Wrench,
 };
@@ -56,64 +52,22 @@ fn newton_does_not_allocate_under_any_load() {
     assert_eq!(counted.count_total, 0);
 }
 
-/// A patient again and again, as if read from a file every time.
-struct Repeated {
-    patient: Vec<u8>,
-    times: usize,
-}
-
-impl CohortSource for Repeated {
-    type Error = ();
-
-    fn each_part(&mut self, most: NonZeroUsize, take: &mut TakePart<'_, ()>) -> Result<(), ()> {
-        let read = || CohortPatient::from_bytes(&self.patient).ok_or(());
-        for first in (0..self.times).step_by(most.get()) {
-            let size = most.get().min(self.times - first);
-            let part: Vec<_> = (0..size).map(|_| read()).collect::<Result<_, _>>()?;
-            take(&part)?;
-        }
-        Ok(())
-    }
-}
-
-/// Rows of patients that are all the same.
-#[derive(Default)]
-struct SameRows {
-    row: Vec<f64>,
-    times: usize,
-}
-
-impl CohortRows<()> for SameRows {
-    fn add(&mut self, row: &[f64]) -> Result<(), ()> {
-        self.row.clear();
-        self.row.extend_from_slice(row);
-        self.times += 1;
-        Ok(())
-    }
-
-    fn each(&mut self, numbers: usize, take: &mut dyn FnMut(&[f64])) -> Result<(), ()> {
-        assert_eq!(numbers, self.row.len());
-        (0..self.times).for_each(|_| take(&self.row));
-        Ok(())
-    }
-}
-
 #[test]
-fn the_memory_of_a_cohort_grows_by_a_few_numbers_per_patient() {
+fn a_patient_of_a_cohort_takes_few_bytes_in_few_pieces() {
     let case = generate(0, Truth::Rod, &Readers::exact(), 1).expect("a phantom").case;
     let analysis = analyze(&case, &AnalysisOptions::default()).expect("an analysis");
-    let patient = CohortPatient::of(&analysis).to_bytes();
+    let patient = CohortPatient::of(&analysis);
+    let mut copy = None;
+    let counted = measure(|| copy = Some(patient.clone()));
+    assert_eq!(copy.as_ref(), Some(&patient));
+    let bytes = counted.bytes_max + size_of::<CohortPatient>() as u64;
+    assert!(bytes < 8_000, "{bytes} bytes");
+    assert!(counted.count_total < 40, "{} pieces", counted.count_total);
     let most = |times: usize| {
-        let mut source = Repeated { patient: patient.clone(), times };
-        let counted = measure(|| {
-            let rows = &mut SameRows::default();
-            let cohort = Cohort::of_source(&mut source, rows, Listed::First, 1, &OneThread);
-            let cohort = cohort.expect("bytes of a patient");
-            assert_eq!(cohort.patients, times);
-        });
-        counted.bytes_max
+        let patients = vec![patient.clone(); times];
+        measure(|| assert_eq!(Cohort::of(&patients, 1).patients, times)).bytes_max
     };
     let [few, many] = [most(100), most(400)];
     let per_patient = many.saturating_sub(few) / 300;
-    assert!(per_patient < 400, "{per_patient} bytes per patient");
+    assert!(per_patient < 7_000, "{per_patient} bytes per patient for statistics");
 }

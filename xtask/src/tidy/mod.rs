@@ -25,8 +25,17 @@ const IMPURE: [&str; 9] = [
 ];
 
 /// Crates on which the core may stand.
-const CORE_DEPENDENCIES: [&str; 7] =
-    ["nalgebra", "rand", "rand_chacha", "rand_distr", "statrs", "tdigest", "thiserror"];
+const CORE_DEPENDENCIES: [&str; 9] = [
+    "nalgebra",
+    "rand",
+    "rand_chacha",
+    "rand_distr",
+    "schemars",
+    "serde",
+    "statrs",
+    "tdigest",
+    "thiserror",
+];
 
 /// A file that is longer holds more than one idea.
 const MAX_LINES: usize = 500;
@@ -36,6 +45,7 @@ pub fn run(root: &Path) -> Result<(), String> {
     let core = root.join("crates/spineline/src");
     for file in sources(&core)? {
         check_purity(&core, &file, &mut faults)?;
+        check_parameters(&core, &file, &mut faults)?;
     }
     order::check(root, &mut faults)?;
     panics::check(root, &mut faults)?;
@@ -102,11 +112,37 @@ fn check_purity(core: &Path, file: &Path, faults: &mut Vec<String>) -> Result<()
     Ok(())
 }
 
+/// A parameter of the core is one thing: a tuple of several is a type that has no name yet.
+fn check_parameters(core: &Path, file: &Path, faults: &mut Vec<String>) -> Result<(), String> {
+    let inside = file.strip_prefix(core).map_err(|error| error.to_string())?;
+    for (number, line) in read(file)?.lines().enumerate() {
+        if has_tuple_parameter(line) {
+            let place = format!("{}:{}", inside.display(), number + 1);
+            faults.push(format!(
+                "{place}: a parameter is taken apart as a tuple: give its parts, or name a type"
+            ));
+        }
+    }
+    Ok(())
+}
+
+/// Whether a formatted line of a signature takes a parameter apart, as `(a, b): (A, B)`; closures may.
+fn has_tuple_parameter(line: &str) -> bool {
+    let code = line.trim_start();
+    let is_name = |c: char| c.is_alphanumeric() || "_, &".contains(c);
+    let is_pattern = |(at, _): (usize, &str)| {
+        let inside = code[at + 1..].split_once("): ");
+        inside.is_some_and(|(names, _)| names.contains(',') && names.chars().all(is_name))
+    };
+    let is_signature = code.starts_with('(') || code.contains("fn ");
+    is_signature && !code.contains('|') && code.match_indices('(').any(is_pattern)
+}
+
 fn check_core_dependencies(root: &Path, faults: &mut Vec<String>) -> Result<(), String> {
     let manifest = read(&root.join("crates/spineline/Cargo.toml"))?;
     let section = manifest.split("[dependencies]").nth(1).unwrap_or_default();
     let lines = section.lines().skip(1).take_while(|line| !line.starts_with('['));
-    for line in lines.filter(|line| !line.trim().is_empty()) {
+    for line in lines.filter(|line| !line.trim().is_empty() && !line.starts_with('#')) {
         let name = line.split(['.', ' ', '=']).next().unwrap_or_default();
         if !CORE_DEPENDENCIES.contains(&name) {
             faults.push(format!("the core depends on `{name}`, which it should not know"));
@@ -122,4 +158,22 @@ fn check_length(root: &Path, file: &Path, faults: &mut Vec<String>) -> Result<()
         faults.push(format!("{}: {lines} lines, and the limit is {MAX_LINES}", place.display()));
     }
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::has_tuple_parameter;
+
+    #[test]
+    fn a_tuple_is_found_in_signatures_only() {
+        let found = ["    (a, b): (A, B),", "fn f((a, _): &(A, B), c: C) {"];
+        assert!(found.iter().all(|line| has_tuple_parameter(line)));
+        let others = [
+            "let (a, b): (A, B) = c;",
+            "    pair: (A, B),",
+            "fn f(a: A, b: (B, C)) -> D {",
+            "let f = |(a, b): (A, B)| a;",
+        ];
+        assert!(!others.iter().any(|line| has_tuple_parameter(line)));
+    }
 }

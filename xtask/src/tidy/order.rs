@@ -14,6 +14,7 @@ const ORDERS: [(&str, &[&str]); 2] = [
         &[
             "anatomy",
             "spatial",
+            "action",
             "warning",
             "measure",
             "reliability",
@@ -21,7 +22,6 @@ const ORDERS: [(&str, &[&str]); 2] = [
             "clinical",
             "chain",
             "motion",
-            "action",
             "least_squares",
             "multibody",
             "response",

@@ -41,7 +41,7 @@ fn case(name: &str, subject: usize) -> Result<Case, Box<dyn Error>> {
         name: name.to_owned(),
         vertebrae: vertebrae(&analysis),
         joints: joints(&analysis, &options),
-        regions: analysis.regions.bounds.map(|b| [b.inferior, b.apex, b.superior]),
+        regions: analysis.movement.regions.bounds.map(|b| [b.inferior, b.apex, b.superior]),
         multipliers: phantom.multipliers.map(|multiplier| multiplier / level),
         noise: CaseNoise {
             location_mm: Noise::ONE_READING.location_mm,
@@ -56,7 +56,7 @@ fn case(name: &str, subject: usize) -> Result<Case, Box<dyn Error>> {
 }
 
 fn vertebrae(analysis: &Analysis) -> Vec<Vertebra> {
-    let spine = &analysis.spine;
+    let spine = &analysis.movement.spine;
     let poses = spine.midpoints_mm.iter().zip(&spine.axes);
     Level::MODEL
         .into_iter()
@@ -70,7 +70,7 @@ fn vertebrae(analysis: &Analysis) -> Vec<Vertebra> {
 }
 
 fn joints(analysis: &Analysis, options: &AnalysisOptions) -> Vec<Joint> {
-    let spine = &analysis.spine;
+    let spine = &analysis.movement.spine;
     spine
         .joints
         .iter()
@@ -79,7 +79,7 @@ fn joints(analysis: &Analysis, options: &AnalysisOptions) -> Vec<Joint> {
         .map(|(j, (joint, row))| Joint {
             centre_mm: (spine.midpoints_mm[j] + spine.axes[j] * joint.centre_in_inferior_mm).into(),
             stiffness_nmm_per_rad: row.nmm_per_rad,
-            region: analysis.regions.of_joint(j).index(),
+            region: analysis.movement.regions.of_joint(j).index(),
         })
         .collect()
 }

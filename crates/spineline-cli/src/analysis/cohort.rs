@@ -1,9 +1,8 @@
 //! Several patients together.
 
-use spineline::cohort::{Cohort, CohortPatient, Listed, RefusedCase};
+use spineline::cohort::{Cohort, CohortPatient, RefusedCase};
 use spineline_files::CohortFile;
 
-use super::kept::{KeptPatients, KeptRows};
 use crate::run::failure::Failure;
 use crate::run::progress;
 use crate::run::threads::Pool;
@@ -11,26 +10,17 @@ use crate::run::threads::Pool;
 /// Seed of the bootstrap over patients.
 const BOOTSTRAP_SEED: u64 = 1;
 
-/// Statistics over all patients.
-pub fn of(patients: &[CohortPatient]) -> Cohort {
-    Cohort::of(patients, BOOTSTRAP_SEED)
-}
-
-/// The same without the values behind them, which pictures alone show.
+/// Statistics over all patients; 0 threads uses all cores.
 ///
 /// # Errors
-/// If a patient cannot be read again, or the threads cannot be started.
-pub fn of_kept(
-    patients: &mut KeptPatients,
-    listed: Listed,
-    threads: usize,
-) -> Result<Cohort, Failure> {
-    let (rows, pool) = (&mut KeptRows::default(), Pool::new(threads)?);
+/// If the threads cannot be started.
+pub fn of(patients: &[CohortPatient], threads: usize) -> Result<Cohort, Failure> {
+    let pool = Pool::new(threads)?;
     // Half a minute for 100,000 patients.
     let shown = progress::working("statistics over all patients");
-    let cohort = Cohort::of_source(patients, rows, listed, BOOTSTRAP_SEED, &pool);
+    let cohort = Cohort::by(patients, BOOTSTRAP_SEED, &pool);
     shown.finish_and_clear();
-    cohort
+    Ok(cohort)
 }
 
 /// The statistics as a file.

@@ -5,6 +5,5 @@ pub mod cohort;
 pub mod confidence;
 pub mod figures;
 pub mod films;
-pub mod kept;
 pub mod record;
 pub mod replicates;

@@ -17,7 +17,7 @@ use spineline_films::FilmFile;
 use spineline_films::intake::{IntakeLimits, Place, read};
 use spineline_report::terminal::Lines;
 
-use crate::options::choice::{IMAGE_SIDES, choice};
+use crate::options::choice::choice;
 use crate::run::failure::{Ending, Failure};
 use crate::run::film_decoder::Decoder;
 use crate::run::messages::say;
@@ -43,7 +43,7 @@ pub struct DetectArgs {
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
     /// Side of the picture on which the patient's left is, where a film does not say
-    #[arg(long, value_name = "SIDE", value_parser = choice::<ImageSide>(IMAGE_SIDES))]
+    #[arg(long, value_name = "SIDE", value_parser = choice::<ImageSide>())]
     patient_left: Option<ImageSide>,
     #[command(flatten)]
     overwrite: OverwriteArgs,

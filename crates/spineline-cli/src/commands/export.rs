@@ -7,7 +7,7 @@ use std::sync::LazyLock;
 use clap::builder::PossibleValue;
 use clap::{Args, ValueEnum};
 use spineline::analysis::{AnalysisOptions, Case, analyze};
-use spineline::anatomy::{Named, Posture, Region};
+use spineline::anatomy::{Posture, Region};
 use spineline::clinical::CobbEnds;
 use spineline_files::{
     CaseFile, ExportFormat, FileError, FilmOrigin, InputFile, Provenance, ProvenanceFile, export,
@@ -103,7 +103,7 @@ enum LandmarkName {
 impl ValueEnum for Target {
     fn value_variants<'a>() -> &'a [Self] {
         static TARGETS: LazyLock<Vec<Target>> = LazyLock::new(|| {
-            let models = ExportFormat::ALL.iter().map(|&format| Target::Model(format));
+            let models = ExportFormat::ALL.into_iter().map(Target::Model);
             let landmarks =
                 LandmarkName::value_variants().iter().map(|&name| Target::Landmarks(name));
             models.chain(landmarks).collect()
@@ -129,7 +129,7 @@ pub fn run(args: &ExportArgs) -> Result<Ending, Failure> {
     }
     let outputs = Outputs::new(args.overwrite, [args.file.as_path()]);
     outputs.file(&args.out)?;
-    let model = read_model(&args.file)?;
+    let model = read_model(&args.file)?.model;
     let text = export(&model, format, &generator())
         .map_err(|error| Failure::input(&args.file.display().to_string(), &error, error.help()))?;
     outputs.of_case(&model.case_id);
@@ -259,7 +259,9 @@ fn read_sources(
 /// The ends of the curves as `spineline analyze` finds them; none where the case cannot be analysed.
 fn curves_of(case: &Case) -> Vec<(Region, CobbEnds)> {
     match analyze(case, &AnalysisOptions::default()) {
-        Ok(analysis) => analysis.clinical.iter().map(|curve| (curve.region, curve.ends)).collect(),
+        Ok(analysis) => {
+            analysis.movement.clinical.iter().map(|curve| (curve.region, curve.ends)).collect()
+        }
         Err(error) => {
             say(format!("note: the reports have no Cobb angles: {error}"));
             Vec::new()

@@ -11,7 +11,7 @@ use spineline_report::terminal::Lines;
 use spineline_report::{rotation_prior, terminal};
 
 use crate::analysis::case::analyze_input;
-use crate::options::choice::choice_of;
+use crate::options::choice::choice;
 use crate::options::values::threads;
 use crate::run::failure::{Ending, Failure};
 use crate::run::inputs::{CaseInput, case_files};
@@ -43,7 +43,7 @@ pub struct LearnPriorArgs {
     #[arg(long, value_name = "FILE")]
     out: PathBuf,
     /// Landmarks from which the tilt of a vertebra is measured; `analyze` takes the file with the same ones only
-    #[arg(long, value_parser = choice_of::<TiltRule>("tilt"), default_value = TiltRule::default().key())]
+    #[arg(long, value_parser = choice::<TiltRule>(), default_value = TiltRule::default().key())]
     tilt: TiltRule,
     #[command(flatten)]
     overwrite: OverwriteArgs,

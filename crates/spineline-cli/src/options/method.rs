@@ -3,17 +3,18 @@
 use std::path::Path;
 
 use clap::builder::ValueParser;
+use clap::parser::ValueSource;
 use clap::{Arg, ArgAction, ArgMatches, Args, Command, FromArgMatches, ValueHint};
 use spineline::analysis::AnalysisOptions;
 use spineline_files::StoredRotationPrior;
-use spineline_files::method_text::{MethodOption, OPTIONS, OptionError, OptionValues, set_option};
+use spineline_files::method_text::{MethodOption, OPTIONS, OptionError, OptionValues, options_of};
 
 use super::choice::spelling;
 use crate::run::failure::Failure;
 
 /// Choices of the method: one for each of [`OPTIONS`].
 pub struct MethodArgs {
-    /// With their values, in the order of [`OPTIONS`].
+    /// Those that were given, with their values, in the order of [`OPTIONS`].
     given: Vec<(&'static MethodOption, String)>,
 }
 
@@ -30,7 +31,7 @@ impl Args for MethodArgs {
 /// The argument of an option.
 fn arg(option: &'static MethodOption) -> Arg {
     let parser: ValueParser = match option.values {
-        OptionValues::Named(values) if !option.takes_a_file() => spelling(values).into(),
+        OptionValues::Named(values) if !option.takes_a_file() => spelling(values()).into(),
         _ => {
             let read = |text: &str| option.check(text).map(|()| text.to_owned());
             ValueParser::from(read)
@@ -41,19 +42,23 @@ fn arg(option: &'static MethodOption) -> Arg {
         .help(option.help)
         .value_name(option.value_name)
         .value_parser(parser)
-        .action(if option.may_repeat() { ArgAction::Append } else { ArgAction::Set });
+        .action(if option.may_repeat { ArgAction::Append } else { ArgAction::Set });
     let takes_only_files = option.takes_a_file() && option.named_values().is_empty();
     let arg = if takes_only_files { arg.value_hint(ValueHint::AnyPath) } else { arg };
-    if option.default.is_empty() { arg } else { arg.default_value(option.default) }
+    let default = option.default_text();
+    if default.is_empty() { arg } else { arg.default_value(default) }
 }
 
 impl FromArgMatches for MethodArgs {
     fn from_arg_matches(matches: &ArgMatches) -> Result<Self, clap::Error> {
+        let is_given = |option: &&MethodOption| {
+            matches.value_source(option.name) == Some(ValueSource::CommandLine)
+        };
         let values = |option: &'static MethodOption| {
             let values = matches.get_many::<String>(option.name).into_iter().flatten();
             values.map(move |value| (option, value.clone()))
         };
-        Ok(Self { given: OPTIONS.iter().flat_map(values).collect() })
+        Ok(Self { given: OPTIONS.iter().filter(is_given).flat_map(values).collect() })
     }
 
     fn update_from_arg_matches(&mut self, matches: &ArgMatches) -> Result<(), clap::Error> {
@@ -68,22 +73,16 @@ impl MethodArgs {
     /// # Errors
     /// If a file cannot be read, or joint rotations were learned with tilts of another rule.
     pub fn options(&self) -> Result<(AnalysisOptions, Option<StoredRotationPrior>), Failure> {
-        let mut options = AnalysisOptions::default();
-        let mut learned = None;
-        for (option, value) in &self.given {
-            let in_file = |error| Failure::file(Path::new(value), &error);
-            let read =
-                set_option(&mut options, option.name, value).map_err(|error| match error {
-                    OptionError::File { error, .. } => in_file(error),
-                    other => Failure::usage(format!("{other}; {}", other.help())),
-                })?;
-            // Options are in order: the rule of tilts is known before.
-            if let Some(prior) = read.and_then(|file| file.rotation_prior) {
-                prior.check_tilt(options.tilt).map_err(in_file)?;
-                learned = Some(prior);
+        let given = self.given.iter().map(|(option, value)| (option.name, value.as_str()));
+        let (options, files) = options_of(given).map_err(|error| match error {
+            OptionError::File { name, error } => {
+                let value = self.given.iter().find(|(option, _)| option.name == name);
+                let path = value.map_or("", |(_, value)| value.as_str());
+                Failure::file(Path::new(path), &error)
             }
-        }
-        Ok((options, learned))
+            other => Failure::usage(format!("{other}; {}", other.help())),
+        })?;
+        Ok((options, files.into_iter().find_map(|file| file.rotation_prior)))
     }
 
     /// Files that the options name: they are inputs.

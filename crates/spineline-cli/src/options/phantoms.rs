@@ -32,9 +32,8 @@ pub struct ScenarioName(pub Truth);
 
 impl ValueEnum for ScenarioName {
     fn value_variants<'a>() -> &'a [Self] {
-        static NAMES: LazyLock<Vec<ScenarioName>> = LazyLock::new(|| {
-            Truth::EVERY.into_iter().chain(Truth::OTHERS).map(ScenarioName).collect()
-        });
+        static NAMES: LazyLock<Vec<ScenarioName>> =
+            LazyLock::new(|| Truth::ALL.into_iter().map(ScenarioName).collect());
         &NAMES
     }
 

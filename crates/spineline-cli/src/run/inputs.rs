@@ -140,8 +140,8 @@ pub fn read_input(path: &Path) -> Result<InputFile, Failure> {
 /// # Errors
 /// If the file is no model, or the model has no joint.
 pub fn read_model(path: &Path) -> Result<StoredModel, Failure> {
-    let model = read_text(path).and_then(|text| parse_model(&text));
-    let model = model.map_err(|error| match &error {
+    let stored = read_text(path).and_then(|text| parse_model(&text));
+    let stored = stored.map_err(|error| match &error {
         FileError::Format { .. } => Failure::input(
             &path.display().to_string(),
             &error,
@@ -149,7 +149,7 @@ pub fn read_model(path: &Path) -> Result<StoredModel, Failure> {
         ),
         _ => Failure::file(path, &error),
     })?;
-    if model.spine.joints.is_empty() {
+    if stored.model.spine.joints.is_empty() {
         let place = path.display().to_string();
         return Err(Failure::input(
             &place,
@@ -157,5 +157,5 @@ pub fn read_model(path: &Path) -> Result<StoredModel, Failure> {
             "give a model of at least two vertebrae",
         ));
     }
-    Ok(model)
+    Ok(stored)
 }

@@ -136,7 +136,7 @@ fn solve(case: Case) -> Result<Solved, String> {
     let own = case
         .frontal_load()
         .map(|load| match_amplitude(&statics, &load, ForceSign::Positive, case.target))
-        .filter(|own| own.status == MatchStatus::Matched);
+        .filter(|own| own.status == MatchStatus::Converged);
     let march_force_n = own.map(|own| own.force_n);
     if march_force_n.is_some_and(|own| (own - force_n).abs() > 1e-6 * force_n) {
         return Err(format!("the march finds {march_force_n:?} N, and Newton {force_n} N"));

@@ -12,7 +12,6 @@ use spineline::personalize::{FitTarget, TestOutcome};
 
 use super::model::ModelRecord;
 use super::posture::ScaleRecord;
-use crate::keys::Key;
 
 /// Every line on the films on which it has a result, every bend left out once.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -33,7 +32,7 @@ pub(super) struct ComparisonRecord {
     /// line but the estimated one, which comes from the same rotations.
     compatibility: BTreeMap<String, CompatibilityRecord>,
     /// By the bend that was left out, and line: the model that the other bend alone gave, and what it predicts.
-    left_out_bends: BTreeMap<Key<Posture>, BTreeMap<String, ModelRecord>>,
+    left_out_bends: BTreeMap<Posture, BTreeMap<String, ModelRecord>>,
     /// The comparison as text.
     verdict: Vec<String>,
 }
@@ -46,7 +45,7 @@ struct AgainstRecord {
     model: String,
     /// `left_out_bend` or `held_out`.
     role: String,
-    baseline: Key<Baseline>,
+    baseline: Baseline,
     /// Films that both predict.
     films: usize,
     /// Mean location error of the model less that of the prediction: below zero where the model is better.
@@ -90,7 +89,7 @@ struct ErrorsRecord {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 struct FilmRecord {
-    posture: Key<Posture>,
+    posture: Posture,
     /// `fitted`, `left_out_bend` or `held_out`.
     role: String,
     /// By line; `null` where it has no result.
@@ -117,20 +116,20 @@ struct BaselineRecord {
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 struct CompatibilityRecord {
     /// What all bends say of the line.
-    outcome: Key<TestOutcome>,
+    outcome: TestOutcome,
     /// Tests over which Holm's correction was taken.
     tests: usize,
     bends: Vec<BendRecord>,
     /// Bends on which no force was found.
-    without_force: Vec<Key<Posture>>,
+    without_force: Vec<Posture>,
 }
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 struct BendRecord {
-    posture: Key<Posture>,
+    posture: Posture,
     /// What the bend says of the line. Joints alone reject a line and do not keep one.
-    outcome: Key<TestOutcome>,
+    outcome: TestOutcome,
     joints: usize,
     /// Counter-rotating joints.
     against: usize,
@@ -161,7 +160,7 @@ impl ComparisonRecord {
             let models = bend.models.iter();
             let models =
                 models.map(|m| (m.kind.key().to_owned(), ModelRecord::new(m, analysis))).collect();
-            (bend.posture.into(), models)
+            (bend.posture, models)
         });
         Some(Self {
             same_data: found.same_data(),
@@ -196,7 +195,7 @@ fn against_baselines(analysis: &Analysis) -> Vec<AgainstRecord> {
         (best.baseline == test.baseline).then(|| AgainstRecord {
             model,
             role: test.role.key().to_owned(),
-            baseline: test.baseline.into(),
+            baseline: test.baseline,
             films: test.films,
             difference_mm: test.comparison.mean_difference,
         })
@@ -249,7 +248,7 @@ fn film(film: &ComparedFilm, lines: &[ComparedLine]) -> FilmRecord {
         (line.kind.key().to_owned(), mm)
     });
     FilmRecord {
-        posture: film.posture.into(),
+        posture: film.posture,
         role: film.role.key().to_owned(),
         location_mm: location_mm.collect(),
         baselines: film.baselines.iter().map(baseline).collect(),
@@ -268,8 +267,8 @@ fn baseline(found: &BaselinePrediction) -> (String, BaselineRecord) {
 
 fn compatibility(found: &Compatibility) -> CompatibilityRecord {
     let bend = |bend: &BendEvidence| BendRecord {
-        posture: bend.posture.into(),
-        outcome: bend.outcome().into(),
+        posture: bend.posture,
+        outcome: bend.outcome(),
         joints: bend.joints,
         against: bend.against,
         beyond_noise: bend.beyond_noise,
@@ -280,9 +279,9 @@ fn compatibility(found: &Compatibility) -> CompatibilityRecord {
         line_rejects: bend.line_rejects(),
     };
     CompatibilityRecord {
-        outcome: found.outcome().into(),
+        outcome: found.outcome(),
         tests: found.tests,
         bends: found.bends.iter().map(bend).collect(),
-        without_force: found.without_force.iter().map(|&posture| posture.into()).collect(),
+        without_force: found.without_force.clone(),
     }
 }

@@ -7,7 +7,6 @@ use spineline::anatomy::Posture;
 use spineline::hypothesis::{HypothesisFit, LossReason, LostPrediction, ShapePrediction};
 
 use super::posture::ScaleRecord;
-use crate::keys::Key;
 
 /// A load and base fitted to the bends, with its predictions. Lengths in mm, angles in degrees.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -29,16 +28,16 @@ pub(super) struct HypothesisRecord {
     bic: Option<f64>,
     predictions: Vec<PredictionRecord>,
     /// Films without a prediction, by role.
-    lost: BTreeMap<String, Vec<Key<Posture>>>,
+    lost: BTreeMap<String, Vec<Posture>>,
     /// Those of them whose shape is beyond the human range of motion, by role.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
-    beyond_human_range: BTreeMap<String, Vec<Key<Posture>>>,
+    beyond_human_range: BTreeMap<String, Vec<Posture>>,
 }
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 struct PredictionRecord {
-    posture: Key<Posture>,
+    posture: Posture,
     /// `fitted`; `held_out` (neutral, traction); `left_out` (a bend by the stiffness of the other, load by T2's place);
     /// `left_out_with_prior` (the same, load by T2's place and the distribution of joint rotations); `left_out_with_tilt` (the
     /// same, and T2's tilt); `left_out_load_fitted` (the same, load by the whole shape).
@@ -73,9 +72,9 @@ fn finite(value: f64) -> Option<f64> {
 impl HypothesisRecord {
     pub(super) fn new(fit: &HypothesisFit) -> Self {
         let by_role = |counts: &dyn Fn(&LostPrediction) -> bool| {
-            let mut films: BTreeMap<String, Vec<Key<Posture>>> = BTreeMap::new();
+            let mut films: BTreeMap<String, Vec<Posture>> = BTreeMap::new();
             for lost in fit.lost.iter().filter(|lost| counts(lost)) {
-                films.entry(lost.role.key().to_owned()).or_default().push(lost.posture.into());
+                films.entry(lost.role.key().to_owned()).or_default().push(lost.posture);
             }
             films
         };
@@ -97,7 +96,7 @@ impl HypothesisRecord {
 impl PredictionRecord {
     fn new(prediction: &ShapePrediction) -> Self {
         Self {
-            posture: prediction.posture.into(),
+            posture: prediction.posture,
             role: prediction.role.key().to_owned(),
             components: prediction.components.clone(),
             base_deg: prediction.base.deg(),

@@ -19,7 +19,7 @@ use spineline::measure::LengthScale;
 use spineline::personalize::Identifiability;
 use spineline::spatial::{Angle, Frontal};
 
-use crate::keys::{Key, LevelKey};
+use crate::keys::LevelKey;
 use crate::reliability_file::QuantityRecord;
 use crate::{CaseFile, Provenance};
 use comparison::ComparisonRecord;
@@ -69,7 +69,7 @@ pub struct AnalysisFile {
     /// Axial rotations of vertebrae whose pedicles are marked; absent where none are, and then unknown.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     axial_rotation: BTreeMap<LevelKey, AxialRecord>,
-    postures: BTreeMap<Key<Posture>, PostureRecord>,
+    postures: BTreeMap<Posture, PostureRecord>,
     /// Reliability of the readings, by quantity; `null` where every film was read once.
     reliability: Option<Vec<QuantityRecord>>,
     /// One model per line of action: `inflection_line`, `iliac_line`, `estimated_line`, `given_line`.
@@ -139,10 +139,11 @@ struct ClinicalRecord {
 
 impl ClinicalRecord {
     fn new(analysis: &Analysis) -> Self {
-        let (balance, scale) = (analysis.balance.as_ref(), analysis.scale());
-        let curves = analysis.clinical.iter();
+        let movement = &analysis.movement;
+        let (balance, scale) = (movement.balance.as_ref(), movement.scale());
+        let curves = movement.clinical.iter();
         Self {
-            lenke_type: analysis.lenke.map(|lenke| lenke.number),
+            lenke_type: movement.lenke.map(|lenke| lenke.number),
             balance: balance.map(|found| BalanceRecord::new(found, scale)),
             curves: curves.map(|curve| clinical_curve(curve, balance, scale)).collect(),
         }
@@ -192,10 +193,11 @@ struct ClinicalCurveRecord {
     /// The patient's side to which the erect curve is convex.
     convex: Option<String>,
     /// Superior endplate of the upper against the inferior endplate of the lower end vertebra; films without corners have none.
-    cobb_deg: BTreeMap<Key<Posture>, f64>,
+    cobb_deg: BTreeMap<Posture, f64>,
     /// Tilt of the upper minus tilt of the lower end vertebra.
-    tilt_range_deg: BTreeMap<Key<Posture>, f64>,
-    ferguson_deg: BTreeMap<Key<Posture>, f64>,
+    #[serde(default)]
+    tilt_range_deg: BTreeMap<Posture, f64>,
+    ferguson_deg: BTreeMap<Posture, f64>,
     /// Distance of the apex from the central sacral vertical line, positive to the patient's left; absent where the erect film
     /// has no spacing or no known vertical.
     apical_translation_mm: Option<f64>,
@@ -212,7 +214,7 @@ struct ClinicalCurveRecord {
 struct WarningRecord {
     code: String,
     step: String,
-    posture: Option<Key<Posture>>,
+    posture: Option<Posture>,
     level: Option<LevelKey>,
     message: String,
 }
@@ -222,7 +224,7 @@ impl WarningRecord {
         Self {
             code: warning.code.to_owned(),
             step: warning.step.key().to_owned(),
-            posture: warning.posture.map(Into::into),
+            posture: warning.posture,
             level: warning.level.map(LevelKey),
             message: warning.text(),
         }
@@ -233,7 +235,8 @@ impl AnalysisFile {
     /// The file of an analysis of a case, with its provenance.
     #[must_use]
     pub fn new(analysis: &Analysis, case: CaseFile, provenance: Provenance) -> Self {
-        let scale = analysis.scale();
+        let movement = &analysis.movement;
+        let scale = movement.scale();
         Self {
             format: FORMAT.to_owned(),
             version: VERSION,
@@ -242,27 +245,27 @@ impl AnalysisFile {
             length_unit: scale.plane.unit().to_owned(),
             provenance,
             chain: ChainRecord {
-                segments: analysis.chain.segments,
-                segment_mm: scale.mm(analysis.chain.segment_mm),
-                segment_scale_sd_mm: scale.sd_mm(analysis.chain.segment_mm),
-                difference: analysis.chain.difference,
+                segments: movement.chain.segments,
+                segment_mm: scale.mm(movement.chain.segment_mm),
+                segment_scale_sd_mm: scale.sd_mm(movement.chain.segment_mm),
+                difference: movement.chain.difference,
             },
             inflections: inflections(analysis),
-            curves: analysis
+            curves: movement
                 .inflections
                 .curves
                 .iter()
                 .map(|part| TurnRecord { turn_deg: part.turn.deg() })
                 .collect(),
             clinical: ClinicalRecord::new(analysis),
-            sagittal_profile: if analysis.space.is_some() { "measured" } else { "population" }
+            sagittal_profile: if movement.space.is_some() { "measured" } else { "population" }
                 .to_owned(),
             space: SpaceRecord::new(analysis),
-            axial_rotation: analysis.axial.iter().map(AxialRecord::new).collect(),
-            postures: analysis
-                .postures
+            axial_rotation: movement.axial.iter().map(AxialRecord::new).collect(),
+            postures: movement
+                .films
                 .iter()
-                .map(|p| (p.outline.posture.into(), PostureRecord::new(p, scale)))
+                .map(|p| (p.outline.posture, PostureRecord::new(p, scale)))
                 .collect(),
             reliability: Some(analysis.reliability())
                 .filter(|found| !found.is_empty())
@@ -309,14 +312,15 @@ impl AnalysisFile {
 }
 
 fn inflections(analysis: &Analysis) -> Vec<InflectionRecord> {
-    let scale = analysis.scale();
-    let pairs = analysis
+    let movement = &analysis.movement;
+    let scale = movement.scale();
+    let pairs = movement
         .inflections
         .pair
         .iter()
         .flatten()
-        .zip(analysis.inflection_segments.iter().flatten());
-    let intervals = analysis.inflection_intervals.map_or([None; 2], |found| found.each);
+        .zip(movement.inflection_segments.iter().flatten());
+    let intervals = movement.inflection_intervals.map_or([None; 2], |found| found.each);
     pairs
         .zip(intervals)
         .map(|((inflection, &segment), interval)| InflectionRecord {
@@ -341,11 +345,11 @@ fn clinical_curve(
 ) -> (String, ClinicalCurveRecord) {
     let translation_mm = balance.map(|found| found.apical_translation_mm[curve.region.index()]);
     let angles = |all: &[(Posture, Angle)]| {
-        all.iter().map(|(posture, angle)| ((*posture).into(), angle.deg())).collect()
+        all.iter().map(|(posture, angle)| (*posture, angle.deg())).collect()
     };
     let ends = |pick: &dyn Fn(&EndAngles) -> Option<Angle>| {
         let known = curve.angles.iter().filter_map(|(posture, all)| Some((posture, pick(all)?)));
-        known.map(|(posture, angle)| ((*posture).into(), angle.deg())).collect()
+        known.map(|(posture, angle)| (*posture, angle.deg())).collect()
     };
     let record = ClinicalCurveRecord {
         ends: [LevelKey(curve.ends.inferior), LevelKey(curve.ends.superior)],

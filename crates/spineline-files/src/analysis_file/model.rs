@@ -12,7 +12,7 @@ use spineline::spatial::Angle;
 use super::identifiability::IdentifiabilityRecord;
 use super::posture::ScaleRecord;
 use super::{by_level, point};
-use crate::keys::{Key, LevelKey};
+use crate::keys::LevelKey;
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
@@ -29,7 +29,7 @@ pub(super) struct ModelRecord {
     /// Identifiability of the multipliers; absent if not requested or if the fit did not converge.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub(super) identifiability: Option<IdentifiabilityRecord>,
-    postures: BTreeMap<Key<Posture>, SimulationRecord>,
+    postures: BTreeMap<Posture, SimulationRecord>,
 }
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -59,8 +59,12 @@ struct SimulationRecord {
     /// Signed force along the line's direction: newtons where the model is `absolute`, else relative to the nominal stiffness.
     #[serde(rename = "force")]
     force_n: f64,
-    /// Degrees left of the amplitude (bends) or mm left of T2's place.
-    residual: f64,
+    /// Lateral tilt of the line L4→T2 beyond the film's, where an amplitude was sought.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    residual_deg: Option<f64>,
+    /// Distance of T2 from its place on the film, where that was sought.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    residual_mm: Option<f64>,
     line: LineRecord,
     /// Why this force was chosen: `fitted`, `only_one`, `least_ferguson_error`, `smallest_near_t2`, or `nearest_miss`.
     choice: String,
@@ -141,7 +145,7 @@ impl ModelRecord {
             postures: m
                 .postures
                 .iter()
-                .map(|s| (s.posture.into(), simulation(s, analysis.levels())))
+                .map(|s| (s.posture, simulation(s, analysis.movement.levels())))
                 .collect(),
         }
     }
@@ -157,12 +161,8 @@ fn simulation(s: &Simulation, levels: Levels) -> SimulationRecord {
         status: s.status.key().to_owned(),
         film_scale: Some(s.scale.into()),
         force_n: s.force_n,
-        // Bends leave an angle, the others a distance.
-        residual: if s.posture.bend().is_some() {
-            Angle::from_rad(s.residual).deg()
-        } else {
-            s.residual
-        },
+        residual_deg: s.residual.tilt().map(Angle::deg),
+        residual_mm: s.residual.distance_mm(),
         line: line(&s.line, s.depth_mm),
         choice: s.choice.key().to_owned(),
         lost_forces: s.lost_forces,

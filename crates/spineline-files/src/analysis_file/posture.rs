@@ -1,17 +1,18 @@
 use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
-use spineline::analysis::{LineComparison, PostureAnalysis, PreferredLine};
+use spineline::analysis::{FilmMovement, LineComparison, PreferredLine};
 use spineline::curve::{CurveFit, CurveForm};
 use spineline::measure::{
-    FilmLength, FilmScale, Interpolation, LengthScale, MeasuredVertebra, Origin, VertebraOrigin,
+    FilmLength, FilmScale, Interpolation, LengthScale, MeasuredVertebra, Origin, SpacingSource,
+    VertebraOrigin,
 };
 use spineline::motion::SegmentEstimate;
 use spineline::personalize::{Crossing, LineTest};
 use spineline::spatial::{Angle, Frontal};
 
 use super::{by_level, point_mm, point_px};
-use crate::keys::{LevelKey, SourceKey};
+use crate::keys::LevelKey;
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
@@ -60,7 +61,7 @@ struct LengthsRecord {
     /// `patient`, `detector`, `unknown` (millimetres of an unknown plane) or `pixels`.
     plane: String,
     /// Source of the spacing.
-    source: Option<SourceKey>,
+    source: Option<SpacingSource>,
     /// Standard deviation of the scale, as a part of it.
     relative_sd: Option<f64>,
     /// This film against the erect one; absent for the erect film.
@@ -298,7 +299,7 @@ fn origin(vertebra: &MeasuredVertebra) -> Option<(LevelKey, String)> {
 
 impl PostureRecord {
     /// The record of a posture; distances between segments are those on the erect film, in its scale.
-    pub fn new(p: &PostureAnalysis, erect: &LengthScale) -> Self {
+    pub fn new(p: &FilmMovement, erect: &LengthScale) -> Self {
         let scale = &p.outline.scale;
         let spine_mm = p.outline.polygon_mm();
         let levels = p.outline.levels().as_slice();
@@ -320,7 +321,7 @@ impl PostureRecord {
         Self {
             lengths: LengthsRecord {
                 plane: scale.plane.key().to_owned(),
-                source: scale.source.map(SourceKey),
+                source: scale.source,
                 relative_sd: scale.relative_sd,
                 against_erect: p.motion.is_some().then(|| against_erect(&p.outline.length)),
                 spine_mm: scale.mm(spine_mm),

@@ -132,8 +132,9 @@ struct VertebraRecord {
 impl SpaceRecord {
     /// `None` without a lateral film.
     pub fn new(analysis: &Analysis) -> Option<Self> {
-        let found = analysis.space.as_ref()?;
-        let mm = |mm: f64| analysis.scale().mm(mm);
+        let movement = &analysis.movement;
+        let found = movement.space.as_ref()?;
+        let mm = |mm: f64| movement.scale().mm(mm);
         let vertebrae = found.vertebrae.iter();
         let record = |vertebra: &SpatialVertebra| {
             let place_mm = mm(0.0).map(|_| vertebra.place_mm.into());
@@ -144,15 +145,15 @@ impl SpaceRecord {
             corner_sd_mm: mm(found.corner_sd_mm),
             corner_sd_from: if found.is_measured { "readings" } else { "assumed" }.to_owned(),
             vertebrae: vertebrae.map(record).collect(),
-            measures: analysis
+            measures: movement
                 .spatial_measures()?
-                .numbers(analysis.scale())
+                .numbers(movement.scale())
                 .iter()
                 .map(MeasureRecord::new)
                 .collect(),
             template: analysis
                 .template_error()
-                .map(|error| TemplateRecord::new(&error, analysis.scale())),
+                .map(|error| TemplateRecord::new(&error, movement.scale())),
         })
     }
 }

@@ -6,7 +6,7 @@ use spineline::anatomy::Posture;
 use spineline::spatial::Angle;
 use spineline::uncertainty::{FilmNoise, QuantitySpread, Uncertainty, VertebraNoise};
 
-use crate::keys::{Key, LevelKey};
+use crate::keys::LevelKey;
 
 /// Uncertainty of every number from landmark noise: Monte Carlo replicates with perturbed landmarks.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -19,7 +19,7 @@ pub(super) struct UncertaintyRecord {
     /// Replicates whose analysis stopped with an error.
     failed: u64,
     seed: u64,
-    noise: BTreeMap<Key<Posture>, NoiseRecord>,
+    noise: BTreeMap<Posture, NoiseRecord>,
     /// Failures by code, line and film.
     failures: Vec<FailureRecord>,
     quantities: Vec<SpreadRecord>,
@@ -47,7 +47,7 @@ struct FailureRecord {
     /// Of the error that stopped an analysis, or `fit_not_converged` or `force_not_found`.
     code: String,
     line: Option<String>,
-    posture: Option<Key<Posture>>,
+    posture: Option<Posture>,
     count: u64,
 }
 
@@ -62,7 +62,7 @@ struct SpreadRecord {
     /// `mm`, `px`, `deg`, `segments`, `N`, `relative` (a force relative to the nominal stiffness) or `1`.
     unit: String,
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    posture: Option<Key<Posture>>,
+    posture: Option<Posture>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     level: Option<LevelKey>,
     /// Region, or the joints that share a multiplier.
@@ -107,7 +107,7 @@ impl UncertaintyRecord {
                 .map(|failure| FailureRecord {
                     code: failure.code.to_string(),
                     line: failure.line.map(|line| line.key().to_owned()),
-                    posture: failure.posture.map(Into::into),
+                    posture: failure.posture,
                     count: failure.count,
                 })
                 .collect(),
@@ -118,8 +118,8 @@ impl UncertaintyRecord {
 
 impl NoiseRecord {
     /// Of every film.
-    pub fn of(noise: &[FilmNoise]) -> BTreeMap<Key<Posture>, Self> {
-        noise.iter().map(|film| (film.posture.into(), Self::from(film))).collect()
+    pub fn of(noise: &[FilmNoise]) -> BTreeMap<Posture, Self> {
+        noise.iter().map(|film| (film.posture, Self::from(film))).collect()
     }
 }
 
@@ -155,7 +155,7 @@ fn record(found: &QuantitySpread, analysis: &Analysis) -> SpreadRecord {
         quantity: quantity.key().to_owned(),
         label: quantity.label(analysis),
         unit: quantity.unit(analysis).key().to_owned(),
-        posture: quantity.posture().map(Into::into),
+        posture: quantity.posture(),
         level: quantity.level().map(LevelKey),
         group: quantity.group(analysis),
         end: quantity.end().map(str::to_owned),

@@ -8,7 +8,6 @@ use spineline::measure::{ImageGeometry, Spacing, SpacingPlane, SpacingSource};
 use super::lateral::LateralImageRecord;
 use crate::FileError;
 use crate::json::parse_value;
-use crate::keys::{Key, SourceKey};
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
@@ -27,15 +26,15 @@ pub(super) struct ImageRecord {
     pixel_aspect: Option<f64>,
     /// Plane in which the millimetres were measured; `pixels` where there are none.
     #[serde(default = "unknown_plane")]
-    spacing_plane: Key<SpacingPlane>,
+    spacing_plane: SpacingPlane,
     /// Source of the spacing.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    spacing_source: Option<SourceKey>,
+    spacing_source: Option<SpacingSource>,
     /// Standard deviation of the scale, as a part of it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     spacing_relative_sd: Option<f64>,
     /// Side of the picture on which the patient's left is.
-    patient_left: Key<ImageSide>,
+    patient_left: ImageSide,
     /// Picture file, beside the case file.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     file: Option<String>,
@@ -47,8 +46,8 @@ pub(super) struct ImageRecord {
     inverted: bool,
 }
 
-const fn unknown_plane() -> Key<SpacingPlane> {
-    Key(SpacingPlane::Unknown)
+const fn unknown_plane() -> SpacingPlane {
+    SpacingPlane::Unknown
 }
 
 /// The picture file behind a film of a case.
@@ -130,12 +129,12 @@ impl ImageRecord {
     }
 
     pub fn plane(&self) -> SpacingPlane {
-        self.spacing_plane.0
+        self.spacing_plane
     }
 
     pub fn geometry(&self, posture: Posture) -> Result<ImageGeometry, FileError> {
-        let source = self.spacing_source.map_or(SpacingSource::Stated, |key| key.0);
-        let spacing = match (self.column_spacing_mm, self.row_spacing_mm, self.spacing_plane.0) {
+        let source = self.spacing_source.unwrap_or(SpacingSource::Stated);
+        let spacing = match (self.column_spacing_mm, self.row_spacing_mm, self.spacing_plane) {
             (Some(_), Some(_), _) if self.pixel_aspect.is_some() => {
                 return Err(FileError::SpacingIncomplete { posture });
             }
@@ -158,7 +157,7 @@ impl ImageRecord {
             columns: self.columns,
             rows: self.rows,
             spacing,
-            patient_left: self.patient_left.0,
+            patient_left: self.patient_left,
         })
     }
 
@@ -170,12 +169,12 @@ impl ImageRecord {
             column_spacing_mm: scale.map(|s| s.column_mm),
             row_spacing_mm: scale.map(|s| s.row_mm),
             pixel_aspect: spacing.filter(|s| !s.has_millimetres()).map(|s| s.aspect()),
-            spacing_plane: spacing.map_or(SpacingPlane::Pixels, |s| s.plane).into(),
+            spacing_plane: spacing.map_or(SpacingPlane::Pixels, |s| s.plane),
             spacing_source: spacing
-                .map(|s| SourceKey(s.source))
-                .filter(|source| source.0 != SpacingSource::Stated),
+                .map(|s| s.source)
+                .filter(|source| *source != SpacingSource::Stated),
             spacing_relative_sd: spacing.and_then(|s| s.relative_sd),
-            patient_left: image.patient_left.into(),
+            patient_left: image.patient_left,
             file: None,
             sha256: None,
             inverted: false,

@@ -10,7 +10,7 @@ use spineline::measure::{
 use super::image::FilmSource;
 use super::{pair, pixel};
 use crate::FileError;
-use crate::keys::{ByLevel, Key, LevelKey};
+use crate::keys::{ByLevel, LevelKey};
 
 /// A lateral film of the standing patient.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -43,7 +43,7 @@ pub(super) struct LateralImageRecord {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pixel_aspect: Option<f64>,
     /// Side of the picture on which the patient's front is.
-    patient_anterior: Key<ImageSide>,
+    patient_anterior: ImageSide,
     /// Picture file, beside the case file.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     file: Option<String>,
@@ -131,7 +131,7 @@ impl LateralImageRecord {
             columns: self.columns,
             rows: self.rows,
             spacing,
-            patient_left: self.patient_anterior.0,
+            patient_left: self.patient_anterior,
         })
     }
 
@@ -142,7 +142,7 @@ impl LateralImageRecord {
             column_spacing_mm: image.scale().map(|s| s.column_mm),
             row_spacing_mm: image.scale().map(|s| s.row_mm),
             pixel_aspect: image.spacing.filter(|s| !s.has_millimetres()).map(|s| s.aspect()),
-            patient_anterior: image.patient_left.into(),
+            patient_anterior: image.patient_left,
             file: None,
             sha256: None,
             inverted: false,

@@ -14,7 +14,7 @@ use spineline::spatial::{Angle, Frontal, Pixel};
 
 use crate::FileError;
 use crate::json::parse;
-use crate::keys::{ByLevel, Key, LevelKey};
+use crate::keys::{ByLevel, LevelKey};
 use image::ImageRecord;
 pub use image::{FilmSource, image_value, parse_image, with_spacing};
 use lateral::LateralRecord;
@@ -52,7 +52,7 @@ pub struct CaseFile {
 #[serde(deny_unknown_fields)]
 struct SubjectRecord {
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    sex: Option<Key<Sex>>,
+    sex: Option<Sex>,
     /// Age at the films.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     age_years: Option<f64>,
@@ -65,7 +65,7 @@ struct SubjectRecord {
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 struct FilmRecord {
-    posture: Key<Posture>,
+    posture: Posture,
     /// The picture; needed where corners are given.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     image: Option<ImageRecord>,
@@ -77,7 +77,7 @@ struct FilmRecord {
     lengths: Option<LengthsRecord>,
     /// Where locations and tilts come from.
     #[serde(default, skip_serializing_if = "is_of_vertebrae")]
-    placement_source: Key<PlacementSource>,
+    placement_source: PlacementSource,
     /// One entry per observer and repeat.
     readings: Vec<ReadingRecord>,
 }
@@ -88,7 +88,7 @@ struct FilmRecord {
 #[serde(deny_unknown_fields)]
 struct LengthsRecord {
     /// Plane in which they were measured.
-    plane: Key<SpacingPlane>,
+    plane: SpacingPlane,
     /// Standard deviation of their scale, as a part of it: 0 where it is known exactly, absent where nothing is known.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     relative_sd: Option<f64>,
@@ -102,12 +102,12 @@ impl LengthsRecord {
             (None, PlacementSource::Vertebrae) => SpacingPlane::Unknown,
             (None, PlacementSource::SurfaceMidline) => SpacingPlane::Patient,
         };
-        Self { plane: Key(plane), relative_sd: None }
+        Self { plane, relative_sd: None }
     }
 }
 
-fn is_of_vertebrae(source: &Key<PlacementSource>) -> bool {
-    source.0 == PlacementSource::Vertebrae
+fn is_of_vertebrae(source: &PlacementSource) -> bool {
+    *source == PlacementSource::Vertebrae
 }
 
 /// The patient's left and right crest, `[column, row]`.
@@ -152,7 +152,7 @@ struct VertebraRecord {
     confidence: Option<[f64; 4]>,
     /// How each corner came about: superior left, superior right, inferior left, inferior right. Absent where all were clicked.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    origins: Option<[Key<Origin>; 4]>,
+    origins: Option<[Origin; 4]>,
     /// Midpoint of the wall on the patient's left, where the vertebra was marked by its walls.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     left_wall: Option<[f64; 2]>,
@@ -202,7 +202,7 @@ impl CaseFile {
     /// The picture file of a posture's film, where the case names one.
     #[must_use]
     pub fn source(&self, posture: Posture) -> Option<FilmSource> {
-        let film = self.films.iter().find(|film| film.posture.0 == posture)?;
+        let film = self.films.iter().find(|film| film.posture == posture)?;
         Some(film.image.as_ref()?.source())
     }
 
@@ -210,7 +210,7 @@ impl CaseFile {
     #[must_use]
     pub fn with_source(mut self, posture: Posture, source: FilmSource) -> Self {
         for film in &mut self.films {
-            if let Some(image) = film.image.as_mut().filter(|_| film.posture.0 == posture) {
+            if let Some(image) = film.image.as_mut().filter(|_| film.posture == posture) {
                 image.set_source(source.clone());
             }
         }
@@ -242,7 +242,7 @@ impl CaseFile {
         }
         self.check_pictures()?;
         let subject = self.subject.map_or_else(Subject::default, |subject| Subject {
-            sex: subject.sex.map(|sex| sex.0),
+            sex: subject.sex,
             age_years: subject.age_years,
             lenke: subject.lenke,
         });
@@ -256,7 +256,7 @@ impl CaseFile {
         let frontal = self
             .films
             .iter()
-            .filter_map(|film| Some((film.posture.0.to_string(), film.image.as_ref()?.source())));
+            .filter_map(|film| Some((film.posture.to_string(), film.image.as_ref()?.source())));
         let lateral = self.lateral_source().map(|source| ("lateral".to_owned(), source));
         let mut known: Vec<(String, FilmSource)> = Vec::new();
         for (b, source) in frontal.chain(lateral) {
@@ -285,7 +285,7 @@ impl CaseFile {
             case_id: case.id.clone(),
             synthetic: case.synthetic,
             subject: (*subject != Subject::default()).then(|| SubjectRecord {
-                sex: subject.sex.map(Key),
+                sex: subject.sex,
                 age_years: subject.age_years,
                 lenke: subject.lenke.clone(),
             }),
@@ -297,7 +297,7 @@ impl CaseFile {
 
 impl FilmRecord {
     fn into_film(self) -> Result<Film, FileError> {
-        let posture = self.posture.0;
+        let posture = self.posture;
         let (mut marked, mut measured) = (Vec::new(), Vec::new());
         for reading in self.readings {
             let id = ReadingId::new(reading.observer, reading.repeat);
@@ -327,11 +327,11 @@ impl FilmRecord {
             if marked.iter().any(|reading| !reading.vertebrae.is_empty()) {
                 return Err(FileError::MixedKinds { posture });
             }
-            let source = self.placement_source.0;
+            let source = self.placement_source;
             let implied = LengthsRecord::implied(self.image.as_ref(), source);
             let lengths = self.lengths.unwrap_or(implied);
             let landmarks = FilmLandmarks::Placements {
-                spacing_plane: lengths.plane.0,
+                spacing_plane: lengths.plane,
                 scale_relative_sd: lengths.relative_sd,
                 source,
                 readings: measured,
@@ -341,7 +341,7 @@ impl FilmRecord {
         if self.lengths.is_some() {
             return Err(FileError::LengthsOfCorners { posture });
         }
-        if self.placement_source.0 != PlacementSource::Vertebrae {
+        if self.placement_source != PlacementSource::Vertebrae {
             return Err(FileError::SourceOfCorners { posture });
         }
         let image = self.image.ok_or(FileError::NoImage { posture })?;
@@ -356,7 +356,7 @@ impl FilmRecord {
     }
 
     fn from_film(film: &Film) -> Self {
-        let posture = film.posture.into();
+        let posture = film.posture;
         match &film.landmarks {
             FilmLandmarks::Corners { image, iliac_crests, readings } => Self {
                 posture,
@@ -366,19 +366,19 @@ impl FilmRecord {
                     right: pair(crests.right),
                 }),
                 lengths: None,
-                placement_source: Key(PlacementSource::Vertebrae),
+                placement_source: PlacementSource::Vertebrae,
                 readings: readings.iter().map(|r| record(r, VertebraRecord::marked)).collect(),
             },
             FilmLandmarks::Placements { spacing_plane, scale_relative_sd, source, readings } => {
                 let lengths =
-                    LengthsRecord { plane: Key(*spacing_plane), relative_sd: *scale_relative_sd };
+                    LengthsRecord { plane: *spacing_plane, relative_sd: *scale_relative_sd };
                 let implied = LengthsRecord::implied(None, *source);
                 Self {
                     posture,
                     image: None,
                     iliac_crests_px: None,
                     lengths: (lengths != implied).then_some(lengths),
-                    placement_source: Key(*source),
+                    placement_source: *source,
                     readings: readings
                         .iter()
                         .map(|r| record(r, VertebraRecord::measured))
@@ -416,9 +416,7 @@ impl VertebraRecord {
             ([Some(sl), Some(sr), Some(il), Some(ir)], (None, None)) => {
                 let corners = corners_of([sl, sr, il, ir].map(pixel));
                 Some(Kind::Marked(VertebraLandmarks {
-                    origins: self
-                        .origins
-                        .map_or_else(Corners::default, |all| corners_of(all.map(|key| key.0))),
+                    origins: self.origins.map_or_else(Corners::default, corners_of),
                     walls: [self.left_wall, self.right_wall].map(|wall| wall.map(pixel)),
                     pedicles: [self.left_pedicle, self.right_pedicle]
                         .map(|pedicle| pedicle.map(pixel)),
@@ -453,7 +451,7 @@ impl VertebraRecord {
         let [left_pedicle, right_pedicle] = landmark.pedicles.map(|pedicle| pedicle.map(pair));
         let is_clicked = landmark.origins == Corners::all(Origin::Clicked);
         Self {
-            origins: (!is_clicked).then(|| landmark.origins.points().map(Key)),
+            origins: (!is_clicked).then(|| landmark.origins.points()),
             left_wall,
             right_wall,
             left_pedicle,

@@ -1,12 +1,11 @@
 //! A stored model as bodies, joint frames and hinges in SI units, for all formats.
 
-use spineline::analysis::{AxialSource, PitchSource};
+use spineline::analysis::{AxialSource, PersonalisedModel, PitchSource};
 use spineline::anatomy::Morphometry;
 use spineline::spatial::{Angle, Mat3, Vec3};
 
 use super::rotation::body_xyz;
 use super::{ExportError, ExportFormat};
-use crate::StoredModel;
 
 /// Mass of every vertebra in kg, and its moment of inertia in kg·m²: engines refuse bodies without. No equilibrium
 /// depends on them.
@@ -107,9 +106,9 @@ pub(super) struct Vertebra {
     /// Drawn height of the disc above.
     pub(super) disc_m: f64,
     /// Where pitch and depth come from.
-    pub(super) pitch_from: PitchSource,
+    pub(super) pitch_from: Option<PitchSource>,
     /// Where the axial rotation comes from.
-    pub(super) axial_from: AxialSource,
+    pub(super) axial_from: Option<AxialSource>,
     /// Whether the drawn width is the patient's.
     pub(super) width_is_measured: bool,
 }
@@ -134,7 +133,7 @@ pub(super) struct Assembly {
 impl Assembly {
     /// Joins the vertebrae of a model, and refuses springs that no engine can represent.
     pub(super) fn of(
-        model: &StoredModel,
+        model: &PersonalisedModel,
         vertebrae: Vec<Vertebra>,
         format: ExportFormat,
     ) -> Result<Self, ExportError> {
@@ -144,7 +143,7 @@ impl Assembly {
 }
 
 /// The vertebrae of a model, from the lowest.
-pub(super) fn vertebrae(model: &StoredModel) -> Result<Vec<Vertebra>, ExportError> {
+pub(super) fn vertebrae(model: &PersonalisedModel) -> Result<Vec<Vertebra>, ExportError> {
     let spine = &model.spine;
     assert_eq!(model.levels.len(), spine.midpoints_mm.len(), "every vertebra has its level");
     let mut vertebrae = Vec::new();
@@ -172,7 +171,7 @@ pub(super) fn vertebrae(model: &StoredModel) -> Result<Vec<Vertebra>, ExportErro
     Ok(vertebrae)
 }
 
-fn joint(model: &StoredModel, j: usize, format: ExportFormat) -> Result<Joint, ExportError> {
+fn joint(model: &PersonalisedModel, j: usize, format: ExportFormat) -> Result<Joint, ExportError> {
     let stored = &model.spine.joints[j];
     let name = format!("{}_{}", model.levels[j], model.levels[j + 1]);
     let from_inferior = stored.inferior_from_superior.transpose();
@@ -188,7 +187,7 @@ fn joint(model: &StoredModel, j: usize, format: ExportFormat) -> Result<Joint, E
 
 /// Three uncoupled springs, because the formats have no others.
 fn hinges(
-    model: &StoredModel,
+    model: &PersonalisedModel,
     j: usize,
     joint: &str,
     format: ExportFormat,
@@ -220,7 +219,7 @@ fn hinges(
 }
 
 /// The patient's size over a typical one, from the distance to the neighbouring vertebra. For drawing only.
-fn drawn_scale(model: &StoredModel, vertebra: usize) -> f64 {
+fn drawn_scale(model: &PersonalisedModel, vertebra: usize) -> f64 {
     let joints = model.spine.joints.len();
     if joints == 0 {
         return 1.0;

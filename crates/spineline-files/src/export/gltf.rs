@@ -3,13 +3,14 @@
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use serde_json::{Value, json};
+use spineline::analysis::PersonalisedModel;
 use spineline::spatial::{Mat3, Vec3};
 
 use super::assembly::Vertebra;
 use super::boxes::{SIDES, corners};
 use super::header::about_bodies;
 use super::rotation::quaternion;
-use crate::StoredModel;
+use super::standing::key;
 use crate::content::ContentHash;
 
 /// Format and frame.
@@ -34,7 +35,7 @@ const PLACES: usize = SIDES.len() * 4 * 3 * 4;
 const INDICES: usize = SIDES.len() * 6;
 
 /// The whole file.
-pub(super) fn text(model: &StoredModel, vertebrae: &[Vertebra], generator: &str) -> String {
+pub(super) fn text(model: &PersonalisedModel, vertebrae: &[Vertebra], generator: &str) -> String {
     let nodes: Vec<Value> = vertebrae.iter().map(node).collect();
     let corners_of_sides = SIDES.len() * 4;
     let file = json!({
@@ -98,8 +99,8 @@ fn node(vertebra: &Vertebra) -> Value {
             "lateral_tilt_deg": lateral_tilt_deg,
             "pitch_deg": pitch_deg,
             "axial_rotation_deg": axial_rotation_deg,
-            "pitch_from": vertebra.pitch_from.key(),
-            "axial_rotation_from": vertebra.axial_from.key(),
+            "pitch_from": key(vertebra.pitch_from),
+            "axial_rotation_from": key(vertebra.axial_from),
             "width_is_measured": vertebra.width_is_measured,
         },
     })

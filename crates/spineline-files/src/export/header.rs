@@ -1,6 +1,7 @@
 //! The comment at the top of every file: content, provenance, meaning of numbers.
 
 use spineline::action::Application;
+use spineline::analysis::{FilmLoad, PersonalisedModel};
 use spineline::multibody::Support;
 use spineline::spatial::Vec3;
 
@@ -8,7 +9,7 @@ use super::assembly::{NOMINAL_INERTIA_KG_M2, NOMINAL_MASS_KG};
 use super::standing::sources;
 use super::xml::{number, vector};
 use crate::content::{ContentHash, ContentMark};
-use crate::{LoadRecord, StoredModel, to_line};
+use crate::to_line;
 
 /// Differences between the formats.
 pub(super) struct Dialect {
@@ -26,7 +27,7 @@ pub(super) struct Dialect {
 
 /// What a file of vertebral bodies says of itself, line by line.
 pub(super) fn about_bodies(
-    model: &StoredModel,
+    model: &PersonalisedModel,
     generator: &str,
     [format, frame]: [&str; 2],
 ) -> Vec<String> {
@@ -40,7 +41,7 @@ pub(super) fn about_bodies(
 }
 
 /// Title, maker, warning and case.
-fn opening(model: &StoredModel, title: &str, generator: &str) -> Vec<String> {
+fn opening(model: &PersonalisedModel, title: &str, generator: &str) -> Vec<String> {
     let mut lines = vec![
         format!("{title}, written by {generator}."),
         "Research software, not a medical device.".to_owned(),
@@ -53,13 +54,13 @@ fn opening(model: &StoredModel, title: &str, generator: &str) -> Vec<String> {
 }
 
 /// The case and the place of the hash. XML allows no two hyphens in a row in a comment, so the second one is written as its code.
-pub(super) fn mark(model: &StoredModel) -> String {
+pub(super) fn mark(model: &PersonalisedModel) -> String {
     let mark = ContentMark { case_ids: [&model.case_id], content_sha256: ContentHash };
     to_line(&mark).replace("--", "-\\u002d")
 }
 
 /// The comment's text.
-pub(super) fn header(model: &StoredModel, generator: &str, dialect: &Dialect) -> String {
+pub(super) fn header(model: &PersonalisedModel, generator: &str, dialect: &Dialect) -> String {
     let title = format!("Personalised multibody model of a spine as {}", dialect.format);
     let mut lines = opening(model, &title, generator);
     lines.push(format!("Frame: {}", dialect.frame));
@@ -75,7 +76,7 @@ pub(super) fn header(model: &StoredModel, generator: &str, dialect: &Dialect) ->
     );
     lines.push(dialect.notes.to_owned());
     lines.push(support(model.support).to_owned());
-    lines.push(format!("Stiffness: fitted with the line of action `{}`.", model.line));
+    lines.push(format!("Stiffness: fitted with the line of action `{}`.", model.line.key()));
     lines.push(format!(
         "NOMINAL, not measured, without influence on an equilibrium: mass {} kg and inertia {} kg m2 of a vertebra, damping {} s times the stiffness, and all shapes but the widths named above. Gravity is off.",
         number(NOMINAL_MASS_KG),
@@ -107,14 +108,19 @@ const fn units(absolute: bool) -> &'static str {
     }
 }
 
-fn load(load: &LoadRecord, unit: &str, dialect: &Dialect) -> String {
-    let force_n = (dialect.from_global)(&(Vec3::from(load.direction) * load.force_n));
-    let place = match load.application.0 {
+fn load(load: &FilmLoad, unit: &str, dialect: &Dialect) -> String {
+    let force_n = (dialect.from_global)(&load.force_vector_n());
+    let place = match load.application {
         Application::Fixed => {
             let point_m = (dialect.from_global)(&(Vec3::from(load.point_mm) / 1000.0));
             format!("along the line fixed in space through {} m", vector(&point_m))
         }
         Application::AtT2 => "at the midpoint, and moves with it".to_owned(),
     };
-    format!("  {}: {} ({unit}) {place} ({})", load.posture.0.key(), vector(&force_n), load.status)
+    format!(
+        "  {}: {} ({unit}) {place} ({})",
+        load.posture.key(),
+        vector(&force_n),
+        load.status.key()
+    )
 }

@@ -1,12 +1,12 @@
 //! MuJoCo's own XML.
 
+use spineline::analysis::PersonalisedModel;
 use spineline::spatial::Vec3;
 
 use super::assembly::{Assembly, Joint, NOMINAL_INERTIA_KG_M2, NOMINAL_MASS_KG, Vertebra};
 use super::header::{Dialect, header};
 use super::rotation::quaternion;
 use super::xml::{Document, number, numbers, vector};
-use crate::StoredModel;
 
 const DIALECT: Dialect = Dialect {
     format: "MJCF (MuJoCo)",
@@ -25,7 +25,7 @@ const FIXED_BONE: &str = "0.55 0.53 0.48 1";
 const DISC: &str = "0.42 0.62 0.78 1";
 
 /// The whole file.
-pub(super) fn text(model: &StoredModel, assembly: &Assembly, generator: &str) -> String {
+pub(super) fn text(model: &PersonalisedModel, assembly: &Assembly, generator: &str) -> String {
     let mut xml = Document::new();
     xml.comment(&header(model, generator, &DIALECT));
     xml.open("mujoco", &[("model", &model.case_id)]);

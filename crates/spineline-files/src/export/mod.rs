@@ -1,6 +1,6 @@
 //! Export of personalised models for other programs: MJCF, OpenSim and URDF for multibody programs, VTK and glTF for 3-D views.
 //!
-//! Those for multibody programs hold what [`StoredModel`] holds: bodies in the erect posture, three hinges in series at every joint,
+//! Those for multibody programs hold what [`PersonalisedModel`] holds: bodies in the erect posture, three hinges in series at every joint,
 //! and a linear spring on each. What they ask for beyond that (masses, damping, shapes to draw) is nominal, and moves no
 //! equilibrium. Those for 3-D views hold the vertebral bodies only, as boxes. Each file says what it is, where it came from, and
 //! in which frame and units.
@@ -17,38 +17,26 @@ mod urdf;
 mod vtp;
 mod xml;
 
-use spineline::anatomy::{Level, Named};
+use spineline::analysis::PersonalisedModel;
+use spineline::anatomy::Level;
 use spineline::multibody::Support;
 
-use crate::{StoredModel, text_with_hash};
+use crate::text_with_hash;
 use assembly::{Assembly, Axis, vertebrae};
 
-/// A format of another program.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum ExportFormat {
-    /// MuJoCo's own XML.
-    Mjcf,
-    /// An OpenSim 4 model.
-    Osim,
-    /// Unified robot description format, with the springs in SDFormat's extension.
-    Urdf,
-    /// Vertebral bodies as VTK's XML PolyData.
-    Vtp,
-    /// Vertebral bodies as glTF 2.0, with its data inside.
-    Gltf,
-}
-
-impl Named for ExportFormat {
-    const ALL: &'static [Self] = &[Self::Mjcf, Self::Osim, Self::Urdf, Self::Vtp, Self::Gltf];
-
-    fn key(self) -> &'static str {
-        match self {
-            Self::Mjcf => "mjcf",
-            Self::Osim => "osim",
-            Self::Urdf => "urdf",
-            Self::Vtp => "vtp",
-            Self::Gltf => "gltf",
-        }
+spineline::named! {
+    /// A format of another program.
+    pub enum ExportFormat {
+        /// MuJoCo's own XML.
+        Mjcf = "mjcf",
+        /// An OpenSim 4 model.
+        Osim = "osim",
+        /// Unified robot description format, with the springs in SDFormat's extension.
+        Urdf = "urdf",
+        /// Vertebral bodies as VTK's XML PolyData.
+        Vtp = "vtp",
+        /// Vertebral bodies as glTF 2.0, with its data inside.
+        Gltf = "gltf",
     }
 }
 
@@ -158,17 +146,12 @@ impl ExportError {
 /// # Panics
 /// If the model has not one level per vertebra, which [`parse_model`](crate::parse_model) sees to.
 pub fn export(
-    model: &StoredModel,
+    model: &PersonalisedModel,
     format: ExportFormat,
     generator: &str,
 ) -> Result<String, ExportError> {
-    for (what, text) in
-        [("case_id", &*model.case_id), ("line", &*model.line), ("generator", generator)]
-    {
+    for (what, text) in [("case_id", &*model.case_id), ("generator", generator)] {
         check_text(what, text)?;
-    }
-    for load in &model.loads {
-        check_text("status", &load.status)?;
     }
     let vertebrae = vertebrae(model)?;
     let assembly = |vertebrae| Assembly::of(model, vertebrae, format);

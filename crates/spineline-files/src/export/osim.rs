@@ -1,12 +1,12 @@
 //! OpenSim 4 models.
 
+use spineline::analysis::PersonalisedModel;
 use spineline::spatial::{Mat3, Vec3};
 
 use super::assembly::{Assembly, Hinge, Joint, NOMINAL_INERTIA_KG_M2, NOMINAL_MASS_KG, Vertebra};
 use super::header::{Dialect, header};
 use super::rotation::body_xyz;
 use super::xml::{Document, number, numbers, vector};
-use crate::StoredModel;
 
 const DIALECT: Dialect = Dialect {
     format: "OSIM (OpenSim 4)",
@@ -32,7 +32,7 @@ fn opensim_rotation(r: &Mat3) -> Mat3 {
 }
 
 /// The whole file.
-pub(super) fn text(model: &StoredModel, assembly: &Assembly, generator: &str) -> String {
+pub(super) fn text(model: &PersonalisedModel, assembly: &Assembly, generator: &str) -> String {
     let mut xml = Document::new();
     xml.comment(&header(model, generator, &DIALECT));
     xml.open("OpenSimDocument", &[("Version", LAYOUT)]);

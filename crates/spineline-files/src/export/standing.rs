@@ -1,21 +1,21 @@
 //! What of a model's vertebrae was measured, and what was assumed, for every format.
 
-use spineline::analysis::{AxialSource, PitchSource};
-use spineline::anatomy::Level;
-
-use crate::StoredModel;
+use spineline::analysis::{AxialSource, PersonalisedModel, PitchSource};
+use spineline::anatomy::{Level, Named};
 
 /// Sentences on pitch and depth, on axial rotation, and on the drawn widths: which vertebrae were measured, and what the others have.
-pub(super) fn sources(model: &StoredModel) -> [String; 3] {
+pub(super) fn sources(model: &PersonalisedModel) -> [String; 3] {
     let widths: Vec<bool> = model.widths_mm.iter().map(Option::is_some).collect();
     [
         told(model, "Pitch and depth", &model.pitch_from, |source| match source {
-            PitchSource::LateralFilm => "MEASURED on the lateral film",
-            PitchSource::Population => "ASSUMED, the profile of a population",
+            Some(PitchSource::LateralFilm) => "MEASURED on the lateral film",
+            Some(PitchSource::Population) => "ASSUMED, the profile of a population",
+            None => "measured or assumed, which the model file does not say",
         }),
         told(model, "Axial rotation", &model.axial_from, |source| match source {
-            AxialSource::Pedicles => "MEASURED from both pedicles on the erect film",
-            AxialSource::Unknown => "NOT KNOWN, and zero here",
+            Some(AxialSource::Pedicles) => "MEASURED from both pedicles on the erect film",
+            Some(AxialSource::Unknown) => "NOT KNOWN, and zero here",
+            None => "measured, or not known and zero, which the model file does not say",
         }),
         told(model, "Drawn widths", &widths, |is_measured| {
             if is_measured {
@@ -27,9 +27,23 @@ pub(super) fn sources(model: &StoredModel) -> [String; 3] {
     ]
 }
 
+/// The key of a source, for programs; empty where it is not stated.
+pub(super) fn key<T: Named>(source: Option<T>) -> &'static str {
+    source.map_or("", T::key)
+}
+
+/// Whether something was measured, as a number of a data array: 1 measured, 0 assumed or not known, -1 not stated.
+pub(super) fn flag(is_measured: Option<bool>) -> &'static str {
+    match is_measured {
+        Some(true) => "1",
+        Some(false) => "0",
+        None => "-1",
+    }
+}
+
 /// Every source with its vertebrae, in the order in which they come from the lowest vertebra on.
 fn told<T: PartialEq + Copy>(
-    model: &StoredModel,
+    model: &PersonalisedModel,
     what: &str,
     sources: &[T],
     words: impl Fn(T) -> &'static str,

@@ -1,12 +1,12 @@
 //! Unified robot description format, with the springs in SDFormat's extension.
 
+use spineline::analysis::PersonalisedModel;
 use spineline::spatial::{Mat3, Vec3};
 
 use super::assembly::{Assembly, Hinge, Joint, NOMINAL_INERTIA_KG_M2, NOMINAL_MASS_KG, Vertebra};
 use super::header::{Dialect, header};
 use super::rotation::roll_pitch_yaw;
 use super::xml::{Document, number, numbers, vector};
-use crate::StoredModel;
 
 const DIALECT: Dialect = Dialect {
     format: "URDF",
@@ -22,7 +22,7 @@ const DIALECT: Dialect = Dialect {
 const BETWEEN_HINGES: f64 = 0.01;
 
 /// The whole file.
-pub(super) fn text(model: &StoredModel, assembly: &Assembly, generator: &str) -> String {
+pub(super) fn text(model: &PersonalisedModel, assembly: &Assembly, generator: &str) -> String {
     let mut xml = Document::new();
     xml.comment(&header(model, generator, &DIALECT));
     xml.open("robot", &[("name", &model.case_id)]);

@@ -1,12 +1,13 @@
 //! Vertebral bodies as VTK's XML PolyData.
 
+use spineline::analysis::{AxialSource, PersonalisedModel, PitchSource};
 use spineline::spatial::Vec3;
 
 use super::assembly::Vertebra;
 use super::boxes::{SIDES, corners};
 use super::header::{about_bodies, mark};
+use super::standing::{flag, key};
 use super::xml::{Document, numbers};
-use crate::StoredModel;
 
 /// Format and frame.
 const DESCRIBED: [&str; 2] = [
@@ -20,7 +21,7 @@ fn to_lps(v: &Vec3) -> Vec3 {
 }
 
 /// The whole file.
-pub(super) fn text(model: &StoredModel, vertebrae: &[Vertebra], generator: &str) -> String {
+pub(super) fn text(model: &PersonalisedModel, vertebrae: &[Vertebra], generator: &str) -> String {
     let count = |number: usize| number.to_string();
     let mut xml = Document::new();
     let mut about = about_bodies(model, generator, DESCRIBED);
@@ -38,8 +39,8 @@ pub(super) fn text(model: &StoredModel, vertebrae: &[Vertebra], generator: &str)
     strings(&mut xml, "SPACE", &["LPS"]);
     let words = |of: fn(&Vertebra) -> &'static str| vertebrae.iter().map(of).collect::<Vec<_>>();
     strings(&mut xml, "level_names", &words(|v| v.name));
-    strings(&mut xml, "pitch_from", &words(|v| v.pitch_from.key()));
-    strings(&mut xml, "axial_rotation_from", &words(|v| v.axial_from.key()));
+    strings(&mut xml, "pitch_from", &words(|v| key(v.pitch_from)));
+    strings(&mut xml, "axial_rotation_from", &words(|v| key(v.axial_from)));
     xml.close();
     let points = count(vertebrae.len() * 8);
     let sides = count(vertebrae.len() * SIDES.len());
@@ -84,15 +85,13 @@ fn surface(xml: &mut Document, vertebrae: &[Vertebra]) {
 /// The numbers of every vertebra, each as often as it has points or sides.
 fn values(xml: &mut Document, vertebrae: &[Vertebra], share: usize) {
     whole(xml, "level", (0..vertebrae.len()).flat_map(|i| std::iter::repeat_n(i, share)));
-    let mut measured = |name: &str, of: &dyn Fn(&Vertebra) -> bool| {
-        let each = vertebrae
-            .iter()
-            .flat_map(|v| std::iter::repeat_n(if of(v) { "1" } else { "0" }, share));
+    let mut measured = |name: &str, of: &dyn Fn(&Vertebra) -> Option<bool>| {
+        let each = vertebrae.iter().flat_map(|v| std::iter::repeat_n(flag(of(v)), share));
         array(xml, &[("type", "Int8"), ("Name", name)], &each.collect::<Vec<_>>().join(" "));
     };
-    measured("pitch_measured", &|v| v.pitch_from.is_measured());
-    measured("axial_rotation_measured", &|v| v.axial_from.is_measured());
-    measured("width_measured", &|v| v.width_is_measured);
+    measured("pitch_measured", &|v| v.pitch_from.map(PitchSource::is_measured));
+    measured("axial_rotation_measured", &|v| v.axial_from.map(AxialSource::is_measured));
+    measured("width_measured", &|v| Some(v.width_is_measured));
     for (i, name) in ["lateral_tilt_deg", "pitch_deg", "axial_rotation_deg"].into_iter().enumerate()
     {
         let each = vertebrae.iter().flat_map(|v| std::iter::repeat_n(v.angles_deg()[i], share));

@@ -8,7 +8,7 @@ use spineline::multibody::Timing;
 
 use crate::FileError;
 use crate::json::parse;
-use crate::keys::{Key, LevelKey};
+use crate::keys::LevelKey;
 
 pub use place::{LoadFault, PlacedLoads};
 
@@ -47,7 +47,7 @@ pub enum AppliedLoad {
         point_mm: [f64; 3],
         /// `held` (constant) or `growing` (proportional).
         #[serde(default)]
-        timing: Key<Timing>,
+        timing: Timing,
     },
     /// A force of fixed direction that moves with a point of the vertebra.
     ForceAtPoint {
@@ -61,7 +61,7 @@ pub enum AppliedLoad {
         point_in_vertebra_mm: [f64; 3],
         /// `held` (constant) or `growing` (proportional).
         #[serde(default)]
-        timing: Key<Timing>,
+        timing: Timing,
     },
     /// A force that moves and rotates with the vertebra.
     FollowerForce {
@@ -75,7 +75,7 @@ pub enum AppliedLoad {
         point_in_vertebra_mm: [f64; 3],
         /// `held` (constant) or `growing` (proportional).
         #[serde(default)]
-        timing: Key<Timing>,
+        timing: Timing,
     },
     /// A moment of fixed direction.
     Moment {
@@ -86,7 +86,7 @@ pub enum AppliedLoad {
         moment_nmm: [f64; 3],
         /// `held` (constant) or `growing` (proportional).
         #[serde(default)]
-        timing: Key<Timing>,
+        timing: Timing,
     },
     /// A moment that rotates with the vertebra.
     FollowerMoment {
@@ -97,7 +97,7 @@ pub enum AppliedLoad {
         moment_in_vertebra_nmm: [f64; 3],
         /// `held` (constant) or `growing` (proportional).
         #[serde(default)]
-        timing: Key<Timing>,
+        timing: Timing,
     },
     /// The weight of trunk, head and arms, slice by slice, at the midpoints of L3 to T2.
     Gravity {
@@ -109,7 +109,7 @@ pub enum AppliedLoad {
         down: [f64; 3],
         /// `held` (constant) or `growing` (proportional); `held` if not given.
         #[serde(default = "held")]
-        timing: Key<Timing>,
+        timing: Timing,
     },
     /// A frictionless pad that touches the erect spine and is then pushed in: a linear spring along one direction.
     Pad {
@@ -127,7 +127,7 @@ pub enum AppliedLoad {
         advance_mm: f64,
         /// `held` (constant) or `growing` (proportional).
         #[serde(default)]
-        timing: Key<Timing>,
+        timing: Timing,
     },
     /// A strap to a point of the ground, unstretched on the erect spine and then shortened: a linear spring along itself.
     Strap {
@@ -145,7 +145,7 @@ pub enum AppliedLoad {
         shortening_mm: f64,
         /// `held` (constant) or `growing` (proportional).
         #[serde(default)]
-        timing: Key<Timing>,
+        timing: Timing,
     },
     /// A stiff rod between two vertebrae, which prescribes their relative pose; as in the erect posture if nothing else is
     /// given. With frontal support it prescribes the tilt and the lateral place of the upper vertebra alone: the first number of
@@ -163,12 +163,12 @@ pub enum AppliedLoad {
         turn_deg: [f64; 3],
         /// `held` (constant) or `growing` (proportional).
         #[serde(default)]
-        timing: Key<Timing>,
+        timing: Timing,
     },
 }
 
-const fn held() -> Key<Timing> {
-    Key(Timing::Constant)
+const fn held() -> Timing {
+    Timing::Constant
 }
 
 fn caudal() -> [f64; 3] {
@@ -204,7 +204,7 @@ impl AppliedLoad {
             | Self::Gravity { timing, .. }
             | Self::Pad { timing, .. }
             | Self::Strap { timing, .. }
-            | Self::Rod { timing, .. } => timing.0,
+            | Self::Rod { timing, .. } => *timing,
         }
     }
 

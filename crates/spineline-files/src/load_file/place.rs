@@ -1,3 +1,4 @@
+use spineline::analysis::PersonalisedModel;
 use spineline::anatomy::{Level, Levels};
 use spineline::multibody::{
     BodyLoad, LoadItem, LoadPlace, Loading, LoadingFault, Rod, UNIT_TOLERANCE,
@@ -5,7 +6,7 @@ use spineline::multibody::{
 use spineline::spatial::{Angle, Vec3};
 
 use super::{AppliedLoad, LoadFile};
-use crate::{FileError, StoredModel};
+use crate::FileError;
 
 /// The loads of a file on the vertebrae of a model.
 #[derive(Debug, Clone, PartialEq)]
@@ -93,7 +94,7 @@ impl LoadFile {
     /// Why loads cannot be applied to a model: for every load that alone cannot be, and else for the first one that cannot be with
     /// the others. Empty where [`LoadFile::place`] succeeds.
     #[must_use]
-    pub fn faults(&self, model: &StoredModel) -> Vec<LoadFault> {
+    pub fn faults(&self, model: &PersonalisedModel) -> Vec<LoadFault> {
         let fault = |load: usize, error: FileError| match error {
             FileError::Load { reason, help, .. } => LoadFault { load, reason, help },
             other => LoadFault { load, reason: other.to_string(), help: other.help() },
@@ -117,7 +118,7 @@ impl LoadFile {
     ///
     /// # Errors
     /// [`FileError::Load`] where a load cannot be applied to this model.
-    pub fn place(&self, model: &StoredModel) -> Result<PlacedLoads, FileError> {
+    pub fn place(&self, model: &PersonalisedModel) -> Result<PlacedLoads, FileError> {
         let mut placed =
             PlacedLoads { loading: Loading::default(), load_of_item: vec![], load_of_rod: vec![] };
         for (number, load) in self.loads.iter().enumerate() {
@@ -140,7 +141,7 @@ impl LoadFile {
         &self,
         number: usize,
         load: &AppliedLoad,
-        model: &StoredModel,
+        model: &PersonalisedModel,
         placed: &mut PlacedLoads,
     ) -> Result<(), FileError> {
         let find = |level: Level| self.vertebra(number, level, model);
@@ -172,7 +173,7 @@ impl LoadFile {
         &self,
         number: usize,
         level: Level,
-        model: &StoredModel,
+        model: &PersonalisedModel,
     ) -> Result<usize, FileError> {
         let found = model.levels.iter().position(|other| *other == level);
         found.ok_or_else(|| {
@@ -186,7 +187,7 @@ impl LoadFile {
         number: usize,
         body_weight_n: f64,
         down: &[f64; 3],
-        model: &StoredModel,
+        model: &PersonalisedModel,
     ) -> Result<Levels, FileError> {
         let Some(levels) = model.known_levels() else {
             let reason = format!(
@@ -222,7 +223,7 @@ impl LoadFile {
     }
 }
 
-fn extent(model: &StoredModel) -> String {
+fn extent(model: &PersonalisedModel) -> String {
     match &model.levels[..] {
         [first, .., last] => format!("from {first} to {last}"),
         _ => "nowhere".to_owned(),
@@ -230,7 +231,7 @@ fn extent(model: &StoredModel) -> String {
 }
 
 /// Text of a load's error, with names instead of indices.
-fn reason(fault: &LoadingFault, model: &StoredModel) -> String {
+fn reason(fault: &LoadingFault, model: &PersonalisedModel) -> String {
     let name = |vertebra: &usize| model.levels.get(*vertebra).map_or("?", |level| level.name());
     match fault {
         LoadingFault::Vertebra { vertebra, .. } => {

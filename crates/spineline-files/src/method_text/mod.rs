@@ -1,4 +1,5 @@
-//! Options of the method as text: the command line and the Python package spell them alike.
+//! Options of the method as text, each defined once in [`OPTIONS`]: command line, Python package, form of a study, reports and files
+//! follow.
 //!
 //! ```
 //! use spineline::analysis::AnalysisOptions;
@@ -12,11 +13,17 @@
 
 mod chosen;
 mod parse;
+mod show;
 mod table;
+mod words;
 
 pub use chosen::{ChosenOption, ChosenOptions, study_options};
-pub use parse::{noise, number, posture, site_text};
-pub use table::{MethodOption, NamedValue, OPTION_NAMES, OPTIONS, OptionValues, option_named};
+pub use parse::{named, noise, number, posture};
+pub use show::site_text;
+pub use table::{MethodOption, NamedValue, OPTIONS, OptionValues, named_values};
+
+#[cfg(test)]
+pub(crate) use tests::all_others;
 
 use std::path::PathBuf;
 
@@ -73,11 +80,11 @@ impl OptionError {
     }
 }
 
-/// The option of a name, in either spelling.
-fn option_of(name: &str) -> Result<&'static MethodOption, OptionError> {
+/// The option of a name, in either spelling, with its place in [`OPTIONS`].
+fn option_of(name: &str) -> Result<(usize, &'static MethodOption), OptionError> {
     let name = name.replace('-', "_");
-    OPTIONS.iter().find(|option| option.name == name).ok_or_else(|| {
-        let nearest = nearest(&name, &OPTION_NAMES);
+    OPTIONS.iter().enumerate().find(|(_, option)| option.name == name).ok_or_else(|| {
+        let nearest = nearest(&name, &OPTIONS.map(|option| option.name));
         OptionError::Unknown { name, nearest }
     })
 }
@@ -85,7 +92,7 @@ fn option_of(name: &str) -> Result<&'static MethodOption, OptionError> {
 /// The file that the value of an option names; `None` where the value is a word.
 #[must_use]
 pub fn option_file(name: &str, value: &str) -> Option<PathBuf> {
-    option_of(name).ok()?.names_a_file(value).then(|| PathBuf::from(value))
+    option_of(name).ok()?.1.names_a_file(value).then(|| PathBuf::from(value))
 }
 
 /// A file that an option names.
@@ -101,11 +108,30 @@ pub struct OptionFile {
     pub rotation_prior: Option<StoredRotationPrior>,
 }
 
-/// Sets one option by its name, and returns the file that its value names, if it names one. A `given_line` is added to those that
-/// were given before.
+/// The options of these names and values, and the files that the values name. They are set in the order of [`OPTIONS`], in whichever
+/// order they are given; an option that may be repeated has all of its values.
 ///
 /// # Errors
-/// [`OptionError`]: no such option, no such value, or a file that cannot be read.
+/// [`OptionError`]: no such option, no such value, a file that cannot be read, or joint rotations that were learned with other tilts.
+pub fn options_of<'a>(
+    given: impl IntoIterator<Item = (&'a str, &'a str)>,
+) -> Result<(AnalysisOptions, Vec<OptionFile>), OptionError> {
+    let known = given.into_iter().map(|(name, value)| Ok((option_of(name)?, value)));
+    let mut known: Vec<_> = known.collect::<Result<_, OptionError>>()?;
+    known.sort_by_key(|((place, _), _)| *place);
+    let mut options = AnalysisOptions::default();
+    let mut files = Vec::new();
+    for ((_, option), value) in known {
+        files.extend(set_option(&mut options, option.name, value)?);
+    }
+    Ok((options, files))
+}
+
+/// Sets one option by its name, and returns the file that its value names, if it names one. A `given_line` is added to those that
+/// were given before; joint rotations are checked against the tilts that are set.
+///
+/// # Errors
+/// [`OptionError`]: no such option, no such value, or a file that cannot be read or used.
 pub fn set_option(
     options: &mut AnalysisOptions,
     name: &str,
@@ -132,15 +158,20 @@ fn set_option_of_text(
     value: &str,
     file: Option<&str>,
 ) -> Result<Option<StoredRotationPrior>, OptionError> {
-    let option = option_of(name)?;
+    let (_, option) = option_of(name)?;
     let name = option.name.to_owned();
     let refused =
         |reason| OptionError::Value { name: name.clone(), value: value.to_owned(), reason };
+    let in_file = |error| OptionError::File { name: name.clone(), error };
     match (file, option.read_file) {
         (None, _) => (option.read)(options, value).map(|()| None).map_err(refused),
         (Some(_), None) => Err(refused("this option takes no file".to_owned())),
         (Some(text), Some(read)) => {
-            read(options, text).map_err(|error| OptionError::File { name, error })
+            let learned = read(options, text).map_err(in_file)?;
+            if let Some(prior) = &learned {
+                prior.check_tilt(options.tilt).map_err(in_file)?;
+            }
+            Ok(learned)
         }
     }
 }
@@ -157,33 +188,113 @@ pub fn missing_known_force(options: &AnalysisOptions, case: &Case) -> Option<Pos
 mod tests {
     use super::parse::inflection_sites;
     use super::*;
+    use spineline::anatomy::Levels;
+    use spineline::evaluate::RotationPrior;
     use spineline::multibody::{StiffnessTable, Support};
 
-    #[test]
-    fn every_option_is_set_by_its_name() {
-        let values = [
-            "paper",
-            "frozen-force",
-            "free",
-            "ferguson",
-            "axis",
-            "as-marked",
-            "each-film",
-            "per-joint",
-            "in-vivo",
-            "in-vitro",
-            "L1/T12,T6",
-            "7",
-            "left_bending=20,150,-5",
-            "all",
-        ];
-        // The tests of the command line have a file of rotations.
-        let names = OPTION_NAMES.into_iter().filter(|name| *name != "rotation_prior");
-        for (name, value) in names.zip(values) {
-            let mut options = AnalysisOptions::default();
-            set_option(&mut options, name, value).expect(name);
-            assert_ne!(options, AnalysisOptions::default(), "{name}");
+    /// Another value of every option than the default; empty where only a file has one.
+    const OTHERS: [&str; OPTIONS.len()] = [
+        "paper",
+        "known-force:traction=117.3",
+        "free",
+        "ferguson",
+        "axis",
+        "2.7",
+        "main-thoracic=T12/T5,proximal-thoracic=T5/T2",
+        "per-joint",
+        "in-vivo",
+        "",
+        "in-vitro",
+        "L1/T12,T6",
+        "4.1",
+        "left_bending=20,150,-5; right_bending=-20.25,150,7.3",
+        "couple,inflection-line+free-base",
+    ];
+
+    /// Options of which every one has another value than the default.
+    pub fn all_others() -> AnalysisOptions {
+        let given = OPTIONS.iter().map(|option| option.name).zip(OTHERS);
+        let (options, _) =
+            options_of(given.filter(|(_, value)| !value.is_empty())).expect("sound values");
+        AnalysisOptions {
+            rotation_prior: Some(RotationPrior::published(Levels::COMPLETE)),
+            ..options
         }
+    }
+
+    #[test]
+    fn every_field_of_the_options_is_set_by_an_option() {
+        // A new field does not compile here until it is compared too.
+        let AnalysisOptions {
+            tilt,
+            film_lengths,
+            order_rule,
+            inflections,
+            min_curve,
+            ends,
+            library,
+            support,
+            gauge,
+            target,
+            grouping,
+            prior,
+            rotation_prior,
+            given_lines,
+            hypotheses,
+        } = all_others();
+        let usual = AnalysisOptions::default();
+        let differ = [
+            tilt != usual.tilt,
+            film_lengths != usual.film_lengths,
+            order_rule != usual.order_rule,
+            inflections != usual.inflections,
+            min_curve != usual.min_curve,
+            ends != usual.ends,
+            library != usual.library,
+            support != usual.support,
+            gauge != usual.gauge,
+            target != usual.target,
+            grouping != usual.grouping,
+            prior != usual.prior,
+            rotation_prior != usual.rotation_prior,
+            given_lines != usual.given_lines,
+            hypotheses != usual.hypotheses,
+        ];
+        assert_eq!(differ, [true; OPTIONS.len()]);
+    }
+
+    #[test]
+    fn every_option_shows_the_value_that_it_was_set_to() {
+        for (option, value) in OPTIONS.iter().zip(OTHERS).filter(|(_, value)| !value.is_empty()) {
+            let usual = AnalysisOptions::default();
+            let mut options = usual.clone();
+            set_option(&mut options, option.name, value).expect(option.name);
+            assert_ne!(options, usual, "{}", option.name);
+            assert_eq!((option.show)(&options), value, "{}", option.name);
+            assert_ne!(option.words(&options), option.words(&usual), "{}", option.name);
+        }
+    }
+
+    #[test]
+    fn every_default_that_is_shown_is_the_default_of_the_library() {
+        for option in OPTIONS.iter().filter(|option| !option.default_text().is_empty()) {
+            let mut options = all_others();
+            options.given_lines.clear();
+            set_option(&mut options, option.name, &option.default_text()).expect(option.name);
+            assert_eq!((option.show)(&options), option.default_text());
+            let mut options = AnalysisOptions::default();
+            set_option(&mut options, option.name, &option.default_text()).expect(option.name);
+            assert_eq!(options, AnalysisOptions::default(), "{}", option.name);
+        }
+    }
+
+    #[test]
+    fn options_are_set_in_the_order_of_the_table() {
+        let given = [("given_line", "left_bending=1,2,3"), ("given-line", "right-bending=4,5,6")];
+        let (options, _) = options_of(given).expect("two lines");
+        assert_eq!(options.given_lines.len(), 2);
+        let twice = options_of([given[0], given[0]]).expect_err("one film").to_string();
+        assert!(twice.contains("two lines"), "{twice}");
     }
 
     #[test]
@@ -191,7 +302,8 @@ mod tests {
         for option in OPTIONS.iter().filter(|option| !option.named_values().is_empty()) {
             let mut options = AnalysisOptions::default();
             let error = (option.read)(&mut options, "?").expect_err(option.name);
-            let all: Vec<&str> = option.named_values().iter().map(|one| one.spelling).collect();
+            let all: Vec<String> =
+                option.named_values().into_iter().map(|one| one.spelling).collect();
             assert_eq!(error, format!("expected one of {}", all.join(", ")), "{}", option.name);
         }
     }

@@ -12,17 +12,30 @@ use spineline::personalize::{Gauge, LogNormalPrior};
 use spineline::spatial::{Angle, Frontal};
 use spineline::uncertainty::LandmarkNoise;
 
+use super::show::spelling;
+
 /// A posture by its key, with `-` or `_`.
 ///
 /// # Errors
 /// If there is no such posture.
 pub fn posture(text: &str) -> Result<Posture, String> {
     let wanted = text.replace('-', "_");
-    Posture::from_key(&wanted).ok_or_else(|| {
+    wanted.parse().map_err(|_| {
         format!(
             "unknown posture `{text}`; expected one of {}",
             Posture::ALL.map(Posture::key).join(", ")
         )
+    })
+}
+
+/// A value by its key, with `-` or `_`.
+///
+/// # Errors
+/// If there is no such value; the message names all.
+pub fn named<T: Named>(text: &str) -> Result<T, String> {
+    text.replace('-', "_").parse().map_err(|_| {
+        let known: Vec<String> = T::ALL.iter().map(|value| spelling(*value)).collect();
+        format!("expected one of {}", known.join(", "))
     })
 }
 
@@ -147,10 +160,7 @@ pub(super) fn end_vertebrae(text: &str) -> Result<EndChoice, String> {
 }
 
 fn region_of(text: &str) -> Result<Region, String> {
-    Region::from_key(&text.replace('-', "_")).ok_or_else(|| {
-        let known = Region::ALL.map(|region| region.key().replace('_', "-")).join(", ");
-        format!("no region is called `{text}`: expected one of {known}")
-    })
+    named(text).map_err(|expected| format!("no region is called `{text}`: {expected}"))
 }
 
 fn ends_of(text: &str) -> Result<CobbEnds, String> {
@@ -188,18 +198,22 @@ pub(super) fn inflection_sites(text: &str) -> Result<[Site; 2], String> {
     }
 }
 
-/// A site as [`inflection_sites`] reads it.
-#[must_use]
-pub fn site_text(site: Site) -> String {
-    if site.inferior == site.superior {
-        site.inferior.to_string()
-    } else {
-        format!("{}/{}", site.inferior, site.superior)
+/// Adds lines of action, each of a film that has none yet: `POSTURE=Y,Z,TILT`, with `;` between.
+pub(super) fn given_lines(
+    lines: &mut Vec<(Posture, LineOfAction)>,
+    text: &str,
+) -> Result<(), String> {
+    for one in text.split(';').map(str::trim).filter(|one| !one.is_empty()) {
+        let (posture, line) = given_line(one)?;
+        if lines.iter().any(|(other, _)| *other == posture) {
+            return Err(format!("the {posture} film has two lines"));
+        }
+        lines.push((posture, line));
     }
+    Ok(())
 }
 
-/// A line of action of a film: `POSTURE=Y,Z,TILT`.
-pub(super) fn given_line(text: &str) -> Result<(Posture, LineOfAction), String> {
+fn given_line(text: &str) -> Result<(Posture, LineOfAction), String> {
     let expected = || "expected POSTURE=Y,Z,TILT, such as left_bending=20,150,-5".to_owned();
     let (name, rest) = text.split_once('=').ok_or_else(expected)?;
     let numbers: Vec<f64> = rest.split(',').map(number).collect::<Result<_, _>>()?;

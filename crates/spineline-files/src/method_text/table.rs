@@ -1,14 +1,17 @@
-//! Every option of the method, defined once: its name, what it is, the values that it takes, and how they are read.
+//! Every option of the method, defined once: its name, what it is, the values that it takes, how they are read, and how they are shown.
 
-use spineline::analysis::AnalysisOptions;
+use spineline::analysis::{AnalysisOptions, Grouping};
 use spineline::anatomy::Named;
 use spineline::curve::InflectionChoice;
-use spineline::multibody::StiffnessTable;
+use spineline::measure::TiltRule;
+use spineline::multibody::{StiffnessTable, Support};
+use spineline::personalize::FitTarget;
 
 use super::parse::{
-    curve_turn, end_vertebrae, film_lengths, gauge, given_line, hypotheses, inflection_sites,
-    order_rule, prior,
+    curve_turn, end_vertebrae, film_lengths, gauge, given_lines, hypotheses, inflection_sites,
+    named, order_rule, prior,
 };
+use super::{show, words};
 use crate::{FileError, StoredRotationPrior, parse_rotation_prior, parse_stiffness};
 
 /// An option of the method.
@@ -20,16 +23,22 @@ pub struct MethodOption {
     pub title: &'static str,
     /// What it does, and the values that it takes.
     pub help: &'static str,
-    /// The value that it has where none is given; empty where that is no text.
-    pub default: &'static str,
     /// Stands for a value in the help of the command line.
     pub value_name: &'static str,
     /// Values that it takes.
     pub values: OptionValues,
+    /// Whether it may be given several times, each time with more.
+    pub may_repeat: bool,
+    /// Whether a study keeps it; else it has results of its own there.
+    pub of_a_study: bool,
     /// Sets it by a word.
     pub(super) read: fn(&mut AnalysisOptions, &str) -> Result<(), String>,
     /// Sets it by the text of a file; `None` where it takes no file.
     pub(super) read_file: Option<ReadFile>,
+    /// Its value as [`Self::read`] takes it; empty where no word says it.
+    pub(super) show: fn(&AnalysisOptions) -> String,
+    /// Its value in a report.
+    pub(super) words: fn(&AnalysisOptions) -> String,
 }
 
 /// Sets an option by the text of a file, and returns the distribution of joint rotations that it holds.
@@ -40,36 +49,50 @@ pub(super) type ReadFile =
 #[derive(Debug, Clone, Copy)]
 pub enum OptionValues {
     /// These and no others.
-    Named(&'static [NamedValue]),
+    Named(fn() -> Vec<NamedValue>),
     /// These, and others that the help describes.
     Text(&'static [&'static str]),
 }
 
 /// A value with a name.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq)]
 pub struct NamedValue {
     /// How it is spelled.
-    pub spelling: &'static str,
-    /// What a help text says of it; empty where the spelling says it.
-    pub help: &'static str,
+    pub spelling: String,
+    /// What a help text says of it.
+    pub help: String,
 }
 
-impl NamedValue {
-    /// A value with what a help text says of it.
-    #[must_use]
-    pub const fn new(spelling: &'static str, help: &'static str) -> Self {
-        Self { spelling, help }
-    }
+/// The values of a type, as options spell them.
+#[must_use]
+pub fn named_values<T: Named>() -> Vec<NamedValue> {
+    let value = |value: &T| NamedValue {
+        spelling: show::spelling(*value),
+        help: value.help().trim_end_matches('.').to_owned(),
+    };
+    T::ALL.iter().map(value).collect()
 }
 
 impl MethodOption {
     /// Its values with a name; empty where it takes others too.
     #[must_use]
-    pub const fn named_values(&self) -> &'static [NamedValue] {
+    pub fn named_values(&self) -> Vec<NamedValue> {
         match self.values {
-            OptionValues::Named(all) => all,
-            OptionValues::Text(_) => &[],
+            OptionValues::Named(all) => all(),
+            OptionValues::Text(_) => Vec::new(),
         }
+    }
+
+    /// The value that it has where none is given; empty where that is no text.
+    #[must_use]
+    pub fn default_text(&self) -> String {
+        (self.show)(&AnalysisOptions::default())
+    }
+
+    /// Its value among some options, in the words of a report.
+    #[must_use]
+    pub fn words(&self, options: &AnalysisOptions) -> String {
+        (self.words)(options)
     }
 
     /// Whether a value may be the name of a file.
@@ -85,12 +108,6 @@ impl MethodOption {
         self.takes_a_file() && self.named_values().iter().all(|one| one.spelling != spelled)
     }
 
-    /// Whether it may be given several times, each time with another film.
-    #[must_use]
-    pub fn may_repeat(&self) -> bool {
-        self.name == "given_line"
-    }
-
     /// Checks a value without setting anything; the file that it may name is not read.
     ///
     /// # Errors
@@ -103,160 +120,150 @@ impl MethodOption {
     }
 }
 
-/// A value by its key, in either spelling.
-pub(super) fn named<T: Named>(text: &str) -> Result<T, String> {
-    T::from_key(&text.replace('-', "_")).ok_or_else(|| {
-        let known: Vec<String> = T::ALL.iter().map(|value| value.key().replace('_', "-")).collect();
-        format!("expected one of {}", known.join(", "))
-    })
-}
-
 /// All options of the method, in the order of the help of the command line.
 pub const OPTIONS: [MethodOption; 15] = [
     MethodOption {
         name: "order_rule",
         title: "Order of the curves",
         help: "Polynomial order of the curves: `leave-one-out`, `paper`, or a number from 4 to 12",
-        default: "leave-one-out",
         value_name: "RULE",
         values: OptionValues::Text(&["leave-one-out", "paper", "5", "6", "7", "8"]),
+        may_repeat: false,
+        of_a_study: true,
         read: |options, text| order_rule(text).map(|it| options.order_rule = it),
         read_file: None,
+        show: |options| show::order_rule(options.order_rule),
+        words: |options| words::order_rule(options.order_rule),
     },
     MethodOption {
         name: "gauge",
         title: "Scale constraint (gauge)",
         help: "Scale constraint (gauge) of stiffness and force: `geometric-mean`, `frozen-force`, or `known-force:POSTURE=NEWTON` such as known-force:traction=120",
-        default: "geometric-mean",
         value_name: "GAUGE",
         values: OptionValues::Text(&["geometric-mean", "frozen-force", "known-force:traction=120"]),
+        may_repeat: false,
+        of_a_study: true,
         read: |options, text| gauge(text).map(|it| options.gauge = it),
         read_file: None,
+        show: |options| show::gauge(options.gauge),
+        words: |options| words::gauge(options.gauge),
     },
     MethodOption {
         name: "support",
         title: "Support",
         help: "Support of the patient; the paper's is `free`",
-        default: "frontal",
         value_name: "SUPPORT",
-        values: OptionValues::Named(&[
-            NamedValue::new("free", "Every joint rotates about three axes (the paper)"),
-            NamedValue::new(
-                "frontal",
-                "In the frontal plane, as on a table: flexion and axial rotation are locked",
-            ),
-        ]),
+        values: OptionValues::Named(named_values::<Support>),
+        may_repeat: false,
+        of_a_study: true,
         read: |options, text| named(text).map(|it| options.support = it),
         read_file: None,
+        show: |options| show::spelling(options.support),
+        words: |options| words::named(options.support),
     },
     MethodOption {
         name: "fit",
         title: "Fitted to",
         help: "Quantity that the stiffness is fitted to",
-        default: "shape",
         value_name: "FIT",
-        values: OptionValues::Named(&[
-            NamedValue::new("shape", "Locations and tilts of all vertebrae"),
-            NamedValue::new(
-                "ferguson",
-                "Three Ferguson angles per bend, with the amplitude fixed (the paper)",
-            ),
-        ]),
+        values: OptionValues::Named(named_values::<FitTarget>),
+        may_repeat: false,
+        of_a_study: true,
         read: |options, text| named(text).map(|it| options.target = it),
         read_file: None,
+        show: |options| show::spelling(options.target),
+        words: |options| words::named(options.target),
     },
     MethodOption {
         name: "tilt",
         title: "Tilts",
         help: "Landmarks from which the tilt of a vertebra is measured",
-        default: "endplates",
         value_name: "TILT",
-        values: OptionValues::Named(&[
-            NamedValue::new("endplates", "Mean direction of both endplates"),
-            NamedValue::new("axis", "Line through the centres of the endplates (the paper)"),
-        ]),
+        values: OptionValues::Named(named_values::<TiltRule>),
+        may_repeat: false,
+        of_a_study: true,
         read: |options, text| named(text).map(|it| options.tilt = it),
         read_file: None,
+        show: |options| show::spelling(options.tilt),
+        words: |options| words::named(options.tilt),
     },
     MethodOption {
         name: "film_lengths",
         title: "Lengths of the films",
         help: "Lengths of the films: `per-film` (each has a scale of its own against the erect film; standard deviation 3.3 % where films do not state the error of theirs), that standard deviation in percent, or `as-marked` (one scale, as in the paper)",
-        default: "per-film",
         value_name: "RULE",
         values: OptionValues::Text(&["per-film", "as-marked"]),
+        may_repeat: false,
+        of_a_study: true,
         read: |options, text| film_lengths(text).map(|it| options.film_lengths = it),
         read_file: None,
+        show: |options| show::film_lengths(options.film_lengths),
+        words: |options| words::film_lengths(options.film_lengths),
     },
     MethodOption {
         name: "end_vertebrae",
         title: "End vertebrae",
         help: "End vertebrae of Cobb angles: `erect` (the most tilted ones of the erect film, kept on every film), `each-film`, or REGION=LEVEL/LEVEL such as main-thoracic=T12/T5",
-        default: "erect",
         value_name: "CHOICE",
         values: OptionValues::Text(&["erect", "each-film", "main-thoracic=T12/T5"]),
+        may_repeat: false,
+        of_a_study: true,
         read: |options, text| end_vertebrae(text).map(|it| options.ends = it),
         read_file: None,
+        show: |options| show::end_vertebrae(&options.ends),
+        words: |options| words::end_vertebrae(&options.ends),
     },
     MethodOption {
         name: "multipliers",
         title: "Multipliers",
         help: "Joints that share a stiffness multiplier",
-        default: "regional",
         value_name: "MULTIPLIERS",
-        values: OptionValues::Named(&[
-            NamedValue::new("regional", "One multiplier per region (the paper)"),
-            NamedValue::new("per-joint", "One per joint, fitted to the whole shape"),
-        ]),
+        values: OptionValues::Named(named_values::<Grouping>),
+        may_repeat: false,
+        of_a_study: true,
         read: |options, text| named(text).map(|it| options.grouping = it),
         read_file: None,
+        show: |options| show::spelling(options.grouping),
+        words: |options| words::named(options.grouping),
     },
     MethodOption {
         name: "prior",
         title: "Prior of the multipliers",
         help: "Log-normal prior of the multipliers about their mean: `none`, a standard deviation of ln such as 0.3, or `in-vivo` (0.5, the standard deviation between segments of living scoliotic spines)",
-        default: "none",
         value_name: "none|in-vivo|SD",
         values: OptionValues::Text(&["none", "in-vivo", "0.3"]),
+        may_repeat: false,
+        of_a_study: true,
         read: |options, text| prior(text).map(|it| options.prior = it),
         read_file: None,
+        show: |options| show::prior(options.prior),
+        words: |options| words::prior(options.prior),
     },
     MethodOption {
         name: "rotation_prior",
         title: "Distribution of joint rotations",
         help: "Distribution of joint rotations that `spineline learn-prior` learned from other patients, for the predictions without mechanics that models are compared with [default: published mobilities]",
-        default: "",
         value_name: "FILE",
-        values: OptionValues::Named(&[]),
+        values: OptionValues::Named(Vec::new),
+        may_repeat: false,
+        of_a_study: true,
         read: |_, _| Err("expected a file of `spineline learn-prior`".to_owned()),
         read_file: Some(|options, text| {
             let stored = parse_rotation_prior(text)?;
             options.rotation_prior = Some(stored.prior.clone());
             Ok(Some(stored))
         }),
+        show: |_| String::new(),
+        words: |options| words::rotation_prior(options.rotation_prior.as_ref()),
     },
     MethodOption {
         name: "stiffness",
         title: "Stiffness table",
         help: "Stiffness table to start from: `paper`, `in-vitro`, `intact-chest`, `scoliotic-in-vivo` or `coupled` (`spineline stiffness` prints them), or a file",
-        default: "paper",
         value_name: "TABLE|FILE",
-        values: OptionValues::Named(&[
-            NamedValue::new(
-                "paper",
-                "Motion segments without ribs, as models of scoliotic spines take them",
-            ),
-            NamedValue::new(
-                "in-vitro",
-                "Thoracic segments with costovertebral joints, tested in vitro",
-            ),
-            NamedValue::new("intact-chest", "The same with the cage of ribs"),
-            NamedValue::new("scoliotic-in-vivo", "Segments of scoliotic patients during surgery"),
-            NamedValue::new(
-                "coupled",
-                "The paper's, with axial rotation coupled to lateral bending (counts with free support)",
-            ),
-        ]),
+        values: OptionValues::Named(named_values::<StiffnessTable>),
+        may_repeat: false,
+        of_a_study: true,
         read: |options, text| {
             named::<StiffnessTable>(text).map(|table| options.library = table.library())
         },
@@ -264,48 +271,62 @@ pub const OPTIONS: [MethodOption; 15] = [
             options.library = parse_stiffness(text)?;
             Ok(None)
         }),
+        show: |options| show::stiffness(&options.library),
+        words: |options| words::stiffness(&options.library),
     },
     MethodOption {
         name: "inflections",
         title: "Inflections",
         help: "Inflections set by hand, caudal first, each a vertebra or a disc, such as L1/T12,T6 [default: found on the erect film]",
-        default: "",
         value_name: "SITE,SITE",
         values: OptionValues::Text(&[]),
+        may_repeat: false,
+        of_a_study: true,
         read: |options, text| {
             inflection_sites(text).map(|it| options.inflections = InflectionChoice::ByHand(it))
         },
         read_file: None,
+        show: |options| show::inflections(options.inflections),
+        words: |options| words::inflections(options.inflections),
     },
     MethodOption {
         name: "min_curve",
         title: "Minimum angle of a curve",
         help: "Minimum angle of a curve between inflections, in degrees",
-        default: "5",
         value_name: "DEG",
         values: OptionValues::Text(&[]),
+        may_repeat: false,
+        of_a_study: true,
         read: |options, text| curve_turn(text).map(|it| options.min_curve = it),
         read_file: None,
+        show: |options| show::min_curve(options.min_curve),
+        words: |options| format!("{}°", show::min_curve(options.min_curve)),
     },
     MethodOption {
         name: "given_line",
         title: "Given line of action",
         help: "Additional line of action: POSTURE=Y,Z,TILT with a point in mm and the lateral tilt from cranial in degrees, positive to the right; may be repeated",
-        default: "",
         value_name: "LINE",
         values: OptionValues::Text(&[]),
-        read: |options, text| given_line(text).map(|it| options.given_lines.push(it)),
+        may_repeat: true,
+        of_a_study: true,
+        read: |options, text| given_lines(&mut options.given_lines, text),
         read_file: None,
+        show: |options| show::given_lines(&options.given_lines),
+        words: |options| words::given_lines(&options.given_lines),
     },
     MethodOption {
         name: "compare_models",
         title: "Compared loads and bases",
         help: "Compare other loads and base supports with the paper's line, on fitted and left-out films: `all`, or names such as couple,weight,inflection-line+free-base (see docs/models.md)",
-        default: "",
         value_name: "all|NAME,NAME",
         values: OptionValues::Text(&["all"]),
+        may_repeat: false,
+        of_a_study: false,
         read: |options, text| hypotheses(text).map(|it| options.hypotheses = it),
         read_file: None,
+        show: |options| show::hypotheses(&options.hypotheses),
+        words: |options| words::hypotheses(&options.hypotheses),
     },
 ];
 
@@ -319,12 +340,3 @@ pub const OPTION_NAMES: [&str; OPTIONS.len()] = {
     }
     names
 };
-
-/// The option of a name.
-///
-/// # Panics
-/// If no option has it: names are written in the code.
-#[must_use]
-pub fn option_named(name: &str) -> &'static MethodOption {
-    OPTIONS.iter().find(|option| option.name == name).expect("an option of the method")
-}

@@ -2,8 +2,6 @@
 //! them from the types and compares.
 
 #[cfg(test)]
-mod described;
-#[cfg(test)]
 mod of_types;
 
 /// The schemas of all file formats by name.

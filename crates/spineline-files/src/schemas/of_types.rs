@@ -4,13 +4,10 @@ use std::borrow::Cow;
 use std::path::Path;
 
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema, schema_for};
-use serde_json::json;
 use spineline::anatomy::Level;
-use spineline::measure::SpacingSource;
 
-use super::described::Described;
 use super::{SCHEMAS, schema};
-use crate::keys::{ByLevel, JointKey, Key, LevelKey, SourceKey};
+use crate::keys::{ByLevel, JointKey, LevelKey};
 use crate::{
     AnalysisFile, CaseFile, CohortFile, LoadFile, ModelFile, ProvenanceFile, RefusedFile,
     ReliabilityFile, RotationPriorFile, SimulationFile, StiffnessFile, to_text,
@@ -34,38 +31,6 @@ impl JsonSchema for JointKey {
 
     fn json_schema(_: &mut SchemaGenerator) -> Schema {
         json_schema!({ "type": "string", "description": "Lower and upper vertebra, such as T12/T11" })
-    }
-}
-
-impl<T: Described> JsonSchema for Key<T> {
-    fn schema_name() -> Cow<'static, str> {
-        T::DEFINITION.into()
-    }
-
-    fn json_schema(_: &mut SchemaGenerator) -> Schema {
-        let has_meanings = T::ALL.iter().any(|value| !value.meaning().is_empty());
-        let mut schema = if has_meanings {
-            let one = |value: &T| json!({ "type": "string", "const": value.key(), "description": value.meaning() });
-            json_schema!({ "oneOf": T::ALL.iter().map(one).collect::<Vec<_>>() })
-        } else {
-            let names: Vec<_> = T::ALL.iter().map(|value| value.key()).collect();
-            json_schema!({ "type": "string", "enum": names })
-        };
-        if !T::DESCRIPTION.is_empty() {
-            schema.insert("description".to_owned(), T::DESCRIPTION.into());
-        }
-        schema
-    }
-}
-
-impl JsonSchema for SourceKey {
-    fn schema_name() -> Cow<'static, str> {
-        "SpacingSource".into()
-    }
-
-    fn json_schema(_: &mut SchemaGenerator) -> Schema {
-        let names = SpacingSource::ALL.map(SpacingSource::key);
-        json_schema!({ "type": "string", "enum": names, "description": "How a spacing became known" })
     }
 }
 

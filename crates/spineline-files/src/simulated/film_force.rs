@@ -1,43 +1,39 @@
 //! The force that an analysis found for a film, as a load.
 
 use spineline::action::Application;
+use spineline::analysis::FilmLoad;
 use spineline::anatomy::Level;
-use spineline::multibody::Timing;
-use spineline::spatial::Vec3;
+use spineline::multibody::{MatchStatus, Timing};
 
-use crate::{AppliedLoad, LevelKey, LoadRecord, SimulationWarning};
+use crate::{AppliedLoad, LevelKey, SimulationWarning};
 
-impl LoadRecord {
-    /// The same with another signed force.
+impl AppliedLoad {
+    /// The load of a film on the uppermost vertebra of its model.
     #[must_use]
-    pub fn with_force(&self, force_n: f64) -> Self {
-        Self { force_n, ..self.clone() }
-    }
-
-    /// It as a load on the uppermost vertebra of its model.
-    #[must_use]
-    pub fn load(&self, top: Level) -> AppliedLoad {
-        let force_n = (Vec3::from(self.direction) * self.force_n).into();
-        let (level, timing) = (LevelKey(top), Timing::Proportional.into());
-        match self.application.0 {
+    pub fn of_film(film: &FilmLoad, top: Level) -> Self {
+        let force_n = film.force_vector_n().into();
+        let (level, timing) = (LevelKey(top), Timing::Proportional);
+        match film.application {
             Application::Fixed => {
-                AppliedLoad::ForceOnLine { level, force_n, point_mm: self.point_mm, timing }
+                Self::ForceOnLine { level, force_n, point_mm: film.point_mm, timing }
             }
             Application::AtT2 => {
-                AppliedLoad::ForceAtPoint { level, force_n, point_in_vertebra_mm: [0.0; 3], timing }
+                Self::ForceAtPoint { level, force_n, point_in_vertebra_mm: [0.0; 3], timing }
             }
         }
     }
+}
 
-    /// The warning about a force that was not found.
+impl SimulationWarning {
+    /// The warning about the load of a film that was not found.
     #[must_use]
-    pub fn doubt(&self) -> Option<SimulationWarning> {
-        let (posture, status) = (self.posture.0, &self.status);
-        (status != "converged").then(|| {
+    pub fn not_found(film: &FilmLoad) -> Option<Self> {
+        let (posture, status) = (film.posture, film.status.key());
+        (film.status != MatchStatus::Converged).then(|| {
             let text = format!(
                 "the analysis found no force for the {posture} film ({status}); this is the one whose shape came nearest"
             );
-            SimulationWarning::new("load_not_found", text)
+            Self::new("load_not_found", text)
         })
     }
 }

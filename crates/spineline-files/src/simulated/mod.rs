@@ -4,18 +4,19 @@ mod film_force;
 mod warnings;
 
 use spineline::action::LineKind;
+use spineline::analysis::{PersonalisedModel, SimulationError as CoreError};
 use spineline::clinical::CurvePlaces;
-use spineline::multibody::{GeneralStatics, Goal, LoadingError, SpringError, Timing};
-use spineline::response::{OnSignedPoint, Response, erect_shape, respond, usual_limit};
+use spineline::multibody::{Goal, LoadingError, SpringError, Timing};
+use spineline::response::{OnSignedPoint, Response, erect_shape};
 use spineline::uncertainty::AppliedLoads;
 
-use crate::{FileError, LoadFile, PlacedLoads, SimulationFile, SimulationWarning, StoredModel};
+use crate::{FileError, LoadFile, PlacedLoads, SimulationFile, SimulationWarning};
 
 /// A model, its loads, and what it does.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Simulated {
     /// The model.
-    pub model: StoredModel,
+    pub model: PersonalisedModel,
     /// The loads as they were given.
     pub loads: LoadFile,
     /// The same on the vertebrae of the model.
@@ -47,6 +48,19 @@ pub enum SimulationError {
 }
 
 impl SimulationError {
+    /// The error with the names of the vertebrae of its model.
+    fn of(error: CoreError, model: &PersonalisedModel) -> Self {
+        match error {
+            CoreError::Springs(SpringError::NotPositive { joint }) => Self::Springs(format!(
+                "the stiffness of joint {}/{} is not symmetric and positive definite",
+                model.levels[joint],
+                model.levels[joint + 1]
+            )),
+            CoreError::Loading(error) => error.into(),
+            other => Self::Springs(other.to_string()),
+        }
+    }
+
     /// Remedy.
     #[must_use]
     pub fn help(&self) -> &'static str {
@@ -67,7 +81,7 @@ impl Simulated {
     /// # Errors
     /// [`SimulationError`].
     pub fn of(
-        model: StoredModel,
+        model: PersonalisedModel,
         loads: LoadFile,
         goal: Goal,
         limit: Option<f64>,
@@ -79,11 +93,10 @@ impl Simulated {
             return Err(SimulationError::NothingGrows);
         }
         let mut warnings = notes;
-        let statics = statics(&model)?;
         let places = places(&model, &mut warnings);
-        let usual = || usual_limit(&model.spine, &model.stiffness, &placed.loading, goal);
-        let factor = limit.unwrap_or_else(usual);
-        let response = respond(&statics, &placed.loading, goal, factor, on_point)?;
+        let response = model
+            .simulate_within(&placed.loading, goal, limit, on_point)
+            .map_err(|error| SimulationError::of(error, &model))?;
         warnings.extend(warnings::warnings(&model, &loads, &placed, &response));
         Ok(Self { model, loads, placed, places, response, warnings })
     }
@@ -121,22 +134,8 @@ fn is_proportional(placed: &PlacedLoads) -> bool {
     timings.any(|timing| timing == Timing::Proportional)
 }
 
-fn statics(model: &StoredModel) -> Result<GeneralStatics<'_>, SimulationError> {
-    let springs = model.stiffness.iter().copied();
-    GeneralStatics::new(&model.spine, springs, model.support).map_err(|error| {
-        SimulationError::Springs(match &error {
-            SpringError::NotPositive { joint } => format!(
-                "the stiffness of joint {}/{} is not symmetric and positive definite",
-                model.levels[*joint],
-                model.levels[joint + 1]
-            ),
-            other => other.to_string(),
-        })
-    })
-}
-
 /// Where Cobb and Ferguson angles are measured.
-fn places(model: &StoredModel, notes: &mut Vec<SimulationWarning>) -> Vec<CurvePlaces> {
+fn places(model: &PersonalisedModel, notes: &mut Vec<SimulationWarning>) -> Vec<CurvePlaces> {
     if let Some(curves) = &model.curves {
         return curves.clone();
     }

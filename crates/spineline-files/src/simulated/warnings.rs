@@ -1,9 +1,10 @@
 //! Warnings about a simulation.
 
+use spineline::analysis::PersonalisedModel;
 use spineline::multibody::{BodyLoad, PathEnding};
 use spineline::response::{Response, UNUSUAL_HINGE, largest_hinge};
 
-use crate::{AppliedLoad, LoadFile, PlacedLoads, SimulationWarning, StoredModel};
+use crate::{AppliedLoad, LoadFile, PlacedLoads, SimulationWarning};
 
 fn warning(code: &str, message: impl Into<String>) -> SimulationWarning {
     SimulationWarning::new(code, message)
@@ -11,7 +12,7 @@ fn warning(code: &str, message: impl Into<String>) -> SimulationWarning {
 
 /// All warnings about a simulation.
 pub(super) fn warnings(
-    model: &StoredModel,
+    model: &PersonalisedModel,
     loads: &LoadFile,
     placed: &PlacedLoads,
     response: &Response,
@@ -51,7 +52,7 @@ pub(super) fn warnings(
 }
 
 /// The joint or part of the spine that is beyond the human range, where that is why there is no result.
-fn about_range(model: &StoredModel, response: &Response) -> Option<SimulationWarning> {
+fn about_range(model: &PersonalisedModel, response: &Response) -> Option<SimulationWarning> {
     if response.ending != PathEnding::BeyondHumanRange {
         return None;
     }
@@ -65,7 +66,7 @@ fn about_range(model: &StoredModel, response: &Response) -> Option<SimulationWar
     Some(warning("beyond_human_range", text))
 }
 
-fn about_loads(model: &StoredModel, loads: &LoadFile) -> Vec<SimulationWarning> {
+fn about_loads(model: &PersonalisedModel, loads: &LoadFile) -> Vec<SimulationWarning> {
     let mut all = Vec::new();
     let weighs = loads.loads.iter().any(|load| matches!(load, AppliedLoad::Gravity { .. }));
     let springs =
@@ -87,7 +88,7 @@ fn about_loads(model: &StoredModel, loads: &LoadFile) -> Vec<SimulationWarning> 
 }
 
 fn about_springs(
-    model: &StoredModel,
+    model: &PersonalisedModel,
     placed: &PlacedLoads,
     response: &Response,
 ) -> Vec<SimulationWarning> {

@@ -162,7 +162,7 @@ fn vertebrae_of_biplanar_films_lie_on_the_line_in_space_of_others() {
     let mut of_template: BTreeMap<&str, Vec<f64>> = BTreeMap::new();
     for (number, lines) in patients.iter().enumerate() {
         let analysis = analyzed(lines);
-        let space = analysis.space.as_ref().expect("both films show all vertebrae");
+        let space = analysis.movement.space.as_ref().expect("both films show all vertebrae");
         let distance = distance_mm(space, lines);
         let own = space.profile(&template);
         let [kyphosis, lordosis] =

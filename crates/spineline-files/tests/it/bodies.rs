@@ -3,9 +3,10 @@
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use serde_json::Value;
+use spineline::analysis::PersonalisedModel;
 use spineline::multibody::{SpineModel, Support};
 use spineline::spatial::{Angle, Mat3, Vec3};
-use spineline_files::{ExportError, ExportFormat, StoredModel, export};
+use spineline_files::{ExportError, ExportFormat, export};
 use spineline_phantom::{SpacePhantom, SpaceSetup, generate_in_space};
 
 use super::exports::{Element, model, named, numbers, read, rotation};
@@ -14,7 +15,7 @@ use super::exports::{Element, model, named, numbers, read, rotation};
 const MM: f64 = 1e-10;
 
 /// A model whose vertebrae stand as the true bodies of a synthetic patient with axial rotation.
-fn turned() -> (StoredModel, SpacePhantom) {
+fn turned() -> (PersonalisedModel, SpacePhantom) {
     let model = model(Support::Free);
     let setup = SpaceSetup { apical_rotation: Angle::from_deg(22.0), ..SpaceSetup::default() };
     let phantom = generate_in_space(&setup);
@@ -27,10 +28,13 @@ fn turned() -> (StoredModel, SpacePhantom) {
         .collect();
     let centres: Vec<Vec3> =
         model.spine.joints.iter().map(|joint| joint.centre_in_inferior_mm).collect();
-    (StoredModel { spine: SpineModel::from_poses(midpoints, axes, &centres), ..model }, phantom)
+    (
+        PersonalisedModel { spine: SpineModel::from_poses(midpoints, axes, &centres), ..model },
+        phantom,
+    )
 }
 
-fn written(model: &StoredModel, format: ExportFormat) -> String {
+fn written(model: &PersonalisedModel, format: ExportFormat) -> String {
     export(model, format, "test").expect("a good model")
 }
 

@@ -2,27 +2,24 @@
 
 use quick_xml::Reader;
 use quick_xml::events::{BytesStart, Event};
-use spineline::analysis::{AnalysisOptions, Case, analyze};
+use spineline::analysis::{AnalysisOptions, Case, PersonalisedModel, analyze};
 use spineline::anatomy::Posture;
 use spineline::measure::FilmLandmarks;
 use spineline::multibody::{SpineModel, Support};
 use spineline::spatial::{Angle, Mat3, Pixel, Vec3, rotation_x, rotation_y, rotation_z};
-use spineline_files::{
-    ExportError, ExportFormat, ModelFile, StoredModel, export, parse_model, to_text,
-};
+use spineline_files::{ExportError, ExportFormat, export};
 use spineline_phantom::{Readers, Truth, generate};
 
 const FORMATS: [ExportFormat; 3] = [ExportFormat::Mjcf, ExportFormat::Osim, ExportFormat::Urdf];
 
-pub(super) fn model(support: Support) -> StoredModel {
+pub(super) fn model(support: Support) -> PersonalisedModel {
     let case = generate(0, Truth::Rod, &Readers::exact(), 1).expect("subject 1 exists").case;
     let options = AnalysisOptions { support, ..AnalysisOptions::default() };
     let analysis = analyze(&case, &options).expect("a phantom");
-    parse_model(&to_text(&ModelFile::new(&analysis, &analysis.models[0], "test")))
-        .expect("our own file")
+    analysis.personalised_model(&analysis.models[0])
 }
 
-fn exported(model: &StoredModel, format: ExportFormat) -> String {
+fn exported(model: &PersonalisedModel, format: ExportFormat) -> String {
     export(model, format, "test").expect("a good model")
 }
 
@@ -243,9 +240,8 @@ fn axial_rotations_from_pedicles_reach_the_bodies_of_every_format() {
     let mut case = generate(0, Truth::Rod, &Readers::exact(), 1).expect("subject 1 exists").case;
     mark_pedicles(&mut case, [0.35, -0.25]);
     let analysis = analyze(&case, &AnalysisOptions::default()).expect("a phantom");
-    let text = to_text(&ModelFile::new(&analysis, &analysis.models[0], "test"));
-    let model = parse_model(&text).expect("our own file");
-    assert_eq!(analysis.axial.len(), model.levels.len());
+    let model = analysis.personalised_model(&analysis.models[0]);
+    assert_eq!(analysis.movement.axial.len(), model.levels.len());
     let mjcf = read(&exported(&model, ExportFormat::Mjcf)).0;
     let urdf = read(&exported(&model, ExportFormat::Urdf)).0;
     let osim = read(&exported(&model, ExportFormat::Osim)).0;
@@ -261,20 +257,20 @@ fn axial_rotations_from_pedicles_reach_the_bodies_of_every_format() {
         assert!((axes - model.spine.axes[0]).norm() < 1e-14);
     }
     assert!(named(&osim, "orientation").len() > model.levels.len());
-    for (axes, found) in model.spine.axes.iter().zip(&analysis.axial) {
+    for (axes, found) in model.spine.axes.iter().zip(&analysis.movement.axial) {
         let axial = Angle::from_sin_cos(-axes[(0, 1)], axes[(0, 0)]);
         assert!((axial - found.stokes).deg().abs() < 1e-9 && axial.deg().abs() > 3.0);
     }
 }
 
 /// The mirrored patient.
-fn mirrored(model: &StoredModel) -> StoredModel {
+fn mirrored(model: &PersonalisedModel) -> PersonalisedModel {
     let m = Mat3::from_diagonal(&Vec3::new(1.0, -1.0, 1.0));
     let spine = &model.spine;
     let centres: Vec<Vec3> = spine.joints.iter().map(|j| m * j.centre_in_inferior_mm).collect();
     let midpoints = spine.midpoints_mm.iter().map(|p| m * p).collect();
     let axes = spine.axes.iter().map(|r| m * r * m).collect();
-    StoredModel { spine: SpineModel::from_poses(midpoints, axes, &centres), ..model.clone() }
+    PersonalisedModel { spine: SpineModel::from_poses(midpoints, axes, &centres), ..model.clone() }
 }
 
 /// Effect of a mirror on three numbers: places change `y`, rotations the other two.
@@ -348,8 +344,9 @@ fn names_are_escaped_in_every_format() {
 #[test]
 fn values_that_an_engine_cannot_represent_are_refused_by_name() {
     let good = model(Support::Free);
-    let refused =
-        |model: &StoredModel| export(model, ExportFormat::Mjcf, "test").expect_err("a bad model");
+    let refused = |model: &PersonalisedModel| {
+        export(model, ExportFormat::Mjcf, "test").expect_err("a bad model")
+    };
     let mut bad = good.clone();
     bad.case_id = "a\u{0}b".to_owned();
     assert_eq!(refused(&bad), ExportError::Text { what: "case_id", character: '\0' });

@@ -93,13 +93,13 @@ fn an_analysis_file_states_origins_where_a_person_did_not_click() {
 fn a_shorter_model_is_stored_and_carries_the_weight_of_what_is_above() {
     let analysis = analyzed(&partial());
     let text = to_text(&ModelFile::new(&analysis, &analysis.models[0], "test"));
-    let stored = parse_model(&text).expect("our own file");
+    let stored = parse_model(&text).expect("our own file").model;
     assert_eq!((stored.levels.len(), stored.top()), (13, Level::T4));
-    assert_eq!(stored.known_levels(), Some(analysis.levels()));
+    assert_eq!(stored.known_levels(), Some(analysis.movement.levels()));
     let load =
         r#"{"format":"spineline-load","version":1,"loads":[{"kind":"gravity","body_weight":400}]}"#;
     let weight = |text: &str| {
-        let model = parse_model(text).expect("our own file");
+        let model = parse_model(text).expect("our own file").model;
         let placed = parse_load(load).expect("a load").place(&model).expect("on this model");
         let force = |item: &spineline::multibody::LoadItem| match item.load {
             spineline::multibody::BodyLoad::ForceAtPoint { force_n, .. } => force_n.norm(),

@@ -2,12 +2,12 @@
 
 use std::ops::ControlFlow;
 
-use spineline::analysis::{AnalysisOptions, analyze};
+use spineline::analysis::{AnalysisOptions, PersonalisedModel, analyze};
 use spineline::multibody::{BodyLoad, GeneralStatics, Goal, Timing};
 use spineline::response::{erect_shape, measure_angles, respond};
 use spineline::spatial::{Angle, Mat3, Vec3};
 use spineline_files::{
-    FileError, LoadFile, ModelFile, SimulationFile, StoredModel, parse_load, parse_model, to_text,
+    FileError, LoadFile, ModelFile, SimulationFile, parse_load, parse_model, to_text,
 };
 use spineline_phantom::{Readers, Truth, generate};
 
@@ -34,8 +34,8 @@ fn model_text() -> String {
     to_text(&ModelFile::new(&analysis, &analysis.models[0], "test"))
 }
 
-fn model() -> StoredModel {
-    parse_model(&model_text()).expect("our own file")
+fn model() -> PersonalisedModel {
+    parse_model(&model_text()).expect("our own file").model
 }
 
 /// The error of invalid loads.
@@ -137,7 +137,7 @@ fn a_stored_model_gives_the_angles_of_its_analysis() {
     let analysis = analyze(&phantom.case, &AnalysisOptions::default()).expect("a phantom");
     let places = model().curves.expect("regions are written");
     let measured = measure_angles(&erect_shape(&model().spine), &places);
-    for (curve, expected) in measured.curves.iter().zip(&analysis.clinical) {
+    for (curve, expected) in measured.curves.iter().zip(&analysis.movement.clinical) {
         assert_eq!(curve.region, expected.region);
         assert!((curve.ends.size() - expected.erect_size()).rad().abs() < 1e-12);
         assert!((curve.ferguson - expected.ferguson[0].1).rad().abs() < 1e-12);
@@ -145,18 +145,18 @@ fn a_stored_model_gives_the_angles_of_its_analysis() {
 }
 
 #[test]
-fn old_models_and_coupled_springs_are_read() {
+fn models_without_regions_and_coupled_springs_are_read() {
     let mut json: serde_json::Value = serde_json::from_str(&model_text()).expect("JSON");
     json.as_object_mut().expect("an object").remove("regions");
-    let old = parse_model(&json.to_string()).expect("a file without regions");
-    assert_eq!(old.curves, None);
-    let diagonal = Mat3::from_diagonal(&Vec3::from(old.stiffness_nmm_per_rad[3]));
-    assert_eq!(old.stiffness[3], diagonal);
+    let plain = parse_model(&json.to_string()).expect("a file without regions").model;
+    assert_eq!(plain.curves, None);
+    let diagonal = Mat3::from_diagonal(&Vec3::from(plain.stiffness_nmm_per_rad[3]));
+    assert_eq!(plain.stiffness[3], diagonal);
     let rows = [[5e4, 1e3, 0.0], [1e3, 6e4, 2e3], [0.0, 2e3, 7e4]];
     json["joints"][3]["stiffness_matrix"] = serde_json::json!(rows);
-    let coupled = parse_model(&json.to_string()).expect("a matrix");
+    let coupled = parse_model(&json.to_string()).expect("a matrix").model;
     assert_eq!(coupled.stiffness[3], Mat3::from_fn(|i, k| rows[i][k]));
-    assert_eq!(coupled.stiffness_nmm_per_rad, old.stiffness_nmm_per_rad);
+    assert_eq!(coupled.stiffness_nmm_per_rad, plain.stiffness_nmm_per_rad);
     json["regions"] = serde_json::json!([{ "region": "main_thoracic", "inferior": "T6", "apex": "T9",
         "superior": "T12", "cobb_inferior": "T12", "cobb_superior": "T6" }]);
     assert!(matches!(parse_model(&json.to_string()), Err(FileError::RegionOrder { .. })));

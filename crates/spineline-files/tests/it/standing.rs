@@ -1,12 +1,12 @@
 //! Exported models say which vertebrae were measured beyond the erect film, and which were assumed.
 
 use serde_json::Value;
-use spineline::analysis::{AnalysisOptions, AxialSource, PitchSource, analyze};
-use spineline::anatomy::{Level, Named, Posture};
+use spineline::analysis::{AnalysisOptions, AxialSource, PersonalisedModel, PitchSource, analyze};
+use spineline::anatomy::{Level, Posture};
 use spineline::measure::{FilmLandmarks, body_widths};
 use spineline::multibody::{StiffnessLibrary, Support};
 use spineline::spatial::Vec3;
-use spineline_files::{ExportFormat, ModelFile, StoredModel, export, parse_model, to_text};
+use spineline_files::{ExportFormat, ModelFile, export, parse_model, to_text};
 use spineline_phantom::{
     BentPhantom, Readers, SpaceBending, SpaceSetup, Truth, generate, generate_bends_in_space,
 };
@@ -41,13 +41,13 @@ fn partly_measured() -> String {
     to_text(&ModelFile::new(&analysis, &analysis.models[0], "test"))
 }
 
-fn written(model: &StoredModel, format: ExportFormat) -> String {
+fn written(model: &PersonalisedModel, format: ExportFormat) -> String {
     export(model, format, "test").expect("a good model")
 }
 
 #[test]
 fn every_format_says_what_was_measured() {
-    let model = parse_model(&partly_measured()).expect("our own file");
+    let model = parse_model(&partly_measured()).expect("our own file").model;
     for ((level, pitch), axial) in model.levels.iter().zip(&model.pitch_from).zip(&model.axial_from)
     {
         let pitch_from = if ON_LATERAL.contains(level) {
@@ -60,9 +60,9 @@ fn every_format_says_what_was_measured() {
         } else {
             AxialSource::Unknown
         };
-        assert_eq!((*pitch, *axial), (pitch_from, axial_from), "{level}");
+        assert_eq!((*pitch, *axial), (Some(pitch_from), Some(axial_from)), "{level}");
     }
-    for &format in ExportFormat::ALL {
+    for format in ExportFormat::ALL {
         let text = written(&model, format);
         for part in [
             "MEASURED on the lateral film (L4 to T4); ASSUMED, the profile of a population (T3 to T2)",
@@ -75,7 +75,7 @@ fn every_format_says_what_was_measured() {
 
 #[test]
 fn files_for_views_say_it_by_vertebra() {
-    let model = parse_model(&partly_measured()).expect("our own file");
+    let model = parse_model(&partly_measured()).expect("our own file").model;
     let file: Value = serde_json::from_str(&written(&model, ExportFormat::Gltf)).expect("JSON");
     let nodes = file["nodes"].as_array().expect("nodes");
     assert_eq!(nodes[0]["extras"]["pitch_from"], "lateral_film");
@@ -109,9 +109,11 @@ fn widths_are_those_between_the_corners_of_the_erect_film_and_else_typical() {
     let case = generate(0, Truth::Rod, &Readers::exact(), 1).expect("subject 1 exists").case;
     let erect = case.films.iter().find(|film| film.posture == Posture::Erect).expect("erect");
     let analysis = analyze(&case, &AnalysisOptions::default()).expect("a phantom");
-    let wanted: Vec<f64> =
-        body_widths(erect, analysis.levels()).into_iter().map(|w| w.expect("corners")).collect();
-    let mut model = StoredModel::of(&analysis, &analysis.models[0]).expect("a good model");
+    let wanted: Vec<f64> = body_widths(erect, analysis.movement.levels())
+        .into_iter()
+        .map(|w| w.expect("corners"))
+        .collect();
+    let mut model = analysis.personalised_model(&analysis.models[0]);
     let near = |a: &[f64], b: &[f64]| a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-9);
     let text = written(&model, ExportFormat::Vtp);
     assert!(near(&drawn_widths_mm(&text), &wanted));
@@ -127,8 +129,22 @@ fn widths_are_those_between_the_corners_of_the_erect_film_and_else_typical() {
 }
 
 #[test]
-fn a_model_without_a_lateral_film_is_assumed() {
+fn a_model_without_a_lateral_film_is_assumed_and_a_file_may_not_say() {
     let frontal = model(Support::Frontal);
-    assert!(frontal.pitch_from.iter().all(|from| *from == PitchSource::Population));
-    assert!(frontal.axial_from.iter().all(|from| *from == AxialSource::Unknown));
+    assert!(frontal.pitch_from.iter().all(|from| *from == Some(PitchSource::Population)));
+    assert!(frontal.axial_from.iter().all(|from| *from == Some(AxialSource::Unknown)));
+    let mut silent: Value = serde_json::from_str(&partly_measured()).expect("JSON");
+    for vertebra in silent["vertebrae"].as_array_mut().expect("vertebrae") {
+        let vertebra = vertebra.as_object_mut().expect("a vertebra");
+        assert!(vertebra.remove("pitch_from").is_some());
+        assert!(vertebra.remove("axial_rotation_from").is_some());
+    }
+    let silent = parse_model(&silent.to_string()).expect("a file that does not say").model;
+    let text = written(&silent, ExportFormat::Mjcf);
+    assert!(text.contains("which the model file does not say (L4 to T2)"), "{text}");
+    for part in ["MEASURED on the lateral film", "MEASURED from both pedicles"] {
+        assert!(!text.contains(part), "{part}");
+    }
+    let view = written(&silent, ExportFormat::Vtp);
+    assert!(view.contains("-1"), "not stated");
 }

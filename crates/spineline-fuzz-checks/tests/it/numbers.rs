@@ -5,11 +5,10 @@ use std::ops::ControlFlow;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use spineline::analysis::{AnalysisOptions, analyze};
-use spineline::anatomy::Named;
 use spineline::measure::{
     FilmLandmarks, Placement, PlacementSource, Reading, ReadingId, SpacingPlane,
 };
-use spineline::multibody::{GeneralStatics, Goal};
+use spineline::multibody::Goal;
 use spineline::response::respond;
 use spineline_files::{
     CaseFile, ExportFormat, export, parse_analysis, parse_case, parse_load, parse_model, to_text,
@@ -116,7 +115,7 @@ fn a_case_of_any_numbers_is_analysed_or_refused() {
 fn placements() -> String {
     let mut case = generate(0, Truth::Rod, &Readers::exact(), 1).expect("subject 1 exists").case;
     let nominal = analyze(&case, &AnalysisOptions::default()).expect("a phantom");
-    for (film, posture) in case.films.iter_mut().zip(&nominal.postures) {
+    for (film, posture) in case.films.iter_mut().zip(&nominal.movement.films) {
         let vertebrae = posture.outline.vertebrae.iter();
         let placed = vertebrae.map(|v| (v.level, Placement::new(v.location, v.tilt)));
         let reading = Reading { id: ReadingId::new("program", 1), vertebrae: placed.collect() };
@@ -158,9 +157,9 @@ fn options_of_any_numbers_are_used_or_refused() {
 #[test]
 fn a_model_of_any_numbers_is_exported_or_refused() {
     let found = panics(&seed("model"), 60, |copy| {
-        let Ok(model) = parse_model(copy) else { return };
-        for &format in ExportFormat::ALL {
-            let _ = export(&model, format, "test");
+        let Ok(stored) = parse_model(copy) else { return };
+        for format in ExportFormat::ALL {
+            let _ = export(&stored.model, format, "test");
         }
     });
     assert!(found.is_empty(), "{found:#?}");
@@ -171,9 +170,8 @@ const MAX_SHAPES: usize = 10;
 
 #[test]
 fn a_load_of_any_numbers_is_simulated_or_refused() {
-    let model = parse_model(&seed("model")).expect("our own model");
-    let springs = model.stiffness.iter().copied();
-    let statics = GeneralStatics::new(&model.spine, springs, model.support).expect("its springs");
+    let model = parse_model(&seed("model")).expect("our own model").model;
+    let statics = model.statics().expect("its springs");
     let text = seed("load");
     assert!(parse_load(&text).is_ok_and(|load| load.place(&model).is_ok()));
     let found = panics(&text, 60, |copy| {

@@ -3,7 +3,7 @@ use std::collections::BTreeMap;
 use dicom_core::Tag;
 use dicom_dictionary_std::{tags, uids};
 use dicom_object::InMemDicomObject;
-use spineline::anatomy::{Level, Named, Posture};
+use spineline::anatomy::{Level, Posture};
 use spineline::measure::{
     CornerName, Corners, IliacCrests, Origin, Reading, ReadingId, VertebraLandmarks,
 };
@@ -106,7 +106,7 @@ impl Report {
     /// Posture and repeat, which all groups share.
     fn common(&mut self, items: &[InMemDicomObject], at: &str) -> Result<(), LandmarkError> {
         let key = coded(items, codes::POSTURE).map(|(value, _)| value);
-        let posture = key.as_deref().and_then(Posture::from_key);
+        let posture: Option<Posture> = key.as_deref().and_then(|key| key.parse().ok());
         let session = items.iter().find(|item| is_named(item, codes::SESSION));
         let repeat = session
             .and_then(|item| text(item, tags::TEXT_VALUE))

@@ -297,7 +297,7 @@ fn cobb_angles_by_endplates_are_about_one_degree_above_those_of_the_data_set() {
             lateral: None,
         };
         let Ok(analysis) = analyze(&case, &AnalysisOptions::default()) else { continue };
-        if let (AasceVerdict::Clean { .. }, Some(curve)) = (clean, analysis.main_curve()) {
+        if let (AasceVerdict::Clean { .. }, Some(curve)) = (clean, analysis.movement.main_curve()) {
             off.push(curve.erect_size().abs().deg() - main[row.row]);
         }
     }

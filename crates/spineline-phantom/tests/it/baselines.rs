@@ -5,6 +5,7 @@ use spineline::action::LineKind;
 use spineline::analysis::{Analysis, AnalysisOptions, FilmRole, analyze};
 use spineline::anatomy::{Posture, Side};
 use spineline::cohort::{BaselinesOverPatients, Cohort, CohortPatient};
+use spineline::evaluate::statistics::Summary;
 use spineline::evaluate::{Baseline, joint_rotations, predict_baseline};
 use spineline::hypothesis::{Hypothesis, LoadShape, Role};
 use spineline::spatial::Angle;
@@ -15,14 +16,12 @@ fn analyzed(subject: usize, truth: Truth) -> Analysis {
     analyze(&case, &AnalysisOptions::default()).expect("a sound case")
 }
 
-#[test]
-fn a_patient_is_predicted_from_the_other_patients_alone() {
-    let (own, other) = (analyzed(2, Truth::Pull), analyzed(4, Truth::Bend));
-    let cohort = Cohort::of(&[&own, &other].map(CohortPatient::of), 1);
-    // The mean of the other patient's two bends, as if both were to the right.
-    let erect = &other.erect().outline;
-    let bends: Vec<(f64, Vec<Angle>)> = other
-        .postures
+/// The mean of a patient's two bends, as if both were to the right.
+fn mean_bend(patient: &Analysis) -> Vec<Angle> {
+    let erect = &patient.movement.erect().outline;
+    let bends: Vec<(f64, Vec<Angle>)> = patient
+        .movement
+        .films
         .iter()
         .filter_map(|posture| {
             let sign = if posture.outline.posture.bend()? == Side::Right { 1.0 } else { -1.0 };
@@ -30,30 +29,38 @@ fn a_patient_is_predicted_from_the_other_patients_alone() {
         })
         .collect();
     assert_eq!(bends.len(), 2);
-    let pattern: Vec<Angle> = (0..14)
+    (0..14)
         .map(|joint| bends.iter().map(move |(sign, bend)| bend[joint] * (0.5 * sign)))
         .map(|mut parts| parts.next().expect("a bend") + parts.next().expect("a bend"))
-        .collect();
+        .collect()
+}
+
+#[test]
+fn a_patient_is_predicted_from_the_other_patients_alone() {
+    let both = [analyzed(2, Truth::Pull), analyzed(4, Truth::Bend)];
+    let cohort = Cohort::of(&both.each_ref().map(CohortPatient::of), 1);
     let of = |role: FilmRole, films: &[Posture]| {
-        let errors = cohort
-            .baselines
-            .errors
-            .iter()
-            .find(|errors| errors.baseline == Baseline::OtherPatients && errors.role == role);
-        let found = &errors.expect("such films").location_mm.values;
-        let expected: Vec<f64> = films
-            .iter()
-            .flat_map(|&film| {
-                let film = &own.posture(film).expect("a film").outline;
-                let own = &own.erect().outline;
-                let baseline = Baseline::OtherPatients;
-                predict_baseline(baseline, &pattern, own, film).location_errors_mm
-            })
-            .collect();
-        // Those of the first patient.
-        let found = &found[..expected.len()];
-        let off = found.iter().zip(&expected).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
-        assert!(off < 1e-9, "{role}: {found:?} and {expected:?}");
+        let mut errors = cohort.baselines.errors.iter();
+        let errors =
+            errors.find(|errors| errors.baseline == Baseline::OtherPatients && errors.role == role);
+        let found = errors.expect("such films").location_mm;
+        let expected = [0, 1].map(|patient: usize| {
+            let (own, pattern) = (&both[patient], mean_bend(&both[1 - patient]));
+            let predicted = |&film: &Posture| {
+                let film = &own.movement.film(film).expect("a film").outline;
+                let erect = &own.movement.erect().outline;
+                predict_baseline(Baseline::OtherPatients, &pattern, erect, film).location_errors_mm
+            };
+            Summary::of(&films.iter().flat_map(predicted).collect::<Vec<f64>>())
+        });
+        let means = Summary::of(&expected.map(|own| own.mean));
+        for (found, expected) in
+            [(found.patients, means), (found.pooled, Summary::pooled(&expected))]
+        {
+            assert_eq!(found.n, expected.n);
+            let off = (found.mean - expected.mean).abs().max((found.sd - expected.sd).abs());
+            assert!(off < 1e-9, "{role}: {found:?} and {expected:?}");
+        }
     };
     of(FilmRole::LeftOutBend, &[Posture::LeftBending, Posture::RightBending]);
     of(FilmRole::HeldOut, &[Posture::Neutral, Posture::Traction]);

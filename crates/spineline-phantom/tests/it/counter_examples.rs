@@ -109,7 +109,7 @@ fn random_rotations_have_both_signs_and_bends_have_their_sides() {
 fn phantoms_of_a_subject_share_anatomy_in_every_scenario() {
     // Oracle: the erect posture is drawn before anything moves.
     for index in 0..SUBJECTS.len() {
-        let erect = Truth::EVERY.map(|truth| {
+        let erect = Truth::ALL.map(|truth| {
             phantom(index, truth).posture(Posture::Erect).expect("an erect posture").clone()
         });
         assert!(erect.iter().all(|other| *other == erect[0]));

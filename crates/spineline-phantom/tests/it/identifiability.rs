@@ -29,9 +29,9 @@ fn patient() -> Patient {
     let phantom = generate(0, Truth::Bend, &Readers::exact(), 1).expect("18 subjects");
     let analysis = analyze(&phantom.case, &Default::default()).expect("a sound case");
     Patient {
-        erect: analysis.erect().outline.clone(),
-        model: analysis.spine,
-        regions: analysis.regions,
+        erect: analysis.movement.erect().outline.clone(),
+        model: analysis.movement.spine,
+        regions: analysis.movement.regions,
         library: StiffnessLibrary::default(),
     }
 }

@@ -224,11 +224,11 @@ fn what_a_force_through_the_inflections_does_in_space() {
     println!("|---|---|---|---|---|---|");
     let mut rows = String::new();
     for (name, case, analysis) in spines() {
-        let erect = erect_shape(&analysis.spine);
+        let erect = erect_shape(&analysis.movement.spine);
         for support in [Support::Frontal, Support::Free] {
             let mut bends = Vec::new();
             for sense in [1.0, -1.0] {
-                let words = match bend(&analysis.spine, support, sense) {
+                let words = match bend(&analysis.movement.spine, support, sense) {
                     Ok((size_n, shape)) => {
                         let leans = leans_deg(&erect, &shape);
                         let flexion = turns_deg(&erect, &shape, pitch);
@@ -260,7 +260,7 @@ fn rods_in_the_plane_lean() {
     for subject in 0..18 {
         let Ok(phantom) = generate(subject, Truth::Rod, &Readers::exact(), 1) else { continue };
         let found = analyze(&phantom.case, &AnalysisOptions::default()).expect("a phantom");
-        let amplitude = |posture| found.posture(posture).map(|p| p.outline.amplitude().deg());
+        let amplitude = |posture| found.movement.film(posture).map(|p| p.outline.amplitude().deg());
         let erect = amplitude(Posture::Erect).expect("erect");
         let leans = [Posture::LeftBending, Posture::RightBending]
             .map(|posture| amplitude(posture).map(|deg| ((deg - erect) * 10.0).round() / 10.0));
@@ -272,9 +272,9 @@ fn rods_in_the_plane_lean() {
 #[test]
 fn a_force_through_the_inflections_hardly_leans_a_spine_and_flexes_a_free_one() {
     let (_, _, analysis) = spines().last().expect("a spine");
-    let erect = erect_shape(&analysis.spine);
+    let erect = erect_shape(&analysis.movement.spine);
     for support in [Support::Frontal, Support::Free] {
-        let mut bending = Bending::new(&analysis.spine, support);
+        let mut bending = Bending::new(&analysis.movement.spine, support);
         let shape = bending.bent(100.0).expect("a small force");
         let off = bending.under(bending.sides_mm, 100.0).expect("the same force").1;
         assert!(

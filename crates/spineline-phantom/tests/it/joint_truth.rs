@@ -31,9 +31,9 @@ fn patient(index: usize) -> Patient {
     let phantom = generate(index, Truth::Bend, &Readers::exact(), 1).expect("18 subjects");
     let analysis = analyze(&phantom.case, &Default::default()).expect("a sound case");
     Patient {
-        erect: analysis.erect().outline.clone(),
-        model: analysis.spine,
-        regions: analysis.regions,
+        erect: analysis.movement.erect().outline.clone(),
+        model: analysis.movement.spine,
+        regions: analysis.movement.regions,
         library: StiffnessLibrary::default(),
         depth_mm: 8.0,
     }

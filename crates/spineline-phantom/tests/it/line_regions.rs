@@ -6,7 +6,7 @@ use std::ops::RangeInclusive;
 use nalgebra::Matrix4;
 use rayon::prelude::*;
 use spineline::action::LineOfAction;
-use spineline::analysis::{Analysis, AnalysisOptions, PostureAnalysis, analyze};
+use spineline::analysis::{Analysis, AnalysisOptions, FilmMovement, analyze};
 use spineline::anatomy::Posture;
 use spineline::personalize::{Crossing, ProposedLine};
 use spineline::spatial::{Angle, Frontal};
@@ -24,7 +24,7 @@ type Counts = BTreeMap<(Posture, &'static str), [usize; 2]>;
 
 /// From the true frame into that of the film as it was read: that is L4's, which turns and shifts as L4 is read. All vertebrae
 /// together show where it lies.
-fn as_read(truth: &TruePosture, posture: &PostureAnalysis) -> impl Fn(Frontal) -> Frontal {
+fn as_read(truth: &TruePosture, posture: &FilmMovement) -> impl Fn(Frontal) -> Frontal {
     let read: Vec<Frontal> = posture.outline.vertebrae.iter().map(|v| v.location).collect();
     let mean = |places: &[Frontal]| {
         places.iter().fold(Frontal::default(), |sum, place| sum + *place)
@@ -43,10 +43,10 @@ fn as_read(truth: &TruePosture, posture: &PostureAnalysis) -> impl Fn(Frontal) -
 
 fn count(phantom: &spineline_phantom::Phantom, analysis: &Analysis, counts: &mut Counts) {
     let erect = phantom.posture(Posture::Erect).expect("a film");
-    let intervals = analysis.inflection_intervals.expect("a pair of inflections");
+    let intervals = analysis.movement.inflection_intervals.expect("a pair of inflections");
     for (truth, interval) in erect.inflections.iter().zip(intervals.each) {
         // An interval that is not limited holds everything.
-        let z_mm = as_read(erect, analysis.erect())(*truth).z_mm;
+        let z_mm = as_read(erect, analysis.movement.erect())(*truth).z_mm;
         let held = interval.is_none_or(|found| (found.t_mm[0]..=found.t_mm[1]).contains(&z_mm));
         let [yes, all] = counts.entry((Posture::Erect, INFLECTION)).or_default();
         *yes += usize::from(held);
@@ -58,7 +58,7 @@ fn count(phantom: &spineline_phantom::Phantom, analysis: &Analysis, counts: &mut
     *settled += usize::from(loads.is_some());
     *all += 1;
     let Some(loads) = loads else { return };
-    let moved = analysis.postures.iter().filter(|posture| posture.evidence.is_some());
+    let moved = analysis.movement.films.iter().filter(|posture| posture.evidence.is_some());
     for (film, posture) in moved.enumerate() {
         let name = posture.outline.posture;
         let mut add = |what, right: bool| {
@@ -101,7 +101,7 @@ fn study(truth: Truth, seeds: RangeInclusive<u64>, build: Build, readers: &Reade
             let phantom = generate_built(index, truth, readers, seed, build).expect("a phantom");
             let analysis =
                 analyze(&phantom.case, &AnalysisOptions::default()).expect("a sound case");
-            if analysis.inflections.pair.is_some() {
+            if analysis.movement.inflections.pair.is_some() {
                 count(&phantom, &analysis, &mut counts);
             }
             counts

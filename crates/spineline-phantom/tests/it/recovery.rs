@@ -78,7 +78,7 @@ fn inflections_and_lines_of_rod_phantoms_are_found() {
         let phantom = exact(index, Truth::Rod);
         let id = &phantom.case.id;
         let analysis = analyzed(&phantom, Grouping::Regional);
-        for posture in &analysis.postures {
+        for posture in &analysis.movement.films {
             let name = posture.outline.posture;
             let truth = phantom.posture(name).expect("a true posture");
             let found = posture.inflection_points.expect("inflections in every posture");
@@ -100,7 +100,7 @@ fn inflections_and_lines_of_rod_phantoms_are_found() {
             misses.unless(off_deg <= LINE_DEG, || format!("{id}, {name}: {off_deg:.3}° off"));
         }
         let erect = phantom.posture(Posture::Erect).expect("a true erect posture");
-        let pair = analysis.inflections.pair.expect("two inflections");
+        let pair = analysis.movement.inflections.pair.expect("two inflections");
         for (found, truth) in pair.iter().zip(erect.inflections) {
             let off_mm = found.erect.distance_mm(truth);
             misses.unless(off_mm <= INFLECTION_MM, || {

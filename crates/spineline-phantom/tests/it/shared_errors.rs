@@ -38,10 +38,10 @@ impl Bent {
     fn of(subject: usize) -> Self {
         let phantom = generate(subject, Truth::Rod, &Readers::exact(), 1).expect("a phantom");
         let analysis = analyze_movement(&phantom.case, &AnalysisOptions::default()).expect("films");
-        let erect = &analysis.erect().outline;
+        let erect = &analysis.movement.erect().outline;
         let model = SpineModel::from_outline(erect, &SagittalProfile::default());
         let (library, groups) =
-            (StiffnessLibrary::default(), JointGroups::regional(&analysis.regions));
+            (StiffnessLibrary::default(), JointGroups::regional(&analysis.movement.regions));
         let statics = Statics::new(&model, &library, &groups, &LOG_MULTIPLIERS, Support::Free);
         let erect_film = &phantom.films[0];
         let of_erect = |i: usize| &erect.vertebrae[i];
@@ -50,7 +50,7 @@ impl Bent {
         let mut films = BTreeMap::from([(Posture::Erect, standing)]);
         let mut loads = BTreeMap::new();
         for posture in BENDS {
-            let bend = analysis.postures.iter().find(|one| one.outline.posture == posture);
+            let bend = analysis.movement.films.iter().find(|one| one.outline.posture == posture);
             let bend = bend.expect("a bend");
             let [caudal, cranial] = bend.inflection_points.expect("two inflections");
             let line = LineOfAction::through(caudal, cranial).expect("they lie apart");
@@ -81,10 +81,10 @@ impl Bent {
         let erect = &outlines[&Posture::Erect];
         let model = SpineModel::from_outline(erect, &SagittalProfile::default());
         let library = StiffnessLibrary::default();
-        let groups = JointGroups::regional(&self.analysis.regions);
+        let groups = JointGroups::regional(&self.analysis.movement.regions);
         let films = BENDS.map(|p| FitFilm { outline: &outlines[&p], load: self.loads[&p] });
         let settings = FitSettings {
-            regions: &self.analysis.regions,
+            regions: &self.analysis.movement.regions,
             target: FitTarget::Shape,
             gauge: Gauge::GeometricMean,
             support: Support::Free,

@@ -103,7 +103,7 @@ fn analysis(phantom: &BentPhantom, way: &Way) -> Analysis {
 /// The true line in the frame of the film, whose origin is L4.
 fn in_g(phantom: &BentPhantom, analysis: &Analysis, posture: Posture) -> Option<LineOfAction> {
     let (_, bodies, line) = phantom.bends.iter().find(|(p, ..)| *p == posture)?;
-    let turn = analysis.posture(posture)?.outline.l4_on_film;
+    let turn = analysis.movement.film(posture)?.outline.l4_on_film;
     let l4 = bodies[0].midpoint_mm;
     let point = (line.point - Frontal::new(l4.y, l4.z)).rotated(-turn);
     Some(LineOfAction { point, direction: line.direction.rotated(-turn), ..*line })
@@ -133,10 +133,12 @@ fn found(phantom: &BentPhantom, way: &Way) -> Vec<Found> {
             let place = compared.lines.iter().position(|line| line.kind == kind)?;
             Some(film?.simulations[place].as_ref()?.mean_location_error_mm())
         });
-        let both = in_g(phantom, &analysis, posture)
-            .zip(analysis.posture(posture).and_then(|posture| posture.preferred_line.as_ref()));
+        let both = in_g(phantom, &analysis, posture).zip(
+            analysis.movement.film(posture).and_then(|posture| posture.preferred_line.as_ref()),
+        );
         let locations: Vec<Frontal> = analysis
-            .posture(posture)
+            .movement
+            .film(posture)
             .map(|film| film.outline.locations().collect())
             .unwrap_or_default();
         let apart = both.map(|(line, best)| compare(&locations, &line, &best.line));

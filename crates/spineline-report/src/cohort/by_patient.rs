@@ -28,15 +28,6 @@ pub struct PatientRow {
     hypotheses: Box<[HypothesisScores]>,
 }
 
-/// What a terminal shows of many patients, added one after the other.
-#[derive(Debug, Clone, Default)]
-pub struct PatientRows {
-    /// Of the first patients.
-    shown: Vec<PatientRow>,
-    /// Of every patient.
-    hypotheses: Vec<(bool, Box<[HypothesisScores]>)>,
-}
-
 /// A line of a patient.
 #[derive(Debug, Clone)]
 struct ModelRow {
@@ -51,14 +42,17 @@ const KINDS_OF_NOTICES: [NoticeKind; 3] =
     [NoticeKind::Contradiction, NoticeKind::Warning, NoticeKind::Note];
 
 impl PatientRow {
+    /// Patients in a table of a terminal; nobody reads a longer one there.
+    pub const MAX_SHOWN: usize = 200;
+
     /// Of an analysed patient.
     #[must_use]
     pub fn of(analysis: &Analysis) -> Self {
         Self {
             case_id: analysis.case_id.as_str().into(),
             synthetic: analysis.synthetic,
-            main_curve: analysis.main_curve().map(|curve| curve_size(curve).into()),
-            inflections: analysis.inflections.all.len(),
+            main_curve: analysis.movement.main_curve().map(|curve| curve_size(curve).into()),
+            inflections: analysis.movement.inflections.all.len(),
             models: analysis.models.iter().map(ModelRow::of).collect(),
             notices: KINDS_OF_NOTICES.map(|kind| notices(analysis, kind)),
             doubted_films: doubted_films(analysis),
@@ -69,41 +63,6 @@ impl PatientRow {
     /// Fits of other loads and bases; none where they were not requested.
     pub(crate) fn hypotheses(&self) -> (bool, &[HypothesisScores]) {
         (self.synthetic, &self.hypotheses)
-    }
-}
-
-impl PatientRows {
-    /// Patients with a row of their own; nobody reads a longer table in a terminal, and it would take more memory than the statistics.
-    pub const MAX_SHOWN: usize = Cohort::LISTED;
-
-    /// Adds a patient.
-    pub fn add(&mut self, mut patient: PatientRow) {
-        self.hypotheses.push((patient.synthetic, std::mem::take(&mut patient.hypotheses)));
-        if self.shown.len() < Self::MAX_SHOWN {
-            self.shown.push(patient);
-        }
-    }
-
-    /// All patients.
-    #[must_use]
-    pub fn patients(&self) -> usize {
-        self.hypotheses.len()
-    }
-
-    /// As [`PatientRow::hypotheses`].
-    pub(crate) fn hypotheses(&self) -> impl Iterator<Item = (bool, &[HypothesisScores])> {
-        self.hypotheses.iter().map(|(synthetic, scores)| (*synthetic, &scores[..]))
-    }
-
-    /// The patients that have a row, and where the others are, if they have none.
-    fn shown(&self) -> (String, &'static str) {
-        let (shown, all) = (self.shown.len(), self.patients());
-        if shown < all {
-            let first = format!("the first {shown} of {all} patients");
-            (first, " --tables and --json write all patients.")
-        } else {
-            ("every patient".to_owned(), "")
-        }
     }
 }
 
@@ -167,7 +126,7 @@ pub fn section(patients: &[PatientRow], cohort: &Cohort) -> Section {
 }
 
 /// One row for each of the first patients, in as many columns as a terminal has room for.
-pub fn summary(patients: &PatientRows, cohort: &Cohort) -> Section {
+pub fn summary(patients: &[PatientRow], cohort: &Cohort) -> Section {
     let mut section = new();
     let mut columns = vec![
         Column::words("Case"),
@@ -179,9 +138,15 @@ pub fn summary(patients: &PatientRows, cohort: &Cohort) -> Section {
     );
     columns.push(Column::numbers("Counter-rotating joints"));
     columns.push(Column::numbers("Contradictions, warnings, notes"));
-    let (shown, rest) = patients.shown();
+    let (most, all) = (PatientRow::MAX_SHOWN, patients.len());
+    let (shown, rest) = if most < all {
+        let first = format!("the first {most} of {all} patients");
+        (first, " --tables and --json write all patients.")
+    } else {
+        ("every patient".to_owned(), "")
+    };
     let mut table = Table::new(caption(&shown), columns);
-    for (place, patient) in patients.shown.iter().enumerate() {
+    for (place, patient) in patients.iter().take(most).enumerate() {
         table.row(patient.summary(cohort, place));
     }
     table.note = format!(

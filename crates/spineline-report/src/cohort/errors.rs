@@ -40,6 +40,7 @@ pub fn by_kind_of_film(cohort: &Cohort) -> Section {
 struct LineErrors<'a> {
     kind: LineKind,
     location_mm: &'a Clustered,
+    all_location_mm: &'a [f64],
     ferguson_deg: &'a Clustered,
     /// Films of this kind that do not count.
     without: usize,
@@ -47,8 +48,8 @@ struct LineErrors<'a> {
 
 impl<'a> LineErrors<'a> {
     fn of(kind: LineKind, errors: &'a ErrorStatistics) -> Self {
-        let ErrorStatistics { ferguson_deg, location_mm, unusable } = errors;
-        Self { kind, location_mm, ferguson_deg, without: *unusable }
+        let ErrorStatistics { ferguson_deg, location_mm, all_location_mm, unusable } = errors;
+        Self { kind, location_mm, all_location_mm, ferguson_deg, without: *unusable }
     }
 }
 
@@ -58,6 +59,7 @@ fn left_out(cohort: &Cohort) -> Vec<LineErrors<'_>> {
         .map(|errors| LineErrors {
             kind: errors.kind,
             location_mm: &errors.location_mm,
+            all_location_mm: &errors.all_location_mm,
             ferguson_deg: &errors.ferguson_deg,
             without: errors.without_result,
         })
@@ -77,7 +79,7 @@ fn kind_of_film(
         .map(|line| LocationErrorSample {
             group: group.to_owned(),
             line: line.kind,
-            errors_mm: line.location_mm.values.clone(),
+            errors_mm: line.all_location_mm.to_vec(),
         })
         .collect();
     let Some(svg) = figures::location_errors(&samples, films, cohort.synthetic) else {
@@ -98,7 +100,7 @@ fn kind_of_film(
         Column::numbers("Films without a result"),
     ];
     let mut table = Table::new(format!("Errors on {films}"), columns);
-    for LineErrors { kind, location_mm, ferguson_deg, without } in lines {
+    for LineErrors { kind, location_mm, ferguson_deg, without, .. } in lines {
         let pooled = location_mm.pooled;
         table.row(vec![
             kind.to_string(),
@@ -129,12 +131,13 @@ pub fn tests(cohort: &Cohort) -> Section {
     table.row(tested("location error (mm)", &cohort.location_test, "mm"));
     table.row(tested("Ferguson error (°)", &cohort.ferguson_test, "°"));
     section.table(table);
-    compared(&mut section, cohort);
+    compared(&mut section, cohort, usize::MAX);
     section
 }
 
-/// Films on which a line has no result, and the lines: films of a patient with the same lines in one row.
-fn films_without_result(cohort: &Cohort) -> Table {
+/// Lists the films on which a line lacks a result, with the lines. Films of a patient with the same lines share a row. `most` bounds
+/// the number of patients.
+fn films_without_result(cohort: &Cohort, most: usize) -> Table {
     let columns = vec![
         Column::words("Case"),
         Column::words("Kind of film"),
@@ -146,17 +149,17 @@ fn films_without_result(cohort: &Cohort) -> Table {
     // Per row: case, kind of films, reason, lines; the films.
     let mut rows: Vec<([String; 4], Vec<String>)> = Vec::new();
     let missing = &cohort.compared.missing;
-    let shown = missing.chunk_by(|a, b| a.case_id == b.case_id).count();
-    if shown < cohort.compared.with_missing {
+    let by_patient = || missing.chunk_by(|a, b| a.case_id == b.case_id);
+    let patients = by_patient().count();
+    if most < patients {
         table.note = format!(
-            "The first {shown} of {} patients with such a film; --cohort writes all.",
-            cohort.compared.with_missing
+            "The first {most} of {patients} patients with such a film; --cohort writes all."
         );
     }
     let same_film = |a: &MissingResult, b: &MissingResult| {
         (&a.case_id, a.role, a.posture, a.reason) == (&b.case_id, b.role, b.posture, b.reason)
     };
-    for film in missing.chunk_by(same_film) {
+    for film in by_patient().take(most).flat_map(|films| films.chunk_by(same_film)) {
         let lines: Vec<String> = film.iter().map(|one| one.kind.to_string()).collect();
         let one = &film[0];
         let row =
@@ -172,10 +175,10 @@ fn films_without_result(cohort: &Cohort) -> Table {
     table
 }
 
-/// The lines on the same films, the test of every pair of them, and the films that are left out.
-pub fn compared(section: &mut Section, cohort: &Cohort) {
+/// Shows the lines on the same films, the test of every pair, and the films that are left out. `most` bounds the number of patients.
+pub fn compared(section: &mut Section, cohort: &Cohort, most: usize) {
     pairs(section, cohort);
-    section.table(films_without_result(cohort));
+    section.table(films_without_result(cohort, most));
 }
 
 fn pairs(section: &mut Section, cohort: &Cohort) {

@@ -13,7 +13,7 @@ use spineline::warning::counted;
 
 use crate::document::{Document, Notice, Section};
 use crate::{hypotheses, patient};
-pub use by_patient::{PatientRow, PatientRows};
+pub use by_patient::PatientRow;
 
 /// What a report of a cohort is made from.
 #[derive(Debug, Clone, Copy)]
@@ -63,27 +63,30 @@ pub fn report(patients: &Patients<'_>) -> Document {
 /// The numbers of a cohort in about a page, without figures; a terminal shows it.
 #[must_use]
 pub fn summary(
-    patients: &PatientRows,
+    patients: &[PatientRow],
     together: &spineline::cohort::Cohort,
     refused: &[RefusedCase],
     generator: &str,
 ) -> Document {
     let mut verdict = Section::new("verdict", "Verdict");
-    let mut sections = if patients.patients() == 0 {
+    let mut sections = if patients.is_empty() {
         people::refused(&mut verdict, refused, 0);
         verdict.paragraph("No case could be analysed.");
         vec![verdict]
     } else {
         people::sentences(&mut verdict, together, refused);
         let mut tests = Section::new("tests", "Comparison of the lines");
-        errors::compared(&mut tests, together);
+        errors::compared(&mut tests, together, PatientRow::MAX_SHOWN);
         vec![verdict, by_patient::summary(patients, together), tests]
     };
-    sections.extend(hypotheses::section(patients.hypotheses(), &together.baselines));
+    sections.extend(hypotheses::section(
+        patients.iter().map(PatientRow::hypotheses),
+        &together.baselines,
+    ));
     let synthetic = if together.synthetic { " · SYNTHETIC" } else { "" };
     Document {
         title: "Cohort".to_owned(),
-        subject: format!("{}{synthetic}", size(patients.patients())),
+        subject: format!("{}{synthetic}", size(patients.len())),
         generator: generator.to_owned(),
         banners: Vec::new(),
         sections,

@@ -1,6 +1,6 @@
 //! Rotations of segments over a cohort, with table 2 of the paper.
 
-use spineline::cohort::{ClusteredSummary, Cohort, EstimateStatistics, PairedComparison};
+use spineline::cohort::{Clustered, Cohort, EstimateStatistics, PairedComparison};
 
 use crate::document::{Column, Figure, Section, Table};
 use crate::figures::{self, EstimateGroup, EstimateSample, InflectionSample};
@@ -14,8 +14,8 @@ pub fn section(cohort: &Cohort) -> Section {
     let all = &cohort.inflection[0];
     let sample = InflectionSample {
         name: "all patients".to_owned(),
-        distances_segments: all.distance_segments.values.clone(),
-        rotations_deg: all.rotation_deg.values.clone(),
+        distances_segments: all.all_distances_segments.clone(),
+        rotations_deg: all.all_rotations_deg.clone(),
     };
     match figures::inflection_distances(&[sample], cohort.synthetic) {
         Some(svg) => {
@@ -42,8 +42,8 @@ pub fn section(cohort: &Cohort) -> Section {
 
 fn estimates(of: &EstimateStatistics) -> EstimateSample {
     EstimateSample {
-        distances_segments: of.distance_segments.values.clone(),
-        rotations_deg: of.rotation_deg.values.clone(),
+        distances_segments: of.all_distances_segments.clone(),
+        rotations_deg: of.all_rotations_deg.clone(),
     }
 }
 
@@ -55,7 +55,7 @@ fn rotations(cohort: &Cohort) -> Table {
         Column::words("Mean over patients (95 %)"),
     ];
     let mut table = Table::new("Curves and rotations", columns);
-    let mut add = |name: &str, of: ClusteredSummary, places: usize| {
+    let mut add = |name: &str, of: Clustered, places: usize| {
         if of.pooled.n > 0 {
             table.row(vec![
                 name.to_owned(),
@@ -65,18 +65,14 @@ fn rotations(cohort: &Cohort) -> Table {
             ]);
         }
     };
-    add("Residual of the curve's locations (mm)", (&cohort.rmse_mm).into(), 2);
-    add("Residual of the curve's tilts (°)", (&cohort.rmse_deg).into(), 2);
+    add("Residual of the curve's locations (mm)", cohort.rmse_mm, 2);
+    add("Residual of the curve's tilts (°)", cohort.rmse_deg, 2);
     add("Rotation of all segments (°)", cohort.rotation_deg, 4);
-    add("Rotation of the least-rotating segments (°)", (&cohort.least_rotation_deg).into(), 5);
-    add("Rotation of the inflection segments (°)", (&cohort.inflection[0].rotation_deg).into(), 4);
-    let distance = &cohort.inflection[0].distance_segments;
-    add("Inflections to the least-rotating segments (segments)", distance.into(), 1);
-    add(
-        "Inflections to the least-rotating segments (mm)",
-        (&cohort.inflection[0].distance_mm).into(),
-        2,
-    );
+    add("Rotation of the least-rotating segments (°)", cohort.least_rotation_deg, 5);
+    add("Rotation of the inflection segments (°)", cohort.inflection[0].rotation_deg, 4);
+    let inflections = &cohort.inflection[0];
+    add("Inflections to the least-rotating segments (segments)", inflections.distance_segments, 1);
+    add("Inflections to the least-rotating segments (mm)", inflections.distance_mm, 2);
     table
 }
 

@@ -65,9 +65,9 @@ pub fn flow(patients: &Patients<'_>) -> Section {
     let (no_scale, no_bend) = (without("no_scale"), without("no_bending_film"));
     let other = analyses.len() - modelled.len() - no_scale - no_bend;
     let complete =
-        |a: &&&Analysis| Posture::ALL.iter().all(|&posture| a.posture(posture).is_some());
+        |a: &&&Analysis| Posture::ALL.iter().all(|&posture| a.movement.film(posture).is_some());
     let missing = Posture::MOVED.map(|posture| {
-        let n = modelled.iter().filter(|a| a.posture(posture).is_none()).count();
+        let n = modelled.iter().filter(|a| a.movement.film(posture).is_none()).count();
         (format!("no {posture} film"), n)
     });
     let some = |lost: Vec<(String, usize)>| lost.into_iter().filter(|(_, n)| *n > 0).collect();
@@ -132,7 +132,8 @@ fn incomplete_table(analyses: &[Analysis]) -> Table {
     ];
     let mut table = Table::new("Cases without a model or without all five postures", columns);
     for analysis in analyses {
-        let missing = Posture::ALL.iter().filter(|&&posture| analysis.posture(posture).is_none());
+        let missing =
+            Posture::ALL.iter().filter(|&&posture| analysis.movement.film(posture).is_none());
         let missing: Vec<String> = missing.map(ToString::to_string).collect();
         if missing.is_empty() && !analysis.models.is_empty() {
             continue;
@@ -155,7 +156,7 @@ fn films_table(analyses: &[Analysis]) -> Table {
     ];
     let mut table = Table::new("Films and simulations by posture", columns);
     for posture in Posture::ALL {
-        let films = analyses.iter().filter(|a| a.posture(posture).is_some()).count();
+        let films = analyses.iter().filter(|a| a.movement.film(posture).is_some()).count();
         let all = || {
             let models = analyses.iter().flat_map(|a| &a.models);
             models.filter_map(|model| model.posture(posture))
@@ -195,18 +196,18 @@ pub fn table_1(patients: &Patients<'_>) -> Section {
     ];
     let mut table = Table::new("Descriptive data of the patients (table 1 of the paper)", columns);
     for (analysis, subject) in patients.analyses.iter().zip(patients.subjects) {
-        let main = analysis.main_curve();
+        let main = analysis.movement.main_curve();
         let flexibility = main.and_then(|curve| curve.flexibility);
         table.row(vec![
             analysis.case_id.clone(),
             subject.sex.map_or_else(none, |sex| sex_words(sex).to_owned()),
             subject.age_years.map_or_else(none, |age| format!("{age:.0}")),
             subject.lenke.clone().unwrap_or_else(none),
-            analysis.lenke.map_or_else(none, |lenke| lenke.number.to_string()),
+            analysis.movement.lenke.map_or_else(none, |lenke| lenke.number.to_string()),
             main.map_or_else(none, curve_size),
             flexibility.map_or_else(none, |f| format!("{:.0}", 100.0 * f)),
-            analysis.inflections.all.len().to_string(),
-            format!("{}-{}", analysis.levels().base(), analysis.levels().top()),
+            analysis.movement.inflections.all.len().to_string(),
+            format!("{}-{}", analysis.movement.levels().base(), analysis.movement.levels().top()),
         ]);
     }
     section.table(table);
@@ -241,11 +242,15 @@ fn summary(patients: &Patients<'_>) -> Table {
         }
     }
     let ages = patients.subjects.iter().filter_map(|subject| subject.age_years).collect();
-    let main = patients.analyses.iter().filter_map(Analysis::main_curve);
+    let main = patients.analyses.iter().filter_map(|one| one.movement.main_curve());
     let cobb = main.filter_map(|curve| Some(curve.cobb_in(Posture::Erect)?.abs().deg())).collect();
-    let segments = patients.analyses.iter().map(|a| f64::from(a.chain.segments as u32)).collect();
-    let lengths =
-        patients.analyses.iter().filter_map(|a| a.scale().mm(a.chain.segment_mm)).collect();
+    let segments =
+        patients.analyses.iter().map(|a| f64::from(a.movement.chain.segments as u32)).collect();
+    let lengths = patients
+        .analyses
+        .iter()
+        .filter_map(|a| a.movement.scale().mm(a.movement.chain.segment_mm))
+        .collect();
     table.rows.extend(described("Age (years)", ages, 0));
     table.rows.extend(described("Main Cobb angle (°)", cobb, 0));
     table.rows.extend(described("Segments of the chain: n (1)", segments, 0));
@@ -271,11 +276,11 @@ pub fn lenke(patients: &Patients<'_>) -> Section {
     let mut section = Section::new("lenke", "Lenke types");
     let mut counts: Vec<(String, usize)> = (1..=6)
         .map(|number| {
-            let is = |a: &&Analysis| a.lenke.is_some_and(|lenke| lenke.number == number);
+            let is = |a: &&Analysis| a.movement.lenke.is_some_and(|lenke| lenke.number == number);
             (number.to_string(), patients.analyses.iter().filter(is).count())
         })
         .collect();
-    let without = patients.analyses.iter().filter(|a| a.lenke.is_none()).count();
+    let without = patients.analyses.iter().filter(|a| a.movement.lenke.is_none()).count();
     counts.push(("none".to_owned(), without));
     let Some(svg) = figures::lenke_types(&counts, patients.together.synthetic) else {
         section.paragraph("There is no patient.");
@@ -292,7 +297,7 @@ fn recorded(patients: &Patients<'_>) -> Table {
     let mut found: BTreeMap<(String, String), usize> = BTreeMap::new();
     for (analysis, subject) in patients.analyses.iter().zip(patients.subjects) {
         if let Some(recorded) = &subject.lenke {
-            let ours = analysis.lenke.map_or_else(none, |lenke| lenke.number.to_string());
+            let ours = analysis.movement.lenke.map_or_else(none, |lenke| lenke.number.to_string());
             *found.entry((recorded.clone(), ours)).or_default() += 1;
         }
     }

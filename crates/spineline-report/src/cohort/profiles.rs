@@ -50,7 +50,8 @@ fn errors(found: &[(&Analysis, TemplateError)]) -> Table {
     add("Turn of a joint, root mean square (°)", all(|error| error.joint_rms.deg()));
     add("Pitch of a vertebra, root mean square (°)", all(|error| error.vertebra_rms.deg()));
     add("Pitch of the worst vertebra (°)", all(|error| error.worst().1.deg()));
-    let depths = found.iter().filter_map(|(one, error)| one.scale().mm(error.depth_rms_mm));
+    let depths =
+        found.iter().filter_map(|(one, error)| one.movement.scale().mm(error.depth_rms_mm));
     add("Depth of a vertebra, root mean square (mm)", depths.collect());
     table.note = "Differences between what a model without the lateral film has and what both films show; they hold the errors of the landmarks too.".to_owned();
     table

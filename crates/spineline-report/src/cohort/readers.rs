@@ -29,7 +29,7 @@ pub fn section(analyses: &[Analysis]) -> Section {
     let mut cases: Vec<(&str, &[FilmReadings])> = Vec::new();
     for analysis in analyses {
         if !cases.iter().any(|(id, _)| *id == analysis.case_id) {
-            cases.push((&analysis.case_id, &analysis.readings));
+            cases.push((&analysis.case_id, &analysis.movement.readings));
         }
     }
     let repeated = |films: &&[FilmReadings]| films.iter().any(|film| film.readings.len() > 1);

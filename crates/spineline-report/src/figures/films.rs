@@ -2,7 +2,7 @@
 
 use kuva::render::render::Primitive;
 use spineline::action::{LineKind, LineOfAction};
-use spineline::analysis::{Analysis, Case, PostureAnalysis};
+use spineline::analysis::{Analysis, Case, FilmMovement};
 use spineline::anatomy::Posture;
 use spineline::measure::{Film, FilmFrame, FilmLandmarks, Outline, VertebraLandmarks};
 use spineline::spatial::{Frontal, Pixel};
@@ -124,16 +124,17 @@ impl<'a> Displayed<'a> {
 pub fn films(case: &Case, analysis: &Analysis, pictures: &[FilmPicture]) -> String {
     let title = format!("Films with landmarks, curve, inflections and lines, case {}", case.id);
     let mut page = Page::new(title, analysis.synthetic);
-    let base = analysis.levels().base();
+    let base = analysis.movement.levels().base();
     page.notes.push(format!(
         "{VIEW} Films are shown as they were taken; {base}'s midpoint is at the origin."
     ));
-    if analysis.postures.iter().any(|posture| posture.outline.length.is_free()) {
+    if analysis.movement.films.iter().any(|posture| posture.outline.length.is_free()) {
         page.notes.push("Films are drawn at the length of the erect film.".to_owned());
     }
     page.notes.extend(scale_note(analysis));
-    let displayed: Vec<(Displayed<'_>, &PostureAnalysis)> = analysis
-        .postures
+    let displayed: Vec<(Displayed<'_>, &FilmMovement)> = analysis
+        .movement
+        .films
         .iter()
         .filter_map(|p| {
             let film = case.films.iter().find(|film| film.posture == p.outline.posture)?;
@@ -150,7 +151,7 @@ pub fn films(case: &Case, analysis: &Analysis, pictures: &[FilmPicture]) -> Stri
     let wide_px = widths.fold(f64::INFINITY, f64::min);
     let frames = Frames::of(&displayed, [wide_px, arrangement.tall_px]);
     for (row, axes) in rows.into_iter().zip(axes) {
-        let panel = |(shown, written): (&(Displayed<'_>, &PostureAnalysis), bool)| {
+        let panel = |(shown, written): (&(Displayed<'_>, &FilmMovement), bool)| {
             let (film, posture) = shown;
             let mut panel = frames.panel(film);
             panel.y_written = written;
@@ -168,14 +169,14 @@ pub fn films(case: &Case, analysis: &Analysis, pictures: &[FilmPicture]) -> Stri
     page.into_svg()
 }
 
-fn legend(page: &mut Page, analysis: &Analysis, displayed: &[(Displayed<'_>, &PostureAnalysis)]) {
+fn legend(page: &mut Page, analysis: &Analysis, displayed: &[(Displayed<'_>, &FilmMovement)]) {
     let mut add = |sample, words: &str| page.legend.push((sample, words.to_owned()));
     if displayed.iter().any(|(film, _)| film.marks().next().is_some()) {
         add(Sample::Stroke(BODY, None), "marked corners, every reading");
     }
     add(Sample::Marker(MIDPOINT), "midpoints, mean of readings");
     add(Sample::Stroke(CURVE, None), "fitted curve");
-    if analysis.inflection_segments.is_some() {
+    if analysis.movement.inflection_segments.is_some() {
         add(Sample::Marker(INFLECTION), "inflections of the erect curve");
     }
     if displayed.iter().any(|(film, _)| film.crests().is_some()) {
@@ -196,7 +197,7 @@ struct Frames {
 
 impl Frames {
     /// The largest scale at which all landmarks of every film lie in a frame of at most this width and height.
-    fn of(displayed: &[(Displayed<'_>, &PostureAnalysis)], [wide_px, tall_px]: [f64; 2]) -> Self {
+    fn of(displayed: &[(Displayed<'_>, &FilmMovement)], [wide_px, tall_px]: [f64; 2]) -> Self {
         let extents = || displayed.iter().map(|(film, _)| film.extent());
         let all = extents().reduce(Extent::union).unwrap_or_else(|| Extent::of([]));
         let widest = extents().map(|extent| extent.width_mm()).fold(0.0, f64::max);
@@ -224,7 +225,7 @@ fn placed(panel: &Panel, film: &Displayed<'_>, picture: &FilmPicture) -> Option<
     Some(Picture { png: picture.png.clone(), corners_px })
 }
 
-fn fill(panel: &mut Panel, film: &Displayed<'_>, analysis: &Analysis, posture: &PostureAnalysis) {
+fn fill(panel: &mut Panel, film: &Displayed<'_>, analysis: &Analysis, posture: &FilmMovement) {
     let at = |point: Frontal| drawn(film.place(point));
     let bodies: Vec<Primitive> = film
         .marks()
@@ -273,7 +274,7 @@ fn line_layer(
     panel: &mut Panel,
     film: &Displayed<'_>,
     kind: LineKind,
-    posture: &PostureAnalysis,
+    posture: &FilmMovement,
     analysis: &Analysis,
 ) {
     let model = analysis.models.iter().find(|model| model.kind == kind);

@@ -88,7 +88,7 @@ pub fn has_scale(outline: &Outline) -> bool {
 
 /// How films without a scale are drawn; `None` where all have one.
 pub fn scale_note(analysis: &Analysis) -> Option<String> {
-    let all = analysis.postures.iter().all(|posture| has_scale(&posture.outline));
+    let all = analysis.movement.films.iter().all(|posture| has_scale(&posture.outline));
     let words = "A film without a scale is drawn as if the spine had a typical length: only its shape is measured.";
     (!all).then(|| words.to_owned())
 }
@@ -210,7 +210,7 @@ fn clipped(line: &LineOfAction, x: [f64; 2], z: [f64; 2]) -> Option<[(f64, f64);
 
 /// The vertebrae of a model by their ends, such as `L4 to T2`.
 pub fn extent_words(analysis: &Analysis) -> String {
-    let levels = analysis.levels();
+    let levels = analysis.movement.levels();
     format!("{} to {}", levels.base(), levels.top())
 }
 

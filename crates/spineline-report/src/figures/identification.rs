@@ -1,7 +1,7 @@
 //! The line of best fit to the rotations of every film, beside the line through the inflections.
 
 use spineline::action::LineKind;
-use spineline::analysis::{Analysis, LineCrossing, PostureAnalysis, PreferredLine, probability};
+use spineline::analysis::{Analysis, FilmMovement, LineCrossing, PreferredLine, probability};
 use spineline::personalize::Crossing;
 use spineline::spatial::Frontal;
 
@@ -26,8 +26,8 @@ const INTERVAL: Ink = Ink::new(PURPLE, "", 4.0);
 /// either line.
 #[must_use]
 pub fn line_identification(analysis: &Analysis) -> Option<String> {
-    let moved: Vec<&PostureAnalysis> =
-        analysis.postures.iter().filter(|p| p.motion.is_some()).collect();
+    let moved: Vec<&FilmMovement> =
+        analysis.movement.films.iter().filter(|p| p.motion.is_some()).collect();
     let through = moved.iter().any(|p| p.inflection_points.is_some());
     let best_fit = moved.iter().any(|p| p.preferred_line.is_some());
     if !through && !best_fit {
@@ -51,7 +51,7 @@ pub fn line_identification(analysis: &Analysis) -> Option<String> {
     let panels = moved.iter().zip(extents).zip(axes).map(|((posture, mut extent), written)| {
         extent.z_mm = all.z_mm;
         let extent = extent.at_least_wide(wide_px / px_per_mm);
-        let mut panel = frontal_panel(extent, px_per_mm, analysis.levels().base());
+        let mut panel = frontal_panel(extent, px_per_mm, analysis.movement.levels().base());
         panel.y_written = written;
         if !has_scale(&posture.outline) {
             panel.without_scale();
@@ -79,7 +79,7 @@ fn legend(through: bool, best_fit: bool) -> Vec<(Sample, String)> {
 }
 
 /// One posture; `tested` says whether any film of the figure has a line of best fit.
-fn fill(panel: &mut Panel, posture: &PostureAnalysis, tested: bool) {
+fn fill(panel: &mut Panel, posture: &FilmMovement, tested: bool) {
     panel.heading(HeadingKind::Title, posture.outline.posture.to_string());
     let best_fit = posture.preferred_line.as_ref();
     if tested {

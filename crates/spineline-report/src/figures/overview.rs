@@ -1,7 +1,7 @@
 //! All postures of one patient side by side.
 
 use spineline::action::LineKind;
-use spineline::analysis::{Analysis, PostureAnalysis};
+use spineline::analysis::{Analysis, FilmMovement};
 use spineline::spatial::Frontal;
 
 use super::frontal::{
@@ -23,19 +23,20 @@ const INFLECTION: Marker = Marker { radius_px: 5.0, ..Marker::new(Shape::Diamond
 /// The films of one patient at one scale: vertebrae, fitted curve, inflections and lines of action.
 #[must_use]
 pub fn case_overview(analysis: &Analysis) -> String {
+    let movement = &analysis.movement;
     let title = format!("Measured spine and candidate lines of action, case {}", analysis.case_id);
     let mut page = Page::new(title, analysis.synthetic);
-    let base = analysis.levels().base();
+    let base = movement.levels().base();
     page.notes.push(format!("{VIEW} All panels have the same scale; {base} is at the origin."));
     page.notes.extend(scale_note(analysis));
     let midpoints = format!("vertebra midpoints, {}", extent_words(analysis));
     page.legend.push((Sample::Marker(VERTEBRA), midpoints));
-    if analysis.postures.iter().any(|p| p.outline.interpolated().next().is_some()) {
+    if movement.films.iter().any(|p| p.outline.interpolated().next().is_some()) {
         let label = "not marked on this film, interpolated";
         page.legend.push((Sample::Marker(INTERPOLATED), label.to_owned()));
     }
     page.legend.push((Sample::Stroke(CURVE, None), "fitted curve".to_owned()));
-    if analysis.inflection_segments.is_some() {
+    if movement.inflection_segments.is_some() {
         let label = "inflections of the erect curve, where they lie in each posture";
         page.legend.push((Sample::Marker(INFLECTION), label.to_owned()));
     }
@@ -43,10 +44,10 @@ pub fn case_overview(analysis: &Analysis) -> String {
     for kind in kinds {
         page.legend.push((Sample::Stroke(action_ink(kind), None), kind.to_string()));
     }
-    let axes = axes_of_row(analysis.postures.iter().map(|posture| has_scale(&posture.outline)));
+    let axes = axes_of_row(movement.films.iter().map(|posture| has_scale(&posture.outline)));
     let (extents, px_per_mm) = scaled(analysis, page.inner_px() - gaps_px(&axes));
     let mut panels: Vec<Panel> = Vec::new();
-    for ((posture, extent), written) in analysis.postures.iter().zip(extents).zip(axes) {
+    for ((posture, extent), written) in movement.films.iter().zip(extents).zip(axes) {
         let mut panel = frontal_panel(extent, px_per_mm, base);
         panel.y_written = written;
         if !has_scale(&posture.outline) {
@@ -74,11 +75,11 @@ fn scaled(analysis: &Analysis, width_px: f64) -> (Vec<Extent>, f64) {
 
 /// As wide as each posture needs, and all equally high.
 fn extents(analysis: &Analysis, least_mm: f64) -> Vec<Extent> {
-    let of = |posture: &PostureAnalysis| {
+    let of = |posture: &FilmMovement| {
         let points: Vec<Frontal> = posture.outline.locations().collect();
         Extent::of(points).at_least_wide(least_mm)
     };
-    let mut extents: Vec<Extent> = analysis.postures.iter().map(of).collect();
+    let mut extents: Vec<Extent> = analysis.movement.films.iter().map(of).collect();
     let Some(all) = extents.iter().copied().reduce(Extent::union) else { return extents };
     for extent in &mut extents {
         extent.z_mm = all.z_mm;
@@ -86,7 +87,7 @@ fn extents(analysis: &Analysis, least_mm: f64) -> Vec<Extent> {
     extents
 }
 
-fn fill(panel: &mut Panel, analysis: &Analysis, posture: &PostureAnalysis) {
+fn fill(panel: &mut Panel, analysis: &Analysis, posture: &FilmMovement) {
     let name = posture.outline.posture;
     panel.heading(HeadingKind::Title, name.to_string());
     for model in &analysis.models {
@@ -99,7 +100,7 @@ fn fill(panel: &mut Panel, analysis: &Analysis, posture: &PostureAnalysis) {
     let at = |i: i32| drawn(curve.point(curve.end_mm() * f64::from(i) / f64::from(samples)));
     panel.curves.push((CURVE, (0..=samples).map(at).collect()));
     let locations: Vec<Frontal> = posture.outline.locations().collect();
-    panel.end_levels(&locations, analysis.levels());
+    panel.end_levels(&locations, analysis.movement.levels());
     panel.points(VERTEBRA, posture.outline.measured().map(|(_, v)| drawn(v.location)));
     panel.points(INTERPOLATED, posture.outline.interpolated().map(|(v, _)| drawn(v.location)));
     if let Some(points) = posture.inflection_points {

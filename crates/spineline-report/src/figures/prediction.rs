@@ -38,7 +38,7 @@ pub fn predictions(analysis: &Analysis) -> Option<String> {
         baseline.map(|one| (Sample::Stroke(dotted, None), format!("without mechanics: {one}"))),
     );
     let measured = |film: &ComparedFilm| -> Vec<Frontal> {
-        let posture = analysis.posture(film.posture);
+        let posture = analysis.movement.film(film.posture);
         posture.map(|p| p.outline.locations().collect()).unwrap_or_default()
     };
     let extent = Extent::of(films.iter().flat_map(|film| measured(film)));
@@ -47,7 +47,7 @@ pub fn predictions(analysis: &Analysis) -> Option<String> {
     let px_per_mm = (TALL_PX / extent.height_mm()).min(cell_px / extent.width_mm());
     let mut panels = Vec::new();
     for film in films {
-        let mut panel = frontal_panel(extent, px_per_mm, analysis.levels().base());
+        let mut panel = frontal_panel(extent, px_per_mm, analysis.movement.levels().base());
         panel.y_written = panels.is_empty();
         panel.heading(HeadingKind::Title, film.posture.to_string());
         let simulation = film.simulations[line].as_ref()?;
@@ -55,7 +55,7 @@ pub fn predictions(analysis: &Analysis) -> Option<String> {
         let mm = format!("{kind} {:.1} mm", simulation.mean_location_error_mm());
         panel.heading(HeadingKind::Plain, mm);
         let points = measured(film);
-        panel.end_levels(&points, analysis.levels());
+        panel.end_levels(&points, analysis.movement.levels());
         panel.spine(&points, MEASURED.0, Marker { radius_px: 4.4, ..MEASURED.1 });
         if let Some(without) = without {
             panel.spine(&without.locations, dotted, Marker { radius_px: 0.1, ..filled });

@@ -17,8 +17,9 @@ const INFLECTION: Ink = Ink::new(BLACK, "4 4", 1.3);
 /// windows. `None` where the case has only an erect film.
 #[must_use]
 pub fn rotations(analysis: &Analysis) -> Option<String> {
-    let motions: Vec<(Posture, &Motion)> = analysis
-        .postures
+    let movement = &analysis.movement;
+    let motions: Vec<(Posture, &Motion)> = movement
+        .films
         .iter()
         .filter_map(|p| Some((p.outline.posture, p.motion.as_ref()?)))
         .collect();
@@ -31,9 +32,9 @@ pub fn rotations(analysis: &Analysis) -> Option<String> {
     page.notes.push(format!(
         "From the erect to every other posture. Markers: the least-rotating segments of {first} and {second}. \
          Segment length {}.",
-        analysis.scale().text(analysis.chain.segment_mm, 3)
+        movement.scale().text(movement.chain.segment_mm, 3)
     ));
-    if analysis.inflection_segments.is_none() {
+    if movement.inflection_segments.is_none() {
         page.notes.push("The erect curve has no pair of inflections.".to_owned());
     }
     for (posture, _) in &motions {
@@ -41,7 +42,7 @@ pub fn rotations(analysis: &Analysis) -> Option<String> {
         let marker = Marker::new(shape, ink.colour, false);
         page.legend.push((Sample::Stroke(ink, Some(marker)), posture.to_string()));
     }
-    let mut panel = empty_panel(&motions, page.inner_px(), analysis.levels().base());
+    let mut panel = empty_panel(&motions, page.inner_px(), movement.levels().base());
     for (posture, motion) in &motions {
         let (ink, _) = posture_style(*posture);
         let place = |(k, r): (usize, &spineline::spatial::Angle)| (k as f64, r.deg());
@@ -49,7 +50,7 @@ pub fn rotations(analysis: &Analysis) -> Option<String> {
         let curve = panel.trace(ink, motion.rotations.iter().enumerate().skip(1).map(place));
         panel.layer(&posture.to_string(), [curve]);
     }
-    if let Some(segments) = analysis.inflection_segments {
+    if let Some(segments) = movement.inflection_segments {
         let sample = Sample::Stroke(INFLECTION, None);
         page.legend.push((sample, "inflection segments of the erect curve".to_owned()));
         mark_inflections(&mut panel, analysis, segments);
@@ -85,7 +86,7 @@ fn empty_panel(motions: &[(Posture, &Motion)], width_px: f64, base: Level) -> Pa
 
 /// Two verticals, and above the frame what they are, pushed apart and inwards where the words would meet or leave.
 fn mark_inflections(panel: &mut Panel, analysis: &Analysis, segments: [usize; 2]) {
-    let Some(pair) = analysis.inflections.pair else { return };
+    let Some(pair) = analysis.movement.inflections.pair else { return };
     let [width, height] = panel.frame_px;
     let x = segments.map(|segment| panel.px(segment as f64, 0.0).0);
     let words: [String; 2] = std::array::from_fn(|i| {

@@ -25,10 +25,11 @@ const WIDE: f64 = 1.96;
 /// lateral film. `None` without a lateral film.
 #[must_use]
 pub fn sagittal_profile(analysis: &Analysis) -> Option<String> {
+    let movement = &analysis.movement;
     let found = analysis.template_error()?;
     let title = format!("Sagittal profile, case {}", analysis.case_id);
     let mut page = Page::new(title, analysis.synthetic);
-    page.notes.push(found.words(analysis.scale()));
+    page.notes.push(found.words(movement.scale()));
     let marker = Marker::new(Shape::Circle, BLUE, true);
     page.legend = vec![
         (Sample::Stroke(MEASURED, Some(marker)), "from both films".to_owned()),
@@ -37,12 +38,12 @@ pub fn sagittal_profile(analysis: &Analysis) -> Option<String> {
     ];
     let mut row = Vec::new();
     let mut width_px = page.inner_px() - 92.0;
-    if has_scale(&analysis.erect().outline) {
-        let panel = from_right(&found, analysis.levels().base(), marker);
+    if has_scale(&movement.erect().outline) {
+        let panel = from_right(&found, movement.levels().base(), marker);
         width_px -= panel.frame_px[0] + 92.0;
         row.push(panel);
     }
-    let levels: Vec<Level> = analysis.levels().iter().collect();
+    let levels: Vec<Level> = movement.levels().iter().collect();
     let mut panel = pitch_panel(&levels, [&found], width_px);
     let [low, high] = [-WIDE, WIDE];
     let at = places(&levels, &found.vertebrae);

@@ -26,7 +26,7 @@ pub const MEASURED: (Ink, Marker) =
 /// the words `not a result` with the status where the force was not found. `None` where no model has this posture.
 #[must_use]
 pub fn measured_and_simulated(analysis: &Analysis, posture: Posture) -> Option<String> {
-    let measured: Vec<Frontal> = analysis.posture(posture)?.outline.locations().collect();
+    let measured: Vec<Frontal> = analysis.movement.film(posture)?.outline.locations().collect();
     let shown: Vec<(&LineModel, &Simulation)> =
         analysis.models.iter().filter_map(|m| Some((m, m.posture(posture)?))).collect();
     if shown.is_empty() {
@@ -49,11 +49,11 @@ pub fn measured_and_simulated(analysis: &Analysis, posture: Posture) -> Option<S
         let solid = Ink::new(ink.colour, "", 1.6);
         page.legend
             .push((Sample::Stroke(solid, Some(filled)), format!("simulated, {}", model.kind)));
-        let mut panel = frontal_panel(extent, px_per_mm, analysis.levels().base());
+        let mut panel = frontal_panel(extent, px_per_mm, analysis.movement.levels().base());
         panel.y_written = panels.is_empty();
         head(&mut panel, model.kind, simulation, alarm);
         panel.action(&simulation.line, Ink::new(BLACK, "7 4", 1.0));
-        panel.end_levels(&measured, analysis.levels());
+        panel.end_levels(&measured, analysis.movement.levels());
         // The simulated spine above the measured one, smaller, so that both are seen where they agree.
         let marker = Marker { radius_px: 5.0, ..MEASURED.1 };
         panel.spine(&measured, MEASURED.0, marker);
@@ -111,14 +111,17 @@ pub fn force_path(
     let mut page = Page::new(title, analysis.synthetic);
     page.width_px = 640.0;
     page.notes.push(format!("Force along the {kind}. {VIEW}"));
-    let measured: Vec<Frontal> =
-        analysis.posture(posture).map(|p| p.outline.locations().collect()).unwrap_or_default();
+    let measured: Vec<Frontal> = analysis
+        .movement
+        .film(posture)
+        .map(|p| p.outline.locations().collect())
+        .unwrap_or_default();
     let points = shapes.iter().flat_map(|(_, points)| points).chain(&measured).copied();
     let extent = Extent::of(points);
     let frame_px = page.inner_px() - 84.0;
     let px_per_mm = (1.1 * TALL_PX / extent.height_mm()).min(frame_px / extent.width_mm());
     let extent = extent.at_least_wide(frame_px / px_per_mm);
-    let mut panel = frontal_panel(extent, px_per_mm, analysis.levels().base());
+    let mut panel = frontal_panel(extent, px_per_mm, analysis.movement.levels().base());
     let line = analysis.models.iter().find(|m| m.kind == kind).and_then(|m| m.posture(posture));
     if let Some(simulation) = line {
         let ink = Ink::new(BLACK, "7 4", 1.0);
@@ -126,7 +129,7 @@ pub fn force_path(
         page.legend.push((Sample::Stroke(ink, None), "line of action".to_owned()));
     }
     if !measured.is_empty() {
-        panel.end_levels(&measured, analysis.levels());
+        panel.end_levels(&measured, analysis.movement.levels());
         panel.spine(&measured, MEASURED.0, Marker { radius_px: 5.0, ..MEASURED.1 });
         page.legend.push((Sample::Stroke(MEASURED.0, Some(MEASURED.1)), "measured".to_owned()));
     }

@@ -65,7 +65,7 @@ struct Shape {
 /// three views, and the same lines in space. `None` where the erect film has no scale: the size of its model is not known.
 #[must_use]
 pub fn spine_in_space(analysis: &Analysis) -> Option<(String, Space)> {
-    if !has_scale(&analysis.erect().outline) {
+    if !has_scale(&analysis.movement.erect().outline) {
         return None;
     }
     let title = format!("The multibody model in space, case {}", analysis.case_id);
@@ -88,7 +88,7 @@ pub fn spine_in_space(analysis: &Analysis) -> Option<(String, Space)> {
     let px_per_mm =
         (TALL_PX / extents[0].height_mm()).min((page.inner_px() - 84.0 - 2.0 * 18.0) / width_mm);
     let spare_mm = (page.inner_px() - 84.0 - 2.0 * 18.0) / px_per_mm - width_mm;
-    let base = analysis.levels().base();
+    let base = analysis.movement.levels().base();
     let panels = View::ALL.into_iter().zip(extents).enumerate().map(|(i, (view, extent))| {
         let wide = extent.at_least_wide(extent.width_mm() + spare_mm / 3.0);
         let mut panel = frontal_panel(wide, px_per_mm, base);
@@ -140,7 +140,7 @@ fn layer(shape: &Shape, shown: bool) -> SpaceLayer {
 /// The erect shape, then those of the first line's model.
 fn shapes(analysis: &Analysis) -> Vec<Shape> {
     let sizes = analysis.body_sizes();
-    let erect = erect_shape(&analysis.spine);
+    let erect = erect_shape(&analysis.movement.spine);
     let mut all =
         vec![Shape { name: "erect".to_owned(), ink: ERECT, lines: outlines(&erect, &sizes) }];
     let Some(model) = analysis.models.first() else { return all };

@@ -39,7 +39,7 @@ pub fn check(case: &Case, checked: Result<&Analysis, &Error>, generator: &str) -
 /// The films of a case with their scale and noise, one per row.
 #[must_use]
 pub fn films_table(analysis: &Analysis) -> Table {
-    let levels = analysis.levels();
+    let levels = analysis.movement.levels();
     let columns = vec![
         Column::words("Film"),
         Column::numbers("Readings"),
@@ -51,7 +51,7 @@ pub fn films_table(analysis: &Analysis) -> Table {
         Column::words("Lengths"),
     ];
     let mut table = Table::new("", columns);
-    for p in &analysis.postures {
+    for p in &analysis.movement.films {
         let outline = &p.outline;
         let assumed = if outline.noise.is_measured() { "" } else { " assumed" };
         table.row(vec![

@@ -1,6 +1,6 @@
 //! What the films show: landmarks, curve, movement, and where the line of action runs.
 
-use spineline::analysis::{Analysis, PostureAnalysis, probability};
+use spineline::analysis::{Analysis, FilmMovement, probability};
 use spineline::anatomy::Posture;
 use spineline::clinical::{Balance, ClinicalCurve, CobbEnds};
 use spineline::measure::{Interpolation, MeasuredVertebra};
@@ -20,7 +20,7 @@ pub fn films(patient: &Patient<'_>) -> Section {
     let svg = figures::films(patient.case, analysis, patient.pictures);
     let pictures = match patient.pictures.len() {
         0 => "No image of a film was available: landmarks alone are shown.".to_owned(),
-        n => format!("{n} of {} with images.", counted(analysis.postures.len(), "film")),
+        n => format!("{n} of {} with images.", counted(analysis.movement.films.len(), "film")),
     };
     let caption = format!(
         "Films with landmarks, fitted curve, inflections and candidate lines of action. {pictures}"
@@ -31,7 +31,7 @@ pub fn films(patient: &Patient<'_>) -> Section {
     }
     section.table(clinical(analysis));
     section.paragraph(format!("{}. {}.", analysis.balance_words(), analysis.lenke_words()));
-    if analysis.balance.is_some() {
+    if analysis.movement.balance.is_some() {
         section.paragraph(format!("{}.", Balance::MISSING));
     }
     section.table(curves(analysis));
@@ -40,12 +40,12 @@ pub fn films(patient: &Patient<'_>) -> Section {
 
 /// How the erect curve turns, where it inflects, the chain, and the scales of the films.
 pub fn curve_sentences(analysis: &Analysis) -> Vec<String> {
-    let scale = analysis.scale();
-    let segment_mm = analysis.chain.segment_mm;
+    let scale = analysis.movement.scale();
+    let segment_mm = analysis.movement.chain.segment_mm;
     let segment =
         scale.px(segment_mm).map_or_else(|| scale.text(segment_mm, 4), |px| format!("{px:.3} px"));
     let curve = analysis.inflection_words();
-    let chain = format!("Chain of {} segments of {segment}.", analysis.chain.segments);
+    let chain = format!("Chain of {} segments of {segment}.", analysis.movement.chain.segments);
     let scales = analysis.film_scale_words().map(|words| format!("{words}."));
     curve.lines().map(|line| format!("{line}.")).chain([chain]).chain(scales).collect()
 }
@@ -58,13 +58,13 @@ pub fn clinical(analysis: &Analysis) -> Table {
         Column::words("Ends"),
         Column::words("Apex"),
     ];
-    let postures = analysis.postures.iter().map(|p| p.outline.posture);
-    let cobb = analysis.clinical.iter().all(ClinicalCurve::has_cobb);
+    let postures = analysis.movement.films.iter().map(|p| p.outline.posture);
+    let cobb = analysis.movement.clinical.iter().all(ClinicalCurve::has_cobb);
     let name = if cobb { "Cobb" } else { "Tilt range" };
     columns.extend(postures.map(|posture| Column::numbers(format!("{name} {posture} (°)"))));
     columns.push(Column::numbers("Flexibility (%)"));
     let mut table = Table::new(if cobb { "Cobb angles" } else { "Tilt ranges" }, columns);
-    for curve in &analysis.clinical {
+    for curve in &analysis.movement.clinical {
         let sign = curve.erect_size().rad().signum();
         let mut row = vec![
             curve.region.to_string(),
@@ -96,16 +96,16 @@ pub fn clinical(analysis: &Analysis) -> Table {
 
 /// Whether a film does not show one of a curve's end vertebrae.
 fn ends_interpolated(analysis: &Analysis, posture: Posture, ends: CobbEnds) -> bool {
-    let hidden = |p: &PostureAnalysis| {
+    let hidden = |p: &FilmMovement| {
         let mut levels = p.outline.interpolated().map(|(vertebra, _)| vertebra.level);
         levels.any(|level| level == ends.inferior || level == ends.superior)
     };
-    analysis.posture(posture).is_some_and(hidden)
+    analysis.movement.film(posture).is_some_and(hidden)
 }
 
 /// What was fitted to every film, and how it moved.
 pub fn curves(analysis: &Analysis) -> Table {
-    let levels = analysis.levels();
+    let levels = analysis.movement.levels();
     let columns = vec![
         Column::words("Film"),
         Column::words(format!("Lateral tilt of {}–{}", levels.base(), levels.top())),
@@ -117,7 +117,7 @@ pub fn curves(analysis: &Analysis) -> Table {
         Column::words("Inflections to the least-rotating segments (segments)"),
     ];
     let mut table = Table::new("Fitted curves and their movement from the erect film", columns);
-    for p in &analysis.postures {
+    for p in &analysis.movement.films {
         let distances = p
             .inflection_estimates
             .map(|pair| format!("{}, {}", pair[0].distance_segments, pair[1].distance_segments));
@@ -138,7 +138,7 @@ pub fn curves(analysis: &Analysis) -> Table {
 
 /// Which vertebrae are interpolated on which films; empty where none is.
 fn interpolated_words(analysis: &Analysis) -> String {
-    let on_film = |p: &PostureAnalysis| {
+    let on_film = |p: &FilmMovement| {
         let scale = &p.outline.scale;
         let words = |(vertebra, found): (&MeasuredVertebra, &Interpolation)| {
             let sd = scale.text(found.location_sd_mm, 1);
@@ -147,7 +147,7 @@ fn interpolated_words(analysis: &Analysis) -> String {
         let names: Vec<String> = p.outline.interpolated().map(words).collect();
         (!names.is_empty()).then(|| format!("{}: {}", p.outline.posture, names.join(", ")))
     };
-    let films: Vec<String> = analysis.postures.iter().filter_map(on_film).collect();
+    let films: Vec<String> = analysis.movement.films.iter().filter_map(on_film).collect();
     if films.is_empty() {
         return String::new();
     }
@@ -164,7 +164,8 @@ pub fn movement(analysis: &Analysis) -> Section {
     let caption = "Rotation of every segment of the chain from the erect to every other posture (figure 5 of the paper).";
     section.figure(Figure::new("rotations", caption, svg));
     let estimates: Vec<(String, usize, &SegmentEstimate)> = analysis
-        .postures
+        .movement
+        .films
         .iter()
         .filter_map(|p| Some((p, p.inflection_estimates.as_ref()?)))
         .flat_map(|(p, pair)| {
@@ -205,7 +206,7 @@ pub fn movement(analysis: &Analysis) -> Section {
             e.segment.to_string(),
             e.least.to_string(),
             e.distance_segments.to_string(),
-            analysis.scale().text(e.distance_mm, 2),
+            analysis.movement.scale().text(e.distance_mm, 2),
             format!("{:.4}", e.rotation.deg()),
         ]);
     }
@@ -217,14 +218,14 @@ pub fn movement(analysis: &Analysis) -> Section {
 pub fn line(analysis: &Analysis) -> Section {
     let mut section = Section::new("line", "Identification of the line of action");
     let Some(svg) = figures::line_identification(analysis) else {
-        section.paragraph(if analysis.postures.iter().all(|p| p.motion.is_none()) {
+        section.paragraph(if analysis.movement.films.iter().all(|p| p.motion.is_none()) {
             "Only the erect film is available: no line can be identified."
         } else {
             "No line can be identified: the erect curve has no pair of inflections, and no film has a line of best fit to the rotations."
         });
         return section;
     };
-    let best_fits = analysis.postures.iter().any(|p| p.preferred_line.is_some());
+    let best_fits = analysis.movement.films.iter().any(|p| p.preferred_line.is_some());
     let lines = if best_fits {
         "The line through the inflections, and the line of best fit to the joints' rotations on each film"
     } else {
@@ -256,7 +257,7 @@ pub fn best_fit(analysis: &Analysis) -> Table {
     let has_given = !analysis.options.given_lines.is_empty();
     columns.extend(has_given.then(|| Column::words("p: the given line")));
     let mut table = Table::new("Line of best fit to the rotations of each film", columns);
-    for p in &analysis.postures {
+    for p in &analysis.movement.films {
         let Some(found) = &p.preferred_line else { continue };
         let [caudal, cranial] = &found.crossings;
         let mut row = vec![
@@ -270,7 +271,7 @@ pub fn best_fit(analysis: &Analysis) -> Table {
         row.extend(has_given.then(|| p_value(found.given.map(|found| found.test))));
         table.row(row);
     }
-    if let Some(found) = analysis.postures.iter().find_map(|p| p.preferred_line.as_ref()) {
+    if let Some(found) = analysis.movement.films.iter().find_map(|p| p.preferred_line.as_ref()) {
         table.note = format!(
             "p below 0.05 rejects the line. Joints of a region differ in stiffness by {:.0} % on these films.",
             100.0 * found.joint_log_sd

@@ -167,7 +167,7 @@ fn noise_interval(
 }
 
 fn springs(analysis: &Analysis) -> Table {
-    let library: &StiffnessLibrary = &analysis.library;
+    let library: &StiffnessLibrary = &analysis.movement.library;
     let mut columns = vec![
         Column::words("Joint"),
         Column::words("Source of the table"),
@@ -256,7 +256,7 @@ pub fn error_table(analysis: &Analysis, fitted: bool) -> Table {
             ]);
         }
     }
-    let levels = analysis.levels().as_slice();
+    let levels = analysis.movement.levels().as_slice();
     table.note = format!(
         "Location error: distance between simulated and measured midpoints, {} to {}{}. Ferguson errors: three regions, caudal first. Counter-rotating joints turn against the moment of the force.",
         levels[1],
@@ -268,7 +268,7 @@ pub fn error_table(analysis: &Analysis, fitted: bool) -> Table {
 
 /// Whether some film lacks a vertebra of the model.
 fn is_interpolated(analysis: &Analysis) -> bool {
-    analysis.postures.iter().any(|posture| posture.outline.interpolated().next().is_some())
+    analysis.movement.films.iter().any(|posture| posture.outline.interpolated().next().is_some())
 }
 
 /// The lines on the same films, every bend left out once.

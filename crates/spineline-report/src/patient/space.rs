@@ -10,13 +10,14 @@ use crate::phrases::none;
 
 /// What the two films give together; `None` without a lateral film.
 pub fn both_films(analysis: &Analysis) -> Option<Section> {
-    let found = analysis.space.as_ref()?;
+    let movement = &analysis.movement;
+    let found = movement.space.as_ref()?;
     let mut section = Section::new("both-films", "The erect and the lateral film together");
-    section.paragraph(found.alignment_words(analysis.scale()));
-    section.table(measures(analysis, &analysis.spatial_measures()?));
+    section.paragraph(found.alignment_words(movement.scale()));
+    section.table(measures(analysis, &movement.spatial_measures()?));
     let template = analysis.template_error();
     if let Some(error) = &template {
-        section.paragraph(error.words(analysis.scale()));
+        section.paragraph(error.words(movement.scale()));
     }
     if let Some(svg) = figures::sagittal_profile(analysis) {
         let caption =
@@ -37,7 +38,7 @@ fn measures(analysis: &Analysis, found: &SpatialMeasures) -> Table {
         Column::words("95 % interval"),
     ];
     let mut table = Table::new("The erect spine in space", columns);
-    for number in found.numbers(analysis.scale()) {
+    for number in found.numbers(analysis.movement.scale()) {
         let [low, high] = number.interval_95();
         let curve = number.region.map(|region| format!("{region}: "));
         table.row(vec![
@@ -91,7 +92,7 @@ pub fn axial(analysis: &Analysis) -> Option<Section> {
         Column::words("Nash–Moe"),
     ];
     let mut table = Table::new("Axial rotation on the erect film (3-D)", columns);
-    for found in &analysis.axial {
+    for found in &analysis.movement.axial {
         table.row(vec![
             found.level.to_string(),
             found.words(),
@@ -103,5 +104,5 @@ pub fn axial(analysis: &Analysis) -> Option<Section> {
     table.note = "From the pedicles. Vertebrae without marked pedicles are not listed: their rotation is not known, and zero in the model. The ratio of the pedicles' places is the mean of 2,068 CTs (vid-ct) from L4 to T1, and UNVERIFIED at L5; people differ in it by 10 % (assumption).".to_owned();
     let mut section = Section::new("axial-rotation", "Axial rotation");
     section.table(table);
-    (!analysis.axial.is_empty()).then_some(section)
+    (!analysis.movement.axial.is_empty()).then_some(section)
 }

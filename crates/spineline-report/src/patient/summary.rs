@@ -55,8 +55,8 @@ fn subject(analysis: &Analysis) -> String {
     format!(
         "{}{synthetic} · films: {} · lengths in {}",
         analysis.case_id,
-        analysis.postures.len(),
-        analysis.erect().outline.scale
+        analysis.movement.films.len(),
+        analysis.movement.erect().outline.scale
     )
 }
 
@@ -94,7 +94,7 @@ fn all_errors(analysis: &Analysis) -> Table {
             all.row([vec![name.to_owned()], row].concat());
         }
     }
-    let levels = analysis.levels().as_slice();
+    let levels = analysis.movement.levels().as_slice();
     let [lowest, top] = [levels[1], levels[levels.len() - 1]];
     all.note = format!("Location errors: {lowest} to {top}. {ERRORS}");
     all

@@ -1,6 +1,6 @@
 //! The uncertainty of the numbers: from the films themselves, and from the noise of landmarks.
 
-use spineline::analysis::{Analysis, LineModel, PostureAnalysis};
+use spineline::analysis::{Analysis, FilmMovement, LineModel};
 use spineline::anatomy::Level;
 use spineline::personalize::{
     Identifiability, MULTIPLIER_COVERAGE, MultiplierInformation, ProfileEnd,
@@ -70,9 +70,9 @@ pub fn identifiability(
             section.notice(notice);
         }
     }
-    let is_free = |film: &PostureAnalysis| film.outline.length.is_free();
+    let is_free = |film: &FilmMovement| film.outline.length.is_free();
     table.note = MULTIPLIER_COVERAGE.to_owned();
-    if analysis.postures.iter().any(is_free) {
+    if analysis.movement.films.iter().any(is_free) {
         table.note += " Intervals are conditional on the scales of the films against the erect one, which were found before the fit and are held. Their error is not in these intervals; `--replicates` finds them anew with every set of landmarks.";
     }
     section.table(table);
@@ -158,7 +158,7 @@ fn places(analysis: &Analysis, found: &Uncertainty) -> Table {
         Column::words("Tilt (°), largest"),
     ];
     let mut table = Table::new("Standard deviation of the vertebrae", columns);
-    for posture in analysis.postures.iter().map(|p| p.outline.posture) {
+    for posture in analysis.movement.films.iter().map(|p| p.outline.posture) {
         let mut row = vec![posture.to_string()];
         for quantity in
             [AnalysisQuantity::LocationY, AnalysisQuantity::LocationZ, AnalysisQuantity::Tilt]
@@ -175,7 +175,7 @@ fn mean_and_largest(
     quantity: impl Fn(Level) -> AnalysisQuantity,
     analysis: &Analysis,
 ) -> [String; 2] {
-    let levels = analysis.levels();
+    let levels = analysis.movement.levels();
     let sds: Vec<(f64, Level)> = levels
         .iter()
         .skip(1)

@@ -9,10 +9,12 @@ use spineline::cohort::{Cohort, CohortPatient};
 use spineline::measure::FilmLandmarks;
 use spineline::multibody::MatchStatus;
 use spineline_phantom::{Readers, Truth, generate};
+use spineline_report::cohort::{self, PatientRow};
 use spineline_report::document::{Block, Table};
 use spineline_report::{Document, figures, html};
 
 use crate::common::{analyzed, cohort_report, section};
+use crate::terminal::{case, tables};
 
 /// A phantom of which some films are kept.
 fn analysis(subject: usize, films: &[Posture]) -> Analysis {
@@ -196,5 +198,49 @@ fn figures_of_a_shorter_chain_name_its_own_base() {
         let words: BTreeSet<&str> = texts.flat_map(|text| text.split(is_end)).collect();
         assert!(words.contains("L3"), "figure {place}: {words:?}");
         assert!(!words.contains("L4") && !words.contains("T2"), "figure {place}: {words:?}");
+    }
+}
+
+#[test]
+fn a_large_cohort_shows_its_first_patients_and_counts_all() {
+    let analysis = analyzed(&case(0, Truth::Pull));
+    let patient = CohortPatient::of(&analysis);
+    let all = PatientRow::MAX_SHOWN + 1;
+    for (patients, is_cut) in [(all - 1, false), (all, true)] {
+        let together = Cohort::of(&vec![patient.clone(); patients], 1);
+        let rows = vec![PatientRow::of(&analysis); patients];
+        let document = cohort::summary(&rows, &together, &[], "spineline test");
+        let table = tables(&document)
+            .into_iter()
+            .find(|t| t.caption.contains("Mean location"))
+            .expect("rows");
+        assert_eq!(table.rows.len(), PatientRow::MAX_SHOWN);
+        assert_eq!(table.caption.contains("the first 200 of 201 patients"), is_cut);
+        assert_eq!(table.note.contains("--tables and --json write all"), is_cut, "{}", table.note);
+        assert!(document.subject.starts_with(&format!("{patients} patients")));
+    }
+}
+
+#[test]
+fn films_without_a_result_are_shown_of_the_first_patients() {
+    let whole = analyzed(&case(0, Truth::Pull));
+    // Changed before anything is asked of it: an analysis keeps its comparison.
+    let mut without = whole.clone();
+    without.models.retain(|model| model.kind != LineKind::Inflection);
+    let mut patients = vec![CohortPatient::of(&whole)];
+    for (lacking, is_cut) in [(PatientRow::MAX_SHOWN, false), (PatientRow::MAX_SHOWN + 1, true)] {
+        patients.resize_with(lacking + 1, || {
+            without.case_id.push('x');
+            CohortPatient::of(&without)
+        });
+        let together = Cohort::of(&patients, 1);
+        let row = [PatientRow::of(&whole)];
+        let document = cohort::summary(&row, &together, &[], "spineline test");
+        let table =
+            tables(&document).into_iter().find(|t| t.caption.contains("no result")).expect("films");
+        assert_eq!(table.note.contains("The first 200 of 201 patients"), is_cut, "{}", table.note);
+        let mut named: Vec<&String> = table.rows.iter().map(|row| &row[0]).collect();
+        named.dedup();
+        assert_eq!(named.len(), PatientRow::MAX_SHOWN);
     }
 }

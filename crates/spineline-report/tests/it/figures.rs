@@ -64,9 +64,14 @@ fn analysis(synthetic: bool, postures: &[Posture]) -> Analysis {
 }
 
 fn shapes(analysis: &Analysis) -> Vec<(f64, Vec<Frontal>)> {
-    let erect: Vec<Frontal> = analysis.erect().outline.locations().collect();
-    let bent: Vec<Frontal> =
-        analysis.posture(Posture::RightBending).expect("filmed").outline.locations().collect();
+    let erect: Vec<Frontal> = analysis.movement.erect().outline.locations().collect();
+    let bent: Vec<Frontal> = analysis
+        .movement
+        .film(Posture::RightBending)
+        .expect("filmed")
+        .outline
+        .locations()
+        .collect();
     [0.0, 0.4, 0.8, 1.0]
         .map(|part| {
             let mix = |(a, b): (&Frontal, &Frontal)| *a * (1.0 - part) + *b * (0.95 * part);
@@ -217,7 +222,7 @@ fn a_shape_without_its_force_is_not_shown_as_a_result() {
     let set = |simulation: &mut Simulation, status| simulation.status = status;
     for model in &mut analysis.models {
         for simulation in model.postures.iter_mut().filter(|s| s.posture == posture) {
-            set(simulation, MatchStatus::Matched);
+            set(simulation, MatchStatus::Converged);
         }
     }
     let svg = measured_and_simulated(&analysis, posture).expect("simulated");

@@ -15,6 +15,11 @@ pub enum ComputationName {
     Models,
 }
 
+impl ComputationName {
+    /// All of them.
+    pub const ALL: [Self; 3] = [Self::Replicates, Self::Identifiability, Self::Models];
+}
+
 /// What is computed.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]

@@ -2,11 +2,11 @@
 
 use std::borrow::Cow;
 
-use serde::{Deserialize, Deserializer, Serialize, Serializer};
+use serde::{Deserialize, Serialize};
 use spineline::action::LineKind;
 use spineline::anatomy::{FilmView, ImageSide, Named, Posture, Side};
 use spineline::measure::{Calibrator, SpacingPlane};
-use spineline_files::{ExportFormat, by_key};
+use spineline_files::ExportFormat;
 use spineline_store::{Access, Role};
 use utoipa::openapi::RefOr;
 use utoipa::openapi::schema::{ObjectBuilder, Schema, Type};
@@ -20,21 +20,10 @@ pub trait Described: Named {
     const DESCRIPTION: &'static str;
 }
 
-/// A named value, serialised by its name.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+/// A named value, with a schema.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(transparent)]
 pub struct Wire<T>(pub T);
-
-impl<T: Described> Serialize for Wire<T> {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        by_key::serialize(self.0, serializer)
-    }
-}
-
-impl<'de, T: Described> Deserialize<'de> for Wire<T> {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        by_key::deserialize(T::ALL, deserializer).map(Self)
-    }
-}
 
 impl<T: Described> PartialSchema for Wire<T> {
     fn schema() -> RefOr<Schema> {

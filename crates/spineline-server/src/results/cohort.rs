@@ -6,7 +6,7 @@ use axum::extract::State;
 use spineline::action::LineKind;
 use spineline::analysis::Analysis;
 use spineline::anatomy::Posture;
-use spineline::cohort::{Clustered, Cohort, CohortPatient};
+use spineline::cohort::{Cohort, CohortPatient};
 use spineline::evaluate::statistics::{Summary, box_summary};
 use spineline_files::method_text::ChosenOptions;
 use spineline_store::StoreError;
@@ -153,13 +153,13 @@ fn cell(heading: &str, value: Option<f64>, places: usize) -> CohortCell {
 /// The same headings for every study.
 fn cells(analysis: Option<&Analysis>) -> Vec<CohortCell> {
     let of = |value: &dyn Fn(&Analysis) -> Option<f64>| analysis.and_then(value);
-    let cobb = of(&|a| Some(a.main_curve()?.cobb_in(Posture::Erect)?.abs().deg()));
+    let cobb = of(&|a| Some(a.movement.main_curve()?.cobb_in(Posture::Erect)?.abs().deg()));
     let mut cells = vec![
-        cell("Lenke type", of(&|a| a.lenke.map(|lenke| f64::from(lenke.number))), 0),
+        cell("Lenke type", of(&|a| a.movement.lenke.map(|lenke| f64::from(lenke.number))), 0),
         cell("main Cobb (°)", cobb, 1),
-        cell("inflections", of(&|a| Some(a.inflections.all.len() as f64)), 0),
-        cell("segments", of(&|a| Some(a.chain.segments as f64)), 0),
-        cell("segment length (mm)", of(&|a| a.scale().mm(a.chain.segment_mm)), 4),
+        cell("inflections", of(&|a| Some(a.movement.inflections.all.len() as f64)), 0),
+        cell("segments", of(&|a| Some(a.movement.chain.segments as f64)), 0),
+        cell("segment length (mm)", of(&|a| a.movement.scale().mm(a.movement.chain.segment_mm)), 4),
         cell("rotation at inflection (0.001°)", of(&inflection_rotation_mdeg), 1),
     ];
     for kind in LINES {
@@ -177,7 +177,7 @@ fn cells(analysis: Option<&Analysis>) -> Vec<CohortCell> {
 
 /// Mean rotation of the inflection segments over all films.
 fn inflection_rotation_mdeg(analysis: &Analysis) -> Option<f64> {
-    let estimates = analysis.postures.iter().filter_map(|p| p.inflection_estimates.as_ref());
+    let estimates = analysis.movement.films.iter().filter_map(|p| p.inflection_estimates.as_ref());
     let rotations: Vec<f64> =
         estimates.flatten().map(|estimate| 1000.0 * estimate.rotation.deg()).collect();
     (!rotations.is_empty()).then(|| Summary::of(&rotations).mean)
@@ -187,20 +187,20 @@ fn charts(analyses: &[&Analysis], cohort: &Cohort) -> Vec<BoxChart> {
     let errors = |title: &str, held_out: bool| {
         let boxes = cohort.lines.iter().filter_map(|line| {
             let errors = if held_out { &line.held_out } else { &line.fitted };
-            box_of(&line.kind.to_string(), &errors.location_mm.values)
+            box_of(&line.kind.to_string(), &errors.all_location_mm)
         });
         chart(title, "location error (mm)", boxes.collect())
     };
-    let motions = analyses.iter().flat_map(|one| &one.postures).filter_map(|p| p.motion.as_ref());
+    let motions =
+        analyses.iter().flat_map(|one| &one.movement.films).filter_map(|p| p.motion.as_ref());
     let all_segments = motions.flat_map(|motion| motion.rotations.iter().map(|r| 1000.0 * r.deg()));
-    let millidegrees =
-        |values: &Clustered| -> Vec<f64> { values.values.iter().map(|deg| 1000.0 * deg).collect() };
+    let millidegrees = |deg: &[f64]| -> Vec<f64> { deg.iter().map(|deg| 1000.0 * deg).collect() };
     let rotations = [
         ("all segments", all_segments.collect()),
-        ("inflections", millidegrees(&cohort.inflection[0].rotation_deg)),
-        ("least-rotating", millidegrees(&cohort.least_rotation_deg)),
+        ("inflections", millidegrees(&cohort.inflection[0].all_rotations_deg)),
+        ("least-rotating", millidegrees(&cohort.all_least_rotations_deg)),
     ];
-    let [bends, others] = [1, 2].map(|i| &cohort.inflection[i].distance_segments.values);
+    let [bends, others] = [1, 2].map(|i| &cohort.inflection[i].all_distances_segments);
     vec![
         errors("Location errors on fitted films", false),
         errors("Location errors on held-out films", true),

@@ -25,9 +25,9 @@ pub fn curve_text(curve: &ClinicalCurve, posture: Posture, angle: Angle) -> Stri
 }
 
 pub fn summary_of(analysis: &Analysis) -> Option<CurveSummary> {
-    let curve = analysis.main_curve()?;
+    let curve = analysis.movement.main_curve()?;
     let size = curve.erect_size().abs();
-    let lenke = analysis.lenke.map(|lenke| lenke.number.to_string());
+    let lenke = analysis.movement.lenke.map(|lenke| lenke.number.to_string());
     let kind = lenke.as_ref().map_or_else(String::new, |number| format!("Lenke {number}, "));
     let convex = curve.convex.map_or_else(String::new, |side| format!(" convex {side}"));
     let ends = format!("{}–{}", curve.ends.superior, curve.ends.inferior);

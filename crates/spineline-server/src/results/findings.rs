@@ -1,6 +1,6 @@
 //! Clinical angles and rotations of a study.
 
-use spineline::analysis::{Analysis, PostureAnalysis};
+use spineline::analysis::{Analysis, FilmMovement};
 use spineline::anatomy::Side;
 use spineline::clinical::ClinicalCurve;
 use spineline::motion::{Motion, SegmentEstimate};
@@ -16,13 +16,13 @@ const MAX_SEGMENTS: usize = 200;
 
 pub fn of_study(analysis: &Analysis) -> StudyFindings {
     StudyFindings {
-        curves: analysis.clinical.iter().map(curve).collect(),
+        curves: analysis.movement.clinical.iter().map(curve).collect(),
         lenke_text: analysis.lenke_words(),
         balance_text: analysis.balance_words(),
         film_scales_text: analysis.film_scale_words(),
-        rotations: analysis.postures.iter().filter_map(|p| rotation(analysis, p)).collect(),
+        rotations: analysis.movement.films.iter().filter_map(|p| rotation(analysis, p)).collect(),
         inflections_text: analysis.inflection_words(),
-        length_unit: length_unit(analysis.scale()).to_owned(),
+        length_unit: length_unit(analysis.movement.scale()).to_owned(),
     }
 }
 
@@ -51,11 +51,11 @@ fn flexibility_text(name: &str, part: f64, convex: Side) -> String {
     format!("{name} falls by {:.0} % when bending to the {convex}", 100.0 * part)
 }
 
-fn rotation(analysis: &Analysis, posture: &PostureAnalysis) -> Option<RotationFinding> {
+fn rotation(analysis: &Analysis, posture: &FilmMovement) -> Option<RotationFinding> {
     let motion = posture.motion.as_ref()?;
-    let scale = analysis.scale();
+    let scale = analysis.movement.scale();
     let along = |segment: usize| {
-        let mm = segment as f64 * analysis.chain.segment_mm;
+        let mm = segment as f64 * analysis.movement.chain.segment_mm;
         scale.px(mm).unwrap_or(mm)
     };
     let stride = motion.rotations.len().div_ceil(MAX_SEGMENTS).max(1);
@@ -67,7 +67,13 @@ fn rotation(analysis: &Analysis, posture: &PostureAnalysis) -> Option<RotationFi
         along_mm: drawn.iter().map(|&segment| along(segment)).collect(),
         rotation_mdeg: drawn.iter().map(|&k| millidegrees(motion.rotations[k])).collect(),
         texts: texts(motion, posture.inflection_estimates.as_ref()),
-        inflections_mm: analysis.inflection_segments.iter().flatten().map(|&k| along(k)).collect(),
+        inflections_mm: analysis
+            .movement
+            .inflection_segments
+            .iter()
+            .flatten()
+            .map(|&k| along(k))
+            .collect(),
         least_mm: motion.least.iter().map(|&k| along(k)).collect(),
     })
 }

@@ -53,14 +53,15 @@ fn answer(result: &StudyResult, request: &LoadRequest) -> Answer<LoadAnswer> {
             "choose a line that has a model",
         )
     })?;
-    let movable = analysis.levels().iter().skip(1).position(|level| level.name() == request.level);
+    let movable =
+        analysis.movement.levels().iter().skip(1).position(|level| level.name() == request.level);
     let vertebra = 1 + movable.ok_or_else(|| {
         refused(
             format!("{:?} cannot carry a load", request.level),
             "loads act on the vertebrae of the model above the fixed one, L3 to T2 where all are marked",
         )
     })?;
-    let force_n = Vec3::from(request.tip_mm) - analysis.spine.midpoints_mm[vertebra];
+    let force_n = Vec3::from(request.tip_mm) - analysis.movement.spine.midpoints_mm[vertebra];
     let size = force_n.norm();
     if size.is_nan() || size > MAX_ARROW_MM {
         let text = format!("the arrow is {size:.0} mm long; the limit is {MAX_ARROW_MM:.0} mm");
@@ -83,7 +84,7 @@ fn loaded(
     vertebra: usize,
     force_n: Vec3,
 ) -> Answer<LoadAnswer> {
-    let spine = &analysis.spine;
+    let spine = &analysis.movement.spine;
     let erect = erect_shape(spine);
     let found = if force_n == Vec3::zeros() {
         let status_text = "No load: the erect shape".to_owned();
@@ -94,7 +95,12 @@ fn loaded(
     Ok(LoadAnswer {
         converged: found.converged,
         status_text: found.status_text,
-        load_text: load_text(analysis, model, analysis.levels().as_slice()[vertebra], force_n),
+        load_text: load_text(
+            analysis,
+            model,
+            analysis.movement.levels().as_slice()[vertebra],
+            force_n,
+        ),
         part: found.part,
         texts: texts(analysis, &erect, &found.deformed),
         shape: deformed_shape(spine, &found.deformed),
@@ -108,8 +114,8 @@ fn equilibrium(
     force_n: Vec3,
     erect: &Deformed,
 ) -> Answer<Found> {
-    let springs = model.stiffness_matrices(&analysis.library);
-    let statics = GeneralStatics::new(&analysis.spine, springs, analysis.options.support)
+    let springs = model.stiffness_matrices(&analysis.movement.library);
+    let statics = GeneralStatics::new(&analysis.movement.spine, springs, analysis.options.support)
         .map_err(|error| refused(error.to_string(), "read the notices of the model"))?;
     let load = BodyLoad::ForceAtPoint { force_n, point_in_vertebra_mm: Vec3::zeros() };
     let loading = Loading::single(vertebra, load);
@@ -121,7 +127,7 @@ fn equilibrium(
         let deformed = result.deformed.clone();
         return Ok(Found { deformed, part: 1.0, status_text, converged: true });
     }
-    let (part, deformed) = response.last_reached(&analysis.spine).unwrap_or((0.0, erect));
+    let (part, deformed) = response.last_reached(&analysis.movement.spine).unwrap_or((0.0, erect));
     let status_text = format!(
         "Not a result: {}. The shape at {:.0} % of the load is shown",
         response.ending.meaning(),
@@ -141,10 +147,10 @@ fn load_text(analysis: &Analysis, model: &LineModel, level: Level, force_n: Vec3
 }
 
 fn texts(analysis: &Analysis, erect: &Deformed, shape: &Deformed) -> Vec<String> {
-    let (vertebra, moved_mm) = largest_displacement_mm(&analysis.spine, shape);
-    let levels = analysis.levels();
+    let (vertebra, moved_mm) = largest_displacement_mm(&analysis.movement.spine, shape);
+    let levels = analysis.movement.levels();
     let level = levels.as_slice()[vertebra];
-    let places = analysis.curve_places();
+    let places = analysis.movement.curve_places();
     let [before, after] = [erect, shape].map(|shape| measure_angles(shape, &places));
     let mut texts = vec![format!("{level} moves most: {moved_mm:.1} mm")];
     texts.extend(curve_text(&before, &after));

@@ -1,6 +1,7 @@
 //! Results from landmarks: over a film, beside it, in 3D, and over all studies.
 //! The library computes everything from the current case of a study; this module converts it to text and pixels.
 
+mod background;
 mod cohort;
 mod computations;
 mod curves;

@@ -37,8 +37,9 @@ pub async fn model(
 }
 
 fn view(result: &StudyResult, analysis: &Analysis) -> ModelView {
-    let erect = spineline::response::erect_shape(&analysis.spine);
-    let moved = analysis.postures.iter().skip(1);
+    let movement = &analysis.movement;
+    let erect = spineline::response::erect_shape(&movement.spine);
+    let moved = movement.films.iter().skip(1);
     let relative = analysis.relative_stiffness();
     let lines = analysis.models.iter().zip(&relative);
     let is_absolute = |model: &LineModel| model.is_absolute(analysis.options.gauge);
@@ -50,16 +51,16 @@ fn view(result: &StudyResult, analysis: &Analysis) -> ModelView {
         profile_text: analysis.profile_words().to_owned(),
         gauge_text: analysis.gauge_words().to_owned(),
         options_text: result.options_text(),
-        length_unit: drawn_unit(analysis.scale()).to_owned(),
+        length_unit: drawn_unit(movement.scale()).to_owned(),
         bodies: bodies(analysis),
-        erect: deformed_shape(&analysis.spine, &erect),
+        erect: deformed_shape(&movement.spine, &erect),
         measured: moved
             .map(|posture| {
                 let (midpoints_mm, axes) =
-                    analysis.spine.posed_on_film(&posture.outline, &analysis.erect().outline);
+                    movement.spine.posed_on_film(&posture.outline, &movement.erect().outline);
                 MeasuredShape {
                     posture: Wire(posture.outline.posture),
-                    shape: shape(&analysis.spine, &midpoints_mm, &axes),
+                    shape: shape(&movement.spine, &midpoints_mm, &axes),
                 }
             })
             .collect(),
@@ -89,7 +90,7 @@ fn bodies(analysis: &Analysis) -> Vec<BodySize> {
         depth_mm: size.depth_mm,
         height_mm: size.height_mm,
     };
-    analysis.levels().iter().zip(analysis.body_sizes()).map(body).collect()
+    analysis.movement.levels().iter().zip(analysis.body_sizes()).map(body).collect()
 }
 
 fn line(analysis: &Analysis, model: &LineModel, relative: &[f64]) -> LineModelView {
@@ -127,7 +128,7 @@ fn multipliers(analysis: &Analysis, model: &LineModel) -> Vec<MultiplierView> {
 }
 
 fn joints(analysis: &Analysis, model: &LineModel, relative: &[f64]) -> Vec<JointView> {
-    let pairs = analysis.levels().joint_pairs().zip(relative).enumerate();
+    let pairs = analysis.movement.levels().joint_pairs().zip(relative).enumerate();
     let view = |(joint, (pair, &relative)): (usize, ([Level; 2], &f64))| JointView {
         label: format!("{}/{}", pair[0], pair[1]),
         relative,
@@ -147,7 +148,7 @@ fn contradicted_in(model: &LineModel, inferior: Level) -> Vec<PostureName> {
 /// The notices of a study, with a warning if its lengths are typical and not measured.
 fn model_notices(result: &StudyResult, analysis: &Analysis) -> Vec<Notice> {
     let mut notices = notices::of_result(result);
-    if analysis.scale().pixels_per_mm.is_some() {
+    if analysis.movement.scale().pixels_per_mm.is_some() {
         let text = "the erect film has no spacing: the spine is drawn with a typical length";
         notices.push(notices::notice(Severity::Contradiction, "drawn_typical", text));
     }

@@ -52,7 +52,7 @@ pub fn sorted(mut notices: Vec<Notice>) -> Vec<Notice> {
 /// Warnings of an analysis and of its scale.
 pub fn of_analysis(analysis: &Analysis) -> Vec<Notice> {
     let mut notices: Vec<Notice> = analysis.warnings.all().iter().map(of_warning).collect();
-    notices.extend(of_scale(analysis.scale()));
+    notices.extend(of_scale(analysis.movement.scale()));
     notices
 }
 

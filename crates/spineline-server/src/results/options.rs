@@ -105,11 +105,13 @@ fn value_view(value: &str, help: &str) -> OptionValueView {
 
 fn option_view(option: &MethodOption, chosen: &ChosenOptions) -> OptionView {
     let one = chosen.of(option.name);
+    let default = option.default_text();
+    let named = option.named_values();
     let (is_closed, values) = match option.values {
         // Without a file it has no value.
-        OptionValues::Named([]) => (true, vec![value_view("", "")]),
-        OptionValues::Named(all) => {
-            (true, all.iter().map(|one| value_view(one.spelling, one.help)).collect())
+        OptionValues::Named(_) if named.is_empty() => (true, vec![value_view("", "")]),
+        OptionValues::Named(_) => {
+            (true, named.iter().map(|one| value_view(&one.spelling, &one.help)).collect())
         }
         OptionValues::Text(some) => {
             (false, some.iter().map(|value| value_view(value, "")).collect())
@@ -119,8 +121,8 @@ fn option_view(option: &MethodOption, chosen: &ChosenOptions) -> OptionView {
         name: option.name.to_owned(),
         title: option.title.to_owned(),
         help: option.help.to_owned(),
-        value: one.map_or_else(|| option.default.to_owned(), ChosenOption::words),
-        default: option.default.to_owned(),
+        value: one.map_or_else(|| default.clone(), ChosenOption::words),
+        default,
         is_changed: one.is_some(),
         is_closed,
         takes_file: option.takes_a_file(),

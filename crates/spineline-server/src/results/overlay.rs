@@ -1,6 +1,6 @@
 //! An analysis as lines and points over one of its films, in the film's pixels.
 
-use spineline::analysis::{Analysis, PostureAnalysis};
+use spineline::analysis::{Analysis, FilmMovement};
 use spineline::anatomy::{Level, Posture};
 use spineline::clinical::endplate_line;
 use spineline::curve::{CurveFit, Site, fit_curve};
@@ -24,7 +24,7 @@ const REACH_WIDTHS: f64 = 1.6;
 pub fn of_film(result: &StudyResult, posture: Posture) -> Option<FilmOverlay> {
     let film = result.current.landmarks(posture)?;
     if let Some((analysis, measured)) =
-        result.analysis().and_then(|a| a.posture(posture).map(|p| (a, p)))
+        result.analysis().and_then(|a| a.movement.film(posture).map(|p| (a, p)))
     {
         let frame = FilmFrame::of(film, &measured.outline)?;
         let mut overlay = curve_alone(&frame, &measured.outline, &measured.fit);
@@ -35,7 +35,7 @@ pub fn of_film(result: &StudyResult, posture: Posture) -> Option<FilmOverlay> {
         overlay.least_rotating = drawing.least_rotating();
         return Some(overlay);
     }
-    let options = result.current.options.options().ok()?;
+    let (options, _) = result.current.options.options().ok()?;
     let outline = measure_film(film, options.tilt, &mut Warnings::default()).ok()?;
     let fit = fit_curve(&outline, options.order_rule, &mut Warnings::default()).ok()?;
     Some(curve_alone(&FilmFrame::of(film, &outline)?, &outline, &fit))
@@ -93,7 +93,7 @@ fn curve_alone(frame: &FilmFrame, outline: &Outline, fit: &CurveFit) -> FilmOver
 /// One film of an analysis.
 struct Drawing<'a> {
     analysis: &'a Analysis,
-    measured: &'a PostureAnalysis,
+    measured: &'a FilmMovement,
     film: &'a Film,
     frame: FilmFrame,
 }
@@ -105,7 +105,7 @@ impl Drawing<'_> {
 
     /// The inflections of the erect curve at their places on this film.
     fn inflections(&self) -> Vec<LabelledPoint> {
-        let pair = self.analysis.inflections.pair.zip(self.measured.inflection_points);
+        let pair = self.analysis.movement.inflections.pair.zip(self.measured.inflection_points);
         let Some((pair, places)) = pair else { return Vec::new() };
         let moved = self.measured.motion.is_some();
         let point = |(inflection, at): (&spineline::curve::Inflection, Frontal)| {
@@ -157,7 +157,7 @@ impl Drawing<'_> {
     /// Lines along the end vertebrae's endplates, with the angle between them.
     fn cobb(&self) -> Vec<CobbOverlay> {
         let outline = &self.measured.outline;
-        let overlays = self.analysis.clinical.iter().filter_map(|curve| {
+        let overlays = self.analysis.movement.clinical.iter().filter_map(|curve| {
             let angle = size_of(curve, outline.posture)?;
             let line = |level: Level, inferior: bool| {
                 let [upper, lower] = endplate_centres(self.film, &self.frame, level)?;
@@ -185,7 +185,7 @@ impl Drawing<'_> {
 
     fn reach_mm(&self) -> f64 {
         let scale: &LengthScale = &self.measured.outline.scale;
-        let widths = body_widths(self.film, self.analysis.levels());
+        let widths = body_widths(self.film, self.analysis.movement.levels());
         let widths: Vec<f64> = widths.into_iter().flatten().collect();
         let mean = widths.iter().sum::<f64>() / widths.len().max(1) as f64;
         REACH_WIDTHS * mean / scale.pixels_per_mm.unwrap_or(1.0)

@@ -4,9 +4,9 @@ use spineline::action::Application;
 use spineline::analysis::{Analysis, LineModel};
 use spineline::anatomy::Level;
 use spineline::evaluate::Simulation;
-use spineline::multibody::{Deformed, MatchStatus, SpineModel};
+use spineline::multibody::{Deformed, MatchStatus, Residual, SpineModel};
 use spineline::personalize::evidence::ContradictedJoint;
-use spineline::spatial::{Angle, Mat3, Vec3};
+use spineline::spatial::{Mat3, Vec3};
 
 use crate::api::{LevelError, Shape, SimulatedPosture, Wire};
 
@@ -44,14 +44,14 @@ pub fn simulated(
         posture: Wire(simulation.posture),
         fitted: simulation.fitted,
         converged: usable,
-        status_text: status_text(simulation, analysis.levels().top()),
+        status_text: status_text(simulation, analysis.movement.levels().top()),
         force_text: analysis.force_words(model, simulation),
         line_point_mm: match (line.application, top) {
             (Application::AtT2, Some(&top)) => top.into(),
             _ => fixed,
         },
         line_direction: [0.0, sign * line.direction.y_mm, sign * line.direction.z_mm],
-        path: path.iter().map(|part| deformed_shape(&analysis.spine, part)).collect(),
+        path: path.iter().map(|part| deformed_shape(&analysis.movement.spine, part)).collect(),
         errors: simulation
             .compared
             .iter()
@@ -64,13 +64,11 @@ pub fn simulated(
 }
 
 fn status_text(simulation: &Simulation, top: Level) -> String {
-    let left = if simulation.posture.bend().is_some() {
-        format!(
-            "{:.2}° from the measured lateral tilt",
-            Angle::from_rad(simulation.residual).abs().deg()
-        )
-    } else {
-        format!("{top} {:.1} mm from its measured location", simulation.residual.abs())
+    let left = match simulation.residual {
+        Residual::Amplitude(angle) => {
+            format!("{:.2}° from the measured lateral tilt", angle.abs().deg())
+        }
+        Residual::Distance { mm } => format!("{top} {:.1} mm from its measured location", mm.abs()),
     };
     let status = simulation.status.key().replace('_', " ");
     if simulation.is_usable() {

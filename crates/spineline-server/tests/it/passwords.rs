@@ -34,8 +34,8 @@ fn weak_passwords_are_refused_with_a_reason() {
     let app = App::with_accounts();
     let lead = app.account("lead");
     for (password, reason) in [
-        ("aaaaaaaaaaaa", "1 different characters"),
-        ("            ", "0 different characters"),
+        ("aaaaaaaaaaaa", "1 different character,"),
+        ("            ", "0 different characters,"),
         ("abcdefghijkl", "outside of runs"),
         ("password1234", "outside of runs"),
         ("meier-2-meier-2", "outside of runs"),

@@ -63,6 +63,16 @@ fn read_one(store: &mut Store, film: &BlindFilm, who: &str, minutes: i64) -> Rea
     reading
 }
 
+/// The time from which a film that was read may be read again.
+fn released_after(finished: Timestamp) -> Timestamp {
+    finished.plus_days(14).midnight_after()
+}
+
+/// The first whole minute of a test at or after a time.
+fn minutes_until(time: Timestamp) -> i64 {
+    (time.unix_ms() - minute(0).unix_ms() + 59_999) / 60_000
+}
+
 /// Reads on, as soon as films are released; the order of contents, with the days on which each was read.
 fn read_all(store: &mut Store, who: &str) -> Vec<(String, i64)> {
     let (mut minutes, mut order) = (10, Vec::new());
@@ -74,9 +84,9 @@ fn read_all(store: &mut Store, who: &str) -> Vec<(String, i64)> {
                 minutes += 30;
             }
             Next::Wait(until) => {
-                let wait = (until.unix_ms() - minute(minutes).unix_ms()) / 60_000;
-                assert!(wait > 0);
-                minutes += wait;
+                let waited = minutes_until(until);
+                assert!(waited > minutes);
+                minutes = waited;
             }
             Next::Continue(..) => panic!("every reading was finished"),
             Next::Done => return order,
@@ -195,9 +205,14 @@ fn a_repeat_begun_early_or_out_of_turn_is_refused() {
         let Next::Begin(film) = next(&store, "A", minute(12)) else { panic!("a film") };
         read_one(&mut store, &film, "A", 12);
     }
-    let until = minute(12).plus_days(14);
-    let waits = next(&store, "A", minute(12 + 14 * DAY - 1));
-    assert_eq!(waits, Next::Wait(until));
+    let until = released_after(minute(12));
+    let waits = next(&store, "A", minute(12 + 14 * DAY));
+    assert_eq!(
+        waits,
+        Next::Wait(until),
+        "a wait ends at midnight and does not tell one reading from another"
+    );
+    assert_eq!(until.unix_ms() % (DAY * 60_000), 0);
     let Next::Begin(second) = next(&store, "A", until) else { panic!("released") };
     let early = store.begin_planned(&second.code, &by("A", 13));
     assert!(matches!(early, Err(StoreError::Washout { until: u }) if u == until), "{early:?}");
@@ -214,7 +229,7 @@ fn a_clock_that_jumps_back_does_not_shorten_the_washout() {
         // By the clock, it was finished four weeks before it was begun.
         store.finish_reading(reading, 0, &by("A", 10 - 28 * DAY)).expect("finished");
     }
-    assert_eq!(next(&store, "A", minute(10)), Next::Wait(minute(10).plus_days(14)));
+    assert_eq!(next(&store, "A", minute(10)), Next::Wait(released_after(minute(10))));
 }
 
 #[test]
@@ -316,7 +331,7 @@ fn a_plan_that_was_read_by_a_clock_years_ahead_is_released() {
         read_one(&mut store, &film, "A", minutes);
         last = film.content.to_string();
     }
-    let locked = [minute(ahead), minute(40)].map(|finished| Next::Wait(finished.plus_days(14)));
+    let locked = [minute(ahead), minute(40)].map(|finished| Next::Wait(released_after(finished)));
     assert!(locked.contains(&next(&store, "A", minute(60))));
     assert_eq!(store.release_washout(&study, &by("lead", 70)).expect("released"), 4);
     let entry = store.audit_log().expect("a log").pop().expect("an entry");
@@ -325,7 +340,7 @@ fn a_plan_that_was_read_by_a_clock_years_ahead_is_released() {
     let again = store.release_washout(&study, &by("lead", 71));
     assert!(matches!(again, Err(StoreError::NothingAhead { .. })), "{again:?}");
     // What was read by the right clock keeps its washout.
-    let (mut minutes, mut order) = (80, Vec::new());
+    let (mut minutes, mut released, mut order) = (80, 80, Vec::new());
     loop {
         match next(&store, "A", minute(minutes)) {
             Next::Begin(film) => {
@@ -333,8 +348,9 @@ fn a_plan_that_was_read_by_a_clock_years_ahead_is_released() {
                 order.push((film.content.to_string(), minutes));
             }
             Next::Wait(until) => {
-                assert_eq!(until, minute(40).plus_days(14));
-                minutes = 40 + 14 * DAY;
+                assert_eq!(until, released_after(minute(40)));
+                released = minutes_until(until);
+                minutes = released;
             }
             Next::Done => break,
             Next::Continue(..) => panic!("every reading was finished"),
@@ -342,7 +358,7 @@ fn a_plan_that_was_read_by_a_clock_years_ahead_is_released() {
     }
     let kept = order.iter().position(|(film, _)| *film == last).expect("it was read again");
     assert!(order[..kept].iter().all(|(_, minutes)| *minutes == 80), "{order:?}");
-    assert!(order[kept..].iter().all(|(_, minutes)| *minutes == 40 + 14 * DAY), "{order:?}");
+    assert!(order[kept..].iter().all(|(_, minutes)| *minutes == released), "{order:?}");
     assert!(store.verify(None).expect("verifiable").is_clean());
     let refused = store.release_washout(&name("S-9"), &lead);
     assert!(matches!(refused, Err(StoreError::Unknown { .. })), "{refused:?}");

@@ -44,10 +44,11 @@ fn segments_of_every_chain() {
         )
     );
     for (analysis, name) in analyses.iter().zip(["phantom-bend-03", "\"a,b\""]) {
-        for posture in &analysis.postures {
+        for posture in &analysis.movement.films {
             let film = posture.outline.posture.key();
             for (segment, theta) in posture.pose.joint_angles.iter().enumerate() {
-                let (length, joint) = (analysis.chain.segment_mm, posture.pose.joints[segment]);
+                let (length, joint) =
+                    (analysis.movement.chain.segment_mm, posture.pose.joints[segment]);
                 let expected = if name == "\"a,b\"" {
                     format!("{name},true,{film},{segment},,0,,{:.9},,,pixels,", theta.deg())
                 } else {
@@ -74,7 +75,7 @@ fn vertebrae_under_every_line() {
     let text = errors_table(std::slice::from_ref(&analysis)).to_csv().expect("a table");
     let mut lines = text.lines();
     assert_eq!(lines.next(), Some(ERRORS_HEADING));
-    for posture in &analysis.postures {
+    for posture in &analysis.movement.films {
         let film = posture.outline.posture;
         for (i, vertebra) in posture.outline.vertebrae.iter().enumerate() {
             let measured = format!(
@@ -114,7 +115,7 @@ fn vertebrae_under_every_line() {
 fn vertebrae_in_pixels_have_no_lengths() {
     let analysis = in_pixels();
     let text = errors_table(std::slice::from_ref(&analysis)).to_csv().expect("a table");
-    let first = &analysis.postures[0].outline;
+    let first = &analysis.movement.films[0].outline;
     let expected = format!(
         "\"a,b\",true,{},{},,,{:.4},,,,,,,,pixels,false,",
         first.posture.key(),
@@ -122,7 +123,7 @@ fn vertebrae_in_pixels_have_no_lengths() {
         first.vertebrae[0].tilt.deg()
     );
     assert_eq!(text.lines().nth(1), Some(&expected[..]));
-    assert_eq!(text.lines().count(), 1 + 15 * analysis.postures.len());
+    assert_eq!(text.lines().count(), 1 + 15 * analysis.movement.films.len());
 }
 
 const TESTS_HEADING: &str = "first_line,second_line,synthetic,films,error,unit,patients,films_compared,\

@@ -85,7 +85,7 @@ fn rows_equal_the_analysis() {
     assert_eq!(clinical.rows(), 3 * 5);
     assert_eq!(
         numbers(clinical, "cobb_deg")[0],
-        analysis.clinical[0].cobb_in(Posture::Erect).map(Angle::deg)
+        analysis.movement.clinical[0].cobb_in(Posture::Erect).map(Angle::deg)
     );
     let multipliers = table(&all, "multipliers");
     let low = numbers(multipliers, "interval_95_if_exact_low");
@@ -122,7 +122,11 @@ fn a_lateral_film_adds_the_vertebrae_in_space() {
         "L5 and T1 are not of the model"
     );
     let measures = table(&all, "space_measures");
-    let measured = analysis.spatial_measures().expect("both films").numbers(analysis.scale());
+    let measured = analysis
+        .movement
+        .spatial_measures()
+        .expect("both films")
+        .numbers(analysis.movement.scale());
     assert_eq!(measures.rows(), measured.len());
     assert!(texts(measures, "dimension").iter().all(|text| text == "2-D" || text == "3-D"));
     let [value, low, high] =

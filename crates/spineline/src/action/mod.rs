@@ -7,34 +7,22 @@
 //! # References
 //! [jalalian-loa], section 3.1 and figure 7; [petit-2004].
 
-pub use crate::anatomy::LineKind;
+mod line_kind;
+
+pub use line_kind::LineKind;
+
 use crate::anatomy::named;
 use crate::spatial::{Angle, Frontal};
 
-/// Where the force is applied.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Application {
-    /// Along a line fixed in space, carried by rigid T2: a constant spatial wrench.
-    Fixed,
-    /// At T2's midpoint, wherever that goes, in a direction fixed in space.
-    AtT2,
-}
-
-impl Application {
-    /// Every way.
-    pub const ALL: [Self; 2] = [Self::Fixed, Self::AtT2];
-
-    /// The name used in files.
-    #[must_use]
-    pub const fn key(self) -> &'static str {
-        match self {
-            Self::Fixed => "fixed",
-            Self::AtT2 => "at_t2",
-        }
+named! {
+    /// Where the force is applied.
+    pub enum Application {
+        /// Along a line fixed in space, carried by rigid T2: a constant spatial wrench.
+        Fixed = "fixed",
+        /// At T2's midpoint, wherever that goes, in a direction fixed in space.
+        AtT2 = "at_t2",
     }
 }
-
-named!(Application);
 
 /// A line of action in the frontal plane of `G`.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -56,7 +56,7 @@ pub(super) fn check_outlines(
     let of = |posture| outlines.iter().find(|outline| outline.posture == posture);
     let erect = &outlines[0];
     if let (Some(left), Some(right)) = (of(Posture::LeftBending), of(Posture::RightBending)) {
-        let change = |film: &Outline| top_tilt(film) - top_tilt(erect);
+        let change = |film: &Outline| film.top().lateral_tilt() - erect.top().lateral_tilt();
         let [left_margin, right_margin] = [left, right].map(|film| tilt_margin(erect, film));
         // If only one is tilted to the wrong side, an exchange makes the other one wrong.
         if change(left) > left_margin && -change(right) > right_margin {
@@ -105,10 +105,6 @@ pub(super) fn warn_of_length(film: &Outline, warnings: &mut Warnings) {
         if measured.factor > 1.0 { "longer" } else { "shorter" }
     );
     warnings.film(Step::Measure, "lengths_differ", film.posture, text);
-}
-
-fn top_tilt(outline: &Outline) -> Angle {
-    outline.vertebrae[outline.vertebrae.len() - 1].location.lateral_tilt()
 }
 
 /// Body widths of one film against those of the erect one: a film whose vertebrae all carry the name of their neighbour

@@ -1,5 +1,6 @@
 //! Lines of action on the same films, with the numbers of their parameters and every bend left out once.
 
+use crate::anatomy::named;
 use std::sync::OnceLock;
 
 use super::models::{FitTask, bending_loads, fit_model, settings_of};
@@ -15,47 +16,25 @@ use crate::multibody::Load;
 use crate::personalize::{FitTarget, Gauge};
 use crate::warning::Warnings;
 
-/// What the stiffness knew of a film.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum FilmRole {
-    /// It was fitted to it: a small error says how much the line can bend to data, not that it is right.
-    Fitted,
-    /// A bend, predicted with the stiffness that the other bend alone gave.
-    LeftOutBend,
-    /// A neutral or traction film, which no fit ever sees.
-    HeldOut,
+named! {
+    /// What the stiffness knew of a film.
+    pub enum FilmRole {
+        /// It was fitted to it: a small error says how much the line can bend to data, not that it is right.
+        Fitted = "fitted" as "fitted bends",
+        /// A bend, predicted with the stiffness that the other bend alone gave.
+        LeftOutBend = "left_out_bend" as "bends left out",
+        /// A neutral or traction film, which no fit ever sees.
+        HeldOut = "held_out" as "neutral, traction",
+    }
 }
 
 impl FilmRole {
-    /// All, the fitted ones first.
-    pub const ALL: [Self; 3] = [Self::Fitted, Self::LeftOutBend, Self::HeldOut];
-
-    /// The name used in files.
-    #[must_use]
-    pub const fn key(self) -> &'static str {
-        match self {
-            Self::Fitted => "fitted",
-            Self::LeftOutBend => "left_out_bend",
-            Self::HeldOut => "held_out",
-        }
-    }
-
     /// The films, in a sentence on their prediction.
     pub(super) const fn predicted_words(self) -> &'static str {
         match self {
             Self::LeftOutBend => "bends left out of the fit",
             Self::Fitted | Self::HeldOut => "neutral and traction films",
         }
-    }
-}
-
-impl std::fmt::Display for FilmRole {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.pad(match self {
-            Self::Fitted => "fitted bends",
-            Self::LeftOutBend => "bends left out",
-            Self::HeldOut => "neutral, traction",
-        })
     }
 }
 
@@ -374,7 +353,7 @@ impl Analysis {
     }
 
     fn compare_lines(&self) -> LinesCompared {
-        let settings = settings_of(self.findings(), &[]);
+        let settings = settings_of(&self.movement, &self.options, &[]);
         let lines = self.models.iter().map(|model| {
             let numbers = FreeNumbers::of(model, self.options.gauge);
             let free = numbers.per_predicted_film > 1;
@@ -396,7 +375,7 @@ impl Analysis {
             baselines: self.baselines(posture, role),
         };
         let (mut fitted, mut held_out) = (Vec::new(), Vec::new());
-        let moved = self.postures.iter().map(|p| p.outline.posture);
+        let moved = self.movement.films.iter().map(|p| p.outline.posture);
         for posture in moved.filter(|posture| *posture != Posture::Erect) {
             match posture.bend() {
                 Some(_) => fitted.push(film(posture, FilmRole::Fitted, &self.models)),
@@ -410,16 +389,17 @@ impl Analysis {
 
     /// Predictions of a film that need no other patient.
     fn baselines(&self, posture: Posture, role: FilmRole) -> Vec<BaselinePrediction> {
-        let film = self.posture(posture).filter(|_| role != FilmRole::Fitted);
+        let movement = &self.movement;
+        let film = movement.film(posture).filter(|_| role != FilmRole::Fitted);
         let Some(film) = film.map(|film| &film.outline) else { return Vec::new() };
         let other = match posture {
-            Posture::LeftBending => self.posture(Posture::RightBending),
-            Posture::RightBending => self.posture(Posture::LeftBending),
+            Posture::LeftBending => movement.film(Posture::RightBending),
+            Posture::RightBending => movement.film(Posture::LeftBending),
             _ => None,
         };
-        let erect = &self.erect().outline;
+        let erect = &movement.erect().outline;
         let mirrored = other.map(|bend| joint_rotations(erect, &bend.outline));
-        let published = published_lateral_bending(self.levels());
+        let published = published_lateral_bending(movement.levels());
         let patterns = mirrored.map(|pattern| (Baseline::MirroredBend, pattern));
         patterns
             .into_iter()
@@ -431,15 +411,16 @@ impl Analysis {
 
     /// Predictions of a film from distributions of joint rotations: one that was given describes bends only.
     fn predicted_from_priors(&self, film: &Outline) -> Vec<BaselinePrediction> {
-        let predict =
-            |baseline, prior| predict_from_prior(baseline, prior, &self.erect().outline, film);
+        let predict = |baseline, prior| {
+            predict_from_prior(baseline, prior, &self.movement.erect().outline, film)
+        };
         let given = self.options.rotation_prior.as_ref().filter(|_| film.posture.bend().is_some());
-        match given.and_then(|prior| prior.of(self.levels())) {
+        match given.and_then(|prior| prior.of(self.movement.levels())) {
             Some(learned) => [Baseline::RotationPrior, Baseline::RotationPriorWithTilt]
                 .map(|baseline| predict(baseline, &learned))
                 .into(),
             None => {
-                let published = RotationPrior::published(self.levels());
+                let published = RotationPrior::published(self.movement.levels());
                 vec![predict(Baseline::RotationPriorWithTilt, &published)]
             }
         }
@@ -449,7 +430,8 @@ impl Analysis {
     /// free, and brings T2 where it was.
     fn leave_bends_out(&self) -> Vec<LeftOutBend> {
         let bends: Vec<Posture> = self
-            .postures
+            .movement
+            .films
             .iter()
             .map(|p| p.outline.posture)
             .filter(|posture| posture.bend().is_some())
@@ -463,7 +445,7 @@ impl Analysis {
             let mut models = Vec::new();
             for line in &self.models {
                 let mut seen: Vec<(_, Load)> =
-                    bending_loads(self.findings(), line.kind, &mut repeated);
+                    bending_loads(&self.movement, &self.options, line.kind, &mut repeated);
                 seen.retain(|(bend, _)| bend.outline.posture != posture);
                 let task = FitTask {
                     bends: &seen,
@@ -472,7 +454,8 @@ impl Analysis {
                     estimate: None,
                     other: None,
                 };
-                let model = fit_model(self.findings(), line.kind, task, &mut repeated);
+                let model =
+                    fit_model(&self.movement, &self.options, line.kind, task, &mut repeated);
                 models.extend(model);
             }
             LeftOutBend { posture, models }

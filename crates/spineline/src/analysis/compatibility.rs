@@ -1,6 +1,6 @@
 //! Test whether the bends of a patient reject a single force along a line.
 
-use super::{Analysis, LineComparison, LineModel, PostureAnalysis};
+use super::{Analysis, FilmMovement, LineComparison, LineModel};
 use crate::action::LineKind;
 use crate::anatomy::Posture;
 use crate::evaluate::paired::holm;
@@ -101,9 +101,9 @@ impl Analysis {
             .map(|s| {
                 let beyond_noise = s.contradicted.iter().filter(|j| j.beyond_noise).count();
                 let joints = s.joints();
-                let film = self.posture(s.posture);
+                let film = self.movement.film(s.posture);
                 let line_test = film.and_then(|film| film.line_comparison(model.kind));
-                let has_place = |film: &&PostureAnalysis| {
+                let has_place = |film: &&FilmMovement| {
                     model.kind != LineKind::Iliac || film.outline.iliac_normal.is_some()
                 };
                 let tested = film.filter(has_place).and_then(|film| film.evidence.as_ref());

@@ -18,11 +18,16 @@ use crate::spatial::Angle;
 const CLEARLY: f64 = 60.0;
 
 /// Size of joint rotations between two postures, and the standard deviation of its logarithm (assumptions).
-///
+#[derive(Clone, Copy)]
+struct JointRotations {
+    size: Angle,
+    log_sd: f64,
+}
+
 /// The smallest are those of a mild curve between standing and lying: half a degree.
-const MOVEMENT: (Angle, f64) = (Angle::from_deg(0.8), 1.1);
+const MOVEMENT: JointRotations = JointRotations { size: Angle::from_deg(0.8), log_sd: 1.1 };
 /// The same of a bend.
-const BENDING: (Angle, f64) = (Angle::from_deg(2.0), 0.9);
+const BENDING: JointRotations = JointRotations { size: Angle::from_deg(2.0), log_sd: 0.9 };
 const MOVEMENTS_DEG: [f64; 7] = [0.1, 0.2, 0.4, 0.8, 1.6, 3.2, 6.4];
 /// Joints over which the correlation of two rotations falls to 1/e; half of the variance is common to all joints.
 const CORRELATED_JOINTS: f64 = 2.0;
@@ -145,7 +150,7 @@ impl FilmDifference {
         turned.max(self.log_odds_of_rest(PICTURE_ROTATION, BENDING))
     }
 
-    fn log_odds_of_rest(&self, rotation: Angle, (size, log_sd): (Angle, f64)) -> f64 {
+    fn log_odds_of_rest(&self, rotation: Angle, joints: JointRotations) -> f64 {
         if self.exceeds_noise() {
             return f64::NEG_INFINITY;
         }
@@ -154,7 +159,7 @@ impl FilmDifference {
         } else {
             weighted(&ASSUMED_NOISE.0, 1.0, ASSUMED_NOISE.1)
         };
-        let movements = weighted(&MOVEMENTS_DEG, size.deg(), log_sd);
+        let movements = weighted(&MOVEMENTS_DEG, joints.size.deg(), joints.log_sd);
         let joints = self.of_joints(&correlations(self.curve.len()));
         let [still, moved] = [rotation, FILM_ROTATION].map(|rotation| self.of_film(rotation));
         let (mut one, mut two) = (Vec::new(), Vec::new());
@@ -191,7 +196,7 @@ impl FilmDifference {
         let known = known + DMatrix::from_diagonal(&undescribed);
         let residual = &self.values - &self.movement * expected;
         let own = self.of_joints(&correlations(joints));
-        let (size, log_sd) = MOVEMENT;
+        let JointRotations { size, log_sd } = MOVEMENT;
         let densities =
             weighted(&MOVEMENTS_DEG, size.deg(), log_sd).into_iter().map(|(deg, log_prior)| {
                 log_prior

@@ -37,7 +37,7 @@ impl Analysis {
 
     /// A length on the outline of a simulated film over the same length in the model.
     fn on_outline(&self, simulation: &Simulation) -> f64 {
-        let outline = self.posture(simulation.posture).map(|posture| &posture.outline);
+        let outline = self.movement.film(simulation.posture).map(|posture| &posture.outline);
         outline.map_or(1.0, |outline| simulation.scale.factor / outline.length.scale.factor)
     }
 
@@ -52,8 +52,13 @@ impl Analysis {
         let simulation = model.posture(posture)?;
         let options = &self.options;
         let logs = &model.fit.log_multipliers;
-        let statics =
-            Statics::new(&self.spine, &self.library, &model.groups, logs, options.support);
+        let statics = Statics::new(
+            &self.movement.spine,
+            &self.movement.library,
+            &model.groups,
+            logs,
+            options.support,
+        );
         let load = Load::along(self.line_in_model(simulation), simulation.depth_mm);
         // Springs and forces are scaled alike, so the unscaled ones give the same shapes.
         let force_n = simulation.force_n / model.fit.absolute_scale;

@@ -51,7 +51,7 @@ impl Analysis {
             format!("The {} is not tested: {}.", model.kind, self.not_tested_words(model))
         });
         let has_inflections = self.models.iter().any(|model| model.kind == LineKind::Inflection);
-        let missing = (!has_inflections).then(|| "There is no inflection line.".to_owned());
+        let missing = (!has_inflections).then(|| "The inflection line is missing.".to_owned());
         let words: Vec<String> = missing.into_iter().chain(sentence).chain(untested).collect();
         (!words.is_empty()).then(|| words.join(" "))
     }

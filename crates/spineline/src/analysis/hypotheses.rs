@@ -1,7 +1,6 @@
 //! Other loads and bases than the lines, where requested.
 
-use super::Analysis;
-use super::findings::Findings;
+use super::{Analysis, AnalysisOptions, Movement};
 use crate::clinical::{RegionBounds, ferguson_angle};
 use crate::evaluate::RotationPrior;
 use crate::hypothesis::{
@@ -14,37 +13,38 @@ use crate::warning::{Step, Warnings};
 
 /// Fits every hypothesis of the options.
 pub(super) fn fit_hypotheses(
-    findings: Findings<'_>,
+    movement: &Movement,
+    options: &AnalysisOptions,
     warnings: &mut Warnings,
 ) -> Vec<HypothesisFit> {
     // The lines have warned of both.
-    if findings.film_without_scale().is_some() || findings.bends().next().is_none() {
+    if movement.film_without_scale().is_some() || movement.bends().next().is_none() {
         return Vec::new();
     }
-    let groups = findings.joint_groups();
-    let erect = &findings.erect().outline;
-    let given = findings.options.rotation_prior.as_ref();
+    let groups = movement.joint_groups(options.grouping);
+    let erect = &movement.erect().outline;
+    let given = options.rotation_prior.as_ref();
     let rotations = given
         .and_then(|prior| prior.of(erect.levels()))
         .unwrap_or_else(|| RotationPrior::published(erect.levels()));
     let spine = Spine {
-        model: findings.spine,
-        library: findings.library,
+        model: &movement.spine,
+        library: &movement.library,
         groups: &groups,
         erect,
         rotations: &rotations,
-        support: findings.options.support,
-        depth_mm: findings.depth_mm(),
-        apex: largest_apex(findings),
+        support: options.support,
+        depth_mm: movement.depth_mm(),
+        apex: largest_apex(movement),
     };
-    let films: Vec<HypothesisFilm<'_>> = findings
-        .postures
+    let films: Vec<HypothesisFilm<'_>> = movement
+        .films
         .iter()
         .filter(|p| p.motion.is_some())
         .map(|p| HypothesisFilm { outline: &p.outline, inflections: p.inflection_points })
         .collect();
     let mut fits: Vec<HypothesisFit> = Vec::new();
-    for &hypothesis in &findings.options.hypotheses {
+    for &hypothesis in &options.hypotheses {
         match fit_hypothesis(hypothesis, &spine, &films) {
             Some(fit) => {
                 warn_of_endings(&fit, warnings);
@@ -79,10 +79,10 @@ impl Analysis {
 }
 
 /// The apex of the erect curve with the largest Ferguson angle.
-fn largest_apex(findings: Findings<'_>) -> usize {
-    let locations: Vec<Frontal> = findings.erect().outline.locations().collect();
+fn largest_apex(movement: &Movement) -> usize {
+    let locations: Vec<Frontal> = movement.erect().outline.locations().collect();
     let size = |bounds: &&RegionBounds| ferguson_angle(&locations, bounds).abs();
-    let bounds = findings.regions.bounds.iter();
+    let bounds = movement.regions.bounds.iter();
     let largest = bounds.max_by(|a, b| size(a).rad().total_cmp(&size(b).rad()));
     largest.expect("there are three regions").apex
 }

@@ -49,7 +49,7 @@ impl LineModel {
             let against = films
                 .iter()
                 .flat_map(|film| &film.contradicted)
-                .filter_map(|joint| analysis.levels().index_of(joint.inferior))
+                .filter_map(|joint| analysis.movement.levels().index_of(joint.inferior))
                 .filter(|&joint| in_group(joint))
                 .count();
             let joints = films.len() * (0..group_of.len()).filter(|&joint| in_group(joint)).count();
@@ -78,14 +78,18 @@ impl Analysis {
     /// Computed on request, because no other result depends on it: it takes tens of fits.
     #[must_use]
     pub fn identifiability(&self, model: &LineModel) -> Option<Identifiability> {
+        let movement = &self.movement;
         // The analysis holds the warnings about these lines already.
         let mut repeated = Warnings::default();
-        let bends = bending_loads(self.findings(), model.kind, &mut repeated);
+        let bends = bending_loads(movement, &self.options, model.kind, &mut repeated);
         let films: Vec<FitFilm<'_>> =
             bends.iter().map(|(p, load)| FitFilm { outline: &p.outline, load: *load }).collect();
-        let springs =
-            FittedSprings { model: &self.spine, library: &self.library, groups: &model.groups };
-        identify(&springs, &films, &settings_of(self.findings(), &[]), &model.fit)
+        let springs = FittedSprings {
+            model: &movement.spine,
+            library: &movement.library,
+            groups: &model.groups,
+        };
+        identify(&springs, &films, &settings_of(movement, &self.options, &[]), &model.fit)
     }
 
     /// Lateral springs of every model's joints on one logarithmic scale: 0 for the softest of all models, 1 for the
@@ -95,7 +99,7 @@ impl Analysis {
         let logs: Vec<Vec<f64>> = self
             .models
             .iter()
-            .map(|model| model.stiffness_nmm_per_rad(&self.library))
+            .map(|model| model.stiffness_nmm_per_rad(&self.movement.library))
             .map(|joints| joints.iter().map(|[lateral, ..]| lateral.ln()).collect())
             .collect();
         let all = || logs.iter().flatten().copied();

@@ -1,6 +1,6 @@
 //! One patient through all steps: [`analyze`].
 //!
-//! `analyze` runs the steps; `findings` is what the first four found; `result` is the whole of it.
+//! `analyze` runs the steps; `movement` is what the films show before any force; `result` is the whole of it.
 
 mod analyze;
 mod checks;
@@ -9,14 +9,16 @@ mod comparison;
 mod compatibility;
 mod endings;
 mod film_likelihood;
-mod findings;
 mod force_path;
 mod headline;
 mod hypotheses;
 mod identification;
+mod measured;
 mod models;
 mod models_verdict;
+mod movement;
 mod options;
+mod personalised_model;
 mod preference;
 mod result;
 mod standing;
@@ -38,43 +40,30 @@ pub use compatibility::{BendEvidence, Compatibility};
 pub use identification::{Identification, MultiplierVerdict};
 pub use models::LineModel;
 pub use models_verdict::ModelsVerdict;
+pub use movement::{FilmMovement, Movement};
 pub use options::{AnalysisOptions, Grouping};
+pub use personalised_model::{FilmLoad, PersonalisedModel, SimulationError};
 pub use preference::{LineComparison, LineCrossing, PreferredLine};
-pub use result::{Analysis, PostureAnalysis};
+pub use result::Analysis;
 pub use standing::{AxialSource, PitchSource};
 pub use template::{ProfileVertebra, TemplateError};
 pub(crate) use verdict::listed;
 pub use verdict::probability;
-pub(crate) use wrong_film::WRONG_FILM;
 
 use crate::anatomy::named;
 use crate::measure::{Film, LateralFilm};
 
-/// Sex of a patient as far as it was recorded.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[allow(missing_docs)]
-pub enum Sex {
-    Female,
-    Male,
-    Other,
-}
-
-impl Sex {
-    /// Every value.
-    pub const ALL: [Self; 3] = [Self::Female, Self::Male, Self::Other];
-
-    /// The name used in files.
-    #[must_use]
-    pub const fn key(self) -> &'static str {
-        match self {
-            Self::Female => "female",
-            Self::Male => "male",
-            Self::Other => "other",
-        }
+named! {
+    /// Sex of a patient as far as it was recorded.
+    pub enum Sex {
+        /// Female.
+        Female = "female",
+        /// Male.
+        Male = "male",
+        /// Recorded as neither.
+        Other = "other",
     }
 }
-
-named!(Sex);
 
 /// Who was X-rayed, without any name.
 #[derive(Debug, Clone, Default, PartialEq)]

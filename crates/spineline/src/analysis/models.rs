@@ -1,8 +1,7 @@
 //! Lines of action, personalisation and evaluation of one patient.
 
 use super::endings::warn_of_endings;
-use super::findings::Findings;
-use super::{Analysis, AnalysisOptions, Grouping, PostureAnalysis};
+use super::{Analysis, AnalysisOptions, FilmMovement, Grouping, Movement};
 use crate::action::{Application, LineKind, LineOfAction};
 use crate::anatomy::Posture;
 use crate::evaluate::{NearbyMatch, Simulation, Target, predict, simulate};
@@ -124,26 +123,27 @@ impl Analysis {
 ///
 /// `others` are models of other readings of the same films.
 pub(super) fn fit_models(
-    findings: Findings<'_>,
+    movement: &Movement,
+    options: &AnalysisOptions,
     others: &[LineModel],
     warnings: &mut Warnings,
 ) -> Vec<LineModel> {
     let mut models = Vec::new();
-    if let Some(film) = findings.film_without_scale() {
+    if let Some(film) = movement.film_without_scale() {
         let text =
             "a film without a spacing has no lengths for a model: only its angles are measured";
         warnings.film(Step::Multibody, "no_scale", film, text);
         return models;
     }
-    if findings.bends().next().is_none() {
+    if movement.bends().next().is_none() {
         let text = "no bending film: stiffness cannot be personalised";
         warnings.push(Step::Personalize, "no_bending_film", text);
         return models;
     }
     // A result for other readings is a nearer start.
-    let estimate = if others.is_empty() { estimate_bends(findings) } else { None };
-    for kind in findings.options.line_kinds() {
-        let bends = bending_loads(findings, kind, warnings);
+    let estimate = if others.is_empty() { estimate_bends(movement) } else { None };
+    for kind in options.line_kinds() {
+        let bends = bending_loads(movement, options, kind, warnings);
         let task = FitTask {
             bends: &bends,
             films: &Posture::MOVED,
@@ -151,24 +151,24 @@ pub(super) fn fit_models(
             estimate: estimate.as_ref(),
             other: others.iter().find(|model| model.kind == kind),
         };
-        let model = fit_model(findings, kind, task, warnings);
+        let model = fit_model(movement, options, kind, task, warnings);
         models.extend(model);
     }
     models
 }
 
 /// The loads of the bends that fits of the estimated line start from.
-fn estimate_bends(findings: Findings<'_>) -> Option<EstimatedLoads> {
-    let bends: Vec<&FilmEvidence> = findings.bends().filter_map(|p| p.evidence.as_ref()).collect();
-    let groups = JointGroups::regional(findings.regions);
-    (!bends.is_empty()).then(|| estimate_loads(&bends, findings.depth_mm(), &groups))
+fn estimate_bends(movement: &Movement) -> Option<EstimatedLoads> {
+    let bends: Vec<&FilmEvidence> = movement.bends().filter_map(|p| p.evidence.as_ref()).collect();
+    let groups = JointGroups::regional(&movement.regions);
+    (!bends.is_empty()).then(|| estimate_loads(&bends, movement.depth_mm(), &groups))
 }
 
 /// The line of a posture where geometry alone gives it; `None` for a line that must be estimated.
 fn geometric_line(
     options: &AnalysisOptions,
     kind: LineKind,
-    posture: &PostureAnalysis,
+    posture: &FilmMovement,
     warnings: &mut Warnings,
 ) -> Option<LineOfAction> {
     let name = posture.outline.posture;
@@ -181,8 +181,7 @@ fn geometric_line(
                 );
                 warnings.film(Step::Measure, "iliac_crests_missing", name, text);
             }
-            let t2 = posture.outline.vertebrae[posture.outline.vertebrae.len() - 1].location;
-            Some(LineOfAction::along_iliac(t2, posture.outline.iliac_normal))
+            Some(LineOfAction::along_iliac(posture.outline.top(), posture.outline.iliac_normal))
         }
         LineKind::Inflection => {
             let [caudal, cranial] = posture.inflection_points?;
@@ -204,7 +203,7 @@ fn geometric_line(
 }
 
 /// A line that passes the whole spine further away than a trunk reaches was perhaps given in another unit or frame.
-fn warn_of_distance(line: &LineOfAction, posture: &PostureAnalysis, warnings: &mut Warnings) {
+fn warn_of_distance(line: &LineOfAction, posture: &FilmMovement, warnings: &mut Warnings) {
     /// More than half of the breadth of any trunk.
     const FAR_MM: f64 = 300.0;
     let arms = posture.outline.locations().map(|location| line.lever_arm_mm(location).abs());
@@ -220,17 +219,18 @@ fn warn_of_distance(line: &LineOfAction, posture: &PostureAnalysis, warnings: &m
 
 /// The bending films that have such a line, with the load along it.
 pub(super) fn bending_loads<'a>(
-    findings: Findings<'a>,
+    movement: &'a Movement,
+    options: &AnalysisOptions,
     kind: LineKind,
     warnings: &mut Warnings,
-) -> Vec<(&'a PostureAnalysis, Load)> {
-    let depth_mm = findings.depth_mm();
-    findings
+) -> Vec<(&'a FilmMovement, Load)> {
+    let depth_mm = movement.depth_mm();
+    movement
         .bends()
         .filter_map(|p| {
             let load = match kind {
                 LineKind::Estimated => Load::Frontal { depth_mm },
-                _ => Load::along(geometric_line(findings.options, kind, p, warnings)?, depth_mm),
+                _ => Load::along(geometric_line(options, kind, p, warnings)?, depth_mm),
             };
             Some((p, load))
         })
@@ -238,10 +238,13 @@ pub(super) fn bending_loads<'a>(
 }
 
 /// What every fit of an analysis needs beside its films.
-pub(super) fn settings_of<'a>(findings: Findings<'a>, hints: &'a [Start]) -> FitSettings<'a> {
-    let options = findings.options;
+pub(super) fn settings_of<'a>(
+    movement: &'a Movement,
+    options: &AnalysisOptions,
+    hints: &'a [Start],
+) -> FitSettings<'a> {
     FitSettings {
-        regions: findings.regions,
+        regions: &movement.regions,
         target: match options.grouping {
             Grouping::Regional => options.target,
             Grouping::PerJoint => FitTarget::Shape,
@@ -257,7 +260,7 @@ pub(super) fn settings_of<'a>(findings: Findings<'a>, hints: &'a [Start]) -> Fit
 #[derive(Clone, Copy)]
 pub(super) struct FitTask<'a> {
     /// Bends that are fitted.
-    pub bends: &'a [(&'a PostureAnalysis, Load)],
+    pub bends: &'a [(&'a FilmMovement, Load)],
     /// Films that are simulated; those that are not among the bends are held out.
     pub films: &'a [Posture],
     /// Models with other lines, fitted to these bends and no other.
@@ -270,14 +273,14 @@ pub(super) struct FitTask<'a> {
 
 /// Fits one line's model to some bends, and predicts films with it.
 pub(super) fn fit_model(
-    findings: Findings<'_>,
+    movement: &Movement,
+    options: &AnalysisOptions,
     kind: LineKind,
     task: FitTask<'_>,
     warnings: &mut Warnings,
 ) -> Option<LineModel> {
     let FitTask { bends, .. } = task;
-    let options = findings.options;
-    let groups = findings.joint_groups();
+    let groups = movement.joint_groups(options.grouping);
     if bends.is_empty() {
         warnings.line(Step::Action, "no_line", kind, None, "no bending film has such a line");
         return None;
@@ -288,7 +291,7 @@ pub(super) fn fit_model(
         LineKind::Estimated => hints(task.models, bends),
         _ => Vec::new(),
     };
-    let settings = settings_of(findings, &hints);
+    let settings = settings_of(movement, options, &hints);
     let evidence: Vec<(&FilmEvidence, Load)> =
         bends.iter().filter_map(|(p, load)| Some((p.evidence.as_ref()?, *load))).collect();
     // It was made for regional groups.
@@ -299,16 +302,17 @@ pub(super) fn fit_model(
         estimate,
         other: task.other.map(|model| &model.fit),
     };
-    let fit = personalize_with(findings.spine, findings.library, &groups, &films, &known);
+    let fit = personalize_with(&movement.spine, &movement.library, &groups, &films, &known);
     let logs = &fit.log_multipliers;
     let evaluation = Evaluation {
-        findings,
+        movement,
+        options,
         kind,
         groups: &groups,
         fit: &fit,
-        statics: Statics::new(findings.spine, findings.library, &groups, logs, options.support),
+        statics: Statics::new(&movement.spine, &movement.library, &groups, logs, options.support),
         target: settings.target,
-        depth_mm: findings.depth_mm(),
+        depth_mm: movement.depth_mm(),
         other: task.other,
     };
     let postures = evaluation.simulate_all(task, warnings);
@@ -320,7 +324,8 @@ pub(super) fn fit_model(
 
 /// A fit that is to predict films.
 struct Evaluation<'a> {
-    findings: Findings<'a>,
+    movement: &'a Movement,
+    options: &'a AnalysisOptions,
     kind: LineKind,
     groups: &'a JointGroups,
     fit: &'a Personalization,
@@ -334,7 +339,7 @@ impl Evaluation<'_> {
     /// Predicts every film of a task that has such a line.
     fn simulate_all(&self, task: FitTask<'_>, warnings: &mut Warnings) -> Vec<Simulation> {
         let mut simulations = Vec::new();
-        let films = self.findings.postures.iter();
+        let films = self.movement.films.iter();
         for posture in films.filter(|p| task.films.contains(&p.outline.posture)) {
             let name = posture.outline.posture;
             let fitted = task.bends.iter().position(|(p, _)| p.outline.posture == name);
@@ -352,11 +357,11 @@ impl Evaluation<'_> {
     /// Predicts one film; `fitted` is its place among the fitted ones. `None` where the film has no such line.
     fn simulate(
         &self,
-        posture: &PostureAnalysis,
+        posture: &FilmMovement,
         fitted: Option<usize>,
         warnings: &mut Warnings,
     ) -> Option<Simulation> {
-        let options = self.findings.options;
+        let options = self.options;
         let estimated = self.kind == LineKind::Estimated;
         let (line, estimated_n) = if estimated {
             self.estimated_line(posture, fitted)?
@@ -379,11 +384,10 @@ impl Evaluation<'_> {
                 }
             }
         };
-        let (load, film, regions) =
-            ((line, self.depth_mm), &posture.outline, self.findings.regions);
+        let (film, regions) = (&posture.outline, &self.movement.regions);
         let simulation = match fitted {
-            Some(_) => simulate(&self.statics, load, film, regions, target, true),
-            None => predict(&self.statics, load, film, regions, target),
+            Some(_) => simulate(&self.statics, line, self.depth_mm, film, regions, target, true),
+            None => predict(&self.statics, line, self.depth_mm, film, regions, target),
         };
         // Nominal springs predict nothing of this patient.
         let status = match self.fit.status {
@@ -404,7 +408,7 @@ impl Evaluation<'_> {
     /// stiffness.
     fn estimated_line(
         &self,
-        posture: &PostureAnalysis,
+        posture: &FilmMovement,
         fitted: Option<usize>,
     ) -> Option<(LineOfAction, f64)> {
         let components: [f64; 3] = match fitted {
@@ -421,7 +425,7 @@ impl Evaluation<'_> {
 }
 
 /// What the fits with other lines have found, as free loads: the estimated line then never does much worse.
-fn hints(models: &[LineModel], bends: &[(&PostureAnalysis, Load)]) -> Vec<Start> {
+fn hints(models: &[LineModel], bends: &[(&FilmMovement, Load)]) -> Vec<Start> {
     let load = |model: &LineModel, posture: Posture| {
         let simulation = model.posture(posture).filter(|s| s.is_usable())?;
         let mut line = simulation.line;
@@ -442,7 +446,7 @@ fn hints(models: &[LineModel], bends: &[(&PostureAnalysis, Load)]) -> Vec<Start>
         .collect()
 }
 
-fn contradicted(posture: &PostureAnalysis, simulation: &Simulation) -> Vec<ContradictedJoint> {
+fn contradicted(posture: &FilmMovement, simulation: &Simulation) -> Vec<ContradictedJoint> {
     let Some(evidence) = &posture.evidence else { return Vec::new() };
     let mut line = simulation.line;
     // On the film the force that follows T2 is where T2 was seen.

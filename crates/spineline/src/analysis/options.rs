@@ -1,4 +1,4 @@
-use super::PostureAnalysis;
+use super::FilmMovement;
 use crate::action::{LineKind, LineOfAction};
 use crate::anatomy::{Posture, named};
 use crate::clinical::EndChoice;
@@ -6,35 +6,22 @@ use crate::curve::{InflectionChoice, MIN_TURN, OrderRule};
 use crate::evaluate::RotationPrior;
 use crate::hypothesis::Hypothesis;
 use crate::measure::{FilmLengthRule, TiltRule};
-use crate::multibody::{StiffnessLibrary, Support};
+use crate::multibody::{StiffnessLibrary, StiffnessTable, Support};
 use crate::personalize::{FitTarget, Gauge, LogNormalPrior};
 use crate::spatial::Angle;
 
-/// Which joints share a multiplier.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Grouping {
-    /// One per region (Petit, the paper).
-    #[default]
-    Regional,
-    /// One per joint, fitted to the whole shape.
-    PerJoint,
-}
-
-impl Grouping {
-    /// Every grouping.
-    pub const ALL: [Self; 2] = [Self::Regional, Self::PerJoint];
-
-    /// The name used in files.
-    #[must_use]
-    pub const fn key(self) -> &'static str {
-        match self {
-            Self::Regional => "regional",
-            Self::PerJoint => "per_joint",
-        }
+named! {
+    /// Which joints share a multiplier.
+    #[default(Regional)]
+    pub enum Grouping {
+        /// One multiplier per region (the paper).
+        ///
+        /// After Petit et al., whose method the paper uses.
+        Regional = "regional",
+        /// One per joint, fitted to the whole shape.
+        PerJoint = "per_joint",
     }
 }
-
-named!(Grouping);
 
 /// Every choice of an analysis, each with its default.
 #[derive(Debug, Clone, PartialEq)]
@@ -72,20 +59,43 @@ pub struct AnalysisOptions {
 }
 
 impl AnalysisOptions {
-    /// The paper's method: tilts by the axes of the vertebrae, one scale for all films, the order of the least residual, rotation about
-    /// all axes, and stiffness from Ferguson angles. What the paper leaves open is as in [`AnalysisOptions::default`].
+    /// The paper's method. Where the paper does not say what it did, the choice is the default.
     ///
     /// # References
-    /// [jalalian-loa].
+    /// [jalalian-loa], by its sections.
     #[must_use]
     pub fn paper() -> Self {
         Self {
+            // 2.1: "the line passing through the centre of the upper and lower endplates".
             tilt: TiltRule::Axis,
+            // 2.1: one size of a pixel for all X-rays.
             film_lengths: FilmLengthRule::AsMarked,
+            // 2.3: the order with the least root mean square error; two inflections per spine in 3.1.
             order_rule: OrderRule::Paper,
+            // 2.3: "the inflection points of the spine curvature in the erect position".
+            inflections: InflectionChoice::Automatic,
+            // Not stated.
+            min_curve: MIN_TURN,
+            // Table 1 has Cobb angles of the erect films only.
+            ends: EndChoice::default(),
+            // 3.2: Petit's method, on the models that the paper refers to; it prints no stiffness.
+            library: StiffnessTable::Paper.library(),
+            // 3.2: all degrees of freedom of L4 are fixed, and those of no other vertebra.
             support: Support::Free,
+            // 3.2: not stated; films without a known force show ratios of stiffness only.
+            gauge: Gauge::GeometricMean,
+            // Introduction and 3.2: Ferguson angles in three regions, with the amplitude of the bend reproduced.
             target: FitTarget::Ferguson,
-            ..Self::default()
+            // 3.2: Petit's method adjusts the stiffness of regions.
+            grouping: Grouping::Regional,
+            // 3.2: stiffness follows from the films alone.
+            prior: None,
+            // The paper has no prediction without mechanics.
+            rotation_prior: None,
+            // 3.2: Model-1 and Model-2 are always fitted; the paper has no third line.
+            given_lines: Vec::new(),
+            // The paper compares lines only.
+            hypotheses: Vec::new(),
         }
     }
 
@@ -99,7 +109,7 @@ impl AnalysisOptions {
     }
 
     /// The line that was given for a film, at the film's scale against the erect one.
-    pub(super) fn given_line(&self, film: &PostureAnalysis) -> Option<LineOfAction> {
+    pub(super) fn given_line(&self, film: &FilmMovement) -> Option<LineOfAction> {
         let (_, line) = self.given_lines.iter().find(|(p, _)| *p == film.outline.posture)?;
         // It was given on the film as it is.
         let point = line.point * (1.0 / film.outline.length.scale.factor);

@@ -2,8 +2,7 @@
 
 use nalgebra::{Matrix2, Matrix4, Vector2};
 
-use super::findings::Findings;
-use super::{Analysis, PostureAnalysis};
+use super::{Analysis, AnalysisOptions, FilmMovement, Movement};
 use crate::action::{LineKind, LineOfAction};
 use crate::clinical::JointShares;
 use crate::curve::CurveSpread;
@@ -64,7 +63,7 @@ pub struct LineComparison {
     pub test: LineTest,
 }
 
-impl PostureAnalysis {
+impl FilmMovement {
     /// The line of best fit to the film's rotations against a line of this kind; `None` where there is no such line, and for the
     /// estimated one, which comes from the same rotations.
     #[must_use]
@@ -83,111 +82,104 @@ impl Analysis {
     /// The loads of best fit on all films but the erect one, with regional multipliers; films in the order of the postures.
     #[must_use]
     pub fn preferred_loads(&self) -> Option<PreferredLoads> {
-        preferred_loads_near(self.findings(), None)
+        preferred_loads_near(&self.movement, None)
     }
 
     /// The same, for fits to other readings of the films.
     pub(crate) fn nearby_loads(&self) -> Option<NearbyLoads> {
-        let (found, findings) = (self.preferred_loads()?, self.findings());
-        let films = evidence_of(findings);
-        NearbyLoads::about(&found, &films, findings.depth_mm(), &joint_shares(findings))
+        let (found, movement) = (self.preferred_loads()?, &self.movement);
+        let films = evidence_of(movement);
+        NearbyLoads::about(&found, &films, movement.depth_mm(), &joint_shares(movement))
     }
 }
 
-fn preferred_loads_near(
-    findings: Findings<'_>,
-    near: Option<&NearbyLoads>,
-) -> Option<PreferredLoads> {
-    if findings.film_without_scale().is_some() {
+fn preferred_loads_near(movement: &Movement, near: Option<&NearbyLoads>) -> Option<PreferredLoads> {
+    if movement.film_without_scale().is_some() {
         return None;
     }
-    let films = evidence_of(findings);
-    PreferredLoads::estimate(&films, findings.depth_mm(), &joint_shares(findings), near)
+    let films = evidence_of(movement);
+    PreferredLoads::estimate(&films, movement.depth_mm(), &joint_shares(movement), near)
 }
 
 /// Of every film that has it.
-fn evidence_of(findings: Findings<'_>) -> Vec<&FilmEvidence> {
-    findings.postures.iter().filter_map(|posture| posture.evidence.as_ref()).collect()
+fn evidence_of(movement: &Movement) -> Vec<&FilmEvidence> {
+    movement.films.iter().filter_map(|posture| posture.evidence.as_ref()).collect()
 }
 
 /// Which part of every joint lies in which region: regions end at the inflections, unless these give no three regions.
-fn joint_shares(findings: Findings<'_>) -> JointShares {
-    let vertebrae_mm = &findings.erect().fit.vertebra_t_mm;
-    let ends = [0, 1].map(|i| findings.regions.bounds[i].superior);
+fn joint_shares(movement: &Movement) -> JointShares {
+    let vertebrae_mm = &movement.erect().fit.vertebra_t_mm;
+    let ends = [0, 1].map(|i| movement.regions.bounds[i].superior);
     let lie_near = |ends_mm: &[f64; 2]| {
         ends.iter()
             .zip(ends_mm)
             .all(|(&end, mm)| (vertebrae_mm[end - 1]..vertebrae_mm[end + 1]).contains(mm))
     };
-    let ends_mm = findings.inflections.pair.map(|pair| pair.map(|inflection| inflection.t_mm));
+    let ends_mm = movement.inflections.pair.map(|pair| pair.map(|inflection| inflection.t_mm));
     match ends_mm.filter(lie_near) {
         Some(ends_mm) => JointShares::between(vertebrae_mm, ends_mm),
-        None => JointShares::whole(findings.regions),
+        None => JointShares::whole(&movement.regions),
     }
 }
 
-/// The line of best fit to the rotations of every film, by posture, from loads that are expected near; empty where there are none.
+/// Finds the line of best fit to the rotations of every film, from loads that are expected near.
 pub(super) fn prefer_lines(
-    findings: Findings<'_>,
+    movement: &mut Movement,
+    options: &AnalysisOptions,
     near: Option<&NearbyLoads>,
     warnings: &mut Warnings,
-) -> Vec<Option<PreferredLine>> {
+) {
     // Without lengths there are no lines.
-    if findings.film_without_scale().is_some() || findings.postures.len() < 2 {
-        return Vec::new();
+    if movement.film_without_scale().is_some() || movement.films.len() < 2 {
+        return;
     }
-    let Some(loads) = preferred_loads_near(findings, near) else {
+    let Some(loads) = preferred_loads_near(movement, near) else {
         let text = "the estimation of the lines of best fit to the rotations did not converge, so no film has such a line and no line of action is tested";
         warnings.push(Step::Action, "own_lines_not_found", text);
-        return Vec::new();
+        return;
     };
-    let inflections_mm2 = inflections_along_mm2(findings);
-    let line_of = |film: usize, posture: &PostureAnalysis| {
+    let inflections_mm2 = inflections_along_mm2(movement);
+    let line_of = |film: usize, posture: &FilmMovement| {
         let line = loads.line(film, posture.middle())?.line;
-        let places = findings.inflection_segments.zip(inflections_mm2);
+        let places = movement.inflection_segments.zip(inflections_mm2);
         let inflection = places.and_then(|(segments, along_mm2)| {
-            against_inflections(&loads, film, (posture, segments), along_mm2, &line)
+            against_inflections(&loads, film, posture, segments, along_mm2, &line)
         });
-        let given = findings.options.given_line(posture);
-        let given = given.and_then(|given| against_given(&loads, film, posture, (&line, &given)));
-        preferred_line(&loads, film, posture, (line, inflection, given))
+        let given = options.given_line(posture);
+        let given = given.and_then(|given| against_given(&loads, film, posture, &line, &given));
+        let ends = [posture.outline.vertebrae[0].location, posture.outline.top()];
+        let heights = posture.inflection_points.unwrap_or(ends);
+        let [caudal, cranial] = heights.map(|point| {
+            let z_mm = point.z_mm;
+            let within = loads.crossing(film, z_mm)?;
+            Some(LineCrossing { z_mm, y_mm: line.y_mm_at(z_mm), within })
+        });
+        Some(PreferredLine {
+            crossings: [caudal?, cranial?],
+            inflection,
+            iliac: against_iliac(&loads, film, posture, &line),
+            given,
+            joint_log_sd: loads.joint_log_sd,
+            line,
+        })
     };
     // Loads are counted over the films that have evidence.
     let mut films = 0..;
-    let line_of_posture = |posture: &PostureAnalysis| {
+    let line_of_posture = |posture: &FilmMovement| {
         posture.evidence.as_ref()?;
         line_of(films.next()?, posture)
     };
-    findings.postures.iter().map(line_of_posture).collect()
-}
-
-fn preferred_line(
-    loads: &PreferredLoads,
-    film: usize,
-    posture: &PostureAnalysis,
-    (line, inflection, given): (LineOfAction, Option<LineComparison>, Option<LineComparison>),
-) -> Option<PreferredLine> {
-    let vertebrae = &posture.outline.vertebrae;
-    let ends = [vertebrae[0].location, vertebrae[vertebrae.len() - 1].location];
-    let heights = posture.inflection_points.unwrap_or(ends).map(|point| point.z_mm);
-    let [caudal, cranial] = heights.map(|z_mm| {
-        let within = loads.crossing(film, z_mm)?;
-        Some(LineCrossing { z_mm, y_mm: line.y_mm_at(z_mm), within })
-    });
-    Some(PreferredLine {
-        crossings: [caudal?, cranial?],
-        inflection,
-        iliac: against_iliac(loads, film, posture, &line),
-        given,
-        joint_log_sd: loads.joint_log_sd,
-        line,
-    })
+    let lines: Vec<Option<PreferredLine>> = movement.films.iter().map(line_of_posture).collect();
+    for (film, line) in movement.films.iter_mut().zip(lines) {
+        film.preferred_line = line;
+    }
 }
 
 fn against_inflections(
     loads: &PreferredLoads,
     film: usize,
-    (posture, segments): (&PostureAnalysis, [usize; 2]),
+    posture: &FilmMovement,
+    segments: [usize; 2],
     along_mm2: Matrix2<f64>,
     line: &LineOfAction,
 ) -> Option<LineComparison> {
@@ -203,11 +195,11 @@ fn against_inflections(
 
 /// Covariance of the two inflections along the spine: what the erect curve and the length of a segment leave open. The noise alone
 /// where nothing else is known.
-fn inflections_along_mm2(findings: Findings<'_>) -> Option<Matrix2<f64>> {
-    let erect = findings.erect();
-    let pair = findings.inflections.pair?;
-    let segment_mm2 = findings.chain.segment_mm.powi(2) / 12.0;
-    let on_curve = match findings.inflection_intervals {
+fn inflections_along_mm2(movement: &Movement) -> Option<Matrix2<f64>> {
+    let erect = movement.erect();
+    let pair = movement.inflections.pair?;
+    let segment_mm2 = movement.chain.segment_mm.powi(2) / 12.0;
+    let on_curve = match movement.inflection_intervals {
         Some(free) => free.about_polynomial_mm2,
         None => erect.fit.spread(&erect.outline)?.inflections_mm2(pair.map(|i| i.t_mm)),
     };
@@ -216,7 +208,7 @@ fn inflections_along_mm2(findings: Findings<'_>) -> Option<Matrix2<f64>> {
 
 /// Covariance of the inflections as they lie on a film: along its curve, and with the curve itself.
 fn inflection_covariance(
-    posture: &PostureAnalysis,
+    posture: &FilmMovement,
     segments: [usize; 2],
     along_mm2: Matrix2<f64>,
 ) -> Option<Matrix4<f64>> {
@@ -236,12 +228,12 @@ fn inflection_covariance(
 fn against_iliac(
     loads: &PreferredLoads,
     film: usize,
-    posture: &PostureAnalysis,
+    posture: &FilmMovement,
     line: &LineOfAction,
 ) -> Option<LineComparison> {
     let outline = &posture.outline;
     let normal = outline.iliac_normal?;
-    let t2 = outline.vertebrae[outline.vertebrae.len() - 1].location;
+    let t2 = outline.top();
     let iliac = LineOfAction::along_iliac(t2, Some(normal));
     let direction = iliac.direction;
     /// Between the crests of grown-ups (assumption).
@@ -260,8 +252,9 @@ fn against_iliac(
 fn against_given(
     loads: &PreferredLoads,
     film: usize,
-    posture: &PostureAnalysis,
-    (line, given): (&LineOfAction, &LineOfAction),
+    posture: &FilmMovement,
+    line: &LineOfAction,
+    given: &LineOfAction,
 ) -> Option<LineComparison> {
     let middle = posture.middle();
     // The lever arm of a unit force is the distance across its direction.

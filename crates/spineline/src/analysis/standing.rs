@@ -5,28 +5,17 @@ use crate::anatomy::{Level, Posture, named};
 use crate::measure::{Outline, body_widths};
 use crate::multibody::BodySize;
 
-/// Where pitch and depth of a vertebra of the model come from.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum PitchSource {
-    /// Measured: the lateral film shows the vertebra.
-    LateralFilm,
-    /// Assumed: turns of a population ([`crate::anatomy::SagittalProfile::default`]), from the vertebrae that the lateral film shows, if any.
-    Population,
+named! {
+    /// Where pitch and depth of a vertebra of the model come from.
+    pub enum PitchSource {
+        /// Measured: the lateral film shows the vertebra.
+        LateralFilm = "lateral_film",
+        /// Assumed: turns of a population, from the vertebrae that the lateral film shows, if any.
+        Population = "population",
+    }
 }
 
 impl PitchSource {
-    /// Every source.
-    pub const ALL: [Self; 2] = [Self::LateralFilm, Self::Population];
-
-    /// The name used in files.
-    #[must_use]
-    pub const fn key(self) -> &'static str {
-        match self {
-            Self::LateralFilm => "lateral_film",
-            Self::Population => "population",
-        }
-    }
-
     /// Whether it is this patient's.
     #[must_use]
     pub const fn is_measured(self) -> bool {
@@ -34,36 +23,23 @@ impl PitchSource {
     }
 }
 
-/// Where the axial rotation of a vertebra of the model comes from.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum AxialSource {
-    /// Measured: both pedicles are marked on the erect film.
-    Pedicles,
-    /// Not known, and zero in the model.
-    Unknown,
+named! {
+    /// Where the axial rotation of a vertebra of the model comes from.
+    pub enum AxialSource {
+        /// Measured: both pedicles are marked on the erect film.
+        Pedicles = "pedicles",
+        /// Not known, and zero in the model.
+        Unknown = "unknown",
+    }
 }
 
 impl AxialSource {
-    /// Every source.
-    pub const ALL: [Self; 2] = [Self::Pedicles, Self::Unknown];
-
-    /// The name used in files.
-    #[must_use]
-    pub const fn key(self) -> &'static str {
-        match self {
-            Self::Pedicles => "pedicles",
-            Self::Unknown => "unknown",
-        }
-    }
-
     /// Whether it is this patient's.
     #[must_use]
     pub const fn is_measured(self) -> bool {
         matches!(self, Self::Pedicles)
     }
 }
-
-named!(PitchSource, AxialSource);
 
 /// Widths of the bodies of the model between their corners on the erect film, means over the readings; `None` where a person did not
 /// place these: what a program proposes follows a typical vertebra too.
@@ -81,16 +57,16 @@ pub(super) fn widths_mm(case: &Case, erect: &Outline) -> Vec<Option<f64>> {
 
 impl Analysis {
     /// Sizes of the bodies of the model, the base first, for drawing it: widths between the corners of the erect film where a person placed
-    /// them ([`Analysis::widths_mm`]), and else typical; depths and heights typical.
+    /// them ([`Movement::widths_mm`](super::Movement::widths_mm)), and else typical; depths and heights typical.
     #[must_use]
     pub fn body_sizes(&self) -> Vec<BodySize> {
-        self.spine.body_sizes(self.levels(), &self.widths_mm)
+        self.movement.spine.body_sizes(self.movement.levels(), &self.movement.widths_mm)
     }
 
     /// Where pitch and depth of a vertebra of the model come from.
     #[must_use]
     pub fn pitch_source(&self, level: Level) -> PitchSource {
-        match self.space.as_ref().and_then(|space| space.vertebra(level)) {
+        match self.movement.space.as_ref().and_then(|space| space.vertebra(level)) {
             Some(_) => PitchSource::LateralFilm,
             None => PitchSource::Population,
         }
@@ -99,7 +75,7 @@ impl Analysis {
     /// Where the axial rotation of a vertebra of the model comes from.
     #[must_use]
     pub fn axial_source(&self, level: Level) -> AxialSource {
-        if self.axial.iter().any(|found| found.level == level) {
+        if self.movement.axial.iter().any(|found| found.level == level) {
             AxialSource::Pedicles
         } else {
             AxialSource::Unknown

@@ -2,7 +2,7 @@ use super::comparison::{FilmRole, LinesCompared, Ranking};
 use super::compatibility::{BendEvidence, Compatibility};
 use super::words::counted_inflections;
 use super::wrong_film::doubts_film;
-use super::{Analysis, LineModel, PostureAnalysis};
+use super::{Analysis, FilmMovement, LineModel};
 use crate::action::LineKind;
 use crate::anatomy::Posture;
 use crate::evaluate::{Baseline, Simulation};
@@ -44,7 +44,7 @@ impl Analysis {
             );
         }
         if self.models.is_empty() {
-            let why = if self.film_without_scale().is_some() {
+            let why = if self.movement.film_without_scale().is_some() {
                 "Not every film has a spacing: only angles are measured, and no model is fitted."
             } else {
                 "No bending film: the curve is measured, but no stiffness can be fitted."
@@ -62,19 +62,19 @@ impl Analysis {
             let mut warnings = self.warnings.all().iter();
             warnings.any(|one| one.code == "bend_keeps_shape" && one.posture == Some(posture))
         };
-        let bends = self.postures.iter().filter(|film| !keeps_shape(film.outline.posture));
+        let bends = self.movement.films.iter().filter(|film| !keeps_shape(film.outline.posture));
         sentences.extend(bends.filter_map(turning_sentence));
         sentences.extend(compared.sentences());
         sentences
     }
 
     fn no_inflection_line(&self) -> String {
-        if self.inflections.pair.is_some() {
-            return "There is no inflection line: see the warnings.".to_owned();
+        if self.movement.inflections.pair.is_some() {
+            return "The inflection line is missing: see the warnings.".to_owned();
         }
         format!(
-            "There is no inflection line: the erect curve has {} (minimum angle of a curve between inflections: {}).",
-            counted_inflections(self.inflections.all.len()),
+            "The inflection line is missing: the erect curve has {} (minimum angle of a curve between inflections: {}).",
+            counted_inflections(self.movement.inflections.all.len()),
             self.options.min_curve
         )
     }
@@ -117,7 +117,7 @@ impl Analysis {
     pub(super) fn not_tested_words(&self, model: &LineModel) -> &'static str {
         let mut bends = model.postures.iter().filter(|s| s.fitted && s.is_usable());
         let lacks_crests = |s: &Simulation| {
-            let film = self.posture(s.posture);
+            let film = self.movement.film(s.posture);
             film.is_some_and(|film| film.outline.iliac_normal.is_none())
         };
         if !bends.clone().any(|_| true) {
@@ -397,7 +397,7 @@ pub(crate) fn listed(parts: &[String]) -> String {
 }
 
 /// How many joints turn to the side of the bend. A single force that crosses the spine twice turns them both ways.
-fn turning_sentence(posture: &PostureAnalysis) -> Option<String> {
+fn turning_sentence(posture: &FilmMovement) -> Option<String> {
     let side = posture.outline.posture.bend()?;
     let joints = &posture.evidence.as_ref()?.joints;
     let same = joints.iter().filter(|joint| joint.rotation.side() == Some(side)).count();

@@ -26,15 +26,16 @@ impl Analysis {
     /// Angles of the curves between inflections, and the inflections.
     #[must_use]
     pub fn inflection_words(&self) -> String {
+        let movement = &self.movement;
         let curves: Vec<String> =
-            self.inflections.curves.iter().map(|l| l.turn.leaning()).collect();
+            movement.inflections.curves.iter().map(|l| l.turn.leaning()).collect();
         let place = |inflection: &Inflection| {
             let (below, above) = inflection.between;
-            let height = self.scale().text(inflection.erect.z_mm, 0);
-            format!("{below}/{above} ({height} above {})", self.levels().base())
+            let height = movement.scale().text(inflection.erect.z_mm, 0);
+            format!("{below}/{above} ({height} above {})", movement.levels().base())
         };
         let turns = format!("Erect curve bends {}", curves.join(", "));
-        match &self.inflections.pair {
+        match &movement.inflections.pair {
             Some([a, b]) => {
                 let intervals = self.inflection_interval_words();
                 format!("{turns}\nInflections at {} and {}{intervals}", place(a), place(b))
@@ -45,8 +46,8 @@ impl Analysis {
 
     /// Where the inflections may lie, on a line of its own; empty where that is not known.
     fn inflection_interval_words(&self) -> String {
-        let Some(intervals) = &self.inflection_intervals else { return String::new() };
-        let scale = self.scale();
+        let Some(intervals) = &self.movement.inflection_intervals else { return String::new() };
+        let scale = self.movement.scale();
         let mm = |mm: f64| mm * scale.pixels_per_mm.unwrap_or(1.0);
         let one = |interval: &Option<InflectionInterval>| match interval {
             Some(found) => {
@@ -58,7 +59,7 @@ impl Analysis {
         let [a, b] = &intervals.each;
         format!(
             "\n95 % intervals of the inflections along the curve from {}, by landmark noise and the unknown form of the curve: {}; {}",
-            self.levels().base(),
+            self.movement.levels().base(),
             one(a),
             one(b)
         )
@@ -68,7 +69,8 @@ impl Analysis {
     #[must_use]
     pub fn film_scale_words(&self) -> Option<String> {
         let films: Vec<String> = self
-            .postures
+            .movement
+            .films
             .iter()
             .filter(|p| p.outline.length.is_free())
             .map(|p| {
@@ -84,20 +86,21 @@ impl Analysis {
     /// Lenke's type, or what is missing for it.
     #[must_use]
     pub fn lenke_words(&self) -> String {
+        let movement = &self.movement;
         let bends = [Posture::LeftBending, Posture::RightBending];
-        match self.lenke {
+        match movement.lenke {
             Some(lenke) => format!(
                 "Lenke type {} from frontal films (kyphosis and modifiers are not assessed)",
                 lenke.number
             ),
-            None if bends.iter().any(|&bend| self.posture(bend).is_none()) => {
+            None if bends.iter().any(|&bend| movement.film(bend).is_none()) => {
                 "No Lenke type: it needs both bending films".to_owned()
             }
-            None if !self.clinical.iter().all(ClinicalCurve::has_cobb) => {
+            None if !movement.clinical.iter().all(ClinicalCurve::has_cobb) => {
                 "No Lenke type: it needs Cobb angles, and the corners of the vertebrae are not known"
                     .to_owned()
             }
-            None if self.inflections.pair.is_none() => {
+            None if movement.inflections.pair.is_none() => {
                 "No Lenke type: the erect curve does not have two inflections that separate the curves".to_owned()
             }
             None => "No Lenke type: no curve reaches 10°, or the structural curves match no type"
@@ -108,12 +111,12 @@ impl Analysis {
     /// How the spine stands over the pelvis on the erect film, and what the landmarks do not give.
     #[must_use]
     pub fn balance_words(&self) -> String {
-        let Some(balance) = &self.balance else {
+        let Some(balance) = &self.movement.balance else {
             return "No balance: the vertical of the erect film is not known".to_owned();
         };
         let beside = |mm: f64| {
             let side = if mm < 0.0 { "right" } else { "left" };
-            format!("{} to the patient's {side}", self.scale().text(mm.abs(), 0))
+            format!("{} to the patient's {side}", self.movement.scale().text(mm.abs(), 0))
         };
         let mut words = vec![format!(
             "Plumb line of {} {} of the vertical line through {}",
@@ -135,7 +138,7 @@ impl Analysis {
     /// Where the sagittal shape comes from.
     #[must_use]
     pub const fn profile_words(&self) -> &'static str {
-        if self.space.is_some() {
+        if self.movement.space.is_some() {
             "sagittal profile of this patient, from the lateral and the erect film"
         } else {
             "sagittal profile from a population, not from this patient: no lateral film was measured"
@@ -185,14 +188,14 @@ impl Analysis {
     /// If there is no such joint.
     #[must_use]
     pub fn spring_words(&self, model: &LineModel, joint: usize) -> String {
-        let springs = model.stiffness_nmm_per_rad(&self.library)[joint];
+        let springs = model.stiffness_nmm_per_rad(&self.movement.library)[joint];
         if model.is_absolute(self.options.gauge) {
             let [lateral, flexion, axial] = springs.map(|k| k / 1000.0);
             return format!(
                 "lateral {lateral:.0}, flexion {flexion:.0}, axial {axial:.0} N·m/rad (scaled to the known force)"
             );
         }
-        let nominal = self.library.rows()[joint].nmm_per_rad;
+        let nominal = self.movement.library.rows()[joint].nmm_per_rad;
         let [lateral, flexion, axial] = [0, 1, 2].map(|axis| springs[axis] / nominal[axis]);
         format!(
             "lateral {lateral:.2}, flexion {flexion:.2}, axial {axial:.2} of the nominal stiffness (no force was measured: only ratios are identified)"

@@ -39,7 +39,7 @@ const MAX_WIDTH_DEVIATION: f64 = 0.18;
 const PROGRAM_FACTOR: f64 = 2.0;
 
 /// Codes of warnings that a film does not show what it is named after.
-pub(crate) const WRONG_FILM: [&str; 9] = [
+const WRONG_FILM: [&str; 9] = [
     "another_patient",
     "bend_keeps_shape",
     "bend_leans_away",
@@ -60,8 +60,9 @@ pub(super) fn doubts_film(warning: &Warning) -> bool {
 ///
 /// The lateral tilt of the erect spine is checked on patients only: that of phantoms of the paper's Table 1 is up to 45° by construction.
 pub(super) fn warn_of_wrong_films(
-    (films, is_synthetic): (&[&Film], bool),
+    films: &[&Film],
     outlines: &[Outline],
+    is_synthetic: bool,
     warnings: &mut Warnings,
 ) {
     let Some((erect, others)) = outlines.split_first() else { return };
@@ -79,14 +80,14 @@ pub(super) fn warn_of_wrong_films(
     }
     if let Some((first, films)) = films.split_first() {
         for (film, outline) in films.iter().zip(others) {
-            warn_of_another_patient((first, erect), (film, outline), warnings);
+            warn_of_another_patient([first, film], [erect, outline], warnings);
         }
     }
 }
 
 /// A film may be turned as a whole, so that the smaller of the two angles counts where the iliac crests are marked.
 fn warn_of_leaning_erect(erect: &Outline, warnings: &mut Warnings) {
-    let on_film = (line_tilt(erect) + erect.l4_on_film).wrapped();
+    let on_film = (erect.top().lateral_tilt() + erect.l4_on_film).wrapped();
     let against_crests = erect.iliac_normal.map(|_| erect.amplitude());
     let tilt = match against_crests {
         Some(tilt) if tilt.abs() < on_film.abs() => tilt,
@@ -130,7 +131,7 @@ fn warn_of_no_bend(erect: &Outline, bend: &Outline, side: Side, warnings: &mut W
         warnings.film(Step::Measure, "bend_keeps_shape", bend.posture, text);
         return;
     }
-    let change = line_tilt(bend) - line_tilt(erect);
+    let change = bend.top().lateral_tilt() - erect.top().lateral_tilt();
     let towards = match side {
         Side::Left => -change,
         Side::Right => change,
@@ -181,10 +182,6 @@ fn warn_of_one_picture(first: &Outline, second: &Outline, warnings: &mut Warning
     is_one
 }
 
-fn line_tilt(outline: &Outline) -> Angle {
-    outline.vertebrae[outline.vertebrae.len() - 1].location.lateral_tilt()
-}
-
 /// Change of the lateral tilt of L4 to T2 between two films that noise explains: three standard deviations of the difference of two
 /// tilts of L4, in whose frame it is measured, and at least 2°.
 pub(super) fn tilt_margin(a: &Outline, b: &Outline) -> Angle {
@@ -212,17 +209,13 @@ fn shape_difference(a: &Outline, b: &Outline, sign: f64) -> String {
 /// Bodies of one film against those of the erect one. A common factor, such as another magnification, makes no difference.
 ///
 /// What corners that a program found add to the noise, such as those completed from two clicks, widens the limits.
-fn warn_of_another_patient(
-    (erect, erect_outline): (&Film, &Outline),
-    (film, outline): (&Film, &Outline),
-    warnings: &mut Warnings,
-) {
+fn warn_of_another_patient(films: [&Film; 2], outlines: [&Outline; 2], warnings: &mut Warnings) {
     // Without a spacing, heights and widths are comparable in square pixels only.
     let scaled = |film: &Film| matches!(&film.landmarks, FilmLandmarks::Corners { image, .. } if image.scale().is_some());
-    if scaled(erect) != scaled(film) {
+    if scaled(films[0]) != scaled(films[1]) {
         return;
     }
-    let [reference, bodies] = [erect, film].map(|film| body_shapes(film, Levels::COMPLETE));
+    let [reference, bodies] = films.map(|film| body_shapes(film, Levels::COMPLETE));
     let pairs = Levels::COMPLETE.iter().zip(reference.into_iter().zip(bodies));
     let marked: Vec<(Level, [[f64; 2]; 2])> =
         pairs.filter_map(|(level, (a, b))| Some((level, [a?, b?]))).collect();
@@ -237,8 +230,7 @@ fn warn_of_another_patient(
     let width = median(widths.clone());
     let ratio = (median(heights) - width).exp();
     let deviation = median(widths.iter().map(|log| (log - width).abs()).collect());
-    let [height_sd, width_sd] =
-        [0, 1].map(|side| program_log_sd([erect_outline, outline], &marked, side));
+    let [height_sd, width_sd] = [0, 1].map(|side| program_log_sd(outlines, &marked, side));
     // Corners of one film that a program found err alike, so that a median of many is no surer than one.
     let max_ratio = MAX_SHAPE_RATIO * (PROGRAM_FACTOR * height_sd.hypot(width_sd)).exp();
     let max_deviation = MAX_WIDTH_DEVIATION + PROGRAM_FACTOR * width_sd;
@@ -259,7 +251,7 @@ fn warn_of_another_patient(
     let text = format!(
         "{found}: check that both films show the same patient, and the spacing of their rows and columns"
     );
-    warnings.film(Step::Measure, "another_patient", film.posture, text);
+    warnings.film(Step::Measure, "another_patient", films[1].posture, text);
 }
 
 /// Root mean square, over the bodies, of what corners that a program found add to the error of the logarithm of a height (side 0) or a

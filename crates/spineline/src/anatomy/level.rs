@@ -69,23 +69,10 @@ impl Level {
 
     /// The vertebrae of the complete model, from the fixed L4 to T2; films that show fewer give a part of them
     /// ([`Levels`](super::Levels)).
-    pub const MODEL: [Self; 15] = [
-        Self::L4,
-        Self::L3,
-        Self::L2,
-        Self::L1,
-        Self::T12,
-        Self::T11,
-        Self::T10,
-        Self::T9,
-        Self::T8,
-        Self::T7,
-        Self::T6,
-        Self::T5,
-        Self::T4,
-        Self::T3,
-        Self::T2,
-    ];
+    pub const MODEL: [Self; 15] = {
+        let [_, model @ .., _] = Self::ALL;
+        model
+    };
 
     /// The place of this level in [`Level::MODEL`]; `None` for L5 and T1.
     #[must_use]

@@ -3,7 +3,6 @@
 
 mod level;
 mod levels;
-mod line_kind;
 mod morphometry;
 mod named;
 mod pedicles;
@@ -11,12 +10,16 @@ mod posture;
 mod published;
 mod trunk;
 
+pub(crate) use crate::named;
 pub use level::{Level, UnknownLevel};
 pub use levels::Levels;
-pub use line_kind::LineKind;
 pub use morphometry::{Morphometry, SagittalProfile};
-pub(crate) use named::named;
+#[cfg(feature = "schema")]
+#[doc(hidden)]
+pub use named::schema_of_keys;
 pub use named::{Named, UnknownKey};
+#[doc(hidden)]
+pub use named::{deserialize_key, of_key};
 pub use pedicles::PediclePlace;
 pub use posture::{FilmView, ImageSide, Posture, Region, Side};
 pub use published::{PublishedNumbers, SourceCheck};

@@ -1,22 +1,22 @@
 use std::fmt;
 
-use super::named;
+use super::{Named, named};
 
-named!(Side, ImageSide, Posture, FilmView, Region);
-
-/// A side of the **patient**, never of the picture.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub enum Side {
-    /// The patient's left, +Y.
-    Left,
-    /// The patient's right, -Y.
-    Right,
+named! {
+    /// A side of the patient, never of the picture.
+    pub enum Side {
+        /// The patient's left.
+        ///
+        /// It is +Y.
+        Left = "left",
+        /// The patient's right.
+        ///
+        /// It is -Y.
+        Right = "right",
+    }
 }
 
 impl Side {
-    /// Both sides.
-    pub const ALL: [Self; 2] = [Self::Left, Self::Right];
-
     /// The other side.
     #[must_use]
     pub const fn opposite(self) -> Self {
@@ -25,45 +25,19 @@ impl Side {
             Self::Right => Self::Left,
         }
     }
-
-    /// The name used in files.
-    #[must_use]
-    pub const fn key(self) -> &'static str {
-        match self {
-            Self::Left => "left",
-            Self::Right => "right",
-        }
-    }
 }
 
-impl fmt::Display for Side {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.pad(self.key())
+named! {
+    /// A side of the picture as one looks at it.
+    pub enum ImageSide {
+        /// Left side of the picture as viewed.
+        Left = "image_left",
+        /// Right side of the picture as viewed.
+        Right = "image_right",
     }
-}
-
-/// A side of the picture as one looks at it.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum ImageSide {
-    /// Towards the first column.
-    Left,
-    /// Towards the last column.
-    Right,
 }
 
 impl ImageSide {
-    /// Both sides.
-    pub const ALL: [Self; 2] = [Self::Left, Self::Right];
-
-    /// The name used in files.
-    #[must_use]
-    pub const fn key(self) -> &'static str {
-        match self {
-            Self::Left => "image_left",
-            Self::Right => "image_right",
-        }
-    }
-
     /// The other one.
     #[must_use]
     pub const fn opposite(self) -> Self {
@@ -74,26 +48,23 @@ impl ImageSide {
     }
 }
 
-/// The position in which a film was taken.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub enum Posture {
-    /// Standing: the reference.
-    Erect,
-    /// Bending to the patient's left.
-    LeftBending,
-    /// Bending to the patient's right.
-    RightBending,
-    /// Lying, at rest.
-    Neutral,
-    /// Lying, pulled along the spine.
-    Traction,
+named! {
+    /// The position in which a film was taken.
+    pub enum Posture {
+        /// Standing: the reference.
+        Erect = "erect",
+        /// Bending to the patient's left.
+        LeftBending = "left_bending" as "left bending",
+        /// Bending to the patient's right.
+        RightBending = "right_bending" as "right bending",
+        /// Lying, at rest.
+        Neutral = "neutral",
+        /// Lying, pulled along the spine.
+        Traction = "traction",
+    }
 }
 
 impl Posture {
-    /// All postures, the erect one first.
-    pub const ALL: [Self; 5] =
-        [Self::Erect, Self::LeftBending, Self::RightBending, Self::Neutral, Self::Traction];
-
     /// The postures into which the erect spine is moved.
     pub const MOVED: [Self; 4] =
         [Self::LeftBending, Self::RightBending, Self::Neutral, Self::Traction];
@@ -106,30 +77,6 @@ impl Posture {
             Self::RightBending => Some(Side::Right),
             Self::Erect | Self::Neutral | Self::Traction => None,
         }
-    }
-
-    /// The name used in files.
-    #[must_use]
-    pub const fn key(self) -> &'static str {
-        match self {
-            Self::Erect => "erect",
-            Self::LeftBending => "left_bending",
-            Self::RightBending => "right_bending",
-            Self::Neutral => "neutral",
-            Self::Traction => "traction",
-        }
-    }
-}
-
-impl fmt::Display for Posture {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.pad(match self {
-            Self::Erect => "erect",
-            Self::LeftBending => "left bending",
-            Self::RightBending => "right bending",
-            Self::Neutral => "neutral",
-            Self::Traction => "traction",
-        })
     }
 }
 
@@ -175,6 +122,26 @@ impl FilmView {
     }
 }
 
+impl Named for FilmView {
+    const TYPE: &'static str = "FilmView";
+    const DOC: &'static str =
+        "What a film shows: the posture of the patient on a frontal film, or the lateral film.";
+    const ALL: &'static [Self] = &Self::ALL;
+
+    fn key(self) -> &'static str {
+        self.key()
+    }
+
+    fn doc(self) -> &'static str {
+        match self {
+            Self::Frontal(posture) => posture.doc(),
+            Self::Lateral => "From the side.",
+        }
+    }
+}
+
+named!(by_key FilmView);
+
 impl From<Posture> for FilmView {
     fn from(posture: Posture) -> Self {
         Self::Frontal(posture)
@@ -190,45 +157,22 @@ impl fmt::Display for FilmView {
     }
 }
 
-/// A region of the spine with one curve of its own, from caudal to cranial.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub enum Region {
-    /// Thoracolumbar or lumbar.
-    ThoracolumbarLumbar,
-    /// Main thoracic.
-    MainThoracic,
-    /// Proximal thoracic.
-    ProximalThoracic,
+named! {
+    /// A region of the spine that has one curve. Regions go from caudal to cranial.
+    pub enum Region {
+        /// Thoracolumbar or lumbar.
+        ThoracolumbarLumbar = "thoracolumbar_lumbar" as "thoracolumbar/lumbar",
+        /// Main thoracic.
+        MainThoracic = "main_thoracic" as "main thoracic",
+        /// Proximal thoracic.
+        ProximalThoracic = "proximal_thoracic" as "proximal thoracic",
+    }
 }
 
 impl Region {
-    /// All regions, caudal first; the index of a region is its place here.
-    pub const ALL: [Self; 3] =
-        [Self::ThoracolumbarLumbar, Self::MainThoracic, Self::ProximalThoracic];
-
     /// Place in [`Region::ALL`].
     #[must_use]
     pub const fn index(self) -> usize {
         self as usize
-    }
-
-    /// The name used in files.
-    #[must_use]
-    pub const fn key(self) -> &'static str {
-        match self {
-            Self::ThoracolumbarLumbar => "thoracolumbar_lumbar",
-            Self::MainThoracic => "main_thoracic",
-            Self::ProximalThoracic => "proximal_thoracic",
-        }
-    }
-}
-
-impl fmt::Display for Region {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.pad(match self {
-            Self::ThoracolumbarLumbar => "thoracolumbar/lumbar",
-            Self::MainThoracic => "main thoracic",
-            Self::ProximalThoracic => "proximal thoracic",
-        })
     }
 }

@@ -1,40 +1,24 @@
-use std::fmt;
-
 use super::named;
 
-/// How far numbers of a publication were compared with it.
-///
-/// ```
-/// use spineline::anatomy::SourceCheck;
-/// assert_eq!(SourceCheck::SecondHand.cite("panjabi-1976"), "panjabi-1976 (second-hand)");
-/// assert_eq!(SourceCheck::AtSource.cite("wilke-2017"), "wilke-2017");
-/// ```
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum SourceCheck {
-    /// With its text, its abstract or its data.
-    AtSource,
-    /// With another text that quotes it.
-    SecondHand,
-    /// With no text.
-    Unverified,
+named! {
+    /// How far numbers of a publication were compared with it.
+    ///
+    /// ```
+    /// use spineline::anatomy::SourceCheck;
+    /// assert_eq!(SourceCheck::SecondHand.cite("panjabi-1976"), "panjabi-1976 (second-hand)");
+    /// assert_eq!(SourceCheck::AtSource.cite("wilke-2017"), "wilke-2017");
+    /// ```
+    pub enum SourceCheck {
+        /// With its text, its abstract or its data.
+        AtSource = "at_source" as "compared with the source",
+        /// With another text that quotes it.
+        SecondHand = "second_hand" as "second-hand: compared with a text that quotes the source",
+        /// With no text.
+        Unverified = "unverified" as "UNVERIFIED: compared with no text",
+    }
 }
 
-named!(SourceCheck);
-
 impl SourceCheck {
-    /// Every value, the surest first.
-    pub const ALL: [Self; 3] = [Self::AtSource, Self::SecondHand, Self::Unverified];
-
-    /// The name used in files.
-    #[must_use]
-    pub const fn key(self) -> &'static str {
-        match self {
-            Self::AtSource => "at_source",
-            Self::SecondHand => "second_hand",
-            Self::Unverified => "unverified",
-        }
-    }
-
     /// Keys of the list of references, with this check where it is not the source itself.
     #[must_use]
     pub fn cite(self, keys: &str) -> String {
@@ -43,16 +27,6 @@ impl SourceCheck {
             Self::SecondHand => format!("{keys} (second-hand)"),
             Self::Unverified => format!("{keys} (UNVERIFIED)"),
         }
-    }
-}
-
-impl fmt::Display for SourceCheck {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.pad(match self {
-            Self::AtSource => "compared with the source",
-            Self::SecondHand => "second-hand: compared with a text that quotes the source",
-            Self::Unverified => "UNVERIFIED: compared with no text",
-        })
     }
 }
 

@@ -1,30 +1,22 @@
 use super::{ClinicalCurve, Regions};
+use crate::anatomy::named;
 use crate::anatomy::{Level, Region};
 use crate::measure::Outline;
 use crate::spatial::{Angle, Frontal};
 
-/// What stands for the centre of the sacrum, through which the central sacral vertical line runs.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum SacralReference {
-    /// Middle of the tips of the iliac crests.
-    IliacCrests,
-    /// Midpoint of L5.
-    L5,
-    /// Midpoint of the model's lowest vertebra, which is L4 where that was seen; nothing lower was marked.
-    Base,
+named! {
+    /// What stands for the centre of the sacrum, through which the central sacral vertical line runs.
+    pub enum SacralReference {
+        /// Middle of the tips of the iliac crests.
+        IliacCrests = "iliac_crests",
+        /// Midpoint of L5.
+        L5 = "l5",
+        /// Midpoint of the model's lowest vertebra, which is L4 where that was seen; nothing lower was marked.
+        Base = "base",
+    }
 }
 
 impl SacralReference {
-    /// The name used in files.
-    #[must_use]
-    pub const fn key(self) -> &'static str {
-        match self {
-            Self::IliacCrests => "iliac_crests",
-            Self::L5 => "l5",
-            Self::Base => "base",
-        }
-    }
-
     /// As text, such as `the middle of the iliac crests`.
     #[must_use]
     pub const fn words(self) -> &'static str {

@@ -4,31 +4,16 @@ use crate::anatomy::{Level, Posture, Region, Side, named};
 use crate::measure::{EndplateTilts, Outline};
 use crate::spatial::{Angle, Frontal};
 
-/// On which films end vertebrae are chosen.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum EndRule {
-    /// On the erect film; every other film is measured between the same vertebrae, as surgeons do.
-    #[default]
-    Erect,
-    /// On every film anew.
-    EachFilm,
-}
-
-impl EndRule {
-    /// Every rule.
-    pub const ALL: [Self; 2] = [Self::Erect, Self::EachFilm];
-
-    /// The name used in files.
-    #[must_use]
-    pub const fn key(self) -> &'static str {
-        match self {
-            Self::Erect => "erect",
-            Self::EachFilm => "each_film",
-        }
+named! {
+    /// On which films end vertebrae are chosen.
+    #[default(Erect)]
+    pub enum EndRule {
+        /// On the erect film; every other film is measured between the same vertebrae, as surgeons do.
+        Erect = "erect",
+        /// On every film anew.
+        EachFilm = "each_film",
     }
 }
-
-named!(EndRule);
 
 /// How the end vertebrae of curves are chosen.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]

@@ -1,13 +1,13 @@
 //! Predictions without mechanics over many patients, and whether lines of action and other loads predict better.
 
-use super::census::Gathering;
+use std::collections::BTreeSet;
+
 use super::comparison::{ComparisonOutcome, corrected_by_holm};
-use super::others::PREDICTED;
-use super::patient::{CohortPatient, PatientFilmUnderLines};
-use super::rows::RowsInMemory;
-use super::samples::{Kept, Samples};
+use super::others::{PREDICTED, Seen};
+use super::patient::CohortPatient;
+use super::patients::Patients;
 use super::workers::OneThread;
-use super::{Clustered, PairedComparison, Seen};
+use super::{Clustered, PairedComparison};
 use crate::action::LineKind;
 use crate::analysis::{Analysis, FilmRole, listed, probability};
 use crate::evaluate::Baseline;
@@ -70,19 +70,14 @@ pub struct BaselinesOverPatients {
 }
 
 impl BaselinesOverPatients {
-    /// Asks for the samples of the lines and of other loads and bases; gives what makes the result of them.
-    pub(super) fn ask(
-        kinds: &[LineKind],
-        hypotheses: &[Hypothesis],
-        samples: &mut Samples,
-    ) -> impl FnOnce(&mut Samples) -> Self + use<> {
-        let errors: Vec<_> = cells().map(|cell| errors(cell, samples)).collect();
-        let tests = tests_of(kinds, line_errors_mm, samples);
-        let hypothesis_tests = tests_of(hypotheses, hypothesis_errors_mm, samples);
-        move |samples| Self {
-            errors: errors.into_iter().filter_map(|errors| errors(samples)).collect(),
-            tests: tests(samples),
-            hypothesis_tests: hypothesis_tests(samples),
+    /// `kinds` are the lines with a model.
+    pub(super) fn of(all: &[CohortPatient], patients: &Patients<'_>, kinds: &[LineKind]) -> Self {
+        let fitted = all.iter().flat_map(|patient| patient.hypotheses.iter().copied());
+        let hypotheses: Vec<Hypothesis> = fitted.collect::<BTreeSet<_>>().into_iter().collect();
+        Self {
+            errors: errors(patients),
+            tests: tests(kinds, CohortPatient::line_mm, patients),
+            hypothesis_tests: tests(&hypotheses, CohortPatient::hypothesis_mm, patients),
         }
     }
 
@@ -90,16 +85,11 @@ impl BaselinesOverPatients {
     /// interval and no test.
     #[must_use]
     pub fn of_patient(analysis: &Analysis) -> Self {
+        let patient = &[CohortPatient::of(analysis)];
         // One patient is not resampled.
-        let resampling = Resampling::new(1, 0);
-        let mut patients = &[CohortPatient::of(analysis)][..];
-        let Ok(mut gathering) =
-            Gathering::begin(&mut patients, resampling, Kept { values: false, listed: 0 });
-        let Gathering { census, samples, .. } = &mut gathering;
-        let found = Self::ask(&census.kinds(), &census.hypotheses, samples);
-        let rows = &mut RowsInMemory::default();
-        let Ok(()) = gathering.go_through(&mut patients, rows, &OneThread);
-        found(&mut gathering.samples)
+        let patients = Patients::new(patient, Resampling::new(1, 0), &OneThread);
+        let kinds: BTreeSet<LineKind> = patient[0].lines.iter().map(|line| line.kind).collect();
+        Self::of(patient, &patients, &Vec::from_iter(kinds))
     }
 
     /// The prediction without mechanics with the smallest error on the films of a role, of those that know no more of a
@@ -124,47 +114,70 @@ fn cells() -> impl Iterator<Item = (Baseline, FilmRole)> {
     Baseline::ALL.into_iter().flat_map(|one| PREDICTED.map(|role| (one, role)))
 }
 
-/// Asks for the errors of a baseline on the films of a role; `None` where it predicts none.
-fn errors(
-    (baseline, role): (Baseline, FilmRole),
-    samples: &mut Samples,
-) -> impl FnOnce(&mut Samples) -> Option<BaselineErrors> + use<> {
-    let location = samples.sample(move |seen, values| {
-        seen.films(role)
-            .filter_map(|film| film.errors_mm(baseline))
-            .for_each(|errors| values.extend_from_slice(errors));
+/// The errors of every baseline on the films of a role, where it predicts any.
+fn errors(patients: &Patients<'_>) -> Vec<BaselineErrors> {
+    let cells: Vec<_> = cells().collect();
+    let found = patients.clustered(&cells, |seen, &(baseline, role), values| {
+        let films = seen.patient.places(role);
+        let errors = films.filter_map(|film| seen.baseline_mm(film, baseline));
+        errors.for_each(|errors| values.extend_from_slice(errors));
     });
-    let films = samples.count(move |seen| {
-        seen.films(role).filter(|film| film.errors_mm(baseline).is_some()).count()
-    });
-    move |samples| {
-        let films = samples.number(films);
-        (films > 0).then(|| {
-            let location_mm = samples.clustered(location);
-            BaselineErrors { baseline, role, films, location_mm }
-        })
-    }
+    let of_cell = |(&(baseline, role), location_mm): (&(Baseline, FilmRole), Clustered)| {
+        let films = patients.count(|seen| {
+            let films = seen.patient.places(role);
+            films.filter(|&film| seen.baseline_mm(film, baseline).is_some()).count()
+        });
+        (films > 0).then_some(BaselineErrors { baseline, role, films, location_mm })
+    };
+    cells.iter().zip(found).filter_map(of_cell).collect()
 }
 
-/// Asks for all models against every baseline that knows no more of a film than they do, as one family.
-fn tests_of<Model: Copy + 'static>(
+/// The location errors of a model on a film of a patient; `None` where it has no result.
+type ErrorsOf<Model> = fn(&CohortPatient, u8, Model) -> Option<&[f64]>;
+
+/// All models against every baseline that knows no more of a film than they do, where they have a film in common, as one family.
+fn tests<Model: Copy + Sync>(
     models: &[Model],
     errors_mm: ErrorsOf<Model>,
-    samples: &mut Samples,
-) -> impl FnOnce(&mut Samples) -> Vec<BaselineTest<Model>> + use<Model> {
+    patients: &Patients<'_>,
+) -> Vec<BaselineTest<Model>> {
+    let both = |seen: &Seen<'_>,
+                (model, (baseline, role)): (Model, (Baseline, FilmRole)),
+                take: &mut dyn FnMut(&[f64], &[f64])| {
+        for film in seen.patient.places(role) {
+            let of_model = errors_mm(seen.patient, film, model);
+            if let Some((first, second)) = of_model.zip(seen.baseline_mm(film, baseline)) {
+                take(first, second);
+            }
+        }
+    };
+    let count = |pair| {
+        patients.count(|seen| {
+            let mut films = 0;
+            both(seen, pair, &mut |_, _| films += 1);
+            films
+        })
+    };
     let fair = || cells().filter(|(baseline, _)| !baseline.knows_tilt());
     let pairs = models.iter().flat_map(|&model| fair().map(move |cell| (model, cell)));
-    let asked: Vec<_> =
-        pairs.map(|(model, cell)| test((model, errors_mm), cell, samples)).collect();
-    move |samples| {
-        let found = asked.into_iter().filter_map(|test| test(samples));
-        let mut tests: Vec<BaselineTest<Model>> = found.collect();
-        let corrected = corrected_by_holm(tests.iter().map(|test| &test.comparison));
-        for (test, holm_p) in tests.iter_mut().zip(corrected) {
-            test.holm_p = holm_p;
-        }
-        tests
-    }
+    let (pairs, films): (Vec<_>, Vec<usize>) =
+        pairs.map(|pair| (pair, count(pair))).filter(|(_, films)| *films > 0).unzip();
+    let found = patients.compared(&pairs, |seen, &pair, [a, b]| {
+        both(seen, pair, &mut |first, second| {
+            a.extend_from_slice(first);
+            b.extend_from_slice(second);
+        });
+    });
+    let corrected = corrected_by_holm(&found);
+    let test = |(((&(model, (baseline, role)), films), comparison), holm_p)| BaselineTest {
+        model,
+        baseline,
+        role,
+        films,
+        comparison,
+        holm_p,
+    };
+    pairs.iter().zip(films).zip(found).zip(corrected).map(test).collect()
 }
 
 impl BaselinesOverPatients {
@@ -258,61 +271,5 @@ const fn films_words(role: FilmRole) -> &'static str {
     match role {
         FilmRole::HeldOut => "Neutral and traction films",
         FilmRole::LeftOutBend | FilmRole::Fitted => "Bends left out",
-    }
-}
-
-fn line_errors_mm<'a>(
-    patient: &'a CohortPatient,
-    line: LineKind,
-    film: &'a PatientFilmUnderLines,
-) -> Option<&'a [f64]> {
-    Some(&patient.errors(film, line)?.location_mm)
-}
-
-fn hypothesis_errors_mm<'a>(
-    patient: &'a CohortPatient,
-    hypothesis: Hypothesis,
-    film: &'a PatientFilmUnderLines,
-) -> Option<&'a [f64]> {
-    let fit = patient.hypotheses.iter().find(|fit| fit.hypothesis == hypothesis)?;
-    let found = fit.films.iter().find(|one| one.0 == film.posture && one.1 == film.role)?;
-    Some(&found.2)
-}
-
-/// The location errors of a model on a film of a patient; `None` where it has no result.
-type ErrorsOf<Model> =
-    for<'a> fn(&'a CohortPatient, Model, &'a PatientFilmUnderLines) -> Option<&'a [f64]>;
-
-/// Asks for a model against a baseline; `None` where they have no film in common.
-fn test<Model: Copy + 'static>(
-    (model, errors_mm): (Model, ErrorsOf<Model>),
-    (baseline, role): (Baseline, FilmRole),
-    samples: &mut Samples,
-) -> impl FnOnce(&mut Samples) -> Option<BaselineTest<Model>> + use<Model> {
-    let both = move |seen: &Seen<'_>, take: &mut dyn FnMut(&[f64], &[f64])| {
-        for one in seen.films(role) {
-            let of_model = errors_mm(seen.patient, model, one.film);
-            if let Some((first, second)) = of_model.zip(one.errors_mm(baseline)) {
-                take(first, second);
-            }
-        }
-    };
-    let compared = samples.pair(move |seen, [a, b]| {
-        both(seen, &mut |first, second| {
-            a.extend_from_slice(first);
-            b.extend_from_slice(second);
-        });
-    });
-    let films = samples.count(move |seen| {
-        let mut films = 0;
-        both(seen, &mut |_, _| films += 1);
-        films
-    });
-    move |samples| {
-        let films = samples.number(films);
-        (films > 0).then(|| {
-            let comparison = samples.comparison(compared);
-            BaselineTest { model, baseline, role, films, comparison, holm_p: None }
-        })
     }
 }

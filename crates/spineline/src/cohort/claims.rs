@@ -1,5 +1,6 @@
 use crate::action::LineKind;
 use crate::analysis::Analysis;
+use crate::anatomy::named;
 use crate::evaluate::Simulation;
 use crate::evaluate::statistics::{
     Share, Summary, cluster_bootstrap, paired_t, quantile, ratio_bootstrap,
@@ -38,7 +39,7 @@ impl PatientClaims {
     /// Reads the numbers off an analysis.
     #[must_use]
     pub fn of(analysis: &Analysis) -> Self {
-        let moved = analysis.postures.iter().filter_map(|posture| {
+        let moved = analysis.movement.films.iter().filter_map(|posture| {
             Some((posture.motion.as_ref()?, posture.inflection_estimates.as_ref()?))
         });
         let (mut distances, mut inflections, mut all) = (Vec::new(), Vec::new(), Vec::new());
@@ -47,13 +48,13 @@ impl PatientClaims {
             inflections.extend(estimates.iter().map(|e| e.rotation.deg()));
             all.push(motion.mean_rotation().deg());
         }
-        let erect = analysis.erect();
+        let erect = analysis.movement.erect();
         let windows = least_windows(&erect.fit, &erect.pose);
         let chance = windows.map(|(from, to)| {
             ((2 * NEAR_SEGMENTS + 1) as f64 / (to.saturating_sub(from) + 1) as f64).min(1.0)
         });
         let of_films = |value: &dyn Fn(&crate::curve::CurveFit) -> f64| {
-            mean(&analysis.postures.iter().map(|p| value(&p.fit)).collect::<Vec<_>>())
+            mean(&analysis.movement.films.iter().map(|p| value(&p.fit)).collect::<Vec<_>>())
                 .unwrap_or(f64::NAN)
         };
         Self {
@@ -116,15 +117,16 @@ fn both_lines(analysis: &Analysis, fitted: bool) -> Option<[f64; 2]> {
     Some([mean(&first)?, mean(&second)?])
 }
 
-/// What the numbers say of a claim.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum ClaimVerdict {
-    /// The whole interval is on the claim's side.
-    Holds,
-    /// The interval has both sides in it.
-    Open,
-    /// The whole interval is on the other side.
-    Fails,
+named! {
+    /// What the numbers say of a claim.
+    pub enum ClaimVerdict {
+        /// The whole interval is on the claim's side.
+        Holds = "holds",
+        /// The interval has both sides in it.
+        Open = "open",
+        /// The whole interval is on the other side.
+        Fails = "fails",
+    }
 }
 
 impl ClaimVerdict {
@@ -137,16 +139,6 @@ impl ClaimVerdict {
             Self::Fails
         } else {
             Self::Open
-        }
-    }
-
-    /// The name used in files.
-    #[must_use]
-    pub const fn key(self) -> &'static str {
-        match self {
-            Self::Holds => "holds",
-            Self::Open => "open",
-            Self::Fails => "fails",
         }
     }
 }

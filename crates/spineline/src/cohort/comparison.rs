@@ -1,52 +1,25 @@
-use std::fmt;
-
+use crate::anatomy::named;
 use crate::evaluate::paired::{EffectSize, SignFlip, effect_size, holm, sign_flip};
 use crate::evaluate::statistics::{PairedT, Summary};
 use crate::personalize::TestOutcome;
 
-/// What a comparison of errors says of the first model beside the second. All outputs use these words.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum ComparisonOutcome {
-    /// Its error is smaller, significantly after Holm's correction.
-    Better,
-    /// Its error is larger: significantly after Holm's correction, or the whole 95 % interval of the difference is above zero
-    /// over at least six patients. A claim that a model is better needs the correction; that it is worse does not.
-    Worse,
-    /// The data show no difference.
-    NoDifference,
-    /// Too few patients have both.
-    NotTested,
+named! {
+    /// What a comparison of errors says of the first model beside the second. All outputs use these words.
+    pub enum ComparisonOutcome {
+        /// Its error is smaller, significantly after Holm's correction.
+        Better = "better",
+        /// Its error is larger: significantly after Holm's correction, or the whole 95 % interval of the difference is above zero
+        /// over at least six patients. A claim that a model is better needs the correction; that it is worse does not.
+        Worse = "worse",
+        /// The data show no difference.
+        NoDifference = "no_significant_difference" as "no significant difference",
+        /// Too few patients have both.
+        NotTested = "not_tested" as "not tested",
+    }
 }
 
 /// With fewer patients a sign-flip test never reaches 5 %, and a percentile interval is too narrow to decide.
 const MIN_PATIENTS: usize = 6;
-
-impl ComparisonOutcome {
-    /// All of them.
-    pub const ALL: [Self; 4] = [Self::Better, Self::Worse, Self::NoDifference, Self::NotTested];
-
-    /// The name used in files.
-    #[must_use]
-    pub const fn key(self) -> &'static str {
-        match self {
-            Self::Better => "better",
-            Self::Worse => "worse",
-            Self::NoDifference => "no_significant_difference",
-            Self::NotTested => "not_tested",
-        }
-    }
-}
-
-impl fmt::Display for ComparisonOutcome {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.pad(match self {
-            Self::Better => "better",
-            Self::Worse => "worse",
-            Self::NoDifference => "no significant difference",
-            Self::NotTested => "not tested",
-        })
-    }
-}
 
 /// Two samples of the same things, one value of each per thing.
 ///
@@ -112,11 +85,9 @@ impl PairedComparison {
 }
 
 /// Sign-flip probabilities of a family of comparisons after Holm's correction; `None` where there is no such test.
-pub(super) fn corrected_by_holm<'a>(
-    family: impl Iterator<Item = &'a PairedComparison>,
-) -> Vec<Option<f64>> {
+pub(super) fn corrected_by_holm(family: &[PairedComparison]) -> Vec<Option<f64>> {
     let flips: Vec<Option<f64>> =
-        family.map(|one| one.sign_flip.map(|test| test.p_two_sided)).collect();
+        family.iter().map(|one| one.sign_flip.map(|test| test.p_two_sided)).collect();
     let adjusted = holm(&flips.iter().flatten().copied().collect::<Vec<f64>>());
     let mut adjusted = adjusted.into_iter();
     flips.into_iter().map(|flip| flip.and_then(|_| adjusted.next())).collect()

@@ -2,6 +2,7 @@
 
 use std::cmp::Reverse;
 
+use super::CohortPatient;
 use crate::analysis::{Analysis, listed};
 use crate::anatomy::{Levels, Posture};
 use crate::warning::counted;
@@ -51,16 +52,24 @@ pub struct ChainCount {
 }
 
 impl ChainCount {
-    /// The chain of most patients first; of chains of as many patients the longer one.
-    pub(super) fn sort(counts: &mut [Self]) {
+    /// Of all patients: the chain of most patients first; of chains of as many patients the longer one.
+    pub(super) fn all(patients: &[CohortPatient]) -> Vec<Self> {
+        let mut counts: Vec<Self> = Vec::new();
+        for levels in patients.iter().map(|patient| patient.levels) {
+            match counts.iter_mut().find(|count| count.levels == levels) {
+                Some(count) => count.patients += 1,
+                None => counts.push(Self { levels, patients: 1 }),
+            }
+        }
         counts.sort_by_key(|count| {
             let levels = count.levels;
             (Reverse(count.patients), Reverse(levels.len()), levels.base())
         });
+        counts
     }
 }
 
-/// Which films of which patients are doubted; the films are those of at least the first patients.
+/// Which films of which patients are doubted.
 pub(super) fn doubted_sentence(
     films: &[DoubtedFilm],
     doubted: usize,

@@ -1,38 +1,29 @@
 //! The lines of action of many patients on the same films.
 
 use super::comparison::corrected_by_holm;
+use super::others::Seen;
 use super::patient::{CohortPatient, FilmErrors};
-use super::samples::Samples;
-use super::{Clustered, PairedComparison, Seen};
+use super::patients::Patients;
+use super::{Clustered, PairedComparison};
 use crate::action::LineKind;
 use crate::analysis::{FilmRole, FreeNumbers, LineModel};
 use crate::anatomy::Posture;
+use crate::anatomy::named;
 use crate::evaluate::Simulation;
 use crate::multibody::MatchStatus;
 use crate::personalize::SIGNIFICANCE;
 
-/// Which error is compared.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum ErrorKind {
-    /// Distance of vertebrae, in mm: what a verdict is about.
-    Location,
-    /// Absolute errors of Ferguson angles, in degrees.
-    Ferguson,
+named! {
+    /// Which error is compared.
+    pub enum ErrorKind {
+        /// Distance of vertebrae, in mm: what a verdict is about.
+        Location = "location_mm",
+        /// Absolute errors of Ferguson angles, in degrees.
+        Ferguson = "ferguson_deg",
+    }
 }
 
 impl ErrorKind {
-    /// Both.
-    pub const ALL: [Self; 2] = [Self::Location, Self::Ferguson];
-
-    /// The name used in files.
-    #[must_use]
-    pub const fn key(self) -> &'static str {
-        match self {
-            Self::Location => "location_mm",
-            Self::Ferguson => "ferguson_deg",
-        }
-    }
-
     /// What it is measured in.
     #[must_use]
     pub const fn unit(self) -> &'static str {
@@ -42,10 +33,10 @@ impl ErrorKind {
         }
     }
 
-    fn of(self, errors: &FilmErrors) -> &[f64] {
+    pub(super) fn of(self, errors: FilmErrors<'_>) -> &[f64] {
         match self {
-            Self::Location => &errors.location_mm,
-            Self::Ferguson => &errors.ferguson_deg,
+            Self::Location => errors.location_mm(),
+            Self::Ferguson => errors.ferguson_deg(),
         }
     }
 }
@@ -64,9 +55,11 @@ pub struct RoleErrors {
     pub without_result: usize,
     /// Location errors, in mm.
     pub location_mm: Clustered,
+    /// All of them, patient by patient.
+    pub all_location_mm: Vec<f64>,
     /// Absolute Ferguson errors, in degrees.
     pub ferguson_deg: Clustered,
-    /// Mean location error of every patient, in mm; NaN for one without such a film; as [`super::Listed`].
+    /// Mean location error of every patient, in mm; NaN for one without such a film.
     pub by_patient_mm: Vec<f64>,
 }
 
@@ -126,41 +119,19 @@ impl LinePairTest {
     }
 }
 
-/// Why a line has no result on a film.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum NoResult {
-    /// The patient has no model of this line; for a left-out bend, none that was fitted to the other bend.
-    NoModel,
-    /// The line has no place on the film.
-    NoLine,
-    /// No force up to the limit gives the shape that was asked for.
-    Unreachable,
-    /// The search for the force did not converge.
-    NotConverged,
-    /// The shape that was found is beyond the human range of motion.
-    BeyondHumanRange,
-}
-
-impl NoResult {
-    /// All of them.
-    pub const ALL: [Self; 5] = [
-        Self::NoModel,
-        Self::NoLine,
-        Self::Unreachable,
-        Self::NotConverged,
-        Self::BeyondHumanRange,
-    ];
-
-    /// The name used in files.
-    #[must_use]
-    pub const fn key(self) -> &'static str {
-        match self {
-            Self::NoModel => "no_model",
-            Self::NoLine => "no_line",
-            Self::Unreachable => MatchStatus::Unreachable.key(),
-            Self::NotConverged => MatchStatus::NotConverged.key(),
-            Self::BeyondHumanRange => MatchStatus::BeyondHumanRange.key(),
-        }
+named! {
+    /// Why a line has no result on a film.
+    pub enum NoResult {
+        /// The patient has no model of this line; for a left-out bend, none that was fitted to the other bend.
+        NoModel = "no_model" as "the line has no model",
+        /// The line has no place on the film.
+        NoLine = "no_line" as "the line has no place on this film",
+        /// No force up to the limit gives the shape that was asked for.
+        Unreachable = "unreachable" as "no force up to the limit gives the shape",
+        /// The search for the force did not converge.
+        NotConverged = "not_converged" as "the search for the force did not converge",
+        /// The shape that was found is beyond the human range of motion.
+        BeyondHumanRange = "beyond_human_range" as "the shape found is beyond the human range of motion",
     }
 }
 
@@ -173,7 +144,7 @@ pub(super) fn result_on(
     let model = models.iter().find(|model| model.kind == kind).ok_or(NoResult::NoModel)?;
     let simulation = model.posture(posture).ok_or(NoResult::NoLine)?;
     match simulation.status {
-        MatchStatus::Matched => Ok(simulation),
+        MatchStatus::Converged => Ok(simulation),
         MatchStatus::Unreachable => Err(NoResult::Unreachable),
         MatchStatus::NotConverged => Err(NoResult::NotConverged),
         MatchStatus::BeyondHumanRange => Err(NoResult::BeyondHumanRange),
@@ -206,150 +177,129 @@ pub struct LinesOverPatients {
     pub errors: Vec<RoleErrors>,
     /// By pair of lines, role and error: one family.
     pub tests: Vec<LinePairTest>,
-    /// The films on which a line has no result, once per such line, as [`super::Listed`].
+    /// The films on which a line has no result, once per such line.
     pub missing: Vec<MissingResult>,
-    /// All patients with such a film.
-    pub with_missing: usize,
 }
 
 impl LinesOverPatients {
-    /// Asks for the samples of these lines; gives what makes the result of them, without the films that lack a result.
-    pub(super) fn ask(
-        numbers: Vec<(LineKind, FreeNumbers)>,
-        same_data: bool,
-        samples: &mut Samples,
-    ) -> impl FnOnce(&mut Samples) -> Self + use<> {
-        let kinds: Vec<LineKind> = numbers.iter().map(|(kind, _)| *kind).collect();
-        let errors: Vec<_> = FilmRole::ALL
-            .into_iter()
-            .flat_map(|role| kinds.iter().map(move |&kind| (role, kind)))
-            .map(|(role, kind)| role_errors(role, kind, samples))
-            .collect();
-        let tests = tests(&numbers, samples);
-        move |samples| Self {
-            tests: tests(samples),
-            numbers,
-            same_data,
-            errors: errors.into_iter().map(|errors| errors(samples)).collect(),
-            missing: Vec::new(),
-            with_missing: 0,
+    pub(super) fn of(all: &[CohortPatient], patients: &Patients<'_>) -> Self {
+        let mut numbers: Vec<(LineKind, FreeNumbers)> = Vec::new();
+        for line in all.iter().flat_map(|patient| &patient.lines) {
+            if numbers.iter().all(|(kind, _)| *kind != line.kind) {
+                numbers.push((line.kind, line.numbers));
+            }
         }
+        numbers.sort_by_key(|(kind, _)| *kind);
+        let kinds: Vec<LineKind> = numbers.iter().map(|(kind, _)| *kind).collect();
+        Self {
+            same_data: all.iter().all(|patient| patient.same_data),
+            errors: role_errors(&kinds, patients),
+            tests: tests(&numbers, patients),
+            missing: all.iter().flat_map(|patient| missing(patient, &kinds)).collect(),
+            numbers,
+        }
+    }
+
+    /// The lines with a model of some patient.
+    pub fn kinds(&self) -> impl Iterator<Item = LineKind> {
+        self.numbers.iter().map(|(kind, _)| *kind)
     }
 }
 
-/// Asks for the errors of a line over the films of a role on which it has a result.
-fn role_errors(
-    role: FilmRole,
-    kind: LineKind,
-    samples: &mut Samples,
-) -> impl FnOnce(&mut Samples) -> RoleErrors + use<> {
-    let values = |error: ErrorKind| {
-        move |seen: &Seen<'_>, values: &mut Vec<f64>| {
-            for [film] in seen.patient.films_of(role, [kind]) {
-                values.extend_from_slice(error.of(film));
-            }
-        }
-    };
-    let [location, ferguson] = ErrorKind::ALL.map(|error| samples.sample(values(error)));
-    let by_patient = samples.average(values(ErrorKind::Location));
-    let films = count_films(role, [kind], samples);
-    move |samples| {
-        let (films, without_result) = films(samples);
+/// A line on the films of a role, by one of the errors.
+type LineSample = (FilmRole, LineKind, ErrorKind);
+
+fn add(seen: &Seen<'_>, sample: &LineSample, values: &mut Vec<f64>) {
+    let &(role, kind, error) = sample;
+    for [film] in seen.patient.films_of(role, [kind]) {
+        values.extend_from_slice(error.of(film));
+    }
+}
+
+/// Errors of every line over the films of every role on which it has a result.
+fn role_errors(kinds: &[LineKind], patients: &Patients<'_>) -> Vec<RoleErrors> {
+    let cells =
+        FilmRole::ALL.into_iter().flat_map(|role| kinds.iter().map(move |&kind| (role, kind)));
+    let samples: Vec<_> =
+        cells.map(|(role, kind)| ErrorKind::ALL.map(|error| (role, kind, error))).collect();
+    let found = patients.clustered(samples.as_flattened(), add);
+    let of_cell = |(samples, &[location_mm, ferguson_deg]): (&[LineSample; 2], &[Clustered; 2])| {
+        let (role, kind, _) = samples[0];
+        let (films, without_result) = count_films(role, [kind], patients);
         RoleErrors {
             kind,
             role,
             films,
             without_result,
-            location_mm: samples.clustered(location),
-            ferguson_deg: samples.clustered(ferguson),
-            by_patient_mm: samples.averages(by_patient),
+            location_mm,
+            all_location_mm: patients.values(|seen, values| add(seen, &samples[0], values)),
+            ferguson_deg,
+            by_patient_mm: patients.means(|seen, values| add(seen, &samples[0], values)),
         }
-    }
+    };
+    samples.iter().zip(found.as_chunks().0).map(of_cell).collect()
 }
 
-/// Asks on how many films of a role some lines all have a result, and how many others there are.
+/// On how many films of a role some lines all have a result, and how many others there are.
 fn count_films<const N: usize>(
     role: FilmRole,
     kinds: [LineKind; N],
-    samples: &mut Samples,
-) -> impl Fn(&Samples) -> (usize, usize) + use<N> {
-    let all = samples
-        .count(move |seen| seen.patient.compared.iter().filter(|film| film.role == role).count());
-    let shared = samples.count(move |seen| seen.patient.films_of(role, kinds).count());
-    move |samples| {
-        let shared = samples.number(shared);
-        (shared, samples.number(all) - shared)
-    }
+    patients: &Patients<'_>,
+) -> (usize, usize) {
+    let all = patients.count(|seen| seen.patient.places(role).count());
+    let shared = patients.count(|seen| seen.patient.films_of(role, kinds).count());
+    (shared, all - shared)
 }
 
 /// The lines of a cohort that have no result on a film of one patient.
-pub(super) fn missing(patient: &CohortPatient, kinds: &[LineKind]) -> Vec<MissingResult> {
+fn missing(patient: &CohortPatient, kinds: &[LineKind]) -> Vec<MissingResult> {
     let mut all = Vec::new();
-    for film in &patient.compared {
+    for (film, &(posture, role)) in (0..).zip(&patient.compared) {
         all.extend(kinds.iter().filter_map(|&kind| {
-            let line = patient.lines.iter().position(|line| line.kind == kind);
-            let reason = match line {
-                Some(line) => *film.by_line[line].as_ref().err()?,
-                None => NoResult::NoModel,
-            };
-            let case_id = patient.case_id.clone();
-            Some(MissingResult { case_id, posture: film.posture, role: film.role, kind, reason })
+            let reason = patient.result(film, kind).err()?;
+            let case_id = patient.case_id.to_string();
+            Some(MissingResult { case_id, posture, role, kind, reason })
         }));
     }
     all
 }
 
-/// Asks for every pair of lines on every kind of films by either error, corrected as one family.
-fn tests(
-    numbers: &[(LineKind, FreeNumbers)],
-    samples: &mut Samples,
-) -> impl FnOnce(&mut Samples) -> Vec<LinePairTest> + use<> {
-    let mut asked = Vec::new();
+/// Two lines on the films of a role.
+type LinePair = ([(LineKind, FreeNumbers); 2], FilmRole, ErrorKind);
+
+/// Every pair of lines on every kind of films by either error, corrected as one family.
+fn tests(numbers: &[(LineKind, FreeNumbers)], patients: &Patients<'_>) -> Vec<LinePairTest> {
+    let mut pairs: Vec<LinePair> = Vec::new();
     for (place, &first) in numbers.iter().enumerate() {
         for &second in &numbers[place + 1..] {
             for role in FilmRole::ALL {
-                asked.extend(
-                    ErrorKind::ALL.map(|error| pair([first, second], role, error, samples)),
-                );
+                pairs.extend(ErrorKind::ALL.map(|error| ([first, second], role, error)));
             }
         }
     }
-    move |samples| {
-        let mut tests: Vec<LinePairTest> = asked.into_iter().map(|test| test(samples)).collect();
-        let corrected = corrected_by_holm(tests.iter().map(|test| &test.comparison));
-        for (test, holm_p) in tests.iter_mut().zip(corrected) {
-            test.holm_p = holm_p;
-        }
-        tests
-    }
-}
-
-/// Asks for two lines on the films of a role that both have a result on.
-fn pair(
-    both: [(LineKind, FreeNumbers); 2],
-    role: FilmRole,
-    error: ErrorKind,
-    samples: &mut Samples,
-) -> impl FnOnce(&mut Samples) -> LinePairTest + use<> {
-    let lines = both.map(|(kind, _)| kind);
-    let compared = samples.pair(move |seen, [a, b]| {
-        for [first, second] in seen.patient.films_of(role, lines) {
+    let found = patients.compared(&pairs, |seen, &([first, second], role, error), [a, b]| {
+        for [first, second] in seen.patient.films_of(role, [first.0, second.0]) {
             a.extend_from_slice(error.of(first));
             b.extend_from_slice(error.of(second));
         }
     });
-    let films = count_films(role, lines, samples);
-    move |samples| {
-        let (films, without_result) = films(samples);
-        LinePairTest {
-            lines,
-            role,
-            error,
-            films,
-            without_result,
-            comparison: samples.comparison(compared),
-            holm_p: None,
-            per_predicted_film: both.map(|(_, numbers)| numbers.per_predicted_film),
-        }
-    }
+    let corrected = corrected_by_holm(&found);
+    let tests = pairs.into_iter().zip(found).zip(corrected);
+    tests
+        .map(|(((both, role, error), comparison), holm_p)| {
+            let lines = both.map(|(kind, _)| kind);
+            let (films, without_result) = count_films(role, lines, patients);
+            let per_predicted_film = both.map(|(_, numbers)| numbers.per_predicted_film);
+            LinePairTest {
+                lines,
+                role,
+                error,
+                films,
+                without_result,
+                comparison,
+                holm_p,
+                per_predicted_film,
+            }
+        })
+        .collect()
 }

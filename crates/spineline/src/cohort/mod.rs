@@ -8,24 +8,21 @@
 //! [jalalian-loa], sections 3 and 4, table 2.
 
 mod baselines;
-mod bytes;
-mod census;
 mod claims;
 mod comparison;
 mod films;
 mod lines;
+mod numbers;
 mod others;
 mod outcomes;
 mod patient;
+mod patients;
 mod refused;
 mod rotation_prior;
-mod rows;
-mod samples;
 mod words;
 mod workers;
 
 pub use baselines::{BaselineErrors, BaselineTest, BaselinesOverPatients};
-pub use census::{CohortSource, TakePart};
 pub use claims::{ClaimVerdict, Claims, NEAR_SEGMENTS, PatientClaims};
 pub use comparison::{ComparisonOutcome, PairedComparison};
 pub use films::{ChainCount, DoubtedFilm};
@@ -34,28 +31,20 @@ pub use outcomes::{LineOutcomes, OutcomeCounts};
 pub use patient::CohortPatient;
 pub use refused::{RefusalStep, RefusedCase};
 pub use rotation_prior::{LearnedRotations, learn_rotation_prior};
-pub use rows::{CohortRows, RowsInMemory};
 pub use workers::{OneThread, Workers};
 
 use crate::action::LineKind;
-use crate::anatomy::named;
 use crate::evaluate::statistics::{Resampling, Summary};
-use crate::motion::SegmentEstimate;
-use census::{Census, Gathering};
 use others::Seen;
-use patient::{FilmErrors, PatientFilm, SimulatedFilm};
-use samples::{Kept, Paired, Sampled, Samples};
-
-named!(ComparisonOutcome, RefusalStep);
+use patient::{Estimate, FilmErrors, PatientFilm};
+use patients::Patients;
 
 /// Resamples of a cluster bootstrap.
 const RESAMPLES: u32 = 2000;
 
-/// A sample that belongs to patients.
-#[derive(Debug, Clone, PartialEq)]
+/// Statistics of a sample that belongs to patients.
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Clustered {
-    /// All values, patient by patient; none in a cohort that was made without them ([`Cohort::of_source`]).
-    pub values: Vec<f64>,
     /// Of all values, as if they were independent.
     pub pooled: Summary,
     /// Of one mean per patient.
@@ -65,34 +54,8 @@ pub struct Clustered {
 }
 
 impl Clustered {
-    /// From the values of every patient.
-    fn new(by_patient: &[Vec<f64>], resampling: &Resampling) -> Self {
-        let values = by_patient.concat();
-        let with_values = by_patient.iter().filter(|values| !values.is_empty());
-        let means: Vec<f64> = with_values.map(|values| Summary::of(values).mean).collect();
-        Self {
-            pooled: Summary::of(&values),
-            patients: Summary::of(&means),
-            bootstrap: resampling.interval(&means),
-            values,
-        }
-    }
-}
-
-/// As [`Clustered`], without the values: of quantities that a film has many of.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct ClusteredSummary {
-    /// Of all values, as if they were independent.
-    pub pooled: Summary,
-    /// Of one mean per patient.
-    pub patients: Summary,
-    /// 95 % interval of the mean by resampling patients.
-    pub bootstrap: Option<[f64; 2]>,
-}
-
-impl ClusteredSummary {
     /// From one summary per patient; patients without values do not count.
-    fn new(by_patient: &[Summary], resampling: &Resampling) -> Self {
+    fn of(by_patient: &[Summary], resampling: &Resampling) -> Self {
         let with_values = by_patient.iter().filter(|summary| summary.n > 0);
         let means: Vec<f64> = with_values.map(|summary| summary.mean).collect();
         Self {
@@ -100,12 +63,6 @@ impl ClusteredSummary {
             patients: Summary::of(&means),
             bootstrap: resampling.interval(&means),
         }
-    }
-}
-
-impl From<&Clustered> for ClusteredSummary {
-    fn from(values: &Clustered) -> Self {
-        Self { pooled: values.pooled, patients: values.patients, bootstrap: values.bootstrap }
     }
 }
 
@@ -118,13 +75,17 @@ pub struct EstimateStatistics {
     pub distance_mm: Clustered,
     /// Rotation of the guessed segments, in degrees.
     pub rotation_deg: Clustered,
+    /// All distances in segments, patient by patient.
+    pub all_distances_segments: Vec<f64>,
+    /// All rotations in degrees, patient by patient.
+    pub all_rotations_deg: Vec<f64>,
 }
 
 impl EstimateStatistics {
-    /// Share of the guesses at a distance of 0, 1 and 2 segments, and beyond; NaN in a cohort without values.
+    /// Share of the guesses at a distance of 0, 1 and 2 segments, and beyond; NaN without a guess.
     #[must_use]
     pub fn shares(&self) -> [f64; 4] {
-        let values = &self.distance_segments.values;
+        let values = &self.all_distances_segments;
         let mut counts = [0.0; 4];
         for distance in values {
             counts[(*distance as usize).min(3)] += 1.0;
@@ -140,6 +101,8 @@ pub struct ErrorStatistics {
     pub ferguson_deg: Clustered,
     /// Location errors of the vertebrae: E_LOC.
     pub location_mm: Clustered,
+    /// All location errors in mm, patient by patient.
+    pub all_location_mm: Vec<f64>,
     /// Films without a usable simulation.
     pub unusable: usize,
 }
@@ -175,9 +138,11 @@ pub struct Cohort {
     /// Residuals of the curves' tilts, in degrees.
     pub rmse_deg: Clustered,
     /// Rotations of all segments, in degrees: r.
-    pub rotation_deg: ClusteredSummary,
-    /// Rotations of the least-rotating segments.
+    pub rotation_deg: Clustered,
+    /// Rotations of the least-rotating segments, in degrees.
     pub least_rotation_deg: Clustered,
+    /// All of them, patient by patient.
+    pub all_least_rotations_deg: Vec<f64>,
     /// Inflections as estimates over all films, over bends, and over neutral and traction films.
     pub inflection: [EstimateStatistics; 3],
     /// MMS_Mean over bends, and over neutral and traction films.
@@ -200,19 +165,10 @@ pub struct Cohort {
     pub outcomes: Vec<LineOutcomes>,
     /// Patients with a film that may not show what it is named after.
     pub doubted: usize,
-    /// The films of these patients, by patient, as [`Listed`].
+    /// The films of these patients, by patient.
     pub doubted_films: Vec<DoubtedFilm>,
     /// The chains of the patients, the one of most patients first.
     pub chains: Vec<ChainCount>,
-}
-
-/// Which patients the lists of a cohort have: own means ([`RoleErrors::by_patient_mm`]), doubted films, and films without a result.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Listed {
-    /// The first patients ([`Cohort::LISTED`]) of which there is something to list.
-    First,
-    /// All.
-    All,
 }
 
 /// Which films count.
@@ -236,9 +192,6 @@ impl Films {
 }
 
 impl Cohort {
-    /// Patients in each list of a cohort that lists the first ones ([`Listed::First`]).
-    pub const LISTED: usize = 200;
-
     /// Statistics of some patients; the seed is that of the bootstrap and of the permutation tests.
     ///
     /// ```
@@ -260,94 +213,49 @@ impl Cohort {
     /// ```
     #[must_use]
     pub fn of(patients: &[CohortPatient], seed: u64) -> Self {
-        let (rows, kept) =
-            (&mut RowsInMemory::default(), Kept { values: true, listed: usize::MAX });
-        let Ok(cohort) = Self::gathered(&mut &*patients, rows, kept, seed, &OneThread);
-        cohort
+        Self::by(patients, seed, &OneThread)
     }
 
-    /// The same of patients that need not be in memory, without the values behind the statistics. `rows` take about a thousand bytes
-    /// per patient; of memory it needs about a hundred, whatever the films, and what is listed. Resampling and tests, which take most
-    /// of the time, are done by the workers.
-    ///
-    /// # Errors
-    /// If a patient or a row cannot be read again.
-    pub fn of_source<S: CohortSource>(
-        patients: &mut S,
-        rows: &mut impl CohortRows<S::Error>,
-        listed: Listed,
-        seed: u64,
-        workers: &dyn Workers,
-    ) -> Result<Self, S::Error> {
-        let listed = match listed {
-            Listed::First => Self::LISTED,
-            Listed::All => usize::MAX,
+    /// The same, with predictions, resampling and tests done by the workers.
+    #[must_use]
+    pub fn by(all: &[CohortPatient], seed: u64, workers: &dyn Workers) -> Self {
+        let resampling = Resampling::new(RESAMPLES, seed);
+        let patients = Patients::new(all, resampling, workers);
+        let mean = |value: fn(&CohortPatient) -> f64| -> Summary {
+            Summary::of(&all.iter().map(value).collect::<Vec<f64>>())
         };
-        Self::gathered(patients, rows, Kept { values: false, listed }, seed, workers)
-    }
-
-    fn gathered<S: CohortSource>(
-        patients: &mut S,
-        rows: &mut impl CohortRows<S::Error>,
-        kept: Kept,
-        seed: u64,
-        workers: &dyn Workers,
-    ) -> Result<Self, S::Error> {
-        let mut gathering = Gathering::begin(patients, Resampling::new(RESAMPLES, seed), kept)?;
-        let Gathering { census, samples, .. } = &mut gathering;
-        let statistics = Self::ask(census, samples);
-        gathering.go_through(patients, rows, workers)?;
-        let Gathering { census, mut samples, .. } = gathering;
-        Ok(statistics(census, &mut samples))
-    }
-
-    /// Asks for all samples; gives what makes the result of them.
-    fn ask(
-        census: &Census,
-        samples: &mut Samples,
-    ) -> impl FnOnce(Census, &mut Samples) -> Self + use<> {
-        let rmse_mm = of_films(samples, |film, values| values.push(film.rmse_mm));
-        let rmse_deg = of_films(samples, |film, values| values.push(film.rmse_deg));
-        let least_rotation_deg =
-            of_films(samples, |film, values| values.extend(&film.least_rotations_deg));
-        let inflection = [Films::All, Films::Bends, Films::Others]
-            .map(|which| estimates(samples, which, |film| film.inflection_estimates.as_ref()));
-        let mean_least = [Films::Bends, Films::Others]
-            .map(|which| estimates(samples, which, |film| film.mean_least_estimates.as_ref()));
-        let table_2 = table_2(samples);
-        let modelled = LineKind::ALL.into_iter().filter(|kind| census.modelled.contains(kind));
-        let lines: Vec<_> = modelled.map(|kind| line(samples, kind)).collect();
-        let ferguson_test = paper_test(samples, |errors| &errors.ferguson_deg);
-        let location_test = paper_test(samples, |errors| &errors.location_mm);
-        let same_data = !census.has_different_data;
-        let compared = LinesOverPatients::ask(census.numbers.clone(), same_data, samples);
-        let baselines = BaselinesOverPatients::ask(&census.kinds(), &census.hypotheses, samples);
-        move |census, samples| Self {
-            patients: census.patients,
-            synthetic: census.synthetic,
-            segments: Summary::of(&census.segments),
-            segment_mm: Summary::of(&census.segment_mm),
-            rmse_mm: samples.clustered(rmse_mm),
-            rmse_deg: samples.clustered(rmse_deg),
-            rotation_deg: ClusteredSummary::new(&census.rotation_deg, samples.resampling()),
-            least_rotation_deg: samples.clustered(least_rotation_deg),
-            inflection: inflection.map(|estimates| estimates(samples)),
-            mean_least: mean_least.map(|estimates| estimates(samples)),
-            table_2: table_2.map(|compared| samples.comparison(compared)),
-            two_inflections: census.two_inflections,
-            lines: lines.into_iter().map(|line| line(samples)).collect(),
-            ferguson_test: samples.comparison(ferguson_test),
-            location_test: samples.comparison(location_test),
-            baselines: baselines(samples),
-            compared: LinesOverPatients {
-                missing: census.missing,
-                with_missing: census.with_missing,
-                ..compared(samples)
-            },
-            outcomes: census.outcomes,
-            doubted: census.doubted,
-            doubted_films: census.doubted_films,
-            chains: census.chains,
+        let [rmse_mm, rmse_deg, least_rotation_deg] = of_films(&patients);
+        let [on_all, on_bends, on_others, mean_on_bends, mean_on_others] = estimates(&patients);
+        let compared = LinesOverPatients::of(all, &patients);
+        let kinds: Vec<LineKind> = compared.kinds().collect();
+        let [location_test, ferguson_test] = paper_tests(&patients);
+        let rotations: Vec<Summary> = all.iter().map(|patient| patient.rotation_deg).collect();
+        let doubted = all.iter().filter(|patient| patient.has_doubted_film());
+        Self {
+            patients: all.len(),
+            synthetic: all.iter().any(|patient| patient.synthetic),
+            segments: mean(|patient| patient.segments as f64),
+            segment_mm: mean(|patient| patient.segment_mm),
+            rmse_mm,
+            rmse_deg,
+            rotation_deg: Clustered::of(&rotations, &resampling),
+            least_rotation_deg,
+            all_least_rotations_deg: patients.values(|seen, values| {
+                seen.patient.films.iter().for_each(|film| least_rotations(film, values));
+            }),
+            inflection: [on_all, on_bends, on_others],
+            mean_least: [mean_on_bends, mean_on_others],
+            table_2: table_2(&patients),
+            two_inflections: all.iter().filter(|patient| patient.inflections == 2).count(),
+            lines: lines(&patients, &kinds),
+            baselines: BaselinesOverPatients::of(all, &patients, &kinds),
+            compared,
+            ferguson_test,
+            location_test,
+            outcomes: LineOutcomes::all(all),
+            doubted: doubted.clone().count(),
+            doubted_films: doubted.flat_map(|patient| patient.doubts.iter().cloned()).collect(),
+            chains: ChainCount::all(all),
         }
     }
 
@@ -364,107 +272,135 @@ impl Cohort {
     }
 }
 
-fn of_films(
-    samples: &mut Samples,
-    value: impl Fn(&PatientFilm, &mut Vec<f64>) + 'static,
-) -> Sampled {
-    samples.sample(move |seen, values| {
+fn least_rotations(film: &PatientFilm, values: &mut Vec<f64>) {
+    values.extend(film.least_rotations_deg.iter().flatten());
+}
+
+/// Residuals of the curves' locations and tilts, and the least rotations.
+fn of_films(patients: &Patients<'_>) -> [Clustered; 3] {
+    let values: [fn(&PatientFilm, &mut Vec<f64>); 3] = [
+        |film, values| values.push(film.rmse_mm),
+        |film, values| values.push(film.rmse_deg),
+        least_rotations,
+    ];
+    let found = patients.clustered(&values, |seen, value, values| {
         seen.patient.films.iter().for_each(|film| value(film, values));
-    })
+    });
+    std::array::from_fn(|place| found[place])
 }
 
 /// The estimates of the least-rotating segments that a film has in one way.
-type EstimatesOf = fn(&PatientFilm) -> Option<&[SegmentEstimate; 2]>;
+type EstimatesOf = fn(&PatientFilm) -> Option<&[Estimate; 2]>;
+/// A number of an estimate.
+type EstimateValue = fn(&Estimate) -> f64;
 
-fn estimates(
-    samples: &mut Samples,
-    which: Films,
-    of: EstimatesOf,
-) -> impl FnOnce(&mut Samples) -> EstimateStatistics + use<> {
-    let values: [fn(&SegmentEstimate) -> f64; 3] =
-        [|e| e.distance_segments as f64, |e| e.distance_mm, |e| e.rotation.deg()];
-    let [segments, mm, rotation] = values.map(|value| {
-        samples.sample(move |seen, values| {
-            let films = seen.patient.films.iter().filter(|film| which.has(film));
-            values.extend(films.filter_map(of).flatten().map(value));
-        })
-    });
-    move |samples| EstimateStatistics {
-        distance_segments: samples.clustered(segments),
-        distance_mm: samples.clustered(mm),
-        rotation_deg: samples.clustered(rotation),
-    }
+const INFLECTIONS: EstimatesOf = |film| film.inflection_estimates.as_ref();
+const MEAN_LEAST: EstimatesOf = |film| film.mean_least_estimates.as_ref();
+const DISTANCE: EstimateValue = |estimate| estimate.distance_segments;
+const DISTANCE_MM: EstimateValue = |estimate| estimate.distance_mm;
+const ROTATION: EstimateValue = |estimate| estimate.rotation_deg;
+
+/// Inflections on all films, on bends and on the others, and MMS_Mean on bends and on the others.
+fn estimates(patients: &Patients<'_>) -> [EstimateStatistics; 5] {
+    let sets = [
+        (Films::All, INFLECTIONS),
+        (Films::Bends, INFLECTIONS),
+        (Films::Others, INFLECTIONS),
+        (Films::Bends, MEAN_LEAST),
+        (Films::Others, MEAN_LEAST),
+    ];
+    let samples =
+        sets.map(|(films, of)| [DISTANCE, DISTANCE_MM, ROTATION].map(|value| (films, of, value)));
+    type Sample = (Films, EstimatesOf, EstimateValue);
+    let add = |seen: &Seen<'_>, sample: &Sample, values: &mut Vec<f64>| {
+        let (films, of, value) = sample;
+        let films = seen.patient.films.iter().filter(|film| films.has(film));
+        values.extend(films.filter_map(of).flatten().map(value));
+    };
+    let found = patients.clustered(samples.as_flattened(), add);
+    std::array::from_fn(|set| {
+        let [distances, _, rotations] = samples[set];
+        EstimateStatistics {
+            distance_segments: found[3 * set],
+            distance_mm: found[3 * set + 1],
+            rotation_deg: found[3 * set + 2],
+            all_distances_segments: patients.values(|seen, values| add(seen, &distances, values)),
+            all_rotations_deg: patients.values(|seen, values| add(seen, &rotations, values)),
+        }
+    })
 }
 
 /// Inflections against MMS_Mean where both are known.
-fn table_2(samples: &mut Samples) -> [Paired; 4] {
-    let mut pair = |which: Films, value: fn(&SegmentEstimate) -> f64| {
-        samples.pair(move |seen, [a, b]| {
-            let films = seen.patient.films.iter().filter(|film| which.has(film));
-            let both = films.filter_map(|film| {
-                film.inflection_estimates.as_ref().zip(film.mean_least_estimates.as_ref())
-            });
-            for (inflection, mean_least) in both {
+fn table_2(patients: &Patients<'_>) -> [PairedComparison; 4] {
+    let pairs = [
+        (Films::Bends, DISTANCE),
+        (Films::Others, DISTANCE),
+        (Films::Bends, ROTATION),
+        (Films::Others, ROTATION),
+    ];
+    let found = patients.compared(&pairs, |seen, (films, value), [a, b]| {
+        for film in seen.patient.films.iter().filter(|film| films.has(film)) {
+            if let Some((inflection, mean_least)) = INFLECTIONS(film).zip(MEAN_LEAST(film)) {
                 a.extend(inflection.iter().map(value));
                 b.extend(mean_least.iter().map(value));
             }
-        })
-    };
-    [
-        pair(Films::Bends, |e| e.distance_segments as f64),
-        pair(Films::Others, |e| e.distance_segments as f64),
-        pair(Films::Bends, |e| e.rotation.deg()),
-        pair(Films::Others, |e| e.rotation.deg()),
-    ]
-}
-
-fn line(
-    samples: &mut Samples,
-    kind: LineKind,
-) -> impl FnOnce(&mut Samples) -> LineStatistics + use<> {
-    let mut usable = |fitted: bool, value: fn(&SimulatedFilm, &mut Vec<f64>)| {
-        samples.sample(move |seen, values| {
-            let films = seen.patient.simulated(kind, fitted).filter(|film| film.is_usable);
-            films.for_each(|film| value(film, values));
-        })
-    };
-    let errors = [true, false].map(|fitted| {
-        let ferguson = usable(fitted, |film, values| values.extend(&film.errors.ferguson_deg));
-        (ferguson, usable(fitted, |film, values| values.extend(&film.errors.location_mm)))
-    });
-    let contradicted = usable(true, |film, values| values.push(film.contradicted as f64));
-    let weight = usable(true, |film, values| values.push(film.contradicted_weight));
-    let unusable = [true, false].map(|fitted| {
-        samples.count(move |seen| {
-            seen.patient.simulated(kind, fitted).filter(|film| !film.is_usable).count()
-        })
-    });
-    move |samples| {
-        let [fitted, held_out] = [0, 1].map(|place| ErrorStatistics {
-            ferguson_deg: samples.clustered(errors[place].0),
-            location_mm: samples.clustered(errors[place].1),
-            unusable: samples.number(unusable[place]),
-        });
-        LineStatistics {
-            kind,
-            fitted,
-            held_out,
-            contradicted: samples.clustered(contradicted),
-            contradicted_weight: samples.clustered(weight),
         }
-    }
+    });
+    std::array::from_fn(|place| found[place])
 }
 
-/// Errors of the inflection line against those of the iliac line, on fitted films that both could simulate.
-fn paper_test(samples: &mut Samples, errors: fn(&FilmErrors) -> &[f64]) -> Paired {
-    samples.pair(move |seen, [a, b]| {
-        let usable = |kind| seen.patient.simulated(kind, true).filter(|film| film.is_usable);
-        for first in usable(LineKind::Inflection) {
-            let second = usable(LineKind::Iliac).find(|film| film.posture == first.posture);
-            if let Some(second) = second {
-                a.extend_from_slice(errors(&first.errors));
-                b.extend_from_slice(errors(&second.errors));
+/// A number of a film under a line, or several.
+type ErrorValues = fn(FilmErrors<'_>, &mut Vec<f64>);
+
+const FERGUSON: ErrorValues = |errors, values| values.extend_from_slice(errors.ferguson_deg());
+const LOCATION: ErrorValues = |errors, values| values.extend_from_slice(errors.location_mm());
+
+/// Errors of the lines on fitted and on held-out films.
+fn lines(patients: &Patients<'_>, kinds: &[LineKind]) -> Vec<LineStatistics> {
+    let samples: [(bool, ErrorValues); 6] = [
+        (true, FERGUSON),
+        (true, LOCATION),
+        (false, FERGUSON),
+        (false, LOCATION),
+        (true, |errors, values| values.push(errors.contradicted())),
+        (true, |errors, values| values.push(errors.contradicted_weight())),
+    ];
+    let of_lines: Vec<_> =
+        kinds.iter().map(|&kind| samples.map(|(fitted, of)| (kind, fitted, of))).collect();
+    let add = |seen: &Seen<'_>,
+               &(kind, fitted, of): &(LineKind, bool, ErrorValues),
+               values: &mut Vec<f64>| {
+        seen.patient.usable(kind, fitted).for_each(|(_, errors)| of(errors, values));
+    };
+    let found = patients.clustered(of_lines.as_flattened(), add);
+    let (found, _) = found.as_chunks::<6>();
+    let line = |(&kind, found): (&LineKind, &[Clustered; 6])| {
+        let errors = |fitted: bool, [ferguson_deg, location_mm]: [Clustered; 2]| ErrorStatistics {
+            ferguson_deg,
+            location_mm,
+            all_location_mm: patients
+                .values(|seen, values| add(seen, &(kind, fitted, LOCATION), values)),
+            unusable: patients.count(|seen| {
+                seen.patient.simulated(kind, fitted).filter(|(_, errors)| errors.is_none()).count()
+            }),
+        };
+        let [a, b, c, d, contradicted, contradicted_weight] = *found;
+        let (fitted, held_out) = (errors(true, [a, b]), errors(false, [c, d]));
+        LineStatistics { kind, fitted, held_out, contradicted, contradicted_weight }
+    };
+    kinds.iter().zip(found).map(line).collect()
+}
+
+/// Location and Ferguson errors of the inflection line against those of the iliac line, on fitted films that both could simulate.
+fn paper_tests(patients: &Patients<'_>) -> [PairedComparison; 2] {
+    let found = patients.compared(&ErrorKind::ALL, |seen, error, [a, b]| {
+        for (posture, first) in seen.patient.usable(LineKind::Inflection, true) {
+            let mut other = seen.patient.usable(LineKind::Iliac, true);
+            if let Some((_, second)) = other.find(|film| film.0 == posture) {
+                a.extend_from_slice(error.of(first));
+                b.extend_from_slice(error.of(second));
             }
         }
-    })
+    });
+    [found[0], found[1]]
 }

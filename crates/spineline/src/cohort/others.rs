@@ -1,6 +1,7 @@
-//! A patient as a cohort sees it: its predicted films with what other patients say of them.
+//! A patient as a cohort sees it: with what other patients say of its films.
 
-use super::patient::{CohortPatient, PatientFilmUnderLines};
+use super::numbers::Numbers;
+use super::patient::CohortPatient;
 use crate::analysis::FilmRole;
 use crate::anatomy::Levels;
 use crate::evaluate::{Baseline, BaselinePrediction, RotationMoments, RotationPrior};
@@ -12,73 +13,59 @@ const MAX_GROUPS: usize = 20;
 /// The roles of films that are predicted.
 pub(super) const PREDICTED: [FilmRole; 2] = [FilmRole::LeftOutBend, FilmRole::HeldOut];
 
+/// Baselines by the distribution of rotations over other patients.
+const LEARNED: [Baseline; 2] = [Baseline::RotationPrior, Baseline::RotationPriorWithTilt];
+
 /// A patient, with what other patients say of its films.
 pub(super) struct Seen<'a> {
     pub patient: &'a CohortPatient,
-    predicted: Vec<PredictedFilm<'a>>,
-}
-
-/// A predicted film, with every baseline that it has.
-pub(super) struct PredictedFilm<'a> {
-    pub film: &'a PatientFilmUnderLines,
-    /// Location errors; `None` where there is no result.
-    baselines_mm: Vec<(Baseline, Option<Vec<f64>>)>,
-}
-
-impl PredictedFilm<'_> {
-    pub fn errors_mm(&self, baseline: Baseline) -> Option<&[f64]> {
-        let found = self.baselines_mm.iter().find(|one| one.0 == baseline);
-        found.and_then(|one| one.1.as_deref())
-    }
+    /// Whether the distribution of rotations over other patients replaces a published one on bends.
+    has_learned: bool,
+    /// Location errors of baselines from other patients, in mm, by place of the film.
+    of_others_mm: Numbers<(u8, Baseline)>,
 }
 
 impl<'a> Seen<'a> {
-    /// Predicted films of a role.
-    pub fn films(&self, role: FilmRole) -> impl Iterator<Item = &PredictedFilm<'a>> {
-        self.predicted.iter().filter(move |one| one.film.role == role)
-    }
-
     /// `mean` are the mean rotations of other patients, `prior` the distribution of their rotations.
     fn new(
         patient: &'a CohortPatient,
         mean: Option<&[Angle]>,
         prior: Option<&RotationPrior>,
     ) -> Self {
-        let errors = |one: BaselinePrediction| {
-            let is_usable = one.is_usable();
-            (one.baseline, is_usable.then_some(one.location_errors_mm))
-        };
-        let films = patient.compared.iter().filter(|film| PREDICTED.contains(&film.role));
-        let with_others = |film: &'a PatientFilmUnderLines| {
-            let (erect, from_top) = (&patient.links, patient.film_from_top(film.posture));
-            let from_mean = from_top.zip(mean).map(|(film, pattern)| {
-                errors(film.by_pattern(Baseline::OtherPatients, pattern, erect))
-            });
-            // One that was given was learned elsewhere and is kept; a published one gives way.
-            let learned = prior.filter(|_| !patient.has_rotation_prior);
-            let learned = learned.filter(|_| film.posture.bend().is_some());
-            let from_prior = from_top.zip(learned).map_or_else(Vec::new, |(film, prior)| {
-                let both = [Baseline::RotationPrior, Baseline::RotationPriorWithTilt];
-                both.map(|one| errors(film.by_prior(one, prior, erect))).into()
-            });
-            let is_kept = |one: &&(Baseline, Option<Vec<f64>>)| {
-                from_prior.iter().all(|(baseline, _)| *baseline != one.0)
-            };
-            let own = film.baselines_mm.iter().filter(is_kept).cloned();
-            let baselines_mm = own.chain(from_mean).chain(from_prior.iter().cloned()).collect();
-            PredictedFilm { film, baselines_mm }
-        };
-        Self { patient, predicted: films.map(with_others).collect() }
+        // One that was given was learned elsewhere and is kept; a published one gives way.
+        let prior = prior.filter(|_| !patient.has_rotation_prior);
+        let mut found: Vec<(u8, BaselinePrediction)> = Vec::new();
+        for place in PREDICTED.into_iter().flat_map(|role| patient.places(role)) {
+            let posture = patient.compared[usize::from(place)].0;
+            let Some(film) = patient.film_from_top(posture) else { continue };
+            let from_mean =
+                mean.map(|mean| film.by_pattern(Baseline::OtherPatients, mean, &patient.links));
+            found.extend(from_mean.map(|one| (place, one)));
+            if let Some(prior) = prior.filter(|_| posture.bend().is_some()) {
+                let learned = LEARNED.map(|one| film.by_prior(one, prior, &patient.links));
+                found.extend(learned.map(|one| (place, one)));
+            }
+        }
+        let usable = found.iter().filter(|(_, one)| one.is_usable());
+        let of_others_mm = Numbers::of(
+            usable.map(|(place, one)| ((*place, one.baseline), &one.location_errors_mm[..])),
+        );
+        Self { patient, has_learned: prior.is_some(), of_others_mm }
+    }
+
+    /// Location errors of a baseline on a film by its place, in mm; `None` without a result.
+    pub fn baseline_mm(&self, film: u8, baseline: Baseline) -> Option<&[f64]> {
+        let is_bend = self.patient.compared[usize::from(film)].0.bend().is_some();
+        let is_replaced = self.has_learned && is_bend && LEARNED.contains(&baseline);
+        let own = || self.patient.baseline_mm(film, baseline).filter(|_| !is_replaced);
+        self.of_others_mm.get(&(film, baseline)).or_else(own)
     }
 }
 
 /// What a cohort knows of the rotations of all patients but one: sums over their bends, as if all bent to the right.
-#[derive(Default)]
 pub(super) struct Others {
-    /// Patients that were added.
-    patients: usize,
     by_levels: Vec<Bends>,
-    /// By vertebrae and group a prior from the other groups; `None` where the others are too few. Known after the last patient.
+    /// By vertebrae and group a prior from the other groups; `None` where the others are too few.
     priors: Vec<(Levels, Vec<Option<RotationPrior>>)>,
 }
 
@@ -92,25 +79,26 @@ struct Bends {
 }
 
 impl Others {
-    /// Adds a patient with these bends.
-    pub fn add(&mut self, levels: Levels, bends: &[Vec<Angle>]) {
-        let group = Self::group(self.patients);
-        self.patients += 1;
-        let Some(first) = bends.first() else { return };
-        let place = self.by_levels.iter().position(|one| one.levels == levels);
-        let place = place.unwrap_or_else(|| {
-            self.by_levels.push(Bends::about(levels, first));
-            self.by_levels.len() - 1
-        });
-        self.by_levels[place].add(group, bends);
+    pub fn of(patients: &[CohortPatient]) -> Self {
+        Self::of_bends(patients.iter().map(|patient| (patient.levels, &patient.bends[..])))
     }
 
-    /// After the last patient.
-    pub fn end(&mut self) {
+    fn of_bends<'a>(patients: impl Iterator<Item = (Levels, &'a [Vec<Angle>])>) -> Self {
+        let mut by_levels: Vec<Bends> = Vec::new();
+        for (place, (levels, bends)) in patients.enumerate() {
+            let Some(first) = bends.first() else { continue };
+            let same = by_levels.iter().position(|one| one.levels == levels);
+            let same = same.unwrap_or_else(|| {
+                by_levels.push(Bends::about(levels, first));
+                by_levels.len() - 1
+            });
+            by_levels[same].add(Self::group(place), bends);
+        }
         let priors = |bends: &Bends| {
             (0..bends.groups.len()).map(|group| bends.prior_without(group)).collect()
         };
-        self.priors = self.by_levels.iter().map(|bends| (bends.levels, priors(bends))).collect();
+        let priors = by_levels.iter().map(|bends| (bends.levels, priors(bends))).collect();
+        Self { by_levels, priors }
     }
 
     /// In a cohort of fewer patients than groups everybody is a group.
@@ -187,9 +175,7 @@ mod tests {
         let levels = |patient: usize| if patient % 4 == 3 { fewer } else { Levels::COMPLETE };
         for patients in [1, 7, 43] {
             let own: Vec<_> = (0..patients).map(|one| bends(one, levels(one).joints())).collect();
-            let mut others = Others::default();
-            (0..patients).for_each(|one| others.add(levels(one), &own[one]));
-            others.end();
+            let others = Others::of_bends((0..patients).map(|one| (levels(one), &own[one][..])));
             for place in (0..patients).filter(|&place| !own[place].is_empty()) {
                 let is_other = |&one: &usize| {
                     one % MAX_GROUPS != place % MAX_GROUPS && levels(one) == levels(place)

@@ -1,5 +1,8 @@
 //! How often the bends of a cohort reject and keep a single force along a line.
 
+use std::collections::BTreeSet;
+
+use super::CohortPatient;
 use crate::action::LineKind;
 use crate::analysis::listed;
 use crate::personalize::TestOutcome;
@@ -59,17 +62,25 @@ pub struct LineOutcomes {
 }
 
 impl LineOutcomes {
-    /// Without a test.
-    pub(super) fn of(kind: LineKind) -> Self {
-        Self { kind, patients: OutcomeCounts::default(), bends: OutcomeCounts::default() }
+    /// By line with a test in some patient.
+    pub(super) fn all(patients: &[CohortPatient]) -> Vec<Self> {
+        let kinds = patients.iter().flat_map(|patient| patient.tested.iter().map(|one| one.0));
+        let all = kinds.collect::<BTreeSet<LineKind>>();
+        all.into_iter().map(|kind| Self::of(kind, patients)).collect()
     }
 
-    pub(super) fn add_patient(&mut self, outcome: TestOutcome, is_doubted: bool) {
-        self.patients.add(outcome, is_doubted);
-    }
-
-    pub(super) fn add_bend(&mut self, outcome: TestOutcome, is_doubted: bool) {
-        self.bends.add(outcome, is_doubted);
+    fn of(kind: LineKind, patients: &[CohortPatient]) -> Self {
+        let [mut by_patient, mut by_bend] = [OutcomeCounts::default(); 2];
+        for patient in patients {
+            let is_doubted = patient.has_doubted_film();
+            for (counts, tested) in
+                [(&mut by_patient, &patient.tested), (&mut by_bend, &patient.tested_bends)]
+            {
+                let own = tested.iter().filter(|one| one.0 == kind);
+                own.for_each(|one| counts.add(one.1, is_doubted));
+            }
+        }
+        Self { kind, patients: by_patient, bends: by_bend }
     }
 
     /// In how many patients, and in how many bends alone, the line is rejected.

@@ -1,10 +1,11 @@
-//! What a cohort keeps of a patient.
+//! The numbers of a patient that enter a cohort.
 
 use super::DoubtedFilm;
 use super::lines::{NoResult, result_on};
+use super::numbers::Numbers;
 use crate::action::LineKind;
 use crate::analysis::{
-    Analysis, ComparedFilm, ComparedLine, FilmRole, LineModel, LinesCompared, PostureAnalysis,
+    Analysis, ComparedFilm, ComparedLine, FilmMovement, FilmRole, LineModel, LinesCompared,
     ferguson_errors_deg,
 };
 use crate::anatomy::{Levels, Posture, Side};
@@ -17,11 +18,11 @@ use crate::spatial::Angle;
 
 /// The numbers of a patient that enter a [`super::Cohort`].
 ///
-/// It holds no curve, no chain and no outline: about 10 kB. Making it takes one more fit per line and bend
-/// ([`Analysis::comparison`]).
+/// It holds no curve, no chain and no outline. The errors of all films stand in one row of numbers. Making it takes one more
+/// fit per line and bend ([`Analysis::comparison`]).
 #[derive(Debug, Clone, PartialEq)]
 pub struct CohortPatient {
-    pub(super) case_id: String,
+    pub(super) case_id: Box<str>,
     pub(super) synthetic: bool,
     pub(super) levels: Levels,
     pub(super) segments: usize,
@@ -30,34 +31,34 @@ pub struct CohortPatient {
     pub(super) rotation_deg: Summary,
     /// Inflections of the erect curve.
     pub(super) inflections: usize,
-    pub(super) doubts: Vec<DoubtedFilm>,
+    pub(super) doubts: Box<[DoubtedFilm]>,
     /// Whether the distribution of joint rotations was given and not left to the cohort.
     pub(super) has_rotation_prior: bool,
     /// The erect film first.
-    pub(super) films: Vec<PatientFilm>,
+    pub(super) films: Box<[PatientFilm]>,
     /// Links of the erect spine.
     pub(super) links: Links,
     /// The other films, as T2 predicts them.
-    pub(super) from_top: Vec<FilmFromTop>,
+    pub(super) from_top: Box<[FilmFromTop]>,
     /// Rotations of every bend, as if it were to the right.
     pub(super) bends: Vec<Vec<Angle>>,
-    pub(super) models: Vec<PatientModel>,
-    /// Lines with a model that are not fitted to the films: what all bends say of a single force along them.
-    pub(super) tested: Vec<(LineKind, TestOutcome)>,
-    pub(super) lines: Vec<ComparedLine>,
+    /// Lines with a model that are not fitted to the films: the test of a single force along them, of all bends together.
+    pub(super) tested: Box<[(LineKind, TestOutcome)]>,
+    /// The same of every bend alone.
+    pub(super) tested_bends: Box<[(LineKind, TestOutcome)]>,
+    pub(super) lines: Box<[ComparedLine]>,
     pub(super) same_data: bool,
     /// Every film once per role.
-    pub(super) compared: Vec<PatientFilmUnderLines>,
-    /// Other loads and bases, on films that they were not fitted to.
-    pub(super) hypotheses: Vec<PatientHypothesis>,
-}
-
-/// Another load and base of a patient.
-#[derive(Debug, Clone, PartialEq)]
-pub(super) struct PatientHypothesis {
-    pub hypothesis: Hypothesis,
-    /// Location errors, in mm, of the films that it predicts.
-    pub films: Vec<(Posture, FilmRole, Vec<f64>)>,
+    pub(super) compared: Box<[(Posture, FilmRole)]>,
+    /// Every film of `compared` under every line of `lines`.
+    under_lines: Box<[UnderLine]>,
+    /// By place of the film in `compared` and line ([`FilmErrors`]).
+    errors: Numbers<(u8, LineKind)>,
+    /// Location errors without mechanics and without other patients, in mm, by place of the film.
+    baselines_mm: Numbers<(u8, Baseline)>,
+    pub(super) hypotheses: Box<[Hypothesis]>,
+    /// Location errors of other loads and bases, in mm, by place of a film that they were not fitted to.
+    hypotheses_mm: Numbers<(u8, Hypothesis)>,
 }
 
 /// A film of a patient.
@@ -68,82 +69,105 @@ pub(super) struct PatientFilm {
     pub has_motion: bool,
     pub rmse_mm: f64,
     pub rmse_deg: f64,
-    pub least_rotations_deg: Vec<f64>,
-    pub inflection_estimates: Option<[SegmentEstimate; 2]>,
-    pub mean_least_estimates: Option<[SegmentEstimate; 2]>,
-    /// The same lines on it alone, where it is a bend.
-    pub tested: Vec<(LineKind, TestOutcome)>,
+    pub least_rotations_deg: Option<[f64; 2]>,
+    pub inflection_estimates: Option<[Estimate; 2]>,
+    pub mean_least_estimates: Option<[Estimate; 2]>,
 }
 
-/// A line of action of a patient.
-#[derive(Debug, Clone, PartialEq)]
-pub(super) struct PatientModel {
-    pub kind: LineKind,
-    pub films: Vec<SimulatedFilm>,
+/// A [`SegmentEstimate`] without its place.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Estimate {
+    pub distance_segments: f64,
+    pub distance_mm: f64,
+    pub rotation_deg: f64,
 }
 
 /// A film under a line.
-#[derive(Debug, Clone, PartialEq)]
-pub(super) struct SimulatedFilm {
-    pub posture: Posture,
-    pub fitted: bool,
-    pub is_usable: bool,
-    pub errors: FilmErrors,
-    pub contradicted: usize,
-    pub contradicted_weight: f64,
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct UnderLine {
+    /// Place of the film.
+    film: u8,
+    kind: LineKind,
+    /// Whether the stiffness was fitted to this very film.
+    fitted: bool,
+    /// Why the line has no result.
+    missing: Option<NoResult>,
 }
 
-/// Errors of a shape on a film.
-#[derive(Debug, Clone, PartialEq)]
-pub(super) struct FilmErrors {
-    pub location_mm: Vec<f64>,
-    pub ferguson_deg: Vec<f64>,
-}
+/// Errors of a line on a film: of the Ferguson angles, the joints that turn against the force, their part in the work of all
+/// joints, and the location errors.
+#[derive(Clone, Copy)]
+pub(super) struct FilmErrors<'a>(&'a [f64]);
 
-/// A film in one role, under every line of [`CohortPatient::lines`].
-#[derive(Debug, Clone, PartialEq)]
-pub(super) struct PatientFilmUnderLines {
-    pub posture: Posture,
-    pub role: FilmRole,
-    /// By line.
-    pub by_line: Vec<Result<FilmErrors, NoResult>>,
-    /// Location errors without mechanics, in mm; `None` where there is no result.
-    pub baselines_mm: Vec<(Baseline, Option<Vec<f64>>)>,
+impl<'a> FilmErrors<'a> {
+    const FERGUSON: usize = 3;
+    const BEFORE_LOCATIONS: usize = Self::FERGUSON + 2;
+
+    fn numbers(simulation: &Simulation) -> Vec<f64> {
+        let mut numbers = ferguson_errors_deg(simulation);
+        numbers.push(simulation.contradicted.len() as f64);
+        numbers.push(simulation.contradicted_weight());
+        numbers.extend_from_slice(&simulation.location_errors_mm);
+        numbers
+    }
+
+    /// Absolute errors of the Ferguson angles, in degrees.
+    pub fn ferguson_deg(self) -> &'a [f64] {
+        &self.0[..Self::FERGUSON]
+    }
+
+    /// Joints that turn against the force.
+    pub fn contradicted(self) -> f64 {
+        self.0[Self::FERGUSON]
+    }
+
+    /// Their part in the work of all joints.
+    pub fn contradicted_weight(self) -> f64 {
+        self.0[Self::FERGUSON + 1]
+    }
+
+    /// Location errors of the vertebrae, in mm.
+    pub fn location_mm(self) -> &'a [f64] {
+        &self.0[Self::BEFORE_LOCATIONS..]
+    }
 }
 
 impl CohortPatient {
     /// Of an analysed patient.
     #[must_use]
     pub fn of(analysis: &Analysis) -> Self {
+        let movement = &analysis.movement;
         let compared = analysis.comparison();
+        let films: Box<[_]> = compared.films.iter().map(|film| (film.posture, film.role)).collect();
+        let (under_lines, errors) = under_lines(compared, &analysis.models);
+        let erect = &movement.films[0].outline;
+        let moved = movement.films[1..].iter().map(|film| &film.outline);
         let tested =
             candidates(analysis).map(|model| (model.kind, analysis.compatibility(model).outcome()));
-        let erect = &analysis.postures[0].outline;
-        let moved = analysis.postures[1..].iter().map(|film| &film.outline);
         Self {
-            case_id: analysis.case_id.clone(),
+            case_id: analysis.case_id.as_str().into(),
             synthetic: analysis.synthetic,
-            levels: analysis.levels(),
-            segments: analysis.chain.segments,
-            segment_mm: analysis.chain.segment_mm,
+            levels: movement.levels(),
+            segments: movement.chain.segments,
+            segment_mm: movement.chain.segment_mm,
             rotation_deg: Summary::of(&rotations_deg(analysis)),
-            inflections: analysis.inflections.all.len(),
-            doubts: DoubtedFilm::of(analysis),
+            inflections: movement.inflections.all.len(),
+            doubts: DoubtedFilm::of(analysis).into(),
             has_rotation_prior: analysis.options.rotation_prior.is_some(),
-            films: analysis.postures.iter().map(|film| PatientFilm::of(film, analysis)).collect(),
+            films: movement.films.iter().map(PatientFilm::of).collect(),
             links: Links::of(erect),
             from_top: moved.map(|film| FilmFromTop::of(erect, film)).collect(),
             bends: bend_rotations(analysis),
-            models: analysis.models.iter().map(PatientModel::of).collect(),
             tested: tested.collect(),
+            tested_bends: tested_bends(analysis),
+            lines: compared.lines.as_slice().into(),
             same_data: compared.same_data(),
-            compared: compared
-                .films
-                .iter()
-                .map(|film| PatientFilmUnderLines::of(film, compared, &analysis.models))
-                .collect(),
-            lines: compared.lines.clone(),
-            hypotheses: analysis.hypotheses.iter().map(PatientHypothesis::of).collect(),
+            under_lines,
+            errors,
+            baselines_mm: baselines_mm(&compared.films),
+            hypotheses: analysis.hypotheses.iter().map(|fit| fit.hypothesis).collect(),
+            hypotheses_mm: hypotheses_mm(&analysis.hypotheses, &films),
+            compared: films,
         }
     }
 
@@ -170,14 +194,19 @@ impl CohortPatient {
         self.from_top.iter().find(|film| film.posture == posture)
     }
 
-    /// Errors of a line on a film; `None` where it has no result.
-    pub(super) fn errors<'a>(
-        &self,
-        film: &'a PatientFilmUnderLines,
-        kind: LineKind,
-    ) -> Option<&'a FilmErrors> {
-        let place = self.lines.iter().position(|line| line.kind == kind)?;
-        film.by_line[place].as_ref().ok()
+    /// Places in `compared` of the films of a role.
+    pub(super) fn places(&self, role: FilmRole) -> impl Iterator<Item = u8> {
+        let films = (0..).zip(&self.compared).filter(move |(_, film)| film.1 == role);
+        films.map(|(place, _)| place)
+    }
+
+    /// Errors of a line on a film, or why there are none.
+    pub(super) fn result(&self, film: u8, kind: LineKind) -> Result<FilmErrors<'_>, NoResult> {
+        let is_asked = |one: &&UnderLine| one.film == film && one.kind == kind;
+        self.errors.get(&(film, kind)).map(FilmErrors).ok_or_else(|| {
+            let found = self.under_lines.iter().find(is_asked);
+            found.and_then(|found| found.missing).unwrap_or(NoResult::NoModel)
+        })
     }
 
     /// The films of a role on which all of some lines have a result, with the errors of each.
@@ -185,30 +214,118 @@ impl CohortPatient {
         &self,
         role: FilmRole,
         kinds: [LineKind; N],
-    ) -> impl Iterator<Item = [&FilmErrors; N]> {
-        let films = self.compared.iter().filter(move |film| film.role == role);
-        films.filter_map(move |film| {
-            let errors: Option<Vec<&FilmErrors>> =
-                kinds.iter().map(|&kind| self.errors(film, kind)).collect();
+    ) -> impl Iterator<Item = [FilmErrors<'_>; N]> {
+        self.places(role).filter_map(move |film| {
+            let errors: Option<Vec<FilmErrors<'_>>> =
+                kinds.iter().map(|&kind| self.result(film, kind).ok()).collect();
             errors?.try_into().ok()
         })
     }
 
-    /// Films under a line, fitted or held out.
+    /// Films that a line of all bends was fitted to, or those that it was not fitted to, with the errors of the line where its
+    /// shape is a result.
     pub(super) fn simulated(
         &self,
         kind: LineKind,
         fitted: bool,
-    ) -> impl Iterator<Item = &SimulatedFilm> {
-        let models = self.models.iter().filter(move |model| model.kind == kind);
-        models.flat_map(|model| &model.films).filter(move |film| film.fitted == fitted)
+    ) -> impl Iterator<Item = (Posture, Option<FilmErrors<'_>>)> {
+        let lines = self.under_lines.iter();
+        let lines = lines.filter(move |one| one.kind == kind && one.fitted == fitted);
+        lines.filter_map(move |one| {
+            let (posture, role) = self.compared[usize::from(one.film)];
+            let has_shape = !matches!(one.missing, Some(NoResult::NoModel | NoResult::NoLine));
+            (role != FilmRole::LeftOutBend && has_shape)
+                .then(|| (posture, self.result(one.film, kind).ok()))
+        })
     }
+
+    /// As [`Self::simulated`], of the shapes that are results.
+    pub(super) fn usable(
+        &self,
+        kind: LineKind,
+        fitted: bool,
+    ) -> impl Iterator<Item = (Posture, FilmErrors<'_>)> {
+        let films = self.simulated(kind, fitted);
+        films.filter_map(|(posture, errors)| Some((posture, errors?)))
+    }
+
+    /// Location errors of a prediction without mechanics from the patient's films; `None` without a result.
+    pub(super) fn baseline_mm(&self, film: u8, baseline: Baseline) -> Option<&[f64]> {
+        self.baselines_mm.get(&(film, baseline))
+    }
+
+    /// Location errors of a line on a film; `None` without a result.
+    pub(super) fn line_mm(&self, film: u8, kind: LineKind) -> Option<&[f64]> {
+        self.result(film, kind).ok().map(FilmErrors::location_mm)
+    }
+
+    /// Location errors of another load and base on a film; `None` where it does not predict the film.
+    pub(super) fn hypothesis_mm(&self, film: u8, hypothesis: Hypothesis) -> Option<&[f64]> {
+        self.hypotheses_mm.get(&(film, hypothesis))
+    }
+}
+
+fn under_lines(
+    compared: &LinesCompared,
+    models: &[LineModel],
+) -> (Box<[UnderLine]>, Numbers<(u8, LineKind)>) {
+    let (mut under_lines, mut errors) = (Vec::new(), Vec::new());
+    for (place, film) in (0..).zip(&compared.films) {
+        let left_out = compared.left_out.iter().find(|bend| bend.posture == film.posture);
+        let models = match (film.role, left_out) {
+            (FilmRole::LeftOutBend, Some(bend)) => &bend.models,
+            _ => models,
+        };
+        for kind in compared.lines.iter().map(|line| line.kind) {
+            let model = models.iter().find(|model| model.kind == kind);
+            let simulation = model.and_then(|model| model.posture(film.posture));
+            let fitted = simulation.is_some_and(|simulation| simulation.fitted);
+            let result = result_on(models, kind, film.posture);
+            under_lines.push(UnderLine { film: place, kind, fitted, missing: result.err() });
+            errors.extend(result.ok().map(|found| ((place, kind), FilmErrors::numbers(found))));
+        }
+    }
+    let errors = errors.iter().map(|(key, numbers)| (*key, &numbers[..]));
+    (under_lines.into(), Numbers::of(errors))
+}
+
+fn baselines_mm(films: &[ComparedFilm]) -> Numbers<(u8, Baseline)> {
+    let all = (0..).zip(films).flat_map(|(place, film)| {
+        let usable = film.baselines.iter().filter(|one| one.is_usable());
+        usable.map(move |one| ((place, one.baseline), &one.location_errors_mm[..]))
+    });
+    Numbers::of(all)
+}
+
+fn hypotheses_mm(
+    fits: &[HypothesisFit],
+    films: &[(Posture, FilmRole)],
+) -> Numbers<(u8, Hypothesis)> {
+    let predictions = fits
+        .iter()
+        .flat_map(|fit| fit.predictions.iter().map(|prediction| (fit.hypothesis, prediction)));
+    let on_films = predictions.filter_map(|(hypothesis, prediction)| {
+        let role = match prediction.role {
+            Role::LeftOut => FilmRole::LeftOutBend,
+            Role::HeldOut => FilmRole::HeldOut,
+            // A load that was fitted to the film predicts nothing, and what knows more of a film than T2's place is not
+            // compared with what does not.
+            Role::Fitted
+            | Role::LeftOutWithPrior
+            | Role::LeftOutWithTilt
+            | Role::LeftOutLoadFitted => return None,
+        };
+        let film = (prediction.posture, role);
+        let (place, _) = (0..).zip(films).find(|(_, one)| **one == film)?;
+        Some(((place, hypothesis), &prediction.location_errors_mm[..]))
+    });
+    Numbers::of(on_films)
 }
 
 /// Rotations of every bend, as if it were to the right.
 fn bend_rotations(analysis: &Analysis) -> Vec<Vec<Angle>> {
-    let erect = &analysis.postures[0].outline;
-    let bends = analysis.postures.iter().filter_map(|film| {
+    let erect = &analysis.movement.films[0].outline;
+    let bends = analysis.movement.films.iter().filter_map(|film| {
         let sign = match film.outline.posture.bend()? {
             Side::Right => 1.0,
             Side::Left => -1.0,
@@ -221,7 +338,7 @@ fn bend_rotations(analysis: &Analysis) -> Vec<Vec<Angle>> {
 
 /// Rotations of all segments over all films.
 fn rotations_deg(analysis: &Analysis) -> Vec<f64> {
-    let motions = analysis.postures.iter().filter_map(|film| film.motion.as_ref());
+    let motions = analysis.movement.films.iter().filter_map(|film| film.motion.as_ref());
     motions.flat_map(|motion| motion.rotations.iter().map(|rotation| rotation.deg())).collect()
 }
 
@@ -230,91 +347,41 @@ fn candidates(analysis: &Analysis) -> impl Iterator<Item = &LineModel> {
     analysis.models.iter().filter(|model| model.kind != LineKind::Estimated)
 }
 
+fn tested_bends(analysis: &Analysis) -> Box<[(LineKind, TestOutcome)]> {
+    let bends = analysis.movement.films.iter().filter(|film| film.outline.posture.bend().is_some());
+    let of_bend = |film: &FilmMovement| {
+        let p_value = |kind| film.line_comparison(kind).map(|found| found.test.p_value);
+        let tested =
+            candidates(analysis).map(|model| (model.kind, TestOutcome::of(p_value(model.kind))));
+        tested.collect::<Vec<_>>()
+    };
+    bends.flat_map(of_bend).collect()
+}
+
 impl PatientFilm {
-    fn of(film: &PostureAnalysis, analysis: &Analysis) -> Self {
+    fn of(film: &FilmMovement) -> Self {
         let motion = film.motion.as_ref();
-        let is_bend = film.outline.posture.bend().is_some();
-        let outcome =
-            |kind| TestOutcome::of(film.line_comparison(kind).map(|found| found.test.p_value));
+        let estimates = |all: &Option<[SegmentEstimate; 2]>| {
+            all.as_ref().map(|e| e.each_ref().map(Estimate::of))
+        };
         Self {
             posture: film.outline.posture,
             has_motion: motion.is_some(),
             rmse_mm: film.fit.rmse_mm,
             rmse_deg: film.fit.rmse_tilt.deg(),
-            least_rotations_deg: motion
-                .map_or_else(Vec::new, |m| m.least.map(|k| m.rotations[k].deg()).to_vec()),
-            inflection_estimates: film.inflection_estimates,
-            mean_least_estimates: film.mean_least_estimates,
-            tested: candidates(analysis)
-                .filter(|_| is_bend)
-                .map(|model| (model.kind, outcome(model.kind)))
-                .collect(),
+            least_rotations_deg: motion.map(|m| m.least.map(|k| m.rotations[k].deg())),
+            inflection_estimates: estimates(&film.inflection_estimates),
+            mean_least_estimates: estimates(&film.mean_least_estimates),
         }
     }
 }
 
-impl PatientHypothesis {
-    fn of(fit: &HypothesisFit) -> Self {
-        let films = fit.predictions.iter().filter_map(|film| {
-            let role = match film.role {
-                Role::LeftOut => FilmRole::LeftOutBend,
-                Role::HeldOut => FilmRole::HeldOut,
-                // A load that was fitted to the film predicts nothing, and what knows more of a film than T2's place is not
-                // compared with what does not.
-                Role::Fitted
-                | Role::LeftOutWithPrior
-                | Role::LeftOutWithTilt
-                | Role::LeftOutLoadFitted => return None,
-            };
-            Some((film.posture, role, film.location_errors_mm.clone()))
-        });
-        Self { hypothesis: fit.hypothesis, films: films.collect() }
-    }
-}
-
-impl PatientModel {
-    fn of(model: &LineModel) -> Self {
-        let films = model.postures.iter().map(|simulation| SimulatedFilm {
-            posture: simulation.posture,
-            fitted: simulation.fitted,
-            is_usable: simulation.is_usable(),
-            errors: FilmErrors::of(simulation),
-            contradicted: simulation.contradicted.len(),
-            contradicted_weight: simulation.contradicted_weight(),
-        });
-        Self { kind: model.kind, films: films.collect() }
-    }
-}
-
-impl FilmErrors {
-    fn of(simulation: &Simulation) -> Self {
+impl Estimate {
+    fn of(estimate: &SegmentEstimate) -> Self {
         Self {
-            location_mm: simulation.location_errors_mm.clone(),
-            ferguson_deg: ferguson_errors_deg(simulation),
-        }
-    }
-}
-
-impl PatientFilmUnderLines {
-    fn of(film: &ComparedFilm, compared: &LinesCompared, models: &[LineModel]) -> Self {
-        let left_out = compared.left_out.iter().find(|bend| bend.posture == film.posture);
-        let models = match (film.role, left_out) {
-            (FilmRole::LeftOutBend, Some(bend)) => &bend.models,
-            _ => models,
-        };
-        let of_line =
-            |line: &ComparedLine| result_on(models, line.kind, film.posture).map(FilmErrors::of);
-        let baselines = film.baselines.iter();
-        Self {
-            posture: film.posture,
-            role: film.role,
-            by_line: compared.lines.iter().map(of_line).collect(),
-            baselines_mm: baselines
-                .map(|one| {
-                    let errors = one.is_usable().then(|| one.location_errors_mm.clone());
-                    (one.baseline, errors)
-                })
-                .collect(),
+            distance_segments: estimate.distance_segments as f64,
+            distance_mm: estimate.distance_mm,
+            rotation_deg: estimate.rotation.deg(),
         }
     }
 }

@@ -1,42 +1,17 @@
 //! Cases that were given and have no part in a cohort.
 
-use std::fmt;
-
+use crate::anatomy::named;
 use crate::warning::counted;
 
-/// Step at which a case was refused.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum RefusalStep {
-    /// Its file could not be read.
-    Reading,
-    /// Its films could not be analysed.
-    Analysis,
-    /// It was analysed, and cannot be counted beside the others.
-    Counting,
-}
-
-impl RefusalStep {
-    /// All steps, in their order.
-    pub const ALL: [Self; 3] = [Self::Reading, Self::Analysis, Self::Counting];
-
-    /// The name used in files.
-    #[must_use]
-    pub const fn key(self) -> &'static str {
-        match self {
-            Self::Reading => "reading",
-            Self::Analysis => "analysis",
-            Self::Counting => "counting",
-        }
-    }
-}
-
-impl fmt::Display for RefusalStep {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.pad(match self {
-            Self::Reading => "the file could not be read",
-            Self::Analysis => "the films could not be analysed",
-            Self::Counting => "the case cannot be counted beside the others",
-        })
+named! {
+    /// Step at which a case was refused.
+    pub enum RefusalStep {
+        /// Its file could not be read.
+        Reading = "reading" as "the file could not be read",
+        /// Its films could not be analysed.
+        Analysis = "analysis" as "the films could not be analysed",
+        /// It was analysed, and cannot be counted beside the others.
+        Counting = "counting" as "the case cannot be counted beside the others",
     }
 }
 

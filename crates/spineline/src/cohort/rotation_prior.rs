@@ -4,7 +4,7 @@
 use super::others::Others;
 use super::{Clustered, CohortPatient, RESAMPLES};
 use crate::anatomy::Levels;
-use crate::evaluate::statistics::Resampling;
+use crate::evaluate::statistics::{Resampling, Summary};
 use crate::evaluate::{Baseline, RotationPrior, RotationPriorError};
 use crate::spatial::Angle;
 
@@ -43,16 +43,15 @@ pub fn learn_rotation_prior(
         patient.bends.iter().map(|bend| bend[joints.clone()].to_vec()).collect()
     };
     let prior = RotationPrior::learned(levels, &all.iter().map(common).collect::<Vec<_>>())?;
-    let mut others = Others::default();
-    all.iter().for_each(|patient| others.add(patient.levels, &patient.bends));
-    others.end();
+    let others = Others::of(all);
     let of_others = |place: usize| others.prior_of_others(place, all[place].levels).cloned();
     let resampling = Resampling::new(RESAMPLES, seed);
     let errors = |baseline: Baseline, of: &dyn Fn(usize) -> Option<RotationPrior>| {
         let patient = |(place, patient): (usize, &CohortPatient)| {
-            of(place).map_or_else(Vec::new, |prior| errors_mm(patient, baseline, &prior))
+            let errors = of(place).map(|prior| errors_mm(patient, baseline, &prior));
+            Summary::of(&errors.unwrap_or_default())
         };
-        Clustered::new(&all.iter().enumerate().map(patient).collect::<Vec<_>>(), &resampling)
+        Clustered::of(&all.iter().enumerate().map(patient).collect::<Vec<_>>(), &resampling)
     };
     let published = |place: usize| Some(RotationPrior::published(all[place].levels));
     Ok(LearnedRotations {

@@ -1,11 +1,8 @@
 //! Sentences about a cohort, shared by all front ends.
 
-use std::fmt;
-
 use super::films::{chains_sentence, doubted_sentence};
 use super::{
-    Cohort, ErrorKind, LineOutcomes, LinePairTest, LinesOverPatients, NoResult, PairedComparison,
-    RoleErrors,
+    Cohort, ErrorKind, LineOutcomes, LinePairTest, LinesOverPatients, PairedComparison, RoleErrors,
 };
 use crate::analysis::{FilmRole, Ranking, listed, probability};
 use crate::evaluate::statistics::PairedT;
@@ -37,18 +34,6 @@ impl Cohort {
         all.extend(self.compared.sentences());
         all.extend(self.baselines.sentences());
         all
-    }
-}
-
-impl fmt::Display for NoResult {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.pad(match self {
-            Self::NoModel => "the line has no model",
-            Self::NoLine => "the line has no place on this film",
-            Self::Unreachable => "no force up to the limit gives the shape",
-            Self::NotConverged => "the search for the force did not converge",
-            Self::BeyondHumanRange => "the shape found is beyond the human range of motion",
-        })
     }
 }
 

@@ -3,7 +3,7 @@
 use std::sync::OnceLock;
 
 /// Does pieces of work that do not depend on each other. Results are the same in any order, on any number of threads.
-pub trait Workers {
+pub trait Workers: Sync {
     /// Does all pieces, by their number.
     fn each(&self, pieces: usize, work: &(dyn Fn(usize) + Sync));
 }

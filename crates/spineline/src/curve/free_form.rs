@@ -118,7 +118,7 @@ impl Process {
         let grid = shapes.flat_map(|shape| DEVIATIONS.map(|deviation| (shape, deviation)));
         let mut parts = Vec::new();
         for ((kernel, length), deviation) in grid {
-            let variances = prior_variances((kernel, length), deviation);
+            let variances = prior_variances(kernel, length, deviation);
             let mut precision = normal;
             for (i, variance) in variances.iter().enumerate() {
                 precision[(i, i)] += 1.0 / variance;
@@ -209,7 +209,7 @@ impl Process {
 }
 
 /// Variances of the coefficients of the sines, and wide ones of place and slope at L4.
-fn prior_variances((kernel, length): (Kernel, f64), deviation: f64) -> Vec<f64> {
+fn prior_variances(kernel: Kernel, length: f64, deviation: f64) -> Vec<f64> {
     let sines = (1..=TERMS).map(|j| {
         let density = kernel.spectral_density(length, sine(j, 0.0).0);
         // A coefficient below this is none.

@@ -11,64 +11,30 @@ use crate::least_squares::{FitStatus, System, minimize};
 use crate::measure::{FilmLength, FilmScale, Outline};
 use crate::spatial::{Angle, Frontal};
 
-/// What is known of joint rotations before a film.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub enum Baseline {
-    /// The rotations of the patient's other bend, to the other side.
-    MirroredBend,
-    /// Published lateral bending of healthy joints ([`crate::evaluate::published_lateral_bending`]).
-    PublishedMobility,
-    /// Mean rotations of the bends of other patients.
-    OtherPatients,
-    /// The distribution of joint rotations over the bends of other patients ([`RotationPrior::learned`]).
-    RotationPrior,
-    /// The distribution of joint rotations and, unlike all others, the tilt of T2 on the film.
-    RotationPriorWithTilt,
+named! {
+    /// What is known of joint rotations before a film.
+    pub enum Baseline {
+        /// The rotations of the patient's other bend, to the other side.
+        MirroredBend = "mirrored_bend" as "other bend, mirrored",
+        /// Published lateral bending of healthy joints.
+        PublishedMobility = "published_mobility" as "published mobility of the joints",
+        /// Mean rotations of the bends of other patients.
+        OtherPatients = "other_patients" as "mean rotations of other patients",
+        /// The distribution of joint rotations over the bends of other patients.
+        RotationPrior = "rotation_prior" as "distribution of rotations",
+        /// The distribution of joint rotations and, unlike all others, the tilt of T2 on the film.
+        RotationPriorWithTilt = "rotation_prior_with_tilt" as "distribution of rotations with T2's tilt",
+    }
 }
 
 impl Baseline {
-    /// All of them.
-    pub const ALL: [Self; 5] = [
-        Self::MirroredBend,
-        Self::PublishedMobility,
-        Self::OtherPatients,
-        Self::RotationPrior,
-        Self::RotationPriorWithTilt,
-    ];
-
     /// Whether it takes the tilt of T2 from the film beside its location: it then knows more than a line of action does, so
     /// the two are not compared.
     #[must_use]
     pub const fn knows_tilt(self) -> bool {
         matches!(self, Self::RotationPriorWithTilt)
     }
-
-    /// The name used in files.
-    #[must_use]
-    pub const fn key(self) -> &'static str {
-        match self {
-            Self::MirroredBend => "mirrored_bend",
-            Self::PublishedMobility => "published_mobility",
-            Self::OtherPatients => "other_patients",
-            Self::RotationPrior => "rotation_prior",
-            Self::RotationPriorWithTilt => "rotation_prior_with_tilt",
-        }
-    }
 }
-
-impl std::fmt::Display for Baseline {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.pad(match self {
-            Self::MirroredBend => "other bend, mirrored",
-            Self::PublishedMobility => "published mobility of the joints",
-            Self::OtherPatients => "mean rotations of other patients",
-            Self::RotationPrior => "distribution of rotations",
-            Self::RotationPriorWithTilt => "distribution of rotations with T2's tilt",
-        })
-    }
-}
-
-named!(Baseline);
 
 /// A film as a baseline predicts it, beside what was measured.
 #[derive(Debug, Clone, PartialEq)]
@@ -184,21 +150,24 @@ pub(crate) struct FilmFromTop {
     pub top_sd_mm: f64,
     /// How far T2 turned from the erect film, and the standard deviation of that.
     pub turn: [Angle; 2],
-    /// The vertebrae above the base that the film shows, caudal first, with their places in the chain.
-    pub shown: Vec<(usize, Level, Frontal)>,
+    /// The vertebrae above the base that the film shows, caudal first, and their places in the chain.
+    pub shown: Box<[(u8, Level)]>,
+    /// Their locations on the outline of the film.
+    pub locations: Box<[Frontal]>,
 }
 
 impl FilmFromTop {
     pub fn of(erect: &Outline, film: &Outline) -> Self {
         let last = film.vertebrae.len() - 1;
-        let shown = film.measured().skip(1);
+        let shown = || film.measured().skip(1);
         Self {
             posture: film.posture,
             length: film.length,
             top: film.vertebrae[last].location * film.length.scale.factor,
             top_sd_mm: film.top_sd_mm(),
             turn: [turn_of_top(erect, film), turn_of_top_sd(erect, film)],
-            shown: shown.map(|(i, vertebra)| (i, vertebra.level, vertebra.location)).collect(),
+            shown: shown().map(|(i, vertebra)| (i as u8, vertebra.level)).collect(),
+            locations: shown().map(|(_, vertebra)| vertebra.location).collect(),
         }
     }
 
@@ -249,9 +218,11 @@ impl FilmFromTop {
         let carried = erect.carried(&found).locations;
         let locations: Vec<Frontal> =
             carried.into_iter().map(|location| location * factor).collect();
-        let errors =
-            |&(i, level, shown): &(usize, Level, Frontal)| (level, locations[i].distance_mm(shown));
-        let (compared, location_errors_mm) = self.shown.iter().map(errors).unzip();
+        let errors = |(&(place, level), &location): (&(u8, Level), &Frontal)| {
+            (level, locations[usize::from(place)].distance_mm(location))
+        };
+        let (compared, location_errors_mm) =
+            self.shown.iter().zip(&self.locations).map(errors).unzip();
         BaselinePrediction {
             posture: self.posture,
             baseline,

@@ -15,7 +15,8 @@ use crate::spatial::Frontal;
 #[must_use]
 pub fn predict(
     statics: &Statics<'_>,
-    (line, depth_mm): (LineOfAction, f64),
+    line: LineOfAction,
+    depth_mm: f64,
     film: &Outline,
     regions: &Regions,
     target: Target,
@@ -23,7 +24,7 @@ pub fn predict(
     let found = at_scale_of_top(film, |scaled| {
         let factor = film.length.scale.factor / scaled.length.scale.factor;
         let line = LineOfAction { point: line.point * factor, ..line };
-        let found = simulate(statics, (line, depth_mm), scaled, regions, target, false);
+        let found = simulate(statics, line, depth_mm, scaled, regions, target, false);
         Some((found.locations[found.locations.len() - 1], found))
     });
     let ScaledPrediction { scale, prediction, converged } =
@@ -62,7 +63,7 @@ pub(crate) fn at_scale_of_top<T>(
         let (_, prediction) = predict(film)?;
         return Some(ScaledPrediction { scale: film.length.scale, prediction, converged: true });
     }
-    let top = film.vertebrae[film.vertebrae.len() - 1].location * film.length.scale.factor;
+    let top = film.top() * film.length.scale.factor;
     let sd_mm = film.top_sd_mm();
     let mut log: f64 = 0.0;
     let mut before: Option<[f64; 2]> = None;

@@ -1,9 +1,11 @@
 use crate::action::LineOfAction;
+use crate::anatomy::named;
 use crate::anatomy::{Level, Posture};
 use crate::clinical::{Regions, ferguson_angle};
 use crate::measure::{FilmScale, Outline};
 use crate::multibody::{
-    ForceMatch, ForceSign, Load, MatchStatus, Statics, amplitude_matches, match_t2, match_t2_near,
+    ForceMatch, ForceSign, Load, MatchStatus, Residual, Statics, amplitude_matches, match_t2,
+    match_t2_near,
 };
 use crate::personalize::evidence::ContradictedJoint;
 use crate::spatial::{Angle, Frontal};
@@ -34,11 +36,11 @@ impl NearbyMatch {
 
     /// From a simulation with forces that were multiplied by a scale; `None` where another force might be the result for other readings.
     pub(crate) fn of(found: &Simulation, absolute_scale: f64) -> Option<Self> {
+        let residual_mm = found.residual.distance_mm()?;
         let is_clear = found.is_usable()
             && found.choice == ForceChoice::SmallestNearT2
-            && found.other_mm > found.residual + Self::CLEAR_MM;
-        is_clear
-            .then(|| Self { force_n: found.force_n / absolute_scale, residual_mm: found.residual })
+            && found.other_mm > residual_mm + Self::CLEAR_MM;
+        is_clear.then(|| Self { force_n: found.force_n / absolute_scale, residual_mm })
     }
 
     /// The same minimum for these readings; `None` where it is not clearly the same.
@@ -50,40 +52,29 @@ impl NearbyMatch {
         place: Frontal,
     ) -> Option<ForceMatch> {
         let found = match_t2_near(statics, load, self.force_n, place)?;
-        let is_same = found.residual < self.residual_mm + 0.5 * Self::CLEAR_MM
+        let is_same = found.residual.distance_mm()? < self.residual_mm + 0.5 * Self::CLEAR_MM
             && sign.is_none_or(|sign| sign == ForceSign::of(found.force_n));
         is_same.then_some(found)
     }
 }
 
-/// Why a force is the one that is shown.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum ForceChoice {
-    /// It was fitted together with the stiffness.
-    Fitted,
-    /// No other force of either sign, up to the cap, was found to meet the amplitude.
-    OnlyOne,
-    /// Of all that meet the amplitude, its shape has the lowest sum of squared Ferguson errors.
-    LeastFergusonError,
-    /// The smallest that brings T2 within a millimetre of the nearest that it gets.
-    SmallestNearT2,
-    /// None meets the target; this one's shape comes nearest, and is no result.
-    NearestMiss,
+named! {
+    /// Why a force is the one that is shown.
+    pub enum ForceChoice {
+        /// It was fitted together with the stiffness.
+        Fitted = "fitted",
+        /// No other force of either sign, up to the cap, was found to meet the amplitude.
+        OnlyOne = "only_one",
+        /// Of all that meet the amplitude, its shape has the lowest sum of squared Ferguson errors.
+        LeastFergusonError = "least_ferguson_error",
+        /// The smallest that brings T2 within a millimetre of the nearest that it gets.
+        SmallestNearT2 = "smallest_near_t2",
+        /// The shape misses the target and does not count as a result; it is the nearest one.
+        NearestMiss = "nearest_miss",
+    }
 }
 
 impl ForceChoice {
-    /// The name used in files.
-    #[must_use]
-    pub const fn key(self) -> &'static str {
-        match self {
-            Self::Fitted => "fitted",
-            Self::OnlyOne => "only_one",
-            Self::LeastFergusonError => "least_ferguson_error",
-            Self::SmallestNearT2 => "smallest_near_t2",
-            Self::NearestMiss => "nearest_miss",
-        }
-    }
-
     const fn of(target: Target, usable: bool, others: usize) -> Self {
         match target {
             Target::Fitted(_) => Self::Fitted,
@@ -122,8 +113,8 @@ pub struct Simulation {
     pub status: MatchStatus,
     /// Signed force along the line.
     pub force_n: f64,
-    /// What is left of the target: rad of amplitude or mm of T2.
-    pub residual: f64,
+    /// What is left of the target.
+    pub residual: Residual,
     /// Why this force and no other.
     pub choice: ForceChoice,
     /// How often the search for forces did not converge: a better force may not have been found.
@@ -163,7 +154,7 @@ impl Simulation {
     /// Whether the shape may be shown as a result.
     #[must_use]
     pub fn is_usable(&self) -> bool {
-        self.status == MatchStatus::Matched
+        self.status == MatchStatus::Converged
     }
 
     /// Mean of the location errors.
@@ -181,7 +172,7 @@ impl Simulation {
 
 /// Simulates one posture: the shape of a personalised spine under a force along a line, against the film.
 ///
-/// `load` is the line of action in `G` and its sagittal place in mm; `fitted` says whether the stiffness was fitted to this
+/// The line of action is in `G`, and `depth_mm` is its sagittal place; `fitted` says whether the stiffness was fitted to this
 /// film. A fitted force is taken as it is, and what it leaves of the amplitude is reported. Several forces, of either sign,
 /// may meet a bend's amplitude; the one whose shape has the lowest sum of squared Ferguson errors is chosen, and the others
 /// are reported. For [`Target::NearestT2`] the smallest force counts that brings T2 to within 1 mm of the nearest it gets
@@ -197,15 +188,15 @@ impl Simulation {
 /// use spineline_phantom::{Readers, Truth, generate};
 ///
 /// let case = generate(0, Truth::Bend, &Readers::exact(), 1)?.case;
-/// let analysis = analyze_movement(&case, &AnalysisOptions::default())?;
-/// let bend = analysis.posture(Posture::LeftBending).ok_or("no left bend")?;
+/// let movement = analyze_movement(&case, &AnalysisOptions::default())?.movement;
+/// let bend = movement.film(Posture::LeftBending).ok_or("no left bend")?;
 /// let [caudal, cranial] = bend.inflection_points.ok_or("no two inflections")?;
 /// let line = LineOfAction::through(caudal, cranial)?;
-/// let (library, groups) = (StiffnessLibrary::default(), JointGroups::per_joint(analysis.levels()));
-/// let statics = Statics::new(&analysis.spine, &library, &groups, &[0.0; 14], Support::Free);
+/// let (library, groups) = (StiffnessLibrary::default(), JointGroups::per_joint(movement.levels()));
+/// let statics = Statics::new(&movement.spine, &library, &groups, &[0.0; 14], Support::Free);
 /// let target = Target::NearestT2(None);
 /// let found =
-///     simulate(&statics, (line, 0.0), &bend.outline, &analysis.regions, target, false);
+///     simulate(&statics, line, 0.0, &bend.outline, &movement.regions, target, false);
 /// // L3 to T2; L4 is fixed.
 /// assert_eq!(found.location_errors_mm.len(), 14);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
@@ -213,13 +204,13 @@ impl Simulation {
 #[must_use]
 pub fn simulate(
     statics: &Statics<'_>,
-    load: (LineOfAction, f64),
+    line: LineOfAction,
+    depth_mm: f64,
     film: &Outline,
     regions: &Regions,
     target: Target,
     fitted: bool,
 ) -> Simulation {
-    let (line, depth_mm) = load;
     let load = Load::along(line, depth_mm);
     let measured: Vec<Frontal> = film.locations().collect();
     let top = measured[measured.len() - 1];

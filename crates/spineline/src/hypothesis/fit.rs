@@ -1,5 +1,6 @@
 //! A hypothesis fitted to the bends of a patient, and its predictions of films that were not fitted.
 
+use crate::anatomy::named;
 use nalgebra::DVector;
 
 use super::from_top::predict_from_top;
@@ -13,46 +14,22 @@ use crate::measure::FilmScale;
 use crate::multibody::MatchStatus;
 use crate::spatial::{Angle, Frontal};
 
-/// What a film was to a prediction.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Role {
-    /// Stiffness and load were fitted to it.
-    Fitted,
-    /// Neither bend nor fitted: the load is the one that brings T2 nearest.
-    HeldOut,
-    /// A bend; stiffness was fitted to the other one, and the load is the one that brings T2 nearest.
-    LeftOut,
-    /// A bend; stiffness was fitted to the other one, and the load is the most probable one for T2's place and the
-    /// distribution of joint rotations.
-    LeftOutWithPrior,
-    /// The same for T2's place and tilt.
-    LeftOutWithTilt,
-    /// A bend; stiffness was fitted to the other one, and the load to the whole shape of this one.
-    LeftOutLoadFitted,
-}
-
-impl Role {
-    /// All of them.
-    pub const ALL: [Self; 6] = [
-        Self::Fitted,
-        Self::HeldOut,
-        Self::LeftOut,
-        Self::LeftOutWithPrior,
-        Self::LeftOutWithTilt,
-        Self::LeftOutLoadFitted,
-    ];
-
-    /// The name used in files.
-    #[must_use]
-    pub const fn key(self) -> &'static str {
-        match self {
-            Self::Fitted => "fitted",
-            Self::HeldOut => "held_out",
-            Self::LeftOut => "left_out",
-            Self::LeftOutWithPrior => "left_out_with_prior",
-            Self::LeftOutWithTilt => "left_out_with_tilt",
-            Self::LeftOutLoadFitted => "left_out_load_fitted",
-        }
+named! {
+    /// What a film was to a prediction.
+    pub enum Role {
+        /// Stiffness and load were fitted to it.
+        Fitted = "fitted",
+        /// Neither bend nor fitted: the load is the one that brings T2 nearest.
+        HeldOut = "held_out",
+        /// A bend; stiffness was fitted to the other one, and the load is the one that brings T2 nearest.
+        LeftOut = "left_out",
+        /// A bend; stiffness was fitted to the other one, and the load is the most probable one for T2's place and the
+        /// distribution of joint rotations.
+        LeftOutWithPrior = "left_out_with_prior",
+        /// The same for T2's place and tilt.
+        LeftOutWithTilt = "left_out_with_tilt",
+        /// A bend; stiffness was fitted to the other one, and the load to the whole shape of this one.
+        LeftOutLoadFitted = "left_out_load_fitted",
     }
 }
 
@@ -418,6 +395,6 @@ impl Ended<'_> {
         if !loaded.solve(&statics, &components, base) {
             return Err(LossReason::NoEquilibrium);
         }
-        prediction(loaded, (film, role), spine, components, base)
+        prediction(loaded, film, role, spine, components, base)
     }
 }

@@ -62,7 +62,7 @@ fn at_scale(
         .ok_or(LossReason::NoEquilibrium)?;
     let found = fit.minimum().ok_or(LossReason::NoEquilibrium)?;
     let (components, base) = fit.split(&found);
-    let predicted = prediction(&fit.loaded, (film, role), spine, components.to_vec(), base)?;
+    let predicted = prediction(&fit.loaded, film, role, spine, components.to_vec(), base)?;
     Ok((predicted, fit.scale(&found)))
 }
 

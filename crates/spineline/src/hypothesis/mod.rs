@@ -40,64 +40,37 @@ pub use fit::{
     fit_hypothesis,
 };
 
+use crate::anatomy::named;
 use crate::evaluate::RotationPrior;
 use crate::measure::Outline;
 use crate::multibody::{JointGroups, SpineModel, StiffnessLibrary, Support};
 use crate::spatial::Frontal;
 
-/// What acts on the spine of one film. The number of free components is that of each film.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub enum LoadShape {
-    /// A force along the line through the two inflections, carried by T2 (the paper): 1.
-    InflectionLine,
-    /// A force at T2 parallel to the iliac line (Petit): 1.
-    IliacLine,
-    /// Any force and moment in the frontal plane, carried by T2: 3.
-    FreeLine,
-    /// The force of the inflection line, and one at the apex of the largest erect curve, parallel to the iliac line: 2.
-    TwoForces,
-    /// Weight of the trunk's slices, head and arms at their vertebrae, along the film's vertical: 1.
-    Weight,
-    /// A force parallel to the iliac line, spread evenly over the length of the spine: 1.
-    Lateral,
-    /// As [`LoadShape::Lateral`], with a second part that grows with height: 2.
-    GradedLateral,
-    /// The same moment about every joint, as a muscle along one side makes: 1.
-    Couple,
-    /// A moment that falls or grows evenly with height, as muscles that end at every vertebra make: 2.
-    GradedCouple,
+named! {
+    /// What acts on the spine of one film. The number of free components is that of each film.
+    pub enum LoadShape {
+        /// A force along the line through the two inflections, carried by T2 (the paper): 1.
+        InflectionLine = "inflection_line",
+        /// A force at T2 parallel to the iliac line (Petit): 1.
+        IliacLine = "iliac_line",
+        /// Any force and moment in the frontal plane, carried by T2: 3.
+        FreeLine = "free_line",
+        /// The force of the inflection line, and one at the apex of the largest erect curve, parallel to the iliac line: 2.
+        TwoForces = "two_forces",
+        /// Weight of the trunk's slices, head and arms at their vertebrae, along the film's vertical: 1.
+        Weight = "weight",
+        /// A force parallel to the iliac line, spread evenly over the length of the spine: 1.
+        Lateral = "lateral_load",
+        /// As [`LoadShape::Lateral`], with a second part that grows with height: 2.
+        GradedLateral = "graded_lateral_load",
+        /// The same moment about every joint, as a muscle along one side makes: 1.
+        Couple = "couple",
+        /// A moment that falls or grows evenly with height, as muscles that end at every vertebra make: 2.
+        GradedCouple = "graded_couple",
+    }
 }
 
 impl LoadShape {
-    /// All of them.
-    pub const ALL: [Self; 9] = [
-        Self::InflectionLine,
-        Self::IliacLine,
-        Self::FreeLine,
-        Self::TwoForces,
-        Self::Weight,
-        Self::Lateral,
-        Self::GradedLateral,
-        Self::Couple,
-        Self::GradedCouple,
-    ];
-
-    /// The name used in files.
-    #[must_use]
-    pub const fn key(self) -> &'static str {
-        match self {
-            Self::InflectionLine => "inflection_line",
-            Self::IliacLine => "iliac_line",
-            Self::FreeLine => "free_line",
-            Self::TwoForces => "two_forces",
-            Self::Weight => "weight",
-            Self::Lateral => "lateral_load",
-            Self::GradedLateral => "graded_lateral_load",
-            Self::Couple => "couple",
-            Self::GradedCouple => "graded_couple",
-        }
-    }
-
     /// Free components per film.
     #[must_use]
     pub const fn components(self) -> usize {
@@ -113,33 +86,21 @@ impl LoadShape {
     }
 }
 
-/// What is done with the angle by which the whole spine may turn about L4 on a film.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Default)]
-pub enum Base {
-    /// It is zero (the paper).
-    #[default]
-    Fixed,
-    /// It is normal about zero, with the deviation that reading L4's axis on both films gives: the covariance that a shared
-    /// frame makes between all locations and tilts of a film.
-    Noisy,
-    /// It is free on every fitted film.
-    Free,
+named! {
+    /// What is done with the angle by which the whole spine may turn about L4 on a film.
+    #[default(Fixed)]
+    pub enum Base {
+        /// It is zero (the paper).
+        Fixed = "fixed_base",
+        /// It is normal about zero, with the deviation that reading L4's axis on both films gives: the covariance that a shared
+        /// frame makes between all locations and tilts of a film.
+        Noisy = "noisy_base",
+        /// It is free on every fitted film.
+        Free = "free_base",
+    }
 }
 
 impl Base {
-    /// All of them.
-    pub const ALL: [Self; 3] = [Self::Fixed, Self::Noisy, Self::Free];
-
-    /// The name used in files.
-    #[must_use]
-    pub const fn key(self) -> &'static str {
-        match self {
-            Self::Fixed => "fixed_base",
-            Self::Noisy => "noisy_base",
-            Self::Free => "free_base",
-        }
-    }
-
     /// Free angles per fitted film.
     #[must_use]
     pub const fn angles(self) -> usize {
@@ -221,10 +182,8 @@ impl std::str::FromStr for Hypothesis {
     fn from_str(text: &str) -> Result<Self, Self::Err> {
         let plain = text.trim().replace('-', "_");
         let (load, base) = plain.split_once('+').unwrap_or((&plain, Base::Fixed.key()));
-        let load = LoadShape::ALL.into_iter().find(|one| one.key() == load);
-        let base = Base::ALL.into_iter().find(|one| one.key() == base);
-        let found = load.zip(base).map(|(load, base)| Self { load, base });
-        found.ok_or_else(|| HypothesisNameError { text: text.to_owned() })
+        let unknown = |_| HypothesisNameError { text: text.to_owned() };
+        Ok(Self { load: load.parse().map_err(unknown)?, base: base.parse().map_err(unknown)? })
     }
 }
 

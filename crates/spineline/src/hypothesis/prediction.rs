@@ -66,13 +66,14 @@ fn predict_scaled(
         solved.then_some((loaded, near))
     });
     let (loaded, near) = found.ok_or(LossReason::NoEquilibrium)?;
-    prediction(&loaded, (film, role), spine, near.components, near.base)
+    prediction(&loaded, film, role, spine, near.components, near.base)
 }
 
 /// The shape of a film under its loads, if a human spine can have it.
 pub(super) fn prediction(
     loaded: &LoadedFilm,
-    (film, role): (&HypothesisFilm<'_>, Role),
+    film: &HypothesisFilm<'_>,
+    role: Role,
     spine: &Spine<'_>,
     components: Vec<f64>,
     base: Angle,

@@ -1,27 +1,17 @@
 //! Bounded Levenberg-Marquardt, and the scale constraint of multipliers as a row of it: the one minimiser of all fits.
 
+use crate::anatomy::named;
 use nalgebra::{DMatrix, DVector};
 
-/// How a minimisation ended.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum FitStatus {
-    /// No step lowers the sum of squares any more.
-    Converged,
-    /// The limit of iterations was reached.
-    IterationLimit,
-    /// The start itself could not be evaluated.
-    NotEvaluable,
-}
-
-impl FitStatus {
-    /// The name used in files.
-    #[must_use]
-    pub const fn key(self) -> &'static str {
-        match self {
-            Self::Converged => "converged",
-            Self::IterationLimit => "iteration_limit",
-            Self::NotEvaluable => "not_evaluable",
-        }
+named! {
+    /// How a minimisation ended.
+    pub enum FitStatus {
+        /// No step lowers the sum of squares any more.
+        Converged = "converged",
+        /// The limit of iterations was reached.
+        IterationLimit = "iteration_limit",
+        /// The start itself could not be evaluated.
+        NotEvaluable = "not_evaluable",
     }
 }
 
@@ -104,8 +94,8 @@ pub(crate) fn minimize(
         let gradient = system.jacobian.tr_mul(&system.residuals);
         let cost = system.cost();
         loop {
-            let equations = (&normal, damping.value, &gradient);
-            let Some(next) = bounded_step(equations, &x, [lower, upper]) else {
+            let step = bounded_step(&normal, damping.value, &gradient, &x, [lower, upper]);
+            let Some(next) = step else {
                 if !damping.regularize() {
                     break 'outer;
                 }
@@ -191,7 +181,9 @@ fn clamp(x: &mut DVector<f64>, lower: &DVector<f64>, upper: &DVector<f64>) {
 /// The way is a chain of straight parts. Each leads towards the minimum of the quadratic model in the unknowns that are
 /// still free, and ends at the first bound, which holds its unknown from then on.
 fn bounded_step(
-    (normal, damping, gradient): (&DMatrix<f64>, f64, &DVector<f64>),
+    normal: &DMatrix<f64>,
+    damping: f64,
+    gradient: &DVector<f64>,
     x: &DVector<f64>,
     [lower, upper]: [&DVector<f64>; 2],
 ) -> Option<DVector<f64>> {

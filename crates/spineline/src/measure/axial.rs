@@ -6,45 +6,31 @@ use super::{Film, FilmLandmarks, MeasureError, Outline, VertebraLandmarks};
 use crate::anatomy::{Level, Morphometry, PediclePlace, Side, named};
 use crate::spatial::{Angle, Frontal, Pixel};
 
-/// How far the pedicle of the convex side has moved to the midline of the body.
-///
-/// # Definition
-/// By the distance of the pedicle that is nearer to the midline, as a part of half of the distance between both: 0.9 and more is
-/// grade 0, from 2/3 on grade I, from 1/3 on grade II, from 0 on grade III; beyond the midline it is grade IV. The limits follow the thirds of
-/// the half body (assumption).
-///
-/// # References
-/// [nash-moe-1969].
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub enum NashMoe {
-    /// No rotation.
-    Zero,
-    /// The pedicle has left its place.
-    One,
-    /// It is in the middle third.
-    Two,
-    /// It is at the midline.
-    Three,
-    /// It is beyond the midline.
-    Four,
+named! {
+    /// How far the pedicle of the convex side has moved to the midline of the body.
+    ///
+    /// # Definition
+    /// By the distance of the pedicle that is nearer to the midline, as a part of half of the distance between both: 0.9 and more is
+    /// grade 0, from 2/3 on grade I, from 1/3 on grade II, from 0 on grade III; beyond the midline it is grade IV. The limits follow the thirds of
+    /// the half body (assumption).
+    ///
+    /// # References
+    /// [nash-moe-1969].
+    pub enum NashMoe {
+        /// No rotation.
+        Zero = "0",
+        /// The pedicle has left its place.
+        One = "I",
+        /// It is in the middle third.
+        Two = "II",
+        /// It is at the midline.
+        Three = "III",
+        /// It is beyond the midline.
+        Four = "IV",
+    }
 }
 
 impl NashMoe {
-    /// Every grade.
-    pub const ALL: [Self; 5] = [Self::Zero, Self::One, Self::Two, Self::Three, Self::Four];
-
-    /// The name, as in files.
-    #[must_use]
-    pub const fn key(self) -> &'static str {
-        match self {
-            Self::Zero => "0",
-            Self::One => "I",
-            Self::Two => "II",
-            Self::Three => "III",
-            Self::Four => "IV",
-        }
-    }
-
     fn of(nearer_share: f64) -> Self {
         match nearer_share {
             share if share >= 0.9 => Self::Zero,
@@ -55,8 +41,6 @@ impl NashMoe {
         }
     }
 }
-
-named!(NashMoe);
 
 /// The axial rotation of one vertebra, about its own axis; positive where its front turns to the patient's left.
 ///

@@ -42,7 +42,7 @@ pub(super) fn unlike_neighbours(
     bodies: &BTreeMap<Level, (Corners<Frontal>, Angle)>,
 ) -> Vec<(Level, Unlike)> {
     let of = |(&level, body): (&Level, &(Corners<Frontal>, Angle))| {
-        Some((level, unlike(body, &beside(bodies, level))?))
+        Some((level, unlike(&body.0, body.1, &beside(bodies, level))?))
     };
     let found: BTreeMap<Level, Unlike> = bodies.iter().filter_map(of).collect();
     let is_worst = |&(&level, unlike): &(&Level, &Unlike)| {
@@ -67,7 +67,8 @@ fn beside(
 }
 
 fn unlike(
-    (corners, tilt): &(Corners<Frontal>, Angle),
+    corners: &Corners<Frontal>,
+    tilt: Angle,
     near: &[(Corners<Frontal>, Angle)],
 ) -> Option<Unlike> {
     if near.is_empty() {

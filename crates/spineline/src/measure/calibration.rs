@@ -3,19 +3,17 @@ use super::{LengthScale, Spacing, SpacingPlane, SpacingSource};
 use crate::anatomy::named;
 use crate::spatial::Pixel;
 
-/// An object of known size in the picture.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Calibrator {
-    /// A ball beside the spine: two clicks on opposite ends of a diameter.
-    Ball,
-    /// A ruler beside the spine: two clicks on two of its marks.
-    Ruler,
+named! {
+    /// An object of known size in the picture.
+    pub enum Calibrator {
+        /// A ball beside the spine: two clicks on opposite ends of a diameter.
+        Ball = "ball",
+        /// A ruler beside the spine: two clicks on two of its marks.
+        Ruler = "ruler",
+    }
 }
 
 impl Calibrator {
-    /// Every object.
-    pub const ALL: [Self; 2] = [Self::Ball, Self::Ruler];
-
     /// Least and largest true length: a ball of another size does not lie beside a patient, and a ruler is no longer than
     /// the longest films (assumption).
     #[must_use]
@@ -25,18 +23,7 @@ impl Calibrator {
             Self::Ruler => [1.0, 2000.0],
         }
     }
-
-    /// The name used in files.
-    #[must_use]
-    pub const fn key(self) -> &'static str {
-        match self {
-            Self::Ball => "ball",
-            Self::Ruler => "ruler",
-        }
-    }
 }
-
-named!(Calibrator);
 
 /// Two clicks and a length.
 #[derive(Debug, Clone, Copy, PartialEq)]

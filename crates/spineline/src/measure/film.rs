@@ -5,8 +5,6 @@ use super::{Corners, EndplateTilts, Origin, ProgramNoise, Spacing, SpacingPlane,
 use crate::anatomy::{ImageSide, Level, Posture, named};
 use crate::spatial::{Angle, Frontal, Pixel};
 
-named!(PlacementSource);
-
 /// How the picture lies: its size, the distance between its pixels, and where the patient's left is.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ImageGeometry {
@@ -203,27 +201,14 @@ impl Placement {
     }
 }
 
-/// Where locations and tilts come from.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum PlacementSource {
-    /// Vertebrae that were seen.
-    #[default]
-    Vertebrae,
-    /// A midline of the back surface: the levels were placed by arc length ([`Midline`](super::Midline)), and none was seen.
-    SurfaceMidline,
-}
-
-impl PlacementSource {
-    /// Every source.
-    pub const ALL: [Self; 2] = [Self::Vertebrae, Self::SurfaceMidline];
-
-    /// The name in files.
-    #[must_use]
-    pub const fn key(self) -> &'static str {
-        match self {
-            Self::Vertebrae => "vertebrae",
-            Self::SurfaceMidline => "surface_midline",
-        }
+named! {
+    /// Where locations and tilts come from.
+    #[default(Vertebrae)]
+    pub enum PlacementSource {
+        /// Vertebrae that were seen.
+        Vertebrae = "vertebrae",
+        /// A midline of the back surface: the levels were placed by arc length, and none was seen.
+        SurfaceMidline = "surface_midline",
     }
 }
 

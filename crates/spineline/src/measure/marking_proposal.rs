@@ -6,34 +6,21 @@ use super::{Corners, ImageGeometry, PartialLandmarks, PartialReading};
 use crate::anatomy::{Level, Posture, Side, named};
 use crate::spatial::Pixel;
 
-/// A corner by endplate and by the patient's side.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-#[allow(missing_docs)]
-pub enum CornerName {
-    SuperiorLeft,
-    SuperiorRight,
-    InferiorLeft,
-    InferiorRight,
+named! {
+    /// A corner by endplate and by the patient's side.
+    pub enum CornerName {
+        /// Superior endplate, patient's left.
+        SuperiorLeft = "superior_left",
+        /// Superior endplate, patient's right.
+        SuperiorRight = "superior_right",
+        /// Inferior endplate, patient's left.
+        InferiorLeft = "inferior_left",
+        /// Inferior endplate, patient's right.
+        InferiorRight = "inferior_right",
+    }
 }
 
-named!(CornerName);
-
 impl CornerName {
-    /// The order of [`Corners::points`] and of files.
-    pub const ALL: [Self; 4] =
-        [Self::SuperiorLeft, Self::SuperiorRight, Self::InferiorLeft, Self::InferiorRight];
-
-    /// The name used in files.
-    #[must_use]
-    pub const fn key(self) -> &'static str {
-        match self {
-            Self::SuperiorLeft => "superior_left",
-            Self::SuperiorRight => "superior_right",
-            Self::InferiorLeft => "inferior_left",
-            Self::InferiorRight => "inferior_right",
-        }
-    }
-
     /// The order of marking: once around the body from the patient's superior left, so that every click is next to the
     /// one before it.
     pub const ORDER: [Self; 4] =

@@ -3,41 +3,24 @@
 use super::{Corners, VertebraLandmarks};
 use crate::anatomy::named;
 
-/// How the place of a corner came about.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Origin {
-    /// A person clicked it, or another program gave it without saying how.
-    #[default]
-    Clicked,
-    /// It was completed from other landmarks of the film ([`complete`](super::completion::complete)); nobody has looked at it.
-    Completed,
-    /// A program found it in the picture; nobody has looked at it.
-    Detected,
-    /// A person looked at a place that a program proposed, and accepted it.
-    Accepted,
-    /// A person moved a place that a program had proposed.
-    Adjusted,
+named! {
+    /// How the place of a corner came about.
+    #[default(Clicked)]
+    pub enum Origin {
+        /// A person clicked it, or another program gave it without saying how.
+        Clicked = "clicked",
+        /// It was completed from other landmarks of the film; nobody has looked at it.
+        Completed = "completed",
+        /// A program found it in the picture; nobody has looked at it.
+        Detected = "detected",
+        /// A person looked at a place that a program proposed, and accepted it.
+        Accepted = "accepted",
+        /// A person moved a place that a program had proposed.
+        Adjusted = "adjusted",
+    }
 }
 
-named!(Origin);
-
 impl Origin {
-    /// Every origin.
-    pub const ALL: [Self; 5] =
-        [Self::Clicked, Self::Completed, Self::Detected, Self::Accepted, Self::Adjusted];
-
-    /// The name used in files.
-    #[must_use]
-    pub const fn key(self) -> &'static str {
-        match self {
-            Self::Clicked => "clicked",
-            Self::Completed => "completed",
-            Self::Detected => "detected",
-            Self::Accepted => "accepted",
-            Self::Adjusted => "adjusted",
-        }
-    }
-
     /// Whether a person chose the place, so that its error is that of a click.
     ///
     /// Who accepts a proposed place sees large errors of it, not small ones: its error stays that of the program.

@@ -127,13 +127,18 @@ impl Outline {
         self.vertebrae.iter().map(|vertebra| vertebra.location)
     }
 
+    /// The location of the model's top vertebra.
+    #[must_use]
+    pub fn top(&self) -> Frontal {
+        self.vertebrae[self.vertebrae.len() - 1].location
+    }
+
     /// Lateral tilt of the line from base to top (L4→T2) relative to the normal of the iliac line, or against L4's axis where no crest was marked.
     ///
     /// This is the amplitude of a bend [petit-2004], between the ends of the model. Positive to the right.
     #[must_use]
     pub fn amplitude(&self) -> Angle {
-        let top = self.vertebrae[self.vertebrae.len() - 1].location;
-        top.lateral_tilt() - self.iliac_normal.unwrap_or(Angle::ZERO)
+        self.top().lateral_tilt() - self.iliac_normal.unwrap_or(Angle::ZERO)
     }
 
     /// Length of the polygon through the midpoints.
@@ -173,15 +178,17 @@ pub fn measure_film(
     let seen = [(film.posture, seen_levels(&readings))];
     let levels = common_levels(&seen)?;
     warn_of_shortened_chain(levels, &seen, warnings);
-    outline_of((film, &readings), levels, (rule, None), warnings)
+    outline_of(film, &readings, levels, rule, None, warnings)
 }
 
 /// The outline of a film whose readings were measured before; its base and its top are marked. Its noise is that of the readings, if it
 /// is not known from elsewhere.
 pub(crate) fn outline_of(
-    (film, readings): (&Film, &[Reading<Placement>]),
+    film: &Film,
+    readings: &[Reading<Placement>],
     levels: Levels,
-    (rule, noise): (TiltRule, Option<Noise>),
+    rule: TiltRule,
+    noise: Option<Noise>,
     warnings: &mut Warnings,
 ) -> Result<Outline, MeasureError> {
     let posture = film.posture;
@@ -190,9 +197,8 @@ pub(crate) fn outline_of(
     let PlacedFilm { readings: placed, scale, iliac_normal, iliac_middle } =
         place_film(film, readings, warnings)?;
     let on_film = average(&placed);
-    let base = levels.base();
     let (base, _) = *on_film
-        .get(&base)
+        .get(&levels.base())
         .ok_or(MeasureError::BaseMissing { posture, lowest: Levels::HIGHEST_BASE })?;
     // The global frame: the base's (L4's) midpoint is the origin, and its own axis is +Z.
     let mut in_global: BTreeMap<Level, MeasuredVertebra> = on_film
@@ -200,17 +206,15 @@ pub(crate) fn outline_of(
         .map(|(&level, &(placement, readings))| {
             let location = (placement.location - base.location).rotated(-base.tilt);
             let tilt = (placement.tilt - base.tilt).wrapped();
-            let endplates = placement.endplates.map(|tilts| tilts.against(base.tilt));
-            let (interpolated, program, origin) = (None, placement.program, placement.origin);
             let vertebra = MeasuredVertebra {
                 level,
                 location,
                 tilt,
-                endplates,
+                endplates: placement.endplates.map(|tilts| tilts.against(base.tilt)),
                 readings,
-                interpolated,
-                program,
-                origin,
+                interpolated: None,
+                program: placement.program,
+                origin: placement.origin,
             };
             (level, vertebra)
         })
@@ -220,8 +224,7 @@ pub(crate) fn outline_of(
         let observers: Vec<&str> = readings.iter().map(|one| one.id.observer.as_str()).collect();
         Noise::of_means(&observers, &placed, &on_film)
     });
-    let shared_errors =
-        SharedErrors::of_film((film, &program), rule, &in_global, (base.tilt, &scale));
+    let shared_errors = SharedErrors::of_film(film, &program, rule, &in_global, base.tilt, &scale);
     let vertebrae = vertebrae_of(posture, levels, &in_global, &noise)?;
     warn_of_interpolated(posture, &vertebrae, &scale, warnings);
     let iliac_normal = iliac_normal.map(|normal| (normal - base.tilt).wrapped());
@@ -320,7 +323,7 @@ fn place_film(
             check_body_sizes(film)?;
             (readings, LengthScale::of(&spacing))
         }
-        None => scaled_from_pixels((posture, image), readings, warnings),
+        None => scaled_from_pixels(posture, image, readings, warnings),
     };
     let per_mm = 1.0 / scale.pixels_per_mm.unwrap_or(1.0);
     let iliac_middle = iliac_crests
@@ -425,7 +428,8 @@ pub(super) fn check_placements(
 
 /// Readings in pixels, as if this spine had the typical length: no angle depends on it.
 fn scaled_from_pixels(
-    (posture, image): (Posture, &ImageGeometry),
+    posture: Posture,
+    image: &ImageGeometry,
     mut placed: Vec<BTreeMap<Level, Placement>>,
     warnings: &mut Warnings,
 ) -> (Vec<BTreeMap<Level, Placement>>, LengthScale) {

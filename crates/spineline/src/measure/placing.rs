@@ -28,7 +28,8 @@ fn body_of(
     posture: Posture,
     image: &ImageGeometry,
     reading: &Reading<VertebraLandmarks>,
-    (level, landmark): (Level, &VertebraLandmarks),
+    level: Level,
+    landmark: &VertebraLandmarks,
 ) -> Result<Corners<Frontal>, MeasureError> {
     let id = || reading.id.clone();
     let finite = landmark.axis_clockwise.is_none_or(|axis| axis.rad().is_finite());
@@ -66,7 +67,7 @@ pub(super) fn place(
     reading: &Reading<VertebraLandmarks>,
     rule: TiltRule,
 ) -> Result<BTreeMap<Level, Placement>, MeasureError> {
-    place_usable((posture, image), reading, rule, &mut Vec::new())
+    place_usable(posture, image, reading, rule, &mut Vec::new())
 }
 
 /// Warns that T1 or L5 is left out because its landmarks cannot be used.
@@ -78,7 +79,7 @@ pub(super) fn warn_of_unusable_ends(film: &Film, warnings: &mut Warnings) {
     {
         let mut unusable = Vec::new();
         // What else is wrong has stopped the measurement before.
-        let _ = place_usable((film.posture, image), reading, TiltRule::default(), &mut unusable);
+        let _ = place_usable(film.posture, image, reading, TiltRule::default(), &mut unusable);
         for (level, error) in unusable {
             let text = format!("{error}; {level} is left out, as no result needs it");
             warnings.vertebra(Step::Measure, "level_left_out", film.posture, level, text);
@@ -126,7 +127,8 @@ struct Body<'a> {
 }
 
 fn place_usable(
-    (posture, image): (Posture, &ImageGeometry),
+    posture: Posture,
+    image: &ImageGeometry,
     reading: &Reading<VertebraLandmarks>,
     rule: TiltRule,
     unusable: &mut Vec<(Level, MeasureError)>,
@@ -135,7 +137,7 @@ fn place_usable(
     let fault = |level, fault| MeasureError::Corners { posture, id: id(), level, fault };
     let mut placed = Vec::with_capacity(reading.vertebrae.len());
     for (&level, landmark) in &reading.vertebrae {
-        match body_of(posture, image, reading, (level, landmark)) {
+        match body_of(posture, image, reading, level, landmark) {
             Ok(corners) => placed.push((level, landmark, corners)),
             Err(error @ MeasureError::AxesExchanged { .. }) => return Err(error),
             Err(error) if is_needless(level, &error) => unusable.push((level, error)),
@@ -156,7 +158,7 @@ fn place_usable(
             }
         }
     }
-    for (levels, found) in wrong_bodies((posture, image), reading, &bodies)? {
+    for (levels, found) in wrong_bodies(posture, image, reading, &bodies)? {
         for level in levels {
             let error = fault(level, found);
             if !is_needless(level, &error) {
@@ -177,9 +179,8 @@ fn place_usable(
             let tilt = by_hand
                 .map_or_else(|| rule.tilt_of(&corners), |axis| image.tilt_from_clockwise(axis));
             let endplates = Some(corners.measure_endplates());
-            let program = by_program
-                .as_ref()
-                .and_then(|corners| corners.noise(image, (level, landmark), rule));
+            let program =
+                by_program.as_ref().and_then(|corners| corners.noise(image, level, landmark, rule));
             let origin = Some(VertebraOrigin::of(&landmark.origins));
             (level, Placement { location: centre, tilt, endplates, program, origin })
         })
@@ -198,7 +199,8 @@ fn in_all(
 
 /// Bodies that are upside down, and bodies whose sides are exchanged; an error where the film is mirrored.
 fn wrong_bodies(
-    (posture, image): (Posture, &ImageGeometry),
+    posture: Posture,
+    image: &ImageGeometry,
     reading: &Reading<VertebraLandmarks>,
     bodies: &[Body<'_>],
 ) -> Result<[(Vec<Level>, CornerFault); 2], MeasureError> {

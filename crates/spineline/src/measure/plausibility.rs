@@ -79,7 +79,7 @@ pub(crate) fn warn_of_implausible_landmarks(film: &Film, warnings: &mut Warnings
     for reading in readings {
         warn_of_confidence(film.posture, reading, warnings);
         for (&level, landmark) in &reading.vertebrae {
-            warn_of_axis(film, image, (reading, level, landmark), warnings);
+            warn_of_axis(film, image, &reading.id, level, landmark, warnings);
         }
     }
 }
@@ -130,7 +130,7 @@ pub(super) fn warn_of_corners(
 ) {
     for reading in readings {
         for (level, body) in &reading.bodies {
-            warn_of_sides(film, (reading.id, *level, body), warnings);
+            warn_of_sides(film, reading.id, *level, body, warnings);
         }
         warn_of_corners_off_the_trend(film, reading, warnings);
     }
@@ -140,7 +140,9 @@ pub(super) fn warn_of_corners(
 /// Opposite sides of one body.
 fn warn_of_sides(
     film: CheckedFilm,
-    (id, level, body): (&ReadingId, Level, &Corners<Frontal>),
+    id: &ReadingId,
+    level: Level,
+    body: &Corners<Frontal>,
     warnings: &mut Warnings,
 ) {
     for (sides, ratio) in film.sides().into_iter().zip(body.side_ratios()) {
@@ -157,7 +159,9 @@ fn warn_of_sides(
 fn warn_of_axis(
     film: &Film,
     image: &ImageGeometry,
-    (reading, level, landmark): (&Reading<VertebraLandmarks>, Level, &VertebraLandmarks),
+    id: &ReadingId,
+    level: Level,
+    landmark: &VertebraLandmarks,
     warnings: &mut Warnings,
 ) {
     let Some(axis) = landmark.axis_clockwise else { return };
@@ -166,7 +170,7 @@ fn warn_of_axis(
     if apart > MAX_AXIS_DIFFERENCE {
         let text = format!(
             "observer {}: the axis turned by hand is {:.0}° from that of the corners (limit {:.0}°): check the axis and the corners",
-            reading.id,
+            id,
             apart.deg(),
             MAX_AXIS_DIFFERENCE.deg()
         );

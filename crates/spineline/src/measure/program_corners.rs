@@ -144,10 +144,11 @@ impl ProgramCorners {
     pub fn noise(
         &self,
         image: &ImageGeometry,
-        (level, landmark): (Level, &VertebraLandmarks),
+        level: Level,
+        landmark: &VertebraLandmarks,
         rule: TiltRule,
     ) -> Option<ProgramNoise> {
-        let spread = self.spread(image, (level, landmark), rule)?;
+        let spread = self.spread(image, level, landmark, rule)?;
         let own = self.corners.iter().filter(|(of, _)| *of == level).count();
         let variance = |row: usize| spread.row(row).norm_squared();
         let by_hand = landmark.axis_clockwise.is_some();
@@ -166,7 +167,8 @@ impl ProgramCorners {
     pub fn spread(
         &self,
         image: &ImageGeometry,
-        (level, landmark): (Level, &VertebraLandmarks),
+        level: Level,
+        landmark: &VertebraLandmarks,
         rule: TiltRule,
     ) -> Option<DMatrix<f64>> {
         let own: Vec<(usize, CornerName)> = (self.corners.iter().enumerate())

@@ -52,12 +52,14 @@ pub struct SharedErrors {
 impl SharedErrors {
     /// Of the means over the readings of a film, by their corners that a program found; `None` where there are none.
     ///
-    /// The last argument is the frame: the tilt of `G` on the film, and the scale of its lengths.
+    /// `base_tilt` is the tilt of `G` on the film, and `scale` that of its lengths.
     pub(super) fn of_film(
-        (film, program): (&Film, &[Option<ProgramCorners>]),
+        film: &Film,
+        program: &[Option<ProgramCorners>],
         rule: TiltRule,
         marked: &BTreeMap<Level, MeasuredVertebra>,
-        (base_tilt, scale): (Angle, &LengthScale),
+        base_tilt: Angle,
+        scale: &LengthScale,
     ) -> Option<Self> {
         let FilmLandmarks::Corners { image, readings, .. } = &film.landmarks else { return None };
         let own = readings.iter().zip(program);
@@ -73,7 +75,7 @@ impl SharedErrors {
             for (i, vertebra) in of_model.iter().enumerate() {
                 let landmark = reading.vertebrae.get(&vertebra.level);
                 let own = landmark
-                    .and_then(|landmark| corners.spread(image, (vertebra.level, landmark), rule));
+                    .and_then(|landmark| corners.spread(image, vertebra.level, landmark, rule));
                 let Some(mut own) = own else { continue };
                 for mut column in own.column_iter_mut() {
                     let off = Frontal::new(column[0], column[1]).rotated(-base_tilt)

@@ -2,39 +2,24 @@ use std::fmt;
 
 use crate::anatomy::named;
 
-named!(SpacingPlane, SpacingSource);
-
-/// What a length of a film is measured in.
-///
-/// A film carries it from its file to the report: a length in the detector's plane is larger than life by the
-/// magnification of the set-up (5 to 15 % on long films), and a length in pixels is no length of the patient at all.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub enum SpacingPlane {
-    /// Millimetres in the patient: calibrated.
-    Patient,
-    /// Millimetres on the detector: larger than life by the magnification of the set-up.
-    Detector,
-    /// Millimetres in a plane that is not stated.
-    Unknown,
-    /// No millimetres: pixels, taken as square where their shape is not stated. Angles can be measured, lengths cannot.
-    Pixels,
+named! {
+    /// What a length of a film is measured in.
+    ///
+    /// A film carries it from its file to the report: a length in the detector's plane is larger than life by the
+    /// magnification of the set-up (5 to 15 % on long films), and a length in pixels is no length of the patient at all.
+    pub enum SpacingPlane {
+        /// Millimetres in the patient: calibrated.
+        Patient = "patient",
+        /// Millimetres on the detector: larger than life by the magnification of the set-up.
+        Detector = "detector",
+        /// Millimetres in a plane that is not stated.
+        Unknown = "unknown",
+        /// No millimetres: pixels, taken as square where their shape is not stated. Angles can be measured, lengths cannot.
+        Pixels = "pixels",
+    }
 }
 
 impl SpacingPlane {
-    /// Every plane.
-    pub const ALL: [Self; 4] = [Self::Patient, Self::Detector, Self::Unknown, Self::Pixels];
-
-    /// The name used in files.
-    #[must_use]
-    pub const fn key(self) -> &'static str {
-        match self {
-            Self::Patient => "patient",
-            Self::Detector => "detector",
-            Self::Unknown => "unknown",
-            Self::Pixels => "pixels",
-        }
-    }
-
     /// The unit of a length from such a film, in words.
     #[must_use]
     pub const fn unit(self) -> &'static str {
@@ -47,91 +32,36 @@ impl SpacingPlane {
     }
 }
 
-/// How a film's spacing became known.
-///
-/// # References
-/// Attributes of DICOM PS3.3, C.7.6.3, C.8.1.2, C.8.11.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub enum SpacingSource {
-    /// Stated by whoever made the case.
-    Stated,
-    /// Pixel Spacing calibrated to an object of known size in the picture (FIDUCIAL).
-    Fiducial,
-    /// Pixel Spacing corrected by a known geometry of the set-up (GEOMETRY).
-    Geometry,
-    /// Pixel Spacing that differs from the detector's, without a word on why.
-    Uncalibrated,
-    /// Pixel Spacing alone: it may be the detector's or the patient's.
-    PixelSpacing,
-    /// Imager Pixel Spacing divided by the Estimated Radiographic Magnification Factor.
-    Magnification,
-    /// Imager Pixel Spacing multiplied by the distances from source to patient and to detector.
-    Distances,
-    /// Imager Pixel Spacing: the detector's.
-    Imager,
-    /// Nominal Scanned Pixel Spacing of a digitised film: that film's surface.
-    Scanned,
-    /// The shape of a pixel alone: Pixel Aspect Ratio, or the resolutions of a picture across and down.
-    PixelAspect,
-    /// A ball of known diameter in the picture.
-    Ball,
-    /// A ruler in the picture.
-    Ruler,
-}
-
-impl SpacingSource {
-    /// The name used in files.
-    #[must_use]
-    pub const fn key(self) -> &'static str {
-        match self {
-            Self::Stated => "stated",
-            Self::Fiducial => "fiducial",
-            Self::Geometry => "geometry",
-            Self::Uncalibrated => "uncalibrated",
-            Self::PixelSpacing => "pixel_spacing",
-            Self::Magnification => "magnification",
-            Self::Distances => "distances",
-            Self::Imager => "imager",
-            Self::Scanned => "scanned",
-            Self::PixelAspect => "pixel_aspect",
-            Self::Ball => "ball",
-            Self::Ruler => "ruler",
-        }
-    }
-
-    /// Every source.
-    pub const ALL: [Self; 12] = [
-        Self::Stated,
-        Self::Fiducial,
-        Self::Geometry,
-        Self::Uncalibrated,
-        Self::PixelSpacing,
-        Self::Magnification,
-        Self::Distances,
-        Self::Imager,
-        Self::Scanned,
-        Self::PixelAspect,
-        Self::Ball,
-        Self::Ruler,
-    ];
-}
-
-impl fmt::Display for SpacingSource {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.pad(match self {
-            Self::Stated => "stated in the case",
-            Self::Fiducial => "calibrated to an object in the picture",
-            Self::Geometry => "calibrated by the geometry of the set-up",
-            Self::Uncalibrated => "Pixel Spacing corrected in a way not stated",
-            Self::PixelSpacing => "Pixel Spacing without calibration type",
-            Self::Magnification => "Imager Pixel Spacing by the estimated magnification",
-            Self::Distances => "Imager Pixel Spacing by the distances of the set-up",
-            Self::Imager => "Imager Pixel Spacing",
-            Self::Scanned => "Nominal Scanned Pixel Spacing",
-            Self::PixelAspect => "the shape of a pixel as the file states it",
-            Self::Ball => "a ball in the picture",
-            Self::Ruler => "a ruler in the picture",
-        })
+named! {
+    /// How a film's spacing became known.
+    ///
+    /// # References
+    /// Attributes of DICOM PS3.3, C.7.6.3, C.8.1.2, C.8.11.
+    pub enum SpacingSource {
+        /// Stated by whoever made the case.
+        Stated = "stated" as "stated in the case",
+        /// Pixel Spacing calibrated to an object of known size in the picture (FIDUCIAL).
+        Fiducial = "fiducial" as "calibrated to an object in the picture",
+        /// Pixel Spacing corrected by a known geometry of the set-up (GEOMETRY).
+        Geometry = "geometry" as "calibrated by the geometry of the set-up",
+        /// Pixel Spacing that differs from the detector's, without a word on why.
+        Uncalibrated = "uncalibrated" as "Pixel Spacing corrected in a way not stated",
+        /// Pixel Spacing alone: it may be the detector's or the patient's.
+        PixelSpacing = "pixel_spacing" as "Pixel Spacing without calibration type",
+        /// Imager Pixel Spacing divided by the Estimated Radiographic Magnification Factor.
+        Magnification = "magnification" as "Imager Pixel Spacing by the estimated magnification",
+        /// Imager Pixel Spacing multiplied by the distances from source to patient and to detector.
+        Distances = "distances" as "Imager Pixel Spacing by the distances of the set-up",
+        /// Imager Pixel Spacing: the detector's.
+        Imager = "imager" as "Imager Pixel Spacing",
+        /// Nominal Scanned Pixel Spacing of a digitised film: that film's surface.
+        Scanned = "scanned" as "Nominal Scanned Pixel Spacing",
+        /// The shape of a pixel alone: Pixel Aspect Ratio, or the resolutions of a picture across and down.
+        PixelAspect = "pixel_aspect" as "the shape of a pixel as the file states it",
+        /// A ball of known diameter in the picture.
+        Ball = "ball" as "a ball in the picture",
+        /// A ruler in the picture.
+        Ruler = "ruler" as "a ruler in the picture",
     }
 }
 

@@ -2,32 +2,25 @@ use super::Corners;
 use crate::anatomy::named;
 use crate::spatial::{Angle, Frontal};
 
-/// From which landmarks of a vertebral body its tilt is measured.
-///
-/// Endplates are longer than a body is high, so that the same landmark noise turns them less. On 433 erect radiographs
-/// the standard deviation of tilts about a local cubic is 1.5° by endplates and 3.5° by axis (decision record 0030).
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum TiltRule {
-    /// The mean direction of both endplates: [`Corners::measure_endplate_tilt`].
-    #[default]
-    Endplates,
-    /// The line through the centres of the endplates, as in the paper: [`Corners::measure_tilt`].
-    Axis,
+named! {
+    /// From which landmarks of a vertebral body its tilt is measured.
+    ///
+    /// Endplates are longer than a body is high, so that the same landmark noise turns them less. On 433 erect radiographs
+    /// the standard deviation of tilts about a local cubic is 1.5° by endplates and 3.5° by axis (decision record 0030).
+    #[default(Endplates)]
+    pub enum TiltRule {
+        /// Mean direction of both endplates.
+        ///
+        /// [`Corners::measure_endplate_tilt`] measures it.
+        Endplates = "endplates",
+        /// Line through the centres of the endplates (the paper).
+        ///
+        /// [`Corners::measure_tilt`] measures it.
+        Axis = "axis",
+    }
 }
 
 impl TiltRule {
-    /// Every rule.
-    pub const ALL: [Self; 2] = [Self::Endplates, Self::Axis];
-
-    /// The name used in files.
-    #[must_use]
-    pub const fn key(self) -> &'static str {
-        match self {
-            Self::Endplates => "endplates",
-            Self::Axis => "axis",
-        }
-    }
-
     /// The tilt of a body by this rule.
     #[must_use]
     pub fn tilt_of(self, body: &Corners<Frontal>) -> Angle {
@@ -37,8 +30,6 @@ impl TiltRule {
         }
     }
 }
-
-named!(TiltRule);
 
 /// Lateral tilts of the normals of a vertebra's two endplates; positive to the patient's right.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -50,9 +50,9 @@ impl Motion {
     /// use spineline_phantom::{Readers, Truth, generate};
     ///
     /// let case = generate(0, Truth::Bend, &Readers::exact(), 1)?.case;
-    /// let analysis = analyze_movement(&case, &AnalysisOptions::default())?;
-    /// let erect = analysis.erect();
-    /// let bend = analysis.posture(Posture::LeftBending).ok_or("no left bend")?;
+    /// let movement = analyze_movement(&case, &AnalysisOptions::default())?.movement;
+    /// let erect = movement.erect();
+    /// let bend = movement.film(Posture::LeftBending).ok_or("no left bend")?;
     /// let windows = least_windows(&erect.fit, &erect.pose);
     /// let motion = Motion::between(&erect.pose, &bend.pose, &windows);
     /// // The segment of the caudal window that rotates least.

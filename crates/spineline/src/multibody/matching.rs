@@ -2,6 +2,7 @@ use super::nearest::nearest_on_path;
 use super::roots::{Along, Lost, Sample, zeros_between};
 use super::target::{AmplitudeTarget, NearestT2Target, PathState, SearchTarget};
 use super::{Load, Parameter, Solution, Statics};
+use crate::anatomy::named;
 use crate::spatial::{Angle, Frontal, Vec3};
 
 /// The way a force points along its line.
@@ -31,29 +32,49 @@ impl ForceSign {
     }
 }
 
-/// How a search for a force ended.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum MatchStatus {
-    /// The target is met, or the force was known and its equilibrium found.
-    Matched,
-    /// The target is not met up to the largest force or hinge angle; the nearest shape is given.
-    Unreachable,
-    /// The target is met, or the force known, but the shape is beyond the human range of motion; only
-    /// [`crate::evaluate::simulate`] judges this.
-    BeyondHumanRange,
-    /// A load that moves with T2 could not be closed, or the search did not end.
-    NotConverged,
+named! {
+    /// How a search for a force ended.
+    pub enum MatchStatus {
+        /// The target is met, or the force was known and its equilibrium found.
+        Converged = "converged",
+        /// The target is not met up to the largest force or hinge angle; the nearest shape is given.
+        Unreachable = "unreachable",
+        /// The target is met, or the force known, but the shape is beyond the human range of motion. Only simulations of films
+        /// judge this.
+        BeyondHumanRange = "beyond_human_range",
+        /// A load that moves with T2 could not be closed, or the search did not end.
+        NotConverged = "not_converged",
+    }
 }
 
-impl MatchStatus {
-    /// The name used in files.
+/// What is left of the target of a search.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Residual {
+    /// Of an amplitude: lateral tilt of the line L4→T2 beyond the target's.
+    Amplitude(Angle),
+    /// Distance of T2 from the target's place.
+    Distance {
+        /// In mm.
+        mm: f64,
+    },
+}
+
+impl Residual {
+    /// The tilt of an amplitude; `None` for a distance.
     #[must_use]
-    pub const fn key(self) -> &'static str {
+    pub const fn tilt(self) -> Option<Angle> {
         match self {
-            Self::Matched => "converged",
-            Self::Unreachable => "unreachable",
-            Self::BeyondHumanRange => "beyond_human_range",
-            Self::NotConverged => "not_converged",
+            Self::Amplitude(tilt) => Some(tilt),
+            Self::Distance { .. } => None,
+        }
+    }
+
+    /// The distance of T2; `None` for an amplitude.
+    #[must_use]
+    pub const fn distance_mm(self) -> Option<f64> {
+        match self {
+            Self::Amplitude(_) => None,
+            Self::Distance { mm } => Some(mm),
         }
     }
 }
@@ -65,8 +86,8 @@ pub struct ForceMatch {
     pub status: MatchStatus,
     /// Signed force along the line.
     pub force_n: f64,
-    /// What is left of the target: rad for an amplitude, mm for T2's distance.
-    pub residual: f64,
+    /// What is left of the target.
+    pub residual: Residual,
     /// Equilibria computed.
     pub evaluations: u32,
     /// The shape.
@@ -83,15 +104,15 @@ impl ForceMatch {
         let mut solution = Solution::default();
         statics.solve(load, &[force_n], &[], &mut solution);
         let status =
-            if solution.converged { MatchStatus::Matched } else { MatchStatus::NotConverged };
-        let residual = (solution.deformed.lateral_tilt() - tilt).wrapped().rad();
+            if solution.converged { MatchStatus::Converged } else { MatchStatus::NotConverged };
+        let residual = Residual::Amplitude((solution.deformed.lateral_tilt() - tilt).wrapped());
         Self { status, force_n, residual, evaluations: 1, solution, other_mm: f64::INFINITY }
     }
 
     /// Whether the shape may be shown as a result.
     #[must_use]
     pub fn is_usable(&self) -> bool {
-        self.status == MatchStatus::Matched
+        self.status == MatchStatus::Converged
     }
 }
 
@@ -288,6 +309,7 @@ impl<L: OneComponent, S: SearchTarget> Path<L, S> {
 
     fn record(&mut self, status: MatchStatus, force_n: f64, residual: f64) {
         let (evaluations, solution) = (self.evaluations, self.solution.clone());
+        let residual = S::residual(residual);
         let other_mm = f64::INFINITY;
         self.found.push(ForceMatch { status, force_n, residual, evaluations, solution, other_mm });
     }
@@ -304,7 +326,7 @@ impl<L: OneComponent, S: SearchTarget> Path<L, S> {
         let last = self.evaluations + MAX_EVALUATIONS;
         while self.evaluations < last {
             if now.met {
-                self.record(MatchStatus::Matched, now.force_n, now.residual);
+                self.record(MatchStatus::Converged, now.force_n, now.residual);
                 if self.found.len() >= self.enough {
                     return;
                 }
@@ -328,7 +350,7 @@ impl<L: OneComponent, S: SearchTarget> Path<L, S> {
             self.others.extend(places.into_iter().flatten());
             if next.met {
                 if stops && plausible {
-                    self.record(MatchStatus::Matched, next.force_n, next.residual);
+                    self.record(MatchStatus::Converged, next.force_n, next.residual);
                 }
             } else if self.target.counts_between(&now, &next, self.least_residual()) {
                 let evaluations = self.evaluations;
@@ -396,7 +418,7 @@ impl<L: OneComponent, S: SearchTarget> Path<L, S> {
                 return None;
             }
             if now.met {
-                self.record(MatchStatus::Matched, now.force_n, now.residual);
+                self.record(MatchStatus::Converged, now.force_n, now.residual);
                 return self.found.pop();
             }
             let step_n = now.newton_step_n(self.seen[1].as_ref());
@@ -431,7 +453,7 @@ impl<L: OneComponent, S: SearchTarget> Along for Path<L, S> {
         if zero.is_ok() && !self.is_plausible() {
             return true;
         }
-        let status = if zero.is_ok() { MatchStatus::Matched } else { MatchStatus::NotConverged };
+        let status = if zero.is_ok() { MatchStatus::Converged } else { MatchStatus::NotConverged };
         let PathState { force_n, residual, .. } =
             self.last.expect("a zero is found by computing states");
         self.record(status, force_n, residual);

@@ -41,7 +41,7 @@ pub use human_range::{BeyondHumanRange, MAX_HUMAN_COLUMN, MAX_HUMAN_JOINT};
 pub use load::{Load, Wrench};
 pub use march::{Deformed, Parameter, Solution, Statics};
 pub use matching::{
-    ForceMatch, ForceSign, MatchStatus, amplitude_matches, match_amplitude, match_t2,
+    ForceMatch, ForceSign, MatchStatus, Residual, amplitude_matches, match_amplitude, match_t2,
 };
 pub(crate) use matching::{MAX_FORCE_PER_STIFFNESS, MAX_HINGE_RAD, OneComponent, match_t2_near};
 pub(crate) use nearest::{

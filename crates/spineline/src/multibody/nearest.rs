@@ -24,7 +24,7 @@ pub(super) trait Minimum {
 
 impl Minimum for ForceMatch {
     fn distance_mm(&self) -> f64 {
-        self.residual
+        self.residual.distance_mm().unwrap_or(f64::INFINITY)
     }
 
     fn load_size(&self) -> f64 {

@@ -179,32 +179,18 @@ impl Default for StiffnessLibrary {
     }
 }
 
-/// What holds the patient.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Support {
-    /// Nothing but L4: every joint turns about all three axes (the paper's). Films of the frontal plane do not show whether
-    /// it does, and left-out bends are predicted worse (decision record 0032).
-    Free,
-    /// The frontal plane: flexion and axial hinges are locked, as on a table.
-    #[default]
-    Frontal,
-}
-
-impl Support {
-    /// Every support.
-    pub const ALL: [Self; 2] = [Self::Free, Self::Frontal];
-
-    /// The name used in files.
-    #[must_use]
-    pub const fn key(self) -> &'static str {
-        match self {
-            Self::Free => "free",
-            Self::Frontal => "frontal",
-        }
+named! {
+    /// What holds the patient.
+    #[default(Frontal)]
+    pub enum Support {
+        /// Every joint rotates about three axes (the paper).
+        ///
+        /// Only L4 is held. Films of the frontal plane do not show whether it does, and left-out bends are predicted worse (decision record 0032).
+        Free = "free",
+        /// In the frontal plane, as on a table: flexion and axial rotation are locked.
+        Frontal = "frontal",
     }
 }
-
-named!(Support);
 
 /// Which joints share one stiffness multiplier.
 #[derive(Debug, Clone, PartialEq, Eq)]

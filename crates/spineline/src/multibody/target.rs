@@ -1,8 +1,8 @@
 //! Targets of a search along an increasing force: a lateral tilt of the line L4→T2, or the smallest distance of T2 from a
 //! place.
 
-use super::Solution;
 use super::roots::Sample;
+use super::{Residual, Solution};
 use crate::spatial::{Angle, Frontal, Vec3};
 
 /// A hinge turns by at most so much from one step to the next.
@@ -30,6 +30,9 @@ pub(super) trait SearchTarget {
         true
     }
 
+    /// A state's residual with its unit.
+    fn residual(of_state: f64) -> Residual;
+
     /// The least residual that a result between two states may have; `None` where there is none, or no lower bound.
     fn least_between(&self, _from: &PathState, _to: &PathState) -> Option<f64> {
         None
@@ -53,6 +56,10 @@ impl SearchTarget for AmplitudeTarget {
             ..PathState::of_t2(force_n, solution)
         }
     }
+
+    fn residual(rad: f64) -> Residual {
+        Residual::Amplitude(Angle::from_rad(rad))
+    }
 }
 
 /// The smallest distance of T2 from a place.
@@ -74,6 +81,10 @@ impl SearchTarget for NearestT2Target {
             .clamp(T2_STEP_MM, MAX_T2_STEP_MM);
         let step_n = turn_step(solution).min(travel_mm / slope.sqrt());
         PathState { value, rate: slope, residual: gap_mm, met, step_n, ..state }
+    }
+
+    fn residual(mm: f64) -> Residual {
+        Residual::Distance { mm }
     }
 
     /// Whether T2 moved about as far as its rate said.
@@ -111,6 +122,7 @@ pub(super) struct PathState {
     rate: f64,
     /// Whether the derivative is complete.
     exact: bool,
+    /// In rad or mm, as the target measures it.
     pub residual: f64,
     pub met: bool,
     /// How far the force may grow before the next state is computed.

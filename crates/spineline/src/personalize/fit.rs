@@ -95,24 +95,24 @@ const fn satisfied_rms(target: FitTarget) -> f64 {
 /// use spineline_phantom::{Readers, Truth, generate};
 ///
 /// let case = generate(0, Truth::Rod, &Readers::exact(), 1)?.case;
-/// let analysis = analyze_movement(&case, &AnalysisOptions::default())?;
+/// let movement = analyze_movement(&case, &AnalysisOptions::default())?.movement;
 /// let mut films = Vec::new();
-/// for posture in analysis.postures.iter().filter(|p| p.outline.posture.bend().is_some()) {
+/// for posture in movement.films.iter().filter(|p| p.outline.posture.bend().is_some()) {
 ///     let [caudal, cranial] = posture.inflection_points.ok_or("no two inflections")?;
 ///     let line = LineOfAction::through(caudal, cranial)?;
 ///     films.push(FitFilm { outline: &posture.outline, load: Load::along(line, 0.0) });
 /// }
 /// let settings = FitSettings {
-///     regions: &analysis.regions,
+///     regions: &movement.regions,
 ///     target: FitTarget::Shape,
 ///     gauge: Gauge::GeometricMean,
 ///     support: Support::Free,
 ///     prior: None,
 ///     hints: &[],
 /// };
-/// let groups = JointGroups::regional(&analysis.regions);
-/// let (library, erect) = (StiffnessLibrary::default(), &analysis.erect().outline);
-/// let fit = personalize(&analysis.spine, &library, &groups, erect, &films, &settings);
+/// let groups = JointGroups::regional(&movement.regions);
+/// let (library, erect) = (StiffnessLibrary::default(), &movement.erect().outline);
+/// let fit = personalize(&movement.spine, &library, &groups, erect, &films, &settings);
 /// // Only ratios are identified: the mean of ln α is held at zero.
 /// assert!(fit.log_multipliers.iter().sum::<f64>().abs() < 1e-3);
 /// # Ok::<(), Box<dyn std::error::Error>>(())

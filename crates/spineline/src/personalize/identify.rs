@@ -29,6 +29,7 @@
 //! # References
 //! [raue-2009], [gutenkunst-2007].
 
+use crate::anatomy::named;
 use nalgebra::{DMatrix, DVector};
 
 use super::fit::{FittedSprings, Personalization};
@@ -123,44 +124,19 @@ pub enum ProfileEnd {
     Lost(f64),
 }
 
-/// What a profile says of its multiplier.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum ProfileVerdict {
-    /// An interval with two ends.
-    Interval,
-    /// It is at least so stiff.
-    OnlyLower,
-    /// It is at most so stiff.
-    OnlyUpper,
-    /// Every stiffness within the bounds explains the films about as well.
-    NotIdentified,
-    /// The profile could not be followed to an end.
-    Lost,
-}
-
-impl ProfileVerdict {
-    /// The name used in files.
-    #[must_use]
-    pub const fn key(self) -> &'static str {
-        match self {
-            Self::Interval => "interval",
-            Self::OnlyLower => "only_lower",
-            Self::OnlyUpper => "only_upper",
-            Self::NotIdentified => "not_identified",
-            Self::Lost => "lost",
-        }
-    }
-}
-
-impl std::fmt::Display for ProfileVerdict {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.pad(match self {
-            Self::Interval => "identified as a ratio",
-            Self::OnlyLower => "only a lower limit",
-            Self::OnlyUpper => "only an upper limit",
-            Self::NotIdentified => "not identified",
-            Self::Lost => "the profile did not converge",
-        })
+named! {
+    /// What a profile says of its multiplier.
+    pub enum ProfileVerdict {
+        /// An interval with two ends.
+        Interval = "interval" as "identified as a ratio",
+        /// It is at least so stiff.
+        OnlyLower = "only_lower" as "only a lower limit",
+        /// It is at most so stiff.
+        OnlyUpper = "only_upper" as "only an upper limit",
+        /// Every stiffness within the bounds explains the films about as well.
+        NotIdentified = "not_identified" as "not identified",
+        /// The profile could not be followed to an end.
+        Lost = "lost" as "the profile did not converge",
     }
 }
 

@@ -82,31 +82,18 @@ impl Gauge {
     }
 }
 
-/// What is fitted.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum FitTarget {
-    /// Locations and tilts of all vertebrae, weighted by their noise; the force is fitted with the stiffness.
-    #[default]
-    Shape,
-    /// Three Ferguson angles per bend, amplitude held (the paper).
-    Ferguson,
-}
-
-impl FitTarget {
-    /// Every quantity.
-    pub const ALL: [Self; 2] = [Self::Shape, Self::Ferguson];
-
-    /// The name used in files.
-    #[must_use]
-    pub const fn key(self) -> &'static str {
-        match self {
-            Self::Shape => "shape",
-            Self::Ferguson => "ferguson",
-        }
+named! {
+    /// What is fitted.
+    #[default(Shape)]
+    pub enum FitTarget {
+        /// Locations and tilts of all vertebrae.
+        ///
+        /// Each is weighted by its noise; the force is fitted with the stiffness.
+        Shape = "shape",
+        /// Three Ferguson angles per bend, with the amplitude fixed (the paper).
+        Ferguson = "ferguson",
     }
 }
-
-named!(FitTarget, TestOutcome);
 
 /// What is known of stiffness before the films: every multiplier's distance from their mean, `ln α - mean ln α`, is normal
 /// about zero. It concerns ratios only, as the films do.

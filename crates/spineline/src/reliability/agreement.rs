@@ -135,7 +135,8 @@ impl BlandAltman {
 pub(super) fn bland_altman(
     ratings: &Ratings,
     names: &[String],
-    (i, j): (usize, usize),
+    i: usize,
+    j: usize,
 ) -> Result<BlandAltman, Undefined> {
     let (a, b) = (ratings.column(i), ratings.column(j));
     let n = a.len() as f64;

@@ -129,7 +129,7 @@ fn insert(
         let quantity = all.iter_mut().find(|quantity| quantity.key == key);
         let quantity = quantity.expect("every key is one of the table's");
         // A case that is given twice adds nothing.
-        quantity.insert_part((place, part), &reader, value);
+        quantity.insert_part(place, part, &reader, value);
     };
     let tilt_deg = |level: Level, tilt: Angle| {
         let reference = references[&level];

@@ -57,14 +57,15 @@ impl RatedQuantity {
     /// Adds a reading; `false`, and nothing is changed, where this observer's repeat of this subject is there already.
     #[must_use]
     pub fn insert(&mut self, subject: &str, observer: &str, repeat: u32, value: f64) -> bool {
-        self.insert_part((subject, ""), &(observer.to_owned(), repeat), value)
+        self.insert_part(subject, "", &(observer.to_owned(), repeat), value)
     }
 
     /// As [`RatedQuantity::insert`], of a subject that is one of a few parts of a place; a place and its parts are ordered as their names
     /// one after the other.
     pub(super) fn insert_part(
         &mut self,
-        (place, part): (&str, &str),
+        place: &str,
+        part: &str,
         reader: &Reader,
         value: f64,
     ) -> bool {

@@ -253,7 +253,7 @@ fn assess_design(
     let bland_altman = table.as_ref().map_or_else(
         |_| Vec::new(),
         |table| {
-            pairs(names.len()).filter_map(|pair| bland_altman(table, &names, pair).ok()).collect()
+            pairs(names.len()).filter_map(|(i, j)| bland_altman(table, &names, i, j).ok()).collect()
         },
     );
     let repeats: Vec<usize> = raters.iter().map(Vec::len).collect();

@@ -1,5 +1,6 @@
 use super::{Response, SpineAngles, erect_shape, measure_angles};
 use crate::anatomy::Region;
+use crate::anatomy::named;
 use crate::clinical::{CurvePlaces, sacral_line_offset_mm};
 use crate::measure::Outline;
 use crate::multibody::{Deformed, Goal, SpineModel};
@@ -68,29 +69,15 @@ impl LoadedQuantity {
     }
 }
 
-/// Which value of a quantity.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum LoadedState {
-    /// On the erect, unloaded spine.
-    Erect,
-    /// Under the loads.
-    Loaded,
-    /// Under the loads minus erect.
-    Change,
-}
-
-impl LoadedState {
-    /// All, in the order of tables.
-    pub const ALL: [Self; 3] = [Self::Erect, Self::Loaded, Self::Change];
-
-    /// The name used in files.
-    #[must_use]
-    pub const fn key(self) -> &'static str {
-        match self {
-            Self::Erect => "erect",
-            Self::Loaded => "loaded",
-            Self::Change => "change",
-        }
+named! {
+    /// Which value of a quantity.
+    pub enum LoadedState {
+        /// On the erect, unloaded spine.
+        Erect = "erect",
+        /// Under the loads.
+        Loaded = "loaded",
+        /// Under the loads minus erect.
+        Change = "change",
     }
 }
 

@@ -1,3 +1,4 @@
+use crate::anatomy::named;
 use std::ops::ControlFlow;
 
 use crate::multibody::{
@@ -20,32 +21,19 @@ pub struct SignedPath {
     pub path: EquilibriumPath,
 }
 
-/// Why a shape that meets the goal is the one that the spine takes, or is not.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Verdict {
-    /// The least loaded shape that the erect spine reaches without snapping or buckling.
-    Reached,
-    /// Reached as well, but under greater loads, or later on the path.
-    Later,
-    /// The loads have a maximum before it: the spine would have snapped.
-    BeyondLimitPoint,
-    /// Another branch crosses before it: the spine would have buckled away.
-    BeyondBranchPoint,
-    /// No human spine takes this shape ([`Deformed::beyond_human_range`]).
-    BeyondHumanRange,
-}
-
-impl Verdict {
-    /// The name used in files.
-    #[must_use]
-    pub const fn key(self) -> &'static str {
-        match self {
-            Self::Reached => "reached",
-            Self::Later => "later",
-            Self::BeyondLimitPoint => "beyond_limit_point",
-            Self::BeyondBranchPoint => "beyond_branch_point",
-            Self::BeyondHumanRange => "beyond_human_range",
-        }
+named! {
+    /// Why a shape that meets the goal is the one that the spine takes, or is not.
+    pub enum Verdict {
+        /// The least loaded shape that the erect spine reaches without snapping or buckling.
+        Reached = "reached",
+        /// Reached as well, but under greater loads, or later on the path.
+        Later = "later",
+        /// The loads have a maximum before it: the spine would have snapped.
+        BeyondLimitPoint = "beyond_limit_point",
+        /// Another branch crosses before it: the spine would have buckled away.
+        BeyondBranchPoint = "beyond_branch_point",
+        /// No human spine takes this shape ([`Deformed::beyond_human_range`]).
+        BeyondHumanRange = "beyond_human_range",
     }
 }
 

@@ -67,7 +67,8 @@ impl Frontal {
     }
 
     /// As [`Frontal::rotated`], by the angle's sine and cosine.
-    pub(crate) fn rotated_by(self, (s, c): (f64, f64)) -> Self {
+    pub(crate) fn rotated_by(self, sin_cos: (f64, f64)) -> Self {
+        let (s, c) = sin_cos;
         Self::new(c * self.y_mm - s * self.z_mm, s * self.y_mm + c * self.z_mm)
     }
 

@@ -1,3 +1,4 @@
+use crate::anatomy::named;
 use std::collections::{BTreeMap, BTreeSet};
 
 use rand_chacha::ChaCha12Rng;
@@ -24,26 +25,15 @@ pub enum LandmarkNoise {
     Pixels(f64),
 }
 
-/// Where the deviation of a reading comes from.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum NoiseSource {
-    /// The standard deviation of the case's readings of this film, or, for corners, of all its films.
-    Readings,
-    /// The assumption for one careful reading, without repeats.
-    Assumed,
-    /// The user.
-    Given,
-}
-
-impl NoiseSource {
-    /// The name used in files.
-    #[must_use]
-    pub const fn key(self) -> &'static str {
-        match self {
-            Self::Readings => "readings",
-            Self::Assumed => "assumed",
-            Self::Given => "given",
-        }
+named! {
+    /// Where the deviation of a reading comes from.
+    pub enum NoiseSource {
+        /// The standard deviation of the case's readings of this film, or, for corners, of all its films.
+        Readings = "readings",
+        /// The assumption for one careful reading, without repeats.
+        Assumed = "assumed",
+        /// The user.
+        Given = "given",
     }
 }
 
@@ -120,14 +110,14 @@ impl NoisyCase {
         let mut films = case
             .films
             .iter()
-            .zip(&nominal.postures)
+            .zip(&nominal.movement.films)
             .map(|(film, posture)| film_noise(&case, film, &posture.outline, noise))
             .collect::<Result<Vec<FilmNoise>, _>>()?;
         for (film, corners) in films.iter_mut().zip(&program) {
             film.program_corners =
                 corners.iter().flatten().map(|corners| corners.corners().len()).sum();
         }
-        let interpolated = nominal.postures.iter().flat_map(|posture| {
+        let interpolated = nominal.movement.films.iter().flat_map(|posture| {
             let outline = &posture.outline;
             outline.interpolated().map(|(vertebra, _)| (outline.posture, vertebra.level))
         });
@@ -151,13 +141,7 @@ impl NoisyCase {
                         let found = corners.as_ref().map_or(&[][..], ProgramCorners::corners);
                         for (&level, landmark) in &mut reading.vertebrae {
                             let is_moved = |name| !found.contains(&(level, name));
-                            move_landmarks(
-                                (landmark, image),
-                                is_moved,
-                                *sd_px,
-                                *axis_sd,
-                                &mut draw,
-                            );
+                            move_landmarks(landmark, image, is_moved, *sd_px, *axis_sd, &mut draw);
                         }
                     }
                     move_together(image, readings, program, &mut draw);
@@ -209,7 +193,8 @@ impl Draw {
 }
 
 fn move_landmarks(
-    (landmark, image): (&mut VertebraLandmarks, &ImageGeometry),
+    landmark: &mut VertebraLandmarks,
+    image: &ImageGeometry,
     is_moved: impl Fn(CornerName) -> bool,
     sd_px: [f64; 2],
     axis_sd: Option<Angle>,
@@ -318,7 +303,7 @@ fn film_noise(
 
 /// Deviation of a corner of one reading of the lateral film.
 fn lateral_sd_px(case: &Case, nominal: &Analysis, noise: LandmarkNoise) -> [f64; 2] {
-    let Some((film, space)) = case.lateral.as_ref().zip(nominal.space.as_ref()) else {
+    let Some((film, space)) = case.lateral.as_ref().zip(nominal.movement.space.as_ref()) else {
         return [0.0; 2];
     };
     if let LandmarkNoise::Pixels(sd_px) = noise {

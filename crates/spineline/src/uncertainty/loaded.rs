@@ -33,9 +33,10 @@ pub struct AppliedLoads<'a> {
 impl AppliedLoads<'_> {
     /// What is measured on the model of an analysis before and under these loads, or the code of why there is no result.
     fn on(&self, analysis: &Analysis) -> Result<Vec<LoadedMeasure>, &'static str> {
+        let movement = &analysis.movement;
         let model = fitted_model(analysis, self.kind).map_err(|absent| absent.key())?;
-        let springs = model.stiffness_matrices(&analysis.library);
-        let (spine, loading, goal) = (&analysis.spine, self.loading, self.goal);
+        let springs = model.stiffness_matrices(&movement.library);
+        let (spine, loading, goal) = (&movement.spine, self.loading, self.goal);
         let limit =
             self.largest_factor.unwrap_or_else(|| usual_limit(spine, &springs, loading, goal));
         let statics = GeneralStatics::new(spine, springs, self.support)
@@ -46,8 +47,8 @@ impl AppliedLoads<'_> {
         if response.result().is_none() {
             return Err(response.ending.key());
         }
-        let film = &analysis.erect().outline;
-        Ok(loaded_measures(spine, &analysis.curve_places(), Some(film), &response))
+        let film = &movement.erect().outline;
+        Ok(loaded_measures(spine, &movement.curve_places(), Some(film), &response))
     }
 }
 

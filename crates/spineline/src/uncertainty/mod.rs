@@ -119,14 +119,19 @@ impl<'a> MonteCarlo<'a> {
         noise: LandmarkNoise,
         seed: u64,
     ) -> Result<Self, UncertaintyError> {
-        let bends = nominal.postures.iter().any(|p| p.outline.posture.bend().is_some());
-        let has_models = bends && nominal.film_without_scale().is_none();
+        let bends = nominal.movement.films.iter().any(|p| p.outline.posture.bend().is_some());
+        let has_models = bends && nominal.movement.film_without_scale().is_none();
         let kinds = if has_models { nominal.options.line_kinds() } else { Vec::new() };
         Ok(Self {
             nominal,
             noisy: NoisyCase::new(case, nominal, noise, seed)?,
             known: OtherReadings {
-                noise: nominal.postures.iter().map(|p| OutlineNoise::of(&p.outline)).collect(),
+                noise: nominal
+                    .movement
+                    .films
+                    .iter()
+                    .map(|p| OutlineNoise::of(&p.outline))
+                    .collect(),
                 loads: nominal.nearby_loads(),
                 models: &nominal.models,
             },
@@ -159,13 +164,13 @@ impl<'a> MonteCarlo<'a> {
     /// The analysis of one replicate, or the code of the error that stopped it.
     fn analysis_of(&self, index: u64) -> Result<Analysis, &'static str> {
         let (case, errors) = self.noisy.replicate(index);
-        let known = (&self.known, &errors[..]);
-        analyze_known(&case, &self.nominal.options, Some(known)).map_err(|error| error.code())
+        analyze_known(&case, &self.nominal.options, Some(&self.known), &errors)
+            .map_err(|error| error.code())
     }
 
     /// One value per quantity of an analysis of this case, or why it has none.
     fn values_in(&self, analysis: &Analysis) -> Vec<Result<f64, Absent>> {
-        let measures = analysis.spatial_measures();
+        let measures = analysis.movement.spatial_measures();
         let value =
             |quantity: &AnalysisQuantity| quantity.value(analysis, measures.as_ref(), self.nominal);
         self.quantities.iter().map(value).collect()

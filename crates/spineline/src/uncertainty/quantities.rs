@@ -1,7 +1,7 @@
 //! The quantities of an analysis whose distribution is computed.
 
 use crate::action::LineKind;
-use crate::analysis::{Analysis, LineModel, PostureAnalysis};
+use crate::analysis::{Analysis, FilmMovement, LineModel};
 use crate::anatomy::{Level, Posture, Region, named};
 use crate::clinical::{SagittalPart, SpatialMeasures};
 use crate::evaluate::Simulation;
@@ -77,84 +77,52 @@ pub enum AnalysisQuantity {
     ContradictedJoints(LineKind, Posture),
 }
 
-/// Why an analysis does not have a number.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Absent {
-    /// The erect curve has no pair of inflections.
-    NoInflections,
-    /// The films do not give it: no such line, no such window, or a moved curve too short for the segment.
-    NotMeasured,
-    /// The fit of this line did not converge.
-    FitNotConverged,
-    /// No force was found for this posture.
-    ForceNotFound,
-}
-
-impl Absent {
-    /// Every reason.
-    pub const ALL: [Self; 4] =
-        [Self::NoInflections, Self::NotMeasured, Self::FitNotConverged, Self::ForceNotFound];
-
-    /// The name used in files.
-    #[must_use]
-    pub const fn key(self) -> &'static str {
-        match self {
-            Self::NoInflections => "no_inflections",
-            Self::NotMeasured => "not_measured",
-            Self::FitNotConverged => "fit_not_converged",
-            Self::ForceNotFound => "force_not_found",
-        }
+named! {
+    /// Why an analysis does not have a number.
+    pub enum Absent {
+        /// The erect curve has no pair of inflections.
+        NoInflections = "no_inflections",
+        /// The films do not give it: no such line, no such window, or a moved curve too short for the segment.
+        NotMeasured = "not_measured",
+        /// The fit of this line did not converge.
+        FitNotConverged = "fit_not_converged",
+        /// No force was found for this posture.
+        ForceNotFound = "force_not_found",
     }
 }
 
-named!(Absent);
-
-/// What a number counts in, as people see it.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum QuantityUnit {
-    /// Millimetres of the film's plane.
-    Millimetres,
-    /// Pixels of a film without a spacing.
-    Pixels,
-    /// Degrees.
-    Degrees,
-    /// Newtons, of a model that is scaled to a measured force.
-    Newtons,
-    /// A force relative to the nominal stiffness, because no force was measured.
-    RelativeForce,
-    /// Segments of the chain.
-    Segments,
-    /// A number without a unit.
-    One,
-}
-
-impl QuantityUnit {
-    /// The name used in files.
-    #[must_use]
-    pub const fn key(self) -> &'static str {
-        match self {
-            Self::Millimetres => "mm",
-            Self::Pixels => "px",
-            Self::Degrees => "deg",
-            Self::Newtons => "N",
-            Self::RelativeForce => "relative",
-            Self::Segments => "segments",
-            Self::One => "1",
-        }
+named! {
+    /// What a number counts in, as people see it.
+    pub enum QuantityUnit {
+        /// Millimetres of the film's plane.
+        Millimetres = "mm",
+        /// Pixels of a film without a spacing.
+        Pixels = "px",
+        /// Degrees.
+        Degrees = "deg",
+        /// Newtons, of a model that is scaled to a measured force.
+        Newtons = "N",
+        /// A force relative to the nominal stiffness, because no force was measured.
+        RelativeForce = "relative",
+        /// Segments of the chain.
+        Segments = "segments",
+        /// A number without a unit.
+        One = "1",
     }
 }
 
 /// All quantities of an analysis of these films with these lines.
 pub(super) fn all_of(nominal: &Analysis, kinds: &[LineKind]) -> Vec<AnalysisQuantity> {
+    let movement = &nominal.movement;
     use AnalysisQuantity as Q;
-    let postures: Vec<Posture> = nominal.postures.iter().map(|p| p.outline.posture).collect();
+    let postures: Vec<Posture> = movement.films.iter().map(|p| p.outline.posture).collect();
     let moved = || postures.iter().copied().filter(|posture| *posture != Posture::Erect);
     let mut all = vec![Q::ChainLength, Q::SegmentLength, Q::InflectionCount, Q::InflectionPair];
     for end in 0..2 {
         all.extend([Q::InflectionY(end), Q::InflectionZ(end), Q::InflectionArc(end)]);
     }
     for &posture in &postures {
-        for level in nominal.levels().iter().skip(1) {
+        for level in movement.levels().iter().skip(1) {
             let of_vertebra = [Q::LocationY, Q::LocationZ, Q::Tilt];
             all.extend(of_vertebra.map(|quantity| quantity(posture, level)));
         }
@@ -162,16 +130,16 @@ pub(super) fn all_of(nominal: &Analysis, kinds: &[LineKind]) -> Vec<AnalysisQuan
             all.extend([Q::Cobb, Q::TiltRange, Q::Ferguson].map(|angle| angle(posture, region)));
         }
     }
-    let in_space = nominal.space.iter().flat_map(|space| &space.vertebrae);
+    let in_space = movement.space.iter().flat_map(|space| &space.vertebrae);
     all.extend(in_space.map(|vertebra| Q::Pitch(vertebra.level)));
-    if let Some(found) = nominal.spatial_measures() {
+    if let Some(found) = movement.spatial_measures() {
         all.extend(found.sagittal.iter().map(|angle| Q::Sagittal(angle.part)));
         let curves = found.curves.iter();
         all.extend(curves.flat_map(|c| [Q::LargestCurve(c.region), Q::Convexity(c.region)]));
         all.push(Q::SpinalLength);
     }
     let is_free = |posture: &Posture| {
-        nominal.posture(*posture).is_some_and(|film| film.outline.length.is_free())
+        movement.film(*posture).is_some_and(|film| film.outline.length.is_free())
     };
     all.extend(moved().filter(is_free).map(Q::FilmScale));
     for posture in moved() {
@@ -243,31 +211,35 @@ impl AnalysisQuantity {
 
     fn in_space(self, analysis: &Analysis, measures: Option<&SpatialMeasures>) -> Option<f64> {
         Some(match self {
-            Self::Pitch(level) => analysis.space.as_ref()?.vertebra(level)?.orientation.pitch.deg(),
+            Self::Pitch(level) => {
+                analysis.movement.space.as_ref()?.vertebra(level)?.orientation.pitch.deg()
+            }
             Self::Sagittal(part) => measures?.sagittal(part)?.axes_3d.deg(),
             Self::LargestCurve(region) => measures?.curve(region)?.angle_3d.deg(),
             Self::Convexity(region) => measures?.curve(region)?.convexity_3d.deg(),
             Self::SpinalLength => {
-                measures?.length.length_3d_mm * analysis.scale().pixels_per_mm.unwrap_or(1.0)
+                measures?.length.length_3d_mm
+                    * analysis.movement.scale().pixels_per_mm.unwrap_or(1.0)
             }
             _ => return None,
         })
     }
 
     fn of_curve(self, analysis: &Analysis) -> Result<f64, Absent> {
-        let scale = analysis.scale();
+        let movement = &analysis.movement;
+        let scale = movement.scale();
         let length = |mm: f64| mm * scale.pixels_per_mm.unwrap_or(1.0);
         let at = |end: usize| {
-            analysis.inflections.pair.map(|pair| pair[end]).ok_or(Absent::NoInflections)
+            movement.inflections.pair.map(|pair| pair[end]).ok_or(Absent::NoInflections)
         };
         Ok(match self {
-            Self::ChainLength => length(analysis.chain.segment_mm * analysis.chain.segments as f64),
-            Self::SegmentLength => length(analysis.chain.segment_mm),
-            Self::InflectionCount => analysis.inflections.all.len() as f64,
-            Self::InflectionPair => f64::from(u8::from(analysis.inflections.pair.is_some())),
+            Self::ChainLength => length(movement.chain.segment_mm * movement.chain.segments as f64),
+            Self::SegmentLength => length(movement.chain.segment_mm),
+            Self::InflectionCount => movement.inflections.all.len() as f64,
+            Self::InflectionPair => f64::from(u8::from(movement.inflections.pair.is_some())),
             Self::InflectionY(end) => length(at(end)?.erect.y_mm),
             Self::InflectionZ(end) => length(at(end)?.erect.z_mm),
-            Self::InflectionArc(end) => length(analysis.erect().fit.curve.length_mm(at(end)?.t_mm)),
+            Self::InflectionArc(end) => length(movement.erect().fit.curve.length_mm(at(end)?.t_mm)),
             _ => return Err(Absent::NotMeasured),
         })
     }
@@ -277,7 +249,7 @@ impl AnalysisQuantity {
         | Self::TiltRange(posture, region)
         | Self::Ferguson(posture, region) = self
         {
-            let curve = analysis.clinical.iter().find(|curve| curve.region == region);
+            let curve = analysis.movement.clinical.iter().find(|curve| curve.region == region);
             let angle = curve.and_then(|curve| match self {
                 Self::Cobb(..) => curve.cobb_in(posture),
                 Self::TiltRange(..) => Some(curve.angles_in(posture)?.tilt_range),
@@ -292,7 +264,7 @@ impl AnalysisQuantity {
             return Err(Absent::NotMeasured);
         };
         let film = found(analysis, posture)?;
-        let index = analysis.levels().index_of(level).ok_or(Absent::NotMeasured)?;
+        let index = analysis.movement.levels().index_of(level).ok_or(Absent::NotMeasured)?;
         let vertebra = &film.outline.vertebrae[index];
         let factor = film.outline.scale.pixels_per_mm.unwrap_or(1.0);
         Ok(match self {
@@ -315,13 +287,13 @@ impl AnalysisQuantity {
             let motion = film.motion.as_ref().ok_or(Absent::NotMeasured)?;
             return Ok(motion.least[window] as f64);
         }
-        if analysis.inflections.pair.is_none() {
+        if analysis.movement.inflections.pair.is_none() {
             return Err(Absent::NoInflections);
         }
         let line = || film.line_comparison(LineKind::Inflection).ok_or(Absent::NotMeasured);
         let estimate =
             || film.inflection_estimates.map(|pair| pair[window]).ok_or(Absent::NotMeasured);
-        let factor = analysis.scale().pixels_per_mm.unwrap_or(1.0);
+        let factor = analysis.movement.scale().pixels_per_mm.unwrap_or(1.0);
         Ok(match self {
             Self::ComparisonAngle(_) => line()?.angle.deg(),
             Self::ComparisonDistance(_) => line()?.distance_mm,
@@ -403,15 +375,17 @@ impl AnalysisQuantity {
     }
 }
 
-fn found(analysis: &Analysis, posture: Posture) -> Result<&PostureAnalysis, Absent> {
-    analysis.posture(posture).ok_or(Absent::NotMeasured)
+fn found(analysis: &Analysis, posture: Posture) -> Result<&FilmMovement, Absent> {
+    analysis.movement.film(posture).ok_or(Absent::NotMeasured)
 }
 
 /// The model of a line whose fit converged.
 pub(super) fn fitted_model(analysis: &Analysis, kind: LineKind) -> Result<&LineModel, Absent> {
     let model = analysis.models.iter().find(|model| model.kind == kind);
     let model = model.ok_or(match kind {
-        LineKind::Inflection if analysis.inflections.pair.is_none() => Absent::NoInflections,
+        LineKind::Inflection if analysis.movement.inflections.pair.is_none() => {
+            Absent::NoInflections
+        }
         _ => Absent::NotMeasured,
     })?;
     match model.fit.status {

@@ -92,10 +92,12 @@ impl AnalysisQuantity {
     #[must_use]
     pub fn unit(self, analysis: &Analysis) -> QuantityUnit {
         let film = match self {
-            Self::LocationY(posture, _) | Self::LocationZ(posture, _) => analysis.posture(posture),
+            Self::LocationY(posture, _) | Self::LocationZ(posture, _) => {
+                analysis.movement.film(posture)
+            }
             _ => None,
         };
-        let scale = film.map_or(analysis.scale(), |film| &film.outline.scale);
+        let scale = film.map_or(analysis.movement.scale(), |film| &film.outline.scale);
         let length = if scale.pixels_per_mm.is_some() {
             QuantityUnit::Pixels
         } else {

@@ -16,7 +16,12 @@ fn movement(phantom: &SpacePhantom) -> Analysis {
 }
 
 fn rotation(analysis: &Analysis, level: Level) -> &AxialRotation {
-    analysis.axial.iter().find(|found| found.level == level).expect("both pedicles are marked")
+    analysis
+        .movement
+        .axial
+        .iter()
+        .find(|found| found.level == level)
+        .expect("both pedicles are marked")
 }
 
 /// Pedicles behind the centre over half of their distance: CT over what [panjabi-1991], [panjabi-1992] with 4 mm behind the wall give, L4 to
@@ -60,8 +65,8 @@ fn exact_pedicles_give_the_rotation_whatever_tilt_and_pitch() {
                 };
                 let phantom = generate_in_space(&setup);
                 let analysis = movement(&phantom);
-                assert_eq!(analysis.axial.len(), Level::ALL.len());
-                for found in &analysis.axial {
+                assert_eq!(analysis.movement.axial.len(), Level::ALL.len());
+                for found in &analysis.movement.axial {
                     let wanted = read_axial(phantom.body(found.level).expect("every level"));
                     assert_near(found.stokes.deg(), wanted.deg(), 1e-6, "axial rotation");
                 }
@@ -100,7 +105,7 @@ fn the_width_of_the_body_gives_nearly_the_same() {
         ..SpaceSetup::default()
     };
     let analysis = movement(&generate_in_space(&setup));
-    for found in &analysis.axial {
+    for found in &analysis.movement.axial {
         let drerup = found.drerup.expect("within the body").deg();
         // The phantom's endplates are as wide above as below, and a turned body looks narrower.
         assert_near(drerup, found.stokes.deg(), 2.5, "by the width of the body");
@@ -119,7 +124,7 @@ fn small_rotations_have_the_errors_that_are_stated() {
             ..SpaceSetup::default()
         };
         let phantom = generate_in_space(&setup);
-        for found in &movement(&phantom).axial {
+        for found in &movement(&phantom).movement.axial {
             let wanted = read_axial(phantom.body(found.level).expect("every level"));
             sum += ((found.stokes - wanted).rad() / found.sd.rad()).powi(2);
             n += 1.0;
@@ -159,13 +164,14 @@ fn the_model_takes_the_rotation_and_without_pedicles_says_that_it_is_unknown() {
     let known = analyze(&phantom.case, &AnalysisOptions::default()).expect("a good case");
     assert!(!known.warnings.has("axial_rotation_unknown"));
     let found = rotation(&known, Level::T8).stokes;
-    let axes = known.spine.axes[known.levels().index_of(Level::T8).expect("of the model")];
+    let axes = known.movement.spine.axes
+        [known.movement.levels().index_of(Level::T8).expect("of the model")];
     // In `Rx Ry Rz` the rotation is between the first two entries of the first row.
     assert_near(Angle::from_sin_cos(-axes[(0, 1)], axes[(0, 0)]).rad(), found.rad(), 1e-9, "axes");
-    let measures = known.spatial_measures().expect("both films");
-    assert_eq!(measures.apices.len(), known.clinical.len());
+    let measures = known.movement.spatial_measures().expect("both films");
+    assert_eq!(measures.apices.len(), known.movement.clinical.len());
     let unknown = movement(&generate_in_space(&SpaceSetup { pedicles: false, ..setup }));
-    assert!(unknown.axial.is_empty() && unknown.warnings.has("axial_rotation_unknown"));
+    assert!(unknown.movement.axial.is_empty() && unknown.warnings.has("axial_rotation_unknown"));
 }
 
 #[test]

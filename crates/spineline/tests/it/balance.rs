@@ -11,7 +11,7 @@ use spineline::spatial::{Angle, Frontal};
 const ROUNDING: f64 = 1e-7;
 
 fn balance(case: &Case) -> Balance {
-    analyzed(case, &on_a_table()).balance.expect("a film with a vertical")
+    analyzed(case, &on_a_table()).movement.balance.expect("a film with a vertical")
 }
 
 #[test]
@@ -20,7 +20,7 @@ fn distances_are_those_of_the_film_in_millimetres() {
     for subject in [0, 2, 4] {
         let mut case = exact_case(subject);
         let analysis = analyzed(&case, &on_a_table());
-        let found = analysis.balance.as_ref().expect("a film with a vertical");
+        let found = analysis.movement.balance.as_ref().expect("a film with a vertical");
         assert_eq!(found.reference, SacralReference::IliacCrests);
         assert_eq!(found.plumb_level, Level::T2);
         let (image, crests, readings) = landmarks(film_mut(&mut case, Posture::Erect));
@@ -35,7 +35,7 @@ fn distances_are_those_of_the_film_in_millimetres() {
             image.pixel(body.measure_location().expect("a body")).column_px
         };
         assert!((found.coronal_balance_mm - left_mm(centre(Level::T2))).abs() < ROUNDING);
-        for curve in &analysis.clinical {
+        for curve in &analysis.movement.clinical {
             let mm = found.apical_translation_mm[curve.region.index()];
             assert!((mm - left_mm(centre(curve.apex))).abs() < ROUNDING, "{}", curve.region);
         }
@@ -45,8 +45,10 @@ fn distances_are_those_of_the_film_in_millimetres() {
 #[test]
 fn the_offset_of_any_point_is_that_of_the_balance() {
     let analysis = analyzed(&exact_case(0), &on_a_table());
-    let (erect, balance) =
-        (&analysis.erect().outline, analysis.balance.as_ref().expect("a vertical"));
+    let (erect, balance) = (
+        &analysis.movement.erect().outline,
+        analysis.movement.balance.as_ref().expect("a vertical"),
+    );
     let top = erect.vertebrae.last().expect("vertebrae").location;
     let offset_mm = |point| sacral_line_offset_mm(erect, point).expect("a vertical");
     assert!((offset_mm(top) - balance.coronal_balance_mm).abs() < ROUNDING);
@@ -83,10 +85,10 @@ fn without_crests_the_line_runs_through_the_lowest_vertebra_and_no_obliquity_is_
         *iliac_crests = None;
     }
     let analysis = analyzed(&case, &on_a_table());
-    let found = analysis.balance.as_ref().expect("a vertical");
+    let found = analysis.movement.balance.as_ref().expect("a vertical");
     assert_eq!((found.reference, found.pelvic_obliquity), (SacralReference::Base, None));
     assert_eq!(found.t1_tilt, None, "T1 was not marked");
     assert!(analysis.balance_words().contains("through the lowest vertebra"));
-    let apex = analysis.regions.bounds[Region::MainThoracic.index()].apex;
+    let apex = analysis.movement.regions.bounds[Region::MainThoracic.index()].apex;
     assert!(found.stable.model_index().expect("a level of the model") < apex);
 }

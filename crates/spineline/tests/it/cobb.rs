@@ -46,7 +46,7 @@ fn a_cobb_angle_is_that_between_the_endplates_as_marked_on_every_film() {
     for subject in [0, 2, 4, 5, 8] {
         let case = exact_case(subject);
         let analysis = analyzed(&case, &on_a_table());
-        for curve in &analysis.clinical {
+        for curve in &analysis.movement.clinical {
             for (posture, angles) in &curve.angles {
                 let cobb = angles.cobb.expect("corners are known").deg();
                 let expected = cobb_by_corners(&case, *posture, curve.ends);
@@ -84,7 +84,7 @@ fn a_mirrored_film_has_the_same_cobb_angle_to_the_other_side() {
         }
     }
     let [here, there] = [&case, &mirrored].map(|case| analyzed(case, &on_a_table()));
-    for (a, b) in here.clinical.iter().zip(&there.clinical) {
+    for (a, b) in here.movement.clinical.iter().zip(&there.movement.clinical) {
         assert_eq!((a.ends, a.convex), (b.ends, b.convex.map(Side::opposite)));
         let [x, y] = [a, b].map(|curve| curve.cobb_in(Posture::Erect).expect("corners"));
         assert!((x + y).deg().abs() < ROUNDING_DEG);
@@ -117,13 +117,18 @@ fn axes_that_lean_against_their_endplates_do_not_change_a_cobb_angle() {
     let plain = exact_case(0);
     let ends = |curve: &ClinicalCurve| curve.ends;
     let plain_result = analyzed(&plain, &on_a_table());
-    let given: Vec<CobbEnds> = plain_result.clinical.iter().map(ends).collect();
+    let given: Vec<CobbEnds> = plain_result.movement.clinical.iter().map(ends).collect();
     let choice = EndChoice { given: [0, 1, 2].map(|i| Some(given[i])), ..EndChoice::default() };
     let shears = sheared(plain, 5.0);
     let options = |tilt| AnalysisOptions { tilt, ends: choice, ..on_a_table() };
     let [by_plates, by_axis] =
         [TiltRule::Endplates, TiltRule::Axis].map(|tilt| analyzed(&shears, &options(tilt)));
-    for ((a, b), c) in plain_result.clinical.iter().zip(&by_plates.clinical).zip(&by_axis.clinical)
+    for ((a, b), c) in plain_result
+        .movement
+        .clinical
+        .iter()
+        .zip(&by_plates.movement.clinical)
+        .zip(&by_axis.movement.clinical)
     {
         // Columns move, and endplates are nearly level: their directions change little.
         let [a, b, c] = [a, b, c].map(|curve| curve.angles_in(Posture::Erect).expect("erect"));
@@ -131,10 +136,12 @@ fn axes_that_lean_against_their_endplates_do_not_change_a_cobb_angle() {
         assert!((cobb - plates).abs() < 1.0 && (cobb - axis).abs() < 1.0, "{cobb} {plates} {axis}");
         assert!((a.tilt_range - b.tilt_range).deg().abs() < 1.0);
     }
-    let off = by_axis.clinical.iter().zip(&plain_result.clinical).map(|(a, b)| {
-        let [a, b] = [a, b].map(|curve| curve.angles_in(Posture::Erect).expect("erect").tilt_range);
-        (a - b).deg().abs()
-    });
+    let off =
+        by_axis.movement.clinical.iter().zip(&plain_result.movement.clinical).map(|(a, b)| {
+            let [a, b] =
+                [a, b].map(|curve| curve.angles_in(Posture::Erect).expect("erect").tilt_range);
+            (a - b).deg().abs()
+        });
     assert!(off.fold(0.0, f64::max) > 5.0, "axes follow the shear");
 }
 
@@ -143,8 +150,8 @@ fn without_corners_there_is_a_tilt_range_and_no_cobb_angle() {
     let case = exact_case(0);
     let analysis = analyzed(&case, &on_a_table());
     let mut placed = case.clone();
-    for posture in analysis.postures.iter().map(|p| p.outline.posture) {
-        let outline = &analysis.posture(posture).expect("measured").outline;
+    for posture in analysis.movement.films.iter().map(|p| p.outline.posture) {
+        let outline = &analysis.movement.film(posture).expect("measured").outline;
         let film = film_mut(&mut placed, posture);
         let FilmLandmarks::Corners { readings, .. } = &film.landmarks else { panic!("corners") };
         let id = readings[0].id.clone();
@@ -158,8 +165,8 @@ fn without_corners_there_is_a_tilt_range_and_no_cobb_angle() {
         };
     }
     let without = analyzed(&placed, &on_a_table());
-    assert_eq!(without.lenke, None, "Lenke's criteria are Cobb angles");
-    for (a, b) in analysis.clinical.iter().zip(&without.clinical) {
+    assert_eq!(without.movement.lenke, None, "Lenke's criteria are Cobb angles");
+    for (a, b) in analysis.movement.clinical.iter().zip(&without.movement.clinical) {
         assert!(a.has_cobb() && !b.has_cobb());
         assert_eq!((a.size_name(), b.size_name()), ("Cobb angle", "tilt range"));
         assert_eq!(b.cobb_in(Posture::Erect), None);
@@ -173,7 +180,7 @@ fn end_vertebrae_are_kept_chosen_anew_or_given() {
     let with = |ends| analyzed(&case, &AnalysisOptions { ends, ..on_a_table() });
     let kept = with(EndChoice::default());
     let anew = with(EndChoice { rule: EndRule::EachFilm, ..EndChoice::default() });
-    for (a, b) in kept.clinical.iter().zip(&anew.clinical) {
+    for (a, b) in kept.movement.clinical.iter().zip(&anew.movement.clinical) {
         assert_eq!(a.angles[0], b.angles[0], "the erect film is the same");
         for ((_, x), (posture, y)) in a.angles.iter().zip(&b.angles).skip(1) {
             let size = |angle: Angle| angle * a.erect_size().rad().signum();
@@ -187,16 +194,17 @@ fn end_vertebrae_are_kept_chosen_anew_or_given() {
     let mut choice = EndChoice::default();
     choice.given[index] = Some(ends);
     let given = with(choice);
-    assert_eq!(given.clinical[index].ends, ends);
+    assert_eq!(given.movement.clinical[index].ends, ends);
     let expected = cobb_by_corners(&case, Posture::LeftBending, ends);
-    let found = given.clinical[index].cobb_in(Posture::LeftBending).expect("corners").deg();
+    let found =
+        given.movement.clinical[index].cobb_in(Posture::LeftBending).expect("corners").deg();
     assert!((found - expected).abs() < ROUNDING_DEG);
 }
 
 #[test]
 fn a_small_curve_has_no_flexibility() {
     let analysis = analyzed(&exact_case(0), &on_a_table());
-    for curve in &analysis.clinical {
+    for curve in &analysis.movement.clinical {
         let large = curve.erect_size().abs() >= ClinicalCurve::MIN_FLEXIBLE;
         assert_eq!(curve.flexibility.is_some(), large, "{}", curve.region);
     }
@@ -205,9 +213,9 @@ fn a_small_curve_has_no_flexibility() {
 #[test]
 fn a_rigid_model_keeps_what_cobb_angle_and_tilt_range_differ_by() {
     let analysis = analyzed(&exact_case(0), &on_a_table());
-    let erect = &analysis.erect().outline;
+    let erect = &analysis.movement.erect().outline;
     let tilts: Vec<Angle> = erect.vertebrae.iter().map(|vertebra| vertebra.tilt).collect();
-    for (place, curve) in analysis.curve_places().iter().zip(&analysis.clinical) {
+    for (place, curve) in analysis.movement.curve_places().iter().zip(&analysis.movement.clinical) {
         let found = place.angles(&tilts).cobb.expect("corners");
         let cobb = curve.cobb_in(Posture::Erect).expect("corners");
         assert!((found - cobb).deg().abs() < ROUNDING_DEG);

@@ -240,7 +240,9 @@ fn a_film_upside_down_is_measured_like_any_other() {
     *crests = crests.map(|c| IliacCrests { left: turn(c.left), right: turn(c.right) });
     // Half a turn carries the patient's left to the other side of the picture and back: corners keep their names.
     let (a, b) = (analyzed(&case, &on_a_table()), analyzed(&turned, &on_a_table()));
-    for (x, y) in a.erect().outline.vertebrae.iter().zip(&b.erect().outline.vertebrae) {
+    for (x, y) in
+        a.movement.erect().outline.vertebrae.iter().zip(&b.movement.erect().outline.vertebrae)
+    {
         assert!(x.location.distance_mm(y.location) < 1e-9 && (x.tilt - y.tilt).rad().abs() < 1e-12);
     }
 }
@@ -269,13 +271,16 @@ fn tilts_of_the_wrong_sign_are_detected_by_the_curve() {
 fn a_straight_spine_still_has_an_iliac_and_an_estimated_line() {
     // Oracle: a line without curvature has no inflection.
     let analysis = analyzed(&wavy(2, Angle::ZERO, true), &on_a_table());
-    assert_eq!((analysis.inflections.all.len(), analysis.inflections.pair), (0, None));
+    assert_eq!(
+        (analysis.movement.inflections.all.len(), analysis.movement.inflections.pair),
+        (0, None)
+    );
     assert_eq!(kinds(&analysis), [LineKind::Iliac, LineKind::Estimated]);
     warned(&analysis, "inflections_not_two", Some(Posture::Erect));
     warned(&analysis, "no_line", None);
     warned(&analysis, "usual_regions", None);
-    assert_eq!(analysis.inflection_segments, None);
-    for curve in &analysis.clinical {
+    assert_eq!(analysis.movement.inflection_segments, None);
+    for curve in &analysis.movement.clinical {
         assert!(curve.erect_size().abs() < Angle::from_deg(0.01));
         assert_eq!(curve.flexibility, None);
     }
@@ -285,10 +290,13 @@ fn a_straight_spine_still_has_an_iliac_and_an_estimated_line() {
 fn one_inflection_gives_all_results_except_the_inflection_line() {
     // Oracle: two curves meet in one inflection, half way up.
     let analysis = analyzed(&wavy(2, Angle::from_deg(30.0), true), &on_a_table());
-    assert_eq!((analysis.inflections.all.len(), analysis.inflections.curves.len()), (1, 2));
-    assert_eq!(analysis.inflections.pair, None);
+    assert_eq!(
+        (analysis.movement.inflections.all.len(), analysis.movement.inflections.curves.len()),
+        (1, 2)
+    );
+    assert_eq!(analysis.movement.inflections.pair, None);
     // The curve is a sine fitted by a polynomial: a percent of its length.
-    assert!((analysis.inflections.all[0].t_mm - 195.0).abs() < 4.0);
+    assert!((analysis.movement.inflections.all[0].t_mm - 195.0).abs() < 4.0);
     assert_eq!(kinds(&analysis), [LineKind::Iliac, LineKind::Estimated]);
     let warning = warned(&analysis, "inflections_not_two", Some(Posture::Erect));
     assert!(warning.message.contains("one inflection "), "{}", warning.message);
@@ -298,13 +306,15 @@ fn one_inflection_gives_all_results_except_the_inflection_line() {
 fn of_three_inflections_two_carry_the_line() {
     // Oracle: four curves meet in three inflections, at quarters of the height.
     let analysis = analyzed(&wavy(4, Angle::from_deg(30.0), true), &on_a_table());
-    let found: Vec<f64> = analysis.inflections.all.iter().map(|i| i.t_mm / 390.0).collect();
+    let found: Vec<f64> =
+        analysis.movement.inflections.all.iter().map(|i| i.t_mm / 390.0).collect();
     assert_eq!(found.len(), 3, "{found:?}");
     for (found, expected) in found.iter().zip([0.25, 0.5, 0.75]) {
         assert!((found - expected).abs() < 0.02, "{found}");
     }
-    let pair = analysis.inflections.pair.expect("a pair around the largest lobe between two");
-    assert!(analysis.inflections.all.windows(2).any(|neighbours| neighbours == pair));
+    let pair =
+        analysis.movement.inflections.pair.expect("a pair around the largest lobe between two");
+    assert!(analysis.movement.inflections.all.windows(2).any(|neighbours| neighbours == pair));
     assert_eq!(kinds(&analysis), [LineKind::Inflection, LineKind::Iliac, LineKind::Estimated]);
     warned(&analysis, "inflections_not_two", Some(Posture::Erect));
 }
@@ -319,7 +329,7 @@ fn inflections_picked_in_one_place_give_no_line() {
     warned(&analysis, "inflections_by_hand", None);
     let warning = warned(&analysis, "no_line", Some(Posture::LeftBending));
     assert!(warning.message.contains("0.0 mm") && warning.message.contains("20 mm"));
-    assert!(analysis.inflections.pair.is_some());
+    assert!(analysis.movement.inflections.pair.is_some());
 }
 
 #[test]
@@ -329,12 +339,12 @@ fn inflections_picked_by_hand_carry_the_line() {
     for sites in [sites, [sites[1], sites[0]]] {
         let inflections = InflectionChoice::ByHand(sites);
         let analysis = analyzed(&exact_case(0), &AnalysisOptions { inflections, ..on_a_table() });
-        let erect = &analysis.erect().outline;
+        let erect = &analysis.movement.erect().outline;
         let picked = [Level::T12, Level::T6].map(|level| {
             let vertebra = erect.vertebra(level).expect("a level of the model");
             vertebra.location
         });
-        let pair = analysis.inflections.pair.expect("picked");
+        let pair = analysis.movement.inflections.pair.expect("picked");
         for (found, place) in pair.iter().zip(picked) {
             // The exact readers' curve meets the vertebrae to a hundredth of a millimetre.
             assert!(found.erect.distance_mm(place) < 0.01);
@@ -350,12 +360,12 @@ fn an_erect_film_alone_gives_curve_inflections_and_cobb_angles() {
     case.films.retain(|film| film.posture == Posture::Erect);
     let analysis = analyzed(&case, &on_a_table());
     assert!(analysis.models.is_empty());
-    assert_eq!(analysis.inflections.all.len(), 2);
+    assert_eq!(analysis.movement.inflections.all.len(), 2);
     // Vertebral tilts miss the largest tilt of the curve between them by up to a degree.
-    assert!((analysis.clinical[1].erect_size().abs().deg() - 49.0).abs() < 1.0);
-    assert_eq!((analysis.lenke, analysis.mean_least_segments), (None, None));
+    assert!((analysis.movement.clinical[1].erect_size().abs().deg() - 49.0).abs() < 1.0);
+    assert_eq!((analysis.movement.lenke, analysis.movement.mean_least_segments), (None, None));
     assert_eq!(warned(&analysis, "no_bending_film", None).step, Step::Personalize);
-    assert!(analysis.erect().fit.rmse_mm < 0.01);
+    assert!(analysis.movement.erect().fit.rmse_mm < 0.01);
 }
 
 #[test]
@@ -370,7 +380,7 @@ fn one_bend_alone_gives_models_fitted_to_it() {
             model.postures.iter().map(|s| (s.posture, s.fitted)).collect();
         assert_eq!(postures, [(Posture::RightBending, true)]);
     }
-    assert_eq!((analysis.lenke, analysis.mean_least_segments), (None, None));
+    assert_eq!((analysis.movement.lenke, analysis.movement.mean_least_segments), (None, None));
 }
 
 #[test]

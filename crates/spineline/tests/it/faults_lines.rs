@@ -30,7 +30,7 @@ fn simulation(analysis: &Analysis) -> &Simulation {
 /// Where a vertebra is in the left bend.
 fn place(level: Level) -> Frontal {
     let analysis = analyzed(&exact_case(0), &on_a_table());
-    let bend = analysis.posture(Posture::LeftBending).expect("a bend");
+    let bend = analysis.movement.film(Posture::LeftBending).expect("a bend");
     bend.outline.vertebra(level).expect("a level of the model").location
 }
 
@@ -91,7 +91,7 @@ fn f37_a_line_that_crosses_the_curve_three_times_has_a_named_ending() {
         graph_film(Posture::RightBending, 390.0, bend(-1.0)),
     ]);
     let first = analyzed(&case, &on_a_table());
-    let outline = &first.posture(Posture::LeftBending).expect("a bend").outline;
+    let outline = &first.movement.film(Posture::LeftBending).expect("a bend").outline;
     let (low, high) = (outline.vertebrae[1].location, outline.vertebrae[12].location);
     let line = LineOfAction::through(low, high).expect("far apart");
     let signs: Vec<bool> =

@@ -37,7 +37,7 @@ fn a_film_without_spacing_gives_the_same_angles_and_no_model() {
     let (with, without) = (analyzed(&with, &on_a_table()), analyzed(&without, &on_a_table()));
     assert!(!with.models.is_empty() && without.models.is_empty());
     assert!(without.warnings.has("no_spacing") && without.warnings.has("no_scale"));
-    for (a, b) in with.clinical.iter().zip(&without.clinical) {
+    for (a, b) in with.movement.clinical.iter().zip(&without.movement.clinical) {
         assert_eq!((a.ends, a.apex, a.convex), (b.ends, b.apex, b.convex));
         for ((posture, a_angle), (_, b_angle)) in a.ferguson.iter().zip(&b.ferguson) {
             assert_near(a_angle.rad(), b_angle.rad(), 1e-9, "Ferguson angle");
@@ -45,7 +45,7 @@ fn a_film_without_spacing_gives_the_same_angles_and_no_model() {
             assert_near(a.rad(), b.rad(), 1e-9, "Cobb angle");
         }
     }
-    for (a, b) in with.postures.iter().zip(&without.postures) {
+    for (a, b) in with.movement.films.iter().zip(&without.movement.films) {
         assert_eq!(b.outline.scale.plane, SpacingPlane::Pixels);
         assert_near(a.outline.amplitude().rad(), b.outline.amplitude().rad(), 1e-9, "amplitude");
     }
@@ -55,8 +55,8 @@ fn a_film_without_spacing_gives_the_same_angles_and_no_model() {
 fn lengths_of_a_film_without_spacing_are_its_pixels() {
     let (with, without) = with_and_without();
     let (with, without) = (analyzed(&with, &on_a_table()), analyzed(&without, &on_a_table()));
-    let spine = |analysis: &Analysis| analysis.erect().outline.polygon_mm();
-    let scale = without.scale();
+    let spine = |analysis: &Analysis| analysis.movement.erect().outline.polygon_mm();
+    let scale = without.movement.scale();
     assert_eq!(scale.mm(spine(&without)), None);
     // Pixels of 0.1 mm.
     let px = scale.px(spine(&without)).expect("a film in pixels");
@@ -69,7 +69,7 @@ fn one_film_without_spacing_leaves_the_others_their_millimetres() {
     let mut case = exact_case(0);
     landmarks(film_mut(&mut case, Posture::Traction)).0.spacing = None;
     let analysis = analyzed(&case, &on_a_table());
-    assert_eq!(analysis.scale().plane, SpacingPlane::Patient);
+    assert_eq!(analysis.movement.scale().plane, SpacingPlane::Patient);
     assert!(analysis.models.is_empty());
     let warning = analysis.warnings.all().iter().find(|w| w.code == "no_scale");
     assert_eq!(warning.and_then(|w| w.posture), Some(Posture::Traction));
@@ -138,7 +138,7 @@ fn a_lateral_film_gives_its_profile_for_either_direction_of_view() {
             let film = lateral(&truth, anterior, 0.1, row_mm);
             let mut warnings = Warnings::default();
             let (erect, outline) = straight(&film);
-            let found = SpatialOutline::measure((&erect, &outline), &film, &mut warnings);
+            let found = SpatialOutline::measure(&erect, &outline, &film, &mut warnings);
             let found = found.expect("a good film").expect("marked");
             let found = found.profile(&SagittalProfile::default());
             for (found, truth) in found.turns_deg.iter().zip(truth.turns_deg) {
@@ -158,7 +158,7 @@ fn vertebrae_hidden_by_the_shoulders_have_the_populations_angles() {
     film.readings[0].vertebrae.retain(|&level, _| level <= Level::T5);
     let mut warnings = Warnings::default();
     let mut measure =
-        |film: &LateralFilm| SpatialOutline::measure((&erect, &outline), film, &mut warnings);
+        |film: &LateralFilm| SpatialOutline::measure(&erect, &outline, film, &mut warnings);
     let found = measure(&film).expect("good").expect("marked").profile(&template);
     // T5/T4, T4/T3 and T3/T2.
     assert_eq!(found.turns_deg[11..], template.turns_deg[11..]);
@@ -175,9 +175,10 @@ fn the_models_spine_takes_the_profile_of_the_lateral_film() {
     let curved = SagittalProfile::template(60.0, 70.0);
     case.lateral = Some(lateral(&curved, ImageSide::Left, 0.1, 0.1));
     let analysis = analyzed(&case, &on_a_table());
-    assert!(analysis.space.is_some() && flat.space.is_none());
+    assert!(analysis.movement.space.is_some() && flat.movement.space.is_none());
     // More kyphosis and lordosis put the mid-spine farther from the line L4-T2.
-    let depth = |a: &Analysis| a.spine.midpoints_mm.iter().fold(0.0f64, |m, p| m.max(p.x.abs()));
+    let depth =
+        |a: &Analysis| a.movement.spine.midpoints_mm.iter().fold(0.0f64, |m, p| m.max(p.x.abs()));
     assert!(depth(&analysis) > depth(&flat) + 1.0, "{} {}", depth(&analysis), depth(&flat));
 }
 

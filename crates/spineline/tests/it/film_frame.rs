@@ -138,9 +138,9 @@ fn the_angle_between_endplate_lines_is_the_cobb_angle() {
     let case = phantom(0, Truth::Rod, &Readers::exact()).case;
     let analysis = analyze(&case, &AnalysisOptions::default()).expect("a phantom");
     let film = case.films.iter().find(|film| film.posture == Posture::Erect).expect("erect");
-    let outline = &analysis.erect().outline;
+    let outline = &analysis.movement.erect().outline;
     let frame = FilmFrame::of(film, outline).expect("a picture");
-    for curve in &analysis.clinical {
+    for curve in &analysis.movement.clinical {
         let plates = |level| outline.vertebra(level).and_then(|v| v.endplates).expect("marked");
         let upper = (curve.ends.superior, plates(curve.ends.superior).superior);
         let lower = (curve.ends.inferior, plates(curve.ends.inferior).inferior);

@@ -47,7 +47,7 @@ fn the_scale_of_a_film_is_found_and_taken_out() {
     let as_marked = AnalysisOptions { film_lengths: FilmLengthRule::AsMarked, ..on_a_table() };
     let (truth, found) = (analyzed(&case, &on_a_table()), analyzed(&other, &on_a_table()));
     let raw = analyzed(&other, &as_marked);
-    for posture in &found.postures[1..] {
+    for posture in &found.movement.films[1..] {
         let FilmLength { measured, scale, prior_log_sd } = posture.outline.length;
         let factor = FACTORS.iter().find(|(own, _)| *own == posture.outline.posture);
         let factor = factor.expect("every film but the erect one").1;
@@ -77,15 +77,15 @@ fn stated_scales_are_not_fitted() {
     let case = phantom(4, Truth::Rod, &Readers::exact()).case;
     let analysis = analyzed(&case, &AnalysisOptions::default());
     // All films of a phantom state one exact scale.
-    assert!(analysis.postures.iter().all(|p| !p.outline.length.is_free()));
-    assert!(analysis.postures.iter().all(|p| p.outline.length.scale == FilmScale::ONE));
+    assert!(analysis.movement.films.iter().all(|p| !p.outline.length.is_free()));
+    assert!(analysis.movement.films.iter().all(|p| p.outline.length.scale == FilmScale::ONE));
     let mut stated = scaled(&case, &[(Posture::LeftBending, 1.02)]);
     for (posture, sd) in [(Posture::Erect, 0.003), (Posture::LeftBending, 0.004)] {
         let (image, ..) = landmarks(film_mut(&mut stated, posture));
         image.spacing.as_mut().expect("a spacing").relative_sd = Some(sd);
     }
     let analysis = analyzed(&stated, &AnalysisOptions::default());
-    let length = |posture| analysis.posture(posture).expect("a film").outline.length;
+    let length = |posture| analysis.movement.film(posture).expect("a film").outline.length;
     assert_near(length(Posture::LeftBending).prior_log_sd, 0.005, 1e-12, "both stated");
     assert_eq!(length(Posture::RightBending).prior_log_sd, FilmLengthRule::RELATIVE_SD);
     // 2 % is four deviations of what the two films state.

@@ -54,15 +54,17 @@ fn derivatives_of_a_shape_equal_finite_differences() {
     let analysis = analysis();
     let landmarks: Vec<bool> = (0..14).map(|joint| (4..9).contains(&joint)).collect();
     let solved = |times: [f64; 3], log: f64| -> Vec<Vec3> {
-        let statics = GeneralStatics::new(&analysis.spine, springs(&landmarks, log), Support::Free)
-            .expect("ok");
+        let statics =
+            GeneralStatics::new(&analysis.movement.spine, springs(&landmarks, log), Support::Free)
+                .expect("ok");
         let loading = Loading { items: loads(times), rods: Vec::new() };
         let mut work = statics.work(&loading).expect("sound loads");
         assert!(statics.solve_near(&loading, 1.0, &mut work).converged);
         work.midpoints_mm().to_vec()
     };
     let statics =
-        GeneralStatics::new(&analysis.spine, springs(&landmarks, 0.3), Support::Free).expect("ok");
+        GeneralStatics::new(&analysis.movement.spine, springs(&landmarks, 0.3), Support::Free)
+            .expect("ok");
     let loading = Loading { items: loads([1.0; 3]), rods: Vec::new() };
     let mut work: NewtonWork = statics.work(&loading).expect("sound loads");
     assert!(statics.solve_near(&loading, 1.0, &mut work).converged);
@@ -100,7 +102,8 @@ fn a_line_alone_has_the_shape_and_derivatives_of_the_march() {
     let analysis = analysis();
     let groups = JointGroups::per_joint(Levels::COMPLETE);
     let library = StiffnessLibrary::default();
-    let march = Statics::new(&analysis.spine, &library, &groups, &[0.0; 14], Support::Free);
+    let march =
+        Statics::new(&analysis.movement.spine, &library, &groups, &[0.0; 14], Support::Free);
     let line = LineOfAction::leaning(Frontal::new(12.0, 100.0), Angle::from_deg(8.0));
     let mut expected = Solution::default();
     let parameters = [
@@ -108,8 +111,9 @@ fn a_line_alone_has_the_shape_and_derivatives_of_the_march() {
         spineline::multibody::Parameter::LogStiffness(5),
     ];
     march.solve(&Load::along(line, 0.0), &[60.0], &parameters, &mut expected);
-    let statics = GeneralStatics::new(&analysis.spine, springs(&[false; 14], 0.0), Support::Free)
-        .expect("sound springs");
+    let statics =
+        GeneralStatics::new(&analysis.movement.spine, springs(&[false; 14], 0.0), Support::Free)
+            .expect("sound springs");
     let unit = LoadItem {
         vertebra: 14,
         load: BodyLoad::ForceOnLine {
@@ -138,19 +142,20 @@ fn a_line_alone_has_the_shape_and_derivatives_of_the_march() {
 }
 
 fn fitted(analysis: &Analysis, hypothesis: Hypothesis, turn: Angle) -> HypothesisFit {
-    let groups = JointGroups::regional(&analysis.regions);
+    let groups = JointGroups::regional(&analysis.movement.regions);
     let spine = Spine {
-        model: &analysis.spine,
+        model: &analysis.movement.spine,
         library: &analysis.options.library,
         groups: &groups,
-        erect: &analysis.erect().outline,
-        rotations: &RotationPrior::published(analysis.levels()),
+        erect: &analysis.movement.erect().outline,
+        rotations: &RotationPrior::published(analysis.movement.levels()),
         support: Support::Frontal,
         depth_mm: 0.0,
         apex: 7,
     };
     let outlines: Vec<(Outline, Option<[Frontal; 2]>)> = analysis
-        .postures
+        .movement
+        .films
         .iter()
         .filter(|p| p.outline.posture != Posture::Erect)
         .map(|p| {
@@ -197,16 +202,18 @@ fn on_a_free_base_another_axis_of_l4_changes_the_base_only() {
 fn t2_of_a_held_out_film_is_met_by_the_force_that_the_march_finds() {
     // Oracle: the search along the explicit march, which `nearest_t2` compares with a scan of the whole path.
     let analysis = analysis();
-    let groups = JointGroups::regional(&analysis.regions);
+    let groups = JointGroups::regional(&analysis.movement.regions);
     let library = &analysis.options.library;
     let mut compared = 0;
     for load in [LoadShape::InflectionLine, LoadShape::IliacLine] {
         let fit = fitted(&analysis, Hypothesis::of(load), Angle::ZERO);
         let logs = &fit.log_multipliers;
-        let statics = Statics::new(&analysis.spine, library, &groups, logs, Support::Frontal);
+        let statics =
+            Statics::new(&analysis.movement.spine, library, &groups, logs, Support::Frontal);
         for found in fit.of_role(Role::HeldOut) {
             let film = analysis
-                .postures
+                .movement
+                .films
                 .iter()
                 .find(|p| p.outline.posture == found.posture)
                 .expect("the film was analysed");
@@ -232,8 +239,8 @@ fn t2_of_a_held_out_film_is_met_by_the_force_that_the_march_finds() {
 fn a_fitted_shape_beyond_human_range_is_no_result() {
     // Every joint of both bends turns by 8°, which each could; all together reach 112°.
     let mut analysis = analysis();
-    let erect = analysis.erect().outline.vertebrae.clone();
-    for posture in &mut analysis.postures {
+    let erect = analysis.movement.erect().outline.vertebrae.clone();
+    for posture in &mut analysis.movement.films {
         let degrees = match posture.outline.posture {
             Posture::LeftBending => -8.0,
             Posture::RightBending => 8.0,

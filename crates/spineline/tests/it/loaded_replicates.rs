@@ -54,17 +54,18 @@ fn loads(loading: &Loading, goal: Goal) -> AppliedLoads<'_> {
 /// The model of an analysis under loads, step by step.
 fn response(analysis: &Analysis, loads: &AppliedLoads<'_>) -> Response {
     let model = analysis.models.iter().find(|model| model.kind == loads.kind).expect("a model");
-    let springs = model.stiffness_matrices(&analysis.library);
-    let limit = usual_limit(&analysis.spine, &springs, loads.loading, loads.goal);
-    let statics = GeneralStatics::new(&analysis.spine, springs, loads.support).expect("springs");
+    let springs = model.stiffness_matrices(&analysis.movement.library);
+    let limit = usual_limit(&analysis.movement.spine, &springs, loads.loading, loads.goal);
+    let statics =
+        GeneralStatics::new(&analysis.movement.spine, springs, loads.support).expect("springs");
     let mut go_on = |_, _: &_| ControlFlow::Continue(());
     respond(&statics, loads.loading, loads.goal, limit, &mut go_on).expect("sound loads")
 }
 
 fn measured(analysis: &Analysis, loads: &AppliedLoads<'_>) -> Vec<LoadedMeasure> {
-    let film = &analysis.erect().outline;
+    let film = &analysis.movement.erect().outline;
     let found = response(analysis, loads);
-    loaded_measures(&analysis.spine, &analysis.curve_places(), Some(film), &found)
+    loaded_measures(&analysis.movement.spine, &analysis.movement.curve_places(), Some(film), &found)
 }
 
 fn value(measures: &[LoadedMeasure], quantity: LoadedQuantity, state: LoadedState) -> f64 {

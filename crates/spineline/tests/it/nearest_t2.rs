@@ -89,14 +89,16 @@ fn no_nearer_place_and_no_smaller_force_is_missed() {
         match smallest {
             Some([force_n, gap_mm]) => {
                 matched += 1;
-                assert_eq!(found.status, MatchStatus::Matched, "{problem}");
-                assert!((found.residual - gap_mm).abs() < STEP_MM, "{problem}: {gap_mm} mm");
+                assert_eq!(found.status, MatchStatus::Converged, "{problem}");
+                let left_mm = found.residual.distance_mm().expect("a distance");
+                assert!((left_mm - gap_mm).abs() < STEP_MM, "{problem}: {gap_mm} mm");
                 assert!((found.force_n - force_n).abs() <= 2.0, "{problem}: {force_n} N");
             }
             None => {
                 none += 1;
                 assert_eq!(found.status, MatchStatus::Unreachable, "{problem}");
-                assert!(found.residual > a.min(b) - STEP_MM, "{problem}");
+                let left_mm = found.residual.distance_mm().expect("a distance");
+                assert!(left_mm > a.min(b) - STEP_MM, "{problem}");
             }
         }
     }

@@ -25,7 +25,7 @@ fn any_case() -> impl Strategy<Value = (usize, usize, bool)> {
 
 fn case((subject, truth, exact): (usize, usize, bool)) -> Case {
     let readers = if exact { Readers::exact() } else { Readers::default() };
-    phantom(subject, Truth::ALL[truth], &readers).case
+    phantom(subject, Truth::PAPER[truth], &readers).case
 }
 
 fn options(ferguson: bool) -> AnalysisOptions {
@@ -146,7 +146,7 @@ proptest! {
         let options = options(ferguson);
         let (a, b) = (analyzed(&case, &options), analyzed(&case_of(films), &options));
         for (p, q) in MIRROR_POSTURE {
-            let (a, b) = (a.posture(p).expect("five films"), b.posture(q).expect("five films"));
+            let (a, b) = (a.movement.film(p).expect("five films"), b.movement.film(q).expect("five films"));
             for (v, w) in a.outline.vertebrae.iter().zip(&b.outline.vertebrae) {
                 assert_near(w.location.y_mm, -v.location.y_mm, ROUNDING, "y");
                 assert_near(w.location.z_mm, v.location.z_mm, ROUNDING, "z");
@@ -160,10 +160,10 @@ proptest! {
                 }
             }
         }
-        prop_assert_eq!(a.inflection_segments, b.inflection_segments);
-        prop_assert_eq!((a.chain.segments, a.chain.difference), (b.chain.segments, b.chain.difference));
-        assert_near(b.chain.segment_mm, a.chain.segment_mm, ROUNDING, "segment");
-        prop_assert_eq!(a.regions, b.regions);
+        prop_assert_eq!(a.movement.inflection_segments, b.movement.inflection_segments);
+        prop_assert_eq!((a.movement.chain.segments, a.movement.chain.difference), (b.movement.chain.segments, b.movement.chain.difference));
+        assert_near(b.movement.chain.segment_mm, a.movement.chain.segment_mm, ROUNDING, "segment");
+        prop_assert_eq!(a.movement.regions, b.movement.regions);
         assert_same_models(&a, &b, &MIRROR_POSTURE, 1.0, &ALL_LINES);
     }
 
@@ -188,7 +188,7 @@ proptest! {
         truth in 0..3_usize,
         moves in prop::collection::vec((-80.0..80.0_f64, -900.0..900.0_f64, -900.0..900.0_f64), 5),
     ) {
-        let phantom = phantom(subject, Truth::ALL[truth], &Readers::exact());
+        let phantom = phantom(subject, Truth::PAPER[truth], &Readers::exact());
         let films = |moves: &[(f64, f64, f64)]| -> Vec<Film> {
             let postures = phantom.postures.iter().zip(moves);
             postures.map(|(posture, &(deg, y, z))| {
@@ -212,7 +212,7 @@ proptest! {
     /// reading (so there are six here), T2's tolerance of a millimetre in held-out postures, and the least gap of a line.
     #[test]
     fn a_larger_patient_has_the_same_angles(subject in 0..18_usize, truth in 0..3_usize) {
-        let case = phantom(subject, Truth::ALL[truth], &Readers::default()).case;
+        let case = phantom(subject, Truth::PAPER[truth], &Readers::default()).case;
         let mut large = case.clone();
         for film in &mut large.films {
             let (image, _, _) = landmarks(film);
@@ -220,7 +220,7 @@ proptest! {
             spacing(image).row_mm *= LARGER;
         }
         let (a, b) = (analyzed(&case, &options(true)), analyzed(&large, &options(true)));
-        for (a, b) in a.postures.iter().zip(&b.postures) {
+        for (a, b) in a.movement.films.iter().zip(&b.movement.films) {
             for (v, w) in a.outline.vertebrae.iter().zip(&b.outline.vertebrae) {
                 assert_near((w.location - v.location * LARGER).norm_mm(), 0.0, ROUNDING, "location");
                 assert_near(w.tilt.rad(), v.tilt.rad(), ROUNDING, "tilt");
@@ -231,10 +231,10 @@ proptest! {
                 assert_near(n.mean_rotation().rad(), m.mean_rotation().rad(), ROUNDING, "rotation");
             }
         }
-        prop_assert_eq!(a.inflection_segments, b.inflection_segments);
-        prop_assert_eq!(a.chain.segments, b.chain.segments);
-        assert_near(b.chain.segment_mm, LARGER * a.chain.segment_mm, ROUNDING, "segment");
-        for (c, d) in a.clinical.iter().zip(&b.clinical) {
+        prop_assert_eq!(a.movement.inflection_segments, b.movement.inflection_segments);
+        prop_assert_eq!(a.movement.chain.segments, b.movement.chain.segments);
+        assert_near(b.movement.chain.segment_mm, LARGER * a.movement.chain.segment_mm, ROUNDING, "segment");
+        for (c, d) in a.movement.clinical.iter().zip(&b.movement.clinical) {
             for (x, y) in c.ferguson.iter().zip(&d.ferguson) {
                 assert_near(y.1.rad(), x.1.rad(), ROUNDING, "Ferguson angle");
             }
@@ -243,10 +243,10 @@ proptest! {
                 assert_near(y.size().rad(), x.size().rad(), ROUNDING, "Cobb angle");
             }
         }
-        for (p, q) in a.spine.midpoints_mm.iter().zip(&b.spine.midpoints_mm) {
+        for (p, q) in a.movement.spine.midpoints_mm.iter().zip(&b.movement.spine.midpoints_mm) {
             assert_near((q - p * LARGER).norm(), 0.0, ROUNDING, "midpoint");
         }
-        for (p, q) in a.spine.joints.iter().zip(&b.spine.joints) {
+        for (p, q) in a.movement.spine.joints.iter().zip(&b.movement.spine.joints) {
             let off = q.centre_in_inferior_mm - p.centre_in_inferior_mm * LARGER;
             assert_near(off.norm(), 0.0, ROUNDING, "joint centre");
         }
@@ -312,7 +312,7 @@ proptest! {
 
 /// Everything that a frame of the film could reach.
 fn assert_same_analysis(a: &Analysis, b: &Analysis) {
-    for (a, b) in a.postures.iter().zip(&b.postures) {
+    for (a, b) in a.movement.films.iter().zip(&b.movement.films) {
         for (v, w) in a.outline.vertebrae.iter().zip(&b.outline.vertebrae) {
             assert_near(w.location.distance_mm(v.location), 0.0, ROUNDING, "location");
             assert_near(w.tilt.rad(), v.tilt.rad(), ROUNDING, "tilt");
@@ -324,8 +324,8 @@ fn assert_same_analysis(a: &Analysis, b: &Analysis) {
             assert_near(y.distance_mm(*x), 0.0, FITTED, "inflection");
         }
     }
-    assert_eq!(a.inflection_segments, b.inflection_segments);
-    assert_eq!(a.chain.segments, b.chain.segments);
+    assert_eq!(a.movement.inflection_segments, b.movement.inflection_segments);
+    assert_eq!(a.movement.chain.segments, b.movement.chain.segments);
     let postures = MIRROR_POSTURE.map(|(posture, _)| (posture, posture));
     assert_same_models(a, b, &postures, 1.0, &ALL_LINES);
 }

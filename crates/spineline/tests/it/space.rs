@@ -24,7 +24,7 @@ fn measured(phantom: &SpacePhantom) -> (SpatialOutline, Warnings) {
     let erect = &phantom.case.films[0];
     let outline = measure_film(erect, TiltRule::default(), &mut warnings).expect("a good film");
     let lateral = phantom.case.lateral.as_ref().expect("both films");
-    let found = SpatialOutline::measure((erect, &outline), lateral, &mut warnings);
+    let found = SpatialOutline::measure(erect, &outline, lateral, &mut warnings);
     (found.expect("a good film").expect("all vertebrae on both films"), warnings)
 }
 
@@ -77,8 +77,8 @@ fn the_turns_of_the_model_are_those_in_space() {
         assert_near(turn_deg, turn.deg(), 1e-6, "turn");
     }
     let analysis = analyze(&phantom.case, &AnalysisOptions::default()).expect("a good case");
-    assert_eq!(analysis.space, Some(found));
-    let joint = &analysis.spine.joints[8].inferior_from_superior;
+    assert_eq!(analysis.movement.space, Some(found));
+    let joint = &analysis.movement.spine.joints[8].inferior_from_superior;
     let cranial = [8, 9].map(|i| phantom.body(Level::MODEL[i]).expect("every level").cranial);
     assert_near(joint[(2, 2)], cranial[0].dot(&cranial[1]), 1e-3, "cosine between two axes");
 }
@@ -105,7 +105,7 @@ fn the_model_stands_in_space_as_the_bodies_do() {
     for hidden in [&[][..], &[Level::L4, Level::L3, Level::T7, Level::T2]] {
         let lateral = phantom.case.lateral.as_mut().expect("both films");
         lateral.readings[0].vertebrae.retain(|level, _| !hidden.contains(level));
-        let model = analyze_movement(&phantom.case, &options).expect("a good case").spine;
+        let model = analyze_movement(&phantom.case, &options).expect("a good case").movement.spine;
         assert_eq!(model.midpoints_mm[0], Vec3::zeros());
         let seen: Vec<usize> = (0..15).filter(|&i| !hidden.contains(&Level::MODEL[i])).collect();
         let first = seen[0];
@@ -272,7 +272,7 @@ fn replicated() -> (Analysis, Uncertainty) {
 #[test]
 fn replicates_vary_a_pitch_by_its_deviation() {
     let (nominal, found) = replicated();
-    let space = nominal.space.as_ref().expect("both films");
+    let space = nominal.movement.space.as_ref().expect("both films");
     for level in [Level::L3, Level::T12, Level::T8, Level::T4] {
         let spread = found.of(AnalysisQuantity::Pitch(level)).expect("measured");
         let stated = space.pitch_sd(space.vertebra(level).expect("both films")).deg();
@@ -324,8 +324,8 @@ fn a_lateral_film_shows_two_degrees_of_kyphosis_too_many() {
 fn no_plane_shows_a_larger_curve_than_that_of_maximum_curvature() {
     let phantom = generate_in_space(&SpaceSetup::default());
     let analysis = analyze_movement(&phantom.case, &AnalysisOptions::default()).expect("good");
-    let measures = analysis.spatial_measures().expect("both films");
-    assert_eq!(measures.curves.len(), analysis.clinical.len());
+    let measures = analysis.movement.spatial_measures().expect("both films");
+    assert_eq!(measures.curves.len(), analysis.movement.clinical.len());
     for curve in &measures.curves {
         let axis = |level| phantom.body(level).expect("every level").cranial;
         let [low, high] = [curve.ends.inferior, curve.ends.superior].map(axis);
@@ -345,7 +345,7 @@ fn no_plane_shows_a_larger_curve_than_that_of_maximum_curvature() {
 #[test]
 fn replicates_vary_the_numbers_in_space_by_their_deviations() {
     let (nominal, found) = replicated();
-    let measures = nominal.spatial_measures().expect("both films");
+    let measures = nominal.movement.spatial_measures().expect("both films");
     let sd = |quantity| found.spread(quantity).expect("measured").sd;
     for angle in &measures.sagittal {
         let share = sd(AnalysisQuantity::Sagittal(angle.part)) / angle.sd_3d.deg();
@@ -355,25 +355,25 @@ fn replicates_vary_the_numbers_in_space_by_their_deviations() {
     assert!((0.8..1.2).contains(&share), "length: {share}");
 }
 
-/// Turns of the options that are the patient's own, but for this much more at the joint above L1.
-fn with_turns_off_by(phantom: &SpacePhantom, off_deg: f64) -> Analysis {
+/// The error of a profile that is the patient's own, but for this much more at the joint above L1.
+fn error_of_turns_off_by(phantom: &SpacePhantom, off_deg: f64) -> TemplateError {
     let (found, _) = measured(phantom);
     let mut profile = found.profile(&SagittalProfile::default());
     profile.turns_deg[3] += off_deg;
-    let options = AnalysisOptions { profile, ..AnalysisOptions::default() };
-    analyze(&phantom.case, &options).expect("a good case")
+    let analysis = analyze(&phantom.case, &AnalysisOptions::default()).expect("a good case");
+    TemplateError::of(&analysis.movement, &profile).expect("a lateral film")
 }
 
 #[test]
 fn the_error_of_a_template_is_the_difference_of_turns_that_it_was_given() {
     let phantom = generate_in_space(&SpaceSetup { corner_sd_mm: 0.4, ..SpaceSetup::default() });
-    let own = with_turns_off_by(&phantom, 0.0).template_error().expect("a lateral film");
+    let own = error_of_turns_off_by(&phantom, 0.0);
     assert_eq!((own.vertebrae.len(), own.joints), (15, 14));
     assert_near(own.joint_rms.deg(), 0.0, 1e-9, "the patient's own turns");
     // The base of a model of the erect film alone is pitched so that the top stands above it: all vertebrae are off alike.
     let first = own.vertebrae[0].error();
     assert!(own.vertebrae.iter().all(|v| (v.error() - first).deg().abs() < 1e-9));
-    let off = with_turns_off_by(&phantom, 10.0).template_error().expect("a lateral film");
+    let off = error_of_turns_off_by(&phantom, 10.0);
     assert_near(off.joint_rms.deg(), 10.0 / 14.0_f64.sqrt(), 1e-9, "one joint of 14");
     let step = |i: usize| (off.vertebrae[i + 1].error() - off.vertebrae[i].error()).deg();
     assert_near(step(3), 10.0, 1e-9, "L1/T12");

@@ -289,7 +289,7 @@ fn the_measured_noise_equals_that_of_the_readers() {
 fn placed(case: &Case) -> Case {
     let nominal = analyzed(case);
     let mut placed = case.clone();
-    for (film, posture) in placed.films.iter_mut().zip(&nominal.postures) {
+    for (film, posture) in placed.films.iter_mut().zip(&nominal.movement.films) {
         let vertebrae = posture.outline.vertebrae.iter();
         let vertebrae = vertebrae.map(|v| (v.level, Placement::new(v.location, v.tilt))).collect();
         let id = spineline::measure::ReadingId::new("program", 1);
@@ -346,6 +346,7 @@ fn inflections_absent_in_some_replicates_are_counted() {
     // A curve counts from so many degrees on: at the size of the smallest one, noise decides.
     let case = erect(case(0, Truth::Rod, &Readers::exact()));
     let smallest = analyzed(&case)
+        .movement
         .inflections
         .curves
         .iter()

@@ -5,7 +5,7 @@ use crate::common::{
 };
 use spineline::analysis::{Analysis, Case, analyze_movement};
 use spineline::anatomy::Posture;
-use spineline::cohort::{Cohort, CohortPatient, Listed, OneThread, RowsInMemory};
+use spineline::cohort::{Cohort, CohortPatient};
 use spineline::measure::{Corners, IliacCrests};
 use spineline::spatial::{Angle, Frontal, Pixel};
 use spineline::warning::Severity;
@@ -194,26 +194,4 @@ fn a_cohort_counts_patients_with_doubted_films_and_does_not_test_them() {
     let cohort = Cohort::of(&[CohortPatient::of(&sound)], 1);
     assert!(cohort.doubted_films.is_empty());
     assert_eq!(cohort.doubted, 0);
-}
-
-#[test]
-fn lists_of_the_first_patients_leave_all_counts_as_they_are() {
-    let mut case = exact_case(0);
-    copy_landmarks(&mut case, Posture::Erect, Posture::LeftBending, 5.0);
-    let doubted = CohortPatient::of(&analyzed(&case, &on_a_table()));
-    let patients = vec![doubted; Cohort::LISTED + 5];
-    let of = |listed: Listed| {
-        let rows = &mut RowsInMemory::default();
-        let Ok(cohort) = Cohort::of_source(&mut &patients[..], rows, listed, 1, &OneThread);
-        cohort
-    };
-    let [first, all] = [of(Listed::First), of(Listed::All)];
-    assert_eq!([first.doubted_films.len(), all.doubted_films.len()], [200, 205]);
-    assert_eq!(first.verdict(), all.verdict());
-    assert_eq!([first.doubted, first.patients], [205; 2]);
-    let own_means = |cohort: &Cohort| cohort.compared.errors[0].by_patient_mm.len();
-    assert_eq!([own_means(&first), own_means(&all)], [200, 205]);
-    let whole = Cohort::of(&patients, 1);
-    assert_eq!(all.compared.tests, whole.compared.tests);
-    assert_eq!(all.rotation_deg, whole.rotation_deg);
 }

@@ -4,7 +4,6 @@ use std::path::{Path, PathBuf};
 
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Args, Subcommand};
-use spineline::anatomy::Named;
 use spineline_store::Role;
 
 /// Shown below the options.
@@ -40,7 +39,7 @@ pub enum AccountCommand {
         #[arg(default_value = "studies.spineline")]
         store: PathBuf,
         /// Highest role of the account
-        #[arg(long, value_name = "ROLE", value_parser = role(Role::ALL))]
+        #[arg(long, value_name = "ROLE", value_parser = role(&Role::ALL))]
         role: Role,
         /// Read the password from the standard input, up to the end of its first line
         #[arg(long)]
@@ -54,7 +53,7 @@ pub enum AccountCommand {
         #[arg(default_value = "studies.spineline")]
         store: PathBuf,
         /// Highest role of the account
-        #[arg(long, value_name = "ROLE", value_parser = role(Role::ALL))]
+        #[arg(long, value_name = "ROLE", value_parser = role(&Role::ALL))]
         role: Option<Role>,
         /// Ask for a new password
         #[arg(long)]
@@ -114,5 +113,5 @@ impl AccountCommand {
 
 fn role(allowed: &[Role]) -> impl TypedValueParser<Value = Role> {
     PossibleValuesParser::new(allowed.iter().map(|role| role.key()))
-        .try_map(|word| Role::from_key(&word).ok_or("expected one of the possible values"))
+        .try_map(|word| word.parse::<Role>())
 }

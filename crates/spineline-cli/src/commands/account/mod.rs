@@ -8,7 +8,6 @@ use std::io::{IsTerminal, Read, stdin};
 use std::path::Path;
 use std::time::SystemTime;
 
-use spineline::anatomy::Named;
 use spineline_report::document::{Column, Table};
 use spineline_report::terminal::{self, Lines};
 use spineline_store::{Account, AccountChange, Name, PasswordHash, Signature, Store, StoreError};

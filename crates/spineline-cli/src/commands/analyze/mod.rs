@@ -12,10 +12,10 @@ use std::path::{Path, PathBuf};
 
 use indicatif::ProgressBar;
 use spineline::analysis::{LineModel, ModelChoice};
-use spineline::cohort::{Cohort, Listed, RefusalStep, RefusedCase};
+use spineline::cohort::{Cohort, CohortPatient, RefusalStep, RefusedCase};
 use spineline::warning::counted;
 use spineline_files::{Provenance, to_text};
-use spineline_report::cohort::PatientRows;
+use spineline_report::cohort::PatientRow;
 use spineline_report::document::Notice;
 use spineline_report::terminal::Lines;
 use spineline_report::{patient as report, terminal};
@@ -24,7 +24,6 @@ use spineline_tables::cohort_tests_table;
 use crate::analysis::case::Refusal;
 use crate::analysis::cohort;
 use crate::analysis::figures::draw_figures;
-use crate::analysis::kept::KeptPatients;
 use crate::analysis::record::{ReadCases, RunRecord};
 use crate::run::failure::{Ending, Failure};
 use crate::run::inputs::case_files;
@@ -46,12 +45,12 @@ pub fn run(args: &AnalyzeArgs) -> Result<Ending, Failure> {
     let outputs = check_outputs(args, &paths)?;
     let mut written = Written::begin(args, is_list, &outputs)?;
     let asked = Asked::new(args, &record, is_list);
-    let mut found = analyze_all(&paths, asked, &mut written, &outputs)?;
+    let found = analyze_all(&paths, asked, &mut written, &outputs)?;
     if found.is_cut_short && !found.has_replicates {
         return Err(Failure::interrupted());
     }
     print_notices(&found.read.warnings());
-    let together = statistics(&mut found, asked, &outputs);
+    let together = statistics(&found, asked)?;
     // Results are shown although they cannot be written.
     keep(&found, together.as_ref(), asked, written, &outputs);
     let kept = outputs.commit();
@@ -65,12 +64,10 @@ pub fn run(args: &AnalyzeArgs) -> Result<Ending, Failure> {
     Ok(if found.is_cut_short { Ending::Interrupted } else { found.ending })
 }
 
-/// Statistics over a cohort; `None` for one patient, and after the disk was full.
-fn statistics(found: &mut Found, asked: Asked<'_>, outputs: &Outputs) -> Option<Cohort> {
-    let args = asked.args;
-    let listed = if args.cohort.is_some() { Listed::All } else { Listed::First };
-    let patients = found.patients.as_mut().filter(|_| asked.is_cohort)?;
-    cohort::of_kept(patients, listed, args.threads).map_err(|failure| outputs.go_on(failure)).ok()
+/// Statistics over a cohort; `None` for one patient.
+fn statistics(found: &Found, asked: Asked<'_>) -> Result<Option<Cohort>, Failure> {
+    let of_all = || cohort::of(&found.patients, asked.args.threads);
+    asked.is_cohort.then(of_all).transpose()
 }
 
 /// Writes what is left to write.
@@ -150,9 +147,9 @@ fn is_csv(path: &Path) -> bool {
 /// What is left of the patients after their results were written.
 struct Found {
     read: ReadCases,
-    /// For a cohort; `None` if there was no room for one.
-    patients: Option<KeptPatients>,
-    rows: PatientRows,
+    /// Of a cohort.
+    patients: Vec<CohortPatient>,
+    rows: Vec<PatientRow>,
     /// Cases of a list without a result.
     refused: Vec<RefusedCase>,
     /// Of a single case.
@@ -177,8 +174,8 @@ fn analyze_all(
         if asked.is_long() { ProgressBar::hidden() } else { bar("analysing", paths.len()) };
     let mut found = Found {
         read: ReadCases::default(),
-        patients: Some(KeptPatients::default()),
-        rows: PatientRows::default(),
+        patients: Vec::new(),
+        rows: Vec::new(),
         refused: Vec::new(),
         one: None,
         model: None,
@@ -252,13 +249,8 @@ impl Found {
             self.ending = Ending::NotConverged;
         }
         if let Some((patient, row)) = row.take() {
-            if let Some(patients) = &mut self.patients
-                && let Err(failure) = patients.add(&patient)
-            {
-                outputs.go_on(failure);
-                self.patients = None;
-            }
-            self.rows.add(row);
+            self.patients.push(patient);
+            self.rows.push(row);
         }
         if !asked.is_list {
             self.one = Some(one);

@@ -60,12 +60,12 @@ fn help_without_model(analysis: &Analysis) -> String {
     if !lines.is_empty() {
         return format!("write another one: {}", lines.join(" or "));
     }
-    if let Some(posture) = analysis.film_without_scale() {
+    if let Some(posture) = analysis.movement.film_without_scale() {
         return format!(
             "a model needs the scale of every film, and the {posture} film has none: give `column_spacing_mm`, `row_spacing_mm` and `spacing_plane` in the case file, or import the films with --spacing, --ball or --ruler"
         );
     }
-    if analysis.postures.iter().all(|posture| posture.outline.posture.bend().is_none()) {
+    if analysis.movement.films.iter().all(|posture| posture.outline.posture.bend().is_none()) {
         return "a model needs a bending film: add one to the case".to_owned();
     }
     "no bending film has a line of action, and the warnings say why: set the inflections with --inflections, or the line with --given-line".to_owned()

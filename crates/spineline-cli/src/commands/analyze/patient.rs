@@ -46,8 +46,8 @@ pub struct Analysed {
     pub analysis: Analysis,
     pub confidence: Confidence,
     pub parts: OutputParts,
-    /// For a cohort; the first is [`CohortPatient::to_bytes`].
-    pub row: Option<(Vec<u8>, PatientRow)>,
+    /// For a cohort.
+    pub row: Option<(CohortPatient, PatientRow)>,
 }
 
 /// What a patient adds to each output that was asked for.
@@ -79,9 +79,7 @@ impl Analysed {
         Ok(Self {
             path: path.to_owned(),
             parts: OutputParts::of(&input, &analysis, &confidence, asked),
-            row: asked
-                .is_cohort
-                .then(|| (CohortPatient::of(&analysis).to_bytes(), PatientRow::of(&analysis))),
+            row: asked.is_cohort.then(|| (CohortPatient::of(&analysis), PatientRow::of(&analysis))),
             input,
             analysis,
             confidence,

@@ -6,15 +6,16 @@ use std::str::FromStr;
 
 use clap::Args;
 use spineline::analysis::{CASE_ID_RULE, is_case_id};
-use spineline::anatomy::{ImageSide, Named, Posture};
+use spineline::anatomy::{ImageSide, Posture};
 use spineline::measure::{
     Calibration, Calibrator, OBSERVER_RULE, ReadingId, Spacing, SpacingPlane, SpacingSource,
     is_observer_code,
 };
 use spineline::spatial::Pixel;
+use spineline_files::method_text::named;
 
 use super::role::Role;
-use crate::options::choice::{IMAGE_SIDES, choice};
+use crate::options::choice::choice;
 use crate::options::values::{number, posture};
 use crate::run::failure::Failure;
 
@@ -66,7 +67,7 @@ pub struct ImportArgs {
     #[arg(long, value_name = "[POSTURE=]SIDE", value_parser = side_of_film)]
     pub patient_left: Vec<OfFilm<ImageSide>>,
     /// Side of the lateral picture with the patient's front
-    #[arg(long, value_parser = choice::<ImageSide>(IMAGE_SIDES), value_name = "SIDE")]
+    #[arg(long, value_parser = choice::<ImageSide>(), value_name = "SIDE")]
     pub patient_anterior: Option<ImageSide>,
     /// Whether the erect and the lateral film were exposed together, as biplanar scanners do, where the files do not state it
     /// or are wrong: then no turn of the lateral film is estimated, and no scale where both have a spacing
@@ -307,8 +308,8 @@ fn reading(text: &str) -> Result<(PathBuf, ReadingId), String> {
 
 fn side_of_film(text: &str) -> Result<OfFilm<ImageSide>, String> {
     of_film(text, |side| {
-        ImageSide::from_key(&side.to_ascii_lowercase().replace('-', "_"))
-            .ok_or_else(|| format!("`{side}` is neither `image-left` nor `image-right`"))
+        named(&side.to_ascii_lowercase())
+            .map_err(|_| format!("`{side}` is neither `image-left` nor `image-right`"))
     })
 }
 

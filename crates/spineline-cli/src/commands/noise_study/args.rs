@@ -7,7 +7,7 @@ use spineline::analysis::AnalysisOptions;
 use spineline::personalize::FitTarget;
 use spineline_phantom::Truth;
 
-use crate::options::choice::choice_of;
+use crate::options::choice::choice;
 use crate::options::phantoms::ScenarioName;
 use crate::options::values::threads;
 use crate::run::outputs::OverwriteArgs;
@@ -31,7 +31,7 @@ pub struct NoiseStudyArgs {
     #[arg(long, value_name = "SCENARIOS", value_enum, value_delimiter = ',')]
     pub truths: Vec<ScenarioName>,
     /// Quantity that the stiffness is fitted to; the paper fitted Ferguson angles
-    #[arg(long, value_parser = choice_of::<FitTarget>("fit"), default_value = AnalysisOptions::paper().target.key())]
+    #[arg(long, value_parser = choice::<FitTarget>(), default_value = AnalysisOptions::paper().target.key())]
     pub fit: FitTarget,
     #[command(flatten)]
     pub overwrite: OverwriteArgs,
@@ -41,7 +41,7 @@ impl NoiseStudyArgs {
     /// What is studied, in the order of the figure.
     pub fn truths(&self) -> Vec<Truth> {
         let wanted: Vec<Truth> = self.truths.iter().map(|name| name.0).collect();
-        let every = Truth::EVERY.into_iter();
+        let every = Truth::LINES.iter().copied();
         every.filter(|truth| wanted.is_empty() || wanted.contains(truth)).collect()
     }
 }

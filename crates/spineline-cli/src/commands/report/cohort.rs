@@ -67,7 +67,7 @@ pub fn run(paths: &[PathBuf], args: &ReportArgs, outputs: Outputs) -> Result<End
     let document = report(&Patients {
         analyses: &analyses,
         subjects: &subjects,
-        together: &cohort::of(&patients),
+        together: &cohort::of(&patients, args.threads)?,
         refused: &refused,
         generator: &generator(),
         json: &format!("[{}]", files.join(",")),

@@ -6,7 +6,7 @@ use clap::Args;
 use spineline::analysis::AnalysisOptions;
 use spineline::personalize::FitTarget;
 
-use crate::options::choice::choice_of;
+use crate::options::choice::choice;
 use crate::options::values::threads;
 use crate::run::outputs::OverwriteArgs;
 
@@ -25,7 +25,7 @@ pub struct ReproduceArgs {
     #[arg(long, value_name = "FACTOR", default_value_t = 1.0)]
     pub noise: f64,
     /// Quantity that the stiffness is fitted to; the paper fitted Ferguson angles
-    #[arg(long, value_parser = choice_of::<FitTarget>("fit"), default_value = AnalysisOptions::paper().target.key())]
+    #[arg(long, value_parser = choice::<FitTarget>(), default_value = AnalysisOptions::paper().target.key())]
     pub fit: FitTarget,
     #[command(flatten)]
     pub overwrite: OverwriteArgs,

@@ -49,8 +49,8 @@ pub fn write(
         .iter()
         .map(|run| InflectionSample {
             name: run.truth.key().to_owned(),
-            distances_segments: run.cohort.inflection[0].distance_segments.values.clone(),
-            rotations_deg: run.cohort.inflection[0].rotation_deg.values.clone(),
+            distances_segments: run.cohort.inflection[0].all_distances_segments.clone(),
+            rotations_deg: run.cohort.inflection[0].all_rotations_deg.clone(),
         })
         .collect();
     if let Some(svg) = figures::inflection_distances(&inflections, true) {
@@ -79,8 +79,7 @@ fn error_figures(
                     group: run.truth.key().to_owned(),
                     line: line.kind,
                     errors_mm: if fitted { &line.fitted } else { &line.held_out }
-                        .location_mm
-                        .values
+                        .all_location_mm
                         .clone(),
                 })
             })
@@ -101,8 +100,8 @@ fn error_figures(
 
 fn sample(estimates: &EstimateStatistics) -> EstimateSample {
     EstimateSample {
-        distances_segments: estimates.distance_segments.values.clone(),
-        rotations_deg: estimates.rotation_deg.values.clone(),
+        distances_segments: estimates.all_distances_segments.clone(),
+        rotations_deg: estimates.all_rotations_deg.clone(),
     }
 }
 

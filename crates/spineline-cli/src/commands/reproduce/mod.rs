@@ -57,7 +57,7 @@ fn text(sections: &[Section], args: &ReproduceArgs) -> String {
         SUBJECTS.len(),
         args.seed
     );
-    for truth in Truth::ALL {
+    for truth in Truth::PAPER {
         text.push_str(&format!("  {:5} {}\n", truth.key(), truth.meaning()));
     }
     text.push_str("Every number in the three columns on the right is SYNTHETIC; mean ± SD as the paper prints them.\n");

@@ -35,10 +35,12 @@ pub fn support_words(support: Support) -> &'static str {
     }
 }
 
-/// The subjects of Table 1 in every scenario, in the order of [`Truth::ALL`]; it does not depend on the threads.
+/// The subjects of Table 1 in every scenario, in the order of [`Truth::PAPER`]; it does not depend on the threads.
 pub fn phantoms(args: &ReproduceArgs, readers: &Readers) -> Result<Vec<Phantom>, Failure> {
-    let tasks: Vec<(Truth, usize)> =
-        Truth::ALL.iter().flat_map(|&truth| (0..SUBJECTS.len()).map(move |i| (truth, i))).collect();
+    let tasks: Vec<(Truth, usize)> = Truth::PAPER
+        .iter()
+        .flat_map(|&truth| (0..SUBJECTS.len()).map(move |i| (truth, i)))
+        .collect();
     let made = map_all("phantoms", &tasks, args.threads, |&(truth, subject)| {
         generate(subject, truth, readers, args.seed).map_err(|error| error.to_string())
     })?;
@@ -77,7 +79,7 @@ pub fn all_runs(args: &ReproduceArgs, phantoms: &[Phantom]) -> Result<Vec<Run>, 
     let cohorts = cohorts(args, &patients)?;
     let mut analyses = analyses.into_iter();
     let scenarios =
-        SUPPORTS.into_iter().flat_map(|support| Truth::ALL.map(|truth| (support, truth)));
+        SUPPORTS.into_iter().flat_map(|support| Truth::PAPER.map(|truth| (support, truth)));
     let phantoms = phantoms.chunks(SUBJECTS.len()).cycle();
     let runs =
         scenarios.zip(phantoms).zip(cohorts).map(|(((support, truth), phantoms), cohort)| {

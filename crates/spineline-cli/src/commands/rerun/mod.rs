@@ -7,7 +7,6 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use serde_json::Value;
 use spineline::analysis::Analysis;
-use spineline::anatomy::{Named, Posture};
 use spineline_files::{
     AnalysisFile, Content, InputFile, MAX_ANALYSES_BYTES, Provenance, StoredAnalysis,
     parse_analysis, parse_json, read_bytes, to_text,
@@ -198,7 +197,7 @@ fn keep_film_warnings(old: &Value, analysis: &mut Analysis) {
     let warnings = old["warnings"].as_array().into_iter().flatten();
     for warning in warnings {
         let Some(code) = warning["code"].as_str().and_then(FilmWarning::code) else { continue };
-        let posture = warning["posture"].as_str().and_then(Posture::from_key);
+        let posture = warning["posture"].as_str().and_then(|key| key.parse().ok());
         let text = warning["message"].as_str().unwrap_or_default();
         FilmWarning::new(code, posture, text).warn(analysis);
     }

@@ -8,7 +8,7 @@ use spineline::anatomy::{Level, Posture, Side};
 use spineline::multibody::Support;
 use spineline_files::{DIRECTIONS, direction};
 
-use crate::options::choice::{SIDES, choice, choice_of};
+use crate::options::choice::choice;
 use crate::options::uncertainty::ReplicateArgs;
 use crate::options::values::{number, posture, threads};
 use crate::run::outputs::OverwriteArgs;
@@ -76,13 +76,13 @@ pub struct SimulateArgs {
     #[arg(long, value_name = "DEG", value_parser = degrees, allow_negative_numbers = true, requires = "towards", help_heading = "Target")]
     pub amplitude: Option<f64>,
     /// Side of the lateral tilt
-    #[arg(long, value_parser = choice::<Side>(SIDES), value_name = "SIDE", requires = "amplitude", help_heading = "Target")]
+    #[arg(long, value_parser = choice::<Side>(), value_name = "SIDE", requires = "amplitude", help_heading = "Target")]
     pub towards: Option<Side>,
     /// Largest factor of the proportional loads [default: 2; with --amplitude, a force of about 1500]
     #[arg(long, value_name = "FACTOR", value_parser = positive, allow_negative_numbers = true, help_heading = "Target")]
     pub largest_factor: Option<f64>,
     /// Support of the patient [default: as in the model file]
-    #[arg(long, value_parser = choice_of::<Support>("support"))]
+    #[arg(long, value_parser = choice::<Support>())]
     pub support: Option<Support>,
     /// Write all results as JSON (`-`: standard output)
     #[arg(long, value_name = "FILE", help_heading = "Output")]

@@ -1,11 +1,10 @@
 //! From the command line to loads.
 
+use spineline::analysis::{FilmLoad, PersonalisedModel};
 use spineline::anatomy::Posture;
 use spineline::multibody::Timing;
 use spineline::spatial::Vec3;
-use spineline_files::{
-    AppliedLoad, LevelKey, LoadFile, SimulationWarning, StoredModel, parse_load, read_text,
-};
+use spineline_files::{AppliedLoad, LevelKey, LoadFile, SimulationWarning, parse_load, read_text};
 
 use super::args::SimulateArgs;
 use crate::run::failure::Failure;
@@ -16,7 +15,7 @@ const REFERENCE_FORCE: f64 = 100.0;
 /// The loads that are asked for, and warnings about them.
 pub fn of(
     args: &SimulateArgs,
-    model: &StoredModel,
+    model: &PersonalisedModel,
 ) -> Result<(LoadFile, Vec<SimulationWarning>), Failure> {
     if let Some(path) = &args.load {
         let file = read_text(path).and_then(|text| parse_load(&text));
@@ -48,14 +47,14 @@ pub fn of(
             level: LevelKey(level),
             force_in_vertebra_n: in_vertebra.into(),
             point_in_vertebra_mm: [0.0; 3],
-            timing: Timing::Proportional.into(),
+            timing: Timing::Proportional,
         }
     } else {
         AppliedLoad::ForceAtPoint {
             level: LevelKey(level),
             force_n: force.into(),
             point_in_vertebra_mm: [0.0; 3],
-            timing: Timing::Proportional.into(),
+            timing: Timing::Proportional,
         }
     };
     Ok((LoadFile::new(vec![load]), Vec::new()))
@@ -64,20 +63,18 @@ pub fn of(
 /// The load of a film in the model file.
 fn of_posture(
     args: &SimulateArgs,
-    model: &StoredModel,
+    model: &PersonalisedModel,
     posture: Posture,
 ) -> Result<(LoadFile, Vec<SimulationWarning>), Failure> {
-    let Some(record) = model.loads.iter().find(|r| r.posture.0 == posture) else {
-        let known: Vec<&str> = model.loads.iter().map(|r| r.posture.0.key()).collect();
+    let Some(film) = model.loads.iter().find(|film| film.posture == posture) else {
+        let known: Vec<&str> = model.loads.iter().map(|film| film.posture.key()).collect();
         let text =
             format!("the model has no load for {}; it has {}", posture.key(), known.join(", "));
         let place = args.model.display().to_string();
         return Err(Failure::input(&place, &text, "choose one of these, or use --push"));
     };
-    let notes = record.doubt().into_iter().collect();
-    let load = match args.force {
-        Some(force) => record.with_force(force.copysign(record.force_n)).load(model.top()),
-        None => record.load(model.top()),
-    };
+    let notes = SimulationWarning::not_found(film).into_iter().collect();
+    let force_n = args.force.map_or(film.force_n, |force| force.copysign(film.force_n));
+    let load = AppliedLoad::of_film(&FilmLoad { force_n, ..*film }, model.top());
     Ok((LoadFile::new(vec![load]), notes))
 }

@@ -33,13 +33,14 @@ pub fn run(args: &SimulateArgs) -> Result<Ending, Failure> {
         ));
     }
     let outputs = check_outputs(args)?;
-    let mut model = read_model(&args.model)?;
+    let mut stored = read_model(&args.model)?;
     if let Some(support) = args.support {
-        model.support = support;
+        stored.model.support = support;
     }
-    let (loads, notes) = loads::of(args, &model)?;
-    let source = Source::of(args, &model)?;
-    let outcome = with_progress(|on_point| Outcome::of(args, model, loads, notes, on_point))?;
+    let (loads, notes) = loads::of(args, &stored.model)?;
+    let source = Source::of(args, &stored)?;
+    let outcome =
+        with_progress(|on_point| Outcome::of(args, stored.model, loads, notes, on_point))?;
     let outcome = outcome.with_replicates(args, source)?;
     // Results are shown although they cannot be written.
     let written = outcome.write(args, &outputs).and_then(|()| outputs.commit());
@@ -131,7 +132,6 @@ mod tests {
     use clap::Parser;
     use spineline::analysis::{AnalysisOptions, analyze};
     use spineline::multibody::PathEnding;
-    use spineline_files::{ModelFile, parse_model};
     use spineline_phantom::{Readers, Truth, generate};
 
     #[derive(Parser)]
@@ -144,8 +144,7 @@ mod tests {
     fn interrupted(arguments: &[&str], at: usize) -> Outcome {
         let phantom = generate(0, Truth::Rod, &Readers::exact(), 1).expect("subject 1 exists");
         let analysis = analyze(&phantom.case, &AnalysisOptions::default()).expect("a phantom");
-        let text = to_text(&ModelFile::new(&analysis, &analysis.models[0], "test"));
-        let model = parse_model(&text).expect("our own file");
+        let model = analysis.personalised_model(&analysis.models[0]);
         let line = ["simulate", "model.json"].iter().chain(arguments);
         let args = Line::parse_from(line).args;
         let (loads, notes) = loads::of(&args, &model).expect("sound loads");

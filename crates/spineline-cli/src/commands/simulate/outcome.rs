@@ -2,6 +2,7 @@
 
 use std::ops::Deref;
 
+use spineline::analysis::PersonalisedModel;
 use spineline::anatomy::{Region, Side};
 use spineline::multibody::Goal;
 use spineline::response::{OnSignedPoint, measure_angles};
@@ -9,7 +10,6 @@ use spineline::spatial::Angle;
 use spineline::uncertainty::LoadedUncertainty;
 use spineline_files::{
     AppliedLoad, LoadFile, Simulated, SimulationError, SimulationFile, SimulationWarning,
-    StoredModel,
 };
 use spineline_report::document::Notice;
 use spineline_report::figures::{self, loaded_spine};
@@ -43,7 +43,7 @@ impl Outcome {
     /// Loads a model; the callback gets every shape and may interrupt the search.
     pub fn of(
         args: &SimulateArgs,
-        model: StoredModel,
+        model: PersonalisedModel,
         loads: LoadFile,
         notes: Vec<SimulationWarning>,
         on_point: OnSignedPoint<'_>,

@@ -48,7 +48,7 @@ impl Source {
 
     /// The erect film.
     pub fn film(&self) -> &Outline {
-        &self.source.analysis.erect().outline
+        &self.source.analysis.movement.erect().outline
     }
 
     /// Runs the replicates under the loads of a simulation, for what it measures. Ctrl-C ends them early; `None` where none is done then.

@@ -45,7 +45,7 @@ fn subject(outcome: &Outcome) -> String {
     format!(
         "{}{synthetic} · model with the {} · {support} support · forces in {}",
         model.case_id,
-        model.line.replace('_', " "),
+        model.line,
         model.force_unit()
     )
 }

@@ -5,21 +5,19 @@ mod models;
 pub mod replicates;
 mod view;
 
-use std::ops::Range;
 use std::sync::Arc;
-use std::sync::atomic::Ordering;
 
 use axum::extract::State;
 use axum::http::StatusCode;
-use spineline_store::Role;
+use spineline_store::{KeptComputation, Role};
 use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
 
+use super::background::{Task, in_turns, start};
 use crate::access::{open_study, study_result};
 use crate::api::{ComputationName, ComputationRequest, ComputationView, Problem};
-use crate::computation_jobs::{ComputationJob, Found, JobKind};
 use crate::extract::{Json, Path};
-use crate::jobs::Job;
+use crate::jobs::{ComputationJob, Found, Jobs, Work};
 use crate::problem::{Answer, Failure};
 use crate::result_cache::{StudyResult, computed};
 use crate::state::AppState;
@@ -29,14 +27,6 @@ use view::view;
 
 pub fn routes() -> OpenApiRouter<AppState> {
     OpenApiRouter::new().routes(routes!(computation, compute, cancel))
-}
-
-const fn kind_of(name: ComputationName) -> JobKind {
-    match name {
-        ComputationName::Replicates => JobKind::Replicates,
-        ComputationName::Identifiability => JobKind::Identifiability,
-        ComputationName::Models => JobKind::Models,
-    }
 }
 
 /// A computation of the current results.
@@ -52,7 +42,7 @@ async fn computation(
 ) -> Answer<Json<ComputationView>> {
     let result = analysed(&state, &user, &study, Role::Reader).await?;
     recall(&state, &result).await?;
-    let job = state.jobs().of(&result, kind_of(name));
+    let job = state.jobs().of(&result, name.key());
     computed(move || view(name, job.as_deref())).await.map(Json)
 }
 
@@ -70,13 +60,8 @@ async fn compute(
     Json(request): Json<ComputationRequest>,
 ) -> Answer<Json<ComputationView>> {
     let result = analysed(&state, &user, &study, Role::Editor).await?;
-    let kind = kind_of(name);
-    let asked = steps(&result, kind, &request)?;
-    let job = state.jobs().begin(&result, (kind, ()), asked).ok_or_else(|| {
-        Failure::new(StatusCode::CONFLICT, "running", "this is being computed")
-            .help("wait for it, or cancel it")
-    })?;
-    tokio::spawn(run(state, kind, Arc::clone(&job)));
+    let asked = steps(&result, name, &request)?;
+    let job = start(&state, &result, name, asked)?;
     Ok(Json(view(name, Some(&job))))
 }
 
@@ -92,7 +77,7 @@ async fn cancel(
     Path((study, name)): Path<(String, ComputationName)>,
 ) -> Answer<Json<ComputationView>> {
     let result = analysed(&state, &user, &study, Role::Editor).await?;
-    let job = state.jobs().of(&result, kind_of(name));
+    let job = state.jobs().of(&result, name.key());
     if let Some(job) = &job {
         job.cancel();
     }
@@ -115,12 +100,12 @@ pub async fn analysed(
 }
 
 /// How many steps a computation has.
-fn steps(result: &StudyResult, kind: JobKind, request: &ComputationRequest) -> Answer<u64> {
+fn steps(result: &StudyResult, name: ComputationName, request: &ComputationRequest) -> Answer<u64> {
     let refused = |text: String, help: &str| {
         Failure::new(StatusCode::UNPROCESSABLE_ENTITY, "refused", text).help(help)
     };
-    match (kind, request.count) {
-        (JobKind::Replicates, count) => replicates::checked(count.unwrap_or_default()),
+    match (name, request.count) {
+        (ComputationName::Replicates, count) => replicates::checked(count.unwrap_or_default()),
         (_, Some(_)) => Err(refused(
             "a number of replicates is given for something else".to_owned(),
             "leave `count` out",
@@ -128,49 +113,29 @@ fn steps(result: &StudyResult, kind: JobKind, request: &ComputationRequest) -> A
         (_, None) if result.analysed()?.models.is_empty() => {
             Err(refused("this study has no model".to_owned(), "add a bending film, and read it"))
         }
-        (JobKind::Identifiability, None) => Ok(result.analysed()?.models.len() as u64),
-        (JobKind::Models, None) => Ok(models::steps()),
+        (ComputationName::Identifiability, None) => Ok(result.analysed()?.models.len() as u64),
+        (ComputationName::Models, None) => Ok(models::steps()),
     }
 }
 
-async fn run(state: AppState, kind: JobKind, job: Arc<ComputationJob>) {
-    let found = match kind {
-        JobKind::Replicates => replicates::all(&state, &job).await,
-        JobKind::Identifiability => identifiability(&state, &job).await,
-        JobKind::Models => models::all(&state, &job).await,
-    };
-    let found = match found {
-        Ok(Some(found)) => kept::keep(&state, &job, found).await.map(Some),
-        other => other,
-    };
-    job.end(found);
-}
+impl Task for ComputationName {
+    const RUNNING: [&'static str; 2] = ["this is being computed", "wait for it, or cancel it"];
 
-/// One step after another in its turn, each with its number; `None` where they were cancelled.
-pub async fn in_turns<Work, Found, T>(
-    state: &AppState,
-    job: &Arc<Job<Work, Found>>,
-    block: u64,
-    work: impl Fn(&Job<Work, Found>, Range<u64>) -> Answer<Vec<T>> + Clone + Send + 'static,
-) -> Answer<Option<Vec<T>>>
-where
-    Work: Send + Sync + 'static,
-    Found: Send + Sync + 'static,
-    T: Send + 'static,
-{
-    let mut found = Vec::new();
-    for start in (0..job.asked).step_by(usize::try_from(block).unwrap_or(1)) {
-        // The semaphore is never closed.
-        let _turn = state.jobs().turns.acquire().await;
-        if job.is_cancelled() {
-            return Ok(None);
+    fn jobs(state: &AppState) -> &Jobs<Self> {
+        state.jobs()
+    }
+
+    async fn run(state: &AppState, job: &Arc<ComputationJob>) -> Answer<Option<Found>> {
+        match job.work {
+            Self::Replicates => replicates::all(state, job).await,
+            Self::Identifiability => identifiability(state, job).await,
+            Self::Models => models::all(state, job).await,
         }
-        let (of, work) = (Arc::clone(job), work.clone());
-        let end = job.asked.min(start + block);
-        found.extend(computed(move || work(&of, start..end)).await??);
-        job.done.store(end, Ordering::Relaxed);
     }
-    Ok(Some(found))
+
+    fn kept(job: &ComputationJob, found: &Found) -> Option<KeptComputation> {
+        kept::written(job, found)
+    }
 }
 
 /// What the films say of the multipliers, one model of a line after another.

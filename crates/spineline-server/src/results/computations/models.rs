@@ -6,10 +6,10 @@ use axum::http::StatusCode;
 use spineline::analysis::{Analysis, AnalysisOptions, analyze};
 use spineline::hypothesis::{Hypothesis, HypothesisFit};
 
-use super::in_turns;
-use crate::computation_jobs::{ComputationJob, Found};
+use crate::jobs::{ComputationJob, Found};
 use crate::problem::{Answer, Failure};
 use crate::result_cache::StudyResult;
+use crate::results::background::in_turns;
 use crate::state::AppState;
 
 /// One step per load and base.

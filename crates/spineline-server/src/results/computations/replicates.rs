@@ -5,10 +5,10 @@ use std::sync::Arc;
 use axum::http::StatusCode;
 use spineline::uncertainty::{LandmarkNoise, MonteCarlo, Replicate};
 
-use super::in_turns;
-use crate::computation_jobs::{ComputationJob, Found};
+use crate::jobs::{ComputationJob, Found};
 use crate::problem::{Answer, Failure};
 use crate::result_cache::{StudyResult, computed};
+use crate::results::background::in_turns;
 use crate::state::AppState;
 
 /// Seed of the random streams, as that of the command line.

@@ -10,8 +10,7 @@ use spineline_report::document::Section;
 use spineline_report::patient::parts;
 
 use crate::api::{ComputationName, ComputationState, ComputationView, IntervalView};
-use crate::computation_jobs::{ComputationJob, Found};
-use crate::jobs::Ending;
+use crate::jobs::{ComputationJob, Ending, Found};
 use crate::results::sections::section_view;
 
 /// State, progress and results of a computation.

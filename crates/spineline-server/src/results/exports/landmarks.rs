@@ -43,7 +43,7 @@ pub fn dicom_sr(
     sources: &BTreeMap<Posture, SourceImage>,
 ) -> Answer<Download> {
     let curves: Vec<(Region, CobbEnds)> =
-        analysis.clinical.iter().map(|curve| (curve.region, curve.ends)).collect();
+        analysis.movement.clinical.iter().map(|curve| (curve.region, curve.ends)).collect();
     let now = DateTime::<Utc>::from(SystemTime::now());
     let [date, time] = ["%Y%m%d", "%H%M%S"].map(|form| now.format(form).to_string());
     let target = LandmarkTarget::DicomSr { sources, curves: &curves, written: [&date, &time] };

@@ -1,6 +1,5 @@
 //! What this program writes, for the menu.
 
-use spineline::anatomy::Named;
 use spineline_files::ExportFormat;
 
 use crate::api::{ExportList, ExportName, ExportView, ModelFormatView, Wire};

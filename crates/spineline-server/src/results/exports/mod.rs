@@ -23,18 +23,16 @@ use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
 
 use super::computations;
+use crate::PROGRAM;
 use crate::access::{open_study, study_result};
 use crate::api::{ExportName, Problem};
 use crate::attachment::attachment;
-use crate::computation_jobs::Computed;
 use crate::extract::Path;
+use crate::jobs::Computed;
 use crate::problem::Answer;
 use crate::result_cache::computed;
 use crate::state::AppState;
 use crate::user::User;
-
-/// This program and its version, as files name what wrote them.
-pub const PROGRAM: &str = concat!("spineline ", env!("CARGO_PKG_VERSION"));
 
 const ZIP: &str = "application/zip";
 const JSON: &str = "application/json";

@@ -3,10 +3,10 @@
 use axum::extract::State;
 use axum::http::StatusCode;
 use axum::response::Response;
-use spineline::anatomy::Named;
 
-use super::super::loads::stored_model;
-use super::{PROGRAM, log};
+use super::super::loads::personalised_model;
+use super::log;
+use crate::PROGRAM;
 use crate::access::{open_study, study_result};
 use crate::api::{LineName, ModelFormatName, Problem};
 use crate::attachment::attachment;
@@ -36,8 +36,8 @@ pub async fn export_model(
 }
 
 fn text(result: &StudyResult, line: LineName, format: ModelFormatName) -> Answer<String> {
-    let stored = stored_model(result, line)?;
-    spineline_files::export(&stored, format.0, PROGRAM).map_err(|error| {
+    let model = personalised_model(result, line)?;
+    spineline_files::export(&model, format.0, PROGRAM).map_err(|error| {
         Failure::new(StatusCode::UNPROCESSABLE_ENTITY, "refused", error.to_string())
             .help(error.help())
     })

@@ -8,10 +8,11 @@ use spineline_report::patient::{self, Patient};
 use spineline_report::{Document, PRINT_SCALE, html, png};
 
 use super::archive::archive;
-use super::{Download, PROGRAM, file_of, internal, provenance};
+use super::{Download, file_of, internal, provenance};
+use crate::PROGRAM;
 use crate::api::ExportName;
-use crate::computation_jobs::Computed;
 use crate::decoded::picture;
+use crate::jobs::Computed;
 use crate::problem::Answer;
 use crate::result_cache::StudyResult;
 use crate::state::AppState;

@@ -6,7 +6,7 @@ use spineline_tables::{OptionalTables, Patient, Table, TableError, dictionary, t
 
 use super::archive::archive;
 use super::{Download, internal, provenance};
-use crate::computation_jobs::Computed;
+use crate::jobs::Computed;
 use crate::problem::Answer;
 
 pub fn csv(analysis: &Analysis, case: &Case, found: &Computed) -> Answer<Download> {

@@ -9,15 +9,13 @@ use spineline_store::KeptComputation;
 
 use super::tally;
 use crate::api::LineName;
-use crate::load_interval_jobs::{LoadIntervalJob, LoadIntervalWork};
+use crate::jobs::{LoadIntervalJob, LoadIntervalWork};
 use crate::problem::Answer;
-use crate::result_cache::{StudyResult, computed};
+use crate::result_cache::StudyResult;
+use crate::results::background;
 use crate::results::computations::inputs_with;
 use crate::results::loads::simulated_file;
 use crate::state::AppState;
-
-/// Its name in the store.
-const KEY: &str = "load_intervals";
 
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -28,29 +26,11 @@ struct Stored {
     replicates: String,
 }
 
-/// Keeps intervals before they are shown. A store that cannot be written keeps nothing: the page has them all the same.
+/// Intervals as the store keeps them.
 ///
 /// # Errors
-/// A panic of the work.
-pub async fn keep(
-    state: &AppState,
-    job: &Arc<LoadIntervalJob>,
-    found: LoadedUncertainty,
-) -> Answer<LoadedUncertainty> {
-    let of = Arc::clone(job);
-    let made = computed(move || {
-        let kept = kept(&of, &found).ok();
-        (found, kept)
-    });
-    let (found, kept) = made.await?;
-    if let Some(kept) = kept {
-        let study = job.result.study.clone();
-        let _ = state.store(move |store| store.keep_computation(&study, KEY, &kept)).await;
-    }
-    Ok(found)
-}
-
-fn kept(job: &LoadIntervalJob, found: &LoadedUncertainty) -> Answer<KeptComputation> {
+/// As [`tally`].
+pub fn written(job: &LoadIntervalJob, found: &LoadedUncertainty) -> Answer<KeptComputation> {
     let work = &job.work;
     let empty = tally(&job.result, work, |tally| tally.finish(job.asked))?;
     let stored = Stored {
@@ -67,17 +47,7 @@ fn kept(job: &LoadIntervalJob, found: &LoadedUncertainty) -> Answer<KeptComputat
 /// # Errors
 /// Errors of reading the store.
 pub async fn recall(state: &AppState, result: &Arc<StudyResult>) -> Answer<()> {
-    if state.load_intervals().of(result, ()).is_some() {
-        return Ok(());
-    }
-    let study = result.study.clone();
-    let kept = state.store(move |store| store.computation(&study, KEY)).await?;
-    let Some(kept) = kept else { return Ok(()) };
-    let (of, asked) = (Arc::clone(result), kept.asked);
-    if let Some((work, found)) = computed(move || read(&of, &kept)).await? {
-        state.load_intervals().recall(result, ((), work), asked, found);
-    }
-    Ok(())
+    background::recall(state, result, LoadIntervalWork::KEY, read).await
 }
 
 /// Reads what was kept; `None` where it is not of these results.

@@ -6,21 +6,20 @@ use std::sync::Arc;
 use std::sync::atomic::Ordering;
 
 use axum::extract::State;
-use axum::http::StatusCode;
 use spineline::uncertainty::{LoadedReplicate, LoadedTally, LoadedUncertainty};
-use spineline_store::Role;
+use spineline_store::{KeptComputation, Role};
 use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
 
+use super::background::{Task, in_turns, start};
+use super::computations::analysed;
 use super::computations::replicates::{BLOCK, checked, with_monte_carlo};
-use super::computations::{analysed, in_turns};
 use super::loads::{simulated_file, tables};
 use crate::api::{
     ComputationState, LineName, LoadIntervalRequest, LoadIntervalRow, LoadIntervalsView, Problem,
 };
 use crate::extract::{Json, Path};
-use crate::jobs::Ending;
-use crate::load_interval_jobs::{LoadIntervalJob, LoadIntervalWork};
+use crate::jobs::{Ending, Jobs, LoadIntervalJob, LoadIntervalWork};
 use crate::problem::{Answer, Failure};
 use crate::result_cache::{StudyResult, computed};
 use crate::state::AppState;
@@ -66,12 +65,7 @@ async fn compute_load_intervals(
         let simulated = simulated_file(&of, line, &file)?;
         Ok::<_, Failure>(LoadIntervalWork { line, file, simulated })
     });
-    let job = state.load_intervals().begin(&result, ((), work.await??), asked);
-    let job = job.ok_or_else(|| {
-        Failure::new(StatusCode::CONFLICT, "running", "intervals are being computed on this study")
-            .help("wait for them, or cancel them")
-    })?;
-    tokio::spawn(run(state, Arc::clone(&job)));
+    let job = start(&state, &result, work.await??, asked)?;
     Ok(Json(view(Some(&job))))
 }
 
@@ -93,13 +87,24 @@ async fn cancel_intervals(
     computed(move || view(job.as_deref())).await.map(Json)
 }
 
-async fn run(state: AppState, job: Arc<LoadIntervalJob>) {
-    let found = all(&state, &job).await;
-    let found = match found {
-        Ok(Some(found)) => kept::keep(&state, &job, found).await.map(Some),
-        other => other,
-    };
-    job.end(found);
+impl Task for LoadIntervalWork {
+    const RUNNING: [&'static str; 2] =
+        ["intervals are being computed on this study", "wait for them, or cancel them"];
+
+    fn jobs(state: &AppState) -> &Jobs<Self> {
+        state.load_intervals()
+    }
+
+    async fn run(
+        state: &AppState,
+        job: &Arc<LoadIntervalJob>,
+    ) -> Answer<Option<LoadedUncertainty>> {
+        all(state, job).await
+    }
+
+    fn kept(job: &LoadIntervalJob, found: &LoadedUncertainty) -> Option<KeptComputation> {
+        kept::written(job, found).ok()
+    }
 }
 
 /// All replicates, block by block; `None` where they were cancelled.

@@ -1,10 +1,11 @@
 //! What can be put on a model, with an example of each kind.
 
+use spineline::analysis::PersonalisedModel;
 use spineline::anatomy::Side;
 use spineline::clinical::convex_side;
 use spineline::multibody::{Rod, Support, Timing};
 use spineline::response::{CurveChange, erect_shape, measure_angles};
-use spineline_files::{AppliedLoad, DIRECTIONS, Key, LevelKey, StoredModel};
+use spineline_files::{AppliedLoad, DIRECTIONS, LevelKey, SimulationWarning};
 
 use crate::api::{FileLoad, FilmForce, LoadKind, LoadMenu, NamedDirection, Wire};
 
@@ -31,11 +32,11 @@ const TURN_DEG: f64 = 5.0;
 /// Distance of a strap's end from the spine.
 const STRAP_MM: f64 = 150.0;
 
-pub fn menu(model: &StoredModel) -> LoadMenu {
-    let films = model.loads.iter().map(|record| FilmForce {
-        posture: Wire(record.posture.0),
-        load: FileLoad(record.load(model.top())),
-        doubt: record.doubt().map(|doubt| doubt.message),
+pub fn menu(model: &PersonalisedModel) -> LoadMenu {
+    let films = model.loads.iter().map(|film| FilmForce {
+        posture: Wire(film.posture),
+        load: FileLoad(AppliedLoad::of_film(film, model.top())),
+        doubt: SimulationWarning::not_found(film).map(|doubt| doubt.message),
     });
     let frontal = (model.support == Support::Frontal).then_some(FRONTAL);
     LoadMenu {
@@ -52,14 +53,14 @@ pub fn menu(model: &StoredModel) -> LoadMenu {
 }
 
 /// One example of each kind that the page offers.
-fn kinds(model: &StoredModel) -> Vec<LoadKind> {
+fn kinds(model: &PersonalisedModel) -> Vec<LoadKind> {
     let (vertebra, towards) = against_the_curve(model);
     let (level, top) = (LevelKey(model.levels[vertebra]), LevelKey(model.top()));
     let sideways = match towards {
         Side::Left => 1.0,
         Side::Right => -1.0,
     };
-    let timing: Key<Timing> = Timing::Proportional.into();
+    let timing = Timing::Proportional;
     let point_in_vertebra_mm = [0.0; 3];
     let at = model.spine.midpoints_mm[vertebra];
     let force =
@@ -110,7 +111,7 @@ fn kinds(model: &StoredModel) -> Vec<LoadKind> {
             AppliedLoad::Gravity {
                 body_weight_n: FORCE,
                 down: [0.0, 0.0, -1.0],
-                timing: Timing::Constant.into(),
+                timing: Timing::Constant,
             },
         ),
         kind(
@@ -129,9 +130,9 @@ fn kinds(model: &StoredModel) -> Vec<LoadKind> {
 /// A rod over the curve that lessens it, from two vertebrae below to two above, as far as there are vertebrae; over too few joints
 /// one that keeps the pose.
 fn rod(
-    model: &StoredModel,
+    model: &PersonalisedModel,
     (apex, towards_left): (usize, f64),
-    timing: Key<Timing>,
+    timing: Timing,
 ) -> AppliedLoad {
     let superior = (apex + 2).min(model.levels.len() - 1);
     let inferior = superior.saturating_sub(4);
@@ -147,7 +148,7 @@ fn rod(
 }
 
 /// The apex of the largest curve, and the side of its concavity; the uppermost vertebra where no curve is measured.
-fn against_the_curve(model: &StoredModel) -> (usize, Side) {
+fn against_the_curve(model: &PersonalisedModel) -> (usize, Side) {
     let places = model.curves.as_deref().unwrap_or_default();
     let angles = measure_angles(&erect_shape(&model.spine), places);
     let largest = CurveChange::between(&angles, &angles).map(|curve| curve.region);
@@ -165,18 +166,17 @@ fn against_the_curve(model: &StoredModel) -> (usize, Side) {
 #[cfg(test)]
 mod tests {
     use spineline::analysis::{AnalysisOptions, analyze};
-    use spineline_files::{LoadFile, ModelFile, Simulated, parse_model, to_text};
+    use spineline_files::{LoadFile, Simulated};
     use spineline_phantom::{Readers, Truth, generate};
 
     use spineline::anatomy::{Level, Posture};
 
     use super::*;
 
-    fn model() -> StoredModel {
+    fn model() -> PersonalisedModel {
         let phantom = generate(0, Truth::Rod, &Readers::exact(), 1).expect("subject 1 exists");
         let analysis = analyze(&phantom.case, &AnalysisOptions::default()).expect("a phantom");
-        let text = to_text(&ModelFile::new(&analysis, &analysis.models[0], "test"));
-        parse_model(&text).expect("our own file")
+        analysis.personalised_model(&analysis.models[0])
     }
 
     #[test]
@@ -201,13 +201,13 @@ mod tests {
                 let options = AnalysisOptions { support, ..AnalysisOptions::default() };
                 let analysis = analyze(&phantom.case, &options).expect("a phantom");
                 for line in &analysis.models {
-                    let stored = StoredModel::of(&analysis, line).expect("a model that is read");
-                    for kind in menu(&stored).kinds {
+                    let model = analysis.personalised_model(line);
+                    for kind in menu(&model).kinds {
                         let loads = LoadFile::new(vec![kind.example.0]);
                         let goal = spineline::multibody::Goal::FullLoad;
                         let mut go_on = |_, _: &_| std::ops::ControlFlow::Continue(());
                         let found =
-                            Simulated::of(stored.clone(), loads, goal, None, vec![], &mut go_on);
+                            Simulated::of(model.clone(), loads, goal, None, vec![], &mut go_on);
                         let ending = found.expect("a load that fits").response.ending;
                         let of = (subject, support, line.kind, &kind.label);
                         assert!(ending.is_usable(), "{of:?}: {}", ending.key());

@@ -8,18 +8,18 @@ use std::ops::ControlFlow;
 use axum::extract::State;
 use axum::http::StatusCode;
 use axum::response::Response;
-use spineline::analysis::{Analysis, LineModel};
+use spineline::analysis::{Analysis, LineModel, PersonalisedModel};
 use spineline::multibody::Goal;
 use spineline::personalize::FitStatus;
 use spineline_files::{
-    LoadFile, ModelFile, Simulated, SimulationError, StoredModel, parse_load, parse_model,
-    text_with_hash, to_text,
+    LoadFile, ModelFile, Simulated, SimulationError, parse_load, text_with_hash, to_text,
 };
 use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
 
-use super::exports::{PROGRAM, internal, log, provenance};
+use super::exports::{log, provenance};
 use super::load_intervals::recall;
+use crate::PROGRAM;
 use crate::access::{open_study, study_result};
 use crate::api::{FileOfLoads, LineName, LoadMenu, LoadedModel, Problem};
 use crate::attachment::attachment;
@@ -54,7 +54,9 @@ async fn load_menu(
 ) -> Answer<Json<LoadMenu>> {
     let study = open_study(&state, &user, &study).await?;
     let result = study_result(&state, &study).await?;
-    computed(move || stored_model(&result, line).map(|model| menu::menu(&model))).await?.map(Json)
+    computed(move || personalised_model(&result, line).map(|model| menu::menu(&model)))
+        .await?
+        .map(Json)
 }
 
 /// The model of a line of action under the loads of a file.
@@ -72,7 +74,7 @@ async fn simulate_loads(
     let study = open_study(&state, &user, &study).await?;
     let result = study_result(&state, &study).await?;
     let answer = computed(move || {
-        let (loads, model) = (parsed(&text)?, stored_model(&result, line)?);
+        let (loads, model) = (parsed(&text)?, personalised_model(&result, line)?);
         let faults = loads.faults(&model);
         if !faults.is_empty() {
             return Ok(view::faulty(&loads, faults));
@@ -183,12 +185,13 @@ pub fn model_text(result: &StudyResult, line: LineName) -> Answer<String> {
     Ok(text_with_hash(to_text(&file)))
 }
 
-/// A model as it is read back from its file, so that the results are those of the file.
+/// The personalised model of a line of action.
 ///
 /// # Errors
 /// As [`fitted_model`].
-pub fn stored_model(result: &StudyResult, line: LineName) -> Answer<StoredModel> {
-    parse_model(&model_text(result, line)?).map_err(|error| internal(&error))
+pub fn personalised_model(result: &StudyResult, line: LineName) -> Answer<PersonalisedModel> {
+    let (analysis, model) = fitted_model(result, line)?;
+    Ok(analysis.personalised_model(model))
 }
 
 /// The model of a line of action under the loads of a file.
@@ -196,10 +199,10 @@ pub fn stored_model(result: &StudyResult, line: LineName) -> Answer<StoredModel>
 /// # Errors
 /// As [`fitted_model`]; a refusal where the text is no load file, or its loads cannot be applied.
 pub fn simulated_file(result: &StudyResult, line: LineName, text: &str) -> Answer<Simulated> {
-    simulated(stored_model(result, line)?, parsed(text)?)
+    simulated(personalised_model(result, line)?, parsed(text)?)
 }
 
-fn simulated(model: StoredModel, loads: LoadFile) -> Answer<Simulated> {
+fn simulated(model: PersonalisedModel, loads: LoadFile) -> Answer<Simulated> {
     let mut go_on = |_, _: &_| ControlFlow::Continue(());
     Simulated::of(model, loads, Goal::FullLoad, None, Vec::new(), &mut go_on)
         .map_err(|error: SimulationError| refused(error.to_string(), error.help()))

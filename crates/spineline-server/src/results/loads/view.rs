@@ -73,7 +73,7 @@ pub fn tables<'a>(
         load_of_item: &simulated.placed.load_of_item,
         load_of_rod: &simulated.placed.load_of_rod,
         response: &simulated.response,
-        film: Some(&analysis.erect().outline),
+        film: Some(&analysis.movement.erect().outline),
         uncertainty,
     }
 }
@@ -182,7 +182,7 @@ fn arrows(
 fn films(analysis: &Analysis, shape: &Deformed) -> Vec<FilmComparison> {
     let locations: Vec<Frontal> =
         (0..shape.midpoints_mm.len()).map(|vertebra| shape.location(vertebra)).collect();
-    let compared = analysis.postures.iter().skip(1).filter_map(|posture| {
+    let compared = analysis.movement.films.iter().skip(1).filter_map(|posture| {
         let film = &posture.outline;
         let errors_mm = location_errors_mm(&locations, film);
         let shown = film.measured().skip(1).map(|(_, vertebra)| vertebra.level);

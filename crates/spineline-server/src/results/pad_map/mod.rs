@@ -9,20 +9,19 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::thread;
 
 use axum::extract::State;
-use axum::http::StatusCode;
-use spineline::multibody::GeneralStatics;
 use spineline::response::{OtherLoads, PadEffect, PadTrial, try_pad};
 use spineline_files::LoadFile;
 use spineline_store::Role;
 use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
 
+use super::background::{Task, start};
 use super::computations::analysed;
-use super::loads::{check_count, refused, stored_model};
+use super::loads::{check_count, personalised_model, refused};
 use crate::api::{LineName, PadMapRequest, PadMapView, Problem};
 use crate::extract::{Json, Path};
-use crate::pad_jobs::{PadMapJob, PadMapWork};
-use crate::problem::{Answer, Failure};
+use crate::jobs::{Jobs, PadMapJob, PadMapWork};
+use crate::problem::Answer;
 use crate::result_cache::{StudyResult, computed};
 use crate::state::AppState;
 use crate::user::User;
@@ -67,7 +66,7 @@ async fn compute_pad_map(
     check("largest force", request.largest_force, MAX_FORCE)?;
     check("stiffness per mm", request.n_per_mm, MAX_PER_MM)?;
     let of = Arc::clone(&result);
-    let model = computed(move || stored_model(&of, line)).await??;
+    let model = computed(move || personalised_model(&of, line)).await??;
     let others = LoadFile::new(request.beside.iter().map(|load| load.0.clone()).collect());
     check_count(&others)?;
     let others =
@@ -75,11 +74,7 @@ async fn compute_pad_map(
     let trials = PadTrial::all(model.levels.len(), request.largest_force, STEPS);
     let asked = trials.len() as u64;
     let work = PadMapWork { line, request, others, model, trials };
-    let job = state.pad_maps().begin(&result, ((), work), asked).ok_or_else(|| {
-        Failure::new(StatusCode::CONFLICT, "running", "pads are being tried on this study")
-            .help("wait for them, or cancel them")
-    })?;
-    tokio::spawn(run(state, Arc::clone(&job)));
+    let job = start(&state, &result, work, asked)?;
     Ok(Json(view(Some(&job))))
 }
 
@@ -103,7 +98,7 @@ async fn cancel_pad_map(
 
 /// The map of this line; that of another line is none.
 fn map_of(state: &AppState, result: &Arc<StudyResult>, line: LineName) -> Option<Arc<PadMapJob>> {
-    state.pad_maps().of(result, ()).filter(|job| job.work.line == line)
+    state.pad_maps().of(result, PadMapWork::KEY).filter(|job| job.work.line == line)
 }
 
 fn check(what: &str, value: f64, limit: f64) -> Answer<()> {
@@ -114,20 +109,27 @@ fn check(what: &str, value: f64, limit: f64) -> Answer<()> {
     Err(refused(text, "correct this number"))
 }
 
-async fn run(state: AppState, job: Arc<PadMapJob>) {
-    // The semaphore is never closed.
-    let _turn = state.pad_maps().turns.acquire().await;
-    let of = Arc::clone(&job);
-    job.end(computed(move || tried(&of)).await.and_then(|found| found));
+impl Task for PadMapWork {
+    const RUNNING: [&'static str; 2] =
+        ["pads are being tried on this study", "wait for them, or cancel them"];
+
+    fn jobs(state: &AppState) -> &Jobs<Self> {
+        state.pad_maps()
+    }
+
+    async fn run(state: &AppState, job: &Arc<PadMapJob>) -> Answer<Option<Vec<PadEffect>>> {
+        // The semaphore is never closed.
+        let _turn = state.pad_maps().turns.acquire().await;
+        let of = Arc::clone(job);
+        computed(move || tried(&of)).await.and_then(|found| found)
+    }
 }
 
 /// The effects of all pads, in the order of the trials; `None` where they were cancelled.
 fn tried(job: &PadMapJob) -> Answer<Option<Vec<PadEffect>>> {
     let PadMapWork { model, trials, others, .. } = &job.work;
     let unusable = |text: String| refused(text, "read the notices of the model");
-    let springs = model.stiffness.iter().copied();
-    let statics = GeneralStatics::new(&model.spine, springs, model.support)
-        .map_err(|error| unusable(error.to_string()))?;
+    let statics = model.statics().map_err(|error| unusable(error.to_string()))?;
     let places = model.curves.as_deref().unwrap_or_default();
     let mut go_on = |_, _: &_| ControlFlow::Continue(());
     let others = OtherLoads::new(&statics, others.clone(), &mut go_on).map_err(|error| {

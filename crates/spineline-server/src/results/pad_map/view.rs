@@ -12,8 +12,7 @@ use super::STEPS;
 use crate::api::{
     ComputationState, FileLoad, PadMapCell, PadMapColumn, PadMapRow, PadMapView, Wire,
 };
-use crate::jobs::Ending;
-use crate::pad_jobs::{PadMapJob, PadMapWork};
+use crate::jobs::{Ending, PadMapJob, PadMapWork};
 
 /// State, progress and map of a computation.
 pub fn view(job: Option<&PadMapJob>) -> PadMapView {
@@ -184,7 +183,7 @@ impl Map<'_> {
             direction: effect.trial.direction().into(),
             n_per_mm,
             advance_mm: effect.advance_mm(n_per_mm)?,
-            timing: Timing::Proportional.into(),
+            timing: Timing::Proportional,
         }))
     }
 }

@@ -2,7 +2,7 @@
 
 use axum::http::StatusCode;
 use serde_json::{Value, json};
-use spineline::anatomy::LineKind;
+use spineline::action::LineKind;
 use spineline::uncertainty::{AppliedLoads, LandmarkNoise, MonteCarlo};
 use spineline_files::{ModelSource, Simulated, parse_analysis, parse_load, parse_model, to_text};
 use spineline_store::Access;
@@ -97,8 +97,9 @@ fn saved_with_the_intervals_of_the_command_line(lead: &Browser<'_>, file: &str) 
     let goal = spineline::multibody::Goal::FullLoad;
     let mut go_on = |_, _: &_| std::ops::ControlFlow::Continue(());
     let loads = parse_load(file).expect("loads");
-    let own = Simulated::of(model, loads, goal, None, vec![], &mut go_on).expect("sound loads");
-    let film = Some(&source.analysis.erect().outline);
+    let own =
+        Simulated::of(model.model, loads, goal, None, vec![], &mut go_on).expect("sound loads");
+    let film = Some(&source.analysis.movement.erect().outline);
     let measures =
         spineline::response::loaded_measures(&own.model.spine, &own.places, film, &own.response);
     let applied = AppliedLoads {

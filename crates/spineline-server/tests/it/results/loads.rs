@@ -37,7 +37,7 @@ fn without_provenance(mut file: Value) -> Value {
 fn the_saved_files_give_the_command_line_the_same_simulation() {
     let running = running();
     let model = running.get(&format!("{PATH}/model"));
-    let stored = parse_model(&model.to_string()).expect("a model of this program");
+    let stored = parse_model(&model.to_string()).expect("a model of this program").model;
     let pad_and_traction = [examples(&running)[0].clone(), examples(&running)[3].clone()];
     for loads in [json!(pad_and_traction), json!([examples(&running)[5]])] {
         let text = to_text(&file(&loads));

@@ -40,8 +40,10 @@ fn models_equal_those_of_the_exported_case() {
     assert_numbers(&model, "model");
     assert_eq!(model["synthetic"], true);
     assert!(
-        farthest_mm(&points(&model["erect"]["midpoints_mm"]), &analysis.spine.midpoints_mm)
-            < SAME_MM
+        farthest_mm(
+            &points(&model["erect"]["midpoints_mm"]),
+            &analysis.movement.spine.midpoints_mm
+        ) < SAME_MM
     );
     let compared = analysis.comparison();
     let (automatic, _) = compared.best_predictor().expect("compared lines");
@@ -67,7 +69,7 @@ fn models_equal_those_of_the_exported_case() {
             let path = posture["path"].as_array().expect("shapes");
             assert_eq!(path.len(), 11);
             let first = points(&path[0]["midpoints_mm"]);
-            assert!(farthest_mm(&first, &analysis.spine.midpoints_mm) < SAME_MM);
+            assert!(farthest_mm(&first, &analysis.movement.spine.midpoints_mm) < SAME_MM);
             let last = points(&path[10]["midpoints_mm"]);
             for (point, location) in last.iter().zip(&simulation.locations) {
                 assert!((point.y - location.y_mm).hypot(point.z - location.z_mm) < 1e-6);
@@ -83,7 +85,7 @@ fn joints_are_at_the_same_place_in_both_vertebrae() {
     let shape = &model["lines"][0]["postures"][0]["path"][10];
     let (midpoints, joints) = (points(&shape["midpoints_mm"]), points(&shape["joints_mm"]));
     assert_eq!((midpoints.len(), joints.len()), (15, 14));
-    for (j, joint) in analysis.spine.joints.iter().enumerate() {
+    for (j, joint) in analysis.movement.spine.joints.iter().enumerate() {
         // Rigid vertebrae: no load changes how far a joint is from the midpoints beside it.
         let below = (joints[j] - midpoints[j]).norm();
         let above = (midpoints[j + 1] - joints[j]).norm();
@@ -109,12 +111,12 @@ fn joint_colours_span_the_stiffness_of_all_models() {
 #[test]
 fn a_zero_load_gives_the_erect_shape() {
     let (running, analysis) = running();
-    let erect = analysis.spine.midpoints_mm[9];
+    let erect = analysis.movement.spine.midpoints_mm[9];
     let load = json!({ "kind": "iliac_line", "level": Level::MODEL[9].name(), "tip_mm": [erect.x, erect.y, erect.z] });
     let answer = running.post("/api/studies/S1/load", &load);
     assert_eq!((&answer["converged"], &answer["part"]), (&json!(true), &json!(1.0)));
     let shape = points(&answer["shape"]["midpoints_mm"]);
-    assert!(farthest_mm(&shape, &analysis.spine.midpoints_mm) < SAME_MM);
+    assert!(farthest_mm(&shape, &analysis.movement.spine.midpoints_mm) < SAME_MM);
 }
 
 /// Equilibrium at every joint, computed independently: the springs' moment along each hinge is that of the force about the joint.
@@ -124,14 +126,14 @@ fn a_loaded_shape_is_in_equilibrium_at_every_joint() {
     assert_eq!(analysis.options.support, Support::Frontal);
     let vertebra = 10;
     let force_n = Vec3::new(2.0, 16.0, -4.0);
-    let tip = analysis.spine.midpoints_mm[vertebra] + force_n;
+    let tip = analysis.movement.spine.midpoints_mm[vertebra] + force_n;
     let load = json!({ "kind": "iliac_line", "level": Level::MODEL[vertebra].name(), "tip_mm": [tip.x, tip.y, tip.z] });
     let answer = running.post("/api/studies/S1/load", &load);
     assert_numbers(&answer, "load");
     assert_eq!(answer["converged"], true, "{answer}");
     let shape = &answer["shape"];
     let (midpoints, joints) = (points(&shape["midpoints_mm"]), points(&shape["joints_mm"]));
-    assert!((midpoints[vertebra] - analysis.spine.midpoints_mm[vertebra]).norm() > 5.0);
+    assert!((midpoints[vertebra] - analysis.movement.spine.midpoints_mm[vertebra]).norm() > 5.0);
     let rotation = |i: usize| {
         let rows: Vec<f64> =
             serde_json::from_value(shape["rotations"][i].clone()).expect("nine numbers");
@@ -143,8 +145,9 @@ fn a_loaded_shape_is_in_equilibrium_at_every_joint() {
     for (j, spring) in springs.iter().enumerate() {
         let (below, above) = (rotation(j), rotation(j + 1));
         // What the hinges turned, as angles about x, then y, then z of the inferior vertebra: the first carries the load.
-        let turned =
-            below.transpose() * above * analysis.spine.joints[j].inferior_from_superior.transpose();
+        let turned = below.transpose()
+            * above
+            * analysis.movement.spine.joints[j].inferior_from_superior.transpose();
         let y = turned[(0, 2)].asin();
         let x = (-turned[(1, 2)]).atan2(turned[(2, 2)]);
         let z = (-turned[(0, 1)]).atan2(turned[(0, 0)]);
@@ -186,7 +189,7 @@ fn the_analysis_file_equals_that_of_the_command_line() {
     assert_eq!(file["chain"], own["chain"]);
     assert_eq!(file["inflections"], own["inflections"]);
     let again = spineline::analysis::analyze(&stored.case, &stored.request.options);
-    assert_eq!(again.expect("the same case").chain, analysis.chain);
+    assert_eq!(again.expect("the same case").movement.chain, analysis.movement.chain);
 }
 
 #[test]

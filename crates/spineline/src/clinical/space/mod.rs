@@ -9,31 +9,19 @@ use crate::anatomy::{Level, Region, named};
 use crate::measure::{AxialRotation, SpatialOutline, SpatialVertebra};
 use crate::spatial::{Angle, Vec3};
 
-/// A part of the spine whose sagittal angle is measured.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub enum SagittalPart {
-    /// Kyphosis from T5 to T12.
-    KyphosisT5T12,
-    /// Kyphosis from T1 to T12.
-    KyphosisT1T12,
-    /// Lordosis from L1 to L5; the endplate of S1 is no landmark.
-    LordosisL1L5,
+named! {
+    /// A part of the spine whose sagittal angle is measured.
+    pub enum SagittalPart {
+        /// Kyphosis from T5 to T12.
+        KyphosisT5T12 = "kyphosis_t5_t12",
+        /// Kyphosis from T1 to T12.
+        KyphosisT1T12 = "kyphosis_t1_t12",
+        /// Lordosis from L1 to L5. The landmarks do not include the endplate of S1.
+        LordosisL1L5 = "lordosis_l1_l5",
+    }
 }
 
 impl SagittalPart {
-    /// Every part.
-    pub const ALL: [Self; 3] = [Self::KyphosisT5T12, Self::KyphosisT1T12, Self::LordosisL1L5];
-
-    /// The name used in files.
-    #[must_use]
-    pub const fn key(self) -> &'static str {
-        match self {
-            Self::KyphosisT5T12 => "kyphosis_t5_t12",
-            Self::KyphosisT1T12 => "kyphosis_t1_t12",
-            Self::LordosisL1L5 => "lordosis_l1_l5",
-        }
-    }
-
     /// Names of the angle between endplates and of that between axes, in files and in words.
     const fn names(self) -> [(&'static str, &'static str); 2] {
         match self {
@@ -70,8 +58,6 @@ impl SagittalPart {
         }
     }
 }
-
-named!(SagittalPart);
 
 /// A kyphosis or lordosis, positive where it is one.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -3,30 +3,15 @@ use crate::anatomy::{Region, named};
 use crate::measure::LengthScale;
 use crate::spatial::Angle;
 
-/// Whether a number is what one film shows, or one in space.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Dimension {
-    /// On one film.
-    TwoD,
-    /// In space.
-    ThreeD,
-}
-
-impl Dimension {
-    /// Both.
-    pub const ALL: [Self; 2] = [Self::TwoD, Self::ThreeD];
-
-    /// The name, as people see it and in files.
-    #[must_use]
-    pub const fn key(self) -> &'static str {
-        match self {
-            Self::TwoD => "2-D",
-            Self::ThreeD => "3-D",
-        }
+named! {
+    /// Whether a number is what one film shows, or one in space.
+    pub enum Dimension {
+        /// On one film.
+        TwoD = "2-D",
+        /// In space.
+        ThreeD = "3-D",
     }
 }
-
-named!(Dimension);
 
 /// One number of the spine in space, as reports, tables and files show it.
 #[derive(Debug, Clone, PartialEq)]

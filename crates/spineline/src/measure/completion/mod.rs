@@ -96,10 +96,10 @@ impl Completion {
     /// Covariance of two corners in mm²; those of one corner with itself are its own.
     pub(crate) fn corner_covariance_mm2(
         &self,
-        (level, corner): (Level, CornerName),
-        (other, other_corner): (Level, CornerName),
+        one: (Level, CornerName),
+        other: (Level, CornerName),
     ) -> Matrix2<f64> {
-        let (row, column) = (coordinate(level, corner), coordinate(other, other_corner));
+        let (row, column) = (coordinate(one.0, one.1), coordinate(other.0, other.1));
         self.covariance_mm2.fixed_view::<2, 2>(row, column).into_owned()
     }
 

@@ -35,7 +35,7 @@ fn column(origin: Origin) -> Reading<VertebraLandmarks> {
 
 fn noise_of(reading: &Reading<VertebraLandmarks>, level: Level) -> Option<ProgramNoise> {
     let corners = ProgramCorners::of(&IMAGE, Some(Posture::Erect), reading).expect("completed");
-    corners?.noise(&IMAGE, (level, &reading.vertebrae[&level]), TiltRule::Endplates)
+    corners?.noise(&IMAGE, level, &reading.vertebrae[&level], TiltRule::Endplates)
 }
 
 #[test]

@@ -74,12 +74,13 @@ impl SpatialOutline {
     /// # Errors
     /// [`MeasureError::Lateral`] and [`MeasureError::LateralFilm`] name reading, vertebra and fault.
     pub fn measure(
-        erect: (&Film, &Outline),
+        film: &Film,
+        outline: &Outline,
         lateral: &LateralFilm,
         warnings: &mut Warnings,
     ) -> Result<Option<Self>, MeasureError> {
         let seen = lateral.measure(warnings)?;
-        let found = Self::of(erect, &seen)?;
+        let found = Self::of(film, outline, &seen)?;
         let missing: Vec<String> = joints()
             .filter(|[low, high]| found.as_ref().is_none_or(|f| !f.has(*low) || !f.has(*high)))
             .map(|[low, high]| format!("{low}/{high}"))
@@ -106,7 +107,8 @@ impl SpatialOutline {
 
     /// As [`SpatialOutline::measure`], of a lateral film that was measured; with all vertebrae on both films.
     fn of(
-        (film, outline): (&Film, &Outline),
+        film: &Film,
+        outline: &Outline,
         lateral: &LateralOutline,
     ) -> Result<Option<Self>, MeasureError> {
         let marks = frontal_marks(film, outline)?;

@@ -3,47 +3,34 @@ use super::loading::{BodyLoad, Timing};
 use super::newton::force_and_moment_at;
 use super::path::Stop;
 use super::stability::smallest_singular_value;
+use crate::anatomy::named;
 use crate::multibody::Deformed;
 use crate::spatial::Vec3;
 
-/// How a search for equilibria ended.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum PathEnding {
-    /// The goal is met on the branch that starts at the erect spine, before it turns or splits, and only once.
-    Converged,
-    /// As converged; further along, the same branch meets the goal again.
-    SeveralEquilibria,
-    /// The load has a maximum on the branch before the goal: a real spine would snap. Equilibria beyond it may be listed.
-    LimitPoint,
-    /// Another branch crosses before the goal: a real spine would leave this one (buckling).
-    BranchPoint,
-    /// The goal is met, but by a shape beyond the human range of motion ([`Deformed::beyond_human_range`]); only
-    /// [`crate::response::respond`] judges this.
-    BeyondHumanRange,
-    /// The goal is not met up to the largest hinge angle or factor, or a rod's pose cannot be had.
-    Unreachable,
-    /// The path could not be followed to an end.
-    NotConverged,
-    /// The caller broke off: what lies further on the path is not known.
-    Interrupted,
+named! {
+    /// How a search for equilibria ended.
+    pub enum PathEnding {
+        /// The goal is met on the branch that starts at the erect spine, before it turns or splits, and only once.
+        Converged = "converged",
+        /// As converged; further along, the same branch meets the goal again.
+        SeveralEquilibria = "several_equilibria",
+        /// The load has a maximum on the branch before the goal: a real spine would snap. Equilibria beyond it may be listed.
+        LimitPoint = "limit_point",
+        /// Another branch crosses before the goal: a real spine would leave this one (buckling).
+        BranchPoint = "branch_point",
+        /// The goal is met, but by a shape beyond the human range of motion ([`Deformed::beyond_human_range`]); only
+        /// [`crate::response::respond`] judges this.
+        BeyondHumanRange = "beyond_human_range",
+        /// The goal is not met up to the largest hinge angle or factor, or a rod's pose cannot be had.
+        Unreachable = "unreachable",
+        /// The path could not be followed to an end.
+        NotConverged = "not_converged",
+        /// The caller broke off: what lies further on the path is not known.
+        Interrupted = "interrupted",
+    }
 }
 
 impl PathEnding {
-    /// The name used in files.
-    #[must_use]
-    pub const fn key(self) -> &'static str {
-        match self {
-            Self::Converged => "converged",
-            Self::SeveralEquilibria => "several_equilibria",
-            Self::LimitPoint => "limit_point",
-            Self::BranchPoint => "branch_point",
-            Self::BeyondHumanRange => "beyond_human_range",
-            Self::Unreachable => "unreachable",
-            Self::NotConverged => "not_converged",
-            Self::Interrupted => "interrupted",
-        }
-    }
-
     /// What it means, and what to do about it.
     #[must_use]
     pub const fn meaning(self) -> &'static str {
@@ -78,23 +65,13 @@ impl PathEnding {
     }
 }
 
-/// What happened to the branch.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum BranchEventKind {
-    /// The factor has a maximum or minimum.
-    LimitPoint,
-    /// Another branch crosses.
-    BranchPoint,
-}
-
-impl BranchEventKind {
-    /// The name used in files.
-    #[must_use]
-    pub const fn key(self) -> &'static str {
-        match self {
-            Self::LimitPoint => "limit_point",
-            Self::BranchPoint => "branch_point",
-        }
+named! {
+    /// What happened to the branch.
+    pub enum BranchEventKind {
+        /// The factor has a maximum or minimum.
+        LimitPoint = "limit_point",
+        /// Another branch crosses.
+        BranchPoint = "branch_point",
     }
 }
 

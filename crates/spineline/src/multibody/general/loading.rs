@@ -60,29 +60,18 @@ pub enum BodyLoad {
     },
 }
 
-/// When a load comes. Pads, straps and rods stand from the start: this is when they are advanced.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Timing {
-    /// First, and then it stays: gravity, say.
-    Constant,
-    /// After the constant ones; this is what the path follows.
-    #[default]
-    Proportional,
+named! {
+    /// Timing of a load. Pads, straps and rods stand from the start; their advance has this timing.
+    #[default(Proportional)]
+    pub enum Timing {
+        /// Constant: applied before the proportional loads, and then constant.
+        Constant = "held",
+        /// Proportional: increases with the load factor, after the constant loads.
+        Proportional = "growing",
+    }
 }
 
 impl Timing {
-    /// Both, the earlier one first.
-    pub const ALL: [Self; 2] = [Self::Constant, Self::Proportional];
-
-    /// The name used in files.
-    #[must_use]
-    pub const fn key(self) -> &'static str {
-        match self {
-            Self::Constant => "held",
-            Self::Proportional => "growing",
-        }
-    }
-
     /// As a word for people.
     #[must_use]
     pub const fn word(self) -> &'static str {
@@ -92,8 +81,6 @@ impl Timing {
         }
     }
 }
-
-named!(Timing);
 
 /// One load on one vertebra.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -1,4 +1,10 @@
-//! Work in the background: one job of each key per study, from its current results, with progress and cancel.
+//! Work in the background: one job of each kind per study, from its current results, with progress and cancel.
+
+mod computations;
+mod loads;
+
+pub use computations::{ComputationJob, Computed, Found};
+pub use loads::{LoadIntervalJob, LoadIntervalWork, PadMapJob, PadMapWork};
 
 use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
@@ -14,18 +20,26 @@ use crate::result_cache::StudyResult;
 /// Jobs that compute at once. Others wait, so that the pages still answer.
 const AT_ONCE: usize = 1;
 
-/// The job of every study and key.
-type JobMap<Key, Work, Found> = BTreeMap<(Name, Key), Arc<Job<Work, Found>>>;
+/// What a job computes from the results of a study.
+pub trait Work: Send + Sync + 'static {
+    /// Its result.
+    type Found: Send + Sync + 'static;
 
-/// All jobs that do `Work` and find `Found`.
-#[derive(Debug)]
-pub struct Jobs<Key, Work, Found> {
-    jobs: Mutex<JobMap<Key, Work, Found>>,
+    /// Name of its kind, also in the store: a study has one job of each kind.
+    fn key(&self) -> &'static str;
+}
+
+/// The job of every study and kind.
+type JobMap<W> = BTreeMap<(Name, &'static str), Arc<Job<W>>>;
+
+/// All jobs that do this work.
+pub struct Jobs<W: Work> {
+    jobs: Mutex<JobMap<W>>,
     /// Turns to compute.
     pub turns: Semaphore,
 }
 
-impl<Key, Work, Found> Default for Jobs<Key, Work, Found> {
+impl<W: Work> Default for Jobs<W> {
     fn default() -> Self {
         Self { jobs: Mutex::default(), turns: Semaphore::new(AT_ONCE) }
     }
@@ -43,23 +57,22 @@ pub enum Ending<Found> {
 }
 
 /// A job of one result.
-#[derive(Debug)]
-pub struct Job<Work, Found> {
+pub struct Job<W: Work> {
     /// The landmarks and their analysis.
     pub result: Arc<StudyResult>,
     /// What is done.
-    pub work: Work,
+    pub work: W,
     /// Number of steps.
     pub asked: u64,
     /// Steps that are done.
     pub done: AtomicU64,
     /// How it ended.
-    pub ending: OnceLock<Ending<Found>>,
+    pub ending: OnceLock<Ending<W::Found>>,
     cancelled: AtomicBool,
 }
 
-impl<Work, Found> Job<Work, Found> {
-    fn new(result: &Arc<StudyResult>, work: Work, asked: u64) -> Self {
+impl<W: Work> Job<W> {
+    fn new(result: &Arc<StudyResult>, work: W, asked: u64) -> Self {
         Self {
             result: Arc::clone(result),
             work,
@@ -91,7 +104,7 @@ impl<Work, Found> Job<Work, Found> {
     }
 
     /// Ends it with its result; `None` where it was cancelled.
-    pub fn end(&self, found: Answer<Option<Found>>) {
+    pub fn end(&self, found: Answer<Option<W::Found>>) {
         let ending = match found {
             Ok(Some(found)) => Ending::Done(found),
             Ok(None) => Ending::Cancelled,
@@ -102,24 +115,18 @@ impl<Work, Found> Job<Work, Found> {
     }
 }
 
-impl<Key: Ord, Work, Found> Jobs<Key, Work, Found> {
+impl<W: Work> Jobs<W> {
     /// The job of these results.
-    pub fn of(&self, result: &Arc<StudyResult>, key: Key) -> Option<Arc<Job<Work, Found>>> {
+    pub fn of(&self, result: &Arc<StudyResult>, key: &'static str) -> Option<Arc<Job<W>>> {
         let jobs = self.jobs.lock().unwrap_or_else(PoisonError::into_inner);
         let job = jobs.get(&(result.study.clone(), key));
         job.filter(|job| Arc::ptr_eq(&job.result, result)).cloned()
     }
 
     /// Takes up an earlier finding of these results, where nothing else is known of them.
-    pub fn recall(
-        &self,
-        result: &Arc<StudyResult>,
-        (key, work): (Key, Work),
-        asked: u64,
-        found: Found,
-    ) {
+    pub fn recall(&self, result: &Arc<StudyResult>, work: W, asked: u64, found: W::Found) {
         let mut jobs = self.jobs.lock().unwrap_or_else(PoisonError::into_inner);
-        let key = (result.study.clone(), key);
+        let key = (result.study.clone(), work.key());
         if jobs.get(&key).is_none_or(|job| !Arc::ptr_eq(&job.result, result)) {
             let job = Job::new(result, work, asked);
             job.done.store(asked, Ordering::Relaxed);
@@ -131,14 +138,9 @@ impl<Key: Ord, Work, Found> Jobs<Key, Work, Found> {
     }
 
     /// Begins a job of these results, and cancels that of older ones; `None` where one of these runs.
-    pub fn begin(
-        &self,
-        result: &Arc<StudyResult>,
-        (key, work): (Key, Work),
-        asked: u64,
-    ) -> Option<Arc<Job<Work, Found>>> {
+    pub fn begin(&self, result: &Arc<StudyResult>, work: W, asked: u64) -> Option<Arc<Job<W>>> {
         let mut jobs = self.jobs.lock().unwrap_or_else(PoisonError::into_inner);
-        let key = (result.study.clone(), key);
+        let key = (result.study.clone(), work.key());
         if let Some(job) = jobs.get(&key) {
             if Arc::ptr_eq(&job.result, result) && job.ending.get().is_none() {
                 return None;

@@ -6,23 +6,23 @@ use spineline::analysis::Analysis;
 use spineline::personalize::Identifiability;
 use spineline::uncertainty::Uncertainty;
 
-use crate::jobs::{Ending, Job, Jobs};
+use super::{Ending, Job, Jobs, Work};
+use crate::api::ComputationName;
 use crate::result_cache::StudyResult;
 
-/// All computations.
-pub type ComputationJobs = Jobs<JobKind, (), Found>;
 /// A computation from one result.
-pub type ComputationJob = Job<(), Found>;
+pub type ComputationJob = Job<ComputationName>;
 
-/// What is computed.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub enum JobKind {
-    /// The effect of landmark noise.
-    Replicates,
-    /// What the films say of every multiplier.
-    Identifiability,
-    /// Other loads and bases than the lines.
-    Models,
+impl Work for ComputationName {
+    type Found = Found;
+
+    fn key(&self) -> &'static str {
+        match self {
+            Self::Replicates => "replicates",
+            Self::Identifiability => "identifiability",
+            Self::Models => "models",
+        }
+    }
 }
 
 /// What a computation has found.
@@ -37,7 +37,7 @@ pub enum Found {
 }
 
 /// The computations of one result, as far as they are done.
-#[derive(Debug, Default)]
+#[derive(Default)]
 pub struct Computed(Vec<Arc<ComputationJob>>);
 
 impl Computed {
@@ -66,11 +66,12 @@ impl Computed {
     }
 }
 
-impl ComputationJobs {
+impl Jobs<ComputationName> {
     /// What is computed of these results.
     pub fn computed(&self, result: &Arc<StudyResult>) -> Computed {
-        let kinds = [JobKind::Replicates, JobKind::Identifiability, JobKind::Models];
-        Computed(kinds.into_iter().filter_map(|kind| self.of(result, kind)).collect())
+        Computed(
+            ComputationName::ALL.iter().filter_map(|name| self.of(result, name.key())).collect(),
+        )
     }
 }
 

@@ -1,0 +1,99 @@
+//! Models under loads, computed in the background: intervals, and maps of pads.
+
+use std::sync::Arc;
+
+use spineline::analysis::PersonalisedModel;
+use spineline::multibody::Loading;
+use spineline::response::{PadEffect, PadTrial};
+use spineline::uncertainty::{LandmarkNoise, LoadedUncertainty};
+use spineline_files::{Replicates, Request, Simulated};
+
+use super::{Ending, Job, Jobs, Work};
+use crate::api::{LineName, PadMapRequest};
+use crate::result_cache::StudyResult;
+
+/// The intervals of one result: one per study, of whichever line and loads.
+pub type LoadIntervalJob = Job<LoadIntervalWork>;
+/// A map of one result: one per study, of whichever line. A map uses all cores.
+pub type PadMapJob = Job<PadMapWork>;
+
+/// What intervals are computed of.
+#[derive(Debug)]
+pub struct LoadIntervalWork {
+    /// Line of action whose model is loaded.
+    pub line: LineName,
+    /// The load file as it was sent.
+    pub file: String,
+    /// The case's own model under these loads.
+    pub simulated: Simulated,
+}
+
+impl LoadIntervalWork {
+    /// Name of its kind.
+    pub const KEY: &str = "load_intervals";
+}
+
+impl Work for LoadIntervalWork {
+    type Found = LoadedUncertainty;
+
+    fn key(&self) -> &'static str {
+        Self::KEY
+    }
+}
+
+/// A pad that is tried at every level.
+#[derive(Debug)]
+pub struct PadMapWork {
+    /// Line of action whose model is loaded.
+    pub line: LineName,
+    /// Force, stiffness and other loads.
+    pub request: PadMapRequest,
+    /// The other loads on the model.
+    pub others: Loading,
+    /// The model.
+    pub model: PersonalisedModel,
+    /// The pads.
+    pub trials: Vec<PadTrial>,
+}
+
+impl PadMapWork {
+    /// Name of its kind.
+    pub const KEY: &str = "pad_map";
+}
+
+impl Work for PadMapWork {
+    /// What every pad does, in the order of the trials.
+    type Found = Vec<PadEffect>;
+
+    fn key(&self) -> &'static str {
+        Self::KEY
+    }
+}
+
+impl Jobs<LoadIntervalWork> {
+    /// The intervals of this line; the intervals of another line are not shown.
+    pub fn of_line(
+        &self,
+        result: &Arc<StudyResult>,
+        line: LineName,
+    ) -> Option<Arc<LoadIntervalJob>> {
+        self.of(result, LoadIntervalWork::KEY).filter(|job| job.work.line == line)
+    }
+}
+
+impl LoadIntervalJob {
+    /// The intervals under the loads of this file and no others, and what was asked.
+    pub fn found_of(&self, file: &str) -> Option<(&LoadedUncertainty, Request)> {
+        let Ending::Done(found) = self.ending.get()? else { return None };
+        if self.work.file != file {
+            return None;
+        }
+        let (count, seed, noise) = (found.requested, found.seed, LandmarkNoise::Measured);
+        let request = Request {
+            options: self.result.analysis()?.options.clone(),
+            replicates: Some(Replicates { count, noise, seed }),
+            identifiability: false,
+        };
+        Some((found, request))
+    }
+}

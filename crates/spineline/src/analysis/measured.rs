@@ -1,0 +1,90 @@
+//! Step 1: the readings and the outlines of all films.
+
+use super::checks::{
+    check_age, check_outlines, check_postures, warn_of_length, warn_of_shifted_levels,
+};
+use super::wrong_film::warn_of_wrong_films;
+use super::{Case, OtherReadings};
+use crate::anatomy::Posture;
+use crate::error::Error;
+use crate::measure::{
+    Film, FilmLengthRule, FilmReadings, InterpolationError, Outline, TiltRule, common_levels,
+    outline_of, seen_levels, warn_of_alike_observers, warn_of_implausible_landmarks,
+    warn_of_shortened_chain,
+};
+use crate::warning::{Step, Warnings};
+
+/// Step 1: the readings and the outline of every film, the erect one first.
+pub(super) fn measure(
+    case: &Case,
+    tilt: TiltRule,
+    known: Option<&OtherReadings<'_>>,
+    errors: &[InterpolationError],
+    warnings: &mut Warnings,
+) -> Result<(Vec<FilmReadings>, Vec<Outline>), Error> {
+    check_age(case.subject.age_years)?;
+    check_postures(&case.films)?;
+    let mut films: Vec<&Film> = case.films.iter().collect();
+    films.sort_by_key(|film| film.posture);
+    let measure = |film: &&Film| FilmReadings::measure(film, tilt);
+    let readings: Vec<FilmReadings> = films.iter().map(measure).collect::<Result<_, _>>()?;
+    let seen: Vec<_> =
+        readings.iter().map(|film| (film.posture, seen_levels(&film.readings))).collect();
+    let levels = common_levels(&seen)?;
+    warn_of_shortened_chain(levels, &seen, warnings);
+    // Nobody reads doubts about perturbed landmarks, and they take a tenth of the time of a replicate.
+    let reports_doubts = known.is_none();
+    let mut held = known.into_iter().flat_map(|known| &known.noise);
+    let mut outlines = Vec::new();
+    for (film, measured) in films.iter().zip(&readings) {
+        let noise = held.next().map(|noise| noise.film);
+        outlines.push(outline_of(film, &measured.readings, levels, tilt, noise, warnings)?);
+        if reports_doubts {
+            warn_of_implausible_landmarks(film, warnings);
+        }
+    }
+    if let Some(known) = known {
+        for (outline, noise) in outlines.iter_mut().zip(&known.noise) {
+            noise.give_to(outline);
+            errors.iter().for_each(|error| error.add_to(outline));
+        }
+    }
+    if reports_doubts {
+        for film in &films[1..] {
+            warn_of_shifted_levels(films[0], film, warnings);
+        }
+        warn_of_alike_observers(&readings, warnings);
+        if is_read_once(&readings) {
+            let text = "every film was read once, so the reliability of the readings is not known: add readings of a second observer, or repeat the reading";
+            warnings.push(Step::Measure, "reliability_one_reading", text);
+        }
+    }
+    check_outlines(&outlines, warnings)?;
+    if reports_doubts {
+        warn_of_wrong_films(&films, &outlines, case.synthetic, warnings);
+    }
+    Ok((readings, outlines))
+}
+
+/// Brings all films to the length of the erect one.
+pub(super) fn at_erect_length(
+    outlines: Vec<Outline>,
+    rule: FilmLengthRule,
+    warnings: &mut Warnings,
+) -> Vec<Outline> {
+    let erect = outlines[0].clone();
+    let scaled: Vec<Outline> = outlines
+        .into_iter()
+        .map(|film| match film.posture {
+            Posture::Erect => film,
+            _ => film.at_erect_length(&erect, rule),
+        })
+        .collect();
+    scaled.iter().for_each(|film| warn_of_length(film, warnings));
+    scaled
+}
+
+/// Whether no film has a second reading.
+pub(super) fn is_read_once(films: &[FilmReadings]) -> bool {
+    films.iter().all(|film| film.readings.len() < 2)
+}

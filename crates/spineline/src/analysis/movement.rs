@@ -1,0 +1,377 @@
+//! What the films show before any force: curves, rotations, and the unloaded spine.
+
+use super::checks::warn_of_unknown_rotation;
+use super::measured::{at_erect_length, measure};
+use super::preference::PreferredLine;
+use super::standing::widths_mm;
+use super::words::counted_inflections;
+use super::{AnalysisOptions, Case, Grouping, OtherReadings};
+use crate::anatomy::{Level, Levels, Posture, SagittalProfile};
+use crate::chain::{Chain, ChainPose, SEGMENT_WINDOW};
+use crate::clinical::{
+    Balance, ClinicalCurve, CobbEnds, CurvePlaces, LenkeType, RegionBounds, Regions,
+    SpatialMeasures, film_tilts, lenke_type, measure_balance, measure_curves,
+};
+use crate::curve::{
+    CurveFit, InflectionChoice, InflectionIntervals, Inflections, find_inflections, fit_curve,
+};
+use crate::error::Error;
+use crate::measure::{
+    AxialRotation, FilmReadings, InterpolationError, LengthScale, Outline, SpacingPlane,
+    SpatialOutline, axial_rotations,
+};
+use crate::motion::{Motion, SegmentEstimate, least_windows, mean_least};
+use crate::multibody::{JointGroups, SpineModel, StiffnessLibrary};
+use crate::personalize::evidence::FilmEvidence;
+use crate::spatial::{Angle, Frontal};
+use crate::warning::{Step, Warnings};
+
+/// The film of one posture, and what it shows of the movement.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FilmMovement {
+    /// Measured vertebrae.
+    pub outline: Outline,
+    /// Fitted curve.
+    pub fit: CurveFit,
+    /// Chain laid on it.
+    pub pose: ChainPose,
+    /// Movement from the erect posture; `None` for the erect one.
+    pub motion: Option<Motion>,
+    /// The inflection segments against the least-rotating ones.
+    pub inflection_estimates: Option<[SegmentEstimate; 2]>,
+    /// MMS_Mean against the least-rotating ones.
+    pub mean_least_estimates: Option<[SegmentEstimate; 2]>,
+    /// Where the two inflection segments lie in this posture.
+    pub inflection_points: Option<[Frontal; 2]>,
+    /// Rotations and joint centres; `None` for the erect posture.
+    pub evidence: Option<FilmEvidence>,
+    /// The line of best fit to the film's rotations.
+    pub preferred_line: Option<PreferredLine>,
+}
+
+/// What the films show before any force: their curves, the rotations from the erect posture, and the unloaded spine; what a film or
+/// an option does not allow is `None` or empty, with a warning.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Movement {
+    /// Every reading of every film by itself, the erect one first.
+    pub readings: Vec<FilmReadings>,
+    /// Postures that have a film, the erect one first.
+    pub films: Vec<FilmMovement>,
+    /// Inflections of the erect curve, and the curves between them.
+    pub inflections: Inflections,
+    /// Where the two inflections may lie where the erect curve departs from a polynomial; `None` without them, where they were picked by hand,
+    /// and in Monte Carlo replicates.
+    pub inflection_intervals: Option<InflectionIntervals>,
+    /// The inflections as segments of the chain.
+    pub inflection_segments: Option<[usize; 2]>,
+    /// MMS_Mean per window, where both bends were filmed.
+    pub mean_least_segments: Option<[usize; 2]>,
+    /// Segment number and length.
+    pub chain: Chain,
+    /// Regions of the spine.
+    pub regions: Regions,
+    /// Clinical curves.
+    pub clinical: Vec<ClinicalCurve>,
+    /// How the spine stands over the pelvis; `None` where the erect film's vertical is not known.
+    pub balance: Option<Balance>,
+    /// Lenke's type as far as the films show it.
+    pub lenke: Option<LenkeType>,
+    /// The unloaded spine.
+    pub spine: SpineModel,
+    /// Axial rotations of the vertebrae whose pedicles are marked on the erect film; empty where none are, and zero is unknown.
+    pub axial: Vec<AxialRotation>,
+    /// Widths of its bodies between the corners of the erect film, the base first; `None` where nobody placed them. An empty list where that
+    /// film has no corners.
+    pub widths_mm: Vec<Option<f64>>,
+    /// Springs of its joints before personalisation: those of the options, for the joints that the films show.
+    pub library: StiffnessLibrary,
+    /// The erect spine in space, from the erect and the lateral film; `None` without a lateral film, where the sagittal profile is a
+    /// population's.
+    pub space: Option<SpatialOutline>,
+}
+
+impl Movement {
+    /// Steps 1 to 4 on one case, and the unloaded spine of step 6, which the rotations of joints need. `errors` are those of
+    /// interpolated vertebrae.
+    pub(super) fn of(
+        case: &Case,
+        options: &AnalysisOptions,
+        known: Option<&OtherReadings<'_>>,
+        errors: &[InterpolationError],
+        warnings: &mut Warnings,
+    ) -> Result<Self, Error> {
+        let (readings, outlines) = measure(case, options.tilt, known, errors, warnings)?;
+        let outlines = at_erect_length(outlines, options.film_lengths, warnings);
+        let fit = |outline| fit_curve(outline, options.order_rule, warnings);
+        let fits = outlines.iter().map(fit).collect::<Result<Vec<CurveFit>, _>>()?;
+        let inflections = inflections_of(&fits[0], options, warnings);
+        let locations: Vec<Frontal> = outlines[0].locations().collect();
+        let regions = Regions::from_inflections(&fits[0], &inflections, &locations, warnings);
+        let all: Vec<&Outline> = outlines.iter().collect();
+        let clinical = measure_curves(&regions, &all, &options.ends);
+        let chain = chain_of(&fits)?;
+        let unmoved = |(outline, fit)| FilmMovement::unmoved(outline, fit, &chain);
+        let films: Vec<FilmMovement> = outlines.into_iter().zip(fits).map(unmoved).collect();
+        let erect = &films[0];
+        let UnloadedSpine { spine, space, axial } = unloaded_spine(case, &erect.outline, warnings)?;
+        if space.is_some() && axial.is_empty() {
+            warn_of_unknown_rotation(&clinical, warnings);
+        }
+        // Replicates show what noise does; the form of the curve is uncertain for the case itself. What a user has picked is
+        // not doubted.
+        let automatic = options.inflections == InflectionChoice::Automatic;
+        let pair = inflections.pair.filter(|_| automatic && known.is_none());
+        let mut movement = Self {
+            inflection_intervals: pair
+                .and_then(|pair| erect.fit.inflection_intervals(&erect.outline, pair)),
+            inflection_segments: inflections
+                .pair
+                .map(|pair| pair.map(|inflection| erect.pose.nearest_segment(inflection.erect))),
+            mean_least_segments: None,
+            balance: measure_balance(&erect.outline, &regions, &clinical),
+            // Regions that end at usual vertebrae are not curves, so they give no type.
+            lenke: inflections.pair.and_then(|_| lenke_type(&clinical)),
+            widths_mm: widths_mm(case, &erect.outline),
+            library: options.library.between(erect.outline.levels()).under(options.support),
+            readings,
+            films,
+            inflections,
+            chain,
+            regions,
+            clinical,
+            spine,
+            axial,
+            space,
+        };
+        movement.measure_rotations();
+        Ok(movement)
+    }
+
+    /// Step 4: the movement of every posture from the erect one.
+    fn measure_rotations(&mut self) {
+        let Some((erect, moved)) = self.films.split_first_mut() else { return };
+        let windows = least_windows(&erect.fit, &erect.pose);
+        for film in &mut *moved {
+            film.motion = Some(Motion::between(&erect.pose, &film.pose, &windows));
+            let (spine, library) = (&self.spine, &self.library);
+            film.evidence =
+                Some(FilmEvidence::measure(spine, library, &erect.outline, &film.outline));
+        }
+        let bend = |posture: Posture| {
+            moved.iter().find(|film| film.outline.posture == posture)?.motion.as_ref()
+        };
+        let bends = bend(Posture::LeftBending).zip(bend(Posture::RightBending));
+        self.mean_least_segments = bends.map(|(left, right)| mean_least(left, right));
+        for film in moved {
+            let estimates = |segments: Option<[usize; 2]>| {
+                film.motion.as_ref()?.estimates(&erect.pose, segments?)
+            };
+            film.inflection_estimates = estimates(self.inflection_segments);
+            film.mean_least_estimates = estimates(self.mean_least_segments);
+        }
+        for film in &mut self.films {
+            film.inflection_points = self.inflection_segments.and_then(|[caudal, cranial]| {
+                Some([*film.pose.joints.get(caudal)?, *film.pose.joints.get(cranial)?])
+            });
+        }
+    }
+
+    /// The erect posture.
+    #[must_use]
+    pub fn erect(&self) -> &FilmMovement {
+        &self.films[0]
+    }
+
+    /// One posture, where it has a film.
+    #[must_use]
+    pub fn film(&self, posture: Posture) -> Option<&FilmMovement> {
+        self.films.iter().find(|film| film.outline.posture == posture)
+    }
+
+    /// The bending films.
+    pub(super) fn bends(&self) -> impl Iterator<Item = &FilmMovement> {
+        self.films.iter().filter(|film| film.outline.posture.bend().is_some())
+    }
+
+    /// The vertebrae of the model: L4 to T2, or those that all films show.
+    #[must_use]
+    pub fn levels(&self) -> Levels {
+        self.erect().outline.levels()
+    }
+
+    /// What the lengths of the chain, its inflections and the clinical curves are measured in: they are the erect film's.
+    #[must_use]
+    pub fn scale(&self) -> &LengthScale {
+        &self.erect().outline.scale
+    }
+
+    /// A film without spacing, if there is one: then there are angles, but no lengths to put a line or a model on.
+    #[must_use]
+    pub fn film_without_scale(&self) -> Option<Posture> {
+        let without = |film: &&FilmMovement| film.outline.scale.plane == SpacingPlane::Pixels;
+        self.films.iter().find(without).map(|film| film.outline.posture)
+    }
+
+    /// The largest curve of the erect film.
+    #[must_use]
+    pub fn main_curve(&self) -> Option<&ClinicalCurve> {
+        let size = |curve: &ClinicalCurve| curve.erect_size().abs().rad();
+        self.clinical.iter().max_by(|a, b| size(a).total_cmp(&size(b)))
+    }
+
+    /// Between which vertebrae the curves are measured, for shapes of the model.
+    #[must_use]
+    pub fn curve_places(&self) -> Vec<CurvePlaces> {
+        let erect = film_tilts(&self.erect().outline);
+        let place = |(bounds, curve): (&RegionBounds, &ClinicalCurve)| {
+            let CobbEnds { inferior, superior } = curve.ends;
+            let levels = self.levels();
+            let ends = [levels.index_of(inferior)?, levels.index_of(superior)?];
+            Some(CurvePlaces::between(*bounds, ends, &erect))
+        };
+        self.regions.bounds.iter().zip(&self.clinical).filter_map(place).collect()
+    }
+
+    /// Kyphosis, lordosis, planes of maximum curvature and length of the erect spine in space; `None` without a lateral film.
+    ///
+    /// Computed on request, because no other result depends on it.
+    #[must_use]
+    pub fn spatial_measures(&self) -> Option<SpatialMeasures> {
+        self.space.as_ref().map(|space| SpatialMeasures::of(space, &self.clinical, &self.axial))
+    }
+
+    /// Which joints share a multiplier.
+    pub(super) fn joint_groups(&self, grouping: Grouping) -> JointGroups {
+        match grouping {
+            Grouping::Regional => JointGroups::regional(&self.regions),
+            Grouping::PerJoint => JointGroups::per_joint(self.levels()),
+        }
+    }
+
+    /// Sagittal place of the lines: the mean depth of the vertebrae at the inflections; without inflections that of
+    /// the base, which is zero.
+    pub(super) fn depth_mm(&self) -> f64 {
+        let Some(pair) = self.inflections.pair else { return 0.0 };
+        let levels = self.levels();
+        let at =
+            |level: Level| levels.index_of(level).map_or(0.0, |i| self.spine.midpoints_mm[i].x);
+        pair.iter()
+            .map(|inflection| 0.5 * (at(inflection.between.0) + at(inflection.between.1)))
+            .sum::<f64>()
+            / 2.0
+    }
+}
+
+impl FilmMovement {
+    /// A film with its chain, before it is compared with the erect one.
+    fn unmoved(outline: Outline, fit: CurveFit, chain: &Chain) -> Self {
+        Self {
+            pose: chain.lay(&fit.curve),
+            outline,
+            fit,
+            motion: None,
+            inflection_estimates: None,
+            mean_least_estimates: None,
+            inflection_points: None,
+            evidence: None,
+            preferred_line: None,
+        }
+    }
+
+    /// The middle between the inflections of a posture, or of its spine: where a line is described from.
+    #[must_use]
+    pub fn middle(&self) -> Frontal {
+        match self.inflection_points {
+            Some([caudal, cranial]) => (caudal + cranial) * 0.5,
+            None => self.outline.vertebrae[self.outline.vertebrae.len() / 2].location,
+        }
+    }
+
+    /// Mean rotation of the segments from the erect posture.
+    #[must_use]
+    pub fn mean_rotation(&self) -> Option<Angle> {
+        self.motion.as_ref().map(Motion::mean_rotation)
+    }
+}
+
+/// Step 3: one segment length for all films.
+fn chain_of(fits: &[CurveFit]) -> Result<Chain, Error> {
+    let lengths: Vec<f64> =
+        fits.iter().map(|fit| fit.curve.length_mm(fit.curve.end_mm())).collect();
+    Ok(Chain::fit(lengths[0], &lengths[1..], SEGMENT_WINDOW)?)
+}
+
+/// The unloaded spine, with what the lateral film and the pedicles show of it.
+struct UnloadedSpine {
+    spine: SpineModel,
+    space: Option<SpatialOutline>,
+    axial: Vec<AxialRotation>,
+}
+
+fn unloaded_spine(
+    case: &Case,
+    erect: &Outline,
+    warnings: &mut Warnings,
+) -> Result<UnloadedSpine, Error> {
+    let film = case.films.iter().find(|film| film.posture == Posture::Erect);
+    let space = match film.zip(case.lateral.as_ref()) {
+        Some((film, lateral)) => SpatialOutline::measure(film, erect, lateral, warnings)?,
+        None => None,
+    };
+    let axial = match film {
+        Some(film) => axial_rotations(film, erect)?,
+        None => Vec::new(),
+    };
+    let mut profile = SagittalProfile::default();
+    for found in &axial {
+        let place = found.level.model_index().and_then(|i| profile.axial_deg.get_mut(i));
+        if let Some(axial_deg) = place {
+            *axial_deg = found.stokes.deg();
+        }
+    }
+    let spine = match &space {
+        Some(space) => SpineModel::in_space(erect, &profile, space),
+        None => SpineModel::from_outline(erect, &profile),
+    };
+    Ok(UnloadedSpine { spine, space, axial })
+}
+
+fn inflections_of(
+    erect: &CurveFit,
+    options: &AnalysisOptions,
+    warnings: &mut Warnings,
+) -> Inflections {
+    let found = find_inflections(erect, options.min_curve);
+    match options.inflections {
+        InflectionChoice::ByHand(sites) => {
+            warnings.push(
+                Step::Motion,
+                "inflections_by_hand",
+                "the two inflections were chosen by hand",
+            );
+            found.picked(erect, sites)
+        }
+        InflectionChoice::Automatic => {
+            if found.all.len() != 2 {
+                warn_of_inflections(&found, warnings);
+            }
+            found
+        }
+    }
+}
+
+fn warn_of_inflections(found: &Inflections, warnings: &mut Warnings) {
+    let curves: Vec<String> =
+        found.curves.iter().map(|part| format!("{:.0}°", part.turn.abs().deg())).collect();
+    let then = if found.pair.is_some() {
+        "the pair around the largest curve is used"
+    } else {
+        "the inflection line is missing; the other lines are still compared"
+    };
+    let text = format!(
+        "the erect curve has {} (curves of {}), not two: {then}",
+        counted_inflections(found.all.len()),
+        curves.join(", ")
+    );
+    warnings.film(Step::Motion, "inflections_not_two", Posture::Erect, text);
+}

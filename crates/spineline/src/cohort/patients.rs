@@ -1,0 +1,139 @@
+//! Statistics over the patients of a cohort: loops over all of them, one per sample.
+
+use super::others::{Others, Seen};
+use super::workers::{Workers, results};
+use super::{Clustered, CohortPatient, PairedComparison};
+use crate::evaluate::statistics::{Pooled, Resampling, Summary};
+
+/// All patients, with what other patients predict of each.
+pub(super) struct Patients<'a> {
+    seen: Vec<Seen<'a>>,
+    resampling: Resampling,
+    workers: &'a dyn Workers,
+}
+
+/// A sample of all patients.
+struct Sample {
+    /// Of all values.
+    pooled: Summary,
+    /// One mean per patient with a value.
+    means: Vec<f64>,
+}
+
+impl<'a> Patients<'a> {
+    /// Samples that are resampled together: drawing the patients is then a small part of the work.
+    const RESAMPLED_TOGETHER: std::ops::RangeInclusive<usize> = 6..=16;
+    /// Pieces of work in which the samples of a family are resampled, for the threads of the workers.
+    const PIECES: usize = 4;
+
+    pub fn new(all: &'a [CohortPatient], resampling: Resampling, workers: &'a dyn Workers) -> Self {
+        let others = Others::of(all);
+        let seen = results(workers, all.len(), |place| others.see(&all[place], place));
+        Self { seen, resampling, workers }
+    }
+
+    /// How many things all patients have.
+    pub fn count(&self, of: impl Fn(&Seen<'_>) -> usize) -> usize {
+        self.seen.iter().map(of).sum()
+    }
+
+    /// All values, patient by patient.
+    pub fn values(&self, of: impl Fn(&Seen<'_>, &mut Vec<f64>)) -> Vec<f64> {
+        let mut values = Vec::new();
+        self.seen.iter().for_each(|seen| of(seen, &mut values));
+        values.shrink_to_fit();
+        values
+    }
+
+    /// One mean per patient; NaN for one without a value.
+    pub fn means(&self, of: impl Fn(&Seen<'_>, &mut Vec<f64>)) -> Vec<f64> {
+        let mut values = Vec::new();
+        let mean = |seen| {
+            values.clear();
+            of(seen, &mut values);
+            Summary::of(&values).mean
+        };
+        self.seen.iter().map(mean).collect()
+    }
+
+    /// The statistics of a family of samples, one per key. `of` appends the values of a patient.
+    pub fn clustered<Key: Sync>(
+        &self,
+        keys: &[Key],
+        of: impl Fn(&Seen<'_>, &Key, &mut Vec<f64>) + Sync,
+    ) -> Vec<Clustered> {
+        let samples = results(self.workers, keys.len(), |place| {
+            let mut values = Vec::new();
+            self.sample(|seen| {
+                values.clear();
+                of(seen, &keys[place], &mut values);
+                let own = Summary::of(&values);
+                (own, own.mean)
+            })
+        });
+        let intervals = self.intervals(&samples);
+        let statistics = samples.iter().zip(intervals).map(|(sample, bootstrap)| Clustered {
+            pooled: sample.pooled,
+            patients: Summary::of(&sample.means),
+            bootstrap,
+        });
+        statistics.collect()
+    }
+
+    /// The tests of a family of pairs of samples, one per key. `of` appends the values of a patient to both.
+    pub fn compared<Key: Sync>(
+        &self,
+        keys: &[Key],
+        of: impl Fn(&Seen<'_>, &Key, [&mut Vec<f64>; 2]) + Sync,
+    ) -> Vec<PairedComparison> {
+        let samples = results(self.workers, keys.len(), |place| {
+            let (mut first, mut second) = (Vec::new(), Vec::new());
+            self.sample(|seen| {
+                first.clear();
+                second.clear();
+                of(seen, &keys[place], [&mut first, &mut second]);
+                let difference = Summary::of(&first).mean - Summary::of(&second).mean;
+                first.iter_mut().zip(&second).for_each(|(a, b)| *a -= b);
+                (Summary::of(&first), difference)
+            })
+        });
+        let intervals = self.intervals(&samples);
+        results(self.workers, keys.len(), |place| {
+            let Sample { pooled, means } = &samples[place];
+            let seed = self.resampling.seed();
+            PairedComparison::of_differences(*pooled, means, intervals[place], seed)
+        })
+    }
+
+    /// The sample of what each patient gives: the summary and the mean of its values.
+    fn sample(&self, of: impl FnMut(&Seen<'_>) -> (Summary, f64)) -> Sample {
+        let (mut pooled, mut means) = (Pooled::default(), Vec::new());
+        for (own, mean) in self.seen.iter().map(of) {
+            if own.n > 0 {
+                pooled.add(own);
+                means.push(mean);
+            }
+        }
+        Sample { pooled: pooled.summary(), means }
+    }
+
+    /// 95 % intervals of the means of samples by resampling patients.
+    fn intervals(&self, samples: &[Sample]) -> Vec<Option<[f64; 2]>> {
+        // Samples of as many patients draw the same ones, so they stand together.
+        let mut order: Vec<usize> = (0..samples.len()).collect();
+        order.sort_by_key(|&place| samples[place].means.len());
+        let (least, most) = Self::RESAMPLED_TOGETHER.into_inner();
+        let size = samples.len().div_ceil(Self::PIECES).clamp(least, most);
+        let pieces: Vec<&[usize]> = order.chunks(size).collect();
+        let found = results(self.workers, pieces.len(), |piece| {
+            let means: Vec<&[f64]> =
+                pieces[piece].iter().map(|&place| &samples[place].means[..]).collect();
+            self.resampling.intervals(&means)
+        });
+        let mut intervals = vec![None; samples.len()];
+        for (place, interval) in order.into_iter().zip(found.concat()) {
+            intervals[place] = interval;
+        }
+        intervals
+    }
+}

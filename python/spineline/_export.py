@@ -1,0 +1,76 @@
+"""Results that have a file."""
+
+from __future__ import annotations
+
+import errno
+import os
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Generic, Protocol, TypeVar
+
+from ._run import write_whole
+
+if TYPE_CHECKING:
+    from typing_extensions import Self
+
+
+class _Native(Protocol):
+    """A native object with the text of its file."""
+
+    def to_json(self) -> str: ...
+
+
+_N = TypeVar("_N", bound=_Native)
+
+
+class _Exportable(Generic[_N]):
+    """A native object that does not change and has a file. Pickle, copies and equality go by it."""
+
+    __slots__ = ("_native",)
+
+    def __init__(self, native: _N) -> None:
+        self._native = native
+
+    def to_json(self) -> str:
+        """The text of its file (``spineline schema`` explains every key)."""
+        return self._native.to_json()
+
+    def save(self, path: str | os.PathLike[str], *, overwrite: bool = False) -> Path:
+        """Writes its file, whole or not at all; returns the path.
+
+        Raises
+        ------
+        FileExistsError
+            If there is such a file and ``overwrite`` was not given.
+        OSError
+            If it cannot be written.
+        """
+        return export(path, self.to_json(), overwrite=overwrite)
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, type(self)) and self._native == other._native
+
+    __hash__ = None  # type: ignore[assignment]
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return (type(self).from_json, (self.to_json(),))  # type: ignore[attr-defined]
+
+    def __deepcopy__(self, memo: object) -> Self:
+        return self
+
+    def __copy__(self) -> Self:
+        return self
+
+
+def export(path: str | os.PathLike[str], text: str, *, overwrite: bool) -> Path:
+    """Writes a text whole or not at all; returns the path.
+
+    Raises
+    ------
+    FileExistsError
+        If there is such a file and ``overwrite`` was not given.
+    OSError
+        If it cannot be written.
+    """
+    if not overwrite and os.path.lexists(path):
+        raise FileExistsError(errno.EEXIST, "the file exists; give `overwrite=True`", str(path))
+    return write_whole(path, text.encode())
