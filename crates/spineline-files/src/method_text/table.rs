@@ -329,14 +329,3 @@ pub const OPTIONS: [MethodOption; 15] = [
         words: |options| words::hypotheses(&options.hypotheses),
     },
 ];
-
-/// The names of all options of the method; `-` and `_` are the same in them.
-pub const OPTION_NAMES: [&str; OPTIONS.len()] = {
-    let mut names = [""; OPTIONS.len()];
-    let mut place = 0;
-    while place < names.len() {
-        names[place] = OPTIONS[place].name;
-        place += 1;
-    }
-    names
-};

@@ -2,6 +2,7 @@
 
 use axum::extract::State;
 use axum::http::StatusCode;
+use spineline::analysis::AnalysisOptions;
 use spineline_files::method_text::{
     ChosenOption, ChosenOptions, MethodOption, OptionError, OptionValues, study_options,
 };
@@ -123,6 +124,7 @@ fn option_view(option: &MethodOption, chosen: &ChosenOptions) -> OptionView {
         help: option.help.to_owned(),
         value: one.map_or_else(|| default.clone(), ChosenOption::words),
         default,
+        default_words: option.words(&AnalysisOptions::default()),
         is_changed: one.is_some(),
         is_closed,
         takes_file: option.takes_a_file(),

@@ -3,7 +3,7 @@
 #![expect(clippy::disallowed_methods, reason = "the oracle has its own formulas")]
 
 use spineline::analysis::{
-    Analysis, AnalysisOptions, AxialSource, PitchSource, analyze, analyze_movement,
+    Analysis, AnalysisOptions, AxialSource, PitchSource, TemplateError, analyze, analyze_movement,
 };
 use spineline::anatomy::{Level, SagittalProfile};
 use spineline::clinical::{SagittalPart, SpatialMeasures};
