@@ -17,7 +17,7 @@ use spineline_report::{embedded, terminal};
 
 use crate::analysis::case::analyze_case;
 use crate::analysis::confidence::Confidence;
-use crate::analysis::figures::draw_figures;
+use crate::analysis::figures::{figures_of, write_figures};
 use crate::analysis::films::FilmWarning;
 use crate::options::values::{number, threads};
 use crate::run::failure::{Ending, Failure};
@@ -92,7 +92,8 @@ pub fn run(args: &RerunArgs) -> Result<Ending, Failure> {
     if let Some(folder) = &args.figures {
         for repeated in &again {
             let Repeated { analysis, provenance, .. } = repeated;
-            outputs.attempt(folder, || draw_figures(analysis, provenance, folder, &outputs));
+            let figures = figures_of(analysis, provenance);
+            outputs.attempt(folder, || write_figures(&figures, folder, &outputs));
         }
     }
     if let Some(path) = &args.json {
