@@ -8,13 +8,13 @@ use spineline::analysis::{Case, Subject};
 use spineline::anatomy::{ImageSide, Posture};
 use spineline::measure::{
     Corners, Film, FilmLandmarks, ImageGeometry, Origin, Reading, ReadingId, VertebraLandmarks,
-    View, judge_spacing, judge_view,
 };
 use spineline::warning::counted;
 use spineline_detect::{Detection, Picture, detect};
 use spineline_files::{CaseFile, FilmSource, sha256_hex, to_text};
 use spineline_films::FilmFile;
 use spineline_films::intake::{IntakeLimits, Place, read};
+use spineline_marking::{View, judge_spacing, judge_view};
 use spineline_report::terminal::Lines;
 
 use crate::options::choice::choice;

@@ -4,9 +4,9 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use serde_json::{Value, json};
-use spineline::measure::{judge_spacing, judge_view};
 use spineline_films::intake::{IntakeLimits, Place, read};
 use spineline_films::{FilmError, FilmFile, ModalityTransform, Voi, Window, WindowFunction};
+use spineline_marking::{judge_spacing, judge_view};
 use spineline_report::terminal::Lines;
 
 use crate::options::values::number;

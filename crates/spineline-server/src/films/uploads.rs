@@ -8,8 +8,9 @@ use axum::extract::{DefaultBodyLimit, FromRequest, Request, State};
 use axum::http::StatusCode;
 use axum::response::Response;
 use spineline::anatomy::{FilmView, Posture};
-use spineline::measure::{Spacing, Stance, View, judge_spacing, judge_view};
+use spineline::measure::Spacing;
 use spineline_films::{FilmFile, FilmLimits, FilmRemark, Stated, spacing_question};
+use spineline_marking::{Stance, View, judge_spacing, judge_view};
 use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
 

@@ -6,14 +6,12 @@ use super::interpolation::interpolate;
 use super::is_observer_code;
 use super::lengths::check_lengths;
 use super::means::average;
-use super::midline::warn_of_source;
-use super::outline_checks::{check_marked, warn_of_gaps, warn_of_interpolated};
+use super::outline_checks::{check_marked, warn_of_gaps, warn_of_interpolated, warn_of_source};
 use super::placing::{program_corners, warn_of_unusable_ends};
-use super::spacing::is_spacing;
 use super::{
     EndplateTilts, Film, FilmLandmarks, FilmLength, IliacCrests, ImageGeometry, Interpolation,
     LengthScale, MeasureError, Noise, Placement, ProgramNoise, Reading, ReadingId, SharedErrors,
-    SpacingPlane, TiltRule, VertebraOrigin, common_levels, measure_readings, seen_levels,
+    Spacing, SpacingPlane, TiltRule, VertebraOrigin, common_levels, measure_readings, seen_levels,
     warn_of_shortened_chain,
 };
 use crate::anatomy::{Level, Levels, Morphometry, Posture};
@@ -334,7 +332,7 @@ fn place_film(
 pub(super) fn check_spacing(posture: Posture, image: &ImageGeometry) -> Result<(), MeasureError> {
     let Some(spacing) = image.spacing else { return Ok(()) };
     for (direction, value) in [("column", spacing.column_mm), ("row", spacing.row_mm)] {
-        if !is_spacing(value) {
+        if !Spacing::is_possible(value) {
             return Err(MeasureError::Spacing { posture, direction, value });
         }
     }

@@ -2,8 +2,8 @@
 
 use std::collections::BTreeMap;
 
-use super::order::{MIN_SPACING_SHARE, steps};
-use super::{LengthScale, MeasureError, MeasuredVertebra, Placement};
+use super::order::{LevelStep, MIN_SPACING_SHARE};
+use super::{LengthScale, MeasureError, MeasuredVertebra, Placement, PlacementSource};
 use crate::anatomy::{Level, Posture};
 use crate::spatial::Angle;
 use crate::warning::{Step, Warnings};
@@ -78,7 +78,7 @@ fn check_order(
     }
     let placed: Vec<(Level, Placement)> =
         vertebrae.iter().map(|v| (v.level, Placement::new(v.location, v.tilt))).collect();
-    for step in steps(&placed) {
+    for step in LevelStep::between(&placed) {
         let (inferior, superior, share) = (step.inferior, step.superior, step.share);
         if step.is_out_of_order() {
             let limit = MIN_SPACING_SHARE;
@@ -109,5 +109,13 @@ pub(super) fn warn_of_gaps(
             vertebra.level, vertebra.readings
         );
         warnings.vertebra(Step::Measure, "readings_incomplete", posture, vertebra.level, text);
+    }
+}
+
+/// Says of a film that its levels are estimated.
+pub(super) fn warn_of_source(posture: Posture, source: PlacementSource, warnings: &mut Warnings) {
+    if source == PlacementSource::SurfaceMidline {
+        let text = "no vertebra was seen: the levels were placed by arc length on a midline of the back surface, with typical proportions of vertebral heights; locations, tilts and all that follows from them are estimates, and the line is straighter than the spine";
+        warnings.film(Step::Measure, "levels_estimated", posture, text);
     }
 }

@@ -5,9 +5,9 @@ use spineline::analysis::Case;
 use spineline::anatomy::{ImageSide, Posture};
 use spineline::error::Error;
 use spineline::measure::{
-    Calibration, CalibrationError, Calibrator, Film, FilmLandmarks, IliacCrests, LateralCorners,
-    LateralFault, LateralFilm, MeasureError, Reading, ReadingId, Spacing, SpacingPlane,
-    SpacingSource, SuspectedUnit, TiltRule, check_landmarks, judge_landmarks, measure_film,
+    Film, FilmLandmarks, IliacCrests, LateralCorners, LateralFault, LateralFilm, MeasureError,
+    Reading, ReadingId, Spacing, SpacingPlane, SpacingSource, SuspectedUnit, TiltRule,
+    check_landmarks, judge_landmarks, measure_film,
 };
 use spineline::spatial::{Angle, Frontal, Pixel};
 use spineline::warning::Warnings;
@@ -234,23 +234,6 @@ fn a_lateral_film_has_the_same_limits() {
         matches!(&error, MeasureError::LateralFilm(LateralFault::Length { size }) if size.suspected() == Some(SuspectedUnit::Centimetres)),
         "{error}"
     );
-}
-
-#[test]
-fn points_of_a_ball_outside_of_the_picture_are_refused_with_the_size_of_the_picture() {
-    let ball = Calibration {
-        calibrator: Calibrator::Ball,
-        clicks: [Pixel::new(700.0, 1100.0), Pixel::new(750.0, 1100.0)],
-        length_mm: 25.0,
-        length_sd_mm: 0.0,
-        click_sd_px: 0.5,
-        pixel_aspect: 1.0,
-    };
-    let error = ball.spacing([400, 600]).expect_err("a copy of half the size");
-    assert_eq!(error.to_string(), "the point 700.0, 1100.0 lies outside of the 400 × 600 picture");
-    assert_eq!(ball.spacing([800, 1200]).map(|spacing| spacing.column_mm), Ok(0.5));
-    let percent = Calibration { length_sd_mm: 25.0, ..ball };
-    assert!(matches!(percent.spacing([800, 1200]), Err(CalibrationError::Value { .. })));
 }
 
 #[test]

@@ -8,10 +8,10 @@ use clap::Args;
 use spineline::analysis::{CASE_ID_RULE, is_case_id};
 use spineline::anatomy::{ImageSide, Posture};
 use spineline::measure::{
-    Calibration, Calibrator, OBSERVER_RULE, ReadingId, Spacing, SpacingPlane, SpacingSource,
-    is_observer_code,
+    OBSERVER_RULE, ReadingId, Spacing, SpacingPlane, SpacingSource, is_observer_code,
 };
 use spineline::spatial::Pixel;
+use spineline_marking::{Calibration, Calibrator};
 
 use super::role::Role;
 use crate::options::choice::{choice, of_spelling};

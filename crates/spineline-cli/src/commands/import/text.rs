@@ -1,8 +1,9 @@
 //! The list of films, and the outcome of an import, as text.
 
 use spineline::anatomy::ImageSide;
-use spineline::measure::{LengthScale, Spacing, View};
+use spineline::measure::{LengthScale, Spacing};
 use spineline::warning::counted;
+use spineline_marking::View;
 use spineline_report::document::{Column, Table};
 use spineline_report::terminal::{self, Lines};
 
