@@ -24,6 +24,7 @@ mod png;
 pub mod reliability;
 pub mod rotation_prior;
 pub mod terminal;
+mod warnings;
 
 pub use document::{Document, file_stem};
 pub use embedded::embedded;
@@ -31,3 +32,4 @@ pub use html::{html, html_fragment};
 pub use markdown::markdown;
 pub use png::{PRINT_SCALE, PngError, png};
 pub use terminal::terminal;
+pub use warnings::{WarningCounts, warnings};

@@ -76,7 +76,7 @@ pub fn run(args: &FilmArgs) -> Result<Ending, Failure> {
             outputs.write(out, png)?;
         }
     }
-    outputs.commit()?;
+    outputs.commit_and_say()?;
     Ok(ending)
 }
 

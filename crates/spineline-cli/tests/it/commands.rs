@@ -65,7 +65,7 @@ fn a_phantom_is_made_checked_and_analysed() {
     let (text, error, code) = run(here.path(), &["check", "cases"]);
     assert_eq!(code, 0, "{error}");
     assert!(text.contains("phantom-rod-01 · SYNTHETIC"), "{text}");
-    let (text, _, code) = run(here.path(), &["analyze", "cases", "--support", "frontal"]);
+    let (text, _, code) = run(here.path(), &["analyze", "cases", "--support", "frontal", "--full"]);
     assert_eq!(code, 0, "{text}");
     for word in [
         "SYNTHETIC",
@@ -146,7 +146,7 @@ fn replicates_give_intervals_that_do_not_depend_on_threads() {
 fn identifiability_is_reported_on_request_with_and_without_a_prior() {
     let here = with_phantom(&["--truth", "rod", "--subject", "2"]);
     let case = "cases/phantom-rod-02.json";
-    let with = |more: &[&str]| run(here.path(), &[&["analyze", case], more].concat()).0;
+    let with = |more: &[&str]| run(here.path(), &[&["analyze", case, "--full"], more].concat()).0;
     let plain = with(&[]);
     assert!(!plain.contains("Profile likelihood"), "{plain}");
     // Heads of columns may be broken; a test of `spineline-report` reads them whole.
@@ -193,7 +193,7 @@ fn a_cohort_is_the_same_for_any_number_of_threads() {
     };
     assert_eq!(results(&with("1").0), results(&with("3").0));
     let (text, _, _) = run(here.path(), &["analyze", "cases"]);
-    assert!(text.contains("3 patients (synthetic)") && text.contains("phantom-pull-11"), "{text}");
+    assert!(text.contains("3 patients · SYNTHETIC") && text.contains("phantom-pull-11"), "{text}");
 }
 
 #[test]

@@ -61,7 +61,7 @@ fn the_verdict_on_the_models_is_that_of_the_sentences() {
         let phantom = generate(index, truth, &Readers::default(), 1).expect("a phantom");
         let analysis = analyzed(&phantom);
         let verdict = analysis.models_verdict().expect("models");
-        let words = analysis.headline().join(" ");
+        let words = analysis.headline().words();
         let says = |text: &str| words.contains(text);
         assert_eq!(verdict == ModelsVerdict::DoubtedFilm, says("Check the films first"), "{words}");
         match verdict {
@@ -193,7 +193,7 @@ fn a_line_that_could_not_be_tested_is_neither_rejected_nor_kept() {
     };
     assert_eq!(outcome(&with), TestOutcome::Kept);
     assert_eq!(outcome(&without), TestOutcome::NotTested);
-    let headline = without.headline().join(" ");
+    let headline = without.headline().words();
     assert!(headline.contains("The iliac line is not tested: the iliac crests"), "{headline}");
     assert!(!headline.contains("keep a single force along the iliac line"), "{headline}");
     let cohort = Cohort::of(&[&with, &without].map(CohortPatient::of), 1);

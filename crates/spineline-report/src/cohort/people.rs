@@ -9,7 +9,8 @@ use spineline::cohort::{Cohort, RefusalStep, RefusedCase};
 use spineline::evaluate::statistics::{Summary, quantile};
 
 use super::Patients;
-use crate::document::{Column, Figure, NoticeKind, Section, Table};
+use crate::WarningCounts;
+use crate::document::{Column, Figure, Section, Table};
 use crate::figures::{self, FlowStep};
 use crate::phrases::{no_model_reason, none};
 
@@ -25,28 +26,9 @@ pub fn sentences(section: &mut Section, cohort: &Cohort, refused: &[RefusedCase]
 pub fn verdict(patients: &Patients<'_>) -> Section {
     let mut section = Section::new("verdict", "Verdict, contradictions and warnings");
     sentences(&mut section, patients.together, patients.refused);
-    let mut counts: BTreeMap<(NoticeKind, &str), (usize, String)> = BTreeMap::new();
-    for analysis in patients.analyses {
-        let mut seen: Vec<&str> = Vec::new();
-        for warning in analysis.warnings.all() {
-            if !seen.contains(&warning.code) {
-                seen.push(warning.code);
-                let key = (warning.severity().into(), warning.code);
-                counts.entry(key).or_insert_with(|| (0, warning.text())).0 += 1;
-            }
-        }
-    }
-    let columns = vec![
-        Column::words("Severity"),
-        Column::words("Code"),
-        Column::numbers("Patients"),
-        Column::words("Example"),
-    ];
-    let mut table = Table::new("Contradictions, warnings and notes over patients", columns);
-    for ((kind, code), (patients, example)) in counts {
-        table.row(vec![kind.word().to_owned(), code.to_owned(), patients.to_string(), example]);
-    }
-    section.table(table);
+    let mut counts = WarningCounts::default();
+    patients.analyses.iter().for_each(|analysis| counts.add(analysis));
+    section.table(counts.table());
     section
 }
 

@@ -14,8 +14,8 @@ pub use table::table;
 
 use lines::is_hidden;
 
-/// Columns of a terminal that programs lay text out for, unless they know better.
-pub const WIDTH: usize = 110;
+/// Columns of text that goes to no terminal.
+pub const WIDTH: usize = 100;
 /// Lines after the first one of a paragraph begin with it.
 const HANGING: &str = "  ";
 

@@ -9,7 +9,7 @@ use spineline::cohort::{Cohort, CohortPatient};
 use spineline::measure::FilmLandmarks;
 use spineline::multibody::MatchStatus;
 use spineline_phantom::{Readers, Truth, generate};
-use spineline_report::cohort::{self, PatientRow};
+use spineline_report::cohort::{self, PatientRow, Rows};
 use spineline_report::document::{Block, Table};
 use spineline_report::{Document, figures, html};
 
@@ -209,7 +209,12 @@ fn a_large_cohort_shows_its_first_patients_and_counts_all() {
     for (patients, is_cut) in [(all - 1, false), (all, true)] {
         let together = Cohort::of(&vec![patient.clone(); patients], 1);
         let rows = vec![PatientRow::of(&analysis); patients];
-        let document = cohort::summary(&rows, &together, &[], "spineline test");
+        let document = cohort::full(&Rows {
+            patients: &rows,
+            together: &together,
+            refused: &[],
+            generator: "spineline test",
+        });
         let table = tables(&document)
             .into_iter()
             .find(|t| t.caption.contains("Mean location"))
@@ -235,7 +240,12 @@ fn films_without_a_result_are_shown_of_the_first_patients() {
         });
         let together = Cohort::of(&patients, 1);
         let row = [PatientRow::of(&whole)];
-        let document = cohort::summary(&row, &together, &[], "spineline test");
+        let document = cohort::full(&Rows {
+            patients: &row,
+            together: &together,
+            refused: &[],
+            generator: "spineline test",
+        });
         let table =
             tables(&document).into_iter().find(|t| t.caption.contains("no result")).expect("films");
         assert_eq!(table.note.contains("The first 200 of 201 patients"), is_cut, "{}", table.note);

@@ -59,6 +59,12 @@ pub struct AnalyzeArgs {
     /// says which one it is, and why
     #[arg(long, value_name = "LINE", value_parser = model_line(), default_value = AUTO)]
     pub model_line: ModelLine,
+    /// Print all tables after the answers
+    #[arg(long)]
+    pub full: bool,
+    /// Print every warning by itself; the default is one line per kind of warning
+    #[arg(long)]
+    pub warnings: bool,
     /// Draw figures as SVG into this folder
     #[arg(long, value_name = "DIR")]
     pub figures: Option<PathBuf>,

@@ -11,13 +11,12 @@ pub use args::AnalyzeArgs;
 use std::path::PathBuf;
 
 use spineline::warning::counted;
-use spineline_report::terminal::{self, Lines};
 use spineline_tables::{chain_table, errors_table};
 
 use crate::analysis::record::RunRecord;
 use crate::run::failure::{Ending, Failure};
 use crate::run::inputs::case_files;
-use crate::run::outputs::{Outputs, is_stdout, print};
+use crate::run::outputs::{Outputs, is_stdout, print_document};
 use crate::run::provenance::generator;
 use model::Model;
 use output::{CohortStatistics, Csv, Figures, Json, Output};
@@ -34,13 +33,13 @@ pub fn run(args: &AnalyzeArgs) -> Result<Ending, Failure> {
     let all = begin_outputs(asked)?;
     let finished = analyze_all(&paths, asked, &all)?;
     all.into_iter().for_each(|output| output.end(&finished));
-    let shown = finished.summary(&generator());
+    let shown = finished.shown(&generator());
     let ending = finished.ending();
     drop(finished);
-    let kept = outputs.commit();
+    let kept = outputs.commit_and_say();
     // Results are shown although they cannot be written.
     if let Some(document) = shown.filter(|_| !to_stdout) {
-        print(Lines::of_text(&spineline_report::terminal(&document, terminal::WIDTH)))?;
+        print_document(&document)?;
     }
     kept?;
     Ok(ending)

@@ -6,9 +6,9 @@ use indicatif::ProgressBar;
 use spineline::analysis::{Analysis, LineModel, ModelChoice};
 use spineline::cohort::{Cohort, CohortPatient, RefusalStep, RefusedCase};
 use spineline_files::Provenance;
-use spineline_report::cohort::PatientRow;
-use spineline_report::document::{Document, Notice};
-use spineline_report::patient as report;
+use spineline_report::cohort::{self as cohort_report, PatientRow};
+use spineline_report::document::Document;
+use spineline_report::{WarningCounts, patient as report, warnings};
 
 use super::args::AnalyzeArgs;
 use super::model::choose;
@@ -75,6 +75,7 @@ pub struct Finished<'a> {
     pub read: ReadCases,
     patients: Vec<CohortPatient>,
     rows: Vec<PatientRow>,
+    warnings: WarningCounts,
     /// Cases of a list without a result.
     pub refused: Vec<RefusedCase>,
     /// A single case.
@@ -127,6 +128,9 @@ pub fn analyze_all<'a>(
     })?;
     finished.check_interruption()?;
     print_notices(&finished.read.warnings());
+    if !asked.args.warnings {
+        print_notices(&finished.warnings.lines("--warnings"));
+    }
     let of_all = || cohort::of(&finished.patients, asked.args.threads);
     finished.together = asked.is_cohort().then(of_all).transpose()?;
     Ok(finished)
@@ -139,6 +143,7 @@ impl<'a> Finished<'a> {
             read: ReadCases::default(),
             patients: Vec::new(),
             rows: Vec::new(),
+            warnings: WarningCounts::default(),
             refused: Vec::new(),
             one: None,
             model: None,
@@ -165,7 +170,11 @@ impl<'a> Finished<'a> {
         }
         // Interrupted before any replicate: print nothing.
         if !self.is_cut_short || self.has_replicates {
-            print_notices(&notices(&one));
+            if args.warnings {
+                print_notices(&warnings(analysis));
+            }
+            self.warnings.add(analysis);
+            print_notices(confidence.interruption(analysis).as_slice());
         }
         self.patients.extend(one.patient.take());
         self.rows.extend(one.row.take());
@@ -198,27 +207,19 @@ impl<'a> Finished<'a> {
         self.asked.record.provenance_of_all(&self.read)
     }
 
-    /// What is shown: a cohort in short, or one patient.
-    pub fn summary(&self, generator: &str) -> Option<Document> {
-        match (&self.one, &self.together) {
-            (Some(one), _) => {
-                let Analysed { input, analysis, confidence, .. } = one;
-                Some(report::summary(&confidence.report(analysis, &input.case, generator)))
-            }
-            (None, Some(together)) => Some(spineline_report::cohort::summary(
-                &self.rows,
-                together,
-                &self.refused,
-                generator,
-            )),
-            (None, None) => None,
+    /// What is shown: a cohort or one patient in short, or with all numbers.
+    pub fn shown(&self, generator: &str) -> Option<Document> {
+        let is_full = self.asked.args.full;
+        if let Some(Analysed { input, analysis, confidence, .. }) = &self.one {
+            let patient = confidence.report(analysis, &input.case, generator);
+            return Some(if is_full { report::full(&patient) } else { report::summary(&patient) });
         }
+        let cohort = cohort_report::Rows {
+            patients: &self.rows,
+            together: self.together.as_ref()?,
+            refused: &self.refused,
+            generator,
+        };
+        Some(if is_full { cohort_report::full(&cohort) } else { cohort_report::summary(&cohort) })
     }
-}
-
-/// What a person reads about a patient.
-fn notices(one: &Analysed) -> Vec<Notice> {
-    let mut all = report::warnings(&one.analysis);
-    all.extend(one.confidence.interruption(&one.analysis));
-    all
 }

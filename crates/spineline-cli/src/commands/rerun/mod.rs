@@ -21,7 +21,7 @@ use crate::analysis::figures::{figures_of, write_figures};
 use crate::analysis::films::FilmWarning;
 use crate::options::values::{number, threads};
 use crate::run::failure::{Ending, Failure};
-use crate::run::outputs::{Outputs, OverwriteArgs, is_stdout, print};
+use crate::run::outputs::{Outputs, OverwriteArgs, is_stdout, print, width};
 use crate::run::pdf::attached;
 use crate::run::provenance::this_run;
 use difference::{Difference, Found, differences};
@@ -104,7 +104,7 @@ pub fn run(args: &RerunArgs) -> Result<Ending, Failure> {
         };
         outputs.attempt(path, || outputs.write(path, text));
     }
-    let kept = outputs.commit();
+    let kept = outputs.commit_and_say();
     if !to_stdout {
         print(text)?;
     }
@@ -241,16 +241,16 @@ impl Repeated {
         let (case, date) = (&self.stored.case.id, then.date_utc());
         text.line(format!("{case}{synthetic} · analysed {date} by {}", then.program()));
         let command = format!("Then: {}", then.command().join(" "));
-        text.text(&terminal::paragraph(&command, terminal::WIDTH, "  "));
+        text.text(&terminal::paragraph(&command, width(), "  "));
         if then.program() == now.program() {
             text.line(format!("  Version: the same, {}", now.program()));
         } else {
             text.line(format!("  Version: then {}, now {}", then.program(), now.program()));
         }
-        text.text(&terminal::paragraph(origin.words(), terminal::WIDTH, "  "));
+        text.text(&terminal::paragraph(origin.words(), width(), "  "));
         for input in then.inputs() {
             let said = format!("Input {}: {}", input.name, input_words(&args.file, input));
-            text.text(&terminal::paragraph(&said, terminal::WIDTH, "  "));
+            text.text(&terminal::paragraph(&said, width(), "  "));
         }
         text.text(&found_text(&self.found, args.tolerance));
     }

@@ -43,7 +43,7 @@ pub fn run(args: &SimulateArgs) -> Result<Ending, Failure> {
         with_progress(|on_point| Outcome::of(args, stored.model, loads, notes, on_point))?;
     let outcome = outcome.with_replicates(args, source)?;
     // Results are shown although they cannot be written.
-    let written = outcome.write(args, &outputs).and_then(|()| outputs.commit());
+    let written = outcome.write(args, &outputs).and_then(|()| outputs.commit_and_say());
     if streams == 0 {
         print(Lines::of_text(&text::report(&outcome)))?;
     } else {

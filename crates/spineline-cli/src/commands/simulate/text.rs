@@ -7,6 +7,7 @@ use spineline_report::document::{Document, Notice, NoticeKind, Section};
 use spineline_report::terminal;
 
 use super::outcome::Outcome;
+use crate::run::outputs::width;
 use crate::run::provenance::generator;
 
 /// The whole report as text.
@@ -23,7 +24,7 @@ pub fn report(outcome: &Outcome) -> String {
         sections,
         analysis: String::new(),
     };
-    terminal::terminal(&document, terminal::WIDTH)
+    terminal::terminal(&document, width())
 }
 
 /// The warnings.

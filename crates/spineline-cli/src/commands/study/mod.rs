@@ -118,7 +118,7 @@ fn export(path: &Path, study: &str, out: &Path, outputs: Outputs) -> Result<Endi
         say(format!("note: {remark}"));
     }
     outputs.write(out, exported.text)?;
-    outputs.commit()?;
+    outputs.commit_and_say()?;
     Ok(Ending::Done)
 }
 
