@@ -13,6 +13,11 @@ use crate::run::inputs::case_files;
 use crate::run::messages::say;
 use crate::run::outputs::{print, width};
 
+pub const EXAMPLES: &str = "\
+Examples:
+  spineline check P07/case.json
+  spineline check cases                                every case of a folder";
+
 #[derive(Args)]
 pub struct CheckArgs {
     /// Case files, or folders of them

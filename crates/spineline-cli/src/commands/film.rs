@@ -16,6 +16,12 @@ use crate::run::messages::say;
 use crate::run::outputs::{Outputs, OverwriteArgs, print, print_data};
 use crate::run::provenance::shown_name;
 
+pub const EXAMPLES: &str = "\
+Examples:
+  spineline film erect.dcm                             size, spacing, view, and what they rest on
+  spineline film films/*.dcm --json
+  spineline film erect.dcm --png erect.png --window 2048,4096";
+
 #[derive(Args)]
 pub struct FilmArgs {
     /// DICOM, PNG, JPEG or TIFF files

@@ -151,8 +151,17 @@ fn a_doubted_film_and_a_shorter_chain_are_named_in_the_files_of_a_cohort() {
     films[1]["readings"] = readings;
     let posture = films[1]["posture"].clone();
     fs::write(&path, case.to_string()).expect("an odd case");
-    let arguments =
-        ["analyze", "cases", "--full", "--cohort", "all.json", "--tables", "tables", "--threads", "1"];
+    let arguments = [
+        "analyze",
+        "cases",
+        "--full",
+        "--cohort",
+        "all.json",
+        "--tables",
+        "tables",
+        "--threads",
+        "1",
+    ];
     let (text, error, code) = run(here.path(), &arguments);
     assert!(code == 0 || code == 4, "{error}");
     let text = words(&text);

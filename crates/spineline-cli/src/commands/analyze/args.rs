@@ -33,6 +33,16 @@ fn model_line() -> impl TypedValueParser<Value = ModelLine> {
         .map(|text| of_spelling(&text).map_or(ModelLine::Auto, ModelLine::Kind))
 }
 
+pub const EXAMPLES: &str = "\
+Examples:
+  spineline analyze P07/case.json                      which line, how sure, how stiff
+  spineline analyze P07/case.json --full               and all tables
+  spineline analyze P07/case.json --replicates 1000 --identifiability --threads 0
+      with intervals
+  spineline analyze P07/case.json --json P07.json --model P07-model.json --figures figures
+  spineline analyze cases --tables tables --cohort cohort.json
+      a cohort: tables for pandas or R, and statistics over patients";
+
 #[derive(Args)]
 pub struct AnalyzeArgs {
     /// Case files, analyses, or folders of them; more than one case is a cohort

@@ -6,7 +6,7 @@ mod output;
 mod run;
 mod tables;
 
-pub use args::AnalyzeArgs;
+pub use args::{AnalyzeArgs, EXAMPLES};
 
 use std::path::PathBuf;
 

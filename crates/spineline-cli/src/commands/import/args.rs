@@ -270,7 +270,7 @@ fn film(text: &str) -> Result<FilmChoice, String> {
 
 fn film_choice(text: &str) -> Result<(Posture, FilmChoice), String> {
     let (name, chosen) =
-        text.split_once('=').ok_or_else(|| "expected POSTURE=FILM, such as erect=1".to_owned())?;
+        text.split_once('=').ok_or_else(|| "expected POSTURE=FILM, such as erect=1 (the number of the film in `import --list`) or erect=IM001.dcm (its file)".to_owned())?;
     Ok((posture(name)?, film(chosen)?))
 }
 

@@ -19,6 +19,12 @@ use crate::options::phantoms::readers;
 use crate::run::failure::{Ending, Failure};
 use crate::run::outputs::{Outputs, print};
 
+pub const EXAMPLES: &str = "\
+Examples:
+  spineline phantom --out phantoms                     the paper's 18 subjects
+  spineline phantom --out phantoms --subject 3 --films and their films as DICOM files
+  spineline phantom --out phantoms --noise 0           without errors of readers";
+
 /// What the spines are made of.
 fn build(args: &PhantomArgs) -> Result<Build, Failure> {
     let (construction, truth) = (args.construction.0, args.truth.0);

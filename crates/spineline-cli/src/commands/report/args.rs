@@ -58,6 +58,11 @@ impl ReportArgs {
             Some("html" | "htm") => Some(FormName::Html),
             _ => None,
         };
+        if let (Some(other), None) = (&ending, named) {
+            return Err(Failure::usage(format!(
+                "--out ends in .{other}, and a report is .html, .md or .pdf: name the file so"
+            )));
+        }
         match (self.to, named) {
             (Some(asked), Some(named)) if asked != named => Err(Failure::usage(format!(
                 "--to {} contradicts the extension of --out, which is that of {}: give one of them",

@@ -27,7 +27,7 @@ use crate::run::provenance::this_run;
 use difference::{Difference, Found, differences};
 
 pub const EXAMPLES: &str = "\
-The case and the options come from FILE alone; films, case files and stiffness tables are not needed. Where these files still
+The case and the options come from FILE alone; films, case files and stiffness tables are not needed. Where these files still \
 exist, their hashes are compared, and changes are reported.
 
 Exit codes: 0 no differences, 4 differences, 3 FILE cannot be repeated, 130 interrupted.

@@ -14,7 +14,7 @@ use crate::analysis::films::{FilmWarning, check_films};
 use crate::run::failure::Failure;
 
 /// Adds one case; returns what was added as text. Films that may not belong into the case are taken only if accepted.
-pub fn add(
+pub fn add_case(
     store: &mut Store,
     at: &Path,
     (path, accept): (&Path, bool),
