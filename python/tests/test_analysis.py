@@ -14,6 +14,7 @@ import numpy as np
 import pytest
 
 import spineline as sl
+from spineline import _native
 
 
 def without_run(text: str) -> str:
@@ -104,6 +105,10 @@ def test_the_curve_is_an_array_that_cannot_be_written_to(analysis: sl.Analysis) 
             array.flags.writeable = True
     steps = np.linalg.norm(np.diff(points, axis=0), axis=1)
     assert steps.std() < 1e-6 * steps.mean()
+
+
+def test_the_options_have_types_in_their_order() -> None:
+    assert list(sl.MethodOptions.__annotations__) == _native.option_names()
 
 
 def test_copies_and_pickles_are_equal(case: sl.Case, analysis: sl.Analysis) -> None:

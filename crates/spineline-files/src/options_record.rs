@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 use spineline::action::{Application, LineOfAction};
 use spineline::analysis::{AnalysisOptions, Grouping};
-use spineline::anatomy::{Posture, Region, SagittalProfile};
+use spineline::anatomy::{Posture, Region};
 use spineline::clinical::{CobbEnds, EndChoice, EndRule};
 use spineline::curve::{InflectionChoice, OrderRule, Site};
 use spineline::hypothesis::Hypothesis;
@@ -15,21 +15,19 @@ use spineline::spatial::{Angle, Frontal};
 use crate::FileError;
 use crate::keys::LevelKey;
 use crate::rotation_prior_record::RotationPriorRecord;
-use crate::stiffness_file::{StiffnessFile, border};
+use crate::stiffness_file::{StiffnessFile, degrees};
 
 /// The options of an analysis.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 pub(crate) struct OptionsRecord {
-    /// From which landmarks tilts are measured; files from before this choice have those of the axes.
-    #[serde(default = "axis_tilts")]
+    /// From which landmarks tilts are measured.
     tilt: TiltRule,
     /// Standard deviation of a film's scale against the erect film, as a part of it, where the films do not state theirs;
-    /// `null`, as in files from before this choice, where lengths are compared as marked.
-    #[serde(default)]
+    /// `null` where lengths are compared as marked.
+    #[serde(deserialize_with = "Option::deserialize")]
     film_length_sd: Option<f64>,
     /// Where end vertebrae of Cobb angles are the most tilted ones.
-    #[serde(default = "erect_ends")]
     end_vertebrae: EndRule,
     /// End vertebrae picked by the user.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
@@ -37,11 +35,10 @@ pub(crate) struct OptionsRecord {
     /// `leave_one_out`, `paper`, or an order.
     order_rule: OrderRuleKey,
     /// Picked by hand, caudal first; `null` where they come from the erect curve.
+    #[serde(deserialize_with = "Option::deserialize")]
     inflections: Option<[SiteRecord; 2]>,
     /// Minimum angle of a curve between inflections of the erect curve, in degrees.
     min_curve_deg: f64,
-    /// Fewest and most segments of the erect chain.
-    segment_window: [u32; 2],
     support: Support,
     /// Scale constraint of stiffness and force.
     gauge: GaugeKey,
@@ -51,6 +48,7 @@ pub(crate) struct OptionsRecord {
     fit: FitTarget,
     multipliers: Grouping,
     /// Standard deviation of `ln α` in the prior; `null` without a prior.
+    #[serde(deserialize_with = "Option::deserialize")]
     prior_log_sd: Option<f64>,
     /// Distribution of joint rotations learned from other patients; absent for the published one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -59,8 +57,6 @@ pub(crate) struct OptionsRecord {
     given_lines: Vec<GivenLineRecord>,
     /// Other requested loads and bases, such as `couple+free_base`.
     compared_models: Vec<HypothesisKey>,
-    /// Of the spine where no lateral film is marked.
-    sagittal_profile: ProfileRecord,
     /// Springs before personalisation, each with its source.
     stiffness: StiffnessFile,
 }
@@ -88,11 +84,7 @@ impl TryFrom<String> for OrderRuleKey {
 
 impl From<OrderRuleKey> for String {
     fn from(key: OrderRuleKey) -> Self {
-        match key.0 {
-            OrderRule::LeaveOneOut => "leave_one_out".to_owned(),
-            OrderRule::Paper => "paper".to_owned(),
-            OrderRule::Fixed(order) => order.to_string(),
-        }
+        key.0.key()
     }
 }
 
@@ -152,62 +144,63 @@ struct GivenLineRecord {
     application: Application,
 }
 
-/// Degrees from L4 upwards.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(test, derive(schemars::JsonSchema))]
-struct ProfileRecord {
-    /// Of every joint; flexion positive.
-    turns_deg: [f64; 14],
-    /// Of every vertebra about its own axis.
-    axial_deg: [f64; 15],
-}
-
 impl From<&AnalysisOptions> for OptionsRecord {
     fn from(options: &AnalysisOptions) -> Self {
+        // Every option is in the file: a new one does not compile here until it is.
+        let AnalysisOptions {
+            tilt,
+            film_lengths,
+            order_rule,
+            inflections,
+            min_curve,
+            ends,
+            library,
+            support,
+            gauge,
+            target,
+            grouping,
+            prior,
+            rotation_prior,
+            given_lines,
+            hypotheses,
+        } = options;
         let site = |site: Site| SiteRecord {
             inferior: LevelKey(site.inferior),
             superior: LevelKey(site.superior),
         };
         Self {
-            tilt: options.tilt,
-            film_length_sd: match options.film_lengths {
+            tilt: *tilt,
+            film_length_sd: match *film_lengths {
                 FilmLengthRule::PerFilm { relative_sd } => Some(relative_sd),
                 FilmLengthRule::AsMarked => None,
             },
-            end_vertebrae: options.ends.rule,
-            given_end_vertebrae: given_ends(&options.ends),
-            order_rule: OrderRuleKey(options.order_rule),
-            inflections: match options.inflections {
+            end_vertebrae: ends.rule,
+            given_end_vertebrae: given_ends(ends),
+            order_rule: OrderRuleKey(*order_rule),
+            inflections: match *inflections {
                 InflectionChoice::Automatic => None,
                 InflectionChoice::ByHand(sites) => Some(sites.map(site)),
             },
-            min_curve_deg: border(options.min_curve.rad(), options.min_curve.deg(), |deg| {
-                Angle::from_deg(deg).rad()
-            }),
-            segment_window: [*options.segment_window.start(), *options.segment_window.end()],
-            support: options.support,
-            gauge: match options.gauge {
+            min_curve_deg: degrees(*min_curve),
+            support: *support,
+            gauge: match *gauge {
                 Gauge::GeometricMean => GaugeKey::GeometricMean,
                 Gauge::KnownForce { .. } => GaugeKey::KnownForce,
                 Gauge::FrozenForce => GaugeKey::FrozenForce,
             },
-            known_force: match options.gauge {
+            known_force: match *gauge {
                 Gauge::KnownForce { posture, force_n } => {
                     Some(KnownForceRecord { posture, force_n })
                 }
                 Gauge::GeometricMean | Gauge::FrozenForce => None,
             },
-            fit: options.target,
-            multipliers: options.grouping,
-            prior_log_sd: options.prior.map(|prior| prior.log_sd),
-            rotation_prior: options.rotation_prior.as_ref().and_then(RotationPriorRecord::new),
-            given_lines: options.given_lines.iter().map(GivenLineRecord::from).collect(),
-            compared_models: options.hypotheses.iter().map(|&one| HypothesisKey(one)).collect(),
-            sagittal_profile: ProfileRecord {
-                turns_deg: options.profile.turns_deg,
-                axial_deg: options.profile.axial_deg,
-            },
-            stiffness: StiffnessFile::from(&options.library),
+            fit: *target,
+            multipliers: *grouping,
+            prior_log_sd: prior.map(|prior| prior.log_sd),
+            rotation_prior: rotation_prior.as_ref().and_then(RotationPriorRecord::new),
+            given_lines: given_lines.iter().map(GivenLineRecord::from).collect(),
+            compared_models: hypotheses.iter().map(|&one| HypothesisKey(one)).collect(),
+            stiffness: StiffnessFile::from(library),
         }
     }
 }
@@ -221,14 +214,6 @@ struct GivenEndsRecord {
     inferior: LevelKey,
     /// Upper end vertebra.
     superior: LevelKey,
-}
-
-const fn axis_tilts() -> TiltRule {
-    TiltRule::Axis
-}
-
-const fn erect_ends() -> EndRule {
-    EndRule::Erect
 }
 
 fn given_ends(choice: &EndChoice) -> Vec<GivenEndsRecord> {
@@ -253,7 +238,6 @@ impl OptionsRecord {
     /// The library's options.
     pub fn options(&self) -> Result<AnalysisOptions, FileError> {
         let site = |site: SiteRecord| Site { inferior: site.inferior.0, superior: site.superior.0 };
-        let [fewest, most] = self.segment_window;
         Ok(AnalysisOptions {
             tilt: self.tilt,
             film_lengths: match self.film_length_sd {
@@ -266,11 +250,6 @@ impl OptionsRecord {
                 InflectionChoice::ByHand(sites.map(site))
             }),
             min_curve: Angle::from_deg(self.min_curve_deg),
-            segment_window: fewest..=most,
-            profile: SagittalProfile {
-                turns_deg: self.sagittal_profile.turns_deg,
-                axial_deg: self.sagittal_profile.axial_deg,
-            },
             library: self.stiffness.clone().library()?,
             support: self.support,
             gauge: match (self.gauge, self.known_force) {
@@ -314,5 +293,19 @@ impl GivenLineRecord {
             application: self.application,
         };
         (self.posture, line)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::method_text::all_others;
+
+    #[test]
+    fn every_option_of_the_method_is_in_the_file_and_read_from_it() {
+        let options = all_others();
+        let read = OptionsRecord::from(&options).options().expect("sound options");
+        // The file has the direction of a line, and the text its angle.
+        assert!(read == options, "an option is lost in the file");
     }
 }

@@ -1,5 +1,6 @@
 use serde::{Deserialize, Serialize};
 use spineline::multibody::{JointStiffness, StiffnessLibrary};
+use spineline::spatial::Angle;
 
 use crate::FileError;
 use crate::json::parse;
@@ -78,6 +79,11 @@ fn newton_millimetres(newton_metres: f64) -> f64 {
 pub(crate) fn border(inside: f64, rounded: f64, read: impl Fn(f64) -> f64) -> f64 {
     let neighbours = [rounded, rounded.next_up(), rounded.next_down()];
     neighbours.into_iter().find(|&written| read(written) == inside).unwrap_or(rounded)
+}
+
+/// An angle in degrees, by [`border`].
+pub(crate) fn degrees(angle: Angle) -> f64 {
+    border(angle.rad(), angle.deg(), |deg| Angle::from_deg(deg).rad())
 }
 
 impl From<&StiffnessLibrary> for StiffnessFile {

@@ -14,7 +14,7 @@ use spineline::measure::FilmFrame;
 use spineline::personalize::Identifiability;
 use spineline::spatial::Frontal;
 use spineline::warning::Step;
-use spineline_files::method_text::missing_known_force;
+use spineline_files::method_text::{missing_known_force, options_of};
 use spineline_files::{
     AnalysisFile, CaseFile, FilmOrigin, PICTURE_WARNINGS, Provenance, Request, parse_analysis,
     parse_json, text_with_hash, to_line, to_text,
@@ -27,7 +27,7 @@ use spineline_tables::{Patient, tables};
 use crate::case::Case;
 use crate::fault::Fault;
 use crate::numbers;
-use crate::patient::{check_case, generator, options, run};
+use crate::patient::{check_case, generator, run, words};
 use crate::table::Table;
 use crate::wait::apart;
 
@@ -164,7 +164,8 @@ impl Analysis {
         command: Vec<String>,
         date_utc: String,
     ) -> PyResult<Self> {
-        let (options, files) = options(&given).map_err(|fault| fault.raise(py))?;
+        let (options, files) =
+            options_of(words(&given)).map_err(|error| Fault::from(error).raise(py))?;
         let sha256 = case.input.as_ref().map_or("", |input| &input.sha256);
         check_case(&files, sha256, &case.case.id).map_err(|fault| fault.raise(py))?;
         let request = Request { options, replicates: None, identifiability };

@@ -10,7 +10,7 @@ use rayon::ThreadPool;
 use rayon::prelude::*;
 use spineline::analysis::{Analysis, Subject};
 use spineline::uncertainty::Uncertainty;
-use spineline_files::method_text::{OptionFile, option_file};
+use spineline_files::method_text::{OptionFile, option_file, options_of};
 use spineline_files::{
     InputFile, MAX_FILE_BYTES, Replicates, Request, parse_case_within, read_bytes, sha256_hex,
     text_of, to_line,
@@ -19,7 +19,7 @@ use spineline_tables::{NumberFormat, Patient, Series, Table, TableError, Values,
 
 use crate::analysis::compute;
 use crate::fault::Fault;
-use crate::patient::{check_case, generator, options};
+use crate::patient::{check_case, generator, words};
 use crate::replicates::{asked, pool, run_replicates};
 use crate::wait::{apart, apart_while};
 
@@ -101,7 +101,7 @@ struct Task {
 
 impl Task {
     fn new(given: Vec<(String, String)>, replicates: GivenReplicates) -> Result<Self, Fault> {
-        let (options, option_files) = options(&given)?;
+        let (options, option_files) = options_of(words(&given))?;
         let asked: Option<Replicates> = replicates
             .as_ref()
             .map(|(count, noise, seed)| asked(*count, noise, *seed))

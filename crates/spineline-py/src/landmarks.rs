@@ -7,7 +7,7 @@ use spineline::error::Error;
 use spineline::measure::{Film, ImageGeometry, Spacing, SpacingPlane};
 use spineline::spatial::Pixel;
 use spineline_files::CaseFile;
-use spineline_files::method_text::{of_spelling, posture};
+use spineline_files::method_text::{named, posture};
 use spineline_landmarks::{LandmarkHint, LandmarkReadings, MarkedFilm, parse_landmarks};
 
 use crate::case::Case;
@@ -83,7 +83,7 @@ fn one_film_per_posture(films: &[MarkedFilm]) -> Result<(), Fault> {
 
 /// The side of the picture that shows the patient's left.
 fn side(patient_left: &str) -> Result<ImageSide, Fault> {
-    of_spelling(patient_left).ok_or_else(|| {
+    named(patient_left).map_err(|_| {
         let text = format!("`patient_left` is `{patient_left}`");
         Fault::new(text, "give \"image-left\" or \"image-right\"")
     })

@@ -10,7 +10,6 @@ use spineline::analysis::PersonalisedModel;
 use spineline::multibody::{Goal, Support};
 use spineline::response::{CurveAngles, measure_angles};
 use spineline::spatial::Angle;
-use spineline_files::method_text::of_spelling;
 use spineline_files::{
     ExportFormat, ModelFile, Simulated, export, parse_load, parse_model, text_with_hash, to_text,
 };
@@ -127,7 +126,7 @@ impl Model {
     ) -> PyResult<Simulation> {
         let mut model = self.model.clone();
         if let Some(name) = support {
-            let Some(support) = of_spelling::<Support>(name) else {
+            let Ok(support) = name.parse::<Support>() else {
                 let text = format!("unknown support `{name}`");
                 return Err(Fault::new(text, "give \"free\" or \"frontal\"").raise(py));
             };

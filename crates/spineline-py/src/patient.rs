@@ -2,10 +2,9 @@
 
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use spineline::analysis::AnalysisOptions;
 use spineline::warning::Warning;
 use spineline_files::ProgramRun;
-use spineline_files::method_text::{OPTION_NAMES, OptionFile, option_file, set_option};
+use spineline_files::method_text::{OPTIONS, OptionFile, option_file};
 
 use spineline_report::document::NoticeKind;
 
@@ -21,20 +20,9 @@ pub fn run(command: Vec<String>, date_utc: String) -> ProgramRun {
     ProgramRun { program: generator(), command, date_utc }
 }
 
-/// Options of an analysis, with the files that they name, each with its option.
-///
-/// # Errors
-/// If an option or its value is not known, a file cannot be read, or joint rotations were learned with other tilts.
-pub fn options(given: &[(String, String)]) -> Result<(AnalysisOptions, Vec<OptionFile>), Fault> {
-    let mut options = AnalysisOptions::default();
-    let mut files = Vec::new();
-    for (name, value) in given {
-        files.extend(set_option(&mut options, name, value)?);
-    }
-    for prior in files.iter().filter_map(|file: &OptionFile| file.rotation_prior.as_ref()) {
-        prior.check_tilt(options.tilt)?;
-    }
-    Ok((options, files))
+/// Names and values of options.
+pub fn words(given: &[(String, String)]) -> impl Iterator<Item = (&str, &str)> {
+    given.iter().map(|(name, value)| (name.as_str(), value.as_str()))
 }
 
 /// Refuses a case that the distribution of joint rotations was learned from.
@@ -55,7 +43,7 @@ pub fn names_a_file(name: &str, value: &str) -> bool {
 /// The names of all options of an analysis.
 #[pyfunction]
 pub fn option_names() -> Vec<&'static str> {
-    OPTION_NAMES.to_vec()
+    OPTIONS.map(|option| option.name).to_vec()
 }
 
 /// A warning as a dictionary.

@@ -92,11 +92,10 @@ impl StudyResult {
 /// The analysis of a case with the options of its study.
 fn analysed(current: &CurrentCase) -> Outcome {
     let case = current.usable_case();
-    let options = match current.options.options() {
-        Ok(options) => options,
+    let (options, prior) = match current.options.options() {
+        Ok(read) => read,
         Err(error) => return refused_options(error.to_string()),
     };
-    let prior = current.options.rotation_prior().ok().flatten();
     if let Some(Err(error)) = prior.map(|prior| prior.check_case("", &case.id)) {
         return refused_options(error.to_string());
     }

@@ -1,7 +1,5 @@
-use spineline::analysis::{Analysis, Grouping, Sex, Subject};
-use spineline::curve::{Inflection, OrderRule};
-use spineline::multibody::Support;
-use spineline::personalize::FitTarget;
+use spineline::analysis::{Analysis, Sex, Subject};
+use spineline::curve::Inflection;
 use spineline::spatial::Angle;
 use spineline::warning::Severity;
 
@@ -192,11 +190,7 @@ fn findings<'a>() -> Vec<Column<PatientRow<'a>>> {
 fn options<'a>() -> Vec<Column<PatientRow<'a>>> {
     vec![
         text("order_rule", "`leave_one_out`, `paper`, or an order", |row| {
-            Some(match row.analysis.options.order_rule {
-                OrderRule::LeaveOneOut => "leave_one_out".to_owned(),
-                OrderRule::Paper => "paper".to_owned(),
-                OrderRule::Fixed(order) => order.to_string(),
-            })
+            Some(row.analysis.options.order_rule.key())
         }),
         text(
             "gauge",
@@ -206,33 +200,13 @@ fn options<'a>() -> Vec<Column<PatientRow<'a>>> {
         text(
             "support",
             "`free`, or `frontal` where flexion and axial rotation are locked",
-            |row| {
-                Some(
-                    match row.analysis.options.support {
-                        Support::Free => "free",
-                        Support::Frontal => "frontal",
-                    }
-                    .to_owned(),
-                )
-            },
+            |row| Some(row.analysis.options.support.key().to_owned()),
         ),
         text("fit", "fitted data: `shape`, or `ferguson` angles", |row| {
-            Some(
-                match row.analysis.options.target {
-                    FitTarget::Shape => "shape",
-                    FitTarget::Ferguson => "ferguson",
-                }
-                .to_owned(),
-            )
+            Some(row.analysis.options.target.key().to_owned())
         }),
         text("grouping", "multipliers are `regional` or `per_joint`", |row| {
-            Some(
-                match row.analysis.options.grouping {
-                    Grouping::Regional => "regional",
-                    Grouping::PerJoint => "per_joint",
-                }
-                .to_owned(),
-            )
+            Some(row.analysis.options.grouping.key().to_owned())
         }),
         number("prior_log_sd", Unit::One, "prior standard deviation of ln multiplier", |row| {
             row.analysis.options.prior.map(|prior| prior.log_sd)

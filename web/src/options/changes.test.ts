@@ -9,6 +9,7 @@ const option = (name: string, value: string): Api<"OptionView"> => ({
   help: "",
   value,
   default: value,
+  default_words: value,
   is_changed: false,
   is_closed: false,
   takes_file: false,

@@ -9,7 +9,6 @@ use spineline_files::{
 use spineline_report::document::{Notice, NoticeKind};
 
 use crate::options::method::MethodArgs;
-use crate::options::request;
 use crate::options::uncertainty::UncertaintyArgs;
 use crate::run::failure::Failure;
 use crate::run::inputs::{CaseInput, read_input};
@@ -45,9 +44,13 @@ impl RunRecord {
     /// # Errors
     /// If a file that the options name cannot be read.
     pub fn new(method: &MethodArgs, uncertainty: &UncertaintyArgs) -> Result<Self, Failure> {
-        let request = request(method, uncertainty)?;
-        let shared = method.files().map(|path| read_input(path)).collect::<Result<_, _>>()?;
-        let rotation_prior = method.stored_rotation_prior()?;
+        let (options, rotation_prior) = method.options()?;
+        let request = Request {
+            options,
+            replicates: uncertainty.replicates.asked(),
+            identifiability: uncertainty.identifiability,
+        };
+        let shared = method.files().map(read_input).collect::<Result<_, _>>()?;
         Ok(Self { run: this_run()?, request, shared, rotation_prior })
     }
 

@@ -10,7 +10,7 @@ use spineline_files::{FilmOrigin, InputFile, Provenance, RotationPriorFile};
 use spineline_report::rotation_prior;
 
 use crate::analysis::case::analyze_input;
-use crate::options::choice::{Choice, choice};
+use crate::options::choice::choice;
 use crate::options::values::threads;
 use crate::run::failure::{Ending, Failure};
 use crate::run::inputs::{CaseInput, case_files};
@@ -42,7 +42,7 @@ pub struct LearnPriorArgs {
     #[arg(long, value_name = "FILE")]
     out: PathBuf,
     /// Landmarks from which the tilt of a vertebra is measured; `analyze` takes the file with the same ones only
-    #[arg(long, value_parser = choice::<TiltRule>(), default_value = TiltRule::Endplates.spelling())]
+    #[arg(long, value_parser = choice::<TiltRule>(), default_value = TiltRule::default().key())]
     tilt: TiltRule,
     #[command(flatten)]
     overwrite: OverwriteArgs,

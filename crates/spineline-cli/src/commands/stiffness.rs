@@ -4,14 +4,14 @@ use clap::Args;
 use spineline::multibody::StiffnessTable;
 use spineline_files::{StiffnessFile, to_text};
 
-use crate::options::choice::{Choice, choice};
+use crate::options::choice::choice;
 use crate::run::failure::{Ending, Failure};
 use crate::run::outputs::print_data;
 
 #[derive(Args)]
 pub struct StiffnessArgs {
     /// Table
-    #[arg(value_parser = choice::<StiffnessTable>(), default_value = StiffnessTable::default().spelling())]
+    #[arg(value_parser = choice::<StiffnessTable>(), default_value = StiffnessTable::default().key())]
     table: StiffnessTable,
 }
 

@@ -1,17 +1,16 @@
 //! Options whose values are the library's named values.
 
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
-pub use spineline_files::method_text::{Choice, of_spelling};
+use spineline::anatomy::Named;
+use spineline_files::method_text::{NamedValue, named, named_values};
 
-/// Reads a value by its spelling. Help and completion list all of them.
-pub fn choice<T: Choice>() -> impl TypedValueParser<Value = T> {
-    let possible = |value: &T| {
-        let possible = PossibleValue::new(value.spelling());
-        match Choice::help(*value) {
-            "" => possible,
-            help => possible.help(help),
-        }
-    };
-    PossibleValuesParser::new(T::ALL.iter().map(possible))
-        .try_map(|text| of_spelling(&text).ok_or("expected one of the possible values"))
+/// Reads one of these values as its spelling. Help and completion list all of them.
+pub fn spelling(values: Vec<NamedValue>) -> PossibleValuesParser {
+    let possible = |value: NamedValue| PossibleValue::new(value.spelling).help(value.help);
+    PossibleValuesParser::new(values.into_iter().map(possible))
+}
+
+/// Reads a named value by its spelling.
+pub fn choice<T: Named + Send + Sync>() -> impl TypedValueParser<Value = T> {
+    spelling(named_values::<T>()).try_map(|text| named(&text))
 }

@@ -1,123 +1,93 @@
 //! Choices of the method.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
-use clap::Args;
-use spineline::action::LineOfAction;
-use spineline::analysis::{AnalysisOptions, Grouping};
-use spineline::anatomy::Posture;
-use spineline::clinical::EndChoice;
-use spineline::curve::{InflectionChoice, OrderRule, Site};
-use spineline::measure::{FilmLengthRule, TiltRule};
-use spineline::multibody::Support;
-use spineline::personalize::{FitTarget, Gauge};
-use spineline::spatial::Angle;
+use clap::builder::ValueParser;
+use clap::parser::ValueSource;
+use clap::{Arg, ArgAction, ArgMatches, Args, Command, FromArgMatches, ValueHint};
+use spineline::analysis::AnalysisOptions;
 use spineline_files::StoredRotationPrior;
-use spineline_files::method_text::{
-    ChosenHypotheses, Prior, StiffnessSource, curve_turn, end_vertebrae, film_lengths, gauge,
-    given_line, hypotheses, inflection_sites, option_named, order_rule, prior, read_rotation_prior,
-    stiffness_source,
-};
+use spineline_files::method_text::{MethodOption, OPTIONS, OptionError, OptionValues, options_of};
 
-use super::choice::choice;
+use super::choice::spelling;
 use crate::run::failure::Failure;
 
-fn help_of(name: &str) -> &'static str {
-    option_named(name).help
-}
-
-fn default_of(name: &str) -> &'static str {
-    option_named(name).default
-}
-
-/// Choices of the method, with the texts of the list of all options.
-#[derive(Args)]
-#[command(next_help_heading = "Method")]
+/// Choices of the method: one for each of [`OPTIONS`].
 pub struct MethodArgs {
-    #[arg(long, help = help_of("order_rule"), value_name = "RULE", default_value = default_of("order_rule"), value_parser = order_rule)]
-    order_rule: OrderRule,
-    #[arg(long, help = help_of("gauge"), value_name = "GAUGE", default_value = default_of("gauge"), value_parser = gauge)]
-    gauge: Gauge,
-    #[arg(long, help = help_of("support"), value_parser = choice::<Support>(), default_value = default_of("support"))]
-    support: Support,
-    #[arg(long, help = help_of("fit"), value_parser = choice::<FitTarget>(), default_value = default_of("fit"))]
-    fit: FitTarget,
-    #[arg(long, help = help_of("tilt"), value_parser = choice::<TiltRule>(), default_value = default_of("tilt"))]
-    tilt: TiltRule,
-    #[arg(long, help = help_of("film_lengths"), value_name = "RULE", default_value = default_of("film_lengths"), value_parser = film_lengths)]
-    film_lengths: FilmLengthRule,
-    #[arg(long, help = help_of("end_vertebrae"), value_name = "CHOICE", default_value = default_of("end_vertebrae"), value_parser = end_vertebrae)]
-    end_vertebrae: EndChoice,
-    #[arg(long, help = help_of("multipliers"), value_parser = choice::<Grouping>(), default_value = default_of("multipliers"))]
-    multipliers: Grouping,
-    #[arg(long, help = help_of("prior"), value_name = "none|in-vivo|SD", default_value = default_of("prior"), value_parser = prior)]
-    prior: Prior,
-    #[arg(long, help = help_of("rotation_prior"), value_name = "FILE")]
-    rotation_prior: Option<PathBuf>,
-    #[arg(long, help = help_of("stiffness"), value_name = "TABLE|FILE", default_value = default_of("stiffness"), value_parser = stiffness_source)]
-    stiffness: StiffnessSource,
-    #[arg(long, help = help_of("inflections"), value_name = "SITE,SITE", value_parser = inflection_sites)]
-    inflections: Option<[Site; 2]>,
-    #[arg(long, help = help_of("min_curve"), value_name = "DEG", default_value = default_of("min_curve"), value_parser = curve_turn)]
-    min_curve: Angle,
-    #[arg(long, help = help_of("given_line"), value_name = "LINE", value_parser = given_line)]
-    given_line: Vec<(Posture, LineOfAction)>,
-    #[arg(long, help = help_of("compare_models"), value_name = "all|NAME,NAME", value_parser = hypotheses)]
-    compare_models: Option<ChosenHypotheses>,
+    /// Those that were given, with their values, in the order of [`OPTIONS`].
+    given: Vec<(&'static MethodOption, String)>,
+}
+
+impl Args for MethodArgs {
+    fn augment_args(command: Command) -> Command {
+        command.next_help_heading("Method").args(OPTIONS.iter().map(arg))
+    }
+
+    fn augment_args_for_update(command: Command) -> Command {
+        Self::augment_args(command)
+    }
+}
+
+/// The argument of an option.
+fn arg(option: &'static MethodOption) -> Arg {
+    let parser: ValueParser = match option.values {
+        OptionValues::Named(values) if !option.takes_a_file() => spelling(values()).into(),
+        _ => {
+            let read = |text: &str| option.check(text).map(|()| text.to_owned());
+            ValueParser::from(read)
+        }
+    };
+    let arg = Arg::new(option.name)
+        .long(option.name.replace('_', "-"))
+        .help(option.help)
+        .value_name(option.value_name)
+        .value_parser(parser)
+        .action(if option.may_repeat { ArgAction::Append } else { ArgAction::Set });
+    let takes_only_files = option.takes_a_file() && option.named_values().is_empty();
+    let arg = if takes_only_files { arg.value_hint(ValueHint::AnyPath) } else { arg };
+    let default = option.default_text();
+    if default.is_empty() { arg } else { arg.default_value(default) }
+}
+
+impl FromArgMatches for MethodArgs {
+    fn from_arg_matches(matches: &ArgMatches) -> Result<Self, clap::Error> {
+        let is_given = |option: &&MethodOption| {
+            matches.value_source(option.name) == Some(ValueSource::CommandLine)
+        };
+        let values = |option: &'static MethodOption| {
+            let values = matches.get_many::<String>(option.name).into_iter().flatten();
+            values.map(move |value| (option, value.clone()))
+        };
+        Ok(Self { given: OPTIONS.iter().filter(is_given).flat_map(values).collect() })
+    }
+
+    fn update_from_arg_matches(&mut self, matches: &ArgMatches) -> Result<(), clap::Error> {
+        *self = Self::from_arg_matches(matches)?;
+        Ok(())
+    }
 }
 
 impl MethodArgs {
-    /// The library's options.
+    /// The library's options, and the distribution of joint rotations that is read from a file.
     ///
     /// # Errors
-    /// If the stiffness table cannot be read.
-    pub fn options(&self) -> Result<AnalysisOptions, Failure> {
-        let mut options = AnalysisOptions {
-            tilt: self.tilt,
-            film_lengths: self.film_lengths,
-            ends: self.end_vertebrae,
-            order_rule: self.order_rule,
-            gauge: self.gauge,
-            support: self.support,
-            target: self.fit,
-            grouping: self.multipliers,
-            prior: self.prior.0,
-            inflections: self
-                .inflections
-                .map_or(InflectionChoice::Automatic, InflectionChoice::ByHand),
-            min_curve: self.min_curve,
-            given_lines: self.given_line.clone(),
-            hypotheses: self.compare_models.clone().map(|chosen| chosen.0).unwrap_or_default(),
-            ..AnalysisOptions::default()
-        };
-        options.library = self.stiffness.library().map_err(|error| {
-            let path = self.stiffness_file().map_or(Path::new(""), PathBuf::as_path);
-            Failure::file(path, &error)
+    /// If a file cannot be read, or joint rotations were learned with tilts of another rule.
+    pub fn options(&self) -> Result<(AnalysisOptions, Option<StoredRotationPrior>), Failure> {
+        let given = self.given.iter().map(|(option, value)| (option.name, value.as_str()));
+        let (options, files) = options_of(given).map_err(|error| match error {
+            OptionError::File { name, error } => {
+                let value = self.given.iter().find(|(option, _)| option.name == name);
+                let path = value.map_or("", |(_, value)| value.as_str());
+                Failure::file(Path::new(path), &error)
+            }
+            other => Failure::usage(format!("{other}; {}", other.help())),
         })?;
-        options.rotation_prior = self.stored_rotation_prior()?.map(|stored| stored.prior);
-        Ok(options)
-    }
-
-    /// The distribution of joint rotations that is read from a file.
-    ///
-    /// # Errors
-    /// If the file cannot be read, or was learned with tilts of another rule.
-    pub fn stored_rotation_prior(&self) -> Result<Option<StoredRotationPrior>, Failure> {
-        let Some(path) = &self.rotation_prior else { return Ok(None) };
-        let stored = read_rotation_prior(path).map_err(|error| Failure::file(path, &error))?;
-        stored.check_tilt(self.tilt).map_err(|error| Failure::file(path, &error))?;
-        Ok(Some(stored))
+        Ok((options, files.into_iter().find_map(|file| file.rotation_prior)))
     }
 
     /// Files that the options name: they are inputs.
-    pub fn files(&self) -> impl Iterator<Item = &PathBuf> {
-        self.stiffness_file().into_iter().chain(&self.rotation_prior)
-    }
-
-    fn stiffness_file(&self) -> Option<&PathBuf> {
-        match &self.stiffness {
-            StiffnessSource::File(path) => Some(path),
-            StiffnessSource::Table(_) => None,
-        }
+    pub fn files(&self) -> impl Iterator<Item = &Path> {
+        let files = self.given.iter().rev().filter(|(option, value)| option.names_a_file(value));
+        files.map(|(_, value)| Path::new(value))
     }
 }

@@ -4,9 +4,27 @@ use std::sync::LazyLock;
 
 use clap::ValueEnum;
 use clap::builder::PossibleValue;
+use spineline::analysis::AnalysisOptions;
+use spineline::curve::OrderRule;
+use spineline::measure::{FilmLengthRule, TiltRule};
+use spineline::multibody::Support;
+use spineline::personalize::FitTarget;
 use spineline_phantom::{Construction, Readers, Truth};
 
 use crate::run::failure::Failure;
+
+/// How studies of synthetic patients analyse them: by the paper's method, except for the choices that are named here
+/// (docs/decisions/0003, 0030, 0032), and those that the study varies.
+pub fn options_of(support: Support, target: FitTarget) -> AnalysisOptions {
+    AnalysisOptions {
+        order_rule: OrderRule::LeaveOneOut,
+        tilt: TiltRule::Endplates,
+        film_lengths: FilmLengthRule::default(),
+        support,
+        target,
+        ..AnalysisOptions::paper()
+    }
+}
 
 /// A loading scenario: what moved the synthetic spine.
 #[derive(Clone, Copy)]

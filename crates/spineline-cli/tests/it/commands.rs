@@ -46,20 +46,6 @@ fn every_command_has_a_manual_page() {
 }
 
 #[test]
-fn a_scenario_is_given_by_either_name_of_its_option() {
-    let here = folder();
-    for option in ["--truth", "--scenario"] {
-        let out = format!("--out={}", option.trim_start_matches('-'));
-        let line = ["phantom", option, "bend", "--subject", "2", &out];
-        assert_eq!(run(here.path(), &line).2, 0, "{option}");
-    }
-    let read = |folder: &str| {
-        fs::read(here.path().join(folder).join("phantom-bend-02.json")).expect("it was written")
-    };
-    assert_eq!(read("truth"), read("scenario"));
-}
-
-#[test]
 fn a_phantom_is_made_checked_and_analysed() {
     let here = with_phantom(&[]);
     let (text, error, code) = run(here.path(), &["check", "cases"]);

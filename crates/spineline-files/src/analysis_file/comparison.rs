@@ -23,10 +23,8 @@ pub(super) struct ComparisonRecord {
     /// By line.
     lines: BTreeMap<String, LineRecord>,
     /// By baseline and role: mean error over the films that the baseline predicts.
-    #[serde(default)]
     baselines_mm: BTreeMap<String, BTreeMap<String, f64>>,
     /// Every line, and every other load and base, beside the best prediction without mechanics.
-    #[serde(default)]
     against_baselines: Vec<AgainstRecord>,
     /// Every film once per role.
     films: Vec<FilmRecord>,

@@ -75,7 +75,6 @@ pub struct AnalysisFile {
     /// One model per line of action: `inflection_line`, `iliac_line`, `estimated_line`, `given_line`.
     models: BTreeMap<String, ModelRecord>,
     /// The lines on the same films, every bend left out once; `null` where there is no model.
-    #[serde(default)]
     comparison: Option<ComparisonRecord>,
     /// Other loads and bases, such as `couple` or `inflection_line+free_base`; absent if not requested.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
@@ -134,7 +133,6 @@ struct ClinicalRecord {
     /// Lenke's curve type as far as frontal films determine it.
     lenke_type: Option<u8>,
     /// Of the erect film; absent where its vertical is not known.
-    #[serde(default)]
     balance: Option<BalanceRecord>,
     curves: BTreeMap<String, ClinicalCurveRecord>,
 }

@@ -64,7 +64,7 @@ struct LengthsRecord {
     source: Option<SpacingSource>,
     /// Standard deviation of the scale, as a part of it.
     relative_sd: Option<f64>,
-    /// This film against the erect one; absent for the erect film and in files from before this was measured.
+    /// This film against the erect one; absent for the erect film.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     against_erect: Option<FilmLengthRecord>,
     /// Length of the line through the midpoints L4 to T2, and its standard deviation from the scale alone.
@@ -161,7 +161,6 @@ struct PreferredLineRecord {
     /// Of "it is parallel to the iliac line"; `null` where no crests are marked.
     parallel_to_iliac_line: Option<TestRecord>,
     /// Against the line that was given for this film.
-    #[serde(default)]
     given_line: Option<LineComparisonRecord>,
     /// Deviation of ln stiffness among the joints of a region, from all films together.
     joint_log_sd: f64,
@@ -196,7 +195,6 @@ struct TestRecord {
     restrictions: u32,
     /// Degrees of freedom of these standard deviations, as far as they come from how readings differ; null where noise was assumed,
     /// or where they are so many that they make no difference.
-    #[serde(default)]
     noise_degrees_of_freedom: Option<f64>,
     p_value: f64,
 }

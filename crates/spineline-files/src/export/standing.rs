@@ -10,13 +10,11 @@ pub(super) fn sources(model: &PersonalisedModel) -> [String; 3] {
         told(model, "Pitch and depth", &model.pitch_from, |source| match source {
             Some(PitchSource::LateralFilm) => "MEASURED on the lateral film",
             Some(PitchSource::Population) => "ASSUMED, the profile of a population",
-            Some(PitchSource::Given) => "ASSUMED, a profile that was given",
             None => "measured or assumed, which the model file does not say",
         }),
         told(model, "Axial rotation", &model.axial_from, |source| match source {
             Some(AxialSource::Pedicles) => "MEASURED from both pedicles on the erect film",
             Some(AxialSource::Unknown) => "NOT KNOWN, and zero here",
-            Some(AxialSource::Given) => "ASSUMED, rotations that were given",
             None => "measured, or not known and zero, which the model file does not say",
         }),
         told(model, "Drawn widths", &widths, |is_measured| {

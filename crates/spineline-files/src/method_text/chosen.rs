@@ -3,13 +3,8 @@
 use serde::{Deserialize, Serialize};
 use spineline::analysis::AnalysisOptions;
 
-use super::catalogue::{MethodOption, OPTIONS};
-use super::parse::given_line;
-use super::{OptionError, set_option_of_text};
-use crate::{StoredRotationPrior, parse_rotation_prior, sha256_hex};
-
-/// Options that a study does not keep, because they have results of their own.
-const NOT_OF_A_STUDY: [&str; 1] = ["compare_models"];
+use super::{MethodOption, OPTIONS, OptionError, option_of, set_option_of_text};
+use crate::{StoredRotationPrior, sha256_hex};
 
 /// An option with its value.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
@@ -43,6 +38,25 @@ impl ChosenOption {
         }
     }
 
+    /// What the option is; empty where the program does not know it.
+    fn title(&self) -> &'static str {
+        option_of(&self.name).map_or("", |(_, option)| option.title)
+    }
+
+    /// Sets the option without reading a file.
+    fn set(
+        &self,
+        options: &mut AnalysisOptions,
+    ) -> Result<Option<StoredRotationPrior>, OptionError> {
+        if option_of(&self.name).is_ok_and(|(_, option)| !option.of_a_study) {
+            return Err(self.refused("a study does not keep this option"));
+        }
+        match &self.file {
+            None => set_option_of_text(options, &self.name, &self.value, None),
+            Some(file) => set_option_of_text(options, &self.name, file, Some(&self.value)),
+        }
+    }
+
     fn refused(&self, reason: impl Into<String>) -> OptionError {
         let value = self.file.clone().unwrap_or_else(|| self.value.clone());
         OptionError::Value { name: self.name.clone(), value, reason: reason.into() }
@@ -73,26 +87,26 @@ impl ChosenOptions {
     /// # Errors
     /// [`OptionError`]: no such option of a study, no such value, or an option twice.
     pub fn new(wanted: &[ChosenOption]) -> Result<Self, OptionError> {
-        let mut kept: Vec<ChosenOption> = Vec::new();
+        let mut known: Vec<(usize, ChosenOption)> = Vec::new();
         for ChosenOption { name, value, file } in wanted {
-            let (name, value) = (name.replace('-', "_"), value.trim().to_owned());
+            let (place, option) = option_of(name)?;
+            let (name, value) = (option.name.to_owned(), value.trim().to_owned());
             let one = ChosenOption { name, value, file: file.clone() };
-            if kept.iter().any(|other| other.name == one.name) {
+            if known.iter().any(|(other, _)| *other == place) {
                 return Err(one.refused("the option is given twice"));
             }
-            let option = OPTIONS.iter().find(|option| option.name == one.name);
-            if one.file.is_none() && option.is_some_and(|option| option.default == one.value) {
-                continue;
+            known.push((place, one));
+        }
+        known.sort_by_key(|(place, _)| *place);
+        let mut options = AnalysisOptions::default();
+        let mut kept = Vec::new();
+        for (_, one) in known {
+            let before = options.clone();
+            one.set(&mut options)?;
+            if options != before {
+                kept.push(one);
             }
-            kept.push(one);
         }
-        for one in &kept {
-            let mut alone = AnalysisOptions::default();
-            set(&mut alone, one)?;
-        }
-        kept.retain(differs);
-        prior_of(&kept)?;
-        kept.sort_by_key(|one| OPTIONS.iter().position(|option| option.name == one.name));
         Ok(Self(kept))
     }
 
@@ -108,88 +122,36 @@ impl ChosenOptions {
         self.0.iter().find(|one| one.name == name)
     }
 
-    /// The distribution of joint rotations that was chosen.
-    ///
-    /// # Errors
-    /// [`OptionError`], where another version of the program chose it.
-    pub fn rotation_prior(&self) -> Result<Option<StoredRotationPrior>, OptionError> {
-        prior_of(&self.0)
-    }
-
-    /// The library's options.
+    /// The library's options, and the distribution of joint rotations that was chosen.
     ///
     /// # Errors
     /// [`OptionError`], where another version of the program chose them.
-    pub fn options(&self) -> Result<AnalysisOptions, OptionError> {
+    pub fn options(&self) -> Result<(AnalysisOptions, Option<StoredRotationPrior>), OptionError> {
         let mut options = AnalysisOptions::default();
+        let mut learned = None;
         for one in &self.0 {
-            set(&mut options, one)?;
+            learned = one.set(&mut options)?.or(learned);
         }
-        Ok(options)
+        Ok((options, learned))
     }
 
     /// What was chosen in a few words, such as `Support: free; Fitted to: ferguson`; empty for the defaults.
     #[must_use]
     pub fn words(&self) -> String {
-        let title = |name: &str| {
-            OPTIONS.iter().find(|option| option.name == name).map_or("", |option| option.title)
-        };
-        let words = self.0.iter().map(|one| format!("{}: {}", title(&one.name), one.words()));
+        let words = self.0.iter().map(|one| format!("{}: {}", one.title(), one.words()));
         words.collect::<Vec<_>>().join("; ")
     }
 
     /// The files among them in words, each with its option.
     pub fn files(&self) -> impl Iterator<Item = (&'static str, String)> {
         let files = self.0.iter().filter(|one| one.file.is_some());
-        files.filter_map(|one| {
-            let option = OPTIONS.iter().find(|option| option.name == one.name)?;
-            Some((option.title, one.words()))
-        })
+        files.map(|one| (one.title(), one.words()))
     }
 }
 
 /// The options that a study keeps, in their order.
 pub fn study_options() -> impl Iterator<Item = &'static MethodOption> {
-    OPTIONS.iter().filter(|option| !NOT_OF_A_STUDY.contains(&option.name))
-}
-
-fn differs(one: &ChosenOption) -> bool {
-    let mut alone = AnalysisOptions::default();
-    set(&mut alone, one).is_ok() && alone != AnalysisOptions::default()
-}
-
-/// The distribution of joint rotations among some options, which has to have been learned with their tilts.
-fn prior_of(all: &[ChosenOption]) -> Result<Option<StoredRotationPrior>, OptionError> {
-    let Some(one) = all.iter().find(|one| one.name == "rotation_prior") else { return Ok(None) };
-    let error = |error| OptionError::File { name: one.name.clone(), error };
-    let stored = parse_rotation_prior(&one.value).map_err(error)?;
-    let mut options = AnalysisOptions::default();
-    if let Some(tilt) = all.iter().find(|one| one.name == "tilt") {
-        set(&mut options, tilt)?;
-    }
-    stored.check_tilt(options.tilt).map_err(error)?;
-    Ok(Some(stored))
-}
-
-/// Sets one option without reading a file.
-fn set(options: &mut AnalysisOptions, one: &ChosenOption) -> Result<(), OptionError> {
-    match (one.name.as_str(), &one.file) {
-        (name, _) if NOT_OF_A_STUDY.contains(&name) => {
-            return Err(one.refused("a study does not keep this option"));
-        }
-        ("given_line", None) => {
-            for text in one.value.split(';').map(str::trim).filter(|text| !text.is_empty()) {
-                let (posture, line) = given_line(text).map_err(|why| one.refused(why))?;
-                if options.given_lines.iter().any(|(other, _)| *other == posture) {
-                    return Err(one.refused(format!("the {posture} film has two lines")));
-                }
-                options.given_lines.push((posture, line));
-            }
-        }
-        (name, None) => drop(set_option_of_text(options, name, &one.value, None)?),
-        (name, Some(file)) => drop(set_option_of_text(options, name, file, Some(&one.value))?),
-    }
-    Ok(())
+    OPTIONS.iter().filter(|option| option.of_a_study)
 }
 
 #[cfg(test)]
@@ -209,26 +171,15 @@ mod tests {
     }
 
     #[test]
-    fn every_default_of_the_list_is_the_default_of_the_library() {
-        for of_study in study_options().filter(|option| !option.default.is_empty()) {
-            let mut options = AnalysisOptions::default();
-            set(&mut options, &option(of_study.name, of_study.default)).expect(of_study.name);
-            assert_eq!(options, AnalysisOptions::default(), "{}", of_study.name);
-        }
-    }
-
-    #[test]
     fn every_suggested_value_is_read() {
         for of_study in study_options() {
-            let values: Vec<&str> = match of_study.values {
-                OptionValues::Named(all) | OptionValues::NamedOrFile(all) => {
-                    all().iter().map(|one| one.spelling).collect()
-                }
-                OptionValues::Text(some) => some.to_vec(),
-                OptionValues::File => Vec::new(),
+            let suggested: &[&str] = match of_study.values {
+                OptionValues::Named(_) => &[],
+                OptionValues::Text(some) => some,
             };
-            for value in values {
-                ChosenOptions::new(&[option(of_study.name, value)]).expect(value);
+            let named = of_study.named_values().into_iter().map(|one| one.spelling);
+            for value in named.chain(suggested.iter().copied().map(str::to_owned)) {
+                ChosenOptions::new(&[option(of_study.name, &value)]).expect(&value);
             }
         }
     }
@@ -253,7 +204,7 @@ mod tests {
         .expect("valid");
         let names: Vec<&str> = chosen.all().iter().map(|one| one.name.as_str()).collect();
         assert_eq!(names, ["order_rule", "support", "inflections"]);
-        assert_eq!(chosen.options().expect("valid").support, Support::Free);
+        assert_eq!(chosen.options().expect("valid").0.support, Support::Free);
         assert_eq!(
             chosen.words(),
             "Order of the curves: paper; Support: free; Inflections: L1/T12,T6"
@@ -283,7 +234,7 @@ mod tests {
         let mut table = StiffnessTable::InVitro.library();
         let text = crate::to_text(&crate::StiffnessFile::from(&table));
         let chosen = ChosenOptions::new(&[file("stiffness", &text)]).expect("a table");
-        assert_eq!(chosen.options().expect("valid").library, table);
+        assert_eq!(chosen.options().expect("valid").0.library, table);
         let digest = sha256_hex(text.trim().as_bytes());
         let words = format!("Stiffness table: own.json (SHA-256 {}…)", &digest[..12]);
         assert_eq!(chosen.words(), words);
@@ -303,6 +254,6 @@ mod tests {
     fn lines_of_several_films_are_one_option() {
         let text = "left_bending=20,150,-5; right_bending=-20,150,5";
         let chosen = ChosenOptions::new(&[option("given_line", text)]).expect("two lines");
-        assert_eq!(chosen.options().expect("valid").given_lines.len(), 2);
+        assert_eq!(chosen.options().expect("valid").0.given_lines.len(), 2);
     }
 }

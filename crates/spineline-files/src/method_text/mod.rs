@@ -1,4 +1,5 @@
-//! Options of the method as text: the command line and the Python package spell them alike.
+//! Options of the method as text, each defined once in [`OPTIONS`]: command line, Python package, form of a study, reports and files
+//! follow.
 //!
 //! ```
 //! use spineline::analysis::AnalysisOptions;
@@ -10,37 +11,29 @@
 //! assert_eq!(error.to_string(), "unknown option `suport`; did you mean `support`?");
 //! ```
 
-mod catalogue;
-mod choice;
 mod chosen;
-mod ends;
 mod parse;
-mod values;
+mod show;
+mod table;
+mod words;
 
-pub use catalogue::{MethodOption, NamedValue, OPTION_NAMES, OPTIONS, OptionValues, option_named};
-pub use choice::{Choice, of_spelling};
 pub use chosen::{ChosenOption, ChosenOptions, study_options};
-pub use ends::end_vertebrae;
-pub use parse::{
-    ChosenHypotheses, Prior, StiffnessSource, curve_turn, film_lengths, gauge, given_line,
-    hypotheses, inflection_sites, noise, order_rule, prior, read_rotation_prior, site_text,
-    stiffness_source,
-};
-pub use values::{number, posture};
+pub use parse::{named, noise, number, posture};
+pub use show::site_text;
+pub use table::{MethodOption, NamedValue, OPTIONS, OptionValues, named_values};
+
+#[cfg(test)]
+pub(crate) use tests::all_others;
 
 use std::path::PathBuf;
 
 use serde::Serialize;
 use spineline::analysis::{AnalysisOptions, Case};
 use spineline::anatomy::Posture;
-use spineline::curve::InflectionChoice;
-use spineline::multibody::StiffnessTable;
 use spineline::personalize::Gauge;
 
 use crate::nearest::nearest;
-use crate::{
-    FileError, InputFile, StoredRotationPrior, parse_rotation_prior, parse_stiffness, read_text,
-};
+use crate::{FileError, InputFile, StoredRotationPrior, read_text};
 
 /// An option that cannot be used.
 #[derive(Debug, thiserror::Error)]
@@ -87,12 +80,19 @@ impl OptionError {
     }
 }
 
+/// The option of a name, in either spelling, with its place in [`OPTIONS`].
+fn option_of(name: &str) -> Result<(usize, &'static MethodOption), OptionError> {
+    let name = name.replace('-', "_");
+    OPTIONS.iter().enumerate().find(|(_, option)| option.name == name).ok_or_else(|| {
+        let nearest = nearest(&name, &OPTIONS.map(|option| option.name));
+        OptionError::Unknown { name, nearest }
+    })
+}
+
 /// The file that the value of an option names; `None` where the value is a word.
 #[must_use]
 pub fn option_file(name: &str, value: &str) -> Option<PathBuf> {
-    let name = name.replace('-', "_");
-    let option = OPTIONS.iter().find(|option| option.name == name)?;
-    option.values.names_a_file(value).then(|| PathBuf::from(value))
+    option_of(name).ok()?.1.names_a_file(value).then(|| PathBuf::from(value))
 }
 
 /// A file that an option names.
@@ -108,11 +108,30 @@ pub struct OptionFile {
     pub rotation_prior: Option<StoredRotationPrior>,
 }
 
-/// Sets one option by its name, and returns the file that its value names, if it names one. A `given_line` is added to those that
-/// were given before.
+/// The options of these names and values, and the files that the values name. They are set in the order of [`OPTIONS`], in whichever
+/// order they are given; an option that may be repeated has all of its values.
 ///
 /// # Errors
-/// [`OptionError`]: no such option, no such value, or a file that cannot be read.
+/// [`OptionError`]: no such option, no such value, a file that cannot be read, or joint rotations that were learned with other tilts.
+pub fn options_of<'a>(
+    given: impl IntoIterator<Item = (&'a str, &'a str)>,
+) -> Result<(AnalysisOptions, Vec<OptionFile>), OptionError> {
+    let known = given.into_iter().map(|(name, value)| Ok((option_of(name)?, value)));
+    let mut known: Vec<_> = known.collect::<Result<_, OptionError>>()?;
+    known.sort_by_key(|((place, _), _)| *place);
+    let mut options = AnalysisOptions::default();
+    let mut files = Vec::new();
+    for ((_, option), value) in known {
+        files.extend(set_option(&mut options, option.name, value)?);
+    }
+    Ok((options, files))
+}
+
+/// Sets one option by its name, and returns the file that its value names, if it names one. A `given_line` is added to those that
+/// were given before; joint rotations are checked against the tilts that are set.
+///
+/// # Errors
+/// [`OptionError`]: no such option, no such value, or a file that cannot be read or used.
 pub fn set_option(
     options: &mut AnalysisOptions,
     name: &str,
@@ -133,58 +152,28 @@ pub fn set_option(
 
 /// Sets one option without reading a file: where its value names one, the text of the file is given. Returns the distribution of joint
 /// rotations that the file holds.
-///
-/// # Errors
-/// As of [`set_option`], and a file for an option that takes none.
-pub(crate) fn set_option_of_text(
+fn set_option_of_text(
     options: &mut AnalysisOptions,
     name: &str,
     value: &str,
     file: Option<&str>,
 ) -> Result<Option<StoredRotationPrior>, OptionError> {
-    let name = name.replace('-', "_");
+    let (_, option) = option_of(name)?;
+    let name = option.name.to_owned();
     let refused =
-        |reason: String| OptionError::Value { name: name.clone(), value: value.to_owned(), reason };
+        |reason| OptionError::Value { name: name.clone(), value: value.to_owned(), reason };
     let in_file = |error| OptionError::File { name: name.clone(), error };
-    let known = OPTIONS.iter().find(|option| option.name == name);
-    if file.is_some() && known.is_some_and(|option| !option.values.takes_a_file()) {
-        return Err(refused("this option takes no file".to_owned()));
-    }
-    match name.as_str() {
-        "order_rule" => options.order_rule = order_rule(value).map_err(refused)?,
-        "gauge" => options.gauge = gauge(value).map_err(refused)?,
-        "support" => options.support = named(value).map_err(refused)?,
-        "fit" => options.target = named(value).map_err(refused)?,
-        "tilt" => options.tilt = named(value).map_err(refused)?,
-        "film_lengths" => options.film_lengths = film_lengths(value).map_err(refused)?,
-        "end_vertebrae" => options.ends = end_vertebrae(value).map_err(refused)?,
-        "multipliers" => options.grouping = named(value).map_err(refused)?,
-        "prior" => options.prior = prior(value).map_err(refused)?.0,
-        "rotation_prior" => {
-            let expected = || refused("expected a file of `spineline learn-prior`".to_owned());
-            let stored = parse_rotation_prior(file.ok_or_else(expected)?).map_err(in_file)?;
-            options.rotation_prior = Some(stored.prior.clone());
-            return Ok(Some(stored));
-        }
-        "stiffness" => {
-            options.library = match file {
-                Some(text) => parse_stiffness(text).map_err(in_file)?,
-                None => named::<StiffnessTable>(value).map_err(refused)?.library(),
-            };
-        }
-        "inflections" => {
-            let sites = inflection_sites(value).map_err(refused)?;
-            options.inflections = InflectionChoice::ByHand(sites);
-        }
-        "min_curve" => options.min_curve = curve_turn(value).map_err(refused)?,
-        "given_line" => options.given_lines.push(given_line(value).map_err(refused)?),
-        "compare_models" => options.hypotheses = hypotheses(value).map_err(refused)?.0,
-        _ => {
-            let nearest = nearest(&name, &OPTION_NAMES);
-            return Err(OptionError::Unknown { name, nearest });
+    match (file, option.read_file) {
+        (None, _) => (option.read)(options, value).map(|()| None).map_err(refused),
+        (Some(_), None) => Err(refused("this option takes no file".to_owned())),
+        (Some(text), Some(read)) => {
+            let learned = read(options, text).map_err(in_file)?;
+            if let Some(prior) = &learned {
+                prior.check_tilt(options.tilt).map_err(in_file)?;
+            }
+            Ok(learned)
         }
     }
-    Ok(None)
 }
 
 /// The film whose force the options know, where the case does not have it: such options do not fit the case.
@@ -195,43 +184,127 @@ pub fn missing_known_force(options: &AnalysisOptions, case: &Case) -> Option<Pos
     (!has).then_some(posture)
 }
 
-/// A named value, in either spelling.
-fn named<T: Choice>(text: &str) -> Result<T, String> {
-    of_spelling(&text.replace('_', "-")).or_else(|| of_spelling(text)).ok_or_else(|| {
-        let known: Vec<&str> = T::ALL.iter().map(|value| value.spelling()).collect();
-        format!("expected one of {}", known.join(", "))
-    })
-}
-
 #[cfg(test)]
 mod tests {
+    use super::parse::inflection_sites;
     use super::*;
-    use spineline::multibody::Support;
+    use spineline::anatomy::Levels;
+    use spineline::evaluate::RotationPrior;
+    use spineline::multibody::{StiffnessTable, Support};
+
+    /// Another value of every option than the default; empty where only a file has one.
+    const OTHERS: [&str; OPTIONS.len()] = [
+        "paper",
+        "known-force:traction=117.3",
+        "free",
+        "ferguson",
+        "axis",
+        "2.7",
+        "main-thoracic=T12/T5,proximal-thoracic=T5/T2",
+        "per-joint",
+        "in-vivo",
+        "",
+        "in-vitro",
+        "L1/T12,T6",
+        "4.1",
+        "left_bending=20,150,-5; right_bending=-20.25,150,7.3",
+        "couple,inflection-line+free-base",
+    ];
+
+    /// Options of which every one has another value than the default.
+    pub fn all_others() -> AnalysisOptions {
+        let given = OPTIONS.iter().map(|option| option.name).zip(OTHERS);
+        let (options, _) =
+            options_of(given.filter(|(_, value)| !value.is_empty())).expect("sound values");
+        AnalysisOptions {
+            rotation_prior: Some(RotationPrior::published(Levels::COMPLETE)),
+            ..options
+        }
+    }
 
     #[test]
-    fn every_option_is_set_by_its_name() {
-        let values = [
-            "paper",
-            "frozen-force",
-            "free",
-            "ferguson",
-            "axis",
-            "as-marked",
-            "each-film",
-            "per-joint",
-            "in-vivo",
-            "in-vitro",
-            "L1/T12,T6",
-            "7",
-            "left_bending=20,150,-5",
-            "all",
+    fn every_field_of_the_options_is_set_by_an_option() {
+        // A new field does not compile here until it is compared too.
+        let AnalysisOptions {
+            tilt,
+            film_lengths,
+            order_rule,
+            inflections,
+            min_curve,
+            ends,
+            library,
+            support,
+            gauge,
+            target,
+            grouping,
+            prior,
+            rotation_prior,
+            given_lines,
+            hypotheses,
+        } = all_others();
+        let usual = AnalysisOptions::default();
+        let differ = [
+            tilt != usual.tilt,
+            film_lengths != usual.film_lengths,
+            order_rule != usual.order_rule,
+            inflections != usual.inflections,
+            min_curve != usual.min_curve,
+            ends != usual.ends,
+            library != usual.library,
+            support != usual.support,
+            gauge != usual.gauge,
+            target != usual.target,
+            grouping != usual.grouping,
+            prior != usual.prior,
+            rotation_prior != usual.rotation_prior,
+            given_lines != usual.given_lines,
+            hypotheses != usual.hypotheses,
         ];
-        // The tests of the command line have a file of rotations.
-        let names = OPTION_NAMES.into_iter().filter(|name| *name != "rotation_prior");
-        for (name, value) in names.zip(values) {
+        assert_eq!(differ, [true; OPTIONS.len()]);
+    }
+
+    #[test]
+    fn every_option_shows_the_value_that_it_was_set_to() {
+        for (option, value) in OPTIONS.iter().zip(OTHERS).filter(|(_, value)| !value.is_empty()) {
+            let usual = AnalysisOptions::default();
+            let mut options = usual.clone();
+            set_option(&mut options, option.name, value).expect(option.name);
+            assert_ne!(options, usual, "{}", option.name);
+            assert_eq!((option.show)(&options), value, "{}", option.name);
+            assert_ne!(option.words(&options), option.words(&usual), "{}", option.name);
+        }
+    }
+
+    #[test]
+    fn every_default_that_is_shown_is_the_default_of_the_library() {
+        for option in OPTIONS.iter().filter(|option| !option.default_text().is_empty()) {
+            let mut options = all_others();
+            options.given_lines.clear();
+            set_option(&mut options, option.name, &option.default_text()).expect(option.name);
+            assert_eq!((option.show)(&options), option.default_text());
             let mut options = AnalysisOptions::default();
-            set_option(&mut options, name, value).expect(name);
-            assert_ne!(options, AnalysisOptions::default(), "{name}");
+            set_option(&mut options, option.name, &option.default_text()).expect(option.name);
+            assert_eq!(options, AnalysisOptions::default(), "{}", option.name);
+        }
+    }
+
+    #[test]
+    fn options_are_set_in_the_order_of_the_table() {
+        let given = [("given_line", "left_bending=1,2,3"), ("given-line", "right-bending=4,5,6")];
+        let (options, _) = options_of(given).expect("two lines");
+        assert_eq!(options.given_lines.len(), 2);
+        let twice = options_of([given[0], given[0]]).expect_err("one film").to_string();
+        assert!(twice.contains("two lines"), "{twice}");
+    }
+
+    #[test]
+    fn the_named_values_of_an_option_are_all_that_it_reads() {
+        for option in OPTIONS.iter().filter(|option| !option.named_values().is_empty()) {
+            let mut options = AnalysisOptions::default();
+            let error = (option.read)(&mut options, "?").expect_err(option.name);
+            let all: Vec<String> =
+                option.named_values().into_iter().map(|one| one.spelling).collect();
+            assert_eq!(error, format!("expected one of {}", all.join(", ")), "{}", option.name);
         }
     }
 
@@ -239,7 +312,7 @@ mod tests {
     fn the_file_of_every_option_that_takes_one_is_named_by_its_bytes() {
         let folder = tempfile::tempdir().expect("a folder");
         let path = folder.path().join("own.json");
-        for option in OPTIONS.iter().filter(|option| option.values.takes_a_file()) {
+        for option in OPTIONS.iter().filter(|option| option.takes_a_file()) {
             let value = path.to_str().expect("a path");
             assert_eq!(option_file(option.name, value), Some(path.clone()));
             let mut options = AnalysisOptions::default();

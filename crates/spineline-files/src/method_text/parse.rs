@@ -1,75 +1,62 @@
-//! Choices of the method, each from its text.
+//! Values of options, each from its text.
 
-use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
 use spineline::action::LineOfAction;
-use spineline::anatomy::{Level, Posture};
+use spineline::anatomy::{Level, Named, Posture, Region};
+use spineline::clinical::{CobbEnds, EndChoice, EndRule};
 use spineline::curve::{OrderRule, Site};
 use spineline::hypothesis::Hypothesis;
 use spineline::measure::FilmLengthRule;
-use spineline::multibody::{StiffnessLibrary, StiffnessTable};
 use spineline::personalize::{Gauge, LogNormalPrior};
 use spineline::spatial::{Angle, Frontal};
 use spineline::uncertainty::LandmarkNoise;
 
-use super::named;
-use super::values::{number, posture};
-use crate::{FileError, StoredRotationPrior, parse_rotation_prior, parse_stiffness, read_text};
+use super::show::spelling;
 
-/// Where springs come from.
-#[derive(Debug, Clone, PartialEq)]
-pub enum StiffnessSource {
-    /// A table of the library.
-    Table(StiffnessTable),
-    /// A file of [`crate::StiffnessFile`].
-    File(PathBuf),
+/// A posture by its key, with `-` or `_`.
+///
+/// # Errors
+/// If there is no such posture.
+pub fn posture(text: &str) -> Result<Posture, String> {
+    let wanted = text.replace('-', "_");
+    wanted.parse().map_err(|_| {
+        format!(
+            "unknown posture `{text}`; expected one of {}",
+            Posture::ALL.map(Posture::key).join(", ")
+        )
+    })
 }
 
-impl StiffnessSource {
-    /// The springs.
-    ///
-    /// # Errors
-    /// If the file cannot be read.
-    pub fn library(&self) -> Result<StiffnessLibrary, FileError> {
-        match self {
-            Self::Table(table) => Ok(table.library()),
-            Self::File(path) => read_text(path).and_then(|text| parse_stiffness(&text)),
-        }
+/// A value by its key, with `-` or `_`.
+///
+/// # Errors
+/// If there is no such value; the message names all.
+pub fn named<T: Named>(text: &str) -> Result<T, String> {
+    text.replace('-', "_").parse().map_err(|_| {
+        let known: Vec<String> = T::ALL.iter().map(|value| spelling(*value)).collect();
+        format!("expected one of {}", known.join(", "))
+    })
+}
+
+/// A finite number.
+///
+/// # Errors
+/// If the text is none.
+pub fn number(text: &str) -> Result<f64, String> {
+    match text.trim().parse::<f64>() {
+        Ok(value) if value.is_finite() => Ok(value),
+        _ => Err(format!("`{text}` is not a number")),
     }
 }
 
-/// A table by its name, or else the path of a file.
-///
-/// # Errors
-/// Never: what is no table is a path.
-pub fn stiffness_source(text: &str) -> Result<StiffnessSource, String> {
-    Ok(named(text)
-        .map_or_else(|_| StiffnessSource::File(PathBuf::from(text)), StiffnessSource::Table))
-}
-
-/// Reads a file of [`crate::RotationPriorFile`].
-///
-/// # Errors
-/// If the file cannot be read, or holds no prior.
-pub fn read_rotation_prior(path: &Path) -> Result<StoredRotationPrior, FileError> {
-    read_text(path).and_then(|text| parse_rotation_prior(&text))
-}
-
-/// A prior, or none.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Prior(pub Option<LogNormalPrior>);
-
 /// `none`, `in-vivo` or a standard deviation of ln.
-///
-/// # Errors
-/// If it is none of these, or out of range.
-pub fn prior(text: &str) -> Result<Prior, String> {
+pub(super) fn prior(text: &str) -> Result<Option<LogNormalPrior>, String> {
     match text {
-        "none" => Ok(Prior(None)),
-        "in-vivo" => Ok(Prior(Some(LogNormalPrior::IN_VIVO))),
+        "none" => Ok(None),
+        "in-vivo" => Ok(Some(LogNormalPrior::IN_VIVO)),
         other => match number(other) {
-            Ok(log_sd @ 0.01..=5.0) => Ok(Prior(Some(LogNormalPrior { log_sd }))),
+            Ok(log_sd @ 0.01..=5.0) => Ok(Some(LogNormalPrior { log_sd })),
             _ => Err("expected `none`, `in-vivo`, or a standard deviation of ln from 0.01 to 5"
                 .to_owned()),
         },
@@ -80,10 +67,7 @@ pub fn prior(text: &str) -> Result<Prior, String> {
 const MIN_LENGTH_SD_PERCENT: f64 = 0.1;
 
 /// `per-film`, `as-marked` or a standard deviation in percent.
-///
-/// # Errors
-/// If it is none of these, or out of range.
-pub fn film_lengths(text: &str) -> Result<FilmLengthRule, String> {
+pub(super) fn film_lengths(text: &str) -> Result<FilmLengthRule, String> {
     match text {
         "per-film" => Ok(FilmLengthRule::default()),
         "as-marked" => Ok(FilmLengthRule::AsMarked),
@@ -107,10 +91,7 @@ pub fn film_lengths(text: &str) -> Result<FilmLengthRule, String> {
 }
 
 /// `leave-one-out`, `paper` or an order.
-///
-/// # Errors
-/// If it is none of these, or out of range.
-pub fn order_rule(text: &str) -> Result<OrderRule, String> {
+pub(super) fn order_rule(text: &str) -> Result<OrderRule, String> {
     match text {
         "leave-one-out" => Ok(OrderRule::LeaveOneOut),
         "paper" => Ok(OrderRule::Paper),
@@ -122,10 +103,7 @@ pub fn order_rule(text: &str) -> Result<OrderRule, String> {
 }
 
 /// `geometric-mean`, `frozen-force` or `known-force:POSTURE=NEWTON`.
-///
-/// # Errors
-/// If it is none of these, or the force or film is impossible.
-pub fn gauge(text: &str) -> Result<Gauge, String> {
+pub(super) fn gauge(text: &str) -> Result<Gauge, String> {
     match text {
         "geometric-mean" => return Ok(Gauge::GeometricMean),
         "frozen-force" => return Ok(Gauge::FrozenForce),
@@ -151,31 +129,63 @@ pub fn gauge(text: &str) -> Result<Gauge, String> {
 }
 
 /// A minimum angle of a curve in degrees.
-///
-/// # Errors
-/// If it is not from 0 to 90.
-pub fn curve_turn(text: &str) -> Result<Angle, String> {
+pub(super) fn curve_turn(text: &str) -> Result<Angle, String> {
     match number(text)? {
         degrees @ 0.0..=90.0 => Ok(Angle::from_deg(degrees)),
         _ => Err("expected 0 to 90 degrees".to_owned()),
     }
 }
 
+/// Reads `erect`, `each-film`, or end vertebrae of regions such as `main-thoracic=T12/T5`.
+pub(super) fn end_vertebrae(text: &str) -> Result<EndChoice, String> {
+    match text {
+        "erect" => return Ok(EndChoice::default()),
+        "each-film" => return Ok(EndChoice { rule: EndRule::EachFilm, ..EndChoice::default() }),
+        _ => {}
+    }
+    let mut choice = EndChoice::default();
+    for part in text.split(',') {
+        let (region, ends) = part.split_once('=').ok_or_else(|| {
+            "expected `erect`, `each-film`, or REGION=LEVEL/LEVEL, such as main-thoracic=T12/T5"
+                .to_owned()
+        })?;
+        let region = region_of(region.trim())?;
+        let given = &mut choice.given[region.index()];
+        if given.is_some() {
+            return Err(format!("the {region} curve has its end vertebrae twice"));
+        }
+        *given = Some(ends_of(ends)?);
+    }
+    Ok(choice)
+}
+
+fn region_of(text: &str) -> Result<Region, String> {
+    named(text).map_err(|expected| format!("no region is called `{text}`: {expected}"))
+}
+
+fn ends_of(text: &str) -> Result<CobbEnds, String> {
+    let (a, b) = text
+        .split_once('/')
+        .ok_or_else(|| "expected two end vertebrae, such as T12/T5".to_owned())?;
+    let (a, b) = (model_level(a)?, model_level(b)?);
+    if a == b {
+        return Err(format!("a curve needs two end vertebrae, and {a} is given twice"));
+    }
+    Ok(CobbEnds { inferior: a.min(b), superior: a.max(b) })
+}
+
+/// A level of the model.
+fn model_level(name: &str) -> Result<Level, String> {
+    let level = Level::from_str(name.trim()).map_err(|error| error.to_string())?;
+    let of_model = level.model_index().map(|_| level);
+    of_model.ok_or_else(|| format!("{level} is not between L4 and T2"))
+}
+
 /// Two sites, caudal first, each a vertebra or a disc, such as `L1/T12,T6`.
-///
-/// # Errors
-/// If a level is not in the model, or the order is wrong.
-pub fn inflection_sites(text: &str) -> Result<[Site; 2], String> {
+pub(super) fn inflection_sites(text: &str) -> Result<[Site; 2], String> {
     let site = |text: &str| -> Result<Site, String> {
-        let level = |name: &str| {
-            let level = Level::from_str(name.trim()).map_err(|error| error.to_string())?;
-            level
-                .model_index()
-                .map(|_| level)
-                .ok_or_else(|| format!("{level} is not between L4 and T2"))
-        };
         let (a, b) = text.split_once('/').unwrap_or((text, text));
-        let (a, b) = (level(a)?, level(b)?);
+        let (a, b) = (model_level(a)?, model_level(b)?);
         Ok(Site { inferior: a.min(b), superior: a.max(b) })
     };
     let (caudal, cranial) =
@@ -188,21 +198,22 @@ pub fn inflection_sites(text: &str) -> Result<[Site; 2], String> {
     }
 }
 
-/// A site as [`inflection_sites`] reads it.
-#[must_use]
-pub fn site_text(site: Site) -> String {
-    if site.inferior == site.superior {
-        site.inferior.to_string()
-    } else {
-        format!("{}/{}", site.inferior, site.superior)
+/// Adds lines of action, each of a film that has none yet: `POSTURE=Y,Z,TILT`, with `;` between.
+pub(super) fn given_lines(
+    lines: &mut Vec<(Posture, LineOfAction)>,
+    text: &str,
+) -> Result<(), String> {
+    for one in text.split(';').map(str::trim).filter(|one| !one.is_empty()) {
+        let (posture, line) = given_line(one)?;
+        if lines.iter().any(|(other, _)| *other == posture) {
+            return Err(format!("the {posture} film has two lines"));
+        }
+        lines.push((posture, line));
     }
+    Ok(())
 }
 
-/// A line of action of a film: `POSTURE=Y,Z,TILT`.
-///
-/// # Errors
-/// If a part is missing or no number.
-pub fn given_line(text: &str) -> Result<(Posture, LineOfAction), String> {
+fn given_line(text: &str) -> Result<(Posture, LineOfAction), String> {
     let expected = || "expected POSTURE=Y,Z,TILT, such as left_bending=20,150,-5".to_owned();
     let (name, rest) = text.split_once('=').ok_or_else(expected)?;
     let numbers: Vec<f64> = rest.split(',').map(number).collect::<Result<_, _>>()?;
@@ -210,20 +221,13 @@ pub fn given_line(text: &str) -> Result<(Posture, LineOfAction), String> {
     Ok((posture(name)?, LineOfAction::leaning(Frontal::new(y, z), Angle::from_deg(tilt))))
 }
 
-/// Loads and base supports to compare.
-#[derive(Debug, Clone, PartialEq)]
-pub struct ChosenHypotheses(pub Vec<Hypothesis>);
-
 /// `all`, or names of loads with commas between.
-///
-/// # Errors
-/// If a name is not known.
-pub fn hypotheses(text: &str) -> Result<ChosenHypotheses, String> {
+pub(super) fn hypotheses(text: &str) -> Result<Vec<Hypothesis>, String> {
     if text == "all" {
-        return Ok(ChosenHypotheses(Hypothesis::compared()));
+        return Ok(Hypothesis::compared());
     }
     let chosen = text.split(',').map(Hypothesis::from_str).collect::<Result<_, _>>();
-    chosen.map(ChosenHypotheses).map_err(|error| error.to_string())
+    chosen.map_err(|error| error.to_string())
 }
 
 /// `measured`, or a standard deviation in pixels of the film.
@@ -237,5 +241,30 @@ pub fn noise(text: &str) -> Result<LandmarkNoise, String> {
     match number(text) {
         Ok(sd_px @ 0.0..=1000.0) => Ok(LandmarkNoise::Pixels(sd_px)),
         _ => Err("expected `measured`, or a noise standard deviation from 0 to 1000 px".to_owned()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn end_vertebrae_are_read_in_either_order_and_wrong_ones_are_explained() {
+        let choice = end_vertebrae("main-thoracic=T5/T12, proximal_thoracic=T5/T2").expect("valid");
+        let main = CobbEnds { inferior: Level::T12, superior: Level::T5 };
+        assert_eq!(choice.given[Region::MainThoracic.index()], Some(main));
+        assert!(choice.given[Region::ProximalThoracic.index()].is_some());
+        assert_eq!(choice.given[Region::ThoracolumbarLumbar.index()], None);
+        assert_eq!(end_vertebrae("each-film").map(|choice| choice.rule), Ok(EndRule::EachFilm));
+        for (text, word) in [
+            ("thoracic=T5/T12", "main-thoracic"),
+            ("main-thoracic=T5", "two end vertebrae"),
+            ("main-thoracic=T5/T5", "twice"),
+            ("main-thoracic=T5/S1", "S1"),
+            ("main-thoracic=T5/L5", "between L4 and T2"),
+            ("every", "each-film"),
+        ] {
+            assert!(end_vertebrae(text).is_err_and(|error| error.contains(word)), "{text}");
+        }
     }
 }

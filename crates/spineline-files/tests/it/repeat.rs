@@ -3,7 +3,7 @@
 use nalgebra::DMatrix;
 use spineline::action::LineOfAction;
 use spineline::analysis::{AnalysisOptions, Grouping, analyze};
-use spineline::anatomy::{Level, Levels, Posture, SagittalProfile};
+use spineline::anatomy::{Level, Levels, Posture};
 use spineline::clinical::{CobbEnds, EndChoice, EndRule};
 use spineline::curve::{InflectionChoice, OrderRule, Site};
 use spineline::evaluate::{PriorSource, RotationPrior};
@@ -55,8 +55,6 @@ fn odd_options() -> AnalysisOptions {
             site(Level::T6, Level::T6),
         ]),
         min_curve: Angle::from_deg(4.1),
-        segment_window: 800..=1234,
-        profile: SagittalProfile::template(31.7, 52.3),
         library: StiffnessLibrary::from_rows(rows.collect()).expect("sound springs"),
         support: Support::Free,
         gauge: Gauge::KnownForce { posture: Posture::Traction, force_n: 117.3 },
@@ -152,6 +150,10 @@ fn an_analysis_that_cannot_be_repeated_says_what_is_missing() {
     assert!(options.help().contains("analyze"));
     assert!(matches!(without("/provenance", "seed"), FileError::NoSeed));
     assert!(matches!(without("/provenance/options", "known_force"), FileError::NoKnownForce));
+    for key in ["tilt", "film_length_sd", "end_vertebrae", "inflections", "prior_log_sd"] {
+        let error = without("/provenance/options", key).to_string();
+        assert!(error.contains(&format!("missing field `{key}`")), "{error}");
+    }
     let unknown = to_text(&file).replace("\"couple\"", "\"copule\"");
     let error = parse_analysis(&unknown).expect_err("no such load").to_string();
     assert!(error.contains("copule") && error.contains("compared_models"), "{error}");

@@ -27,8 +27,10 @@ pub struct OptionView {
     pub help: String,
     /// Its value; of a file its name and digest.
     pub value: String,
-    /// The value where none is chosen.
+    /// The value where none is chosen; empty where no word says it.
     pub default: String,
+    /// That value in the words of a report.
+    pub default_words: String,
     /// Whether the value is another than the default.
     pub is_changed: bool,
     /// Whether `values` are all values that it takes, other than a file.

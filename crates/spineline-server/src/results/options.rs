@@ -2,8 +2,9 @@
 
 use axum::extract::State;
 use axum::http::StatusCode;
+use spineline::analysis::AnalysisOptions;
 use spineline_files::method_text::{
-    ChosenOption, ChosenOptions, MethodOption, NamedValue, OptionError, OptionValues, study_options,
+    ChosenOption, ChosenOptions, MethodOption, OptionError, OptionValues, study_options,
 };
 use spineline_store::{Name, Role, Store, StudyOptions};
 use utoipa_axum::router::OpenApiRouter;
@@ -99,33 +100,34 @@ fn view(store: &Store, user: &User, study: &Name) -> Answer<OptionsView> {
     })
 }
 
-fn named_views(values: &[NamedValue]) -> Vec<OptionValueView> {
-    values.iter().map(|one| value_view(one.spelling, one.help)).collect()
-}
-
 fn value_view(value: &str, help: &str) -> OptionValueView {
     OptionValueView { value: value.to_owned(), help: help.to_owned() }
 }
 
 fn option_view(option: &MethodOption, chosen: &ChosenOptions) -> OptionView {
     let one = chosen.of(option.name);
-    let (is_closed, takes_file, values) = match option.values {
-        OptionValues::Named(all) => (true, false, named_views(&all())),
-        OptionValues::NamedOrFile(all) => (true, true, named_views(&all())),
-        OptionValues::Text(some) => {
-            (false, false, some.iter().map(|value| value_view(value, "")).collect())
+    let default = option.default_text();
+    let named = option.named_values();
+    let (is_closed, values) = match option.values {
+        // Without a file it has no value.
+        OptionValues::Named(_) if named.is_empty() => (true, vec![value_view("", "")]),
+        OptionValues::Named(_) => {
+            (true, named.iter().map(|one| value_view(&one.spelling, &one.help)).collect())
         }
-        OptionValues::File => (true, true, vec![value_view("", "")]),
+        OptionValues::Text(some) => {
+            (false, some.iter().map(|value| value_view(value, "")).collect())
+        }
     };
     OptionView {
         name: option.name.to_owned(),
         title: option.title.to_owned(),
         help: option.help.to_owned(),
-        value: one.map_or_else(|| option.default.to_owned(), ChosenOption::words),
-        default: option.default.to_owned(),
+        value: one.map_or_else(|| default.clone(), ChosenOption::words),
+        default,
+        default_words: option.words(&AnalysisOptions::default()),
         is_changed: one.is_some(),
         is_closed,
-        takes_file,
+        takes_file: option.takes_a_file(),
         values,
     }
 }

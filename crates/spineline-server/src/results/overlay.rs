@@ -35,7 +35,7 @@ pub fn of_film(result: &StudyResult, posture: Posture) -> Option<FilmOverlay> {
         overlay.least_rotating = drawing.least_rotating();
         return Some(overlay);
     }
-    let options = result.current.options.options().ok()?;
+    let (options, _) = result.current.options.options().ok()?;
     let outline = measure_film(film, options.tilt, &mut Warnings::default()).ok()?;
     let fit = fit_curve(&outline, options.order_rule, &mut Warnings::default()).ok()?;
     Some(curve_alone(&FilmFrame::of(film, &outline)?, &outline, &fit))

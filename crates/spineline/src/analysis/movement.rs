@@ -6,8 +6,8 @@ use super::preference::PreferredLine;
 use super::standing::widths_mm;
 use super::words::counted_inflections;
 use super::{AnalysisOptions, Case, Grouping, OtherReadings};
-use crate::anatomy::{Level, Levels, Posture};
-use crate::chain::{Chain, ChainPose};
+use crate::anatomy::{Level, Levels, Posture, SagittalProfile};
+use crate::chain::{Chain, ChainPose, SEGMENT_WINDOW};
 use crate::clinical::{
     Balance, ClinicalCurve, CobbEnds, CurvePlaces, LenkeType, RegionBounds, Regions,
     SpatialMeasures, film_tilts, lenke_type, measure_balance, measure_curves,
@@ -109,12 +109,11 @@ impl Movement {
         let regions = Regions::from_inflections(&fits[0], &inflections, &locations, warnings);
         let all: Vec<&Outline> = outlines.iter().collect();
         let clinical = measure_curves(&regions, &all, &options.ends);
-        let chain = chain_of(&fits, options)?;
+        let chain = chain_of(&fits)?;
         let unmoved = |(outline, fit)| FilmMovement::unmoved(outline, fit, &chain);
         let films: Vec<FilmMovement> = outlines.into_iter().zip(fits).map(unmoved).collect();
         let erect = &films[0];
-        let UnloadedSpine { spine, space, axial } =
-            unloaded_spine(case, &erect.outline, options, warnings)?;
+        let UnloadedSpine { spine, space, axial } = unloaded_spine(case, &erect.outline, warnings)?;
         if space.is_some() && axial.is_empty() {
             warn_of_unknown_rotation(&clinical, warnings);
         }
@@ -296,10 +295,10 @@ impl FilmMovement {
 }
 
 /// Step 3: one segment length for all films.
-fn chain_of(fits: &[CurveFit], options: &AnalysisOptions) -> Result<Chain, Error> {
+fn chain_of(fits: &[CurveFit]) -> Result<Chain, Error> {
     let lengths: Vec<f64> =
         fits.iter().map(|fit| fit.curve.length_mm(fit.curve.end_mm())).collect();
-    Ok(Chain::fit(lengths[0], &lengths[1..], options.segment_window.clone())?)
+    Ok(Chain::fit(lengths[0], &lengths[1..], SEGMENT_WINDOW)?)
 }
 
 /// The unloaded spine, with what the lateral film and the pedicles show of it.
@@ -312,7 +311,6 @@ struct UnloadedSpine {
 fn unloaded_spine(
     case: &Case,
     erect: &Outline,
-    options: &AnalysisOptions,
     warnings: &mut Warnings,
 ) -> Result<UnloadedSpine, Error> {
     let film = case.films.iter().find(|film| film.posture == Posture::Erect);
@@ -324,7 +322,7 @@ fn unloaded_spine(
         Some(film) => axial_rotations(film, erect)?,
         None => Vec::new(),
     };
-    let mut profile = options.profile.clone();
+    let mut profile = SagittalProfile::default();
     for found in &axial {
         let place = found.level.model_index().and_then(|i| profile.axial_deg.get_mut(i));
         if let Some(axial_deg) = place {

@@ -1,15 +1,12 @@
-use std::ops::RangeInclusive;
-
 use super::FilmMovement;
 use crate::action::{LineKind, LineOfAction};
-use crate::anatomy::{Posture, SagittalProfile, named};
-use crate::chain::SEGMENT_WINDOW;
+use crate::anatomy::{Posture, named};
 use crate::clinical::EndChoice;
 use crate::curve::{InflectionChoice, MIN_TURN, OrderRule};
 use crate::evaluate::RotationPrior;
 use crate::hypothesis::Hypothesis;
 use crate::measure::{FilmLengthRule, TiltRule};
-use crate::multibody::{StiffnessLibrary, Support};
+use crate::multibody::{StiffnessLibrary, StiffnessTable, Support};
 use crate::personalize::{FitTarget, Gauge, LogNormalPrior};
 use crate::spatial::Angle;
 
@@ -17,7 +14,9 @@ named! {
     /// Which joints share a multiplier.
     #[default(Regional)]
     pub enum Grouping {
-        /// One per region (Petit, the paper).
+        /// One multiplier per region (the paper).
+        ///
+        /// After Petit et al., whose method the paper uses.
         Regional = "regional",
         /// One per joint, fitted to the whole shape.
         PerJoint = "per_joint",
@@ -39,10 +38,6 @@ pub struct AnalysisOptions {
     pub min_curve: Angle,
     /// How the end vertebrae of Cobb angles are chosen.
     pub ends: EndChoice,
-    /// How many segments the erect chain may have.
-    pub segment_window: RangeInclusive<u32>,
-    /// Sagittal profile.
-    pub profile: SagittalProfile,
     /// Springs before personalisation.
     pub library: StiffnessLibrary,
     /// What holds the patient.
@@ -64,6 +59,46 @@ pub struct AnalysisOptions {
 }
 
 impl AnalysisOptions {
+    /// The paper's method. Where the paper does not say what it did, the choice is the default.
+    ///
+    /// # References
+    /// [jalalian-loa], by its sections.
+    #[must_use]
+    pub fn paper() -> Self {
+        Self {
+            // 2.1: "the line passing through the centre of the upper and lower endplates".
+            tilt: TiltRule::Axis,
+            // 2.1: one size of a pixel for all X-rays.
+            film_lengths: FilmLengthRule::AsMarked,
+            // 2.3: the order with the least root mean square error; two inflections per spine in 3.1.
+            order_rule: OrderRule::Paper,
+            // 2.3: "the inflection points of the spine curvature in the erect position".
+            inflections: InflectionChoice::Automatic,
+            // Not stated.
+            min_curve: MIN_TURN,
+            // Table 1 has Cobb angles of the erect films only.
+            ends: EndChoice::default(),
+            // 3.2: Petit's method, on the models that the paper refers to; it prints no stiffness.
+            library: StiffnessTable::Paper.library(),
+            // 3.2: all degrees of freedom of L4 are fixed, and those of no other vertebra.
+            support: Support::Free,
+            // 3.2: not stated; films without a known force show ratios of stiffness only.
+            gauge: Gauge::GeometricMean,
+            // Introduction and 3.2: Ferguson angles in three regions, with the amplitude of the bend reproduced.
+            target: FitTarget::Ferguson,
+            // 3.2: Petit's method adjusts the stiffness of regions.
+            grouping: Grouping::Regional,
+            // 3.2: stiffness follows from the films alone.
+            prior: None,
+            // The paper has no prediction without mechanics.
+            rotation_prior: None,
+            // 3.2: Model-1 and Model-2 are always fitted; the paper has no third line.
+            given_lines: Vec::new(),
+            // The paper compares lines only.
+            hypotheses: Vec::new(),
+        }
+    }
+
     /// The lines of action that models are fitted with, where there is a bending film.
     pub(crate) fn line_kinds(&self) -> Vec<LineKind> {
         let mut kinds = vec![LineKind::Inflection, LineKind::Iliac, LineKind::Estimated];
@@ -91,8 +126,6 @@ impl Default for AnalysisOptions {
             inflections: InflectionChoice::default(),
             min_curve: MIN_TURN,
             ends: EndChoice::default(),
-            segment_window: SEGMENT_WINDOW,
-            profile: SagittalProfile::default(),
             library: StiffnessLibrary::default(),
             support: Support::default(),
             gauge: Gauge::default(),

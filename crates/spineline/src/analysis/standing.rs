@@ -1,7 +1,7 @@
 //! What the model's vertebrae in space rest on: a measurement, or an assumption.
 
 use super::{Analysis, Case};
-use crate::anatomy::{Level, Posture, SagittalProfile, named};
+use crate::anatomy::{Level, Posture, named};
 use crate::measure::{Outline, body_widths};
 use crate::multibody::BodySize;
 
@@ -12,8 +12,6 @@ named! {
         LateralFilm = "lateral_film",
         /// Assumed: turns of a population, from the vertebrae that the lateral film shows, if any.
         Population = "population",
-        /// Assumed: turns that the options give.
-        Given = "given",
     }
 }
 
@@ -32,8 +30,6 @@ named! {
         Pedicles = "pedicles",
         /// Not known, and zero in the model.
         Unknown = "unknown",
-        /// Assumed: the options give it.
-        Given = "given",
     }
 }
 
@@ -70,25 +66,19 @@ impl Analysis {
     /// Where pitch and depth of a vertebra of the model come from.
     #[must_use]
     pub fn pitch_source(&self, level: Level) -> PitchSource {
-        if self.movement.space.as_ref().is_some_and(|space| space.vertebra(level).is_some()) {
-            return PitchSource::LateralFilm;
+        match self.movement.space.as_ref().and_then(|space| space.vertebra(level)) {
+            Some(_) => PitchSource::LateralFilm,
+            None => PitchSource::Population,
         }
-        let usual = SagittalProfile::default().turns_deg;
-        #[expect(
-            clippy::float_cmp,
-            reason = "what the options do not change is equal to the last bit"
-        )]
-        let is_usual = self.options.profile.turns_deg == usual;
-        if is_usual { PitchSource::Population } else { PitchSource::Given }
     }
 
     /// Where the axial rotation of a vertebra of the model comes from.
     #[must_use]
     pub fn axial_source(&self, level: Level) -> AxialSource {
         if self.movement.axial.iter().any(|found| found.level == level) {
-            return AxialSource::Pedicles;
+            AxialSource::Pedicles
+        } else {
+            AxialSource::Unknown
         }
-        let given = level.model_index().and_then(|i| self.options.profile.axial_deg.get(i));
-        if given.is_some_and(|deg| *deg != 0.0) { AxialSource::Given } else { AxialSource::Unknown }
     }
 }

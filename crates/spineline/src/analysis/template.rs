@@ -1,7 +1,7 @@
 //! The sagittal profile of the patient beside that of a population: what a model without the lateral film gets wrong.
 
-use super::Analysis;
-use crate::anatomy::Level;
+use super::{Analysis, Movement};
+use crate::anatomy::{Level, SagittalProfile};
 use crate::measure::LengthScale;
 use crate::multibody::SpineModel;
 use crate::spatial::{Angle, Mat3};
@@ -23,7 +23,7 @@ pub struct ProfileVertebra {
     pub template_depth_mm: f64,
 }
 
-/// The profile of a patient with a lateral film beside that of the options, a population's by default.
+/// The profile of a patient with a lateral film beside another one, such as a population's.
 ///
 /// # Definition
 /// The model of the erect film alone ([`SpineModel::from_outline`]) against the measured vertebrae ([`SpatialOutline`](crate::measure::SpatialOutline)): differences
@@ -44,7 +44,7 @@ pub struct TemplateError {
 }
 
 impl ProfileVertebra {
-    /// By how much the profile of the options turns it too far into flexion.
+    /// By how much the other profile turns it too far into flexion.
     #[must_use]
     pub fn error(&self) -> Angle {
         (self.template - self.measured).wrapped()
@@ -52,6 +52,45 @@ impl ProfileVertebra {
 }
 
 impl TemplateError {
+    /// What a profile gets wrong in this patient; `None` without a lateral film.
+    #[must_use]
+    pub fn of(movement: &Movement, profile: &SagittalProfile) -> Option<Self> {
+        let space = movement.space.as_ref()?;
+        let alone = SpineModel::from_outline(&movement.erect().outline, profile);
+        let places = movement.spine.midpoints_mm.iter().zip(&alone.midpoints_mm).zip(&alone.axes);
+        let vertebrae: Vec<ProfileVertebra> = movement
+            .levels()
+            .iter()
+            .zip(places)
+            .filter_map(|(level, ((place, template_place), axes))| {
+                let seen = space.vertebra(level)?;
+                Some(ProfileVertebra {
+                    level,
+                    measured: seen.orientation.pitch,
+                    sd: space.pitch_sd(seen),
+                    template: pitch_of(axes),
+                    place_mm: [place.x, place.z],
+                    template_depth_mm: template_place.x,
+                })
+            })
+            .collect();
+        let joints: Vec<f64> = vertebrae
+            .windows(2)
+            .filter(|pair| pair[0].level.next_above() == Some(pair[1].level))
+            .map(|pair| (pair[1].error() - pair[0].error()).wrapped().rad())
+            .collect();
+        if joints.is_empty() {
+            return None;
+        }
+        Some(Self {
+            joints: joints.len(),
+            joint_rms: Angle::from_rad(rms(joints)),
+            vertebra_rms: Angle::from_rad(rms(vertebrae.iter().map(|v| v.error().rad()))),
+            depth_rms_mm: rms(vertebrae.iter().map(|v| v.template_depth_mm - v.place_mm[0])),
+            vertebrae,
+        })
+    }
+
     /// The vertebra whose pitch is most wrong, and by how much.
     #[must_use]
     pub fn worst(&self) -> (Level, Angle) {
@@ -80,46 +119,12 @@ impl TemplateError {
 }
 
 impl Analysis {
-    /// What the profile of the options gets wrong in this patient; `None` without a lateral film.
+    /// What the profile of a population gets wrong in this patient; `None` without a lateral film.
     ///
     /// Computed on request, because no other result depends on it.
     #[must_use]
     pub fn template_error(&self) -> Option<TemplateError> {
-        let movement = &self.movement;
-        let space = movement.space.as_ref()?;
-        let alone = SpineModel::from_outline(&movement.erect().outline, &self.options.profile);
-        let places = movement.spine.midpoints_mm.iter().zip(&alone.midpoints_mm).zip(&alone.axes);
-        let vertebrae: Vec<ProfileVertebra> = movement
-            .levels()
-            .iter()
-            .zip(places)
-            .filter_map(|(level, ((place, template_place), axes))| {
-                let seen = space.vertebra(level)?;
-                Some(ProfileVertebra {
-                    level,
-                    measured: seen.orientation.pitch,
-                    sd: space.pitch_sd(seen),
-                    template: pitch_of(axes),
-                    place_mm: [place.x, place.z],
-                    template_depth_mm: template_place.x,
-                })
-            })
-            .collect();
-        let joints: Vec<f64> = vertebrae
-            .windows(2)
-            .filter(|pair| pair[0].level.next_above() == Some(pair[1].level))
-            .map(|pair| (pair[1].error() - pair[0].error()).wrapped().rad())
-            .collect();
-        if joints.is_empty() {
-            return None;
-        }
-        Some(TemplateError {
-            joints: joints.len(),
-            joint_rms: Angle::from_rad(rms(joints)),
-            vertebra_rms: Angle::from_rad(rms(vertebrae.iter().map(|v| v.error().rad()))),
-            depth_rms_mm: rms(vertebrae.iter().map(|v| v.template_depth_mm - v.place_mm[0])),
-            vertebrae,
-        })
+        TemplateError::of(&self.movement, &SagittalProfile::default())
     }
 }
 

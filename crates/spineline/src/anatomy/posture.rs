@@ -5,9 +5,13 @@ use super::{Named, named};
 named! {
     /// A side of the patient, never of the picture.
     pub enum Side {
-        /// The patient's left, +Y.
+        /// The patient's left.
+        ///
+        /// It is +Y.
         Left = "left",
-        /// The patient's right, -Y.
+        /// The patient's right.
+        ///
+        /// It is -Y.
         Right = "right",
     }
 }
@@ -26,9 +30,9 @@ impl Side {
 named! {
     /// A side of the picture as one looks at it.
     pub enum ImageSide {
-        /// Towards the first column.
+        /// Left side of the picture as viewed.
         Left = "image_left",
-        /// Towards the last column.
+        /// Right side of the picture as viewed.
         Right = "image_right",
     }
 }

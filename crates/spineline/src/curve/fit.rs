@@ -19,6 +19,18 @@ pub enum OrderRule {
     Fixed(usize),
 }
 
+impl OrderRule {
+    /// The name used in files: `leave_one_out`, `paper`, or the order.
+    #[must_use]
+    pub fn key(self) -> String {
+        match self {
+            Self::LeaveOneOut => "leave_one_out".to_owned(),
+            Self::Paper => "paper".to_owned(),
+            Self::Fixed(order) => order.to_string(),
+        }
+    }
+}
+
 /// A curve that cannot be fitted.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]

@@ -9,11 +9,11 @@ named! {
     /// the standard deviation of tilts about a local cubic is 1.5° by endplates and 3.5° by axis (decision record 0030).
     #[default(Endplates)]
     pub enum TiltRule {
-        /// The mean direction of both endplates.
+        /// Mean direction of both endplates.
         ///
         /// [`Corners::measure_endplate_tilt`] measures it.
         Endplates = "endplates",
-        /// The line through the centres of the endplates, as in the paper.
+        /// Line through the centres of the endplates (the paper).
         ///
         /// [`Corners::measure_tilt`] measures it.
         Axis = "axis",

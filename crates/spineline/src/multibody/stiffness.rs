@@ -183,11 +183,11 @@ named! {
     /// What holds the patient.
     #[default(Frontal)]
     pub enum Support {
-        /// Nothing but L4: every joint turns about all three axes (the paper's).
+        /// Every joint rotates about three axes (the paper).
         ///
-        /// Films of the frontal plane do not show whether it does, and left-out bends are predicted worse (decision record 0032).
+        /// Only L4 is held. Films of the frontal plane do not show whether it does, and left-out bends are predicted worse (decision record 0032).
         Free = "free",
-        /// The frontal plane: flexion and axial hinges are locked, as on a table.
+        /// In the frontal plane, as on a table: flexion and axial rotation are locked.
         Frontal = "frontal",
     }
 }

@@ -11,20 +11,30 @@ named! {
     /// known. `docs/stiffness.md` sets the range of motion of every table beside measured spines.
     #[default(Paper)]
     pub enum StiffnessTable {
-        /// Motion segments without ribs, as models of scoliotic spines take them. Thoracic: the 6 × 6 matrix of [desroches-2007]
+        /// Motion segments without ribs, as models of scoliotic spines take them.
+        ///
+        /// Thoracic: the 6 × 6 matrix of [desroches-2007]
         /// after [panjabi-1976]. Lumbar: [schmidt-1998], normal discs, as compiled in [ammr-repository]; flexion is the mean of
         /// flexion and extension. T12/L1: mean of its neighbours (assumption).
         Paper = "paper",
-        /// Thoracic motion segments with their costovertebral joints, without the cage of ribs: 7.5 N·m over half of the range of
+        /// Thoracic segments with costovertebral joints, tested in vitro.
+        ///
+        /// Without the cage of ribs: 7.5 N·m over half of the range of
         /// motion of [wilke-2017], whose middle is taken. Lumbar as in [`Self::Paper`].
         InVitro = "in_vitro",
-        /// The same with the cage of ribs: its removal raises the thoracic range of motion by 63.5 % in lateral bending, 63 % in
+        /// The same with the cage of ribs.
+        ///
+        /// Its removal raises the thoracic range of motion by 63.5 % in lateral bending, 63 % in
         /// flexion and extension and 58.8 % in axial rotation [liebsch-2018].
         IntactChest = "intact_chest",
-        /// Segments of scoliotic patients during surgery: 0.18 °/(N·m) in lateral bending [reutlinger-2012], which is taken for
+        /// Segments of scoliotic patients during surgery.
+        ///
+        /// 0.18 °/(N·m) in lateral bending [reutlinger-2012], which is taken for
         /// every joint; flexion and axial stiffness in the ratio of [`Self::Paper`] (assumptions).
         ScolioticInVivo = "scoliotic_in_vivo",
-        /// [`Self::Paper`] with coupling of lateral bending and axial rotation. Thoracic joints turn to the side of the bend
+        /// The paper's, with axial rotation coupled to lateral bending (counts with free support).
+        ///
+        /// Thoracic joints turn to the side of the bend
         /// [willems-1996], by 0.4 of it [fujimori-2014] (unverified). T12/L1 turns away from it by 0.5, and the joints below by less and less
         /// [lumbar-coupling-2009]; linear from there to L5/S1 (assumption).
         Coupled = "coupled",

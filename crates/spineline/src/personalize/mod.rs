@@ -86,9 +86,11 @@ named! {
     /// What is fitted.
     #[default(Shape)]
     pub enum FitTarget {
-        /// Locations and tilts of all vertebrae, weighted by their noise; the force is fitted with the stiffness.
+        /// Locations and tilts of all vertebrae.
+        ///
+        /// Each is weighted by its noise; the force is fitted with the stiffness.
         Shape = "shape",
-        /// Three Ferguson angles per bend, amplitude held (the paper).
+        /// Three Ferguson angles per bend, with the amplitude fixed (the paper).
         Ferguson = "ferguson",
     }
 }

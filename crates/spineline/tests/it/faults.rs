@@ -402,11 +402,11 @@ fn a_window_without_segments_is_refused() {
     // Oracle: no whole number lies in it, a chain without segments would, or links are finer than any film.
     #[allow(clippy::reversed_empty_ranges, reason = "this is the fault")]
     let windows = [10..=9, 0..=5, 1..=u32::MAX];
-    for segment_window in windows {
-        let (from, to) = (*segment_window.start(), *segment_window.end());
-        let options = AnalysisOptions { segment_window, ..on_a_table() };
-        let error = analyze(&exact_case(0), &options).expect_err("an empty window");
-        assert_eq!(error, ChainError::Window { from, to }.into());
+    for window in windows {
+        let (from, to) = (*window.start(), *window.end());
+        let refused = Chain::fit(400.0, &[], window).expect_err("an empty window");
+        assert_eq!(refused, ChainError::Window { from, to });
+        let error = Error::from(refused);
         assert_eq!(error.step(), Step::Chain);
         assert!(error.to_string().contains(&from.to_string()) && !error.help().is_empty());
     }

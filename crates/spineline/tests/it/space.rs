@@ -3,7 +3,7 @@
 #![expect(clippy::disallowed_methods, reason = "the oracle has its own formulas")]
 
 use spineline::analysis::{
-    Analysis, AnalysisOptions, AxialSource, PitchSource, analyze, analyze_movement,
+    Analysis, AnalysisOptions, AxialSource, PitchSource, TemplateError, analyze, analyze_movement,
 };
 use spineline::anatomy::{Level, SagittalProfile};
 use spineline::clinical::{SagittalPart, SpatialMeasures};
@@ -355,25 +355,25 @@ fn replicates_vary_the_numbers_in_space_by_their_deviations() {
     assert!((0.8..1.2).contains(&share), "length: {share}");
 }
 
-/// Turns of the options that are the patient's own, but for this much more at the joint above L1.
-fn with_turns_off_by(phantom: &SpacePhantom, off_deg: f64) -> Analysis {
+/// The error of a profile that is the patient's own, but for this much more at the joint above L1.
+fn error_of_turns_off_by(phantom: &SpacePhantom, off_deg: f64) -> TemplateError {
     let (found, _) = measured(phantom);
     let mut profile = found.profile(&SagittalProfile::default());
     profile.turns_deg[3] += off_deg;
-    let options = AnalysisOptions { profile, ..AnalysisOptions::default() };
-    analyze(&phantom.case, &options).expect("a good case")
+    let analysis = analyze(&phantom.case, &AnalysisOptions::default()).expect("a good case");
+    TemplateError::of(&analysis.movement, &profile).expect("a lateral film")
 }
 
 #[test]
 fn the_error_of_a_template_is_the_difference_of_turns_that_it_was_given() {
     let phantom = generate_in_space(&SpaceSetup { corner_sd_mm: 0.4, ..SpaceSetup::default() });
-    let own = with_turns_off_by(&phantom, 0.0).template_error().expect("a lateral film");
+    let own = error_of_turns_off_by(&phantom, 0.0);
     assert_eq!((own.vertebrae.len(), own.joints), (15, 14));
     assert_near(own.joint_rms.deg(), 0.0, 1e-9, "the patient's own turns");
     // The base of a model of the erect film alone is pitched so that the top stands above it: all vertebrae are off alike.
     let first = own.vertebrae[0].error();
     assert!(own.vertebrae.iter().all(|v| (v.error() - first).deg().abs() < 1e-9));
-    let off = with_turns_off_by(&phantom, 10.0).template_error().expect("a lateral film");
+    let off = error_of_turns_off_by(&phantom, 10.0);
     assert_near(off.joint_rms.deg(), 10.0 / 14.0_f64.sqrt(), 1e-9, "one joint of 14");
     let step = |i: usize| (off.vertebrae[i + 1].error() - off.vertebrae[i].error()).deg();
     assert_near(step(3), 10.0, 1e-9, "L1/T12");

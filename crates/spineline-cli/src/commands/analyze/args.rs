@@ -7,7 +7,6 @@ use clap::builder::{PossibleValuesParser, TypedValueParser};
 use spineline::action::LineKind;
 
 use super::tables::TablesArgs;
-use crate::options::choice::{Choice, of_spelling};
 use crate::options::method::MethodArgs;
 use crate::options::shard::Shard;
 use crate::options::uncertainty::UncertaintyArgs;
@@ -28,9 +27,16 @@ pub enum ModelLine {
 
 /// Reads `auto` or the name of a line; help and completion list all of them.
 fn model_line() -> impl TypedValueParser<Value = ModelLine> {
-    let lines = LineKind::ALL.iter().map(|kind| kind.spelling());
-    PossibleValuesParser::new(std::iter::once(AUTO).chain(lines))
-        .map(|text| of_spelling(&text).map_or(ModelLine::Auto, ModelLine::Kind))
+    let lines = LineKind::ALL.map(line_name);
+    PossibleValuesParser::new(std::iter::once(AUTO).chain(lines)).map(|text| {
+        let kind = LineKind::ALL.into_iter().find(|&kind| line_name(kind) == text);
+        kind.map_or(ModelLine::Auto, ModelLine::Kind)
+    })
+}
+
+/// A line in the words of `--model-line`.
+pub fn line_name(kind: LineKind) -> &'static str {
+    kind.key().trim_end_matches("_line")
 }
 
 pub const EXAMPLES: &str = "\

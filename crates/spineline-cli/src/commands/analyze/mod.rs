@@ -104,7 +104,7 @@ fn check_streams(args: &AnalyzeArgs, is_list: bool) -> Result<bool, Failure> {
 
 /// Checks every output before any work.
 fn check_outputs(args: &AnalyzeArgs, paths: &[PathBuf]) -> Result<Outputs, Failure> {
-    let inputs = paths.iter().chain(args.method.files()).map(PathBuf::as_path);
+    let inputs = paths.iter().map(PathBuf::as_path).chain(args.method.files());
     let outputs = Outputs::new(args.overwrite, inputs);
     for path in [&args.json, &args.model].into_iter().flatten() {
         outputs.file(path)?;

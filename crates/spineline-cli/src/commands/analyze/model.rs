@@ -5,10 +5,9 @@ use std::path::Path;
 use spineline::analysis::{Analysis, ModelChoice};
 use spineline_files::{ModelFile, to_text};
 
-use super::args::{AnalyzeArgs, ModelLine};
+use super::args::{AnalyzeArgs, ModelLine, line_name};
 use super::output::Output;
 use super::run::{Analysed, Finished};
-use crate::options::choice::Choice;
 use crate::run::failure::Failure;
 use crate::run::messages::say;
 use crate::run::outputs::Outputs;
@@ -67,7 +66,7 @@ fn help_without_model(analysis: &Analysis) -> String {
     let lines: Vec<String> = analysis
         .models
         .iter()
-        .map(|model| format!("--model-line {}", model.kind.spelling()))
+        .map(|model| format!("--model-line {}", line_name(model.kind)))
         .collect();
     if !lines.is_empty() {
         return format!("write another one: {}", lines.join(" or "));

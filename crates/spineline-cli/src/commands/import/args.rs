@@ -11,10 +11,11 @@ use spineline::measure::{
     OBSERVER_RULE, ReadingId, Spacing, SpacingPlane, SpacingSource, is_observer_code,
 };
 use spineline::spatial::Pixel;
+use spineline_files::method_text::named;
 use spineline_marking::{Calibration, Calibrator};
 
 use super::role::Role;
-use crate::options::choice::{choice, of_spelling};
+use crate::options::choice::choice;
 use crate::options::values::{number, posture};
 use crate::run::failure::Failure;
 
@@ -307,8 +308,8 @@ fn reading(text: &str) -> Result<(PathBuf, ReadingId), String> {
 
 fn side_of_film(text: &str) -> Result<OfFilm<ImageSide>, String> {
     of_film(text, |side| {
-        of_spelling(&side.to_ascii_lowercase())
-            .ok_or_else(|| format!("`{side}` is neither `image-left` nor `image-right`"))
+        named(&side.to_ascii_lowercase())
+            .map_err(|_| format!("`{side}` is neither `image-left` nor `image-right`"))
     })
 }
 

@@ -3,10 +3,11 @@
 use std::path::PathBuf;
 
 use clap::Args;
+use spineline::analysis::AnalysisOptions;
 use spineline::personalize::FitTarget;
 use spineline_phantom::Truth;
 
-use crate::options::choice::{Choice, choice};
+use crate::options::choice::choice;
 use crate::options::phantoms::ScenarioName;
 use crate::options::values::threads;
 use crate::run::outputs::OverwriteArgs;
@@ -27,16 +28,10 @@ pub struct NoiseStudyArgs {
     #[arg(long, default_value = "0", value_parser = threads)]
     pub threads: usize,
     /// Loading scenarios, separated by commas [default: all]
-    #[arg(
-        long,
-        visible_alias = "scenarios",
-        value_name = "SCENARIOS",
-        value_enum,
-        value_delimiter = ','
-    )]
+    #[arg(long, value_name = "SCENARIOS", value_enum, value_delimiter = ',')]
     pub truths: Vec<ScenarioName>,
     /// Quantity that the stiffness is fitted to; the paper fitted Ferguson angles
-    #[arg(long, value_parser = choice::<FitTarget>(), default_value = FitTarget::Ferguson.spelling())]
+    #[arg(long, value_parser = choice::<FitTarget>(), default_value = AnalysisOptions::paper().target.key())]
     pub fit: FitTarget,
     #[command(flatten)]
     pub overwrite: OverwriteArgs,

@@ -9,6 +9,7 @@ use spineline_phantom::{Readers, SUBJECTS, Truth, generate_read};
 use spineline_tables::NoisePoint;
 
 use super::args::NoiseStudyArgs;
+use crate::options::phantoms::options_of;
 use crate::run::failure::Failure;
 use crate::run::threads::map_all;
 
@@ -129,12 +130,8 @@ fn of_phantom(truth: Truth, number: u32, args: &NoiseStudyArgs) -> Vec<Option<Pa
         return Vec::new();
     };
     let one = |(way, noise): (Way, usize)| {
-        let options = AnalysisOptions {
-            support: way.support.unwrap_or_default(),
-            order_rule: way.rule,
-            target: args.fit,
-            ..AnalysisOptions::default()
-        };
+        let of_support = options_of(way.support.unwrap_or_default(), args.fit);
+        let options = AnalysisOptions { order_rule: way.rule, ..of_support };
         let run = if way.support.is_some() { analyze } else { analyze_movement };
         Some(PatientClaims::of(&run(&read[noise].case, &options).ok()?))
     };

@@ -12,7 +12,7 @@ use crate::run::outputs::OverwriteArgs;
 #[derive(Args)]
 pub struct PhantomArgs {
     /// Loading scenario that moved the spine
-    #[arg(long, visible_alias = "scenario", value_enum, default_value_t = ScenarioName(Truth::Rod))]
+    #[arg(long, value_enum, default_value_t = ScenarioName(Truth::Rod))]
     pub truth: ScenarioName,
     /// How the spine is built; other than `rod` for scenarios with forces
     #[arg(long, value_enum, default_value_t = ConstructionName(Construction::Rod))]

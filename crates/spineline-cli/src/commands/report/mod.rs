@@ -21,7 +21,7 @@ pub fn run(args: &ReportArgs) -> Result<Ending, Failure> {
         pdf::check_is_built()?;
     }
     let paths = case_files(&args.cases)?;
-    let inputs = paths.iter().chain(args.method.files()).map(PathBuf::as_path);
+    let inputs = paths.iter().map(PathBuf::as_path).chain(args.method.files());
     let outputs = Outputs::new(args.overwrite, inputs);
     if let Some(out) = &args.out {
         outputs.file(out)?;

@@ -3,9 +3,10 @@
 use std::path::PathBuf;
 
 use clap::Args;
+use spineline::analysis::AnalysisOptions;
 use spineline::personalize::FitTarget;
 
-use crate::options::choice::{Choice, choice};
+use crate::options::choice::choice;
 use crate::options::values::threads;
 use crate::run::outputs::OverwriteArgs;
 
@@ -24,7 +25,7 @@ pub struct ReproduceArgs {
     #[arg(long, value_name = "FACTOR", default_value_t = 1.0)]
     pub noise: f64,
     /// Quantity that the stiffness is fitted to; the paper fitted Ferguson angles
-    #[arg(long, value_parser = choice::<FitTarget>(), default_value = FitTarget::Ferguson.spelling())]
+    #[arg(long, value_parser = choice::<FitTarget>(), default_value = AnalysisOptions::paper().target.key())]
     pub fit: FitTarget,
     #[command(flatten)]
     pub overwrite: OverwriteArgs,

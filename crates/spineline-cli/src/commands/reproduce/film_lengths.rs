@@ -12,6 +12,7 @@ use super::args::ReproduceArgs;
 use super::fair::{NONE, baseline_error, error};
 use super::row::{Row, Section};
 use super::runs;
+use crate::options::phantoms::options_of;
 use crate::run::failure::Failure;
 
 const RULES: [(FilmLengthRule, &str); 2] = [
@@ -66,12 +67,7 @@ fn cohorts(
     phantoms: &[Phantom],
     rule: FilmLengthRule,
 ) -> Result<Vec<Cohort>, Failure> {
-    let options = AnalysisOptions {
-        support: Support::Frontal,
-        target: args.fit,
-        film_lengths: rule,
-        ..AnalysisOptions::default()
-    };
+    let options = AnalysisOptions { film_lengths: rule, ..options_of(Support::Frontal, args.fit) };
     let tasks: Vec<_> = phantoms.iter().map(|phantom| (phantom, options.clone())).collect();
     let (_, patients) = runs::analyses(args, &tasks)?;
     runs::cohorts(args, &patients)

@@ -6,6 +6,7 @@ use spineline::multibody::Support;
 use spineline_phantom::{Phantom, Readers, SUBJECTS, Truth, generate};
 
 use super::args::ReproduceArgs;
+use crate::options::phantoms::options_of;
 use crate::run::failure::Failure;
 use crate::run::threads::map_all;
 
@@ -68,11 +69,11 @@ pub fn cohorts(args: &ReproduceArgs, patients: &[CohortPatient]) -> Result<Vec<C
 
 /// Analyses every phantom with both supports.
 pub fn all_runs(args: &ReproduceArgs, phantoms: &[Phantom]) -> Result<Vec<Run>, Failure> {
-    let with =
-        |support| AnalysisOptions { support, target: args.fit, ..AnalysisOptions::default() };
     let tasks: Vec<_> = SUPPORTS
         .into_iter()
-        .flat_map(|support| phantoms.iter().map(move |phantom| (phantom, with(support))))
+        .flat_map(|support| {
+            phantoms.iter().map(move |phantom| (phantom, options_of(support, args.fit)))
+        })
         .collect();
     let (analyses, patients) = analyses(args, &tasks)?;
     let cohorts = cohorts(args, &patients)?;
