@@ -4,18 +4,18 @@ use std::sync::LazyLock;
 
 use clap::ValueEnum;
 use clap::builder::PossibleValue;
-use spineline_phantom::{Construction, Readers, Truth};
+use spineline_phantom::{Construction, Readers, Scenario};
 
 use crate::run::failure::Failure;
 
 /// A loading scenario: what moved the synthetic spine.
 #[derive(Clone, Copy)]
-pub struct ScenarioName(pub Truth);
+pub struct ScenarioName(pub Scenario);
 
 impl ValueEnum for ScenarioName {
     fn value_variants<'a>() -> &'a [Self] {
         static NAMES: LazyLock<Vec<ScenarioName>> =
-            LazyLock::new(|| Truth::ALL.into_iter().map(ScenarioName).collect());
+            LazyLock::new(|| Scenario::ALL.into_iter().map(ScenarioName).collect());
         &NAMES
     }
 

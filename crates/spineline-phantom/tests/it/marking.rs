@@ -13,13 +13,13 @@ use spineline::measure::{
     TiltRule, VertebraLandmarks, measure_readings, turn_axis_towards,
 };
 use spineline::spatial::{Angle, Frontal, Pixel};
-use spineline_phantom::{Phantom, Readers, SUBJECTS, TrueFilm, Truth, generate};
+use spineline_phantom::{Phantom, Readers, SUBJECTS, Scenario, TrueFilm, generate};
 
 /// A proposal's midpoint lies within this part of a level of the truth.
 const NEAR: f64 = 0.35;
 
 fn phantom(index: usize) -> Phantom {
-    generate(index, Truth::Rod, &Readers::exact(), 1).expect("a phantom")
+    generate(index, Scenario::Rod, &Readers::exact(), 1).expect("a phantom")
 }
 
 fn marked(vertebrae: &BTreeMap<Level, Corners<Pixel>>, levels: &[Level]) -> PartialReading {

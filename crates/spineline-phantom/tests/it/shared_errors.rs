@@ -19,7 +19,7 @@ use spineline::personalize::{
 };
 use spineline::spatial::{Angle, Frontal, Pixel};
 use spineline::warning::Warnings;
-use spineline_phantom::{Readers, TrueFilm, Truth, generate};
+use spineline_phantom::{Readers, Scenario, TrueFilm, generate};
 
 use crate::marking::{normals, read_by_walls};
 
@@ -36,7 +36,7 @@ struct Bent {
 
 impl Bent {
     fn of(subject: usize) -> Self {
-        let phantom = generate(subject, Truth::Rod, &Readers::exact(), 1).expect("a phantom");
+        let phantom = generate(subject, Scenario::Rod, &Readers::exact(), 1).expect("a phantom");
         let analysis = analyze_movement(&phantom.case, &AnalysisOptions::default()).expect("films");
         let erect = &analysis.movement.erect().outline;
         let model = SpineModel::from_outline(erect, &SagittalProfile::default());

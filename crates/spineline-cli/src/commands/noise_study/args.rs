@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 use spineline::personalize::FitTarget;
-use spineline_phantom::Truth;
+use spineline_phantom::Scenario;
 
 use crate::options::choice::{Choice, choice};
 use crate::options::phantoms::ScenarioName;
@@ -27,14 +27,8 @@ pub struct NoiseStudyArgs {
     #[arg(long, default_value = "0", value_parser = threads)]
     pub threads: usize,
     /// Loading scenarios, separated by commas [default: all]
-    #[arg(
-        long,
-        visible_alias = "scenarios",
-        value_name = "SCENARIOS",
-        value_enum,
-        value_delimiter = ','
-    )]
-    pub truths: Vec<ScenarioName>,
+    #[arg(long, value_name = "SCENARIOS", value_enum, value_delimiter = ',')]
+    pub scenarios: Vec<ScenarioName>,
     /// Quantity that the stiffness is fitted to; the paper fitted Ferguson angles
     #[arg(long, value_parser = choice::<FitTarget>(), default_value = FitTarget::Ferguson.spelling())]
     pub fit: FitTarget,
@@ -44,9 +38,9 @@ pub struct NoiseStudyArgs {
 
 impl NoiseStudyArgs {
     /// What is studied, in the order of the figure.
-    pub fn truths(&self) -> Vec<Truth> {
-        let wanted: Vec<Truth> = self.truths.iter().map(|name| name.0).collect();
-        let every = Truth::LINES.iter().copied();
-        every.filter(|truth| wanted.is_empty() || wanted.contains(truth)).collect()
+    pub fn scenarios(&self) -> Vec<Scenario> {
+        let wanted: Vec<Scenario> = self.scenarios.iter().map(|name| name.0).collect();
+        let every = Scenario::LINES.iter().copied();
+        every.filter(|scenario| wanted.is_empty() || wanted.contains(scenario)).collect()
     }
 }
