@@ -19,7 +19,7 @@ pub struct ReproducedNumber {
     /// The paper's number as text.
     pub paper: String,
     /// Loading scenario.
-    pub truth: &'static str,
+    pub scenario: &'static str,
     /// Mean, share or p value.
     pub mean: Option<f64>,
     /// Standard deviation.
@@ -50,8 +50,8 @@ fn columns() -> Vec<Column<ReproducedNumber>> {
             Some(row.unit.to_owned())
         }),
         text("paper", "the number of the paper", |row| Some(row.paper.clone())),
-        text("truth", "loading scenario: `rod`, `bend` or `pull`", |row| {
-            Some(row.truth.to_owned())
+        text("scenario", "loading scenario: `rod`, `bend` or `pull`", |row| {
+            Some(row.scenario.to_owned())
         }),
         written(
             NumberFormat::ShortestDecimal,

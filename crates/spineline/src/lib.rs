@@ -76,9 +76,9 @@
 //!
 //! ```
 //! use spineline::prelude::*;
-//! use spineline_phantom::{Readers, Truth, generate};
+//! use spineline_phantom::{Readers, Scenario, generate};
 //!
-//! let case = generate(0, Truth::Rod, &Readers::exact(), 1)?.case;
+//! let case = generate(0, Scenario::Rod, &Readers::exact(), 1)?.case;
 //! let analysis = analyze(&case, &AnalysisOptions::default())?;
 //! for model in &analysis.models {
 //!     println!("{}: {:?} mm on fitted films", model.kind, model.mean_location_error_mm(true));
@@ -91,8 +91,8 @@
 //!
 //! ```
 //! use spineline::prelude::*;
-//! # use spineline_phantom::{Readers, Truth, generate};
-//! # let case = generate(0, Truth::Rod, &Readers::exact(), 1)?.case;
+//! # use spineline_phantom::{Readers, Scenario, generate};
+//! # let case = generate(0, Scenario::Rod, &Readers::exact(), 1)?.case;
 //! # let analysis = analyze(&case, &AnalysisOptions::default())?;
 //! let line = analysis.model(LineKind::Inflection).ok_or("no such model")?;
 //! let model = analysis.personalised_model(line);

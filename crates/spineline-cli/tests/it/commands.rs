@@ -2,7 +2,9 @@
 
 use std::fs;
 
-use crate::program::{add_phantom, done, folder, refused, run, with_phantom, words};
+use crate::program::{
+    CASE, add_phantom, done, folder, refused, run, with_phantom, with_phantoms, words,
+};
 use crate::results::results;
 
 #[test]
@@ -103,7 +105,7 @@ fn the_json_has_its_documented_keys() {
 
 #[test]
 fn replicates_give_intervals_that_do_not_depend_on_threads() {
-    let here = with_phantom(&["--truth", "rod", "--subject", "2"]);
+    let here = with_phantom(&["--scenario", "rod", "--subject", "2"]);
     let case = "cases/phantom-rod-02.json";
     let with = |more: &[&str]| run(here.path(), &[&["analyze", case], more].concat());
     // More than one block, so that their order counts.
@@ -130,7 +132,7 @@ fn replicates_give_intervals_that_do_not_depend_on_threads() {
 
 #[test]
 fn identifiability_is_reported_on_request_with_and_without_a_prior() {
-    let here = with_phantom(&["--truth", "rod", "--subject", "2"]);
+    let here = with_phantom(&["--scenario", "rod", "--subject", "2"]);
     let case = "cases/phantom-rod-02.json";
     let with = |more: &[&str]| run(here.path(), &[&["analyze", case, "--full"], more].concat()).0;
     let plain = with(&[]);
@@ -157,7 +159,7 @@ fn identifiability_is_reported_on_request_with_and_without_a_prior() {
 
 #[test]
 fn other_loads_are_compared_on_request() {
-    let here = with_phantom(&["--truth", "couple", "--subject", "2"]);
+    let here = with_phantom(&["--scenario", "couple", "--subject", "2"]);
     let case = "cases/phantom-couple-02.json";
     let asked = ["analyze", case, "--compare-models", "inflection-line,couple"];
     let (text, error, code) = run(here.path(), &asked);
@@ -172,7 +174,7 @@ fn other_loads_are_compared_on_request() {
 fn a_cohort_is_the_same_for_any_number_of_threads() {
     let here = folder();
     for subject in ["1", "5", "11"] {
-        add_phantom(here.path(), &["--truth", "pull", "--subject", subject]);
+        add_phantom(here.path(), &["--scenario", "pull", "--subject", subject]);
     }
     let with = |threads: &str| {
         run(here.path(), &["analyze", "cases", "--json", "-", "--threads", threads])
@@ -184,7 +186,7 @@ fn a_cohort_is_the_same_for_any_number_of_threads() {
 
 #[test]
 fn tables_models_and_figures_are_written_completely() {
-    let here = with_phantom(&["--truth", "rod", "--subject", "3"]);
+    let here = with_phantom(&["--scenario", "rod", "--subject", "3"]);
     let arguments = [
         "analyze",
         "cases/phantom-rod-03.json",
@@ -275,7 +277,7 @@ fn a_known_force_makes_forces_absolute() {
 
 #[test]
 fn a_given_line_and_given_inflections_are_used() {
-    let here = with_phantom(&["--truth", "pull", "--subject", "1"]);
+    let here = with_phantom(&["--scenario", "pull", "--subject", "1"]);
     let arguments = [
         "analyze",
         "cases",
@@ -327,17 +329,17 @@ fn reproduce_prints_the_table_and_writes_the_same_bytes_for_any_number_of_thread
     }
     let figures = fs::read_dir(here.path().join("a/figures")).expect("figures").count();
     assert!(figures >= 20, "{figures}");
-    for truth in ["rod", "bend", "pull"] {
-        let patient = here.path().join(format!("a/reports/patient-{truth}.html"));
+    for scenario in ["rod", "bend", "pull"] {
+        let patient = here.path().join(format!("a/reports/patient-{scenario}.html"));
         assert!(
             patient.exists() && patient.with_extension("pdf").exists() == cfg!(feature = "pdf")
         );
         let report = |out: &str| {
-            let name = format!("{out}/reports/cohort-{truth}.html");
+            let name = format!("{out}/reports/cohort-{scenario}.html");
             let bytes = fs::read(here.path().join(name)).expect("a report");
             results(&spineline_report::embedded(&bytes).expect("its analyses are within"))
         };
-        assert!(report("a") == report("b"), "the report of {truth} depends on the threads");
+        assert!(report("a") == report("b"), "the report of {scenario} depends on the threads");
     }
 }
 
@@ -392,7 +394,7 @@ fn films_of_a_phantom_are_written_beside_their_case() {
 
 #[test]
 fn landmarks_are_exported_for_image_programs() {
-    let here = with_phantom(&["--truth", "rod", "--subject", "3"]);
+    let here = with_phantom(&["--scenario", "rod", "--subject", "3"]);
     let case = "cases/rod-03.json";
     let case = if here.path().join(case).exists() { case } else { "cases/phantom-rod-03.json" };
     let table = done(here.path(), &["export", case, "--to", "csv"]);
@@ -420,7 +422,7 @@ fn landmarks_are_exported_for_image_programs() {
 
 #[test]
 fn a_model_has_no_landmarks_and_a_case_no_springs() {
-    let here = with_phantom(&["--truth", "rod", "--subject", "3"]);
+    let here = with_phantom(&["--scenario", "rod", "--subject", "3"]);
     let case = "cases/rod-03.json";
     let case = if here.path().join(case).exists() { case } else { "cases/phantom-rod-03.json" };
     done(here.path(), &["analyze", case, "--model", "model.json"]);

@@ -9,7 +9,7 @@ use crate::results::results;
 
 #[test]
 fn one_patient_shows_every_line_by_kind_of_film_and_a_conclusion() {
-    let here = with_phantom(&["--truth", "bend", "--subject", "1"]);
+    let here = with_phantom(&["--scenario", "bend", "--subject", "1"]);
     let (text, error, _) = run(here.path(), &["analyze", "cases/phantom-bend-01.json", "--full"]);
     let text = words(&text);
     for word in [

@@ -25,7 +25,7 @@ fn a_synthetic_film_becomes_a_case_of_corners_that_nobody_has_reviewed() {
         here.path(),
         &[
             "phantom",
-            "--truth",
+            "--scenario",
             "rod",
             "--subject",
             "1",
@@ -66,7 +66,7 @@ fn a_film_without_a_spine_is_refused_and_the_others_are_kept() {
         here.path(),
         &[
             "phantom",
-            "--truth",
+            "--scenario",
             "rod",
             "--subject",
             "1",

@@ -12,7 +12,7 @@ use crate::program::{done, refused, run};
 fn phantoms(subjects: &[&str]) -> TempDir {
     let here = tempfile::tempdir().expect("a place for files");
     for subject in subjects {
-        let arguments = ["phantom", "--truth", "rod", "--subject", subject, "--out", "demo"];
+        let arguments = ["phantom", "--scenario", "rod", "--subject", subject, "--out", "demo"];
         done(here.path(), &arguments);
     }
     here

@@ -11,7 +11,7 @@ use crate::program::{done, run};
 /// A folder with the model of a phantom, `model.json`.
 fn folder() -> TempDir {
     let here = tempfile::tempdir().expect("a place for files");
-    run(here.path(), &["phantom", "--truth", "rod", "--subject", "1", "--out", "."]);
+    run(here.path(), &["phantom", "--scenario", "rod", "--subject", "1", "--out", "."]);
     let analyze = ["analyze", "phantom-rod-01.json", "--model", "model.json"];
     done(here.path(), &analyze);
     here

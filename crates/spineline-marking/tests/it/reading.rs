@@ -9,13 +9,13 @@ use spineline_marking::{
     MarkingFault, NextLandmark, PartialLandmarks, PartialReading, ProposedVertebra,
     turn_axis_towards,
 };
-use spineline_phantom::{Phantom, Readers, SUBJECTS, Truth, generate};
+use spineline_phantom::{Phantom, Readers, SUBJECTS, Scenario, generate};
 
 /// A proposal's midpoint lies within this part of a level of the truth.
 const NEAR: f64 = 0.35;
 
 fn phantom(index: usize) -> Phantom {
-    generate(index, Truth::Rod, &Readers::exact(), 1).expect("a phantom")
+    generate(index, Scenario::Rod, &Readers::exact(), 1).expect("a phantom")
 }
 
 fn marked(vertebrae: &BTreeMap<Level, Corners<Pixel>>, levels: &[Level]) -> PartialReading {

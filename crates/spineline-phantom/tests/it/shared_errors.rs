@@ -23,7 +23,7 @@ use spineline::personalize::{
 };
 use spineline::spatial::{Angle, Frontal, Pixel};
 use spineline::warning::Warnings;
-use spineline_phantom::{Readers, SUBJECTS, TrueFilm, Truth, generate};
+use spineline_phantom::{Readers, SUBJECTS, Scenario, TrueFilm, generate};
 
 /// True `ln α` of the three regions, caudal first, with a mean of zero.
 const LOG_MULTIPLIERS: [f64; 3] = [0.3, -0.5, 0.2];
@@ -38,7 +38,7 @@ struct Bent {
 
 impl Bent {
     fn of(subject: usize) -> Self {
-        let phantom = generate(subject, Truth::Rod, &Readers::exact(), 1).expect("a phantom");
+        let phantom = generate(subject, Scenario::Rod, &Readers::exact(), 1).expect("a phantom");
         let analysis = analyze_movement(&phantom.case, &AnalysisOptions::default()).expect("films");
         let erect = &analysis.movement.erect().outline;
         let model = SpineModel::from_outline(erect, &SagittalProfile::default());
@@ -260,7 +260,7 @@ fn what_completed_corners_state_of_their_error_is_about_the_error() {
     let mut draw = normals(1);
     let mut shares: BTreeMap<bool, Vec<[f64; 2]>> = BTreeMap::new();
     for index in [0, 2, 4, 8, 11, SUBJECTS.len() - 1] {
-        let phantom = generate(index, Truth::Rod, &Readers::exact(), 1).expect("a phantom");
+        let phantom = generate(index, Scenario::Rod, &Readers::exact(), 1).expect("a phantom");
         for film in &phantom.films {
             let read = read_by_walls(film, 0.7, &mut draw);
             let placed = measure_readings(&read, TiltRule::default()).expect("a film");

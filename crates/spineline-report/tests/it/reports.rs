@@ -6,7 +6,9 @@ use spineline::cohort::{RefusalStep, RefusedCase};
 use spineline::evaluate::Baseline;
 use spineline::measure::{FilmLengthRule, TiltRule};
 use spineline::multibody::Support;
-use spineline_phantom::{Readers, SagittalShape, SpaceSetup, Truth, generate, generate_in_space};
+use spineline_phantom::{
+    Readers, SagittalShape, Scenario, SpaceSetup, generate, generate_in_space,
+};
 use spineline_report::document::{Block, NoticeKind, Section, Table};
 use spineline_report::{Document, embedded, html, markdown, patient, png};
 
@@ -26,7 +28,7 @@ const JSON: &str =
 
 fn case(subject: usize) -> Case {
     let readers = Readers::scaled(1.0);
-    generate(subject, Truth::Rod, &readers, 1).expect("a subject of table 1").case
+    generate(subject, Scenario::Rod, &readers, 1).expect("a subject of table 1").case
 }
 
 fn document(case: &Case) -> Document {

@@ -3,7 +3,7 @@
 use spineline::action::LineKind;
 use spineline::analysis::{Analysis, FilmRole};
 use spineline::cohort::{Cohort, CohortPatient, ErrorKind};
-use spineline_phantom::Truth;
+use spineline_phantom::Scenario;
 use spineline_report::cohort::{self, PatientRow, Rows};
 use spineline_report::{Document, WarningCounts, patient, terminal};
 
@@ -24,7 +24,7 @@ fn first_screen(document: &Document, most_lines: usize) -> String {
 
 #[test]
 fn a_patient_fits_on_one_screen() {
-    for truth in [Truth::Rod, Truth::Bend, Truth::Pull] {
+    for truth in [Scenario::Rod, Scenario::Bend, Scenario::Pull] {
         for subject in 0..3 {
             let case = case(subject, truth);
             let analysis = analyzed(&case);
@@ -39,7 +39,7 @@ fn a_patient_fits_on_one_screen() {
 
 #[test]
 fn a_row_has_the_test_and_the_errors_of_its_line() {
-    let case = case(0, Truth::Pull);
+    let case = case(0, Scenario::Pull);
     let analysis = analyzed(&case);
     let document = patient::summary(&shown(&case, &analysis, ""));
     let table = tables(&document)[0].clone();
@@ -63,7 +63,7 @@ fn a_row_has_the_test_and_the_errors_of_its_line() {
 
 #[test]
 fn an_erect_film_alone_says_what_to_add() {
-    let mut case = case(0, Truth::Rod);
+    let mut case = case(0, Scenario::Rod);
     case.films.truncate(1);
     let analysis = analyzed(&case);
     let text = first_screen(&patient::summary(&shown(&case, &analysis, "")), 25);
@@ -79,7 +79,7 @@ fn cohort_of(analyses: &[Analysis]) -> (Vec<PatientRow>, Cohort) {
 #[test]
 fn a_cohort_shows_the_test_of_every_patient_and_one_row_per_comparison() {
     let analyses: Vec<Analysis> =
-        (0..4).map(|subject| analyzed(&case(subject, Truth::Pull))).collect();
+        (0..4).map(|subject| analyzed(&case(subject, Scenario::Pull))).collect();
     let (rows, together) = cohort_of(&analyses);
     let generator = "spineline test";
     let rows = Rows { patients: &rows, together: &together, refused: &[], generator };
@@ -105,7 +105,7 @@ fn a_cohort_shows_the_test_of_every_patient_and_one_row_per_comparison() {
 #[test]
 fn warnings_are_one_line_per_code() {
     let analyses: Vec<Analysis> =
-        (0..3).map(|subject| analyzed(&case(subject, Truth::Bend))).collect();
+        (0..3).map(|subject| analyzed(&case(subject, Scenario::Bend))).collect();
     let mut counts = WarningCounts::default();
     analyses.iter().for_each(|analysis| counts.add(analysis));
     let lines = counts.lines("--warnings");

@@ -89,9 +89,9 @@ pub struct CurveFit {
 /// use spineline::curve::{OrderRule, fit_curve};
 /// use spineline::measure::{TiltRule, measure_film};
 /// use spineline::warning::Warnings;
-/// use spineline_phantom::{Readers, Truth, generate};
+/// use spineline_phantom::{Readers, Scenario, generate};
 ///
-/// let case = generate(0, Truth::Bend, &Readers::exact(), 1)?.case;
+/// let case = generate(0, Scenario::Bend, &Readers::exact(), 1)?.case;
 /// let mut warnings = Warnings::default();
 /// let outline = measure_film(&case.films[0], TiltRule::default(), &mut warnings)?;
 /// let fit = fit_curve(&outline, OrderRule::LeaveOneOut, &mut warnings)?;

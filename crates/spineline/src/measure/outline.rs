@@ -158,9 +158,9 @@ impl Outline {
 /// use spineline::anatomy::Level;
 /// use spineline::measure::{TiltRule, measure_film};
 /// use spineline::warning::Warnings;
-/// use spineline_phantom::{Readers, Truth, generate};
+/// use spineline_phantom::{Readers, Scenario, generate};
 ///
-/// let case = generate(0, Truth::Bend, &Readers::exact(), 1)?.case;
+/// let case = generate(0, Scenario::Bend, &Readers::exact(), 1)?.case;
 /// let outline = measure_film(&case.films[0], TiltRule::default(), &mut Warnings::default())?;
 /// assert_eq!(outline.vertebrae.len(), Level::MODEL.len());
 /// // L4 is the origin.

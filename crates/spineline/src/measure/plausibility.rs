@@ -89,9 +89,9 @@ pub(crate) fn warn_of_implausible_landmarks(film: &Film, warnings: &mut Warnings
 /// ```
 /// use spineline::measure::{FilmLandmarks, judge_landmarks};
 /// use spineline::anatomy::Level;
-/// use spineline_phantom::{Readers, Truth, generate};
+/// use spineline_phantom::{Readers, Scenario, generate};
 ///
-/// let mut film = generate(0, Truth::Bend, &Readers::exact(), 1)?.case.films.remove(0);
+/// let mut film = generate(0, Scenario::Bend, &Readers::exact(), 1)?.case.films.remove(0);
 /// assert!(judge_landmarks(&film).all().is_empty());
 /// if let FilmLandmarks::Corners { readings, .. } = &mut film.landmarks
 ///     && let Some(body) = readings[0].vertebrae.get_mut(&Level::T8)

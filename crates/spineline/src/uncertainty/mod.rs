@@ -20,7 +20,7 @@
 //! # Use
 //! ```
 //! use spineline::{analysis::analyze, uncertainty::{LandmarkNoise, MonteCarlo}};
-//! # let case = spineline_phantom::generate(0, spineline_phantom::Truth::Rod, &Default::default(), 1)?.case;
+//! # let case = spineline_phantom::generate(0, spineline_phantom::Scenario::Rod, &Default::default(), 1)?.case;
 //! let nominal = analyze(&case, &Default::default())?;
 //! let monte_carlo = MonteCarlo::new(&case, &nominal, LandmarkNoise::Measured, 1)?;
 //! let mut tally = monte_carlo.tally();

@@ -15,7 +15,7 @@ use spineline::measure::{
 };
 use spineline::spatial::{Angle, Frontal, Pixel};
 use spineline::warning::Warnings;
-use spineline_phantom::{Readers, Truth};
+use spineline_phantom::{Readers, Scenario};
 
 /// A case whose films have square pixels, and the same one without any spacing.
 fn with_and_without() -> (Case, Case) {
@@ -284,8 +284,8 @@ fn renamed(phantom: &spineline_phantom::Phantom, posture: Posture, down: usize) 
 
 #[test]
 fn a_film_with_all_names_shifted_by_one_level_is_reported() {
-    for (subject, truth) in [(0, Truth::Rod), (4, Truth::Bend), (8, Truth::Pull)] {
-        let phantom = phantom(subject, truth, &Readers::default());
+    for (subject, scenario) in [(0, Scenario::Rod), (4, Scenario::Bend), (8, Scenario::Pull)] {
+        let phantom = phantom(subject, scenario, &Readers::default());
         for posture in Posture::MOVED {
             let found = |down: usize| {
                 let analysis = analyzed(&renamed(&phantom, posture, down), &on_a_table());

@@ -10,7 +10,7 @@ use spineline::measure::{
 use spineline::multibody::MatchStatus;
 use spineline::spatial::{Angle, Pixel};
 use spineline::warning::Warnings;
-use spineline_phantom::{Readers, Truth};
+use spineline_phantom::{Readers, Scenario};
 
 use crate::common::{
     analyzed, assert_near, exact_case, film_mut, landmarks, landmarks_mut, measured, on_a_table,
@@ -96,9 +96,9 @@ fn an_interpolated_vertebra_is_within_its_stated_uncertainty() {
     // Oracle: the removed vertebrae themselves, exact and as marked by readers. A stated deviation that holds for real spines,
     // which are rougher, covers those of phantoms: root mean square below 1, and hardly any beyond 2.
     for readers in [Readers::exact(), Readers::default()] {
-        for truth in [Truth::Bend, Truth::Rod] {
+        for scenario in [Scenario::Bend, Scenario::Rod] {
             let films: Vec<Film> = (0..4)
-                .flat_map(|subject| phantom(4 * subject, truth, &readers).case.films)
+                .flat_map(|subject| phantom(4 * subject, scenario, &readers).case.films)
                 .collect();
             for all in [
                 deviations_of(&films),
@@ -107,7 +107,7 @@ fn an_interpolated_vertebra_is_within_its_stated_uncertainty() {
                 let n = all.len() as f64;
                 let rms = (all.iter().map(|d| d * d).sum::<f64>() / n).sqrt();
                 let beyond = all.iter().filter(|d| d.abs() > 2.0).count() as f64 / n;
-                assert!(rms < 1.0 && beyond < 0.05, "{truth:?}: {rms:.2}, {beyond:.3} beyond 2");
+                assert!(rms < 1.0 && beyond < 0.05, "{scenario:?}: {rms:.2}, {beyond:.3} beyond 2");
             }
         }
     }

@@ -12,7 +12,7 @@ use crate::run::outputs::OverwriteArgs;
 
 /// Shown below the options.
 pub const EXAMPLES: &str = "Examples:
-  spineline phantom --truth rod --subject 1 --films --out demo
+  spineline phantom --scenario rod --subject 1 --films --out demo
   spineline report demo                        one patient as phantom-rod-01.html, for a browser
   spineline report demo --to md                Markdown, with figures in phantom-rod-01-figures
   spineline report demo --out demo.pdf         the same as PDF, to print and archive

@@ -136,13 +136,13 @@ fn verdict(tests: [Option<&LinePairTest>; 3], role: FilmRole) -> String {
     let better: Vec<String> = ["rod", "bend", "pull"]
         .into_iter()
         .zip(tests)
-        .filter_map(|(truth, test)| {
+        .filter_map(|(scenario, test)| {
             let test = test?;
             match (test.predicts_better(), test.nearer()) {
-                (Some(kind), _) => Some(format!("{truth}: the {kind} predicts better")),
-                (None, Some(kind)) => {
-                    Some(format!("{truth}: the {kind} is nearer, with more numbers from each film"))
-                }
+                (Some(kind), _) => Some(format!("{scenario}: the {kind} predicts better")),
+                (None, Some(kind)) => Some(format!(
+                    "{scenario}: the {kind} is nearer, with more numbers from each film"
+                )),
                 (None, None) => None,
             }
         })

@@ -40,7 +40,7 @@ pub fn write(
     outputs.write(&out.join("summary.json"), spineline_files::to_text(&summary))?;
     for run in runs {
         let support = run.support.key();
-        let name = format!("errors-{}-{support}.csv", run.truth.key());
+        let name = format!("errors-{}-{support}.csv", run.scenario.key());
         let path = out.join("errors").join(name);
         outputs.write_table(&path, errors_table(&run.analyses).to_csv()?, provenance)?;
     }
@@ -80,14 +80,14 @@ struct Summary {
 fn numbers(section: &Section) -> Vec<ReproducedNumber> {
     let mut numbers = Vec::new();
     for row in &section.rows {
-        for (truth, cell) in ["rod", "bend", "pull"].into_iter().zip(&row.ours) {
+        for (scenario, cell) in ["rod", "bend", "pull"].into_iter().zip(&row.ours) {
             numbers.push(ReproducedNumber {
                 section: section.title.clone(),
                 support: section.support.map(Support::key),
                 quantity: row.quantity.trim().to_owned(),
                 unit: row.unit,
                 paper: row.paper.clone(),
-                truth,
+                scenario,
                 mean: Some(cell.mean).filter(|v| v.is_finite()),
                 sd: Some(cell.sd).filter(|v| v.is_finite()),
                 n: cell.n,

@@ -6,7 +6,7 @@ use spineline::cohort::Cohort;
 use spineline::evaluate::Baseline;
 use spineline::measure::FilmLengthRule;
 use spineline::multibody::Support;
-use spineline_phantom::{Phantom, SUBJECTS, Truth};
+use spineline_phantom::{Phantom, SUBJECTS, Scenario};
 
 use super::args::ReproduceArgs;
 use super::fair::{NONE, baseline_error, error};
@@ -30,7 +30,7 @@ pub fn section(args: &ReproduceArgs, phantoms: &[Phantom]) -> Result<Section, Fa
     let mut rows = Vec::new();
     for (rule, words) in RULES {
         let cohorts = cohorts(args, &phantoms, rule)?;
-        let cohorts: [&Cohort; Truth::PAPER.len()] =
+        let cohorts: [&Cohort; Scenario::PAPER.len()] =
             std::array::from_fn(|scenario| &cohorts[scenario]);
         let mut add = |what: String, ours| {
             rows.push(Row {

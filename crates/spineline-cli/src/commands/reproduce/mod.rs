@@ -18,7 +18,7 @@ pub use args::ReproduceArgs;
 use std::path::Path;
 
 use spineline_files::{FilmOrigin, Provenance};
-use spineline_phantom::{SUBJECTS, Truth};
+use spineline_phantom::{SUBJECTS, Scenario};
 use spineline_report::document::{Column, Table};
 use spineline_report::terminal::{self, Lines};
 
@@ -57,8 +57,8 @@ fn text(sections: &[Section], args: &ReproduceArgs) -> String {
         SUBJECTS.len(),
         args.seed
     );
-    for truth in Truth::PAPER {
-        text.push_str(&format!("  {:5} {}\n", truth.key(), truth.meaning()));
+    for scenario in Scenario::PAPER {
+        text.push_str(&format!("  {:5} {}\n", scenario.key(), scenario.meaning()));
     }
     text.push_str("Every number in the three columns on the right is SYNTHETIC; mean ± SD as the paper prints them.\n");
     for section in sections {

@@ -64,7 +64,7 @@ impl Cell {
 }
 
 /// The loading scenarios in the order of the columns.
-const TRUTHS: [&str; 3] = ["rod", "bend", "pull"];
+const SCENARIOS: [&str; 3] = ["rod", "bend", "pull"];
 /// Numbers within this factor of the paper's count as the same, on other patients.
 const ALIKE: f64 = 1.5;
 
@@ -94,7 +94,7 @@ fn verdict(paper: f64, ours: &[Cell; 3]) -> String {
         return String::new();
     }
     let (mut alike, mut differs) = (Vec::new(), Vec::new());
-    for (name, cell) in TRUTHS.iter().zip(ours) {
+    for (name, cell) in SCENARIOS.iter().zip(ours) {
         let ratio = cell.mean / paper;
         match ratio {
             r if !r.is_finite() => differs.push(format!("no result for {name}")),
@@ -123,7 +123,7 @@ fn short(ratio: f64) -> String {
 pub fn test_verdict(paper_rejects: bool, ours: &[Cell; 3]) -> String {
     let (mut alike, mut differs) = (Vec::new(), Vec::new());
     let paper = if paper_rejects { TestOutcome::Rejected } else { TestOutcome::Kept };
-    for (name, cell) in TRUTHS.iter().zip(ours) {
+    for (name, cell) in SCENARIOS.iter().zip(ours) {
         let outcome = TestOutcome::of(Some(cell.mean).filter(|p| p.is_finite()));
         // The paper rejected where its first mean was the smaller one.
         if paper_rejects && outcome == paper && cell.difference > 0.0 {

@@ -3,7 +3,7 @@
 use spineline::analysis::{Analysis, AnalysisOptions, Case, analyze};
 use spineline::cohort::{Cohort, CohortPatient};
 use spineline::multibody::Support;
-use spineline_phantom::{Phantom, Readers, SUBJECTS, Truth, generate};
+use spineline_phantom::{Phantom, Readers, SUBJECTS, Scenario, generate};
 
 use super::args::ReproduceArgs;
 use crate::options::phantoms::options_of;
@@ -13,7 +13,7 @@ use crate::run::threads::map_all;
 /// The phantoms of one loading scenario, analysed with one support.
 pub struct Run {
     /// The loading scenario.
-    pub truth: Truth,
+    pub scenario: Scenario,
     /// Their support.
     pub support: Support,
     /// One case per subject of Table 1.
@@ -35,14 +35,14 @@ pub fn support_words(support: Support) -> &'static str {
     }
 }
 
-/// The subjects of Table 1 in every scenario, in the order of [`Truth::PAPER`]; it does not depend on the threads.
+/// The subjects of Table 1 in every scenario, in the order of [`Scenario::PAPER`]; it does not depend on the threads.
 pub fn phantoms(args: &ReproduceArgs, readers: &Readers) -> Result<Vec<Phantom>, Failure> {
-    let tasks: Vec<(Truth, usize)> = Truth::PAPER
+    let tasks: Vec<(Scenario, usize)> = Scenario::PAPER
         .iter()
-        .flat_map(|&truth| (0..SUBJECTS.len()).map(move |i| (truth, i)))
+        .flat_map(|&scenario| (0..SUBJECTS.len()).map(move |i| (scenario, i)))
         .collect();
-    let made = map_all("phantoms", &tasks, args.threads, |&(truth, subject)| {
-        generate(subject, truth, readers, args.seed).map_err(|error| error.to_string())
+    let made = map_all("phantoms", &tasks, args.threads, |&(scenario, subject)| {
+        generate(subject, scenario, readers, args.seed).map_err(|error| error.to_string())
     })?;
     made.into_iter().collect::<Result<_, String>>().map_err(Failure::internal)
 }
@@ -78,14 +78,15 @@ pub fn all_runs(args: &ReproduceArgs, phantoms: &[Phantom]) -> Result<Vec<Run>, 
     let (analyses, patients) = analyses(args, &tasks)?;
     let cohorts = cohorts(args, &patients)?;
     let mut analyses = analyses.into_iter();
-    let scenarios =
-        SUPPORTS.into_iter().flat_map(|support| Truth::PAPER.map(|truth| (support, truth)));
+    let scenarios = SUPPORTS
+        .into_iter()
+        .flat_map(|support| Scenario::PAPER.map(|scenario| (support, scenario)));
     let phantoms = phantoms.chunks(SUBJECTS.len()).cycle();
     let runs =
-        scenarios.zip(phantoms).zip(cohorts).map(|(((support, truth), phantoms), cohort)| {
+        scenarios.zip(phantoms).zip(cohorts).map(|(((support, scenario), phantoms), cohort)| {
             let cases = phantoms.iter().map(|phantom| phantom.case.clone()).collect();
             let analyses = analyses.by_ref().take(SUBJECTS.len()).collect();
-            Run { truth, support, cases, analyses, cohort }
+            Run { scenario, support, cases, analyses, cohort }
         });
     Ok(runs.collect())
 }

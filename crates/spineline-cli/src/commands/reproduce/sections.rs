@@ -12,7 +12,7 @@ use super::runs::{Run, support_words};
 pub fn sections(runs: &[Run]) -> Vec<Section> {
     let of = |support: Support| -> [&Cohort; 3] {
         let mut found = runs.iter().filter(|run| run.support == support).map(|run| &run.cohort);
-        std::array::from_fn(|_| found.next().expect("one run per truth"))
+        std::array::from_fn(|_| found.next().expect("one run per scenario"))
     };
     let mut sections =
         vec![chain(of(Support::Free)), movement(of(Support::Free)), table_2(of(Support::Free))];

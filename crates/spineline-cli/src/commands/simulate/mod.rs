@@ -132,7 +132,7 @@ mod tests {
     use clap::Parser;
     use spineline::analysis::{AnalysisOptions, analyze};
     use spineline::multibody::PathEnding;
-    use spineline_phantom::{Readers, Truth, generate};
+    use spineline_phantom::{Readers, Scenario, generate};
 
     #[derive(Parser)]
     struct Line {
@@ -142,7 +142,7 @@ mod tests {
 
     /// A search that is interrupted at the shape of this number.
     fn interrupted(arguments: &[&str], at: usize) -> Outcome {
-        let phantom = generate(0, Truth::Rod, &Readers::exact(), 1).expect("subject 1 exists");
+        let phantom = generate(0, Scenario::Rod, &Readers::exact(), 1).expect("subject 1 exists");
         let analysis = analyze(&phantom.case, &AnalysisOptions::default()).expect("a phantom");
         let model = analysis.personalised_model(&analysis.models[0]);
         let line = ["simulate", "model.json"].iter().chain(arguments);
