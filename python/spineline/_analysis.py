@@ -32,6 +32,8 @@ LineName = Literal["inflection", "iliac", "estimated", "given"]
 class MethodOptions(TypedDict, total=False):
     """Options of the method, with the names and values of ``spineline analyze --help``."""
 
+    method: Literal["default", "paper"]
+    """Method that the other options start from; each that is given replaces a choice of the method."""
     order_rule: str | int
     """Order of the curves: ``"leave-one-out"``, ``"paper"``, or 4 to 12."""
     gauge: str

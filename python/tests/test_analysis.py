@@ -111,6 +111,15 @@ def test_the_options_have_types_in_their_order() -> None:
     assert list(sl.MethodOptions.__annotations__) == _native.option_names()
 
 
+def test_the_papers_method_is_an_option_that_others_replace(case: sl.Case) -> None:
+    paper = sl.analyze(case, method="paper")
+    assert paper.data["provenance"]["options"]["fit"] == "ferguson"
+    assert sl.analyze(case, support="free", method="paper") == paper
+    frontal = sl.analyze(case, support="frontal", method="paper")
+    options = paper.data["provenance"]["options"] | {"support": "frontal"}
+    assert frontal.data["provenance"]["options"] == options
+
+
 def test_copies_and_pickles_are_equal(case: sl.Case, analysis: sl.Analysis) -> None:
     for one in (case, analysis, analysis.model()):
         for again in (copy.copy(one), copy.deepcopy(one), pickle.loads(pickle.dumps(one))):

@@ -47,6 +47,33 @@ fn every_command_has_a_manual_page() {
     assert!(error.contains("`study ad`") && error.contains("give one of"), "{error}");
 }
 
+/// The options in the file of an analysis.
+fn options_of(here: &std::path::Path, more: &[&str]) -> serde_json::Value {
+    let line = [&["analyze", "cases", "--json", "a.json", "--overwrite"], more].concat();
+    let (text, error, code) = run(here, &line);
+    assert_eq!(code, 0, "{text}\n{error}");
+    let text = fs::read_to_string(here.join("a.json")).expect("it was written");
+    let file: serde_json::Value = serde_json::from_str(&text).expect("JSON");
+    file["provenance"]["options"].clone()
+}
+
+#[test]
+fn the_papers_method_is_one_option_that_others_replace() {
+    let here = with_phantom(&[]);
+    let given = ["--tilt=axis", "--order-rule=paper", "--film-lengths=as-marked"];
+    let given = [&given[..], &["--support=free", "--fit=ferguson"]].concat();
+    let paper = options_of(here.path(), &["--method", "paper"]);
+    assert_eq!(paper, options_of(here.path(), &given));
+    let mut frontal = paper;
+    frontal["support"] = "frontal".into();
+    for line in [["--support=frontal", "--method=paper"], ["--method=paper", "--support=frontal"]] {
+        assert_eq!(options_of(here.path(), &line), frontal);
+    }
+    done(here.path(), &["report", "cases", "--method", "paper", "--out", "paper.md"]);
+    let text = fs::read_to_string(here.path().join("paper.md")).expect("it was written");
+    assert!(text.contains("Method: the paper's."), "{text}");
+}
+
 #[test]
 fn a_phantom_is_made_checked_and_analysed() {
     let here = with_phantom(&[]);

@@ -63,7 +63,7 @@ impl ChosenOption {
     }
 }
 
-/// The options of a study that differ from the defaults, each once, in the order of [`OPTIONS`].
+/// The options of a study that differ from the defaults and from the chosen method, each once, in the order of [`OPTIONS`].
 ///
 /// They read no files, so that a value from elsewhere opens none: what a file says is kept as its text.
 ///
@@ -82,7 +82,7 @@ impl ChosenOption {
 pub struct ChosenOptions(Vec<ChosenOption>);
 
 impl ChosenOptions {
-    /// Checks options, and keeps those that differ from the defaults.
+    /// Checks options, and keeps those that differ from the defaults, or from the choices of the method among them.
     ///
     /// # Errors
     /// [`OptionError`]: no such option of a study, no such value, or an option twice.
@@ -133,6 +133,20 @@ impl ChosenOptions {
             learned = one.set(&mut options)?.or(learned);
         }
         Ok((options, learned))
+    }
+
+    /// The options in which an option has the value that it has where it is not chosen: the chosen method sets it, which comes before it.
+    ///
+    /// # Errors
+    /// [`OptionError`], where another version of the program chose them.
+    pub fn before(&self, option: &MethodOption) -> Result<AnalysisOptions, OptionError> {
+        let (place, _) = option_of(option.name)?;
+        let is_before = |one: &&ChosenOption| OPTIONS[..place].iter().any(|o| o.name == one.name);
+        let mut options = AnalysisOptions::default();
+        for one in self.0.iter().filter(is_before) {
+            one.set(&mut options)?;
+        }
+        Ok(options)
     }
 
     /// What was chosen in a few words, such as `Support: free; Fitted to: ferguson`; empty for the defaults.
@@ -248,6 +262,26 @@ mod tests {
         for (name, text) in [("stiffness", "{}"), ("rotation_prior", "{}"), ("support", "free")] {
             assert!(ChosenOptions::new(&[file(name, text)]).is_err(), "{name}");
         }
+    }
+
+    #[test]
+    fn options_beside_a_method_are_those_that_differ_from_it() {
+        let chosen = ChosenOptions::new(&[
+            option("support", "frontal"),
+            option("fit", "ferguson"),
+            option("method", "paper"),
+        ])
+        .expect("valid");
+        assert_eq!(chosen.words(), "Method: paper; Support: frontal");
+        let frontal = AnalysisOptions { support: Support::Frontal, ..AnalysisOptions::paper() };
+        assert!(chosen.options().expect("valid").0 == frontal);
+        for (option, default) in OPTIONS.iter().zip(["default", "paper", "geometric-mean", "free"])
+        {
+            assert_eq!(option.shown(&chosen.before(option).expect("valid")), default);
+        }
+        assert!(
+            ChosenOptions::new(&[option("method", "default")]).expect("valid").all().is_empty()
+        );
     }
 
     #[test]

@@ -20,7 +20,9 @@ mod words;
 pub use chosen::{ChosenOption, ChosenOptions, study_options};
 pub use parse::{named, noise, number, posture};
 pub use show::site_text;
-pub use table::{MethodOption, NamedValue, OPTIONS, OptionValues, named_values};
+pub use table::{
+    MethodOption, NamedValue, OPTIONS, OptionValues, departures, named_values, nearest_method,
+};
 
 #[cfg(test)]
 pub(crate) use tests::all_others;
@@ -188,12 +190,14 @@ pub fn missing_known_force(options: &AnalysisOptions, case: &Case) -> Option<Pos
 mod tests {
     use super::parse::inflection_sites;
     use super::*;
+    use spineline::analysis::Method;
     use spineline::anatomy::Levels;
     use spineline::evaluate::RotationPrior;
     use spineline::multibody::{StiffnessTable, Support};
 
     /// Another value of every option than the default; empty where only a file has one.
     const OTHERS: [&str; OPTIONS.len()] = [
+        "paper",
         "paper",
         "known-force:traction=117.3",
         "free",
@@ -260,7 +264,8 @@ mod tests {
             given_lines != usual.given_lines,
             hypotheses != usual.hypotheses,
         ];
-        assert_eq!(differ, [true; OPTIONS.len()]);
+        // The first option is the method itself.
+        assert_eq!(differ, [true; OPTIONS.len() - 1]);
     }
 
     #[test]
@@ -295,6 +300,23 @@ mod tests {
         assert_eq!(options.given_lines.len(), 2);
         let twice = options_of([given[0], given[0]]).expect_err("one film").to_string();
         assert!(twice.contains("two lines"), "{twice}");
+    }
+
+    #[test]
+    fn other_options_replace_choices_of_the_method_in_either_order() {
+        let frontal = AnalysisOptions { support: Support::Frontal, ..AnalysisOptions::paper() };
+        let given = [("method", "paper"), ("support", "frontal")];
+        for given in [given, [given[1], given[0]]] {
+            assert!(options_of(given).expect("sound values").0 == frontal);
+        }
+        assert_eq!(nearest_method(&frontal), Method::Paper);
+        let names: Vec<&str> =
+            departures(&frontal, &AnalysisOptions::paper()).map(|option| option.name).collect();
+        assert_eq!(names, ["support"]);
+        assert_eq!(nearest_method(&AnalysisOptions::default()), Method::Default);
+        let (paper, usual) = (AnalysisOptions::paper(), AnalysisOptions::default());
+        let names: Vec<&str> = departures(&paper, &usual).map(|option| option.name).collect();
+        assert_eq!(names, ["order_rule", "support", "fit", "tilt", "film_lengths"]);
     }
 
     #[test]

@@ -1,6 +1,6 @@
 //! Every option of the method, defined once: its name, what it is, the values that it takes, how they are read, and how they are shown.
 
-use spineline::analysis::{AnalysisOptions, Grouping};
+use spineline::analysis::{AnalysisOptions, Grouping, Method};
 use spineline::anatomy::Named;
 use spineline::curve::InflectionChoice;
 use spineline::measure::TiltRule;
@@ -83,10 +83,16 @@ impl MethodOption {
         }
     }
 
-    /// The value that it has where none is given; empty where that is no text.
+    /// Its value among some options, as the command line takes it; empty where no word says it.
+    #[must_use]
+    pub fn shown(&self, options: &AnalysisOptions) -> String {
+        (self.show)(options)
+    }
+
+    /// The value that it has where none is given; empty where no word says it.
     #[must_use]
     pub fn default_text(&self) -> String {
-        (self.show)(&AnalysisOptions::default())
+        self.shown(&AnalysisOptions::default())
     }
 
     /// Its value among some options, in the words of a report.
@@ -120,8 +126,37 @@ impl MethodOption {
     }
 }
 
-/// All options of the method, in the order of the help of the command line.
-pub const OPTIONS: [MethodOption; 15] = [
+/// The method from which the fewest choices differ; the default one of two.
+#[must_use]
+pub fn nearest_method(options: &AnalysisOptions) -> Method {
+    let departures = |method: &Method| departures(options, &method.options()).count();
+    Method::ALL.into_iter().min_by_key(departures).unwrap_or_default()
+}
+
+/// The options whose values are not those of a method.
+pub fn departures<'a>(
+    options: &'a AnalysisOptions,
+    method: &'a AnalysisOptions,
+) -> impl Iterator<Item = &'static MethodOption> + use<'a> {
+    // The first row is the method itself.
+    OPTIONS[1..].iter().filter(|option| option.words(options) != option.words(method))
+}
+
+/// All options of the method, in the order of the help of the command line. The first one sets all others.
+pub const OPTIONS: [MethodOption; 16] = [
+    MethodOption {
+        name: "method",
+        title: "Method",
+        help: "Method that the other options start from; each that is given replaces a choice of the method",
+        value_name: "METHOD",
+        values: OptionValues::Named(named_values::<Method>),
+        may_repeat: false,
+        of_a_study: true,
+        read: |options, text| named::<Method>(text).map(|method| *options = method.options()),
+        read_file: None,
+        show: |options| show::spelling(nearest_method(options)),
+        words: |options| words::named(nearest_method(options)),
+    },
     MethodOption {
         name: "order_rule",
         title: "Order of the curves",

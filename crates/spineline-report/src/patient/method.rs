@@ -1,8 +1,8 @@
 //! How a report was made.
 
-use spineline::analysis::{Analysis, AnalysisOptions};
+use spineline::analysis::{Analysis, AnalysisOptions, Method};
 use spineline::anatomy::PublishedNumbers;
-use spineline_files::method_text::OPTIONS;
+use spineline_files::method_text::{OPTIONS, departures, nearest_method};
 
 use super::Patient;
 use crate::document::{Column, Section, Table};
@@ -52,10 +52,17 @@ pub(crate) fn options(generator: &str, options: &AnalysisOptions) -> Table {
     table
 }
 
-/// The options that differ from the defaults, with what was chosen; empty for the defaults.
-pub(crate) fn changed(options: &AnalysisOptions) -> String {
-    let usual = AnalysisOptions::default();
-    let changed = OPTIONS.iter().filter(|option| option.words(options) != option.words(&usual));
-    let words = changed.map(|option| format!("{}: {}", option.title, option.words(options)));
-    words.collect::<Vec<_>>().join("; ")
+/// The method and the options that differ from it, where it is not the default one without any.
+pub(crate) fn changed(options: &AnalysisOptions) -> Option<String> {
+    let method = nearest_method(options);
+    let usual = method.options();
+    let words = departures(options, &usual)
+        .map(|option| format!("{}: {}", option.title, option.words(options)));
+    let words = words.collect::<Vec<_>>().join("; ");
+    match (method, words.is_empty()) {
+        (Method::Default, true) => None,
+        (Method::Default, false) => Some(format!("Model options are not the defaults. {words}.")),
+        (Method::Paper, true) => Some("Method: the paper's.".to_owned()),
+        (Method::Paper, false) => Some(format!("Method: the paper's, except for: {words}.")),
+    }
 }

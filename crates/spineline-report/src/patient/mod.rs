@@ -84,11 +84,9 @@ pub(crate) fn banners(synthetic: bool) -> Vec<Notice> {
     texts.map(|text| Notice::new(NoticeKind::Banner, text)).collect()
 }
 
-/// A notice of the model options that differ from the defaults, where any does.
+/// A notice of the method and of options that differ from it, where it is not the default one without any.
 pub(crate) fn of_options(options: &AnalysisOptions) -> Option<Notice> {
-    let changed = method::changed(options);
-    let text = format!("Model options are not the defaults. {changed}.");
-    (!changed.is_empty()).then(|| Notice::new(NoticeKind::Banner, text))
+    method::changed(options).map(|text| Notice::new(NoticeKind::Banner, text))
 }
 
 /// The verdict in sentences.

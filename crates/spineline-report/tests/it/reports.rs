@@ -139,12 +139,26 @@ fn a_banner_names_the_options_that_differ_from_the_defaults() {
     let analysis = analyze(&case, &options).expect("a phantom is sound");
     let banners = patient::report(&shown(&case, &analysis, JSON)).banners;
     let text = &banners[2].text;
-    for part in ["not the defaults", "Support: free", "Tilts: by the line", "one scale for all"] {
+    for part in ["not the defaults", "Support: free", "Tilts: axis: line", "one scale for all"] {
         assert!(text.contains(part), "{part}: {text}");
     }
     assert!(!text.contains("gauge") && !text.contains("Stiffness"), "{text}");
     let cohort = cohort_report(&[analysis], std::slice::from_ref(&case.subject), &[]);
     assert_eq!(cohort.banners[2].text, *text);
+}
+
+#[test]
+fn a_banner_names_the_papers_method_and_what_differs_from_it() {
+    let case = case(0);
+    let banner = |options: &AnalysisOptions| {
+        let analysis = analyze(&case, options).expect("a phantom is sound");
+        patient::report(&shown(&case, &analysis, JSON)).banners[2].text.clone()
+    };
+    let paper = AnalysisOptions::paper();
+    assert_eq!(banner(&paper), "Method: the paper's.");
+    let frontal = banner(&AnalysisOptions { support: Support::Frontal, ..paper });
+    assert!(frontal.starts_with("Method: the paper's, except for: Support: frontal"), "{frontal}");
+    assert!(!frontal.contains("Tilts"), "{frontal}");
 }
 
 #[test]

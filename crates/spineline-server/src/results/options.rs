@@ -2,7 +2,6 @@
 
 use axum::extract::State;
 use axum::http::StatusCode;
-use spineline::analysis::AnalysisOptions;
 use spineline_files::method_text::{
     ChosenOption, ChosenOptions, MethodOption, OptionError, OptionValues, study_options,
 };
@@ -106,7 +105,9 @@ fn value_view(value: &str, help: &str) -> OptionValueView {
 
 fn option_view(option: &MethodOption, chosen: &ChosenOptions) -> OptionView {
     let one = chosen.of(option.name);
-    let default = option.default_text();
+    // Where another version of the program chose the options, the results say so.
+    let without = chosen.before(option).unwrap_or_default();
+    let default = option.shown(&without);
     let named = option.named_values();
     let (is_closed, values) = match option.values {
         // Without a file it has no value.
@@ -124,7 +125,7 @@ fn option_view(option: &MethodOption, chosen: &ChosenOptions) -> OptionView {
         help: option.help.to_owned(),
         value: one.map_or_else(|| default.clone(), ChosenOption::words),
         default,
-        default_words: option.words(&AnalysisOptions::default()),
+        default_words: option.words(&without),
         is_changed: one.is_some(),
         is_closed,
         takes_file: option.takes_a_file(),

@@ -42,7 +42,7 @@ pub use identification::{Identification, MultiplierVerdict};
 pub use models::LineModel;
 pub use models_verdict::ModelsVerdict;
 pub use movement::{FilmMovement, Movement};
-pub use options::{AnalysisOptions, Grouping};
+pub use options::{AnalysisOptions, Grouping, Method};
 pub use personalised_model::{FilmLoad, PersonalisedModel, SimulationError};
 pub use preference::{LineComparison, LineCrossing, PreferredLine};
 pub use result::Analysis;

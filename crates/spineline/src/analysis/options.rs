@@ -23,6 +23,28 @@ named! {
     }
 }
 
+named! {
+    /// The method that the other options start from.
+    #[default(Default)]
+    pub enum Method {
+        /// The program's choices.
+        Default = "default",
+        /// The paper's choices, as far as it states them.
+        Paper = "paper",
+    }
+}
+
+impl Method {
+    /// Its choices.
+    #[must_use]
+    pub fn options(self) -> AnalysisOptions {
+        match self {
+            Self::Default => AnalysisOptions::default(),
+            Self::Paper => AnalysisOptions::paper(),
+        }
+    }
+}
+
 /// Every choice of an analysis, each with its default.
 #[derive(Debug, Clone, PartialEq)]
 pub struct AnalysisOptions {

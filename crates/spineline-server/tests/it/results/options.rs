@@ -4,6 +4,8 @@ use axum::http::StatusCode;
 use serde_json::{Value, json};
 use spineline::analysis::{AnalysisOptions, analyze};
 use spineline::anatomy::Posture;
+use spineline::multibody::Support;
+use spineline::personalize::FitTarget;
 use spineline_files::method_text::set_option;
 use spineline_phantom::{Readers, Scenario, generate};
 
@@ -161,6 +163,28 @@ fn a_file_and_lines_of_ones_own_are_kept_used_and_named() {
         });
         assert_eq!(put(&running, &body).0, 422, "{name}");
     }
+}
+
+#[test]
+fn the_papers_method_is_one_option_that_others_replace() {
+    let running = serve(|store| add_read_study(store, "S1", &phantom().case));
+    let (status, view) =
+        put(&running, &change(0, &[("support", "frontal"), ("method", "paper"), ("fit", "shape")]));
+    assert_eq!(status, 200, "{view}");
+    assert_eq!(view["changed_text"], "Method: paper; Support: frontal; Fitted to: shape");
+    let [support, tilt] = ["support", "tilt"].map(|name| option(&view, name));
+    assert_eq!((&support["value"], &support["default"]), (&json!("frontal"), &json!("free")));
+    assert_eq!((&tilt["value"], &tilt["is_changed"]), (&json!("axis"), &json!(false)));
+    let options = AnalysisOptions {
+        support: Support::Frontal,
+        target: FitTarget::Shape,
+        ..AnalysisOptions::paper()
+    };
+    let expected = analyze(&phantom().case, &options).expect("a phantom");
+    let expected_mm = expected.models[0].mean_location_error_mm(true).expect("fitted films");
+    assert!((error_mm(&running) - expected_mm).abs() < SAME_MM);
+    let (status, view) = put(&running, &change(1, &[("method", "default")]));
+    assert_eq!((status, &view["changed_text"]), (200, &Value::Null), "{view}");
 }
 
 #[test]
