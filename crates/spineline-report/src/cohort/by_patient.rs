@@ -201,5 +201,5 @@ fn doubted_films(analysis: &Analysis) -> Option<Box<str>> {
 
 fn notices(analysis: &Analysis, kind: NoticeKind) -> usize {
     let all = analysis.warnings.all().iter();
-    all.filter(|warning| NoticeKind::from(warning.severity()) == kind).count()
+    all.filter(|warning| NoticeKind::from(warning.code.severity()) == kind).count()
 }

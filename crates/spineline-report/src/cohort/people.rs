@@ -7,6 +7,7 @@ use spineline::anatomy::Posture;
 use spineline::clinical::ClinicalCurve;
 use spineline::cohort::{Cohort, RefusalStep, RefusedCase};
 use spineline::evaluate::statistics::{Summary, quantile};
+use spineline::warning::WarningCode;
 
 use super::Patients;
 use crate::document::{Column, Figure, NoticeKind, Section, Table};
@@ -27,11 +28,11 @@ pub fn verdict(patients: &Patients<'_>) -> Section {
     sentences(&mut section, patients.together, patients.refused);
     let mut counts: BTreeMap<(NoticeKind, &str), (usize, String)> = BTreeMap::new();
     for analysis in patients.analyses {
-        let mut seen: Vec<&str> = Vec::new();
+        let mut seen: Vec<WarningCode> = Vec::new();
         for warning in analysis.warnings.all() {
             if !seen.contains(&warning.code) {
                 seen.push(warning.code);
-                let key = (warning.severity().into(), warning.code);
+                let key = (warning.code.severity().into(), warning.code.key());
                 counts.entry(key).or_insert_with(|| (0, warning.text())).0 += 1;
             }
         }
@@ -59,10 +60,10 @@ pub fn flow(patients: &Patients<'_>) -> Section {
         (step.to_string(), n)
     });
     let modelled: Vec<&Analysis> = analyses.iter().filter(|a| !a.models.is_empty()).collect();
-    let without = |code: &str| {
+    let without = |code: WarningCode| {
         analyses.iter().filter(|a| a.models.is_empty() && a.warnings.has(code)).count()
     };
-    let (no_scale, no_bend) = (without("no_scale"), without("no_bending_film"));
+    let (no_scale, no_bend) = (without(WarningCode::NoScale), without(WarningCode::NoBendingFilm));
     let other = analyses.len() - modelled.len() - no_scale - no_bend;
     let complete =
         |a: &&&Analysis| Posture::ALL.iter().all(|&posture| a.movement.film(posture).is_some());

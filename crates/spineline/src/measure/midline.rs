@@ -18,7 +18,7 @@ use std::str::FromStr;
 use super::{Placement, PlacementSource};
 use crate::anatomy::{Level, Morphometry, Posture, UnknownLevel};
 use crate::spatial::Frontal;
-use crate::warning::{Step, Warnings};
+use crate::warning::{WarningCode, Warnings};
 
 /// Distance of two neighbouring points above which the line between them is not known: more than one vertebra.
 const MAX_GAP_MM: f64 = 40.0;
@@ -246,7 +246,7 @@ fn disc_distances_mm(level: Level) -> [f64; 2] {
 pub(super) fn warn_of_source(posture: Posture, source: PlacementSource, warnings: &mut Warnings) {
     if source == PlacementSource::SurfaceMidline {
         let text = "no vertebra was seen: the levels were placed by arc length on a midline of the back surface, with typical proportions of vertebral heights; locations, tilts and all that follows from them are estimates, and the line is straighter than the spine";
-        warnings.film(Step::Measure, "levels_estimated", posture, text);
+        warnings.film(WarningCode::LevelsEstimated, posture, text);
     }
 }
 

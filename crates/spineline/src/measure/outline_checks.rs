@@ -6,7 +6,7 @@ use super::order::{MIN_SPACING_SHARE, steps};
 use super::{LengthScale, MeasureError, MeasuredVertebra, Placement};
 use crate::anatomy::{Level, Posture};
 use crate::spatial::Angle;
-use crate::warning::{Step, Warnings};
+use crate::warning::{WarningCode, Warnings};
 
 /// Order and tilts of all marked vertebrae. T1, which no result needs, is left out where it alone is wrong.
 pub(super) fn check_marked(
@@ -35,7 +35,7 @@ pub(super) fn check_marked(
     let text = format!(
         "{error}; T1 is left out, as no result needs it: check that the names of the vertebrae are not shifted"
     );
-    warnings.vertebra(Step::Measure, "level_left_out", posture, Level::T1, text);
+    warnings.vertebra(WarningCode::LevelLeftOut, posture, Level::T1, text);
     Ok(())
 }
 
@@ -60,7 +60,7 @@ pub(super) fn warn_of_interpolated(
                 ""
             }
         );
-        warnings.vertebra(Step::Measure, "level_interpolated", posture, vertebra.level, text);
+        warnings.vertebra(WarningCode::LevelInterpolated, posture, vertebra.level, text);
     }
 }
 
@@ -90,7 +90,7 @@ fn check_order(
                 scale.text(step.distance_mm, 1),
                 step.ratio
             );
-            warnings.vertebra(Step::Measure, "spacing_unusual", posture, superior, text);
+            warnings.vertebra(WarningCode::SpacingUnusual, posture, superior, text);
         }
     }
     Ok(())
@@ -108,6 +108,6 @@ pub(super) fn warn_of_gaps(
             "{} was marked in {} of {readings} readings; its mean is over those",
             vertebra.level, vertebra.readings
         );
-        warnings.vertebra(Step::Measure, "readings_incomplete", posture, vertebra.level, text);
+        warnings.vertebra(WarningCode::ReadingsIncomplete, posture, vertebra.level, text);
     }
 }
