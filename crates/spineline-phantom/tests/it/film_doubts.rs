@@ -17,7 +17,7 @@ use spineline_phantom::{Build, Construction, Readers, SUBJECTS, Scenario, genera
 fn codes(case: &Case) -> Vec<&'static str> {
     match analyze_movement(case, &AnalysisOptions::default()) {
         Ok(analysis) => {
-            let mut codes: Vec<&str> = analysis.film_doubts().map(|one| one.code).collect();
+            let mut codes: Vec<&str> = analysis.film_doubts().map(|one| one.code.key()).collect();
             codes.sort_unstable();
             codes.dedup();
             codes

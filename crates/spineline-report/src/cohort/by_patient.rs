@@ -231,5 +231,5 @@ fn or_none(text: Option<&str>) -> String {
 
 fn notices(analysis: &Analysis, kind: NoticeKind) -> usize {
     let all = analysis.warnings.all().iter();
-    all.filter(|warning| NoticeKind::from(warning.severity()) == kind).count()
+    all.filter(|warning| NoticeKind::from(warning.code.severity()) == kind).count()
 }

@@ -7,6 +7,7 @@ use spineline::anatomy::Posture;
 use spineline::clinical::ClinicalCurve;
 use spineline::cohort::{Cohort, RefusalStep, RefusedCase};
 use spineline::evaluate::statistics::{Summary, quantile};
+use spineline::warning::WarningCode;
 
 use super::Patients;
 use crate::WarningCounts;
@@ -41,10 +42,10 @@ pub fn flow(patients: &Patients<'_>) -> Section {
         (step.to_string(), n)
     });
     let modelled: Vec<&Analysis> = analyses.iter().filter(|a| !a.models.is_empty()).collect();
-    let without = |code: &str| {
+    let without = |code: WarningCode| {
         analyses.iter().filter(|a| a.models.is_empty() && a.warnings.has(code)).count()
     };
-    let (no_scale, no_bend) = (without("no_scale"), without("no_bending_film"));
+    let (no_scale, no_bend) = (without(WarningCode::NoScale), without(WarningCode::NoBendingFilm));
     let other = analyses.len() - modelled.len() - no_scale - no_bend;
     let complete =
         |a: &&&Analysis| Posture::ALL.iter().all(|&posture| a.movement.film(posture).is_some());

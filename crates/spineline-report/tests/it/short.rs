@@ -3,6 +3,7 @@
 use spineline::action::LineKind;
 use spineline::analysis::{Analysis, FilmRole};
 use spineline::cohort::{Cohort, CohortPatient, ErrorKind};
+use spineline::warning::WarningCode;
 use spineline_phantom::Scenario;
 use spineline_report::cohort::{self, PatientRow, Rows};
 use spineline_report::{Document, WarningCounts, patient, terminal};
@@ -111,10 +112,11 @@ fn warnings_are_one_line_per_code() {
     let lines = counts.lines("--warnings");
     assert!((2..=10).contains(&lines.len()), "{lines:?}");
     for line in lines.iter().filter(|line| !line.code.is_empty()) {
-        let patients = analyses.iter().filter(|analysis| analysis.warnings.has(&line.code)).count();
+        let code: WarningCode = line.code.parse().expect("a code");
+        let patients = analyses.iter().filter(|analysis| analysis.warnings.has(code)).count();
         assert!(line.text.starts_with(&format!("{patients} patient")), "{}", line.text);
         let all = analyses.iter().flat_map(|analysis| analysis.warnings.all());
-        for kind in all.filter(|one| one.code == line.code).filter_map(|one| one.line) {
+        for kind in all.filter(|one| one.code == code).filter_map(|one| one.line) {
             assert!(line.text.contains(&kind.to_string()), "{}", line.text);
         }
     }

@@ -312,10 +312,10 @@ fn every_warning_names_case_place_and_code() {
     assert!(!notices.is_empty() && notices.len() == analysis.warnings.all().len());
     for (notice, warning) in notices.iter().zip(analysis.warnings.all()) {
         let line = terminal::notice(notice, usize::MAX);
-        let begin = format!("{}: {}", NoticeKind::from(warning.severity()).word(), case.id);
+        let begin = format!("{}: {}", NoticeKind::from(warning.code.severity()).word(), case.id);
         assert!(line.starts_with(&begin) && line.lines().count() == 1, "{line}");
         assert!(line.contains(&words(&warning.text())), "{line}");
-        assert!(line.ends_with(&format!("[{}]\n", warning.code)), "{line}");
+        assert!(line.ends_with(&format!("[{}]\n", warning.code.key())), "{line}");
         let film = warning.posture.map(|posture| format!(", {posture} film"));
         assert!(film.is_none_or(|film| line.contains(&film)), "{line}");
     }

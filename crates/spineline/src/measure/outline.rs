@@ -16,7 +16,7 @@ use super::{
 };
 use crate::anatomy::{Level, Levels, Morphometry, Posture};
 use crate::spatial::{Angle, Frontal, Pixel};
-use crate::warning::{Step, Warnings};
+use crate::warning::{WarningCode, Warnings};
 
 /// One vertebra in the global frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -232,7 +232,7 @@ pub(crate) fn outline_of(
             levels.base(),
             normal.abs().deg()
         );
-        warnings.film(Step::Measure, "iliac_line_unusual", posture, text);
+        warnings.film(WarningCode::IliacLineUnusual, posture, text);
     }
     warn_of_gaps(posture, &vertebrae, placed.len(), warnings);
     Ok(Outline {
@@ -438,7 +438,7 @@ fn scaled_from_pixels(
     let text = format!(
         "the film has no spacing: its pixels {shape} for angles, and lengths are not reported in millimetres"
     );
-    warnings.film(Step::Measure, "no_spacing", posture, text);
+    warnings.film(WarningCode::NoSpacing, posture, text);
     let means = average(&placed);
     let (mut typical_mm, mut length_px) = (0.0, 0.0);
     let marked: Vec<(Level, Frontal)> = means.iter().map(|(&l, (p, _))| (l, p.location)).collect();

@@ -6,6 +6,7 @@ use spineline::anatomy::Posture;
 use spineline::evaluate::{Baseline, predict_baseline};
 use spineline::measure::{FilmLength, FilmLengthRule, FilmScale};
 use spineline::spatial::{Angle, Frontal};
+use spineline::warning::WarningCode;
 use spineline_phantom::{Readers, Scenario};
 
 use crate::common::{
@@ -89,7 +90,8 @@ fn stated_scales_are_not_fitted() {
     assert_near(length(Posture::LeftBending).prior_log_sd, 0.005, 1e-12, "both stated");
     assert_eq!(length(Posture::RightBending).prior_log_sd, FilmLengthRule::RELATIVE_SD);
     // 2 % is four deviations of what the two films state.
-    let warned = analysis.warnings.all().iter().filter(|one| one.code == "lengths_differ");
+    let warned =
+        analysis.warnings.all().iter().filter(|one| one.code == WarningCode::LengthsDiffer);
     assert_eq!(warned.map(|one| one.posture).collect::<Vec<_>>(), [Some(Posture::LeftBending)]);
 }
 

@@ -9,7 +9,7 @@ use serde_json::Value;
 use spineline::analysis::Analysis;
 use spineline_files::{
     AnalysisFile, Content, InputFile, MAX_ANALYSES_BYTES, Provenance, StoredAnalysis,
-    parse_analysis, parse_json, read_bytes, to_text,
+    parse_analysis, parse_json, picture_warnings, read_bytes, to_text,
 };
 use spineline_report::document::{Column, Table};
 use spineline_report::terminal::Lines;
@@ -18,7 +18,6 @@ use spineline_report::{embedded, terminal};
 use crate::analysis::case::analyze_case;
 use crate::analysis::confidence::Confidence;
 use crate::analysis::figures::{figures_of, write_figures};
-use crate::analysis::films::FilmWarning;
 use crate::options::values::{number, threads};
 use crate::run::failure::{Ending, Failure};
 use crate::run::outputs::{Outputs, OverwriteArgs, is_stdout, print, width};
@@ -193,17 +192,6 @@ impl Origin {
     }
 }
 
-/// Warnings about pictures that lay beside the case then: an analysis holds no pictures.
-fn keep_film_warnings(old: &Value, analysis: &mut Analysis) {
-    let warnings = old["warnings"].as_array().into_iter().flatten();
-    for warning in warnings {
-        let Some(code) = warning["code"].as_str().and_then(FilmWarning::code) else { continue };
-        let posture = warning["posture"].as_str().and_then(|key| key.parse().ok());
-        let text = warning["message"].as_str().unwrap_or_default();
-        FilmWarning::new(code, posture, text).warn(analysis);
-    }
-}
-
 /// One analysis again.
 struct Repeated {
     stored: StoredAnalysis,
@@ -218,7 +206,7 @@ impl Repeated {
         let stored = parse_analysis(&old.to_string()).map_err(|e| Failure::file(&args.file, &e))?;
         let StoredAnalysis { case, request, .. } = &stored;
         let mut analysis = analyze_case(&args.file, case, &request.options)?;
-        keep_film_warnings(old, &mut analysis);
+        analysis.warnings.merge(&picture_warnings(old));
         let confidence = Confidence::compute(case, &analysis, request, args.threads)?;
         if confidence.is_cut_short() {
             // Fewer replicates than then would only look like a difference.

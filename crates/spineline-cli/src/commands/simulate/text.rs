@@ -30,7 +30,7 @@ pub fn report(outcome: &Outcome) -> String {
 /// The warnings.
 pub fn notices(outcome: &Outcome) -> Vec<Notice> {
     let notice = |warning: &SimulationWarning| Notice {
-        code: warning.code.to_owned(),
+        code: warning.code.key().to_owned(),
         ..Notice::new(NoticeKind::Warning, warning.message.clone())
     };
     outcome.warnings.iter().map(notice).chain(outcome.interruption()).collect()

@@ -17,7 +17,7 @@ use super::{
 };
 use crate::anatomy::{ImageSide, Level};
 use crate::spatial::{Frontal, Pixel};
-use crate::warning::{Step, Warnings};
+use crate::warning::Warnings;
 
 /// The four corners of a vertebral body seen from the side.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -86,7 +86,7 @@ impl LateralFilm {
         }
         warn_of_corners(CheckedFilm::Lateral, &bodies, warnings);
         for (code, text) in sizes.doubts() {
-            warnings.push(Step::Measure, code, format!("lateral film: {text}"));
+            warnings.push(code, format!("lateral film: {text}"));
         }
         Ok(LateralOutline::of(&bodies, has_scale, self.simultaneous))
     }
