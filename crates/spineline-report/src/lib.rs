@@ -18,10 +18,12 @@ mod hypotheses;
 pub mod loaded_tables;
 mod loaded_words;
 mod markdown;
+pub mod number;
 pub mod patient;
 mod phrases;
 mod png;
 pub mod reliability;
+pub mod reproduction;
 pub mod rotation_prior;
 pub mod terminal;
 
