@@ -16,8 +16,8 @@ pub struct ReproducedNumber {
     pub quantity: String,
     /// Unit; empty where there is none.
     pub unit: &'static str,
-    /// The paper's number as text.
-    pub paper: String,
+    /// The paper's number as text; `None` where the paper gives no such number.
+    pub paper: Option<String>,
     /// Loading scenario.
     pub scenario: &'static str,
     /// Mean, share or p value.
@@ -49,7 +49,9 @@ fn columns() -> Vec<Column<ReproducedNumber>> {
         text("unit", "unit of `mean` and `sd`; empty where there is none", |row| {
             Some(row.unit.to_owned())
         }),
-        text("paper", "the number of the paper", |row| Some(row.paper.clone())),
+        text("paper", "the number of the paper; empty where it gives none", |row| {
+            row.paper.clone()
+        }),
         text("scenario", "loading scenario: `rod`, `bend` or `pull`", |row| {
             Some(row.scenario.to_owned())
         }),

@@ -1,9 +1,10 @@
 //! Every phantom made and analysed.
 
 use spineline::analysis::{Analysis, AnalysisOptions, Case, analyze};
-use spineline::cohort::{Cohort, CohortPatient};
+use spineline::cohort::{Claims, Cohort, CohortPatient, PatientClaims};
 use spineline::multibody::Support;
 use spineline_phantom::{Phantom, Readers, SUBJECTS, Scenario, generate};
+use spineline_report::reproduction::{ScenarioResults, Scenarios};
 
 use super::args::ReproduceArgs;
 use crate::options::phantoms::options_of;
@@ -26,14 +27,6 @@ pub struct Run {
 
 /// Both supports: the paper's, and a patient on a table.
 const SUPPORTS: [Support; 2] = [Support::Free, Support::Frontal];
-
-/// The support in words.
-pub fn support_words(support: Support) -> &'static str {
-    match support {
-        Support::Free => "free support (the paper's)",
-        Support::Frontal => "frontal support (in the frontal plane, as on a table)",
-    }
-}
 
 /// The subjects of Table 1 in every scenario, in the order of [`Scenario::PAPER`]; it does not depend on the threads.
 pub fn phantoms(args: &ReproduceArgs, readers: &Readers) -> Result<Vec<Phantom>, Failure> {
@@ -89,4 +82,22 @@ pub fn all_runs(args: &ReproduceArgs, phantoms: &[Phantom]) -> Result<Vec<Run>, 
             Run { scenario, support, cases, analyses, cohort }
         });
     Ok(runs.collect())
+}
+
+/// The results of every loading scenario with both supports, and the paper's claims with its support.
+pub fn scenarios(runs: &[Run], seed: u64) -> Scenarios<'_> {
+    Scenario::PAPER.map(|scenario| {
+        let [free, frontal] = SUPPORTS.map(|support| {
+            let mut own = runs.iter().filter(|run| run.support == support);
+            own.find(|run| run.scenario == scenario).expect("one run per scenario and support")
+        });
+        let patients: Vec<PatientClaims> = free.analyses.iter().map(PatientClaims::of).collect();
+        ScenarioResults {
+            name: scenario.key(),
+            meaning: scenario.meaning(),
+            free: &free.cohort,
+            frontal: &frontal.cohort,
+            claims: Claims::of(&patients, seed),
+        }
+    })
 }
