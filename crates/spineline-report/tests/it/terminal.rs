@@ -451,7 +451,7 @@ fn every_statistic_of_readings_is_shown_with_interval_and_limits_of_agreement() 
     let films: Vec<FilmReadings> = case.films.iter().map(measure).collect();
     let found: Vec<QuantityReliability> =
         film_quantities(&[(&case.id, &films)]).iter().map(assess).collect();
-    let document = reliability::summary(&found, true, "spineline test");
+    let document = reliability::full(&found, true, "spineline test");
     assert_whole(&document);
     let text = terminal(&document, WIDE);
     assert!(text.lines().next().is_some_and(|line| line.contains("SYNTHETIC")), "{text}");

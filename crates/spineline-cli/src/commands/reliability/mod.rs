@@ -7,7 +7,7 @@ use indexmap::IndexSet;
 use spineline::measure::{FilmReadings, TiltRule};
 use spineline::reliability::{FilmQuantities, QuantityReliability, RatedQuantity, assess};
 use spineline_files::{FilmOrigin, InputFile, Provenance, ReliabilityFile};
-use spineline_report::reliability::summary;
+use spineline_report::reliability::{full, summary};
 use spineline_report::{figures, file_stem};
 use spineline_tables::statistics_table;
 
@@ -46,6 +46,9 @@ pub struct ReliabilityArgs {
     /// Draw Bland-Altman plots as SVG into this folder
     #[arg(long, value_name = "DIR")]
     figure: Option<PathBuf>,
+    /// Print all statistics of every quantity and design
+    #[arg(long)]
+    full: bool,
     #[command(flatten)]
     overwrite: OverwriteArgs,
 }
@@ -78,7 +81,8 @@ pub fn run(args: &ReliabilityArgs) -> Result<Ending, Failure> {
     }
     let kept = outputs.commit_and_say();
     if to_stdout == 0 {
-        let document = summary(&found, synthetic, &generator());
+        let text = if args.full { full } else { summary };
+        let document = text(&found, synthetic, &generator());
         print_document(&document)?;
     }
     kept.map(|()| Ending::Done)
