@@ -1,6 +1,6 @@
 import { defineConfig } from "@playwright/test";
 
-import { BROWSER } from "./e2e/browser";
+import { BROWSER, ENVIRONMENT } from "./e2e/browser";
 
 export default defineConfig({
   testDir: "e2e",
@@ -24,6 +24,7 @@ export default defineConfig({
     channel: undefined,
     launchOptions: {
       executablePath: BROWSER,
+      env: ENVIRONMENT,
       args: [
         "--no-sandbox",
         "--enable-unsafe-swiftshader",

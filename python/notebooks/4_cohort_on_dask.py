@@ -24,9 +24,9 @@ from distributed import Client, LocalCluster
 
 folder = pathlib.Path("cases")
 folder.mkdir(exist_ok=True)
-for truth in ("rod", "bend", "pull"):
+for scenario in ("rod", "bend", "pull"):
     for subject in range(1, 7):
-        sl.phantom(truth, subject=subject).save(folder / f"{truth}-{subject:02}.json", overwrite=True)
+        sl.phantom(scenario, subject=subject).save(folder / f"{scenario}-{subject:02}.json", overwrite=True)
 (folder / "broken.json").write_text("{")  # a file that was cut off
 cohort = sl.Cohort.glob("cases/*.json")
 len(cohort)

@@ -182,13 +182,13 @@ def read_case(path: str | os.PathLike[str]) -> Case:
 
 
 def phantom(
-    truth: str = "rod", *, subject: int = 1, seed: int = 1, noise: float = 1.0
+    scenario: str = "rod", *, subject: int = 1, seed: int = 1, noise: float = 1.0
 ) -> Case:
     """Makes a synthetic patient with five films, the same as ``spineline phantom``.
 
     Parameters
     ----------
-    truth
+    scenario
         Loading scenario, such as ``"rod"``, ``"bend"`` or ``"pull"``.
     subject
         Row of the paper's Table 1, from 1 to 18.
@@ -202,7 +202,7 @@ def phantom(
     InputError
         If there is no such scenario or subject.
     """
-    return Case(_native.phantom(truth, subject, seed, noise))
+    return Case(_native.phantom(scenario, subject, seed, noise))
 
 
 def _csv_text(landmarks: Any) -> str:

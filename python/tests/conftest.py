@@ -40,5 +40,5 @@ def program() -> Path:
 def folder_of_cases(program: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Case files of 18 synthetic patients, which the program wrote."""
     folder = tmp_path_factory.mktemp("cases")
-    subprocess.run([program, "phantom", "--truth", "rod", "--out", folder], check=True, capture_output=True)
+    subprocess.run([program, "phantom", "--scenario", "rod", "--out", folder], check=True, capture_output=True)
     return folder

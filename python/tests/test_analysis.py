@@ -33,23 +33,23 @@ def scenarios() -> list[str]:
 
 
 @pytest.mark.parametrize(
-    ("truth", "subject"),
-    [(truth, 1) for truth in scenarios()]
-    + [(truth, subject) for truth in ("rod", "bend", "pull") for subject in (4, 10, 18)],
+    ("scenario", "subject"),
+    [(scenario, 1) for scenario in scenarios()]
+    + [(scenario, subject) for scenario in ("rod", "bend", "pull") for subject in (4, 10, 18)],
 )
 def test_files_and_tables_have_the_bytes_of_the_program(
-    program: Path, tmp_path: Path, truth: str, subject: int
+    program: Path, tmp_path: Path, scenario: str, subject: int
 ) -> None:
     def run(*words: object) -> int:
         command = [str(word) for word in (program, *words)]
         return subprocess.run(command, capture_output=True).returncode
 
-    assert run("phantom", "--truth", truth, "--subject", subject, "--out", tmp_path) == 0
-    case_file = tmp_path / f"phantom-{truth}-{subject:02}.json"
+    assert run("phantom", "--scenario", scenario, "--subject", subject, "--out", tmp_path) == 0
+    case_file = tmp_path / f"phantom-{scenario}-{subject:02}.json"
     written, tables = tmp_path / "program.json", tmp_path / "tables"
     ending = run("analyze", case_file, "--json", written, "--tables", tables)
     case = sl.read_case(case_file)
-    assert case == sl.phantom(truth, subject=subject)
+    assert case == sl.phantom(scenario, subject=subject)
     assert case.to_json() == case_file.read_text()
     found = sl.analyze(case)
     assert ending == (0 if found.is_usable else 4)

@@ -78,9 +78,9 @@ def make_samples(program: Path, seeds: Path, samples: Path) -> None:
         return end.output
 
     subprocess.run([seeds, samples / "seeds"], check=True)
-    make("phantom", "--truth", "rod", "--subject", "1", "--films", "--film-encoding", "jpeg-ls", "--out", "films")
+    make("phantom", "--scenario", "rod", "--subject", "1", "--films", "--film-encoding", "jpeg-ls", "--out", "films")
     shutil.copy(samples / "films" / "phantom-rod-01-erect.dcm", samples / "jpeg-ls.dcm")
-    make("phantom", "--truth", "rod", "--subject", "1", "--out", "case")
+    make("phantom", "--scenario", "rod", "--subject", "1", "--out", "case")
     (samples / "case" / "phantom-rod-01.json").rename(samples / "case.json")
     make("analyze", "case.json", "--json", "analysis.json", "--model", "model.json")
     make("report", "case.json", "--out", "report.html")

@@ -16,7 +16,7 @@ FORMATS = ("mjcf", "osim", "urdf")
 class Subject:
     """A model to make, and how far beyond its fitted forces it is taken."""
 
-    truth: str
+    scenario: str
     number: int
     line: str
     support: str
@@ -24,7 +24,7 @@ class Subject:
 
     @property
     def name(self) -> str:
-        return f"{self.truth}-{self.number:02}-{self.line}-{self.support}"
+        return f"{self.scenario}-{self.number:02}-{self.line}-{self.support}"
 
 
 # Lines through the inflections are fixed in space; the iliac line's force stays at T2's midpoint.
@@ -113,8 +113,8 @@ class Spineline:
     def model(self, subject: Subject) -> tuple[dict, dict[str, Path]]:
         """A personalised model of a noise-free phantom, and its exports."""
         number, stem = str(subject.number), subject.name
-        self.run("phantom", "--truth", subject.truth, "--subject", number, "--noise", "0", "--out", "phantoms")
-        film = f"phantoms/phantom-{subject.truth}-{subject.number:02}.json"
+        self.run("phantom", "--scenario", subject.scenario, "--subject", number, "--noise", "0", "--out", "phantoms")
+        film = f"phantoms/phantom-{subject.scenario}-{subject.number:02}.json"
         options = ["--model-line", subject.line, "--support", subject.support]
         # Another line of the same analysis may have no result; the model of this one is what counts.
         self.run("analyze", film, "--model", f"{stem}.json", *options, codes=(0, 4))

@@ -44,10 +44,10 @@ class Spineline:
     def cases(self) -> list[Exported]:
         """Two phantoms, each on both sides of the picture."""
         found = []
-        for truth, subject in (("rod", 3), ("pull", 8)):
-            folder = self.out / f"{truth}-{subject}"
-            self.run("phantom", "--truth", truth, "--subject", subject, "--out", folder / "phantom")
-            path = folder / "phantom" / f"phantom-{truth}-{subject:02}.json"
+        for scenario, subject in (("rod", 3), ("pull", 8)):
+            folder = self.out / f"{scenario}-{subject}"
+            self.run("phantom", "--scenario", scenario, "--subject", subject, "--out", folder / "phantom")
+            path = folder / "phantom" / f"phantom-{scenario}-{subject:02}.json"
             case = json.loads(path.read_text(encoding="utf-8"))
             for side in ("image_left", "image_right"):
                 found.append(self.exported(hung(case, side), folder / side))

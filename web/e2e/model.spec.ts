@@ -2,7 +2,7 @@ import { chromium, type Locator, type Page } from "@playwright/test";
 
 import type { Api } from "../src/api/types";
 import { expectAccessible, expect, shot, test, type App } from "./app";
-import { BROWSER } from "./browser";
+import { BROWSER, ENVIRONMENT } from "./browser";
 import { loadAnswer, modelView } from "./model.fixture";
 
 test.use({ hasDemo: true });
@@ -368,6 +368,7 @@ test("the whole page is usable on a tablet", async ({ app, page }) => {
 test("without WebGL the model is shown in two dimensions with a message", async ({ app }) => {
   const browser = await chromium.launch({
     executablePath: BROWSER,
+    env: ENVIRONMENT,
     args: ["--no-sandbox", "--disable-3d-apis", "--disable-quic"],
   });
   const context = await browser.newContext({ viewport: { width: 1280, height: 800 } });

@@ -22,7 +22,7 @@ test.describe("with films of one phantom", () => {
     phantom = await mkdtemp(path.join(tmpdir(), "spineline-phantom-"));
     await runProgram(
       "phantom",
-      "--truth",
+      "--scenario",
       "rod",
       "--subject",
       "1",

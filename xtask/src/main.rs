@@ -123,7 +123,7 @@ fn steps(command: &str) -> Option<Vec<Step<'static>>> {
     // Before the program is built, which embeds it.
     let web = Step::new("web", &[Tool::Npm], |plan| web::build(plan.root));
     let web_checks = Step::new("web checks", &[Tool::Npm], |plan| web::check(plan.root));
-    let browser = Step::new("browser", &[Tool::Npm, Tool::Chromium], web::browser);
+    let browser = Step::new("browser", &[Tool::Npm], web::browser);
     let engines = Step::new("engines", &[Tool::Python], outside::engines);
     let reliability = Step::new("reliability", &[Tool::Python], outside::reliability);
     let films = Step::new("films", &[Tool::Python], outside::films);
@@ -154,7 +154,7 @@ fn steps(command: &str) -> Option<Vec<Step<'static>>> {
             // Both write where the Python step reads, or where the lints look.
             notebooks.alone(),
             wheel.alone(),
-            Step::new("browser", &[Tool::Npm, Tool::Chromium], web::browser_in_short).alone(),
+            Step::new("browser", &[Tool::Npm], web::browser_in_short).alone(),
             attack,
             studies,
         ],

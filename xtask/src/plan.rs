@@ -215,7 +215,7 @@ impl<'a> Plan<'a> {
             .iter()
             .flat_map(|step| step.tools)
             .copied()
-            .filter(|tool| !tool.is_there())
+            .filter(|tool| !tool.is_there() && (self.is_full() || !tool.is_optional()))
             .collect();
         missing.sort_unstable();
         missing.dedup();

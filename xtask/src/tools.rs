@@ -10,14 +10,13 @@ use crate::{outside, run, web};
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Tool {
     Npm,
-    Chromium,
-    ChromiumShell,
     Python,
     Dcmtk,
     Orthanc,
 }
 
-/// What Debian installs of Chromium's shell, as `web/e2e/browser.ts` looks for it.
+/// What Debian installs of Chromium, with and without windows, as `web/e2e/browser.ts` looks for it.
+const CHROMIUM: &str = "/usr/bin/chromium";
 const CHROMIUM_SHELL: &str = "/usr/lib/chromium/chromium-headless-shell";
 
 /// What Debian installs of Orthanc, as the tests look for it.
@@ -25,14 +24,11 @@ const ORTHANC: [&str; 2] =
     ["/usr/sbin/Orthanc", "/usr/share/orthanc/plugins/libOrthancDicomWeb.so"];
 
 impl Tool {
-    const ALL: [Self; 6] =
-        [Self::Npm, Self::Chromium, Self::ChromiumShell, Self::Python, Self::Dcmtk, Self::Orthanc];
+    const ALL: [Self; 4] = [Self::Npm, Self::Python, Self::Dcmtk, Self::Orthanc];
 
     pub fn name(self) -> &'static str {
         match self {
             Self::Npm => "Node.js with npm",
-            Self::Chromium => "Chromium",
-            Self::ChromiumShell => "Chromium without windows",
             Self::Python => "Python 3.11 with venv",
             Self::Dcmtk => "DCMTK",
             Self::Orthanc => "Orthanc with DICOMweb",
@@ -43,20 +39,21 @@ impl Tool {
     pub fn purpose(self) -> &'static str {
         match self {
             Self::Npm => "builds and tests the browser app",
-            Self::Chromium => "drives the browser app",
-            Self::ChromiumShell => "drives the browser app in less time",
             Self::Python => "runs the programs that results are compared with",
             Self::Dcmtk => "reads exported DICOM reports",
             Self::Orthanc => "is the image archive that films are opened from",
         }
     }
 
+    /// Whether the tests say at their end alone that it is missing.
+    pub const fn is_optional(self) -> bool {
+        matches!(self, Self::Dcmtk | Self::Orthanc)
+    }
+
     /// The Debian packages that hold it.
     fn packages(self) -> &'static [&'static str] {
         match self {
             Self::Npm => &["nodejs", "npm"],
-            Self::Chromium => &["chromium"],
-            Self::ChromiumShell => &["chromium-headless-shell"],
             Self::Python => &["python3", "python3-venv"],
             Self::Dcmtk => &["dcmtk"],
             Self::Orthanc => &["orthanc", "orthanc-dicomweb"],
@@ -71,10 +68,6 @@ impl Tool {
     pub fn is_there(self) -> bool {
         match self {
             Self::Npm => answers(web::NPM, &["--version"]),
-            Self::Chromium => Self::ChromiumShell.is_there() || answers("chromium", &["--version"]),
-            Self::ChromiumShell => {
-                std::env::var_os("CHROMIUM").is_some() || Path::new(CHROMIUM_SHELL).exists()
-            }
             Self::Python => {
                 std::env::var_os("PYTHON").is_some()
                     || answers("python3", &["-m", "venv", "--help"])
@@ -83,6 +76,13 @@ impl Tool {
             Self::Orthanc => ORTHANC.iter().all(|file| Path::new(file).exists()),
         }
     }
+}
+
+/// Whether the machine has a Chromium, as `web/e2e/browser.ts` looks for it; else that of npm drives the app.
+pub fn has_chromium() -> bool {
+    std::env::var_os("CHROMIUM").is_some()
+        || Path::new(CHROMIUM_SHELL).exists()
+        || Path::new(CHROMIUM).exists()
 }
 
 /// `cargo xtask setup`: installs what is missing, and fills the folders of npm and Python.

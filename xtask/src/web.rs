@@ -2,11 +2,11 @@
 
 use std::fs;
 use std::path::Path;
+use std::process::Command;
 
 use crate::checks::built;
-use crate::node;
 use crate::plan::Plan;
-use crate::run;
+use crate::{node, run, tools};
 
 /// The program of npm.
 pub const NPM: &str = if cfg!(windows) { "npm.cmd" } else { "npm" };
@@ -41,22 +41,49 @@ fn drive(plan: &Plan<'_>, chosen: &[&str]) -> Result<(), String> {
     let program = built(plan, "spineline")?;
     let program = program.to_str().ok_or("the target folder's name is not UTF-8")?;
     let arguments = [&["run", "--silent", "e2e"], chosen].concat();
-    npm(plan.root, &arguments, &[("SPINELINE_PROGRAM", program)])
+    let found = chromium(plan.root)?;
+    let mut variables = vec![("SPINELINE_PROGRAM", program)];
+    if let Some([path, libraries]) = &found {
+        variables.extend([("CHROMIUM", path.as_str()), ("CHROMIUM_LIBRARIES", libraries)]);
+    }
+    npm(plan.root, &arguments, &variables)
 }
 
-/// What the lock file names, installed once for each of its versions.
+/// The Chromium of npm and the folder of its libraries, where the machine has no Chromium.
+fn chromium(root: &Path) -> Result<Option<[String; 2]>, String> {
+    if tools::has_chromium() {
+        return Ok(None);
+    }
+    let folder = root.join("web/e2e/chromium");
+    install(&folder)?;
+    let mut node = Command::new("node");
+    let output = node.arg("executable.mjs").current_dir(&folder).output();
+    let output = output.map_err(|error| format!("node: {error}"))?;
+    let text = String::from_utf8_lossy(&output.stdout);
+    let mut lines = text.lines().map(str::to_owned);
+    match (output.status.success(), lines.next(), lines.next()) {
+        (true, Some(path), Some(libraries)) => Ok(Some([path, libraries])),
+        _ => Err(format!("Chromium of npm: {}", String::from_utf8_lossy(&output.stderr))),
+    }
+}
+
+/// The packages of the app.
 pub fn provide_packages(root: &Path) -> Result<(), String> {
     node::check(root)?;
-    let web = root.join("web");
+    install(&root.join("web"))
+}
+
+/// What the lock file of a folder names, installed once for each of its versions.
+fn install(folder: &Path) -> Result<(), String> {
     let read = |path: &Path| fs::read_to_string(path);
-    let lock = web.join("package-lock.json");
+    let lock = folder.join("package-lock.json");
     let wanted = read(&lock).map_err(|error| format!("{}: {error}", lock.display()))?;
-    let stamp = web.join("node_modules/spineline.stamp");
+    let stamp = folder.join("node_modules/spineline.stamp");
     if read(&stamp).is_ok_and(|had| had == wanted) {
         return Ok(());
     }
     let help = "\n  help: npm and once a network are needed";
-    npm(root, &["ci", "--no-audit", "--no-fund"], &[]).map_err(|reason| reason + help)?;
+    run(folder, NPM, &["ci", "--no-audit", "--no-fund"], &[]).map_err(|reason| reason + help)?;
     fs::write(&stamp, wanted).map_err(|error| format!("{}: {error}", stamp.display()))
 }
 

@@ -10,6 +10,7 @@ use spineline::cohort::{
 };
 use spineline::evaluate::Baseline;
 use spineline::evaluate::statistics::PairedT;
+use spineline::warning::WarningCode;
 
 use crate::Provenance;
 use crate::analysis_file::NumbersRecord;
@@ -133,8 +134,8 @@ struct DoubtedRecord {
     case_id: String,
     /// `null` for the lateral film.
     posture: Option<Posture>,
-    /// Code of the warning.
-    code: String,
+    /// The warning.
+    code: WarningCode,
     reason: String,
 }
 
@@ -350,7 +351,7 @@ fn doubted(film: &DoubtedFilm) -> DoubtedRecord {
     DoubtedRecord {
         case_id: film.case_id.clone(),
         posture: film.posture,
-        code: film.code.to_owned(),
+        code: film.code,
         reason: film.why.clone(),
     }
 }

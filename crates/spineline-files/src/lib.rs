@@ -48,7 +48,7 @@ mod stored_uncertainty;
 mod table_text;
 
 pub use analysis_file::{
-    AnalysisFile, PICTURE_WARNINGS, StoredAnalysis, parse_analysis, parse_case_within,
+    AnalysisFile, StoredAnalysis, parse_analysis, parse_case_within, picture_warnings,
 };
 pub use case_file::{
     CaseFile, FilmSource, image_value, parse_case, parse_case_file, parse_image, with_spacing,

@@ -10,6 +10,7 @@ use spineline::response::{
 };
 use spineline::spatial::{Mat3, Vec3};
 use spineline::uncertainty::LoadedUncertainty;
+use spineline::warning::WarningCode;
 
 use crate::keys::{ByLevel, JointKey, LevelKey};
 use crate::simulation_uncertainty::SimulationUncertainty;
@@ -73,8 +74,8 @@ enum GoalRecord {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 pub struct SimulationWarning {
-    /// Stable name, such as `pad_pulls`.
-    pub code: String,
+    /// Which warning it is.
+    pub code: WarningCode,
     /// What happened and what to do, as text.
     pub message: String,
 }
@@ -82,8 +83,8 @@ pub struct SimulationWarning {
 impl SimulationWarning {
     /// A warning with its stable code.
     #[must_use]
-    pub fn new(code: &str, message: impl Into<String>) -> Self {
-        Self { code: code.to_owned(), message: message.into() }
+    pub fn new(code: WarningCode, message: impl Into<String>) -> Self {
+        Self { code, message: message.into() }
     }
 }
 

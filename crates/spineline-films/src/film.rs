@@ -4,7 +4,7 @@ use std::borrow::Cow;
 
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
-use spineline::measure::{SpacingEvidence, ViewEvidence};
+use spineline_marking::{SpacingEvidence, ViewEvidence};
 
 use super::error::{FilmError, UnsupportedPhotometric};
 use super::{ExposureMarks, FilmKind, FilmRemark, Look, PatientMarks};
@@ -78,10 +78,10 @@ pub struct FilmUids {
 pub struct FilmTags {
     /// Modality (0008,0060); one of the radiographic ones, or `None`.
     pub modality: Option<String>,
-    /// For [`judge_spacing`](spineline::measure::judge_spacing).
+    /// For [`judge_spacing`](spineline_marking::judge_spacing).
     #[serde(with = "crate::record::spacing")]
     pub spacing: SpacingEvidence,
-    /// For [`judge_view`](spineline::measure::judge_view).
+    /// For [`judge_view`](spineline_marking::judge_view).
     #[serde(with = "crate::record::view")]
     pub view: ViewEvidence,
     /// Which values are bright.

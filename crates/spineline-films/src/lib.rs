@@ -7,7 +7,7 @@
 //!
 //! Grey values go through the pipeline of DICOM PS3.4, annex N: modality table or rescale, then table or window of
 //! interest, then polarity ([`FilmFile::display`]). What a spacing is worth is judged by
-//! [`spineline::measure::judge_spacing`], what has to be asked about a view by [`spineline::measure::judge_view`].
+//! [`spineline_marking::judge_spacing`], what has to be asked about a view by [`spineline_marking::judge_view`].
 //!
 //! [`intake`] finds films in folders and archives.
 //!

@@ -5,7 +5,7 @@ use std::io::Cursor;
 
 use image::metadata::Orientation;
 use image::{DynamicImage, ImageDecoder, ImageFormat, ImageReader, Limits};
-use spineline::measure::{SpacingEvidence, ViewEvidence};
+use spineline_marking::{SpacingEvidence, ViewEvidence};
 
 use super::codec::foreign;
 use super::error::{Codec, CodecFault, FilmError, Measure, UnsupportedPhotometric};

@@ -2,7 +2,7 @@
 
 pub(super) mod spacing {
     use serde::{Deserialize, Deserializer, Serialize, Serializer};
-    use spineline::measure::{CalibrationType, SpacingEvidence};
+    use spineline_marking::{CalibrationType, SpacingEvidence};
 
     #[derive(Serialize, Deserialize)]
     #[serde(deny_unknown_fields)]
@@ -54,7 +54,7 @@ pub(super) mod spacing {
 
 pub(super) mod view {
     use serde::{Deserialize, Deserializer, Serialize, Serializer};
-    use spineline::measure::{PatientDirection, Stance, ViewEvidence, ViewPosition};
+    use spineline_marking::{PatientDirection, Stance, ViewEvidence, ViewPosition};
 
     #[derive(Serialize, Deserialize)]
     #[serde(deny_unknown_fields)]

@@ -1,6 +1,6 @@
 //! What a film states of its pixels and a person has to decide.
 
-use spineline::measure::judge_spacing;
+use spineline_marking::judge_spacing;
 
 use super::{FilmRemark, FilmTags};
 

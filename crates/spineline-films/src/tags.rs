@@ -2,7 +2,7 @@
 
 use dicom_core::value::Value;
 use dicom_object::InMemDicomObject;
-use spineline::measure::{
+use spineline_marking::{
     CalibrationType, PatientDirection, SpacingEvidence, Stance, ViewEvidence, ViewPosition,
 };
 

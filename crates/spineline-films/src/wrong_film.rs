@@ -1,6 +1,7 @@
 //! Films that may not belong into a case, by what their files state: another part of the body, or another patient.
 
 use serde::{Deserialize, Serialize};
+use spineline::warning::WarningCode;
 
 use super::element::Attributes;
 use super::patient::other_body_part;
@@ -46,8 +47,8 @@ impl Stated {
 /// Why a film may not belong into a case.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct FilmDoubt {
-    /// `other_body_part` or `patient_differs`.
-    pub code: &'static str,
+    /// [`WarningCode::OtherBodyPart`] or [`WarningCode::PatientDiffers`].
+    pub code: WarningCode,
     /// What is wrong, without the patient's identity.
     pub text: String,
 }
@@ -66,10 +67,10 @@ pub fn film_doubts(films: &[(String, Stated)]) -> Vec<Vec<FilmDoubt>> {
         let part = stated
             .other_part
             .as_ref()
-            .map(|remark| FilmDoubt { code: "other_body_part", text: remark.to_string() });
+            .map(|remark| FilmDoubt { code: WarningCode::OtherBodyPart, text: remark.to_string() });
         let patient = films[..i].iter().find_map(|(name, earlier)| {
             let text = contradiction(name, &earlier.patient.differences(&stated.patient))?;
-            Some(FilmDoubt { code: "patient_differs", text })
+            Some(FilmDoubt { code: WarningCode::PatientDiffers, text })
         });
         part.into_iter().chain(patient).collect()
     };

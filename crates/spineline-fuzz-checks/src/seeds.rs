@@ -11,7 +11,7 @@ use spineline_files::{
 };
 use spineline_films::{DicomFilm, Encoding, FilmPolarity, View, write_dicom};
 use spineline_landmarks::{LandmarkTarget, ReportOf, SourceImage, export_landmarks, write_sr};
-use spineline_phantom::{Readers, SpaceSetup, Truth, generate, generate_in_space};
+use spineline_phantom::{Readers, Scenario, SpaceSetup, generate, generate_in_space};
 
 /// A valid file for one target.
 #[derive(Debug, Clone)]
@@ -28,7 +28,7 @@ pub struct Seed {
 fn rotation_prior() -> Result<String, Box<dyn std::error::Error>> {
     let patients = (0..RotationPrior::MIN_PATIENTS)
         .map(|subject| {
-            let phantom = generate(subject, Truth::Rod, &Readers::exact(), 1)?;
+            let phantom = generate(subject, Scenario::Rod, &Readers::exact(), 1)?;
             Ok(CohortPatient::of(&analyze(&phantom.case, &Default::default())?))
         })
         .collect::<Result<Vec<_>, Box<dyn std::error::Error>>>()?;
@@ -52,7 +52,7 @@ fn run() -> ProgramRun {
 /// If the program cannot write one of its own formats.
 pub fn seeds() -> Result<Vec<Seed>, Box<dyn std::error::Error>> {
     let mut all = Seeds::default();
-    let phantom = generate(0, Truth::Rod, &Readers::exact(), 1)?;
+    let phantom = generate(0, Scenario::Rod, &Readers::exact(), 1)?;
     let case = &phantom.case;
     let analysis = analyze(case, &Default::default())?;
     all.put("case", "phantom", to_text(&CaseFile::from_case(case)));

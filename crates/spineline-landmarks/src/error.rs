@@ -1,6 +1,7 @@
 use spineline::anatomy::Level;
-use spineline::measure::{MeasureError, MidlineError, OBSERVER_RULE};
+use spineline::measure::{MeasureError, OBSERVER_RULE};
 use spineline_files::FileError;
+use spineline_marking::MidlineError;
 
 /// How the side of the picture with the patient's left is given.
 pub(crate) const GIVE_SIDE: &str = "name the film of the file, as in `--landmarks erect=FILE`, and its side with `--patient-left`; in Python give `patient_left`";

@@ -12,8 +12,9 @@ use std::collections::BTreeMap;
 
 use serde::Deserialize;
 use spineline::anatomy::Posture;
-use spineline::measure::{Midline, MidlineEnd, MidlinePoint, Placement, Reading};
+use spineline::measure::{Placement, Reading};
 use spineline::spatial::Frontal;
+use spineline_marking::{Midline, MidlineEnd, MidlinePoint};
 
 use super::identity::Identity;
 use super::json::parse_foreign;

@@ -16,7 +16,7 @@ use spineline::spatial::{Angle, Frontal, Pixel};
 use crate::erect::ErectSpine;
 use crate::proportions;
 use crate::readers::{Deviation, Readers};
-use crate::{TableRow, TruePosture, Truth};
+use crate::{Scenario, TableRow, TruePosture};
 
 /// Meaning of large stored values.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -99,7 +99,7 @@ fn coarse_image(image: &ImageGeometry, factor: u32) -> ImageGeometry {
 /// The readers draw from `rng`, the radiographs' seeds come from `look`.
 pub(crate) fn photograph(
     row: &TableRow,
-    truth: Truth,
+    scenario: Scenario,
     spine: &ErectSpine,
     postures: &[TruePosture],
     readers: &Readers,
@@ -115,7 +115,7 @@ pub(crate) fn photograph(
         })
         .unzip();
     let case = Case {
-        id: format!("phantom-{}-{:02}", truth.key(), row.number),
+        id: format!("phantom-{}-{:02}", scenario.key(), row.number),
         synthetic: true,
         subject: Subject {
             sex: Some(row.sex),

@@ -16,7 +16,7 @@ impl Phantom {
     /// `subject` (from 0) and seed say which factors; pixels stay as they are.
     #[must_use]
     pub fn with_film_lengths(mut self, log_sd: f64, subject: usize, seed: u64) -> Self {
-        let mut rng = stream(seed, STREAMS + 8 * subject as u64 + self.truth as u64);
+        let mut rng = stream(seed, STREAMS + 8 * subject as u64 + self.scenario as u64);
         let normal = Normal::new(0.0, log_sd.abs()).expect("a finite deviation");
         for (film, true_film) in self.case.films.iter_mut().zip(&mut self.films) {
             let scale = match film.posture {

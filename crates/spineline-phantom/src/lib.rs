@@ -4,22 +4,22 @@
 //! one says `synthetic`. The subjects follow Table 1 of the paper. The assumed loading scenario decides which line of action
 //! predicts best, so there are several:
 //!
-//! - [`Truth::Rod`]: an elastic rod of 998 planar segments, bent by a force through its own inflections, found
+//! - [`Scenario::Rod`]: an elastic rod of 998 planar segments, bent by a force through its own inflections, found
 //!   self-consistently by continuation: the paper's hypothesis;
-//! - [`Truth::Bend`]: prescribed rotations of one sign at all levels, sized by published flexibility, vanishing at the
+//! - [`Scenario::Bend`]: prescribed rotations of one sign at all levels, sized by published flexibility, vanishing at the
 //!   inflections: what clinicians see;
-//! - [`Truth::Pull`]: the same rod under a horizontal force at T2, Petit's hypothesis; its traction is a cranial one;
-//! - [`Truth::Flatten`], [`Truth::Offset`], [`Truth::Spread`] and [`Truth::Random`]: movements that no force through the
+//! - [`Scenario::Pull`]: the same rod under a horizontal force at T2, Petit's hypothesis; its traction is a cranial one;
+//! - [`Scenario::Flatten`], [`Scenario::Offset`], [`Scenario::Spread`] and [`Scenario::Random`]: movements that no force through the
 //!   inflections made, as counter-examples.
 //!
-//! [`Truth::LOADS`] bend the same rod by loads that no single line describes, or turn its base: for comparisons of loads.
+//! [`Scenario::LOADS`] bend the same rod by loads that no single line describes, or turn its base: for comparisons of loads.
 //!
 //! A [`TrueFilm`] is how a posture lies on its film. The readers mark it, and [`Phantom::radiograph`] draws it, so that the
 //! two agree to a part of a pixel.
 //!
 //! ```
-//! use spineline_phantom::{Readers, Truth, generate};
-//! let phantom = generate(0, Truth::Rod, &Readers::exact(), 1)?;
+//! use spineline_phantom::{Readers, Scenario, generate};
+//! let phantom = generate(0, Scenario::Rod, &Readers::exact(), 1)?;
 //! let analysis = spineline::analysis::analyze(&phantom.case, &Default::default())?;
 //! assert!(analysis.synthetic && analysis.movement.inflections.all.len() == 2);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
@@ -37,9 +37,9 @@ mod proportions;
 mod radiograph;
 mod readers;
 mod rod;
+mod scenario;
 mod space;
 mod subjects;
-mod truth;
 
 pub use build::{Build, Construction};
 pub use film::{Polarity, TrueFilm};
@@ -60,7 +60,7 @@ use spineline::spatial::{Angle, Frontal};
 
 /// Loading scenario of the synthetic spine.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Truth {
+pub enum Scenario {
     /// A force through the inflections (the paper's hypothesis).
     Rod,
     /// Prescribed rotations, all to one side (clinical bends).
@@ -69,7 +69,7 @@ pub enum Truth {
     Pull,
     /// All segments rotate in proportion to their erect curvature: no force, and no rotation at the inflections.
     Flatten,
-    /// A force as in [`Truth::Rod`] along a line that crosses the spine caudal of its inflections.
+    /// A force as in [`Scenario::Rod`] along a line that crosses the spine caudal of its inflections.
     Offset,
     /// A load of the same size on every millimetre of the spine: horizontal for bends, cranial for traction.
     Spread,
@@ -87,7 +87,7 @@ pub enum Truth {
     TurnedBase,
 }
 
-impl Truth {
+impl Scenario {
     /// Every scenario.
     pub const ALL: [Self; 12] = [
         Self::Rod,
@@ -105,7 +105,7 @@ impl Truth {
     ];
     /// The three scenarios that `spineline reproduce` compares with the paper.
     pub const PAPER: [Self; 3] = [Self::Rod, Self::Bend, Self::Pull];
-    /// Scenarios for a comparison of lines: [`Truth::PAPER`] and the counter-examples.
+    /// Scenarios for a comparison of lines: [`Scenario::PAPER`] and the counter-examples.
     pub const LINES: &[Self] = Self::ALL.split_at(7).0;
     /// Scenarios for a comparison of loads, which no single line describes.
     pub const LOADS: &[Self] = Self::ALL.split_at(7).1;
@@ -182,7 +182,7 @@ pub struct Phantom {
     /// The case that the readers made.
     pub case: Case,
     /// Loading scenario.
-    pub truth: Truth,
+    pub scenario: Scenario,
     /// True postures, the erect one first.
     pub postures: Vec<TruePosture>,
     /// True lateral stiffness multipliers per region, caudal first.
@@ -209,21 +209,21 @@ pub enum PhantomError {
     },
     /// Prescribed rotations, of a spine that bends at joints only.
     #[error(
-        "{truth}: without a force only a spine of construction `rod` can be moved, not `{construction}`"
+        "{scenario}: without a force only a spine of construction `rod` can be moved, not `{construction}`"
     )]
     Construction {
         /// Loading scenario.
-        truth: &'static str,
+        scenario: &'static str,
         /// Construction.
         construction: &'static str,
     },
     /// The force that should move the spine was not found.
-    #[error("subject {number}, {truth}: the force for the {posture} posture was not found")]
+    #[error("subject {number}, {scenario}: the force for the {posture} posture was not found")]
     NoForce {
         /// Number of the subject, from 1.
         number: usize,
         /// Loading scenario.
-        truth: &'static str,
+        scenario: &'static str,
         /// Posture.
         posture: Posture,
     },
@@ -231,17 +231,17 @@ pub enum PhantomError {
 
 /// Makes one phantom: subject `index` (from 0) of Table 1.
 ///
-/// The same arguments always make the same phantom: every subject and truth has a random stream of its own.
+/// The same arguments always make the same phantom: every subject and scenario has a random stream of its own.
 ///
 /// # Errors
 /// [`PhantomError`].
 pub fn generate(
     index: usize,
-    truth: Truth,
+    scenario: Scenario,
     readers: &Readers,
     seed: u64,
 ) -> Result<Phantom, PhantomError> {
-    generate_built(index, truth, readers, seed, Build::default())
+    generate_built(index, scenario, readers, seed, Build::default())
 }
 
 /// As [`generate`], of a spine that is built otherwise. [`Phantom::multipliers`] are means of regions.
@@ -253,13 +253,13 @@ pub fn generate(
 /// If the deviation is no finite number.
 pub fn generate_built(
     index: usize,
-    truth: Truth,
+    scenario: Scenario,
     readers: &Readers,
     seed: u64,
     build: Build,
 ) -> Result<Phantom, PhantomError> {
     let patient = Patient { index, copy: 0, build };
-    let mut phantoms = generate_patient(&patient, truth, std::slice::from_ref(readers), seed)?;
+    let mut phantoms = generate_patient(&patient, scenario, std::slice::from_ref(readers), seed)?;
     Ok(phantoms.pop().expect("one per kind of readers"))
 }
 
@@ -273,11 +273,11 @@ pub fn generate_built(
 pub fn generate_read(
     index: usize,
     copy: u32,
-    truth: Truth,
+    scenario: Scenario,
     readers: &[Readers],
     seed: u64,
 ) -> Result<Vec<Phantom>, PhantomError> {
-    generate_patient(&Patient { index, copy, build: Build::default() }, truth, readers, seed)
+    generate_patient(&Patient { index, copy, build: Build::default() }, scenario, readers, seed)
 }
 
 /// Selection of a phantom.
@@ -290,28 +290,28 @@ struct Patient {
 
 fn generate_patient(
     &Patient { index, copy, build }: &Patient,
-    truth: Truth,
+    scenario: Scenario,
     readers: &[Readers],
     seed: u64,
 ) -> Result<Vec<Phantom>, PhantomError> {
     let row = SUBJECTS.get(index).ok_or(PhantomError::NoSubject { number: index + 1 })?;
     let construction = build.construction;
-    if construction != Construction::Rod && !truth.is_elastic() {
-        let (truth, construction) = (truth.key(), construction.key());
-        return Err(PhantomError::Construction { truth, construction });
+    if construction != Construction::Rod && !scenario.is_elastic() {
+        let (scenario, construction) = (scenario.key(), construction.key());
+        return Err(PhantomError::Construction { scenario, construction });
     }
     let place = 8 * (index as u64 + SUBJECTS.len() as u64 * u64::from(copy));
     // Anatomy is the same for all scenarios; movement and readers have streams of their own.
     let mut anatomy_rng = stream(seed, place);
     let spine = erect::ErectSpine::draw(row, &build, &mut anatomy_rng)?;
-    let (movement, look) = streams(place, truth);
+    let (movement, look) = streams(place, scenario);
     let mut rng = stream(seed, movement);
-    let (postures, multipliers) = truth::postures(row, truth, &spine, &mut rng)?;
+    let (postures, multipliers) = scenario::postures(row, scenario, &spine, &mut rng)?;
     // Random parts of radiographs do not change landmarks.
     let phantoms = readers.iter().map(|readers| {
         let (mut case, films) = film::photograph(
             row,
-            truth,
+            scenario,
             &spine,
             &postures,
             readers,
@@ -324,20 +324,20 @@ fn generate_patient(
         if copy > 0 {
             case.id = format!("{}-copy-{copy}", case.id);
         }
-        Phantom { case, truth, postures: postures.clone(), multipliers, films }
+        Phantom { case, scenario, postures: postures.clone(), multipliers, films }
     });
     Ok(phantoms.collect())
 }
 
 /// Numbers of the streams of movement with readers, and of radiographs, for the patient whose anatomy has the stream `place`.
 ///
-/// Eight streams per patient held the first three truths; the others have theirs beside and far behind all of these.
-fn streams(place: u64, truth: Truth) -> (u64, u64) {
-    let number = truth as u64;
-    if truth <= Truth::Pull {
+/// Eight streams per patient held the first three scenarios; the others have theirs beside and far behind all of these.
+fn streams(place: u64, scenario: Scenario) -> (u64, u64) {
+    let number = scenario as u64;
+    if scenario <= Scenario::Pull {
         return (place + 1 + number, place + 5 + number);
     }
-    match Truth::LOADS.iter().position(|other| *other == truth) {
+    match Scenario::LOADS.iter().position(|other| *other == scenario) {
         Some(other) => {
             let own = 1000 + 2 * (place + other as u64);
             (own, own + 1)

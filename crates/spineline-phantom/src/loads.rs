@@ -9,7 +9,7 @@ use spineline::spatial::{Angle, Frontal};
 use crate::erect::ErectSpine;
 use crate::movement::{Moved, force_for};
 use crate::rod::{ChainShape, PointForce, Rod};
-use crate::{TruePosture, Truth};
+use crate::{Scenario, TruePosture};
 
 /// The force at the apex, as a part of the one through the inflections (assumption).
 const AT_APEX: f64 = 0.25;
@@ -17,7 +17,7 @@ const AT_APEX: f64 = 0.25;
 /// Postures that one kind of load makes, sized by how far it turns all segments in sum: as far as the rod's, and less at rest and
 /// in traction (assumptions).
 pub(crate) fn move_by(
-    truth: Truth,
+    scenario: Scenario,
     spine: &ErectSpine,
     erect: &ChainShape,
     rng: &mut ChaCha12Rng,
@@ -36,11 +36,11 @@ pub(crate) fn move_by(
             let target = Angle::from_deg(total_deg * vary.sample(rng));
             let tilt = Angle::from_deg(25.0 * sense);
             // A tilted vertical; the film of every posture shows it.
-            let l4_on_film = (truth == Truth::Weight).then_some(tilt);
+            let l4_on_film = (scenario == Scenario::Weight).then_some(tilt);
             let reached = |shape: &ChainShape| shape.rotation_from(erect) >= target;
             let solve = |size: f64, shape: &mut ChainShape| {
-                *shape = rod.bend_by(shape, couple(truth, size, sense), |now| {
-                    forces(truth, spine, now, size, (sense, tilt))
+                *shape = rod.bend_by(shape, couple(scenario, size, sense), |now| {
+                    forces(scenario, spine, now, size, (sense, tilt))
                 })?;
                 let line = LineOfAction::leaning(Frontal::default(), Angle::ZERO);
                 Some((shape.clone(), line))
@@ -53,12 +53,12 @@ pub(crate) fn move_by(
 }
 
 /// A moment of 100 N·mm per unit.
-fn couple(truth: Truth, size: f64, sense: f64) -> f64 {
-    if truth == Truth::Couple { 100.0 * size * sense } else { 0.0 }
+fn couple(scenario: Scenario, size: f64, sense: f64) -> f64 {
+    if scenario == Scenario::Couple { 100.0 * size * sense } else { 0.0 }
 }
 
 fn forces(
-    truth: Truth,
+    scenario: Scenario,
     spine: &ErectSpine,
     shape: &ChainShape,
     size: f64,
@@ -67,20 +67,20 @@ fn forces(
     let at = |s_mm: f64, force: Frontal| PointForce { s_mm, point: shape.point(s_mm), force };
     let s = &spine.vertebra_s_mm;
     let sideways = Frontal::new(-sense * size, 0.0);
-    match truth {
-        Truth::Weight => {
+    match scenario {
+        Scenario::Weight => {
             let down = Frontal::leaning(-tilt) * -size;
             let levels = Level::MODEL.iter().zip(s).skip(1);
             levels.map(|(&level, &s)| at(s, down * trunk_weight_share(level))).collect()
         }
-        Truth::Lateral => {
+        Scenario::Lateral => {
             // Spread over 200 pieces of the length.
             const PIECES: usize = 200;
             let piece_mm = spine.length_mm / PIECES as f64;
             let middles = (0..PIECES).map(|i| (i as f64 + 0.5) * piece_mm);
             middles.map(|s| at(s, sideways * (1.0 / PIECES as f64))).collect()
         }
-        Truth::TwoForces => {
+        Scenario::TwoForces => {
             let [low, high] = spine.inflection_s_mm.map(|s| shape.point(s));
             let line = LineOfAction::through(low, high).expect("inflections are far apart");
             let pull = PointForce {

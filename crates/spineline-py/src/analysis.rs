@@ -13,11 +13,10 @@ use spineline::analysis::{self, AnalysisOptions, Grouping, LineModel};
 use spineline::measure::FilmFrame;
 use spineline::personalize::Identifiability;
 use spineline::spatial::Frontal;
-use spineline::warning::Step;
 use spineline_files::method_text::{missing_known_force, options_of};
 use spineline_files::{
-    AnalysisFile, CaseFile, FilmOrigin, PICTURE_WARNINGS, Provenance, Request, parse_analysis,
-    parse_json, text_with_hash, to_line, to_text,
+    AnalysisFile, CaseFile, FilmOrigin, Provenance, Request, parse_analysis, parse_json,
+    picture_warnings, text_with_hash, to_line, to_text,
 };
 use spineline_report::figures;
 use spineline_report::patient::{Patient as ReportedPatient, overview, report, summary};
@@ -195,7 +194,7 @@ impl Analysis {
         let found = waited_for(py, &case, &request)?;
         let (mut found, identified) = found.map_err(|fault| fault.raise(py))?;
         let then = parse_json(text).map_err(|error| Fault::from(error).raise(py))?;
-        keep_picture_warnings(&then, &mut found);
+        found.warnings.merge(&picture_warnings(&then));
         let again = Self {
             file: Arc::new(stored.case_file),
             case,
@@ -401,17 +400,4 @@ fn results(mut file: Value) -> Value {
         parts.remove("uncertainty");
     }
     file
-}
-
-/// Warnings about pictures that lay beside the case then: an analysis holds no pictures.
-fn keep_picture_warnings(then: &Value, found: &mut analysis::Analysis) {
-    for warning in then["warnings"].as_array().into_iter().flatten() {
-        let code = PICTURE_WARNINGS.into_iter().find(|code| warning["code"] == *code);
-        let Some(code) = code else { continue };
-        let text = warning["message"].as_str().unwrap_or_default();
-        match warning["posture"].as_str().and_then(|key| key.parse().ok()) {
-            Some(posture) => found.warnings.film(Step::Measure, code, posture, text),
-            None => found.warnings.push(Step::Measure, code, text),
-        }
-    }
 }

@@ -11,7 +11,7 @@ use spineline::error::Error;
 use spineline_files::{
     CaseFile, InputFile, parse_case_file, parse_case_within, read_text, to_text,
 };
-use spineline_phantom::{Readers, SUBJECTS, Truth, generate};
+use spineline_phantom::{Readers, SUBJECTS, Scenario, generate};
 
 use spineline_report::patient::{check, film_warnings};
 use spineline_report::{html_fragment, terminal};
@@ -60,14 +60,14 @@ pub fn parse_case(py: Python<'_>, text: &str) -> PyResult<Case> {
 #[pyfunction]
 pub fn phantom(
     py: Python<'_>,
-    truth: &str,
+    scenario: &str,
     subject: usize,
     seed: u64,
     noise: f64,
 ) -> PyResult<Case> {
-    let Some(truth) = Truth::ALL.into_iter().find(|known| known.key() == truth) else {
-        let names = Truth::ALL.map(Truth::key);
-        let text = format!("unknown loading scenario `{truth}`");
+    let Some(scenario) = Scenario::ALL.into_iter().find(|known| known.key() == scenario) else {
+        let names = Scenario::ALL.map(Scenario::key);
+        let text = format!("unknown loading scenario `{scenario}`");
         return Err(Fault::new(text, format!("give one of {}", names.join(", "))).raise(py));
     };
     if !(1..=SUBJECTS.len()).contains(&subject) {
@@ -79,7 +79,7 @@ pub fn phantom(
         return Err(Fault::new(text, "give 1 for the usual noise of readers").raise(py));
     }
     let readers = if noise == 0.0 { Readers::exact() } else { Readers::scaled(noise) };
-    let made = apart(py, move |_| generate(subject - 1, truth, &readers, seed))?;
+    let made = apart(py, move |_| generate(subject - 1, scenario, &readers, seed))?;
     let made = made.map_err(|error| PyRuntimeError::new_err(error.to_string()))?;
     Case::new(CaseFile::from_case(&made.case), None).map_err(|fault| fault.raise(py))
 }

@@ -181,9 +181,9 @@ impl Simulation {
 
     /// Code and text of every warning.
     #[getter]
-    fn warnings(&self) -> Vec<(String, String)> {
+    fn warnings(&self) -> Vec<(&'static str, String)> {
         let warnings = self.found.warnings.iter();
-        warnings.map(|one| (one.code.clone(), one.message.clone())).collect()
+        warnings.map(|one| (one.code.key(), one.message.clone())).collect()
     }
 
     /// The text of its file.

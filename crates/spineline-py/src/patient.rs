@@ -52,9 +52,9 @@ pub fn option_names() -> Vec<&'static str> {
 /// If Python has no memory.
 pub fn warning<'py>(py: Python<'py>, warning: &Warning) -> PyResult<Bound<'py, PyDict>> {
     let dictionary = PyDict::new(py);
-    dictionary.set_item("severity", NoticeKind::from(warning.severity()).key())?;
-    dictionary.set_item("code", warning.code)?;
-    dictionary.set_item("step", warning.step.key())?;
+    dictionary.set_item("severity", NoticeKind::from(warning.code.severity()).key())?;
+    dictionary.set_item("code", warning.code.key())?;
+    dictionary.set_item("step", warning.code.step().key())?;
     dictionary.set_item("film", warning.posture.map(|posture| posture.key()))?;
     dictionary.set_item("level", warning.level.map(|level| level.to_string()))?;
     dictionary.set_item("text", warning.text())?;

@@ -113,10 +113,10 @@ impl From<&Warning> for Notice {
         let posture = warning.posture.map(|posture| format!("{posture} film"));
         let level = warning.level.map(|level| level.to_string());
         Self {
-            kind: warning.severity().into(),
+            kind: warning.code.severity().into(),
             place: posture.into_iter().chain(level).collect::<Vec<_>>().join(", "),
             text: warning.text(),
-            code: warning.code.to_owned(),
+            code: warning.code.key().to_owned(),
         }
     }
 }

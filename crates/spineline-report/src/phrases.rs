@@ -3,6 +3,8 @@
 use spineline::analysis::{Analysis, FilmMovement, FilmRole, FreeNumbers};
 use spineline::measure::SpacingPlane;
 
+use crate::number::{fixed, interval};
+
 /// Note on errors on held-out films.
 pub const HELD_OUT: &str = "No model was fitted to these films.";
 /// Note on errors on fitted films.
@@ -73,7 +75,6 @@ pub(crate) fn with_interval(mean: f64, ends: Option<[f64; 2]>, places: usize) ->
     if !mean.is_finite() {
         return none();
     }
-    let ends = ends
-        .map_or_else(String::new, |[low, high]| format!(" ({low:.places$} to {high:.places$})"));
-    format!("{mean:.places$}{ends}")
+    let ends = ends.map_or_else(String::new, |ends| format!(" ({})", interval(ends, places)));
+    format!("{}{ends}", fixed(mean, places))
 }

@@ -1,7 +1,8 @@
-//! The reliability of readings as a document: all statistics of every quantity and design.
+//! The reliability of readings as a document: one row per quantity, or all statistics of every quantity and design.
 
 use spineline::reliability::{
-    BlandAltman, DesignReliability, QuantityReliability, Statistic, shown_measure,
+    BlandAltman, Design, DesignReliability, Icc, QuantityReliability, SemKind, Statistic,
+    StatisticKind, shown_measure,
 };
 
 use crate::document::{Column, Document, Notice, NoticeKind, Section, Table};
@@ -10,9 +11,21 @@ use crate::phrases::none;
 /// Note on the statistics.
 pub(crate) const NOTE: &str = "SEM, MDC95 and limits of agreement describe the readers alone. Every correlation also increases with the standard deviation between the subjects. Intervals treat the subjects as independent; vertebrae of one film are not, so true intervals are wider.";
 
-/// One table per quantity and design, the errors first, without figures; a terminal shows it.
+/// One row per quantity: the error of a reading, and how well observers agree.
 #[must_use]
 pub fn summary(found: &[QuantityReliability], synthetic: bool, generator: &str) -> Document {
+    let mut section = Section::new("reliability", "");
+    section.table(in_short(found));
+    if section.blocks.is_empty() {
+        section.paragraph("No quantity was read twice: its reliability is not known.");
+    }
+    section.paragraph("All statistics and designs: --full.");
+    document(section, found.len(), synthetic, generator)
+}
+
+/// One table per quantity and design, the errors first, without figures.
+#[must_use]
+pub fn full(found: &[QuantityReliability], synthetic: bool, generator: &str) -> Document {
     let mut section = Section::new("reliability", "Reliability of the readings");
     for quantity in found {
         section.heading(format!("{}: {}", quantity.key, quantity.meaning));
@@ -21,16 +34,67 @@ pub fn summary(found: &[QuantityReliability], synthetic: bool, generator: &str) 
         }
     }
     section.notice(Notice::new(NoticeKind::Note, NOTE));
+    document(section, found.len(), synthetic, generator)
+}
+
+fn document(section: Section, quantities: usize, synthetic: bool, generator: &str) -> Document {
     let synthetic = if synthetic { " · SYNTHETIC films" } else { "" };
-    let quantities = if found.len() == 1 { "quantity" } else { "quantities" };
+    let words = if quantities == 1 { "quantity" } else { "quantities" };
     Document {
         title: "Readings".to_owned(),
-        subject: format!("{} {quantities}{synthetic}", found.len()),
+        subject: format!("{quantities} {words}{synthetic}"),
         generator: generator.to_owned(),
         banners: Vec::new(),
         sections: vec![section],
         analysis: String::new(),
     }
+}
+
+/// One row per quantity, by single readings of the observers, or else by the repeats of one.
+pub(crate) fn in_short(found: &[QuantityReliability]) -> Table {
+    let columns = vec![
+        Column::words("Quantity"),
+        Column::words("Compared"),
+        Column::numbers("Subjects"),
+        Column::words("SEM (95 %)"),
+        Column::numbers("MDC95"),
+        Column::words("Unit"),
+        Column::words("ICC(A,1) (95 %)"),
+        Column::numbers("Pearson r"),
+    ];
+    let mut table = Table::new("Reliability of one reading", columns);
+    for quantity in found {
+        let rank = |design: &&DesignReliability| match design.design {
+            Design::InterObserverSingle { .. } => 0,
+            Design::InterObserverMeans => 1,
+            Design::IntraObserver { .. } => 2,
+        };
+        let sem = StatisticKind::Sem(SemKind::Agreement);
+        let of = |design: &DesignReliability, kind| {
+            let mut all = design.statistics.iter();
+            let (value, interval) = all.find(|one| one.kind == kind)?.shown();
+            value.map(|value| (value, interval))
+        };
+        let known = quantity.designs.iter().filter(|design| of(design, sem).is_some());
+        let Some(design) = known.min_by_key(rank) else { continue };
+        let with_interval = |kind| match of(design, kind) {
+            Some((value, interval)) => format!("{value} ({interval})"),
+            None => none(),
+        };
+        let value = |kind| of(design, kind).map_or_else(none, |(value, _)| value);
+        table.row(vec![
+            quantity.key.replace('_', " "),
+            design.design.to_string(),
+            design.subjects.to_string(),
+            with_interval(sem),
+            value(StatisticKind::Mdc95(SemKind::Agreement)),
+            quantity.unit.clone(),
+            with_interval(StatisticKind::Icc(Icc::AgreementSingle)),
+            value(StatisticKind::Pearson),
+        ]);
+    }
+    table.note = NOTE.to_owned();
+    table
 }
 
 fn add_design(section: &mut Section, design: &DesignReliability, unit: &str) {

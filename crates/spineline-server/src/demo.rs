@@ -7,7 +7,7 @@ use axum::http::StatusCode;
 use rayon::prelude::*;
 use spineline::anatomy::Posture;
 use spineline_films::{Encoding, FilmLimits, read_film};
-use spineline_phantom::{Readers, Truth, generate};
+use spineline_phantom::{Readers, Scenario, generate};
 use spineline_store::{Hash, Name, NewCase, Role, StoreError, Thumbnails};
 use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
@@ -67,7 +67,7 @@ type Drawn = (NewCase, Vec<(Hash, Thumbnails)>);
 
 fn draw() -> Answer<Drawn> {
     let internal = |text: String| Failure::new(StatusCode::INTERNAL_SERVER_ERROR, "demo", text);
-    let phantom = generate(0, Truth::Rod, &Readers::default(), SEED)
+    let phantom = generate(0, Scenario::Rod, &Readers::default(), SEED)
         .map_err(|error| internal(error.to_string()))?
         .coarser(COARSER);
     // A film keeps one core busy while it is compressed.

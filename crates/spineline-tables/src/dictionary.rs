@@ -1,3 +1,6 @@
+use spineline::anatomy::Named;
+use spineline::warning::WarningCode;
+
 use crate::define::{Definition, text};
 use crate::table::Table;
 use crate::{OptionalTables, other_files, tables_of};
@@ -44,7 +47,7 @@ pub fn dictionary(optional: OptionalTables) -> Table {
     .fill(&entries)
 }
 
-/// The dictionary for people, in Markdown: a section per table, with the tables of other commands at the end.
+/// The dictionary for people, in Markdown: a section per table, then the tables of other commands, then the codes of warnings.
 #[must_use]
 pub fn dictionary_markdown() -> String {
     let mut text = String::new();
@@ -60,7 +63,15 @@ pub fn dictionary_markdown() -> String {
         }
         text.push('\n');
     }
-    text.truncate(text.trim_end().len());
-    text.push('\n');
+    text.push_str("## Codes of warnings\n\n| code | step | severity | film doubted | given when |\n|---|---|---|---|---|\n");
+    for code in WarningCode::ALL {
+        let (step, severity) = (code.step().key(), code.severity().key());
+        let doubted = if code.doubts_film() { "yes" } else { "" };
+        text.push_str(&format!(
+            "| `{}` | {step} | {severity} | {doubted} | {} |\n",
+            code.key(),
+            code.help()
+        ));
+    }
     text
 }

@@ -10,7 +10,7 @@ use crate::table::{NumberFormat, Table};
 #[derive(Debug, Clone)]
 pub struct NoisePoint<'a> {
     /// Loading scenario of the phantoms.
-    pub truth: &'static str,
+    pub scenario: &'static str,
     /// Support of the patient in the models; `None` where no model was made.
     pub support: Option<&'static str>,
     /// Rule for the order of the curves.
@@ -64,7 +64,7 @@ fn verdict(point: &NoisePoint<'_>, claim: usize) -> Option<String> {
 fn setting<'a>() -> Vec<Column<NoisePoint<'a>>> {
     vec![
         truth("synthetic", "always true: the patients are phantoms", |_| Some(true)),
-        text("truth", "loading scenario of the phantoms", |row| Some(row.truth.to_owned())),
+        text("scenario", "loading scenario of the phantoms", |row| Some(row.scenario.to_owned())),
         text("support", "`free` or `frontal`; empty where no models were made", |row| {
             row.support.map(str::to_owned)
         }),

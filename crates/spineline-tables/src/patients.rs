@@ -181,7 +181,7 @@ fn findings<'a>() -> Vec<Column<PatientRow<'a>>> {
             "number of contradictions: the data contradict the model, or a number is not a result",
             |row| {
                 let all = row.analysis.warnings.all().iter();
-                Some(all.filter(|w| w.severity() == Severity::Contradiction).count() as i64)
+                Some(all.filter(|w| w.code.severity() == Severity::Contradiction).count() as i64)
             },
         ),
     ]

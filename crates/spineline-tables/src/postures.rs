@@ -31,7 +31,7 @@ fn film<'a>() -> Vec<Column<PostureRow<'a>>> {
                 let posture = Some(row.item.outline.posture);
                 let doubts = row.analysis.film_doubts();
                 let codes: Vec<&str> =
-                    doubts.filter(|one| one.posture == posture).map(|one| one.code).collect();
+                    doubts.filter(|one| one.posture == posture).map(|one| one.code.key()).collect();
                 (!codes.is_empty()).then(|| codes.join(" "))
             },
         ),

@@ -16,10 +16,10 @@ pub struct ReproducedNumber {
     pub quantity: String,
     /// Unit; empty where there is none.
     pub unit: &'static str,
-    /// The paper's number as text.
-    pub paper: String,
+    /// The paper's number as text; `None` where the paper gives no such number.
+    pub paper: Option<String>,
     /// Loading scenario.
-    pub truth: &'static str,
+    pub scenario: &'static str,
     /// Mean, share or p value.
     pub mean: Option<f64>,
     /// Standard deviation.
@@ -49,9 +49,11 @@ fn columns() -> Vec<Column<ReproducedNumber>> {
         text("unit", "unit of `mean` and `sd`; empty where there is none", |row| {
             Some(row.unit.to_owned())
         }),
-        text("paper", "the number of the paper", |row| Some(row.paper.clone())),
-        text("truth", "loading scenario: `rod`, `bend` or `pull`", |row| {
-            Some(row.truth.to_owned())
+        text("paper", "the number of the paper; empty where it gives none", |row| {
+            row.paper.clone()
+        }),
+        text("scenario", "loading scenario: `rod`, `bend` or `pull`", |row| {
+            Some(row.scenario.to_owned())
         }),
         written(
             NumberFormat::ShortestDecimal,

@@ -1,4 +1,4 @@
-use spineline::warning::{Severity, Warning};
+use spineline::warning::Warning;
 
 use crate::Patient;
 use crate::define::{Row, keyed, text};
@@ -14,18 +14,11 @@ pub(crate) fn table(patients: &[Patient<'_>]) -> Table {
         .collect();
     let columns = vec![
         text("severity", "`note`, `warning` or `contradiction`", |row: &WarningRow<'_>| {
-            Some(
-                match row.item.severity() {
-                    Severity::Note => "note",
-                    Severity::Warning => "warning",
-                    Severity::Contradiction => "contradiction",
-                }
-                .to_owned(),
-            )
+            Some(row.item.code.severity().key().to_owned())
         }),
-        text("code", "stable key of the warning", |row| Some(row.item.code.to_owned())),
+        text("code", "stable key of the warning", |row| Some(row.item.code.key().to_owned())),
         text("step", "step of the method that raised it", |row| {
-            Some(row.item.step.key().to_owned())
+            Some(row.item.code.step().key().to_owned())
         }),
         text("posture", "film concerned", |row| {
             row.item.posture.map(|posture| posture.key().to_owned())

@@ -11,11 +11,11 @@ use spineline::curve::{CurveFit, OrderRule, fit_curve};
 use spineline::measure::{Outline, TiltRule, measure_film};
 use spineline::multibody::Support;
 use spineline::warning::Warnings;
-use spineline_phantom::{Readers, Truth};
+use spineline_phantom::{Readers, Scenario};
 
 /// Films of six readings; every iteration takes another subject.
 fn cases() -> Vec<Case> {
-    (0..6).map(|subject| common::case(subject, Truth::Bend, &Readers::default())).collect()
+    (0..6).map(|subject| common::case(subject, Scenario::Bend, &Readers::default())).collect()
 }
 
 fn erect_only(mut case: Case) -> Case {
@@ -38,7 +38,7 @@ fn whole(criterion: &mut Criterion) {
     }
     // Patients bent by a force through their inflections, where that line fits well.
     let rods: Vec<Case> =
-        (0..6).map(|subject| common::case(subject, Truth::Rod, &Readers::default())).collect();
+        (0..6).map(|subject| common::case(subject, Scenario::Rod, &Readers::default())).collect();
     let mut next = 0;
     group.bench_function("five films of six readings, rod phantoms", |bencher| {
         bencher.iter(|| {

@@ -10,7 +10,7 @@ use spineline::multibody::{
     BodyLoad, GeneralStatics, Goal, Loading, NewtonWork, PathOptions, Rod, Support, Timing,
 };
 use spineline::spatial::{Angle, Mat3, Vec3};
-use spineline_phantom::Truth;
+use spineline_phantom::Scenario;
 
 /// Loadings of 14 joints, 42 hinges: what changes with the pose grows from one to the next.
 fn loadings() -> Vec<(&'static str, Loading)> {
@@ -43,7 +43,7 @@ fn started(work: &mut NewtonWork, hinges: &[Vec3]) {
 }
 
 fn general(criterion: &mut Criterion) {
-    let analysis = common::analyzed(0, Truth::Rod, Support::Free);
+    let analysis = common::analyzed(0, Scenario::Rod, Support::Free);
     let springs = |_| Mat3::from_diagonal(&Vec3::new(140e3, 140e3, 250e3));
     let statics =
         GeneralStatics::new(&analysis.movement.spine, (0..14).map(springs), Support::Free)

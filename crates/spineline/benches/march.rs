@@ -9,7 +9,7 @@ use std::hint::black_box;
 use criterion::{Criterion, criterion_group, criterion_main};
 use spineline::action::LineKind;
 use spineline::multibody::{JointGroups, Parameter, Solution, Statics, StiffnessLibrary, Support};
-use spineline_phantom::Truth;
+use spineline_phantom::Scenario;
 
 /// Forces that follow one another without a pattern, between -60 and 60 N.
 fn next_force(state: &mut u64) -> f64 {
@@ -26,7 +26,7 @@ fn march(criterion: &mut Criterion) {
     ];
     let mut group = criterion.benchmark_group("march");
     for support in [Support::Free, Support::Frontal] {
-        let analysis = common::analyzed(0, Truth::Rod, support);
+        let analysis = common::analyzed(0, Scenario::Rod, support);
         let load = common::bending_loads(&analysis, LineKind::Inflection)[0];
         let (library, groups) =
             (StiffnessLibrary::default(), JointGroups::regional(&analysis.movement.regions));

@@ -13,15 +13,17 @@ use spineline::multibody::{
 };
 use spineline::personalize::{FitFilm, FitSettings, FitTarget, Gauge, personalize};
 use spineline::spatial::Angle;
-use spineline_phantom::Truth;
+use spineline_phantom::Scenario;
 
 const BENDS: [Posture; 2] = [Posture::LeftBending, Posture::RightBending];
 
 fn search(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("match_amplitude");
     let library = StiffnessLibrary::default();
-    for (truth, kind) in [(Truth::Pull, LineKind::Iliac), (Truth::Rod, LineKind::Inflection)] {
-        let analysis = common::analyzed(0, truth, Support::Frontal);
+    for (scenario, kind) in
+        [(Scenario::Pull, LineKind::Iliac), (Scenario::Rod, LineKind::Inflection)]
+    {
+        let analysis = common::analyzed(0, scenario, Support::Frontal);
         let model = analysis.models.iter().find(|m| m.kind == kind).expect("every line");
         let groups = JointGroups::regional(&analysis.movement.regions);
         let statics = Statics::new(
@@ -36,7 +38,7 @@ fn search(criterion: &mut Criterion) {
         let sign = if fitted.force_n < 0.0 { ForceSign::Negative } else { ForceSign::Positive };
         let tilt = fitted.locations[14].lateral_tilt();
         let mut step = 0_u32;
-        group.bench_function(format!("{} phantom, {kind}", truth.key()), |bencher| {
+        group.bench_function(format!("{} phantom, {kind}", scenario.key()), |bencher| {
             bencher.iter(|| {
                 // Another target each time, within half a degree.
                 step = (step + 1) % 64;
@@ -53,7 +55,7 @@ fn fit(criterion: &mut Criterion) {
     let library = StiffnessLibrary::default();
     for support in [Support::Free, Support::Frontal] {
         for target in [FitTarget::Shape, FitTarget::Ferguson] {
-            let analysis = common::analyzed(0, Truth::Rod, support);
+            let analysis = common::analyzed(0, Scenario::Rod, support);
             let groups = JointGroups::regional(&analysis.movement.regions);
             let loads = common::bending_loads(&analysis, LineKind::Inflection);
             let erect = &analysis.movement.erect().outline;

@@ -1,5 +1,9 @@
 //! Warnings: they do not stop the analysis, and every reader of a result sees them. Each says what was done about it.
 
+mod code;
+
+pub use code::WarningCode;
+
 use crate::action::LineKind;
 use crate::anatomy::{Level, Posture, named};
 
@@ -34,43 +38,23 @@ named! {
     }
 }
 
-/// Severity of a warning.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Severity {
-    /// Worth knowing: a choice that was made.
-    Note,
-    /// Something may be wrong.
-    Warning,
-    /// The data contradict the model, or a number that is shown is not a result.
-    Contradiction,
+named! {
+    /// Severity of a warning.
+    pub enum Severity {
+        /// Worth knowing: a choice that was made.
+        Note = "note",
+        /// Something may be wrong.
+        Warning = "warning",
+        /// The data contradict the model, or a number that is shown is not a result.
+        Contradiction = "contradiction",
+    }
 }
-
-/// Codes of choices.
-const NOTES: [&str; 7] = [
-    "iliac_crests_missing",
-    "inflections_by_hand",
-    "landmarks_by_program",
-    "no_bending_film",
-    "parametric_curve",
-    "reliability_one_reading",
-    "usual_regions",
-];
-/// Codes of what contradicts.
-const CONTRADICTIONS: [&str; 5] = [
-    "bend_keeps_shape",
-    "fit_not_converged",
-    "force_not_found",
-    "joints_contradict_line",
-    "multiplier_at_bound",
-];
 
 /// One warning, or the reason why a number is absent.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Warning {
-    /// Stable name, such as `inflections_not_two`.
-    pub code: &'static str,
-    /// Where it arose.
-    pub step: Step,
+    /// Which warning it is.
+    pub code: WarningCode,
     /// The film it is about.
     pub posture: Option<Posture>,
     /// The vertebra it is about.
@@ -91,20 +75,8 @@ impl Warning {
         }
     }
 
-    fn new(step: Step, code: &'static str, message: impl Into<String>) -> Self {
-        Self { code, step, posture: None, level: None, line: None, message: message.into() }
-    }
-
-    /// Its severity.
-    #[must_use]
-    pub fn severity(&self) -> Severity {
-        if CONTRADICTIONS.contains(&self.code) {
-            Severity::Contradiction
-        } else if NOTES.contains(&self.code) {
-            Severity::Note
-        } else {
-            Severity::Warning
-        }
+    fn new(code: WarningCode, message: impl Into<String>) -> Self {
+        Self { code, posture: None, level: None, line: None, message: message.into() }
     }
 }
 
@@ -114,44 +86,36 @@ pub struct Warnings(Vec<Warning>);
 
 impl Warnings {
     /// Adds a problem of a whole case.
-    pub fn push(&mut self, step: Step, code: &'static str, message: impl Into<String>) {
-        self.add(Warning::new(step, code, message));
+    pub fn push(&mut self, code: WarningCode, message: impl Into<String>) {
+        self.add(Warning::new(code, message));
     }
 
     /// Adds a problem of one film.
-    pub fn film(
-        &mut self,
-        step: Step,
-        code: &'static str,
-        posture: Posture,
-        message: impl Into<String>,
-    ) {
-        self.add(Warning { posture: Some(posture), ..Warning::new(step, code, message) });
+    pub fn film(&mut self, code: WarningCode, posture: Posture, message: impl Into<String>) {
+        self.add(Warning { posture: Some(posture), ..Warning::new(code, message) });
     }
 
     /// Adds a problem of one vertebra on one film.
     pub fn vertebra(
         &mut self,
-        step: Step,
-        code: &'static str,
+        code: WarningCode,
         posture: Posture,
         level: Level,
         message: impl Into<String>,
     ) {
-        let warning = Warning::new(step, code, message);
+        let warning = Warning::new(code, message);
         self.add(Warning { posture: Some(posture), level: Some(level), ..warning });
     }
 
     /// Adds a problem of a line of action, on one film where one is given.
     pub fn line(
         &mut self,
-        step: Step,
-        code: &'static str,
+        code: WarningCode,
         line: LineKind,
         posture: Option<Posture>,
         message: impl Into<String>,
     ) {
-        self.add(Warning { line: Some(line), posture, ..Warning::new(step, code, message) });
+        self.add(Warning { line: Some(line), posture, ..Warning::new(code, message) });
     }
 
     /// Adds the problems of others that are not there yet.
@@ -173,7 +137,7 @@ impl Warnings {
 
     /// Whether there is a warning of this code.
     #[must_use]
-    pub fn has(&self, code: &str) -> bool {
+    pub fn has(&self, code: WarningCode) -> bool {
         self.0.iter().any(|warning| warning.code == code)
     }
 }

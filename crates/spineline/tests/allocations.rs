@@ -15,7 +15,7 @@ use spineline::multibody::{
     BodyLoad, GeneralStatics, Loading, Parameter, Rod, Solution, Statics, Support, Timing, Wrench,
 };
 use spineline::spatial::{Mat3, Vec3};
-use spineline_phantom::{Readers, Truth, generate};
+use spineline_phantom::{Readers, Scenario, generate};
 
 const SPRING: [f64; 3] = [140e3, 140e3, 250e3];
 
@@ -54,7 +54,7 @@ fn newton_does_not_allocate_under_any_load() {
 
 #[test]
 fn a_patient_of_a_cohort_takes_few_bytes_in_few_pieces() {
-    let case = generate(0, Truth::Rod, &Readers::exact(), 1).expect("a phantom").case;
+    let case = generate(0, Scenario::Rod, &Readers::exact(), 1).expect("a phantom").case;
     let analysis = analyze(&case, &AnalysisOptions::default()).expect("an analysis");
     let patient = CohortPatient::of(&analysis);
     let mut copy = None;

@@ -2,8 +2,8 @@
 
 use serde_json::Value;
 
-/// Truths of the phantoms, in the order of the summary's rows.
-const TRUTHS: usize = 3;
+/// Scenarios of the phantoms, in the order of the summary's rows.
+const SCENARIOS: usize = 3;
 
 /// The page, from the text of `summary.json`.
 pub fn page(summary: &str) -> Result<String, String> {
@@ -19,11 +19,11 @@ pub fn page(summary: &str) -> Result<String, String> {
         18
     );
     let mut section = "";
-    for triple in rows.chunks(TRUTHS) {
+    for triple in rows.chunks(SCENARIOS) {
         let text =
             |row: &Value, key: &str| row[key].as_str().unwrap_or_default().replace('|', "\\|");
         let same = |row: &Value| row["quantity"] == triple[0]["quantity"];
-        if triple.len() < TRUTHS || !triple.iter().all(same) {
+        if triple.len() < SCENARIOS || !triple.iter().all(same) {
             return Err("summary.json: rows do not come in threes".to_owned());
         }
         let own = triple[0]["section"].as_str().unwrap_or_default();
@@ -51,12 +51,12 @@ mod tests {
     use serde_json::json;
 
     #[test]
-    fn three_truths_make_a_row_and_a_section_a_table() {
-        let row = |section: &str, truth: &str, text: &str| json!({ "section": section, "quantity": "a|b", "paper": "1.0", "truth": truth, "text": text, "verdict": "near" });
+    fn three_scenarios_make_a_row_and_a_section_a_table() {
+        let row = |section: &str, scenario: &str, text: &str| json!({ "section": section, "quantity": "a|b", "paper": "1.0", "scenario": scenario, "text": text, "verdict": "near" });
         let rows: Vec<Value> = ["rod", "bend", "pull"]
             .iter()
-            .flat_map(|truth| [row("Table 1", truth, truth)])
-            .chain(["rod", "bend", "pull"].iter().map(|truth| row("Table 2", truth, "2")))
+            .flat_map(|scenario| [row("Table 1", scenario, scenario)])
+            .chain(["rod", "bend", "pull"].iter().map(|scenario| row("Table 2", scenario, "2")))
             .collect();
         let summary = json!({ "generator": "spineline 0", "seed": 1, "rows": rows });
         let page = page(&summary.to_string()).expect("a page");

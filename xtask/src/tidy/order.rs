@@ -32,6 +32,7 @@ const ORDERS: [(&str, &[&str]); 2] = [
             "analysis",
             "uncertainty",
             "cohort",
+            "prelude",
         ],
     ),
     ("spineline-cli", &["run", "options", "analysis", "commands"]),

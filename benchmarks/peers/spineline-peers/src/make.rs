@@ -8,7 +8,7 @@ use spineline::anatomy::{Level, Posture};
 use spineline::measure::Noise;
 use spineline::multibody::{ForceSign, Solution, Statics, Support, match_amplitude};
 use spineline::personalize::evidence::FilmEvidence;
-use spineline_phantom::{Readers, Truth, generate};
+use spineline_phantom::{Readers, Scenario, generate};
 
 use crate::case::{Bend, Case, CaseNoise, Cases, Joint, Start, Starts, Vertebra};
 
@@ -29,7 +29,7 @@ pub fn cases() -> Result<Cases, Box<dyn Error>> {
 /// The geometry, lines and forces that an analysis of the phantom found, and bends computed with the phantom's own
 /// multipliers, brought to a geometric mean of one.
 fn case(name: &str, subject: usize) -> Result<Case, Box<dyn Error>> {
-    let phantom = generate(subject, Truth::Rod, &Readers::exact(), 1)?;
+    let phantom = generate(subject, Scenario::Rod, &Readers::exact(), 1)?;
     let options = AnalysisOptions { support: Support::Free, ..Default::default() };
     let analysis = analyze(&phantom.case, &options)?;
     let found = analysis.models.iter().find(|model| model.kind == LineKind::Inflection);

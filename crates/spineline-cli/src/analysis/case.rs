@@ -67,11 +67,9 @@ pub fn analyze_input(
     input: &CaseInput,
     options: &AnalysisOptions,
 ) -> Result<Analysis, Failure> {
-    let repeated = check_films(path, &input.file, &input.case)?;
+    let found = check_films(path, &input.file, &input.case)?;
     let mut analysis = analyze_case(path, &input.case, options)?;
-    for one in &repeated {
-        one.warn(&mut analysis);
-    }
+    analysis.warnings.merge(&found);
     Ok(analysis)
 }
 

@@ -11,28 +11,36 @@ use crate::run::failure::Failure;
 use crate::run::outputs::Outputs;
 use crate::run::provenance::in_svg;
 
-/// Draws the figures of one patient as SVG into a folder.
+/// A figure as a file.
+pub struct FigureFile {
+    name: String,
+    svg: String,
+}
+
+/// The figures of one patient.
+pub fn figures_of(analysis: &Analysis, provenance: &Provenance) -> Vec<FigureFile> {
+    let stem = file_stem(&analysis.case_id);
+    let file = |name: &str, svg: &str| FigureFile {
+        name: format!("{stem}-{name}.svg"),
+        svg: in_svg(svg, provenance),
+    };
+    let mut all = vec![file("overview", &figures::case_overview(analysis))];
+    all.extend(figures::rotations(analysis).map(|svg| file("rotations", &svg)));
+    all.extend(Posture::MOVED.into_iter().filter_map(|posture| {
+        let svg = figures::measured_and_simulated(analysis, posture)?;
+        Some(file(&format!("simulated-{}", posture.key()), &svg))
+    }));
+    all
+}
+
+/// Writes figures into a folder.
 ///
 /// # Errors
 /// If they cannot be written.
-pub fn draw_figures(
-    analysis: &Analysis,
-    provenance: &Provenance,
+pub fn write_figures(
+    figures: &[FigureFile],
     folder: &Path,
     outputs: &Outputs,
 ) -> Result<(), Failure> {
-    let stem = file_stem(&analysis.case_id);
-    let save = |name: &str, svg: &str| {
-        outputs.write(&folder.join(format!("{stem}-{name}.svg")), in_svg(svg, provenance))
-    };
-    save("overview", &figures::case_overview(analysis))?;
-    if let Some(svg) = figures::rotations(analysis) {
-        save("rotations", &svg)?;
-    }
-    for posture in Posture::MOVED {
-        if let Some(svg) = figures::measured_and_simulated(analysis, posture) {
-            save(&format!("simulated-{}", posture.key()), &svg)?;
-        }
-    }
-    Ok(())
+    figures.iter().try_for_each(|figure| outputs.write(&folder.join(&figure.name), &*figure.svg))
 }

@@ -2,11 +2,11 @@
 
 use std::path::{Component, Path, PathBuf};
 
-use spineline::analysis::{Analysis, Case};
+use spineline::analysis::Case;
 use spineline::anatomy::Posture;
 use spineline::measure::FilmLandmarks;
-use spineline::warning::Step;
-use spineline_files::{CaseFile, PICTURE_WARNINGS};
+use spineline::warning::{WarningCode, Warnings};
+use spineline_files::CaseFile;
 use spineline_films::intake::{IntakeLimits, Place, read};
 use spineline_films::{Stated, film_doubts};
 use spineline_landmarks::read_source;
@@ -26,47 +26,11 @@ impl Beside {
     fn name(&self) -> String {
         self.posture.map_or_else(|| "lateral film".to_owned(), |posture| format!("{posture} film"))
     }
-}
 
-/// A warning about a picture beside a case.
-pub struct FilmWarning {
-    code: &'static str,
-    /// The film, where it is a frontal one.
-    posture: Option<Posture>,
-    /// The warning.
-    text: String,
-}
-
-impl FilmWarning {
-    /// About a film.
-    pub fn new(code: &'static str, posture: Option<Posture>, text: impl Into<String>) -> Self {
-        Self { code, posture, text: text.into() }
-    }
-
-    /// The code of a warning about a picture, as a file has it.
-    pub fn code(text: &str) -> Option<&'static str> {
-        PICTURE_WARNINGS.into_iter().find(|code| *code == text)
-    }
-
-    /// Whether the film may not belong into the case.
-    pub fn doubts_film(&self) -> bool {
-        self.code != "identifier_repeated"
-    }
-
-    /// The film and the warning.
-    pub fn place_and_text(&self) -> String {
+    fn warn(&self, code: WarningCode, text: String, warnings: &mut Warnings) {
         match self.posture {
-            Some(posture) => format!("{posture} film: {}", self.text),
-            None => self.text.clone(),
-        }
-    }
-
-    /// Adds it to the warnings of the analysis.
-    pub fn warn(&self, analysis: &mut Analysis) {
-        let warnings = &mut analysis.warnings;
-        match self.posture {
-            Some(posture) => warnings.film(Step::Measure, self.code, posture, &*self.text),
-            None => warnings.push(Step::Measure, self.code, &*self.text),
+            Some(posture) => warnings.film(code, posture, text),
+            None => warnings.push(code, text),
         }
     }
 }
@@ -75,13 +39,14 @@ impl FilmWarning {
 ///
 /// # Errors
 /// If two films have the same pixels, in whatever files.
-pub fn check_films(path: &Path, file: &CaseFile, case: &Case) -> Result<Vec<FilmWarning>, Failure> {
+pub fn check_films(path: &Path, file: &CaseFile, case: &Case) -> Result<Warnings, Failure> {
     let films = beside(path, file, case);
     if films.len() > 1 {
         check_pixels(path, &films)?;
     }
-    let mut found = same_identifiers(&films);
-    found.extend(wrong_films(&films));
+    let mut found = Warnings::default();
+    warn_of_same_identifiers(&films, &mut found);
+    warn_of_wrong_films(&films, &mut found);
     Ok(found)
 }
 
@@ -129,28 +94,26 @@ fn picture(decoder: &Decoder, place: &Path) -> Option<String> {
 }
 
 /// Films of another part of the body or of another patient, as far as their files are DICOM.
-fn wrong_films(films: &[Beside]) -> Vec<FilmWarning> {
+fn warn_of_wrong_films(films: &[Beside], warnings: &mut Warnings) {
     let stated = |film: &Beside| {
         let bytes = read(&Place::File(film.place.clone()), &IntakeLimits::default()).ok();
         let stated = bytes.and_then(|bytes| Stated::read(&bytes).ok()).unwrap_or_default();
         (film.name(), stated)
     };
     let doubts = film_doubts(&films.iter().map(stated).collect::<Vec<_>>());
-    let of_film = films.iter().zip(doubts).flat_map(|(film, doubts)| {
-        doubts.into_iter().map(|doubt| {
+    for (film, doubts) in films.iter().zip(doubts) {
+        for doubt in doubts {
             // A warning without a posture names the lateral film itself.
             let place =
                 film.posture.map_or_else(|| format!("{}: ", film.name()), |_| String::new());
             let text = format!("{place}{}: check that it belongs to this case", doubt.text);
-            FilmWarning::new(doubt.code, film.posture, text)
-        })
-    });
-    of_film.collect()
+            film.warn(doubt.code, text, warnings);
+        }
+    }
 }
 
-fn same_identifiers(films: &[Beside]) -> Vec<FilmWarning> {
+fn warn_of_same_identifiers(films: &[Beside], warnings: &mut Warnings) {
     let mut known: Vec<(&Beside, String)> = Vec::new();
-    let mut found = Vec::new();
     for film in films {
         let Ok(source) = read_source(&film.place) else { continue };
         let uid = source.sop_instance_uid;
@@ -160,9 +123,8 @@ fn same_identifiers(films: &[Beside]) -> Vec<FilmWarning> {
                 other.name(),
                 film.name()
             );
-            found.push(FilmWarning::new("identifier_repeated", film.posture, text));
+            film.warn(WarningCode::IdentifierRepeated, text, warnings);
         }
         known.push((film, uid));
     }
-    found
 }

@@ -7,3 +7,4 @@ pub mod figures;
 pub mod films;
 pub mod record;
 pub mod replicates;
+pub mod study;

@@ -11,7 +11,12 @@ use crate::analysis::case::analyze_file;
 use crate::run::failure::{Ending, Failure};
 use crate::run::inputs::case_files;
 use crate::run::messages::say;
-use crate::run::outputs::print;
+use crate::run::outputs::{print, width};
+
+pub const EXAMPLES: &str = "\
+Examples:
+  spineline check P07/case.json
+  spineline check cases                                every case of a folder";
 
 #[derive(Args)]
 pub struct CheckArgs {
@@ -40,13 +45,13 @@ pub fn run(args: &CheckArgs) -> Result<Ending, Failure> {
 fn text(path: &Path, analysis: &Analysis) -> Lines {
     let synthetic = if analysis.synthetic { " · SYNTHETIC" } else { "" };
     let mut text = Lines::of(format!("{}: {}{synthetic}", path.display(), analysis.case_id));
-    text.text(&terminal::table(&films_table(analysis), terminal::WIDTH));
+    text.text(&terminal::table(&films_table(analysis), width()));
     let warnings: Vec<_> = film_warnings(analysis).collect();
     for warning in &warnings {
         let place = warning.posture.map_or_else(String::new, |p| format!("{p} film: "));
         let level = warning.level.map_or_else(String::new, |l| format!("{l}: "));
         let note = format!("! {place}{level}{}", warning.text());
-        text.text(&terminal::paragraph(&note, terminal::WIDTH, "  "));
+        text.text(&terminal::paragraph(&note, width(), "  "));
     }
     if warnings.is_empty() {
         text.line("  no warnings about these films");

@@ -1,6 +1,5 @@
 //! `spineline detect`: landmarks that a program proposes, as cases.
 
-use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
@@ -8,38 +7,45 @@ use spineline::analysis::{Case, Subject};
 use spineline::anatomy::{ImageSide, Posture};
 use spineline::measure::{
     Corners, Film, FilmLandmarks, ImageGeometry, Origin, Reading, ReadingId, VertebraLandmarks,
-    View, judge_spacing, judge_view,
 };
 use spineline::warning::counted;
-use spineline_detect::{Detection, Picture, detect};
+use spineline_detect::{DetectedVertebra, Detection, Picture, detect};
 use spineline_files::{CaseFile, FilmSource, sha256_hex, to_text};
 use spineline_films::FilmFile;
 use spineline_films::intake::{IntakeLimits, Place, read};
+use spineline_marking::{View, judge_spacing, judge_view};
 use spineline_report::terminal::Lines;
 
 use crate::options::choice::choice;
+use crate::options::values::posture;
 use crate::run::failure::{Ending, Failure};
 use crate::run::film_decoder::Decoder;
+use crate::run::inputs::CaseInput;
 use crate::run::messages::say;
 use crate::run::outputs::{Outputs, OverwriteArgs, print};
 use crate::run::progress::bar;
 
 pub const EXAMPLES: &str = "\
 Examples:
-  spineline detect erect.dcm --out found               writes found/detected-01.json
+  spineline detect erect.dcm --posture erect --out found
+      writes found/detected-01.json
+  spineline detect P07/case.json --out found           every film of a case that nobody has read
   spineline check found/detected-01.json               lists what to look at
   spineline serve                                      the browser shows the same proposals on a film, one by one (P)
 
-It was trained on films of erect adolescents with scoliosis from one hospital. It was never shown bending, lateral or traction films,
-adults, or implants. Every corner states its confidence and its deviation, and counts as not reviewed until a person has accepted or
+The networks were trained on films of erect adolescents with scoliosis from one hospital, and on no bending, lateral or traction film, \
+adult or implant: check films of other postures most carefully. Every corner states its confidence and its deviation, and counts as not reviewed until a person has accepted or \
 moved it. Levels that may be shifted by one are reported. docs/proposals.md has its errors on films that it has not seen.";
 
 #[derive(Args)]
 pub struct DetectArgs {
-    /// Films of erect spines, from the front or from behind: DICOM, PNG, JPEG or TIFF
-    #[arg(required = true, value_name = "FILM")]
+    /// Films from the front or from behind (DICOM, PNG, JPEG or TIFF) of one posture, or cases with their films beside them
+    #[arg(required = true, value_name = "FILM|CASE")]
     films: Vec<PathBuf>,
-    /// Folder for a case per film
+    /// Posture of the films; a case has those of its films
+    #[arg(long, value_name = "POSTURE", value_parser = posture)]
+    posture: Option<Posture>,
+    /// Folder for a case per film or case
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
     /// Side of the picture on which the patient's left is, where a film does not say
@@ -57,11 +63,18 @@ pub fn run(args: &DetectArgs) -> Result<Ending, Failure> {
     let (mut text, mut ending) = (Lines::default(), Ending::Done);
     for (number, path) in (1..).zip(&args.films) {
         let id = format!("detected-{number:02}");
-        match found(&decoder, path, args.patient_left, id) {
-            Ok((case, detection)) => {
-                let out = args.out.join(format!("detected-{number:02}.json"));
-                outputs.write(&out, to_text(&case))?;
-                add_summary(&mut text, &out, &detection);
+        let made = match is_case(path) {
+            true => of_case(&decoder, path),
+            false => of_film(&decoder, path, args, &id),
+        };
+        match made {
+            Ok(made) => {
+                let out = args.out.join(format!("{}.json", made.case.id()));
+                outputs.of_case(made.case.id());
+                outputs.write(&out, to_text(&made.case))?;
+                made.found.iter().for_each(|(posture, found)| {
+                    add_summary(&mut text, &format!("{}, {posture}", out.display()), found);
+                });
             }
             // The other films are looked at all the same.
             Err(failure) => {
@@ -77,55 +90,108 @@ pub fn run(args: &DetectArgs) -> Result<Ending, Failure> {
     Ok(ending)
 }
 
-/// The case of one film. Its identifier is none of the film's names, which may be that of a patient.
-fn found(
-    decoder: &Decoder,
-    path: &Path,
-    stated: Option<ImageSide>,
-    id: String,
-) -> Result<(CaseFile, Detection), Failure> {
+/// A case with landmarks that were found.
+struct Made {
+    case: CaseFile,
+    found: Vec<(Posture, Detection)>,
+}
+
+fn is_case(path: &Path) -> bool {
+    path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("json"))
+}
+
+/// The case of one film. It gets a new identifier, since the name of the file may contain the patient's name.
+fn of_film(decoder: &Decoder, path: &Path, args: &DetectArgs, id: &str) -> Result<Made, Failure> {
     let place = path.display().to_string();
-    let bytes = read(&Place::File(path.to_owned()), &IntakeLimits::default())
-        .map_err(|error| Failure::intake(&error))?;
-    let sha256 = sha256_hex(&bytes);
-    let film =
-        decoder.decode(bytes).map_err(|error| Failure::input(&place, &error, error.help()))?;
+    let Some(posture) = args.posture else {
+        let help = "give --posture erect, left-bending, right-bending, neutral or traction, or a case whose films have postures";
+        return Err(Failure::input(&place, &"the posture of the film is not known", help));
+    };
+    let (film, sha256) = decoded(decoder, path)?;
     let view = judge_view(&film.tags.view, None);
     if view.view == Some(View::Lateral) {
-        let help = "only films of erect spines from the front or from behind";
-        return Err(Failure::input(&place, &"the film states a lateral view", help));
+        return Err(Failure::input(&place, &"the film states a lateral view", FRONTAL));
     }
-    let Some(patient_left) = view.patient_left.or(stated) else {
+    let Some(patient_left) = view.patient_left.or(args.patient_left) else {
         let what = "the film does not say on which side of the picture the patient's left is";
         let help = "give --patient-left image-left or image-right (look for the lead marker, the heart, the stomach's bubble)";
         return Err(Failure::input(&place, &what, help));
     };
     let spacing = judge_spacing(&film.tags.spacing).spacing;
     let image = ImageGeometry { columns: film.columns, rows: film.rows, spacing, patient_left };
-    let detection = in_picture(&film, &image).map_err(|refusal| {
-        Failure::input(&place, &refusal, "only films of erect spines from the front or from behind")
-    })?;
-    let vertebrae: BTreeMap<_, _> = detection
-        .vertebrae
-        .iter()
-        .map(|found| {
-            let confidence = found.confidence;
-            let landmarks = VertebraLandmarks {
-                origins: Corners::all(Origin::Detected),
-                confidence: Some(found.corners.map(|_| confidence)),
-                sd_share: Some(found.sd_share),
-                ..VertebraLandmarks::clicked(found.corners)
-            };
-            (found.level, landmarks)
-        })
-        .collect();
-    let reading = Reading { id: ReadingId::new("spineline-detect", 1), vertebrae };
+    let (reading, detection) = read_film(&film, &image, &place)?;
     let landmarks = FilmLandmarks::Corners { image, iliac_crests: None, readings: vec![reading] };
-    let film = Film { posture: Posture::Erect, landmarks };
+    let film = Film { posture, landmarks };
     let subject = Subject::default();
-    let case = Case { id, synthetic: false, subject, films: vec![film], lateral: None };
+    let case =
+        Case { id: id.to_owned(), synthetic: false, subject, films: vec![film], lateral: None };
     let source = FilmSource { file: None, sha256: Some(sha256), inverted: false };
-    Ok((CaseFile::from_case(&case).with_source(Posture::Erect, source), detection))
+    let case = CaseFile::from_case(&case).with_source(posture, source);
+    Ok(Made { case, found: vec![(posture, detection)] })
+}
+
+/// A case with the landmarks of its films that nobody has read.
+fn of_case(decoder: &Decoder, path: &Path) -> Result<Made, Failure> {
+    let CaseInput { file, mut case, .. } = CaseInput::read(path)?;
+    let mut found = Vec::new();
+    for film in &mut case.films {
+        let posture = film.posture;
+        let FilmLandmarks::Corners { image, readings, .. } = &mut film.landmarks else { continue };
+        let picture = file.source(posture).and_then(|source| source.file);
+        let Some(picture) = picture.filter(|_| readings.is_empty()) else { continue };
+        let picture = path.with_file_name(picture);
+        let (decoded, _) = decoded(decoder, &picture)?;
+        let (reading, detection) = read_film(&decoded, image, &picture.display().to_string())?;
+        readings.push(reading);
+        found.push((posture, detection));
+    }
+    if found.is_empty() {
+        let help = "films with a reading are left as they are; `spineline import` makes a case without readings";
+        let what = "no film with its picture is without a reading";
+        return Err(Failure::input(&path.display().to_string(), &what, help));
+    }
+    let mut made = CaseFile::from_case(&case);
+    for film in &case.films {
+        if let Some(source) = file.source(film.posture) {
+            made = made.with_source(film.posture, FilmSource { file: None, ..source });
+        }
+    }
+    Ok(Made { case: made, found })
+}
+
+/// What a film has to be.
+const FRONTAL: &str = "only films from the front or from behind";
+
+/// A film and the hash of its file.
+fn decoded(decoder: &Decoder, path: &Path) -> Result<(FilmFile, String), Failure> {
+    let bytes = read(&Place::File(path.to_owned()), &IntakeLimits::default())
+        .map_err(|error| Failure::intake(&error))?;
+    let sha256 = sha256_hex(&bytes);
+    let failed = |error: spineline_films::FilmError| {
+        Failure::input(&path.display().to_string(), &error, error.help())
+    };
+    Ok((decoder.decode(bytes).map_err(failed)?, sha256))
+}
+
+/// The landmarks that the networks find.
+fn read_film(
+    film: &FilmFile,
+    image: &ImageGeometry,
+    place: &str,
+) -> Result<(Reading<VertebraLandmarks>, Detection), Failure> {
+    let detection =
+        in_picture(film, image).map_err(|refusal| Failure::input(place, &refusal, FRONTAL))?;
+    let landmarks = |found: &DetectedVertebra| {
+        let landmarks = VertebraLandmarks {
+            origins: Corners::all(Origin::Detected),
+            confidence: Some(found.corners.map(|_| found.confidence)),
+            sd_share: Some(found.sd_share),
+            ..VertebraLandmarks::clicked(found.corners)
+        };
+        (found.level, landmarks)
+    };
+    let vertebrae = detection.vertebrae.iter().map(landmarks).collect();
+    Ok((Reading { id: ReadingId::new("spineline-detect", 1), vertebrae }, detection))
 }
 
 fn in_picture(
@@ -144,19 +210,19 @@ fn in_picture(
     })
 }
 
-fn add_summary(text: &mut Lines, out: &Path, detection: &Detection) {
+fn add_summary(text: &mut Lines, film: &str, detection: &Detection) {
     let Detection { vertebrae, doubts } = detection;
     let ends = vertebrae.first().zip(vertebrae.last());
     let range =
         ends.map_or_else(String::new, |(low, high)| format!(", {} to {}", low.level, high.level));
     let count = vertebrae.len();
-    let mean = |of: fn(&spineline_detect::DetectedVertebra) -> f64| {
+    let mean = |of: fn(&DetectedVertebra) -> f64| {
         100.0 * vertebrae.iter().map(of).sum::<f64>() / count.max(1) as f64
     };
     let (confidence, sd) = (mean(|one| one.confidence), mean(|one| one.sd_share));
     text.line(format!(
         "{}: {}{range}; mean confidence {confidence:.0} %, standard deviation of a corner {sd:.0} % of a vertebral height",
-        out.display(),
+        film,
         counted(count, "level")
     ));
     for doubt in doubts {

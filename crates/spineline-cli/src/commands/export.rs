@@ -134,7 +134,7 @@ pub fn run(args: &ExportArgs) -> Result<Ending, Failure> {
         .map_err(|error| Failure::input(&args.file.display().to_string(), &error, error.help()))?;
     outputs.of_case(&model.case_id);
     outputs.write(&args.out, text)?;
-    outputs.commit().map(|()| Ending::Done)
+    outputs.commit_and_say().map(|()| Ending::Done)
 }
 
 fn landmarks(args: &ExportArgs, name: LandmarkName) -> Result<Ending, Failure> {
@@ -190,7 +190,7 @@ fn write_landmarks(
     if let [only] = files {
         outputs.table(&args.out)?;
         outputs.write_table(&args.out, &only.bytes[..], &provenance)?;
-        return outputs.commit().map(|()| Ending::Done);
+        return outputs.commit_and_say().map(|()| Ending::Done);
     }
     if is_stdout(&args.out) {
         return Err(Failure::usage(format!(
@@ -205,7 +205,7 @@ fn write_landmarks(
     let list = files.iter().map(|file| InputFile::of(&*file.name, &file.bytes)).collect();
     let list = to_text(&ProvenanceFile::new(list, provenance));
     outputs.write(&args.out.join("provenance.json"), list)?;
-    outputs.commit().map(|()| Ending::Done)
+    outputs.commit_and_say().map(|()| Ending::Done)
 }
 
 fn read_case_file(path: &Path) -> Result<CaseFile, Failure> {

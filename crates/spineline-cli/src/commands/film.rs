@@ -4,9 +4,9 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use serde_json::{Value, json};
-use spineline::measure::{judge_spacing, judge_view};
 use spineline_films::intake::{IntakeLimits, Place, read};
 use spineline_films::{FilmError, FilmFile, ModalityTransform, Voi, Window, WindowFunction};
+use spineline_marking::{judge_spacing, judge_view};
 use spineline_report::terminal::Lines;
 
 use crate::options::values::number;
@@ -15,6 +15,12 @@ use crate::run::film_decoder::Decoder;
 use crate::run::messages::say;
 use crate::run::outputs::{Outputs, OverwriteArgs, print, print_data};
 use crate::run::provenance::shown_name;
+
+pub const EXAMPLES: &str = "\
+Examples:
+  spineline film erect.dcm                             size, spacing, view, and what they rest on
+  spineline film films/*.dcm --json
+  spineline film erect.dcm --png erect.png --window 2048,4096";
 
 #[derive(Args)]
 pub struct FilmArgs {
@@ -76,7 +82,7 @@ pub fn run(args: &FilmArgs) -> Result<Ending, Failure> {
             outputs.write(out, png)?;
         }
     }
-    outputs.commit()?;
+    outputs.commit_and_say()?;
     Ok(ending)
 }
 

@@ -7,8 +7,7 @@ use spineline::analysis::AnalysisOptions;
 use spineline::cohort::{CohortPatient, learn_rotation_prior};
 use spineline::measure::TiltRule;
 use spineline_files::{FilmOrigin, InputFile, Provenance, RotationPriorFile};
-use spineline_report::terminal::Lines;
-use spineline_report::{rotation_prior, terminal};
+use spineline_report::rotation_prior;
 
 use crate::analysis::case::analyze_input;
 use crate::options::choice::choice;
@@ -16,7 +15,7 @@ use crate::options::values::threads;
 use crate::run::failure::{Ending, Failure};
 use crate::run::inputs::{CaseInput, case_files};
 use crate::run::messages::say;
-use crate::run::outputs::{Outputs, OverwriteArgs, is_stdout, print};
+use crate::run::outputs::{Outputs, OverwriteArgs, is_stdout, print_document};
 use crate::run::provenance::{generator, this_run};
 use crate::run::threads::map_all;
 
@@ -68,10 +67,10 @@ pub fn run(args: &LearnPriorArgs) -> Result<Ending, Failure> {
     let provenance = provenance.of_cases(ids.iter().cloned()).with_seed(SEED);
     let file = RotationPriorFile::new(&learned, ids, args.tilt, provenance);
     outputs.write(&args.out, spineline_files::to_text(&file))?;
-    outputs.commit()?;
+    outputs.commit_and_say()?;
     if !is_stdout(&args.out) {
         let document = rotation_prior::summary(&learned, films != FilmOrigin::Real, &generator());
-        print(Lines::of_text(&terminal(&document, terminal::WIDTH)))?;
+        print_document(&document)?;
     }
     Ok(ending)
 }

@@ -52,61 +52,62 @@ pub struct Cli {
 
 #[derive(Subcommand)]
 pub enum Command {
-    /// Repeat the paper on 54 synthetic patients and compare every number with the paper's
-    Reproduce(reproduce::ReproduceArgs),
-    /// Test how robust the paper's claims are to landmark noise, curve order and loading scenario
-    NoiseStudy(noise_study::NoiseStudyArgs),
-    /// Analyse the films of one patient or of a cohort
-    Analyze(Box<analyze::AnalyzeArgs>),
-    /// Merge the tables of parts of a cohort that were analysed apart
-    #[command(after_help = merge::EXAMPLES)]
-    Merge(merge::MergeArgs),
-    /// Write a report of one patient or of a cohort with every figure, as HTML, Markdown or PDF
-    #[command(after_help = report::EXAMPLES)]
-    Report(Box<report::ReportArgs>),
-    /// Validate case files and list warnings
-    Check(check::CheckArgs),
-    /// Measure the reliability of readings: SEM, limits of agreement, ICC and Pearson, within and between observers
-    #[command(after_help = reliability::EXAMPLES)]
-    Reliability(reliability::ReliabilityArgs),
-    /// Learn how the joints of a cohort rotate in bends, for predictions without mechanics
-    #[command(after_help = learn_prior::EXAMPLES)]
-    LearnPrior(learn_prior::LearnPriorArgs),
-    /// Simulate a personalised model under forces, moments, weight, pads, straps and rods
-    #[command(after_help = simulate::EXAMPLES)]
-    Simulate(simulate::SimulateArgs),
     /// Import films from folders and archives as a case
     #[command(after_help = import::EXAMPLES, after_long_help = import::long_help())]
     Import(Box<import::ImportArgs>),
-    /// Manage a study: films, blinded readings and a log of every change in one file
-    #[command(after_help = study::EXAMPLES)]
-    Study(study::StudyArgs),
-    /// Repeat analyses from their files or reports and list the differences
-    #[command(after_help = rerun::EXAMPLES)]
-    Rerun(rerun::RerunArgs),
-    /// Start the browser app on this machine
-    #[command(after_help = serve::EXAMPLES)]
-    Serve(serve::ServeArgs),
-    /// Manage user accounts and study permissions
-    #[command(after_help = account::EXAMPLES)]
-    Account(account::AccountArgs),
-    /// Make synthetic patients whose true values are known
-    Phantom(phantom::PhantomArgs),
-    /// Export a model for MuJoCo, OpenSim or URDF, or landmarks as CSV, COCO or DICOM SR or for 3D Slicer or labelme
-    #[command(after_long_help = export::EXAMPLES)]
-    Export(export::ExportArgs),
     /// Inspect radiographs: metadata, reliability of spacing and view, preview
+    #[command(after_help = film::EXAMPLES)]
     Film(film::FilmArgs),
     /// Find the vertebrae on films of erect spines and write them as cases, to be looked at (experimental)
     #[command(after_help = detect::EXAMPLES)]
     Detect(detect::DetectArgs),
-    /// Decode the film on the standard input, with limits on memory and time
-    #[command(hide = true)]
-    DecodeFilm,
-    /// Print the JSON schema of a file format
-    Schema(schema::SchemaArgs),
+    /// Start the browser app on this machine
+    #[command(after_help = serve::EXAMPLES)]
+    Serve(serve::ServeArgs),
+    /// Manage a study: films, blinded readings and a log of every change in one file
+    #[command(after_help = study::EXAMPLES)]
+    Study(study::StudyArgs),
+    /// Manage user accounts and study permissions
+    #[command(after_help = account::EXAMPLES)]
+    Account(account::AccountArgs),
+    /// Validate case files and list warnings
+    #[command(after_help = check::EXAMPLES)]
+    Check(check::CheckArgs),
+    /// Analyse the films of one patient or of a cohort
+    #[command(alias = "analyse", after_help = analyze::EXAMPLES)]
+    Analyze(Box<analyze::AnalyzeArgs>),
+    /// Write a report of one patient or of a cohort with every figure, as HTML, Markdown or PDF
+    #[command(after_help = report::EXAMPLES)]
+    Report(Box<report::ReportArgs>),
+    /// Simulate a personalised model under forces, moments, weight, pads, straps and rods
+    #[command(after_help = simulate::EXAMPLES)]
+    Simulate(simulate::SimulateArgs),
+    /// Export a model for MuJoCo, OpenSim or URDF, or landmarks as CSV, COCO or DICOM SR or for 3D Slicer or labelme
+    #[command(after_long_help = export::EXAMPLES)]
+    Export(export::ExportArgs),
+    /// Repeat analyses from their files or reports and list the differences
+    #[command(after_help = rerun::EXAMPLES)]
+    Rerun(rerun::RerunArgs),
+    /// Measure the reliability of readings: SEM, limits of agreement, ICC and Pearson, within and between observers
+    #[command(after_help = reliability::EXAMPLES)]
+    Reliability(reliability::ReliabilityArgs),
+    /// Merge the tables of parts of a cohort that were analysed apart
+    #[command(after_help = merge::EXAMPLES)]
+    Merge(merge::MergeArgs),
+    /// Learn how the joints of a cohort rotate in bends, for predictions without mechanics
+    #[command(after_help = learn_prior::EXAMPLES)]
+    LearnPrior(learn_prior::LearnPriorArgs),
+    /// Make synthetic patients whose true values are known
+    #[command(after_help = phantom::EXAMPLES)]
+    Phantom(phantom::PhantomArgs),
+    /// Repeat the paper on 54 synthetic patients and compare every number with the paper's
+    Reproduce(reproduce::ReproduceArgs),
+    /// Test how robust the paper's claims are to landmark noise, curve order and loading scenario
+    NoiseStudy(noise_study::NoiseStudyArgs),
     /// Print a built-in stiffness table, to edit and pass to `analyze --stiffness`
     Stiffness(stiffness::StiffnessArgs),
+    /// Print the JSON schema of a file format
+    Schema(schema::SchemaArgs),
     /// Print a completion script for your shell
     ///
     /// For bash: spineline completions bash > ~/.local/share/bash-completion/completions/spineline
@@ -114,6 +115,9 @@ pub enum Command {
     /// Print a manual page for `man`
     #[command(after_help = manual::EXAMPLES)]
     Manual(manual::ManualArgs),
+    /// Decode the film on the standard input, with limits on memory and time
+    #[command(hide = true)]
+    DecodeFilm,
 }
 
 /// Runs a command.

@@ -9,7 +9,7 @@ use spineline::curve::OrderRule;
 use spineline::measure::{FilmLengthRule, TiltRule};
 use spineline::multibody::Support;
 use spineline::personalize::FitTarget;
-use spineline_phantom::{Construction, Readers, Truth};
+use spineline_phantom::{Construction, Readers, Scenario};
 
 use crate::run::failure::Failure;
 
@@ -28,12 +28,12 @@ pub fn options_of(support: Support, target: FitTarget) -> AnalysisOptions {
 
 /// A loading scenario: what moved the synthetic spine.
 #[derive(Clone, Copy)]
-pub struct ScenarioName(pub Truth);
+pub struct ScenarioName(pub Scenario);
 
 impl ValueEnum for ScenarioName {
     fn value_variants<'a>() -> &'a [Self] {
         static NAMES: LazyLock<Vec<ScenarioName>> =
-            LazyLock::new(|| Truth::ALL.into_iter().map(ScenarioName).collect());
+            LazyLock::new(|| Scenario::ALL.into_iter().map(ScenarioName).collect());
         &NAMES
     }
 

@@ -19,7 +19,7 @@ const INTERNAL: u8 = 1;
 const USAGE: u8 = 2;
 /// Exit code of an input that cannot be used, or an output that cannot be written.
 const FILES: u8 = 3;
-/// Exit code of a finished command with less than what was asked.
+/// Exit code of a finished command whose results are incomplete.
 const LESS: u8 = 4;
 
 /// Exit code of a command that Ctrl-C or SIGTERM ended without results, as shells have it.

@@ -1,6 +1,7 @@
 //! Reading cases, models and folders of them.
 
-use std::fs;
+use std::fs::{self, File};
+use std::io::Read;
 use std::path::{Path, PathBuf};
 
 use rayon::prelude::*;
@@ -114,11 +115,34 @@ impl CaseInput {
     /// As the library's readers.
     pub fn read(path: &Path) -> Result<Self, Failure> {
         let failed = |error| Failure::file(path, &error);
+        refuse_picture(path)?;
         let text = read_text(path).map_err(failed)?;
         let (file, request) = spineline_files::parse_case_within(&text).map_err(failed)?;
         let case = file.clone().into_case().map_err(failed)?;
         Ok(Self { file, case, request, input: input_of(path, &text) })
     }
+}
+
+/// Endings of pictures.
+const PICTURES: [&str; 7] = ["dcm", "dicom", "png", "jpg", "jpeg", "tif", "tiff"];
+
+/// Refuses a picture where a case is expected.
+fn refuse_picture(path: &Path) -> Result<(), Failure> {
+    let ending = path.extension().map(|ending| ending.to_string_lossy().to_lowercase());
+    let mut start = Vec::new();
+    let read = File::open(path).and_then(|file| file.take(132).read_to_end(&mut start));
+    let is_picture = ending.is_some_and(|ending| PICTURES.contains(&&*ending))
+        || start.starts_with(b"\x89PNG")
+        || start.starts_with(b"\xff\xd8\xff")
+        || start.starts_with(b"II*\0")
+        || start.starts_with(b"MM\0*")
+        || start.ends_with(b"DICM");
+    if read.is_err() || !is_picture {
+        return Ok(());
+    }
+    let name = path.display().to_string();
+    let help = "make a case of the films first: `spineline import FOLDER --case-id ID --out DIR`; then mark them with `spineline serve DIR/case.json`";
+    Err(Failure::input(&name, &"it is a picture, and this command takes cases", help))
 }
 
 /// A text file that was read, by its name without its folder.

@@ -2,7 +2,9 @@
 
 use std::fs;
 
-use crate::program::{add_phantom, done, folder, refused, run, with_phantom, words};
+use crate::program::{
+    CASE, add_phantom, done, folder, refused, run, with_phantom, with_phantoms, words,
+};
 use crate::results::results;
 
 #[test]
@@ -78,7 +80,7 @@ fn a_phantom_is_made_checked_and_analysed() {
     let (text, error, code) = run(here.path(), &["check", "cases"]);
     assert_eq!(code, 0, "{error}");
     assert!(text.contains("phantom-rod-01 · SYNTHETIC"), "{text}");
-    let (text, _, code) = run(here.path(), &["analyze", "cases", "--support", "frontal"]);
+    let (text, _, code) = run(here.path(), &["analyze", "cases", "--support", "frontal", "--full"]);
     assert_eq!(code, 0, "{text}");
     for word in [
         "SYNTHETIC",
@@ -130,7 +132,7 @@ fn the_json_has_its_documented_keys() {
 
 #[test]
 fn replicates_give_intervals_that_do_not_depend_on_threads() {
-    let here = with_phantom(&["--truth", "rod", "--subject", "2"]);
+    let here = with_phantom(&["--scenario", "rod", "--subject", "2"]);
     let case = "cases/phantom-rod-02.json";
     let with = |more: &[&str]| run(here.path(), &[&["analyze", case], more].concat());
     // More than one block, so that their order counts.
@@ -157,9 +159,9 @@ fn replicates_give_intervals_that_do_not_depend_on_threads() {
 
 #[test]
 fn identifiability_is_reported_on_request_with_and_without_a_prior() {
-    let here = with_phantom(&["--truth", "rod", "--subject", "2"]);
+    let here = with_phantom(&["--scenario", "rod", "--subject", "2"]);
     let case = "cases/phantom-rod-02.json";
-    let with = |more: &[&str]| run(here.path(), &[&["analyze", case], more].concat()).0;
+    let with = |more: &[&str]| run(here.path(), &[&["analyze", case, "--full"], more].concat()).0;
     let plain = with(&[]);
     assert!(!plain.contains("Profile likelihood"), "{plain}");
     // Heads of columns may be broken; a test of `spineline-report` reads them whole.
@@ -184,7 +186,7 @@ fn identifiability_is_reported_on_request_with_and_without_a_prior() {
 
 #[test]
 fn other_loads_are_compared_on_request() {
-    let here = with_phantom(&["--truth", "couple", "--subject", "2"]);
+    let here = with_phantom(&["--scenario", "couple", "--subject", "2"]);
     let case = "cases/phantom-couple-02.json";
     let asked = ["analyze", case, "--compare-models", "inflection-line,couple"];
     let (text, error, code) = run(here.path(), &asked);
@@ -199,19 +201,19 @@ fn other_loads_are_compared_on_request() {
 fn a_cohort_is_the_same_for_any_number_of_threads() {
     let here = folder();
     for subject in ["1", "5", "11"] {
-        add_phantom(here.path(), &["--truth", "pull", "--subject", subject]);
+        add_phantom(here.path(), &["--scenario", "pull", "--subject", subject]);
     }
     let with = |threads: &str| {
         run(here.path(), &["analyze", "cases", "--json", "-", "--threads", threads])
     };
     assert_eq!(results(&with("1").0), results(&with("3").0));
     let (text, _, _) = run(here.path(), &["analyze", "cases"]);
-    assert!(text.contains("3 patients (synthetic)") && text.contains("phantom-pull-11"), "{text}");
+    assert!(text.contains("3 patients · SYNTHETIC") && text.contains("phantom-pull-11"), "{text}");
 }
 
 #[test]
 fn tables_models_and_figures_are_written_completely() {
-    let here = with_phantom(&["--truth", "rod", "--subject", "3"]);
+    let here = with_phantom(&["--scenario", "rod", "--subject", "3"]);
     let arguments = [
         "analyze",
         "cases/phantom-rod-03.json",
@@ -302,7 +304,7 @@ fn a_known_force_makes_forces_absolute() {
 
 #[test]
 fn a_given_line_and_given_inflections_are_used() {
-    let here = with_phantom(&["--truth", "pull", "--subject", "1"]);
+    let here = with_phantom(&["--scenario", "pull", "--subject", "1"]);
     let arguments = [
         "analyze",
         "cases",
@@ -354,17 +356,17 @@ fn reproduce_prints_the_table_and_writes_the_same_bytes_for_any_number_of_thread
     }
     let figures = fs::read_dir(here.path().join("a/figures")).expect("figures").count();
     assert!(figures >= 20, "{figures}");
-    for truth in ["rod", "bend", "pull"] {
-        let patient = here.path().join(format!("a/reports/patient-{truth}.html"));
+    for scenario in ["rod", "bend", "pull"] {
+        let patient = here.path().join(format!("a/reports/patient-{scenario}.html"));
         assert!(
             patient.exists() && patient.with_extension("pdf").exists() == cfg!(feature = "pdf")
         );
         let report = |out: &str| {
-            let name = format!("{out}/reports/cohort-{truth}.html");
+            let name = format!("{out}/reports/cohort-{scenario}.html");
             let bytes = fs::read(here.path().join(name)).expect("a report");
             results(&spineline_report::embedded(&bytes).expect("its analyses are within"))
         };
-        assert!(report("a") == report("b"), "the report of {truth} depends on the threads");
+        assert!(report("a") == report("b"), "the report of {scenario} depends on the threads");
     }
 }
 
@@ -419,7 +421,7 @@ fn films_of_a_phantom_are_written_beside_their_case() {
 
 #[test]
 fn landmarks_are_exported_for_image_programs() {
-    let here = with_phantom(&["--truth", "rod", "--subject", "3"]);
+    let here = with_phantom(&["--scenario", "rod", "--subject", "3"]);
     let case = "cases/rod-03.json";
     let case = if here.path().join(case).exists() { case } else { "cases/phantom-rod-03.json" };
     let table = done(here.path(), &["export", case, "--to", "csv"]);
@@ -447,7 +449,7 @@ fn landmarks_are_exported_for_image_programs() {
 
 #[test]
 fn a_model_has_no_landmarks_and_a_case_no_springs() {
-    let here = with_phantom(&["--truth", "rod", "--subject", "3"]);
+    let here = with_phantom(&["--scenario", "rod", "--subject", "3"]);
     let case = "cases/rod-03.json";
     let case = if here.path().join(case).exists() { case } else { "cases/phantom-rod-03.json" };
     done(here.path(), &["analyze", case, "--model", "model.json"]);
@@ -460,4 +462,48 @@ fn a_model_has_no_landmarks_and_a_case_no_springs() {
     );
     let (_, error, code) = run(here.path(), &["export", case, "--to", "mjcf"]);
     assert!(code == 3 && error.contains("takes a model"), "{error}");
+}
+
+#[test]
+fn a_picture_is_sent_to_import_whatever_its_name_is() {
+    let here = folder();
+    for (name, start) in
+        [("a.png", &b"junk"[..]), ("b.json", b"\x89PNG\r\n"), ("c", b"\xff\xd8\xff\xe0")]
+    {
+        fs::write(here.path().join(name), start).expect("written");
+        for command in ["analyze", "check", "report"] {
+            let (_, error, code) = run(here.path(), &[command, name]);
+            assert!(code == 3 && error.contains("spineline import"), "{command} {name}: {error}");
+        }
+    }
+}
+
+#[test]
+fn analyse_is_analyze() {
+    let here = with_phantom(&[]);
+    let [one, other] = ["analyze", "analyse"].map(|name| run(here.path(), &[name, CASE]).0);
+    assert_eq!(one, other);
+    assert!(one.contains("Which line?"), "{one}");
+}
+
+#[test]
+fn outputs_are_named_when_they_are_written() {
+    let here = with_phantom(&[]);
+    let outputs = ["--json", "a.json", "--model", "m.json", "--tables", "tables"];
+    let (_, error, code) = run(here.path(), &[&["analyze", CASE][..], &outputs].concat());
+    assert_eq!(code, 0, "{error}");
+    for line in ["written: a.json", "written: m.json", "files in tables"] {
+        assert!(error.contains(line), "{line} is missing in\n{error}");
+    }
+    let (_, error, _) = run(here.path(), &["export", "m.json", "--to", "mjcf", "--out", "m.xml"]);
+    assert!(error.contains("written: m.xml"), "{error}");
+}
+
+#[test]
+fn a_cohort_has_one_line_per_kind_of_warning() {
+    let here = with_phantoms("bend", &["1", "2", "3"]);
+    let (_, short, _) = run(here.path(), &["analyze", "cases"]);
+    assert!((1..=10).contains(&short.lines().count()), "{short}");
+    let (_, all, _) = run(here.path(), &["analyze", "cases", "--warnings"]);
+    assert!(all.lines().count() > short.lines().count(), "{all}");
 }

@@ -25,7 +25,7 @@ fn a_synthetic_film_becomes_a_case_of_corners_that_nobody_has_reviewed() {
         here.path(),
         &[
             "phantom",
-            "--truth",
+            "--scenario",
             "rod",
             "--subject",
             "1",
@@ -37,7 +37,7 @@ fn a_synthetic_film_becomes_a_case_of_corners_that_nobody_has_reviewed() {
         ],
     );
     let film = "p/phantom-rod-01-erect.dcm";
-    let text = done(here.path(), &["detect", film, "--out", "found"]);
+    let text = done(here.path(), &["detect", film, "--posture", "erect", "--out", "found"]);
     // A drawn film is none of those that the networks were trained on: its levels are not taken for sure.
     assert!(text.contains("found/detected-01.json") && text.contains("check the levels"), "{text}");
     let file = fs::read_to_string(here.path().join("found/detected-01.json")).expect("a case");
@@ -54,7 +54,7 @@ fn a_synthetic_film_becomes_a_case_of_corners_that_nobody_has_reviewed() {
     let checked = done(here.path(), &["check", "found/detected-01.json"]);
     assert!(checked.contains("nobody has accepted or moved them"), "{checked}");
     // The same film, the same bytes.
-    done(here.path(), &["detect", film, "--out", "again"]);
+    done(here.path(), &["detect", film, "--posture", "erect", "--out", "again"]);
     let again = fs::read_to_string(here.path().join("again/detected-01.json")).expect("a case");
     assert_eq!(file, again);
 }
@@ -66,7 +66,7 @@ fn a_film_without_a_spine_is_refused_and_the_others_are_kept() {
         here.path(),
         &[
             "phantom",
-            "--truth",
+            "--scenario",
             "rod",
             "--subject",
             "1",
@@ -90,4 +90,37 @@ fn a_film_without_a_spine_is_refused_and_the_others_are_kept() {
     let (_, error, code) = run(here.path(), &["detect", "blank.png", "--out", "other"]);
     assert_eq!(code, 3);
     assert!(error.contains("--patient-left"), "{error}");
+}
+
+#[test]
+fn the_posture_of_a_film_is_stated_by_the_user_or_by_its_case() {
+    let here = tempdir().expect("a folder");
+    let films = ["--films", "--pixel-size", "2", "--subject", "1", "--out", "p"];
+    done(here.path(), &[&["phantom"][..], &films].concat());
+    let bend = "p/phantom-rod-01-left-bending.dcm";
+    let (_, error, code) = run(here.path(), &["detect", bend, "--out", "found"]);
+    assert!(code == 3 && error.contains("--posture"), "{code} {error}");
+    done(here.path(), &["detect", bend, "--posture", "left-bending", "--out", "found"]);
+    let read = |path: &str| -> Value {
+        let text = fs::read_to_string(here.path().join(path)).expect("a case");
+        serde_json::from_str(&text).expect("JSON")
+    };
+    assert_eq!(read("found/detected-01.json")["films"][0]["posture"], "left_bending");
+
+    let chosen = [
+        "--film",
+        "erect=p/phantom-rod-01-erect.dcm",
+        "--film",
+        "left-bending=p/phantom-rod-01-left-bending.dcm",
+    ];
+    let import = ["import", "p", "--case-id", "P07", "--out", "p07"];
+    done(here.path(), &[&import[..], &chosen].concat());
+    done(here.path(), &["detect", "p07/case.json", "--out", "found"]);
+    let case = read("found/P07.json");
+    for film in case["films"].as_array().expect("films") {
+        assert_eq!(film["readings"][0]["observer"], "spineline-detect", "{}", film["posture"]);
+    }
+    // Films with a reading are left as they are.
+    let (_, error, code) = run(here.path(), &["detect", "p/phantom-rod-01.json", "--out", "none"]);
+    assert!(code == 3 && error.contains("without a reading"), "{code} {error}");
 }

@@ -15,7 +15,7 @@ fn statuses(analysis: &Value, line: &str) -> Vec<String> {
 
 #[test]
 fn a_model_in_addition_that_has_no_result_does_not_fail_the_analysis() {
-    let here = with_phantom(&["--truth", "bend", "--subject", "2", "--noise", "5"]);
+    let here = with_phantom(&["--scenario", "bend", "--subject", "2", "--noise", "5"]);
     let case = "cases/phantom-bend-02.json";
     // The estimated line bends out of the plane, where nothing holds it.
     let free = ["analyze", case, "--support", "free", "--json", "a.json"];
@@ -95,7 +95,7 @@ fn a_file_that_is_not_ours_or_not_utf_8_is_named_as_such() {
 
 #[test]
 fn the_line_that_predicts_best_gives_the_model() {
-    let here = with_phantom(&["--truth", "pull", "--subject", "2", "--noise", "0"]);
+    let here = with_phantom(&["--scenario", "pull", "--subject", "2", "--noise", "0"]);
     let case = "cases/phantom-pull-02.json";
     // Without `--model-line`, the program chooses.
     let auto = ["analyze", case, "--json", "a.json", "--model", "m.json"];
@@ -127,7 +127,7 @@ fn the_line_that_predicts_best_gives_the_model() {
 
 #[test]
 fn a_patient_without_an_inflection_line_has_a_model() {
-    let here = with_phantom(&["--truth", "bend", "--subject", "2"]);
+    let here = with_phantom(&["--scenario", "bend", "--subject", "2"]);
     let case = "cases/phantom-bend-02.json";
     // No curve is so large, so that there are no inflections.
     let analyze = ["analyze", case, "--min-curve", "80", "--json", "a.json", "--model", "m.json"];

@@ -30,8 +30,8 @@ fn number(row: &Row, column: &str) -> f64 {
 }
 
 /// The row of exact marks read with curves of an order.
-fn exact<'a>(rows: &'a [Row], truth: &str, order: &str) -> &'a Row {
-    let wanted = [("truth", truth), ("order_rule", order), ("noise_sd_mm", "0")];
+fn exact<'a>(rows: &'a [Row], scenario: &str, order: &str) -> &'a Row {
+    let wanted = [("scenario", scenario), ("order_rule", order), ("noise_sd_mm", "0")];
     rows.iter().find(|row| wanted.iter().all(|(key, value)| row[*key] == *value)).expect("a row")
 }
 
@@ -40,7 +40,7 @@ fn a_small_study_is_complete_and_does_not_depend_on_threads() {
     let here = tempfile::tempdir().expect("a place for files");
     let read = |name: &str| fs::read_to_string(here.path().join(name)).expect("written");
     let study = |out: &str, threads: &str| {
-        let few = ["--phantoms", "2", "--truths", "rod,flatten,pull", "--seed", "4"];
+        let few = ["--phantoms", "2", "--scenarios", "rod,flatten,pull", "--seed", "4"];
         let mut arguments = vec!["noise-study", "--out", out, "--threads", threads];
         arguments.extend(few);
         run(here.path(), &arguments)
@@ -57,7 +57,7 @@ fn a_small_study_is_complete_and_does_not_depend_on_threads() {
     let svg = read("one/noise-study.svg");
     assert!(svg.contains("synthetic data") && svg.contains("noise (mm)"));
     let rows = rows(&read("one/noise-study.csv"));
-    // Truths × rules and supports × deviations.
+    // Scenarios × rules and supports × deviations.
     assert_eq!(rows.len(), 3 * 7 * 7);
     for row in &rows {
         assert_eq!((&row["synthetic"][..], &row["phantoms"][..]), ("true", "2"));
@@ -71,9 +71,9 @@ fn a_small_study_is_complete_and_does_not_depend_on_threads() {
             }
         }
     }
-    // Known truth: nothing turns at the inflections of rod and flatten, and a side pull at T2 turns them as much as others.
-    for truth in ["rod", "flatten"] {
-        assert!(number(exact(&rows, truth, "order 12"), "below_mean_share") > 0.8, "{truth}");
+    // Known scenario: nothing turns at the inflections of rod and flatten, and a side pull at T2 turns them as much as others.
+    for scenario in ["rod", "flatten"] {
+        assert!(number(exact(&rows, scenario, "order 12"), "below_mean_share") > 0.8, "{scenario}");
     }
     assert!(number(exact(&rows, "pull", "order 12"), "below_mean_share") < 0.8);
     // The marks are exact there, and the erect curve is a polynomial of order 6.
@@ -83,7 +83,7 @@ fn a_small_study_is_complete_and_does_not_depend_on_threads() {
 #[test]
 fn a_study_without_rods_has_no_comparison_with_them() {
     let here = tempfile::tempdir().expect("a place for files");
-    run(here.path(), &["noise-study", "--phantoms", "2", "--truths", "random", "--out", "."]);
+    run(here.path(), &["noise-study", "--phantoms", "2", "--scenarios", "random", "--out", "."]);
     let rows = rows(&fs::read_to_string(here.path().join("noise-study.csv")).expect("written"));
     assert_eq!(rows.len(), 7 * 7);
     assert!(rows.iter().all(|row| row["rod_exceeds_near_share"].is_empty()));

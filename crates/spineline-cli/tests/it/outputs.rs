@@ -14,7 +14,7 @@ fn samples() -> TempDir {
         let (_, error, code) = run(here.path(), arguments);
         assert!(code == 0 || code == 4, "{arguments:?}: {code} {error}");
     };
-    make(&["phantom", "--truth", "rod", "--subject", "1", "--noise", "0", "--out", "p"]);
+    make(&["phantom", "--scenario", "rod", "--subject", "1", "--noise", "0", "--out", "p"]);
     fs::rename(here.path().join("p/phantom-rod-01.json"), here.path().join("case.json"))
         .expect("a case");
     make(&["analyze", "case.json", "--json", "analysis.json", "--model", "model.json"]);
@@ -59,7 +59,7 @@ const TO_FOLDER: [&[&str]; 8] = [
     &["rerun", "analysis.json", "--figures"],
     &["export", "case.json", "--to", "slicer", "--out"],
     &["reliability", "readings.csv", "--figure"],
-    &["phantom", "--truth", "rod", "--subject", "1", "--out"],
+    &["phantom", "--scenario", "rod", "--subject", "1", "--out"],
     &["noise-study", "--phantoms", "2", "--out"],
 ];
 
@@ -235,7 +235,7 @@ fn a_result_of_another_patient_is_replaced_only_when_asked() {
         let (_, error, code) = run(here.path(), arguments);
         assert!(code == 0 || code == 4, "{arguments:?}: {code} {error}");
     };
-    make(&["phantom", "--truth", "rod", "--subject", "2", "--noise", "0", "--out", "p"]);
+    make(&["phantom", "--scenario", "rod", "--subject", "2", "--noise", "0", "--out", "p"]);
     fs::rename(here.path().join("p/phantom-rod-02.json"), here.path().join("other-case.json"))
         .expect("a case");
     make(&[

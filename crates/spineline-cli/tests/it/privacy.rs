@@ -134,7 +134,7 @@ fn every_output(inputs: &Path, out: &Path) -> Vec<Vec<String>> {
         ]),
         line(&["export", &case, "--to", "csv", "--out", &to("l.csv")]),
         line(&["export", &case, "--to", "slicer", "--out", &to("slicer")]),
-        line(&["phantom", "--truth", "rod", "--subject", "1", "--out", &to("phantom")]),
+        line(&["phantom", "--scenario", "rod", "--subject", "1", "--out", &to("phantom")]),
         line(&["noise-study", "--phantoms", "2", "--out", &to("study")]),
         line(
             &[&push[..], &["--json", &to("s.json"), "--csv", &to("s.csv"), "--svg", &to("s.svg")]]
@@ -155,7 +155,7 @@ t,deg,P1,A,1,1.0,true\nt,deg,P1,B,1,1.5,true\nt,deg,P2,A,1,3.0,true\nt,deg,P2,B,
 t,deg,P3,A,1,5.0,true\nt,deg,P3,B,1,5.3,true\n";
 
 fn inputs(folder: &Path) {
-    done(folder, &["phantom", "--truth", "rod", "--subject", "1", "--noise", "0", "--out", "."]);
+    done(folder, &["phantom", "--scenario", "rod", "--subject", "1", "--noise", "0", "--out", "."]);
     fs::write(folder.join("stiffness.csv"), run(folder, &["stiffness"]).0).expect("a table");
     fs::write(folder.join("readings.csv"), READINGS).expect("a table");
 }

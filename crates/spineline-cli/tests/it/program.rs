@@ -23,10 +23,10 @@ pub fn with_phantom(arguments: &[&str]) -> TempDir {
 }
 
 /// A folder with the phantoms of these subjects under `cases`.
-pub fn with_phantoms(truth: &str, subjects: &[&str]) -> TempDir {
+pub fn with_phantoms(scenario: &str, subjects: &[&str]) -> TempDir {
     let here = folder();
     for subject in subjects {
-        add_phantom(here.path(), &["--truth", truth, "--subject", subject]);
+        add_phantom(here.path(), &["--scenario", scenario, "--subject", subject]);
     }
     here
 }

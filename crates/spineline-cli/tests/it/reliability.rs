@@ -63,7 +63,7 @@ fn nonzero_numbers_are_not_printed_as_zero() {
         let _ = writeln!(table, "loose,mm,{i},A,1,{a}\nloose,mm,{i},B,1,{b}");
     }
     fs::write(here.path().join("t.csv"), table).expect("written");
-    let text = done(here.path(), &["reliability", "t.csv"]);
+    let text = done(here.path(), &["reliability", "t.csv", "--full"]);
     let shown = text.split_whitespace().filter_map(|word| word.parse::<f64>().ok());
     assert!(shown.clone().count() > 50, "{text}");
     let words = text.split_whitespace().filter(|word| word.parse() == Ok(0.0));
@@ -75,7 +75,7 @@ fn nonzero_numbers_are_not_printed_as_zero() {
 fn a_single_reader_gives_reasons_in_text_and_analysis() {
     // F27.
     let here = with_phantom(&["--subject", "1", "--noise", "0"]);
-    let (text, _, code) = run(here.path(), &["reliability", "cases"]);
+    let (text, _, code) = run(here.path(), &["reliability", "cases", "--full"]);
     assert_eq!(code, 0);
     assert!(text.contains("undefined: one observer only") && text.contains("one repeat only"));
     let (text, _, _) = run(here.path(), &["analyze", "cases", "--json", "-"]);
@@ -230,5 +230,15 @@ fn errors_of_three_clinicians_lines_follow_from_their_differences() {
         let sem = with(&between["statistics"], "statistic", "sem_consistency");
         let apart = (number(&sem["value"]) - right).abs();
         assert!(apart < 1e-9 * right, "{quantity}: {sem} should be {right}");
+    }
+}
+
+#[test]
+fn the_answer_is_one_row_per_quantity() {
+    let here = with_phantom(&[]);
+    let text = done(here.path(), &["reliability", "cases"]);
+    assert!(text.lines().count() <= 25, "{text}");
+    for word in ["tilt step", "lateral bow", "SEM", "ICC", "--full"] {
+        assert!(text.contains(word), "{word} is missing in\n{text}");
     }
 }

@@ -12,7 +12,7 @@ use crate::program::{done, refused, run};
 fn phantoms(subjects: &[&str]) -> TempDir {
     let here = tempfile::tempdir().expect("a place for files");
     for subject in subjects {
-        let arguments = ["phantom", "--truth", "rod", "--subject", subject, "--out", "demo"];
+        let arguments = ["phantom", "--scenario", "rod", "--subject", subject, "--out", "demo"];
         done(here.path(), &arguments);
     }
     here
@@ -166,4 +166,13 @@ fn the_extension_of_the_output_chooses_the_format() {
     let (_, error, code) = run(here.path(), &contradiction);
     assert!(code == 2 && error.contains("contradicts the extension"), "{code} {error}");
     assert!(!here.path().join("r.pdf").exists());
+}
+
+#[test]
+fn a_name_that_ends_like_another_format_is_refused() {
+    let here = phantoms(&["1"]);
+    let case = "cases/phantom-rod-01.json";
+    let (_, error, code) = run(here.path(), &["report", case, "--out", "x.docx"]);
+    assert!(code == 2 && error.contains(".html, .md or .pdf"), "{code} {error}");
+    assert!(!here.path().join("x.docx").exists());
 }

@@ -112,6 +112,24 @@ fn f70_loopback_is_the_default() {
 }
 
 #[test]
+fn a_case_is_served_from_a_store_beside_it() {
+    let folder = tempfile::tempdir().expect("a folder");
+    run(folder.path(), &["phantom", "--subject", "1", "--out", "p"], "").success();
+    let case = "p/phantom-rod-01.json";
+    let before = std::fs::read(folder.path().join(case)).expect("a case");
+    for _ in 0..2 {
+        let line = first_line(folder.path(), &["serve", case, "--port", "0"]);
+        assert!(line.contains("phantom-rod-01: added") || line.starts_with("http://"), "{line}");
+        let list = run(folder.path(), &["study", "list", "p/phantom-rod-01.spineline"], "");
+        assert!(output_of(&list.success()).contains("phantom-rod-01"));
+    }
+    assert_eq!(std::fs::read(folder.path().join(case)).expect("a case"), before);
+    std::fs::write(folder.path().join("torn.json"), "{").expect("written");
+    run(folder.path(), &["serve", "torn.json", "--port", "0"], "").failure().code(3);
+    assert!(!folder.path().join("torn.spineline").exists(), "nothing is left of a refused case");
+}
+
+#[test]
 fn a_program_without_the_app_says_so_before_its_address() {
     let folder = tempfile::tempdir().expect("a folder");
     let mut server = Program::new(assert_cmd::cargo::cargo_bin("spineline"))

@@ -11,7 +11,7 @@ use crate::program::{done, run};
 /// A folder with the model of a phantom, `model.json`.
 fn folder() -> TempDir {
     let here = tempfile::tempdir().expect("a place for files");
-    run(here.path(), &["phantom", "--truth", "rod", "--subject", "1", "--out", "."]);
+    run(here.path(), &["phantom", "--scenario", "rod", "--subject", "1", "--out", "."]);
     let analyze = ["analyze", "phantom-rod-01.json", "--model", "model.json"];
     done(here.path(), &analyze);
     here
@@ -170,9 +170,8 @@ fn an_amplitude_is_found_for_either_direction_of_the_loads() {
     ];
     let (text, _, code) = run(here.path(), &line);
     assert_eq!(code, 0);
-    for words in
-        ["SEVERAL EQUILIBRIA", "chosen: smallest factor", "not chosen", "against their direction"]
-    {
+    for words in ["SEVERAL EQUILIBRIA", "chosen: smallest factor", "not chosen", "against their"] {
+        let text = text.split_whitespace().collect::<Vec<_>>().join(" ");
         assert!(text.contains(words), "{words} is missing in\n{text}");
     }
 }

@@ -12,7 +12,7 @@ const PUSH: [&str; 6] = ["simulate", "model.json", "--push", "left", "--force", 
 
 /// A folder with the case of a phantom and its model, `model.json`.
 fn folder() -> TempDir {
-    let here = with_phantom(&["--truth", "rod", "--subject", "1"]);
+    let here = with_phantom(&["--scenario", "rod", "--subject", "1"]);
     done(here.path(), &["analyze", CASE, "--model", "model.json"]);
     here
 }
@@ -162,7 +162,7 @@ fn replicates_that_are_not_possible_are_refused_with_what_to_do() {
     let with = |case: &'static str| simulate(&["--replicates", "5", "--case", case]);
 
     // Another patient, other landmarks, a model without provenance, and one that was changed.
-    done(path, &["phantom", "--truth", "rod", "--subject", "2", "--out", "cases"]);
+    done(path, &["phantom", "--scenario", "rod", "--subject", "2", "--out", "cases"]);
     let error = words(&refused(path, &with("cases/phantom-rod-02.json"), 3));
     assert!(error.contains("the model is that of the case phantom-rod-01"), "{error}");
     let mut other = json(&path.join(CASE));

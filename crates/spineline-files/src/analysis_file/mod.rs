@@ -30,8 +30,8 @@ use model::ModelRecord;
 use posture::PostureRecord;
 use space::{AxialRecord, SpaceRecord};
 use spineline::uncertainty::Uncertainty;
-use spineline::warning::Warning;
-pub use stored::{PICTURE_WARNINGS, StoredAnalysis, parse_analysis, parse_case_within};
+use spineline::warning::{Step, Warning, WarningCode};
+pub use stored::{StoredAnalysis, parse_analysis, parse_case_within, picture_warnings};
 pub(crate) use uncertainty::NoiseRecord;
 use uncertainty::UncertaintyRecord;
 
@@ -212,8 +212,8 @@ struct ClinicalCurveRecord {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 struct WarningRecord {
-    code: String,
-    step: String,
+    code: WarningCode,
+    step: Step,
     posture: Option<Posture>,
     level: Option<LevelKey>,
     message: String,
@@ -222,8 +222,8 @@ struct WarningRecord {
 impl WarningRecord {
     fn new(warning: &Warning) -> Self {
         Self {
-            code: warning.code.to_owned(),
-            step: warning.step.key().to_owned(),
+            code: warning.code,
+            step: warning.code.step(),
             posture: warning.posture,
             level: warning.level.map(LevelKey),
             message: warning.text(),

@@ -1,17 +1,14 @@
 //! The inputs of an analysis, read from its file.
 
 use serde::Deserialize;
+use serde_json::Value;
 use spineline::analysis::Case;
+use spineline::warning::{WarningCode, Warnings};
 
 use super::{FORMAT, VERSION};
 use crate::case_file::parse_case_file;
 use crate::json::{format_of, parse};
 use crate::{CaseFile, FileError, Provenance, Request};
-
-/// Codes of the warnings about pictures beside a case. They are the only ones that an analysis cannot find again without the
-/// pictures.
-pub const PICTURE_WARNINGS: [&str; 3] =
-    ["identifier_repeated", "other_body_part", "patient_differs"];
 
 /// Inputs of an analysis, sufficient to repeat it.
 #[derive(Debug, Clone, PartialEq)]
@@ -45,6 +42,22 @@ pub fn parse_analysis(text: &str) -> Result<StoredAnalysis, FileError> {
     let request = provenance.request()?.ok_or(missing("provenance.options"))?;
     let case = case_file.clone().into_case()?;
     Ok(StoredAnalysis { case_file, case, provenance, request })
+}
+
+/// The warnings about pictures beside the case in the file of an analysis: without the pictures they cannot be found again.
+#[must_use]
+pub fn picture_warnings(file: &Value) -> Warnings {
+    let mut found = Warnings::default();
+    for warning in file["warnings"].as_array().into_iter().flatten() {
+        let code = warning["code"].as_str().and_then(|key| key.parse().ok());
+        let Some(code) = code.filter(|code: &WarningCode| code.is_of_picture()) else { continue };
+        let text = warning["message"].as_str().unwrap_or_default();
+        match warning["posture"].as_str().and_then(|key| key.parse().ok()) {
+            Some(posture) => found.film(code, posture, text),
+            None => found.push(code, text),
+        }
+    }
+    found
 }
 
 /// Reads a case, or the case within an analysis with the request.

@@ -4,6 +4,7 @@ use spineline::action::Application;
 use spineline::analysis::FilmLoad;
 use spineline::anatomy::Level;
 use spineline::multibody::{MatchStatus, Timing};
+use spineline::warning::WarningCode;
 
 use crate::{AppliedLoad, LevelKey, SimulationWarning};
 
@@ -33,7 +34,7 @@ impl SimulationWarning {
             let text = format!(
                 "the analysis found no force for the {posture} film ({status}); this is the one whose shape came nearest"
             );
-            Self::new("load_not_found", text)
+            Self::new(WarningCode::LoadNotFound, text)
         })
     }
 }

@@ -9,6 +9,7 @@ use spineline::clinical::CurvePlaces;
 use spineline::multibody::{Goal, LoadingError, SpringError, Timing};
 use spineline::response::{OnSignedPoint, Response, erect_shape};
 use spineline::uncertainty::AppliedLoads;
+use spineline::warning::WarningCode;
 
 use crate::{FileError, LoadFile, PlacedLoads, SimulationFile, SimulationWarning};
 
@@ -151,6 +152,6 @@ fn places(model: &PersonalisedModel, notes: &mut Vec<SimulationWarning>) -> Vec<
     } else {
         "the model file has no regions and does not go from L4 to T2 or a part of it: there are no angles of curves"
     };
-    notes.push(SimulationWarning::new("usual_regions", text));
+    notes.push(SimulationWarning::new(WarningCode::UsualRegions, text));
     usual.map_or_else(Vec::new, Vec::from)
 }

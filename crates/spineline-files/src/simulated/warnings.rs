@@ -3,10 +3,11 @@
 use spineline::analysis::PersonalisedModel;
 use spineline::multibody::{BodyLoad, PathEnding};
 use spineline::response::{Response, UNUSUAL_HINGE, largest_hinge};
+use spineline::warning::WarningCode;
 
 use crate::{AppliedLoad, LoadFile, PlacedLoads, SimulationWarning};
 
-fn warning(code: &str, message: impl Into<String>) -> SimulationWarning {
+fn warning(code: WarningCode, message: impl Into<String>) -> SimulationWarning {
     SimulationWarning::new(code, message)
 }
 
@@ -20,18 +21,18 @@ pub(super) fn warnings(
     let mut all = about_loads(model, loads);
     if response.ending == PathEnding::Interrupted {
         let text = "interrupted; the path so far is kept, but it is not a result";
-        all.push(warning("interrupted", text));
+        all.push(warning(WarningCode::Interrupted, text));
     }
     if response.ending != PathEnding::Interrupted && !response.is_complete() {
         let text = "a path of equilibria was lost: there may be more shapes that meet the target";
-        all.push(warning("path_lost", text));
+        all.push(warning(WarningCode::PathLost, text));
     }
     if response.ending == PathEnding::SeveralEquilibria {
         let text = format!(
             "{} shapes meet the target; the result is the least loaded one that the erect spine reaches without snapping or buckling",
             response.equilibria.len()
         );
-        all.push(warning("several_equilibria", text));
+        all.push(warning(WarningCode::SeveralEquilibria, text));
     }
     all.extend(about_range(model, response));
     all.extend(about_springs(model, placed, response));
@@ -45,7 +46,7 @@ pub(super) fn warnings(
                  linear springs do not limit it as ligaments and facets do",
                 turn.abs().deg()
             );
-            all.push(warning("large_hinge", text));
+            all.push(warning(WarningCode::LargeHinge, text));
         }
     }
     all
@@ -63,7 +64,7 @@ fn about_range(model: &PersonalisedModel, response: &Response) -> Option<Simulat
         beyond.rotation.deg(),
         beyond.limit.deg()
     );
-    Some(warning("beyond_human_range", text))
+    Some(warning(WarningCode::BeyondHumanRange, text))
 }
 
 fn about_loads(model: &PersonalisedModel, loads: &LoadFile) -> Vec<SimulationWarning> {
@@ -74,15 +75,15 @@ fn about_loads(model: &PersonalisedModel, loads: &LoadFile) -> Vec<SimulationWar
     if !model.absolute {
         let text = "only ratios of this model's stiffness are known: forces, weights and springs of loads are in its relative units, not newtons; \
                     `analyze --gauge known-force:POSTURE=NEWTON` makes them absolute";
-        all.push(warning("relative_forces", text));
+        all.push(warning(WarningCode::RelativeForces, text));
     }
     if weighs {
         let text = "the erect shape is taken as unloaded, although the patient's weight already acted on the erect film: this weight is added to it, and no muscles carry it; a spine without muscles bears only a small part of the body";
-        all.push(warning("weight_on_top", text));
+        all.push(warning(WarningCode::WeightOnTop, text));
     }
     if loads.loads.iter().any(springs) {
         let text = "pads and straps are springs without loss of contact: they touch the erect spine with zero force";
-        all.push(warning("springs_stick", text));
+        all.push(warning(WarningCode::SpringsStick, text));
     }
     all
 }
@@ -100,11 +101,11 @@ fn about_springs(
         let size = force_n.abs();
         match item.load {
             BodyLoad::Pad { .. } => warning(
-                "pad_pulls",
+                WarningCode::PadPulls,
                 format!("load {load}: the pad on {level} pulls with {size:.1} ({}); a real pad would lose contact: remove it", model.force_unit()),
             ),
             _ => warning(
-                "strap_pushes",
+                WarningCode::StrapPushes,
                 format!("load {load}: the strap on {level} pushes with {size:.1} ({}); a real strap would be slack: remove it", model.force_unit()),
             ),
         }

@@ -8,12 +8,12 @@ use spineline::measure::FilmLandmarks;
 use spineline::multibody::{SpineModel, Support};
 use spineline::spatial::{Angle, Mat3, Pixel, Vec3, rotation_x, rotation_y, rotation_z};
 use spineline_files::{ExportError, ExportFormat, export};
-use spineline_phantom::{Readers, Truth, generate};
+use spineline_phantom::{Readers, Scenario, generate};
 
 const FORMATS: [ExportFormat; 3] = [ExportFormat::Mjcf, ExportFormat::Osim, ExportFormat::Urdf];
 
 pub(super) fn model(support: Support) -> PersonalisedModel {
-    let case = generate(0, Truth::Rod, &Readers::exact(), 1).expect("subject 1 exists").case;
+    let case = generate(0, Scenario::Rod, &Readers::exact(), 1).expect("subject 1 exists").case;
     let options = AnalysisOptions { support, ..AnalysisOptions::default() };
     let analysis = analyze(&case, &options).expect("a phantom");
     analysis.personalised_model(&analysis.models[0])
@@ -237,7 +237,7 @@ fn mark_pedicles(case: &mut Case, [left, right]: [f64; 2]) {
 
 #[test]
 fn axial_rotations_from_pedicles_reach_the_bodies_of_every_format() {
-    let mut case = generate(0, Truth::Rod, &Readers::exact(), 1).expect("subject 1 exists").case;
+    let mut case = generate(0, Scenario::Rod, &Readers::exact(), 1).expect("subject 1 exists").case;
     mark_pedicles(&mut case, [0.35, -0.25]);
     let analysis = analyze(&case, &AnalysisOptions::default()).expect("a phantom");
     let model = analysis.personalised_model(&analysis.models[0]);

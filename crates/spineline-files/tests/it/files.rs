@@ -13,10 +13,10 @@ use spineline_files::{
     AnalysisFile, CaseFile, FileError, FilmOrigin, FilmSource, InputFile, ModelFile, ProgramRun,
     Provenance, Request, StiffnessFile, parse_case, parse_model, parse_stiffness, to_text,
 };
-use spineline_phantom::{Phantom, Readers, SpaceSetup, Truth, generate, generate_in_space};
+use spineline_phantom::{Phantom, Readers, Scenario, SpaceSetup, generate, generate_in_space};
 
 fn phantom(readers: &Readers) -> Phantom {
-    generate(2, Truth::Rod, readers, 5).expect("subject 3 exists")
+    generate(2, Scenario::Rod, readers, 5).expect("subject 3 exists")
 }
 
 fn text() -> String {

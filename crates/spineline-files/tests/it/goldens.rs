@@ -15,7 +15,7 @@ use spineline::personalize::{FitTarget, Gauge, LogNormalPrior};
 use spineline::uncertainty::{LandmarkNoise, MonteCarlo};
 use spineline_files::method_text::set_option;
 use spineline_files::{AnalysisFile, CaseFile, FilmOrigin, Provenance, Request, to_text};
-use spineline_phantom::{Readers, SpaceSetup, Truth, generate, generate_in_space};
+use spineline_phantom::{Readers, Scenario, SpaceSetup, generate, generate_in_space};
 
 use super::repeat::run;
 
@@ -62,7 +62,7 @@ impl Section {
 }
 
 fn rod() -> Case {
-    generate(3, Truth::Rod, &Readers::default(), 1).expect("subject 4 exists").case
+    generate(3, Scenario::Rod, &Readers::default(), 1).expect("subject 4 exists").case
 }
 
 /// Without a scale on any film.

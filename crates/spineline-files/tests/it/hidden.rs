@@ -8,10 +8,10 @@ use spineline_files::{
     AnalysisFile, CaseFile, FilmOrigin, ModelFile, ProgramRun, Provenance, Request, parse_analysis,
     parse_load, parse_model, to_text,
 };
-use spineline_phantom::{Readers, Truth, generate};
+use spineline_phantom::{Readers, Scenario, generate};
 
 fn whole() -> Case {
-    generate(0, Truth::Bend, &Readers::exact(), 1).expect("subject 1 exists").case
+    generate(0, Scenario::Bend, &Readers::exact(), 1).expect("subject 1 exists").case
 }
 
 /// The same patient with T2 and T3 hidden on one film, and T8 on another.

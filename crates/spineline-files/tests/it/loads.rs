@@ -9,7 +9,7 @@ use spineline::spatial::{Angle, Mat3, Vec3};
 use spineline_files::{
     FileError, LoadFile, ModelFile, SimulationFile, parse_load, parse_model, to_text,
 };
-use spineline_phantom::{Readers, Truth, generate};
+use spineline_phantom::{Readers, Scenario, generate};
 
 const EVERY_KIND: &str = r#"[
   {"kind":"force_on_line","level":"T2","force":[0,10,0],"point_mm":[-10,0,380]},
@@ -29,7 +29,7 @@ fn file(loads: &str) -> String {
 }
 
 fn model_text() -> String {
-    let phantom = generate(0, Truth::Rod, &Readers::exact(), 1).expect("subject 1 exists");
+    let phantom = generate(0, Scenario::Rod, &Readers::exact(), 1).expect("subject 1 exists");
     let analysis = analyze(&phantom.case, &AnalysisOptions::default()).expect("a phantom");
     to_text(&ModelFile::new(&analysis, &analysis.models[0], "test"))
 }
@@ -133,7 +133,7 @@ fn an_inapplicable_load_is_reported_with_number_kind_and_vertebra() {
 #[test]
 fn a_stored_model_gives_the_angles_of_its_analysis() {
     // Oracle: the analysis, which measures the film itself.
-    let phantom = generate(0, Truth::Rod, &Readers::exact(), 1).expect("subject 1 exists");
+    let phantom = generate(0, Scenario::Rod, &Readers::exact(), 1).expect("subject 1 exists");
     let analysis = analyze(&phantom.case, &AnalysisOptions::default()).expect("a phantom");
     let places = model().curves.expect("regions are written");
     let measured = measure_angles(&erect_shape(&model().spine), &places);

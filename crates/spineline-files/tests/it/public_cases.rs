@@ -47,7 +47,7 @@ fn films_of_real_patients_raise_no_alarm_but_about_lengths() {
             Err(error) => *counts.entry(error.code().to_owned()).or_default() += 1,
             Ok(analysis) => {
                 for warning in analysis.warnings.all() {
-                    *counts.entry(warning.code.to_owned()).or_default() += 1;
+                    *counts.entry(warning.code.key().to_owned()).or_default() += 1;
                 }
             }
         }

@@ -17,7 +17,7 @@ use spineline_files::{
     AnalysisFile, CaseFile, FileError, FilmOrigin, InputFile, ProgramRun, Provenance, Replicates,
     Request, parse_analysis, parse_case_within, parse_stiffness, to_text,
 };
-use spineline_phantom::{Readers, Truth, generate};
+use spineline_phantom::{Readers, Scenario, generate};
 
 pub(super) fn run() -> ProgramRun {
     ProgramRun {
@@ -86,7 +86,7 @@ fn odd_rotation_prior() -> RotationPrior {
 
 #[test]
 fn every_option_round_trips_to_the_last_bit() {
-    let case = generate(2, Truth::Rod, &Readers::exact(), 5).expect("subject 3 exists").case;
+    let case = generate(2, Scenario::Rod, &Readers::exact(), 5).expect("subject 3 exists").case;
     let analysis = analyze(&case, &AnalysisOptions::default()).expect("a phantom");
     let replicates =
         Some(Replicates { count: 300, noise: LandmarkNoise::Pixels(2.7), seed: u64::MAX });
@@ -128,7 +128,7 @@ fn a_stiffness_table_round_trips_to_the_last_bit() {
 
 #[test]
 fn an_analysis_that_cannot_be_repeated_says_what_is_missing() {
-    let case = generate(2, Truth::Rod, &Readers::exact(), 5).expect("subject 3 exists").case;
+    let case = generate(2, Scenario::Rod, &Readers::exact(), 5).expect("subject 3 exists").case;
     let analysis = analyze(&case, &AnalysisOptions::default()).expect("a phantom");
     let request = Request {
         options: odd_options(),

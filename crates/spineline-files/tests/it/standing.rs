@@ -8,7 +8,7 @@ use spineline::multibody::{StiffnessLibrary, Support};
 use spineline::spatial::Vec3;
 use spineline_files::{ExportFormat, ModelFile, export, parse_model, to_text};
 use spineline_phantom::{
-    BentPhantom, Readers, SpaceBending, SpaceSetup, Truth, generate, generate_bends_in_space,
+    BentPhantom, Readers, Scenario, SpaceBending, SpaceSetup, generate, generate_bends_in_space,
 };
 
 use super::exports::{model, named, numbers, read};
@@ -106,7 +106,7 @@ fn drawn_widths_mm(text: &str) -> Vec<f64> {
 
 #[test]
 fn widths_are_those_between_the_corners_of_the_erect_film_and_else_typical() {
-    let case = generate(0, Truth::Rod, &Readers::exact(), 1).expect("subject 1 exists").case;
+    let case = generate(0, Scenario::Rod, &Readers::exact(), 1).expect("subject 1 exists").case;
     let erect = case.films.iter().find(|film| film.posture == Posture::Erect).expect("erect");
     let analysis = analyze(&case, &AnalysisOptions::default()).expect("a phantom");
     let wanted: Vec<f64> = body_widths(erect, analysis.movement.levels())

@@ -3,11 +3,11 @@
 use std::collections::BTreeMap;
 
 use dicom_object::{FileDicomObject, InMemDicomObject, OpenFileOptions};
-use spineline::measure::Stance;
 use spineline_films::{
     DeidAction, DeidOptions, DeidReport, FilmError, FilmLimits, FilmRemark, StoredPixels,
     deidentify,
 };
+use spineline_marking::Stance;
 
 use crate::maker::{
     BIG_ENDIAN, DEFLATED, EXPLICIT, IMPLICIT, JPEG_LOSSLESS_1, JPEG_LS, Maker, RLE, Syntax, Value,

@@ -234,7 +234,7 @@ fn f7_frames_palettes_and_unusual_bit_depths_are_named() {
 fn f10_zero_spacings_are_passed_to_the_core_unchanged() {
     let film = read(&small().text((0x28, 0x30), "DS", "0.000\\0.000").file(EXPLICIT)).unwrap();
     assert_eq!(film.tags.spacing.pixel_mm, Some([0.0, 0.0]));
-    assert_eq!(spineline::measure::judge_spacing(&film.tags.spacing).spacing, None);
+    assert_eq!(spineline_marking::judge_spacing(&film.tags.spacing).spacing, None);
     let film = read(&small().text((0x28, 0x30), "DS", "0.1\\0.2").file(EXPLICIT)).unwrap();
     assert_eq!(film.tags.spacing.pixel_mm, Some([0.1, 0.2]), "rows first");
 }
@@ -244,7 +244,7 @@ fn f11_magnification_is_left_to_the_core() {
     let mut maker = small();
     maker.text((0x18, 0x1164), "DS", "0.1\\0.1").text((0x18, 0x1114), "DS", "0.9");
     let film = read(&maker.file(EXPLICIT)).unwrap();
-    let judged = spineline::measure::judge_spacing(&film.tags.spacing);
+    let judged = spineline_marking::judge_spacing(&film.tags.spacing);
     assert_eq!(judged.spacing.map(|s| s.plane), Some(spineline::measure::SpacingPlane::Detector));
 }
 

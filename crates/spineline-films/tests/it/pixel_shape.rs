@@ -1,8 +1,9 @@
 //! Shapes of pixels as files state them: pairs in every spelling, Pixel Aspect Ratio, resolutions of pictures; and files of several
 //! pictures.
 
-use spineline::measure::{SpacingPlane, judge_spacing};
+use spineline::measure::SpacingPlane;
 use spineline_films::{FilmError, FilmFile, FilmRemark, spacing_question};
+use spineline_marking::judge_spacing;
 
 use crate::maker::{EXPLICIT, Maker};
 use crate::reading::read;

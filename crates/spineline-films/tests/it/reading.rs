@@ -1,12 +1,11 @@
 //! Every encoding of one film gives the same pixels.
 
-use spineline::measure::{
-    PatientDirection, SpacingPlane, Stance, View, ViewPosition, judge_spacing, judge_view,
-};
+use spineline::measure::SpacingPlane;
 use spineline_films::{
     Attribute, Codec, CodecFault, FilmError, FilmFile, FilmKind, FilmLimits, FilmRemark,
     StoredPixels, read_film,
 };
+use spineline_marking::{PatientDirection, Stance, View, ViewPosition, judge_spacing, judge_view};
 
 use crate::maker::{
     BIG_ENDIAN, DEFLATED, EXPLICIT, HTJ2K, HTJ2K_LOSSY, HTJ2K_RPCL, IMPLICIT, JPEG, JPEG_EXTENDED,

@@ -14,7 +14,7 @@ use spineline_files::{
     CaseFile, ExportFormat, export, parse_analysis, parse_case, parse_load, parse_model, to_text,
 };
 use spineline_fuzz_checks::{CHECKS, seeds};
-use spineline_phantom::{Readers, Truth, generate};
+use spineline_phantom::{Readers, Scenario, generate};
 
 const NUMBERS: [&str; 11] = [
     "1e400",
@@ -113,7 +113,7 @@ fn a_case_of_any_numbers_is_analysed_or_refused() {
 
 /// The films as locations and tilts, without pictures.
 fn placements() -> String {
-    let mut case = generate(0, Truth::Rod, &Readers::exact(), 1).expect("subject 1 exists").case;
+    let mut case = generate(0, Scenario::Rod, &Readers::exact(), 1).expect("subject 1 exists").case;
     let nominal = analyze(&case, &AnalysisOptions::default()).expect("a phantom");
     for (film, posture) in case.films.iter_mut().zip(&nominal.movement.films) {
         let vertebrae = posture.outline.vertebrae.iter();

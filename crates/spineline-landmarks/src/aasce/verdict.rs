@@ -4,7 +4,7 @@ use spineline::anatomy::{ImageSide, Level, Posture};
 use spineline::clinical::largest_tilt_difference;
 use spineline::measure::{FilmLandmarks, ImageGeometry, MeasureError, TiltRule, measure_film};
 use spineline::spatial::Angle;
-use spineline::warning::Warnings;
+use spineline::warning::{WarningCode, Warnings};
 
 use crate::{LandmarkError, LandmarkReadings, MarkedFilm};
 
@@ -70,7 +70,7 @@ pub fn judge_aasce(
     ) {
         return Ok(AasceVerdict::Faults(vec![AasceFault::Marks(error)]));
     }
-    let odd = warnings.all().iter().filter(|warning| warning.code == "spacing_unusual");
+    let odd = warnings.all().iter().filter(|warning| warning.code == WarningCode::SpacingUnusual);
     let faults: Vec<AasceFault> = odd
         .filter_map(|warning| {
             let message = warning.message.clone();
@@ -82,7 +82,9 @@ pub fn judge_aasce(
     }
     let left_out = |level: &Level| {
         let mut all = warnings.all().iter();
-        all.any(|warning| warning.code == "level_left_out" && warning.level == Some(*level))
+        all.any(|warning| {
+            warning.code == WarningCode::LevelLeftOut && warning.level == Some(*level)
+        })
     };
     let usable = readings.iter().flat_map(|reading| &reading.vertebrae);
     let tilts = usable.filter(|(level, _)| !left_out(level)).map(|(_, landmark)| {

@@ -7,6 +7,7 @@ use spineline::analysis::{AnalysisOptions, Case, Subject, analyze, check_repeate
 use spineline::anatomy::{ImageSide, Level, Posture};
 use spineline::measure::{Film, FilmLandmarks, ImageGeometry, judge_landmarks};
 use spineline::spatial::Pixel;
+use spineline::warning::WarningCode;
 use spineline_landmarks::{
     AasceRow, AasceRows, AasceVerdict, LandmarkError, LandmarkHint, LandmarkReadings, image_sizes,
     judge_aasce, parse_mat,
@@ -138,9 +139,9 @@ fn warnings_about_corners_are_rare_on_valid_films_and_find_moved_corners() {
     let rows = rows(&folder);
     let flagged = &flags(&folder, "geometry check") | &flags(&folder, "scoliosistools");
     let films = films(&rows);
-    let mut counts: BTreeMap<&str, [usize; 2]> = BTreeMap::new();
+    let mut counts: BTreeMap<WarningCode, [usize; 2]> = BTreeMap::new();
     for (row, film) in &films {
-        let codes: BTreeSet<&str> =
+        let codes: BTreeSet<WarningCode> =
             judge_landmarks(film).all().iter().map(|warning| warning.code).collect();
         for code in codes {
             counts.entry(code).or_default()[usize::from(flagged.contains(row))] += 1;
@@ -148,9 +149,12 @@ fn warnings_about_corners_are_rare_on_valid_films_and_find_moved_corners() {
     }
     let valid = films.keys().filter(|row| !flagged.contains(row)).count();
     println!("{valid} unflagged and {} flagged films: {counts:?}", films.len() - valid);
-    let unflagged = |code: &str| counts.get(code).map_or(0, |count| count[0]);
-    assert!(unflagged("corner_far_from_neighbours") * 50 <= valid, "more than 2 %: {counts:?}");
-    assert!(unflagged("body_sides_differ") * 50 <= valid, "more than 2 %: {counts:?}");
+    let unflagged = |code: WarningCode| counts.get(&code).map_or(0, |count| count[0]);
+    assert!(
+        unflagged(WarningCode::CornerFarFromNeighbours) * 50 <= valid,
+        "more than 2 %: {counts:?}"
+    );
+    assert!(unflagged(WarningCode::BodySidesDiffer) * 50 <= valid, "more than 2 %: {counts:?}");
 
     // Every corner in turn, in directions that have no pattern with it.
     let sound: Vec<&Film> = films
@@ -163,7 +167,7 @@ fn warnings_about_corners_are_rare_on_valid_films_and_find_moved_corners() {
         let is_found = |(index, film): &(usize, &&Film)| {
             let direction = 2.399_963 * (index + percent) as f64;
             let odd = moved(film, (index / 4, index % 4), percent as f64 / 100.0, direction);
-            judge_landmarks(&odd).has("corner_far_from_neighbours")
+            judge_landmarks(&odd).has(WarningCode::CornerFarFromNeighbours)
         };
         let count = sound.iter().enumerate().filter(is_found).count();
         found.insert(percent, 100 * count / sound.len());

@@ -14,11 +14,12 @@ use spineline_landmarks::{
     LandmarkExportError, LandmarkFile, LandmarkFormat, LandmarkHint, LandmarkReadings,
     LandmarkTarget, SlicerFrame, SourceImage, export_landmarks, parse_landmarks,
 };
-use spineline_phantom::{Readers, Truth, generate};
+use spineline_phantom::{Readers, Scenario, generate};
 
 /// A phantom whose films hang as asked, with pixels twice as high as wide.
 pub fn case(patient_left: ImageSide) -> Case {
-    let mut case = generate(2, Truth::Rod, &Readers::default(), 5).expect("subject 3 exists").case;
+    let mut case =
+        generate(2, Scenario::Rod, &Readers::default(), 5).expect("subject 3 exists").case;
     for film in &mut case.films {
         let FilmLandmarks::Corners { image, readings, iliac_crests } = &mut film.landmarks else {
             continue;

@@ -7,7 +7,7 @@ use spineline_landmarks::{
     LandmarkError, LandmarkExportError, LandmarkFormat, LandmarkHint, LandmarkTarget,
     export_landmarks, parse_landmarks,
 };
-use spineline_phantom::{Readers, Truth, generate};
+use spineline_phantom::{Readers, Scenario, generate};
 
 /// A line of 440 mm or so with one bend to the patient's left and some depth: left, cranial, anterior.
 fn points() -> Vec<[f64; 3]> {
@@ -113,7 +113,7 @@ fn estimated_levels_are_not_exported_as_seen_ones() {
     let mut found = parse_landmarks(plain().to_string().as_bytes(), &LandmarkHint::default())
         .expect("a midline");
     let film = found.films.remove(0).into_film(None, None).expect("a film");
-    let mut case = generate(0, Truth::Rod, &Readers::exact(), 1).expect("subject 1").case;
+    let mut case = generate(0, Scenario::Rod, &Readers::exact(), 1).expect("subject 1").case;
     case.films = vec![film];
     let error = export_landmarks(&case, None, LandmarkTarget::Csv).expect_err("estimated");
     assert_eq!(error, LandmarkExportError::Estimated(Posture::LeftBending));

@@ -9,10 +9,10 @@ use spineline::evaluate::statistics::Summary;
 use spineline::evaluate::{Baseline, joint_rotations, predict_baseline};
 use spineline::hypothesis::{Hypothesis, LoadShape, Role};
 use spineline::spatial::Angle;
-use spineline_phantom::{Readers, Truth, generate};
+use spineline_phantom::{Readers, Scenario, generate};
 
-fn analyzed(subject: usize, truth: Truth) -> Analysis {
-    let case = generate(subject, truth, &Readers::default(), 1).expect("a phantom").case;
+fn analyzed(subject: usize, scenario: Scenario) -> Analysis {
+    let case = generate(subject, scenario, &Readers::default(), 1).expect("a phantom").case;
     analyze(&case, &AnalysisOptions::default()).expect("a sound case")
 }
 
@@ -37,7 +37,7 @@ fn mean_bend(patient: &Analysis) -> Vec<Angle> {
 
 #[test]
 fn a_patient_is_predicted_from_the_other_patients_alone() {
-    let both = [analyzed(2, Truth::Pull), analyzed(4, Truth::Bend)];
+    let both = [analyzed(2, Scenario::Pull), analyzed(4, Scenario::Bend)];
     let cohort = Cohort::of(&both.each_ref().map(CohortPatient::of), 1);
     let of = |role: FilmRole, films: &[Posture]| {
         let mut errors = cohort.baselines.errors.iter();
@@ -69,7 +69,7 @@ fn a_patient_is_predicted_from_the_other_patients_alone() {
 #[test]
 fn the_load_that_moved_the_spines_beats_patterns_without_mechanics() {
     let patients: Vec<Analysis> =
-        [0, 2, 4, 6, 8, 10, 12, 14].map(|subject| analyzed(subject, Truth::Pull)).into();
+        [0, 2, 4, 6, 8, 10, 12, 14].map(|subject| analyzed(subject, Scenario::Pull)).into();
     let cohort = Cohort::of(&patients.iter().map(CohortPatient::of).collect::<Vec<_>>(), 1);
     let test = |line, baseline| {
         let mut tests = cohort.baselines.tests.iter();
@@ -93,7 +93,8 @@ fn other_loads_are_tested_against_no_mechanics_by_one_difference_per_patient() {
     let hypotheses = [LoadShape::IliacLine, LoadShape::Couple].map(Hypothesis::of);
     let patients: Vec<Analysis> = [0, 2, 4, 8]
         .map(|subject| {
-            let phantom = generate(subject, Truth::Pull, &Readers::exact(), 1).expect("a phantom");
+            let phantom =
+                generate(subject, Scenario::Pull, &Readers::exact(), 1).expect("a phantom");
             let options =
                 AnalysisOptions { hypotheses: hypotheses.to_vec(), ..AnalysisOptions::default() };
             analyze(&phantom.case, &options).expect("a sound case")

@@ -3,10 +3,10 @@
 use spineline::anatomy::Posture;
 use spineline::measure::FilmLandmarks;
 use spineline::spatial::{Angle, Pixel};
-use spineline_phantom::{Phantom, Readers, SUBJECTS, Truth, generate, generate_read};
+use spineline_phantom::{Phantom, Readers, SUBJECTS, Scenario, generate, generate_read};
 
-fn phantom(index: usize, truth: Truth) -> Phantom {
-    generate(index, truth, &Readers::exact(), 1).expect("all subjects have phantoms")
+fn phantom(index: usize, scenario: Scenario) -> Phantom {
+    generate(index, scenario, &Readers::exact(), 1).expect("all subjects have phantoms")
 }
 
 fn turns_rad(phantom: &Phantom, posture: Posture) -> Vec<f64> {
@@ -39,7 +39,7 @@ fn corners(phantom: &Phantom) -> Vec<Pixel> {
 #[test]
 fn a_flattened_spine_keeps_the_shape_of_its_curvature() {
     // Oracle: by definition every turn is multiplied by one number per posture.
-    let phantom = phantom(3, Truth::Flatten);
+    let phantom = phantom(3, Scenario::Flatten);
     let erect = turns_rad(&phantom, Posture::Erect);
     for posture in Posture::MOVED {
         let moved = turns_rad(&phantom, posture);
@@ -56,7 +56,7 @@ fn a_flattened_spine_keeps_the_shape_of_its_curvature() {
 fn a_line_beside_the_inflections_rotates_joints_by_their_lever_arms() {
     // Oracle: a joint whose both ends lie on one side of the line turns to that side; no spring pushes back.
     for index in [0, 10, 17] {
-        let phantom = phantom(index, Truth::Offset);
+        let phantom = phantom(index, Scenario::Offset);
         for posture in Posture::MOVED {
             let moved = phantom.posture(posture).expect("five postures");
             let line = moved.line.expect("a force has a line");
@@ -80,7 +80,7 @@ fn a_line_beside_the_inflections_rotates_joints_by_their_lever_arms() {
 #[test]
 fn a_distributed_horizontal_load_rotates_every_joint_to_its_side_and_the_lowest_most() {
     // Oracle: its moment has one sign and grows towards L4, as everything above adds to it.
-    let phantom = phantom(0, Truth::Spread);
+    let phantom = phantom(0, Scenario::Spread);
     for (posture, sense) in [(Posture::LeftBending, -1.0), (Posture::RightBending, 1.0)] {
         let moved = phantom.posture(posture).expect("five postures");
         assert!(moved.force_n * sense < 0.0, "+y is the patient's left");
@@ -96,7 +96,7 @@ fn a_distributed_horizontal_load_rotates_every_joint_to_its_side_and_the_lowest_
 fn random_rotations_have_both_signs_and_bends_have_their_sides() {
     // Oracle: 14 independent normal turns are of one sign once in 8000 times.
     for index in 0..SUBJECTS.len() {
-        let phantom = phantom(index, Truth::Random);
+        let phantom = phantom(index, Scenario::Random);
         let tilt =
             |posture| phantom.posture(posture).expect("five postures").locations[14].lateral_tilt();
         assert!(tilt(Posture::LeftBending) < tilt(Posture::RightBending));
@@ -109,8 +109,8 @@ fn random_rotations_have_both_signs_and_bends_have_their_sides() {
 fn phantoms_of_a_subject_share_anatomy_in_every_scenario() {
     // Oracle: the erect posture is drawn before anything moves.
     for index in 0..SUBJECTS.len() {
-        let erect = Truth::ALL.map(|truth| {
-            phantom(index, truth).posture(Posture::Erect).expect("an erect posture").clone()
+        let erect = Scenario::ALL.map(|scenario| {
+            phantom(index, scenario).posture(Posture::Erect).expect("an erect posture").clone()
         });
         assert!(erect.iter().all(|other| *other == erect[0]));
     }
@@ -120,7 +120,7 @@ fn phantoms_of_a_subject_share_anatomy_in_every_scenario() {
 fn readers_of_one_phantom_err_in_the_same_directions() {
     // Oracle: twice the deviation makes twice the error, to the rounding of a pixel's coordinate.
     let readers = [rough(0.0), rough(0.1), rough(0.2)];
-    let read = generate_read(2, 0, Truth::Bend, &readers, 5).expect("a phantom");
+    let read = generate_read(2, 0, Scenario::Bend, &readers, 5).expect("a phantom");
     let [none, some, twice] = [0, 1, 2].map(|i| corners(&read[i]));
     assert_eq!(none.len(), 5 * 15 * 4);
     for ((none, some), twice) in none.iter().zip(&some).zip(&twice) {
@@ -134,9 +134,9 @@ fn readers_of_one_phantom_err_in_the_same_directions() {
 fn copies_are_different_patients_of_the_same_table_row() {
     // Oracle: copy 0 is the phantom itself; a copy has its row's main angle and another length.
     let readers = Readers::default();
-    let first = generate(1, Truth::Rod, &readers, 3).expect("a phantom");
+    let first = generate(1, Scenario::Rod, &readers, 3).expect("a phantom");
     let copies =
-        [0, 1].map(|copy| generate_read(1, copy, Truth::Rod, &[readers], 3).expect("a phantom"));
+        [0, 1].map(|copy| generate_read(1, copy, Scenario::Rod, &[readers], 3).expect("a phantom"));
     assert_eq!(copies[0], std::slice::from_ref(&first));
     assert_eq!(copies[1][0].case.subject, first.case.subject);
     assert_ne!(copies[1][0].case.id, first.case.id);

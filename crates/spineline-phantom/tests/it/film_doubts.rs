@@ -11,13 +11,13 @@ use spineline::analysis::{AnalysisOptions, Case, analyze_movement};
 use spineline::anatomy::Posture;
 use spineline::measure::{Corners, Film, FilmLandmarks, IliacCrests};
 use spineline::spatial::Pixel;
-use spineline_phantom::{Build, Construction, Readers, SUBJECTS, Truth, generate_built};
+use spineline_phantom::{Build, Construction, Readers, SUBJECTS, Scenario, generate_built};
 
 /// Codes of a case: those of its doubts, or that of the error which refuses it.
 fn codes(case: &Case) -> Vec<&'static str> {
     match analyze_movement(case, &AnalysisOptions::default()) {
         Ok(analysis) => {
-            let mut codes: Vec<&str> = analysis.film_doubts().map(|one| one.code).collect();
+            let mut codes: Vec<&str> = analysis.film_doubts().map(|one| one.code.key()).collect();
             codes.sort_unstable();
             codes.dedup();
             codes
@@ -149,28 +149,28 @@ fn readers(observers: u32, noise: f64) -> Readers {
 }
 
 fn study(
-    (truth, construction): (Truth, Construction),
+    (scenario, construction): (Scenario, Construction),
     readers: &Readers,
     patients: &[(usize, u64)],
 ) -> Counts {
     let build = Build { construction, joint_log_sd: 0.2 };
     let of = |&(index, seed): &(usize, u64)| {
-        let phantom = generate_built(index, truth, readers, seed, build);
+        let phantom = generate_built(index, scenario, readers, seed, build);
         phantom.map_or_else(|_| Counts::default(), |one| Counts::of(&one.case, readers, seed))
     };
     patients.par_iter().map(of).reduce(Counts::default, Counts::and)
 }
 
-const SPINES: [(Truth, Construction); 9] = [
-    (Truth::Rod, Construction::Rod),
-    (Truth::Rod, Construction::Discs),
-    (Truth::Rod, Construction::Hinges),
-    (Truth::Pull, Construction::Rod),
-    (Truth::Pull, Construction::Discs),
-    (Truth::Pull, Construction::Hinges),
-    (Truth::Spread, Construction::Discs),
-    (Truth::Bend, Construction::Rod),
-    (Truth::Flatten, Construction::Rod),
+const SPINES: [(Scenario, Construction); 9] = [
+    (Scenario::Rod, Construction::Rod),
+    (Scenario::Rod, Construction::Discs),
+    (Scenario::Rod, Construction::Hinges),
+    (Scenario::Pull, Construction::Rod),
+    (Scenario::Pull, Construction::Discs),
+    (Scenario::Pull, Construction::Hinges),
+    (Scenario::Spread, Construction::Discs),
+    (Scenario::Bend, Construction::Rod),
+    (Scenario::Flatten, Construction::Rod),
 ];
 
 /// Observers, and the factor on their errors. Noise hides a part of the faults from one observer with three times the usual errors, who

@@ -8,7 +8,7 @@ use spineline::hypothesis::{
     compare,
 };
 use spineline::multibody::Support;
-use spineline_phantom::{Readers, Truth, generate};
+use spineline_phantom::{Readers, Scenario, generate};
 
 /// Subjects whose largest curve is the main thoracic one, at whose apex the second force acts.
 const SUBJECTS: [usize; 2] = [0, 4];
@@ -22,7 +22,7 @@ const LOADS: [LoadShape; 6] = [
     LoadShape::Couple,
 ];
 
-fn comparison(truth: Truth, hypotheses: &[Hypothesis]) -> HypothesisComparison {
+fn comparison(scenario: Scenario, hypotheses: &[Hypothesis]) -> HypothesisComparison {
     let options = AnalysisOptions {
         support: Support::Frontal,
         hypotheses: hypotheses.to_vec(),
@@ -31,7 +31,7 @@ fn comparison(truth: Truth, hypotheses: &[Hypothesis]) -> HypothesisComparison {
     let analyses: Vec<Analysis> = SUBJECTS
         .iter()
         .map(|&index| {
-            let phantom = generate(index, truth, &Readers::default(), 1).expect("a phantom");
+            let phantom = generate(index, scenario, &Readers::default(), 1).expect("a phantom");
             analyze(&phantom.case, &options).expect("a sound case")
         })
         .collect();
@@ -48,8 +48,8 @@ fn location_mm(summary: &HypothesisSummary, role: Role) -> f64 {
 /// Of all loads with as many components or fewer, the one that made the films predicts a bend from the other one best, and has
 /// the
 /// lowest AICc. With more components a load may come near any other.
-fn wins(truth: Truth, load: LoadShape) {
-    let compared = comparison(truth, &LOADS.map(Hypothesis::of));
+fn wins(scenario: Scenario, load: LoadShape) {
+    let compared = comparison(scenario, &LOADS.map(Hypothesis::of));
     let of = |load: LoadShape| {
         let found = compared.hypotheses.iter().find(|s| s.hypothesis == Hypothesis::of(load));
         found.expect("every load was fitted")
@@ -58,47 +58,47 @@ fn wins(truth: Truth, load: LoadShape) {
     let rivals = LOADS.into_iter().filter(|other| other.components() <= load.components());
     for other in rivals.filter(|other| *other != load) {
         let (a, b) = (location_mm(own, Role::LeftOut), location_mm(of(other), Role::LeftOut));
-        assert!(a < b, "{truth:?} left out: {load:?} {a:.2} mm, {other:?} {b:.2} mm");
+        assert!(a < b, "{scenario:?} left out: {load:?} {a:.2} mm, {other:?} {b:.2} mm");
         let (a, b) = (own.aicc_difference, of(other).aicc_difference);
-        assert!(a < b, "{truth:?}: AICc of {load:?} {a:.1}, of {other:?} {b:.1}");
+        assert!(a < b, "{scenario:?}: AICc of {load:?} {a:.1}, of {other:?} {b:.1}");
     }
 }
 
 #[test]
 fn the_inflection_line_predicts_best_on_rods() {
-    wins(Truth::Rod, LoadShape::InflectionLine);
+    wins(Scenario::Rod, LoadShape::InflectionLine);
 }
 
 #[test]
 fn the_iliac_line_predicts_best_on_pulls() {
-    wins(Truth::Pull, LoadShape::IliacLine);
+    wins(Scenario::Pull, LoadShape::IliacLine);
 }
 
 #[test]
 fn weight_predicts_best_where_weight_bent_the_spine() {
-    wins(Truth::Weight, LoadShape::Weight);
+    wins(Scenario::Weight, LoadShape::Weight);
 }
 
 #[test]
 fn the_distributed_force_predicts_best_where_it_bent_the_spine() {
-    wins(Truth::Lateral, LoadShape::Lateral);
+    wins(Scenario::Lateral, LoadShape::Lateral);
 }
 
 #[test]
 fn the_couple_predicts_best_where_it_bent_the_spine() {
-    wins(Truth::Couple, LoadShape::Couple);
+    wins(Scenario::Couple, LoadShape::Couple);
 }
 
 #[test]
 fn two_forces_predict_best_where_two_bent_the_spine() {
-    wins(Truth::TwoForces, LoadShape::TwoForces);
+    wins(Scenario::TwoForces, LoadShape::TwoForces);
 }
 
 #[test]
 fn one_component_needs_no_more_than_the_place_of_t2() {
     // Oracle: the search along the path of equilibria, which knows neither joint rotations nor the tilt. Two numbers determine a
     // load of one component and the scale of the film, so that a wide prior hardly moves them.
-    let compared = comparison(Truth::Pull, &[LoadShape::IliacLine].map(Hypothesis::of));
+    let compared = comparison(Scenario::Pull, &[LoadShape::IliacLine].map(Hypothesis::of));
     let [iliac] = &compared.hypotheses[..] else { panic!("one load") };
     let by_place = location_mm(iliac, Role::LeftOut);
     for role in [Role::LeftOutWithPrior, Role::LeftOutWithTilt] {
@@ -109,22 +109,22 @@ fn one_component_needs_no_more_than_the_place_of_t2() {
 
 #[test]
 fn the_tilt_of_t2_determines_a_free_line() {
-    // Oracle: truth. Three components, of which the films were bent by one that is among them, by a force spread over the
+    // Oracle: scenario. Three components, of which the films were bent by one that is among them, by a force spread over the
     // spine, or by rotations that no load made.
     let free = [Hypothesis::of(LoadShape::FreeLine)];
-    for truth in [Truth::Rod, Truth::Lateral, Truth::Bend] {
-        let compared = comparison(truth, &free);
+    for scenario in [Scenario::Rod, Scenario::Lateral, Scenario::Bend] {
+        let compared = comparison(scenario, &free);
         let of = |role| location_mm(&compared.hypotheses[0], role);
         let [place, tilt] = [Role::LeftOut, Role::LeftOutWithTilt].map(of);
-        assert!(tilt < place, "{truth:?}: {tilt:.2} mm with tilt, {place:.2} mm by place");
-        assert!(tilt < 1.5, "{truth:?}: {tilt:.2} mm with tilt");
+        assert!(tilt < place, "{scenario:?}: {tilt:.2} mm with tilt, {place:.2} mm by place");
+        assert!(tilt < 1.5, "{scenario:?}: {tilt:.2} mm with tilt");
     }
 }
 
 #[test]
 fn a_free_base_predicts_best_where_the_base_was_rotated() {
     let bases = Base::ALL.map(|base| Hypothesis { load: LoadShape::InflectionLine, base });
-    let compared = comparison(Truth::TurnedBase, &bases);
+    let compared = comparison(Scenario::TurnedBase, &bases);
     let [fixed, noisy, free] = &compared.hypotheses[..] else { panic!("three bases") };
     assert!(free.aicc_difference < noisy.aicc_difference);
     assert!(noisy.aicc_difference < fixed.aicc_difference);
@@ -138,7 +138,7 @@ fn a_free_base_predicts_best_where_the_base_was_rotated() {
 fn a_free_base_recovers_the_rotation_of_the_base() {
     // Oracle: the turn that stands between the true tilts of L4 and L3 beyond what the same rod has.
     let (index, seed) = (0, 1);
-    let turned = generate(index, Truth::TurnedBase, &Readers::exact(), seed).expect("a phantom");
+    let turned = generate(index, Scenario::TurnedBase, &Readers::exact(), seed).expect("a phantom");
     let hypothesis = Hypothesis { load: LoadShape::InflectionLine, base: Base::Free };
     let options = AnalysisOptions {
         support: Support::Frontal,

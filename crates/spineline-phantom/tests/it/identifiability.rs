@@ -16,7 +16,7 @@ use spineline::personalize::{
     Personalization, ProfileEnd, ProfileVerdict, identify, personalize,
 };
 use spineline::spatial::{Angle, Frontal};
-use spineline_phantom::{Readers, Truth, generate};
+use spineline_phantom::{Readers, Scenario, generate};
 
 struct Patient {
     erect: Outline,
@@ -26,7 +26,7 @@ struct Patient {
 }
 
 fn patient() -> Patient {
-    let phantom = generate(0, Truth::Bend, &Readers::exact(), 1).expect("18 subjects");
+    let phantom = generate(0, Scenario::Bend, &Readers::exact(), 1).expect("18 subjects");
     let analysis = analyze(&phantom.case, &Default::default()).expect("a sound case");
     Patient {
         erect: analysis.movement.erect().outline.clone(),

@@ -15,7 +15,9 @@ use spineline::multibody::{
 };
 use spineline::response::erect_shape;
 use spineline::spatial::{Angle, Frontal, Mat3, Vec3};
-use spineline_phantom::{Readers, SagittalShape, SpaceSetup, Truth, generate, generate_in_space};
+use spineline_phantom::{
+    Readers, SagittalShape, Scenario, SpaceSetup, generate, generate_in_space,
+};
 
 /// The material points through which the line runs, as places among the vertebrae from L4 on: where the tilts of these spines are
 /// largest.
@@ -258,7 +260,7 @@ fn what_a_force_through_the_inflections_does_in_space() {
 #[ignore = "for comparison with the study above"]
 fn rods_in_the_plane_lean() {
     for subject in 0..18 {
-        let Ok(phantom) = generate(subject, Truth::Rod, &Readers::exact(), 1) else { continue };
+        let Ok(phantom) = generate(subject, Scenario::Rod, &Readers::exact(), 1) else { continue };
         let found = analyze(&phantom.case, &AnalysisOptions::default()).expect("a phantom");
         let amplitude = |posture| found.movement.film(posture).map(|p| p.outline.amplitude().deg());
         let erect = amplitude(Posture::Erect).expect("erect");

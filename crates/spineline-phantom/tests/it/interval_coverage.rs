@@ -6,7 +6,7 @@ use rayon::prelude::*;
 use spineline::action::LineKind;
 use spineline::analysis::{Analysis, AnalysisOptions, Case, analyze};
 use spineline::uncertainty::{AnalysisQuantity, LandmarkNoise, MonteCarlo, Uncertainty};
-use spineline_phantom::{Readers, SUBJECTS, Truth, generate};
+use spineline_phantom::{Readers, SUBJECTS, Scenario, generate};
 
 /// Of each kind of number: how often it is held, and of how many.
 type Counts = BTreeMap<&'static str, [usize; 2]>;
@@ -39,8 +39,8 @@ fn told(case: &Case, analysis: &Analysis, noise: LandmarkNoise, replicates: u64)
 }
 
 /// One patient, read with noise; and what marks without noise give with the same weights.
-fn patient(index: usize, truth: Truth, seed: u64, replicates: u64) -> Counts {
-    let read = |readers| generate(index, truth, &readers, seed).expect("a subject").case;
+fn patient(index: usize, scenario: Scenario, seed: u64, replicates: u64) -> Counts {
+    let read = |readers| generate(index, scenario, &readers, seed).expect("a subject").case;
     let (noisy, exact) = (read(Readers::default()), read(Readers::exact()));
     let analysis = analyze(&noisy, &AnalysisOptions::default()).expect("a sound case");
     let found = told(&noisy, &analysis, LandmarkNoise::Measured, replicates);
@@ -56,9 +56,11 @@ fn patient(index: usize, truth: Truth, seed: u64, replicates: u64) -> Counts {
     counts
 }
 
-fn study(truth: Truth, patients: &[(usize, u64)], replicates: u64) -> Counts {
-    let counts: Vec<Counts> =
-        patients.par_iter().map(|&(index, seed)| patient(index, truth, seed, replicates)).collect();
+fn study(scenario: Scenario, patients: &[(usize, u64)], replicates: u64) -> Counts {
+    let counts: Vec<Counts> = patients
+        .par_iter()
+        .map(|&(index, seed)| patient(index, scenario, seed, replicates))
+        .collect();
     let mut sum = Counts::new();
     for (kind, [held, all]) in counts.into_iter().flatten() {
         let total = sum.entry(kind).or_default();
@@ -76,7 +78,7 @@ fn share(counts: &Counts, kind: &str) -> f64 {
 fn intervals_of_a_few_patients_hold_values_without_landmark_noise() {
     // Oracle: the same analysis of marks without noise. The numbers of a film share its noise; ends of 80 replicates are rough.
     let patients: Vec<(usize, u64)> = (0..6).map(|index| (index, 1)).collect();
-    let counts = study(Truth::Rod, &patients, 80);
+    let counts = study(Scenario::Rod, &patients, 80);
     for kind in ["location", "tilt", "Ferguson angle", "ln of a multiplier", "force"] {
         let share = share(&counts, kind);
         assert!(share > 0.8, "{kind}: {share}");
@@ -89,9 +91,9 @@ fn intervals_of_a_few_patients_hold_values_without_landmark_noise() {
 fn over_hundreds_of_patients() {
     let patients: Vec<(usize, u64)> =
         (1..=10).flat_map(|seed| (0..SUBJECTS.len()).map(move |index| (index, seed))).collect();
-    for truth in [Truth::Rod, Truth::Pull] {
-        let counts = study(truth, &patients, 400);
-        println!("synthetic, {} ({})", truth.key(), truth.meaning());
+    for scenario in [Scenario::Rod, Scenario::Pull] {
+        let counts = study(scenario, &patients, 400);
+        println!("synthetic, {} ({})", scenario.key(), scenario.meaning());
         for (kind, [held, all]) in &counts {
             println!("  {kind}: {held} of {all}, {:.1} %", 100.0 * *held as f64 / *all as f64);
         }

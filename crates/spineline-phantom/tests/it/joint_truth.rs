@@ -14,7 +14,7 @@ use spineline::personalize::{
     FitFilm, FitSettings, FitStatus, FitTarget, Gauge, StiffnessBound, personalize,
 };
 use spineline::spatial::{Angle, Frontal};
-use spineline_phantom::{Readers, Truth, generate};
+use spineline_phantom::{Readers, Scenario, generate};
 
 /// Relative: at a residual of zero the minimiser converges quadratically, far below this.
 const MULTIPLIER: f64 = 1e-6;
@@ -28,7 +28,7 @@ struct Patient {
 }
 
 fn patient(index: usize) -> Patient {
-    let phantom = generate(index, Truth::Bend, &Readers::exact(), 1).expect("18 subjects");
+    let phantom = generate(index, Scenario::Bend, &Readers::exact(), 1).expect("18 subjects");
     let analysis = analyze(&phantom.case, &Default::default()).expect("a sound case");
     Patient {
         erect: analysis.movement.erect().outline.clone(),

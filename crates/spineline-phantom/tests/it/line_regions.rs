@@ -11,7 +11,7 @@ use spineline::anatomy::Posture;
 use spineline::personalize::{Crossing, ProposedLine};
 use spineline::spatial::{Angle, Frontal};
 use spineline_phantom::{
-    Build, Construction, Readers, SUBJECTS, TruePosture, Truth, generate_built,
+    Build, Construction, Readers, SUBJECTS, Scenario, TruePosture, generate_built,
 };
 
 const REGION: &str = "the true line is in the 95 % region";
@@ -91,14 +91,19 @@ fn count(phantom: &spineline_phantom::Phantom, analysis: &Analysis, counts: &mut
 }
 
 /// Counts over sets of the 18 subjects, one per seed.
-fn study(truth: Truth, seeds: RangeInclusive<u64>, build: Build, readers: &Readers) -> Counts {
+fn study(
+    scenario: Scenario,
+    seeds: RangeInclusive<u64>,
+    build: Build,
+    readers: &Readers,
+) -> Counts {
     let patients: Vec<(u64, usize)> =
         seeds.flat_map(|seed| (0..SUBJECTS.len()).map(move |index| (seed, index))).collect();
     let counts: Vec<Counts> = patients
         .par_iter()
         .map(|&(seed, index)| {
             let mut counts = Counts::new();
-            let phantom = generate_built(index, truth, readers, seed, build).expect("a phantom");
+            let phantom = generate_built(index, scenario, readers, seed, build).expect("a phantom");
             let analysis =
                 analyze(&phantom.case, &AnalysisOptions::default()).expect("a sound case");
             if analysis.movement.inflections.pair.is_some() {
@@ -120,47 +125,47 @@ fn share(counts: &Counts, posture: Posture, what: &'static str) -> f64 {
     yes as f64 / all as f64
 }
 
-fn print(truth: Truth, build: Build, counts: &Counts) {
+fn print(scenario: Scenario, build: Build, counts: &Counts) {
     let (construction, sd) = (build.construction.key(), build.joint_log_sd);
     println!(
         "synthetic, {} ({}), {construction}, joints differ by {sd}",
-        truth.key(),
-        truth.meaning()
+        scenario.key(),
+        scenario.meaning()
     );
     for ((posture, what), [yes, all]) in counts {
         println!("  {posture}: {what}: {yes} of {all}, {:.1} %", 100.0 * *yes as f64 / *all as f64);
     }
 }
 
-/// The hypothesis that each truth obeys, and one that it breaks.
-fn check(truth: Truth, counts: &Counts, bounds: &Bounds) {
+/// The hypothesis that each scenario obeys, and one that it breaks.
+fn check(scenario: Scenario, counts: &Counts, bounds: &Bounds) {
     let (inflection, iliac) = (
         "'through the inflections' is not rejected",
         "'parallel to the iliac line' is not rejected",
     );
-    assert!(share(counts, Posture::Erect, SETTLED) > 0.99, "{truth:?}");
+    assert!(share(counts, Posture::Erect, SETTLED) > 0.99, "{scenario:?}");
     let inflections = share(counts, Posture::Erect, INFLECTION);
-    assert!((0.9..=1.0).contains(&inflections), "{truth:?}: {inflections}");
+    assert!((0.9..=1.0).contains(&inflections), "{scenario:?}: {inflections}");
     for posture in Posture::MOVED {
         let region = share(counts, posture, REGION);
-        assert!(bounds.regions.contains(&region), "{truth:?}, {posture}: {region}");
+        assert!(bounds.regions.contains(&region), "{scenario:?}, {posture}: {region}");
         // The other lines of pulled spines are nearly horizontal, and cross anywhere.
-        if truth == Truth::Rod || posture == Posture::Traction {
+        if scenario == Scenario::Rod || posture == Posture::Traction {
             let crossing = share(counts, posture, CROSSING);
-            assert!(bounds.regions.contains(&crossing), "{truth:?}, {posture}: {crossing}");
+            assert!(bounds.regions.contains(&crossing), "{scenario:?}, {posture}: {crossing}");
         }
-        let (obeyed, broken) = match (truth, posture) {
+        let (obeyed, broken) = match (scenario, posture) {
             // Its traction is a cranial force at T2.
-            (Truth::Pull, Posture::Traction) => continue,
-            (Truth::Pull, _) => (iliac, inflection),
+            (Scenario::Pull, Posture::Traction) => continue,
+            (Scenario::Pull, _) => (iliac, inflection),
             _ => (inflection, iliac),
         };
         let kept = share(counts, posture, obeyed);
-        assert!(bounds.tests.contains(&kept), "{truth:?}, {posture}: {obeyed} in {kept}");
+        assert!(bounds.tests.contains(&kept), "{scenario:?}, {posture}: {obeyed} in {kept}");
         // At rest a pulled spine moves little, and biased observers see less of it.
         let missed = share(counts, posture, broken);
         let most = if posture.bend().is_some() { 0.05 } else { 0.3 };
-        assert!(missed < most, "{truth:?}, {posture}: {broken} in {missed}");
+        assert!(missed < most, "{scenario:?}, {posture}: {broken} in {missed}");
     }
 }
 
@@ -180,8 +185,8 @@ fn regions_contain_the_true_line_and_tests_keep_their_size() {
         let bounds = Bounds { regions: 0.75..=1.0, tests: 0.8..=1.0 };
         let joint_log_sd = if construction == Construction::Rod { 0.0 } else { 0.12 };
         let build = Build { construction, joint_log_sd };
-        for truth in [Truth::Rod, Truth::Pull] {
-            check(truth, &study(truth, 1..=2, build, &readers), &bounds);
+        for scenario in [Scenario::Rod, Scenario::Pull] {
+            check(scenario, &study(scenario, 1..=2, build, &readers), &bounds);
         }
     }
 }
@@ -198,11 +203,11 @@ fn over_all_spines(seeds: &RangeInclusive<u64>, bounds: &Bounds) {
         for (joint_log_sd, readers) in
             [(0.0, Readers::default()), (0.12, Readers::default()), (0.12, biased())]
         {
-            for truth in [Truth::Rod, Truth::Pull] {
+            for scenario in [Scenario::Rod, Scenario::Pull] {
                 let build = Build { construction, joint_log_sd };
-                let counts = study(truth, seeds.clone(), build, &readers);
-                print(truth, build, &counts);
-                check(truth, &counts, bounds);
+                let counts = study(scenario, seeds.clone(), build, &readers);
+                print(scenario, build, &counts);
+                check(scenario, &counts, bounds);
             }
         }
     }

@@ -1,4 +1,4 @@
-//! Lines on the same films: what is left out stays out, numbers are counted, and the truth decides which line predicts.
+//! Lines on the same films: what is left out stays out, numbers are counted, and the scenario decides which line predicts.
 
 use spineline::action::LineKind;
 use spineline::analysis::{
@@ -9,10 +9,10 @@ use spineline::cohort::{Cohort, CohortPatient, ErrorKind, OutcomeCounts};
 use spineline::measure::FilmLandmarks;
 use spineline::multibody::Support;
 use spineline::personalize::TestOutcome;
-use spineline_phantom::{Phantom, Readers, Truth, generate};
+use spineline_phantom::{Phantom, Readers, Scenario, generate};
 
-fn exact(index: usize, truth: Truth) -> Phantom {
-    generate(index, truth, &Readers::exact(), 1).expect("all subjects have phantoms")
+fn exact(index: usize, scenario: Scenario) -> Phantom {
+    generate(index, scenario, &Readers::exact(), 1).expect("all subjects have phantoms")
 }
 
 fn analyzed(phantom: &Phantom) -> Analysis {
@@ -26,9 +26,9 @@ fn place(found: &LinesCompared, kind: LineKind) -> usize {
 
 #[test]
 fn a_left_out_bend_does_not_change_the_stiffness_that_predicts_it() {
-    let phantom = exact(2, Truth::Rod);
+    let phantom = exact(2, Scenario::Rod);
     let mut other = phantom.clone();
-    let [own, theirs] = [&phantom, &exact(2, Truth::Bend)].map(|p| {
+    let [own, theirs] = [&phantom, &exact(2, Scenario::Bend)].map(|p| {
         let right = |film: &spineline::measure::Film| film.posture == Posture::RightBending;
         p.case.films.iter().position(right).map(|i| (i, p.case.films[i].clone())).expect("a bend")
     });
@@ -57,11 +57,13 @@ fn a_left_out_bend_does_not_change_the_stiffness_that_predicts_it() {
 #[test]
 fn the_verdict_on_the_models_is_that_of_the_sentences() {
     let mut seen = Vec::new();
-    for (truth, index) in Truth::LINES.iter().copied().flat_map(|t| (0..3).map(move |i| (t, i))) {
-        let phantom = generate(index, truth, &Readers::default(), 1).expect("a phantom");
+    for (scenario, index) in
+        Scenario::LINES.iter().copied().flat_map(|t| (0..3).map(move |i| (t, i)))
+    {
+        let phantom = generate(index, scenario, &Readers::default(), 1).expect("a phantom");
         let analysis = analyzed(&phantom);
         let verdict = analysis.models_verdict().expect("models");
-        let words = analysis.headline().join(" ");
+        let words = analysis.headline().words();
         let says = |text: &str| words.contains(text);
         assert_eq!(verdict == ModelsVerdict::DoubtedFilm, says("Check the films first"), "{words}");
         match verdict {
@@ -76,7 +78,7 @@ fn the_verdict_on_the_models_is_that_of_the_sentences() {
     for one in [ModelsVerdict::Supported, ModelsVerdict::Rejected, ModelsVerdict::NoBetter] {
         assert!(seen.contains(&one), "{one}");
     }
-    let mut alone = exact(0, Truth::Rod);
+    let mut alone = exact(0, Scenario::Rod);
     alone.case.films.retain(|film| film.posture == Posture::Erect);
     let analysis = analyzed(&alone);
     assert_eq!(analysis.models_verdict(), None);
@@ -84,7 +86,7 @@ fn the_verdict_on_the_models_is_that_of_the_sentences() {
 
 #[test]
 fn every_value_from_a_film_is_counted() {
-    let found = analyzed(&exact(0, Truth::Pull)).comparison().clone();
+    let found = analyzed(&exact(0, Scenario::Pull)).comparison().clone();
     let numbers = |kind| {
         let n = found.lines[place(&found, kind)].numbers;
         ([n.multipliers, n.forces, n.line], n.fitted(), n.per_predicted_film)
@@ -98,7 +100,7 @@ fn every_value_from_a_film_is_counted() {
 
 #[test]
 fn a_line_without_a_result_takes_no_film_from_the_others() {
-    let mut found = analyzed(&exact(4, Truth::Rod)).comparison().clone();
+    let mut found = analyzed(&exact(4, Scenario::Rod)).comparison().clone();
     let role = FilmRole::LeftOutBend;
     assert_eq!(found.count(role), 2);
     let lines = [LineKind::Inflection, LineKind::Iliac].map(|kind| place(&found, kind));
@@ -126,7 +128,7 @@ fn a_line_without_a_result_takes_no_film_from_the_others() {
 #[test]
 fn a_line_of_one_patient_takes_no_film_from_the_other_lines_of_a_cohort() {
     let analyses: Vec<Analysis> =
-        (0..3).map(|index| analyzed(&exact(index, Truth::Pull))).collect();
+        (0..3).map(|index| analyzed(&exact(index, Scenario::Pull))).collect();
     // Changed before anything is asked of them: an analysis keeps its comparison.
     let mut without = analyses.clone();
     for analysis in &mut without[1..] {
@@ -162,7 +164,7 @@ fn a_line_of_one_patient_takes_no_film_from_the_other_lines_of_a_cohort() {
 /// Joints that turn as published move without a force: whatever line has the smallest error, it predicts nothing.
 #[test]
 fn no_line_is_said_to_predict_beyond_the_limit() {
-    let mut found = analyzed(&exact(1, Truth::Pull)).comparison().clone();
+    let mut found = analyzed(&exact(1, Scenario::Pull)).comparison().clone();
     let says = |found: &LinesCompared, text: &str| found.sentences().join(" ").contains(text);
     assert!(found.ranking().expect("lines").is_prediction());
     assert!(!says(&found, "No line predicts"), "{:?}", found.sentences());
@@ -178,7 +180,7 @@ fn no_line_is_said_to_predict_beyond_the_limit() {
 /// Without iliac crests the direction of the iliac line is assumed: its joints are not tested either.
 #[test]
 fn a_line_that_could_not_be_tested_is_neither_rejected_nor_kept() {
-    let mut phantom = exact(1, Truth::Pull);
+    let mut phantom = exact(1, Scenario::Pull);
     let with = analyzed(&phantom);
     for film in &mut phantom.case.films {
         if let FilmLandmarks::Corners { iliac_crests, .. } = &mut film.landmarks {
@@ -193,7 +195,7 @@ fn a_line_that_could_not_be_tested_is_neither_rejected_nor_kept() {
     };
     assert_eq!(outcome(&with), TestOutcome::Kept);
     assert_eq!(outcome(&without), TestOutcome::NotTested);
-    let headline = without.headline().join(" ");
+    let headline = without.headline().words();
     assert!(headline.contains("The iliac line is not tested: the iliac crests"), "{headline}");
     assert!(!headline.contains("keep a single force along the iliac line"), "{headline}");
     let cohort = Cohort::of(&[&with, &without].map(CohortPatient::of), 1);
@@ -213,8 +215,9 @@ fn a_line_that_could_not_be_tested_is_neither_rejected_nor_kept() {
 /// on films that were not fitted.
 #[test]
 fn the_loading_scenario_decides_which_line_predicts_better() {
-    let cohort = |truth| {
-        let analyses: Vec<Analysis> = (0..8).map(|index| analyzed(&exact(index, truth))).collect();
+    let cohort = |scenario| {
+        let analyses: Vec<Analysis> =
+            (0..8).map(|index| analyzed(&exact(index, scenario))).collect();
         Cohort::of(&analyses.iter().map(CohortPatient::of).collect::<Vec<_>>(), 1)
     };
     let better = |cohort: &Cohort| -> Vec<Option<LineKind>> {
@@ -225,7 +228,7 @@ fn the_loading_scenario_decides_which_line_predicts_better() {
         });
         mine.map(|test| test.nearer()).collect()
     };
-    let (rod, pull) = (cohort(Truth::Rod), cohort(Truth::Pull));
+    let (rod, pull) = (cohort(Scenario::Rod), cohort(Scenario::Pull));
     assert!(!better(&rod).contains(&Some(LineKind::Iliac)), "{:?}", better(&rod));
     assert!(!better(&pull).contains(&Some(LineKind::Inflection)), "{:?}", better(&pull));
     // Eighteen tests: three pairs on three kinds of films by two errors; none is corrected downwards.
@@ -261,12 +264,14 @@ fn the_loading_scenario_decides_which_line_predicts_better() {
 #[test]
 fn the_true_line_is_kept_and_the_wrong_one_judged_by_the_same_tests() {
     let lines = [LineKind::Inflection, LineKind::Iliac];
-    for (truth, right) in [(Truth::Rod, LineKind::Inflection), (Truth::Pull, LineKind::Iliac)] {
+    for (scenario, right) in
+        [(Scenario::Rod, LineKind::Inflection), (Scenario::Pull, LineKind::Iliac)]
+    {
         for corner_sd_mm in [0.2, 0.5, 1.0] {
             let readers = Readers { corner_sd_mm, ..Readers::default() };
             let (mut kept, mut rejected, mut asked) = (0, 0, 0);
             for index in 0..8 {
-                let phantom = generate(index, truth, &readers, 1).expect("a phantom");
+                let phantom = generate(index, scenario, &readers, 1).expect("a phantom");
                 let analysis = analyzed(&phantom);
                 let found = lines.map(|kind| {
                     let model = analysis.models.iter().find(|model| model.kind == kind);
@@ -282,7 +287,7 @@ fn the_true_line_is_kept_and_the_wrong_one_judged_by_the_same_tests() {
                 asked += 1;
                 for (kind, found) in found {
                     // The joints and the line itself, on either bend.
-                    assert_eq!(found.tests, 4, "{truth:?}, {kind}");
+                    assert_eq!(found.tests, 4, "{scenario:?}, {kind}");
                     assert!(found.bends.iter().all(|bend| bend.line_p.is_some()), "{kind}");
                     let force = match kind {
                         LineKind::Inflection => "a single force through the inflections",
@@ -298,7 +303,7 @@ fn the_true_line_is_kept_and_the_wrong_one_judged_by_the_same_tests() {
                 }
             }
             // Of eight, three or more false rejections come by chance once in 170 times.
-            let what = format!("{truth:?}, {corner_sd_mm} mm: {kept} kept, {rejected} rejected");
+            let what = format!("{scenario:?}, {corner_sd_mm} mm: {kept} kept, {rejected} rejected");
             assert!(asked >= 4 && kept + 2 >= asked, "{what} of {asked}");
             assert!(2 * rejected > asked, "{what} of {asked}");
         }

@@ -12,7 +12,6 @@ mod interval_coverage;
 mod joint_truth;
 mod line_regions;
 mod lines_compared;
-mod marking;
 mod phantoms;
 mod radiographs;
 mod recovery;

@@ -5,7 +5,7 @@ use spineline::anatomy::Posture;
 use spineline::clinical::ClinicalCurve;
 use spineline::spatial::Angle;
 use spineline_phantom::{
-    Build, Construction, Phantom, PhantomError, Readers, SUBJECTS, TableRow, Truth, generate,
+    Build, Construction, Phantom, PhantomError, Readers, SUBJECTS, Scenario, TableRow, generate,
     generate_built,
 };
 
@@ -14,8 +14,8 @@ const COBB_DEG: f64 = 0.1;
 /// Stokes 1993 and the design: about 1.35 on films, 1.57 for a half-sine, 2 for an arc.
 const COBB_BY_FERGUSON: std::ops::Range<f64> = 1.2..1.7;
 
-fn phantom(index: usize, truth: Truth, readers: &Readers, seed: u64) -> Phantom {
-    generate(index, truth, readers, seed).expect("all 18 subjects have phantoms")
+fn phantom(index: usize, scenario: Scenario, readers: &Readers, seed: u64) -> Phantom {
+    generate(index, scenario, readers, seed).expect("all 18 subjects have phantoms")
 }
 
 /// Index of the main curve's region, caudal first.
@@ -37,9 +37,9 @@ fn peak(values: &[f64]) -> f64 {
 #[test]
 fn a_phantom_depends_on_its_seed_only() {
     // Oracle: equality of every number, printed in full.
-    for truth in Truth::PAPER {
+    for scenario in Scenario::PAPER {
         for readers in [Readers::exact(), Readers::default()] {
-            let [first, again, other] = [7, 7, 8].map(|seed| phantom(4, truth, &readers, seed));
+            let [first, again, other] = [7, 7, 8].map(|seed| phantom(4, scenario, &readers, seed));
             assert_eq!(first, again);
             assert_eq!(format!("{first:?}"), format!("{again:?}"));
             assert_ne!(first.postures, other.postures);
@@ -52,8 +52,8 @@ fn a_phantom_depends_on_its_seed_only() {
 fn all_scenarios_of_a_subject_share_one_erect_spine() {
     // Oracle: anatomy has a random stream of its own, so only the movement differs.
     for index in 0..SUBJECTS.len() {
-        let erect = Truth::PAPER.map(|truth| {
-            let phantom = phantom(index, truth, &Readers::exact(), 3);
+        let erect = Scenario::PAPER.map(|scenario| {
+            let phantom = phantom(index, scenario, &Readers::exact(), 3);
             phantom.posture(Posture::Erect).expect("an erect posture").clone()
         });
         assert_eq!(erect[0], erect[1]);
@@ -67,7 +67,7 @@ fn the_main_curve_has_the_cobb_angle_of_table_one() {
     let printed =
         [49, 53, 46, 48, 53, 53, 48, 55, 59, 86, 62, 59, 59, 48, 61, 46, 53, 70].map(f64::from);
     for (index, row) in SUBJECTS.iter().enumerate() {
-        let phantom = phantom(index, Truth::Bend, &Readers::exact(), 1);
+        let phantom = phantom(index, Scenario::Bend, &Readers::exact(), 1);
         let erect = phantom.posture(Posture::Erect).expect("an erect posture");
         let tilts: Vec<f64> = erect.tilts.iter().map(|tilt| tilt.deg()).collect();
         // The lumbar curve turns right from L4's zero; the main thoracic one turns left from there.
@@ -85,7 +85,7 @@ fn check_by_ferguson(
     range: std::ops::Range<f64>,
 ) {
     for (index, row) in SUBJECTS.iter().enumerate().filter(|(_, row)| of(row)) {
-        let phantom = phantom(index, Truth::Bend, &Readers::exact(), 1);
+        let phantom = phantom(index, Scenario::Bend, &Readers::exact(), 1);
         let analysis = analyze(&phantom.case, &Default::default()).expect("a sound case");
         let curve = &analysis.movement.clinical[main_region(row)];
         let ratio = (size(curve).rad() / curve.ferguson[0].1.rad()).abs();
@@ -110,14 +110,14 @@ fn main_lumbar_curves_rotate_most_above_l4_and_exceed_an_arc() {
 #[test]
 fn a_subject_beyond_the_table_is_refused_by_its_number() {
     // Oracle: Table 1 has 18 rows.
-    let error = generate(18, Truth::Rod, &Readers::exact(), 1).expect_err("there are 18");
+    let error = generate(18, Scenario::Rod, &Readers::exact(), 1).expect_err("there are 18");
     assert_eq!(error, PhantomError::NoSubject { number: 19 });
     assert!(error.to_string().contains("19"));
 }
 
 /// Oracle: the left bend leans further left than the right bend.
-fn check_bends(index: usize, truth: Truth) {
-    let phantom = phantom(index, truth, &Readers::exact(), 1);
+fn check_bends(index: usize, scenario: Scenario) {
+    let phantom = phantom(index, scenario, &Readers::exact(), 1);
     let tilt = |posture| {
         let top = phantom.posture(posture).expect("all five postures").locations[14];
         top.lateral_tilt()
@@ -129,9 +129,9 @@ fn check_bends(index: usize, truth: Truth) {
 
 #[test]
 fn bends_of_phantoms_tilt_to_their_sides_and_films_are_complete() {
-    for truth in Truth::PAPER {
+    for scenario in Scenario::PAPER {
         for index in 0..SUBJECTS.len() {
-            check_bends(index, truth);
+            check_bends(index, scenario);
         }
     }
 }
@@ -139,16 +139,18 @@ fn bends_of_phantoms_tilt_to_their_sides_and_films_are_complete() {
 #[test]
 fn spines_that_nearly_buckle_have_bends() {
     // What a load does to their shape changes its moments by nearly as much again.
-    for (index, truth) in [(9, Truth::Lateral), (10, Truth::Lateral), (10, Truth::TwoForces)] {
-        check_bends(index, truth);
+    for (index, scenario) in
+        [(9, Scenario::Lateral), (10, Scenario::Lateral), (10, Scenario::TwoForces)]
+    {
+        check_bends(index, scenario);
     }
 }
 
 #[test]
 fn a_repeated_analysis_is_equal_to_the_last_digit() {
     // Oracle: Debug prints every f64 so that it reads back to the same bits.
-    for truth in Truth::PAPER {
-        let case = phantom(2, truth, &Readers::default(), 1).case;
+    for scenario in Scenario::PAPER {
+        let case = phantom(2, scenario, &Readers::default(), 1).case;
         let [first, again] =
             [0, 1].map(|_| analyze(&case, &Default::default()).expect("a sound case"));
         assert_eq!(format!("{first:?}"), format!("{again:?}"));
@@ -161,7 +163,7 @@ fn every_construction_has_the_curve_of_its_row_and_moves() {
     for construction in Construction::ALL {
         let build = Build { construction, joint_log_sd: 0.12 };
         let phantom =
-            generate_built(4, Truth::Rod, &Readers::exact(), 3, build).expect("a phantom");
+            generate_built(4, Scenario::Rod, &Readers::exact(), 3, build).expect("a phantom");
         let erect = phantom.posture(Posture::Erect).expect("a film");
         let tilts = || erect.tilts.iter().map(|tilt| tilt.deg());
         let most = tilts().fold(f64::MIN, f64::max) - tilts().fold(f64::MAX, f64::min);
@@ -178,7 +180,7 @@ fn a_force_at_the_top_turns_all_joints_of_every_construction_to_its_side() {
     let rotations = |construction| {
         let build = Build { construction, joint_log_sd: 0.0 };
         let phantom =
-            generate_built(4, Truth::Pull, &Readers::exact(), 3, build).expect("a phantom");
+            generate_built(4, Scenario::Pull, &Readers::exact(), 3, build).expect("a phantom");
         let turns = |posture| {
             let film = phantom.posture(posture).expect("a film");
             film.tilts.windows(2).map(|pair| (pair[1] - pair[0]).rad()).collect::<Vec<f64>>()
@@ -195,6 +197,7 @@ fn a_force_at_the_top_turns_all_joints_of_every_construction_to_its_side() {
 #[test]
 fn scenarios_without_forces_need_a_rod() {
     let build = Build { construction: Construction::Discs, joint_log_sd: 0.0 };
-    let error = generate_built(0, Truth::Bend, &Readers::exact(), 1, build).expect_err("no forces");
+    let error =
+        generate_built(0, Scenario::Bend, &Readers::exact(), 1, build).expect_err("no forces");
     assert!(error.to_string().contains("discs"), "{error}");
 }

@@ -7,10 +7,10 @@ use std::collections::BTreeMap;
 use spineline::anatomy::{ImageSide, Level, Posture, Side};
 use spineline::measure::{Corners, IliacCrests};
 use spineline::spatial::Pixel;
-use spineline_phantom::{Phantom, Polarity, Radiograph, Readers, TrueFilm, Truth, generate};
+use spineline_phantom::{Phantom, Polarity, Radiograph, Readers, Scenario, TrueFilm, generate};
 
 fn phantom(number: usize) -> Phantom {
-    generate(number - 1, Truth::Bend, &Readers::exact(), 1).unwrap()
+    generate(number - 1, Scenario::Bend, &Readers::exact(), 1).unwrap()
 }
 
 /// Brightness of a film at a place, between pixels.

@@ -6,7 +6,7 @@ use spineline::action::LineKind;
 use spineline::analysis::{Analysis, AnalysisOptions, Grouping, LineModel, analyze};
 use spineline::anatomy::Posture;
 use spineline::multibody::Support;
-use spineline_phantom::{Phantom, Readers, SUBJECTS, Truth, generate};
+use spineline_phantom::{Phantom, Readers, SUBJECTS, Scenario, generate};
 
 const BENDS: [Posture; 2] = [Posture::LeftBending, Posture::RightBending];
 
@@ -23,8 +23,8 @@ const ESTIMATED_MARGIN_MM: f64 = 0.3;
 /// So many of the 14 joints turn against a line that is wrong.
 const CONTRADICTED: usize = 3;
 
-fn exact(index: usize, truth: Truth) -> Phantom {
-    generate(index, truth, &Readers::exact(), 1).expect("all 18 subjects have phantoms")
+fn exact(index: usize, scenario: Scenario) -> Phantom {
+    generate(index, scenario, &Readers::exact(), 1).expect("all 18 subjects have phantoms")
 }
 
 fn on_a_table(grouping: Grouping) -> AnalysisOptions {
@@ -75,7 +75,7 @@ fn inflections_and_lines_of_rod_phantoms_are_found() {
     // Oracle: material points and lines of the chain of 998 segments that made the films.
     let mut misses = Misses::default();
     for index in 0..SUBJECTS.len() {
-        let phantom = exact(index, Truth::Rod);
+        let phantom = exact(index, Scenario::Rod);
         let id = &phantom.case.id;
         let analysis = analyzed(&phantom, Grouping::Regional);
         for posture in &analysis.movement.films {
@@ -115,7 +115,7 @@ fn the_inflection_line_reproduces_the_bends_of_rod_phantoms() {
     // Oracle: true locations, which exact readers hand on.
     let mut misses = Misses::default();
     for index in 0..SUBJECTS.len() {
-        let phantom = exact(index, Truth::Rod);
+        let phantom = exact(index, Scenario::Rod);
         for (grouping, limit_mm) in
             [(Grouping::Regional, REGIONAL_MM), (Grouping::PerJoint, PER_JOINT_MM)]
         {
@@ -135,7 +135,7 @@ fn pulled_phantoms_support_the_iliac_line_and_not_the_inflection_line() {
     // Oracle: the films were made by a horizontal force at T2.
     let mut misses = Misses::default();
     for index in 0..SUBJECTS.len() {
-        let phantom = exact(index, Truth::Pull);
+        let phantom = exact(index, Scenario::Pull);
         let id = &phantom.case.id;
         let analysis = analyzed(&phantom, Grouping::Regional);
         for posture in BENDS {
@@ -152,10 +152,10 @@ fn pulled_phantoms_support_the_iliac_line_and_not_the_inflection_line() {
     }
 }
 
-fn estimated_line_is_as_good_as_the_better_other(truth: Truth) {
+fn estimated_line_is_as_good_as_the_better_other(scenario: Scenario) {
     let mut misses = Misses::default();
     for index in 0..SUBJECTS.len() {
-        let phantom = exact(index, truth);
+        let phantom = exact(index, scenario);
         let analysis = analyzed(&phantom, Grouping::Regional);
         let mean = |kind| {
             let model = model(&analysis, kind);
@@ -175,17 +175,17 @@ fn estimated_line_is_as_good_as_the_better_other(truth: Truth) {
 #[test]
 fn the_estimated_line_is_as_good_as_the_better_other_one_on_rod_phantoms() {
     // Oracle: the estimated line may be either of the others, so its least squares cannot be larger.
-    estimated_line_is_as_good_as_the_better_other(Truth::Rod);
+    estimated_line_is_as_good_as_the_better_other(Scenario::Rod);
 }
 
 #[test]
 fn the_estimated_line_is_as_good_as_the_better_other_one_on_bent_phantoms() {
     // Oracle: the estimated line may be either of the others, so its least squares cannot be larger.
-    estimated_line_is_as_good_as_the_better_other(Truth::Bend);
+    estimated_line_is_as_good_as_the_better_other(Scenario::Bend);
 }
 
 #[test]
 fn the_estimated_line_is_as_good_as_the_better_other_one_on_pulled_phantoms() {
     // Oracle: the estimated line may be either of the others, so its least squares cannot be larger.
-    estimated_line_is_as_good_as_the_better_other(Truth::Pull);
+    estimated_line_is_as_good_as_the_better_other(Scenario::Pull);
 }

@@ -1,5 +1,7 @@
 //! Errors and notices of every patient of a cohort.
 
+use std::collections::BTreeSet;
+
 use spineline::action::LineKind;
 use spineline::analysis::{Analysis, FilmRole, LineModel};
 use spineline::cohort::Cohort;
@@ -7,6 +9,7 @@ use spineline::hypothesis::HypothesisScores;
 
 use super::people::curve_size;
 use crate::document::{Column, NoticeKind, Section, Table};
+use crate::patient;
 use crate::phrases::{none, sentence_case};
 
 /// The lines of the table in a terminal.
@@ -36,10 +39,18 @@ struct ModelRow {
     held_out_mm: Option<f64>,
     /// Joints that turn against the force, one number per fitted bend.
     counter_rotating: Box<str>,
+    /// How the bends test the line.
+    outcome: Box<str>,
 }
 
 const KINDS_OF_NOTICES: [NoticeKind; 3] =
     [NoticeKind::Contradiction, NoticeKind::Warning, NoticeKind::Note];
+
+/// Films of a patient that may be wrong ones.
+fn doubted_films(analysis: &Analysis) -> Option<Box<str>> {
+    let films = patient::doubted_films(analysis);
+    (!films.is_empty()).then(|| films.join(", ").into())
+}
 
 impl PatientRow {
     /// Patients in a table of a terminal; nobody reads a longer one there.
@@ -53,7 +64,7 @@ impl PatientRow {
             synthetic: analysis.synthetic,
             main_curve: analysis.movement.main_curve().map(|curve| curve_size(curve).into()),
             inflections: analysis.movement.inflections.all.len(),
-            models: analysis.models.iter().map(ModelRow::of).collect(),
+            models: analysis.models.iter().map(|model| ModelRow::of(analysis, model)).collect(),
             notices: KINDS_OF_NOTICES.map(|kind| notices(analysis, kind)),
             doubted_films: doubted_films(analysis),
             hypotheses: HypothesisScores::all(&analysis.hypotheses).into(),
@@ -67,7 +78,7 @@ impl PatientRow {
 }
 
 impl ModelRow {
-    fn of(model: &LineModel) -> Self {
+    fn of(analysis: &Analysis, model: &LineModel) -> Self {
         let fitted = model.postures.iter().filter(|simulation| simulation.fitted);
         let counts: Vec<String> = fitted.map(|s| s.contradicted.len().to_string()).collect();
         Self {
@@ -75,6 +86,7 @@ impl ModelRow {
             fitted_mm: model.mean_location_error_mm(true),
             held_out_mm: model.mean_location_error_mm(false),
             counter_rotating: counts.join(", ").into(),
+            outcome: patient::outcome(analysis, model).into(),
         }
     }
 
@@ -87,6 +99,36 @@ impl ModelRow {
         [self.fitted_mm, left_out, self.held_out_mm]
             .map(|error| error.map_or_else(none, |error| format!("{error:.1}")))
     }
+}
+
+/// What the bends of each of the first patients say of every line.
+pub fn outcomes(patients: &[PatientRow], most: usize) -> Table {
+    let kinds: BTreeSet<LineKind> = patients
+        .iter()
+        .flat_map(|patient| patient.models.iter().map(|model| model.kind))
+        .filter(|&kind| kind != LineKind::Estimated)
+        .collect();
+    let mut columns = vec![Column::words("Patient"), Column::numbers("Main Cobb angle (°)")];
+    columns.extend(kinds.iter().map(|kind| Column::words(sentence_case(&kind.to_string()))));
+    columns.push(Column::words("Films in doubt"));
+    let all = patients.len();
+    let shown = if most < all {
+        format!("the first {most} of {all} patients")
+    } else {
+        "each patient".to_owned()
+    };
+    let mut table =
+        Table::new(format!("A single force along the line, by the bends of {shown}"), columns);
+    for patient in patients.iter().take(most) {
+        let of = |kind| patient.models.iter().find(|model| model.kind == kind);
+        let mut row = vec![patient.case_id.to_string(), or_none(patient.main_curve.as_deref())];
+        row.extend(
+            kinds.iter().map(|&kind| of(kind).map_or_else(none, |model| model.outcome.to_string())),
+        );
+        row.push(or_none(patient.doubted_films.as_deref()));
+        table.row(row);
+    }
+    table
 }
 
 /// A row per patient and line, and the notices of every patient.
@@ -187,19 +229,7 @@ fn or_none(text: Option<&str>) -> String {
     text.map_or_else(none, str::to_owned)
 }
 
-/// Films of a patient that may be wrong ones.
-fn doubted_films(analysis: &Analysis) -> Option<Box<str>> {
-    let mut films: Vec<String> = Vec::new();
-    for warning in analysis.film_doubts() {
-        let film = warning.posture.map_or_else(|| "lateral".to_owned(), |p| p.to_string());
-        if !films.contains(&film) {
-            films.push(film);
-        }
-    }
-    (!films.is_empty()).then(|| films.join(", ").into())
-}
-
 fn notices(analysis: &Analysis, kind: NoticeKind) -> usize {
     let all = analysis.warnings.all().iter();
-    all.filter(|warning| NoticeKind::from(warning.severity()) == kind).count()
+    all.filter(|warning| NoticeKind::from(warning.code.severity()) == kind).count()
 }

@@ -6,6 +6,7 @@ mod movement;
 mod people;
 mod profiles;
 mod readers;
+mod short;
 
 use spineline::analysis::{Analysis, Subject};
 use spineline::cohort::RefusedCase;
@@ -35,14 +36,18 @@ pub struct Patients<'a> {
 /// The report of a cohort. Pictures of single patients are left to their own reports.
 #[must_use]
 pub fn report(patients: &Patients<'_>) -> Document {
-    let mut sections = vec![people::verdict(patients), people::flow(patients)];
+    let rows: Vec<PatientRow> = patients.analyses.iter().map(PatientRow::of).collect();
+    let mut sections = Vec::new();
+    if !rows.is_empty() {
+        sections.push(short::short(&rows, patients.together, usize::MAX));
+    }
+    sections.extend([people::verdict(patients), people::flow(patients)]);
     sections.push(people::table_1(patients));
     sections.push(people::lenke(patients));
     sections.extend(profiles::section(patients.analyses));
     sections.push(movement::section(patients.together));
     sections.push(errors::by_kind_of_film(patients.together));
     sections.push(errors::tests(patients.together));
-    let rows: Vec<PatientRow> = patients.analyses.iter().map(PatientRow::of).collect();
     sections.extend(hypotheses::section(
         rows.iter().map(PatientRow::hypotheses),
         &patients.together.baselines,
@@ -60,34 +65,62 @@ pub fn report(patients: &Patients<'_>) -> Document {
     }
 }
 
-/// The numbers of a cohort in about a page, without figures; a terminal shows it.
+/// What the texts of a terminal are made from.
+#[derive(Debug, Clone, Copy)]
+pub struct Rows<'a> {
+    /// The patients.
+    pub patients: &'a [PatientRow],
+    /// Their statistics.
+    pub together: &'a spineline::cohort::Cohort,
+    /// Excluded cases.
+    pub refused: &'a [RefusedCase],
+    /// Program that makes the text.
+    pub generator: &'a str,
+}
+
+/// Which line, how sure, what next.
 #[must_use]
-pub fn summary(
-    patients: &[PatientRow],
-    together: &spineline::cohort::Cohort,
-    refused: &[RefusedCase],
-    generator: &str,
-) -> Document {
-    let mut verdict = Section::new("verdict", "Verdict");
-    let mut sections = if patients.is_empty() {
-        people::refused(&mut verdict, refused, 0);
-        verdict.paragraph("No case could be analysed.");
-        vec![verdict]
-    } else {
-        people::sentences(&mut verdict, together, refused);
+pub fn summary(rows: &Rows<'_>) -> Document {
+    document(rows, vec![answers(rows)])
+}
+
+/// The summary, then the numbers of the report without figures.
+#[must_use]
+pub fn full(rows: &Rows<'_>) -> Document {
+    let Rows { patients, together, .. } = *rows;
+    let mut sections = vec![answers(rows)];
+    if !patients.is_empty() {
+        let mut verdict = Section::new("verdict", "Verdict");
+        people::sentences(&mut verdict, together, &[]);
         let mut tests = Section::new("tests", "Comparison of the lines");
         errors::compared(&mut tests, together, PatientRow::MAX_SHOWN);
-        vec![verdict, by_patient::summary(patients, together), tests]
-    };
+        sections.extend([verdict, by_patient::summary(patients, together), tests]);
+    }
     sections.extend(hypotheses::section(
         patients.iter().map(PatientRow::hypotheses),
         &together.baselines,
     ));
-    let synthetic = if together.synthetic { " · SYNTHETIC" } else { "" };
+    document(rows, sections)
+}
+
+fn answers(rows: &Rows<'_>) -> Section {
+    let Rows { patients, together, refused, .. } = *rows;
+    let mut section = Section::new("short", "");
+    people::refused(&mut section, refused, patients.len());
+    if patients.is_empty() {
+        section.paragraph("No case could be analysed.");
+        return section;
+    }
+    section.blocks.extend(short::on_terminal(patients, together).blocks);
+    section
+}
+
+fn document(rows: &Rows<'_>, sections: Vec<Section>) -> Document {
+    let synthetic = if rows.together.synthetic { " · SYNTHETIC" } else { "" };
     Document {
         title: "Cohort".to_owned(),
-        subject: format!("{}{synthetic}", size(patients.len())),
-        generator: generator.to_owned(),
+        subject: format!("{}{synthetic}", size(rows.patients.len())),
+        generator: rows.generator.to_owned(),
         banners: Vec::new(),
         sections,
         analysis: String::new(),

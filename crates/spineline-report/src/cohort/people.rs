@@ -7,9 +7,11 @@ use spineline::anatomy::Posture;
 use spineline::clinical::ClinicalCurve;
 use spineline::cohort::{Cohort, RefusalStep, RefusedCase};
 use spineline::evaluate::statistics::{Summary, quantile};
+use spineline::warning::WarningCode;
 
 use super::Patients;
-use crate::document::{Column, Figure, NoticeKind, Section, Table};
+use crate::WarningCounts;
+use crate::document::{Column, Figure, Section, Table};
 use crate::figures::{self, FlowStep};
 use crate::phrases::{no_model_reason, none};
 
@@ -25,28 +27,9 @@ pub fn sentences(section: &mut Section, cohort: &Cohort, refused: &[RefusedCase]
 pub fn verdict(patients: &Patients<'_>) -> Section {
     let mut section = Section::new("verdict", "Verdict, contradictions and warnings");
     sentences(&mut section, patients.together, patients.refused);
-    let mut counts: BTreeMap<(NoticeKind, &str), (usize, String)> = BTreeMap::new();
-    for analysis in patients.analyses {
-        let mut seen: Vec<&str> = Vec::new();
-        for warning in analysis.warnings.all() {
-            if !seen.contains(&warning.code) {
-                seen.push(warning.code);
-                let key = (warning.severity().into(), warning.code);
-                counts.entry(key).or_insert_with(|| (0, warning.text())).0 += 1;
-            }
-        }
-    }
-    let columns = vec![
-        Column::words("Severity"),
-        Column::words("Code"),
-        Column::numbers("Patients"),
-        Column::words("Example"),
-    ];
-    let mut table = Table::new("Contradictions, warnings and notes over patients", columns);
-    for ((kind, code), (patients, example)) in counts {
-        table.row(vec![kind.word().to_owned(), code.to_owned(), patients.to_string(), example]);
-    }
-    section.table(table);
+    let mut counts = WarningCounts::default();
+    patients.analyses.iter().for_each(|analysis| counts.add(analysis));
+    section.table(counts.table());
     section
 }
 
@@ -59,10 +42,10 @@ pub fn flow(patients: &Patients<'_>) -> Section {
         (step.to_string(), n)
     });
     let modelled: Vec<&Analysis> = analyses.iter().filter(|a| !a.models.is_empty()).collect();
-    let without = |code: &str| {
+    let without = |code: WarningCode| {
         analyses.iter().filter(|a| a.models.is_empty() && a.warnings.has(code)).count()
     };
-    let (no_scale, no_bend) = (without("no_scale"), without("no_bending_film"));
+    let (no_scale, no_bend) = (without(WarningCode::NoScale), without(WarningCode::NoBendingFilm));
     let other = analyses.len() - modelled.len() - no_scale - no_bend;
     let complete =
         |a: &&&Analysis| Posture::ALL.iter().all(|&posture| a.movement.film(posture).is_some());

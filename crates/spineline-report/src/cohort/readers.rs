@@ -2,21 +2,11 @@
 
 use spineline::analysis::Analysis;
 use spineline::measure::FilmReadings;
-use spineline::reliability::{
-    DesignReliability, Icc, QuantityReliability, SemKind, StatisticKind, assess, film_quantities,
-};
+use spineline::reliability::{DesignReliability, QuantityReliability, assess, film_quantities};
 
-use crate::document::{Column, Figure, Section, Table};
+use crate::document::{Figure, Section};
 use crate::figures::bland_altman;
-use crate::reliability::NOTE;
-
-/// The statistics that a reader asks for first; the rest is in the analyses and in `spineline reliability`.
-const SHOWN: [StatisticKind; 4] = [
-    StatisticKind::Sem(SemKind::Agreement),
-    StatisticKind::Mdc95(SemKind::Agreement),
-    StatisticKind::Icc(Icc::AgreementSingle),
-    StatisticKind::Pearson,
-];
+use crate::reliability::in_short;
 
 /// What is plotted: tilts between neighbours, which no turn of the film changes, and as the paper takes them.
 const PLOTTED: [&str; 2] = ["tilt_step", "tilt_as_paper"];
@@ -38,37 +28,16 @@ pub fn section(analyses: &[Analysis]) -> Section {
             .paragraph("Every film was read once: the repeatability of the readings is not known.");
         return section;
     }
-    let columns = vec![
-        Column::words("Quantity"),
-        Column::words("Design"),
-        Column::numbers("Subjects"),
-        Column::words("Statistic"),
-        Column::numbers("Value"),
-        Column::words("95 % interval"),
-        Column::words("Unit"),
-    ];
-    let mut table = Table::new("Repeatability of the readings", columns);
     let synthetic = analyses.iter().any(|analysis| analysis.synthetic);
     let mut plots: Vec<Figure> = Vec::new();
-    for quantity in film_quantities(&cases).iter().map(assess) {
+    let found: Vec<QuantityReliability> = film_quantities(&cases).iter().map(assess).collect();
+    for quantity in &found {
         for (number, design) in (1..).zip(&quantity.designs) {
-            plots.extend(plot(&quantity, (number, design), synthetic));
-            for statistic in design.statistics.iter().filter(|s| SHOWN.contains(&s.kind)) {
-                let (Some(value), interval) = statistic.shown() else { continue };
-                table.row(vec![
-                    quantity.key.replace('_', " "),
-                    design.design.to_string(),
-                    design.subjects.to_string(),
-                    statistic.kind.name().to_owned(),
-                    value,
-                    interval,
-                    if statistic.kind.has_unit() { quantity.unit.clone() } else { "1".to_owned() },
-                ]);
-            }
+            plots.extend(plot(quantity, (number, design), synthetic));
         }
     }
-    table.note = format!("{NOTE} Plots of more than 4,000 points are left out.");
-    section.table(table);
+    section.table(in_short(&found));
+    section.paragraph("`spineline reliability --full` has all statistics and designs. Plots of more than 4,000 points are left out.");
     for plot in plots {
         section.figure(plot);
     }

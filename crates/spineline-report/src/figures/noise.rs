@@ -6,7 +6,7 @@ use super::style::{BLACK, BLUE, GREEN, GREY, Ink, Marker, ORANGE, PURPLE, SKY, S
 
 /// The loading scenario of the patients of a curve.
 #[derive(Debug, Clone)]
-pub struct NoiseTruth {
+pub struct NoiseScenario {
     /// Its name.
     pub name: String,
     /// What it means, in a few words.
@@ -68,7 +68,7 @@ fn style(scenario: usize) -> (Ink, Marker) {
 /// `about` says how many patients, and from which seed.
 #[must_use]
 pub fn noise_study(
-    scenarios: &[NoiseTruth],
+    scenarios: &[NoiseScenario],
     rows: &[NoiseRow],
     about: &str,
     synthetic: bool,

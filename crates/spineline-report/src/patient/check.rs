@@ -70,5 +70,5 @@ pub fn films_table(analysis: &Analysis) -> Table {
 
 /// Warnings about the films alone; those of the fits belong to the results.
 pub fn film_warnings(analysis: &Analysis) -> impl Iterator<Item = &Warning> {
-    analysis.warnings.all().iter().filter(|warning| warning.step <= Step::Motion)
+    analysis.warnings.all().iter().filter(|warning| warning.code.step() <= Step::Motion)
 }

@@ -1,7 +1,7 @@
 //! Warnings that say the same of several films, as one notice with the range of their numbers.
 
 use spineline::anatomy::Posture;
-use spineline::warning::Warning;
+use spineline::warning::{Warning, WarningCode};
 
 use crate::document::Notice;
 
@@ -22,7 +22,7 @@ pub fn notices(warnings: &[Warning]) -> Vec<Notice> {
 /// What warnings of one group share.
 #[derive(PartialEq)]
 struct Pattern {
-    code: &'static str,
+    code: WarningCode,
     /// Level and line.
     place: String,
     is_of_film: bool,
@@ -116,7 +116,7 @@ fn parts(text: &str) -> (Vec<String>, Vec<String>) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use spineline::warning::{Step, Warnings};
+    use spineline::warning::Warnings;
 
     #[test]
     fn numbers_are_found_beside_names() {
@@ -130,14 +130,14 @@ mod tests {
         let mut warnings = Warnings::default();
         for (posture, joints) in [(Posture::LeftBending, 6), (Posture::Traction, 11)] {
             let text = format!("{joints} of 14 joints turn against the force");
-            warnings.film(Step::Personalize, "joints_contradict_line", posture, text);
+            warnings.film(WarningCode::JointsContradictLine, posture, text);
         }
         for readings in [2, 3] {
             let text = format!("{readings} readings");
-            warnings.film(Step::Measure, "twice", Posture::Traction, text);
+            warnings.film(WarningCode::ReadingsIncomplete, Posture::Traction, text);
         }
-        warnings.push(Step::Measure, "alone", "2 readings");
-        warnings.push(Step::Measure, "alone", "3 readings");
+        warnings.push(WarningCode::ObserversAlike, "2 readings");
+        warnings.push(WarningCode::ObserversAlike, "3 readings");
         let found = notices(warnings.all());
         let texts: Vec<(&str, &str)> =
             found.iter().map(|notice| (notice.place.as_str(), notice.text.as_str())).collect();

@@ -50,6 +50,21 @@ pub fn curve_sentences(analysis: &Analysis) -> Vec<String> {
     curve.lines().map(|line| format!("{line}.")).chain([chain]).chain(scales).collect()
 }
 
+/// How well the vertebrae of the erect film are measured.
+pub fn noise_words(analysis: &Analysis) -> String {
+    let outline = &analysis.movement.erect().outline;
+    let noise = outline.noise;
+    let from = match noise.tilt_degrees_of_freedom {
+        Some(_) => format!("erect film, {}", counted(outline.readings, "reading")),
+        None => "assumed, since one reading does not show it".to_owned(),
+    };
+    format!(
+        "Standard deviation of a vertebra: {} and {:.1}° ({from}).",
+        outline.scale.residual_text(noise.location_mm),
+        noise.tilt.deg()
+    )
+}
+
 /// Clinical angles of every curve on every film.
 pub fn clinical(analysis: &Analysis) -> Table {
     let mut columns = vec![

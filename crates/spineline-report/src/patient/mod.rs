@@ -21,7 +21,9 @@ use crate::hypotheses;
 
 pub use check::{check, film_warnings, films_table};
 pub(crate) use method::{options, published};
-pub use summary::{summary, warnings};
+use short::Intervals;
+pub(crate) use short::outcome;
+pub use summary::{full, summary};
 
 /// What a report is made from.
 #[derive(Debug, Clone, Copy)]
@@ -46,7 +48,7 @@ pub struct Patient<'a> {
 #[must_use]
 pub fn report(patient: &Patient<'_>) -> Document {
     let analysis = patient.analysis;
-    let mut sections = vec![short::short(analysis), verdict(analysis)];
+    let mut sections = vec![short::short(analysis, Intervals::of(patient)), verdict(analysis)];
     sections.push(measured::films(patient));
     sections.extend(space::both_films(analysis));
     sections.extend(space::axial(analysis));
@@ -124,4 +126,16 @@ fn verdict(analysis: &Analysis) -> Section {
         section.notice(notice);
     }
     section
+}
+
+/// The films that may not show what they are named after, each once.
+pub(crate) fn doubted_films(analysis: &Analysis) -> Vec<String> {
+    let mut films: Vec<String> = Vec::new();
+    for warning in analysis.film_doubts() {
+        let film = warning.posture.map_or_else(|| "lateral".to_owned(), |p| p.to_string());
+        if !films.contains(&film) {
+            films.push(film);
+        }
+    }
+    films
 }

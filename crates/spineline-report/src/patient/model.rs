@@ -155,7 +155,7 @@ fn multipliers(patient: &Patient<'_>) -> Table {
     table
 }
 
-fn noise_interval(
+pub fn noise_interval(
     found: &Uncertainty,
     model: &LineModel,
     group: usize,
@@ -323,21 +323,19 @@ pub fn by_line(found: &LinesCompared) -> Table {
                 format!("{films} of {all}"),
                 format!("{mm:.2}"),
                 none(),
-                taken(baseline).to_owned(),
+                format!("{} per film", taken(baseline)),
             ]);
         }
     }
     table
 }
 
-/// What a prediction without mechanics takes from the film: the size of a pattern, or the coordinates and the tilt of T2.
-const fn taken(baseline: Baseline) -> &'static str {
+/// How many numbers a prediction without mechanics takes from the film: the size of a pattern, or the coordinates and the tilt of T2.
+pub const fn taken(baseline: Baseline) -> usize {
     match baseline {
-        Baseline::MirroredBend | Baseline::PublishedMobility | Baseline::OtherPatients => {
-            "1 per film"
-        }
-        Baseline::RotationPrior => "2 per film",
-        Baseline::RotationPriorWithTilt => "3 per film",
+        Baseline::MirroredBend | Baseline::PublishedMobility | Baseline::OtherPatients => 1,
+        Baseline::RotationPrior => 2,
+        Baseline::RotationPriorWithTilt => 3,
     }
 }
 

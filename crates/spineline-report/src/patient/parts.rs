@@ -3,6 +3,7 @@
 use spineline::analysis::Analysis;
 use spineline::personalize::Identifiability;
 
+use super::short::Intervals;
 use super::{measured, model, short, space, uncertainty};
 use crate::document::Section;
 use crate::hypotheses;
@@ -10,7 +11,11 @@ use crate::hypotheses;
 /// The lines of action beside predictions without mechanics, and the line of best fit of every film.
 #[must_use]
 pub fn lines(analysis: &Analysis) -> Vec<Section> {
-    vec![short::short(analysis), model::comparison(analysis), measured::line(analysis)]
+    vec![
+        short::short(analysis, Intervals::default()),
+        model::comparison(analysis),
+        measured::line(analysis),
+    ]
 }
 
 /// Both films together, as far as there is a lateral one, and axial rotations, as far as pedicles are marked.

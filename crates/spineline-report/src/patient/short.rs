@@ -1,21 +1,38 @@
-//! The first page: what a reader in a hurry takes away.
+//! The first page: which line, how sure, how stiff, what next.
 
-use spineline::analysis::{Analysis, FilmRole, Identification, LineModel};
+use spineline::action::LineKind;
+use spineline::analysis::{Analysis, FilmRole, LineModel};
 use spineline::evaluate::Baseline;
+use spineline::personalize::{Identifiability, StiffnessBound, TestOutcome};
+use spineline::uncertainty::Uncertainty;
 
+use super::model::{noise_interval, taken};
+use super::{Patient, measured, uncertainty};
 use crate::document::{Column, Figure, Section, Table};
 use crate::figures;
-use crate::phrases::{none, sentence_case};
+use crate::phrases::{no_model, none, sentence_case};
 
-/// Three sentences, a picture and a table.
-pub fn short(analysis: &Analysis) -> Section {
-    let mut section = Section::new("short", "In short");
-    for sentence in analysis.headline() {
-        section.paragraph(sentence);
+/// Multipliers that are shown one by one; of more, the smallest and the largest.
+const MOST_MULTIPLIERS: usize = 4;
+
+/// What intervals of multipliers are taken from, where they were asked for.
+#[derive(Clone, Copy, Default)]
+pub struct Intervals<'a> {
+    identifiability: Option<&'a [Option<Identifiability>]>,
+    uncertainty: Option<&'a Uncertainty>,
+}
+
+impl<'a> Intervals<'a> {
+    pub const fn of(patient: &Patient<'a>) -> Self {
+        let Patient { identifiability, uncertainty, .. } = *patient;
+        Self { identifiability, uncertainty }
     }
-    if !analysis.comparison().lines.is_empty() {
-        section.table(table(analysis));
-    }
+}
+
+/// Answers, a table and a picture.
+pub fn short(analysis: &Analysis, intervals: Intervals<'_>) -> Section {
+    let mut section = answers(analysis, intervals);
+    section.table(table(analysis));
     if let Some(svg) = figures::predictions(analysis) {
         let caption = "The line with the smallest error, and the best prediction without mechanics, on films that were not fitted.";
         section.figure(Figure::new("predictions", caption, svg));
@@ -23,27 +40,133 @@ pub fn short(analysis: &Analysis) -> Section {
     section
 }
 
-/// Errors of every line beside those without mechanics.
+/// The same for a terminal: without the picture, and with the options and commands that follow.
+pub fn on_terminal(patient: &Patient<'_>) -> Section {
+    let mut section = answers(patient.analysis, Intervals::of(patient));
+    section.title = String::new();
+    section.paragraph(format!("What next? {}", next(patient)));
+    section.table(table(patient.analysis));
+    section
+}
+
+fn answers(analysis: &Analysis, intervals: Intervals<'_>) -> Section {
+    let mut section = Section::new("short", "In short");
+    let headline = analysis.headline();
+    section.paragraph(format!("Which curve? {}", curve(analysis)));
+    section.paragraph(format!("Which line? {}", headline.line));
+    let noise = measured::noise_words(analysis);
+    section.paragraph(format!("How sure? {}", joined([headline.prediction, Some(noise)])));
+    let chosen = analysis.models.iter().find(|model| Some(model.kind) == headline.kind);
+    if let Some(model) = chosen {
+        let values = multipliers(analysis, model, intervals);
+        section.paragraph(format!("How stiff? {}", joined([headline.stiffness, Some(values)])));
+    }
+    section
+}
+
+fn joined<const N: usize>(sentences: [Option<String>; N]) -> String {
+    sentences.into_iter().flatten().collect::<Vec<_>>().join(" ")
+}
+
+/// The main curve of the erect film and its inflections.
+fn curve(analysis: &Analysis) -> String {
+    let main = analysis.movement.main_curve().map(|curve| {
+        let name = if curve.has_cobb() { "Cobb angle" } else { "tilt range" };
+        let side = curve.convex.map_or_else(String::new, |side| format!(" to the {side}"));
+        let (ends, apex) = (curve.ends, curve.apex);
+        format!(
+            "The {} curve has a {name} of {:.0}°{side} ({}–{}, apex {apex}).",
+            curve.region,
+            curve.erect_size().abs().deg(),
+            ends.superior,
+            ends.inferior,
+        )
+    });
+    let place = |pair: &[spineline::curve::Inflection; 2]| {
+        let [a, b] = pair.map(|one| format!("{}/{}", one.between.0, one.between.1));
+        format!("Inflections: {a} and {b}.")
+    };
+    let inflections = analysis.movement.inflections.pair.as_ref().map(place);
+    joined([main, inflections, Some(format!("{}.", analysis.lenke_words()))])
+}
+
+/// The multipliers of a model, each with its interval where one was asked for.
+fn multipliers(analysis: &Analysis, model: &LineModel, intervals: Intervals<'_>) -> String {
+    let scale = model.fit.absolute_scale;
+    let values: Vec<f64> = model.multipliers().map(|value| value * scale).collect();
+    if values.len() > MOST_MULTIPLIERS {
+        let [low, high] = [f64::min, f64::max].map(|of| values.iter().copied().reduce(of));
+        let ends = low.zip(high).map(|(low, high)| format!("{low:.2} to {high:.2}"));
+        return format!(
+            "Times the table: {} over {} joints.",
+            ends.unwrap_or_default(),
+            values.len()
+        );
+    }
+    let one = |(group, (name, value)): (usize, (String, f64))| {
+        let interval = match model.fit.bounds[group] {
+            StiffnessBound::Inside => interval(analysis, model, group, intervals),
+            _ => Some("at its bound".to_owned()),
+        };
+        let interval = interval.map_or_else(String::new, |text| format!(" ({text})"));
+        format!("{} {value:.2}{interval}", name.replace('_', " "))
+    };
+    let all = model.groups.names().iter().cloned().zip(values).enumerate().map(one);
+    format!("Times the table: {}.", all.collect::<Vec<_>>().join(", "))
+}
+
+/// The 95 % interval of a multiplier: over replicates, or else by the films, if the model is exact.
+fn interval(
+    analysis: &Analysis,
+    model: &LineModel,
+    group: usize,
+    intervals: Intervals<'_>,
+) -> Option<String> {
+    let scale = model.fit.absolute_scale;
+    let noise = intervals.uncertainty.and_then(|found| noise_interval(found, model, group, scale));
+    noise.or_else(|| {
+        let place = analysis.models.iter().position(|other| other.kind == model.kind)?;
+        let found = intervals.identifiability?[place].as_ref()?;
+        Some(uncertainty::interval(&found.multipliers[group], scale))
+    })
+}
+
+/// What a user may do now.
+fn next(patient: &Patient<'_>) -> String {
+    let analysis = patient.analysis;
+    if analysis.models.is_empty() {
+        return no_model(analysis);
+    }
+    let doubted = analysis.has_doubted_film().then(|| {
+        let films: Vec<String> = super::doubted_films(analysis);
+        format!("Compare these films with the patient's records: {}.", films.join(", "))
+    });
+    let asked = patient.uncertainty.is_some() || patient.identifiability.is_some();
+    let intervals = (!asked).then(|| "Intervals: --replicates 1000 --identifiability.".to_owned());
+    let more = "All tables: --full. Pictures: spineline report. The model as a file: --model.";
+    joined([doubted, intervals, Some(more.to_owned())])
+}
+
+/// What the bends say of every line, and its errors beside those without mechanics.
 fn table(analysis: &Analysis) -> Table {
     let compared = analysis.comparison();
     let columns = vec![
         Column::words("Prediction"),
+        Column::words("Bends"),
         Column::numbers("Left-out bends (mm)"),
         Column::numbers("Neutral, traction (mm)"),
-        Column::numbers("Fitted bends (mm)"),
-        Column::words("Counter-rotating joints per bend"),
-        Column::words("Stiffness values identified"),
+        Column::words("Numbers from each film"),
     ];
-    let mut table = Table::new("Mean location errors", columns);
+    let mut table = Table::new("Mean location errors on films that were not fitted", columns);
     let mm = |mm: Option<f64>| mm.map_or_else(none, |mm| format!("{mm:.1}"));
-    let roles = [FilmRole::LeftOutBend, FilmRole::HeldOut, FilmRole::Fitted];
+    let roles = [FilmRole::LeftOutBend, FilmRole::HeldOut];
     for (i, line) in compared.lines.iter().enumerate() {
         let Some(model) = analysis.models.iter().find(|model| model.kind == line.kind) else {
             continue;
         };
-        let mut row = vec![sentence_case(&line.kind.to_string())];
+        let mut row = vec![sentence_case(&line.kind.to_string()), outcome(analysis, model)];
         row.extend(roles.map(|role| mm(compared.errors(i, role).map(|found| found.location_mm))));
-        row.extend([counter_rotating(model), identified(analysis, model)]);
+        row.push(line.numbers.per_predicted_film.to_string());
         table.row(row);
     }
     for baseline in Baseline::ALL {
@@ -51,29 +174,23 @@ fn table(analysis: &Analysis) -> Table {
         if errors.iter().all(Option::is_none) {
             continue;
         }
-        let mut row = vec![format!("Without mechanics: {baseline}")];
+        let mut row = vec![format!("* {baseline}"), none()];
         row.extend(errors.map(mm));
-        row.extend([none(), none()]);
+        row.push(taken(baseline).to_string());
         table.row(row);
     }
-    table.note = "Only errors on films that were not fitted are evidence for a line. The estimated line takes two more numbers from each of these films.".to_owned();
+    table.note =
+        "Bends: how they test a single force along the line. * predicted without mechanics"
+            .to_owned();
     table
 }
 
-/// Counter-rotating joints of the fitted bends, such as `6, 8 of 14`.
-fn counter_rotating(model: &LineModel) -> String {
-    let bends = || model.postures.iter().filter(|s| s.fitted && s.is_usable());
-    let counts: Vec<String> = bends().map(|s| s.contradicted.len().to_string()).collect();
-    match bends().next() {
-        Some(first) => format!("{} of {}", counts.join(", "), first.joints()),
-        None => none(),
+/// How the bends test a line. A line that is fitted to them cannot be tested by them, and doubted films keep no line.
+pub fn outcome(analysis: &Analysis, model: &LineModel) -> String {
+    let found = analysis.compatibility(model).outcome();
+    match found {
+        _ if model.kind == LineKind::Estimated => TestOutcome::NotTested.to_string(),
+        TestOutcome::Kept if analysis.has_doubted_film() => "film in doubt".to_owned(),
+        _ => found.to_string(),
     }
-}
-
-fn identified(analysis: &Analysis, model: &LineModel) -> String {
-    let verdicts = model.verdicts(analysis);
-    let known = verdicts.iter().filter(|verdict| {
-        matches!(verdict.identification, Identification::Absolute | Identification::RatioOnly)
-    });
-    format!("{} of {}", known.count(), verdicts.len())
 }

@@ -1,19 +1,27 @@
-//! One patient in about a page: what a terminal shows.
+//! One patient as a terminal shows it: the answers on one screen, and all numbers behind them.
 
 use spineline::analysis::Analysis;
 
+use super::short::on_terminal;
 use super::{Patient, measured, model, sentences, space, uncertainty};
-use crate::document::{Column, Document, Notice, Section, Table};
+use crate::document::{Column, Document, Section, Table};
 use crate::hypotheses;
 
 // The notes of the report, each short enough for one line.
 const ERRORS: &str = "Ferguson errors: caudal region first. Counter-rotating: against the force.";
 const NUMBERS: &str = "Numbers fitted: multipliers + forces + free line. A bend left out: stiffness fitted to the other bend.";
 
-/// The numbers of the report in about a page, the verdict first, without figures. The parts that every analysis has bear no
-/// titles, since their tables' captions name them. The warnings are in [`warnings`], since a program prints them elsewhere.
+/// Which line, how sure, how stiff, what next: at most 25 lines of 100 columns. A program prints the warnings elsewhere
+/// ([`crate::WarningCounts`]).
 #[must_use]
 pub fn summary(patient: &Patient<'_>) -> Document {
+    document(patient, vec![on_terminal(patient)])
+}
+
+/// The summary, then the numbers of the report without figures. The parts that every analysis has bear no titles, since their tables'
+/// captions name them.
+#[must_use]
+pub fn full(patient: &Patient<'_>) -> Document {
     let analysis = patient.analysis;
     let compared = analysis.comparison();
     let mut verdict = Section::new("verdict", "");
@@ -27,7 +35,7 @@ pub fn summary(patient: &Patient<'_>) -> Document {
     let mut comparison = Section::new("comparison", "");
     let note = [NUMBERS, model::other_data(compared)].join(" ").trim_end().to_owned();
     comparison.table(Table { note, ..model::by_line(compared) });
-    let mut sections = vec![verdict, films(analysis)];
+    let mut sections = vec![on_terminal(patient), verdict, films(analysis)];
     sections.extend(space::both_films(analysis));
     sections.extend(space::axial(analysis));
     sections.extend([line, errors, stiffness, comparison]);
@@ -40,9 +48,13 @@ pub fn summary(patient: &Patient<'_>) -> Document {
     }
     sections.extend(patient.uncertainty.map(|found| uncertainty::numbers(analysis, found)));
     sections.retain(|section| !section.blocks.is_empty());
+    document(patient, sections)
+}
+
+fn document(patient: &Patient<'_>, sections: Vec<Section>) -> Document {
     Document {
         title: "Patient".to_owned(),
-        subject: subject(analysis),
+        subject: subject(patient.analysis),
         generator: patient.generator.to_owned(),
         banners: Vec::new(),
         sections,
@@ -98,15 +110,4 @@ fn all_errors(analysis: &Analysis) -> Table {
     let [lowest, top] = [levels[1], levels[levels.len() - 1]];
     all.note = format!("Location errors: {lowest} to {top}. {ERRORS}");
     all
-}
-
-/// Contradictions, warnings and notes of one patient in the order of the analysis, each with the case in front of its place.
-#[must_use]
-pub fn warnings(analysis: &Analysis) -> Vec<Notice> {
-    let with_case = |notice: Notice| {
-        let place = [analysis.case_id.as_str(), &notice.place];
-        let place: Vec<&str> = place.into_iter().filter(|part| !part.is_empty()).collect();
-        Notice { place: place.join(", "), ..notice }
-    };
-    analysis.warnings.all().iter().map(|warning| with_case(warning.into())).collect()
 }

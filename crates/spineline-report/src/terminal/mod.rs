@@ -8,14 +8,16 @@ mod table;
 use unicode_width::UnicodeWidthStr;
 
 use crate::document::{Block, Document, Notice, Section};
+use crate::number::NO_BREAK;
 
 pub use lines::{Lines, shown};
 pub use table::table;
+pub(crate) use table::{Parts, parts};
 
 use lines::is_hidden;
 
-/// Columns of a terminal that programs lay text out for, unless they know better.
-pub const WIDTH: usize = 110;
+/// Columns of text that goes to no terminal.
+pub const WIDTH: usize = 100;
 /// Lines after the first one of a paragraph begin with it.
 const HANGING: &str = "  ";
 
@@ -95,7 +97,7 @@ fn hanging(text: &str, width: usize) -> String {
 /// Text as text: what is hidden is left out, and all of it is one line.
 fn plain(text: &str) -> String {
     let mut plain = String::with_capacity(text.len());
-    for word in text.split_whitespace() {
+    for word in words(text) {
         let end = plain.len();
         plain.extend(word.chars().filter(|&c| !is_hidden(c)));
         if end > 0 && plain.len() > end {
@@ -105,12 +107,18 @@ fn plain(text: &str) -> String {
     plain
 }
 
+/// The words of a text. A number and its unit are one word.
+fn words(text: &str) -> impl Iterator<Item = &str> {
+    let ends = |c: char| c.is_whitespace() && c != NO_BREAK;
+    text.split(ends).filter(|word| !word.is_empty())
+}
+
 /// Breaks plain text into lines of at most so many columns; never none. A longer word has a line of its own. The heads of
-/// narrow columns may break after hyphens too.
+/// narrow columns may break after hyphens too. A blank that joins two words is an ordinary one in the lines.
 fn wrapped(text: &str, width: usize, at_hyphens: bool) -> Vec<String> {
     let mut lines = vec![String::new()];
     let mut columns = 0;
-    for word in text.split_whitespace() {
+    for word in words(text) {
         let pieces = if at_hyphens { word.split_inclusive('-').collect() } else { vec![word] };
         for (place, piece) in pieces.into_iter().enumerate() {
             let line = lines.last_mut().expect("never empty");
@@ -126,7 +134,7 @@ fn wrapped(text: &str, width: usize, at_hyphens: bool) -> Vec<String> {
             }
         }
     }
-    lines
+    lines.iter().map(|line| line.replace(NO_BREAK, " ")).collect()
 }
 
 #[cfg(test)]
@@ -150,6 +158,12 @@ mod tests {
         assert_eq!(wrapped("", 10, false), [""]);
         assert_eq!(wrapped("a verylongword b", 4, false), ["a", "verylongword", "b"]);
         assert_eq!(wrapped("Counter-rotating joints", 8, true), ["Counter-", "rotating", "joints"]);
+    }
+
+    #[test]
+    fn a_unit_stays_on_the_line_of_its_number() {
+        let text = format!("errors of {} on bends", crate::number::with_unit("12.1", "mm"));
+        assert_eq!(wrapped(&plain(&text), 16, false), ["errors of", "12.1 mm on bends"]);
     }
 
     #[test]

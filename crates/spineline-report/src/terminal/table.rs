@@ -3,7 +3,7 @@
 
 use unicode_width::UnicodeWidthStr;
 
-use super::{HANGING, plain, wrapped};
+use super::{HANGING, plain, words, wrapped};
 use crate::document::Table;
 
 /// Between two columns.
@@ -13,27 +13,44 @@ const GAP: &str = "  ";
 /// the width; numbers never are. Blanks at the start of a cell stay, and so does its row's place in the order.
 #[must_use]
 pub fn table(table: &Table, width: usize) -> String {
+    let Parts { head, rows, note } = parts(table, width);
+    [head, rows.concat(), note].concat()
+}
+
+/// The lines of a table.
+pub(crate) struct Parts {
+    /// Caption, heads and rule.
+    pub(crate) head: String,
+    /// The lines of each row.
+    pub(crate) rows: Vec<String>,
+    /// The note.
+    pub(crate) note: String,
+}
+
+/// The lines of a table, between which other lines may stand.
+pub(crate) fn parts(table: &Table, width: usize) -> Parts {
     let heads: Vec<String> = table.columns.iter().map(|column| plain(&column.head)).collect();
     let rows: Vec<Vec<String>> =
         table.rows.iter().map(|row| row.iter().map(|cell| indented(cell)).collect()).collect();
     let numeric: Vec<bool> = table.columns.iter().map(|column| column.numeric).collect();
     let gaps = GAP.len() * heads.len().saturating_sub(1);
     let widths = widths(&heads, &rows, &numeric, width.saturating_sub(gaps));
-    let mut text = String::new();
+    let mut head = String::new();
     if !table.caption.is_empty() {
-        text.push_str(&super::hanging(&table.caption, width));
+        head.push_str(&super::hanging(&table.caption, width));
     }
-    text.push_str(&head_lines(&heads, &widths, &numeric));
-    text.push_str(&"─".repeat(widths.iter().sum::<usize>() + gaps));
-    text.push('\n');
-    for row in &rows {
+    head.push_str(&head_lines(&heads, &widths, &numeric));
+    head.push_str(&"─".repeat(widths.iter().sum::<usize>() + gaps));
+    head.push('\n');
+    let row = |row: &Vec<String>| {
         let cells = row.iter().zip(&widths).map(|(cell, &width)| cell_lines(cell, width)).collect();
-        text.push_str(&lines(cells, &widths, &numeric));
-    }
+        lines(cells, &widths, &numeric)
+    };
+    let mut note = String::new();
     if !table.note.is_empty() {
-        text.push_str(&super::paragraph(&table.note, width.saturating_sub(HANGING.len()), HANGING));
+        note = super::paragraph(&table.note, width.saturating_sub(HANGING.len()), HANGING);
     }
-    text
+    Parts { head, rows: rows.iter().map(row).collect(), note }
 }
 
 /// A cell as plain text with the blanks at its start, which indent names of rows.
@@ -86,7 +103,7 @@ fn narrowest(head: &str) -> usize {
 
 fn longest_word(cell: &str) -> usize {
     let blanks = cell.len() - cell.trim_start().len();
-    blanks + cell.split_whitespace().map(str::width).max().unwrap_or(0)
+    blanks + words(cell).map(str::width).max().unwrap_or(0)
 }
 
 /// A cell in lines; those after the first one begin below its first word.

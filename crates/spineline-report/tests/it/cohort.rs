@@ -8,8 +8,8 @@ use spineline::anatomy::{Level, Posture};
 use spineline::cohort::{Cohort, CohortPatient};
 use spineline::measure::FilmLandmarks;
 use spineline::multibody::MatchStatus;
-use spineline_phantom::{Readers, Truth, generate};
-use spineline_report::cohort::{self, PatientRow};
+use spineline_phantom::{Readers, Scenario, generate};
+use spineline_report::cohort::{self, PatientRow, Rows};
 use spineline_report::document::{Block, Table};
 use spineline_report::{Document, figures, html};
 
@@ -19,7 +19,7 @@ use crate::terminal::{case, tables};
 /// A phantom of which some films are kept.
 fn analysis(subject: usize, films: &[Posture]) -> Analysis {
     let readers = Readers::exact();
-    let mut case = generate(subject, Truth::Rod, &readers, 1).expect("a subject").case;
+    let mut case = generate(subject, Scenario::Rod, &readers, 1).expect("a subject").case;
     case.films.retain(|film| films.contains(&film.posture));
     analyzed(&case)
 }
@@ -83,7 +83,7 @@ fn a_film_that_is_left_out_is_named_with_line_and_reason() {
 
 #[test]
 fn a_doubted_film_and_a_shorter_chain_are_named() {
-    let mut case = generate(1, Truth::Rod, &Readers::exact(), 1).expect("a subject").case;
+    let mut case = generate(1, Scenario::Rod, &Readers::exact(), 1).expect("a subject").case;
     let landmarks = case.films[0].landmarks.clone();
     assert_eq!(case.films[0].posture, Posture::Erect);
     let left = case.films.iter_mut().find(|film| film.posture == Posture::LeftBending);
@@ -171,7 +171,7 @@ fn a_kind_of_film_without_results_says_so_in_place_of_an_empty_panel() {
 
 #[test]
 fn figures_of_a_shorter_chain_name_its_own_base() {
-    let mut case = generate(0, Truth::Rod, &Readers::exact(), 1).expect("a subject").case;
+    let mut case = generate(0, Scenario::Rod, &Readers::exact(), 1).expect("a subject").case;
     for film in &mut case.films {
         let FilmLandmarks::Corners { readings, .. } = &mut film.landmarks else {
             panic!("phantoms have corners")
@@ -203,13 +203,18 @@ fn figures_of_a_shorter_chain_name_its_own_base() {
 
 #[test]
 fn a_large_cohort_shows_its_first_patients_and_counts_all() {
-    let analysis = analyzed(&case(0, Truth::Pull));
+    let analysis = analyzed(&case(0, Scenario::Pull));
     let patient = CohortPatient::of(&analysis);
     let all = PatientRow::MAX_SHOWN + 1;
     for (patients, is_cut) in [(all - 1, false), (all, true)] {
         let together = Cohort::of(&vec![patient.clone(); patients], 1);
         let rows = vec![PatientRow::of(&analysis); patients];
-        let document = cohort::summary(&rows, &together, &[], "spineline test");
+        let document = cohort::full(&Rows {
+            patients: &rows,
+            together: &together,
+            refused: &[],
+            generator: "spineline test",
+        });
         let table = tables(&document)
             .into_iter()
             .find(|t| t.caption.contains("Mean location"))
@@ -223,7 +228,7 @@ fn a_large_cohort_shows_its_first_patients_and_counts_all() {
 
 #[test]
 fn films_without_a_result_are_shown_of_the_first_patients() {
-    let whole = analyzed(&case(0, Truth::Pull));
+    let whole = analyzed(&case(0, Scenario::Pull));
     // Changed before anything is asked of it: an analysis keeps its comparison.
     let mut without = whole.clone();
     without.models.retain(|model| model.kind != LineKind::Inflection);
@@ -235,7 +240,12 @@ fn films_without_a_result_are_shown_of_the_first_patients() {
         });
         let together = Cohort::of(&patients, 1);
         let row = [PatientRow::of(&whole)];
-        let document = cohort::summary(&row, &together, &[], "spineline test");
+        let document = cohort::full(&Rows {
+            patients: &row,
+            together: &together,
+            refused: &[],
+            generator: "spineline test",
+        });
         let table =
             tables(&document).into_iter().find(|t| t.caption.contains("no result")).expect("films");
         assert_eq!(table.note.contains("The first 200 of 201 patients"), is_cut, "{}", table.note);

@@ -2,7 +2,7 @@
 
 use spineline::analysis::Case;
 use spineline::anatomy::Posture;
-use spineline_phantom::{Readers, Truth, generate};
+use spineline_phantom::{Readers, Scenario, generate};
 use spineline_report::document::{Column, Section, Table};
 use spineline_report::{Document, figures, html};
 
@@ -12,7 +12,7 @@ use crate::common::{analyzed, report};
 const PAGE_PX: f64 = 900.0;
 
 fn case(films: &[Posture]) -> Case {
-    let mut case = generate(1, Truth::Rod, &Readers::exact(), 1).expect("a subject").case;
+    let mut case = generate(1, Scenario::Rod, &Readers::exact(), 1).expect("a subject").case;
     case.films.retain(|film| films.contains(&film.posture));
     case
 }

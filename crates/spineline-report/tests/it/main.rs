@@ -7,4 +7,5 @@ mod layout;
 mod loaded;
 mod reports;
 mod scale;
+mod short;
 mod terminal;

@@ -6,7 +6,9 @@ use spineline::cohort::{RefusalStep, RefusedCase};
 use spineline::evaluate::Baseline;
 use spineline::measure::{FilmLengthRule, TiltRule};
 use spineline::multibody::Support;
-use spineline_phantom::{Readers, SagittalShape, SpaceSetup, Truth, generate, generate_in_space};
+use spineline_phantom::{
+    Readers, SagittalShape, Scenario, SpaceSetup, generate, generate_in_space,
+};
 use spineline_report::document::{Block, NoticeKind, Section, Table};
 use spineline_report::{Document, embedded, html, markdown, patient, png};
 
@@ -26,7 +28,7 @@ const JSON: &str =
 
 fn case(subject: usize) -> Case {
     let readers = Readers::scaled(1.0);
-    generate(subject, Truth::Rod, &readers, 1).expect("a subject of table 1").case
+    generate(subject, Scenario::Rod, &readers, 1).expect("a subject of table 1").case
 }
 
 fn document(case: &Case) -> Document {
@@ -65,23 +67,21 @@ fn page_one_sets_every_line_beside_predictions_without_mechanics() {
         .iter()
         .filter_map(|block| if let Block::Paragraph(text) = block { Some(text) } else { None })
         .collect();
-    assert_eq!(sentences.len(), 3, "{sentences:?}");
+    assert_eq!(sentences.len(), 4, "{sentences:?}");
     // A rod obeys the paper's line and no other.
-    assert!(sentences[0].contains("reject a single force along the iliac line"));
-    assert!(sentences[0].contains("keep one along the inflection line"));
-    assert!(
-        sentences[1].starts_with("The inflection line predicts bends left out of the fit best")
-    );
-    assert!(sentences[2].starts_with("With the inflection line, all 3"));
+    assert!(sentences[1].contains("reject a single force along the iliac line"));
+    assert!(sentences[1].contains("keep one along the inflection line"));
+    assert!(sentences[2].contains("The inflection line predicts bends left out of the fit best"));
+    assert!(sentences[3].contains("With the inflection line, all 3"));
     let table = tables(short)[0];
     assert_eq!(table.rows.len(), compared.lines.len() + 3);
     for (i, row) in table.rows.iter().enumerate().take(compared.lines.len()) {
         let errors = compared.errors(i, FilmRole::LeftOutBend).expect("two bends");
-        assert_eq!(row[1], format!("{:.1}", errors.location_mm));
+        assert_eq!(row[2], format!("{:.1}", errors.location_mm));
     }
     let mirrored = compared.baseline_errors(Baseline::MirroredBend, FilmRole::LeftOutBend);
-    let rows = table.rows.iter().filter(|row| row[0].starts_with("Without mechanics"));
-    assert!(rows.clone().any(|row| row[1] == format!("{:.1}", mirrored.expect("two bends").1)));
+    let rows = table.rows.iter().filter(|row| row[0].starts_with("* "));
+    assert!(rows.clone().any(|row| row[2] == format!("{:.1}", mirrored.expect("two bends").1)));
     assert!(short.blocks.iter().any(|block| matches!(block, Block::Figure(_))));
 }
 
@@ -422,6 +422,7 @@ fn a_cohort_report_has_every_section_and_counts_excluded_patients() {
     assert_eq!(
         ids,
         [
+            "short",
             "verdict",
             "flow",
             "patients",

@@ -3,7 +3,7 @@
 use spineline::analysis::Case;
 use spineline::anatomy::Posture;
 use spineline::measure::FilmLandmarks;
-use spineline_phantom::{Readers, Truth, generate};
+use spineline_phantom::{Readers, Scenario, generate};
 use spineline_report::document::{Block, Section};
 use spineline_report::figures::{case_overview, line_identification, spine_in_space};
 use spineline_report::html;
@@ -12,7 +12,7 @@ use crate::common::{analyzed, report, section};
 
 /// A phantom whose films of some postures have no spacing.
 fn case(without: &[Posture]) -> Case {
-    let mut case = generate(0, Truth::Rod, &Readers::exact(), 1).expect("a subject").case;
+    let mut case = generate(0, Scenario::Rod, &Readers::exact(), 1).expect("a subject").case;
     for film in case.films.iter_mut().filter(|film| without.contains(&film.posture)) {
         let FilmLandmarks::Corners { image, .. } = &mut film.landmarks else { panic!("corners") };
         image.spacing = None;

@@ -7,8 +7,8 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use axum::body::Bytes;
 use axum::http::StatusCode;
-use spineline::measure::judge_spacing;
 use spineline_films::{FilmFile, FilmKind};
+use spineline_marking::judge_spacing;
 use spineline_store::{Hash, Thumbnails};
 use tokio::sync::{Semaphore, SemaphorePermit};
 

@@ -5,6 +5,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use axum::http::StatusCode;
 use spineline::measure::Spacing;
+use spineline::warning::WarningCode;
 use spineline_films::{FilmKind, Stated};
 use spineline_store::{Name, Timestamp};
 
@@ -145,7 +146,7 @@ impl Uploads {
             ("picture_repeated", "another uploaded file holds the same picture")
         } else if uploads.iter().any(|o| o.instance.is_some() && o.instance == new.instance) {
             let text = "another uploaded film has the same SOP Instance UID but different pixels: one was changed without a new identifier";
-            ("identifier_repeated", text)
+            (WarningCode::IdentifierRepeated.key(), text)
         } else {
             return None;
         };

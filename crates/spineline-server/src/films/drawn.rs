@@ -2,8 +2,9 @@
 
 use axum::extract::State;
 use axum::http::StatusCode;
-use spineline::measure::{DrawnFault, DrawnLine, ImageGeometry, SpacingPlane};
+use spineline::measure::{ImageGeometry, SpacingPlane};
 use spineline::spatial::Pixel;
+use spineline_marking::{DrawnFault, DrawnLine};
 use spineline_store::FilmId;
 use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
@@ -34,14 +35,13 @@ async fn drawn(
     Ok(Json(match request {
         DrawnRequest::Length { from_px, to_px } => length(&image, &line(from_px, to_px))?,
         DrawnRequest::Angle { first_from_px, first_to_px, second_from_px, second_to_px } => {
-            let lines = [line(first_from_px, first_to_px), line(second_from_px, second_to_px)];
-            angle(&image, &lines)?
+            angle(&image, &line(first_from_px, first_to_px), &line(second_from_px, second_to_px))?
         }
     }))
 }
 
 fn length(image: &ImageGeometry, line: &DrawnLine) -> Answer<DrawnView> {
-    let length = image.drawn_length(line).map_err(refused)?;
+    let length = line.length(image).map_err(refused)?;
     let note = match length.scale.plane {
         SpacingPlane::Pixels => "this film has no scale: no millimetres".to_owned(),
         SpacingPlane::Detector => format!("{}: larger than in the patient", length.scale),
@@ -50,8 +50,8 @@ fn length(image: &ImageGeometry, line: &DrawnLine) -> Answer<DrawnView> {
     Ok(DrawnView { text: length.text(), note })
 }
 
-fn angle(image: &ImageGeometry, lines: &[DrawnLine; 2]) -> Answer<DrawnView> {
-    let angle = image.drawn_angle(lines).map_err(refused)?;
+fn angle(image: &ImageGeometry, first: &DrawnLine, second: &DrawnLine) -> Answer<DrawnView> {
+    let angle = first.angle_to(second, image).map_err(refused)?;
     let note = match image.spacing {
         Some(_) => "the smaller angle between the lines",
         None => "the smaller angle between the lines, with pixels taken as square",

@@ -8,8 +8,10 @@ use axum::extract::{DefaultBodyLimit, FromRequest, Request, State};
 use axum::http::StatusCode;
 use axum::response::Response;
 use spineline::anatomy::{FilmView, Posture};
-use spineline::measure::{Spacing, Stance, View, judge_spacing, judge_view};
+use spineline::measure::Spacing;
+use spineline::warning::WarningCode;
 use spineline_films::{FilmFile, FilmLimits, FilmRemark, Stated, spacing_question};
+use spineline_marking::{Stance, View, judge_spacing, judge_view};
 use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
 
@@ -178,7 +180,7 @@ fn look(film: &FilmFile, bytes: Vec<u8>) -> (Upload, UploadView) {
 fn code(remark: &FilmRemark) -> &'static str {
     match remark {
         FilmRemark::BurnedIn | FilmRemark::BurnedInUnknown => "burned_in_text",
-        FilmRemark::OtherBodyPart { .. } => "other_body_part",
+        FilmRemark::OtherBodyPart { .. } => WarningCode::OtherBodyPart.key(),
         FilmRemark::PairReadAs { .. }
         | FilmRemark::PairUnreadable { .. }
         | FilmRemark::UnequalResolution(_) => "spacing_remark",

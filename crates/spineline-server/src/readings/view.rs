@@ -3,10 +3,9 @@
 use std::collections::BTreeMap;
 
 use spineline::anatomy::{FilmView, Level, Side};
-use spineline::measure::{
-    CornerName, ImageGeometry, NextLandmark, PartialLandmarks, PartialReading, ProposedVertebra,
-};
+use spineline::measure::{CornerName, ImageGeometry};
 use spineline::spatial::{Angle, Pixel};
+use spineline_marking::{NextLandmark, PartialLandmarks, PartialReading, ProposedVertebra};
 use spineline_store::{Corner, CornerOrigin, Event, PatientSide, ReadingState, SeenReading, Store};
 
 use super::lost;

@@ -8,6 +8,7 @@ use spineline::analysis::Analysis;
 use spineline::anatomy::Posture;
 use spineline::cohort::{Cohort, CohortPatient};
 use spineline::evaluate::statistics::{Summary, box_summary};
+use spineline::warning::WarningCode;
 use spineline_files::method_text::ChosenOptions;
 use spineline_store::StoreError;
 
@@ -122,7 +123,7 @@ fn other_options(members: &[Member]) -> Option<Notice> {
 /// Reason for the exclusion of a study from the statistics.
 fn excluded(member: &Member) -> Option<String> {
     match member.result.as_ref().map(|result| &result.outcome) {
-        Some(Outcome::Analysed(analysis)) if analysis.warnings.has("no_spacing") => {
+        Some(Outcome::Analysed(analysis)) if analysis.warnings.has(WarningCode::NoSpacing) => {
             Some("a film has no spacing; its lengths are not comparable".to_owned())
         }
         Some(Outcome::Analysed(_)) => None,

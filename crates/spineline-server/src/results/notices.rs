@@ -59,12 +59,12 @@ pub fn of_analysis(analysis: &Analysis) -> Vec<Notice> {
 pub fn of_warning(warning: &Warning) -> Notice {
     let line = warning.line.map(Wire);
     Notice {
-        severity: match warning.severity() {
+        severity: match warning.code.severity() {
             Kind::Note => Severity::Note,
             Kind::Warning => Severity::Warning,
             Kind::Contradiction => Severity::Contradiction,
         },
-        code: warning.code.to_owned(),
+        code: warning.code.key().to_owned(),
         posture: warning.posture.map(Wire),
         level: warning.level.map(|level| level.to_string()),
         line,
@@ -127,7 +127,7 @@ fn left_out(current: &CurrentCase) -> Vec<Notice> {
 #[cfg(test)]
 mod tests {
     use spineline::action::LineKind;
-    use spineline::warning::Step;
+    use spineline::warning::WarningCode;
 
     use super::*;
 
@@ -136,7 +136,7 @@ mod tests {
         let mut warnings = Warnings::default();
         for kind in [LineKind::Iliac, LineKind::Given] {
             let posture = Some(Posture::LeftBending);
-            warnings.line(Step::Evaluate, "force_not_found", kind, posture, "no force");
+            warnings.line(WarningCode::ForceNotFound, kind, posture, "no force");
         }
         assert_eq!(warnings.all()[0].text(), "iliac line: no force");
         let [iliac, given] = warnings.all() else { panic!("two lines, two warnings") };

@@ -3,9 +3,9 @@
 use axum::extract::State;
 use axum::http::StatusCode;
 use spineline::anatomy::Level;
-use spineline::measure::turn_axis_towards;
 use spineline::spatial::Pixel;
 use spineline_files::LevelKey;
+use spineline_marking::turn_axis_towards;
 use spineline_store::{Event, FilmRecord, ReadingId, Store};
 
 use super::live::{followed, in_hand};

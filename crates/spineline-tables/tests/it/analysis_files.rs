@@ -9,11 +9,11 @@ use spineline::reliability::{
     BlandAltman, Design, DesignReliability, Icc, QuantityReliability, SemKind, Statistic,
     StatisticEstimate, StatisticKind, Undefined,
 };
-use spineline_phantom::{Readers, Truth, generate};
+use spineline_phantom::{Readers, Scenario, generate};
 use spineline_tables::{chain_table, cohort_tests_table, errors_table, statistics_table};
 
 fn case(subject: usize) -> Case {
-    generate(subject, Truth::Bend, &Readers::default(), 5).expect("a subject").case
+    generate(subject, Scenario::Bend, &Readers::default(), 5).expect("a subject").case
 }
 
 fn analyzed(case: &Case) -> Analysis {

@@ -58,8 +58,8 @@ fn numbers_of_a_reproduction() {
         support: Some("free"),
         quantity: "mean location error".to_owned(),
         unit: "mm",
-        paper: "3.45 ± 1.97".to_owned(),
-        truth: "rod",
+        paper: Some("3.45 ± 1.97".to_owned()),
+        scenario: "rod",
         mean,
         sd,
         n,
@@ -71,16 +71,16 @@ fn numbers_of_a_reproduction() {
         number(Some(4.0), Some(0.123_456_789), 24),
         number(Some(0.000_012_3), None, 0),
         number(Some(1.5e-9), Some(-0.5), 1),
-        ReproducedNumber { support: None, unit: "", ..number(None, Some(1e16), 3) },
+        ReproducedNumber { support: None, unit: "", paper: None, ..number(None, Some(1e16), 3) },
     ];
     let start = "\"3.2, all films\",free,mean location error,mm,3.45 ± 1.97,rod";
     let end = "4.00 ± 0.12,same for rod and bend; none for pull";
     let expected = format!(
-        "section,support,quantity,unit,paper,truth,mean,sd,n,text,verdict\n\
+        "section,support,quantity,unit,paper,scenario,mean,sd,n,text,verdict\n\
          {start},4.0,0.123456789,24,{end}\n\
          {start},0.0000123,,0,{end}\n\
          {start},1.5e-9,-0.5,1,{end}\n\
-         \"3.2, all films\",,mean location error,,3.45 ± 1.97,rod,,1e16,3,{end}\n"
+         \"3.2, all films\",,mean location error,,,rod,,1e16,3,{end}\n"
     );
     assert_eq!(reproduction_table(&numbers).to_csv().expect("a table"), expected);
 }
@@ -147,7 +147,7 @@ fn shapes_on_a_path() {
     );
 }
 
-const NOISE_STUDY_HEADING: &str = "synthetic,truth,support,order_rule,noise_sd_mm,\
+const NOISE_STUDY_HEADING: &str = "synthetic,scenario,support,order_rule,noise_sd_mm,\
     phantoms,phantoms_lost,phantoms_with_inflections,near_share,near_share_low,near_share_high,\
     near_share_by_chance,near_verdict,median_distance_segments,\
     mean_rotation_deg,inflection_rotation_deg,\
@@ -177,6 +177,7 @@ fn claims() -> Claims {
         better: share(0.625, 18),
         better_held_out: share(0.5, 17),
         errors_mm: [3.25, 4.5],
+        held_out_errors_mm: [1.25, 2.5],
         advantage_mm: (1.25, Some([-0.5, 3.0])),
         advantage_p: Some(0.001_234_56),
         residuals: [0.43, 0.87],
@@ -189,7 +190,7 @@ fn settings_of_the_noise_study() {
     let (whole, none) = (claims(), Claims::of(&[], 1));
     let points = [
         NoisePoint {
-            truth: "bend",
+            scenario: "bend",
             support: Some("free"),
             order_rule: "order 6".to_owned(),
             noise_sd_mm: 0.35,
@@ -198,7 +199,7 @@ fn settings_of_the_noise_study() {
             rod_exceeds: Some([share(0.25, 9), share(0.5, 9), share(0.75, 9)]),
         },
         NoisePoint {
-            truth: "rod",
+            scenario: "rod",
             support: None,
             order_rule: "paper".to_owned(),
             noise_sd_mm: 0.0,

@@ -10,13 +10,13 @@ use spineline::hypothesis::{Hypothesis, LoadShape};
 use spineline::measure::{Corners, FilmLandmarks, Origin};
 use spineline::spatial::Angle;
 use spineline::uncertainty::{LandmarkNoise, MonteCarlo};
-use spineline_phantom::{Readers, SpaceSetup, Truth, generate, generate_in_space};
+use spineline_phantom::{Readers, Scenario, SpaceSetup, generate, generate_in_space};
 use spineline_tables::{
     OptionalTables, Patient, Table, Values, dictionary, dictionary_markdown, tables,
 };
 
 fn case(subject: usize) -> Case {
-    generate(subject, Truth::Rod, &Readers::default(), 5).expect("a subject").case
+    generate(subject, Scenario::Rod, &Readers::default(), 5).expect("a subject").case
 }
 
 /// The tables of a patient with all optional results.

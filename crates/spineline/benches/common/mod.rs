@@ -7,7 +7,7 @@ use criterion::Criterion;
 use spineline::action::LineKind;
 use spineline::analysis::{Analysis, AnalysisOptions, Case, analyze};
 use spineline::multibody::{Load, Support};
-use spineline_phantom::{Readers, Truth, generate};
+use spineline_phantom::{Readers, Scenario, generate};
 
 /// Short runs: a second of warming up would outweigh two of measuring.
 pub fn criterion() -> Criterion {
@@ -17,16 +17,16 @@ pub fn criterion() -> Criterion {
         .without_plots()
 }
 
-pub fn case(subject: usize, truth: Truth, readers: &Readers) -> Case {
-    generate(subject, truth, readers, 1).expect("all 18 subjects have phantoms").case
+pub fn case(subject: usize, scenario: Scenario, readers: &Readers) -> Case {
+    generate(subject, scenario, readers, 1).expect("all 18 subjects have phantoms").case
 }
 
 pub fn options(support: Support) -> AnalysisOptions {
     AnalysisOptions { support, ..Default::default() }
 }
 
-pub fn analyzed(subject: usize, truth: Truth, support: Support) -> Analysis {
-    let case = case(subject, truth, &Readers::exact());
+pub fn analyzed(subject: usize, scenario: Scenario, support: Support) -> Analysis {
+    let case = case(subject, scenario, &Readers::exact());
     analyze(&case, &options(support)).expect("phantoms are sound cases")
 }
 

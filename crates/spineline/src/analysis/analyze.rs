@@ -22,9 +22,9 @@ use crate::warning::Warnings;
 /// ```
 /// use spineline::analysis::{AnalysisOptions, analyze};
 /// use spineline::anatomy::Posture;
-/// use spineline_phantom::{Readers, Truth, generate};
+/// use spineline_phantom::{Readers, Scenario, generate};
 ///
-/// let case = generate(0, Truth::Bend, &Readers::exact(), 1)?.case;
+/// let case = generate(0, Scenario::Bend, &Readers::exact(), 1)?.case;
 /// let analysis = analyze(&case, &AnalysisOptions::default())?;
 /// assert_eq!(analysis.movement.erect().outline.posture, Posture::Erect);
 /// // One personalised model per line of action.

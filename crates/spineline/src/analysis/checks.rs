@@ -6,7 +6,7 @@ use crate::clinical::ClinicalCurve;
 use crate::error::CaseError;
 use crate::measure::{Film, FilmLength, Outline, body_widths, same_landmarks};
 use crate::spatial::Angle;
-use crate::warning::{Step, Warnings};
+use crate::warning::{WarningCode, Warnings};
 
 /// No person is known to have lived longer than 122 years.
 const MAX_AGE_YEARS: f64 = 125.0;
@@ -71,7 +71,7 @@ pub(super) fn check_outlines(
                 film.scale.plane.unit(),
                 erect.scale.plane.unit()
             );
-            warnings.film(Step::Measure, "spacing_planes_differ", film.posture, text);
+            warnings.film(WarningCode::SpacingPlanesDiffer, film.posture, text);
         }
     }
     Ok(())
@@ -104,7 +104,7 @@ pub(super) fn warn_of_length(film: &Outline, warnings: &mut Warnings) {
         100.0 * (measured.factor - 1.0).abs(),
         if measured.factor > 1.0 { "longer" } else { "shorter" }
     );
-    warnings.film(Step::Measure, "lengths_differ", film.posture, text);
+    warnings.film(WarningCode::LengthsDiffer, film.posture, text);
 }
 
 /// Body widths of one film against those of the erect one: a film whose vertebrae all carry the name of their neighbour
@@ -138,7 +138,7 @@ pub(super) fn warn_of_shifted_levels(erect: &Film, film: &Film, warnings: &mut W
             let text = format!(
                 "the widths of its vertebrae match those of the neighbours {side} on the erect film: the names may be shifted by one level"
             );
-            warnings.film(Step::Measure, "levels_may_be_shifted", film.posture, text);
+            warnings.film(WarningCode::LevelsMayBeShifted, film.posture, text);
         }
     }
 }
@@ -159,5 +159,5 @@ pub(super) fn warn_of_unknown_rotation(curves: &[ClinicalCurve], warnings: &mut 
         "no pedicles are marked, so the axial rotation of the vertebrae is not known and is zero in the model: apices of curves of {largest:.0} usually turn by about {:.0}; mark both pedicles of the vertebrae around the apex",
         largest * ROTATION_PER_DEGREE
     );
-    warnings.film(Step::Measure, "axial_rotation_unknown", Posture::Erect, text);
+    warnings.film(WarningCode::AxialRotationUnknown, Posture::Erect, text);
 }

@@ -4,14 +4,14 @@ use crate::action::LineKind;
 use crate::evaluate::Simulation;
 use crate::multibody::{MAX_HUMAN_COLUMN, MAX_HUMAN_JOINT, MatchStatus};
 use crate::personalize::{FitStatus, SIGNIFICANCE, StiffnessBound};
-use crate::warning::{Step, Warnings, counted};
+use crate::warning::{WarningCode, Warnings, counted};
 
 /// Warns of fits and simulations without result.
 pub(super) fn warn_of_endings(model: &LineModel, warnings: &mut Warnings) {
-    let mut warn = |step, code, posture, text| warnings.line(step, code, model.kind, posture, text);
+    let mut warn = |code, posture, text| warnings.line(code, model.kind, posture, text);
     if model.fit.status != FitStatus::Converged {
         let text = format!("the fit did not converge (`{}`)", model.fit.status.key());
-        warn(Step::Personalize, "fit_not_converged", None, text);
+        warn(WarningCode::FitNotConverged, None, text);
     }
     for simulation in &model.postures {
         let posture = Some(simulation.posture);
@@ -20,20 +20,20 @@ pub(super) fn warn_of_endings(model: &LineModel, warnings: &mut Warnings) {
                 "the simulated shape is beyond the human range of motion (limits: {MAX_HUMAN_JOINT:.0} at a joint, {MAX_HUMAN_COLUMN:.0} over the spine), \
                  so it is not a result: check the landmarks and the amplitude of this film"
             );
-            warn(Step::Evaluate, "beyond_human_range", posture, text);
+            warn(WarningCode::BeyondHumanRange, posture, text);
         } else if !simulation.is_usable() {
             let text = format!(
                 "the force was not found (`{}`): the nearest shape is shown, which is not a result",
                 simulation.status.key()
             );
-            warn(Step::Evaluate, "force_not_found", posture, text);
+            warn(WarningCode::ForceNotFound, posture, text);
         }
         if simulation.lost_forces > 0 {
             let text = format!(
                 "the search for forces that reach the amplitude did not converge {}: there may be more such forces",
                 counted(simulation.lost_forces, "time")
             );
-            warn(Step::Evaluate, "forces_lost", posture, text);
+            warn(WarningCode::ForcesLost, posture, text);
         }
     }
 }
@@ -62,7 +62,7 @@ fn warn_of_bounds(model: &LineModel, warnings: &mut Warnings) {
                 "the multiplier of {} reached its limit, so its value is not identified",
                 name.replace('_', " ")
             );
-            warnings.line(Step::Personalize, "multiplier_at_bound", model.kind, None, text);
+            warnings.line(WarningCode::MultiplierAtBound, model.kind, None, text);
         }
     }
 }
@@ -81,5 +81,5 @@ fn warn_of_contradiction(line: LineKind, simulation: &Simulation, warnings: &mut
         100.0 * simulation.contradicted_weight()
     );
     let posture = Some(simulation.posture);
-    warnings.line(Step::Personalize, "joints_contradict_line", line, posture, text);
+    warnings.line(WarningCode::JointsContradictLine, line, posture, text);
 }

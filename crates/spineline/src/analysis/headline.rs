@@ -6,24 +6,48 @@ use super::{Analysis, Identification, LineModel};
 use crate::action::LineKind;
 use crate::personalize::TestOutcome;
 
-impl Analysis {
-    /// The verdict in at most three sentences: what the bends say of the lines, what predicts best, and what is identified.
-    /// [`Analysis::verdict`] has the evidence.
+/// What an analysis says in short; [`Analysis::verdict`] has the evidence.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Headline {
+    /// What the bends say of the lines; in its place, what has to be checked first or why there is no model.
+    pub line: String,
+    /// Which line predicts best, beside the best prediction without mechanics; `None` where no film was predicted.
+    pub prediction: Option<String>,
+    /// How many stiffness values the films identify; `None` without a model.
+    pub stiffness: Option<String>,
+    /// The line of the model that these sentences are about.
+    pub kind: Option<LineKind>,
+}
+
+impl Headline {
+    /// Its sentences.
     #[must_use]
-    pub fn headline(&self) -> Vec<String> {
+    pub fn words(&self) -> String {
+        let rest = [&self.prediction, &self.stiffness].into_iter().flatten().map(String::as_str);
+        std::iter::once(&*self.line).chain(rest).collect::<Vec<_>>().join(" ")
+    }
+}
+
+impl Analysis {
+    /// The verdict in short.
+    #[must_use]
+    pub fn headline(&self) -> Headline {
         let compared = self.comparison();
-        if self.models.is_empty() {
-            return self.verdict();
-        }
+        let Some(first) = self.models.first() else {
+            let line = self.verdict().join(" ");
+            return Headline { line, prediction: None, stiffness: None, kind: None };
+        };
         let doubted = self.has_doubted_film().then(|| {
             "Check the films first: some may not show what they are named after.".to_owned()
         });
-        let first = doubted.or_else(|| self.lines_headline());
-        let best = compared.best_predictor();
-        let kind = best.map_or(self.models[0].kind, |(kind, _)| kind);
-        let identified = self.models.iter().find(|model| model.kind == kind);
-        let last = identified.map(|model| self.identified_headline(model));
-        [first, compared.prediction_headline(), last].into_iter().flatten().collect()
+        let kind = compared.best_predictor().map_or(first.kind, |(kind, _)| kind);
+        let model = self.models.iter().find(|model| model.kind == kind).unwrap_or(first);
+        Headline {
+            line: doubted.or_else(|| self.lines_headline()).unwrap_or_default(),
+            prediction: compared.prediction_headline(),
+            stiffness: Some(self.identified_headline(model)),
+            kind: Some(kind),
+        }
     }
 
     /// Which of the lines that are not fitted to the films the bends reject and keep, and which they do not test.

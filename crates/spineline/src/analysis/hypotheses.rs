@@ -9,7 +9,7 @@ use crate::hypothesis::{
 use crate::multibody::{MAX_HUMAN_COLUMN, MAX_HUMAN_JOINT};
 use crate::personalize::FitStatus;
 use crate::spatial::Frontal;
-use crate::warning::{Step, Warnings};
+use crate::warning::{WarningCode, Warnings};
 
 /// Fits every hypothesis of the options.
 pub(super) fn fit_hypotheses(
@@ -89,31 +89,31 @@ fn largest_apex(movement: &Movement) -> usize {
 
 fn warn_of_no_line(hypothesis: Hypothesis, warnings: &mut Warnings) {
     let text = format!("{hypothesis}: no bending film has such a line");
-    warnings.push(Step::Action, "no_line", text);
+    warnings.push(WarningCode::NoLine, text);
 }
 
 fn warn_of_endings(fit: &HypothesisFit, warnings: &mut Warnings) {
     let name = fit.hypothesis;
     if fit.status != FitStatus::Converged {
         let text = format!("{name}: the fit did not converge (`{}`)", fit.status.key());
-        warnings.push(Step::Personalize, "fit_not_converged", text);
+        warnings.push(WarningCode::FitNotConverged, text);
     }
     for lost in &fit.lost {
         let role = lost.role.key().replace('_', " ");
         let (code, text) = match lost.reason {
             LossReason::NoEquilibrium => (
-                "force_not_found",
+                WarningCode::ForceNotFound,
                 format!(
                     "{name}: no equilibrium was found for this film ({role}), so it is not predicted"
                 ),
             ),
             LossReason::BeyondHumanRange => (
-                "beyond_human_range",
+                WarningCode::BeyondHumanRange,
                 format!(
                     "{name}: the shape found for this film ({role}) is beyond the human range of motion (limits: {MAX_HUMAN_JOINT:.0} at a joint, {MAX_HUMAN_COLUMN:.0} over the spine), so it is not a result: check the landmarks of this film, and do not believe this load"
                 ),
             ),
         };
-        warnings.film(Step::Evaluate, code, lost.posture, text);
+        warnings.film(code, lost.posture, text);
     }
 }

@@ -12,7 +12,7 @@ use crate::measure::{
     outline_of, seen_levels, warn_of_alike_observers, warn_of_implausible_landmarks,
     warn_of_shortened_chain,
 };
-use crate::warning::{Step, Warnings};
+use crate::warning::{WarningCode, Warnings};
 
 /// Step 1: the readings and the outline of every film, the erect one first.
 pub(super) fn measure(
@@ -56,7 +56,7 @@ pub(super) fn measure(
         warn_of_alike_observers(&readings, warnings);
         if is_read_once(&readings) {
             let text = "every film was read once, so the reliability of the readings is not known: add readings of a second observer, or repeat the reading";
-            warnings.push(Step::Measure, "reliability_one_reading", text);
+            warnings.push(WarningCode::ReliabilityOneReading, text);
         }
     }
     check_outlines(&outlines, warnings)?;

@@ -37,6 +37,7 @@ pub use comparison::{
     Ranking,
 };
 pub use compatibility::{BendEvidence, Compatibility};
+pub use headline::Headline;
 pub use identification::{Identification, MultiplierVerdict};
 pub use models::LineModel;
 pub use models_verdict::ModelsVerdict;

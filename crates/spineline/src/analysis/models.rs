@@ -17,7 +17,7 @@ use crate::personalize::{
     personalize_with,
 };
 use crate::spatial::Mat3;
-use crate::warning::{Step, Warnings};
+use crate::warning::{WarningCode, Warnings};
 
 /// A personalised model for one choice of line, and what it predicts.
 #[derive(Debug, Clone, PartialEq)]
@@ -132,12 +132,12 @@ pub(super) fn fit_models(
     if let Some(film) = movement.film_without_scale() {
         let text =
             "a film without a spacing has no lengths for a model: only its angles are measured";
-        warnings.film(Step::Multibody, "no_scale", film, text);
+        warnings.film(WarningCode::NoScale, film, text);
         return models;
     }
     if movement.bends().next().is_none() {
         let text = "no bending film: stiffness cannot be personalised";
-        warnings.push(Step::Personalize, "no_bending_film", text);
+        warnings.push(WarningCode::NoBendingFilm, text);
         return models;
     }
     // A result for other readings is a nearer start.
@@ -179,7 +179,7 @@ fn geometric_line(
                     "the iliac crests are not marked: a line perpendicular to {}'s axis replaces the iliac line",
                     posture.outline.levels().base()
                 );
-                warnings.film(Step::Measure, "iliac_crests_missing", name, text);
+                warnings.film(WarningCode::IliacCrestsMissing, name, text);
             }
             Some(LineOfAction::along_iliac(posture.outline.top(), posture.outline.iliac_normal))
         }
@@ -188,7 +188,7 @@ fn geometric_line(
             match LineOfAction::through(caudal, cranial) {
                 Ok(line) => Some(line),
                 Err(error) => {
-                    warnings.film(Step::Action, "no_line", name, error.to_string());
+                    warnings.film(WarningCode::NoLine, name, error.to_string());
                     None
                 }
             }
@@ -213,7 +213,7 @@ fn warn_of_distance(line: &LineOfAction, posture: &FilmMovement, warnings: &mut 
             "the given line passes {nearest_mm:.0} mm from the nearest vertebra, and a trunk reaches less than {FAR_MM:.0} mm: \
              check that it is in mm from the base's (L4's) midpoint, to the patient's left and cranial"
         );
-        warnings.film(Step::Action, "given_line_far", posture.outline.posture, text);
+        warnings.film(WarningCode::GivenLineFar, posture.outline.posture, text);
     }
 }
 
@@ -282,7 +282,7 @@ pub(super) fn fit_model(
     let FitTask { bends, .. } = task;
     let groups = movement.joint_groups(options.grouping);
     if bends.is_empty() {
-        warnings.line(Step::Action, "no_line", kind, None, "no bending film has such a line");
+        warnings.line(WarningCode::NoLine, kind, None, "no bending film has such a line");
         return None;
     }
     let films: Vec<FitFilm<'_>> =
@@ -347,7 +347,7 @@ impl Evaluation<'_> {
                 Some(simulation) => simulations.push(simulation),
                 None => {
                     let text = "this film has no such line, so it is not simulated";
-                    warnings.line(Step::Action, "no_line", self.kind, Some(name), text);
+                    warnings.line(WarningCode::NoLine, self.kind, Some(name), text);
                 }
             }
         }
@@ -463,8 +463,8 @@ fn scaled_to_known_force(mut model: LineModel, gauge: Gauge, warnings: &mut Warn
         model.posture(posture).filter(|s| s.is_usable() && s.force_n != 0.0).map(|s| s.force_n);
     let Some(simulated) = simulated else {
         let text = "no usable force in this posture, so the known force cannot scale the stiffness";
-        let code = "known_force_unused";
-        warnings.line(Step::Personalize, code, model.kind, Some(posture), text);
+        let code = WarningCode::KnownForceUnused;
+        warnings.line(code, model.kind, Some(posture), text);
         return model;
     };
     let scale = force_n.abs() / simulated.abs();

@@ -24,7 +24,7 @@ use crate::motion::{Motion, SegmentEstimate, least_windows, mean_least};
 use crate::multibody::{JointGroups, SpineModel, StiffnessLibrary};
 use crate::personalize::evidence::FilmEvidence;
 use crate::spatial::{Angle, Frontal};
-use crate::warning::{Step, Warnings};
+use crate::warning::{WarningCode, Warnings};
 
 /// The film of one posture, and what it shows of the movement.
 #[derive(Debug, Clone, PartialEq)]
@@ -344,11 +344,8 @@ fn inflections_of(
     let found = find_inflections(erect, options.min_curve);
     match options.inflections {
         InflectionChoice::ByHand(sites) => {
-            warnings.push(
-                Step::Motion,
-                "inflections_by_hand",
-                "the two inflections were chosen by hand",
-            );
+            warnings
+                .push(WarningCode::InflectionsByHand, "the two inflections were chosen by hand");
             found.picked(erect, sites)
         }
         InflectionChoice::Automatic => {
@@ -373,5 +370,5 @@ fn warn_of_inflections(found: &Inflections, warnings: &mut Warnings) {
         counted_inflections(found.all.len()),
         curves.join(", ")
     );
-    warnings.film(Step::Motion, "inflections_not_two", Posture::Erect, text);
+    warnings.film(WarningCode::InflectionsNotTwo, Posture::Erect, text);
 }

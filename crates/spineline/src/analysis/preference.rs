@@ -9,7 +9,7 @@ use crate::curve::CurveSpread;
 use crate::personalize::evidence::FilmEvidence;
 use crate::personalize::{Crossing, LineTest, NearbyLoads, PreferredLoads, ProposedLine};
 use crate::spatial::{Angle, Frontal};
-use crate::warning::{Step, Warnings};
+use crate::warning::{WarningCode, Warnings};
 
 /// The line of best fit to the rotations of one film.
 #[derive(Debug, Clone, PartialEq)]
@@ -135,7 +135,7 @@ pub(super) fn prefer_lines(
     }
     let Some(loads) = preferred_loads_near(movement, near) else {
         let text = "the estimation of the lines of best fit to the rotations did not converge, so no film has such a line and no line of action is tested";
-        warnings.push(Step::Action, "own_lines_not_found", text);
+        warnings.push(WarningCode::OwnLinesNotFound, text);
         return;
     };
     let inflections_mm2 = inflections_along_mm2(movement);

@@ -1,13 +1,12 @@
 use super::comparison::{FilmRole, LinesCompared, Ranking};
 use super::compatibility::{BendEvidence, Compatibility};
 use super::words::counted_inflections;
-use super::wrong_film::doubts_film;
 use super::{Analysis, FilmMovement, LineModel};
 use crate::action::LineKind;
 use crate::anatomy::Posture;
 use crate::evaluate::{Baseline, Simulation};
 use crate::personalize::TestOutcome;
-use crate::warning::Warning;
+use crate::warning::{Warning, WarningCode};
 
 impl Analysis {
     /// Whether some film may not show the posture or the patient that it is named after, as far as its landmarks show.
@@ -18,7 +17,7 @@ impl Analysis {
 
     /// The warnings of films that may not show the posture or the patient that they are named after.
     pub fn film_doubts(&self) -> impl Iterator<Item = &Warning> {
-        self.warnings.all().iter().filter(|warning| doubts_film(warning))
+        self.warnings.all().iter().filter(|warning| warning.code.doubts_film())
     }
 
     /// The findings on the lines of action, in sentences.
@@ -60,7 +59,8 @@ impl Analysis {
         }
         let keeps_shape = |posture| {
             let mut warnings = self.warnings.all().iter();
-            warnings.any(|one| one.code == "bend_keeps_shape" && one.posture == Some(posture))
+            warnings
+                .any(|one| one.code == WarningCode::BendKeepsShape && one.posture == Some(posture))
         };
         let bends = self.movement.films.iter().filter(|film| !keeps_shape(film.outline.posture));
         sentences.extend(bends.filter_map(turning_sentence));

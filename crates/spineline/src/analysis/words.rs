@@ -29,40 +29,47 @@ impl Analysis {
         let movement = &self.movement;
         let curves: Vec<String> =
             movement.inflections.curves.iter().map(|l| l.turn.leaning()).collect();
-        let place = |inflection: &Inflection| {
-            let (below, above) = inflection.between;
-            let height = movement.scale().text(inflection.erect.z_mm, 0);
-            format!("{below}/{above} ({height} above {})", movement.levels().base())
-        };
         let turns = format!("Erect curve bends {}", curves.join(", "));
-        match &movement.inflections.pair {
-            Some([a, b]) => {
-                let intervals = self.inflection_interval_words();
-                format!("{turns}\nInflections at {} and {}{intervals}", place(a), place(b))
-            }
-            None => turns,
-        }
+        let Some(pair) = &movement.inflections.pair else { return turns };
+        let intervals = movement.inflection_intervals.as_ref();
+        let places: Vec<String> = pair
+            .iter()
+            .enumerate()
+            .map(|(i, inflection)| {
+                let interval = intervals.map(|found| found.each[i].as_ref());
+                self.inflection_place(inflection, interval)
+            })
+            .collect();
+        let by = intervals.map_or(
+            "",
+            |_| " (95 % intervals by landmark noise and the unknown form of the curve)",
+        );
+        let base = movement.levels().base();
+        format!("{turns}\nInflections along the curve from {base}: {}{by}", places.join("; "))
     }
 
-    /// Where the inflections may lie, on a line of its own; empty where that is not known.
-    fn inflection_interval_words(&self) -> String {
-        let Some(intervals) = &self.movement.inflection_intervals else { return String::new() };
+    /// Where an inflection lies along the curve, and between which ends; an end that the films do not limit is missing.
+    fn inflection_place(
+        &self,
+        inflection: &Inflection,
+        interval: Option<Option<&InflectionInterval>>,
+    ) -> String {
         let scale = self.movement.scale();
+        let (below, above) = inflection.between;
+        let along_mm = self.movement.erect().fit.curve.length_mm(inflection.t_mm);
+        let place = format!("{below}/{above} at {}", scale.text(along_mm, 0));
         let mm = |mm: f64| mm * scale.pixels_per_mm.unwrap_or(1.0);
-        let one = |interval: &Option<InflectionInterval>| match interval {
-            Some(found) => {
-                let ([from, to], (below, above)) = (found.along_mm, found.between);
-                format!("{:.0} to {} ({below} to {above})", mm(from), scale.text(to, 0))
+        match interval {
+            None => place,
+            Some(None) => format!("{place}, not limited"),
+            Some(Some(InflectionInterval {
+                along_mm: [from, to],
+                between: (below, above),
+                ..
+            })) => {
+                format!("{place}, {:.0} to {:.0}, {below} to {above}", mm(*from), mm(*to))
             }
-            None => "not limited".to_owned(),
-        };
-        let [a, b] = &intervals.each;
-        format!(
-            "\n95 % intervals of the inflections along the curve from {}, by landmark noise and the unknown form of the curve: {}; {}",
-            self.movement.levels().base(),
-            one(a),
-            one(b)
-        )
+        }
     }
 
     /// The scale of every film against the erect one with its 95 % interval; `None` where all scales are fixed.

@@ -4,7 +4,7 @@ use super::film_likelihood::{FilmDifference, Taken, is_clear};
 use crate::anatomy::{Level, Levels, Side};
 use crate::measure::{Film, FilmLandmarks, Outline, body_shapes};
 use crate::spatial::Angle;
-use crate::warning::{Step, Warning, Warnings};
+use crate::warning::{WarningCode, Warnings};
 
 /// Largest lateral tilt of the line from L4 to T2 on an erect film, to the film's vertical or to the iliac normal.
 ///
@@ -37,24 +37,6 @@ const MAX_WIDTH_DEVIATION: f64 = 0.18;
 
 /// Both limits of bodies are wider by so many standard deviations of corners that a program found.
 const PROGRAM_FACTOR: f64 = 2.0;
-
-/// Codes of warnings that a film does not show what it is named after.
-const WRONG_FILM: [&str; 9] = [
-    "another_patient",
-    "bend_keeps_shape",
-    "bend_leans_away",
-    "erect_leans",
-    "film_looks_mirrored",
-    "films_show_one_shape",
-    "levels_may_be_shifted",
-    "other_body_part",
-    "patient_differs",
-];
-
-/// Whether a warning says that a film does not show what it is named after.
-pub(super) fn doubts_film(warning: &Warning) -> bool {
-    WRONG_FILM.contains(&warning.code)
-}
 
 /// Films and their outlines in the same order, the erect one first.
 ///
@@ -101,7 +83,7 @@ fn warn_of_leaning_erect(erect: &Outline, warnings: &mut Warnings) {
             tilt.leaning(),
             MAX_ERECT_TILT.deg()
         );
-        warnings.film(Step::Measure, "erect_leans", erect.posture, text);
+        warnings.film(WarningCode::ErectLeans, erect.posture, text);
     }
 }
 
@@ -109,7 +91,7 @@ fn warn_of_leaning_erect(erect: &Outline, warnings: &mut Warnings) {
 fn warn_of_rest(erect: &Outline, film: &Outline, warnings: &mut Warnings) {
     if !warn_of_one_picture(erect, film, warnings) && is_mirrored(erect, film) {
         let text = "the spine has the shape of the mirrored erect spine: check `patient_left` of this film and of the erect film";
-        warnings.film(Step::Measure, "film_looks_mirrored", film.posture, text);
+        warnings.film(WarningCode::FilmLooksMirrored, film.posture, text);
     }
 }
 
@@ -128,7 +110,7 @@ fn warn_of_no_bend(erect: &Outline, bend: &Outline, side: Side, warnings: &mut W
             "it shows the {shape}: the tilts of its vertebrae differ by {} in the root mean square, as two readings of one film do: check that it is the film of the bend and carries its own landmarks",
             shape_difference(erect, bend, sign)
         );
-        warnings.film(Step::Measure, "bend_keeps_shape", bend.posture, text);
+        warnings.film(WarningCode::BendKeepsShape, bend.posture, text);
         return;
     }
     let change = bend.top().lateral_tilt() - erect.top().lateral_tilt();
@@ -144,17 +126,17 @@ fn warn_of_no_bend(erect: &Outline, bend: &Outline, side: Side, warnings: &mut W
             "the lateral tilt of {ends} is {} of that on the erect film: the film may be mirrored or may show another posture",
             change.leaning()
         );
-        warnings.film(Step::Measure, "bend_leans_away", bend.posture, text);
+        warnings.film(WarningCode::BendLeansAway, bend.posture, text);
     } else if is_mirrored {
         let text = "its shape is nearer to a bend of the mirrored spine: check `patient_left` of this film and of the erect film";
-        warnings.film(Step::Measure, "film_looks_mirrored", bend.posture, text);
+        warnings.film(WarningCode::FilmLooksMirrored, bend.posture, text);
     } else if towards < MIN_BEND_TILT {
         let text = format!(
             "the lateral tilt of {ends} changes by {:.1}° towards the side of the bend from the erect film (usual: {:.0}° or more): check that the film shows a bend",
             towards.deg(),
             MIN_BEND_TILT.deg()
         );
-        warnings.film(Step::Measure, "bend_leans_little", bend.posture, text);
+        warnings.film(WarningCode::BendLeansLittle, bend.posture, text);
     }
 }
 
@@ -177,7 +159,7 @@ fn warn_of_one_picture(first: &Outline, second: &Outline, warnings: &mut Warning
             first.posture,
             shape_difference(first, second, 1.0)
         );
-        warnings.film(Step::Measure, "films_show_one_shape", second.posture, text);
+        warnings.film(WarningCode::FilmsShowOneShape, second.posture, text);
     }
     is_one
 }
@@ -251,7 +233,7 @@ fn warn_of_another_patient(films: [&Film; 2], outlines: [&Outline; 2], warnings:
     let text = format!(
         "{found}: check that both films show the same patient, and the spacing of their rows and columns"
     );
-    warnings.film(Step::Measure, "another_patient", films[1].posture, text);
+    warnings.film(WarningCode::AnotherPatient, films[1].posture, text);
 }
 
 /// Root mean square, over the bodies, of what corners that a program found add to the error of the logarithm of a height (side 0) or a

@@ -1,7 +1,7 @@
 use crate::anatomy::{Level, Levels, Region};
 use crate::curve::{CurveFit, Inflections};
 use crate::spatial::{Angle, Frontal};
-use crate::warning::{Step, Warnings};
+use crate::warning::{WarningCode, Warnings};
 
 /// A region of the spine, as places among the vertebrae of the model ([`Levels`]).
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -65,7 +65,7 @@ impl Regions {
                 let text = format!(
                     "the erect curve does not give three regions of three vertebrae; the limits {low} and {high} are used instead"
                 );
-                warnings.push(Step::Clinical, "usual_regions", text);
+                warnings.push(WarningCode::UsualRegions, text);
                 usual
             }
         }

@@ -125,7 +125,7 @@ named! {
         /// The interval has both sides in it.
         Open = "open",
         /// The whole interval is on the other side.
-        Fails = "fails",
+        Fails = "fails" as "does not hold",
     }
 }
 
@@ -167,6 +167,8 @@ pub struct Claims {
     pub better_held_out: Share,
     /// Mean error of the inflection and of the iliac line over the patients of [`Claims::better`], in mm.
     pub errors_mm: [f64; 2],
+    /// The same on held-out films.
+    pub held_out_errors_mm: [f64; 2],
     /// Mean advantage of the inflection line over these patients, in mm, and its bootstrap interval.
     pub advantage_mm: (f64, Option<[f64; 2]>),
     /// One-sided probability of the paper's paired t-test with one mean per patient.
@@ -202,6 +204,7 @@ impl Claims {
             Share::of_units(&all(&win))
         };
         let errors = [0, 1].map(|line| all(&|p| p.fitted_mm.map(|errors| errors[line])));
+        let held_out = [0, 1].map(|line| all(&|p| p.held_out_mm.map(|errors| errors[line])));
         let clusters: Vec<Vec<f64>> =
             all(&|p| p.advantage_mm(true)).into_iter().map(|a| vec![a]).collect();
         let median = if distances.is_empty() { f64::NAN } else { quantile(&distances, 0.5) };
@@ -217,6 +220,7 @@ impl Claims {
             better: wins(true),
             better_held_out: wins(false),
             errors_mm: [0, 1].map(|line: usize| Summary::of(&errors[line]).mean),
+            held_out_errors_mm: [0, 1].map(|line: usize| Summary::of(&held_out[line]).mean),
             advantage_mm: (
                 Summary::of(&clusters.concat()).mean,
                 cluster_bootstrap(&clusters, RESAMPLES, seed),
@@ -252,7 +256,7 @@ mod tests {
             mean_rotation_deg: Some(rotations[0]),
             inflection_rotation_deg: Some(rotations[1]),
             fitted_mm: Some(errors),
-            held_out_mm: None,
+            held_out_mm: Some([errors[1], errors[0]]).filter(|_| errors[0] < 2.0),
             residuals: [0.1, 0.2],
             order: 6.0,
         }
@@ -272,7 +276,8 @@ mod tests {
         assert_eq!(claims.median_distance_segments, 1.5);
         assert!((claims.below_mean - 0.9).abs() < 1e-12);
         assert_eq!((claims.errors_mm, claims.advantage_mm.0), ([2.5, 1.5], -1.0));
-        assert_eq!(claims.better_held_out.n, 0);
+        // The first patient alone has held-out films.
+        assert_eq!((claims.better_held_out.n, claims.held_out_errors_mm), (1, [2.0, 1.0]));
         assert!((claims.order - 20.0 / 3.0).abs() < 1e-12);
         let verdicts = claims.verdicts();
         assert_eq!(verdicts[0], Some(ClaimVerdict::Open));

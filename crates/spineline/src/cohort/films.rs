@@ -5,7 +5,7 @@ use std::cmp::Reverse;
 use super::CohortPatient;
 use crate::analysis::{Analysis, listed};
 use crate::anatomy::{Levels, Posture};
-use crate::warning::counted;
+use crate::warning::{WarningCode, counted};
 
 /// Patients whose films are named in a sentence; a report names all.
 const NAMED: usize = 8;
@@ -17,8 +17,8 @@ pub struct DoubtedFilm {
     pub case_id: String,
     /// The film; `None` for the lateral one.
     pub posture: Option<Posture>,
-    /// Code of the warning.
-    pub code: &'static str,
+    /// The warning.
+    pub code: WarningCode,
     /// Why it is doubted.
     pub why: String,
 }

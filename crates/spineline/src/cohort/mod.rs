@@ -197,11 +197,11 @@ impl Cohort {
     /// ```
     /// use spineline::analysis::{AnalysisOptions, analyze_movement};
     /// use spineline::cohort::{Cohort, CohortPatient};
-    /// use spineline_phantom::{Readers, Truth, generate};
+    /// use spineline_phantom::{Readers, Scenario, generate};
     ///
     /// let mut patients = Vec::new();
     /// for subject in 0..2 {
-    ///     let case = generate(subject, Truth::Bend, &Readers::exact(), 1)?.case;
+    ///     let case = generate(subject, Scenario::Bend, &Readers::exact(), 1)?.case;
     ///     let analysis = analyze_movement(&case, &AnalysisOptions::default())?;
     ///     patients.push(CohortPatient::of(&analysis));
     /// }

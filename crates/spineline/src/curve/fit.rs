@@ -5,7 +5,7 @@ use super::{Curve, CurveForm, MIN_TURN, find_inflections};
 use crate::anatomy::{Levels, Posture};
 use crate::measure::{ErrorRate, Measured, MeasuredVertebra, Outline, Whitening};
 use crate::spatial::{Angle, Frontal};
-use crate::warning::{Step, Warnings};
+use crate::warning::{WarningCode, Warnings};
 
 /// How the order of the polynomial is chosen.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -89,9 +89,9 @@ pub struct CurveFit {
 /// use spineline::curve::{OrderRule, fit_curve};
 /// use spineline::measure::{TiltRule, measure_film};
 /// use spineline::warning::Warnings;
-/// use spineline_phantom::{Readers, Truth, generate};
+/// use spineline_phantom::{Readers, Scenario, generate};
 ///
-/// let case = generate(0, Truth::Bend, &Readers::exact(), 1)?.case;
+/// let case = generate(0, Scenario::Bend, &Readers::exact(), 1)?.case;
 /// let mut warnings = Warnings::default();
 /// let outline = measure_film(&case.films[0], TiltRule::default(), &mut warnings)?;
 /// let fit = fit_curve(&outline, OrderRule::LeaveOneOut, &mut warnings)?;
@@ -108,7 +108,7 @@ pub fn fit_curve(
 ) -> Result<CurveFit, CurveError> {
     let form = if outline.vertebrae.iter().any(|v| v.tilt.abs() > GRAPH_LIMIT) {
         let text = "a tilt beyond 70°: the curve is fitted in parametric form";
-        warnings.film(Step::Curve, "parametric_curve", outline.posture, text);
+        warnings.film(WarningCode::ParametricCurve, outline.posture, text);
         CurveForm::Parametric
     } else {
         CurveForm::Graph
@@ -119,7 +119,7 @@ pub fn fit_curve(
             "the tilts differ by {} from the curve through the locations: check their sign (positive is to the patient's right) and their unit (degrees)",
             fit.rmse_tilt
         );
-        warnings.film(Step::Curve, "tilts_disagree_with_locations", outline.posture, text);
+        warnings.film(WarningCode::TiltsDisagreeWithLocations, outline.posture, text);
     }
     Ok(fit)
 }
@@ -149,7 +149,7 @@ fn fit_by_rule(
             ORDERS.start(),
             orders_of(outline).end()
         );
-        warnings.film(Step::Curve, "no_order_with_two_inflections", outline.posture, text);
+        warnings.film(WarningCode::NoOrderWithTwoInflections, outline.posture, text);
     }
     fit_order(outline, form, best_left_out(&left_out_errors(outline, form)?))
 }

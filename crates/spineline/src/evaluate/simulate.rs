@@ -185,9 +185,9 @@ impl Simulation {
 /// use spineline::anatomy::Posture;
 /// use spineline::evaluate::{Target, simulate};
 /// use spineline::multibody::{JointGroups, Statics, StiffnessLibrary, Support};
-/// use spineline_phantom::{Readers, Truth, generate};
+/// use spineline_phantom::{Readers, Scenario, generate};
 ///
-/// let case = generate(0, Truth::Bend, &Readers::exact(), 1)?.case;
+/// let case = generate(0, Scenario::Bend, &Readers::exact(), 1)?.case;
 /// let movement = analyze_movement(&case, &AnalysisOptions::default())?.movement;
 /// let bend = movement.film(Posture::LeftBending).ok_or("no left bend")?;
 /// let [caudal, cranial] = bend.inflection_points.ok_or("no two inflections")?;

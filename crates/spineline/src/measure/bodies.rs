@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use super::{Corners, Film, FilmLandmarks, Noise, Reading, ReadingId, ReadingSquares};
 use crate::anatomy::{Level, Posture};
 use crate::spatial::Frontal;
-use crate::warning::{Step, Warnings};
+use crate::warning::{WarningCode, Warnings};
 
 /// Which film is checked.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -41,13 +41,13 @@ impl CheckedFilm {
     }
 
     /// Warns about a vertebra of this film.
-    pub fn warn(self, code: &'static str, level: Level, text: String, warnings: &mut Warnings) {
+    pub fn warn(self, code: WarningCode, level: Level, text: String, warnings: &mut Warnings) {
         match self {
             Self::Frontal(posture) => {
-                warnings.vertebra(Step::Measure, code, posture, level, text);
+                warnings.vertebra(code, posture, level, text);
             }
             Self::Lateral => {
-                warnings.push(Step::Measure, code, format!("lateral film, {level}, {text}"));
+                warnings.push(code, format!("lateral film, {level}, {text}"));
             }
         }
     }

@@ -2,7 +2,7 @@
 
 use super::{CornerName, MeasureError, Reading, ReadingId, VertebraLandmarks};
 use crate::anatomy::{Level, Posture};
-use crate::warning::{Step, Warnings};
+use crate::warning::{WarningCode, Warnings};
 
 /// Confidence below which a landmark is doubted: the program itself takes it to be as likely wrong as right. How well a
 /// program's confidences are calibrated is its own affair (assumption).
@@ -56,12 +56,12 @@ pub(super) fn warn_of_confidence(
     let text = format!(
         "observer {id}: a program found these landmarks, with a mean confidence of {mean:.2} and a lowest of {least:.2} ({level}): check them on the film"
     );
-    warnings.film(Step::Measure, "landmarks_by_program", posture, text);
+    warnings.film(WarningCode::LandmarksByProgram, posture, text);
     for (level, corner, value) in lowest.into_iter().filter(|&(.., value)| value < LOW_CONFIDENCE) {
         let text = format!(
             "observer {id}: the {} corner has a confidence of {value:.2} (limit {LOW_CONFIDENCE:.2}): check the four corners of this vertebra on the film",
             corner.key().replace('_', " ")
         );
-        warnings.vertebra(Step::Measure, "low_confidence", posture, level, text);
+        warnings.vertebra(WarningCode::LowConfidence, posture, level, text);
     }
 }

@@ -1,6 +1,7 @@
 use std::fmt;
 
 use super::EndplateTilts;
+use crate::anatomy::named;
 use crate::spatial::{Angle, Frontal};
 
 /// The four corners of a vertebral body, named by the **patient's** sides.
@@ -14,6 +15,48 @@ pub struct Corners<P> {
     pub inferior_left: P,
     /// Inferior endplate, patient's right.
     pub inferior_right: P,
+}
+
+named! {
+    /// A corner by endplate and by the patient's side.
+    pub enum CornerName {
+        /// Superior endplate, patient's left.
+        SuperiorLeft = "superior_left",
+        /// Superior endplate, patient's right.
+        SuperiorRight = "superior_right",
+        /// Inferior endplate, patient's left.
+        InferiorLeft = "inferior_left",
+        /// Inferior endplate, patient's right.
+        InferiorRight = "inferior_right",
+    }
+}
+
+impl CornerName {
+    /// The order of marking: once around the body from the patient's superior left, so that every click is next to the
+    /// one before it.
+    pub const ORDER: [Self; 4] =
+        [Self::SuperiorLeft, Self::SuperiorRight, Self::InferiorRight, Self::InferiorLeft];
+
+    /// This one of four corners, to be changed.
+    pub const fn of_mut<P>(self, corners: &mut Corners<P>) -> &mut P {
+        match self {
+            Self::SuperiorLeft => &mut corners.superior_left,
+            Self::SuperiorRight => &mut corners.superior_right,
+            Self::InferiorRight => &mut corners.inferior_right,
+            Self::InferiorLeft => &mut corners.inferior_left,
+        }
+    }
+
+    /// This one of four corners.
+    #[must_use]
+    pub const fn of<P: Copy>(self, corners: &Corners<P>) -> P {
+        match self {
+            Self::SuperiorLeft => corners.superior_left,
+            Self::SuperiorRight => corners.superior_right,
+            Self::InferiorRight => corners.inferior_right,
+            Self::InferiorLeft => corners.inferior_left,
+        }
+    }
 }
 
 /// Why four corners make no vertebral body.
@@ -158,24 +201,28 @@ impl Corners<Frontal> {
     }
 
     /// Whether the corners run the way in which a patient's left and right lie on this film.
-    pub(super) fn sides_agree(&self) -> bool {
+    #[must_use]
+    pub fn sides_agree(&self) -> bool {
         let to_left =
             (self.superior_left + self.inferior_left) - (self.superior_right + self.inferior_right);
         to_left.cross(self.axis()) > 0.0
     }
 
     /// Whether the superior endplate lies on the side of `cranial`.
-    pub(super) fn points_along(&self, cranial: Frontal) -> bool {
+    #[must_use]
+    pub fn points_along(&self, cranial: Frontal) -> bool {
         self.axis().dot(cranial) > 0.0
     }
 
     /// Distance between the centres of the endplates.
-    pub(super) fn height_mm(&self) -> f64 {
+    #[must_use]
+    pub fn height_mm(&self) -> f64 {
         self.axis().norm_mm()
     }
 
     /// Mean length of both endplates.
-    pub(super) fn mean_width_mm(&self) -> f64 {
+    #[must_use]
+    pub fn mean_width_mm(&self) -> f64 {
         0.5 * (self.superior_left.distance_mm(self.superior_right)
             + self.inferior_left.distance_mm(self.inferior_right))
     }

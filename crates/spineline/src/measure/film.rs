@@ -1,7 +1,10 @@
 use std::collections::BTreeMap;
 use std::fmt;
 
-use super::{Corners, EndplateTilts, Origin, ProgramNoise, Spacing, SpacingPlane, VertebraOrigin};
+use super::{
+    Corners, EndplateTilts, LengthScale, Origin, ProgramNoise, Spacing, SpacingPlane,
+    VertebraOrigin,
+};
 use crate::anatomy::{ImageSide, Level, Posture, named};
 use crate::spatial::{Angle, Frontal, Pixel};
 
@@ -96,6 +99,25 @@ impl ImageGeometry {
     #[must_use]
     pub fn tilt_from_clockwise(&self, clockwise: Angle) -> Angle {
         clockwise * -self.left_per_column()
+    }
+
+    /// What lengths between places of this picture are measured in; a pixel stands for a millimetre where it has no spacing.
+    #[must_use]
+    pub fn length_scale(&self) -> LengthScale {
+        let pixels = LengthScale {
+            plane: SpacingPlane::Pixels,
+            source: None,
+            relative_sd: None,
+            pixels_per_mm: Some(1.0),
+        };
+        self.spacing.as_ref().map_or(pixels, LengthScale::of)
+    }
+
+    /// Width and height of a pixel.
+    #[must_use]
+    pub fn pixel_size(&self) -> Frontal {
+        let to = self.frontal(Pixel::new(1.0, 1.0));
+        Frontal::new(to.y_mm.abs(), to.z_mm.abs())
     }
 
     /// Whether a place lies on the picture.

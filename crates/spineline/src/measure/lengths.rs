@@ -9,7 +9,7 @@ use super::bodies::{ReadBodies, median};
 use super::{Film, FilmLandmarks, MeasureError, SpacingPlane};
 use crate::anatomy::{Level, Morphometry};
 use crate::spatial::Frontal;
-use crate::warning::{Step, Warnings};
+use crate::warning::{WarningCode, Warnings};
 
 /// Lengths from L4 to T2 along the midpoints outside of which there is no patient: a newborn has about 160 mm, and the tallest
 /// person ever measured had about 620 mm, which a film magnifies to 720 mm (assumption, from the growth of the spine).
@@ -301,11 +301,11 @@ impl FilmSizes {
     }
 
     /// What is doubtful: its code and words.
-    pub fn doubts(&self) -> Vec<(&'static str, String)> {
+    pub fn doubts(&self) -> Vec<(WarningCode, String)> {
         let unusual = self.outside(USUAL_MM, USUAL_BODIES);
         let unusual = unusual.map(|size| {
             let text = format!("{}; check the scale of the film", size.words("patients usually"));
-            ("length_unusual", text)
+            (WarningCode::LengthUnusual, text)
         });
         let stretched = self.stretch().filter(|stretch| stretch.ln().abs() > MAX_STRETCH.ln());
         let stretched = stretched.map(|stretch| {
@@ -313,7 +313,7 @@ impl FilmSizes {
                 "its vertebral bodies are {stretch:.2} times as wide for their height as those of a typical adult (limits {:.2} and {MAX_STRETCH}): the pixels may not be as high as wide as stated, which makes all angles wrong; check the spacing of columns and rows",
                 1.0 / MAX_STRETCH
             );
-            ("bodies_stretched", text)
+            (WarningCode::BodiesStretched, text)
         });
         unusual.into_iter().chain(stretched).collect()
     }
@@ -347,6 +347,6 @@ pub(super) fn check_lengths(film: &Film) -> Result<(), MeasureError> {
 /// Warns of a frontal film with lengths that few patients have.
 pub(super) fn warn_of_lengths(film: &Film, warnings: &mut Warnings) {
     for (code, text) in FilmSizes::of_film(film).doubts() {
-        warnings.film(Step::Measure, code, film.posture, text);
+        warnings.film(code, film.posture, text);
     }
 }

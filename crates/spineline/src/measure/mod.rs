@@ -14,25 +14,18 @@
 
 mod axial;
 mod bodies;
-mod body_neighbours;
-mod calibration;
 pub mod completion;
 mod confidence;
 mod corner_order;
 mod corners;
-mod drawn;
 mod error;
-mod evidence;
 mod film;
 mod film_length;
 mod frame;
 mod interpolation;
 mod lateral;
 mod lengths;
-mod marking;
-mod marking_proposal;
 mod means;
-mod midline;
 mod neighbours;
 mod noise;
 mod observer;
@@ -51,18 +44,12 @@ mod space;
 mod spacing;
 mod tilt;
 mod tilts;
-mod view;
 
 pub(crate) use axial::axial_rotations;
 pub use axial::{AxialRotation, NashMoe, PedicleFault};
-pub use calibration::{Calibration, CalibrationError, Calibrator};
 pub use corner_order::CornerOrder;
-pub use corners::{CornerFault, Corners};
-pub use drawn::{DrawnAngle, DrawnFault, DrawnLength, DrawnLine};
+pub use corners::{CornerFault, CornerName, Corners};
 pub use error::MeasureError;
-pub use evidence::{
-    CalibrationType, SpacingEvidence, SpacingJudgement, SpacingRemark, judge_spacing,
-};
 pub use film::{
     Film, FilmLandmarks, FilmTooLarge, IliacCrests, ImageGeometry, Placement, PlacementSource,
     Reading, ReadingId, VertebraLandmarks,
@@ -74,13 +61,11 @@ pub use interpolation::Interpolation;
 pub(crate) use interpolation::InterpolationError;
 pub use lateral::{LateralCorners, LateralFault, LateralFilm, LateralOutline, LateralVertebra};
 pub use lengths::{FilmSize, SuspectedUnit};
-pub use marking::{MarkedBody, MarkingFault, PartialLandmarks, PartialReading, turn_axis_towards};
-pub use marking_proposal::{CornerName, NextLandmark, ProposedVertebra};
-pub use midline::{Midline, MidlineEnd, MidlineError, MidlinePoint};
 pub use noise::Noise;
 pub(crate) use noise::{OutlineNoise, ReadingSquares};
 pub(crate) use observer::warn_of_alike_observers;
 pub use observer::{OBSERVER_RULE, alike_observers, alike_words, is_observer_code};
+pub use order::{LevelStep, out_of_order_words};
 pub use origin::{Origin, VertebraOrigin};
 pub(crate) use outline::outline_of;
 pub use outline::{MeasuredVertebra, Outline, check_landmarks, measure_film};
@@ -96,7 +81,3 @@ pub(crate) use shared_errors::{ErrorRate, Measured, Whitening};
 pub use space::{FilmAlignment, HeightLine, SharedHeights, SpatialOutline, SpatialVertebra};
 pub use spacing::{LengthScale, Spacing, SpacingPlane, SpacingSource};
 pub use tilt::{EndplateTilts, TiltRule};
-pub use view::{
-    PatientDirection, Stance, View, ViewEvidence, ViewJudgement, ViewPosition, ViewQuestion,
-    judge_view,
-};

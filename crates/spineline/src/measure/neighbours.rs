@@ -7,7 +7,7 @@ use super::Corners;
 use super::bodies::{CheckedFilm, ReadBodies, median};
 use crate::anatomy::Level;
 use crate::spatial::Frontal;
-use crate::warning::Warnings;
+use crate::warning::{WarningCode, Warnings};
 
 /// Marked vertebrae of a reading from which a corner can be called an outlier.
 const MIN_VERTEBRAE: usize = 5;
@@ -59,7 +59,7 @@ pub(super) fn warn_of_corners_off_the_trend(
                     100.0 * found.distance,
                     100.0 * limit * found.error
                 );
-                film.warn("corner_far_from_neighbours", bodies[index].0, text, warnings);
+                film.warn(WarningCode::CornerFarFromNeighbours, bodies[index].0, text, warnings);
             }
         }
     }

@@ -3,7 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::FilmReadings;
-use crate::warning::{Step, Warnings};
+use crate::warning::{WarningCode, Warnings};
 
 /// What a code of an observer is, in words.
 pub const OBSERVER_RULE: &str = "1 to 64 letters, digits, `.`, `-` and `_`, such as A or reader-2";
@@ -65,6 +65,6 @@ pub fn alike_words(names: &[impl AsRef<str>]) -> String {
 pub(crate) fn warn_of_alike_observers(films: &[FilmReadings], warnings: &mut Warnings) {
     let ids = films.iter().flat_map(|film| &film.readings).map(|reading| &reading.id);
     for names in alike_observers(ids.map(|id| id.observer.as_str())) {
-        warnings.push(Step::Measure, "observers_alike", alike_words(&names));
+        warnings.push(WarningCode::ObserversAlike, alike_words(&names));
     }
 }

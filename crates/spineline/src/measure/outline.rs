@@ -6,19 +6,17 @@ use super::interpolation::interpolate;
 use super::is_observer_code;
 use super::lengths::check_lengths;
 use super::means::average;
-use super::midline::warn_of_source;
-use super::outline_checks::{check_marked, warn_of_gaps, warn_of_interpolated};
+use super::outline_checks::{check_marked, warn_of_gaps, warn_of_interpolated, warn_of_source};
 use super::placing::{program_corners, warn_of_unusable_ends};
-use super::spacing::is_spacing;
 use super::{
     EndplateTilts, Film, FilmLandmarks, FilmLength, IliacCrests, ImageGeometry, Interpolation,
     LengthScale, MeasureError, Noise, Placement, ProgramNoise, Reading, ReadingId, SharedErrors,
-    SpacingPlane, TiltRule, VertebraOrigin, common_levels, measure_readings, seen_levels,
+    Spacing, SpacingPlane, TiltRule, VertebraOrigin, common_levels, measure_readings, seen_levels,
     warn_of_shortened_chain,
 };
 use crate::anatomy::{Level, Levels, Morphometry, Posture};
 use crate::spatial::{Angle, Frontal, Pixel};
-use crate::warning::{Step, Warnings};
+use crate::warning::{WarningCode, Warnings};
 
 /// One vertebra in the global frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -160,9 +158,9 @@ impl Outline {
 /// use spineline::anatomy::Level;
 /// use spineline::measure::{TiltRule, measure_film};
 /// use spineline::warning::Warnings;
-/// use spineline_phantom::{Readers, Truth, generate};
+/// use spineline_phantom::{Readers, Scenario, generate};
 ///
-/// let case = generate(0, Truth::Bend, &Readers::exact(), 1)?.case;
+/// let case = generate(0, Scenario::Bend, &Readers::exact(), 1)?.case;
 /// let outline = measure_film(&case.films[0], TiltRule::default(), &mut Warnings::default())?;
 /// assert_eq!(outline.vertebrae.len(), Level::MODEL.len());
 /// // L4 is the origin.
@@ -234,7 +232,7 @@ pub(crate) fn outline_of(
             levels.base(),
             normal.abs().deg()
         );
-        warnings.film(Step::Measure, "iliac_line_unusual", posture, text);
+        warnings.film(WarningCode::IliacLineUnusual, posture, text);
     }
     warn_of_gaps(posture, &vertebrae, placed.len(), warnings);
     Ok(Outline {
@@ -334,7 +332,7 @@ fn place_film(
 pub(super) fn check_spacing(posture: Posture, image: &ImageGeometry) -> Result<(), MeasureError> {
     let Some(spacing) = image.spacing else { return Ok(()) };
     for (direction, value) in [("column", spacing.column_mm), ("row", spacing.row_mm)] {
-        if !is_spacing(value) {
+        if !Spacing::is_possible(value) {
             return Err(MeasureError::Spacing { posture, direction, value });
         }
     }
@@ -440,7 +438,7 @@ fn scaled_from_pixels(
     let text = format!(
         "the film has no spacing: its pixels {shape} for angles, and lengths are not reported in millimetres"
     );
-    warnings.film(Step::Measure, "no_spacing", posture, text);
+    warnings.film(WarningCode::NoSpacing, posture, text);
     let means = average(&placed);
     let (mut typical_mm, mut length_px) = (0.0, 0.0);
     let marked: Vec<(Level, Frontal)> = means.iter().map(|(&l, (p, _))| (l, p.location)).collect();

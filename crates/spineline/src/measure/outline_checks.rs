@@ -2,11 +2,11 @@
 
 use std::collections::BTreeMap;
 
-use super::order::{MIN_SPACING_SHARE, steps};
-use super::{LengthScale, MeasureError, MeasuredVertebra, Placement};
+use super::order::{LevelStep, MIN_SPACING_SHARE};
+use super::{LengthScale, MeasureError, MeasuredVertebra, Placement, PlacementSource};
 use crate::anatomy::{Level, Posture};
 use crate::spatial::Angle;
-use crate::warning::{Step, Warnings};
+use crate::warning::{WarningCode, Warnings};
 
 /// Order and tilts of all marked vertebrae. T1, which no result needs, is left out where it alone is wrong.
 pub(super) fn check_marked(
@@ -35,7 +35,7 @@ pub(super) fn check_marked(
     let text = format!(
         "{error}; T1 is left out, as no result needs it: check that the names of the vertebrae are not shifted"
     );
-    warnings.vertebra(Step::Measure, "level_left_out", posture, Level::T1, text);
+    warnings.vertebra(WarningCode::LevelLeftOut, posture, Level::T1, text);
     Ok(())
 }
 
@@ -60,7 +60,7 @@ pub(super) fn warn_of_interpolated(
                 ""
             }
         );
-        warnings.vertebra(Step::Measure, "level_interpolated", posture, vertebra.level, text);
+        warnings.vertebra(WarningCode::LevelInterpolated, posture, vertebra.level, text);
     }
 }
 
@@ -78,7 +78,7 @@ fn check_order(
     }
     let placed: Vec<(Level, Placement)> =
         vertebrae.iter().map(|v| (v.level, Placement::new(v.location, v.tilt))).collect();
-    for step in steps(&placed) {
+    for step in LevelStep::between(&placed) {
         let (inferior, superior, share) = (step.inferior, step.superior, step.share);
         if step.is_out_of_order() {
             let limit = MIN_SPACING_SHARE;
@@ -90,7 +90,7 @@ fn check_order(
                 scale.text(step.distance_mm, 1),
                 step.ratio
             );
-            warnings.vertebra(Step::Measure, "spacing_unusual", posture, superior, text);
+            warnings.vertebra(WarningCode::SpacingUnusual, posture, superior, text);
         }
     }
     Ok(())
@@ -108,6 +108,14 @@ pub(super) fn warn_of_gaps(
             "{} was marked in {} of {readings} readings; its mean is over those",
             vertebra.level, vertebra.readings
         );
-        warnings.vertebra(Step::Measure, "readings_incomplete", posture, vertebra.level, text);
+        warnings.vertebra(WarningCode::ReadingsIncomplete, posture, vertebra.level, text);
+    }
+}
+
+/// Says of a film that its levels are estimated.
+pub(super) fn warn_of_source(posture: Posture, source: PlacementSource, warnings: &mut Warnings) {
+    if source == PlacementSource::SurfaceMidline {
+        let text = "no vertebra was seen: the levels were placed by arc length on a midline of the back surface, with typical proportions of vertebral heights; locations, tilts and all that follows from them are estimates, and the line is straighter than the spine";
+        warnings.film(WarningCode::LevelsEstimated, posture, text);
     }
 }

@@ -11,7 +11,7 @@ use super::{
 };
 use crate::anatomy::{Level, Posture};
 use crate::spatial::Frontal;
-use crate::warning::{Step, Warnings};
+use crate::warning::{WarningCode, Warnings};
 
 /// Whether an analysis can do without a vertebra that no model has. T1 is never needed. An L5 beyond the edge of the picture
 /// is not either; but one whose corners are wrong may be what a film with shifted names shows, and stays an error.
@@ -82,7 +82,7 @@ pub(super) fn warn_of_unusable_ends(film: &Film, warnings: &mut Warnings) {
         let _ = place_usable(film.posture, image, reading, TiltRule::default(), &mut unusable);
         for (level, error) in unusable {
             let text = format!("{error}; {level} is left out, as no result needs it");
-            warnings.vertebra(Step::Measure, "level_left_out", film.posture, level, text);
+            warnings.vertebra(WarningCode::LevelLeftOut, film.posture, level, text);
         }
     }
 }
@@ -105,13 +105,13 @@ pub(super) fn program_corners(film: &Film, warnings: &mut Warnings) -> Vec<Optio
                 "observer {id}: corners of {} were found by a program, and nobody has accepted or moved them: look at them on the film",
                 not_reviewed.join(", ")
             );
-            warnings.film(Step::Measure, "corners_not_reviewed", film.posture, text);
+            warnings.film(WarningCode::CornersNotReviewed, film.posture, text);
         }
         all.push(ProgramCorners::of(image, Some(film.posture), reading).unwrap_or_else(|error| {
             let text = format!(
                 "observer {id}: some corners are said to be completed, but their uncertainty is not known ({error}); they count as clicked ones"
             );
-            warnings.film(Step::Measure, "completed_without_landmarks", film.posture, text);
+            warnings.film(WarningCode::CompletedWithoutLandmarks, film.posture, text);
             None
         }));
     }

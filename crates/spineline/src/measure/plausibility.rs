@@ -8,7 +8,7 @@ use super::rounding::warn_of_rounding;
 use super::{Corners, Film, FilmLandmarks, ImageGeometry, Reading, ReadingId, VertebraLandmarks};
 use crate::anatomy::Level;
 use crate::spatial::{Angle, Frontal, Pixel};
-use crate::warning::{Step, Warnings};
+use crate::warning::{WarningCode, Warnings};
 
 /// The longer of two opposite sides of a body over the shorter one, above which a corner is doubted.
 ///
@@ -89,16 +89,16 @@ pub(crate) fn warn_of_implausible_landmarks(film: &Film, warnings: &mut Warnings
 /// ```
 /// use spineline::measure::{FilmLandmarks, judge_landmarks};
 /// use spineline::anatomy::Level;
-/// use spineline_phantom::{Readers, Truth, generate};
+/// use spineline_phantom::{Readers, Scenario, generate};
 ///
-/// let mut film = generate(0, Truth::Bend, &Readers::exact(), 1)?.case.films.remove(0);
+/// let mut film = generate(0, Scenario::Bend, &Readers::exact(), 1)?.case.films.remove(0);
 /// assert!(judge_landmarks(&film).all().is_empty());
 /// if let FilmLandmarks::Corners { readings, .. } = &mut film.landmarks
 ///     && let Some(body) = readings[0].vertebrae.get_mut(&Level::T8)
 /// {
 ///     body.corners.superior_left.column_px += 150.0;
 /// }
-/// assert!(judge_landmarks(&film).has("corner_far_from_neighbours"));
+/// assert!(judge_landmarks(&film).has(WarningCode::CornerFarFromNeighbours));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[must_use]
@@ -150,7 +150,7 @@ fn warn_of_sides(
             let text = format!(
                 "observer {id}: {sides} differ by a factor of {ratio:.1} (limit {MAX_SIDE_RATIO}): check the four corners of this vertebra"
             );
-            film.warn("body_sides_differ", level, text, warnings);
+            film.warn(WarningCode::BodySidesDiffer, level, text, warnings);
         }
     }
 }
@@ -174,7 +174,7 @@ fn warn_of_axis(
             apart.deg(),
             MAX_AXIS_DIFFERENCE.deg()
         );
-        warnings.vertebra(Step::Measure, "axis_against_corners", film.posture, level, text);
+        warnings.vertebra(WarningCode::AxisAgainstCorners, film.posture, level, text);
     }
 }
 
@@ -220,6 +220,6 @@ fn warn_of_outliers(
             100.0 * share,
             100.0 * limit
         );
-        film.warn("corner_far_from_readings", level, text, warnings);
+        film.warn(WarningCode::CornerFarFromReadings, level, text, warnings);
     }
 }

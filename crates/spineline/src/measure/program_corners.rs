@@ -9,12 +9,12 @@ use std::collections::BTreeMap;
 
 use nalgebra::{DMatrix, DVector, SMatrix, SVector};
 
-use super::completion::{Click, Clicks, CompletionError, Mark, complete};
+use super::completion::{Click, Clicks, CompletionError, complete};
 use super::{
     CornerName, Corners, ImageGeometry, Noise, Origin, Reading, TiltRule, VertebraLandmarks,
 };
-use crate::anatomy::{Level, Posture, Side};
-use crate::spatial::{Angle, Frontal, Pixel};
+use crate::anatomy::{Level, Posture};
+use crate::spatial::{Angle, Frontal};
 
 /// What corners that a program found add to the noise of a vertebra, in one reading or in the mean of several.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -227,28 +227,9 @@ pub(super) fn clicks_of(vertebrae: &BTreeMap<Level, VertebraLandmarks>) -> Click
             let place = name.of(&landmark.corners);
             name.of(&landmark.origins).is_placed().then_some((name, place))
         });
-        clicks_on(level, placed, landmark.walls)
+        Click::on(level, placed, landmark.walls)
     };
     Clicks { vertebrae: vertebrae.iter().flat_map(of).collect(), midline: Vec::new() }
-}
-
-/// Clicks on one vertebra: the corners that were placed, or the walls where there is none.
-pub(super) fn clicks_on(
-    level: Level,
-    placed: [Option<(CornerName, Pixel)>; 4],
-    walls: [Option<Pixel>; 2],
-) -> Vec<Click> {
-    let corners = placed.into_iter().flatten();
-    let clicks: Vec<Click> =
-        corners.map(|(name, place)| Click { level, mark: Mark::Corner(name), place }).collect();
-    if !clicks.is_empty() {
-        return clicks;
-    }
-    let walls = [Side::Left, Side::Right].into_iter().zip(walls);
-    let wall = |(side, place): (Side, Option<Pixel>)| {
-        Some(Click { level, mark: Mark::Wall(side), place: place? })
-    };
-    walls.filter_map(wall).collect()
 }
 
 /// Derivatives of location and tilt by the coordinates of the corners, in the order of [`CornerName::ALL`]; by differences.

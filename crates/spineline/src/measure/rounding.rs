@@ -2,7 +2,7 @@
 
 use super::{Film, FilmLandmarks, Reading, VertebraLandmarks};
 use crate::spatial::Pixel;
-use crate::warning::{Step, Warnings};
+use crate::warning::{WarningCode, Warnings};
 
 /// Coordinates from which whole tens are no accident: of as many, one film in 10⁸ has them.
 const MIN_COUNT: usize = 8;
@@ -21,7 +21,7 @@ pub(super) fn warn_of_rounding(film: &Film, warnings: &mut Warnings) {
                 "observer {}: {count} of its {direction} are whole tens, as in 1.89E+03 of a spreadsheet: if the file was rounded, export it again with all digits",
                 reading.id
             );
-            warnings.film(Step::Measure, "coordinates_rounded", film.posture, text);
+            warnings.film(WarningCode::CoordinatesRounded, film.posture, text);
         }
     }
 }
@@ -74,7 +74,8 @@ mod tests {
         };
         let said = |change| {
             let warnings = judge_landmarks(&film(change));
-            let all = warnings.all().iter().filter(|one| one.code == "coordinates_rounded");
+            let all =
+                warnings.all().iter().filter(|one| one.code == WarningCode::CoordinatesRounded);
             all.map(|one| one.message.clone()).collect::<Vec<_>>()
         };
         assert!(said(|value| value).is_empty());

@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use super::interpolation::MAX_GAP;
 use super::{MeasureError, Placement, Reading};
 use crate::anatomy::{Level, Levels, Posture};
-use crate::warning::{Step, Warnings};
+use crate::warning::{WarningCode, Warnings};
 
 /// The vertebrae of one film that some reading has.
 pub(crate) fn seen_levels(readings: &[Reading<Placement>]) -> BTreeSet<Level> {
@@ -121,7 +121,7 @@ pub(crate) fn warn_of_shortened_chain(
             subject(&names(&missing), missing.len()),
             without(&missing)
         );
-        warnings.push(Step::Measure, "top_missing", text);
+        warnings.push(WarningCode::TopMissing, text);
     }
     let missing: Vec<Level> = Level::MODEL.into_iter().filter(|&level| level < base).collect();
     if !missing.is_empty() {
@@ -130,7 +130,7 @@ pub(crate) fn warn_of_shortened_chain(
             subject(&names(&missing), missing.len()),
             without(&missing)
         );
-        warnings.push(Step::Measure, "base_missing", text);
+        warnings.push(WarningCode::BaseMissing, text);
     }
 }
 

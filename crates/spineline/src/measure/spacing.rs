@@ -111,7 +111,20 @@ impl Spacing {
     /// Whether both distances can be meant, from 0.0001 mm to 5 mm: some real films carry a spacing of zero.
     #[must_use]
     pub fn is_plausible(&self) -> bool {
-        [self.column_mm, self.row_mm].into_iter().all(is_spacing)
+        [self.column_mm, self.row_mm].into_iter().all(Self::is_possible)
+    }
+
+    /// No detector has finer pixels.
+    pub const MIN_MM: f64 = 1e-4;
+
+    /// On coarser pixels a thoracic body is three or four of them high, and has no corners (assumption).
+    const MAX_MM: f64 = 5.0;
+
+    /// Whether a distance between pixels can be meant: finite, not the `0.000` that some devices write, and fine enough for the
+    /// corners of a vertebra.
+    #[must_use]
+    pub fn is_possible(mm: f64) -> bool {
+        mm > Self::MIN_MM && mm <= Self::MAX_MM
     }
 
     /// Whether pixels are as high as wide, to a tenth of a percent: 0.03° at most in an angle.
@@ -120,18 +133,6 @@ impl Spacing {
         (self.aspect() - 1.0).abs() <= 1e-3
     }
 }
-
-/// A distance between pixels that can be meant: finite, not the `0.000` that some devices write, and fine enough for the
-/// corners of a vertebra.
-pub(crate) fn is_spacing(mm: f64) -> bool {
-    mm > MIN_SPACING_MM && mm <= MAX_SPACING_MM
-}
-
-/// No detector has finer pixels.
-pub(crate) const MIN_SPACING_MM: f64 = 1e-4;
-
-/// On coarser pixels a thoracic body is three or four of them high, and has no corners (assumption).
-pub(crate) const MAX_SPACING_MM: f64 = 5.0;
 
 /// The unit of a measured film: what its millimetres are, and the uncertainty of their scale.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -47,9 +47,9 @@ impl Motion {
     /// use spineline::analysis::{AnalysisOptions, analyze_movement};
     /// use spineline::anatomy::Posture;
     /// use spineline::motion::{Motion, least_windows};
-    /// use spineline_phantom::{Readers, Truth, generate};
+    /// use spineline_phantom::{Readers, Scenario, generate};
     ///
-    /// let case = generate(0, Truth::Bend, &Readers::exact(), 1)?.case;
+    /// let case = generate(0, Scenario::Bend, &Readers::exact(), 1)?.case;
     /// let movement = analyze_movement(&case, &AnalysisOptions::default())?.movement;
     /// let erect = movement.erect();
     /// let bend = movement.film(Posture::LeftBending).ok_or("no left bend")?;

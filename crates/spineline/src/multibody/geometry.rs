@@ -22,9 +22,9 @@ pub struct Joint {
 /// use spineline::measure::{TiltRule, measure_film};
 /// use spineline::multibody::SpineModel;
 /// use spineline::warning::Warnings;
-/// use spineline_phantom::{Readers, Truth, generate};
+/// use spineline_phantom::{Readers, Scenario, generate};
 ///
-/// let case = generate(0, Truth::Bend, &Readers::exact(), 1)?.case;
+/// let case = generate(0, Scenario::Bend, &Readers::exact(), 1)?.case;
 /// let erect = measure_film(&case.films[0], TiltRule::default(), &mut Warnings::default())?;
 /// let model = SpineModel::from_outline(&erect, &SagittalProfile::default());
 /// assert_eq!((model.midpoints_mm.len(), model.joints.len()), (15, 14));

@@ -300,9 +300,9 @@ impl<'a> Statics<'a> {
     /// };
     /// use spineline::spatial::Vec3;
     /// use spineline::warning::Warnings;
-    /// use spineline_phantom::{Readers, Truth, generate};
+    /// use spineline_phantom::{Readers, Scenario, generate};
     ///
-    /// let case = generate(0, Truth::Bend, &Readers::exact(), 1)?.case;
+    /// let case = generate(0, Scenario::Bend, &Readers::exact(), 1)?.case;
     /// let erect = measure_film(&case.films[0], TiltRule::default(), &mut Warnings::default())?;
     /// let spine = SpineModel::from_outline(&erect, &SagittalProfile::default());
     /// let groups = JointGroups::per_joint(Levels::COMPLETE);

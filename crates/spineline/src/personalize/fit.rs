@@ -92,9 +92,9 @@ const fn satisfied_rms(target: FitTarget) -> f64 {
 /// use spineline::analysis::{AnalysisOptions, analyze_movement};
 /// use spineline::multibody::{JointGroups, Load, StiffnessLibrary, Support};
 /// use spineline::personalize::{FitFilm, FitSettings, FitTarget, Gauge, personalize};
-/// use spineline_phantom::{Readers, Truth, generate};
+/// use spineline_phantom::{Readers, Scenario, generate};
 ///
-/// let case = generate(0, Truth::Rod, &Readers::exact(), 1)?.case;
+/// let case = generate(0, Scenario::Rod, &Readers::exact(), 1)?.case;
 /// let movement = analyze_movement(&case, &AnalysisOptions::default())?.movement;
 /// let mut films = Vec::new();
 /// for posture in movement.films.iter().filter(|p| p.outline.posture.bend().is_some()) {

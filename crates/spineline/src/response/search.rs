@@ -205,9 +205,9 @@ pub type OnSignedPoint<'o> = &'o mut dyn FnMut(ForceSign, &PathPoint) -> Control
 /// use spineline::response::{largest_factor, respond};
 /// use spineline::spatial::{Angle, Mat3, Vec3};
 /// use spineline::warning::Warnings;
-/// use spineline_phantom::{Readers, Truth, generate};
+/// use spineline_phantom::{Readers, Scenario, generate};
 ///
-/// let case = generate(0, Truth::Bend, &Readers::exact(), 1)?.case;
+/// let case = generate(0, Scenario::Bend, &Readers::exact(), 1)?.case;
 /// let erect = measure_film(&case.films[0], TiltRule::default(), &mut Warnings::default())?;
 /// let model = SpineModel::from_outline(&erect, &SagittalProfile::default());
 /// let springs = vec![Mat3::from_diagonal(&Vec3::new(1.5e5, 1.5e5, 3e5)); model.joints.len()];

@@ -20,7 +20,7 @@
 //! # Use
 //! ```
 //! use spineline::{analysis::analyze, uncertainty::{LandmarkNoise, MonteCarlo}};
-//! # let case = spineline_phantom::generate(0, spineline_phantom::Truth::Rod, &Default::default(), 1)?.case;
+//! # let case = spineline_phantom::generate(0, spineline_phantom::Scenario::Rod, &Default::default(), 1)?.case;
 //! let nominal = analyze(&case, &Default::default())?;
 //! let monte_carlo = MonteCarlo::new(&case, &nominal, LandmarkNoise::Measured, 1)?;
 //! let mut tally = monte_carlo.tally();
@@ -55,6 +55,7 @@ use crate::analysis::{Analysis, Case, OtherReadings, analyze_known};
 use crate::anatomy::Posture;
 use crate::measure::OutlineNoise;
 use crate::personalize::FitStatus;
+use crate::warning::WarningCode;
 use landmarks::NoisyCase;
 
 /// Noise that cannot be laid on a case.
@@ -188,11 +189,12 @@ fn endings(analysis: &Analysis) -> Vec<(&'static str, LineKind, Option<Posture>)
     for model in &analysis.models {
         if model.fit.status != FitStatus::Converged {
             // Nothing that follows from such a fit counts.
-            endings.push(("fit_not_converged", model.kind, None));
+            endings.push((WarningCode::FitNotConverged.key(), model.kind, None));
             continue;
         }
         let lost = model.postures.iter().filter(|simulation| !simulation.is_usable());
-        endings.extend(lost.map(|s| ("force_not_found", model.kind, Some(s.posture))));
+        endings
+            .extend(lost.map(|s| (WarningCode::ForceNotFound.key(), model.kind, Some(s.posture))));
     }
     endings
 }

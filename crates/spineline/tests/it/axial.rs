@@ -5,6 +5,7 @@ use spineline::analysis::{Analysis, AnalysisOptions, analyze, analyze_movement};
 use spineline::anatomy::{Level, PediclePlace, Posture};
 use spineline::measure::{AxialRotation, MeasureError, NashMoe, PedicleFault};
 use spineline::spatial::{Angle, Pixel};
+use spineline::warning::WarningCode;
 use spineline_phantom::{
     EndplateHabit, SagittalShape, SpacePhantom, SpaceSetup, generate_in_space,
 };
@@ -162,7 +163,7 @@ fn the_model_takes_the_rotation_and_without_pedicles_says_that_it_is_unknown() {
     };
     let phantom = generate_in_space(&setup);
     let known = analyze(&phantom.case, &AnalysisOptions::default()).expect("a good case");
-    assert!(!known.warnings.has("axial_rotation_unknown"));
+    assert!(!known.warnings.has(WarningCode::AxialRotationUnknown));
     let found = rotation(&known, Level::T8).stokes;
     let axes = known.movement.spine.axes
         [known.movement.levels().index_of(Level::T8).expect("of the model")];
@@ -171,7 +172,10 @@ fn the_model_takes_the_rotation_and_without_pedicles_says_that_it_is_unknown() {
     let measures = known.movement.spatial_measures().expect("both films");
     assert_eq!(measures.apices.len(), known.movement.clinical.len());
     let unknown = movement(&generate_in_space(&SpaceSetup { pedicles: false, ..setup }));
-    assert!(unknown.movement.axial.is_empty() && unknown.warnings.has("axial_rotation_unknown"));
+    assert!(
+        unknown.movement.axial.is_empty()
+            && unknown.warnings.has(WarningCode::AxialRotationUnknown)
+    );
 }
 
 #[test]

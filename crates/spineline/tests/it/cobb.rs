@@ -8,7 +8,7 @@ use spineline::measure::{
     FilmLandmarks, ImageGeometry, Placement, PlacementSource, TiltRule, VertebraLandmarks,
 };
 use spineline::spatial::Angle;
-use spineline_phantom::{Readers, Truth};
+use spineline_phantom::{Readers, Scenario};
 
 /// Corners are pixels of doubles.
 const ROUNDING_DEG: f64 = 1e-9;
@@ -176,7 +176,7 @@ fn without_corners_there_is_a_tilt_range_and_no_cobb_angle() {
 
 #[test]
 fn end_vertebrae_are_kept_chosen_anew_or_given() {
-    let case = phantom(0, Truth::Bend, &Readers::exact()).case;
+    let case = phantom(0, Scenario::Bend, &Readers::exact()).case;
     let with = |ends| analyzed(&case, &AnalysisOptions { ends, ..on_a_table() });
     let kept = with(EndChoice::default());
     let anew = with(EndChoice { rule: EndRule::EachFilm, ..EndChoice::default() });

@@ -4,7 +4,7 @@ use crate::common::{analyzed, exact_case, film_mut, landmarks_mut, refused};
 use spineline::analysis::AnalysisOptions;
 use spineline::anatomy::{Level, Posture};
 use spineline::measure::{Corners, FilmLandmarks};
-use spineline::warning::Severity;
+use spineline::warning::{Severity, WarningCode};
 
 #[test]
 fn low_confidences_are_warnings_and_all_of_them_are_noted() {
@@ -22,14 +22,16 @@ fn low_confidences_are_warnings_and_all_of_them_are_noted() {
     }
     let analysis = analyzed(&case, &AnalysisOptions::default());
     let warnings = &analysis.warnings;
-    let low: Vec<_> = warnings.all().iter().filter(|w| w.code == "low_confidence").collect();
+    let low: Vec<_> =
+        warnings.all().iter().filter(|w| w.code == WarningCode::LowConfidence).collect();
     assert_eq!(
         (low.len(), low[0].level, low[0].posture),
         (1, Some(Level::T5), Some(Posture::Erect))
     );
     assert!(low[0].message.contains("inferior left") && low[0].message.contains("0.31"));
-    let note = warnings.all().iter().find(|w| w.code == "landmarks_by_program").expect("a note");
-    assert_eq!(note.severity(), Severity::Note);
+    let note =
+        warnings.all().iter().find(|w| w.code == WarningCode::LandmarksByProgram).expect("a note");
+    assert_eq!(note.code.severity(), Severity::Note);
     assert!(note.message.contains("0.31 (T5)"), "{}", note.message);
     // Confidences change no number.
     let plain = analyzed(&exact_case(0), &AnalysisOptions::default());

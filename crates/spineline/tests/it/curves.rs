@@ -8,7 +8,7 @@ use spineline::clinical::{EndChoice, ferguson_angle, measure_curves};
 use spineline::curve::{CurveFit, InflectionIntervals, OrderRule, find_inflections, fit_curve};
 use spineline::measure::Outline;
 use spineline::spatial::{Angle, Frontal};
-use spineline::warning::Warnings;
+use spineline::warning::{WarningCode, Warnings};
 
 /// A least-squares fit in a well-conditioned basis leaves rounding of coordinates of 400 mm.
 const RESIDUAL_MM: f64 = 1e-9;
@@ -278,7 +278,7 @@ fn a_spine_tilted_by_more_than_seventy_degrees_is_fitted_in_parametric_form() {
     let mut warnings = Warnings::default();
     let outline = outline(Posture::LeftBending, &vertebrae);
     let fit = fit_curve(&outline, OrderRule::LeaveOneOut, &mut warnings).expect("an arc");
-    assert!(warnings.has("parametric_curve"));
+    assert!(warnings.has(WarningCode::ParametricCurve));
     assert_eq!(fit.curve.form(), spineline::curve::CurveForm::Parametric);
     // An order that stops where the noise of a reading begins: well below 0.25 mm.
     assert!(fit.rmse_mm < 0.05, "{}", fit.rmse_mm);

@@ -13,7 +13,7 @@ use spineline::curve::{CurveError, InflectionChoice, OrderRule, Site};
 use spineline::error::{CaseError, Error};
 use spineline::measure::{Film, IliacCrests, MeasureError};
 use spineline::spatial::{Angle, Frontal};
-use spineline::warning::{Step, Warning};
+use spineline::warning::{Step, Warning, WarningCode};
 
 fn kinds(analysis: &Analysis) -> Vec<LineKind> {
     analysis.models.iter().map(|model| model.kind).collect()
@@ -21,10 +21,10 @@ fn kinds(analysis: &Analysis) -> Vec<LineKind> {
 
 /// The warning of a code, about a film where one is given.
 #[track_caller]
-fn warned<'a>(analysis: &'a Analysis, code: &str, posture: Option<Posture>) -> &'a Warning {
+fn warned<'a>(analysis: &'a Analysis, code: WarningCode, posture: Option<Posture>) -> &'a Warning {
     let mut all = analysis.warnings.all().iter();
     let found = all.find(|w| w.code == code && (posture.is_none() || w.posture == posture));
-    let warning = found.unwrap_or_else(|| panic!("no `{code}` in {:?}", analysis.warnings.all()));
+    let warning = found.unwrap_or_else(|| panic!("no {code:?} in {:?}", analysis.warnings.all()));
     assert!(!warning.message.is_empty());
     warning
 }
@@ -98,7 +98,7 @@ fn bends_that_lean_to_one_side_are_not_exchanged() {
             film(Posture::RightBending, right),
         ]);
         let analysis = analyzed(&case, &on_a_table());
-        warned(&analysis, "bend_leans_little", None);
+        warned(&analysis, WarningCode::BendLeansLittle, None);
         assert!(!analysis.has_doubted_film(), "{:?}", analysis.warnings.all());
     }
 }
@@ -113,8 +113,8 @@ fn lines_that_the_bends_reject_have_their_contradictions_in_the_result_alone() {
     assert!(analysis.compatibility(rejected).rejects());
     assert!(rejected.postures.iter().any(|film| film.contradicted.iter().any(|j| j.beyond_noise)));
     let warnings = analysis.warnings.all().iter().filter(|one| one.line == Some(rejected.kind));
-    for code in ["joints_contradict_line", "multiplier_at_bound"] {
-        assert!(!warnings.clone().any(|one| one.code == code), "{code}");
+    for code in [WarningCode::JointsContradictLine, WarningCode::MultiplierAtBound] {
+        assert!(!warnings.clone().any(|one| one.code == code), "{code:?}");
     }
 }
 
@@ -148,8 +148,13 @@ fn a_neutral_film_with_the_wrong_side_is_reported_as_mirrored() {
         let mut case = exact_case(0);
         mistake_sides(film_mut(&mut case, posture));
         let analysis = analyzed(&case, &on_a_table());
-        assert_eq!(warned(&analysis, "film_looks_mirrored", Some(posture)).step, Step::Measure);
-        assert!(!analyzed(&exact_case(0), &on_a_table()).warnings.has("film_looks_mirrored"));
+        assert_eq!(
+            warned(&analysis, WarningCode::FilmLooksMirrored, Some(posture)).code.step(),
+            Step::Measure
+        );
+        assert!(
+            !analyzed(&exact_case(0), &on_a_table()).warnings.has(WarningCode::FilmLooksMirrored)
+        );
     }
 }
 
@@ -162,7 +167,7 @@ fn a_bending_film_with_the_wrong_side_tilts_to_the_other_side() {
         match analyze(&case, &on_a_table()) {
             // A mirrored bend of a spine that leans when erect may lean to its side even so.
             Ok(analysis) => assert!(
-                ["bend_leans_away", "film_looks_mirrored"].iter().any(|code| {
+                [WarningCode::BendLeansAway, WarningCode::FilmLooksMirrored].iter().any(|code| {
                     let mut doubts = analysis.film_doubts();
                     doubts.any(|one| one.code == *code && one.posture == Some(posture))
                 }),
@@ -187,9 +192,9 @@ fn a_film_of_another_spacing_is_detected_by_its_length() {
     spacing(image).column_mm *= 1.4;
     spacing(image).row_mm *= 1.4;
     let analysis = analyzed(&case, &on_a_table());
-    let warning = warned(&analysis, "lengths_differ", Some(Posture::Traction));
+    let warning = warned(&analysis, WarningCode::LengthsDiffer, Some(Posture::Traction));
     assert!(warning.message.contains("40.") && warning.message.contains("% longer"), "{warning:?}");
-    assert!(!analyzed(&exact_case(0), &on_a_table()).warnings.has("lengths_differ"));
+    assert!(!analyzed(&exact_case(0), &on_a_table()).warnings.has(WarningCode::LengthsDiffer));
 }
 
 #[test]
@@ -219,7 +224,7 @@ fn iliac_crests_off_the_picture_or_coincident_are_refused_and_swapped_ones_repor
         assert!(error.to_string().contains("iliac crest"), "{error}");
     }
     let exchanged = analyzed(&with(|c| swap(&mut c.left, &mut c.right)), &on_a_table());
-    warned(&exchanged, "iliac_line_unusual", Some(Posture::LeftBending));
+    warned(&exchanged, WarningCode::IliacLineUnusual, Some(Posture::LeftBending));
 }
 
 #[test]
@@ -276,9 +281,9 @@ fn a_straight_spine_still_has_an_iliac_and_an_estimated_line() {
         (0, None)
     );
     assert_eq!(kinds(&analysis), [LineKind::Iliac, LineKind::Estimated]);
-    warned(&analysis, "inflections_not_two", Some(Posture::Erect));
-    warned(&analysis, "no_line", None);
-    warned(&analysis, "usual_regions", None);
+    warned(&analysis, WarningCode::InflectionsNotTwo, Some(Posture::Erect));
+    warned(&analysis, WarningCode::NoLine, None);
+    warned(&analysis, WarningCode::UsualRegions, None);
     assert_eq!(analysis.movement.inflection_segments, None);
     for curve in &analysis.movement.clinical {
         assert!(curve.erect_size().abs() < Angle::from_deg(0.01));
@@ -298,7 +303,7 @@ fn one_inflection_gives_all_results_except_the_inflection_line() {
     // The curve is a sine fitted by a polynomial: a percent of its length.
     assert!((analysis.movement.inflections.all[0].t_mm - 195.0).abs() < 4.0);
     assert_eq!(kinds(&analysis), [LineKind::Iliac, LineKind::Estimated]);
-    let warning = warned(&analysis, "inflections_not_two", Some(Posture::Erect));
+    let warning = warned(&analysis, WarningCode::InflectionsNotTwo, Some(Posture::Erect));
     assert!(warning.message.contains("one inflection "), "{}", warning.message);
 }
 
@@ -316,7 +321,7 @@ fn of_three_inflections_two_carry_the_line() {
         analysis.movement.inflections.pair.expect("a pair around the largest lobe between two");
     assert!(analysis.movement.inflections.all.windows(2).any(|neighbours| neighbours == pair));
     assert_eq!(kinds(&analysis), [LineKind::Inflection, LineKind::Iliac, LineKind::Estimated]);
-    warned(&analysis, "inflections_not_two", Some(Posture::Erect));
+    warned(&analysis, WarningCode::InflectionsNotTwo, Some(Posture::Erect));
 }
 
 #[test]
@@ -326,8 +331,8 @@ fn inflections_picked_in_one_place_give_no_line() {
     let inflections = InflectionChoice::ByHand([site, site]);
     let analysis = analyzed(&exact_case(0), &AnalysisOptions { inflections, ..on_a_table() });
     assert_eq!(kinds(&analysis), [LineKind::Iliac, LineKind::Estimated]);
-    warned(&analysis, "inflections_by_hand", None);
-    let warning = warned(&analysis, "no_line", Some(Posture::LeftBending));
+    warned(&analysis, WarningCode::InflectionsByHand, None);
+    let warning = warned(&analysis, WarningCode::NoLine, Some(Posture::LeftBending));
     assert!(warning.message.contains("0.0 mm") && warning.message.contains("20 mm"));
     assert!(analysis.movement.inflections.pair.is_some());
 }
@@ -364,7 +369,7 @@ fn an_erect_film_alone_gives_curve_inflections_and_cobb_angles() {
     // Vertebral tilts miss the largest tilt of the curve between them by up to a degree.
     assert!((analysis.movement.clinical[1].erect_size().abs().deg() - 49.0).abs() < 1.0);
     assert_eq!((analysis.movement.lenke, analysis.movement.mean_least_segments), (None, None));
-    assert_eq!(warned(&analysis, "no_bending_film", None).step, Step::Personalize);
+    assert_eq!(warned(&analysis, WarningCode::NoBendingFilm, None).code.step(), Step::Personalize);
     assert!(analysis.movement.erect().fit.rmse_mm < 0.01);
 }
 
@@ -420,5 +425,5 @@ fn a_line_given_for_one_bend_is_fitted_to_that_bend() {
     let analysis = analyzed(&exact_case(0), &AnalysisOptions { given_lines, ..on_a_table() });
     let model = analysis.models.iter().find(|m| m.kind == LineKind::Given).expect("a given line");
     assert_eq!(model.postures.len(), 1);
-    warned(&analysis, "no_line", Some(Posture::RightBending));
+    warned(&analysis, WarningCode::NoLine, Some(Posture::RightBending));
 }

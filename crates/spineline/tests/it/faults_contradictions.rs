@@ -10,6 +10,7 @@ use spineline::measure::{
     judge_landmarks, judge_reading,
 };
 use spineline::spatial::{Angle, Pixel};
+use spineline::warning::WarningCode;
 
 /// The same patient on films of both kinds: as held, mirrored, and with pixels twice as high as wide.
 fn variants() -> [Case; 3] {
@@ -36,7 +37,7 @@ fn change(readings: &mut [Reading<VertebraLandmarks>], to: impl Fn(Pixel) -> Pix
 }
 
 /// Codes of the warnings of a sound case about one vertebra of one film.
-fn codes(case: &Case, level: Level) -> Vec<&'static str> {
+fn codes(case: &Case, level: Level) -> Vec<WarningCode> {
     let analysis = analyzed(case, &on_a_table());
     let of = analysis.warnings.all().iter().filter(|one| one.level == Some(level));
     of.filter(|one| one.posture == Some(Posture::Erect)).map(|one| one.code).collect()
@@ -100,7 +101,7 @@ fn a_body_with_unlike_sides_is_doubted() {
             lower.column_px + 0.25 * (upper.column_px - lower.column_px),
             lower.row_px + 0.25 * (upper.row_px - lower.row_px),
         );
-        assert!(codes(&case, Level::T8).contains(&"body_sides_differ"));
+        assert!(codes(&case, Level::T8).contains(&WarningCode::BodySidesDiffer));
     }
 }
 
@@ -109,7 +110,7 @@ fn an_axis_far_from_its_corners_is_doubted() {
     for mut case in variants() {
         landmarks_mut(&mut case, Posture::Erect, Level::T8).axis_clockwise =
             Some(Angle::from_deg(80.0));
-        assert!(codes(&case, Level::T8).contains(&"axis_against_corners"));
+        assert!(codes(&case, Level::T8).contains(&WarningCode::AxisAgainstCorners));
     }
 }
 
@@ -126,7 +127,7 @@ fn a_corner_far_from_the_other_readings_is_named_from_three_readings_on() {
             let corners = &mut odd.vertebrae.get_mut(&Level::T8).expect("all are marked").corners;
             let (near, far) = (corners.superior_left, corners.superior_right);
             corners.superior_left.column_px += 0.3 * (near.column_px - far.column_px);
-            let found = codes(&case, Level::T8).contains(&"corner_far_from_readings");
+            let found = codes(&case, Level::T8).contains(&WarningCode::CornerFarFromReadings);
             assert_eq!(found, expected, "{readings} readings");
         }
     }
@@ -159,7 +160,7 @@ fn a_corner_far_from_where_its_neighbours_put_it_is_named_in_one_reading() {
             let found: Vec<_> = warnings
                 .all()
                 .iter()
-                .filter(|warning| warning.code == "corner_far_from_neighbours")
+                .filter(|warning| warning.code == WarningCode::CornerFarFromNeighbours)
                 .collect();
             assert_eq!(!found.is_empty(), expected, "{level} {part}: {found:?}");
             for warning in found {
@@ -169,7 +170,7 @@ fn a_corner_far_from_where_its_neighbours_put_it_is_named_in_one_reading() {
             }
         }
         let moved = with_corner_moved(case, Level::T8, 0.7);
-        assert!(codes(&moved, Level::T8).contains(&"corner_far_from_neighbours"));
+        assert!(codes(&moved, Level::T8).contains(&WarningCode::CornerFarFromNeighbours));
     }
 }
 
@@ -181,7 +182,7 @@ fn no_trend_is_seen_in_fewer_than_five_vertebrae() {
         let first = Level::MODEL.into_iter().position(|level| level == Level::T10);
         let kept = &Level::MODEL[first.expect("a level of the model")..][..count];
         readings[0].vertebrae.retain(|level, _| kept.contains(level));
-        let found = judge_landmarks(erect(&case)).has("corner_far_from_neighbours");
+        let found = judge_landmarks(erect(&case)).has(WarningCode::CornerFarFromNeighbours);
         assert_eq!(found, expected, "{count} vertebrae");
     }
 }
@@ -191,7 +192,7 @@ fn a_body_that_lies_beside_its_neighbours_as_a_whole_has_no_odd_corner() {
     let mut case = exact_case(0);
     let corners = &mut landmarks_mut(&mut case, Posture::Erect, Level::T8).corners;
     *corners = corners.map(|place| Pixel::new(place.column_px + 60.0, place.row_px));
-    assert!(!judge_landmarks(erect(&case)).has("corner_far_from_neighbours"));
+    assert!(!judge_landmarks(erect(&case)).has(WarningCode::CornerFarFromNeighbours));
 }
 
 #[test]
@@ -205,7 +206,7 @@ fn a_reading_is_compared_with_the_others_without_warnings_about_them() {
     let corners = &mut all[2].vertebrae.get_mut(&Level::T8).expect("marked").corners;
     corners.superior_left.column_px += 100.0;
     let judged = |repeat| judge_reading(erect(&case), &ReadingId::new("A", repeat));
-    assert!(judged(3).has("corner_far_from_readings"));
+    assert!(judged(3).has(WarningCode::CornerFarFromReadings));
     assert!(judged(1).all().is_empty(), "{:?}", judged(1));
 }
 

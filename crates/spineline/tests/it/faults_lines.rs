@@ -12,7 +12,7 @@ use spineline::chain::{Chain, ChainError, SEGMENT_WINDOW};
 use spineline::error::Error;
 use spineline::evaluate::Simulation;
 use spineline::spatial::{Angle, Frontal};
-use spineline::warning::Step;
+use spineline::warning::{Step, WarningCode};
 
 /// The analysis of a patient whose left bend has a given line.
 fn with_line(line: LineOfAction) -> Analysis {
@@ -42,8 +42,10 @@ fn check_ending(analysis: &Analysis) {
     if simulation.is_usable() {
         assert!(numbers.iter().all(|number| number.is_finite()), "{numbers:?}");
     } else {
-        let codes: Vec<&str> = analysis.warnings.all().iter().map(|w| w.code).collect();
-        let said = ["force_not_found", "fit_not_converged"].iter().any(|c| codes.contains(c));
+        let codes: Vec<WarningCode> = analysis.warnings.all().iter().map(|w| w.code).collect();
+        let said = [WarningCode::ForceNotFound, WarningCode::FitNotConverged]
+            .iter()
+            .any(|c| codes.contains(c));
         assert!(said && !analysis.is_converged(), "{codes:?}");
     }
 }
@@ -68,12 +70,12 @@ fn f37_a_line_outside_of_the_body_gives_a_warning_with_its_distance() {
     let analysis = with_line(far);
     check_ending(&analysis);
     let warnings = analysis.warnings.all();
-    let warning = warnings.iter().find(|warning| warning.code == "given_line_far");
+    let warning = warnings.iter().find(|warning| warning.code == WarningCode::GivenLineFar);
     let warning = warning.expect("a warning of the distance");
-    assert_eq!((warning.step, warning.posture), (Step::Action, Some(Posture::LeftBending)));
+    assert_eq!((warning.code.step(), warning.posture), (Step::Action, Some(Posture::LeftBending)));
     assert!(warning.message.contains("mm from the nearest vertebra"), "{}", warning.message);
     let near = with_line(LineOfAction::leaning(place(Level::T8), Angle::ZERO));
-    assert!(near.warnings.all().iter().all(|warning| warning.code != "given_line_far"));
+    assert!(near.warnings.all().iter().all(|warning| warning.code != WarningCode::GivenLineFar));
 }
 
 #[test]
@@ -159,7 +161,8 @@ fn f35_postures_without_a_common_count_take_the_nearest_and_say_that_lengths_dif
     spacing.column_mm *= 0.9;
     spacing.row_mm *= 0.9;
     let analysis = analyzed(&case, &on_a_table());
-    let warning = analysis.warnings.all().iter().find(|warning| warning.code == "lengths_differ");
+    let warning =
+        analysis.warnings.all().iter().find(|warning| warning.code == WarningCode::LengthsDiffer);
     assert_eq!(warning.expect("a warning").posture, Some(Posture::LeftBending));
 }
 

@@ -14,8 +14,8 @@ use spineline::measure::{
     Spacing, SpacingPlane, SpatialOutline,
 };
 use spineline::spatial::{Angle, Frontal, Pixel};
-use spineline::warning::Warnings;
-use spineline_phantom::{Readers, Truth};
+use spineline::warning::{WarningCode, Warnings};
+use spineline_phantom::{Readers, Scenario};
 
 /// A case whose films have square pixels, and the same one without any spacing.
 fn with_and_without() -> (Case, Case) {
@@ -36,7 +36,9 @@ fn a_film_without_spacing_gives_the_same_angles_and_no_model() {
     let (with, without) = with_and_without();
     let (with, without) = (analyzed(&with, &on_a_table()), analyzed(&without, &on_a_table()));
     assert!(!with.models.is_empty() && without.models.is_empty());
-    assert!(without.warnings.has("no_spacing") && without.warnings.has("no_scale"));
+    assert!(
+        without.warnings.has(WarningCode::NoSpacing) && without.warnings.has(WarningCode::NoScale)
+    );
     for (a, b) in with.movement.clinical.iter().zip(&without.movement.clinical) {
         assert_eq!((a.ends, a.apex, a.convex), (b.ends, b.apex, b.convex));
         for ((posture, a_angle), (_, b_angle)) in a.ferguson.iter().zip(&b.ferguson) {
@@ -71,7 +73,7 @@ fn one_film_without_spacing_leaves_the_others_their_millimetres() {
     let analysis = analyzed(&case, &on_a_table());
     assert_eq!(analysis.movement.scale().plane, SpacingPlane::Patient);
     assert!(analysis.models.is_empty());
-    let warning = analysis.warnings.all().iter().find(|w| w.code == "no_scale");
+    let warning = analysis.warnings.all().iter().find(|w| w.code == WarningCode::NoScale);
     assert_eq!(warning.and_then(|w| w.posture), Some(Posture::Traction));
 }
 
@@ -165,7 +167,9 @@ fn vertebrae_hidden_by_the_shoulders_have_the_populations_angles() {
     assert_near(found.turns_deg[10], truth.turns_deg[10], 1e-9, "T6/T5");
     film.readings.clear();
     assert_eq!(measure(&film), Ok(None));
-    assert!(warnings.has("lateral_incomplete") && warnings.has("lateral_not_marked"));
+    assert!(
+        warnings.has(WarningCode::LateralIncomplete) && warnings.has(WarningCode::LateralNotMarked)
+    );
 }
 
 #[test]
@@ -245,9 +249,9 @@ fn a_lateral_film_is_refused_for_what_a_frontal_one_is() {
 fn odd_corners_of_a_lateral_film_are_named() {
     let film = lateral(&SagittalProfile::default(), ImageSide::Left, 0.1, 0.1);
     for (part, repeats, code) in [
-        (0.9, 1, "body_sides_differ"),
-        (0.6, 1, "corner_far_from_neighbours"),
-        (0.4, 3, "corner_far_from_readings"),
+        (0.9, 1, WarningCode::BodySidesDiffer),
+        (0.6, 1, WarningCode::CornerFarFromNeighbours),
+        (0.4, 3, WarningCode::CornerFarFromReadings),
     ] {
         let mut film = film.clone();
         let first = film.readings[0].clone();
@@ -263,7 +267,7 @@ fn odd_corners_of_a_lateral_film_are_named() {
         let mut warnings = Warnings::default();
         assert!(film.measure(&mut warnings).is_ok());
         let warning = warnings.all().iter().find(|warning| warning.code == code);
-        let text = &warning.unwrap_or_else(|| panic!("no {code}: {warnings:?}")).message;
+        let text = &warning.unwrap_or_else(|| panic!("no {code:?}: {warnings:?}")).message;
         assert!(text.contains("lateral film") && text.contains("T7"), "{text}");
     }
 }
@@ -284,14 +288,14 @@ fn renamed(phantom: &spineline_phantom::Phantom, posture: Posture, down: usize) 
 
 #[test]
 fn a_film_with_all_names_shifted_by_one_level_is_reported() {
-    for (subject, truth) in [(0, Truth::Rod), (4, Truth::Bend), (8, Truth::Pull)] {
-        let phantom = phantom(subject, truth, &Readers::default());
+    for (subject, scenario) in [(0, Scenario::Rod), (4, Scenario::Bend), (8, Scenario::Pull)] {
+        let phantom = phantom(subject, scenario, &Readers::default());
         for posture in Posture::MOVED {
             let found = |down: usize| {
                 let analysis = analyzed(&renamed(&phantom, posture, down), &on_a_table());
                 let warnings = analysis.warnings.all().iter();
                 let shifted: Vec<_> = warnings
-                    .filter(|w| w.code == "levels_may_be_shifted")
+                    .filter(|w| w.code == WarningCode::LevelsMayBeShifted)
                     .filter_map(|w| w.posture)
                     .collect();
                 shifted
@@ -314,7 +318,7 @@ fn a_gap_in_a_stitched_film_is_reported_between_two_vertebrae() {
         landmark.corners = landmark.corners.map(|p| Pixel::new(p.column_px, p.row_px + lower));
     }
     let analysis = analyzed(&case, &on_a_table());
-    let warning = analysis.warnings.all().iter().find(|w| w.code == "spacing_unusual");
+    let warning = analysis.warnings.all().iter().find(|w| w.code == WarningCode::SpacingUnusual);
     let warning = warning.expect("the gap is twice the usual distance");
     assert_eq!((warning.posture, warning.level), (Some(Posture::Erect), Some(Level::T9)));
 }

@@ -9,7 +9,7 @@ use spineline::measure::{
     Corners, Film, FilmFrame, Outline, Spacing, SpacingPlane, endplate_centres,
 };
 use spineline::spatial::{Frontal, Pixel};
-use spineline_phantom::{Readers, Truth};
+use spineline_phantom::{Readers, Scenario};
 
 /// A few operations on places of some thousand pixels.
 const ROUNDING_PX: f64 = 1e-9;
@@ -17,7 +17,7 @@ const ROUNDING_PX: f64 = 1e-9;
 /// A film of a phantom with other pixels, and perhaps seen from the other side; the marks stay on the body.
 fn film(subject: usize, readers: &Readers, spacing: Option<(f64, f64)>, flip: bool) -> Film {
     // Its bends are not looked at, so they are the quickest to make.
-    let case = phantom(subject, Truth::Bend, readers).case;
+    let case = phantom(subject, Scenario::Bend, readers).case;
     let mut film =
         case.films.into_iter().find(|film| film.posture == Posture::Erect).expect("erect");
     let (image, crests, readings) = landmarks(&mut film);
@@ -135,7 +135,7 @@ fn lines_end_on_the_edge_of_their_film() {
 
 #[test]
 fn the_angle_between_endplate_lines_is_the_cobb_angle() {
-    let case = phantom(0, Truth::Rod, &Readers::exact()).case;
+    let case = phantom(0, Scenario::Rod, &Readers::exact()).case;
     let analysis = analyze(&case, &AnalysisOptions::default()).expect("a phantom");
     let film = case.films.iter().find(|film| film.posture == Posture::Erect).expect("erect");
     let outline = &analysis.movement.erect().outline;
@@ -158,7 +158,7 @@ fn the_angle_between_endplate_lines_is_the_cobb_angle() {
 #[test]
 fn a_multiplier_is_contradicted_when_most_of_its_joints_are_counter_rotating() {
     // Bends in which all joints turn one way contradict a force that crosses the spine twice.
-    let case = phantom(0, Truth::Bend, &Readers::exact()).case;
+    let case = phantom(0, Scenario::Bend, &Readers::exact()).case;
     let analysis = analyze(&case, &AnalysisOptions::default()).expect("a phantom");
     for model in &analysis.models {
         let verdicts = model.verdicts(&analysis);
@@ -179,11 +179,11 @@ fn a_multiplier_is_contradicted_when_most_of_its_joints_are_counter_rotating() {
             assert_ne!(verdict.identification, Identification::Absolute, "no force is known");
         }
     }
-    let contradicted = |truth| {
-        let case = phantom(0, truth, &Readers::exact()).case;
+    let contradicted = |scenario| {
+        let case = phantom(0, scenario, &Readers::exact()).case;
         let analysis = analyze(&case, &AnalysisOptions::default()).expect("a phantom");
         let line = analysis.models[0].verdicts(&analysis);
         line.iter().filter(|v| v.identification == Identification::Contradicted).count()
     };
-    assert!(contradicted(Truth::Bend) > contradicted(Truth::Rod));
+    assert!(contradicted(Scenario::Bend) > contradicted(Scenario::Rod));
 }

@@ -6,7 +6,8 @@ use spineline::anatomy::Posture;
 use spineline::evaluate::{Baseline, predict_baseline};
 use spineline::measure::{FilmLength, FilmLengthRule, FilmScale};
 use spineline::spatial::{Angle, Frontal};
-use spineline_phantom::{Readers, Truth};
+use spineline::warning::WarningCode;
+use spineline_phantom::{Readers, Scenario};
 
 use crate::common::{
     analyzed, assert_near, exact_case, film_mut, landmarks, measured, on_a_table, phantom, turned,
@@ -42,7 +43,7 @@ fn errors_mm(analysis: &Analysis, kind: LineKind, role: FilmRole) -> f64 {
 
 #[test]
 fn the_scale_of_a_film_is_found_and_taken_out() {
-    let case = phantom(2, Truth::Pull, &Readers::exact()).case;
+    let case = phantom(2, Scenario::Pull, &Readers::exact()).case;
     let other = scaled(&case, &FACTORS);
     let as_marked = AnalysisOptions { film_lengths: FilmLengthRule::AsMarked, ..on_a_table() };
     let (truth, found) = (analyzed(&case, &on_a_table()), analyzed(&other, &on_a_table()));
@@ -74,7 +75,7 @@ fn the_scale_of_a_film_is_found_and_taken_out() {
 
 #[test]
 fn stated_scales_are_not_fitted() {
-    let case = phantom(4, Truth::Rod, &Readers::exact()).case;
+    let case = phantom(4, Scenario::Rod, &Readers::exact()).case;
     let analysis = analyzed(&case, &AnalysisOptions::default());
     // All films of a phantom state one exact scale.
     assert!(analysis.movement.films.iter().all(|p| !p.outline.length.is_free()));
@@ -89,13 +90,14 @@ fn stated_scales_are_not_fitted() {
     assert_near(length(Posture::LeftBending).prior_log_sd, 0.005, 1e-12, "both stated");
     assert_eq!(length(Posture::RightBending).prior_log_sd, FilmLengthRule::RELATIVE_SD);
     // 2 % is four deviations of what the two films state.
-    let warned = analysis.warnings.all().iter().filter(|one| one.code == "lengths_differ");
+    let warned =
+        analysis.warnings.all().iter().filter(|one| one.code == WarningCode::LengthsDiffer);
     assert_eq!(warned.map(|one| one.posture).collect::<Vec<_>>(), [Some(Posture::LeftBending)]);
 }
 
 #[test]
 fn what_is_predicted_gives_no_scale() {
-    let case = scaled(&phantom(3, Truth::Pull, &Readers::exact()).case, &FACTORS);
+    let case = scaled(&phantom(3, Scenario::Pull, &Readers::exact()).case, &FACTORS);
     let mut moved = case.clone();
     let film = film_mut(&mut moved, Posture::Neutral);
     let (_, _, readings) = landmarks(film);

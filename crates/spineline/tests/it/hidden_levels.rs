@@ -9,8 +9,8 @@ use spineline::measure::{
 };
 use spineline::multibody::MatchStatus;
 use spineline::spatial::{Angle, Pixel};
-use spineline::warning::Warnings;
-use spineline_phantom::{Readers, Truth};
+use spineline::warning::{WarningCode, Warnings};
+use spineline_phantom::{Readers, Scenario};
 
 use crate::common::{
     analyzed, assert_near, exact_case, film_mut, landmarks, landmarks_mut, measured, on_a_table,
@@ -96,9 +96,9 @@ fn an_interpolated_vertebra_is_within_its_stated_uncertainty() {
     // Oracle: the removed vertebrae themselves, exact and as marked by readers. A stated deviation that holds for real spines,
     // which are rougher, covers those of phantoms: root mean square below 1, and hardly any beyond 2.
     for readers in [Readers::exact(), Readers::default()] {
-        for truth in [Truth::Bend, Truth::Rod] {
+        for scenario in [Scenario::Bend, Scenario::Rod] {
             let films: Vec<Film> = (0..4)
-                .flat_map(|subject| phantom(4 * subject, truth, &readers).case.films)
+                .flat_map(|subject| phantom(4 * subject, scenario, &readers).case.films)
                 .collect();
             for all in [
                 deviations_of(&films),
@@ -107,7 +107,7 @@ fn an_interpolated_vertebra_is_within_its_stated_uncertainty() {
                 let n = all.len() as f64;
                 let rms = (all.iter().map(|d| d * d).sum::<f64>() / n).sqrt();
                 let beyond = all.iter().filter(|d| d.abs() > 2.0).count() as f64 / n;
-                assert!(rms < 1.0 && beyond < 0.05, "{truth:?}: {rms:.2}, {beyond:.3} beyond 2");
+                assert!(rms < 1.0 && beyond < 0.05, "{scenario:?}: {rms:.2}, {beyond:.3} beyond 2");
             }
         }
     }
@@ -120,7 +120,7 @@ fn a_vertebra_hidden_on_one_bend_leaves_the_bend_in_the_fit() {
     let mut partial = case.clone();
     hide(film_mut(&mut partial, Posture::LeftBending), |level| level == Level::T8);
     let found = analyzed(&partial, &on_a_table());
-    assert!(found.warnings.has("level_interpolated"));
+    assert!(found.warnings.has(WarningCode::LevelInterpolated));
     // Oracle: every film that the interpolation does not touch is as it was.
     for (a, b) in whole.movement.films.iter().zip(&found.movement.films) {
         assert_eq!(a.outline == b.outline, a.outline.posture != Posture::LeftBending);
@@ -198,7 +198,8 @@ fn a_top_hidden_on_one_film_shortens_the_model_of_all() {
     let found = analyzed(&partial, &on_a_table());
     let levels = found.movement.levels();
     assert_eq!((levels.base(), levels.top(), levels.len()), (Level::L4, Level::T4, 13));
-    let warning = found.warnings.all().iter().find(|warning| warning.code == "top_missing");
+    let warning =
+        found.warnings.all().iter().find(|warning| warning.code == WarningCode::TopMissing);
     let text = warning.expect("the consequence is said").text();
     assert!(text.contains("right bending") && !text.contains("left"), "{text}");
     assert!(text.contains("T3, T2") && text.contains("T4, which carries the force"), "{text}");
@@ -229,7 +230,7 @@ fn a_base_hidden_on_one_film_moves_the_frame_and_no_rotation() {
         (found.movement.levels().base(), found.movement.levels().top()),
         (Level::L3, Level::T2)
     );
-    assert!(found.warnings.has("base_missing"));
+    assert!(found.warnings.has(WarningCode::BaseMissing));
     for (a, b) in whole.movement.films.iter().zip(&found.movement.films) {
         // Oracle: the frame of L3 is that of L4 moved and turned as L3 stands in it.
         let frame = a.outline.vertebrae[1];
@@ -319,7 +320,7 @@ fn no_result_needs_t1_or_l5() {
         }
         fault(&mut faulty);
         let found = movement(&faulty);
-        assert!(found.warnings.has("level_left_out"));
+        assert!(found.warnings.has(WarningCode::LevelLeftOut));
         for (a, b) in expected.movement.films.iter().zip(&found.movement.films) {
             assert_eq!(a.outline.vertebrae, b.outline.vertebrae);
         }

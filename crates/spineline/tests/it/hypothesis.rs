@@ -14,10 +14,10 @@ use spineline::multibody::{
     ShapeParameter, Solution, Statics, StiffnessLibrary, Support, Timing, match_t2,
 };
 use spineline::spatial::{Angle, Frontal, Mat3, Vec3};
-use spineline_phantom::{Readers, Truth, generate};
+use spineline_phantom::{Readers, Scenario, generate};
 
 fn analysis() -> Analysis {
-    let phantom = generate(0, Truth::Rod, &Readers::exact(), 1).expect("a phantom");
+    let phantom = generate(0, Scenario::Rod, &Readers::exact(), 1).expect("a phantom");
     analyze(&phantom.case, &AnalysisOptions::default()).expect("a sound case")
 }
 

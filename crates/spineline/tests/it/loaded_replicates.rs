@@ -14,7 +14,7 @@ use spineline::response::{
 };
 use spineline::spatial::{Angle, Vec3};
 use spineline::uncertainty::{AppliedLoads, LandmarkNoise, LoadedUncertainty, MonteCarlo};
-use spineline_phantom::{Readers, Truth};
+use spineline_phantom::{Readers, Scenario};
 
 use crate::common::{assert_near, landmarks, phantom};
 
@@ -23,7 +23,7 @@ const TOP: usize = 14;
 
 /// Erect film and one bend, read once without an error, with tilts by the corners alone.
 fn two_films() -> Case {
-    let mut case = phantom(2, Truth::Rod, &Readers::exact()).case;
+    let mut case = phantom(2, Scenario::Rod, &Readers::exact()).case;
     case.films.retain(|film| matches!(film.posture, Posture::Erect | Posture::LeftBending));
     for film in &mut case.films {
         let (_, _, readings) = landmarks(film);
@@ -94,7 +94,7 @@ fn run(case: &Case, noise_px: f64, loads: &AppliedLoads<'_>, count: u64) -> Load
 #[test]
 fn without_noise_every_interval_is_the_number_of_the_simulation() {
     // Oracle: the simulation of the case itself.
-    let case = phantom(3, Truth::Rod, &Readers::default()).case;
+    let case = phantom(3, Scenario::Rod, &Readers::default()).case;
     let nominal = analysed(&case);
     let noise = LandmarkNoise::Pixels(0.0);
     let monte_carlo = MonteCarlo::new(&case, &nominal, noise, 1).expect("sound noise");
@@ -215,7 +215,7 @@ fn a_rod_that_prescribes_the_top_leaves_no_spread_of_the_change() {
 
 #[test]
 fn replicates_under_loads_are_the_same_in_any_order_and_on_any_thread() {
-    let case = phantom(0, Truth::Bend, &Readers::default()).case;
+    let case = phantom(0, Scenario::Bend, &Readers::default()).case;
     let nominal = analysed(&case);
     let monte_carlo =
         MonteCarlo::new(&case, &nominal, LandmarkNoise::Measured, 7).expect("sound noise");

@@ -11,21 +11,21 @@ use spineline::anatomy::{Level, Posture};
 use spineline::measure::{Film, IliacCrests};
 use spineline::personalize::{FitStatus, FitTarget};
 use spineline::spatial::{Angle, Frontal, Pixel};
-use spineline_phantom::{Readers, Truth};
+use spineline_phantom::{Readers, Scenario};
 
 /// What is computed once from landmarks by a few operations, in mm and rad.
 const ROUNDING: f64 = 1e-9;
 /// What a least-squares fit and a minimiser pass on.
 const FITTED: f64 = 1e-6;
 
-/// Subject, truth, and whether the readers are exact.
+/// Subject, scenario, and whether the readers are exact.
 fn any_case() -> impl Strategy<Value = (usize, usize, bool)> {
     (0..18_usize, 0..3_usize, any::<bool>())
 }
 
-fn case((subject, truth, exact): (usize, usize, bool)) -> Case {
+fn case((subject, scenario, exact): (usize, usize, bool)) -> Case {
     let readers = if exact { Readers::exact() } else { Readers::default() };
-    phantom(subject, Truth::PAPER[truth], &readers).case
+    phantom(subject, Scenario::PAPER[scenario], &readers).case
 }
 
 fn options(ferguson: bool) -> AnalysisOptions {
@@ -185,10 +185,10 @@ proptest! {
     #[test]
     fn placements_in_another_frame_do_not_change_results(
         subject in 0..18_usize,
-        truth in 0..3_usize,
+        scenario in 0..3_usize,
         moves in prop::collection::vec((-80.0..80.0_f64, -900.0..900.0_f64, -900.0..900.0_f64), 5),
     ) {
-        let phantom = phantom(subject, Truth::PAPER[truth], &Readers::exact());
+        let phantom = phantom(subject, Scenario::PAPER[scenario], &Readers::exact());
         let films = |moves: &[(f64, f64, f64)]| -> Vec<Film> {
             let postures = phantom.postures.iter().zip(moves);
             postures.map(|(posture, &(deg, y, z))| {
@@ -211,8 +211,8 @@ proptest! {
     /// are divided by the factor, and angles, multipliers and segment numbers stay. What does not scale: the assumed noise of a single
     /// reading (so there are six here), T2's tolerance of a millimetre in held-out postures, and the least gap of a line.
     #[test]
-    fn a_larger_patient_has_the_same_angles(subject in 0..18_usize, truth in 0..3_usize) {
-        let case = phantom(subject, Truth::PAPER[truth], &Readers::default()).case;
+    fn a_larger_patient_has_the_same_angles(subject in 0..18_usize, scenario in 0..3_usize) {
+        let case = phantom(subject, Scenario::PAPER[scenario], &Readers::default()).case;
         let mut large = case.clone();
         for film in &mut large.films {
             let (image, _, _) = landmarks(film);
@@ -267,7 +267,7 @@ proptest! {
         subject in 0..18_usize,
         seed in any::<u64>(),
     ) {
-        let case = phantom(subject, Truth::Bend, &Readers::default()).case;
+        let case = phantom(subject, Scenario::Bend, &Readers::default()).case;
         let mut shuffled = case.clone();
         let mut draw = common::Draw::new(seed);
         for film in &mut shuffled.films {
@@ -287,7 +287,7 @@ proptest! {
         subject in 0..18_usize,
         factor in 0.4..2.5_f64,
     ) {
-        let case = phantom(subject, Truth::Bend, &Readers::exact()).case;
+        let case = phantom(subject, Scenario::Bend, &Readers::exact()).case;
         let mut stretched = case.clone();
         for film in &mut stretched.films {
             let (image, crests, readings) = landmarks(film);

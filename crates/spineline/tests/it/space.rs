@@ -10,7 +10,7 @@ use spineline::clinical::{SagittalPart, SpatialMeasures};
 use spineline::measure::{SpatialOutline, TiltRule, measure_film};
 use spineline::spatial::{Angle, Mat3, Orientation, Vec3};
 use spineline::uncertainty::{AnalysisQuantity, LandmarkNoise, MonteCarlo, Uncertainty};
-use spineline::warning::Warnings;
+use spineline::warning::{WarningCode, Warnings};
 use spineline_phantom::{
     EndplateHabit, SagittalShape, SpacePhantom, SpaceSetup, generate_in_space,
 };
@@ -50,7 +50,10 @@ fn exact_landmarks_give_the_pitch_in_space_whatever_the_rotation_and_the_reader(
                 };
                 let phantom = generate_in_space(&setup);
                 let (found, warnings) = measured(&phantom);
-                assert!(!warnings.has("lateral_heights_differ") && !warnings.has("lateral_turned"));
+                assert!(
+                    !warnings.has(WarningCode::LateralHeightsDiffer)
+                        && !warnings.has(WarningCode::LateralTurned)
+                );
                 assert_eq!(found.vertebrae.len(), Level::ALL.len());
                 assert_near(found.alignment.scale, 1.0 / 1.13, 1e-9, "scale");
                 for vertebra in &found.vertebrae {
@@ -223,7 +226,10 @@ fn a_turned_lateral_film_and_one_of_another_patient_are_reported() {
     let setup = SpaceSetup { lateral_turn: Angle::from_deg(6.0), ..SpaceSetup::default() };
     let phantom = generate_in_space(&setup);
     let (found, warnings) = measured(&phantom);
-    assert!(warnings.has("lateral_turned") && !warnings.has("lateral_heights_differ"));
+    assert!(
+        warnings.has(WarningCode::LateralTurned)
+            && !warnings.has(WarningCode::LateralHeightsDiffer)
+    );
     assert_near(found.alignment.turn.deg(), 6.0, 3.0 * found.alignment.turn_sd().deg(), "turn");
     // Taken as exposed together, the films contradict each other.
     let mut together = phantom.clone();
@@ -232,7 +238,7 @@ fn a_turned_lateral_film_and_one_of_another_patient_are_reported() {
     }
     let (found, warnings) = measured(&together);
     assert_eq!((found.alignment.scale, found.alignment.turn), (1.0, Angle::ZERO));
-    assert!(warnings.has("lateral_heights_differ"));
+    assert!(warnings.has(WarningCode::LateralHeightsDiffer));
 }
 
 #[test]
@@ -244,7 +250,7 @@ fn a_film_exposed_together_gives_the_pitch_without_an_estimate() {
         lateral.simultaneous = true;
     }
     let (found, warnings) = measured(&phantom);
-    assert!(!warnings.has("lateral_heights_differ"));
+    assert!(!warnings.has(WarningCode::LateralHeightsDiffer));
     assert_eq!(found.alignment.turn_sd(), Angle::ZERO);
     assert!(found.pitch_sd(&found.vertebrae[9]) < free.pitch_sd(&free.vertebrae[9]));
     // Without a spacing its scale is found all the same.

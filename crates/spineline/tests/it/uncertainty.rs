@@ -11,10 +11,10 @@ use spineline::uncertainty::{
     Absent, AnalysisQuantity, LandmarkNoise, MonteCarlo, NoiseSource, Replicate, Uncertainty,
     UncertaintyError, VertebraNoise,
 };
-use spineline_phantom::{Readers, Truth, generate};
+use spineline_phantom::{Readers, Scenario, generate};
 
-fn case(subject: usize, truth: Truth, readers: &Readers) -> Case {
-    generate(subject, truth, readers, 1).expect("a subject of Table 1").case
+fn case(subject: usize, scenario: Scenario, readers: &Readers) -> Case {
+    generate(subject, scenario, readers, 1).expect("a subject of Table 1").case
 }
 
 /// The erect film alone: fast, and enough for what is measured on it.
@@ -47,7 +47,7 @@ fn told(monte_carlo: &MonteCarlo<'_>, count: u64) -> Uncertainty {
 #[test]
 fn replicates_may_be_computed_in_any_order_and_from_any_order_of_readings() {
     // Oracle: one after the other.
-    let case = case(0, Truth::Bend, &Readers::default());
+    let case = case(0, Scenario::Bend, &Readers::default());
     let nominal = analyzed(&case);
     let monte_carlo =
         MonteCarlo::new(&case, &nominal, LandmarkNoise::Measured, 7).expect("sound noise");
@@ -78,7 +78,7 @@ fn replicates_may_be_computed_in_any_order_and_from_any_order_of_readings() {
 #[test]
 fn cases_of_two_patients_have_noise_of_their_own() {
     // Oracle: the same films under another identifier.
-    let one = erect(case(0, Truth::Bend, &Readers::default()));
+    let one = erect(case(0, Scenario::Bend, &Readers::default()));
     let other = Case { id: "another".to_owned(), ..one.clone() };
     let nominal = analyzed(&one);
     let replicates = |case: &Case| {
@@ -95,7 +95,7 @@ fn cases_of_two_patients_have_noise_of_their_own() {
 
 #[test]
 fn without_noise_all_replicates_equal_the_case() {
-    let case = case(3, Truth::Rod, &Readers::default());
+    let case = case(3, Scenario::Rod, &Readers::default());
     let found = run(&case, LandmarkNoise::Pixels(0.0), 1, 3);
     let usual = run(&case, LandmarkNoise::Measured, 1, 20);
     assert_eq!((found.done, found.failed), (3, 0));
@@ -127,7 +127,7 @@ fn a_multiplier_at_its_bound_has_no_interval() {
     // Oracle: the bounds of the fit of the case itself.
     let mut at_bound = 0;
     for subject in 0..6 {
-        let case = case(subject, Truth::Bend, &Readers::default());
+        let case = case(subject, Scenario::Bend, &Readers::default());
         let nominal = analyzed(&case);
         let found = run(&case, LandmarkNoise::Measured, 1, 4);
         for one in &found.quantities {
@@ -150,8 +150,8 @@ fn a_multiplier_at_its_bound_has_no_interval() {
 #[test]
 fn replicates_from_the_minima_of_the_case_equal_those_of_a_new_search() {
     // Oracle: every replicate analysed as a case of its own.
-    for (subject, truth) in [(1, Truth::Rod), (2, Truth::Bend), (6, Truth::Pull)] {
-        let case = case(subject, truth, &Readers::default());
+    for (subject, scenario) in [(1, Scenario::Rod), (2, Scenario::Bend), (6, Scenario::Pull)] {
+        let case = case(subject, scenario, &Readers::default());
         let found = run(&case, LandmarkNoise::Measured, 5, 40);
         let oracle = run_anew(&case, LandmarkNoise::Measured, 5, 40);
         assert_eq!(found.done, oracle.done);
@@ -167,8 +167,8 @@ fn replicates_from_the_minima_of_the_case_equal_those_of_a_new_search() {
         }
         assert!(compared > 300, "{compared}");
         // The free line of a pulled spine, in the frontal plane, has minima of nearly one depth: some replicates end in another one.
-        let parts = if truth == Truth::Pull { 15 } else { 50 };
-        assert!(apart.len() * parts <= compared, "{truth:?}: {apart:#?}");
+        let parts = if scenario == Scenario::Pull { 15 } else { 50 };
+        assert!(apart.len() * parts <= compared, "{scenario:?}: {apart:#?}");
     }
 }
 
@@ -217,7 +217,7 @@ fn propagated(base: &Corners<Frontal>, body: &Corners<Frontal>, sd_mm: Frontal) 
 fn the_standard_deviation_of_a_single_reading_follows_from_corner_noise() {
     // Oracle: linear propagation. In `G` a place holds the noise of L4's place and tilt too.
     let (sd_px, count) = (3.0, 8000);
-    let case = erect(case(2, Truth::Rod, &Readers::exact()));
+    let case = erect(case(2, Scenario::Rod, &Readers::exact()));
     let found = run(&case, LandmarkNoise::Pixels(sd_px), 5, count);
     let FilmLandmarks::Corners { image, readings, .. } = &case.films[0].landmarks else {
         panic!("phantoms have landmarks")
@@ -244,7 +244,7 @@ fn the_standard_deviation_of_a_single_reading_follows_from_corner_noise() {
 #[test]
 fn the_standard_deviation_of_a_mean_decreases_with_the_root_of_n() {
     // Oracle: s/√n for tilts, which are linear in small noise.
-    let one = erect(case(2, Truth::Rod, &Readers::exact()));
+    let one = erect(case(2, Scenario::Rod, &Readers::exact()));
     let mut four = one.clone();
     if let FilmLandmarks::Corners { readings, .. } = &mut four.films[0].landmarks {
         for repeat in 2..=4 {
@@ -266,7 +266,7 @@ fn the_measured_noise_equals_that_of_the_readers() {
     // Oracle: the virtual readers' own deviation; two observers add their bias, which all three repeats of a mean share, and
     // pixels their rounding.
     let readers = Readers::default();
-    let found = run(&case(0, Truth::Rod, &readers), LandmarkNoise::Measured, 1, 1);
+    let found = run(&case(0, Scenario::Rod, &readers), LandmarkNoise::Measured, 1, 1);
     let shared = f64::from(readers.repeats).sqrt();
     let expected = readers.corner_sd_mm.hypot(shared * readers.corner_bias_sd_mm);
     let of_axes = readers.axis_sd.deg().hypot(shared * readers.axis_bias_sd.deg());
@@ -280,7 +280,8 @@ fn the_measured_noise_equals_that_of_the_readers() {
         assert!((y / expected - 1.0).abs() < 0.1 && (z - y).abs() < 1e-12, "{y} {expected}");
         assert!((axis.deg() / of_axes - 1.0).abs() < 0.15, "{axis}");
     }
-    let once = run(&erect(case(0, Truth::Rod, &Readers::exact())), LandmarkNoise::Measured, 1, 1);
+    let once =
+        run(&erect(case(0, Scenario::Rod, &Readers::exact())), LandmarkNoise::Measured, 1, 1);
     assert_eq!(once.noise[0].source, NoiseSource::Assumed);
     assert!(once.noise_words()[0].contains("no film was read twice"), "{:?}", once.noise_words());
 }
@@ -306,7 +307,7 @@ fn placed(case: &Case) -> Case {
 #[test]
 fn locations_of_other_programs_are_perturbed_by_their_stated_noise_without_pixels() {
     // Oracle: 0.25 mm and 0.7° of one careful reading; in `G` the tilts of two vertebrae differ by √2 of that.
-    let case = placed(&erect(case(4, Truth::Rod, &Readers::exact())));
+    let case = placed(&erect(case(4, Scenario::Rod, &Readers::exact())));
     let found = run(&case, LandmarkNoise::Measured, 2, 1500);
     assert_eq!(found.noise[0].source, NoiseSource::Assumed);
     let sd = found.spread(AnalysisQuantity::Tilt(Posture::Erect, Level::T5)).expect("measured").sd;
@@ -318,7 +319,7 @@ fn locations_of_other_programs_are_perturbed_by_their_stated_noise_without_pixel
 
 #[test]
 fn a_deviation_below_zero_is_refused() {
-    let case = erect(case(0, Truth::Rod, &Readers::exact()));
+    let case = erect(case(0, Scenario::Rod, &Readers::exact()));
     let nominal = analyzed(&case);
     for sd_px in [-1.0, f64::NAN, f64::INFINITY] {
         let refused = MonteCarlo::new(&case, &nominal, LandmarkNoise::Pixels(sd_px), 1).err();
@@ -329,7 +330,7 @@ fn a_deviation_below_zero_is_refused() {
 #[test]
 fn a_film_that_often_cannot_be_measured_is_counted() {
     // Noise of a third of a body crosses corners now and then.
-    let case = erect(case(0, Truth::Rod, &Readers::exact()));
+    let case = erect(case(0, Scenario::Rod, &Readers::exact()));
     let found = run(&case, LandmarkNoise::Pixels(60.0), 3, 60);
     assert!(found.failed > 0 && found.failed <= found.done, "{found:?}");
     let counted: u64 = found.failures.iter().filter(|f| f.line.is_none()).map(|f| f.count).sum();
@@ -344,7 +345,7 @@ fn a_film_that_often_cannot_be_measured_is_counted() {
 #[test]
 fn inflections_absent_in_some_replicates_are_counted() {
     // A curve counts from so many degrees on: at the size of the smallest one, noise decides.
-    let case = erect(case(0, Truth::Rod, &Readers::exact()));
+    let case = erect(case(0, Scenario::Rod, &Readers::exact()));
     let smallest = analyzed(&case)
         .movement
         .inflections
@@ -379,7 +380,7 @@ fn intervals_cover_true_values_where_there_is_no_selection() {
     };
     let (mut covered, mut asked, mut cobb) = (0.0, 0.0, 0.0);
     for subject in 0..16 {
-        let phantom = generate(subject, Truth::Rod, &readers, 9).expect("a subject");
+        let phantom = generate(subject, Scenario::Rod, &readers, 9).expect("a subject");
         let case = erect(phantom.case.clone());
         let found = run(&case, LandmarkNoise::Pixels(4.0), 1, 300);
         let truth = phantom.posture(Posture::Erect).expect("every phantom stands");

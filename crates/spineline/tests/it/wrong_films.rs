@@ -8,20 +8,20 @@ use spineline::anatomy::Posture;
 use spineline::cohort::{Cohort, CohortPatient};
 use spineline::measure::{Corners, IliacCrests};
 use spineline::spatial::{Angle, Frontal, Pixel};
-use spineline::warning::Severity;
+use spineline::warning::{Severity, WarningCode};
 
 const BENDS: [Posture; 2] = [Posture::LeftBending, Posture::RightBending];
 
-const CODES: [&str; 5] = [
-    "another_patient",
-    "bend_keeps_shape",
-    "bend_leans_little",
-    "erect_leans",
-    "films_show_one_shape",
+const CODES: [WarningCode; 5] = [
+    WarningCode::AnotherPatient,
+    WarningCode::BendKeepsShape,
+    WarningCode::BendLeansLittle,
+    WarningCode::ErectLeans,
+    WarningCode::FilmsShowOneShape,
 ];
 
 /// Warnings of this module by film.
-fn doubts(analysis: &Analysis) -> Vec<(&'static str, Option<Posture>)> {
+fn doubts(analysis: &Analysis) -> Vec<(WarningCode, Option<Posture>)> {
     let warnings = analysis.warnings.all().iter().filter(|one| CODES.contains(&one.code));
     warnings.map(|one| (one.code, one.posture)).collect()
 }
@@ -71,10 +71,11 @@ fn a_bend_with_the_erect_films_landmarks_is_no_evidence() {
         copy_landmarks(&mut case, Posture::Erect, bend, 5.0);
         for case in both_ways(&case) {
             let analysis = analyzed(&case, &on_a_table());
-            assert_eq!(doubts(&analysis), [("bend_keeps_shape", Some(bend))]);
+            assert_eq!(doubts(&analysis), [(WarningCode::BendKeepsShape, Some(bend))]);
             let mut warnings = analysis.warnings.all().iter();
-            let warning = warnings.find(|one| one.code == "bend_keeps_shape").expect("seen above");
-            assert_eq!(warning.severity(), Severity::Contradiction);
+            let warning =
+                warnings.find(|one| one.code == WarningCode::BendKeepsShape).expect("seen above");
+            assert_eq!(warning.code.severity(), Severity::Contradiction);
             let verdict = verdict(&analysis);
             assert!(verdict.contains(&format!("The {bend} film may be a wrong one")), "{verdict}");
             assert!(verdict.contains("no result of this patient is evidence"), "{verdict}");
@@ -103,7 +104,7 @@ fn a_bend_with_the_mirrored_erect_film_is_reported() {
     *crests = crests.map(|crests| IliacCrests { left: crests.right, right: crests.left });
     for case in both_ways(&case) {
         let analysis = analyzed(&case, &on_a_table());
-        assert_eq!(doubts(&analysis), [("bend_keeps_shape", Some(Posture::RightBending))]);
+        assert_eq!(doubts(&analysis), [(WarningCode::BendKeepsShape, Some(Posture::RightBending))]);
         assert!(verdict(&analysis).contains("mirrored erect shape"));
     }
 }
@@ -114,7 +115,7 @@ fn one_film_for_two_lying_postures_is_reported() {
     copy_landmarks(&mut case, Posture::Neutral, Posture::Traction, 2.0);
     for case in both_ways(&case) {
         let analysis = analyzed(&case, &on_a_table());
-        assert_eq!(doubts(&analysis), [("films_show_one_shape", Some(Posture::Traction))]);
+        assert_eq!(doubts(&analysis), [(WarningCode::FilmsShowOneShape, Some(Posture::Traction))]);
         assert!(verdict(&analysis).contains("shape of the neutral film"));
     }
 }
@@ -131,7 +132,7 @@ fn a_leaning_erect_film_is_reported_and_a_turned_one_with_crests_is_not() {
         *landmarks(film_mut(&mut case, Posture::Erect)).1 = None;
         for case in both_ways(&case) {
             let analysis = analyzed(&case, &on_a_table());
-            assert_eq!(doubts(&analysis), [("erect_leans", Some(Posture::Erect))]);
+            assert_eq!(doubts(&analysis), [(WarningCode::ErectLeans, Some(Posture::Erect))]);
             let verdict = verdict(&analysis);
             assert!(verdict.contains("limit 15°") && !verdict.contains("are consistent with"));
         }
@@ -165,7 +166,7 @@ fn bodies_of_another_shape_are_reported_and_another_magnification_is_not() {
         };
         for case in both_ways(&shaped(0.6, 1.0)) {
             let analysis = analyzed(&case, &on_a_table());
-            assert_eq!(doubts(&analysis), [("another_patient", Some(posture))]);
+            assert_eq!(doubts(&analysis), [(WarningCode::AnotherPatient, Some(posture))]);
             assert!(verdict(&analysis).contains("same patient"));
         }
         for case in both_ways(&shaped(1.15, 1.15)) {

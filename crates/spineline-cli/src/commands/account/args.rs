@@ -17,7 +17,7 @@ Examples:
   spineline account revoke reader-2 P07 clinic.spineline
   spineline account list clinic.spineline
 
-Passwords are entered in the terminal or read from the standard input, never given as arguments, which other users of the
+Passwords are entered in the terminal or read from the standard input, never given as arguments, which other users of the \
 machine could see. Admins may do everything in every study. Editors and readers see the studies granted to them.";
 
 #[derive(Args)]

@@ -39,6 +39,16 @@ pub fn line_name(kind: LineKind) -> &'static str {
     kind.key().trim_end_matches("_line")
 }
 
+pub const EXAMPLES: &str = "\
+Examples:
+  spineline analyze P07/case.json                      which line, how sure, how stiff
+  spineline analyze P07/case.json --full               and all tables
+  spineline analyze P07/case.json --replicates 1000 --identifiability --threads 0
+      with intervals
+  spineline analyze P07/case.json --json P07.json --model P07-model.json --figures figures
+  spineline analyze cases --tables tables --cohort cohort.json
+      a cohort: tables for pandas or R, and statistics over patients";
+
 #[derive(Args)]
 pub struct AnalyzeArgs {
     /// Case files, analyses, or folders of them; more than one case is a cohort
@@ -65,6 +75,12 @@ pub struct AnalyzeArgs {
     /// says which one it is, and why
     #[arg(long, value_name = "LINE", value_parser = model_line(), default_value = AUTO)]
     pub model_line: ModelLine,
+    /// Print all tables after the answers
+    #[arg(long)]
+    pub full: bool,
+    /// Print every warning by itself; the default is one line per kind of warning
+    #[arg(long)]
+    pub warnings: bool,
     /// Draw figures as SVG into this folder
     #[arg(long, value_name = "DIR")]
     pub figures: Option<PathBuf>,

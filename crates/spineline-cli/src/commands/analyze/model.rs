@@ -2,10 +2,12 @@
 
 use std::path::Path;
 
-use spineline::analysis::{Analysis, LineModel, ModelChoice};
-use spineline_files::{ModelFile, Provenance, to_text};
+use spineline::analysis::{Analysis, ModelChoice};
+use spineline_files::{ModelFile, to_text};
 
 use super::args::{AnalyzeArgs, ModelLine, line_name};
+use super::output::Output;
+use super::run::{Analysed, Finished};
 use crate::run::failure::Failure;
 use crate::run::messages::say;
 use crate::run::outputs::Outputs;
@@ -21,33 +23,42 @@ pub fn choose(args: &AnalyzeArgs, analysis: &Analysis) -> Option<ModelChoice> {
     }
 }
 
-/// Writes the chosen model, and says which one it is where the program chose it.
-///
-/// # Errors
-/// If it cannot be written.
-pub fn write_model(
-    path: &Path,
-    (analysis, model, why): (&Analysis, &LineModel, &str),
-    provenance: &Provenance,
-    outputs: &Outputs,
-) -> Result<(), Failure> {
-    let file = ModelFile::new(analysis, model, &generator());
-    outputs.write(path, to_text(&file.with_provenance(provenance.clone())))?;
-    if !why.is_empty() {
-        let (case, kind) = (&analysis.case_id, model.kind);
-        say(format!("{case}: the model of the {kind} is written. {why}"));
-    }
-    Ok(())
+/// `--model`: the personalised model of one case.
+pub struct Model<'a> {
+    pub path: &'a Path,
+    pub args: &'a AnalyzeArgs,
+    pub outputs: &'a Outputs,
 }
 
-/// Names the missing model and the options that give one.
-pub fn say_missing(path: &Path, args: &AnalyzeArgs, analysis: &Analysis) {
-    let what = match args.model_line {
-        ModelLine::Kind(kind) => format!("there is no model with the {kind}"),
-        ModelLine::Auto => "there is no model".to_owned(),
-    };
-    let why = format!("{}: {what}", analysis.case_id);
-    say(&Failure::target(path, &why, &help_without_model(analysis)));
+impl Output for Model<'_> {
+    fn end(self: Box<Self>, run: &Finished<'_>) {
+        let Some(Analysed { analysis, .. }) = &run.one else { return };
+        let chosen = run.model.as_ref().and_then(|choice| {
+            let model = analysis.model(choice.kind)?;
+            Some((model, &choice.words))
+        });
+        let Some((model, why)) = chosen else { return self.say_missing(analysis) };
+        let is_made = self.outputs.attempt(self.path, || {
+            let file = ModelFile::new(analysis, model, &generator());
+            self.outputs.write(self.path, to_text(&file.with_provenance(run.provenance())))
+        });
+        if is_made && !why.is_empty() {
+            let (case, kind) = (&analysis.case_id, model.kind);
+            say(format!("{case}: the model of the {kind} is written. {why}"));
+        }
+    }
+}
+
+impl Model<'_> {
+    /// Names the missing model and the options that give one.
+    fn say_missing(&self, analysis: &Analysis) {
+        let what = match self.args.model_line {
+            ModelLine::Kind(kind) => format!("there is no model with the {kind}"),
+            ModelLine::Auto => "there is no model".to_owned(),
+        };
+        let why = format!("{}: {what}", analysis.case_id);
+        say(&Failure::target(self.path, &why, &help_without_model(analysis)));
+    }
 }
 
 /// What gives a model to write: a line that has one, or what all lines lack.

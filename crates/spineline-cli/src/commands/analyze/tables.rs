@@ -3,9 +3,14 @@
 use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
+use spineline::cohort::RefusedCase;
 use spineline_files::{InputFile, Provenance, ProvenanceFile, to_text};
-use spineline_tables::{OptionalTables, ParquetWriter, Table, dictionary, tables};
+use spineline_tables::{
+    OptionalTables, ParquetWriter, Table, dictionary, tables, tables_of_refused,
+};
 
+use super::output::{Growing, Output, Step};
+use super::run::{Analysed, Finished};
 use crate::run::failure::Failure;
 use crate::run::outputs::{Outputs, Pieces};
 
@@ -41,15 +46,35 @@ pub enum TableFormat {
 /// Patients whose rows are one group of a Parquet file, so that its bytes do not depend on the threads.
 const PATIENTS_PER_GROUP: usize = 64;
 
-/// A folder of tables that grow patient by patient.
-pub struct TablesFolder<'a> {
-    path: &'a Path,
-    formats: &'a [TableFormat],
-    outputs: &'a Outputs,
-    tables: Vec<GrowingTable<'a>>,
-    optional: OptionalTables,
-    /// Patients since the last group of rows.
-    patients: usize,
+/// `--tables`: a folder of tables that grow patient by patient.
+pub struct Tables<'a>(Growing<'a, TablesFolder<'a>>);
+
+impl<'a> Tables<'a> {
+    /// Without any table.
+    pub const fn new(path: &'a Path, formats: &'a [TableFormat], outputs: &'a Outputs) -> Self {
+        let optional =
+            OptionalTables { uncertainty: false, hypotheses: false, space: false, axial: false };
+        let begun =
+            TablesFolder { path, formats, outputs, tables: Vec::new(), optional, patients: 0 };
+        Self(Growing::new(outputs, path, begun))
+    }
+}
+
+impl Output for Tables<'_> {
+    fn case<'a>(&'a self, case: Result<&Analysed, &RefusedCase>) -> Step<'a> {
+        let (rows, optional) = match case {
+            Ok(Analysed { input, analysis, confidence, .. }) => {
+                let patient = [confidence.patient(analysis, &input.case)];
+                (tables(&patient), OptionalTables::of(&patient))
+            }
+            Err(refused) => (tables_of_refused(refused), OptionalTables::of(&[])),
+        };
+        Box::new(move || self.0.step(|folder| folder.add(rows, optional)))
+    }
+
+    fn end(self: Box<Self>, run: &Finished<'_>) {
+        self.0.end(|folder| folder.keep(&run.provenance()));
+    }
 }
 
 /// A table in the formats that were asked for.
@@ -60,19 +85,22 @@ struct GrowingTable<'a> {
     rows: Table,
 }
 
-impl<'a> TablesFolder<'a> {
-    /// Without any table.
-    pub const fn new(path: &'a Path, formats: &'a [TableFormat], outputs: &'a Outputs) -> Self {
-        let optional =
-            OptionalTables { uncertainty: false, hypotheses: false, space: false, axial: false };
-        Self { path, formats, outputs, tables: Vec::new(), optional, patients: 0 }
-    }
+struct TablesFolder<'a> {
+    path: &'a Path,
+    formats: &'a [TableFormat],
+    outputs: &'a Outputs,
+    tables: Vec<GrowingTable<'a>>,
+    optional: OptionalTables,
+    /// Patients since the last group of rows.
+    patients: usize,
+}
 
+impl<'a> TablesFolder<'a> {
     /// Adds the tables of a patient.
     ///
     /// # Errors
     /// If they cannot be written.
-    pub fn add(&mut self, tables: Vec<Table>, optional: OptionalTables) -> Result<(), Failure> {
+    fn add(&mut self, tables: Vec<Table>, optional: OptionalTables) -> Result<(), Failure> {
         self.optional = self.optional.and(optional);
         for table in tables {
             match self.tables.iter_mut().find(|known| known.rows.name == table.name) {
@@ -109,7 +137,7 @@ impl<'a> TablesFolder<'a> {
     ///
     /// # Errors
     /// If they cannot be written.
-    pub fn keep(mut self, provenance: &Provenance) -> Result<(), Failure> {
+    fn keep(mut self, provenance: &Provenance) -> Result<(), Failure> {
         if self.tables.is_empty() {
             // Columns without rows, where no case could be analysed.
             self.add(tables(&[]), OptionalTables::of(&[]))?;

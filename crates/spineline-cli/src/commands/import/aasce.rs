@@ -19,7 +19,7 @@ use spineline_tables::{RowVerdict, verdicts_table};
 use super::args::ImportArgs;
 use crate::run::failure::{Ending, Failure};
 use crate::run::film_decoder::Decoder;
-use crate::run::outputs::{Outputs, OverwriteArgs, print};
+use crate::run::outputs::{Outputs, OverwriteArgs, print, width};
 
 pub fn run(args: &ImportArgs) -> Result<Ending, Failure> {
     let [side] = &args.patient_left[..] else {
@@ -74,7 +74,7 @@ fn import(args: &ImportArgs, folder: &Path, side: ImageSide) -> Result<(), Failu
                 let words: Vec<String> = faults.iter().map(ToString::to_string).collect();
                 let words = words.join("; ");
                 let note = format!("! line {}: {words}", row.line);
-                text.text(&terminal::paragraph(&note, terminal::WIDTH, "  "));
+                text.text(&terminal::paragraph(&note, width(), "  "));
                 Err(words)
             }
         };

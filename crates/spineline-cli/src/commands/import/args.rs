@@ -8,11 +8,11 @@ use clap::Args;
 use spineline::analysis::{CASE_ID_RULE, is_case_id};
 use spineline::anatomy::{ImageSide, Posture};
 use spineline::measure::{
-    Calibration, Calibrator, OBSERVER_RULE, ReadingId, Spacing, SpacingPlane, SpacingSource,
-    is_observer_code,
+    OBSERVER_RULE, ReadingId, Spacing, SpacingPlane, SpacingSource, is_observer_code,
 };
 use spineline::spatial::Pixel;
 use spineline_files::method_text::named;
+use spineline_marking::{Calibration, Calibrator};
 
 use super::role::Role;
 use crate::options::choice::choice;
@@ -271,7 +271,7 @@ fn film(text: &str) -> Result<FilmChoice, String> {
 
 fn film_choice(text: &str) -> Result<(Posture, FilmChoice), String> {
     let (name, chosen) =
-        text.split_once('=').ok_or_else(|| "expected POSTURE=FILM, such as erect=1".to_owned())?;
+        text.split_once('=').ok_or_else(|| "expected POSTURE=FILM, such as erect=1 (the number of the film in `import --list`) or erect=IM001.dcm (its file)".to_owned())?;
     Ok((posture(name)?, film(chosen)?))
 }
 

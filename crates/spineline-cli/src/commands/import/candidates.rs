@@ -1,9 +1,9 @@
 //! The films that were found, each decoded once in a process of its own, and what each says of itself.
 
-use spineline::measure::{SpacingJudgement, ViewJudgement, judge_spacing, judge_view};
 use spineline_files::sha256_hex;
 use spineline_films::intake::{Found, IntakeLimits, Survey, read, survey};
 use spineline_films::{FilmRemark, FilmTags};
+use spineline_marking::{SpacingJudgement, ViewJudgement, judge_spacing, judge_view};
 
 use super::args::{FilmChoice, ImportArgs};
 use crate::run::failure::Failure;

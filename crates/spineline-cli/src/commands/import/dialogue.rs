@@ -4,7 +4,7 @@ use std::io::IsTerminal;
 
 use dialoguer::{Confirm, Select};
 use spineline::anatomy::{ImageSide, Posture};
-use spineline::measure::View;
+use spineline_marking::View;
 use spineline_report::terminal::shown;
 
 use super::candidates::Candidates;

@@ -3,8 +3,9 @@
 use std::fmt;
 
 use spineline::anatomy::{ImageSide, Posture};
-use spineline::measure::{Spacing, SpacingPlane, View, ViewQuestion, judge_view};
+use spineline::measure::{Spacing, SpacingPlane};
 use spineline_films::{FilmDoubt, spacing_question};
+use spineline_marking::{View, ViewQuestion, judge_view};
 
 use super::args::{ImportArgs, answer_for};
 use super::candidates::Seen;

@@ -1,13 +1,15 @@
 //! The list of films, and the outcome of an import, as text.
 
 use spineline::anatomy::ImageSide;
-use spineline::measure::{LengthScale, Spacing, View};
+use spineline::measure::{LengthScale, Spacing};
 use spineline::warning::counted;
+use spineline_marking::View;
 use spineline_report::document::{Column, Table};
 use spineline_report::terminal::{self, Lines};
 
 use super::candidates::{Candidate, Candidates, Seen};
 use super::resolve::ResolvedFilm;
+use crate::run::outputs::width;
 
 /// Lengths of a film without a spacing.
 const SQUARE_PIXELS: &str = "pixels (taken as square)";
@@ -45,7 +47,7 @@ pub fn list(candidates: &Candidates) -> Lines {
     }
     for (note, films) in shared_notes(candidates) {
         let note = format!("! {}: {note}", numbered(&films));
-        text.text(&terminal::paragraph(&note, terminal::WIDTH, "  "));
+        text.text(&terminal::paragraph(&note, width(), "  "));
     }
     add_passed_over(&mut text, candidates);
     text
@@ -174,7 +176,7 @@ pub fn outcome(films: &[ResolvedFilm], folder: &std::path::Path, marked: usize) 
     for film in films {
         for note in &film.notes {
             let note = format!("! {}: {note}", film.role);
-            text.text(&terminal::paragraph(&note, terminal::WIDTH, "  "));
+            text.text(&terminal::paragraph(&note, width(), "  "));
         }
     }
     let case = folder.join("case.json");

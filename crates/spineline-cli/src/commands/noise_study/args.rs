@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 use spineline::analysis::AnalysisOptions;
 use spineline::personalize::FitTarget;
-use spineline_phantom::Truth;
+use spineline_phantom::Scenario;
 
 use crate::options::choice::choice;
 use crate::options::phantoms::ScenarioName;
@@ -29,7 +29,7 @@ pub struct NoiseStudyArgs {
     pub threads: usize,
     /// Loading scenarios, separated by commas [default: all]
     #[arg(long, value_name = "SCENARIOS", value_enum, value_delimiter = ',')]
-    pub truths: Vec<ScenarioName>,
+    pub scenarios: Vec<ScenarioName>,
     /// Quantity that the stiffness is fitted to; the paper fitted Ferguson angles
     #[arg(long, value_parser = choice::<FitTarget>(), default_value = AnalysisOptions::paper().target.key())]
     pub fit: FitTarget,
@@ -39,9 +39,9 @@ pub struct NoiseStudyArgs {
 
 impl NoiseStudyArgs {
     /// What is studied, in the order of the figure.
-    pub fn truths(&self) -> Vec<Truth> {
-        let wanted: Vec<Truth> = self.truths.iter().map(|name| name.0).collect();
-        let every = Truth::LINES.iter().copied();
-        every.filter(|truth| wanted.is_empty() || wanted.contains(truth)).collect()
+    pub fn scenarios(&self) -> Vec<Scenario> {
+        let wanted: Vec<Scenario> = self.scenarios.iter().map(|name| name.0).collect();
+        let every = Scenario::LINES.iter().copied();
+        every.filter(|scenario| wanted.is_empty() || wanted.contains(scenario)).collect()
     }
 }

@@ -3,19 +3,19 @@
 use spineline::cohort::Claims;
 use spineline::multibody::Support;
 use spineline::warning::counted;
-use spineline_phantom::Truth;
-use spineline_report::figures::{NoiseCurve, NoisePanel, NoiseRow, NoiseTruth, noise_study};
+use spineline_phantom::Scenario;
+use spineline_report::figures::{NoiseCurve, NoisePanel, NoiseRow, NoiseScenario, noise_study};
 
 use super::args::NoiseStudyArgs;
 use super::study::{Point, WAYS, Way};
 
 pub fn svg(points: &[Point], args: &NoiseStudyArgs) -> String {
-    let truths: Vec<NoiseTruth> = args
-        .truths()
+    let scenarios: Vec<NoiseScenario> = args
+        .scenarios()
         .iter()
-        .map(|truth| NoiseTruth {
-            name: truth.key().to_owned(),
-            meaning: truth.meaning().to_owned(),
+        .map(|scenario| NoiseScenario {
+            name: scenario.key().to_owned(),
+            meaning: scenario.meaning().to_owned(),
         })
         .collect();
     let movement: Vec<Way> = WAYS.into_iter().filter(|way| way.has_movement()).collect();
@@ -53,17 +53,17 @@ pub fn svg(points: &[Point], args: &NoiseStudyArgs) -> String {
         ),
     ];
     let about = format!("{} per scenario, seed {}", counted(args.phantoms, "patient"), args.seed);
-    noise_study(&truths, &rows, &about, true)
+    noise_study(&scenarios, &rows, &about, true)
 }
 
 /// A claim's number and the ends of its interval.
 type Value = fn(&Claims) -> [f64; 3];
 
 fn panel(points: &[Point], args: &NoiseStudyArgs, way: Way, value: Value) -> NoisePanel {
-    let curve = |truth: Truth| NoiseCurve {
+    let curve = |scenario: Scenario| NoiseCurve {
         points: points
             .iter()
-            .filter(|p| (p.truth, p.way) == (truth, way))
+            .filter(|p| (p.scenario, p.way) == (scenario, way))
             .map(|p| (p.noise_mm, value(&p.claims).map(|share| 100.0 * share)))
             .collect(),
     };
@@ -71,5 +71,5 @@ fn panel(points: &[Point], args: &NoiseStudyArgs, way: Way, value: Value) -> Noi
         Some(Support::Frontal) => format!("{}, on a table", way.rule_name()),
         _ => way.rule_name(),
     };
-    NoisePanel { name, curves: args.truths().into_iter().map(curve).collect() }
+    NoisePanel { name, curves: args.scenarios().into_iter().map(curve).collect() }
 }

@@ -5,7 +5,7 @@ use spineline::cohort::{Claims, PatientClaims};
 use spineline::curve::OrderRule;
 use spineline::evaluate::statistics::Share;
 use spineline::multibody::Support;
-use spineline_phantom::{Readers, SUBJECTS, Truth, generate_read};
+use spineline_phantom::{Readers, SUBJECTS, Scenario, generate_read};
 use spineline_tables::NoisePoint;
 
 use super::args::NoiseStudyArgs;
@@ -56,7 +56,7 @@ impl Way {
 
 /// The claims in one setting: one point of a curve.
 pub struct Point {
-    pub truth: Truth,
+    pub scenario: Scenario,
     pub way: Way,
     pub noise_mm: f64,
     pub claims: Claims,
@@ -71,7 +71,7 @@ impl Point {
     /// The row of the table.
     pub fn row(&self) -> NoisePoint<'_> {
         NoisePoint {
-            truth: self.truth.key(),
+            scenario: self.scenario.key(),
             support: self.way.support.map(Support::key),
             order_rule: self.way.rule_name(),
             noise_sd_mm: self.noise_mm,
@@ -92,24 +92,26 @@ fn settings() -> impl Iterator<Item = (Way, usize)> {
 /// # Errors
 /// If threads cannot be started.
 pub fn study(args: &NoiseStudyArgs) -> Result<Vec<Point>, Failure> {
-    let truths = args.truths();
-    let tasks: Vec<(Truth, u32)> =
-        truths.iter().flat_map(|&truth| (0..args.phantoms).map(move |i| (truth, i))).collect();
-    let found = map_all("phantoms", &tasks, args.threads, |&(truth, number)| {
-        of_phantom(truth, number, args)
+    let scenarios = args.scenarios();
+    let tasks: Vec<(Scenario, u32)> = scenarios
+        .iter()
+        .flat_map(|&scenario| (0..args.phantoms).map(move |i| (scenario, i)))
+        .collect();
+    let found = map_all("phantoms", &tasks, args.threads, |&(scenario, number)| {
+        of_phantom(scenario, number, args)
     })?;
     let phantoms = args.phantoms as usize;
     let mut points = Vec::new();
     let mut rods: Vec<Vec<PatientClaims>> = Vec::new();
-    for (truth, found) in truths.into_iter().zip(found.chunks(phantoms)) {
+    for (scenario, found) in scenarios.into_iter().zip(found.chunks(phantoms)) {
         for (i, (way, noise)) in settings().enumerate() {
             let patients: Vec<PatientClaims> =
                 found.iter().filter_map(|claims| claims.get(i)?.clone()).collect();
-            if truth == Truth::Rod {
+            if scenario == Scenario::Rod {
                 rods.push(patients.clone());
             }
             points.push(Point {
-                truth,
+                scenario,
                 way,
                 noise_mm: NOISE_MM[noise],
                 claims: Claims::of(&patients, args.seed),
@@ -122,11 +124,15 @@ pub fn study(args: &NoiseStudyArgs) -> Result<Vec<Point>, Failure> {
 }
 
 /// Every setting of one phantom; none where it cannot be made.
-fn of_phantom(truth: Truth, number: u32, args: &NoiseStudyArgs) -> Vec<Option<PatientClaims>> {
+fn of_phantom(
+    scenario: Scenario,
+    number: u32,
+    args: &NoiseStudyArgs,
+) -> Vec<Option<PatientClaims>> {
     let rows = SUBJECTS.len() as u32;
     let readers = NOISE_MM.map(|corner_sd_mm| Readers { corner_sd_mm, ..Readers::exact() });
     let subject = (number % rows) as usize;
-    let Ok(read) = generate_read(subject, number / rows, truth, &readers, args.seed) else {
+    let Ok(read) = generate_read(subject, number / rows, scenario, &readers, args.seed) else {
         return Vec::new();
     };
     let one = |(way, noise): (Way, usize)| {

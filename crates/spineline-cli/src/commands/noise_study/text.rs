@@ -2,7 +2,7 @@
 
 use spineline::cohort::{ClaimVerdict, Claims, NEAR_SEGMENTS};
 use spineline::warning::counted;
-use spineline_phantom::Truth;
+use spineline_phantom::Scenario;
 use spineline_report::document::{Column, Table};
 use spineline_report::terminal;
 
@@ -18,8 +18,8 @@ pub fn report(points: &[Point], args: &NoiseStudyArgs) -> String {
         NOISE_MM[0],
         NOISE_MM[NOISE_MM.len() - 1]
     );
-    for truth in args.truths() {
-        text.push_str(&format!("  {:8} {}\n", truth.key(), truth.meaning()));
+    for scenario in args.scenarios() {
+        text.push_str(&format!("  {:8} {}\n", scenario.key(), scenario.meaning()));
     }
     let lost: usize = points.iter().map(|point| point.lost).sum();
     if lost > 0 {
@@ -64,19 +64,19 @@ fn table(
     let mut columns = vec![Column::words("Scenario")];
     columns.extend(ways.iter().map(|(name, _)| Column::numbers(name)));
     let mut table = Table::new(title, columns);
-    for truth in args.truths() {
-        let mut cells = vec![truth.key().to_owned()];
-        cells.extend(ways.iter().map(|(_, way)| verdict(points, claim, truth, *way)));
+    for scenario in args.scenarios() {
+        let mut cells = vec![scenario.key().to_owned()];
+        cells.extend(ways.iter().map(|(_, way)| verdict(points, claim, scenario, *way)));
         table.row(cells);
     }
     format!("\n{}", terminal::table(&table, usize::MAX))
 }
 
 /// Where a claim holds, along the noise.
-fn verdict(points: &[Point], claim: usize, truth: Truth, way: Way) -> String {
+fn verdict(points: &[Point], claim: usize, scenario: Scenario, way: Way) -> String {
     let along: Vec<(f64, Option<ClaimVerdict>)> = points
         .iter()
-        .filter(|p| (p.truth, p.way) == (truth, way))
+        .filter(|p| (p.scenario, p.way) == (scenario, way))
         .map(|p| (p.noise_mm, p.claims.verdicts()[claim]))
         .collect();
     let holds = |verdict: &Option<ClaimVerdict>| *verdict == Some(ClaimVerdict::Holds);

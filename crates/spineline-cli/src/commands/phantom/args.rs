@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use clap::{Args, ValueEnum, value_parser};
-use spineline_phantom::{Construction, Truth};
+use spineline_phantom::{Construction, Scenario};
 
 use crate::options::phantoms::{ConstructionName, ScenarioName};
 use crate::options::values::threads;
@@ -12,8 +12,8 @@ use crate::run::outputs::OverwriteArgs;
 #[derive(Args)]
 pub struct PhantomArgs {
     /// Loading scenario that moved the spine
-    #[arg(long, value_enum, default_value_t = ScenarioName(Truth::Rod))]
-    pub truth: ScenarioName,
+    #[arg(long, value_enum, default_value_t = ScenarioName(Scenario::Rod))]
+    pub scenario: ScenarioName,
     /// How the spine is built; other than `rod` for scenarios with forces
     #[arg(long, value_enum, default_value_t = ConstructionName(Construction::Rod))]
     pub construction: ConstructionName,

@@ -19,14 +19,20 @@ use crate::options::phantoms::readers;
 use crate::run::failure::{Ending, Failure};
 use crate::run::outputs::{Outputs, print};
 
+pub const EXAMPLES: &str = "\
+Examples:
+  spineline phantom --out phantoms                     the paper's 18 subjects
+  spineline phantom --out phantoms --subject 3 --films and their films as DICOM files
+  spineline phantom --out phantoms --noise 0           without errors of readers";
+
 /// What the spines are made of.
 fn build(args: &PhantomArgs) -> Result<Build, Failure> {
-    let (construction, truth) = (args.construction.0, args.truth.0);
-    if construction != Construction::Rod && !truth.is_elastic() {
+    let (construction, scenario) = (args.construction.0, args.scenario.0);
+    if construction != Construction::Rod && !scenario.is_elastic() {
         return Err(Failure::usage(format!(
             "--construction {}: scenario `{}` has no force and needs `rod`",
             construction.key(),
-            truth.key()
+            scenario.key()
         )));
     }
     let percent = args.joint_sd;
@@ -37,7 +43,7 @@ fn build(args: &PhantomArgs) -> Result<Build, Failure> {
 }
 
 pub fn run(args: &PhantomArgs) -> Result<Ending, Failure> {
-    let truth = args.truth.0;
+    let scenario = args.scenario.0;
     let readers = readers(args.noise)?;
     let subjects = match args.subject {
         Some(number) if (1..=SUBJECTS.len()).contains(&number) => number..=number,
@@ -57,7 +63,7 @@ pub fn run(args: &PhantomArgs) -> Result<Ending, Failure> {
     }
     let build = build(args)?;
     let made = |number: usize| {
-        let phantom = generate_built(number - 1, truth, &readers, args.seed, build)?;
+        let phantom = generate_built(number - 1, scenario, &readers, args.seed, build)?;
         let phantom = phantom.coarser(args.pixel_size);
         Ok(if percent > 0.0 {
             phantom.with_film_lengths(0.01 * percent, number - 1, args.seed)
@@ -102,7 +108,7 @@ struct TruthFile {
     format: &'static str,
     case_id: String,
     synthetic: bool,
-    truth: &'static str,
+    scenario: &'static str,
     lateral_multipliers: BTreeMap<&'static str, f64>,
     postures: BTreeMap<&'static str, TruePosture>,
     /// Where `--films` drew them.
@@ -141,7 +147,7 @@ impl TruthFile {
             format: "spineline-phantom-truth",
             case_id: phantom.case.id.clone(),
             synthetic: true,
-            truth: phantom.truth.key(),
+            scenario: phantom.scenario.key(),
             lateral_multipliers: Region::ALL
                 .iter()
                 .map(|r| r.key())

@@ -7,14 +7,13 @@ use indexmap::IndexSet;
 use spineline::measure::{FilmReadings, TiltRule};
 use spineline::reliability::{FilmQuantities, QuantityReliability, RatedQuantity, assess};
 use spineline_files::{FilmOrigin, InputFile, Provenance, ReliabilityFile};
-use spineline_report::reliability::summary;
-use spineline_report::terminal::Lines;
-use spineline_report::{figures, file_stem, terminal};
+use spineline_report::reliability::{full, summary};
+use spineline_report::{figures, file_stem};
 use spineline_tables::statistics_table;
 
 use crate::run::failure::{Ending, Failure};
 use crate::run::inputs::{CaseInput, case_files, input_of};
-use crate::run::outputs::{Outputs, OverwriteArgs, is_stdout, print};
+use crate::run::outputs::{Outputs, OverwriteArgs, is_stdout, print_document};
 use crate::run::provenance::{generator, in_svg, this_run};
 
 pub const EXAMPLES: &str = "\
@@ -47,6 +46,9 @@ pub struct ReliabilityArgs {
     /// Draw Bland-Altman plots as SVG into this folder
     #[arg(long, value_name = "DIR")]
     figure: Option<PathBuf>,
+    /// Print all statistics of every quantity and design
+    #[arg(long)]
+    full: bool,
     #[command(flatten)]
     overwrite: OverwriteArgs,
 }
@@ -77,10 +79,11 @@ pub fn run(args: &ReliabilityArgs) -> Result<Ending, Failure> {
     if let Some(folder) = &args.figure {
         outputs.attempt(folder, || draw(&found, synthetic, &provenance, folder, &outputs));
     }
-    let kept = outputs.commit();
+    let kept = outputs.commit_and_say();
     if to_stdout == 0 {
-        let document = summary(&found, synthetic, &generator());
-        print(Lines::of_text(&terminal(&document, terminal::WIDTH)))?;
+        let text = if args.full { full } else { summary };
+        let document = text(&found, synthetic, &generator());
+        print_document(&document)?;
     }
     kept.map(|()| Ending::Done)
 }

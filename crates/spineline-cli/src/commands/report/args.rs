@@ -12,7 +12,7 @@ use crate::run::outputs::OverwriteArgs;
 
 /// Shown below the options.
 pub const EXAMPLES: &str = "Examples:
-  spineline phantom --truth rod --subject 1 --films --out demo
+  spineline phantom --scenario rod --subject 1 --films --out demo
   spineline report demo                        one patient as phantom-rod-01.html, for a browser
   spineline report demo --to md                Markdown, with figures in phantom-rod-01-figures
   spineline report demo --out demo.pdf         the same as PDF, to print and archive
@@ -58,6 +58,11 @@ impl ReportArgs {
             Some("html" | "htm") => Some(FormName::Html),
             _ => None,
         };
+        if let (Some(other), None) = (&ending, named) {
+            return Err(Failure::usage(format!(
+                "--out ends in .{other}, and a report is .html, .md or .pdf: name the file so"
+            )));
+        }
         match (self.to, named) {
             (Some(asked), Some(named)) if asked != named => Err(Failure::usage(format!(
                 "--to {} contradicts the extension of --out, which is that of {}: give one of them",

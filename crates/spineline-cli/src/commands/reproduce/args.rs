@@ -27,6 +27,9 @@ pub struct ReproduceArgs {
     /// Quantity that the stiffness is fitted to; the paper fitted Ferguson angles
     #[arg(long, value_parser = choice::<FitTarget>(), default_value = AnalysisOptions::paper().target.key())]
     pub fit: FitTarget,
+    /// Print every number after the answer
+    #[arg(long)]
+    pub full: bool,
     #[command(flatten)]
     pub overwrite: OverwriteArgs,
 }

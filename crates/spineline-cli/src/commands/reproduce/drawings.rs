@@ -29,10 +29,10 @@ pub fn write(
         outputs.write(&folder.join(format!("{name}.svg")), in_svg(svg, provenance))
     };
     for run in runs.iter().filter(|run| run.support == Support::Free) {
-        let (truth, example) = (run.truth.key(), &run.analyses[EXAMPLE]);
-        save(format!("overview-{truth}"), &figures::case_overview(example))?;
+        let (scenario, example) = (run.scenario.key(), &run.analyses[EXAMPLE]);
+        save(format!("overview-{scenario}"), &figures::case_overview(example))?;
         if let Some(svg) = figures::rotations(example) {
-            save(format!("figure-05-rotations-{truth}"), &svg)?;
+            save(format!("figure-05-rotations-{scenario}"), &svg)?;
         }
         let group = |name: &str, films: usize| EstimateGroup {
             name: name.to_owned(),
@@ -41,14 +41,14 @@ pub fn write(
         };
         let groups = [group("bends", 0), group("neutral and traction", 1)];
         if let Some(svg) = figures::least_rotating_estimates(&groups, true) {
-            save(format!("figure-10-estimates-{truth}"), &svg)?;
+            save(format!("figure-10-estimates-{scenario}"), &svg)?;
         }
     }
     let free: Vec<&Run> = runs.iter().filter(|run| run.support == Support::Free).collect();
     let inflections: Vec<InflectionSample> = free
         .iter()
         .map(|run| InflectionSample {
-            name: run.truth.key().to_owned(),
+            name: run.scenario.key().to_owned(),
             distances_segments: run.cohort.inflection[0].all_distances_segments.clone(),
             rotations_deg: run.cohort.inflection[0].all_rotations_deg.clone(),
         })
@@ -76,7 +76,7 @@ fn error_figures(
         runs.iter()
             .flat_map(|run| {
                 run.cohort.lines.iter().map(move |line| LocationErrorSample {
-                    group: run.truth.key().to_owned(),
+                    group: run.scenario.key().to_owned(),
                     line: line.kind,
                     errors_mm: if fitted { &line.fitted } else { &line.held_out }
                         .all_location_mm
@@ -111,10 +111,10 @@ fn example(
     support: &str,
     save: &impl Fn(String, &str) -> Result<(), Failure>,
 ) -> Result<(), Failure> {
-    let (truth, analysis) = (run.truth.key(), &run.analyses[EXAMPLE]);
+    let (scenario, analysis) = (run.scenario.key(), &run.analyses[EXAMPLE]);
     for posture in [Posture::LeftBending, Posture::Traction] {
         if let Some(svg) = figures::measured_and_simulated(analysis, posture) {
-            save(format!("figure-09-{}-{truth}-{support}", posture.key()), &svg)?;
+            save(format!("figure-09-{}-{scenario}-{support}", posture.key()), &svg)?;
         }
     }
     let model = analysis.models.iter().find(|m| m.kind == LineKind::Inflection);
@@ -129,7 +129,7 @@ fn example(
             &shapes,
             unit,
         );
-        save(format!("figure-11-force-{truth}-{support}"), &svg)?;
+        save(format!("figure-11-force-{scenario}-{support}"), &svg)?;
     }
     Ok(())
 }

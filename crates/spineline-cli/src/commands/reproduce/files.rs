@@ -4,10 +4,12 @@ use serde::Serialize;
 use spineline::analysis::{Analysis, Case};
 use spineline::multibody::Support;
 use spineline_files::{AnalysisFile, CaseFile, Provenance, Request};
+use spineline_phantom::Scenario;
+use spineline_report::number::NO_BREAK;
+use spineline_report::reproduction::Part;
 use spineline_tables::{ReproducedNumber, errors_table, reproduction_table};
 
 use super::args::ReproduceArgs;
-use super::row::Section;
 use super::runs::Run;
 use crate::run::failure::Failure;
 use crate::run::outputs::Outputs;
@@ -19,12 +21,12 @@ use crate::run::threads::stream_all;
 pub fn write(
     outputs: &Outputs,
     runs: &[Run],
-    sections: &[Section],
+    parts: &[Part],
     args: &ReproduceArgs,
     provenance: &Provenance,
 ) -> Result<(), Failure> {
     let out = &args.out;
-    let rows: Vec<ReproducedNumber> = sections.iter().flat_map(numbers).collect();
+    let rows: Vec<ReproducedNumber> = parts.iter().flat_map(numbers).collect();
     let table = reproduction_table(&rows).to_csv()?;
     outputs.write_table(&out.join("summary.csv"), table, provenance)?;
     let summary = Summary {
@@ -40,7 +42,7 @@ pub fn write(
     outputs.write(&out.join("summary.json"), spineline_files::to_text(&summary))?;
     for run in runs {
         let support = run.support.key();
-        let name = format!("errors-{}-{support}.csv", run.truth.key());
+        let name = format!("errors-{}-{support}.csv", run.scenario.key());
         let path = out.join("errors").join(name);
         outputs.write_table(&path, errors_table(&run.analyses).to_csv()?, provenance)?;
     }
@@ -77,22 +79,23 @@ struct Summary {
     rows: Vec<ReproducedNumber>,
 }
 
-fn numbers(section: &Section) -> Vec<ReproducedNumber> {
+fn numbers(part: &Part) -> Vec<ReproducedNumber> {
+    let plain = |text: &str| text.replace(NO_BREAK, " ");
     let mut numbers = Vec::new();
-    for row in &section.rows {
-        for (truth, cell) in ["rod", "bend", "pull"].into_iter().zip(&row.ours) {
+    for row in &part.rows {
+        for (scenario, cell) in Scenario::PAPER.into_iter().zip(&row.ours) {
             numbers.push(ReproducedNumber {
-                section: section.title.clone(),
-                support: section.support.map(Support::key),
+                section: plain(&part.title),
+                support: part.support.map(Support::key),
                 quantity: row.quantity.trim().to_owned(),
                 unit: row.unit,
                 paper: row.paper.clone(),
-                truth,
+                scenario: scenario.key(),
                 mean: Some(cell.mean).filter(|v| v.is_finite()),
                 sd: Some(cell.sd).filter(|v| v.is_finite()),
                 n: cell.n,
                 text: cell.text.clone(),
-                verdict: row.verdict.clone(),
+                verdict: plain(&row.verdict),
             });
         }
     }

@@ -1,16 +1,13 @@
-//! Beyond the paper: films of one patient that show different lengths, compared as marked and with a scale per film.
+//! Films of one patient that show different lengths, analysed as marked and with a scale per film.
 
-use spineline::action::LineKind;
-use spineline::analysis::{AnalysisOptions, FilmRole};
+use spineline::analysis::AnalysisOptions;
 use spineline::cohort::Cohort;
-use spineline::evaluate::Baseline;
 use spineline::measure::FilmLengthRule;
 use spineline::multibody::Support;
-use spineline_phantom::{Phantom, SUBJECTS, Truth};
+use spineline_phantom::{Phantom, SUBJECTS};
+use spineline_report::reproduction::{self, Part};
 
 use super::args::ReproduceArgs;
-use super::fair::{NONE, baseline_error, error};
-use super::row::{Row, Section};
 use super::runs;
 use crate::options::phantoms::options_of;
 use crate::run::failure::Failure;
@@ -21,45 +18,21 @@ const RULES: [(FilmLengthRule, &str); 2] = [
 ];
 
 /// Errors on predicted films whose lengths differ as those of real patients do, by either rule.
-pub fn section(args: &ReproduceArgs, phantoms: &[Phantom]) -> Result<Section, Failure> {
+pub fn part(args: &ReproduceArgs, phantoms: &[Phantom]) -> Result<Part, Failure> {
+    let relative_sd = FilmLengthRule::RELATIVE_SD;
     let scaled = |(i, phantom): (usize, &Phantom)| {
-        let subject = i % SUBJECTS.len();
-        phantom.clone().with_film_lengths(FilmLengthRule::RELATIVE_SD, subject, args.seed)
+        phantom.clone().with_film_lengths(relative_sd, i % SUBJECTS.len(), args.seed)
     };
     let phantoms: Vec<Phantom> = phantoms.iter().enumerate().map(scaled).collect();
-    let mut rows = Vec::new();
+    let mut found = Vec::new();
     for (rule, words) in RULES {
-        let cohorts = cohorts(args, &phantoms, rule)?;
-        let cohorts: [&Cohort; Truth::PAPER.len()] =
-            std::array::from_fn(|scenario| &cohorts[scenario]);
-        let mut add = |what: String, ours| {
-            rows.push(Row {
-                quantity: format!("{words}: {what} (mm)"),
-                unit: "mm",
-                paper: NONE.to_owned(),
-                ours,
-                verdict: String::new(),
-            });
-        };
-        for role in [FilmRole::LeftOutBend, FilmRole::HeldOut] {
-            for kind in [LineKind::Inflection, LineKind::Iliac, LineKind::Estimated] {
-                add(format!("{role}, {kind}"), cohorts.map(|c| error(c, kind, role)));
-            }
-            for baseline in Baseline::ALL {
-                let ours = cohorts.map(|c| baseline_error(c, baseline, role));
-                add(format!("{role}, without mechanics, {baseline}"), ours);
-            }
-        }
+        found.push((words, cohorts(args, &phantoms, rule)?));
     }
-    let percent = 100.0 * FilmLengthRule::RELATIVE_SD;
-    Ok(Section {
-        title: format!(
-            "Films of different length (standard deviation {percent} %), frontal support"
-        ),
-        support: Some(Support::Frontal),
-        rows,
-        note: "Location errors on predicted films, one mean per patient. Every film but the erect one is scaled at random, as films of 30 real patients are. With a scale per film that of a predicted film comes from T2 and its prior alone. The sections above have films of one scale, which the phantoms state: both rules are the same there.",
-    })
+    let by_rule: Vec<(&str, [&Cohort; 3])> = found
+        .iter()
+        .map(|(words, cohorts)| (*words, std::array::from_fn(|scenario| &cohorts[scenario])))
+        .collect();
+    Ok(reproduction::film_lengths(relative_sd, &by_rule))
 }
 
 fn cohorts(

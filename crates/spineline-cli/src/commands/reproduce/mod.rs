@@ -1,32 +1,31 @@
 //! `spineline reproduce`: the paper's numbers on synthetic patients.
 //!
 //! 18 subjects in 3 loading scenarios are made, read, and analysed with both supports. Every number of the paper is set beside
-//! ours with a verdict in words. None of them is a goal: the scenario that moved the phantoms decides which line predicts better.
+//! ours with a verdict in words. The numbers are no goals: the scenario that moved the phantoms decides which line predicts better.
 
 mod args;
 mod drawings;
-mod fair;
 mod files;
 mod film_lengths;
 mod reports;
-mod row;
 mod runs;
-mod sections;
 
 pub use args::ReproduceArgs;
 
 use std::path::Path;
 
 use spineline_files::{FilmOrigin, Provenance};
-use spineline_phantom::{SUBJECTS, Truth};
-use spineline_report::document::{Column, Table};
+use spineline_phantom::SUBJECTS;
+use spineline_report::reproduction::{full, parts, short};
 use spineline_report::terminal::{self, Lines};
 
 use crate::options::phantoms::readers;
 use crate::run::failure::{Ending, Failure};
 use crate::run::outputs::{Outputs, print};
 use crate::run::provenance::this_run;
-use row::Section;
+
+/// Columns of the answer.
+const WIDTH: usize = 100;
 
 pub fn run(args: &ReproduceArgs) -> Result<Ending, Failure> {
     let readers = readers(args.noise)?;
@@ -34,15 +33,25 @@ pub fn run(args: &ReproduceArgs) -> Result<Ending, Failure> {
     outputs.folder(&args.out)?;
     outputs.table(&args.out.join("summary.csv"))?;
     outputs.file(&args.out.join("summary.json"))?;
+    outputs.file(&args.out.join("summary.txt"))?;
     let phantoms = runs::phantoms(args, &readers)?;
     let runs = runs::all_runs(args, &phantoms)?;
-    let mut sections = sections::sections(&runs);
-    sections.push(film_lengths::section(args, &phantoms)?);
-    print(Lines::of_text(&text(&sections, args)))?;
+    let scenarios = runs::scenarios(&runs, args.seed);
+    let mut parts = parts(&scenarios);
+    parts.push(film_lengths::part(args, &phantoms)?);
+    let answer = terminal::terminal(&short(&scenarios, SUBJECTS.len(), args.seed), WIDTH);
+    let every_number = full(&scenarios, &parts, SUBJECTS.len(), args.seed);
+    print(Lines::of_text(&answer))?;
+    if args.full {
+        print(Lines::of_text(&format!("\n{every_number}")))?;
+    }
     let provenance =
         Provenance::new(this_run()?, FilmOrigin::Synthetic, Vec::new()).with_seed(args.seed);
     let (figures, reports) = (args.out.join("figures"), args.out.join("reports"));
-    outputs.attempt(&args.out, || files::write(&outputs, &runs, &sections, args, &provenance));
+    outputs.attempt(&args.out, || {
+        outputs.write(&args.out.join("summary.txt"), format!("{answer}\n{every_number}"))?;
+        files::write(&outputs, &runs, &parts, args, &provenance)
+    });
     outputs.attempt(&figures, || drawings::write(&outputs, &figures, &runs, &provenance));
     outputs.attempt(&reports, || reports::write(&outputs, &reports, &runs, &provenance));
     outputs.commit()?;
@@ -51,48 +60,12 @@ pub fn run(args: &ReproduceArgs) -> Result<Ending, Failure> {
     Ok(Ending::Done)
 }
 
-fn text(sections: &[Section], args: &ReproduceArgs) -> String {
-    let mut text = format!(
-        "Jalalian et al. 2016 on synthetic patients: {} subjects of its Table 1, in three loading scenarios (seed {})\n",
-        SUBJECTS.len(),
-        args.seed
-    );
-    for truth in Truth::PAPER {
-        text.push_str(&format!("  {:5} {}\n", truth.key(), truth.meaning()));
-    }
-    text.push_str("Every number in the three columns on the right is SYNTHETIC; mean ± SD as the paper prints them.\n");
-    for section in sections {
-        let heads = ["paper", "rod", "bend", "pull"].map(Column::numbers);
-        let columns = [Column::words(section.title.as_str())].into_iter().chain(heads).collect();
-        let mut table = Table::new("", columns);
-        for row in &section.rows {
-            let mut cells = vec![format!("  {}", row.quantity), row.paper.clone()];
-            cells.extend(row.ours.iter().map(|cell| cell.text.clone()));
-            table.row(cells);
-        }
-        text.push('\n');
-        // Without a width there is one line per row, and its verdict has its place below it.
-        let table = terminal::table(&table, usize::MAX);
-        let mut lines = table.lines();
-        text.extend(lines.by_ref().take(2).map(|line| format!("{line}\n")));
-        for (line, row) in lines.zip(&section.rows) {
-            text.push_str(&format!("{line}\n"));
-            if !row.verdict.is_empty() {
-                text.push_str(&format!("      → {}\n", row.verdict));
-            }
-        }
-        text.push_str(&terminal::paragraph(section.note, 104, "  "));
-    }
-    text
-}
-
 fn closing(out: &Path) -> Lines {
-    let at = |name: &str| out.join(name).display().to_string();
-    let mut lines = Lines::of("");
-    lines.line(format!("Tables   {} (and .json)", at("summary.csv")));
-    let (errors, analyses) = (at("errors"), at("analyses"));
-    lines.line(format!("         {errors} (every vertebra), {analyses} (every patient)"));
-    lines.line(format!("Figures  {} (open them in a browser)", at("figures")));
-    lines.line(format!("Reports  {} (a cohort and one patient per scenario)", at("reports")));
+    let mut lines = Lines::of(format!("Files in {}:", out.display()));
+    lines.line(
+        "  summary.txt (all numbers, both supports; --full prints it), summary.csv, summary.json",
+    );
+    lines.line("  errors/ (every vertebra), analyses/ (every patient), figures/,");
+    lines.line("  reports/ (a cohort and one patient per scenario)");
     lines
 }

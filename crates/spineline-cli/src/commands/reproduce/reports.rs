@@ -24,16 +24,16 @@ pub fn write(
     provenance: &Provenance,
 ) -> Result<(), Failure> {
     for run in runs.iter().filter(|run| run.support == Support::Free) {
-        let truth = run.truth.key();
+        let scenario = run.scenario.key();
         let cohort = of_cohort(run, provenance);
-        outputs.write(&folder.join(format!("cohort-{truth}.html")), html(&cohort))?;
+        outputs.write(&folder.join(format!("cohort-{scenario}.html")), html(&cohort))?;
         let (case, analysis) = (&run.cases[EXAMPLE], &run.analyses[EXAMPLE]);
         let patient = of_patient(case, analysis, provenance);
-        outputs.write(&folder.join(format!("patient-{truth}.html")), html(&patient))?;
+        outputs.write(&folder.join(format!("patient-{scenario}.html")), html(&patient))?;
         #[cfg(feature = "pdf")]
         {
             let pdf = crate::run::pdf::pdf(&patient, provenance.date_utc())?;
-            outputs.write(&folder.join(format!("patient-{truth}.pdf")), pdf)?;
+            outputs.write(&folder.join(format!("patient-{scenario}.pdf")), pdf)?;
         }
     }
     Ok(())

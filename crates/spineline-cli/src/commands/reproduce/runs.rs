@@ -1,9 +1,10 @@
 //! Every phantom made and analysed.
 
 use spineline::analysis::{Analysis, AnalysisOptions, Case, analyze};
-use spineline::cohort::{Cohort, CohortPatient};
+use spineline::cohort::{Claims, Cohort, CohortPatient, PatientClaims};
 use spineline::multibody::Support;
-use spineline_phantom::{Phantom, Readers, SUBJECTS, Truth, generate};
+use spineline_phantom::{Phantom, Readers, SUBJECTS, Scenario, generate};
+use spineline_report::reproduction::{ScenarioResults, Scenarios};
 
 use super::args::ReproduceArgs;
 use crate::options::phantoms::options_of;
@@ -13,7 +14,7 @@ use crate::run::threads::map_all;
 /// The phantoms of one loading scenario, analysed with one support.
 pub struct Run {
     /// The loading scenario.
-    pub truth: Truth,
+    pub scenario: Scenario,
     /// Their support.
     pub support: Support,
     /// One case per subject of Table 1.
@@ -27,22 +28,14 @@ pub struct Run {
 /// Both supports: the paper's, and a patient on a table.
 const SUPPORTS: [Support; 2] = [Support::Free, Support::Frontal];
 
-/// The support in words.
-pub fn support_words(support: Support) -> &'static str {
-    match support {
-        Support::Free => "free support (the paper's)",
-        Support::Frontal => "frontal support (in the frontal plane, as on a table)",
-    }
-}
-
-/// The subjects of Table 1 in every scenario, in the order of [`Truth::PAPER`]; it does not depend on the threads.
+/// The subjects of Table 1 in every scenario, in the order of [`Scenario::PAPER`]; it does not depend on the threads.
 pub fn phantoms(args: &ReproduceArgs, readers: &Readers) -> Result<Vec<Phantom>, Failure> {
-    let tasks: Vec<(Truth, usize)> = Truth::PAPER
+    let tasks: Vec<(Scenario, usize)> = Scenario::PAPER
         .iter()
-        .flat_map(|&truth| (0..SUBJECTS.len()).map(move |i| (truth, i)))
+        .flat_map(|&scenario| (0..SUBJECTS.len()).map(move |i| (scenario, i)))
         .collect();
-    let made = map_all("phantoms", &tasks, args.threads, |&(truth, subject)| {
-        generate(subject, truth, readers, args.seed).map_err(|error| error.to_string())
+    let made = map_all("phantoms", &tasks, args.threads, |&(scenario, subject)| {
+        generate(subject, scenario, readers, args.seed).map_err(|error| error.to_string())
     })?;
     made.into_iter().collect::<Result<_, String>>().map_err(Failure::internal)
 }
@@ -78,14 +71,33 @@ pub fn all_runs(args: &ReproduceArgs, phantoms: &[Phantom]) -> Result<Vec<Run>, 
     let (analyses, patients) = analyses(args, &tasks)?;
     let cohorts = cohorts(args, &patients)?;
     let mut analyses = analyses.into_iter();
-    let scenarios =
-        SUPPORTS.into_iter().flat_map(|support| Truth::PAPER.map(|truth| (support, truth)));
+    let scenarios = SUPPORTS
+        .into_iter()
+        .flat_map(|support| Scenario::PAPER.map(|scenario| (support, scenario)));
     let phantoms = phantoms.chunks(SUBJECTS.len()).cycle();
     let runs =
-        scenarios.zip(phantoms).zip(cohorts).map(|(((support, truth), phantoms), cohort)| {
+        scenarios.zip(phantoms).zip(cohorts).map(|(((support, scenario), phantoms), cohort)| {
             let cases = phantoms.iter().map(|phantom| phantom.case.clone()).collect();
             let analyses = analyses.by_ref().take(SUBJECTS.len()).collect();
-            Run { truth, support, cases, analyses, cohort }
+            Run { scenario, support, cases, analyses, cohort }
         });
     Ok(runs.collect())
+}
+
+/// The results of every loading scenario with both supports, and the paper's claims with its support.
+pub fn scenarios(runs: &[Run], seed: u64) -> Scenarios<'_> {
+    Scenario::PAPER.map(|scenario| {
+        let [free, frontal] = SUPPORTS.map(|support| {
+            let mut own = runs.iter().filter(|run| run.support == support);
+            own.find(|run| run.scenario == scenario).expect("one run per scenario and support")
+        });
+        let patients: Vec<PatientClaims> = free.analyses.iter().map(PatientClaims::of).collect();
+        ScenarioResults {
+            name: scenario.key(),
+            meaning: scenario.meaning(),
+            free: &free.cohort,
+            frontal: &frontal.cohort,
+            claims: Claims::of(&patients, seed),
+        }
+    })
 }

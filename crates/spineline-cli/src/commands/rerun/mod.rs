@@ -9,7 +9,7 @@ use serde_json::Value;
 use spineline::analysis::Analysis;
 use spineline_files::{
     AnalysisFile, Content, InputFile, MAX_ANALYSES_BYTES, Provenance, StoredAnalysis,
-    parse_analysis, parse_json, read_bytes, to_text,
+    parse_analysis, parse_json, picture_warnings, read_bytes, to_text,
 };
 use spineline_report::document::{Column, Table};
 use spineline_report::terminal::Lines;
@@ -17,17 +17,16 @@ use spineline_report::{embedded, terminal};
 
 use crate::analysis::case::analyze_case;
 use crate::analysis::confidence::Confidence;
-use crate::analysis::figures::draw_figures;
-use crate::analysis::films::FilmWarning;
+use crate::analysis::figures::{figures_of, write_figures};
 use crate::options::values::{number, threads};
 use crate::run::failure::{Ending, Failure};
-use crate::run::outputs::{Outputs, OverwriteArgs, is_stdout, print};
+use crate::run::outputs::{Outputs, OverwriteArgs, is_stdout, print, width};
 use crate::run::pdf::attached;
 use crate::run::provenance::this_run;
 use difference::{Difference, Found, differences};
 
 pub const EXAMPLES: &str = "\
-The case and the options come from FILE alone; films, case files and stiffness tables are not needed. Where these files still
+The case and the options come from FILE alone; films, case files and stiffness tables are not needed. Where these files still \
 exist, their hashes are compared, and changes are reported.
 
 Exit codes: 0 no differences, 4 differences, 3 FILE cannot be repeated, 130 interrupted.
@@ -92,7 +91,8 @@ pub fn run(args: &RerunArgs) -> Result<Ending, Failure> {
     if let Some(folder) = &args.figures {
         for repeated in &again {
             let Repeated { analysis, provenance, .. } = repeated;
-            outputs.attempt(folder, || draw_figures(analysis, provenance, folder, &outputs));
+            let figures = figures_of(analysis, provenance);
+            outputs.attempt(folder, || write_figures(&figures, folder, &outputs));
         }
     }
     if let Some(path) = &args.json {
@@ -103,7 +103,7 @@ pub fn run(args: &RerunArgs) -> Result<Ending, Failure> {
         };
         outputs.attempt(path, || outputs.write(path, text));
     }
-    let kept = outputs.commit();
+    let kept = outputs.commit_and_say();
     if !to_stdout {
         print(text)?;
     }
@@ -192,17 +192,6 @@ impl Origin {
     }
 }
 
-/// Warnings about pictures that lay beside the case then: an analysis holds no pictures.
-fn keep_film_warnings(old: &Value, analysis: &mut Analysis) {
-    let warnings = old["warnings"].as_array().into_iter().flatten();
-    for warning in warnings {
-        let Some(code) = warning["code"].as_str().and_then(FilmWarning::code) else { continue };
-        let posture = warning["posture"].as_str().and_then(|key| key.parse().ok());
-        let text = warning["message"].as_str().unwrap_or_default();
-        FilmWarning::new(code, posture, text).warn(analysis);
-    }
-}
-
 /// One analysis again.
 struct Repeated {
     stored: StoredAnalysis,
@@ -217,7 +206,7 @@ impl Repeated {
         let stored = parse_analysis(&old.to_string()).map_err(|e| Failure::file(&args.file, &e))?;
         let StoredAnalysis { case, request, .. } = &stored;
         let mut analysis = analyze_case(&args.file, case, &request.options)?;
-        keep_film_warnings(old, &mut analysis);
+        analysis.warnings.merge(&picture_warnings(old));
         let confidence = Confidence::compute(case, &analysis, request, args.threads)?;
         if confidence.is_cut_short() {
             // Fewer replicates than then would only look like a difference.
@@ -240,16 +229,16 @@ impl Repeated {
         let (case, date) = (&self.stored.case.id, then.date_utc());
         text.line(format!("{case}{synthetic} · analysed {date} by {}", then.program()));
         let command = format!("Then: {}", then.command().join(" "));
-        text.text(&terminal::paragraph(&command, terminal::WIDTH, "  "));
+        text.text(&terminal::paragraph(&command, width(), "  "));
         if then.program() == now.program() {
             text.line(format!("  Version: the same, {}", now.program()));
         } else {
             text.line(format!("  Version: then {}, now {}", then.program(), now.program()));
         }
-        text.text(&terminal::paragraph(origin.words(), terminal::WIDTH, "  "));
+        text.text(&terminal::paragraph(origin.words(), width(), "  "));
         for input in then.inputs() {
             let said = format!("Input {}: {}", input.name, input_words(&args.file, input));
-            text.text(&terminal::paragraph(&said, terminal::WIDTH, "  "));
+            text.text(&terminal::paragraph(&said, width(), "  "));
         }
         text.text(&found_text(&self.found, args.tolerance));
     }

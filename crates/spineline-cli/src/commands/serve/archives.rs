@@ -11,7 +11,7 @@ use crate::run::failure::Failure;
 use crate::run::messages::say;
 
 /// Archives and their logins.
-#[derive(Debug, Args)]
+#[derive(Debug, Clone, Args)]
 pub struct ArchiveArgs {
     /// Image archive (PACS) from which users may open films, and the address of its DICOMweb service; may be repeated
     #[arg(long = "dicomweb", value_name = "NAME=ADDRESS", value_parser = Archive::parse)]

@@ -2,14 +2,17 @@
 
 mod archives;
 
+use std::fs::File;
+use std::io::Read;
 use std::net::{IpAddr, Ipv4Addr, SocketAddr};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::{SystemTime, UNIX_EPOCH};
 
 use clap::Args;
 use spineline_server::{ServeLimits, ServeOptions, Server};
 use spineline_store::{Access, Name, Role, Signature, Store, wider_permissions};
 
+use crate::analysis::study::add_case;
 use crate::run::failure::{Ending, Failure};
 use crate::run::interrupt;
 use crate::run::messages::say;
@@ -21,27 +24,28 @@ use archives::ArchiveArgs;
 pub const EXAMPLES: &str = "\
 Examples:
   spineline serve                          the app on studies.spineline, for the user of this terminal
+  spineline serve P07/case.json            a case: its films and readings, kept in P07/case.spineline
   spineline serve clinic.spineline --port 9000
   spineline serve clinic.spineline --accounts
   spineline serve clinic.spineline --bind 192.168.1.20 --host spine.clinic.example --https
   spineline serve --dicomweb clinic=https://pacs.clinic.example/dicom-web --dicomweb-login clinic=clinic.login
 
-Without accounts, the printed address signs in one browser; a new one is printed after each use. Addresses other than this
+Without accounts, the printed address signs in one browser; a new one is printed after each use. Addresses other than this \
 machine's own require accounts (`spineline account add NAME --role admin STORE`). Ctrl-C stops the server.
 
-With --dicomweb, who may make studies can also open films from that archive, found by Patient ID or Accession Number. The
-program asks no other address. The address is that of the DICOMweb service (QIDO-RS and WADO-RS), such as
-http://localhost:8042/dicom-web for Orthanc. Keep a login in a file that only you can read (chmod 600). The log of the store
+With --dicomweb, who may make studies can also open films from that archive, found by Patient ID or Accession Number. The \
+program asks no other address. The address is that of the DICOMweb service (QIDO-RS and WADO-RS), such as \
+http://localhost:8042/dicom-web for Orthanc. Keep a login in a file that only you can read (chmod 600). The log of the store \
 says who searched and who opened a film.";
 
 /// Port, unless another program has it.
 const PORT: u16 = 8765;
 
 /// Start the browser app
-#[derive(Debug, Args)]
+#[derive(Debug, Clone, Args)]
 pub struct ServeArgs {
-    /// Store of studies; created if it does not exist
-    #[arg(default_value = "studies.spineline", value_name = "STORE")]
+    /// Store of studies, created if it does not exist; or a case, whose study is kept in a store beside it
+    #[arg(default_value = "studies.spineline", value_name = "STORE|CASE")]
     store: PathBuf,
 
     /// Port; 0: a free one [default: 8765, or a free one if it is in use]
@@ -71,7 +75,20 @@ pub struct ServeArgs {
 pub fn run(args: &ServeArgs) -> Result<Ending, Failure> {
     check_clock()?;
     let archives = args.archives.read()?;
-    let store = open(args)?;
+    let case = is_case(&args.store).then_some(&args.store);
+    let store = case.map_or_else(|| args.store.clone(), |case| case.with_extension("spineline"));
+    let args = &ServeArgs { store, ..args.clone() };
+    let is_new = !args.store.exists();
+    let mut store = open(args)?;
+    if let Some(case) = case {
+        if is_new && let Err(failure) = add_study(&mut store, case, &args.store) {
+            // Nothing is left of a store whose only study cannot be made.
+            drop(store);
+            let _ = std::fs::remove_file(&args.store);
+            return Err(failure);
+        }
+        say(format!("{}: its study is kept in {}", case.display(), args.store.display()));
+    }
     let access =
         if args.accounts || !args.bind.is_loopback() { Access::Accounts } else { Access::Token };
     check(args, &store, access)?;
@@ -107,6 +124,23 @@ pub fn run(args: &ServeArgs) -> Result<Ending, Failure> {
     ending
 }
 
+/// Whether a file is JSON and so no store.
+fn is_case(path: &Path) -> bool {
+    let mut start = Vec::new();
+    let read = File::open(path).and_then(|file| file.take(256).read_to_end(&mut start));
+    read.is_ok() && start.trim_ascii_start().starts_with(b"{")
+}
+
+/// Makes the study of a case in a new store.
+fn add_study(store: &mut Store, case: &Path, at: &Path) -> Result<(), Failure> {
+    print(add_case(store, at, (case, false), &signature(at)?)?).map(|_| ())
+}
+
+fn signature(store: &Path) -> Result<Signature, Failure> {
+    let name = Name::new("serve").map_err(|error| Failure::store(store, &error))?;
+    Ok(Signature::new(name, SystemTime::now().into()))
+}
+
 fn open(args: &ServeArgs) -> Result<Store, Failure> {
     let fail = |error| Failure::store(&args.store, &error);
     // A file that is empty becomes a store, like one that is not there.
@@ -121,8 +155,7 @@ fn open(args: &ServeArgs) -> Result<Store, Failure> {
         }
         return Ok(store);
     }
-    let by = Signature::new(Name::new("serve").map_err(fail)?, SystemTime::now().into());
-    Store::create(&args.store, &by).map_err(fail)
+    Store::create(&args.store, &signature(&args.store)?).map_err(fail)
 }
 
 /// The library that serves cannot write the date of an answer before 1970 or after 9999.

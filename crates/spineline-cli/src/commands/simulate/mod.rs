@@ -43,7 +43,7 @@ pub fn run(args: &SimulateArgs) -> Result<Ending, Failure> {
         with_progress(|on_point| Outcome::of(args, stored.model, loads, notes, on_point))?;
     let outcome = outcome.with_replicates(args, source)?;
     // Results are shown although they cannot be written.
-    let written = outcome.write(args, &outputs).and_then(|()| outputs.commit());
+    let written = outcome.write(args, &outputs).and_then(|()| outputs.commit_and_say());
     if streams == 0 {
         print(Lines::of_text(&text::report(&outcome)))?;
     } else {
@@ -132,7 +132,7 @@ mod tests {
     use clap::Parser;
     use spineline::analysis::{AnalysisOptions, analyze};
     use spineline::multibody::PathEnding;
-    use spineline_phantom::{Readers, Truth, generate};
+    use spineline_phantom::{Readers, Scenario, generate};
 
     #[derive(Parser)]
     struct Line {
@@ -142,7 +142,7 @@ mod tests {
 
     /// A search that is interrupted at the shape of this number.
     fn interrupted(arguments: &[&str], at: usize) -> Outcome {
-        let phantom = generate(0, Truth::Rod, &Readers::exact(), 1).expect("subject 1 exists");
+        let phantom = generate(0, Scenario::Rod, &Readers::exact(), 1).expect("subject 1 exists");
         let analysis = analyze(&phantom.case, &AnalysisOptions::default()).expect("a phantom");
         let model = analysis.personalised_model(&analysis.models[0]);
         let line = ["simulate", "model.json"].iter().chain(arguments);

@@ -7,6 +7,7 @@ use spineline_report::document::{Document, Notice, NoticeKind, Section};
 use spineline_report::terminal;
 
 use super::outcome::Outcome;
+use crate::run::outputs::width;
 use crate::run::provenance::generator;
 
 /// The whole report as text.
@@ -23,13 +24,13 @@ pub fn report(outcome: &Outcome) -> String {
         sections,
         analysis: String::new(),
     };
-    terminal::terminal(&document, terminal::WIDTH)
+    terminal::terminal(&document, width())
 }
 
 /// The warnings.
 pub fn notices(outcome: &Outcome) -> Vec<Notice> {
     let notice = |warning: &SimulationWarning| Notice {
-        code: warning.code.to_owned(),
+        code: warning.code.key().to_owned(),
         ..Notice::new(NoticeKind::Warning, warning.message.clone())
     };
     outcome.warnings.iter().map(notice).chain(outcome.interruption()).collect()

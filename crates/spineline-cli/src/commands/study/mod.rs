@@ -1,6 +1,5 @@
 //! `spineline study`: the study store, from the command line.
 
-mod add;
 mod args;
 
 pub use args::{EXAMPLES, StudyArgs};
@@ -18,6 +17,7 @@ use spineline_store::{
 
 use args::StudyCommand;
 
+use crate::analysis::study::add_case;
 use crate::options::values::store_name;
 use crate::run::failure::{Ending, Failure};
 use crate::run::interrupt;
@@ -37,7 +37,7 @@ pub fn run(args: &StudyArgs) -> Result<Ending, Failure> {
         StudyCommand::Add { cases, accept, .. } => {
             let mut store = Store::open(path).map_err(fail)?;
             for case in cases {
-                print(add::add(&mut store, path, (case, *accept), &by()?)?)?;
+                print(add_case(&mut store, path, (case, *accept), &by()?)?)?;
             }
             Ok(Ending::Done)
         }
@@ -118,7 +118,7 @@ fn export(path: &Path, study: &str, out: &Path, outputs: Outputs) -> Result<Endi
         say(format!("note: {remark}"));
     }
     outputs.write(out, exported.text)?;
-    outputs.commit()?;
+    outputs.commit_and_say()?;
     Ok(Ending::Done)
 }
 

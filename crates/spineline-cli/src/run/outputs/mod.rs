@@ -12,7 +12,7 @@ pub use target::is_stdout;
 
 use std::io::{self, ErrorKind, IsTerminal, Write};
 
-use spineline_report::document::Notice;
+use spineline_report::document::{Document, Notice};
 use spineline_report::terminal::{self, Lines};
 
 use super::failure::{Ending, Failure};
@@ -24,6 +24,20 @@ use super::messages::say;
 /// If it cannot be written.
 pub fn print(text: impl Into<Lines>) -> Result<Ending, Failure> {
     to_stdout(text.into().as_str())
+}
+
+/// Writes a document for a person to the standard output.
+///
+/// # Errors
+/// If it cannot be written.
+pub fn print_document(document: &Document) -> Result<Ending, Failure> {
+    print(Lines::of_text(&terminal::terminal(document, width())))
+}
+
+/// Columns of text for a person: those of the terminal, from 80 to 120; where there is none, [`terminal::WIDTH`].
+pub fn width() -> usize {
+    let found = terminal_size::terminal_size_of(io::stdout());
+    found.map_or(terminal::WIDTH, |(columns, _)| usize::from(columns.0).clamp(80, 120))
 }
 
 /// Writes text for a program to the standard output, as it is; a terminal gets it as text for a person.

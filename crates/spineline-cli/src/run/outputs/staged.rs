@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, OnceLock, PoisonError};
 
 use clap::Args;
+use indexmap::IndexMap;
 use spineline_files::{
     InputFile, MAX_ANALYSES_BYTES, Provenance, ProvenanceFile, case_ids, read_bytes, to_text,
     with_hash,
@@ -20,6 +21,7 @@ use super::target::{Identity, Target};
 use super::there::There;
 use crate::run::failure::Failure;
 use crate::run::interrupt;
+use crate::run::messages::say;
 
 /// What replacing files needs.
 #[derive(Args, Debug, Clone, Copy)]
@@ -272,6 +274,23 @@ impl Outputs {
     /// # Errors
     /// Of every result that could not be made or written; the others are. If two results have one name, nothing is written.
     pub fn commit(self) -> Result<(), Failure> {
+        self.name_all(&mut Vec::new())
+    }
+
+    /// As [`Outputs::commit`], and says on the standard error which files were written.
+    ///
+    /// # Errors
+    /// As [`Outputs::commit`].
+    pub fn commit_and_say(self) -> Result<(), Failure> {
+        let mut files = Vec::new();
+        let kept = self.name_all(&mut files);
+        for line in written_words(&files) {
+            say(line);
+        }
+        kept
+    }
+
+    fn name_all(self, files: &mut Vec<PathBuf>) -> Result<(), Failure> {
         interrupt::begin_writing();
         let (staged, mut failures) = {
             let mut state = self.state();
@@ -292,7 +311,8 @@ impl Outputs {
                     let name = part.to_path_buf();
                     let named = part.persist(&file);
                     interrupt::forget_part(&name);
-                    named.map_err(|error| failed(&shown)(error.error))
+                    let named = named.map_err(|error| failed(&shown)(error.error));
+                    named.map(|_| files.push(shown))
                 }
             };
             failures.extend(written.err());
@@ -381,6 +401,22 @@ impl Drop for Outputs {
             let _ = fs::remove_dir(folder);
         }
     }
+}
+
+/// Files of one folder that are named one by one.
+const MOST_NAMED: usize = 4;
+
+/// Says which files were written: one by one, or the number of files of a folder.
+fn written_words(files: &[PathBuf]) -> Vec<String> {
+    let mut folders: IndexMap<&Path, Vec<&PathBuf>> = IndexMap::new();
+    for file in files {
+        folders.entry(file.parent().unwrap_or(Path::new(""))).or_default().push(file);
+    }
+    let of_folder = |(folder, files): (&Path, Vec<&PathBuf>)| match files.len() {
+        0..=MOST_NAMED => files.iter().map(|file| format!("written: {}", file.display())).collect(),
+        count => vec![format!("written: {count} files in {}", folder_or_here(folder).display())],
+    };
+    folders.into_iter().flat_map(of_folder).collect()
 }
 
 /// Removes results that are not to be written.

@@ -167,14 +167,14 @@ fn against_the_curve(model: &PersonalisedModel) -> (usize, Side) {
 mod tests {
     use spineline::analysis::{AnalysisOptions, analyze};
     use spineline_files::{LoadFile, Simulated};
-    use spineline_phantom::{Readers, Truth, generate};
+    use spineline_phantom::{Readers, Scenario, generate};
 
     use spineline::anatomy::{Level, Posture};
 
     use super::*;
 
     fn model() -> PersonalisedModel {
-        let phantom = generate(0, Truth::Rod, &Readers::exact(), 1).expect("subject 1 exists");
+        let phantom = generate(0, Scenario::Rod, &Readers::exact(), 1).expect("subject 1 exists");
         let analysis = analyze(&phantom.case, &AnalysisOptions::default()).expect("a phantom");
         analysis.personalised_model(&analysis.models[0])
     }
@@ -195,8 +195,8 @@ mod tests {
 
     #[test]
     fn every_example_has_a_result_on_the_models_of_phantoms() {
-        for (subject, truth) in [(0, Truth::Rod), (3, Truth::Bend), (7, Truth::Pull)] {
-            let phantom = generate(subject, truth, &Readers::default(), 1).expect("a phantom");
+        for (subject, scenario) in [(0, Scenario::Rod), (3, Scenario::Bend), (7, Scenario::Pull)] {
+            let phantom = generate(subject, scenario, &Readers::default(), 1).expect("a phantom");
             for support in [Support::Frontal, Support::Free] {
                 let options = AnalysisOptions { support, ..AnalysisOptions::default() };
                 let analysis = analyze(&phantom.case, &options).expect("a phantom");

@@ -88,7 +88,7 @@ fn text_table(table: Table) -> TextTable {
 
 fn warnings(simulated: &Simulated) -> Vec<Notice> {
     let warning = |warning: &spineline_files::SimulationWarning| {
-        notices::notice(Severity::Warning, &warning.code, warning.message.clone())
+        notices::notice(Severity::Warning, warning.code.key(), warning.message.clone())
     };
     simulated.warnings.iter().map(warning).collect()
 }

@@ -1,11 +1,11 @@
 use serde_json::Value;
-use spineline_phantom::{Readers, Truth, generate};
+use spineline_phantom::{Readers, Scenario, generate};
 
 use super::server::{add_read_study, add_study, assert_numbers, phantom, serve};
 
 #[test]
 fn the_cohort_has_a_row_per_study_and_reasons_for_exclusions() {
-    let two = generate(1, Truth::Rod, &Readers::exact(), 1).expect("subject 2 exists").case;
+    let two = generate(1, Scenario::Rod, &Readers::exact(), 1).expect("subject 2 exists").case;
     let running = serve(|store| {
         add_read_study(store, "S1", &phantom().case);
         add_read_study(store, "S2", &two);
@@ -34,7 +34,7 @@ fn the_cohort_has_a_row_per_study_and_reasons_for_exclusions() {
 #[test]
 fn readings_of_two_observers_give_agreement_statistics() {
     let readers = Readers { observers: 2, repeats: 1, ..Readers::default() };
-    let case = generate(0, Truth::Rod, &readers, 1).expect("subject 1 exists").case;
+    let case = generate(0, Scenario::Rod, &readers, 1).expect("subject 1 exists").case;
     let running = serve(|store| add_read_study(store, "S1", &case));
     let views = running.get("/api/studies/S1/reliability");
     assert_numbers(&views, "reliability");

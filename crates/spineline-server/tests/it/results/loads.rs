@@ -5,7 +5,7 @@ use std::ops::ControlFlow;
 use serde_json::{Value, json};
 use spineline::multibody::Goal;
 use spineline_files::{Simulated, parse_load, parse_model, to_text};
-use spineline_phantom::{Readers, Truth, generate};
+use spineline_phantom::{Readers, Scenario, generate};
 
 use super::server::{Running, add_read_study, assert_numbers, phantom, serve};
 
@@ -183,7 +183,7 @@ fn loads_that_fold_the_spine_end_by_name_without_angles() {
 fn the_traction_of_the_film_gives_the_errors_of_the_analysis() {
     /// The path and the search for the force end within this of each other.
     const SAME_MM: f64 = 1e-3;
-    let case = generate(0, Truth::Rod, &Readers::exact(), 1).expect("subject 1 exists").case;
+    let case = generate(0, Scenario::Rod, &Readers::exact(), 1).expect("subject 1 exists").case;
     let running = serve(|store| add_read_study(store, "S1", &case));
     let menu = running.get(PATH);
     let films = menu["films"].as_array().expect("films");

@@ -7,7 +7,7 @@ use spineline::anatomy::Posture;
 use spineline::multibody::Support;
 use spineline::personalize::FitTarget;
 use spineline_files::method_text::set_option;
-use spineline_phantom::{Readers, Truth, generate};
+use spineline_phantom::{Readers, Scenario, generate};
 
 use super::server::{Running, add_read_study, name, phantom, serve};
 use crate::browser::App;
@@ -39,7 +39,7 @@ fn error_mm(running: &Running) -> f64 {
 #[test]
 fn results_are_those_of_the_library_with_the_options_until_they_are_reset() {
     let mut exported = None;
-    let two = generate(1, Truth::Rod, &Readers::exact(), 1).expect("subject 2 exists").case;
+    let two = generate(1, Scenario::Rod, &Readers::exact(), 1).expect("subject 2 exists").case;
     let running = serve(|store| {
         add_read_study(store, "S1", &phantom().case);
         add_read_study(store, "S2", &two);

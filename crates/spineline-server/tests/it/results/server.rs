@@ -5,7 +5,7 @@ use spineline::analysis::Case;
 use spineline::anatomy::{ImageSide, Level, Posture};
 use spineline::measure::{Film, FilmLandmarks, ImageGeometry, Reading, VertebraLandmarks};
 use spineline_files::LevelKey;
-use spineline_phantom::{Phantom, Readers, Truth, generate};
+use spineline_phantom::{Phantom, Readers, Scenario, generate};
 use spineline_store::{
     Access, Corner, Event, FilmId, Name, PatientSide, ReadingId, Signature, Store, Study, Timestamp,
 };
@@ -15,7 +15,7 @@ use crate::browser::App;
 pub const READER: &str = "A";
 
 pub fn phantom() -> Phantom {
-    generate(0, Truth::Rod, &Readers::exact(), 1).expect("subject 1 exists")
+    generate(0, Scenario::Rod, &Readers::exact(), 1).expect("subject 1 exists")
 }
 
 pub fn name(text: &str) -> Name {

@@ -52,6 +52,28 @@ pub struct Click {
     pub place: Pixel,
 }
 
+impl Click {
+    /// Clicks on one vertebra: the corners that were placed, or the walls where there is none.
+    #[must_use]
+    pub fn on(
+        level: Level,
+        placed: [Option<(CornerName, Pixel)>; 4],
+        walls: [Option<Pixel>; 2],
+    ) -> Vec<Self> {
+        let corners = placed.into_iter().flatten();
+        let clicks: Vec<Self> =
+            corners.map(|(name, place)| Self { level, mark: Mark::Corner(name), place }).collect();
+        if !clicks.is_empty() {
+            return clicks;
+        }
+        let walls = [Side::Left, Side::Right].into_iter().zip(walls);
+        let wall = |(side, place): (Side, Option<Pixel>)| {
+            Some(Self { level, mark: Mark::Wall(side), place: place? })
+        };
+        walls.filter_map(wall).collect()
+    }
+}
+
 /// All clicks on a film.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Clicks {

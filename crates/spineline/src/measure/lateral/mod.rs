@@ -9,16 +9,15 @@ pub use outline::{LateralOutline, LateralVertebra};
 use super::bodies::{CheckedFilm, ReadBodies};
 use super::corner_order::CornerOrder;
 use super::lengths::FilmSizes;
-use super::order::{MIN_SPACING_SHARE, steps};
+use super::order::{LevelStep, MIN_SPACING_SHARE};
 use super::outline::{nameless, repeated};
 use super::plausibility::warn_of_corners;
-use super::spacing::is_spacing;
 use super::{
     CornerFault, Corners, ImageGeometry, MeasureError, Placement, Reading, ReadingId, Spacing,
 };
 use crate::anatomy::{ImageSide, Level};
 use crate::spatial::{Frontal, Pixel};
-use crate::warning::{Step, Warnings};
+use crate::warning::Warnings;
 
 /// The four corners of a vertebral body seen from the side.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -87,7 +86,7 @@ impl LateralFilm {
         }
         warn_of_corners(CheckedFilm::Lateral, &bodies, warnings);
         for (code, text) in sizes.doubts() {
-            warnings.push(Step::Measure, code, format!("lateral film: {text}"));
+            warnings.push(code, format!("lateral film: {text}"));
         }
         Ok(LateralOutline::of(&bodies, has_scale, self.simultaneous))
     }
@@ -120,7 +119,7 @@ impl LateralFilm {
     fn check_film(&self) -> Result<(), LateralFault> {
         let spacings = self.spacing.map(|s| [("column", s.column_mm), ("row", s.row_mm)]);
         for (direction, value) in spacings.into_iter().flatten() {
-            if !is_spacing(value) {
+            if !Spacing::is_possible(value) {
                 return Err(LateralFault::Spacing { direction, value });
             }
         }
@@ -191,7 +190,9 @@ fn check_order(readings: &[ReadBodies<'_>]) -> Result<(), MeasureError> {
             let (location, tilt) = (body.measure_location().map_err(fault)?, body.measure_tilt());
             placed.push((level, Placement::new(location, tilt)));
         }
-        if let Some(step) = steps(&placed).into_iter().find(|step| step.is_out_of_order()) {
+        if let Some(step) =
+            LevelStep::between(&placed).into_iter().find(|step| step.is_out_of_order())
+        {
             let (inferior, superior, share) = (step.inferior, step.superior, step.share);
             let (id, limit) = (reading.id.clone(), MIN_SPACING_SHARE);
             let fault = LateralFault::OutOfOrder { id, inferior, superior, share, limit };

@@ -1,6 +1,7 @@
 use super::super::{ReadingId, VertebraLandmarks};
 use super::*;
 use crate::anatomy::ImageSide;
+use crate::spatial::Pixel;
 
 /// One pixel is the unit; the patient's left is on the right of the picture.
 const IMAGE: ImageGeometry =

@@ -16,7 +16,7 @@ use super::{
 };
 use crate::anatomy::{Level, SagittalProfile};
 use crate::spatial::{Angle, Orientation, Vec3};
-use crate::warning::{Step, Warnings};
+use crate::warning::{WarningCode, Warnings};
 use alignment::{Exposure, HeightPair, LateralSd};
 use marks::{FrontalMark, frontal_marks};
 
@@ -89,7 +89,7 @@ impl SpatialOutline {
         match &found {
             None => {
                 let text = "the lateral film is not marked, or shows no two neighbouring vertebrae of the erect film: the sagittal profile is that of a population";
-                warnings.push(Step::Measure, "lateral_not_marked", text);
+                warnings.push(WarningCode::LateralNotMarked, text);
             }
             Some(found) => {
                 if !missing.is_empty() {
@@ -97,7 +97,7 @@ impl SpatialOutline {
                         "the lateral film does not show {}: the sagittal rotations there are those of a population",
                         missing.join(", ")
                     );
-                    warnings.push(Step::Measure, "lateral_incomplete", text);
+                    warnings.push(WarningCode::LateralIncomplete, text);
                 }
                 found.warn_of_alignment(warnings);
             }
@@ -245,11 +245,11 @@ impl SpatialOutline {
 
     fn warn_of_alignment(&self, warnings: &mut Warnings) {
         let found = &self.alignment;
-        let mut warn = |code, text: String| warnings.push(Step::Measure, code, text);
+        let mut warn = |code, text: String| warnings.push(code, text);
         let least_mm = if found.simultaneous { TOGETHER_DIFFER_MM } else { HEIGHTS_DIFFER_MM };
         if found.residual_mm > least_mm.max(3.0 * found.expected_mm) {
             warn(
-                "lateral_heights_differ",
+                WarningCode::LateralHeightsDiffer,
                 format!(
                     "the heights of vertebrae on the lateral film differ from those on the erect film by {:.1} mm (root mean square), and {:.1} mm are expected from the landmarks: the patient moved between the films, or vertebrae are named differently on them; check both films",
                     found.residual_mm, found.expected_mm
@@ -258,7 +258,7 @@ impl SpatialOutline {
         }
         if found.turn.abs() > TURNED && found.turn.abs() > found.turn_sd() * 2.0 {
             warn(
-                "lateral_turned",
+                WarningCode::LateralTurned,
                 format!(
                     "the lateral film is turned by {} ± {} against the erect film, by the heights of the vertebrae: the turn is taken out of all angles; check that both films hang upright",
                     found.turn.abs(),

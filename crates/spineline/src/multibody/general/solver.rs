@@ -41,9 +41,9 @@ pub enum SpringError {
 /// };
 /// use spineline::spatial::{Mat3, Vec3};
 /// use spineline::warning::Warnings;
-/// use spineline_phantom::{Readers, Truth, generate};
+/// use spineline_phantom::{Readers, Scenario, generate};
 ///
-/// let case = generate(0, Truth::Bend, &Readers::exact(), 1)?.case;
+/// let case = generate(0, Scenario::Bend, &Readers::exact(), 1)?.case;
 /// let erect = measure_film(&case.films[0], TiltRule::default(), &mut Warnings::default())?;
 /// let straight = SagittalProfile { turns_deg: [0.0; 14], axial_deg: [0.0; 15] };
 /// let model = SpineModel::from_outline(&erect, &straight);

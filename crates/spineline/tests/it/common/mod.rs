@@ -19,7 +19,7 @@ use spineline::measure::{
 use spineline::multibody::{SpineModel, Support};
 use spineline::spatial::{Angle, Frontal, Pixel};
 use spineline::warning::Warnings;
-use spineline_phantom::{Phantom, Readers, TrueBody, Truth, generate};
+use spineline_phantom::{Phantom, Readers, Scenario, TrueBody, generate};
 
 /// A small generator of numbers, so that "random" inputs are the same on every machine (xorshift64*).
 pub struct Draw(u64);
@@ -76,13 +76,14 @@ pub fn read_axial(body: &TrueBody) -> Angle {
 }
 
 /// Phantom of a subject (from 0), seed 1.
-pub fn phantom(subject: usize, truth: Truth, readers: &Readers) -> Phantom {
-    generate(subject, truth, readers, 1).expect("all 18 subjects have phantoms of every truth")
+pub fn phantom(subject: usize, scenario: Scenario, readers: &Readers) -> Phantom {
+    generate(subject, scenario, readers, 1)
+        .expect("all 18 subjects have phantoms of every scenario")
 }
 
 /// A patient whose landmarks are exact, moved by prescribed rotations: the quickest phantom to make.
 pub fn exact_case(subject: usize) -> Case {
-    phantom(subject, Truth::Bend, &Readers::exact()).case
+    phantom(subject, Scenario::Bend, &Readers::exact()).case
 }
 
 /// A patient on a table.

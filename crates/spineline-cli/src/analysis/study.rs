@@ -4,17 +4,17 @@ use std::collections::BTreeSet;
 use std::path::Path;
 
 use spineline::measure::{alike_observers, alike_words};
-use spineline::warning::counted;
+use spineline::warning::{Warning, Warnings, counted};
 use spineline_files::parse_case_file;
 use spineline_films::intake::{IntakeLimits, Place, read};
 use spineline_report::terminal::Lines;
 use spineline_store::{CaseError, NewCase, Signature, Store};
 
-use crate::analysis::films::{FilmWarning, check_films};
+use crate::analysis::films::check_films;
 use crate::run::failure::Failure;
 
 /// Adds one case; returns what was added as text. Films that may not belong into the case are taken only if accepted.
-pub fn add(
+pub fn add_case(
     store: &mut Store,
     at: &Path,
     (path, accept): (&Path, bool),
@@ -27,7 +27,8 @@ pub fn add(
     };
     let case = NewCase::read(&text, bytes_of).map_err(|error| refusal(path, error))?;
     let (warnings, observers) = film_warnings(path, &text)?;
-    let doubts: Vec<&FilmWarning> = warnings.iter().filter(|one| one.doubts_film()).collect();
+    let doubts: Vec<&Warning> =
+        warnings.all().iter().filter(|one| one.code.doubts_film()).collect();
     if !accept && !doubts.is_empty() {
         return Err(doubtful(path, &doubts));
     }
@@ -41,20 +42,28 @@ pub fn add(
     for remark in alike_names(store, at, &observers)? {
         text.line(format!("  ! {remark}"));
     }
-    for one in &warnings {
-        text.line(format!("  ! {}", one.place_and_text()));
+    for one in warnings.all() {
+        text.line(format!("  ! {}", place_and_text(one)));
     }
     Ok(text)
 }
 
-fn doubtful(path: &Path, doubts: &[&FilmWarning]) -> Failure {
-    let texts: Vec<String> = doubts.iter().map(|doubt| doubt.place_and_text()).collect();
+/// The film and the warning.
+fn place_and_text(warning: &Warning) -> String {
+    match warning.posture {
+        Some(posture) => format!("{posture} film: {}", warning.message),
+        None => warning.message.clone(),
+    }
+}
+
+fn doubtful(path: &Path, doubts: &[&Warning]) -> Failure {
+    let texts: Vec<String> = doubts.iter().map(|doubt| place_and_text(doubt)).collect();
     let help = "give the case other films, or --accept if you are sure";
     Failure::input(&path.display().to_string(), &texts.join("; "), help)
 }
 
 /// Warnings about the films of the case, and its observers; one picture for two films is refused.
-fn film_warnings(path: &Path, text: &str) -> Result<(Vec<FilmWarning>, BTreeSet<String>), Failure> {
+fn film_warnings(path: &Path, text: &str) -> Result<(Warnings, BTreeSet<String>), Failure> {
     let failed = |error| Failure::file(path, &error);
     let file = parse_case_file(text).map_err(failed)?;
     let case = file.clone().into_case().map_err(failed)?;

@@ -1,52 +1,11 @@
 //! The next landmark, and its expected place.
 
-use super::completion::{Clicks, complete};
-use super::program_corners::clicks_on;
-use super::{Corners, ImageGeometry, PartialLandmarks, PartialReading};
-use crate::anatomy::{Level, Posture, Side, named};
-use crate::spatial::Pixel;
+use spineline::anatomy::{Level, Posture, Side};
+use spineline::measure::completion::{Click, Clicks, complete};
+use spineline::measure::{CornerName, Corners, ImageGeometry};
+use spineline::spatial::Pixel;
 
-named! {
-    /// A corner by endplate and by the patient's side.
-    pub enum CornerName {
-        /// Superior endplate, patient's left.
-        SuperiorLeft = "superior_left",
-        /// Superior endplate, patient's right.
-        SuperiorRight = "superior_right",
-        /// Inferior endplate, patient's left.
-        InferiorLeft = "inferior_left",
-        /// Inferior endplate, patient's right.
-        InferiorRight = "inferior_right",
-    }
-}
-
-impl CornerName {
-    /// The order of marking: once around the body from the patient's superior left, so that every click is next to the
-    /// one before it.
-    pub const ORDER: [Self; 4] =
-        [Self::SuperiorLeft, Self::SuperiorRight, Self::InferiorRight, Self::InferiorLeft];
-
-    /// This one of four corners, to be changed.
-    pub const fn of_mut<P>(self, corners: &mut Corners<P>) -> &mut P {
-        match self {
-            Self::SuperiorLeft => &mut corners.superior_left,
-            Self::SuperiorRight => &mut corners.superior_right,
-            Self::InferiorRight => &mut corners.inferior_right,
-            Self::InferiorLeft => &mut corners.inferior_left,
-        }
-    }
-
-    /// This one of four corners.
-    #[must_use]
-    pub const fn of<P: Copy>(self, corners: &Corners<P>) -> P {
-        match self {
-            Self::SuperiorLeft => corners.superior_left,
-            Self::SuperiorRight => corners.superior_right,
-            Self::InferiorRight => corners.inferior_right,
-            Self::InferiorLeft => corners.inferior_left,
-        }
-    }
-}
+use super::{PartialLandmarks, PartialReading};
 
 /// What is marked next.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -140,7 +99,7 @@ impl PartialReading {
                 let is_placed = name.of(&landmark.origins).is_placed();
                 name.of(&landmark.corners).filter(|_| is_placed).map(|place| (name, place))
             });
-            clicks_on(level, placed, landmark.walls)
+            Click::on(level, placed, landmark.walls)
         });
         Clicks { vertebrae: vertebrae.collect(), midline: Vec::new() }
     }

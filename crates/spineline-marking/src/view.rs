@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use crate::anatomy::{ImageSide, Posture};
+use spineline::anatomy::{ImageSide, Posture};
 
 /// A direction in the patient, as Patient Orientation (0020,0020) names it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -170,7 +170,7 @@ pub struct ViewJudgement {
 ///
 /// ```
 /// use spineline::anatomy::ImageSide;
-/// use spineline::measure::{PatientDirection, View, ViewEvidence, judge_view};
+/// use spineline_marking::{PatientDirection, View, ViewEvidence, judge_view};
 /// let evidence = ViewEvidence {
 ///     orientation: Some([PatientDirection::Left, PatientDirection::Foot]), ..Default::default()
 /// };

@@ -1,7 +1,6 @@
 //! The spacing of a film from the attributes of its file; nothing is guessed.
 
-use super::spacing::is_spacing;
-use super::{Spacing, SpacingPlane, SpacingSource};
+use spineline::measure::{Spacing, SpacingPlane, SpacingSource};
 
 /// How Pixel Spacing was calibrated, where the file says so (DICOM 0028,0A02).
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -159,7 +158,8 @@ const AGREEMENT: f64 = 0.01;
 /// DICOM PS3.3, sections 10.7 and C.8.11; correction proposal 2380.
 ///
 /// ```
-/// use spineline::measure::{SpacingEvidence, SpacingPlane, judge_spacing};
+/// use spineline::measure::SpacingPlane;
+/// use spineline_marking::{SpacingEvidence, judge_spacing};
 /// let evidence = SpacingEvidence {
 ///     imager_mm: Some([0.2, 0.1]), magnification: Some(1.25), ..Default::default()
 /// };
@@ -270,7 +270,7 @@ fn usable(
     remarks: &mut Vec<SpacingRemark>,
 ) -> Option<[f64; 2]> {
     let values = stated?;
-    if values.into_iter().all(is_spacing) {
+    if values.into_iter().all(Spacing::is_possible) {
         return Some(values);
     }
     remarks.push(SpacingRemark::Unusable { attribute, values });

@@ -2,16 +2,18 @@
 //!
 //! Places are pixels with the centre of the first one at zero. Directions are taken in the film's frontal frame
 //! ([`ImageGeometry::frontal`]: millimetres, or pixels where no spacing is known), so that pixels need not be square.
-//! An axis is written as [`VertebraLandmarks`](super::VertebraLandmarks) has it: against the image's vertical, positive clockwise as seen.
+//! An axis is written as [`VertebraLandmarks`](spineline::measure::VertebraLandmarks) has it: against the image's vertical, positive clockwise as seen.
 
 use std::collections::BTreeMap;
 use std::fmt;
 
+use spineline::anatomy::{FilmView, Level, Side};
+use spineline::measure::{
+    CornerFault, Corners, ImageGeometry, LevelStep, Origin, Placement, out_of_order_words,
+};
+use spineline::spatial::{Angle, Frontal, Pixel};
+
 use super::body_neighbours::{Unlike, unlike_neighbours};
-use super::order::{out_of_order_words, steps};
-use super::{CornerFault, Corners, ImageGeometry, Origin, Placement};
-use crate::anatomy::{FilmView, Level, Side};
-use crate::spatial::{Angle, Frontal, Pixel};
 
 /// A vertebra of which some corners are placed.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -97,8 +99,9 @@ impl PartialLandmarks {
 ///
 /// ```
 /// use spineline::anatomy::ImageSide;
-/// use spineline::measure::{ImageGeometry, turn_axis_towards};
+/// use spineline::measure::ImageGeometry;
 /// use spineline::spatial::Pixel;
+/// use spineline_marking::turn_axis_towards;
 /// let image = ImageGeometry { columns: 400, rows: 500, patient_left: ImageSide::Left, spacing: None };
 /// let axis = turn_axis_towards(&image, Pixel::new(100.0, 100.0), Pixel::new(110.0, 90.0)).unwrap();
 /// assert!((axis.deg() - 45.0).abs() < 1e-12, "up and to the right of the picture");
@@ -452,7 +455,7 @@ fn order_faults(image: &ImageGeometry, bodies: &BTreeMap<Level, MarkedBody>) -> 
             (level, Placement::new(location, body.tilt))
         })
         .collect();
-    let faults = steps(&placed).into_iter().filter_map(|step| {
+    let faults = LevelStep::between(&placed).into_iter().filter_map(|step| {
         let (inferior, superior) = (step.inferior, step.superior);
         if step.is_out_of_order() {
             return Some(MarkingFault::OutOfOrder { inferior, superior, share: step.share });

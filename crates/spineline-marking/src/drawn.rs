@@ -1,5 +1,7 @@
-use super::{Calibration, ImageGeometry, LengthScale, SpacingPlane};
-use crate::spatial::{Angle, Frontal, Pixel};
+use spineline::measure::{ImageGeometry, LengthScale};
+use spineline::spatial::{Angle, Frontal, Pixel};
+
+use super::Calibration;
 
 /// A line that a person draws on a film to measure a length or an angle. It is a landmark of no reading.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -60,19 +62,7 @@ pub enum DrawnFault {
     },
 }
 
-impl ImageGeometry {
-    /// What lengths between places of this picture are measured in; a pixel stands for a millimetre where it has no spacing.
-    #[must_use]
-    pub fn length_scale(&self) -> LengthScale {
-        let pixels = LengthScale {
-            plane: SpacingPlane::Pixels,
-            source: None,
-            relative_sd: None,
-            pixels_per_mm: Some(1.0),
-        };
-        self.spacing.as_ref().map_or(pixels, LengthScale::of)
-    }
-
+impl DrawnLine {
     /// The length of a drawn line, by the spacing of columns and that of rows.
     ///
     /// With the sides `y` and `z` of the line and the size `c` × `r` of a pixel, its variance by the clicks is
@@ -83,39 +73,41 @@ impl ImageGeometry {
     ///
     /// ```
     /// use spineline::anatomy::ImageSide;
-    /// use spineline::measure::{DrawnLine, ImageGeometry, Spacing, SpacingPlane};
+    /// use spineline::measure::{ImageGeometry, Spacing, SpacingPlane};
+    /// use spineline_marking::DrawnLine;
     /// use spineline::spatial::Pixel;
     /// let image = ImageGeometry {
     ///     columns: 400, rows: 500, patient_left: ImageSide::Left,
     ///     spacing: Some(Spacing::stated(0.5, 0.2, SpacingPlane::Patient)),
     /// };
     /// let line = DrawnLine { from: Pixel::new(10.0, 10.0), to: Pixel::new(70.0, 210.0) };
-    /// let length = image.drawn_length(&line)?;
+    /// let length = line.length(&image)?;
     /// assert!((length.length_mm - 50.0).abs() < 1e-12);
     /// assert_eq!(length.text(), "50.0 ± 0.2 mm");
-    /// # Ok::<(), spineline::measure::DrawnFault>(())
+    /// # Ok::<(), spineline_marking::DrawnFault>(())
     /// ```
-    pub fn drawn_length(&self, line: &DrawnLine) -> Result<DrawnLength, DrawnFault> {
-        let way = self.way(line)?;
-        let by_click = self.by_click(Frontal::new(way.y_mm.abs(), way.z_mm.abs()));
+    pub fn length(&self, image: &ImageGeometry) -> Result<DrawnLength, DrawnFault> {
+        let way = self.way(image)?;
+        let by_click = by_click(image, Frontal::new(way.y_mm.abs(), way.z_mm.abs()));
         Ok(DrawnLength {
             length_mm: way.norm_mm(),
             click_sd_mm: by_click / way.norm_mm(),
-            scale: self.length_scale(),
+            scale: image.length_scale(),
         })
     }
 
-    /// The angle between two drawn lines in the patient's frontal plane, where pixels need not be square.
+    /// The angle to another drawn line in the patient's frontal plane, where pixels need not be square.
     ///
     /// The variance of one direction by its clicks is `2 σ² (c² z² + r² y²) / (y² + z²)²`, to first order, with the
-    /// letters of [`ImageGeometry::drawn_length`].
+    /// letters of [`DrawnLine::length`].
     ///
     /// # Errors
     /// [`DrawnFault`].
     ///
     /// ```
     /// use spineline::anatomy::ImageSide;
-    /// use spineline::measure::{DrawnLine, ImageGeometry, Spacing, SpacingPlane};
+    /// use spineline::measure::{ImageGeometry, Spacing, SpacingPlane};
+    /// use spineline_marking::DrawnLine;
     /// use spineline::spatial::Pixel;
     /// let image = ImageGeometry {
     ///     columns: 400, rows: 500, patient_left: ImageSide::Left,
@@ -124,16 +116,16 @@ impl ImageGeometry {
     /// let level = DrawnLine { from: Pixel::new(10.0, 10.0), to: Pixel::new(60.0, 10.0) };
     /// // Fifty columns and a hundred rows: 10 mm across and 10 mm down.
     /// let slope = DrawnLine { from: Pixel::new(60.0, 110.0), to: Pixel::new(10.0, 10.0) };
-    /// let angle = image.drawn_angle(&[level, slope])?;
+    /// let angle = level.angle_to(&slope, &image)?;
     /// assert!((angle.angle.deg() - 45.0).abs() < 1e-12);
-    /// # Ok::<(), spineline::measure::DrawnFault>(())
+    /// # Ok::<(), spineline_marking::DrawnFault>(())
     /// ```
-    pub fn drawn_angle(&self, lines: &[DrawnLine; 2]) -> Result<DrawnAngle, DrawnFault> {
-        let [a, b] = [self.way(&lines[0])?, self.way(&lines[1])?];
+    pub fn angle_to(&self, other: &Self, image: &ImageGeometry) -> Result<DrawnAngle, DrawnFault> {
+        let (a, b) = (self.way(image)?, other.way(image)?);
         let sd_rad = |way: Frontal| {
             // A click moves the direction by what it moves across the line.
             let across = Frontal::new(way.z_mm.abs(), way.y_mm.abs());
-            self.by_click(across) / way.dot(way)
+            by_click(image, across) / way.dot(way)
         };
         Ok(DrawnAngle {
             angle: Angle::from_sin_cos(a.cross(b).abs(), a.dot(b).abs()),
@@ -142,34 +134,28 @@ impl ImageGeometry {
     }
 
     /// From one end of a line to the other.
-    fn way(&self, line: &DrawnLine) -> Result<Frontal, DrawnFault> {
-        let ends = [line.from, line.to];
-        if let Some(&place) = ends.iter().find(|&&place| !self.contains(place)) {
-            let (columns, rows) = (self.columns, self.rows);
+    fn way(&self, image: &ImageGeometry) -> Result<Frontal, DrawnFault> {
+        let ends = [self.from, self.to];
+        if let Some(&place) = ends.iter().find(|&&place| !image.contains(place)) {
+            let (columns, rows) = (image.columns, image.rows);
             return Err(DrawnFault::OffPicture { place, columns, rows });
         }
-        let [from, to] = ends.map(|place| self.frontal(place));
+        let [from, to] = ends.map(|place| image.frontal(place));
         let way = to - from;
         let least_px = 10.0 * Calibration::CLICK_SD_PX;
-        let apart_px = way.norm_mm() / self.pixel_size().y_mm;
+        let apart_px = way.norm_mm() / image.pixel_size().y_mm;
         if apart_px < least_px {
             return Err(DrawnFault::TooNear { apart_px, least_px });
         }
         Ok(way)
     }
+}
 
-    /// Standard deviation by two clicks of `y Δy + z Δz`, where `y` and `z` are given.
-    fn by_click(&self, weights: Frontal) -> f64 {
-        let size = self.pixel_size();
-        let spread = (weights.y_mm * size.y_mm).hypot(weights.z_mm * size.z_mm);
-        std::f64::consts::SQRT_2 * Calibration::CLICK_SD_PX * spread
-    }
-
-    /// Width and height of a pixel.
-    fn pixel_size(&self) -> Frontal {
-        let to = self.frontal(Pixel::new(1.0, 1.0));
-        Frontal::new(to.y_mm.abs(), to.z_mm.abs())
-    }
+/// Standard deviation by two clicks of `y Δy + z Δz`, where `y` and `z` are given.
+fn by_click(image: &ImageGeometry, weights: Frontal) -> f64 {
+    let size = image.pixel_size();
+    let spread = (weights.y_mm * size.y_mm).hypot(weights.z_mm * size.z_mm);
+    std::f64::consts::SQRT_2 * Calibration::CLICK_SD_PX * spread
 }
 
 impl DrawnLength {

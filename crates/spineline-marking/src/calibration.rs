@@ -1,9 +1,7 @@
-use super::spacing::{MIN_SPACING_MM, is_spacing};
-use super::{LengthScale, Spacing, SpacingPlane, SpacingSource};
-use crate::anatomy::named;
-use crate::spatial::Pixel;
+use spineline::measure::{LengthScale, Spacing, SpacingPlane, SpacingSource};
+use spineline::spatial::Pixel;
 
-named! {
+spineline::named! {
     /// An object of known size in the picture.
     pub enum Calibrator {
         /// A ball beside the spine: two clicks on opposite ends of a diameter.
@@ -113,7 +111,7 @@ impl Calibration {
     /// [`CalibrationError`]: a number that cannot be meant, or clicks that are too near or outside of the picture.
     ///
     /// ```
-    /// use spineline::measure::{Calibration, Calibrator};
+    /// use spineline_marking::{Calibration, Calibrator};
     /// use spineline::spatial::Pixel;
     /// let ball = Calibration {
     ///     calibrator: Calibrator::Ball,
@@ -123,7 +121,7 @@ impl Calibration {
     /// let spacing = ball.spacing([800, 1200])?;
     /// assert_eq!(spacing.column_mm, 0.125);
     /// assert!((spacing.relative_sd.unwrap() - 0.5 * 2f64.sqrt() / 200.0).abs() < 1e-15);
-    /// # Ok::<(), spineline::measure::CalibrationError>(())
+    /// # Ok::<(), spineline_marking::CalibrationError>(())
     /// ```
     pub fn spacing(&self, size_px: [u32; 2]) -> Result<Spacing, CalibrationError> {
         self.check(size_px)?;
@@ -136,7 +134,7 @@ impl Calibration {
             return Err(CalibrationError::TooNear { apart_px, least_px });
         }
         let column_mm = self.length_mm / apart_px;
-        if !is_spacing(column_mm) || !is_spacing(aspect * column_mm) {
+        if !Spacing::is_possible(column_mm) || !Spacing::is_possible(aspect * column_mm) {
             let must = "a length that gives pixels above 0.0001 mm and of at most 5 mm";
             return Err(CalibrationError::Value {
                 what: "length in mm",
@@ -163,7 +161,7 @@ impl Calibration {
 
     fn check(&self, [columns, rows]: [u32; 2]) -> Result<(), CalibrationError> {
         let positive = |what, value: f64| {
-            let good = value.is_finite() && value > MIN_SPACING_MM;
+            let good = value.is_finite() && value > Spacing::MIN_MM;
             if good {
                 Ok(())
             } else {

@@ -1,12 +1,13 @@
 //! What files say of spacing and view, and what a ball or a ruler gives: faults F10, F11, and the sides of a film.
 
 use spineline::anatomy::{ImageSide, Posture};
-use spineline::measure::{
-    Calibration, CalibrationError, CalibrationType, Calibrator, PatientDirection, SpacingEvidence,
-    SpacingPlane, SpacingRemark, SpacingSource, Stance, View, ViewEvidence, ViewPosition,
-    ViewQuestion, judge_spacing, judge_view,
-};
+use spineline::measure::{SpacingPlane, SpacingSource};
 use spineline::spatial::Pixel;
+use spineline_marking::{
+    Calibration, CalibrationError, CalibrationType, Calibrator, PatientDirection, SpacingEvidence,
+    SpacingRemark, Stance, View, ViewEvidence, ViewPosition, ViewQuestion, judge_spacing,
+    judge_view,
+};
 
 /// Distances of rows and columns, their plane and source.
 type Found = (f64, f64, SpacingPlane, SpacingSource);
@@ -286,4 +287,21 @@ fn a_stance_that_contradicts_the_posture_is_asked_about() {
     // Bends are taken lying, as in the paper, and standing.
     assert!(!asked(Stance::Erect, Posture::LeftBending));
     assert!(!asked(Stance::Recumbent, Posture::RightBending));
+}
+
+#[test]
+fn points_of_a_ball_outside_of_the_picture_are_refused_with_the_size_of_the_picture() {
+    let ball = Calibration {
+        calibrator: Calibrator::Ball,
+        clicks: [Pixel::new(700.0, 1100.0), Pixel::new(750.0, 1100.0)],
+        length_mm: 25.0,
+        length_sd_mm: 0.0,
+        click_sd_px: 0.5,
+        pixel_aspect: 1.0,
+    };
+    let error = ball.spacing([400, 600]).expect_err("a copy of half the size");
+    assert_eq!(error.to_string(), "the point 700.0, 1100.0 lies outside of the 400 × 600 picture");
+    assert_eq!(ball.spacing([800, 1200]).map(|spacing| spacing.column_mm), Ok(0.5));
+    let percent = Calibration { length_sd_mm: 25.0, ..ball };
+    assert!(matches!(percent.spacing([800, 1200]), Err(CalibrationError::Value { .. })));
 }

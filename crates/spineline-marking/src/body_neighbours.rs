@@ -2,9 +2,9 @@
 
 use std::collections::BTreeMap;
 
-use super::Corners;
-use crate::anatomy::Level;
-use crate::spatial::{Angle, Frontal};
+use spineline::anatomy::Level;
+use spineline::measure::Corners;
+use spineline::spatial::{Angle, Frontal};
 
 /// The width of a body over the mean width of its neighbours, or the inverse, above which it is doubted.
 ///

@@ -9,36 +9,36 @@ use spineline::spatial::Frontal;
 use crate::erect::ErectSpine;
 use crate::movement::{Moved, force_for, lateral_tilts, main_turn, through, usual_variation};
 use crate::rod::{ChainShape, Rod};
-use crate::{PhantomError, TableRow, TruePosture, Truth, counter, loads};
+use crate::{PhantomError, Scenario, TableRow, TruePosture, counter, loads};
 
 /// Five true postures, and the stiffness multipliers behind them (ones where nothing elastic moved the spine).
 pub(crate) fn postures(
     row: &TableRow,
-    truth: Truth,
+    scenario: Scenario,
     spine: &ErectSpine,
     rng: &mut ChaCha12Rng,
 ) -> Result<(Vec<TruePosture>, [f64; 3]), PhantomError> {
     let erect = ChainShape::with_turns(spine, |k| spine.turns_rad[k]);
     let missing =
-        |posture| PhantomError::NoForce { number: row.number, truth: truth.key(), posture };
-    let moved = match truth {
-        Truth::Rod => rod(spine, &erect, rng).map_err(missing)?,
-        Truth::Bend => bend(spine, rng),
-        Truth::Pull => pull(spine, &erect, rng).map_err(missing)?,
-        Truth::Flatten => counter::flatten(spine, &erect, rng),
-        Truth::Offset => counter::offset(spine, &erect, rng).map_err(missing)?,
-        Truth::Spread => counter::spread(spine, &erect, rng).map_err(missing)?,
-        Truth::Random => counter::random(spine, &erect, rng),
-        Truth::TurnedBase => rod(spine, &erect, rng).map_err(missing)?,
-        Truth::Weight | Truth::Lateral | Truth::Couple | Truth::TwoForces => {
-            loads::move_by(truth, spine, &erect, rng).map_err(missing)?
+        |posture| PhantomError::NoForce { number: row.number, scenario: scenario.key(), posture };
+    let moved = match scenario {
+        Scenario::Rod => rod(spine, &erect, rng).map_err(missing)?,
+        Scenario::Bend => bend(spine, rng),
+        Scenario::Pull => pull(spine, &erect, rng).map_err(missing)?,
+        Scenario::Flatten => counter::flatten(spine, &erect, rng),
+        Scenario::Offset => counter::offset(spine, &erect, rng).map_err(missing)?,
+        Scenario::Spread => counter::spread(spine, &erect, rng).map_err(missing)?,
+        Scenario::Random => counter::random(spine, &erect, rng),
+        Scenario::TurnedBase => rod(spine, &erect, rng).map_err(missing)?,
+        Scenario::Weight | Scenario::Lateral | Scenario::Couple | Scenario::TwoForces => {
+            loads::move_by(scenario, spine, &erect, rng).map_err(missing)?
         }
     };
-    let multipliers = if truth.is_elastic() { spine.springs.multipliers } else { [1.0; 3] };
+    let multipliers = if scenario.is_elastic() { spine.springs.multipliers } else { [1.0; 3] };
     let first = Moved::at(Posture::Erect, erect, 0.0);
     let mut all: Vec<TruePosture> =
         std::iter::once(first).chain(moved).map(|moved| moved.observed(spine)).collect();
-    if truth == Truth::TurnedBase {
+    if scenario == Scenario::TurnedBase {
         for posture in &mut all {
             loads::turn_base(posture, rng);
         }

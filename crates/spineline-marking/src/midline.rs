@@ -15,10 +15,9 @@
 use std::collections::BTreeMap;
 use std::str::FromStr;
 
-use super::{Placement, PlacementSource};
-use crate::anatomy::{Level, Morphometry, Posture, UnknownLevel};
-use crate::spatial::Frontal;
-use crate::warning::{Step, Warnings};
+use spineline::anatomy::{Level, Morphometry, UnknownLevel};
+use spineline::measure::Placement;
+use spineline::spatial::Frontal;
 
 /// Distance of two neighbouring points above which the line between them is not known: more than one vertebra.
 const MAX_GAP_MM: f64 = 40.0;
@@ -157,7 +156,7 @@ impl Midline {
     ///
     /// ```
     /// use spineline::anatomy::Level;
-    /// use spineline::measure::{Midline, MidlineEnd, MidlinePoint};
+    /// use spineline_marking::{Midline, MidlineEnd, MidlinePoint};
     /// use spineline::spatial::Frontal;
     /// let points = (0..=45).map(|i| MidlinePoint { frontal: Frontal::new(0.0, -10.0 * f64::from(i)), anterior_mm: 0.0 });
     /// let line = Midline { points: points.collect(), cranial_end: MidlineEnd::C7, caudal_end: MidlineEnd::S1 };
@@ -242,14 +241,6 @@ fn disc_distances_mm(level: Level) -> [f64; 2] {
     [below_mm, 0.5 * Morphometry::of(level).spacing_above_mm]
 }
 
-/// Says of a film that its levels are estimated.
-pub(super) fn warn_of_source(posture: Posture, source: PlacementSource, warnings: &mut Warnings) {
-    if source == PlacementSource::SurfaceMidline {
-        let text = "no vertebra was seen: the levels were placed by arc length on a midline of the back surface, with typical proportions of vertebral heights; locations, tilts and all that follows from them are estimates, and the line is straighter than the spine";
-        warnings.film(Step::Measure, "levels_estimated", posture, text);
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -266,7 +257,7 @@ mod tests {
 
     /// A straight line with a lateral tilt of 10° to the patient's left.
     fn leaning() -> Midline {
-        let (sin, cos) = crate::spatial::Angle::from_deg(10.0).rad().sin_cos();
+        let (sin, cos) = spineline::spatial::Angle::from_deg(10.0).rad().sin_cos();
         line((0..=220).map(|i| [sin * 2.0 * (220 - i) as f64, -cos * 2.0 * i as f64, 0.0]))
     }
 

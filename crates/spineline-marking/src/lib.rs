@@ -1,0 +1,30 @@
+//! Helps a person to read films, before the method measures them.
+//!
+//! - [`PartialReading`]: a reading in the making, its faults, the next landmark and where it is to be expected
+//! - [`Calibration`] and [`DrawnLine`]: objects of known size and lines that a person draws on a film
+//! - [`judge_spacing`] and [`judge_view`]: the spacing of the pixels and the view, as far as a file states them
+//! - [`Midline`]: a midline of the back surface, cut into vertebrae
+//!
+//! Like the core, it has no files, no clock and no printing.
+
+mod body_neighbours;
+mod calibration;
+mod drawn;
+mod midline;
+mod proposal;
+mod reading;
+mod spacing_evidence;
+mod view;
+
+pub use calibration::{Calibration, CalibrationError, Calibrator};
+pub use drawn::{DrawnAngle, DrawnFault, DrawnLength, DrawnLine};
+pub use midline::{Midline, MidlineEnd, MidlineError, MidlinePoint};
+pub use proposal::{NextLandmark, ProposedVertebra};
+pub use reading::{MarkedBody, MarkingFault, PartialLandmarks, PartialReading, turn_axis_towards};
+pub use spacing_evidence::{
+    CalibrationType, SpacingEvidence, SpacingJudgement, SpacingRemark, judge_spacing,
+};
+pub use view::{
+    PatientDirection, Stance, View, ViewEvidence, ViewJudgement, ViewPosition, ViewQuestion,
+    judge_view,
+};

@@ -1,0 +1,7 @@
+//! Tests of what helps a person to read films.
+
+#![allow(clippy::float_cmp, reason = "tests compare with exact values")]
+
+mod drawn_lines;
+mod film_evidence;
+mod reading;

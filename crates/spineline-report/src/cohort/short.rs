@@ -1,0 +1,150 @@
+//! The first screen of a cohort: which line, how sure, what next.
+
+use spineline::analysis::{FilmRole, probability};
+use spineline::cohort::{
+    BaselineErrors, BaselineTest, Cohort, ErrorKind, LineOutcomes, PairedComparison,
+};
+use spineline::warning::counted;
+
+use super::by_patient::{PatientRow, outcomes};
+use crate::document::{Column, Section, Table};
+use crate::phrases::{none, with_interval};
+
+/// Patients in the table of a terminal.
+const MOST_PATIENTS: usize = 20;
+
+/// The answers, the verdict of every patient, and one row per comparison.
+pub fn short(patients: &[PatientRow], cohort: &Cohort, most: usize) -> Section {
+    let mut section = Section::new("short", "In short");
+    section.paragraph(format!("Which line? {}", line(cohort)));
+    section.paragraph(format!("How sure? {}", sure(cohort)));
+    section.table(outcomes(patients, most));
+    section.table(comparisons(cohort));
+    section
+}
+
+/// The same for a terminal: without a heading, and with the options and commands that follow.
+pub fn on_terminal(patients: &[PatientRow], cohort: &Cohort) -> Section {
+    let mut section = short(patients, cohort, MOST_PATIENTS);
+    section.title = String::new();
+    section.paragraph("What next? All tables: --full. All warnings: --warnings. Tables for other programs: --tables DIR. Pictures: spineline report CASES.");
+    section
+}
+
+/// How many patients reject each line, and which lines no patient tests.
+fn line(cohort: &Cohort) -> String {
+    let words = |kind: &LineOutcomes| {
+        let tested = counted(kind.patients.tested(), "tested patient");
+        format!("the {} in {} of {tested}", kind.kind, kind.patients.rejected)
+    };
+    let (tested, untested): (Vec<&LineOutcomes>, Vec<&LineOutcomes>) =
+        cohort.outcomes.iter().partition(|kind| kind.patients.tested() > 0);
+    let rejected = tested.iter().map(|kind| words(kind)).collect::<Vec<_>>().join(", ");
+    let rejected = (!tested.is_empty()).then(|| {
+        format!("The bends reject a single force along {rejected}. A true line is rejected in at most 5 % of patients.")
+    });
+    let names = untested.iter().map(|kind| format!("the {}", kind.kind)).collect::<Vec<_>>();
+    let names = (!names.is_empty()).then(|| format!("Not tested: {}.", names.join(", ")));
+    let all = [rejected, names].into_iter().flatten().collect::<Vec<_>>();
+    if all.is_empty() {
+        "No patient has a bending film with a model.".to_owned()
+    } else {
+        all.join(" ")
+    }
+}
+
+/// Whether any line predicts better, and better than without mechanics.
+fn sure(cohort: &Cohort) -> String {
+    let compared = &cohort.compared;
+    if compared.family() == 0 {
+        return "The lines are not compared: two patients with films that two lines predict are necessary.".to_owned();
+    }
+    let predicted = compared.tests.iter().filter(|test| {
+        test.error == ErrorKind::Location && test.role != FilmRole::Fitted && test.is_fair()
+    });
+    let better: Vec<String> = predicted
+        .filter_map(|test| Some(format!("the {} on {}", test.predicts_better()?, test.role)))
+        .collect();
+    let lines = if better.is_empty() {
+        "Lines with equally many numbers from each film do not differ significantly on films that were not fitted.".to_owned()
+    } else {
+        format!(
+            "With equally many numbers from each film, these lines predict better: {}.",
+            better.join(", ")
+        )
+    };
+    let against: Vec<&BaselineTest> =
+        PREDICTED.into_iter().flat_map(|role| against_best(cohort, role)).collect();
+    let better: Vec<String> = against
+        .iter()
+        .filter(|test| test.is_better())
+        .map(|test| format!("the {} on {}", test.model, test.role))
+        .collect();
+    let baselines = match (against.is_empty(), better.is_empty()) {
+        (true, _) => String::new(),
+        (false, true) => {
+            " No line is significantly better than the best prediction without mechanics."
+                .to_owned()
+        }
+        (false, false) => {
+            format!(" Better than the best prediction without mechanics: {}.", better.join(", "))
+        }
+    };
+    format!("{lines}{baselines}")
+}
+
+/// The films that were not fitted.
+const PREDICTED: [FilmRole; 2] = [FilmRole::LeftOutBend, FilmRole::HeldOut];
+
+/// The tests of every line against the best prediction without mechanics that knows as much of a film.
+fn against_best(cohort: &Cohort, role: FilmRole) -> Vec<&BaselineTest> {
+    let mean = |one: &&BaselineErrors| one.location_mm.patients.mean;
+    let of_role = |one: &&BaselineErrors| one.role == role && !one.baseline.knows_tilt();
+    let all = cohort.baselines.errors.iter().filter(of_role);
+    let Some(best) = all.min_by(|a, b| mean(a).total_cmp(&mean(b))) else { return Vec::new() };
+    let tests = cohort.baselines.tests.iter();
+    let own = tests.filter(|test| test.role == role && test.baseline == best.baseline);
+    own.filter(|test| test.holm_p.is_some()).collect()
+}
+
+/// Location errors on films that were not fitted: every pair of lines, and every line against the best prediction without mechanics.
+fn comparisons(cohort: &Cohort) -> Table {
+    let columns = vec![
+        Column::words("Films not fitted"),
+        Column::words("Location error of"),
+        Column::numbers("Patients"),
+        Column::words("Difference (mm, 95 %)"),
+        Column::numbers("Holm p"),
+    ];
+    let mut table = Table::new("Comparisons over patients", columns);
+    let row = |role: FilmRole, what: String, c: &PairedComparison, p: Option<f64>| {
+        vec![
+            role.to_string(),
+            what,
+            c.patients().to_string(),
+            with_interval(c.mean_difference, c.bootstrap, 1),
+            p.map_or_else(none, |p| probability(p).trim_start_matches("= ").to_owned()),
+        ]
+    };
+    for role in PREDICTED {
+        let pairs = cohort.compared.tests.iter().filter(|test| {
+            test.role == role && test.error == ErrorKind::Location && test.holm_p.is_some()
+        });
+        for test in pairs {
+            let [first, second] = test.lines;
+            let star = if test.is_fair() { "" } else { " †" };
+            table.row(row(
+                role,
+                format!("{first} – {second}{star}"),
+                &test.comparison,
+                test.holm_p,
+            ));
+        }
+        for test in against_best(cohort, role) {
+            let what = format!("{} – {} *", test.model, test.baseline);
+            table.row(row(role, what, &test.comparison, test.holm_p));
+        }
+    }
+    table.note = "Negative: the first one has the smaller error. * the best prediction without mechanics. † the estimated line takes two numbers more from each film.".to_owned();
+    table
+}

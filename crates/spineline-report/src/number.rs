@@ -1,0 +1,104 @@
+//! Numbers as text for people. Reports and the program's own texts write numbers by these functions.
+
+use crate::phrases::none;
+
+/// The sign of a negative number in text.
+const MINUS: char = '−';
+/// Joins a number and its unit, which no writer puts on two lines.
+pub const NO_BREAK: char = '\u{a0}';
+
+/// A number with its decimal places, such as `−0.17`; `–` where there is no number.
+#[must_use]
+pub fn fixed(value: f64, places: usize) -> String {
+    if !value.is_finite() {
+        return none();
+    }
+    let text = format!("{value:.places$}");
+    match text.strip_prefix('-') {
+        None => text,
+        Some(size) if is_zero(size) => size.to_owned(),
+        Some(size) => format!("{MINUS}{size}"),
+    }
+}
+
+/// A difference: as [`fixed`], with a plus sign above zero.
+#[must_use]
+pub fn signed(value: f64, places: usize) -> String {
+    let text = fixed(value, places);
+    if value.is_finite() && value > 0.0 && !is_zero(&text) { format!("+{text}") } else { text }
+}
+
+/// A mean with its standard deviation, such as `2.90 ± 0.64`.
+#[must_use]
+pub fn with_sd(mean: f64, sd: f64, places: usize) -> String {
+    format!("{} ± {}", fixed(mean, places), fixed(sd, places))
+}
+
+/// The two ends of an interval, such as `−0.17 to 2.08`.
+#[must_use]
+pub fn interval([low, high]: [f64; 2], places: usize) -> String {
+    format!("{} to {}", fixed(low, places), fixed(high, places))
+}
+
+/// A ratio with two digits, or with all those before the point, such as `0.59 ×` and `121 ×`.
+#[must_use]
+pub fn times(ratio: f64) -> String {
+    let magnitude = if ratio > 0.0 { ratio.log10().floor() } else { 0.0 };
+    with_unit(&fixed(ratio, (1.0 - magnitude).max(0.0) as usize), "×")
+}
+
+/// A number and its unit on one line, such as `3.3 %`.
+#[must_use]
+pub fn with_unit(number: &str, unit: &str) -> String {
+    format!("{number}{NO_BREAK}{unit}")
+}
+
+fn is_zero(size: &str) -> bool {
+    size.bytes().all(|byte| matches!(byte, b'0' | b'.'))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_number_has_its_places_whatever_its_last_bits() {
+        assert_eq!(with_unit(&fixed(100.0 * 0.033, 1), "%"), "3.3\u{a0}%");
+        assert_eq!(fixed(1.0 / 3.0, 4), "0.3333");
+        assert_eq!(fixed(998.0, 0), "998");
+    }
+
+    #[test]
+    fn a_negative_number_has_a_minus_sign_and_no_hyphen() {
+        assert_eq!(fixed(-0.17, 2), "−0.17");
+        assert_eq!(signed(-4.8, 2), "−4.80");
+        assert_eq!(signed(1.37, 2), "+1.37");
+        assert_eq!(interval([-5.41, -4.19], 2), "−5.41 to −4.19");
+        assert_eq!(with_sd(-2.904, 0.641, 2), "−2.90 ± 0.64");
+    }
+
+    #[test]
+    fn zero_has_no_sign() {
+        for tiny in [0.0, -0.0, -0.004, 0.004] {
+            assert_eq!((fixed(tiny, 2), signed(tiny, 2)), ("0.00".to_owned(), "0.00".to_owned()));
+        }
+        assert_eq!(interval([-0.004, 0.37], 2), "0.00 to 0.37");
+    }
+
+    #[test]
+    fn what_is_missing_is_a_dash() {
+        for missing in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+            assert_eq!((fixed(missing, 2), signed(missing, 0)), ("–".to_owned(), "–".to_owned()));
+        }
+    }
+
+    #[test]
+    fn a_ratio_has_two_digits() {
+        let shown = [0.0112, 0.588, 1.0, 1.7, 26.4, 121.0].map(times);
+        assert_eq!(
+            shown,
+            ["0.011", "0.59", "1.0", "1.7", "26", "121"].map(|text| with_unit(text, "×"))
+        );
+        assert_eq!(times(f64::NAN), with_unit("–", "×"));
+    }
+}

@@ -1,0 +1,142 @@
+//! The paper's three claims, and what each loading scenario says of them.
+
+use spineline::action::LineKind;
+use spineline::analysis::FilmRole;
+use spineline::cohort::{ClaimVerdict, Cohort, LinePairTest, NEAR_SEGMENTS};
+
+use super::fair::{PAIRS, test};
+use super::{ScenarioResults, Scenarios};
+use crate::number::fixed;
+use crate::phrases::none;
+
+/// The claims are numbered from one to this.
+pub(super) const CLAIMS: usize = 3;
+
+/// A number of the paper that supports a claim, beside ours.
+pub(super) struct Evidence {
+    /// Number of the claim.
+    pub claim: usize,
+    /// Two lines.
+    pub words: [String; 2],
+    /// The paper's number.
+    pub paper: &'static str,
+    /// By loading scenario.
+    pub ours: [Found; 3],
+}
+
+/// Our number with its ending; `None` is not tested.
+pub(super) struct Found {
+    pub number: String,
+    pub ending: Option<ClaimVerdict>,
+}
+
+/// The claims, one after the other. The third has two numbers: on fitted bends, and on films that are not fitted.
+pub(super) fn evidence(scenarios: &Scenarios<'_>) -> Vec<Evidence> {
+    let of = |found: fn(&ScenarioResults<'_>) -> Found| scenarios.each_ref().map(found);
+    let near = [
+        format!("Inflections lie within {NEAR_SEGMENTS} segments of"),
+        "the least-rotating segments".to_owned(),
+    ];
+    let below = ["Inflections rotate less than the mean of", "all segments, by"];
+    let fitted = ["Fitted bends: error of Model-1 below that", "of Model-2 (mm)"];
+    let predicted =
+        ["Neutral and traction, not fitted: error", "of Model-1 below that of Model-2 (mm)"];
+    let words = |words: [&str; 2]| words.map(str::to_owned);
+    vec![
+        Evidence { claim: 1, words: near, paper: "100 %", ours: of(near_share) },
+        Evidence { claim: 2, words: words(below), paper: "93 %", ours: of(below_mean) },
+        Evidence { claim: 3, words: words(fitted), paper: "0.51, 1.41", ours: of(fitted_errors) },
+        Evidence {
+            claim: 3,
+            words: words(predicted),
+            paper: "0.78, –",
+            ours: of(predicted_errors),
+        },
+    ]
+}
+
+fn near_share(of: &ScenarioResults<'_>) -> Found {
+    Found { number: percent(of.claims.near.share), ending: of.claims.verdicts()[0] }
+}
+
+fn below_mean(of: &ScenarioResults<'_>) -> Found {
+    Found { number: percent(of.claims.below_mean), ending: of.claims.verdicts()[1] }
+}
+
+fn fitted_errors(of: &ScenarioResults<'_>) -> Found {
+    Found { number: pair(of.claims.errors_mm), ending: of.claims.verdicts()[2] }
+}
+
+fn predicted_errors(of: &ScenarioResults<'_>) -> Found {
+    let test = test(of.free, PAIRS[0], FilmRole::HeldOut);
+    Found { number: pair(of.claims.held_out_errors_mm), ending: test.and_then(predicts_better) }
+}
+
+/// Whether the inflection line predicts better than the iliac line, by the test with Holm's correction.
+fn predicts_better(test: &LinePairTest) -> Option<ClaimVerdict> {
+    test.holm_p?;
+    Some(match test.predicts_better() {
+        Some(LineKind::Inflection) => ClaimVerdict::Holds,
+        Some(_) => ClaimVerdict::Fails,
+        None => ClaimVerdict::Open,
+    })
+}
+
+fn percent(part: f64) -> String {
+    if part.is_finite() { format!("{} %", fixed(100.0 * part, 0)) } else { none() }
+}
+
+fn pair(errors_mm: [f64; 2]) -> String {
+    errors_mm.map(|error| fixed(error, 2)).join(", ")
+}
+
+/// The ending of a claim in words.
+pub(super) fn ending_words(ending: Option<ClaimVerdict>) -> String {
+    ending.map_or_else(|| "not tested".to_owned(), |ending| ending.to_string())
+}
+
+/// The answer in one sentence or two, from the endings.
+pub(super) fn answer(evidence: &[Evidence], names: [&str; 3]) -> String {
+    let holds = |claim: usize, scenario: usize| {
+        let mut own = evidence.iter().filter(|one| one.claim == claim);
+        own.all(|one| one.ours[scenario].ending == Some(ClaimVerdict::Holds))
+    };
+    let held: Vec<Vec<&str>> = (1..=CLAIMS)
+        .map(|claim| (0..names.len()).filter(|&s| holds(claim, s)).map(|s| names[s]).collect())
+        .collect();
+    let everywhere = held.iter().filter(|own| own.len() == names.len()).count();
+    if everywhere == CLAIMS {
+        return "Yes. All three claims hold in every loading scenario.".to_owned();
+    }
+    let mut endings = evidence.iter().flat_map(|one| &one.ours).map(|found| found.ending);
+    let is_contradicted = endings.any(|ending| ending == Some(ClaimVerdict::Fails));
+    let word = if is_contradicted { "No" } else { "Not decided" };
+    let count = if everywhere == 0 {
+        "No claim holds".to_owned()
+    } else {
+        format!("Only {everywhere} of the {CLAIMS} claims hold")
+    };
+    let each: Vec<String> = held
+        .iter()
+        .enumerate()
+        .map(|(place, own)| where_it_holds(place + 1, own, names.len()))
+        .collect();
+    format!("{word}. {count} in every loading scenario: {}.", each.join(", "))
+}
+
+fn where_it_holds(claim: usize, scenarios: &[&str], all: usize) -> String {
+    match scenarios.len() {
+        0 => format!("claim {claim} holds in no scenario"),
+        n if n == all => format!("claim {claim} holds in all"),
+        _ => format!("claim {claim} holds in {} alone", scenarios.join(" and ")),
+    }
+}
+
+/// In how many patients the bends reject a single force along a line, such as `2 of 18`.
+pub(super) fn rejected(cohort: &Cohort, kind: LineKind) -> String {
+    let counts = cohort.outcomes.iter().find(|one| one.kind == kind).map(|one| one.patients);
+    match counts.filter(|counts| counts.tested() > 0) {
+        Some(counts) => format!("{} of {}", counts.rejected, counts.tested()),
+        None => "not tested".to_owned(),
+    }
+}

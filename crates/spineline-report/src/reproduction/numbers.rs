@@ -1,0 +1,197 @@
+//! One number of the paper, ours, and what to say of the two.
+
+use spineline::analysis::probability;
+use spineline::cohort::Cohort;
+use spineline::evaluate::statistics::{PairedT, Summary};
+use spineline::multibody::Support;
+use spineline::personalize::TestOutcome;
+
+use super::Columns;
+use crate::number::{times, with_sd};
+use crate::phrases::none;
+
+/// Numbers under one heading.
+#[derive(Debug, Clone)]
+pub struct Part {
+    /// Heading.
+    pub title: String,
+    /// `None` where the support does not matter.
+    pub support: Option<Support>,
+    /// The numbers.
+    pub rows: Vec<PaperNumber>,
+    /// What the numbers are, and why ours may differ.
+    pub note: String,
+}
+
+/// One number of the paper beside ours.
+#[derive(Debug, Clone)]
+pub struct PaperNumber {
+    /// What it measures; blanks at its start indent it.
+    pub quantity: String,
+    /// Unit of the means.
+    pub unit: &'static str,
+    /// As the paper prints it; `None` where the paper gives no such number.
+    pub paper: Option<String>,
+    /// By loading scenario.
+    pub ours: [Cell; 3],
+    /// Comparison with the paper; empty where the paper gives no such number.
+    pub verdict: String,
+}
+
+/// One number of ours.
+#[derive(Debug, Clone)]
+pub struct Cell {
+    /// As it is printed.
+    pub text: String,
+    /// Mean, share or p value; NaN where there is none.
+    pub mean: f64,
+    /// Standard deviation; NaN where there is none.
+    pub sd: f64,
+    /// Number of values.
+    pub n: usize,
+    /// Of a test: first minus second mean.
+    difference: f64,
+}
+
+impl Cell {
+    pub(super) fn of(summary: &Summary, places: usize) -> Self {
+        let Summary { n, mean, sd } = *summary;
+        let text = if n == 0 { none() } else { with_sd(mean, sd, places) };
+        Self { text, mean, sd, n, difference: f64::NAN }
+    }
+
+    pub(super) fn value(value: f64, n: usize, text: String) -> Self {
+        Self { text, mean: value, sd: f64::NAN, n, difference: f64::NAN }
+    }
+
+    pub(super) fn missing() -> Self {
+        Self::value(f64::NAN, 0, none())
+    }
+
+    /// The p-value of a test.
+    pub(super) fn p(test: Option<PairedT>, one_sided: bool) -> Self {
+        test.map_or_else(Self::missing, |t| {
+            let p = if one_sided { t.p_less } else { t.p_two_sided };
+            let text = format!("p {}", probability(p));
+            Self { difference: t.mean_difference, ..Self::value(p, t.n, text) }
+        })
+    }
+
+    /// The same with the number of films that have no result.
+    pub(super) fn without(self, films: usize) -> Self {
+        if films == 0 {
+            return self;
+        }
+        Self { text: format!("[{films} without] {}", self.text), ..self }
+    }
+}
+
+/// Numbers within this factor of the paper's count as the same, on other patients.
+const ALIKE: f64 = 1.5;
+
+/// What the verdicts below numbers mean.
+pub(super) fn ratio_legend() -> String {
+    format!(
+        "Below a number of the paper: `same` means from {} to {} the paper's number; {} is twice that number.",
+        times(1.0 / ALIKE),
+        times(ALIKE),
+        times(2.0)
+    )
+}
+
+/// What the verdicts below p values mean.
+pub(super) const TEST_LEGEND: &str =
+    "Below a p of the paper: `same` means on the same side of 0.05.";
+
+/// The paper's number as text and as a number.
+pub(super) type Paper = (&'static str, f64);
+
+/// A number of the paper with its verdict.
+pub(super) fn compared(
+    quantity: &str,
+    unit: &'static str,
+    paper: Paper,
+    columns: &Columns<'_>,
+    cell: impl Fn(&Cohort) -> Cell,
+) -> PaperNumber {
+    let ours = columns.map(cell);
+    let verdict = verdict(paper.1, columns.names, &ours);
+    PaperNumber {
+        quantity: quantity.to_owned(),
+        unit,
+        paper: Some(paper.0.to_owned()),
+        ours,
+        verdict,
+    }
+}
+
+/// A number that the paper does not give.
+pub(super) fn ours(quantity: String, unit: &'static str, ours: [Cell; 3]) -> PaperNumber {
+    PaperNumber { quantity, unit, paper: None, ours, verdict: String::new() }
+}
+
+/// Which scenarios agree with the paper, and by how much the others differ.
+fn verdict(paper: f64, names: [&str; 3], ours: &[Cell; 3]) -> String {
+    if !paper.is_finite() {
+        return String::new();
+    }
+    let (mut alike, mut differs) = (Vec::new(), Vec::new());
+    for (name, cell) in names.into_iter().zip(ours) {
+        let ratio = cell.mean / paper;
+        match ratio {
+            r if !r.is_finite() => differs.push(format!("no result for {name}")),
+            r if (1.0 / ALIKE..=ALIKE).contains(&r) => alike.push(name),
+            r if r > 0.0 => differs.push(format!("{} for {name}", times(r))),
+            _ => differs.push(format!("none for {name}")),
+        }
+    }
+    sentence(&alike, &differs)
+}
+
+fn sentence(alike: &[&str], differs: &[String]) -> String {
+    match (alike.is_empty(), differs.is_empty()) {
+        (false, true) => "same for all scenarios".to_owned(),
+        (true, _) => format!("differs: {}", differs.join(", ")),
+        (false, false) => format!("same for {}; {}", alike.join(" and "), differs.join(", ")),
+    }
+}
+
+/// The verdict of a p-value: whether it lies on the same side of 0.05 as the paper's.
+pub(super) fn test_verdict(paper_rejects: bool, names: [&str; 3], ours: &[Cell; 3]) -> String {
+    let (mut alike, mut differs) = (Vec::new(), Vec::new());
+    let paper = if paper_rejects { TestOutcome::Rejected } else { TestOutcome::Kept };
+    for (name, cell) in names.into_iter().zip(ours) {
+        let outcome = TestOutcome::of(Some(cell.mean).filter(|p| p.is_finite()));
+        // The paper rejected where its first mean was the smaller one.
+        if paper_rejects && outcome == paper && cell.difference > 0.0 {
+            differs.push(format!("{outcome} in the other direction for {name}"));
+        } else if outcome == paper {
+            alike.push(name);
+        } else {
+            differs.push(format!("{outcome} for {name}"));
+        }
+    }
+    sentence(&alike, &differs)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::number::NO_BREAK;
+
+    fn cells(means: [f64; 3]) -> [Cell; 3] {
+        means.map(|mean| Cell::value(mean, 1, String::new()))
+    }
+
+    #[test]
+    fn a_ratio_within_the_factor_is_the_same_and_another_is_written_as_a_factor() {
+        let said = |means| verdict(2.0, ["a", "b", "c"], &cells(means)).replace(NO_BREAK, " ");
+        assert_eq!(said([1.34, 2.0, 2.99]), "same for all scenarios");
+        assert_eq!(said([1.0, 2.0, 7.0]), "same for b; 0.50 × for a, 3.5 × for c");
+        assert_eq!(
+            said([f64::NAN, 0.0, 0.02]),
+            "differs: no result for a, none for b, 0.010 × for c"
+        );
+        assert!(ratio_legend().replace(NO_BREAK, " ").contains("from 0.67 × to 1.5 × the paper's"));
+    }
+}

@@ -1,0 +1,115 @@
+//! Warnings of one or many patients by their codes.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use spineline::action::LineKind;
+use spineline::analysis::Analysis;
+use spineline::warning::counted;
+
+use crate::document::{Column, Notice, NoticeKind, Table};
+
+/// Lines of text that a terminal shows; the others are counted in one more line.
+const MOST_LINES: usize = 9;
+
+/// How many patients have which warning, the most severe first.
+#[derive(Debug, Clone, Default)]
+pub struct WarningCounts {
+    patients: usize,
+    codes: BTreeMap<(NoticeKind, String), CodeCount>,
+}
+
+#[derive(Debug, Clone)]
+struct CodeCount {
+    patients: usize,
+    lines: BTreeSet<LineKind>,
+    /// The first of them.
+    example: Notice,
+    /// Others of the same patient, where there is one patient.
+    others: usize,
+}
+
+impl WarningCounts {
+    /// Adds a patient.
+    pub fn add(&mut self, analysis: &Analysis) {
+        self.patients += 1;
+        let mut seen = BTreeSet::new();
+        for warning in analysis.warnings.all() {
+            let example = Notice::from(warning);
+            let key = (example.kind, example.code.clone());
+            let count = self.codes.entry(key.clone()).or_insert_with(|| CodeCount {
+                patients: 0,
+                lines: BTreeSet::new(),
+                example,
+                others: 0,
+            });
+            count.lines.extend(warning.line);
+            if seen.insert(key) {
+                count.patients += 1;
+            } else {
+                count.others += 1;
+            }
+        }
+    }
+
+    /// One line per code, such as `Contradiction: 12 patients, iliac line [joints_contradict_line]`; of one patient the first text of
+    /// each code. `all` says how a user gets every warning.
+    #[must_use]
+    pub fn lines(&self, all: &str) -> Vec<Notice> {
+        let mut lines: Vec<Notice> = self.codes.values().map(|count| self.line(count)).collect();
+        let more = lines.len().saturating_sub(MOST_LINES);
+        let has_others = self.codes.values().any(|count| count.others > 0 || self.patients > 1);
+        lines.truncate(MOST_LINES);
+        if more > 0 {
+            let text = format!(
+                "{} more: {all}",
+                counted(more, "kind of warning").replace("kind of warnings", "kinds of warnings")
+            );
+            lines.push(Notice::new(NoticeKind::Note, text));
+        } else if has_others {
+            lines.push(Notice::new(NoticeKind::Note, format!("every warning: {all}")));
+        }
+        lines
+    }
+
+    fn line(&self, count: &CodeCount) -> Notice {
+        let example = count.example.clone();
+        if self.patients == 1 {
+            let others = match count.others {
+                0 => String::new(),
+                others => format!(" (and {others} more)"),
+            };
+            return Notice { text: format!("{}{others}", example.text), ..example };
+        }
+        let lines = count.lines.iter().map(|line| format!(", {line}")).collect::<String>();
+        let text = format!("{}{lines}", counted(count.patients, "patient"));
+        Notice { place: String::new(), text, ..example }
+    }
+
+    /// One row per code.
+    #[must_use]
+    pub fn table(&self) -> Table {
+        let columns = vec![
+            Column::words("Severity"),
+            Column::words("Code"),
+            Column::numbers("Patients"),
+            Column::words("Example"),
+        ];
+        let mut table = Table::new("Contradictions, warnings and notes over patients", columns);
+        for ((kind, code), count) in &self.codes {
+            let (patients, example) = (count.patients.to_string(), count.example.text.clone());
+            table.row(vec![kind.word().to_owned(), code.clone(), patients, example]);
+        }
+        table
+    }
+}
+
+/// Contradictions, warnings and notes of one patient in the order of the analysis, each with the case in front of its place.
+#[must_use]
+pub fn warnings(analysis: &Analysis) -> Vec<Notice> {
+    let with_case = |notice: Notice| {
+        let place = [analysis.case_id.as_str(), &notice.place];
+        let place: Vec<&str> = place.into_iter().filter(|part| !part.is_empty()).collect();
+        Notice { place: place.join(", "), ..notice }
+    };
+    analysis.warnings.all().iter().map(|warning| with_case(warning.into())).collect()
+}

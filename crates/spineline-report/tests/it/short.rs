@@ -1,0 +1,123 @@
+//! The first screen answers which line, how sure, how stiff and what next.
+
+use spineline::action::LineKind;
+use spineline::analysis::{Analysis, FilmRole};
+use spineline::cohort::{Cohort, CohortPatient, ErrorKind};
+use spineline::warning::WarningCode;
+use spineline_phantom::Scenario;
+use spineline_report::cohort::{self, PatientRow, Rows};
+use spineline_report::{Document, WarningCounts, patient, terminal};
+
+use crate::common::{analyzed, shown};
+use crate::terminal::{case, tables};
+
+const WIDTH: usize = terminal::WIDTH;
+
+fn first_screen(document: &Document, most_lines: usize) -> String {
+    let text = terminal(document, WIDTH);
+    let lines = text.lines().count();
+    assert!(lines <= most_lines, "{lines} lines:\n{text}");
+    for line in text.lines() {
+        assert!(line.chars().count() <= WIDTH, "{line}\n{text}");
+    }
+    text
+}
+
+#[test]
+fn a_patient_fits_on_one_screen() {
+    for truth in [Scenario::Rod, Scenario::Bend, Scenario::Pull] {
+        for subject in 0..3 {
+            let case = case(subject, truth);
+            let analysis = analyzed(&case);
+            let text = first_screen(&patient::summary(&shown(&case, &analysis, "")), 25);
+            let questions =
+                ["Which curve?", "Which line?", "How sure?", "How stiff?", "What next?"];
+            let places = questions.map(|question| text.find(question).expect(question));
+            assert!(places.is_sorted(), "{text}");
+        }
+    }
+}
+
+#[test]
+fn a_row_has_the_test_and_the_errors_of_its_line() {
+    let case = case(0, Scenario::Pull);
+    let analysis = analyzed(&case);
+    let document = patient::summary(&shown(&case, &analysis, ""));
+    let table = tables(&document)[0].clone();
+    let compared = analysis.comparison();
+    for (place, line) in compared.lines.iter().enumerate() {
+        let row = table.rows.iter().find(|row| row[0].eq_ignore_ascii_case(&line.kind.to_string()));
+        let row = row.expect("a row per line");
+        let model = analysis.model(line.kind).expect("a model");
+        let outcome = match line.kind {
+            LineKind::Estimated => "not tested".to_owned(),
+            _ => analysis.compatibility(model).outcome().to_string(),
+        };
+        assert_eq!(row[1], outcome);
+        for (cell, role) in [(2, FilmRole::LeftOutBend), (3, FilmRole::HeldOut)] {
+            let mm = compared.errors(place, role).map(|errors| errors.location_mm);
+            assert_eq!(row[cell], mm.map_or("–".to_owned(), |mm| format!("{mm:.1}")));
+        }
+    }
+    assert!(table.rows.iter().any(|row| row[0].starts_with("* ")), "a row without mechanics");
+}
+
+#[test]
+fn an_erect_film_alone_says_what_to_add() {
+    let mut case = case(0, Scenario::Rod);
+    case.films.truncate(1);
+    let analysis = analyzed(&case);
+    let text = first_screen(&patient::summary(&shown(&case, &analysis, "")), 25);
+    assert!(text.contains("no bending film"), "{text}");
+    assert!(!text.contains("How stiff?"), "{text}");
+}
+
+fn cohort_of(analyses: &[Analysis]) -> (Vec<PatientRow>, Cohort) {
+    let patients: Vec<CohortPatient> = analyses.iter().map(CohortPatient::of).collect();
+    (analyses.iter().map(PatientRow::of).collect(), Cohort::of(&patients, 1))
+}
+
+#[test]
+fn a_cohort_shows_the_test_of_every_patient_and_one_row_per_comparison() {
+    let analyses: Vec<Analysis> =
+        (0..4).map(|subject| analyzed(&case(subject, Scenario::Pull))).collect();
+    let (rows, together) = cohort_of(&analyses);
+    let generator = "spineline test";
+    let rows = Rows { patients: &rows, together: &together, refused: &[], generator };
+    let document = cohort::summary(&rows);
+    first_screen(&document, 45);
+    let all = tables(&document);
+    assert_eq!(all[0].rows.len(), analyses.len());
+    for (row, analysis) in all[0].rows.iter().zip(&analyses) {
+        let outcome = |kind| {
+            let model = analysis.model(kind)?;
+            Some(analysis.compatibility(model).outcome().to_string())
+        };
+        assert_eq!(Some(row[2].clone()), outcome(LineKind::Inflection));
+        assert_eq!(Some(row[3].clone()), outcome(LineKind::Iliac));
+    }
+    let pairs = together.compared.tests.iter().filter(|test| {
+        test.role != FilmRole::Fitted && test.error == ErrorKind::Location && test.holm_p.is_some()
+    });
+    let without_mechanics = all[1].rows.iter().filter(|row| row[1].ends_with('*'));
+    assert_eq!(all[1].rows.len(), pairs.count() + without_mechanics.count());
+}
+
+#[test]
+fn warnings_are_one_line_per_code() {
+    let analyses: Vec<Analysis> =
+        (0..3).map(|subject| analyzed(&case(subject, Scenario::Bend))).collect();
+    let mut counts = WarningCounts::default();
+    analyses.iter().for_each(|analysis| counts.add(analysis));
+    let lines = counts.lines("--warnings");
+    assert!((2..=10).contains(&lines.len()), "{lines:?}");
+    for line in lines.iter().filter(|line| !line.code.is_empty()) {
+        let code: WarningCode = line.code.parse().expect("a code");
+        let patients = analyses.iter().filter(|analysis| analysis.warnings.has(code)).count();
+        assert!(line.text.starts_with(&format!("{patients} patient")), "{}", line.text);
+        let all = analyses.iter().flat_map(|analysis| analysis.warnings.all());
+        for kind in all.filter(|one| one.code == code).filter_map(|one| one.line) {
+            assert!(line.text.contains(&kind.to_string()), "{}", line.text);
+        }
+    }
+}
