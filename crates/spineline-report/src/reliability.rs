@@ -58,9 +58,8 @@ pub(crate) fn in_short(found: &[QuantityReliability]) -> Table {
         Column::numbers("Subjects"),
         Column::words("SEM (95 %)"),
         Column::numbers("MDC95"),
-        Column::words("Unit"),
         Column::words("ICC(A,1) (95 %)"),
-        Column::numbers("Pearson r"),
+        Column::numbers("r"),
     ];
     let mut table = Table::new("Reliability of one reading", columns);
     for quantity in found {
@@ -81,19 +80,23 @@ pub(crate) fn in_short(found: &[QuantityReliability]) -> Table {
             Some((value, interval)) => format!("{value} ({interval})"),
             None => none(),
         };
+        let compared = match &design.design {
+            Design::InterObserverSingle { .. } => "observers".to_owned(),
+            Design::InterObserverMeans => "means of observers".to_owned(),
+            Design::IntraObserver { observer } => format!("repeats of {observer}"),
+        };
         let value = |kind| of(design, kind).map_or_else(none, |(value, _)| value);
         table.row(vec![
-            quantity.key.replace('_', " "),
-            design.design.to_string(),
+            format!("{} ({})", quantity.key.replace('_', " "), quantity.unit),
+            compared,
             design.subjects.to_string(),
             with_interval(sem),
             value(StatisticKind::Mdc95(SemKind::Agreement)),
-            quantity.unit.clone(),
             with_interval(StatisticKind::Icc(Icc::AgreementSingle)),
             value(StatisticKind::Pearson),
         ]);
     }
-    table.note = NOTE.to_owned();
+    table.note = format!("MDC95: smallest real change of one reading. r: Pearson. {NOTE}");
     table
 }
 

@@ -129,6 +129,10 @@ const PICTURES: [&str; 7] = ["dcm", "dicom", "png", "jpg", "jpeg", "tif", "tiff"
 /// Refuses a picture where a case is expected.
 fn refuse_picture(path: &Path) -> Result<(), Failure> {
     let ending = path.extension().map(|ending| ending.to_string_lossy().to_lowercase());
+    if !path.is_file() {
+        // What a pipe has given is gone.
+        return Ok(());
+    }
     let mut start = Vec::new();
     let read = File::open(path).and_then(|file| file.take(132).read_to_end(&mut start));
     let is_picture = ending.is_some_and(|ending| PICTURES.contains(&&*ending))

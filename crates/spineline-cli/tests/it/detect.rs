@@ -97,7 +97,7 @@ fn the_posture_of_a_film_is_stated_by_the_user_or_by_its_case() {
     let here = tempdir().expect("a folder");
     let films = ["--films", "--pixel-size", "2", "--subject", "1", "--out", "p"];
     done(here.path(), &[&["phantom"][..], &films].concat());
-    let bend = "p/phantom-rod-01-left-bending.dcm";
+    let bend = "p/phantom-rod-01-left_bending.dcm";
     let (_, error, code) = run(here.path(), &["detect", bend, "--out", "found"]);
     assert!(code == 3 && error.contains("--posture"), "{code} {error}");
     done(here.path(), &["detect", bend, "--posture", "left-bending", "--out", "found"]);
@@ -111,7 +111,7 @@ fn the_posture_of_a_film_is_stated_by_the_user_or_by_its_case() {
         "--film",
         "erect=p/phantom-rod-01-erect.dcm",
         "--film",
-        "left-bending=p/phantom-rod-01-left-bending.dcm",
+        "left-bending=p/phantom-rod-01-left_bending.dcm",
     ];
     let import = ["import", "p", "--case-id", "P07", "--out", "p07"];
     done(here.path(), &[&import[..], &chosen].concat());

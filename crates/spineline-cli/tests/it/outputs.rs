@@ -135,15 +135,15 @@ fn no_command_replaces_a_store() {
 fn what_others_wrote_is_replaced_only_when_asked() {
     let here = samples();
     for command in TO_FILE {
-        fs::write(here.path().join("mine.txt"), "notes of a week").expect("a file");
-        refuses(&here, &with(command, "mine.txt"), "mine.txt", "--overwrite");
-        let arguments = [&with(command, "mine.txt")[..], &["--overwrite"]].concat();
+        fs::write(here.path().join("mine.html"), "notes of a week").expect("a file");
+        refuses(&here, &with(command, "mine.html"), "mine.html", "--overwrite");
+        let arguments = [&with(command, "mine.html")[..], &["--overwrite"]].concat();
         let (_, error, code) = run(here.path(), &arguments);
         assert!(code == 0 || code == 4, "{arguments:?}: {error}");
-        let now = fs::read(here.path().join("mine.txt")).expect("a file");
+        let now = fs::read(here.path().join("mine.html")).expect("a file");
         assert_ne!(now, b"notes of a week", "{arguments:?}");
-        fs::remove_file(here.path().join("mine.txt")).expect("a file");
-        let _ = fs::remove_file(here.path().join("mine.txt.provenance.json"));
+        fs::remove_file(here.path().join("mine.html")).expect("a file");
+        let _ = fs::remove_file(here.path().join("mine.html.provenance.json"));
     }
     // A case holds landmarks, whichever program wrote it.
     fs::copy(here.path().join("case.json"), here.path().join("other.json")).expect("a copy");

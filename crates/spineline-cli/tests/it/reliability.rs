@@ -30,7 +30,17 @@ fn the_errors_of_phantom_readings_equal_those_of_their_readers() {
     let here = with_phantoms("rod", &["1", "2"]);
     let text = done(
         here.path(),
-        &["reliability", "cases", "--json", "out.json", "--csv", "out.csv", "--figure", "figures"],
+        &[
+            "reliability",
+            "cases",
+            "--json",
+            "out.json",
+            "--csv",
+            "out.csv",
+            "--figure",
+            "figures",
+            "--full",
+        ],
     );
     assert!(text.contains("SYNTHETIC") && text.contains("two-way random, absolute agreement"));
     let file = json(&fs::read_to_string(here.path().join("out.json")).expect("written"));

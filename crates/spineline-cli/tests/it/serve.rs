@@ -114,7 +114,8 @@ fn f70_loopback_is_the_default() {
 #[test]
 fn a_case_is_served_from_a_store_beside_it() {
     let folder = tempfile::tempdir().expect("a folder");
-    run(folder.path(), &["phantom", "--subject", "1", "--out", "p"], "").success();
+    let films = ["--films", "--pixel-size", "2", "--subject", "1", "--out", "p"];
+    run(folder.path(), &[&["phantom"][..], &films].concat(), "").success();
     let case = "p/phantom-rod-01.json";
     let before = std::fs::read(folder.path().join(case)).expect("a case");
     for _ in 0..2 {

@@ -58,11 +58,6 @@ impl ReportArgs {
             Some("html" | "htm") => Some(FormName::Html),
             _ => None,
         };
-        if let (Some(other), None) = (&ending, named) {
-            return Err(Failure::usage(format!(
-                "--out ends in .{other}, and a report is .html, .md or .pdf: name the file so"
-            )));
-        }
         match (self.to, named) {
             (Some(asked), Some(named)) if asked != named => Err(Failure::usage(format!(
                 "--to {} contradicts the extension of --out, which is that of {}: give one of them",
@@ -70,6 +65,22 @@ impl ReportArgs {
                 named.ending()
             ))),
             (asked, named) => Ok(asked.or(named).unwrap_or(FormName::Html)),
+        }
+    }
+
+    /// Refuses a name that ends like a file of another format.
+    ///
+    /// # Errors
+    /// Wrong usage.
+    pub fn check_ending(&self) -> Result<(), Failure> {
+        let known = ["html", "htm", "md", "markdown", "pdf"];
+        let ending = self.out.as_deref().and_then(Path::extension);
+        let ending = ending.map(|end| end.to_string_lossy().to_lowercase());
+        match ending {
+            Some(other) if !known.contains(&&*other) => Err(Failure::usage(format!(
+                "--out ends in .{other}, and a report is .html, .md or .pdf: name the file so"
+            ))),
+            _ => Ok(()),
         }
     }
 }

@@ -128,7 +128,7 @@ pub fn run(args: &ServeArgs) -> Result<Ending, Failure> {
 fn is_case(path: &Path) -> bool {
     let mut start = Vec::new();
     let read = File::open(path).and_then(|file| file.take(256).read_to_end(&mut start));
-    read.is_ok() && start.trim_ascii_start().starts_with(b"{")
+    path.is_file() && read.is_ok() && start.trim_ascii_start().starts_with(b"{")
 }
 
 /// Makes the study of a case in a new store.
