@@ -145,7 +145,7 @@ fn replicates_give_intervals_that_do_not_depend_on_threads() {
     assert_eq!(json["uncertainty"]["done"], 300);
     assert_eq!(json["uncertainty"]["noise"]["neutral"]["corner_sd_px"][1], 2.5);
 
-    let (text, _, _) = with(&["--replicates", "20"]);
+    let (text, _, _) = with(&["--replicates", "20", "--full"]);
     let counted = "20 replicates, seed 1; 0 of them failed";
     for word in [counted, "readings of this case", "95 % interval", "Cobb angle"] {
         assert!(words(&text).contains(word), "{word} is missing in\n{text}");
@@ -327,7 +327,7 @@ fn a_given_line_and_given_inflections_are_used() {
 fn reproduce_prints_the_table_and_writes_the_same_bytes_for_any_number_of_threads() {
     let here = folder();
     let with = |threads: &str, out: &str| {
-        done(here.path(), &["reproduce", "--threads", threads, "--out", out])
+        done(here.path(), &["reproduce", "--full", "--threads", threads, "--out", out])
     };
     let text = with("1", "a");
     for word in [
@@ -504,8 +504,7 @@ fn a_cohort_has_one_line_per_kind_of_warning() {
     let here = with_phantoms("bend", &["1", "2", "3"]);
     let (_, short, _) = run(here.path(), &["analyze", "cases"]);
     assert!((1..=10).contains(&short.lines().count()), "{short}");
-    let (_, all, _) = run(here.path(), &["analyze", "cases", "--warnings"]);
-    assert!(all.lines().count() >= short.lines().count(), "{all}");
-    assert!(all.contains("phantom-bend-01, traction film"), "{all}");
     assert!(!short.contains("phantom-bend-01"), "{short}");
+    let (_, all, _) = run(here.path(), &["analyze", "cases", "--warnings"]);
+    assert!(all.contains("phantom-bend-01"), "{all}");
 }

@@ -80,14 +80,16 @@ fn a_film_without_a_spine_is_refused_and_the_others_are_kept() {
     fs::write(here.path().join("blank.png"), blank(300, 700)).expect("a picture");
     let film = "p/phantom-rod-01-erect.dcm";
     let side = ["--patient-left", "image-left"];
-    let line = [&["detect", "blank.png", film, "--out", "found"][..], &side].concat();
+    let line = [&["detect", "blank.png", film, "--posture", "erect", "--out", "found"][..], &side]
+        .concat();
     let (out, error, code) = run(here.path(), &line);
     assert_eq!(code, 3, "{error}");
     assert!(error.contains("blank.png") && error.contains("no frontal spine"), "{error}");
     assert!(out.contains("detected-02.json"), "{out}");
     assert!(!here.path().join("found/detected-01.json").exists());
     // A picture does not say where the patient's left is, and it is not guessed.
-    let (_, error, code) = run(here.path(), &["detect", "blank.png", "--out", "other"]);
+    let (_, error, code) =
+        run(here.path(), &["detect", "blank.png", "--posture", "erect", "--out", "other"]);
     assert_eq!(code, 3);
     assert!(error.contains("--patient-left"), "{error}");
 }

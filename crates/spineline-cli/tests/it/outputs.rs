@@ -135,15 +135,15 @@ fn no_command_replaces_a_store() {
 fn what_others_wrote_is_replaced_only_when_asked() {
     let here = samples();
     for command in TO_FILE {
-        fs::write(here.path().join("mine.html"), "notes of a week").expect("a file");
-        refuses(&here, &with(command, "mine.html"), "mine.html", "--overwrite");
-        let arguments = [&with(command, "mine.html")[..], &["--overwrite"]].concat();
+        fs::write(here.path().join("mine"), "notes of a week").expect("a file");
+        refuses(&here, &with(command, "mine"), "mine", "--overwrite");
+        let arguments = [&with(command, "mine")[..], &["--overwrite"]].concat();
         let (_, error, code) = run(here.path(), &arguments);
         assert!(code == 0 || code == 4, "{arguments:?}: {error}");
-        let now = fs::read(here.path().join("mine.html")).expect("a file");
+        let now = fs::read(here.path().join("mine")).expect("a file");
         assert_ne!(now, b"notes of a week", "{arguments:?}");
-        fs::remove_file(here.path().join("mine.html")).expect("a file");
-        let _ = fs::remove_file(here.path().join("mine.html.provenance.json"));
+        fs::remove_file(here.path().join("mine")).expect("a file");
+        let _ = fs::remove_file(here.path().join("mine.provenance.json"));
     }
     // A case holds landmarks, whichever program wrote it.
     fs::copy(here.path().join("case.json"), here.path().join("other.json")).expect("a copy");
