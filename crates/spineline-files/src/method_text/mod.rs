@@ -190,10 +190,12 @@ pub fn missing_known_force(options: &AnalysisOptions, case: &Case) -> Option<Pos
 mod tests {
     use super::parse::inflection_sites;
     use super::*;
+    use nalgebra::DMatrix;
     use spineline::analysis::Method;
     use spineline::anatomy::Levels;
-    use spineline::evaluate::RotationPrior;
+    use spineline::evaluate::{PriorSource, RotationPrior};
     use spineline::multibody::{StiffnessTable, Support};
+    use spineline::spatial::Angle;
 
     /// Another value of every option than the default; empty where only a file has one.
     const OTHERS: [&str; OPTIONS.len()] = [
@@ -220,10 +222,11 @@ mod tests {
         let given = OPTIONS.iter().map(|option| option.name).zip(OTHERS);
         let (options, _) =
             options_of(given.filter(|(_, value)| !value.is_empty())).expect("sound values");
-        AnalysisOptions {
-            rotation_prior: Some(RotationPrior::published(Levels::COMPLETE)),
-            ..options
-        }
+        let source = PriorSource::Learned { patients: 7, bends: 13, shrinkage: 0.25 };
+        let covariance_rad2 = DMatrix::identity(14, 14) * Angle::from_deg(1.0).rad().powi(2);
+        let mean = vec![Angle::ZERO; 14];
+        let learned = RotationPrior::new(Levels::COMPLETE, mean, covariance_rad2, source);
+        AnalysisOptions { rotation_prior: Some(learned.expect("a covariance")), ..options }
     }
 
     #[test]

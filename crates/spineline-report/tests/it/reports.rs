@@ -4,7 +4,7 @@ use spineline::analysis::{Analysis, AnalysisOptions, Case, FilmRole, Subject, an
 use spineline::anatomy::Level;
 use spineline::cohort::{RefusalStep, RefusedCase};
 use spineline::evaluate::Baseline;
-use spineline::measure::FilmLengthRule;
+use spineline::measure::{FilmLengthRule, TiltRule};
 use spineline::multibody::Support;
 use spineline_phantom::{
     Readers, SagittalShape, Scenario, SpaceSetup, generate, generate_in_space,
@@ -132,18 +132,23 @@ fn a_banner_names_the_options_that_differ_from_the_defaults() {
     assert_eq!(document(&case).banners.len(), 2, "the defaults have none");
     let options = AnalysisOptions {
         support: Support::Free,
-        film_lengths: FilmLengthRule::AsMarked,
+        tilt: TiltRule::Axis,
         ..AnalysisOptions::default()
     };
     let analysis = analyze(&case, &options).expect("a phantom is sound");
     let banners = patient::report(&shown(&case, &analysis, JSON)).banners;
     let text = &banners[2].text;
-    for part in ["not the defaults", "Support: free", "one scale for all"] {
+    for part in ["not the defaults", "Support: free: every joint", "Tilts: axis: line"] {
         assert!(text.contains(part), "{part}: {text}");
     }
     assert!(!text.contains("gauge") && !text.contains("Stiffness"), "{text}");
     let cohort = cohort_report(&[analysis], std::slice::from_ref(&case.subject), &[]);
     assert_eq!(cohort.banners[2].text, *text);
+    let film_lengths = FilmLengthRule::AsMarked;
+    let options = AnalysisOptions { film_lengths, ..AnalysisOptions::default() };
+    let analysis = analyze(&case, &options).expect("a phantom is sound");
+    let banners = patient::report(&shown(&case, &analysis, JSON)).banners;
+    assert!(banners[2].text.contains("one scale for all"), "{}", banners[2].text);
 }
 
 #[test]
