@@ -6,5 +6,6 @@ mod figures;
 mod layout;
 mod loaded;
 mod reports;
+mod reproduction;
 mod scale;
 mod terminal;
