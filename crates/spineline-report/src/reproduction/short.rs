@@ -5,7 +5,7 @@ use spineline::analysis::{FilmRole, probability};
 use spineline::cohort::LinePairTest;
 
 use super::Scenarios;
-use super::claims::{answer, ending_words, evidence, rejected};
+use super::claims::{Evidence, answer, ending_words, evidence, rejected};
 use super::fair::{PAIRS, difference, pair_words, test};
 use crate::document::{Column, Document, Section, Table};
 use crate::phrases::none;
@@ -28,27 +28,7 @@ pub fn short(scenarios: &Scenarios<'_>, subjects: usize, seed: u64) -> Document 
     let meanings = scenarios.each_ref().map(|one| format!("{}, {}", one.name, one.meaning));
     head.paragraph(format!("Loading scenarios: {}.", meanings.join("; ")));
     let mut claims = Section::new("claims", "");
-    let heads = ["Paper"].into_iter().chain(names).map(Column::numbers);
-    let mut table =
-        Table::new(CLAIMS_CAPTION, [Column::words("Claim")].into_iter().chain(heads).collect());
-    let mut before = 0;
-    for one in &evidence {
-        let number = if one.claim == before { " ".to_owned() } else { one.claim.to_string() };
-        before = one.claim;
-        let [first, second] = &one.words;
-        let ours = one.ours.iter();
-        let lead = if number == " " { format!("  {first}") } else { format!("{number} {first}") };
-        table.row(
-            [lead, one.paper.to_owned()]
-                .into_iter()
-                .chain(ours.clone().map(|found| found.number.clone()))
-                .collect(),
-        );
-        let endings = ours.map(|found| ending_words(found.ending));
-        table.row([format!("  {second}"), String::new()].into_iter().chain(endings).collect());
-    }
-    table.note = CLAIMS_NOTE.to_owned();
-    claims.table(table);
+    claims.table(claims_table(&evidence, names));
     let mut rest = Section::new("lines", "");
     rest.table(differences(scenarios));
     rest.paragraph(rejections(scenarios));
@@ -64,6 +44,26 @@ pub fn short(scenarios: &Scenarios<'_>, subjects: usize, seed: u64) -> Document 
         sections: vec![head, claims, rest],
         analysis: String::new(),
     }
+}
+
+/// Two rows per number: the number itself, and its endings.
+fn claims_table(evidence: &[Evidence], names: [&str; 3]) -> Table {
+    let heads = ["Paper"].into_iter().chain(names).map(Column::numbers);
+    let columns = [Column::words("Claim")].into_iter().chain(heads).collect();
+    let mut table = Table::new(CLAIMS_CAPTION, columns);
+    let mut before = 0;
+    for Evidence { claim, words: [first, second], paper, ours } in evidence {
+        let number = if *claim == before { " ".to_owned() } else { claim.to_string() };
+        before = *claim;
+        let numbers = ours.iter().map(|found| found.number.clone());
+        let lead = [format!("{number} {first}"), (*paper).to_owned()];
+        table.row(lead.into_iter().chain(numbers).collect());
+        let endings = ours.iter().map(|found| ending_words(found.ending));
+        let lead = [format!("  {second}"), String::new()];
+        table.row(lead.into_iter().chain(endings).collect());
+    }
+    table.note = CLAIMS_NOTE.to_owned();
+    table
 }
 
 const ROLES: [FilmRole; 2] = [FilmRole::LeftOutBend, FilmRole::HeldOut];
