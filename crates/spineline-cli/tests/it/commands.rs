@@ -324,24 +324,30 @@ fn a_given_line_and_given_inflections_are_used() {
 }
 
 #[test]
-fn reproduce_prints_the_table_and_writes_the_same_bytes_for_any_number_of_threads() {
+fn reproduce_answers_on_one_screen_and_writes_the_same_bytes_for_any_number_of_threads() {
     let here = folder();
-    let with = |threads: &str, out: &str| {
-        done(here.path(), &["reproduce", "--full", "--threads", threads, "--out", out])
+    let with = |threads: &str, out: &str, more: &[&str]| {
+        let line = ["reproduce", "--threads", threads, "--out", out];
+        done(here.path(), &[&line[..], more].concat())
     };
-    let text = with("1", "a");
-    for word in [
-        "SYNTHETIC",
-        "0.0418 ± 0.0353",
-        "Table 2",
-        "HELD OUT",
-        "free support",
-        "frontal support",
-        "→",
-    ] {
-        assert!(text.contains(word), "{word} is missing in\n{text}");
+    let screen = with("1", "a", &[]);
+    assert!(screen.lines().count() <= 45, "{} lines:\n{screen}", screen.lines().count());
+    assert!(screen.lines().all(|line| line.chars().count() <= 100), "{screen}");
+    for word in ["SYNTHETIC", "Answer: No.", "does not hold", "Holm's p", "What this cannot show"] {
+        assert!(screen.contains(word), "{word} is missing in\n{screen}");
     }
-    with("2", "b");
+    let all = fs::read_to_string(here.path().join("a/summary.txt")).expect("it was written");
+    for word in
+        ["0.0418 ± 0.0353", "Table 2", "HELD OUT", "free support", "frontal support", "→", "3.3 %"]
+    {
+        assert!(all.contains(word), "{word} is missing in\n{all}");
+    }
+    assert!(all.lines().all(|line| line.chars().count() <= 120), "{all}");
+    for fault in ["not given", "-0.", "−0.00", "1/1."] {
+        assert!(!all.contains(fault), "{fault} in\n{all}");
+    }
+    let printed = with("2", "b", &["--full"]);
+    assert!(printed.starts_with(&all), "--full prints summary.txt");
     for name in [
         "summary.csv",
         "summary.json",

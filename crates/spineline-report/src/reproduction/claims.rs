@@ -126,9 +126,9 @@ pub(super) fn answer(evidence: &[Evidence], names: [&str; 3]) -> String {
 
 fn where_it_holds(claim: usize, scenarios: &[&str], all: usize) -> String {
     match scenarios.len() {
-        0 => format!("claim {claim} holds in no scenario"),
-        n if n == all => format!("claim {claim} holds in all"),
-        _ => format!("claim {claim} holds in {} alone", scenarios.join(" and ")),
+        0 => format!("claim {claim} in none"),
+        n if n == all => format!("claim {claim} in all"),
+        _ => format!("claim {claim} in {}", scenarios.join(" and ")),
     }
 }
 

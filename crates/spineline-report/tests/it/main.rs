@@ -6,6 +6,7 @@ mod figures;
 mod layout;
 mod loaded;
 mod reports;
+mod reproduction;
 mod scale;
 mod short;
 mod terminal;

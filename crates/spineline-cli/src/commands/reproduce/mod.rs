@@ -63,9 +63,8 @@ pub fn run(args: &ReproduceArgs) -> Result<Ending, Failure> {
 fn closing(out: &Path) -> Lines {
     let mut lines = Lines::of(format!("Files in {}:", out.display()));
     lines.line(
-        "  summary.txt (all numbers, both supports; --full prints it), summary.csv, summary.json",
+        "  summary.txt: all numbers, both supports (--full prints them); summary.csv, summary.json",
     );
-    lines.line("  errors/ (every vertebra), analyses/ (every patient), figures/,");
-    lines.line("  reports/ (a cohort and one patient per scenario)");
+    lines.line("  errors/: every vertebra; analyses/: every patient; figures/; reports/: cohorts and patients");
     lines
 }
