@@ -21,7 +21,7 @@ fn kinds(analysis: &Analysis) -> Vec<LineKind> {
 
 /// The warning of a code, about a film where one is given.
 #[track_caller]
-fn warned<'a>(analysis: &'a Analysis, code: WarningCode, posture: Option<Posture>) -> &'a Warning {
+fn warned(analysis: &Analysis, code: WarningCode, posture: Option<Posture>) -> &Warning {
     let mut all = analysis.warnings.all().iter();
     let found = all.find(|w| w.code == code && (posture.is_none() || w.posture == posture));
     let warning = found.unwrap_or_else(|| panic!("no {code:?} in {:?}", analysis.warnings.all()));
