@@ -54,7 +54,7 @@ fn chromium(root: &Path) -> Result<Option<[String; 2]>, String> {
     if tools::has_chromium() {
         return Ok(None);
     }
-    let folder = root.join("web/e2e/chromium");
+    let folder = root.join("web/chromium");
     install(&folder)?;
     let mut node = Command::new("node");
     let output = node.arg("executable.mjs").current_dir(&folder).output();

@@ -1,6 +1,9 @@
 //! Numbers as text for people. Reports and the program's own texts write numbers by these functions.
 
-use crate::phrases::none;
+/// Text in place of a missing number.
+pub fn none() -> String {
+    "–".to_owned()
+}
 
 /// The sign of a negative number in text.
 const MINUS: char = '−';

@@ -3,6 +3,7 @@
 use spineline::analysis::{Analysis, FilmMovement, FilmRole, FreeNumbers};
 use spineline::measure::SpacingPlane;
 
+pub use crate::number::none;
 use crate::number::{fixed, interval};
 
 /// Note on errors on held-out films.
@@ -12,11 +13,6 @@ pub const FITTED: &str = "The stiffness was fitted to these films: a small error
 
 /// Note on errors on bends that are left out of the fit in turn.
 pub const LEFT_OUT: &str = "Each bend is predicted with the stiffness fitted to the other bend, so this takes both bends. Only films on which all lines have a result count.";
-
-/// Text in place of a missing number.
-pub fn none() -> String {
-    "–".to_owned()
-}
 
 /// Text of the numbers that a line takes from films.
 pub fn numbers(numbers: &FreeNumbers, role: FilmRole) -> String {

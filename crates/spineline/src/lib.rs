@@ -110,7 +110,7 @@
 //! ```
 //!
 //! # What it is not
-//! Research software, not a medical device. Bending films carry no force, so only ratios of stiffness are identified.
+//! Research software, not a medical device. Bending films carry no force, so only ratios of stiffness are identified, until one force is known.
 
 #![cfg_attr(test, allow(clippy::float_cmp, reason = "tests compare with exact values"))]
 

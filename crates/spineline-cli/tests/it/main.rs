@@ -1,6 +1,7 @@
 //! The program as its users call it: what it prints, what it writes, and how it ends.
 
 mod advice;
+mod answers;
 mod cohort_list;
 mod commands;
 mod comparison;

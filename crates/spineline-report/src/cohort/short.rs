@@ -1,8 +1,9 @@
 //! The first screen of a cohort: which line, how sure, what next.
 
+use spineline::action::LineKind;
 use spineline::analysis::{FilmRole, probability};
 use spineline::cohort::{
-    BaselineErrors, BaselineTest, Cohort, ErrorKind, LineOutcomes, PairedComparison,
+    BaselineErrors, BaselineTest, Cohort, ErrorKind, LineOutcomes, LinePairTest, PairedComparison,
 };
 use spineline::warning::counted;
 
@@ -62,28 +63,31 @@ fn sure(cohort: &Cohort) -> String {
     let predicted = compared.tests.iter().filter(|test| {
         test.error == ErrorKind::Location && test.role != FilmRole::Fitted && test.is_fair()
     });
-    let better: Vec<String> = predicted
-        .filter_map(|test| Some(format!("the {} on {}", test.predicts_better()?, test.role)))
+    let tested: Vec<&LinePairTest> = predicted.filter(|test| test.holm_p.is_some()).collect();
+    let better: Vec<String> = tested
+        .iter()
+        .filter_map(|test| {
+            let better = test.predicts_better()?;
+            let other = test.lines.into_iter().find(|&kind| kind != better)?;
+            Some(format!("the {better} predicts {} better than the {other}", test.role))
+        })
         .collect();
-    let lines = if better.is_empty() {
-        "Lines with equally many numbers from each film do not differ significantly on films that were not fitted.".to_owned()
-    } else {
-        format!(
-            "With equally many numbers from each film, these lines predict better: {}.",
-            better.join(", ")
-        )
+    let lines = match (tested.is_empty(), better.is_empty()) {
+        (true, _) => "No two lines with equally many numbers from each film are tested on films that were not fitted.".to_owned(),
+        (false, true) => "Lines with equally many numbers from each film do not differ significantly on films that were not fitted.".to_owned(),
+        (false, false) => format!("With equally many numbers from each film, {}.", better.join("; ")),
     };
     let against: Vec<&BaselineTest> =
         PREDICTED.into_iter().flat_map(|role| against_best(cohort, role)).collect();
     let better: Vec<String> = against
         .iter()
-        .filter(|test| test.is_better())
+        .filter(|test| test.is_better() && test.model != LineKind::Estimated)
         .map(|test| format!("the {} on {}", test.model, test.role))
         .collect();
     let baselines = match (against.is_empty(), better.is_empty()) {
         (true, _) => String::new(),
         (false, true) => {
-            " No line is significantly better than the best prediction without mechanics."
+            " No line with one number from each film is significantly better than the best prediction without mechanics."
                 .to_owned()
         }
         (false, false) => {
@@ -141,10 +145,11 @@ fn comparisons(cohort: &Cohort) -> Table {
             ));
         }
         for test in against_best(cohort, role) {
-            let what = format!("{} – {} *", test.model, test.baseline);
+            let dagger = if test.model == LineKind::Estimated { " †" } else { "" };
+            let what = format!("{} – {} *{dagger}", test.model, test.baseline);
             table.row(row(role, what, &test.comparison, test.holm_p));
         }
     }
-    table.note = "Negative: the first one has the smaller error. * the best prediction without mechanics. † the estimated line takes two numbers more from each film.".to_owned();
+    table.note = "Negative: the first one has the smaller error. * the best prediction without mechanics. † not fair: the estimated line takes two numbers more from each film.".to_owned();
     table
 }

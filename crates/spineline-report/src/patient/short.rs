@@ -72,7 +72,7 @@ fn joined<const N: usize>(sentences: [Option<String>; N]) -> String {
 fn curve(analysis: &Analysis) -> String {
     let main = analysis.movement.main_curve().map(|curve| {
         let name = if curve.has_cobb() { "Cobb angle" } else { "tilt range" };
-        let side = curve.convex.map_or_else(String::new, |side| format!(" to the {side}"));
+        let side = curve.convex.map_or_else(String::new, |side| format!(", convex to the {side}"));
         let (ends, apex) = (curve.ends, curve.apex);
         format!(
             "The {} curve has a {name} of {:.0}°{side} ({}–{}, apex {apex}).",
@@ -98,7 +98,7 @@ fn multipliers(analysis: &Analysis, model: &LineModel, intervals: Intervals<'_>)
         let [low, high] = [f64::min, f64::max].map(|of| values.iter().copied().reduce(of));
         let ends = low.zip(high).map(|(low, high)| format!("{low:.2} to {high:.2}"));
         return format!(
-            "Times the table: {} over {} joints.",
+            "Multipliers of the table: {} over {} joints.",
             ends.unwrap_or_default(),
             values.len()
         );
@@ -112,7 +112,7 @@ fn multipliers(analysis: &Analysis, model: &LineModel, intervals: Intervals<'_>)
         format!("{} {value:.2}{interval}", name.replace('_', " "))
     };
     let all = model.groups.names().iter().cloned().zip(values).enumerate().map(one);
-    format!("Times the table: {}.", all.collect::<Vec<_>>().join(", "))
+    format!("Multipliers of the table: {}.", all.collect::<Vec<_>>().join(", "))
 }
 
 /// The 95 % interval of a multiplier: over replicates, or else by the films, if the model is exact.
@@ -127,22 +127,24 @@ fn interval(
     noise.or_else(|| {
         let place = analysis.models.iter().position(|other| other.kind == model.kind)?;
         let found = intervals.identifiability?[place].as_ref()?;
-        Some(uncertainty::interval(&found.multipliers[group], scale))
+        let profile = uncertainty::interval(&found.multipliers[group], scale);
+        Some(format!("{profile} if the model is exact"))
     })
 }
 
 /// What a user may do now.
 fn next(patient: &Patient<'_>) -> String {
     let analysis = patient.analysis;
-    if analysis.models.is_empty() {
-        return no_model(analysis);
-    }
     let doubted = analysis.has_doubted_film().then(|| {
         let films: Vec<String> = super::doubted_films(analysis);
         format!("Compare these films with the patient's records: {}.", films.join(", "))
     });
     let asked = patient.uncertainty.is_some() || patient.identifiability.is_some();
     let intervals = (!asked).then(|| "Intervals: --replicates 1000 --identifiability.".to_owned());
+    if analysis.models.is_empty() {
+        let more = "All tables: --full. Pictures: spineline report.";
+        return joined([doubted, Some(no_model(analysis)), Some(more.to_owned())]);
+    }
     let more = "All tables: --full. Pictures: spineline report. The model as a file: --model.";
     joined([doubted, intervals, Some(more.to_owned())])
 }
@@ -155,7 +157,7 @@ fn table(analysis: &Analysis) -> Table {
         Column::words("Bends"),
         Column::numbers("Left-out bends (mm)"),
         Column::numbers("Neutral, traction (mm)"),
-        Column::words("Numbers from each film"),
+        Column::words("Numbers taken per film"),
     ];
     let mut table = Table::new("Mean location errors on films that were not fitted", columns);
     let mm = |mm: Option<f64>| mm.map_or_else(none, |mm| format!("{mm:.1}"));

@@ -89,11 +89,12 @@ fn case_paths(args: &AnalyzeArgs) -> Result<Vec<PathBuf>, Failure> {
 
 /// Refuses outputs that exclude each other; says whether one goes to the standard output.
 fn check_streams(args: &AnalyzeArgs, is_list: bool) -> Result<bool, Failure> {
-    let outputs = [&args.json, &args.csv, &args.chain, &args.cohort].into_iter().flatten();
+    let outputs = [&args.json, &args.csv, &args.chain, &args.cohort, &args.model];
+    let outputs = outputs.into_iter().flatten();
     let to_stdout = outputs.filter(|path| is_stdout(path)).count();
     if to_stdout > 1 {
         return Err(Failure::usage(
-            "only one of --json, --csv, --chain and --cohort can go to the standard output",
+            "only one of --json, --csv, --chain, --cohort and --model can go to the standard output",
         ));
     }
     if args.model.is_some() && is_list {

@@ -191,7 +191,7 @@ pub struct CohortStatistics<'a> {
 impl CohortStatistics<'_> {
     /// Whether it is a table.
     pub fn is_csv(path: &Path) -> bool {
-        path.extension().is_some_and(|end| end == "csv")
+        path.extension().is_some_and(|end| end.eq_ignore_ascii_case("csv"))
     }
 }
 

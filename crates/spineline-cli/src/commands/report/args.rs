@@ -103,9 +103,9 @@ pub struct ReportArgs {
     /// Threads; 0: all cores. The number does not change the report
     #[arg(long, default_value = "0", value_parser = threads)]
     pub threads: usize,
-    /// For the report of one patient.
     #[command(flatten)]
     pub overwrite: OverwriteArgs,
+    /// For the report of one patient.
     #[command(flatten)]
     pub uncertainty: UncertaintyArgs,
     #[command(flatten)]
