@@ -5,9 +5,9 @@ use spineline::analysis::FilmRole;
 use spineline::cohort::{ClaimVerdict, Cohort, LinePairTest, NEAR_SEGMENTS};
 
 use super::fair::{PAIRS, test};
+use super::numbers::percent;
 use super::{ScenarioResults, Scenarios};
 use crate::number::fixed;
-use crate::phrases::none;
 
 /// The claims are numbered from one to this.
 pub(super) const CLAIMS: usize = 3;
@@ -56,11 +56,11 @@ pub(super) fn evidence(scenarios: &Scenarios<'_>) -> Vec<Evidence> {
 }
 
 fn near_share(of: &ScenarioResults<'_>) -> Found {
-    Found { number: percent(of.claims.near.share), ending: of.claims.verdicts()[0] }
+    Found { number: percent(100.0 * of.claims.near.share), ending: of.claims.verdicts()[0] }
 }
 
 fn below_mean(of: &ScenarioResults<'_>) -> Found {
-    Found { number: percent(of.claims.below_mean), ending: of.claims.verdicts()[1] }
+    Found { number: percent(100.0 * of.claims.below_mean), ending: of.claims.verdicts()[1] }
 }
 
 fn fitted_errors(of: &ScenarioResults<'_>) -> Found {
@@ -80,10 +80,6 @@ fn predicts_better(test: &LinePairTest) -> Option<ClaimVerdict> {
         Some(_) => ClaimVerdict::Fails,
         None => ClaimVerdict::Open,
     })
-}
-
-fn percent(part: f64) -> String {
-    if part.is_finite() { format!("{} %", fixed(100.0 * part, 0)) } else { none() }
 }
 
 fn pair(errors_mm: [f64; 2]) -> String {

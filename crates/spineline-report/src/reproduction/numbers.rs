@@ -7,7 +7,7 @@ use spineline::multibody::Support;
 use spineline::personalize::TestOutcome;
 
 use super::Columns;
-use crate::number::{times, with_sd};
+use crate::number::{fixed, times, with_sd};
 use crate::phrases::none;
 
 /// Numbers under one heading.
@@ -84,6 +84,11 @@ impl Cell {
         }
         Self { text: format!("[{films} without] {}", self.text), ..self }
     }
+}
+
+/// A share in percent, without decimal places.
+pub(super) fn percent(value: f64) -> String {
+    if value.is_finite() { format!("{} %", fixed(value, 0)) } else { none() }
 }
 
 /// Numbers within this factor of the paper's count as the same, on other patients.

@@ -5,10 +5,11 @@ use spineline::cohort::{Clustered, Cohort, ErrorStatistics, LineStatistics, Pair
 use spineline::multibody::Support;
 
 use super::numbers::{
-    Cell, Paper, PaperNumber, Part, TEST_LEGEND, compared, ours, ratio_legend, test_verdict,
+    Cell, Paper, PaperNumber, Part, TEST_LEGEND, compared, ours, percent, ratio_legend,
+    test_verdict,
 };
 use super::{Columns, Scenarios, fair};
-use crate::number::{fixed, interval};
+use crate::number::interval;
 
 /// Every number: the movement once, the models for both supports.
 #[must_use]
@@ -68,10 +69,6 @@ fn below_mean(cohort: &Cohort) -> Cell {
     let inflections = &cohort.inflection[0].rotation_deg.pooled;
     let part = 100.0 * (1.0 - inflections.mean / cohort.rotation_deg.pooled.mean);
     Cell::value(part, inflections.n, percent(part))
-}
-
-fn percent(value: f64) -> String {
-    format!("{} %", fixed(value, 0))
 }
 
 fn movement(columns: &Columns<'_>) -> Part {
