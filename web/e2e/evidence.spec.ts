@@ -20,7 +20,7 @@ for (const [scheme, width] of [
       await expect(page.getByRole("heading", { level: 1, name: /^Evidence/ })).toBeVisible();
       await expect(page.getByText("Synthetic films: no patient")).toBeVisible();
       const errors = page.getByRole("table", { name: "Mean location errors" });
-      await expect(errors.getByText("Without mechanics: other bend, mirrored")).toBeVisible();
+      await expect(errors.getByText("* other bend, mirrored")).toBeVisible();
       await expect(page.getByText(/^Of the lines that take fewest numbers/)).toBeVisible();
       await expect(page.getByRole("img")).toHaveCount(2);
       for (const image of await page.getByRole("img").all())

@@ -86,7 +86,7 @@ fn differences(scenarios: &Scenarios<'_>) -> Table {
             table.row(row);
         }
     }
-    table.note = "The estimated line takes two more numbers from each film; a smaller error is no evidence for it.".to_owned();
+    table.note = "The estimated line takes two more numbers from each film; a smaller error does not speak for it.".to_owned();
     table
 }
 

@@ -14,7 +14,7 @@ enum Says {
     Nothing,
 }
 
-/// Sixty patients that all say the same: fewer leave the share of inflections open.
+/// Two hundred patients that all say the same: fewer leave the share of inflections open.
 fn claims(says: Says) -> Claims {
     let (distance, rotation, errors) = match says {
         Says::Yes => (1.0, 0.01, [0.5, 1.4]),
@@ -29,7 +29,7 @@ fn claims(says: Says) -> Claims {
         held_out_mm: Some(errors),
         ..PatientClaims::default()
     };
-    Claims::of(&vec![patient; 60], 1)
+    Claims::of(&vec![patient; 200], 1)
 }
 
 /// A cohort whose inflection line is nearer by 2 mm on films that were not fitted, or farther.
