@@ -344,6 +344,8 @@ fn reproduce_answers_on_one_screen_and_writes_the_same_bytes_for_any_number_of_t
     for fault in ["not given", "-0.", "−0.00", "1/1."] {
         assert!(!all.contains(fault), "{fault} in\n{all}");
     }
+    // A second run replaces what has its provenance beside it.
+    assert!(here.path().join("a/summary.txt.provenance.json").exists());
     let printed = with("2", "b", &["--full"]);
     assert!(printed.starts_with(&all), "--full prints summary.txt");
     for name in [

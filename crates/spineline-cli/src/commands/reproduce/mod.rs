@@ -33,7 +33,7 @@ pub fn run(args: &ReproduceArgs) -> Result<Ending, Failure> {
     outputs.folder(&args.out)?;
     outputs.table(&args.out.join("summary.csv"))?;
     outputs.file(&args.out.join("summary.json"))?;
-    outputs.file(&args.out.join("summary.txt"))?;
+    outputs.table(&args.out.join("summary.txt"))?;
     let phantoms = runs::phantoms(args, &readers)?;
     let runs = runs::all_runs(args, &phantoms)?;
     let scenarios = runs::scenarios(&runs, args.seed);
@@ -49,7 +49,8 @@ pub fn run(args: &ReproduceArgs) -> Result<Ending, Failure> {
         Provenance::new(this_run()?, FilmOrigin::Synthetic, Vec::new()).with_seed(args.seed);
     let (figures, reports) = (args.out.join("figures"), args.out.join("reports"));
     outputs.attempt(&args.out, || {
-        outputs.write(&args.out.join("summary.txt"), format!("{answer}\n{every_number}"))?;
+        let text = format!("{answer}\n{every_number}");
+        outputs.write_table(&args.out.join("summary.txt"), text, &provenance)?;
         files::write(&outputs, &runs, &parts, args, &provenance)
     });
     outputs.attempt(&figures, || drawings::write(&outputs, &figures, &runs, &provenance));
