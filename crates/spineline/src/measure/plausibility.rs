@@ -89,6 +89,7 @@ pub(crate) fn warn_of_implausible_landmarks(film: &Film, warnings: &mut Warnings
 /// ```
 /// use spineline::measure::{FilmLandmarks, judge_landmarks};
 /// use spineline::anatomy::Level;
+/// use spineline::warning::WarningCode;
 /// use spineline_phantom::{Readers, Scenario, generate};
 ///
 /// let mut film = generate(0, Scenario::Bend, &Readers::exact(), 1)?.case.films.remove(0);
