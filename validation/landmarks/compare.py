@@ -123,7 +123,7 @@ def judge_detection(options, films):
     """Corner errors, Cobb errors and level slips of `spineline detect` by severity."""
     paths = [str(options.data / "images_training" / film.name) for film in films]
     out = options.out / "detected"
-    command = [options.program, "detect", *paths, "--patient-left", "image-right", "--out", str(out), "--overwrite"]
+    command = [options.program, "detect", *paths, "--posture", "erect", "--patient-left", "image-right", "--out", str(out), "--overwrite"]
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     flagged = {}
     for line in done.stdout.splitlines():
