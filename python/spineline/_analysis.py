@@ -304,7 +304,7 @@ class FilmErrors:
         if key not in analysis.lines:
             names = analysis.lines
             raise InputError(
-                f"{analysis.id}: there is no model with the line `{line}`",
+                f"{analysis.id}: the analysis has no model with the line `{line}`",
                 help=f"give one of {', '.join(names)}" if names else "a model needs a bending film",
             )
         self._analysis = analysis

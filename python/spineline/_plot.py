@@ -89,7 +89,7 @@ class Plot:
         """
         analysis = self._analysis
         if not analysis.lines:
-            raise InputError(f"{analysis.id}: there is no model", help="add a bending film")
+            raise InputError(f"{analysis.id}: the analysis has no model", help="add a bending film")
         if ax is None:
             import matplotlib.pyplot as plt
 

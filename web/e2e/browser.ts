@@ -8,7 +8,7 @@ export const CHROMIUM = process.env.CHROMIUM ?? "/usr/bin/chromium";
 /** The browser of the tests. Chromium's shell has the same pages without windows, and takes two thirds of the time. */
 export const BROWSER = !process.env.CHROMIUM && existsSync(SHELL) ? SHELL : CHROMIUM;
 
-/** The environment of the browser: that of npm brings libraries, which `xtask` names. */
+/** The environment of the browser: the Chromium of npm brings libraries, and `xtask` names their folder. */
 export const ENVIRONMENT = process.env.CHROMIUM_LIBRARIES
   ? { ...process.env, LD_LIBRARY_PATH: process.env.CHROMIUM_LIBRARIES }
   : undefined;

@@ -15,7 +15,7 @@ pub enum Tool {
     Orthanc,
 }
 
-/// What Debian installs of Chromium, with and without windows, as `web/e2e/browser.ts` looks for it.
+/// Chromium as Debian installs it, with and without windows; `web/e2e/browser.ts` looks for the same files.
 const CHROMIUM: &str = "/usr/bin/chromium";
 const CHROMIUM_SHELL: &str = "/usr/lib/chromium/chromium-headless-shell";
 
@@ -78,7 +78,7 @@ impl Tool {
     }
 }
 
-/// Whether the machine has a Chromium, as `web/e2e/browser.ts` looks for it; else that of npm drives the app.
+/// Whether the machine has a Chromium, as `web/e2e/browser.ts` looks for it; otherwise the Chromium of npm drives the app.
 pub fn has_chromium() -> bool {
     std::env::var_os("CHROMIUM").is_some()
         || Path::new(CHROMIUM_SHELL).exists()

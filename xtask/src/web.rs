@@ -73,7 +73,7 @@ pub fn provide_packages(root: &Path) -> Result<(), String> {
     install(&root.join("web"))
 }
 
-/// What the lock file of a folder names, installed once for each of its versions.
+/// Installs the packages of a folder, once for each version of its lock file.
 fn install(folder: &Path) -> Result<(), String> {
     let read = |path: &Path| fs::read_to_string(path);
     let lock = folder.join("package-lock.json");

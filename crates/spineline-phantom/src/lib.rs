@@ -231,7 +231,7 @@ pub enum PhantomError {
 
 /// Makes one phantom: subject `index` (from 0) of Table 1.
 ///
-/// The same arguments always make the same phantom: every subject and scenario has a random stream of its own.
+/// The same arguments always make the same phantom: every subject and scenario has its own random stream.
 ///
 /// # Errors
 /// [`PhantomError`].

@@ -34,7 +34,7 @@ pub fn section<'a>(
         section.table(table(block, format!("Errors by load and base{who}")));
     }
     section.paragraph(LEGEND);
-    let roles = [FilmRole::LeftOutBend, FilmRole::HeldOut];
+    let roles = FilmRole::PREDICTED;
     for table in roles.into_iter().filter_map(|role| against_baselines(baselines, role)) {
         section.table(table);
     }

@@ -1,5 +1,7 @@
 //! Numbers as text for people. Reports and the program's own texts write numbers by these functions.
 
+use spineline::analysis::probability;
+
 /// Text in place of a missing number.
 pub fn none() -> String {
     "–".to_owned()
@@ -10,7 +12,7 @@ const MINUS: char = '−';
 /// Joins a number and its unit, which no writer puts on two lines.
 pub const NO_BREAK: char = '\u{a0}';
 
-/// A number with its decimal places, such as `−0.17`; `–` where there is no number.
+/// A number with its decimal places, such as `−0.17`; `–` for a value that is not finite.
 #[must_use]
 pub fn fixed(value: f64, places: usize) -> String {
     if !value.is_finite() {
@@ -41,6 +43,11 @@ pub fn with_sd(mean: f64, sd: f64, places: usize) -> String {
 #[must_use]
 pub fn interval([low, high]: [f64; 2], places: usize) -> String {
     format!("{} to {}", fixed(low, places), fixed(high, places))
+}
+
+/// A p value for a cell, such as `0.0312` and `< 0.0001`; `–` where the test was not made.
+pub fn p_value(p: Option<f64>) -> String {
+    p.map_or_else(none, |p| probability(p).trim_start_matches("= ").to_owned())
 }
 
 /// A ratio with two digits, or with all those before the point, such as `0.59 ×` and `121 ×`.

@@ -1,10 +1,19 @@
 //! Phrases that reports of patients and of cohorts share.
 
+use spineline::action::LineKind;
 use spineline::analysis::{Analysis, FilmMovement, FilmRole, FreeNumbers};
 use spineline::measure::SpacingPlane;
 
 pub use crate::number::none;
 use crate::number::{fixed, interval};
+
+/// The lines of action that every patient with a bend is fitted with.
+pub const LINES: [LineKind; 3] = [LineKind::Inflection, LineKind::Iliac, LineKind::Estimated];
+
+/// A line without the word: `inflection`.
+pub fn line_in_short(kind: LineKind) -> String {
+    kind.to_string().replace(" line", "")
+}
 
 /// Note on errors on held-out films.
 pub const HELD_OUT: &str = "No model was fitted to these films.";

@@ -15,7 +15,7 @@ const MOST_LINES: usize = 9;
 #[derive(Debug, Clone, Default)]
 pub struct WarningCounts {
     patients: usize,
-    codes: BTreeMap<(NoticeKind, String), CodeCount>,
+    codes: BTreeMap<(NoticeKind, &'static str), CodeCount>,
 }
 
 #[derive(Debug, Clone)]
@@ -24,7 +24,7 @@ struct CodeCount {
     lines: BTreeSet<LineKind>,
     /// The first of them.
     example: Notice,
-    /// Others of the same patient, where there is one patient.
+    /// Warnings of this code beyond the first of each patient.
     others: usize,
 }
 
@@ -34,12 +34,11 @@ impl WarningCounts {
         self.patients += 1;
         let mut seen = BTreeSet::new();
         for warning in analysis.warnings.all() {
-            let example = Notice::from(warning);
-            let key = (example.kind, example.code.clone());
-            let count = self.codes.entry(key.clone()).or_insert_with(|| CodeCount {
+            let key = (NoticeKind::from(warning.code.severity()), warning.code.key());
+            let count = self.codes.entry(key).or_insert_with(|| CodeCount {
                 patients: 0,
                 lines: BTreeSet::new(),
-                example,
+                example: warning.into(),
                 others: 0,
             });
             count.lines.extend(warning.line);
@@ -60,10 +59,7 @@ impl WarningCounts {
         let has_others = self.codes.values().any(|count| count.others > 0 || self.patients > 1);
         lines.truncate(MOST_LINES);
         if more > 0 {
-            let text = format!(
-                "{} more: {all}",
-                counted(more, "kind of warning").replace("kind of warnings", "kinds of warnings")
-            );
+            let text = format!("{} of warning more: {all}", counted(more, "kind"));
             lines.push(Notice::new(NoticeKind::Note, text));
         } else if has_others {
             lines.push(Notice::new(NoticeKind::Note, format!("every warning: {all}")));
@@ -97,7 +93,7 @@ impl WarningCounts {
         let mut table = Table::new("Contradictions, warnings and notes over patients", columns);
         for ((kind, code), count) in &self.codes {
             let (patients, example) = (count.patients.to_string(), count.example.text.clone());
-            table.row(vec![kind.word().to_owned(), code.clone(), patients, example]);
+            table.row(vec![kind.word().to_owned(), (*code).to_owned(), patients, example]);
         }
         table
     }

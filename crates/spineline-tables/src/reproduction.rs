@@ -16,7 +16,7 @@ pub struct ReproducedNumber {
     pub quantity: String,
     /// Unit; empty where there is none.
     pub unit: &'static str,
-    /// The paper's number as text; `None` where the paper gives no such number.
+    /// The paper's number as text; `None` where the paper does not give it.
     pub paper: Option<String>,
     /// Loading scenario.
     pub scenario: &'static str,

@@ -94,7 +94,7 @@
 //! # use spineline_phantom::{Readers, Scenario, generate};
 //! # let case = generate(0, Scenario::Rod, &Readers::exact(), 1)?.case;
 //! # let analysis = analyze(&case, &AnalysisOptions::default())?;
-//! let line = analysis.model(LineKind::Inflection).ok_or("no such model")?;
+//! let line = analysis.model(LineKind::Inflection).ok_or("the line has no model")?;
 //! let model = analysis.personalised_model(line);
 //! // A push of one unit of force to the patient's left at the midpoint of the highest vertebra.
 //! let push = BodyLoad::ForceAtPoint {

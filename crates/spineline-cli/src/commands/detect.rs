@@ -20,7 +20,7 @@ use crate::options::choice::choice;
 use crate::options::values::posture;
 use crate::run::failure::{Ending, Failure};
 use crate::run::film_decoder::Decoder;
-use crate::run::inputs::CaseInput;
+use crate::run::inputs::{CaseInput, is_json};
 use crate::run::messages::say;
 use crate::run::outputs::{Outputs, OverwriteArgs, print};
 use crate::run::progress::bar;
@@ -42,7 +42,7 @@ pub struct DetectArgs {
     /// Films from the front or from behind (DICOM, PNG, JPEG or TIFF) of one posture, or cases with their films beside them
     #[arg(required = true, value_name = "FILM|CASE")]
     films: Vec<PathBuf>,
-    /// Posture of the films; a case has those of its films
+    /// Posture of the films; a case states the posture of each film
     #[arg(long, value_name = "POSTURE", value_parser = posture)]
     posture: Option<Posture>,
     /// Folder for a case per film or case
@@ -63,7 +63,7 @@ pub fn run(args: &DetectArgs) -> Result<Ending, Failure> {
     let (mut text, mut ending) = (Lines::default(), Ending::Done);
     for (number, path) in (1..).zip(&args.films) {
         let id = format!("detected-{number:02}");
-        let made = match is_case(path) {
+        let made = match is_json(path) {
             true => of_case(&decoder, path),
             false => of_film(&decoder, path, args, &id),
         };
@@ -94,10 +94,6 @@ pub fn run(args: &DetectArgs) -> Result<Ending, Failure> {
 struct Made {
     case: CaseFile,
     found: Vec<(Posture, Detection)>,
-}
-
-fn is_case(path: &Path) -> bool {
-    path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("json"))
 }
 
 /// The case of one film. It gets a new identifier, since the name of the file may contain the patient's name.

@@ -126,22 +126,29 @@ impl CaseInput {
 /// Endings of pictures.
 const PICTURES: [&str; 7] = ["dcm", "dicom", "png", "jpg", "jpeg", "tif", "tiff"];
 
+/// The first bytes of a file; `None` of a pipe, which gives each byte once, and of a file that cannot be read.
+fn start_of(path: &Path) -> Option<Vec<u8>> {
+    let mut start = Vec::new();
+    let file = path.is_file().then(|| File::open(path))?.ok()?;
+    file.take(132).read_to_end(&mut start).ok().map(|_| start)
+}
+
+/// Whether a file is JSON, and so a case and neither a picture nor a store.
+pub fn is_json(path: &Path) -> bool {
+    start_of(path).is_some_and(|start| start.trim_ascii_start().starts_with(b"{"))
+}
+
 /// Refuses a picture where a case is expected.
 fn refuse_picture(path: &Path) -> Result<(), Failure> {
+    let Some(start) = start_of(path) else { return Ok(()) };
     let ending = path.extension().map(|ending| ending.to_string_lossy().to_lowercase());
-    if !path.is_file() {
-        // What a pipe has given is gone.
-        return Ok(());
-    }
-    let mut start = Vec::new();
-    let read = File::open(path).and_then(|file| file.take(132).read_to_end(&mut start));
     let is_picture = ending.is_some_and(|ending| PICTURES.contains(&&*ending))
         || start.starts_with(b"\x89PNG")
         || start.starts_with(b"\xff\xd8\xff")
         || start.starts_with(b"II*\0")
         || start.starts_with(b"MM\0*")
         || start.ends_with(b"DICM");
-    if read.is_err() || !is_picture {
+    if !is_picture {
         return Ok(());
     }
     let name = path.display().to_string();

@@ -114,7 +114,7 @@ pub struct OptionFile {
 /// order they are given; an option that may be repeated has all of its values.
 ///
 /// # Errors
-/// [`OptionError`]: no such option, no such value, a file that cannot be read, or joint rotations that were learned with other tilts.
+/// [`OptionError`]: an unknown option, an unknown value, a file that cannot be read, or joint rotations that were learned with other tilts.
 pub fn options_of<'a>(
     given: impl IntoIterator<Item = (&'a str, &'a str)>,
 ) -> Result<(AnalysisOptions, Vec<OptionFile>), OptionError> {
@@ -133,7 +133,7 @@ pub fn options_of<'a>(
 /// were given before; joint rotations are checked against the tilts that are set.
 ///
 /// # Errors
-/// [`OptionError`]: no such option, no such value, or a file that cannot be read or used.
+/// [`OptionError`]: an unknown option, an unknown value, or a file that cannot be read or used.
 pub fn set_option(
     options: &mut AnalysisOptions,
     name: &str,

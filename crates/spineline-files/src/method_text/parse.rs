@@ -17,7 +17,7 @@ use super::show::spelling;
 /// A posture by its key, with `-` or `_`.
 ///
 /// # Errors
-/// If there is no such posture.
+/// If no posture has this name.
 pub fn posture(text: &str) -> Result<Posture, String> {
     let wanted = text.replace('-', "_");
     wanted.parse().map_err(|_| {
@@ -31,7 +31,7 @@ pub fn posture(text: &str) -> Result<Posture, String> {
 /// A value by its key, with `-` or `_`.
 ///
 /// # Errors
-/// If there is no such value; the message names all.
+/// If no value has this name; the message lists all names.
 pub fn named<T: Named>(text: &str) -> Result<T, String> {
     text.replace('-', "_").parse().map_err(|_| {
         let known: Vec<String> = T::ALL.iter().map(|value| spelling(*value)).collect();

@@ -29,7 +29,7 @@ pub struct MethodOption {
     pub values: OptionValues,
     /// Whether it may be given several times, each time with more.
     pub may_repeat: bool,
-    /// Whether a study keeps it; else it has results of its own there.
+    /// Whether a study keeps it. The other options have separate results in a study.
     pub of_a_study: bool,
     /// Sets it by a word.
     pub(super) read: fn(&mut AnalysisOptions, &str) -> Result<(), String>,
@@ -59,7 +59,7 @@ pub enum OptionValues {
 pub struct NamedValue {
     /// How it is spelled.
     pub spelling: String,
-    /// What a help text says of it.
+    /// Its sentence in the help.
     pub help: String,
 }
 
@@ -133,7 +133,7 @@ pub fn nearest_method(options: &AnalysisOptions) -> Method {
     Method::ALL.into_iter().min_by_key(departures).unwrap_or_default()
 }
 
-/// The options whose values are not those of a method.
+/// The options whose values differ from a method.
 pub fn departures<'a>(
     options: &'a AnalysisOptions,
     method: &'a AnalysisOptions,
@@ -225,7 +225,7 @@ pub const OPTIONS: [MethodOption; 16] = [
     MethodOption {
         name: "film_lengths",
         title: "Lengths of the films",
-        help: "Lengths of the films: `per-film` (each has a scale of its own against the erect film; standard deviation 3.3 % where films do not state the error of theirs), that standard deviation in percent, or `as-marked` (one scale, as in the paper)",
+        help: "Lengths of the films: `per-film` (each film has a scale against the erect film; standard deviation 3.3 % where films do not state its error), this standard deviation in percent, or `as-marked` (one scale, as in the paper)",
         value_name: "RULE",
         values: OptionValues::Text(&["per-film", "as-marked"]),
         may_repeat: false,

@@ -2,7 +2,7 @@
 
 use spineline::action::LineKind;
 use spineline::analysis::{
-    Analysis, AnalysisOptions, FilmRole, LinesCompared, ModelsVerdict, analyze,
+    Analysis, AnalysisOptions, FilmRole, Headline, LinesCompared, ModelsVerdict, analyze,
 };
 use spineline::anatomy::Posture;
 use spineline::cohort::{Cohort, CohortPatient, ErrorKind, OutcomeCounts};
@@ -22,6 +22,12 @@ fn analyzed(phantom: &Phantom) -> Analysis {
 
 fn place(found: &LinesCompared, kind: LineKind) -> usize {
     found.lines.iter().position(|line| line.kind == kind).expect("a phantom has every line")
+}
+
+/// The verdict in short.
+fn said(analysis: &Analysis) -> String {
+    let Headline { line, prediction, stiffness, .. } = analysis.headline();
+    [Some(line), prediction, stiffness].into_iter().flatten().collect::<Vec<_>>().join(" ")
 }
 
 #[test]
@@ -63,7 +69,7 @@ fn the_verdict_on_the_models_is_that_of_the_sentences() {
         let phantom = generate(index, scenario, &Readers::default(), 1).expect("a phantom");
         let analysis = analyzed(&phantom);
         let verdict = analysis.models_verdict().expect("models");
-        let words = analysis.headline().words();
+        let words = said(&analysis);
         let says = |text: &str| words.contains(text);
         assert_eq!(verdict == ModelsVerdict::DoubtedFilm, says("Check the films first"), "{words}");
         match verdict {
@@ -195,7 +201,7 @@ fn a_line_that_could_not_be_tested_is_neither_rejected_nor_kept() {
     };
     assert_eq!(outcome(&with), TestOutcome::Kept);
     assert_eq!(outcome(&without), TestOutcome::NotTested);
-    let headline = without.headline().words();
+    let headline = said(&without);
     assert!(headline.contains("The iliac line is not tested: the iliac crests"), "{headline}");
     assert!(!headline.contains("keep a single force along the iliac line"), "{headline}");
     let cohort = Cohort::of(&[&with, &without].map(CohortPatient::of), 1);

@@ -10,10 +10,7 @@ use spineline::hypothesis::HypothesisScores;
 use super::people::curve_size;
 use crate::document::{Column, NoticeKind, Section, Table};
 use crate::patient;
-use crate::phrases::{none, sentence_case};
-
-/// The lines of the table in a terminal.
-const KINDS: [LineKind; 3] = [LineKind::Inflection, LineKind::Iliac, LineKind::Estimated];
+use crate::phrases::{LINES, none, sentence_case};
 
 /// What the tables of a cohort show of a patient, without the shapes of the analysis: a few hundred bytes.
 #[derive(Debug, Clone)]
@@ -101,7 +98,7 @@ impl ModelRow {
     }
 }
 
-/// What the bends of each of the first patients say of every line.
+/// How the bends of the first patients test every line.
 pub fn outcomes(patients: &[PatientRow], most: usize) -> Table {
     let kinds: BTreeSet<LineKind> = patients
         .iter()
@@ -176,7 +173,7 @@ pub fn summary(patients: &[PatientRow], cohort: &Cohort) -> Section {
         Column::numbers("Inflections"),
     ];
     columns.extend(
-        KINDS.map(|kind| Column::words(format!("{} (mm)", sentence_case(&kind.to_string())))),
+        LINES.map(|kind| Column::words(format!("{} (mm)", sentence_case(&kind.to_string())))),
     );
     columns.push(Column::numbers("Counter-rotating joints"));
     columns.push(Column::numbers("Contradictions, warnings, notes"));
@@ -193,7 +190,7 @@ pub fn summary(patients: &[PatientRow], cohort: &Cohort) -> Section {
     }
     table.note = format!(
         "Location errors: fitted bends / bends left out / held-out films, each over the films on which the line has a result. Counter-rotating joints: joints of each fitted bend that turn against the force along the {}.{rest}",
-        KINDS[0]
+        LINES[0]
     );
     section.table(table);
     section
@@ -216,10 +213,10 @@ impl PatientRow {
             self.inflections.to_string(),
         ];
         let of = |kind| self.models.iter().find(|model| model.kind == kind);
-        row.extend(KINDS.map(|kind| {
+        row.extend(LINES.map(|kind| {
             of(kind).map_or_else(none, |model| model.errors(cohort, place).join(" / "))
         }));
-        row.push(of(KINDS[0]).map_or_else(none, |model| model.counter_rotating.to_string()));
+        row.push(of(LINES[0]).map_or_else(none, |model| model.counter_rotating.to_string()));
         row.push(self.notices.map(|count| count.to_string()).join(", "));
         row
     }

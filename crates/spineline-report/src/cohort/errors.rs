@@ -1,7 +1,7 @@
 //! Errors of the models over a cohort, by kind of film, and every test between the lines.
 
 use spineline::action::LineKind;
-use spineline::analysis::{FilmRole, probability};
+use spineline::analysis::FilmRole;
 use spineline::cohort::{
     Clustered, Cohort, ErrorKind, ErrorStatistics, LinePairTest, MissingResult,
 };
@@ -10,7 +10,8 @@ use super::movement::tested;
 
 use crate::document::{Column, Figure, Notice, NoticeKind, Section, Table};
 use crate::figures::{self, LocationErrorSample};
-use crate::phrases::{FITTED, HELD_OUT, LEFT_OUT, none, numbers, with_interval};
+use crate::number::p_value;
+use crate::phrases::{FITTED, HELD_OUT, LEFT_OUT, line_in_short, none, numbers, with_interval};
 
 const NO_MODEL: &str = "No patient has a personalised model.";
 
@@ -286,14 +287,14 @@ fn against_baselines(cohort: &Cohort) -> Table {
     let mut table = Table::new("Lines against predictions without mechanics", columns);
     for test in cohort.baselines.tests.iter().filter(|test| test.holm_p.is_some()) {
         let c = &test.comparison;
-        let line = test.model.to_string().replace(" line", "");
+        let line = line_in_short(test.model);
         table.row(vec![
             format!("{line} – {}", test.baseline),
             test.role.to_string(),
             c.patients().to_string(),
             with_interval(c.mean_difference, c.bootstrap, 1),
-            p_cell(c.sign_flip.map(|t| t.p_two_sided)),
-            p_cell(test.holm_p),
+            p_value(c.sign_flip.map(|t| t.p_two_sided)),
+            p_value(test.holm_p),
             test.outcome().to_string(),
         ]);
     }
@@ -301,13 +302,9 @@ fn against_baselines(cohort: &Cohort) -> Table {
     table
 }
 
-fn p_cell(p: Option<f64>) -> String {
-    p.map_or_else(none, |p| probability(p).trim_start_matches("= ").to_owned())
-}
-
 fn test_row(test: &LinePairTest) -> Vec<String> {
     let c = &test.comparison;
-    let [first, second] = test.lines.map(|kind| kind.to_string().replace(" line", ""));
+    let [first, second] = test.lines.map(line_in_short);
     vec![
         format!("{first} – {second}"),
         test.role.to_string(),
@@ -320,8 +317,8 @@ fn test_row(test: &LinePairTest) -> Vec<String> {
         c.patients().to_string(),
         with_interval(c.mean_difference, c.bootstrap, 1),
         c.effect.map_or_else(none, |effect| with_interval(effect.d, Some(effect.interval), 1)),
-        p_cell(c.sign_flip.map(|t| t.p_two_sided)),
-        p_cell(test.holm_p),
-        p_cell(c.pooled.map(|t| t.p_two_sided)),
+        p_value(c.sign_flip.map(|t| t.p_two_sided)),
+        p_value(test.holm_p),
+        p_value(c.pooled.map(|t| t.p_two_sided)),
     ]
 }

@@ -65,7 +65,7 @@ pub fn report(patients: &Patients<'_>) -> Document {
     }
 }
 
-/// What the texts of a terminal are made from.
+/// Data for the texts of a terminal.
 #[derive(Debug, Clone, Copy)]
 pub struct Rows<'a> {
     /// The patients.

@@ -1,15 +1,16 @@
 //! The first screen of a cohort: which line, how sure, what next.
 
 use spineline::action::LineKind;
-use spineline::analysis::{FilmRole, probability};
+use spineline::analysis::FilmRole;
 use spineline::cohort::{
-    BaselineErrors, BaselineTest, Cohort, ErrorKind, LineOutcomes, LinePairTest, PairedComparison,
+    BaselineTest, Cohort, ErrorKind, LineOutcomes, LinePairTest, PairedComparison,
 };
 use spineline::warning::counted;
 
 use super::by_patient::{PatientRow, outcomes};
 use crate::document::{Column, Section, Table};
-use crate::phrases::{none, with_interval};
+use crate::number::p_value;
+use crate::phrases::with_interval;
 
 /// Patients in the table of a terminal.
 const MOST_PATIENTS: usize = 20;
@@ -78,7 +79,7 @@ fn sure(cohort: &Cohort) -> String {
         (false, false) => format!("With equally many numbers from each film, {}.", better.join("; ")),
     };
     let against: Vec<&BaselineTest> =
-        PREDICTED.into_iter().flat_map(|role| against_best(cohort, role)).collect();
+        FilmRole::PREDICTED.into_iter().flat_map(|role| against_best(cohort, role)).collect();
     let better: Vec<String> = against
         .iter()
         .filter(|test| test.is_better() && test.model != LineKind::Estimated)
@@ -97,15 +98,9 @@ fn sure(cohort: &Cohort) -> String {
     format!("{lines}{baselines}")
 }
 
-/// The films that were not fitted.
-const PREDICTED: [FilmRole; 2] = [FilmRole::LeftOutBend, FilmRole::HeldOut];
-
 /// The tests of every line against the best prediction without mechanics that knows as much of a film.
 fn against_best(cohort: &Cohort, role: FilmRole) -> Vec<&BaselineTest> {
-    let mean = |one: &&BaselineErrors| one.location_mm.patients.mean;
-    let of_role = |one: &&BaselineErrors| one.role == role && !one.baseline.knows_tilt();
-    let all = cohort.baselines.errors.iter().filter(of_role);
-    let Some(best) = all.min_by(|a, b| mean(a).total_cmp(&mean(b))) else { return Vec::new() };
+    let Some(best) = cohort.baselines.best(role) else { return Vec::new() };
     let tests = cohort.baselines.tests.iter();
     let own = tests.filter(|test| test.role == role && test.baseline == best.baseline);
     own.filter(|test| test.holm_p.is_some()).collect()
@@ -127,10 +122,10 @@ fn comparisons(cohort: &Cohort) -> Table {
             what,
             c.patients().to_string(),
             with_interval(c.mean_difference, c.bootstrap, 1),
-            p.map_or_else(none, |p| probability(p).trim_start_matches("= ").to_owned()),
+            p_value(p),
         ]
     };
-    for role in PREDICTED {
+    for role in FilmRole::PREDICTED {
         let pairs = cohort.compared.tests.iter().filter(|test| {
             test.role == role && test.error == ErrorKind::Location && test.holm_p.is_some()
         });

@@ -277,7 +277,7 @@ fn line_layer(
     posture: &FilmMovement,
     analysis: &Analysis,
 ) {
-    let model = analysis.models.iter().find(|model| model.kind == kind);
+    let model = analysis.model(kind);
     let simulation = model.and_then(|model| model.posture(posture.outline.posture));
     let mark = simulation
         .and_then(|simulation| panel.action_mark(&film.line(&simulation.line), action_ink(kind)));

@@ -122,7 +122,7 @@ pub fn force_path(
     let px_per_mm = (1.1 * TALL_PX / extent.height_mm()).min(frame_px / extent.width_mm());
     let extent = extent.at_least_wide(frame_px / px_per_mm);
     let mut panel = frontal_panel(extent, px_per_mm, analysis.movement.levels().base());
-    let line = analysis.models.iter().find(|m| m.kind == kind).and_then(|m| m.posture(posture));
+    let line = analysis.model(kind).and_then(|m| m.posture(posture));
     if let Some(simulation) = line {
         let ink = Ink::new(BLACK, "7 4", 1.0);
         panel.action(&simulation.line, ink);

@@ -15,7 +15,7 @@ use crate::phrases::{no_model, none, sentence_case};
 /// Multipliers that are shown one by one; of more, the smallest and the largest.
 const MOST_MULTIPLIERS: usize = 4;
 
-/// What intervals of multipliers are taken from, where they were asked for.
+/// The sources of the intervals of multipliers, where the user asks for intervals.
 #[derive(Clone, Copy, Default)]
 pub struct Intervals<'a> {
     identifiability: Option<&'a [Option<Identifiability>]>,
@@ -149,7 +149,7 @@ fn next(patient: &Patient<'_>) -> String {
     joined([doubted, intervals, Some(more.to_owned())])
 }
 
-/// What the bends say of every line, and its errors beside those without mechanics.
+/// How the bends test every line, and its errors beside predictions without mechanics.
 fn table(analysis: &Analysis) -> Table {
     let compared = analysis.comparison();
     let columns = vec![
@@ -161,9 +161,9 @@ fn table(analysis: &Analysis) -> Table {
     ];
     let mut table = Table::new("Mean location errors on films that were not fitted", columns);
     let mm = |mm: Option<f64>| mm.map_or_else(none, |mm| format!("{mm:.1}"));
-    let roles = [FilmRole::LeftOutBend, FilmRole::HeldOut];
+    let roles = FilmRole::PREDICTED;
     for (i, line) in compared.lines.iter().enumerate() {
-        let Some(model) = analysis.models.iter().find(|model| model.kind == line.kind) else {
+        let Some(model) = analysis.model(line.kind) else {
             continue;
         };
         let mut row = vec![sentence_case(&line.kind.to_string()), outcome(analysis, model)];

@@ -1,4 +1,4 @@
-//! The paper's three claims, and what each loading scenario says of them.
+//! The paper's three claims, tested in each loading scenario.
 
 use spineline::action::LineKind;
 use spineline::analysis::FilmRole;
@@ -130,7 +130,7 @@ fn where_it_holds(claim: usize, scenarios: &[&str], all: usize) -> String {
 
 /// In how many patients the bends reject a single force along a line, such as `2 of 18`.
 pub(super) fn rejected(cohort: &Cohort, kind: LineKind) -> String {
-    let counts = cohort.outcomes.iter().find(|one| one.kind == kind).map(|one| one.patients);
+    let counts = cohort.outcomes(kind).map(|one| one.patients);
     match counts.filter(|counts| counts.tested() > 0) {
         Some(counts) => format!("{} of {}", counts.rejected, counts.tested()),
         None => "not tested".to_owned(),

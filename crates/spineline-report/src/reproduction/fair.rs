@@ -10,6 +10,7 @@ use super::Columns;
 use super::numbers::{Cell, PaperNumber, Part, ours};
 use super::sections::support_words;
 use crate::number::{interval, signed};
+use crate::phrases::{LINES, line_in_short};
 
 /// The pairs of lines that are compared.
 pub(super) const PAIRS: [[LineKind; 2]; 3] = [
@@ -18,11 +19,7 @@ pub(super) const PAIRS: [[LineKind; 2]; 3] = [
     [LineKind::Iliac, LineKind::Estimated],
 ];
 
-/// The lines of action.
-pub(super) const LINES: [LineKind; 3] =
-    [LineKind::Inflection, LineKind::Iliac, LineKind::Estimated];
-
-const NOTE: &str = "An error is the mean over patients of the location errors of a line; films without a result stand in brackets. A difference compares two lines, or a line and a prediction without mechanics, on the films that both predict; below zero the first is nearer. Left-out bends: the stiffness comes from the other bend, and only the force is fitted. The estimated line takes two more numbers from every film, so its smaller error does not speak for it. With `--fit ferguson`, the default here, it is also fitted to whole shapes, and the other lines are not. Intervals resample patients. p flips the signs of the patients' differences and is corrected by Holm over the 18 tests of a column. The paper pools 14 vertebrae of one spine as if they were 14 patients: prefer these p. The paper gives none of these numbers; – marks a number without a result.";
+const NOTE: &str = "An error is the mean over patients of the location errors of a line; films without a result stand in brackets. A difference compares two lines, or a line and a prediction without mechanics, on the films that both predict; below zero the first is nearer. Left-out bends: the stiffness comes from the other bend, and only the force is fitted. The estimated line takes two more numbers from every film, so its smaller error does not speak for it. With `--fit ferguson`, the default here, it is also fitted to whole shapes, and the other lines are not. Intervals resample patients. p flips the signs of the patients' differences and is corrected by Holm over the 18 tests of a column. The paper pools 14 vertebrae of one spine as if they were 14 patients: prefer these p. The paper does not give these numbers; – marks a number without a result.";
 
 /// Errors and differences by kind of film.
 pub(super) fn part(columns: &Columns<'_>, support: Support) -> Part {
@@ -42,7 +39,7 @@ fn of_role(columns: &Columns<'_>, role: FilmRole) -> Vec<PaperNumber> {
         rows.push(ours(name, "mm", columns.map(|c| baseline_error(c, baseline, role))));
     }
     for (kind, baseline) in against_baselines(role) {
-        let name = format!("  {} − {baseline} (mm, 95 % over patients)", short_name(kind));
+        let name = format!("  {} − {baseline} (mm, 95 % over patients)", line_in_short(kind));
         let found = columns.map(|c| difference(baseline_test(c, kind, baseline, role)));
         rows.push(ours(name, "mm", found));
     }
@@ -58,14 +55,9 @@ fn of_role(columns: &Columns<'_>, role: FilmRole) -> Vec<PaperNumber> {
     rows
 }
 
-/// A line without the word: `inflection`.
-fn short_name(kind: LineKind) -> String {
-    kind.to_string().replace(" line", "")
-}
-
 /// The first line minus the second, such as `inflection − iliac`.
 pub(super) fn pair_words(lines: [LineKind; 2]) -> String {
-    lines.map(short_name).join(" − ")
+    lines.map(line_in_short).join(" − ")
 }
 
 /// Location error of a pattern of joint rotations over patients.

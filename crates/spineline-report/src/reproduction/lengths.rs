@@ -5,11 +5,12 @@ use spineline::cohort::Cohort;
 use spineline::evaluate::Baseline;
 use spineline::multibody::Support;
 
-use super::fair::{LINES, baseline_error, error};
+use super::fair::{baseline_error, error};
 use super::numbers::{Part, ours};
 use crate::number::{fixed, with_unit};
+use crate::phrases::LINES;
 
-const NOTE: &str = "Location errors on predicted films, one mean per patient. Every film but the erect one is scaled at random, as films of 30 real patients are. With a scale per film that of a predicted film comes from T2 and its prior alone. The parts above have films of one scale, which the phantoms state: both rules are the same there. The paper gives none of these numbers; – marks a number without a result.";
+const NOTE: &str = "Location errors on predicted films, one mean per patient. Every film but the erect one is scaled at random, as films of 30 real patients are. With a scale per film, the scale of a predicted film comes from T2 and its prior alone. The parts above have films of one scale, which the phantoms state: both rules are the same there. The paper does not give these numbers; – marks a number without a result.";
 
 /// Errors on predicted films whose lengths differ, by rule of film lengths: its words, and its cohorts by loading scenario.
 #[must_use]
@@ -19,7 +20,7 @@ pub fn film_lengths(relative_sd: f64, rules: &[(&str, [&Cohort; 3])]) -> Part {
         let mut add = |what: String, found| {
             rows.push(ours(format!("{rule}: {what} (mm)"), "mm", found));
         };
-        for role in [FilmRole::LeftOutBend, FilmRole::HeldOut] {
+        for role in FilmRole::PREDICTED {
             for kind in LINES {
                 add(format!("{role}, {kind}"), cohorts.map(|c| error(c, kind, role)));
             }

@@ -1,4 +1,4 @@
-//! The paper's numbers beside those of synthetic patients: a short answer, and every number.
+//! The paper's numbers beside the numbers of synthetic patients: a short answer, and every number.
 
 mod claims;
 mod fair;

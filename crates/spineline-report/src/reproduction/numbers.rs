@@ -1,4 +1,4 @@
-//! One number of the paper, ours, and what to say of the two.
+//! One number of the paper, our number, and their comparison in words.
 
 use spineline::analysis::probability;
 use spineline::cohort::Cohort;
@@ -30,11 +30,11 @@ pub struct PaperNumber {
     pub quantity: String,
     /// Unit of the means.
     pub unit: &'static str,
-    /// As the paper prints it; `None` where the paper gives no such number.
+    /// As the paper prints it; `None` where the paper does not give it.
     pub paper: Option<String>,
     /// By loading scenario.
     pub ours: [Cell; 3],
-    /// Comparison with the paper; empty where the paper gives no such number.
+    /// Comparison with the paper; empty where the paper does not give it.
     pub verdict: String,
 }
 
@@ -43,9 +43,9 @@ pub struct PaperNumber {
 pub struct Cell {
     /// As it is printed.
     pub text: String,
-    /// Mean, share or p value; NaN where there is none.
+    /// Mean, share or p value; NaN where it is missing.
     pub mean: f64,
-    /// Standard deviation; NaN where there is none.
+    /// Standard deviation; NaN where it is missing.
     pub sd: f64,
     /// Number of values.
     pub n: usize,

@@ -1,20 +1,19 @@
 //! The answer of a reproduction on one screen.
 
 use spineline::action::LineKind;
-use spineline::analysis::{FilmRole, probability};
-use spineline::cohort::LinePairTest;
+use spineline::analysis::FilmRole;
 
 use super::Scenarios;
 use super::claims::{Evidence, answer, ending_words, evidence, rejected};
 use super::fair::{PAIRS, difference, pair_words, test};
 use crate::document::{Column, Document, Section, Table};
-use crate::phrases::none;
+use crate::number::p_value;
 
 const QUESTION: &str =
     "Question: do the paper's claims hold on films of known cause, whatever bent the spines?";
 const CLAIMS_CAPTION: &str = "The paper's claims (Model-1: force through the inflections; Model-2: parallel to the iliac line)";
 const CLAIMS_NOTE: &str = "Errors: Model-1, Model-2. Claims 1 and 2 hold above 90 %, claim 3 in most patients (fitted) or by Holm's p below 0.05 (not fitted). Open: the 95 % interval has both sides. Scenarios are SYNTHETIC.";
-const FAIR_CAPTION: &str = "Films that were not fitted (SYNTHETIC): location error of the first line minus that of the second, in mm, with its 95 % interval over patients; below zero the first line is nearer";
+const FAIR_CAPTION: &str = "Films that were not fitted (SYNTHETIC): location error of the first line minus the error of the second, in mm, with its 95 % interval over patients; below zero the first line is nearer";
 const LIMITS: &str = "What this cannot show: how the spines of patients move. All films are SYNTHETIC, the phantoms are ours, and each scenario has its line of action built in: rod the paper's, pull Petit's, bend neither. A smaller error on them shows which line made the films.";
 
 /// The claims with their endings, the lines on films that were not fitted, and what follows. A document without figures.
@@ -66,8 +65,6 @@ fn claims_table(evidence: &[Evidence], names: [&str; 3]) -> Table {
     table
 }
 
-const ROLES: [FilmRole; 2] = [FilmRole::LeftOutBend, FilmRole::HeldOut];
-
 /// The differences between the lines on films that were not fitted.
 fn differences(scenarios: &Scenarios<'_>) -> Table {
     let mut columns = vec![Column::words("")];
@@ -78,21 +75,16 @@ fn differences(scenarios: &Scenarios<'_>) -> Table {
     for one in scenarios {
         for lines in PAIRS {
             let mut row = vec![format!("{:4} {}", one.name, pair_words(lines))];
-            for role in ROLES {
+            for role in FilmRole::PREDICTED {
                 let found = test(one.free, lines, role);
                 row.push(difference(found.map(|test| &test.comparison)).text);
-                row.push(holm(found));
+                row.push(p_value(found.and_then(|test| test.holm_p)));
             }
             table.row(row);
         }
     }
     table.note = "The estimated line takes two more numbers from each film; a smaller error does not speak for it.".to_owned();
     table
-}
-
-fn holm(test: Option<&LinePairTest>) -> String {
-    let p = test.and_then(|test| test.holm_p).map(probability);
-    p.map_or_else(none, |p| p.trim_start_matches("= ").to_owned())
 }
 
 /// For how many patients the bends contradict each line.

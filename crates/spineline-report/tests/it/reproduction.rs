@@ -6,7 +6,7 @@ use spineline::cohort::{Claims, Cohort, ErrorKind, LinePairTest, PairedCompariso
 use spineline_report::reproduction::{ScenarioResults, full, parts, short};
 use spineline_report::terminal;
 
-/// What a constructed cohort says of the paper's claims.
+/// How a constructed cohort answers the paper's claims.
 #[derive(Clone, Copy)]
 enum Says {
     Yes,

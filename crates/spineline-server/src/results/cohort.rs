@@ -166,8 +166,7 @@ fn cells(analysis: Option<&Analysis>) -> Vec<CohortCell> {
     for kind in LINES {
         for (films, fitted) in [("fitted", true), ("held out", false)] {
             let heading = format!("{kind}, {films} (mm)");
-            let error =
-                of(&|a| a.models.iter().find(|m| m.kind == kind)?.mean_location_error_mm(fitted));
+            let error = of(&|a| a.model(kind)?.mean_location_error_mm(fitted));
             cells.push(cell(&heading, error, 2));
         }
     }

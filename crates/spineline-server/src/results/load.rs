@@ -47,7 +47,7 @@ fn refused(text: impl Into<String>, help: &str) -> Failure {
 fn answer(result: &StudyResult, request: &LoadRequest) -> Answer<LoadAnswer> {
     let analysis = result.analysed()?;
     let kind = request.kind.0;
-    let model = analysis.models.iter().find(|model| model.kind == kind).ok_or_else(|| {
+    let model = analysis.model(kind).ok_or_else(|| {
         refused(
             format!("this study has no model with the {kind}"),
             "choose a line that has a model",

@@ -29,6 +29,9 @@ named! {
 }
 
 impl FilmRole {
+    /// The roles of films that are predicted and not fitted.
+    pub const PREDICTED: [Self; 2] = [Self::LeftOutBend, Self::HeldOut];
+
     /// The films, in a sentence on their prediction.
     pub(super) const fn predicted_words(self) -> &'static str {
         match self {
@@ -248,7 +251,7 @@ impl LinesCompared {
     /// The lines that [`Self::best_predictor`] chooses from, on the same films.
     #[must_use]
     pub fn ranking(&self) -> Option<Ranking> {
-        [FilmRole::LeftOutBend, FilmRole::HeldOut].into_iter().find_map(|role| self.ranked(role))
+        FilmRole::PREDICTED.into_iter().find_map(|role| self.ranked(role))
     }
 
     fn ranked(&self, role: FilmRole) -> Option<Ranking> {

@@ -9,7 +9,7 @@ use crate::personalize::TestOutcome;
 /// What an analysis says in short; [`Analysis::verdict`] has the evidence.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Headline {
-    /// What the bends say of the lines; in its place, what has to be checked first or why there is no model.
+    /// How the bends test the lines; instead of this, what has to be checked first, or why the model is missing.
     pub line: String,
     /// Which line predicts best, beside the best prediction without mechanics; `None` where no film was predicted.
     pub prediction: Option<String>,
@@ -17,15 +17,6 @@ pub struct Headline {
     pub stiffness: Option<String>,
     /// The line of the model that these sentences are about.
     pub kind: Option<LineKind>,
-}
-
-impl Headline {
-    /// Its sentences.
-    #[must_use]
-    pub fn words(&self) -> String {
-        let rest = [&self.prediction, &self.stiffness].into_iter().flatten().map(String::as_str);
-        std::iter::once(&*self.line).chain(rest).collect::<Vec<_>>().join(" ")
-    }
 }
 
 impl Analysis {
@@ -41,7 +32,7 @@ impl Analysis {
             "Check the films first: some may not show what they are named after.".to_owned()
         });
         let kind = compared.best_predictor().map_or(first.kind, |(kind, _)| kind);
-        let model = self.models.iter().find(|model| model.kind == kind).unwrap_or(first);
+        let model = self.model(kind).unwrap_or(first);
         Headline {
             line: doubted.or_else(|| self.lines_headline()).unwrap_or_default(),
             prediction: compared.prediction_headline(),

@@ -102,7 +102,7 @@ impl AnalysisOptions {
             ends: EndChoice::default(),
             // 3.2: Petit's method, on the models that the paper refers to; it prints no stiffness.
             library: StiffnessTable::Paper.library(),
-            // 3.2: all degrees of freedom of L4 are fixed, and those of no other vertebra.
+            // 3.2: all degrees of freedom of L4 are fixed; all other vertebrae move.
             support: Support::Free,
             // 3.2: not stated; films without a known force show ratios of stiffness only.
             gauge: Gauge::GeometricMean,

@@ -104,7 +104,7 @@ impl TemplateError {
         )
     }
 
-    /// In words; `scale` is that of the erect film.
+    /// In words; `scale` belongs to the erect film.
     #[must_use]
     pub fn words(&self, scale: &LengthScale) -> String {
         let (level, worst) = self.worst();

@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 
 use super::comparison::{ComparisonOutcome, corrected_by_holm};
-use super::others::{PREDICTED, Seen};
+use super::others::Seen;
 use super::patient::CohortPatient;
 use super::patients::Patients;
 use super::workers::OneThread;
@@ -111,7 +111,7 @@ impl BaselineErrors {
 
 /// Every baseline in every role of films that are predicted.
 fn cells() -> impl Iterator<Item = (Baseline, FilmRole)> {
-    Baseline::ALL.into_iter().flat_map(|one| PREDICTED.map(|role| (one, role)))
+    Baseline::ALL.into_iter().flat_map(|one| FilmRole::PREDICTED.map(|role| (one, role)))
 }
 
 /// The errors of every baseline on the films of a role, where it predicts any.
@@ -184,7 +184,7 @@ impl BaselinesOverPatients {
     /// What patterns of rotations predict without mechanics, and which lines predict better.
     #[must_use]
     pub fn sentences(&self) -> Vec<String> {
-        PREDICTED.into_iter().flat_map(|role| self.of_role(role)).collect()
+        FilmRole::PREDICTED.into_iter().flat_map(|role| self.of_role(role)).collect()
     }
 
     fn of_role(&self, role: FilmRole) -> Vec<String> {

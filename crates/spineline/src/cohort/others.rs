@@ -10,9 +10,6 @@ use crate::spatial::Angle;
 /// Groups of patients that are left out in turn: every patient alone in small cohorts.
 const MAX_GROUPS: usize = 20;
 
-/// The roles of films that are predicted.
-pub(super) const PREDICTED: [FilmRole; 2] = [FilmRole::LeftOutBend, FilmRole::HeldOut];
-
 /// Baselines by the distribution of rotations over other patients.
 const LEARNED: [Baseline; 2] = [Baseline::RotationPrior, Baseline::RotationPriorWithTilt];
 
@@ -35,7 +32,7 @@ impl<'a> Seen<'a> {
         // One that was given was learned elsewhere and is kept; a published one gives way.
         let prior = prior.filter(|_| !patient.has_rotation_prior);
         let mut found: Vec<(u8, BaselinePrediction)> = Vec::new();
-        for place in PREDICTED.into_iter().flat_map(|role| patient.places(role)) {
+        for place in FilmRole::PREDICTED.into_iter().flat_map(|role| patient.places(role)) {
             let posture = patient.compared[usize::from(place)].0;
             let Some(film) = patient.film_from_top(posture) else { continue };
             let from_mean =

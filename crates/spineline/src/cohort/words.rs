@@ -137,7 +137,7 @@ impl LinesOverPatients {
                 )
             })
         };
-        [FilmRole::LeftOutBend, FilmRole::HeldOut].into_iter().filter_map(of_role).collect()
+        FilmRole::PREDICTED.into_iter().filter_map(of_role).collect()
     }
 
     /// Lines with a smaller error on fitted bends that do not predict significantly better.

@@ -101,7 +101,7 @@ impl ImageGeometry {
         clockwise * -self.left_per_column()
     }
 
-    /// What lengths between places of this picture are measured in; a pixel stands for a millimetre where it has no spacing.
+    /// The unit of lengths between places of this picture; a pixel stands for a millimetre where it has no spacing.
     #[must_use]
     pub fn length_scale(&self) -> LengthScale {
         let pixels = LengthScale {

@@ -150,7 +150,7 @@ pub(super) fn all_of(nominal: &Analysis, kinds: &[LineKind]) -> Vec<AnalysisQuan
         all.extend([Q::ComparisonAngle(posture), Q::ComparisonDistance(posture)]);
     }
     for &kind in kinds {
-        let groups = nominal.models.iter().find(|model| model.kind == kind);
+        let groups = nominal.model(kind);
         let groups = groups.map_or(Region::ALL.len(), |model| model.groups.len());
         all.extend((0..groups).map(|group| Q::LogMultiplier(kind, group)));
         all.extend([Q::MeanLocationError(kind, true), Q::MeanLocationError(kind, false)]);
@@ -327,7 +327,7 @@ impl AnalysisQuantity {
         }
         let line = &simulation.line;
         // A line that is nearly horizontal may be given in the opposite direction.
-        let own = nominal.models.iter().find(|model| model.kind == kind);
+        let own = nominal.model(kind);
         let own = own.and_then(|model| model.posture(posture));
         let sense = own.map_or(1.0, |own| own.line.direction.dot(line.direction).signum());
         Ok(match self {
@@ -381,7 +381,7 @@ fn found(analysis: &Analysis, posture: Posture) -> Result<&FilmMovement, Absent>
 
 /// The model of a line whose fit converged.
 pub(super) fn fitted_model(analysis: &Analysis, kind: LineKind) -> Result<&LineModel, Absent> {
-    let model = analysis.models.iter().find(|model| model.kind == kind);
+    let model = analysis.model(kind);
     let model = model.ok_or(match kind {
         LineKind::Inflection if analysis.movement.inflections.pair.is_none() => {
             Absent::NoInflections

@@ -67,11 +67,11 @@ impl WarningCode {
 
 warning_codes! {
     Measure {
-        /// The bodies of a film have other proportions than those of the erect film, beyond noise.
+        /// The bodies of a film have other proportions than on the erect film, beyond noise.
         AnotherPatient = "another_patient": Warning, DoubtsFilm;
         /// A model in space has no pedicles to take axial rotation from, and its curves are large enough to turn vertebrae.
         AxialRotationUnknown = "axial_rotation_unknown": Warning;
-        /// An axis turned by hand differs much from that of the corners.
+        /// An axis turned by hand differs much from the axis of the corners.
         AxisAgainstCorners = "axis_against_corners": Warning;
         /// L4, or L3 too, is not marked on every film, and the model stands on a higher vertebra.
         BaseMissing = "base_missing": Warning;
@@ -127,7 +127,7 @@ warning_codes! {
         LevelLeftOut = "level_left_out": Warning;
         /// The levels were placed on a midline of the back surface, and no vertebra was seen.
         LevelsEstimated = "levels_estimated": Warning;
-        /// The widths of the bodies match those of the neighbours on the erect film.
+        /// The widths of the bodies match the neighbours on the erect film.
         LevelsMayBeShifted = "levels_may_be_shifted": Warning, DoubtsFilm;
         /// A program found a corner of this vertebra with a low confidence.
         LowConfidence = "low_confidence": Warning;
@@ -143,7 +143,7 @@ warning_codes! {
         ReadingsIncomplete = "readings_incomplete": Warning;
         /// Every film was read once, so that the reliability of the readings is not known.
         ReliabilityOneReading = "reliability_one_reading": Note;
-        /// The lengths of a film are in another plane than those of the erect film.
+        /// The lengths of a film are in another plane than on the erect film.
         SpacingPlanesDiffer = "spacing_planes_differ": Warning;
         /// Two neighbouring vertebrae are as far apart as where one was skipped or marked twice.
         SpacingUnusual = "spacing_unusual": Warning;

@@ -53,8 +53,8 @@ impl Model<'_> {
     /// Names the missing model and the options that give one.
     fn say_missing(&self, analysis: &Analysis) {
         let what = match self.args.model_line {
-            ModelLine::Kind(kind) => format!("there is no model with the {kind}"),
-            ModelLine::Auto => "there is no model".to_owned(),
+            ModelLine::Kind(kind) => format!("the analysis has no model with the {kind}"),
+            ModelLine::Auto => "the analysis has no model".to_owned(),
         };
         let why = format!("{}: {what}", analysis.case_id);
         say(&Failure::target(self.path, &why, &help_without_model(analysis)));

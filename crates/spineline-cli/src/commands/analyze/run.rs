@@ -25,7 +25,7 @@ use crate::run::outputs::{Outputs, print_notices};
 use crate::run::progress::bar;
 use crate::run::threads::stream_all;
 
-/// What is asked of every case.
+/// What the user asks for every case.
 #[derive(Clone, Copy)]
 pub struct Asked<'a> {
     pub args: &'a AnalyzeArgs,
@@ -69,7 +69,7 @@ pub struct Analysed {
     row: Option<PatientRow>,
 }
 
-/// What is left of the cases after their results were written.
+/// What the run keeps of the cases after their results are written.
 pub struct Finished<'a> {
     asked: Asked<'a>,
     pub read: ReadCases,

@@ -42,6 +42,15 @@ impl FormName {
             Self::Pdf => "pdf",
         }
     }
+
+    fn of_ending(ending: &str) -> Option<Self> {
+        match ending {
+            "pdf" => Some(Self::Pdf),
+            "md" | "markdown" => Some(Self::Md),
+            "html" | "htm" => Some(Self::Html),
+            _ => None,
+        }
+    }
 }
 
 impl ReportArgs {
@@ -50,14 +59,7 @@ impl ReportArgs {
     /// # Errors
     /// Wrong usage: the two contradict each other.
     pub fn form(&self) -> Result<FormName, Failure> {
-        let ending = self.out.as_deref().and_then(Path::extension);
-        let ending = ending.map(|ending| ending.to_string_lossy().to_lowercase());
-        let named = match ending.as_deref() {
-            Some("pdf") => Some(FormName::Pdf),
-            Some("md" | "markdown") => Some(FormName::Md),
-            Some("html" | "htm") => Some(FormName::Html),
-            _ => None,
-        };
+        let named = self.ending().and_then(|ending| FormName::of_ending(&ending));
         match (self.to, named) {
             (Some(asked), Some(named)) if asked != named => Err(Failure::usage(format!(
                 "--to {} contradicts the extension of --out, which is that of {}: give one of them",
@@ -73,15 +75,17 @@ impl ReportArgs {
     /// # Errors
     /// Wrong usage.
     pub fn check_ending(&self) -> Result<(), Failure> {
-        let known = ["html", "htm", "md", "markdown", "pdf"];
-        let ending = self.out.as_deref().and_then(Path::extension);
-        let ending = ending.map(|end| end.to_string_lossy().to_lowercase());
-        match ending {
-            Some(other) if !known.contains(&&*other) => Err(Failure::usage(format!(
+        match self.ending() {
+            Some(other) if FormName::of_ending(&other).is_none() => Err(Failure::usage(format!(
                 "--out ends in .{other}, and a report is .html, .md or .pdf: name the file so"
             ))),
             _ => Ok(()),
         }
+    }
+
+    fn ending(&self) -> Option<String> {
+        let ending = self.out.as_deref().and_then(Path::extension)?;
+        Some(ending.to_string_lossy().to_lowercase())
     }
 }
 

@@ -117,7 +117,7 @@ fn example(
             save(format!("figure-09-{}-{scenario}-{support}", posture.key()), &svg)?;
         }
     }
-    let model = analysis.models.iter().find(|m| m.kind == LineKind::Inflection);
+    let model = analysis.model(LineKind::Inflection);
     let parts = [0.0, 0.5, 1.0, 1.25];
     let path = model.and_then(|m| analysis.force_path(m, Posture::RightBending, &parts));
     if let Some(shapes) = path {

@@ -1,7 +1,7 @@
 //! `spineline reproduce`: the paper's numbers on synthetic patients.
 //!
 //! 18 subjects in 3 loading scenarios are made, read, and analysed with both supports. Every number of the paper is set beside
-//! ours with a verdict in words. The numbers are no goals: the scenario that moved the phantoms decides which line predicts better.
+//! ours with a verdict in words. The numbers are not goals: the scenario that moved the phantoms decides which line predicts better.
 
 mod args;
 mod drawings;

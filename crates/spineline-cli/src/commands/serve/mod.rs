@@ -2,8 +2,6 @@
 
 mod archives;
 
-use std::fs::File;
-use std::io::Read;
 use std::net::{IpAddr, Ipv4Addr, SocketAddr};
 use std::path::{Path, PathBuf};
 use std::time::{SystemTime, UNIX_EPOCH};
@@ -14,6 +12,7 @@ use spineline_store::{Access, Name, Role, Signature, Store, wider_permissions};
 
 use crate::analysis::study::add_case;
 use crate::run::failure::{Ending, Failure};
+use crate::run::inputs::is_json;
 use crate::run::interrupt;
 use crate::run::messages::say;
 use crate::run::outputs::print;
@@ -34,7 +33,7 @@ Without accounts, the printed address signs in one browser; a new one is printed
 machine's own require accounts (`spineline account add NAME --role admin STORE`). Ctrl-C stops the server.
 
 With --dicomweb, who may make studies can also open films from that archive, found by Patient ID or Accession Number. The \
-program asks no other address. The address is that of the DICOMweb service (QIDO-RS and WADO-RS), such as \
+program asks no other address. Give the address of the DICOMweb service (QIDO-RS and WADO-RS), such as \
 http://localhost:8042/dicom-web for Orthanc. Keep a login in a file that only you can read (chmod 600). The log of the store \
 says who searched and who opened a film.";
 
@@ -75,7 +74,7 @@ pub struct ServeArgs {
 pub fn run(args: &ServeArgs) -> Result<Ending, Failure> {
     check_clock()?;
     let archives = args.archives.read()?;
-    let case = is_case(&args.store).then_some(&args.store);
+    let case = is_json(&args.store).then_some(&args.store);
     let store = case.map_or_else(|| args.store.clone(), |case| case.with_extension("spineline"));
     let args = &ServeArgs { store, ..args.clone() };
     let is_new = !args.store.exists();
@@ -122,13 +121,6 @@ pub fn run(args: &ServeArgs) -> Result<Ending, Failure> {
     // Requests under way are not waited for: what is not committed is not stored.
     runtime.shutdown_background();
     ending
-}
-
-/// Whether a file is JSON and so no store.
-fn is_case(path: &Path) -> bool {
-    let mut start = Vec::new();
-    let read = File::open(path).and_then(|file| file.take(256).read_to_end(&mut start));
-    path.is_file() && read.is_ok() && start.trim_ascii_start().starts_with(b"{")
 }
 
 /// Makes the study of a case in a new store.

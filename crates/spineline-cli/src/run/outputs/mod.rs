@@ -34,7 +34,7 @@ pub fn print_document(document: &Document) -> Result<Ending, Failure> {
     print(Lines::of_text(&terminal::terminal(document, width())))
 }
 
-/// Columns of text for a person: those of the terminal, from 80 to 120; where there is none, [`terminal::WIDTH`].
+/// Columns of text for a person: the width of the terminal, from 80 to 120; without a terminal, [`terminal::WIDTH`].
 pub fn width() -> usize {
     let found = terminal_size::terminal_size_of(io::stdout());
     found.map_or(terminal::WIDTH, |(columns, _)| usize::from(columns.0).clamp(80, 120))

@@ -164,7 +164,7 @@ pub fn fitted_model(result: &StudyResult, line: LineName) -> Answer<(&Analysis, 
     let analysis = result.analysed()?;
     let no_model =
         |text: String, help| Failure::new(StatusCode::CONFLICT, "no_model", text).help(help);
-    let model = analysis.models.iter().find(|model| model.kind == line.0).ok_or_else(|| {
+    let model = analysis.model(line.0).ok_or_else(|| {
         let text = format!("this study has no model with the {}", line.0);
         no_model(text, "choose a line that has a model")
     })?;

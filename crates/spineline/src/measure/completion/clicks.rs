@@ -53,7 +53,7 @@ pub struct Click {
 }
 
 impl Click {
-    /// Clicks on one vertebra: the corners that were placed, or the walls where there is none.
+    /// Clicks on one vertebra: the corners that were placed, or the walls where no corner was placed.
     #[must_use]
     pub fn on(
         level: Level,
