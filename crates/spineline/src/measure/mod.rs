@@ -59,7 +59,7 @@ pub use calibration::{Calibration, CalibrationError, Calibrator};
 pub use corner_order::CornerOrder;
 pub use corners::{CornerFault, Corners};
 pub use drawn::{DrawnAngle, DrawnFault, DrawnLength, DrawnLine};
-pub use error::MeasureError;
+pub use error::{FilmPlace, MeasureError, MeasureFault};
 pub use evidence::{
     CalibrationType, SpacingEvidence, SpacingJudgement, SpacingRemark, judge_spacing,
 };
@@ -72,7 +72,7 @@ pub(crate) use frame::body_shapes;
 pub use frame::{FilmFrame, body_widths, endplate_centres};
 pub use interpolation::Interpolation;
 pub(crate) use interpolation::InterpolationError;
-pub use lateral::{LateralCorners, LateralFault, LateralFilm, LateralOutline, LateralVertebra};
+pub use lateral::{LateralCorners, LateralFilm, LateralOutline, LateralVertebra};
 pub use lengths::{FilmSize, SuspectedUnit};
 pub use marking::{MarkedBody, MarkingFault, PartialLandmarks, PartialReading, turn_axis_towards};
 pub use marking_proposal::{CornerName, NextLandmark, ProposedVertebra};
