@@ -7,6 +7,7 @@ use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use spineline::analysis::{self, AnalysisOptions};
+use spineline::anatomy::FilmView;
 use spineline::error::Error;
 use spineline_files::{
     CaseFile, InputFile, parse_case_file, parse_case_within, read_text, to_text,
@@ -131,12 +132,11 @@ impl Case {
 /// An error that stops an analysis, as a row beside the warnings.
 fn error_row<'py>(py: Python<'py>, error: &Error) -> PyResult<Bound<'py, PyDict>> {
     let place = error.place();
-    let film = place.posture.map(|posture| posture.key());
     let row = PyDict::new(py);
     row.set_item("severity", "error")?;
     row.set_item("code", error.code())?;
     row.set_item("step", error.step().key())?;
-    row.set_item("film", film.or_else(|| place.on_lateral_film.then_some("lateral")))?;
+    row.set_item("film", place.film.map(FilmView::key))?;
     row.set_item("level", place.level.map(|level| level.to_string()))?;
     row.set_item("text", format!("{error}: {}", error.help()))?;
     Ok(row)

@@ -91,11 +91,10 @@ impl Fault {
 impl From<Error> for Fault {
     fn from(error: Error) -> Self {
         let place = error.place();
-        let film = place.posture.map(|posture| posture.key().to_owned());
         Self(Box::new(Facts {
             text: error.to_string(),
             help: error.help().into(),
-            film: film.or_else(|| place.on_lateral_film.then(|| "lateral".to_owned())),
+            film: place.film.map(|film| film.key().to_owned()),
             level: place.level,
             value: place.value,
             limit: place.limit,

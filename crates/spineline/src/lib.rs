@@ -129,6 +129,7 @@ pub mod cohort;
 pub mod curve;
 pub mod error;
 pub mod evaluate;
+pub mod fault;
 pub mod hypothesis;
 pub(crate) mod least_squares;
 pub mod measure;

@@ -14,6 +14,7 @@ const ORDERS: [(&str, &[&str]); 2] = [
         &[
             "anatomy",
             "spatial",
+            "fault",
             "action",
             "warning",
             "measure",

@@ -2,7 +2,7 @@
 
 use proptest::prelude::*;
 use spineline::anatomy::{ImageSide, Level, Posture};
-use spineline::measure::{CornerFault, ImageGeometry, MeasureError};
+use spineline::measure::{CornerFault, ImageGeometry, MeasureFault};
 use spineline_landmarks::{
     LandmarkError, LandmarkHint, LandmarkReadings, MAX_ROWS, parse_coco, parse_csv, parse_labelme,
     parse_landmarks, parse_slicer,
@@ -78,8 +78,9 @@ fn f17_corners_in_another_order_are_detected() {
         ([1, 0, 3, 2], CornerFault::SidesExchanged),
     ] {
         match judged(|rows| rows[at] = reordered(&rows[at], order)) {
-            Err(LandmarkError::Marks(MeasureError::Corners { level, fault: found, .. })) => {
-                assert_eq!((level, found), (Level::T8, fault));
+            Err(LandmarkError::Marks(error)) => {
+                assert_eq!(error.at.level, Some(Level::T8));
+                assert_eq!(error.fault, MeasureFault::Corners { fault });
             }
             other => panic!("{order:?}: {other:?}"),
         }
@@ -89,7 +90,8 @@ fn f17_corners_in_another_order_are_detected() {
 #[test]
 fn f18_a_film_with_all_sides_swapped_is_mirrored() {
     let all = judged(|rows| rows.iter_mut().for_each(|row| *row = reordered(row, [1, 0, 3, 2])));
-    assert!(matches!(all, Err(LandmarkError::Marks(MeasureError::FilmMirrored { count: 15, .. }))));
+    let Err(LandmarkError::Marks(error)) = all else { panic!("{all:?}") };
+    assert_eq!(error.fault, MeasureFault::FilmMirrored { count: 15 });
 }
 
 #[test]
@@ -137,12 +139,12 @@ fn f24_an_invalid_number_is_reported_with_its_cell() {
 #[test]
 fn f25_coincident_points_and_points_off_the_picture_are_refused() {
     let flat = judged(|rows| rows[3] = "erect,A,1,L1,500,500,500,500,500,500,500,500".to_owned());
-    let Err(LandmarkError::Marks(MeasureError::Corners { level, fault, .. })) = flat else {
-        panic!("{flat:?}");
-    };
-    assert_eq!((level, fault), (Level::L1, CornerFault::Flat));
+    let Err(LandmarkError::Marks(error)) = flat else { panic!("{flat:?}") };
+    assert_eq!(error.at.level, Some(Level::L1));
+    assert_eq!(error.fault, MeasureFault::Corners { fault: CornerFault::Flat });
     let off = judged(|rows| rows[3] = rows[3].replace(",550,", ",1550,"));
-    assert!(matches!(off, Err(LandmarkError::Marks(MeasureError::OffImage { .. }))), "{off:?}");
+    let Err(LandmarkError::Marks(error)) = off else { panic!("{off:?}") };
+    assert!(matches!(error.fault, MeasureFault::OffImage { .. }), "{error}");
 }
 
 #[test]

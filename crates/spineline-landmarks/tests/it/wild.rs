@@ -1,7 +1,7 @@
 //! Files as people bring them: what was not placed, spreadsheets, and files of other programs.
 
 use spineline::anatomy::{ImageSide, Level, Posture};
-use spineline::measure::{ImageGeometry, MeasureError};
+use spineline::measure::{ImageGeometry, MeasureFault};
 use spineline_landmarks::{
     LandmarkError, LandmarkFile, LandmarkHint, LandmarkReadings, parse_coco, parse_csv,
     parse_labelme, parse_landmarks, parse_mat, parse_slicer,
@@ -337,7 +337,8 @@ fn corners_that_run_around_every_body_are_named_as_exchanged() {
     ] {
         let error = judged(order).expect_err(words);
         assert!(error.to_string().contains(words), "{error}");
-        assert!(matches!(error, LandmarkError::Marks(MeasureError::CornerOrder { count: 17, .. })));
+        let LandmarkError::Marks(error) = error else { panic!("{error}") };
+        assert!(matches!(error.fault, MeasureFault::CornerOrder { count: 17, .. }), "{error}");
     }
 }
 

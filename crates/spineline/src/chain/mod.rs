@@ -17,6 +17,7 @@
 use std::ops::RangeInclusive;
 
 use crate::curve::Curve;
+use crate::fault::faults;
 use crate::spatial::{Angle, Frontal};
 
 /// The number of segments that the erect curve may have.
@@ -62,34 +63,43 @@ pub struct DenavitHartenberg {
     pub theta: Angle,
 }
 
-/// Curves on which no chain can be laid.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-#[non_exhaustive]
-pub enum ChainError {
-    /// A window that holds no number of segments, or too large ones.
-    #[error(
-        "the window of segments {from} to {to} is empty, starts at zero or exceeds {MAX_SEGMENTS}"
-    )]
-    Window {
-        /// Its start.
-        from: u32,
-        /// Its end.
-        to: u32,
-    },
-    /// An erect curve without length.
-    #[error("the erect curve is {erect_mm} mm long, and no chain can be laid on it")]
-    NoLength {
-        /// Its length.
-        erect_mm: f64,
-    },
-    /// A curve shorter than a tenth of the erect one.
-    #[error("a curve is {length_mm:.1} mm long, and the erect curve {erect_mm:.1} mm")]
-    TooShort {
-        /// Its length.
-        length_mm: f64,
-        /// The erect one's.
-        erect_mm: f64,
-    },
+const LENGTHS_HELP: &str =
+    "check the spacing of the films: their curves should be about equally long";
+
+faults! {
+    /// Curves on which no chain can be laid.
+    pub enum ChainError {
+        /// A window that holds no number of segments, or too large ones.
+        #[error("the window of segments {from} to {to} is empty, starts at zero or exceeds {MAX_SEGMENTS}")]
+        #[code("segment_window")]
+        #[help("give a window from at least 1 to at most 100,000 segments, such as 993 to 1003")]
+        Window {
+            /// Its start.
+            from: u32,
+            /// Its end.
+            to: u32,
+        },
+        /// An erect curve without length.
+        #[error("the erect curve is {erect_mm} mm long, and no chain can be laid on it")]
+        #[code("curve_without_length")]
+        #[help(LENGTHS_HELP)]
+        #[at(value = *erect_mm)]
+        NoLength {
+            /// Its length.
+            erect_mm: f64,
+        },
+        /// A curve shorter than a tenth of the erect one.
+        #[error("a curve is {length_mm:.1} mm long, and the erect curve {erect_mm:.1} mm")]
+        #[code("curve_too_short")]
+        #[help(LENGTHS_HELP)]
+        #[at(value = *length_mm)]
+        TooShort {
+            /// Its length.
+            length_mm: f64,
+            /// The erect one's.
+            erect_mm: f64,
+        },
+    }
 }
 
 impl Chain {

@@ -2,7 +2,8 @@ use nalgebra::{DMatrix, DMatrixView, DVector, Matrix3, Vector3};
 
 use super::series::{Series, for_each_basis};
 use super::{Curve, CurveForm, MIN_TURN, find_inflections};
-use crate::anatomy::{Levels, Posture};
+use crate::anatomy::{FilmView, Levels, Posture};
+use crate::fault::faults;
 use crate::measure::{ErrorRate, Measured, MeasuredVertebra, Outline, Whitening};
 use crate::spatial::{Angle, Frontal};
 use crate::warning::{WarningCode, Warnings};
@@ -31,26 +32,34 @@ impl OrderRule {
     }
 }
 
-/// A curve that cannot be fitted.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-#[non_exhaustive]
-pub enum CurveError {
-    /// An order outside of 4…12.
-    #[error("polynomial order {order} is outside of {} to {limit}", ORDERS.start())]
-    Order {
-        /// The requested value.
-        order: usize,
-        /// The largest for the vertebrae of the film: 12 where all are marked.
-        limit: usize,
-    },
-    /// The equations of the fit are singular.
-    #[error("{posture} film: these vertebrae do not determine a polynomial of order {order}")]
-    Singular {
-        /// Film.
-        posture: Posture,
-        /// Order tried.
-        order: usize,
-    },
+const ORDER_HELP: &str = "use an order from 4 to 12, or `leave-one-out`";
+
+faults! {
+    /// A curve that cannot be fitted.
+    pub enum CurveError {
+        /// An order outside of 4…12.
+        #[error("polynomial order {order} is outside of {} to {limit}", ORDERS.start())]
+        #[code("curve_order")]
+        #[help(ORDER_HELP)]
+        #[at(value = *order as f64, limit = *limit as f64)]
+        Order {
+            /// The requested value.
+            order: usize,
+            /// The largest for the vertebrae of the film: 12 where all are marked.
+            limit: usize,
+        },
+        /// The equations of the fit are singular.
+        #[error("{posture} film: these vertebrae do not determine a polynomial of order {order}")]
+        #[code("curve_singular")]
+        #[help(ORDER_HELP)]
+        #[at(film = FilmView::from(*posture), value = *order as f64)]
+        Singular {
+            /// Film.
+            posture: Posture,
+            /// Order tried.
+            order: usize,
+        },
+    }
 }
 
 /// Films marked by hand stay below this by far (about 3° in the median).

@@ -2,7 +2,9 @@
 
 use std::fmt;
 
-use super::{Film, FilmLandmarks, MeasureError, Outline, VertebraLandmarks};
+use super::{
+    Film, FilmLandmarks, FilmPlace, MeasureError, MeasureFault, Outline, VertebraLandmarks,
+};
 use crate::anatomy::{Level, Morphometry, PediclePlace, Side, named};
 use crate::spatial::{Angle, Frontal, Pixel};
 
@@ -127,7 +129,7 @@ impl fmt::Display for PedicleFault {
 /// Axial rotations of all vertebrae of a film on which both pedicles are marked, caudal first: means over readings.
 ///
 /// # Errors
-/// [`MeasureError::Pedicles`] names film, reading, vertebra and fault.
+/// [`MeasureFault::Pedicles`] names film, reading, vertebra and fault.
 pub(crate) fn axial_rotations(
     film: &Film,
     outline: &Outline,
@@ -141,11 +143,9 @@ pub(crate) fn axial_rotations(
         for reading in readings {
             let Some(landmark) = reading.vertebrae.get(&level) else { continue };
             let [Some(left), Some(right)] = landmark.pedicles else { continue };
-            let fault = |fault| MeasureError::Pedicles {
-                posture: film.posture,
-                id: reading.id.clone(),
-                level,
-                fault,
+            let fault = |fault| {
+                let place = FilmPlace::vertebra(film.posture, &reading.id, level);
+                MeasureFault::Pedicles { fault }.at(place)
             };
             if ![left, right].into_iter().all(|place| image.contains(place)) {
                 return Err(fault(PedicleFault::OffImage));

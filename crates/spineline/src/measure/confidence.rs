@@ -1,6 +1,8 @@
 //! Confidences of landmarks that a program found.
 
-use super::{CornerName, MeasureError, Reading, ReadingId, VertebraLandmarks};
+use super::{
+    CornerName, FilmPlace, MeasureError, MeasureFault, Reading, ReadingId, VertebraLandmarks,
+};
 use crate::anatomy::{Level, Posture};
 use crate::warning::{WarningCode, Warnings};
 
@@ -18,14 +20,14 @@ pub(super) fn check_confidence(
     level: Level,
     landmark: &VertebraLandmarks,
 ) -> Result<(), MeasureError> {
+    let place = || FilmPlace::vertebra(posture, id, level);
     let confidences = landmark.confidence.map(|corners| corners.points());
     if let Some(value) = landmark.sd_share.filter(|sd| !(*sd > 0.0 && *sd <= MAX_SD_SHARE)) {
-        let (id, most) = (id.clone(), MAX_SD_SHARE);
-        return Err(MeasureError::CornerSd { posture, id, level, value, most });
+        return Err(MeasureFault::CornerSd { value, most: MAX_SD_SHARE }.at(place()));
     }
     match confidences.into_iter().flatten().find(|value| !(0.0..=1.0).contains(value)) {
         None => Ok(()),
-        Some(value) => Err(MeasureError::Confidence { posture, id: id.clone(), level, value }),
+        Some(value) => Err(MeasureFault::Confidence { value }.at(place())),
     }
 }
 

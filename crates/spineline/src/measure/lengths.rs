@@ -6,7 +6,7 @@
 use std::fmt;
 
 use super::bodies::{ReadBodies, median};
-use super::{Film, FilmLandmarks, MeasureError, SpacingPlane};
+use super::{Film, FilmLandmarks, MeasureError, MeasureFault, SpacingPlane};
 use crate::anatomy::{Level, Morphometry};
 use crate::spatial::Frontal;
 use crate::warning::{WarningCode, Warnings};
@@ -339,7 +339,7 @@ fn means(places: impl Iterator<Item = (Level, Frontal)>) -> Vec<(Level, Frontal)
 /// Refuses a frontal film with lengths that no patient has.
 pub(super) fn check_lengths(film: &Film) -> Result<(), MeasureError> {
     match FilmSizes::of_film(film).impossible() {
-        Some(size) => Err(MeasureError::Length { posture: film.posture, size }),
+        Some(size) => Err(MeasureFault::Length { size }.at(film.posture)),
         None => Ok(()),
     }
 }

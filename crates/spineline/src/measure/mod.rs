@@ -49,7 +49,7 @@ pub(crate) use axial::axial_rotations;
 pub use axial::{AxialRotation, NashMoe, PedicleFault};
 pub use corner_order::CornerOrder;
 pub use corners::{CornerFault, CornerName, Corners};
-pub use error::MeasureError;
+pub use error::{FilmPlace, MeasureError, MeasureFault};
 pub use film::{
     Film, FilmLandmarks, FilmTooLarge, IliacCrests, ImageGeometry, Placement, PlacementSource,
     Reading, ReadingId, VertebraLandmarks,
@@ -59,7 +59,7 @@ pub(crate) use frame::body_shapes;
 pub use frame::{FilmFrame, body_widths, endplate_centres};
 pub use interpolation::Interpolation;
 pub(crate) use interpolation::InterpolationError;
-pub use lateral::{LateralCorners, LateralFault, LateralFilm, LateralOutline, LateralVertebra};
+pub use lateral::{LateralCorners, LateralFilm, LateralOutline, LateralVertebra};
 pub use lengths::{FilmSize, SuspectedUnit};
 pub use noise::Noise;
 pub(crate) use noise::{OutlineNoise, ReadingSquares};

@@ -9,12 +9,12 @@ use super::means::average;
 use super::outline_checks::{check_marked, warn_of_gaps, warn_of_interpolated, warn_of_source};
 use super::placing::{program_corners, warn_of_unusable_ends};
 use super::{
-    EndplateTilts, Film, FilmLandmarks, FilmLength, IliacCrests, ImageGeometry, Interpolation,
-    LengthScale, MeasureError, Noise, Placement, ProgramNoise, Reading, ReadingId, SharedErrors,
-    Spacing, SpacingPlane, TiltRule, VertebraOrigin, common_levels, measure_readings, seen_levels,
-    warn_of_shortened_chain,
+    EndplateTilts, Film, FilmLandmarks, FilmLength, FilmPlace, IliacCrests, ImageGeometry,
+    Interpolation, LengthScale, MeasureError, MeasureFault, Noise, Placement, ProgramNoise,
+    Reading, ReadingId, SharedErrors, Spacing, SpacingPlane, TiltRule, VertebraOrigin,
+    common_levels, measure_readings, seen_levels, warn_of_shortened_chain,
 };
-use crate::anatomy::{Level, Levels, Morphometry, Posture};
+use crate::anatomy::{FilmView, Level, Levels, Morphometry, Posture};
 use crate::spatial::{Angle, Frontal, Pixel};
 use crate::warning::{WarningCode, Warnings};
 
@@ -197,7 +197,7 @@ pub(crate) fn outline_of(
     let on_film = average(&placed);
     let (base, _) = *on_film
         .get(&levels.base())
-        .ok_or(MeasureError::BaseMissing { posture, lowest: Levels::HIGHEST_BASE })?;
+        .ok_or(MeasureFault::BaseMissing { lowest: Levels::HIGHEST_BASE }.at(posture))?;
     // The global frame: the base's (L4's) midpoint is the origin, and its own axis is +Z.
     let mut in_global: BTreeMap<Level, MeasuredVertebra> = on_film
         .iter()
@@ -269,7 +269,7 @@ fn vertebrae_of(
             Some(((_, low), (_, high))) => Ok(interpolate(level, [low, high], noise)),
             None => {
                 let highest = below.map(|(&level, _)| level);
-                Err(MeasureError::TopMissing { posture, highest })
+                Err(MeasureFault::TopMissing { highest }.at(posture))
             }
         }
     };
@@ -330,20 +330,26 @@ fn place_film(
 }
 
 pub(super) fn check_spacing(posture: Posture, image: &ImageGeometry) -> Result<(), MeasureError> {
-    let Some(spacing) = image.spacing else { return Ok(()) };
+    check_pixels(posture.into(), image.spacing)?;
+    image.check_size().map_err(|fault| MeasureFault::FilmTooLarge { fault }.at(posture))
+}
+
+/// Refuses distances between pixels that no film has.
+pub(super) fn check_pixels(film: FilmView, spacing: Option<Spacing>) -> Result<(), MeasureError> {
+    let Some(spacing) = spacing else { return Ok(()) };
     for (direction, value) in [("column", spacing.column_mm), ("row", spacing.row_mm)] {
         if !Spacing::is_possible(value) {
-            return Err(MeasureError::Spacing { posture, direction, value });
+            return Err(MeasureFault::Spacing { direction, value }.at(film));
         }
     }
-    image.check_size().map_err(|fault| MeasureError::FilmTooLarge { posture, fault })
+    Ok(())
 }
 
 /// Refuses a standard deviation of a scale that is below zero or says that the scale is not known.
 fn check_scale_sd(posture: Posture, relative_sd: Option<f64>) -> Result<(), MeasureError> {
     let most = LengthScale::MAX_RELATIVE_SD;
     match relative_sd.filter(|sd| !(0.0..=most).contains(sd)) {
-        Some(value) => Err(MeasureError::ScaleSd { posture, value, most }),
+        Some(value) => Err(MeasureFault::ScaleSd { value, most }.at(posture)),
         None => Ok(()),
     }
 }
@@ -366,16 +372,8 @@ fn check_body_sizes(film: &Film) -> Result<(), MeasureError> {
                 [("wide", width_mm, BODY_WIDTHS_MM), ("high", height_mm, BODY_HEIGHTS_MM)]
             {
                 if !(least_mm..=most_mm).contains(&size_mm) {
-                    let (posture, id) = (film.posture, reading.id.clone());
-                    return Err(MeasureError::BodySize {
-                        posture,
-                        id,
-                        level,
-                        side,
-                        size_mm,
-                        least_mm,
-                        most_mm,
-                    });
+                    let fault = MeasureFault::BodySize { level, side, size_mm, least_mm, most_mm };
+                    return Err(fault.at(FilmPlace::reading(film.posture, &reading.id)));
                 }
             }
         }
@@ -388,26 +386,24 @@ pub(super) fn check_readings<T>(
     readings: &[Reading<T>],
 ) -> Result<(), MeasureError> {
     if readings.is_empty() {
-        return Err(MeasureError::NoReading { posture });
+        return Err(MeasureFault::NoReading.at(posture));
     }
-    if let Some(nameless) = nameless(readings) {
-        return Err(MeasureError::Observer { posture, id: nameless.id.clone() });
+    check_observers(posture.into(), readings)
+}
+
+/// Every reading has an observer that is a code, and no reading has the observer and repeat of an earlier one.
+pub(super) fn check_observers<T>(
+    film: FilmView,
+    readings: &[Reading<T>],
+) -> Result<(), MeasureError> {
+    if let Some(one) = readings.iter().find(|one| !is_observer_code(&one.id.observer)) {
+        return Err(MeasureFault::Observer { id: one.id.clone() }.at(film));
     }
-    match repeated(readings) {
-        Some(twice) => Err(MeasureError::DuplicateReading { posture, id: twice.id.clone() }),
+    let mut seen = BTreeSet::new();
+    match readings.iter().find(|one| !seen.insert(&one.id)) {
+        Some(twice) => Err(MeasureFault::DuplicateReading { id: twice.id.clone() }.at(film)),
         None => Ok(()),
     }
-}
-
-/// A reading whose observer is no code.
-pub(super) fn nameless<T>(readings: &[Reading<T>]) -> Option<&Reading<T>> {
-    readings.iter().find(|reading| !is_observer_code(&reading.id.observer))
-}
-
-/// A reading with the observer and repeat of an earlier one.
-pub(super) fn repeated<T>(readings: &[Reading<T>]) -> Option<&Reading<T>> {
-    let mut seen = BTreeSet::new();
-    readings.iter().find(|reading| !seen.insert(&reading.id))
 }
 
 pub(super) fn check_placements(
@@ -417,7 +413,11 @@ pub(super) fn check_placements(
     for reading in readings {
         for (&level, placement) in &reading.vertebrae {
             if !(placement.location.is_finite() && placement.tilt.rad().is_finite()) {
-                return Err(MeasureError::NotFinite { posture, id: reading.id.clone(), level });
+                return Err(MeasureFault::NotFinite.at(FilmPlace::vertebra(
+                    posture,
+                    &reading.id,
+                    level,
+                )));
             }
         }
     }
@@ -474,12 +474,12 @@ fn check_crests(
     let outside = [crests.left, crests.right].into_iter().find(|&crest| !image.contains(crest));
     if let Some(Pixel { column_px, row_px }) = outside {
         let (columns, rows) = (image.columns, image.rows);
-        return Err(MeasureError::CrestOffImage { posture, column_px, row_px, columns, rows });
+        return Err(MeasureFault::CrestOffImage { column_px, row_px, columns, rows }.at(posture));
     }
     let apart_mm = image.frontal(crests.left).distance_mm(image.frontal(crests.right));
     // Without a spacing, how far apart they are says nothing.
     if (image.scale().is_some() && apart_mm < MIN_DISTANCE_MM) || apart_mm == 0.0 {
-        return Err(MeasureError::Crests { posture, apart_mm, limit_mm: MIN_DISTANCE_MM });
+        return Err(MeasureFault::Crests { apart_mm, limit_mm: MIN_DISTANCE_MM }.at(posture));
     }
     Ok(())
 }

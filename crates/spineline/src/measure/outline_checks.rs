@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use super::order::{LevelStep, MIN_SPACING_SHARE};
-use super::{LengthScale, MeasureError, MeasuredVertebra, Placement, PlacementSource};
+use super::{LengthScale, MeasureError, MeasureFault, MeasuredVertebra, Placement, PlacementSource};
 use crate::anatomy::{Level, Posture};
 use crate::spatial::Angle;
 use crate::warning::{WarningCode, Warnings};
@@ -21,10 +21,7 @@ pub(super) fn check_marked(
     };
     let mut with_t1 = warnings.clone();
     let error = match check(marked, &mut with_t1) {
-        Err(
-            error @ (MeasureError::OutOfOrder { superior: Level::T1, .. }
-            | MeasureError::TiltTooLarge { level: Level::T1, .. }),
-        ) => error,
+        Err(error) if error.place().level == Some(Level::T1) => error,
         other => {
             *warnings = with_t1;
             return other;
@@ -74,7 +71,7 @@ fn check_order(
     if let Some(v) = vertebrae.iter().find(|v| v.tilt.abs() > TILT_LIMIT) {
         let (tilt_deg, limit_deg) = (v.tilt.deg(), TILT_LIMIT.deg());
         let (base, level) = (vertebrae[0].level, v.level);
-        return Err(MeasureError::TiltTooLarge { posture, base, level, tilt_deg, limit_deg });
+        return Err(MeasureFault::TiltTooLarge { base, level, tilt_deg, limit_deg }.at(posture));
     }
     let placed: Vec<(Level, Placement)> =
         vertebrae.iter().map(|v| (v.level, Placement::new(v.location, v.tilt))).collect();
@@ -82,7 +79,7 @@ fn check_order(
         let (inferior, superior, share) = (step.inferior, step.superior, step.share);
         if step.is_out_of_order() {
             let limit = MIN_SPACING_SHARE;
-            return Err(MeasureError::OutOfOrder { posture, inferior, superior, share, limit });
+            return Err(MeasureFault::OutOfOrder { inferior, superior, share, limit }.at(posture));
         }
         if step.is_unusual() {
             let text = format!(

@@ -6,8 +6,8 @@ use super::confidence::check_confidence;
 use super::corner_order::CornerOrder;
 use super::plausibility::fits_exchanged;
 use super::{
-    CornerFault, Corners, Film, FilmLandmarks, ImageGeometry, MeasureError, Placement,
-    ProgramCorners, Reading, TiltRule, VertebraLandmarks, VertebraOrigin,
+    CornerFault, Corners, Film, FilmLandmarks, FilmPlace, ImageGeometry, MeasureError,
+    MeasureFault, Placement, ProgramCorners, Reading, TiltRule, VertebraLandmarks, VertebraOrigin,
 };
 use crate::anatomy::{Level, Posture};
 use crate::spatial::Frontal;
@@ -18,7 +18,7 @@ use crate::warning::{WarningCode, Warnings};
 fn is_needless(level: Level, error: &MeasureError) -> bool {
     match level {
         Level::T1 => true,
-        Level::L5 => matches!(error, MeasureError::OffImage { .. }),
+        Level::L5 => matches!(error.fault, MeasureFault::OffImage { .. }),
         _ => false,
     }
 }
@@ -31,10 +31,10 @@ fn body_of(
     level: Level,
     landmark: &VertebraLandmarks,
 ) -> Result<Corners<Frontal>, MeasureError> {
-    let id = || reading.id.clone();
+    let place = || FilmPlace::vertebra(posture, &reading.id, level);
     let finite = landmark.axis_clockwise.is_none_or(|axis| axis.rad().is_finite());
     if !(finite && landmark.corners.points().iter().all(|corner| corner.is_finite())) {
-        return Err(MeasureError::NotFinite { posture, id: id(), level });
+        return Err(MeasureFault::NotFinite.at(place()));
     }
     check_confidence(posture, &reading.id, level, landmark)?;
     if let Some(corner) =
@@ -42,19 +42,13 @@ fn body_of(
     {
         if fits_exchanged(image, reading) {
             let count = reading.vertebrae.len();
-            return Err(MeasureError::AxesExchanged { posture, id: id(), count });
+            let place = FilmPlace::reading(posture, &reading.id);
+            return Err(MeasureFault::AxesExchanged { count }.at(place));
         }
         let (column_px, row_px) = (corner.column_px, corner.row_px);
         let (columns, rows) = (image.columns, image.rows);
-        return Err(MeasureError::OffImage {
-            posture,
-            id: id(),
-            level,
-            column_px,
-            row_px,
-            columns,
-            rows,
-        });
+        let fault = MeasureFault::OffImage { column_px, row_px, columns, rows };
+        return Err(fault.at(place()));
     }
     Ok(landmark.corners.map(|corner| image.frontal(corner)))
 }
@@ -133,13 +127,17 @@ fn place_usable(
     rule: TiltRule,
     unusable: &mut Vec<(Level, MeasureError)>,
 ) -> Result<BTreeMap<Level, Placement>, MeasureError> {
-    let id = || reading.id.clone();
-    let fault = |level, fault| MeasureError::Corners { posture, id: id(), level, fault };
+    let fault = |level, fault| {
+        let place = FilmPlace::vertebra(posture, &reading.id, level);
+        MeasureFault::Corners { fault }.at(place)
+    };
     let mut placed = Vec::with_capacity(reading.vertebrae.len());
     for (&level, landmark) in &reading.vertebrae {
         match body_of(posture, image, reading, level, landmark) {
             Ok(corners) => placed.push((level, landmark, corners)),
-            Err(error @ MeasureError::AxesExchanged { .. }) => return Err(error),
+            Err(error) if matches!(error.fault, MeasureFault::AxesExchanged { .. }) => {
+                return Err(error);
+            }
             Err(error) if is_needless(level, &error) => unusable.push((level, error)),
             Err(error) => return Err(error),
         }
@@ -193,8 +191,9 @@ fn in_all(
     reading: &Reading<VertebraLandmarks>,
     bodies: &[Corners<Frontal>],
 ) -> Option<MeasureError> {
-    let (id, count) = (reading.id.clone(), bodies.len());
-    CornerOrder::of(bodies).map(|order| MeasureError::CornerOrder { posture, id, count, order })
+    let fault = |order| MeasureFault::CornerOrder { count: bodies.len(), order };
+    let place = FilmPlace::reading(posture, &reading.id);
+    CornerOrder::of(bodies).map(|order| fault(order).at(place))
 }
 
 /// Bodies that are upside down, and bodies whose sides are exchanged; an error where the film is mirrored.
@@ -204,7 +203,7 @@ fn wrong_bodies(
     reading: &Reading<VertebraLandmarks>,
     bodies: &[Body<'_>],
 ) -> Result<[(Vec<Level>, CornerFault); 2], MeasureError> {
-    let id = || reading.id.clone();
+    let (place, count) = (FilmPlace::reading(posture, &reading.id), bodies.len());
     // The steps from body to body say where cranial is, so that a film may be held in any pose; a single
     // misplaced body does not turn their sum.
     let cranial = bodies.windows(2).fold(Frontal::default(), |sum, pair| {
@@ -220,9 +219,9 @@ fn wrong_bodies(
     if exchanged.len() == bodies.len() && bodies.len() > 1 && turned.is_empty() {
         // Exchanged columns and rows mirror the spine too, and lay it across the film.
         if cranial.y_mm.abs() > cranial.z_mm.abs() && fits_exchanged(image, reading) {
-            return Err(MeasureError::AxesExchanged { posture, id: id(), count: bodies.len() });
+            return Err(MeasureFault::AxesExchanged { count }.at(place));
         }
-        return Err(MeasureError::FilmMirrored { posture, id: id(), count: bodies.len() });
+        return Err(MeasureFault::FilmMirrored { count }.at(place));
     }
     Ok([(turned, CornerFault::UpsideDown), (exchanged, CornerFault::SidesExchanged)])
 }

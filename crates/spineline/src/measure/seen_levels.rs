@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 
 use super::interpolation::MAX_GAP;
-use super::{MeasureError, Placement, Reading};
+use super::{MeasureError, MeasureFault, Placement, Reading};
 use crate::anatomy::{Level, Levels, Posture};
 use crate::warning::{WarningCode, Warnings};
 
@@ -25,10 +25,10 @@ fn ends_on(posture: Posture, seen: &BTreeSet<Level>) -> Result<[Level; 2], Measu
     let highest = of_model.next_back().or(lowest);
     match lowest.zip(highest) {
         Some((lowest, _)) if lowest > Levels::HIGHEST_BASE => {
-            Err(MeasureError::BaseMissing { posture, lowest })
+            Err(MeasureFault::BaseMissing { lowest }.at(posture))
         }
         Some((lowest, highest)) if highest >= Levels::LOWEST_TOP => Ok([lowest, highest]),
-        found => Err(MeasureError::TopMissing { posture, highest: found.map(|(_, top)| top) }),
+        found => Err(MeasureFault::TopMissing { highest: found.map(|(_, top)| top) }.at(posture)),
     }
 }
 
@@ -76,7 +76,7 @@ fn no_common_end(films: &[(Posture, BTreeSet<Level>)], at_base: bool) -> Measure
     let lacking = |seen: &BTreeSet<Level>| candidates.iter().filter(|l| !seen.contains(l)).count();
     let worst = films.iter().max_by_key(|(_, seen)| lacking(seen));
     let posture = worst.map_or(Posture::Erect, |(posture, _)| *posture);
-    MeasureError::NoCommonEnd { posture, at_base }
+    MeasureFault::NoCommonEnd { at_base }.at(posture)
 }
 
 fn check_gaps(
@@ -89,7 +89,7 @@ fn check_gaps(
         let step = superior as usize - inferior as usize;
         if step > MAX_GAP + 1 {
             let (missing, limit) = (step - 1, MAX_GAP);
-            return Err(MeasureError::Gap { posture, inferior, superior, missing, limit });
+            return Err(MeasureFault::Gap { inferior, superior, missing, limit }.at(posture));
         }
         inferior = superior;
     }

@@ -1,6 +1,6 @@
 //! Tilts that were given beside locations, against the curve of those locations.
 
-use super::{MeasureError, Placement, Reading};
+use super::{FilmPlace, MeasureError, MeasureFault, Placement, Reading};
 use crate::anatomy::{Level, Posture};
 use crate::spatial::Angle;
 
@@ -61,12 +61,12 @@ pub(super) fn check_tilts(
         if correlation.abs() < MIN_CORRELATION {
             continue;
         }
-        let id = || reading.id.clone();
+        let place = FilmPlace::reading(posture, &reading.id);
         if (0.4 * PER_RADIAN..2.5 * PER_RADIAN).contains(&slope.abs()) {
-            return Err(MeasureError::TiltsInRadians { posture, id: id() });
+            return Err(MeasureFault::TiltsInRadians.at(place));
         }
         if slope < -0.5 {
-            return Err(MeasureError::TiltsReversed { posture, id: id() });
+            return Err(MeasureFault::TiltsReversed.at(place));
         }
     }
     Ok(())

@@ -1,5 +1,6 @@
 use crate::anatomy::{Level, Levels, Region, named};
 use crate::clinical::Regions;
+use crate::fault::faults;
 use crate::spatial::{Mat3, Vec3};
 
 /// The springs of one joint.
@@ -55,52 +56,62 @@ pub struct StiffnessLibrary {
     rows: Vec<JointStiffness>,
 }
 
-/// A stiffness table that cannot be used.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-#[non_exhaustive]
-pub enum StiffnessError {
-    /// A joint of the model is not in the table.
-    #[error("the stiffness of joint {inferior}/{superior} is missing")]
-    Missing {
-        /// Lower vertebra.
-        inferior: Level,
-        /// Upper vertebra.
-        superior: Level,
-    },
-    /// A joint is in the table twice.
-    #[error("the stiffness of joint {inferior}/{superior} is given twice")]
-    Twice {
-        /// Lower vertebra.
-        inferior: Level,
-        /// Upper vertebra.
-        superior: Level,
-    },
-    /// A spring that is no spring.
-    #[error(
-        "joint {inferior}/{superior}: {axis} stiffness is {value} N·mm/rad, and must be positive and finite"
-    )]
-    Value {
-        /// Lower vertebra.
-        inferior: Level,
-        /// Upper vertebra.
-        superior: Level,
-        /// Axis.
-        axis: &'static str,
-        /// What was given.
-        value: f64,
-    },
-    /// A coupling that no joint has.
-    #[error(
-        "joint {inferior}/{superior}: the axial rotation per lateral rotation is {value}, and must lie between -{MAX_COUPLING} and {MAX_COUPLING}; give 0 for a joint without coupling"
-    )]
-    Coupling {
-        /// Lower vertebra.
-        inferior: Level,
-        /// Upper vertebra.
-        superior: Level,
-        /// What was given.
-        value: f64,
-    },
+const HELP: &str = "give every joint from L4/L3 to T3/T2 one row with three positive values in N·mm/rad, and a coupling between -2 and 2";
+
+faults! {
+    /// A stiffness table that cannot be used.
+    pub enum StiffnessError {
+        /// A joint of the model is not in the table.
+        #[error("the stiffness of joint {inferior}/{superior} is missing")]
+        #[code("stiffness")]
+        #[help(HELP)]
+        #[at(level = *superior)]
+        Missing {
+            /// Lower vertebra.
+            inferior: Level,
+            /// Upper vertebra.
+            superior: Level,
+        },
+        /// A joint is in the table twice.
+        #[error("the stiffness of joint {inferior}/{superior} is given twice")]
+        #[code("stiffness")]
+        #[help(HELP)]
+        #[at(level = *superior)]
+        Twice {
+            /// Lower vertebra.
+            inferior: Level,
+            /// Upper vertebra.
+            superior: Level,
+        },
+        /// A spring that is no spring.
+        #[error("joint {inferior}/{superior}: {axis} stiffness is {value} N·mm/rad, and must be positive and finite")]
+        #[code("stiffness")]
+        #[help(HELP)]
+        #[at(level = *superior, value = *value, limit = 0.0)]
+        Value {
+            /// Lower vertebra.
+            inferior: Level,
+            /// Upper vertebra.
+            superior: Level,
+            /// Axis.
+            axis: &'static str,
+            /// What was given.
+            value: f64,
+        },
+        /// A coupling that no joint has.
+        #[error("joint {inferior}/{superior}: the axial rotation per lateral rotation is {value}, and must lie between -{MAX_COUPLING} and {MAX_COUPLING}; give 0 for a joint without coupling")]
+        #[code("stiffness")]
+        #[help(HELP)]
+        #[at(level = *superior, value = *value)]
+        Coupling {
+            /// Lower vertebra.
+            inferior: Level,
+            /// Upper vertebra.
+            superior: Level,
+            /// What was given.
+            value: f64,
+        },
+    }
 }
 
 /// Measured joints turn axially by less than they bend; twice that is an error of input (assumption).

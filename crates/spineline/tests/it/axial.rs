@@ -3,7 +3,8 @@
 
 use spineline::analysis::{Analysis, AnalysisOptions, analyze, analyze_movement};
 use spineline::anatomy::{Level, PediclePlace, Posture};
-use spineline::measure::{AxialRotation, MeasureError, NashMoe, PedicleFault};
+use spineline::error::Error;
+use spineline::measure::{AxialRotation, MeasureError, MeasureFault, NashMoe, PedicleFault};
 use spineline::spatial::{Angle, Pixel};
 use spineline::warning::WarningCode;
 use spineline_phantom::{
@@ -188,10 +189,11 @@ fn wrong_pedicles_are_refused_by_name() {
         let error = analyze_movement(&case, &AnalysisOptions::default()).expect_err("refused");
         assert!(error.to_string().contains("erect film") && error.to_string().contains("T8"));
         assert_eq!(error.code(), "pedicles");
-        match error {
-            spineline::error::Error::Measure(MeasureError::Pedicles { fault, .. }) => fault,
-            other => panic!("{other}"),
-        }
+        let Error::Measure(MeasureError { fault: MeasureFault::Pedicles { fault }, .. }) = error
+        else {
+            panic!("{error}")
+        };
+        fault
     };
     assert_eq!(refused(&|places| places.swap(0, 1)), PedicleFault::SidesExchanged);
     let moved = |places: &mut [Option<Pixel>; 2], columns: f64| {

@@ -11,7 +11,7 @@ use spineline::anatomy::{Level, Posture};
 use spineline::chain::{Chain, ChainError, SEGMENT_WINDOW};
 use spineline::curve::{CurveError, InflectionChoice, OrderRule, Site};
 use spineline::error::{CaseError, Error};
-use spineline::measure::{Film, IliacCrests, MeasureError};
+use spineline::measure::{Film, IliacCrests, MeasureFault};
 use spineline::spatial::{Angle, Frontal};
 use spineline::warning::{Step, Warning, WarningCode};
 
@@ -265,11 +265,8 @@ fn tilts_of_the_wrong_sign_are_detected_by_the_curve() {
         }
     }
     let error = analyze(&case, &on_a_table()).expect_err("tilts of the wrong sign");
-    let expected = Posture::Erect;
-    assert!(
-        matches!(&error, Error::Measure(MeasureError::TiltsReversed { posture, .. }) if *posture == expected),
-        "{error}"
-    );
+    let Error::Measure(error) = error else { panic!("{error}") };
+    assert_eq!((error.at.film, error.fault), (Posture::Erect.into(), MeasureFault::TiltsReversed));
 }
 
 #[test]

@@ -9,7 +9,7 @@ use crate::common::{
 use spineline::analysis::Case;
 use spineline::anatomy::{Level, Posture};
 use spineline::error::Error;
-use spineline::measure::{CornerFault, Corners, FilmLandmarks, MeasureError};
+use spineline::measure::{CornerFault, Corners, FilmLandmarks, MeasureError, MeasureFault};
 use spineline::spatial::{Angle, Pixel};
 use spineline::warning::Step;
 
@@ -31,12 +31,9 @@ fn refused_in_measure(case: &Case, named: &[&str]) -> MeasureError {
 #[track_caller]
 fn refused_corners(case: &Case, level: Level, expected: CornerFault) {
     let named = ["left bending", "A (repeat 1)", level.name()];
-    match refused_in_measure(case, &named) {
-        MeasureError::Corners { posture, level: found, fault, .. } => {
-            assert_eq!((posture, found, fault), (Posture::LeftBending, level, expected));
-        }
-        other => panic!("{other:?}"),
-    }
+    let error = refused_in_measure(case, &named);
+    assert_eq!((error.at.film, error.at.level), (Posture::LeftBending.into(), Some(level)));
+    assert_eq!(error.fault, MeasureFault::Corners { fault: expected });
 }
 
 /// A sound case with the corners of one vertebra of the left bend changed.
@@ -108,13 +105,19 @@ fn a_coordinate_that_is_not_finite_is_refused() {
     for value in [f64::NAN, f64::INFINITY] {
         let case = with_corners(Level::T5, |c| c.inferior_right.row_px = value);
         let error = refused_in_measure(&case, &["left bending", "T5", "A (repeat 1)"]);
-        assert!(matches!(error, MeasureError::NotFinite { level: Level::T5, .. }), "{error:?}");
+        assert!(
+            error.fault == MeasureFault::NotFinite && error.at.level == Some(Level::T5),
+            "{error:?}"
+        );
     }
     let mut case = exact_case(0);
     landmarks_mut(&mut case, Posture::Erect, Level::L1).axis_clockwise =
         Some(Angle::from_rad(f64::NAN));
     let error = refused_in_measure(&case, &["erect", "L1"]);
-    assert!(matches!(error, MeasureError::NotFinite { level: Level::L1, .. }), "{error:?}");
+    assert!(
+        error.fault == MeasureFault::NotFinite && error.at.level == Some(Level::L1),
+        "{error:?}"
+    );
 }
 
 #[test]
@@ -123,7 +126,10 @@ fn a_placement_that_is_not_finite_is_refused() {
     let film =
         graph_film(Posture::Erect, 390.0, |z| if z > 380.0 { (f64::NAN, 0.0) } else { (0.0, 0.0) });
     let error = refused_in_measure(&case_of(vec![film]), &["erect", "T2"]);
-    assert!(matches!(error, MeasureError::NotFinite { level: Level::T2, .. }), "{error:?}");
+    assert!(
+        error.fault == MeasureFault::NotFinite && error.at.level == Some(Level::T2),
+        "{error:?}"
+    );
 }
 
 /// A sound case without the vertebrae of a range on one film.
@@ -160,7 +166,7 @@ fn bases_that_no_two_films_share_are_refused() {
     let (_, _, readings) = landmarks(film_mut(&mut case, Posture::Traction));
     readings[0].vertebrae.retain(|level, _| *level >= Level::L2);
     let error = refused_in_measure(&case, &["none of L4 to L2"]);
-    assert!(matches!(error, MeasureError::NoCommonEnd { at_base: true, .. }), "{error:?}");
+    assert!(matches!(error.fault, MeasureFault::NoCommonEnd { at_base: true }), "{error:?}");
 }
 
 #[test]
@@ -182,7 +188,8 @@ fn a_corner_off_the_picture_is_refused_with_its_place() {
         let named = [place.column_px.to_string(), place.row_px.to_string(), columns.to_string()];
         let named: Vec<&str> = named.iter().map(String::as_str).collect();
         let error = refused_in_measure(&case, &named);
-        assert!(matches!(error, MeasureError::OffImage { level: Level::T5, .. }), "{error:?}");
+        assert!(matches!(error.fault, MeasureFault::OffImage { .. }), "{error:?}");
+        assert_eq!(error.at.level, Some(Level::T5));
     }
 }
 
@@ -193,11 +200,14 @@ fn a_spacing_that_is_not_positive_is_refused() {
         let mut case = exact_case(0);
         spacing(landmarks(film_mut(&mut case, Posture::Traction)).0).row_mm = value;
         let error = refused_in_measure(&case, &["traction", "row", &value.to_string()]);
-        assert!(matches!(error, MeasureError::Spacing { direction: "row", .. }), "{error:?}");
+        assert!(matches!(error.fault, MeasureFault::Spacing { direction: "row", .. }), "{error:?}");
         let mut case = exact_case(0);
         spacing(landmarks(film_mut(&mut case, Posture::Erect)).0).column_mm = value;
         let error = refused_in_measure(&case, &["erect", "column", &value.to_string()]);
-        assert!(matches!(error, MeasureError::Spacing { direction: "column", .. }), "{error:?}");
+        assert!(
+            matches!(error.fault, MeasureFault::Spacing { direction: "column", .. }),
+            "{error:?}"
+        );
     }
 }
 
@@ -209,7 +219,7 @@ fn a_film_larger_than_any_film_is_refused_with_its_size() {
     let rows = f64::from(image.rows);
     spacing(image).row_mm = 2510.0 / rows;
     let error = refused_in_measure(&case, &["neutral", "2510 mm high", "2500 mm"]);
-    assert!(matches!(error, MeasureError::FilmTooLarge { .. }), "{error:?}");
+    assert!(matches!(error.fault, MeasureFault::FilmTooLarge { .. }), "{error:?}");
     let mut case = exact_case(0);
     let image = landmarks(film_mut(&mut case, Posture::Neutral)).0;
     image.spacing = None;
@@ -236,7 +246,7 @@ fn a_body_of_a_size_that_no_vertebra_has_is_refused() {
     image.columns = columns.max(4000);
     let error = refused_in_measure(&case, &["erect", "T9", "mm wide", "150 mm"]);
     assert!(
-        matches!(error, MeasureError::BodySize { level: Level::T9, side: "wide", .. }),
+        matches!(error.fault, MeasureFault::BodySize { level: Level::T9, side: "wide", .. }),
         "{error:?}"
     );
 }
@@ -248,7 +258,7 @@ fn a_repeated_reading_is_refused() {
     let (_, _, readings) = landmarks(film_mut(&mut case, Posture::RightBending));
     readings.push(readings[0].clone());
     let error = refused_in_measure(&case, &["right bending", "A (repeat 1)"]);
-    assert!(matches!(error, MeasureError::DuplicateReading { .. }), "{error:?}");
+    assert!(matches!(error.fault, MeasureFault::DuplicateReading { .. }), "{error:?}");
 }
 
 #[test]
@@ -257,7 +267,7 @@ fn a_film_without_a_reading_is_refused() {
     let mut case = exact_case(0);
     landmarks(film_mut(&mut case, Posture::Neutral)).2.clear();
     let error = refused_in_measure(&case, &["neutral"]);
-    assert_eq!(error, MeasureError::NoReading { posture: Posture::Neutral });
+    assert_eq!(error, MeasureError { at: Posture::Neutral.into(), fault: MeasureFault::NoReading });
     let mut case = case_of(vec![graph_film(Posture::Erect, 390.0, |_| (0.0, 0.0))]);
     let FilmLandmarks::Placements { readings, .. } = &mut case.films[0].landmarks else {
         unreachable!("a graph film has placements")
@@ -265,7 +275,7 @@ fn a_film_without_a_reading_is_refused() {
     readings.clear();
     assert_eq!(
         refused_in_measure(&case, &["erect"]),
-        MeasureError::NoReading { posture: Posture::Erect }
+        MeasureError { at: Posture::Erect.into(), fault: MeasureFault::NoReading }
     );
 }
 
@@ -279,8 +289,8 @@ fn two_vertebrae_with_swapped_names_are_out_of_order() {
     vertebrae.insert(Level::T7, t6);
     vertebrae.insert(Level::T6, t7);
     let error = refused_in_measure(&case, &["erect", "T7 is marked above T6: check the labels"]);
-    match error {
-        MeasureError::OutOfOrder { inferior, superior, share, .. } => {
+    match error.fault {
+        MeasureFault::OutOfOrder { inferior, superior, share, .. } => {
             assert_eq!((inferior, superior), (Level::T7, Level::T6));
             assert!(share < 0.0, "T6 is marked below T7: {share}");
         }
@@ -296,7 +306,7 @@ fn a_vertebra_read_twice_under_two_names_is_out_of_order() {
     let t7 = readings[0].vertebrae[&Level::T7];
     readings[0].vertebrae.insert(Level::T6, t7);
     let error = refused_in_measure(&case, &["erect", "T7", "T6"]);
-    assert!(matches!(error, MeasureError::OutOfOrder { .. }), "{error:?}");
+    assert!(matches!(error.fault, MeasureFault::OutOfOrder { .. }), "{error:?}");
 }
 
 #[test]
@@ -306,7 +316,10 @@ fn an_axis_with_a_large_angle_is_refused_with_its_angle() {
     landmarks_mut(&mut case, Posture::Erect, Level::T9).axis_clockwise =
         Some(Angle::from_deg(130.0));
     let error = refused_in_measure(&case, &["erect", "T9", "120°", "relative to L4"]);
-    assert!(matches!(error, MeasureError::TiltTooLarge { level: Level::T9, .. }), "{error:?}");
+    assert!(
+        matches!(error.fault, MeasureFault::TiltTooLarge { level: Level::T9, .. }),
+        "{error:?}"
+    );
     // On a film without L4, tilts are relative to L3, which is tilted itself.
     landmarks_mut(&mut case, Posture::Erect, Level::T9).axis_clockwise =
         Some(Angle::from_deg(150.0));
@@ -324,11 +337,7 @@ fn a_film_whose_side_is_wrong_is_mirrored() {
         image.patient_left = image.patient_left.opposite();
         let count = readings[0].vertebrae.len();
         let error = refused_in_measure(&case, &[&posture.to_string(), "15", "patient_left"]);
-        match error {
-            MeasureError::FilmMirrored { posture: found, count: all, .. } => {
-                assert_eq!((found, all), (posture, count));
-            }
-            other => panic!("{other:?}"),
-        }
+        assert_eq!(error.at.film, posture.into());
+        assert_eq!(error.fault, MeasureFault::FilmMirrored { count });
     }
 }

@@ -10,7 +10,7 @@ use crate::common::{
 use spineline::analysis::{Analysis, Case};
 use spineline::anatomy::{ImageSide, Level, Posture, SagittalProfile};
 use spineline::measure::{
-    CornerFault, Film, LateralCorners, LateralFilm, MeasureError, Outline, Reading, ReadingId,
+    CornerFault, Film, LateralCorners, LateralFilm, MeasureFault, Outline, Reading, ReadingId,
     Spacing, SpacingPlane, SpatialOutline,
 };
 use spineline::spatial::{Angle, Frontal, Pixel};
@@ -194,8 +194,8 @@ fn swapped_corners_on_a_lateral_film_are_reported_by_name() {
     let error = error.expect_err("the patient looks the other way");
     assert!(
         matches!(
-            error,
-            MeasureError::Lateral { level: Level::L4, fault: CornerFault::SidesExchanged, .. }
+            (error.at.level, &error.fault),
+            (Some(Level::L4), MeasureFault::LateralCorners { fault: CornerFault::SidesExchanged })
         ),
         "{error:?}"
     );

@@ -5,7 +5,7 @@ use spineline::analysis::Case;
 use spineline::anatomy::{ImageSide, Posture};
 use spineline::error::Error;
 use spineline::measure::{
-    Film, FilmLandmarks, IliacCrests, LateralCorners, LateralFault, LateralFilm, MeasureError,
+    Film, FilmLandmarks, IliacCrests, LateralCorners, LateralFilm, MeasureError, MeasureFault,
     Reading, ReadingId, Spacing, SpacingPlane, SpacingSource, SuspectedUnit, TiltRule,
     check_landmarks, judge_landmarks, measure_film,
 };
@@ -52,9 +52,8 @@ fn locations_in_another_unit_are_refused_and_the_unit_is_named() {
         (1.0 / 0.143, SuspectedUnit::Pixels),
     ] {
         let error = error_of(&in_unit(factor));
-        let MeasureError::Length { posture: Posture::Erect, size } = error else {
-            panic!("{unit}: {error}")
-        };
+        assert_eq!(error.at, Posture::Erect.into());
+        let MeasureFault::Length { size } = &error.fault else { panic!("{unit}: {error}") };
         assert_eq!(size.suspected(), Some(unit), "{size}");
         let text = error.to_string();
         assert!(text.contains(&format!("look like {unit}")), "{text}");
@@ -98,10 +97,10 @@ fn a_part_of_a_spine_is_judged_by_that_part() {
 fn tilts_in_radians_or_to_the_other_side_are_refused() {
     let radians = changed(waving(), |location, tilt| (location, Angle::from_deg(tilt.rad())));
     let error = error_of(&radians);
-    assert!(matches!(error, MeasureError::TiltsInRadians { .. }), "{error}");
+    assert!(matches!(error.fault, MeasureFault::TiltsInRadians), "{error}");
     let reversed = changed(waving(), |location, tilt| (location, -tilt));
     let error = error_of(&reversed);
-    assert!(matches!(error, MeasureError::TiltsReversed { .. }), "{error}");
+    assert!(matches!(error.fault, MeasureFault::TiltsReversed), "{error}");
     // A whole film held by another angle has the same spine.
     for turn in [90.0, 179.0].map(Angle::from_deg) {
         let turned =
@@ -127,7 +126,11 @@ fn a_deviation_of_a_scale_in_percent_is_refused_with_the_fraction() {
     assert!(check_landmarks(&with(0.033)).is_ok());
     let mut case = exact_case(0);
     spacing(landmarks(film_mut(&mut case, Posture::Erect)).0).relative_sd = Some(1.5);
-    assert!(matches!(refused(&case), Error::Measure(MeasureError::ScaleSd { .. })));
+    let error = refused(&case);
+    assert!(
+        matches!(&error, Error::Measure(error) if matches!(error.fault, MeasureFault::ScaleSd { .. })),
+        "{error}"
+    );
 }
 
 /// The erect film of a phantom at another spacing.
@@ -142,7 +145,7 @@ fn at_spacing(columns: f64, rows: f64) -> Film {
 #[test]
 fn a_spacing_that_is_three_times_too_large_is_refused_and_half_of_it_doubted() {
     let error = error_of(&at_spacing(2.4, 2.4));
-    assert!(matches!(error, MeasureError::Length { .. }), "{error}");
+    assert!(matches!(error.fault, MeasureFault::Length { .. }), "{error}");
     assert!(error.help().contains("--spacing"), "{}", error.help());
     for (factor, code) in [(0.45, WarningCode::LengthUnusual), (1.6, WarningCode::LengthUnusual)] {
         let doubts = judge_landmarks(&at_spacing(factor, factor));
@@ -231,7 +234,7 @@ fn a_lateral_film_has_the_same_limits() {
     assert!(warnings.has(WarningCode::LengthUnusual), "{warnings:?}");
     let error = lateral(0.045).measure(&mut Warnings::default()).expect_err("centimetres");
     assert!(
-        matches!(&error, MeasureError::LateralFilm(LateralFault::Length { size }) if size.suspected() == Some(SuspectedUnit::Centimetres)),
+        matches!(&error.fault, MeasureFault::Length { size } if size.suspected() == Some(SuspectedUnit::Centimetres)),
         "{error}"
     );
 }

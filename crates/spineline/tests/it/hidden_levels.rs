@@ -5,7 +5,7 @@ use spineline::analysis::{Analysis, Case, analyze_movement};
 use spineline::anatomy::{Level, Posture};
 use spineline::cohort::{Cohort, CohortPatient};
 use spineline::measure::{
-    Film, FilmLandmarks, MeasureError, MeasuredVertebra, TiltRule, measure_film,
+    Film, FilmLandmarks, MeasureFault, MeasuredVertebra, TiltRule, measure_film,
 };
 use spineline::multibody::MatchStatus;
 use spineline::spatial::{Angle, Pixel};
@@ -335,7 +335,7 @@ fn a_film_without_any_vertebra_of_the_model_is_named() {
     let film = film_mut(&mut case, Posture::Traction);
     let error = measure_film(film, TiltRule::default(), &mut Warnings::default())
         .expect_err("nothing is marked");
-    assert!(matches!(error, MeasureError::TopMissing { highest: None, .. }), "{error:?}");
+    assert!(matches!(error.fault, MeasureFault::TopMissing { highest: None }), "{error:?}");
 }
 
 #[test]

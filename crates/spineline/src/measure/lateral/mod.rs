@@ -1,21 +1,20 @@
 //! A lateral film → location and pitch of every vertebra on it: what no frontal film shows.
 
-mod fault;
 mod outline;
 
-pub use fault::LateralFault;
 pub use outline::{LateralOutline, LateralVertebra};
 
 use super::bodies::{CheckedFilm, ReadBodies};
 use super::corner_order::CornerOrder;
 use super::lengths::FilmSizes;
 use super::order::{LevelStep, MIN_SPACING_SHARE};
-use super::outline::{nameless, repeated};
+use super::outline::{check_observers, check_pixels};
 use super::plausibility::warn_of_corners;
 use super::{
-    CornerFault, Corners, ImageGeometry, MeasureError, Placement, Reading, ReadingId, Spacing,
+    CornerFault, Corners, FilmPlace, ImageGeometry, MeasureError, MeasureFault, Placement, Reading,
+    ReadingId, Spacing,
 };
-use crate::anatomy::{ImageSide, Level};
+use crate::anatomy::{FilmView, ImageSide, Level};
 use crate::spatial::{Frontal, Pixel};
 use crate::warning::Warnings;
 
@@ -68,7 +67,7 @@ impl LateralFilm {
     /// Locations and pitches of the marked vertebrae as this film shows them, means over the readings.
     ///
     /// # Errors
-    /// [`MeasureError::Lateral`] and [`MeasureError::LateralFilm`] name reading, vertebra and fault.
+    /// [`MeasureError`] names reading, vertebra and fault.
     pub fn measure(&self, warnings: &mut Warnings) -> Result<LateralOutline, MeasureError> {
         self.check_film()?;
         for reading in &self.readings {
@@ -82,7 +81,7 @@ impl LateralFilm {
         let has_scale = self.geometry().scale().is_some();
         let sizes = FilmSizes::of_bodies(&bodies, has_scale, |typical| typical.superior_depth_mm);
         if let Some(size) = sizes.impossible() {
-            return Err(LateralFault::Length { size }.into());
+            return Err(MeasureFault::Length { size }.at(FilmView::Lateral));
         }
         warn_of_corners(CheckedFilm::Lateral, &bodies, warnings);
         for (code, text) in sizes.doubts() {
@@ -95,8 +94,9 @@ impl LateralFilm {
     fn in_all(&self, reading: &Reading<LateralCorners>) -> Option<MeasureError> {
         let bodies: Vec<Corners<Frontal>> =
             reading.vertebrae.values().map(|corners| self.body(corners)).collect();
-        let (id, count) = (reading.id.clone(), bodies.len());
-        CornerOrder::of(&bodies).map(|order| LateralFault::CornerOrder { id, count, order }.into())
+        let fault = |order| MeasureFault::LateralCornerOrder { count: bodies.len(), order };
+        let place = FilmPlace::reading(FilmView::Lateral, &reading.id);
+        CornerOrder::of(&bodies).map(|order| fault(order).at(place))
     }
 
     /// Refuses corners that make no body, or one that lies the wrong way round.
@@ -106,7 +106,8 @@ impl LateralFilm {
         level: Level,
         body: &Corners<Frontal>,
     ) -> Result<(), MeasureError> {
-        let fault = |fault| Err(MeasureError::Lateral { id: id.clone(), level, fault });
+        let place = || FilmPlace::vertebra(FilmView::Lateral, id, level);
+        let fault = |fault| Err(MeasureFault::LateralCorners { fault }.at(place()));
         match body.measure_location() {
             Err(found) => fault(found),
             Ok(_) if !body.points_along(Frontal::new(0.0, 1.0)) => fault(CornerFault::UpsideDown),
@@ -116,30 +117,24 @@ impl LateralFilm {
     }
 
     /// What a frontal film is refused for too: observers, spacing, and landmarks outside of the picture.
-    fn check_film(&self) -> Result<(), LateralFault> {
-        let spacings = self.spacing.map(|s| [("column", s.column_mm), ("row", s.row_mm)]);
-        for (direction, value) in spacings.into_iter().flatten() {
-            if !Spacing::is_possible(value) {
-                return Err(LateralFault::Spacing { direction, value });
-            }
-        }
-        if let Some(nameless) = nameless(&self.readings) {
-            return Err(LateralFault::Observer { id: nameless.id.clone() });
-        }
-        if let Some(twice) = repeated(&self.readings) {
-            return Err(LateralFault::DuplicateReading { id: twice.id.clone() });
-        }
+    fn check_film(&self) -> Result<(), MeasureError> {
+        check_pixels(FilmView::Lateral, self.spacing)?;
+        check_observers(FilmView::Lateral, &self.readings)?;
         let (image, columns, rows) = (self.geometry(), self.columns, self.rows);
         for reading in &self.readings {
             for (&level, corners) in &reading.vertebrae {
                 let outside = corners.places().into_iter().find(|&corner| !image.contains(corner));
                 if let Some(Pixel { column_px, row_px }) = outside {
-                    let id = reading.id.clone();
-                    return Err(if column_px.is_finite() && row_px.is_finite() {
-                        LateralFault::OffImage { id, level, column_px, row_px, columns, rows }
+                    let fault = if column_px.is_finite() && row_px.is_finite() {
+                        MeasureFault::OffImage { column_px, row_px, columns, rows }
                     } else {
-                        LateralFault::NotFinite { id, level }
-                    });
+                        MeasureFault::NotFinite
+                    };
+                    return Err(fault.at(FilmPlace::vertebra(
+                        FilmView::Lateral,
+                        &reading.id,
+                        level,
+                    )));
                 }
             }
         }
@@ -186,7 +181,8 @@ fn check_order(readings: &[ReadBodies<'_>]) -> Result<(), MeasureError> {
     for reading in readings {
         let mut placed = Vec::new();
         for &(level, body) in &reading.bodies {
-            let fault = |fault| MeasureError::Lateral { id: reading.id.clone(), level, fault };
+            let place = || FilmPlace::vertebra(FilmView::Lateral, reading.id, level);
+            let fault = |fault| MeasureFault::LateralCorners { fault }.at(place());
             let (location, tilt) = (body.measure_location().map_err(fault)?, body.measure_tilt());
             placed.push((level, Placement::new(location, tilt)));
         }
@@ -194,9 +190,9 @@ fn check_order(readings: &[ReadBodies<'_>]) -> Result<(), MeasureError> {
             LevelStep::between(&placed).into_iter().find(|step| step.is_out_of_order())
         {
             let (inferior, superior, share) = (step.inferior, step.superior, step.share);
-            let (id, limit) = (reading.id.clone(), MIN_SPACING_SHARE);
-            let fault = LateralFault::OutOfOrder { id, inferior, superior, share, limit };
-            return Err(fault.into());
+            let limit = MIN_SPACING_SHARE;
+            let fault = MeasureFault::LateralOutOfOrder { inferior, superior, share, limit };
+            return Err(fault.at(FilmPlace::reading(FilmView::Lateral, reading.id)));
         }
     }
     Ok(())

@@ -72,7 +72,7 @@ impl SpatialOutline {
     /// The erect film and its outline with the lateral film; `None` where no two neighbouring vertebrae are marked on both.
     ///
     /// # Errors
-    /// [`MeasureError::Lateral`] and [`MeasureError::LateralFilm`] name reading, vertebra and fault.
+    /// [`MeasureError`] names reading, vertebra and fault.
     pub fn measure(
         film: &Film,
         outline: &Outline,
