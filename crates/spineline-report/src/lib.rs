@@ -19,6 +19,7 @@ pub mod loaded_tables;
 mod loaded_words;
 mod markdown;
 pub mod number;
+pub mod paper;
 pub mod patient;
 mod phrases;
 mod png;

@@ -81,15 +81,14 @@ fn kind_of_film(
             group: group.to_owned(),
             line: line.kind,
             errors_mm: line.all_location_mm.to_vec(),
+            paper: None,
         })
         .collect();
     let Some(svg) = figures::location_errors(&samples, films, cohort.synthetic) else {
         section.paragraph("No such film has a result.");
         return;
     };
-    let caption = format!(
-        "Location errors on {films} (figure 8 of the paper). Boxes: quartiles and median; whiskers: last values within 1.5 IQR of the box; circles: values beyond; diamonds: means."
-    );
+    let caption = format!("Location errors on {films} (figure 8 of the paper).");
     section.figure(Figure::new(format!("errors-{name}"), caption, svg));
     let columns = vec![
         Column::words("Line of action"),

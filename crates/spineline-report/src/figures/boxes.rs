@@ -1,14 +1,28 @@
 //! Box charts.
 
-use kuva::render::render::Primitive;
+use kuva::render::render::{Primitive, TextAnchor};
 use spineline::evaluate::statistics::{BoxSummary, Summary, box_summary};
 
+use super::page::Sample;
 use super::panel::{Axis, Panel, Ticks};
-use super::style::{BLACK, Ink, Marker, Shape, TICK_PX, WHITE, outlined, text_width_px, wrapped};
+use super::style::{
+    BLACK, Ink, Marker, Shape, TICK_PX, VERMILLION, WHITE, outlined, text, text_width_px, wrapped,
+};
+use crate::number::fixed;
+use crate::paper::PaperMean;
 
 /// The rule of every box chart here, as [`box_summary`] has it.
 pub const RULE: &str = "Boxes: quartiles and median; whiskers: last values within 1.5 IQR of the box; \
-     circles: values beyond; diamonds: means.";
+     circles: values beyond; diamonds: means. An arrow counts the values above the axis and names the largest.";
+
+/// The paper's mean, with its standard deviation to both sides.
+const PAPER: (Ink, Marker) = (
+    Ink::new(VERMILLION, "", 2.2),
+    Marker { radius_px: 3.6, ..Marker::new(Shape::Square, VERMILLION, true) },
+);
+
+/// The axis ends at this number of times the longest whisker, where circles lie further away.
+const LONGEST: f64 = 1.5;
 
 /// One box.
 #[derive(Debug, Clone)]
@@ -19,6 +33,34 @@ pub struct Column {
     pub name: String,
     pub values: Vec<f64>,
     pub fill: &'static str,
+    /// The paper's mean of the same quantity.
+    pub paper: Option<PaperMean>,
+}
+
+/// The entry of a legend for the paper's means.
+pub fn paper_entry() -> (Sample, String) {
+    (Sample::Stroke(PAPER.0, Some(PAPER.1)), "the paper: mean ± standard deviation".to_owned())
+}
+
+/// The largest value that an axis shows. A few values far away do not flatten the boxes.
+fn axis_end(columns: &[Column]) -> f64 {
+    let most = |values: &mut dyn Iterator<Item = f64>| values.fold(0.0, f64::max);
+    let all = columns.iter().flat_map(|column| column.values.iter().copied());
+    let largest = most(&mut all.filter(|value| value.is_finite()));
+    let whiskers =
+        columns.iter().filter_map(|column| Some(box_summary(&finite(column))?.whiskers[1]));
+    let papers =
+        columns.iter().filter_map(|column| column.paper.map(|paper| paper.mean + paper.sd));
+    let needed = most(&mut whiskers.chain(papers));
+    if largest > 2.0 * LONGEST * needed && needed > 0.0 {
+        LONGEST * needed
+    } else {
+        largest.max(needed)
+    }
+}
+
+fn finite(column: &Column) -> Vec<f64> {
+    column.values.iter().copied().filter(|value| value.is_finite()).collect()
 }
 
 /// A panel of boxes from zero upwards; values that are no numbers are left out, and `n` counts the others.
@@ -31,8 +73,7 @@ pub fn box_panel(columns: &[Column], y_label: &str, frame_px: [f64; 2]) -> Panel
     }
     // Half a box of space between groups.
     let total = columns.len() as f64 + 0.5 * (groups.len() as f64 + 1.0);
-    let values = columns.iter().flat_map(|column| column.values.iter().copied());
-    let most = values.filter(|v| v.is_finite()).fold(0.0, f64::max);
+    let most = axis_end(columns);
     let x = Axis { label: String::new(), range: [0.0, total], step: 1.0, ticks: Ticks::None };
     let mut panel = Panel::new(x, Axis::from_zero(y_label, most), frame_px);
     let column_px = frame_px[0] / total;
@@ -67,12 +108,35 @@ pub fn box_panel(columns: &[Column], y_label: &str, frame_px: [f64; 2]) -> Panel
 
 /// Draws one box and says how many values it stands for.
 fn add_column(panel: &mut Panel, x: f64, column: &Column) -> usize {
-    let values: Vec<f64> = column.values.iter().copied().filter(|v| v.is_finite()).collect();
+    let values = finite(column);
     if let Some(summary) = box_summary(&values) {
         let marks = draw_box(panel, x, &summary, Summary::of(&values).mean, column.fill);
         panel.marks.extend(marks);
+        let above = count_above(panel, x, &values);
+        panel.marks.extend(above);
+    }
+    if let Some(PaperMean { mean, sd, .. }) = column.paper {
+        let at = |value: f64| panel.px(x + 0.42, value);
+        let (low, high) = (at((mean - sd).max(0.0)), at(mean + sd));
+        let place = at(mean);
+        panel.marks.extend([PAPER.0.stroke(low, high), PAPER.1.at(place.0, place.1)]);
     }
     values.len()
+}
+
+/// An arrow with the number of values above the axis and the largest of them.
+fn count_above(panel: &Panel, x: f64, values: &[f64]) -> Vec<Primitive> {
+    let end = panel.y.range[1];
+    let above: Vec<f64> = values.iter().copied().filter(|&value| value > end).collect();
+    if above.is_empty() {
+        return Vec::new();
+    }
+    let largest = above.iter().copied().fold(0.0, f64::max);
+    let places = if largest < 10.0 { 2 } else { 0 };
+    let words = format!("{} to {}", above.len(), fixed(largest, places));
+    let (x_px, y_px) = panel.px(x, end);
+    let arrow = Marker { radius_px: 4.0, ..Marker::new(Shape::Triangle, BLACK, true) };
+    vec![arrow.at(x_px, y_px + 7.0), text((x_px, y_px + 24.0), &words, TICK_PX, TextAnchor::Middle)]
 }
 
 fn draw_box(panel: &Panel, x: f64, summary: &BoxSummary, mean: f64, fill: &str) -> Vec<Primitive> {
@@ -92,8 +156,11 @@ fn draw_box(panel: &Panel, x: f64, summary: &BoxSummary, mean: f64, fill: &str) 
         marks.push(ink.stroke((median.0 - half_px, median.1), (median.0 + half_px, median.1)));
     }
     let circle = Marker { radius_px: 2.6, ..Marker::new(Shape::Circle, BLACK, false) };
-    marks.extend(summary.outliers.iter().map(|&value| circle.at(at(value).0, at(value).1)));
+    let shown = summary.outliers.iter().filter(|&&value| value <= panel.y.range[1]);
+    marks.extend(shown.map(|&value| circle.at(at(value).0, at(value).1)));
     let diamond = Marker { radius_px: 3.6, ..Marker::new(Shape::Diamond, BLACK, false) };
-    marks.push(diamond.at(at(mean).0, at(mean).1));
+    if mean <= panel.y.range[1] {
+        marks.push(diamond.at(at(mean).0, at(mean).1));
+    }
     marks
 }

@@ -2,10 +2,11 @@
 
 use spineline::action::LineKind;
 
-use super::boxes::{Column, RULE, box_panel};
+use super::boxes::{Column, RULE, box_panel, paper_entry};
 use super::page::{Page, Sample};
 use super::panel::{Axis, HeadingKind, Name, Panel, Ticks};
-use super::style::{FILLS, action_fill, outlined};
+use super::style::{FILLS, Ink, VERMILLION, action_fill, outlined};
+use crate::paper::{INFLECTION_ROTATION_DEG, NEAR_SHARES_PERCENT, PaperMean};
 
 /// Inflection segments of one group of cases against the least-rotating ones.
 #[derive(Debug, Clone, PartialEq)]
@@ -47,6 +48,8 @@ pub struct LocationErrorSample {
     pub line: LineKind,
     /// Errors, in millimetres: one per vertebra and film.
     pub errors_mm: Vec<f64>,
+    /// The paper's mean over the same kind of films.
+    pub paper: Option<PaperMean>,
 }
 
 /// Bins of the distance in segments: name, greatest distance.
@@ -66,9 +69,13 @@ fn has_values(values: &[f64]) -> bool {
 }
 
 /// Distances of inflection segments from least-rotating ones and their rotations, like figure 6 of the paper. Groups without
-/// values are left out; `None` where no group has any.
+/// values are left out; `None` where no group has any. `with_paper` draws the paper's values beside them.
 #[must_use]
-pub fn inflection_distances(samples: &[InflectionSample], synthetic: bool) -> Option<String> {
+pub fn inflection_distances(
+    samples: &[InflectionSample],
+    with_paper: bool,
+    synthetic: bool,
+) -> Option<String> {
     let samples: Vec<&InflectionSample> = samples
         .iter()
         .filter(|sample| {
@@ -85,7 +92,10 @@ pub fn inflection_distances(samples: &[InflectionSample], synthetic: bool) -> Op
         let n = sample.distances_segments.iter().filter(|d| d.is_finite()).count();
         page.legend.push((Sample::Fill(fill), format!("{} (n = {n})", sample.name)));
     }
-    let mut bars = distance_bars(&samples, [0.56 * page.inner_px() - 84.0, 340.0]);
+    if with_paper {
+        page.legend.push(paper_entry());
+    }
+    let mut bars = distance_bars(&samples, with_paper, [0.56 * page.inner_px() - 84.0, 340.0]);
     bars.heading(HeadingKind::Title, "(a) distance between them");
     let columns: Vec<Column> = samples
         .iter()
@@ -95,6 +105,7 @@ pub fn inflection_distances(samples: &[InflectionSample], synthetic: bool) -> Op
             name: String::new(),
             values: sample.rotations_deg.clone(),
             fill,
+            paper: with_paper.then_some(INFLECTION_ROTATION_DEG),
         })
         .collect();
     let frame_px = [0.44 * page.inner_px() - 84.0, 340.0];
@@ -104,11 +115,12 @@ pub fn inflection_distances(samples: &[InflectionSample], synthetic: bool) -> Op
     Some(page.into_svg())
 }
 
-/// Share of the distances of every sample per bin.
-fn distance_bars(samples: &[&InflectionSample], frame_px: [f64; 2]) -> Panel {
+/// Share of the distances of every sample per bin; the paper's shares as strokes across the bins.
+fn distance_bars(samples: &[&InflectionSample], with_paper: bool, frame_px: [f64; 2]) -> Panel {
     let shares: Vec<Vec<f64>> =
         samples.iter().map(|sample| bin_shares(&sample.distances_segments)).collect();
-    let most = shares.iter().flatten().copied().fold(0.0, f64::max);
+    let papers = if with_paper { &NEAR_SHARES_PERCENT[..] } else { &[] };
+    let most = shares.iter().flatten().chain(papers).copied().fold(0.0, f64::max);
     let bins = BINS.len() as f64;
     let x = Axis {
         label: "distance (segments)".to_owned(),
@@ -128,6 +140,11 @@ fn distance_bars(samples: &[&InflectionSample], frame_px: [f64; 2]) -> Panel {
                 panel.marks.push(outlined(from.0, from.1, to.0 - from.0, to.1 - from.1, fill));
             }
         }
+    }
+    let stroke = Ink::new(VERMILLION, "", 2.2);
+    for (bin, &share) in papers.iter().enumerate() {
+        let ends = [0.05, 0.95].map(|part| panel.px(bin as f64 + part, share));
+        panel.marks.push(stroke.stroke(ends[0], ends[1]));
     }
     panel
 }
@@ -170,6 +187,7 @@ pub fn location_errors(
             name: sample.line.to_string(),
             values: sample.errors_mm.clone(),
             fill: action_fill(sample.line),
+            paper: sample.paper,
         })
         .collect();
     let mut kinds: Vec<LineKind> = samples.iter().map(|sample| sample.line).collect();
@@ -177,6 +195,9 @@ pub fn location_errors(
     kinds.dedup();
     let legend = kinds.into_iter().map(|kind| (Sample::Fill(action_fill(kind)), kind.to_string()));
     page.legend.extend(legend);
+    if samples.iter().any(|sample| sample.paper.is_some()) {
+        page.legend.push(paper_entry());
+    }
     let frame_px = [page.inner_px() - 84.0, 380.0];
     page.rows.push(vec![box_panel(&columns, "location error (mm)", frame_px)]);
     Some(page.into_svg())
@@ -215,6 +236,7 @@ pub fn least_rotating_estimates(groups: &[EstimateGroup], synthetic: bool) -> Op
                     name: name.to_owned(),
                     values: pick(sample).clone(),
                     fill,
+                    paper: None,
                 })
             })
             .collect();

@@ -13,6 +13,11 @@ use super::style::{BLACK, Ink, Marker, TICK_PX, WHITE, bold};
 /// The side from which one looks, said on every frontal picture.
 pub const VIEW: &str = "Seen from behind: the patient's left (L) is on the left of the picture.";
 
+/// The support of the model, which changes every simulated shape.
+pub fn support_note(analysis: &Analysis) -> String {
+    format!("Support of the model: {}.", analysis.options.support)
+}
+
 /// Room around a spine: beside it, and below and above it for the names of its ends.
 const PAD_MM: [f64; 2] = [22.0, 32.0];
 

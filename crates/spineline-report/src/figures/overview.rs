@@ -6,6 +6,7 @@ use spineline::spatial::Frontal;
 
 use super::frontal::{
     Extent, VIEW, axes_of_row, drawn, extent_words, frontal_panel, gaps_px, has_scale, scale_note,
+    support_note,
 };
 use super::page::{Page, Sample};
 use super::panel::{HeadingKind, Panel};
@@ -28,6 +29,9 @@ pub fn case_overview(analysis: &Analysis) -> String {
     let mut page = Page::new(title, analysis.synthetic);
     let base = movement.levels().base();
     page.notes.push(format!("{VIEW} All panels have the same scale; {base} is at the origin."));
+    if !analysis.models.is_empty() {
+        page.notes.push(support_note(analysis));
+    }
     page.notes.extend(scale_note(analysis));
     let midpoints = format!("vertebra midpoints, {}", extent_words(analysis));
     page.legend.push((Sample::Marker(VERTEBRA), midpoints));

@@ -10,11 +10,14 @@ use kuva::render::theme::Theme;
 
 use super::style::{
     BLACK, GREY, HEADING_PX, Ink, LABEL_PX, Marker, PALE, TICK_PX, VERMILLION, bold, line_px,
-    nice_step, text,
+    nice_step, text, text_width_px,
 };
 
 /// The attribute of the group that a picture goes into.
 pub const PICTURE_SLOT: &str = "data-layer=\"picture\" data-slot=";
+
+/// A label may reach this far beyond its frame.
+const EDGE_PX: f64 = 6.0;
 
 /// Labels of an axis' ticks.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -47,14 +50,25 @@ impl Axis {
         Self { label: label.to_owned(), range, step, ticks: Ticks::Numbers }
     }
 
-    fn format(&self) -> TickFormat {
+    /// Labels of the ticks. A label of a distance that would reach beyond its frame is left out: a neighbour stands there.
+    fn format(&self, frame_px: f64) -> TickFormat {
         let places = (-self.step.log10() - 1e-9).ceil().max(0.0) as usize;
         match self.ticks {
             Ticks::Numbers => TickFormat::Fixed(places),
-            Ticks::Sides => TickFormat::Custom(Arc::new(move |x| {
-                let side = if x < 0.0 { " L" } else { " R" };
-                format!("{:.places$}{}", x.abs(), if x == 0.0 { "" } else { side })
-            })),
+            Ticks::Sides => {
+                let [from, to] = self.range;
+                let px_per_unit = frame_px / (to - from);
+                TickFormat::Custom(Arc::new(move |x| {
+                    let side = if x < 0.0 { " L" } else { " R" };
+                    let label = format!("{:.places$}{}", x.abs(), if x == 0.0 { "" } else { side });
+                    let room_px = (x - from).min(to - x) * px_per_unit + EDGE_PX;
+                    if 0.5 * text_width_px(&label, TICK_PX) > room_px {
+                        String::new()
+                    } else {
+                        label
+                    }
+                }))
+            }
             Ticks::Blank | Ticks::None => TickFormat::Custom(Arc::new(|_| String::new())),
         }
     }
@@ -275,8 +289,8 @@ impl Panel {
             .with_y_axis_max(self.y.range[1])
             .with_x_tick_step(self.x.step)
             .with_y_tick_step(self.y.step)
-            .with_x_tick_format(self.x.format())
-            .with_y_tick_format(self.y.format())
+            .with_x_tick_format(self.x.format(self.frame_px[0]))
+            .with_y_tick_format(self.y.format(self.frame_px[1]))
             .with_tick_size(TICK_PX)
             .with_theme(Theme { grid_color: PALE.to_owned(), ..Theme::light() });
         if self.boxed {

@@ -6,7 +6,7 @@ use spineline::anatomy::Posture;
 use spineline::evaluate::Simulation;
 use spineline::spatial::Frontal;
 
-use super::frontal::{Extent, VIEW, extent_words, frontal_panel};
+use super::frontal::{Extent, VIEW, extent_words, frontal_panel, support_note};
 use super::page::{Page, Sample};
 use super::panel::{HeadingKind, Panel};
 use super::style::{
@@ -35,6 +35,7 @@ pub fn measured_and_simulated(analysis: &Analysis, posture: Posture) -> Option<S
     let title = format!("Measured and simulated spine, {posture}, case {}", analysis.case_id);
     let mut page = Page::new(title, analysis.synthetic);
     page.notes.push(format!("{VIEW} Circles: vertebra midpoints, {}.", extent_words(analysis)));
+    page.notes.push(support_note(analysis));
     page.legend.push((Sample::Stroke(MEASURED.0, Some(MEASURED.1)), "measured".to_owned()));
     let extent = extent_of(&measured, shown.iter().map(|(_, simulation)| *simulation));
     let room_px = 84.0 + 18.0 * (shown.len() as f64 - 1.0);
@@ -110,7 +111,7 @@ pub fn force_path(
     let title = format!("Spine under increasing force, {posture}, case {}", analysis.case_id);
     let mut page = Page::new(title, analysis.synthetic);
     page.width_px = 640.0;
-    page.notes.push(format!("Force along the {kind}. {VIEW}"));
+    page.notes.push(format!("Force along the {kind}. {VIEW} {}", support_note(analysis)));
     let measured: Vec<Frontal> = analysis
         .movement
         .film(posture)

@@ -199,7 +199,7 @@ pub fn movement(analysis: &Analysis) -> Section {
         distances_segments: estimates.iter().map(|(.., e)| e.distance_segments as f64).collect(),
         rotations_deg: estimates.iter().map(|(.., e)| e.rotation.deg()).collect(),
     };
-    if let Some(svg) = figures::inflection_distances(&[sample], analysis.synthetic) {
+    if let Some(svg) = figures::inflection_distances(&[sample], false, analysis.synthetic) {
         let caption =
             "Inflection segments against the least-rotating segments (figure 6 of the paper).";
         section.figure(Figure::new("inflections", caption, svg));

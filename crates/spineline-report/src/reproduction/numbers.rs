@@ -8,6 +8,7 @@ use spineline::personalize::TestOutcome;
 
 use super::Columns;
 use crate::number::{fixed, times, with_sd};
+use crate::paper::PaperMean;
 use crate::phrases::none;
 
 /// Numbers under one heading.
@@ -109,25 +110,34 @@ pub(super) const TEST_LEGEND: &str =
     "Below a p of the paper: `same` means on the same side of 0.05.";
 
 /// The paper's number as text and as a number.
-pub(super) type Paper = (&'static str, f64);
+pub(super) struct Paper {
+    text: String,
+    value: f64,
+}
+
+impl From<(&str, f64)> for Paper {
+    fn from((text, value): (&str, f64)) -> Self {
+        Self { text: text.to_owned(), value }
+    }
+}
+
+impl From<PaperMean> for Paper {
+    fn from(paper: PaperMean) -> Self {
+        Self { text: paper.to_string(), value: paper.mean }
+    }
+}
 
 /// A number of the paper with its verdict.
 pub(super) fn compared(
     quantity: &str,
     unit: &'static str,
-    paper: Paper,
+    paper: impl Into<Paper>,
     columns: &Columns<'_>,
     cell: impl Fn(&Cohort) -> Cell,
 ) -> PaperNumber {
-    let ours = columns.map(cell);
-    let verdict = verdict(paper.1, columns.names, &ours);
-    PaperNumber {
-        quantity: quantity.to_owned(),
-        unit,
-        paper: Some(paper.0.to_owned()),
-        ours,
-        verdict,
-    }
+    let (paper, ours) = (paper.into(), columns.map(cell));
+    let verdict = verdict(paper.value, columns.names, &ours);
+    PaperNumber { quantity: quantity.to_owned(), unit, paper: Some(paper.text), ours, verdict }
 }
 
 /// A number that the paper does not give.

@@ -5,11 +5,14 @@ use spineline::cohort::{Clustered, Cohort, ErrorStatistics, LineStatistics, Pair
 use spineline::multibody::Support;
 
 use super::numbers::{
-    Cell, Paper, PaperNumber, Part, TEST_LEGEND, compared, ours, percent, ratio_legend,
-    test_verdict,
+    Cell, PaperNumber, Part, TEST_LEGEND, compared, ours, percent, ratio_legend, test_verdict,
 };
 use super::{Columns, Scenarios, fair};
 use crate::number::interval;
+use crate::paper::{
+    INFLECTION_ROTATION_DEG, NEAR_SHARES_PERCENT, PaperMean, fitted_location_error_mm,
+    held_out_location_error_mm,
+};
 
 /// Every number: the movement once, the models for both supports.
 #[must_use]
@@ -40,16 +43,26 @@ fn of_movement(title: &str, rows: Vec<PaperNumber>, legend: &str, note: &str) ->
 
 fn chain(columns: &Columns<'_>) -> Part {
     let rows = vec![
-        compared("segments n", "1", ("998 ± 3", 998.0), columns, |c| Cell::of(&c.segments, 0)),
-        compared("segment length l (mm)", "mm", ("0.39 ± 0.05", 0.39), columns, |c| {
+        compared("segments n", "1", PaperMean::new(998.0, 3.0, 0), columns, |c| {
+            Cell::of(&c.segments, 0)
+        }),
+        compared("segment length l (mm)", "mm", PaperMean::new(0.39, 0.05, 2), columns, |c| {
             Cell::of(&c.segment_mm, 2)
         }),
-        compared("curve residual, locations (mm)", "mm", ("0.19 ± 0.08", 0.19), columns, |c| {
-            Cell::of(&c.rmse_mm.pooled, 2)
-        }),
-        compared("curve residual, tilts (°)", "deg", ("0.17 ± 0.07", 0.17), columns, |c| {
-            Cell::of(&c.rmse_deg.pooled, 2)
-        }),
+        compared(
+            "curve residual, locations (mm)",
+            "mm",
+            PaperMean::new(0.19, 0.08, 2),
+            columns,
+            |c| Cell::of(&c.rmse_mm.pooled, 2),
+        ),
+        compared(
+            "curve residual, tilts (°)",
+            "deg",
+            PaperMean::new(0.17, 0.07, 2),
+            columns,
+            |c| Cell::of(&c.rmse_deg.pooled, 2),
+        ),
     ];
     of_movement(
         "Curves and chain",
@@ -93,7 +106,7 @@ fn rotation_rows(columns: &Columns<'_>) -> Vec<PaperNumber> {
         interval_cell(ends, c.rotation_deg.patients.n)
     };
     vec![
-        compared("mean rotation r (°)", "deg", ("0.0418 ± 0.0353", 0.0418), columns, |c| {
+        compared("mean rotation r (°)", "deg", PaperMean::new(0.0418, 0.0353, 4), columns, |c| {
             Cell::of(&c.rotation_deg.pooled, 4)
         }),
         compared(
@@ -104,7 +117,7 @@ fn rotation_rows(columns: &Columns<'_>) -> Vec<PaperNumber> {
             interval,
         ),
         ours("  95 % interval, patients resampled".to_owned(), "deg", columns.map(patients)),
-        compared("least rotation (°)", "deg", ("0.0019 ± 0.0016", 0.0019), columns, |c| {
+        compared("least rotation (°)", "deg", PaperMean::new(0.0019, 0.0016, 4), columns, |c| {
             Cell::of(&c.least_rotation_deg.pooled, 4)
         }),
     ]
@@ -120,25 +133,23 @@ fn inflection_rows(columns: &Columns<'_>) -> Vec<PaperNumber> {
         }
     };
     let mut rows = Vec::new();
-    for (distance, paper) in
-        [("20 %", 20.0), ("62 %", 62.0), ("18 %", 18.0)].into_iter().enumerate()
-    {
+    for (distance, paper) in NEAR_SHARES_PERCENT.into_iter().enumerate() {
         rows.push(compared(
             &format!("inflections {distance} segments off"),
             "%",
-            paper,
+            (&*percent(paper), paper),
             columns,
             share(distance),
         ));
     }
     rows.push(compared("inflections farther off", "%", ("0 %", f64::NAN), columns, share(3)));
-    rows.push(compared("  distance (mm)", "mm", ("0.36 ± 0.24", 0.36), columns, |c| {
+    rows.push(compared("  distance (mm)", "mm", PaperMean::new(0.36, 0.24, 2), columns, |c| {
         Cell::of(&c.inflection[0].distance_mm.pooled, 2)
     }));
     rows.push(compared(
         "rotation of inflections (°)",
         "deg",
-        ("0.0028 ± 0.0021", 0.0028),
+        INFLECTION_ROTATION_DEG,
         columns,
         |c| Cell::of(&c.inflection[0].rotation_deg.pooled, 4),
     ));
@@ -188,30 +199,21 @@ fn by_patient(found: [Cell; 3]) -> PaperNumber {
 struct ErrorRow {
     name: &'static str,
     unit: &'static str,
-    paper: Option<Paper>,
+    paper: Option<PaperMean>,
     kind: LineKind,
     /// Whether the films are fitted.
     is_fitted: bool,
 }
 
 impl ErrorRow {
-    const fn paper(
+    const fn new(
         name: &'static str,
         unit: &'static str,
-        paper: Paper,
+        paper: Option<PaperMean>,
         kind: LineKind,
         is_fitted: bool,
     ) -> Self {
-        Self { name, unit, paper: Some(paper), kind, is_fitted }
-    }
-
-    const fn beside(
-        name: &'static str,
-        unit: &'static str,
-        kind: LineKind,
-        is_fitted: bool,
-    ) -> Self {
-        Self { name, unit, paper: None, kind, is_fitted }
+        Self { name, unit, paper, kind, is_fitted }
     }
 
     fn number(&self, columns: &Columns<'_>) -> PaperNumber {
@@ -239,18 +241,18 @@ const ERRORS: [ErrorRow; 12] = {
     let (angle, place) =
         ("HELD OUT Ferguson error, Model-1 (°)", "HELD OUT location error, Model-1 (mm)");
     [
-        ErrorRow::paper(model_1, "deg", ("1.34 ± 1.51", 1.34), Inflection, true),
-        ErrorRow::paper(model_2, "deg", ("2.07 ± 2.20", 2.07), Iliac, true),
-        ErrorRow::beside("  estimated line", "deg", Estimated, true),
-        ErrorRow::paper(place_1, "mm", ("0.51 ± 0.41", 0.51), Inflection, true),
-        ErrorRow::paper(place_2, "mm", ("1.41 ± 1.09", 1.41), Iliac, true),
-        ErrorRow::beside("  estimated line", "mm", Estimated, true),
-        ErrorRow::paper(angle, "deg", ("1.63 ± 1.98", 1.63), Inflection, false),
-        ErrorRow::beside("  Model-2", "deg", Iliac, false),
-        ErrorRow::beside("  estimated line", "deg", Estimated, false),
-        ErrorRow::paper(place, "mm", ("0.78 ± 0.65", 0.78), Inflection, false),
-        ErrorRow::beside("  Model-2", "mm", Iliac, false),
-        ErrorRow::beside("  estimated line", "mm", Estimated, false),
+        ErrorRow::new(model_1, "deg", Some(PaperMean::new(1.34, 1.51, 2)), Inflection, true),
+        ErrorRow::new(model_2, "deg", Some(PaperMean::new(2.07, 2.20, 2)), Iliac, true),
+        ErrorRow::new("  estimated line", "deg", None, Estimated, true),
+        ErrorRow::new(place_1, "mm", fitted_location_error_mm(Inflection), Inflection, true),
+        ErrorRow::new(place_2, "mm", fitted_location_error_mm(Iliac), Iliac, true),
+        ErrorRow::new("  estimated line", "mm", None, Estimated, true),
+        ErrorRow::new(angle, "deg", Some(PaperMean::new(1.63, 1.98, 2)), Inflection, false),
+        ErrorRow::new("  Model-2", "deg", None, Iliac, false),
+        ErrorRow::new("  estimated line", "deg", None, Estimated, false),
+        ErrorRow::new(place, "mm", held_out_location_error_mm(Inflection), Inflection, false),
+        ErrorRow::new("  Model-2", "mm", None, Iliac, false),
+        ErrorRow::new("  estimated line", "mm", None, Estimated, false),
     ]
 };
 

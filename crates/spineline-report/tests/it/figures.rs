@@ -7,13 +7,14 @@ use spineline::evaluate::Simulation;
 use spineline::measure::{
     Film, FilmLandmarks, Placement, PlacementSource, Reading, ReadingId, SpacingPlane,
 };
-use spineline::multibody::MatchStatus;
+use spineline::multibody::{MatchStatus, Support};
 use spineline::spatial::{Angle, Frontal};
 use spineline_report::figures::{
     EstimateGroup, EstimateSample, InflectionSample, LocationErrorSample, case_overview,
     force_path, inflection_distances, least_rotating_estimates, location_errors,
     measured_and_simulated, profiles, rotations,
 };
+use spineline_report::paper::fitted_location_error_mm;
 
 /// Turn of every vertebra against the one below, in degrees: three curves, scaled, and a bend of one side.
 fn film(posture: Posture, scale: f64, bend_deg: f64) -> Film {
@@ -102,6 +103,7 @@ fn errors() -> Vec<LocationErrorSample> {
             group: group.to_owned(),
             line,
             errors_mm: sample(504, factor * most),
+            paper: fitted_location_error_mm(line),
         })
     };
     [of("rod", 1.0), of("bend", 2.0), of("pull", 1.3)].concat()
@@ -127,7 +129,7 @@ fn figures(analysis: &Analysis) -> Vec<(String, String)> {
         ("rotations".to_owned(), rotations(analysis).expect("moved postures")),
         (
             "inflection-distances".to_owned(),
-            inflection_distances(&distances(), synthetic).expect("values"),
+            inflection_distances(&distances(), true, synthetic).expect("values"),
         ),
         (
             "location-errors".to_owned(),
@@ -250,11 +252,15 @@ fn an_erect_film_alone_has_an_overview_only() {
 
 #[test]
 fn samples_without_values_give_no_empty_panel() {
-    assert_eq!(inflection_distances(&[], true), None);
+    assert_eq!(inflection_distances(&[], true, true), None);
     assert_eq!(location_errors(&[], "no films", true), None);
     assert_eq!(least_rotating_estimates(&[], true), None);
-    let without =
-        |line| LocationErrorSample { group: "rod".to_owned(), line, errors_mm: vec![f64::NAN] };
+    let without = |line| LocationErrorSample {
+        group: "rod".to_owned(),
+        line,
+        errors_mm: vec![f64::NAN],
+        paper: None,
+    };
     assert_eq!(location_errors(&[without(LineKind::Iliac)], "no films", true), None);
     let some = LocationErrorSample { errors_mm: vec![1.0, 2.0], ..without(LineKind::Inflection) };
     let svg = location_errors(&[some, without(LineKind::Iliac)], "some films", true);
@@ -268,6 +274,55 @@ fn samples_without_values_give_no_empty_panel() {
     };
     let svg = least_rotating_estimates(&[bends, none], true).expect("the bends have values");
     assert!(!svg.contains("no films") && !svg.contains("n = 0"));
+}
+
+/// Texts of a figure that are numbers alone: the labels of its ticks, and counts.
+fn numbers(svg: &str) -> Vec<f64> {
+    svg.split('>').filter_map(|part| part.split('<').next()?.parse().ok()).collect()
+}
+
+#[test]
+fn a_value_far_away_is_counted_and_does_not_flatten_the_boxes() {
+    let mut errors_mm = sample(100, 3.0);
+    let of = |errors_mm: &[f64]| LocationErrorSample {
+        group: "all".to_owned(),
+        line: LineKind::Iliac,
+        errors_mm: errors_mm.to_vec(),
+        paper: None,
+    };
+    let most = |svg: &str| numbers(svg).into_iter().fold(0.0, f64::max);
+    let without = location_errors(&[of(&errors_mm)], "left out", false).expect("values");
+    errors_mm.extend([240.0, 180.0]);
+    let with = location_errors(&[of(&errors_mm)], "left out", false).expect("values");
+    assert!(most(&with) <= 2.0 * most(&without), "{} {}", most(&with), most(&without));
+    assert!(with.contains(">2 to 240<") && !without.contains(" to "));
+}
+
+#[test]
+fn the_papers_means_stand_beside_ours_where_it_gives_them() {
+    let legend = "the paper: mean ± standard deviation";
+    let with = location_errors(&errors(), "bending films, fitted", true).expect("values");
+    let of_others =
+        errors().into_iter().map(|sample| LocationErrorSample { paper: None, ..sample });
+    let without = location_errors(&of_others.collect::<Vec<_>>(), "others", true).expect("values");
+    assert!(with.contains(legend) && !without.contains(legend));
+    let [paper, alone] = [true, false].map(|with| inflection_distances(&distances(), with, true));
+    assert!(paper.expect("values").contains(legend) && !alone.expect("values").contains(legend));
+}
+
+#[test]
+fn spines_of_a_model_name_its_support() {
+    let mut analysis = analysis(false, &Posture::ALL);
+    for support in Support::ALL {
+        analysis.options.support = support;
+        let words = format!("Support of the model: {support}.");
+        let figures = [
+            case_overview(&analysis),
+            measured_and_simulated(&analysis, Posture::LeftBending).expect("simulated"),
+            force_path(&analysis, Posture::LeftBending, LineKind::Inflection, &[], "N"),
+        ];
+        assert!(figures.iter().all(|svg| svg.contains(&words)), "{words}");
+    }
 }
 
 #[test]

@@ -3,7 +3,9 @@
 use std::collections::BTreeMap;
 
 use super::order::{LevelStep, MIN_SPACING_SHARE};
-use super::{LengthScale, MeasureError, MeasureFault, MeasuredVertebra, Placement, PlacementSource};
+use super::{
+    LengthScale, MeasureError, MeasureFault, MeasuredVertebra, Placement, PlacementSource,
+};
 use crate::anatomy::{Level, Posture};
 use crate::spatial::Angle;
 use crate::warning::{WarningCode, Warnings};

@@ -10,6 +10,7 @@ use spineline_files::Provenance;
 use spineline_report::figures::{
     self, EstimateGroup, EstimateSample, InflectionSample, LocationErrorSample,
 };
+use spineline_report::paper;
 
 use super::runs::Run;
 use crate::run::failure::Failure;
@@ -53,7 +54,7 @@ pub fn write(
             rotations_deg: run.cohort.inflection[0].all_rotations_deg.clone(),
         })
         .collect();
-    if let Some(svg) = figures::inflection_distances(&inflections, true) {
+    if let Some(svg) = figures::inflection_distances(&inflections, true, true) {
         save("figure-06-inflections".to_owned(), &svg)?;
     }
     for support in [Support::Free, Support::Frontal] {
@@ -81,6 +82,11 @@ fn error_figures(
                     errors_mm: if fitted { &line.fitted } else { &line.held_out }
                         .all_location_mm
                         .clone(),
+                    paper: if fitted {
+                        paper::fitted_location_error_mm(line.kind)
+                    } else {
+                        paper::held_out_location_error_mm(line.kind)
+                    },
                 })
             })
             .collect()
