@@ -6,7 +6,7 @@ use spineline::evaluate::statistics::{BoxSummary, Summary, box_summary};
 use super::panel::{Axis, Panel, Ticks};
 use super::style::{BLACK, Ink, Marker, Shape, TICK_PX, WHITE, outlined, text_width_px, wrapped};
 
-/// The rule of every box chart here, as [`box_summary`] has it.
+/// The rule of all box charts, by [`box_summary`].
 pub const RULE: &str = "Boxes: quartiles and median; whiskers: last values within 1.5 IQR of the box; \
      circles: values beyond; diamonds: means.";
 
@@ -21,7 +21,7 @@ pub struct Column {
     pub fill: &'static str,
 }
 
-/// A panel of boxes from zero upwards; values that are no numbers are left out, and `n` counts the others.
+/// A panel of boxes from zero upwards; only finite values are drawn, and `n` counts them.
 pub fn box_panel(columns: &[Column], y_label: &str, frame_px: [f64; 2]) -> Panel {
     let mut groups: Vec<&str> = Vec::new();
     for column in columns {
@@ -36,7 +36,7 @@ pub fn box_panel(columns: &[Column], y_label: &str, frame_px: [f64; 2]) -> Panel
     let x = Axis { label: String::new(), range: [0.0, total], step: 1.0, ticks: Ticks::None };
     let mut panel = Panel::new(x, Axis::from_zero(y_label, most), frame_px);
     let column_px = frame_px[0] / total;
-    // Where names would meet, the legend alone tells the boxes apart, in the same order.
+    // Where names would overlap, only the legend names the boxes, in the same order.
     let wide = |words: &str| words.split(' ').any(|w| text_width_px(w, TICK_PX) > column_px);
     let narrow = columns.iter().any(|column| wide(&column.name));
     let lines = |column: &Column| match narrow {
