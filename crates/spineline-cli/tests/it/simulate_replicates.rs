@@ -164,13 +164,13 @@ fn replicates_that_are_not_possible_are_refused_with_what_to_do() {
     // Another patient, other landmarks, a model without provenance, and one that was changed.
     done(path, &["phantom", "--scenario", "rod", "--subject", "2", "--out", "cases"]);
     let error = words(&refused(path, &with("cases/phantom-rod-02.json"), 3));
-    assert!(error.contains("the model is that of the case phantom-rod-01"), "{error}");
+    assert!(error.contains("the model belongs to the case phantom-rod-01"), "{error}");
     let mut other = json(&path.join(CASE));
     let corner = &mut other["films"][0]["readings"][0]["vertebrae"]["T6"]["superior_left"][0];
     *corner = json!(corner.as_f64().expect("a column") + 3.0);
     fs::write(path.join("other.json"), other.to_string()).expect("written");
     let error = words(&refused(path, &with("other.json"), 3));
-    assert!(error.contains("differ from those of the model that the case gives now"), "{error}");
+    assert!(error.contains("differ from the model that the case gives now"), "{error}");
     let model = json(&path.join("model.json"));
     let change = |change: &dyn Fn(&mut Value)| {
         let mut model = model.clone();
