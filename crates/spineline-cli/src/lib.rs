@@ -1,6 +1,6 @@
 //! The `spineline` program: thin. It reads files, calls the library, and shows what came back.
 //!
-//! Rooms, lowest first; each uses only those before it: `run`, `options`, `analysis`, `commands`. No command uses
+//! Modules, lowest first; each uses only those before it: `run`, `options`, `analysis`, `commands`. No command uses
 //! another one.
 //!
 //! A library, so that the compiler begins with it before the machine code of the crates below it is written.
@@ -39,7 +39,7 @@ fn run() -> Result<Ending, Failure> {
             provenance::keep_full_paths(line.full_paths);
             line.command
         }
-        // Help and version are results; all else is a refusal, whose code it knows.
+        // Help and version are results; everything else is a refusal with its own code.
         Err(words) if !words.use_stderr() => return outputs::shown(words.print()),
         Err(words) => refuse(words),
     };
@@ -50,8 +50,8 @@ fn run() -> Result<Ending, Failure> {
     commands::run(command)
 }
 
-/// Says why the command line is refused, and ends the program. Names of files may hold anything: where one would not be shown as it is,
-/// the line is refused as it is shown.
+/// Says why the command line is refused, and ends the program. If a word has hidden characters, the message shows them as
+/// codes.
 fn refuse(words: clap::Error) -> ! {
     let given = std::env::args_os().map(|one| one.to_string_lossy().into_owned());
     let (given, plain): (Vec<_>, Vec<_>) = given.map(|one| (shown(&one), one)).unzip();

@@ -30,7 +30,7 @@ pub struct CohortFile {
     provenance: Option<Provenance>,
     /// Whether any patient is synthetic.
     synthetic: bool,
-    /// The cases that were given and have no part in the numbers.
+    /// The given cases that are not part of the numbers.
     refused: Vec<RefusedRecord>,
     case_ids: Vec<String>,
     /// Seed of resampling and, beyond 20 patients, of the drawn sign flips.
@@ -55,7 +55,7 @@ pub struct CohortFile {
     baselines: Vec<BaselineRecord>,
     /// Lines against them, by location error in mm, line minus baseline.
     baseline_tests: Vec<BaselineTestRecord>,
-    /// Other loads and bases against them, likewise; a family of tests of its own.
+    /// Other loads and bases against them, likewise; a separate family of tests.
     hypothesis_tests: Vec<BaselineTestRecord>,
     /// Films that may not show what they are named after.
     doubted_films: Vec<DoubtedRecord>,
@@ -216,7 +216,7 @@ struct BaselineTestRecord {
     sign_flip_p: Option<f64>,
     /// After Holm's correction over all of these tests.
     holm_p: Option<f64>,
-    /// What the model is beside the baseline.
+    /// The model compared with the baseline.
     outcome: ComparisonOutcome,
 }
 

@@ -1,8 +1,8 @@
 //! The hash of its content that a file carries, and the cases that it names.
 //!
 //! [`Provenance`](crate::Provenance) has a place for the hash, and JSON files, reports and figures hold a provenance; models for other
-//! engines have the same keys in their first comment. Who writes the whole file fills the place in ([`with_hash`]): the hash is that of the file
-//! with 64 zeros in its place. It does not matter where in the file the place is, how often there is one, and what the format is.
+//! engines have the same keys in their first comment. The writer of the whole file fills the place in ([`with_hash`]) with the hash
+//! of the file with 64 zeros there. The place may be anywhere in the file, and several times, in any format.
 
 use std::borrow::Cow;
 use std::collections::BTreeSet;
@@ -22,7 +22,7 @@ const OPEN: &[u8; DIGITS] = &[b'0'; DIGITS];
 /// Between the key and the digits are `": "`, or fewer of these.
 const BETWEEN: usize = 4;
 
-/// The place of the hash of a file in its JSON. It is written open, and what is read is not kept: it belongs to that file alone.
+/// The place of the hash of a file in its JSON. It is written open, and a hash that is read is not kept: it belongs to that file alone.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 #[cfg_attr(test, schemars(with = "String"))]
@@ -44,7 +44,7 @@ impl<'de> Deserialize<'de> for ContentHash {
     }
 }
 
-/// The case and the place of the hash, as JSON in the comment of a format that has no provenance.
+/// The case and the place of the hash, as JSON in the comment of a format without provenance.
 #[derive(Serialize)]
 pub(crate) struct ContentMark<'a> {
     pub(crate) case_ids: [&'a str; 1],
@@ -63,9 +63,9 @@ pub fn content_words(case_ids: &BTreeSet<String>) -> [String; 2] {
 pub enum Content {
     /// It has no hash.
     NoHash,
-    /// It has another hash than its own.
+    /// Its hash differs from the hash in it.
     Changed,
-    /// It has its own hash.
+    /// Its hash equals the hash in it.
     AsWritten,
 }
 
@@ -115,7 +115,7 @@ pub fn with_hash(mut file: Vec<u8>) -> Vec<u8> {
 /// [`with_hash`] of a text.
 ///
 /// # Panics
-/// Never: digits take the place of digits.
+/// Never: digits replace digits.
 #[must_use]
 pub fn text_with_hash(text: String) -> String {
     String::from_utf8(with_hash(text.into_bytes())).expect("digits for digits")
@@ -159,7 +159,7 @@ fn is_hash(digits: &[u8]) -> bool {
     digits.iter().all(|byte| matches!(byte, b'0'..=b'9' | b'a'..=b'f'))
 }
 
-/// The cases that a file names: as its own, as those of a list of analyses, or in its provenance.
+/// The cases that a file names: its own, the cases of a list of analyses, or in its provenance.
 #[must_use]
 pub fn case_ids(file: &[u8]) -> BTreeSet<String> {
     #[derive(Deserialize)]

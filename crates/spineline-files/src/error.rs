@@ -3,8 +3,8 @@ use std::path::PathBuf;
 use spineline::analysis::CASE_ID_RULE;
 use spineline::anatomy::{Level, Posture, Region};
 
-/// How far cranial the midpoint of a vertebra may lie above that of its neighbour, in mm: a fifth of that of a small child and
-/// twice that of a tall adult (assumption). Lengths in metres or in pixels are beyond it.
+/// Limits of the cranial distance from a vertebra's midpoint to its neighbour's, in mm: a fifth of a small child's distance and
+/// twice a tall adult's (assumption). Lengths in metres or in pixels are beyond them.
 pub(crate) const NEIGHBOURS_MM: [f64; 2] = [2.0, 90.0];
 
 /// Error of reading a file.
@@ -84,7 +84,7 @@ pub enum FileError {
         /// Expected value.
         expected: &'static str,
     },
-    /// A newer file, or one of no known version.
+    /// A newer file, or one of unknown version.
     #[error("its version is {found}, and this program reads version {supported}")]
     Version {
         /// Value in the file.
@@ -160,7 +160,7 @@ pub enum FileError {
     /// A stiffness table that the model cannot use.
     #[error(transparent)]
     Stiffness(#[from] spineline::multibody::StiffnessError),
-    /// A prior of joint rotations whose numbers are no distribution.
+    /// A prior of joint rotations whose numbers are not a distribution.
     #[error(transparent)]
     RotationPrior(#[from] spineline::evaluate::RotationPriorError),
     /// A distribution of joint rotations that was learned from the case itself.
@@ -222,7 +222,7 @@ pub enum FileError {
         /// Where the next midpoint lies along the axis of the caudal vertebra; negative where it is caudal.
         cranial_mm: f64,
     },
-    /// An identifier with other characters than those of [`spineline::analysis::is_case_id`], such as the name of a person.
+    /// An identifier with characters that [`spineline::analysis::is_case_id`] does not allow, such as the name of a person.
     #[error("`case_id` is `{found}`; expected {CASE_ID_RULE}")]
     CaseId {
         /// The identifier.
@@ -233,7 +233,7 @@ pub enum FileError {
     PictureTwice {
         /// Posture of one film, or `lateral`.
         a: String,
-        /// That of the other one.
+        /// The other one.
         b: String,
         /// Its file, or its SHA-256.
         picture: String,
@@ -312,7 +312,7 @@ pub enum FileError {
     },
 }
 
-/// What is said of a file of another format, or of none.
+/// The message about a file of another format, or without a format.
 fn format_words(found: &str, expected: &str) -> String {
     if found.is_empty() {
         format!("not a Spineline file: it has no `format`, which should be `{expected}`")
@@ -352,7 +352,7 @@ impl FileError {
                 "add `image`: columns, rows, column_spacing_mm, row_spacing_mm, patient_left"
             }
             Self::SourceOfCorners { .. } => {
-                "remove `placement_source`: a surface midline gives locations and tilts, and no corners"
+                "remove `placement_source`: a surface midline gives locations and tilts, not corners"
             }
             Self::LengthsOfCorners { .. } => {
                 "remove `lengths`: corners take their unit from the spacing and `spacing_plane` of `image`"
@@ -362,7 +362,7 @@ impl FileError {
                 "a film shows one posture: name the right picture, or remove the film that was not taken"
             }
             Self::LateralSpacing => {
-                "give both spacings, `pixel_aspect` alone, or none of the three"
+                "give both spacings, `pixel_aspect` alone, or leave out all three"
             }
             Self::SpacingIncomplete { .. } => {
                 "give both spacings and their plane (patient, detector or unknown), or neither and `pixels`, with `pixel_aspect` where pixels are not square"

@@ -14,7 +14,7 @@ use crate::nearest::nearest;
 struct Header {
     format: Option<String>,
     version: Option<u32>,
-    /// Whether both were found, or the text has no more keys.
+    /// Whether both were found, or all keys were read.
     is_read: bool,
 }
 
@@ -25,7 +25,7 @@ pub(crate) fn parse<T: DeserializeOwned>(
     version: u32,
 ) -> Result<T, FileError> {
     let text = without_mark(text);
-    // What kind of file it is comes first: a model given as a case should say so, not list its keys.
+    // The format is checked first: a model given as a case should be named so, and not by unknown keys.
     let header = header_of(text);
     if header.is_read {
         let found = header.format.unwrap_or_default();
@@ -39,7 +39,7 @@ pub(crate) fn parse<T: DeserializeOwned>(
     parse_value(text)
 }
 
-/// What kind of file it says it is. Files have it at their beginning, and are read no further than that.
+/// The format that a file states at its beginning; the rest is not read.
 pub(crate) fn format_of(text: &str) -> Option<String> {
     header_of(without_mark(text)).format
 }
@@ -78,7 +78,7 @@ impl<'de> Visitor<'de> for HeaderVisitor<'_> {
     }
 }
 
-/// The format that a JSON file of this program states in its `format`; for a list of files, that of the first one. `None` for any
+/// The format that a JSON file of this program states in its `format`; for a list of files, the format of the first one. `None` for any
 /// other text.
 #[must_use]
 pub fn file_format(text: &str) -> Option<String> {

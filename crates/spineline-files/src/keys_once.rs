@@ -1,4 +1,4 @@
-//! JSON in which no object has a key twice: readers would take one of its values without a word.
+//! JSON in which no object has a key twice: readers would take one of its values silently.
 
 use std::collections::HashSet;
 use std::fmt;

@@ -2,7 +2,7 @@
 //! priors of joint rotations and provenance, all JSON with a format and a version; tables of readings as CSV ([`parse_readings`]); and models as
 //! other multibody programs read them ([`export`]).
 //!
-//! The types here are what the files look like; [`spineline`]'s own types are what is computed with. Every file format
+//! The types here have the layout of the files; [`spineline`]'s types are for computation. Every file format
 //! has a JSON schema, compared with the types. Unknown keys are errors that name the nearest known one, a level given
 //! twice is an error, and nothing is repaired.
 //!
@@ -102,7 +102,7 @@ pub fn to_text<T: serde::Serialize>(file: &T) -> String {
     text
 }
 
-/// A list of files as text, piece by piece: the same text as that of [`to_text`] of all of them, without all of them in memory.
+/// A list of files as text, piece by piece: the same text as [`to_text`] of the list, without all of it in memory.
 ///
 /// ```
 /// use spineline_files::{ListText, to_text};
@@ -132,12 +132,12 @@ impl ListText {
         to_text(item).trim_end().replace('\n', "\n  ")
     }
 
-    /// What stands before the next item.
+    /// The text before the next item.
     pub fn before_item(&mut self) -> &'static str {
         if std::mem::replace(&mut self.has_items, true) { ",\n  " } else { "[\n  " }
     }
 
-    /// What stands after the last item.
+    /// The text after the last item.
     #[must_use]
     pub fn end(self) -> &'static str {
         if self.has_items { "\n]\n" } else { "[]\n" }

@@ -72,8 +72,8 @@ struct RegionRecord {
     cobb_inferior: LevelKey,
     /// Upper end vertebra of the Cobb angle.
     cobb_superior: LevelKey,
-    /// Cobb angle between endplates minus the difference of the end vertebrae's tilts, which rigid vertebrae keep; absent
-    /// where the endplates are not known, and then there is no Cobb angle.
+    /// Cobb angle between endplates minus the difference of the end vertebrae's tilts, which rigid vertebrae keep; absent, and
+    /// Cobb angles with it, where the endplates are not known.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     endplate_difference_deg: Option<f64>,
 }
@@ -92,7 +92,7 @@ struct VertebraRecord {
     /// Where the axial rotation comes from.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     axial_rotation_from: Option<AxialSource>,
-    /// Width of the body between its corners on the erect film, for drawing it; absent where nobody placed them.
+    /// Width of the body between its corners on the erect film, for drawing it; absent where no person placed them.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     width_mm: Option<f64>,
 }
@@ -249,7 +249,7 @@ pub fn parse_model(text: &str) -> Result<StoredModel, FileError> {
 }
 
 impl ModelFile {
-    /// What is in it, for a simulation.
+    /// Its content, for a simulation.
     fn stored(self) -> Result<StoredModel, FileError> {
         if self.vertebrae.len() != self.joints.len() + 1 {
             let (vertebrae, joints) = (self.vertebrae.len(), self.joints.len());

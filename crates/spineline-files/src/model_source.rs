@@ -32,7 +32,7 @@ pub enum ModelSourceError {
     #[error(transparent)]
     Options(#[from] FileError),
     /// The case of another patient.
-    #[error("the model is that of the case {model}, and the case given is {case}")]
+    #[error("the model belongs to the case {model}, and the case given is {case}")]
     OtherCase {
         /// The case of the model.
         model: String,
@@ -42,14 +42,14 @@ pub enum ModelSourceError {
     /// A case that cannot be analysed.
     #[error(transparent)]
     Analysis(#[from] Error),
-    /// No such model.
+    /// A model that the analysis lacks.
     #[error("the analysis of the case has no model with the line {line}")]
     NoModel {
         /// Line in the model file.
         line: &'static str,
     },
     /// A model that was changed, or made from other landmarks or by another version of the program.
-    #[error("{what} of the model file differ from those of the model that the case gives now")]
+    #[error("{what} of the model file differ from the model that the case gives now")]
     Differs {
         /// What differs.
         what: &'static str,
@@ -98,7 +98,7 @@ impl ModelSource {
     }
 }
 
-/// What of two models differs, but for the support, which is a matter of the simulation.
+/// The part in which two models differ; the support is ignored, since the simulation chooses it.
 fn difference(one: &PersonalisedModel, other: &PersonalisedModel) -> Option<&'static str> {
     let far = |a: &Vec3, b: &Vec3| (a - b).abs().max() > SAME_MM;
     let turned = |a: &Mat3, b: &Mat3| (a - b).abs().max() > SAME_PART;

@@ -34,7 +34,7 @@ pub struct InputFile {
 }
 
 impl InputFile {
-    /// A file of so many bytes.
+    /// A file with these bytes.
     #[must_use]
     pub fn of(name: impl Into<String>, bytes: &[u8]) -> Self {
         Self { name: name.into(), sha256: crate::sha256_hex(bytes) }
@@ -54,7 +54,7 @@ spineline::named! {
 }
 
 impl FilmOrigin {
-    /// Of cases that are synthetic or not; of none, real.
+    /// The origin of cases that are synthetic or not; `Real` without cases.
     #[must_use]
     pub fn of(synthetic: impl IntoIterator<Item = bool>) -> Self {
         let (mut some, mut all) = (false, true);
@@ -84,18 +84,18 @@ pub struct Provenance {
     date_utc: String,
     /// Whether the films are `synthetic`, `real`, or `synthetic_and_real`.
     films: FilmOrigin,
-    /// The cases that the file holds results of; absent where it holds those of none.
+    /// The cases with results in the file; absent without any.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     case_ids: Vec<String>,
     /// Files that were read.
     inputs: Vec<InputFile>,
-    /// Of everything random; absent where nothing is.
+    /// Seed of everything random; absent if nothing is random.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     seed: Option<u64>,
     /// Whether it was asked which multipliers the films identify; absent if not requested.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     identifiability: bool,
-    /// Replicates on moved landmarks; absent if not requested.
+    /// Replicates with perturbed landmarks; absent if not requested.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     replicates: Option<ReplicatesRecord>,
     /// Choices of the analysis; absent where nothing was analysed.
@@ -147,7 +147,7 @@ impl Provenance {
         self
     }
 
-    /// The same of a file with results of these cases.
+    /// The same for a file with results of these cases.
     #[must_use]
     pub fn of_cases(mut self, ids: impl IntoIterator<Item = String>) -> Self {
         self.case_ids = ids.into_iter().collect();
@@ -178,7 +178,7 @@ impl Provenance {
         this
     }
 
-    /// Provenance of a file that joins others: their inputs one after the other, and the choices of the first; `None` of none.
+    /// Provenance of a file that joins others: their inputs one after the other, and the choices of the first; `None` without parts.
     #[must_use]
     pub fn joining(run: ProgramRun, parts: &[&Self]) -> Option<Self> {
         let ProgramRun { program, command, date_utc } = run;
@@ -229,7 +229,7 @@ impl Provenance {
         &self.date_utc
     }
 
-    /// The cases that the file holds results of.
+    /// The cases with results in the file.
     #[must_use]
     pub fn case_ids(&self) -> &[String] {
         &self.case_ids
@@ -279,7 +279,7 @@ pub fn parse_provenance(text: &str) -> Result<ProvenanceFile, FileError> {
     parse(text, FORMAT, VERSION)
 }
 
-/// Provenance of files that have no place for it, as a file beside them.
+/// Provenance of files without a place for it, as a file beside them.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 #[cfg_attr(test, schemars(title = "Spineline provenance, version 1"))]

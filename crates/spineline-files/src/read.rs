@@ -33,8 +33,7 @@ pub fn text_of(path: &Path, bytes: Vec<u8>) -> Result<String, FileError> {
     }
 }
 
-/// Reads a file whole, if it has at most `limit` bytes. What states no size, such as a pipe or a device, is read to the limit
-/// and no further.
+/// Reads a file whole, if it has at most `limit` bytes. A pipe or a device, which states no size, is read up to the limit.
 ///
 /// # Errors
 /// [`FileError::Read`], [`FileError::TooLarge`].

@@ -40,8 +40,8 @@ pub struct ReadingsTable {
 /// ```
 ///
 /// # Errors
-/// [`FileError::Column`] for a column that is missing, twice there or unknown, and [`FileError::Row`] for what does not
-/// fit in a row: no finite number, an empty name, another unit of the same quantity, a reading given twice.
+/// [`FileError::Column`] for a column that is missing, twice there or unknown, and [`FileError::Row`] for an invalid row:
+/// a number that is not finite, an empty name, another unit of the same quantity, a reading given twice.
 pub fn parse_readings(text: &str) -> Result<ReadingsTable, FileError> {
     // Programs that write CSV for a spreadsheet put a byte-order mark first.
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
@@ -219,7 +219,7 @@ fn row_error(error: &csv::Error, line: u64) -> FileError {
     FileError::Row { line, reason }
 }
 
-/// Enough of a text to find it by.
+/// The start of a text, to find it by.
 fn shortened(text: &str) -> String {
     text.chars().filter(|c| !c.is_control()).take(40).collect()
 }

@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 use spineline::cohort::{RefusalStep, RefusedCase};
 
-/// A case that was given and has no result.
+/// A given case without a result.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 pub(crate) struct RefusedRecord {

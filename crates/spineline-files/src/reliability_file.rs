@@ -70,9 +70,9 @@ struct StatisticRecord {
     /// Over the pairs of raters, where it is a mean over several.
     sd: Option<f64>,
     interval_95: Option<[f64; 2]>,
-    /// Why there is no value.
+    /// Reason for a missing value.
     undefined: Option<ReasonRecord>,
-    /// Why there is no interval.
+    /// Reason for a missing interval.
     interval_undefined: Option<ReasonRecord>,
 }
 

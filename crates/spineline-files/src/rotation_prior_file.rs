@@ -45,7 +45,7 @@ struct LeftOutRecord {
     from_location_mm: Option<f64>,
     /// From the location and the tilt of T2.
     with_tilt_mm: Option<f64>,
-    /// From the location and the tilt of T2, with published mobilities in the place of other patients.
+    /// From the location and the tilt of T2, with published mobilities instead of other patients.
     published_with_tilt_mm: Option<f64>,
 }
 
@@ -73,7 +73,7 @@ impl StoredRotationPrior {
         if is_known { Err(FileError::LearnedFrom { case_id: case_id.to_owned() }) } else { Ok(()) }
     }
 
-    /// Refuses tilts that are measured by another rule than those that it was learned with.
+    /// Refuses tilts that are measured by another rule than in learning.
     ///
     /// # Errors
     /// [`FileError::LearnedWithTilt`].

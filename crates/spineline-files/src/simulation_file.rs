@@ -42,7 +42,7 @@ pub struct SimulationFile {
     /// `converged`, `several_equilibria`, `limit_point`, `branch_point`, `beyond_human_range`, `unreachable`, `not_converged` or `interrupted`.
     /// Only the first two have a result.
     status: String,
-    /// What was sought: the target.
+    /// The target of the search.
     goal: GoalRecord,
     /// Limit of the load factor in the search.
     largest_factor: f64,
@@ -224,7 +224,7 @@ impl SimulationFile {
         }
     }
 
-    /// The same file with what replicates gave under the loads.
+    /// The same file with the results of replicates under the loads.
     #[must_use]
     pub fn with_uncertainty(mut self, found: &LoadedUncertainty) -> Self {
         self.uncertainty = Some(SimulationUncertainty::from(found));

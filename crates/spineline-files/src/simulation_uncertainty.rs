@@ -6,7 +6,7 @@ use spineline::uncertainty::{LoadedSpread, LoadedUncertainty};
 
 use crate::analysis_file::NoiseRecord;
 
-/// What replicates with perturbed landmarks gave under the same loads. The intervals cover landmark noise and the scales of the
+/// Results of replicates with perturbed landmarks under the same loads. The intervals cover landmark noise and the scales of the
 /// films against the erect one; they do not cover the errors of the model, of the loads and of the erect film's scale, and no bias
 /// that all observers share.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -20,8 +20,8 @@ pub(crate) struct SimulationUncertainty {
     usable: u64,
     seed: u64,
     noise: BTreeMap<Posture, NoiseRecord>,
-    /// How many replicates have no result, by code: of the error that stopped an analysis; `no_inflections`, `not_measured` or
-    /// `fit_not_converged`, where there is no model; or the `status` of the simulation.
+    /// Number of replicates without a result, by code: of the error that stopped an analysis; `no_inflections`, `not_measured` or
+    /// `fit_not_converged` without a model; or the `status` of the simulation.
     endings: BTreeMap<String, u64>,
     numbers: Vec<LoadedSpreadRecord>,
 }

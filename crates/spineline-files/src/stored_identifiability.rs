@@ -1,4 +1,4 @@
-//! What the films say of every multiplier as a study store keeps it.
+//! Identifiability of the multipliers as a study store keeps it.
 
 use serde::{Deserialize, Serialize};
 use spineline::personalize::{
@@ -78,7 +78,7 @@ impl From<StoredEnd> for ProfileEnd {
     }
 }
 
-/// What the films say of the multipliers of every model as text, `None` for a model whose fit did not converge.
+/// Identifiability of the multipliers of every model as text, `None` for a model whose fit did not converge.
 ///
 /// Standard deviations may be infinite. Another number that is not finite makes a text that [`parse_identifiability`] refuses.
 #[must_use]

@@ -1,4 +1,4 @@
-//! The effect of landmark noise as a study store keeps it: what the replicates have added to what the case itself gives.
+//! The effect of landmark noise as a study store keeps it: the results that the replicates add to the case's own.
 
 use serde::{Deserialize, Serialize};
 use spineline::action::LineKind;

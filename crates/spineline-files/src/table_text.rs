@@ -1,4 +1,4 @@
-//! What tables of other programs have in common: encodings, separators, empty cells.
+//! Common parts of tables of other programs: encodings, separators, empty cells.
 
 use std::borrow::Cow;
 
@@ -88,7 +88,7 @@ fn needs_guard(text: &str) -> bool {
     text.starts_with('\'') || starts_formula(text)
 }
 
-/// Whether a cell or text of a number says that there is none.
+/// Whether a cell or text means a missing number.
 #[must_use]
 pub fn is_no_number(cell: &str) -> bool {
     const SPELLINGS: [&str; 17] = [
@@ -169,7 +169,7 @@ mod tests {
     }
 
     #[test]
-    fn what_a_spreadsheet_would_run_has_a_quote_before_it() {
+    fn a_text_that_a_spreadsheet_would_run_has_a_quote_before_it() {
         for text in [
             "=cmd|' /C calc'!A0",
             "-A1",

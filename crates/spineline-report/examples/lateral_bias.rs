@@ -1,4 +1,4 @@
-//! Writes the figure of what a lateral film shows of a tilted vertebra: `docs/guide/src/lateral-bias.svg`.
+//! Writes the figure of a tilted vertebra on a lateral film: `docs/guide/src/lateral-bias.svg`.
 
 fn main() {
     print!("{}", spineline_report::figures::lateral_bias());

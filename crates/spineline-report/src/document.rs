@@ -167,7 +167,7 @@ impl Table {
     /// Adds a row.
     ///
     /// # Panics
-    /// If it has not one cell per column.
+    /// Without one cell per column.
     pub fn row(&mut self, cells: Vec<String>) {
         assert_eq!(cells.len(), self.columns.len(), "one cell per column of {}", self.caption);
         self.rows.push(cells);
@@ -187,7 +187,7 @@ pub struct Figure {
     /// The same in 3D, for writers with rotatable views.
     #[serde(skip)]
     pub space: Option<Space>,
-    /// Whether it may fill a page of its own; two others fit onto one.
+    /// Whether it may fill a whole page; two other figures fit on a page.
     #[serde(skip)]
     pub whole_page: bool,
 }
@@ -235,7 +235,7 @@ impl Section {
         Self { id, title: title.into(), blocks: Vec::new() }
     }
 
-    /// Adds running text, unless there is none.
+    /// Adds running text, unless it is empty.
     pub fn paragraph(&mut self, text: impl Into<String>) {
         let text = text.into();
         if !text.is_empty() {
@@ -276,8 +276,8 @@ impl Document {
     }
 }
 
-/// A name for files made of any text: what is not an ASCII letter, digit, `-`, `_` or a dot within becomes `_`; where
-/// that changed anything, eight digits of a hash keep different texts apart.
+/// A file name from any text: characters other than ASCII letters, digits, `-`, `_` and inner dots become `_`. A changed name
+/// also gets eight digits of a hash, so that different texts keep different names.
 #[must_use]
 pub fn file_stem(text: &str) -> String {
     const MAX_LENGTH: usize = 80;

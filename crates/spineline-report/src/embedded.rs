@@ -5,10 +5,10 @@ pub(crate) const ELEMENT_ID: &str = "spineline-analysis";
 /// Its opening tag in HTML.
 pub(crate) const HTML_OPEN: &str = r#"<script type="application/json" id="spineline-analysis">"#;
 pub(crate) const HTML_CLOSE: &str = "</script>";
-/// Its fence in Markdown: longer than any in a report's text, and no line of JSON is one.
+/// Its fence in Markdown: longer than any in a report's text, and never a line of JSON.
 pub(crate) const FENCE: &str = "``````";
 
-/// JSON that may stand inside of an HTML element: `<`, which only strings have, is written as its code.
+/// JSON for an HTML element: `<`, which only strings contain, is written as its code.
 pub(crate) fn for_html(json: &str) -> String {
     json.replace('<', "\\u003c")
 }
@@ -37,7 +37,7 @@ fn from_html(json: &str) -> String {
     text
 }
 
-/// The analysis that an HTML or Markdown report holds, as it was given to its writer; `None` where there is none.
+/// The analysis that an HTML or Markdown report holds, unchanged; `None` without one.
 #[must_use]
 pub fn embedded(report: &[u8]) -> Option<String> {
     let text = std::str::from_utf8(report).ok()?;

@@ -1,8 +1,8 @@
-//! Fonts for pictures and pages: one family within, and those of the machine for what it has no letters for.
+//! Fonts for pictures and pages: a built-in family, and installed fonts for other letters.
 //!
-//! DejaVu Sans has the scripts of Europe and the Near East. A letter that it lacks, such as a Chinese one, is looked for in
-//! the fonts of the machine, and only the first font that has it is taken; what no font has is reported, so that a report can
-//! say so. Bytes of pictures and pages are the same everywhere as long as nothing is looked for.
+//! DejaVu Sans has the scripts of Europe and the Near East. A letter that it lacks, such as a Chinese one, is taken from the
+//! first installed font that has it; letters without a font are reported. As long as DejaVu Sans is enough, pictures and pages
+//! have the same bytes everywhere.
 
 use std::collections::BTreeSet;
 use std::sync::Arc;
@@ -21,7 +21,7 @@ pub struct Font {
 
 /// Fonts that draw a text.
 pub struct Fonts {
-    /// Those within first, then the ones that were found for other letters.
+    /// The built-in fonts first, then installed fonts for other letters.
     pub fonts: Vec<Font>,
     /// Letters that no font has, each once.
     pub missing: Vec<char>,
@@ -38,7 +38,7 @@ impl Font {
 }
 
 impl Fonts {
-    /// The fonts within.
+    /// The built-in fonts.
     #[must_use]
     pub fn within() -> Vec<Font> {
         [dejavu::sans::regular(), dejavu::sans::bold(), dejavu::sans::oblique()]
@@ -46,7 +46,7 @@ impl Fonts {
             .to_vec()
     }
 
-    /// The fonts for texts, which looks at the machine's own only where a letter is missing.
+    /// The fonts for texts, with installed fonts only where a letter is missing.
     pub fn for_texts<'a>(texts: impl IntoIterator<Item = &'a str>) -> Self {
         let letters: BTreeSet<char> =
             texts.into_iter().flat_map(str::chars).filter(|c| is_drawn(*c)).collect();
@@ -83,7 +83,7 @@ impl Fonts {
     }
 }
 
-/// The machine's fonts that have a letter which is missing, in the order of their files; takes out what they have.
+/// The installed fonts that have a missing letter, in the order of their files; removes these letters from `missing`.
 fn of_machine(missing: &mut Vec<char>) -> Vec<Font> {
     let mut database = Database::new();
     database.load_system_fonts();

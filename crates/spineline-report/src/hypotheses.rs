@@ -51,7 +51,7 @@ pub fn of_patient(analysis: &Analysis) -> Option<Section> {
     section(std::iter::once((analysis.synthetic, &scores[..])), &baselines)
 }
 
-/// How much further away every hypothesis is than every prediction without mechanics; `None` where nothing is compared.
+/// Error of every hypothesis minus error of every prediction without mechanics; `None` where nothing is compared.
 fn against_baselines(baselines: &BaselinesOverPatients, role: FilmRole) -> Option<Table> {
     let tests = || baselines.hypothesis_tests.iter().filter(move |test| test.role == role);
     let known = |baseline: &Baseline| tests().any(|test| test.baseline == *baseline);
@@ -82,7 +82,7 @@ fn against_baselines(baselines: &BaselinesOverPatients, role: FilmRole) -> Optio
         table.row([hypothesis.to_string()].into_iter().chain(cells).collect());
     }
     table.note = format!(
-        "Location error of the load minus that of the prediction, on the films that both predict: below zero, the load is better. The best prediction without mechanics: {}, {:.1} mm. Better: significantly, after Holm's correction over these tests; worse: significantly, or with the whole interval above zero.",
+        "Location error, load minus prediction, on the films that both predict: below zero, the load is better. The best prediction without mechanics: {}, {:.1} mm. Better: significantly, after Holm's correction over these tests; worse: significantly, or with the whole interval above zero.",
         best.baseline,
         best.mean_mm()
     );

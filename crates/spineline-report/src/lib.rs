@@ -1,12 +1,11 @@
 //! Reports and figures of results.
 //!
 //! [`figures`] turns an analysis, or samples of a cohort, into SVG text. [`patient::report`] and [`cohort::report`] make a
-//! [`Document`] of them, which [`html()`], [`markdown()`] and, in a crate of its own, a typesetter write. [`patient::summary`],
+//! [`Document`] of them, which [`html()`], [`markdown()`] and a typesetter in another crate write. [`patient::summary`],
 //! [`cohort::summary`] and [`reliability::summary`] make short documents without figures, which [`terminal()`] writes.
 //!
-//! All are pure functions without files and with the same bytes for the same input, and the word `synthetic` is on every
-//! picture of synthetic films. The one exception is [`fonts`]: what the fonts within cannot draw is looked for among those of
-//! the machine.
+//! All are pure functions without files: the same input gives the same bytes. Every picture of synthetic films has the word
+//! `synthetic`. One exception: [`fonts`] looks in the installed fonts for letters that the built-in ones lack.
 
 pub mod cohort;
 pub mod document;

@@ -5,7 +5,7 @@ use spineline::response::{LoadedMeasure, LoadedQuantity, LoadedState};
 use spineline::spatial::{Angle, sideways_words};
 use spineline::uncertainty::LoadedUncertainty;
 
-/// Erect, under the loads, and the change; empty where there is no number.
+/// Erect, under the loads, and the change; empty without a number.
 pub(crate) fn measure_words(measure: &LoadedMeasure) -> [String; 3] {
     let words = |value: Option<f64>| value.map(|value| value_words(measure.quantity, value));
     let is_size = measure.quantity.region().is_some();
@@ -48,10 +48,10 @@ fn size_words(deg: f64) -> String {
     Angle::from_deg(deg).abs().to_string()
 }
 
-/// The 95 % interval of a number that stands above it, such as `12.1° to 14.0°`; empty where it has none. Its side is named where the
-/// number has not the same.
+/// The 95 % interval of the number above it, such as `12.1° to 14.0°`; empty without one. It names its side where the number has
+/// another side.
 ///
-/// The change of a curve is that of its size in the direction that it has in the case itself.
+/// The change of a curve is the change of its size, in the direction of the erect curve.
 pub(crate) fn interval_words(
     found: &LoadedUncertainty,
     (quantity, state): (LoadedQuantity, LoadedState),
@@ -81,7 +81,7 @@ pub(crate) fn interval_words(
         }
         _ => ("", &size_words),
     };
-    // What is written as zero has no side.
+    // A value that is written as zero has no side.
     if [low, high].map(size) == [0.0, 0.0].map(size) {
         return format!("{} to {}{unit}", size(0.0), size(0.0));
     }
@@ -104,7 +104,7 @@ mod tests {
 
     const COBB: LoadedQuantity = LoadedQuantity::Cobb(Region::MainThoracic);
 
-    /// Of a number above it that is written without a side.
+    /// The interval below a number without a side.
     fn found(quantity: LoadedQuantity, erect: f64, state: LoadedState, ends: [f64; 2]) -> String {
         below("", quantity, erect, state, ends)
     }
@@ -174,7 +174,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_written_as_zero_has_no_side() {
+    fn a_written_zero_has_no_side() {
         assert_eq!(size_change_words(30.0, 30.01), "0.0°");
         assert_eq!(size_change_words(30.0, 29.99), "0.0°");
         let change = LoadedState::Change;

@@ -5,7 +5,7 @@ use std::fmt::Write;
 use crate::document::{Block, Document, Figure, Notice, Section, Table};
 use crate::embedded::{ELEMENT_ID, FENCE};
 
-/// The report as Markdown with GitHub's tables. Figures are named `folder/NAME.svg`, and whoever writes the text writes
+/// The report as Markdown with GitHub's tables. Figures are named `folder/NAME.svg`, and the caller writes
 /// them there; `folder` is a relative path of plain letters.
 #[must_use]
 pub fn markdown(document: &Document, folder: &str) -> String {
@@ -76,7 +76,7 @@ fn write_figure(text: &mut String, figure: &Figure, folder: &str) {
     let _ = writeln!(text, "\n![{caption}]({folder}/{}.svg)\n\n{caption}", figure.name);
 }
 
-/// Text as text: every character that Markdown or HTML could read is escaped, and lines are joined.
+/// Escapes every character that Markdown or HTML could read, and joins lines.
 fn plain(text: &str) -> String {
     let mut escaped = String::with_capacity(text.len());
     let mut words = text.split_whitespace().peekable();

@@ -9,7 +9,7 @@ pub fn none() -> String {
 
 /// The sign of a negative number in text.
 const MINUS: char = '−';
-/// Joins a number and its unit, which no writer puts on two lines.
+/// Keeps a number and its unit on one line.
 pub const NO_BREAK: char = '\u{a0}';
 
 /// A number with its decimal places, such as `−0.17`; `–` for a value that is not finite.
@@ -50,7 +50,7 @@ pub fn p_value(p: Option<f64>) -> String {
     p.map_or_else(none, |p| probability(p).trim_start_matches("= ").to_owned())
 }
 
-/// A ratio with two digits, or with all those before the point, such as `0.59 ×` and `121 ×`.
+/// A ratio with two digits, or with all digits before the point, such as `0.59 ×` and `121 ×`.
 #[must_use]
 pub fn times(ratio: f64) -> String {
     let magnitude = if ratio > 0.0 { ratio.log10().floor() } else { 0.0 };

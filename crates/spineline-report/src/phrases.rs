@@ -18,7 +18,7 @@ pub fn line_in_short(kind: LineKind) -> String {
 /// Note on errors on held-out films.
 pub const HELD_OUT: &str = "No model was fitted to these films.";
 /// Note on errors on fitted films.
-pub const FITTED: &str = "The stiffness was fitted to these films: a small error here shows how well a line adapts to the data, and is no evidence for it.";
+pub const FITTED: &str = "The stiffness was fitted to these films: a small error here shows how well a line adapts to the data, and is not evidence for it.";
 
 /// Note on errors on bends that are left out of the fit in turn.
 pub const LEFT_OUT: &str = "Each bend is predicted with the stiffness fitted to the other bend, so this takes both bends. Only films on which all lines have a result count.";
@@ -65,7 +65,7 @@ pub fn no_model_reason(analysis: &Analysis) -> String {
 pub fn no_model(analysis: &Analysis) -> String {
     let scale = films_without_scale(analysis).map(|_| format!(" {GIVE_SCALE}"));
     format!(
-        "There is no personalised model: {}.{}",
+        "The patient has no personalised model: {}.{}",
         no_model_reason(analysis),
         scale.unwrap_or_default()
     )

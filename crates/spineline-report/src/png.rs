@@ -14,10 +14,10 @@ pub const PRINT_SCALE: f32 = 2.0;
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum PngError {
-    /// The text is no SVG.
+    /// The text is not an SVG.
     #[error("the figure is not a valid SVG: {0}")]
     Svg(#[from] resvg::usvg::Error),
-    /// More pixels than memory takes.
+    /// More pixels than fit in memory.
     #[error("a picture of {columns} × {rows} pixels is too large")]
     Size {
         /// Width.
@@ -30,7 +30,7 @@ pub enum PngError {
     Encode(String),
 }
 
-/// A figure as PNG on white, with so many pixels per unit of the SVG, such as [`PRINT_SCALE`].
+/// A figure as PNG on white, with `pixels_per_unit` of the SVG, such as [`PRINT_SCALE`].
 ///
 /// # Errors
 /// [`PngError`]

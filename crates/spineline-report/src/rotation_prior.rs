@@ -75,9 +75,9 @@ fn errors(learned: &LearnedRotations) -> Table {
     row("location of T2", &learned.from_location_mm);
     row("location and tilt of T2", &learned.with_tilt_mm);
     row(
-        "location and tilt of T2, published mobility in the place of other patients",
+        "location and tilt of T2, published mobility instead of other patients",
         &learned.published_with_tilt_mm,
     );
-    table.note = "Without mechanics. The scale of every film is fitted too. A line of action knows T2's location alone.".to_owned();
+    table.note = "Without mechanics. The scale of every film is fitted too. A line of action uses only T2's location.".to_owned();
     table
 }

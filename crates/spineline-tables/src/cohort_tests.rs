@@ -11,7 +11,7 @@ use crate::table::Table;
 /// A test of one prediction against another, and whether its patients are synthetic.
 struct Test<'a> {
     synthetic: bool,
-    /// Keys of the first line, and of what it is compared with.
+    /// Keys of the first line, and of the prediction that it is compared with.
     compared: [String; 2],
     role: FilmRole,
     error: ErrorKind,
@@ -115,7 +115,7 @@ fn compared<'a>() -> Vec<Column<Test<'a>>> {
         count("films_compared", "films on which both have a result", |row| Some(row.films as i64)),
         count(
             "films_not_compared",
-            "films on which one of two lines has no result; empty beside predictions without mechanics",
+            "films on which one of two lines lacks a result; empty beside predictions without mechanics",
             |row| row.films_not_compared.map(|films| films as i64),
         ),
     ]
@@ -162,7 +162,7 @@ fn probabilities<'a>() -> Vec<Column<Test<'a>>> {
         number(
             "pooled_t_p",
             Unit::One,
-            "p value of the paired t-test over all vertebrae or angles, as in the paper; far too small, since those of one patient are not independent",
+            "p value of the paired t-test over all vertebrae or angles, as in the paper; far too small, since the errors of one patient are not independent",
             |row| row.comparison.pooled.map(|test| test.p_two_sided),
         ),
         text(

@@ -108,7 +108,7 @@ pub(crate) fn element<R>(
     Column::new(name, unit.words(), meaning, Cell::Element(cell, index))
 }
 
-/// A number that is written with so many decimal places.
+/// A number with this number of decimal places.
 pub(crate) fn places<R>(
     name: &str,
     unit: Unit,
@@ -169,7 +169,7 @@ fn keys<'a, T>() -> Vec<Column<Row<'a, T>>> {
     ]
 }
 
-/// Why a case has no result; filled by [`Table::refused`] alone.
+/// The reason why a case has no result; filled only by [`Table::refused`].
 pub(crate) fn refused<R>() -> Column<R> {
     text(REFUSED, "why the case was refused and has no result; empty for all others", |_| None)
 }

@@ -14,7 +14,7 @@ struct Entry {
     meaning: &'static str,
 }
 
-/// What every column of every table means, as a table.
+/// The meaning of every column of every table, as a table.
 #[must_use]
 pub fn dictionary(optional: OptionalTables) -> Table {
     let entries: Vec<Entry> = tables_of(&[], optional)

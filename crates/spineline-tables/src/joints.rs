@@ -45,7 +45,7 @@ pub(crate) fn table(patients: &[Patient<'_>]) -> Table {
             }
         }
     }
-    let row = "patient × moved posture × line × joint; measured values are repeated in the rows of every line, and `line` is empty where there is no model";
+    let row = "patient × moved posture × line × joint; measured values are repeated in the rows of every line, and `line` is empty without a model";
     keyed("joints", row, [columns_of_joints()]).fill(&rows)
 }
 

@@ -1,5 +1,5 @@
-//! Tidy tables of analyses, as CSV and Parquet: one row per patient × posture × line × level, or what a table says that its
-//! rows are. Units end the names of columns, a dictionary says what every column means, and what has no value is empty.
+//! Tidy tables of analyses, as CSV and Parquet: one row per patient × posture × line × level, or as each table states. Units end
+//! the names of columns, a dictionary explains every column, and a missing value is empty.
 //!
 //! ```
 //! use spineline_tables::{dictionary, OptionalTables};
@@ -83,7 +83,7 @@ impl OptionalTables {
     /// Everything.
     pub const ALL: Self = Self { uncertainty: true, hypotheses: true, space: true, axial: true };
 
-    /// Those that are made for some or other patients.
+    /// The tables that are made for one or the other patients.
     #[must_use]
     pub const fn and(self, other: Self) -> Self {
         Self {
@@ -112,7 +112,7 @@ pub fn tables(patients: &[Patient<'_>]) -> Vec<Table> {
     tables_of(patients, OptionalTables::of(patients))
 }
 
-/// What a case without a result adds to [`tables`]: its row among the patients.
+/// The rows of a case without a result in [`tables`]: one among the patients.
 #[must_use]
 pub fn tables_of_refused(case: &RefusedCase) -> Vec<Table> {
     let mut all = tables(&[]);

@@ -1,4 +1,4 @@
-//! `simulate --measures`: what is measured before and under loads.
+//! `simulate --measures`: measures before and under loads.
 
 use spineline::response::{LoadedMeasure, LoadedState};
 use spineline::uncertainty::{LoadedSpread, LoadedUncertainty};
@@ -11,11 +11,11 @@ use crate::table::Table;
 pub struct LoadedSpine<'a> {
     /// Patient.
     pub case_id: &'a str,
-    /// Whether the model is that of a synthetic patient.
+    /// Whether the patient of the model is synthetic.
     pub synthetic: bool,
     /// How the search ended.
     pub status: &'static str,
-    /// What is measured.
+    /// The measures.
     pub measures: &'a [LoadedMeasure],
     /// Replicates under the same loads, where requested.
     pub uncertainty: Option<&'a LoadedUncertainty>,
@@ -56,7 +56,7 @@ fn definition<'a>() -> Definition<Number<'a>> {
 fn which<'a>() -> Vec<Column<Number<'a>>> {
     vec![
         text("case_id", "patient", |row| Some(row.spine.case_id.to_owned())),
-        truth("synthetic", "whether the model is that of a synthetic patient", |row| {
+        truth("synthetic", "whether the patient of the model is synthetic", |row| {
             Some(row.spine.synthetic)
         }),
         text("status", "how the search ended; the same in every row", |row| {
@@ -91,7 +91,7 @@ fn numbers<'a>() -> Vec<Column<Number<'a>>> {
         number(
             "interval_95_low",
             Unit::Stated,
-            "2.5 % quantile over the replicates: landmark noise and scales of the films, no error of the model",
+            "2.5 % quantile over the replicates: by landmark noise and scales of the films, without errors of the model",
             |row| Some(row.spread?.interval_95()?[0]),
         ),
         number("interval_95_high", Unit::Stated, "97.5 % quantile, likewise", |row| {

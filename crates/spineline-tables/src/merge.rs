@@ -13,20 +13,20 @@ use parquet::file::reader::{FileReader, SerializedFileReader};
 use parquet::file::writer::SerializedFileWriter;
 use spineline_files::unguarded;
 
-/// A part of a table that does not go with the first one.
+/// A part of a table that does not fit the first one.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum MergeError {
     /// It has other columns.
-    #[error("its columns are not those of the first part")]
+    #[error("its columns differ from the first part")]
     Columns,
-    /// It is no CSV.
-    #[error("it is no CSV: {0}")]
+    /// It is not CSV.
+    #[error("it is not CSV: {0}")]
     Csv(#[from] csv::Error),
-    /// It is no Parquet.
-    #[error("it is no Parquet: {0}")]
+    /// It is not Parquet.
+    #[error("it is not Parquet: {0}")]
     Parquet(#[from] ParquetError),
-    /// It is no table with a patient per row.
+    /// It is not a table with a patient per row.
     #[error("it has no column `{CASE_ID}`")]
     NoCases,
 }
@@ -51,7 +51,7 @@ pub struct CsvMerger {
 }
 
 impl CsvMerger {
-    /// What the next part adds to the file.
+    /// Returns the bytes that the next part adds to the file.
     ///
     /// # Errors
     /// [`MergeError::Columns`].
@@ -77,7 +77,7 @@ pub struct ParquetMerger {
 }
 
 impl ParquetMerger {
-    /// What the next part adds to the file.
+    /// Returns the bytes that the next part adds to the file.
     ///
     /// # Errors
     /// [`MergeError::Columns`], [`MergeError::Parquet`].
@@ -99,7 +99,7 @@ impl ParquetMerger {
         Ok(added)
     }
 
-    /// The end of the file, with metadata in the place of what was left out of the first part's.
+    /// The end of the file, with metadata that replace the ones left out of the first part.
     ///
     /// # Errors
     /// [`MergeError::Parquet`].

@@ -395,11 +395,9 @@ pub(crate) fn hypotheses(patients: &[Patient<'_>]) -> Table {
 
 fn columns_of_hypotheses<'a>() -> Vec<Column<PredictedRow<'a>>> {
     vec![
-        text(
-            "load_and_base",
-            "name of the load, with that of the base where it is not fixed",
-            |row| Some(row.item.fit.hypothesis.key()),
-        ),
+        text("load_and_base", "name of the load, with the base where it is not fixed", |row| {
+            Some(row.item.fit.hypothesis.key())
+        }),
         text("posture", "film", |row| Some(row.item.prediction.posture.key().to_owned())),
         text(
             "role",

@@ -21,7 +21,7 @@ pub struct NoisePoint<'a> {
     pub claims: &'a Claims,
     /// Phantoms that could not be made or analysed.
     pub lost: usize,
-    /// Per claim: how often a rod phantom's number exceeds that of a phantom of this scenario; `None` where rods are not studied.
+    /// Per claim: how often the number of a rod phantom exceeds one of this scenario; `None` where rods are not studied.
     pub rod_exceeds: Option<[Share; 3]>,
 }
 
@@ -202,7 +202,7 @@ fn rod_exceeds<'a>() -> Vec<Column<NoisePoint<'a>>> {
     let meanings = [
         (
             "rod_exceeds_near",
-            "how often the number of claim 1 of a rod phantom exceeds that of this scenario; 0.5: not distinguishable",
+            "how often the number of claim 1 of a rod phantom exceeds one of this scenario; 0.5: not distinguishable",
         ),
         ("rod_exceeds_below_mean", "the same for claim 2"),
         ("rod_exceeds_advantage", "the same for claim 3"),

@@ -15,7 +15,7 @@ use crate::table::{NumberFormat, Table};
 pub struct LoadedShape<'a> {
     /// Patient.
     pub case_id: &'a str,
-    /// Whether the model is that of a synthetic patient.
+    /// Whether the patient of the model is synthetic.
     pub synthetic: bool,
     /// Whether forces are in newtons.
     pub absolute: bool,
@@ -25,7 +25,7 @@ pub struct LoadedShape<'a> {
     pub sign: ForceSign,
     /// The shape and its place on the path.
     pub point: &'a PathPoint,
-    /// What a frontal film of the shape would show, with a curve per region.
+    /// The angles on a frontal film of the shape, with a curve per region.
     pub angles: SpineAngles,
 }
 
@@ -49,7 +49,7 @@ fn definition<'a>(top: &str, regions: &[&str]) -> Definition<LoadedShape<'a>> {
 fn keys<'a>() -> Vec<Column<LoadedShape<'a>>> {
     vec![
         text("case_id", "patient", |row| Some(row.case_id.to_owned())),
-        truth("synthetic", "whether the model is that of a synthetic patient", |row| {
+        truth("synthetic", "whether the patient of the model is synthetic", |row| {
             Some(row.synthetic)
         }),
         truth("absolute", "whether forces are in newtons; else they are relative", |row| {

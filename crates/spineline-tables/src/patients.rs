@@ -78,7 +78,7 @@ fn curve<'a>() -> Vec<Column<PatientRow<'a>>> {
         }),
         text(
             "doubted",
-            "films that may not show what they are named after, in the order of the warnings, with spaces between them; empty where there is none",
+            "doubted films, in the order of the warnings, with spaces between them; empty without any",
             |row| doubted_films(row.analysis),
         ),
         text("chain_base", "lowest vertebra of the model, which is fixed", |row| {
@@ -127,7 +127,7 @@ fn inflections<'a>() -> Vec<Column<PatientRow<'a>>> {
         number(
             "inflection_caudal_interval_95_high",
             Unit::Millimetres,
-            "cranial end of it",
+            "cranial end of this interval",
             |row| interval_mm(row, 0, 1),
         ),
         text("inflection_cranial_between", "vertebrae around the cranial inflection", |row| {
@@ -151,7 +151,7 @@ fn inflections<'a>() -> Vec<Column<PatientRow<'a>>> {
         number(
             "inflection_cranial_interval_95_high",
             Unit::Millimetres,
-            "cranial end of it",
+            "cranial end of this interval",
             |row| interval_mm(row, 1, 1),
         ),
     ]
@@ -162,14 +162,10 @@ fn findings<'a>() -> Vec<Column<PatientRow<'a>>> {
         count("lenke_type", "Lenke's curve type as far as frontal films determine it", |row| {
             row.analysis.movement.lenke.map(|lenke| i64::from(lenke.number))
         }),
-        text(
-            "sagittal_profile",
-            "`measured` on the lateral film, or that of a `population`",
-            |row| {
-                let measured = row.analysis.movement.space.is_some();
-                Some(if measured { "measured" } else { "population" }.to_owned())
-            },
-        ),
+        text("sagittal_profile", "`measured` on the lateral film, or of a `population`", |row| {
+            let measured = row.analysis.movement.space.is_some();
+            Some(if measured { "measured" } else { "population" }.to_owned())
+        }),
         truth("converged", "whether every fit and every search for a force converged", |row| {
             Some(row.analysis.is_converged())
         }),
@@ -214,12 +210,12 @@ fn options<'a>() -> Vec<Column<PatientRow<'a>>> {
     ]
 }
 
-/// How the spine stands over the pelvis; empty where the erect film's vertical is not known.
+/// The balance of the spine over the pelvis; empty where the erect film's vertical is not known.
 fn balance<'a>() -> Vec<Column<PatientRow<'a>>> {
     vec![
         text(
             "sacral_reference",
-            "what the central sacral vertical line runs through: `iliac_crests`, `l5` or `base`",
+            "landmark of the central sacral vertical line: `iliac_crests`, `l5` or `base`",
             |row| Some(row.analysis.movement.balance.as_ref()?.reference.key().to_owned()),
         ),
         text("plumb_level", "vertebra from which the plumb line falls", |row| {

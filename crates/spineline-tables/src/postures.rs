@@ -26,7 +26,7 @@ fn film<'a>() -> Vec<Column<PostureRow<'a>>> {
         text("lengths", LENGTHS, |row| Some(row.item.outline.scale.plane.key().to_owned())),
         text(
             "doubted",
-            "codes of the warnings that this film may not show what it is named after, with spaces between them; empty where there is none",
+            "codes of the warnings that doubt this film, with spaces between them; empty without any",
             |row| {
                 let posture = Some(row.item.outline.posture);
                 let doubts = row.analysis.film_doubts();
@@ -114,7 +114,7 @@ fn film_scale<'a>() -> Vec<Column<PostureRow<'a>>> {
         number(
             "film_scale_measured",
             Unit::One,
-            "length of the spine on this film over that on the erect film, from the locations alone",
+            "length of the spine on this film over its length on the erect film, from the locations alone",
             |row| length(row).map(|length| length.measured.factor),
         ),
         number(

@@ -15,7 +15,7 @@ pub(crate) struct StatisticRow {
 
 type ReliabilityRow<'a> = Row<'a, StatisticRow>;
 
-/// One row per patient, quantity, design and statistic; none where every film was read once.
+/// One row per patient, quantity, design and statistic; empty where every film was read once.
 pub(crate) fn table(patients: &[Patient<'_>]) -> Table {
     let mut rows: Vec<ReliabilityRow<'_>> = Vec::new();
     for patient in patients {
@@ -78,7 +78,7 @@ fn columns_of_statistics<'a>() -> Vec<Column<ReliabilityRow<'a>>> {
         number("interval_95_high", Unit::Stated, "upper end of its 95 % interval", |row| {
             row.item.statistic.outcome.ok()?.interval.ok().map(|ends| ends[1])
         }),
-        text("undefined", "reason why there is no value", |row| {
+        text("undefined", "reason why the value is missing", |row| {
             row.item.statistic.outcome.err().map(|why| why.key().to_owned())
         }),
     ]

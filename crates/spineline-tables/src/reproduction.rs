@@ -1,11 +1,11 @@
-//! `reproduce`: the numbers of the paper beside those of the loading scenarios.
+//! `reproduce`: the numbers of the paper beside the numbers of the loading scenarios.
 
 use serde::Serialize;
 
 use crate::define::{Column, Definition, Unit, count, number, text, written};
 use crate::table::{NumberFormat, Table};
 
-/// One number of the paper beside that of one scenario.
+/// One number of the paper beside the number of one scenario.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ReproducedNumber {
     /// Part of the paper.
@@ -14,7 +14,7 @@ pub struct ReproducedNumber {
     pub support: Option<&'static str>,
     /// What the number measures.
     pub quantity: String,
-    /// Unit; empty where there is none.
+    /// Unit; empty without one.
     pub unit: &'static str,
     /// The paper's number as text; `None` where the paper does not give it.
     pub paper: Option<String>,
@@ -26,7 +26,7 @@ pub struct ReproducedNumber {
     pub sd: Option<f64>,
     /// Number of values.
     pub n: usize,
-    /// The number as the printed table has it.
+    /// The number as it is printed.
     pub text: String,
     /// Comparison of all scenarios with the paper.
     pub verdict: String,
@@ -46,9 +46,7 @@ fn columns() -> Vec<Column<ReproducedNumber>> {
             row.support.map(str::to_owned)
         }),
         text("quantity", "what the number measures", |row| Some(row.quantity.clone())),
-        text("unit", "unit of `mean` and `sd`; empty where there is none", |row| {
-            Some(row.unit.to_owned())
-        }),
+        text("unit", "unit of `mean` and `sd`; empty without one", |row| Some(row.unit.to_owned())),
         text("paper", "the number of the paper; empty where it gives none", |row| {
             row.paper.clone()
         }),
@@ -57,18 +55,13 @@ fn columns() -> Vec<Column<ReproducedNumber>> {
         }),
         written(
             NumberFormat::ShortestDecimal,
-            number(
-                "mean",
-                Unit::Stated,
-                "mean, share or p value; empty where there is none",
-                |row| row.mean,
-            ),
+            number("mean", Unit::Stated, "mean, share or p value; empty without one", |row| {
+                row.mean
+            }),
         ),
         written(
             NumberFormat::ShortestDecimal,
-            number("sd", Unit::Stated, "standard deviation; empty where there is none", |row| {
-                row.sd
-            }),
+            number("sd", Unit::Stated, "standard deviation; empty without one", |row| row.sd),
         ),
         count("n", "number of values", |row| Some(row.n as i64)),
         text("text", "the number as it is printed", |row| Some(row.text.clone())),

@@ -19,7 +19,7 @@ pub(crate) struct InSpace<'a> {
 
 type VertebraRow<'a> = Row<'a, InSpace<'a>>;
 
-/// One row per patient and vertebra on both films; none without a lateral film.
+/// One row per patient and vertebra on both films; empty without a lateral film.
 pub(crate) fn vertebrae(patients: &[Patient<'_>]) -> Table {
     let mut rows: Vec<VertebraRow<'_>> = Vec::new();
     for patient in patients {
@@ -77,7 +77,7 @@ fn numbers<'a>() -> Vec<Column<NumberRow<'a>>> {
         number("interval_95_low", Unit::Stated, "lower end of its 95 % interval", |row| {
             Some(row.item.interval_95()[0])
         }),
-        number("interval_95_high", Unit::Stated, "upper end of it", |row| {
+        number("interval_95_high", Unit::Stated, "upper end of its 95 % interval", |row| {
             Some(row.item.interval_95()[1])
         }),
     ]
@@ -117,7 +117,7 @@ fn angles<'a>() -> Vec<Column<VertebraRow<'a>>> {
         number(
             "pitch_2d",
             Unit::Degrees,
-            "angle of the axis from the vertical on the lateral film, with the turn of that film taken out; flexion positive",
+            "angle of the axis from the vertical on the lateral film, corrected for the turn of that film; flexion positive",
             |row| Some(row.item.vertebra.lateral_pitch.deg()),
         ),
         number("pitch_3d", Unit::Degrees, "pitch of the axis in space; flexion positive", |row| {
@@ -132,7 +132,7 @@ fn angles<'a>() -> Vec<Column<VertebraRow<'a>>> {
         number(
             "pitch_template",
             Unit::Degrees,
-            "pitch by the profile of a population, which a model without the lateral film has; empty for vertebrae that are not of the model",
+            "pitch by the profile of a population, as in a model without the lateral film; empty for vertebrae outside of the model",
             |row| row.item.template.map(Angle::deg),
         ),
     ]

@@ -121,7 +121,7 @@ fn values<'a>() -> Vec<Column<StatisticRow<'a>>> {
         number(
             "sd",
             Unit::Stated,
-            "standard deviation over pairs of raters; of a bias, that of the differences",
+            "standard deviation over pairs of raters; of a bias, over the differences",
             |row| match row.value {
                 Value::Statistic(_) => row.value.estimate()?.sd,
                 Value::Limit { pair, name, .. } => (name == "bias").then_some(pair.sd),
@@ -136,7 +136,7 @@ fn values<'a>() -> Vec<Column<StatisticRow<'a>>> {
             };
             has_unit.then(|| row.quantity.unit.clone())
         }),
-        text("undefined", "reason why there is no value", |row| match row.value {
+        text("undefined", "reason why the value is missing", |row| match row.value {
             Value::Statistic(statistic) => Some(statistic.outcome.err()?.key().to_owned()),
             Value::Limit { .. } => None,
         }),

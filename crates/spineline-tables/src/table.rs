@@ -2,7 +2,7 @@ use spineline::cohort::RefusedCase;
 
 use crate::error::TableError;
 
-/// Name of the column that says why a case has no result.
+/// Name of the column with the reason why a case has no result.
 pub(crate) const REFUSED: &str = "refused";
 
 /// A table: columns of the same length.
@@ -44,7 +44,7 @@ impl Table {
         self
     }
 
-    /// Adds the rows of the same table of other patients.
+    /// Adds the rows of the same table for other patients.
     ///
     /// # Errors
     /// [`TableError::Columns`] if it is another table.
@@ -67,20 +67,20 @@ impl Table {
 /// A column with its values.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Series {
-    /// Name, which ends in the unit where there is one.
+    /// Name, which ends in the unit if it has one.
     pub name: String,
-    /// Unit; empty where the values are no numbers.
+    /// Unit; empty where the values are not numbers.
     pub unit: &'static str,
     /// Meaning.
     pub meaning: &'static str,
-    /// One per row; `None` where there is none.
+    /// One per row; `None` without a value.
     pub values: Values,
     /// How its numbers are written as text.
     pub format: NumberFormat,
 }
 
 impl Series {
-    /// One value as text; empty where there is none.
+    /// One value as text; empty without a value.
     #[must_use]
     pub fn shown(&self, row: usize) -> String {
         match &self.values {
@@ -102,9 +102,9 @@ pub enum NumberFormat {
     ShortestDecimal,
     /// The same, always with an exponent.
     ShortestScientific,
-    /// With so many decimal places.
+    /// With this number of decimal places.
     Places(usize),
-    /// With an exponent and so many decimal places.
+    /// With an exponent and this number of decimal places.
     Scientific(usize),
 }
 
@@ -159,7 +159,7 @@ impl Values {
             (Self::Number(all), Self::Number(more)) => all.extend(more),
             (Self::Count(all), Self::Count(more)) => all.extend(more),
             (Self::Truth(all), Self::Truth(more)) => all.extend(more),
-            // Columns of another kind are another table.
+            // Columns of another kind belong to another table.
             _ => {}
         }
     }
@@ -175,7 +175,7 @@ impl Values {
         }
     }
 
-    /// Whether there are no values.
+    /// Whether it lacks values.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.len() == 0

@@ -34,7 +34,7 @@ impl Vertebra<'_> {
 
 type VertebraRow<'a> = Row<'a, Vertebra<'a>>;
 
-/// What the models give on a film; one `None` without a model.
+/// The models' results on a film; one `None` without a model.
 pub(crate) fn simulations<'a>(
     analysis: &'a Analysis,
     posture: &FilmMovement,
@@ -62,7 +62,7 @@ pub(crate) fn table(patients: &[Patient<'_>]) -> Table {
             }
         }
     }
-    let row = "patient × posture × line × vertebra; measured values are repeated in the rows of every line, and `line` is empty where there is no model";
+    let row = "patient × posture × line × vertebra; measured values are repeated in the rows of every line, and `line` is empty without a model";
     keyed("vertebrae", row, [measured(), simulated()]).fill(&rows)
 }
 
@@ -99,7 +99,7 @@ pub fn errors_table(analyses: &[Analysis]) -> Table {
             }
         }
     }
-    let row = "patient × posture × vertebra × line; `line` is empty where there is no model";
+    let row = "patient × posture × vertebra × line; `line` is empty without a model";
     let all = keyed("errors", row, [measured(), simulated()]);
     let columns = chosen(all.columns, &OF_ERRORS).into_iter();
     let columns = columns.map(|column| written(NumberFormat::Places(4), column));
@@ -118,19 +118,19 @@ fn measured<'a>() -> Vec<Column<VertebraRow<'a>>> {
         number(
             "measured_y",
             Unit::Millimetres,
-            "measured midpoint relative to that of the base, positive to the patient's left",
+            "measured midpoint relative to the base's midpoint, positive to the patient's left",
             |row| row.item.mm(|vertebra| vertebra.location.y_mm),
         ),
         number(
             "measured_z",
             Unit::Millimetres,
-            "measured midpoint relative to that of the base, positive upwards",
+            "measured midpoint relative to the base's midpoint, positive upwards",
             |row| row.item.mm(|vertebra| vertebra.location.z_mm),
         ),
-        number("measured_y", Unit::Pixels, "the same where the film has no spacing", |row| {
+        number("measured_y", Unit::Pixels, "the same on films without a spacing", |row| {
             row.item.px(|vertebra| vertebra.location.y_mm)
         }),
-        number("measured_z", Unit::Pixels, "the same where the film has no spacing", |row| {
+        number("measured_z", Unit::Pixels, "the same on films without a spacing", |row| {
             row.item.px(|vertebra| vertebra.location.z_mm)
         }),
         number(

@@ -13,7 +13,7 @@ use spineline_files::guarded;
 use crate::error::TableError;
 use crate::table::{Series, Table, Values};
 
-/// The tables' columns are those of this version; another number means that some mean something else.
+/// The version of the columns; another number means that some columns have another meaning.
 pub const SCHEMA_VERSION: u32 = 1;
 
 impl Table {
@@ -139,7 +139,7 @@ impl ParquetWriter {
         }
         group.close()?;
         self.file.flush()?;
-        // Places in the file are counted by the writer and not by what is still here.
+        // The writer counts places in the file, so that the returned bytes can leave memory.
         Ok(std::mem::take(self.file.inner_mut()))
     }
 

@@ -26,7 +26,7 @@ pub struct Refusal {
 }
 
 impl Refusal {
-    /// Of the file of a case; `input` is the case, where it was read.
+    /// The refusal of a case file; `input` is the case, if it was read.
     pub fn new(
         path: &Path,
         input: Option<&CaseInput>,
@@ -76,7 +76,7 @@ pub fn analyze_input(
 /// Analyses a case; an error names its file.
 ///
 /// # Errors
-/// What stops the analysis; wrong usage, where the force of a film is known that the case does not have.
+/// What stops the analysis; wrong usage if `--gauge` names a film that the case lacks.
 pub fn analyze_case(
     path: &Path,
     case: &Case,
@@ -84,7 +84,7 @@ pub fn analyze_case(
 ) -> Result<Analysis, Failure> {
     if let Some(posture) = missing_known_force(options, case) {
         return Err(Failure::usage(format!(
-            "{}: --gauge known-force names the {posture} film, and this case has no such film",
+            "{}: --gauge known-force names the {posture} film, which this case lacks",
             path.display()
         )));
     }

@@ -12,7 +12,7 @@ use super::replicates::{interruption, run_replicates};
 use crate::run::failure::Failure;
 use crate::run::threads::map_all;
 
-/// Confidence of the numbers of one patient, as far as it was asked for.
+/// Confidence of the numbers of one patient, as far as requested.
 pub struct Confidence {
     /// Identifiability of every model's multipliers, in the order of the models.
     pub identifiability: Option<Vec<Option<Identifiability>>>,
@@ -56,7 +56,7 @@ impl Confidence {
         self.uncertainty.as_ref().is_some_and(|found| found.done > 0)
     }
 
-    /// The patient as reports take it; images of films and the file to embed are left to who has them.
+    /// The patient for reports; the caller adds images of films and the file to embed.
     pub fn report<'a>(
         &'a self,
         analysis: &'a Analysis,
@@ -74,7 +74,7 @@ impl Confidence {
         }
     }
 
-    /// The patient as the tables take it.
+    /// The patient for the tables.
     pub fn patient<'a>(&'a self, analysis: &'a Analysis, case: &'a Case) -> Patient<'a> {
         Patient {
             analysis,

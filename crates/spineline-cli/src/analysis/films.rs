@@ -1,4 +1,4 @@
-//! The pictures beside a case: none of them may stand for two films, or show another patient or part of the body.
+//! Checks the pictures beside a case: each film has its own picture, of the same patient and part of the body.
 
 use std::path::{Component, Path, PathBuf};
 
@@ -35,7 +35,7 @@ impl Beside {
     }
 }
 
-/// Compares the pictures that lie beside a case; a picture that is not there, or cannot be read, is passed over.
+/// Compares the pictures that lie beside a case; missing and unreadable pictures are skipped.
 ///
 /// # Errors
 /// If two films have the same pixels, in whatever files.
@@ -69,7 +69,7 @@ fn beside(path: &Path, file: &CaseFile, case: &Case) -> Vec<Beside> {
     placed.filter(|film| film.place.is_file()).collect()
 }
 
-/// Decodes the films that another one equals in size: only those can be one picture.
+/// Decodes the films of equal size: only these can be the same picture.
 fn check_pixels(path: &Path, films: &[Beside]) -> Result<(), Failure> {
     let decoder = Decoder::new()?;
     let mut known: Vec<(&Beside, String)> = Vec::new();
@@ -93,7 +93,7 @@ fn picture(decoder: &Decoder, place: &Path) -> Option<String> {
     decoder.decode(bytes).ok().map(|film| film.picture_sha256())
 }
 
-/// Films of another part of the body or of another patient, as far as their files are DICOM.
+/// Warns of films of another part of the body or another patient, if their files are DICOM.
 fn warn_of_wrong_films(films: &[Beside], warnings: &mut Warnings) {
     let stated = |film: &Beside| {
         let bytes = read(&Place::File(film.place.clone()), &IntakeLimits::default()).ok();

@@ -1,4 +1,4 @@
-//! What a run was asked and what it has read.
+//! The request of a run and the inputs it has read.
 
 use std::path::Path;
 
@@ -14,10 +14,10 @@ use crate::run::failure::Failure;
 use crate::run::inputs::{CaseInput, read_input};
 use crate::run::provenance::this_run;
 
-/// What this run was asked, and the files that it has read for all cases.
+/// The request of this run, and the files that it has read for all cases.
 pub struct RunRecord {
     run: ProgramRun,
-    /// What is asked of every case.
+    /// The request for every case.
     pub request: Request,
     shared: Vec<InputFile>,
     /// The distribution of joint rotations that was given.
@@ -39,7 +39,7 @@ struct ReadCase {
 }
 
 impl RunRecord {
-    /// Of this run, before any case is read.
+    /// A record before any case is read.
     ///
     /// # Errors
     /// If a file that the options name cannot be read.
@@ -80,8 +80,8 @@ impl ReadCases {
     /// Adds a case.
     ///
     /// # Errors
-    /// If its identifier was read before, since a cohort would count its patient twice, or the distribution of joint rotations was learned
-    /// from it, since what is then predicted of it is no prediction.
+    /// If its identifier was read before (a cohort would count its patient twice), or if the distribution of joint rotations was
+    /// learned from it (it would predict its own data).
     pub fn add(&mut self, source: &CaseInput, record: &RunRecord) -> Result<(), Failure> {
         let (name, id) = (&source.input.name, &source.case.id);
         if let Some(prior) = &record.rotation_prior {
@@ -90,7 +90,7 @@ impl ReadCases {
         }
         if self.cases.contains_key(id) {
             let text = format!("the case {id} was given already");
-            return Err(Failure::input(name, &text, "give every case a `case_id` of its own"));
+            return Err(Failure::input(name, &text, "give every case its own `case_id`"));
         }
         let other = |asked: &Request| asked.options != record.request.options;
         let case = ReadCase {

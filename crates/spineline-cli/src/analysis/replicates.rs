@@ -11,7 +11,7 @@ use crate::run::failure::Failure;
 use crate::run::threads::stream_while;
 use crate::run::{interrupt, progress};
 
-/// Runs the replicates that were asked for. Ctrl-C ends them early, and those that are done count.
+/// Runs the requested replicates. Ctrl-C ends them early, and the finished ones count.
 ///
 /// # Errors
 /// If the noise cannot be applied to this case.
@@ -28,7 +28,7 @@ pub fn run_replicates(
     Ok(tally.finish(asked.count))
 }
 
-/// The same of a model under loads, for what the case's own model shows under them.
+/// The same for a model under loads; `measures` are the nominal results.
 ///
 /// # Errors
 /// As [`run_replicates`].

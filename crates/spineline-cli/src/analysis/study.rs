@@ -13,7 +13,7 @@ use spineline_store::{CaseError, NewCase, Signature, Store};
 use crate::analysis::films::check_films;
 use crate::run::failure::Failure;
 
-/// Adds one case; returns what was added as text. Films that may not belong into the case are taken only if accepted.
+/// Adds one case; returns what was added as text. Films that may not belong to the case are added only if accepted.
 pub fn add_case(
     store: &mut Store,
     at: &Path,
@@ -73,7 +73,7 @@ fn film_warnings(path: &Path, text: &str) -> Result<(Warnings, BTreeSet<String>)
     Ok((check_films(path, &file, &case)?, observers))
 }
 
-/// Remarks on observers of the case whose names differ from one another or from those of accounts by capitals and marks alone.
+/// Remarks on observers of the case whose names differ only by capitals and marks, from each other or from account names.
 fn alike_names(
     store: &Store,
     at: &Path,

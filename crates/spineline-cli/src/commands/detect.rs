@@ -29,12 +29,12 @@ pub const EXAMPLES: &str = "\
 Examples:
   spineline detect erect.dcm --posture erect --out found
       writes found/detected-01.json
-  spineline detect P07/case.json --out found           every film of a case that nobody has read
+  spineline detect P07/case.json --out found           every film of a case without a reading
   spineline check found/detected-01.json               lists what to look at
   spineline serve                                      the browser shows the same proposals on a film, one by one (P)
 
-The networks were trained on films of erect adolescents with scoliosis from one hospital, and on no bending, lateral or traction film, \
-adult or implant: check films of other postures most carefully. Every corner states its confidence and its deviation, and counts as not reviewed until a person has accepted or \
+The networks were trained on films of erect adolescents with scoliosis from one hospital, and not on bending, lateral or traction films, \
+adults or implants: check films of other postures most carefully. Every corner states its confidence and its deviation, and counts as not reviewed until a person has accepted or \
 moved it. Levels that may be shifted by one are reported. docs/proposals.md has its errors on films that it has not seen.";
 
 #[derive(Args)]
@@ -76,7 +76,7 @@ pub fn run(args: &DetectArgs) -> Result<Ending, Failure> {
                     add_summary(&mut text, &format!("{}, {posture}", out.display()), found);
                 });
             }
-            // The other films are looked at all the same.
+            // The other films are still processed.
             Err(failure) => {
                 progress.suspend(|| say(&failure));
                 ending = Ending::BadInput;
@@ -126,7 +126,7 @@ fn of_film(decoder: &Decoder, path: &Path, args: &DetectArgs, id: &str) -> Resul
     Ok(Made { case, found: vec![(posture, detection)] })
 }
 
-/// A case with the landmarks of its films that nobody has read.
+/// A case with landmarks for its films without a reading.
 fn of_case(decoder: &Decoder, path: &Path) -> Result<Made, Failure> {
     let CaseInput { file, mut case, .. } = CaseInput::read(path)?;
     let mut found = Vec::new();
@@ -143,7 +143,7 @@ fn of_case(decoder: &Decoder, path: &Path) -> Result<Made, Failure> {
     }
     if found.is_empty() {
         let help = "films with a reading are left as they are; `spineline import` makes a case without readings";
-        let what = "no film with its picture is without a reading";
+        let what = "no film has a picture and lacks a reading";
         return Err(Failure::input(&path.display().to_string(), &what, help));
     }
     let mut made = CaseFile::from_case(&case);
@@ -155,7 +155,7 @@ fn of_case(decoder: &Decoder, path: &Path) -> Result<Made, Failure> {
     Ok(Made { case: made, found })
 }
 
-/// What a film has to be.
+/// The required view.
 const FRONTAL: &str = "only films from the front or from behind";
 
 /// A film and the hash of its file.
@@ -194,7 +194,7 @@ fn in_picture(
     film: &FilmFile,
     image: &ImageGeometry,
 ) -> Result<Detection, spineline_detect::Refusal> {
-    // As a reader sees it: the networks were trained on pictures for people.
+    // Displayed as for a reader: the networks were trained on such pictures.
     let shown = film.display(None, false);
     let values: Vec<f32> = shown.grey.iter().map(|&grey| f32::from(grey)).collect();
     detect(&Picture {

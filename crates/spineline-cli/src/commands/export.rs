@@ -219,7 +219,7 @@ fn read_case_file(path: &Path) -> Result<CaseFile, Failure> {
     })
 }
 
-/// The pictures that the case names and other programs can open: no DICOM files.
+/// The pictures that the case names and other programs can open, without DICOM files.
 fn pictures(file: &CaseFile, case: &Case) -> BTreeMap<Posture, String> {
     let named = case.films.iter().filter_map(|film| {
         let name = file.source(film.posture)?.file?;
@@ -240,7 +240,7 @@ fn read_sources(
     let mut sources = BTreeMap::new();
     for film in case.films.iter().filter(|film| args.posture.is_none_or(|p| p == film.posture)) {
         if let Some(name) = file.source(film.posture).and_then(|source| source.file) {
-            // A case names pictures that lie with it, and nothing else on this machine.
+            // A case may only name pictures in its own folder.
             if !Path::new(&name).components().all(|part| matches!(part, Component::Normal(_))) {
                 let error =
                     format!("{} film: its `file` is outside the folder of the case", film.posture);
@@ -256,7 +256,7 @@ fn read_sources(
     Ok(sources)
 }
 
-/// The ends of the curves as `spineline analyze` finds them; none where the case cannot be analysed.
+/// The ends of the curves as `spineline analyze` finds them; empty if the case cannot be analysed.
 fn curves_of(case: &Case) -> Vec<(Region, CobbEnds)> {
     match analyze(case, &AnalysisOptions::default()) {
         Ok(analysis) => {

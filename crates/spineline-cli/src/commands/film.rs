@@ -1,4 +1,4 @@
-//! `spineline film`: what radiographs are, what their spacing and view are worth, and what they look like.
+//! `spineline film`: metadata, reliability of spacing and view, and previews of radiographs.
 
 use std::path::{Path, PathBuf};
 
@@ -18,7 +18,7 @@ use crate::run::provenance::shown_name;
 
 pub const EXAMPLES: &str = "\
 Examples:
-  spineline film erect.dcm                             size, spacing, view, and what they rest on
+  spineline film erect.dcm                             size, spacing, view, and their sources
   spineline film films/*.dcm --json
   spineline film erect.dcm --png erect.png --window 2048,4096";
 

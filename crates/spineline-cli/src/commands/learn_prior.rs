@@ -107,7 +107,7 @@ fn read(paths: &[PathBuf], args: &LearnPriorArgs) -> Result<Patients, Failure> {
 }
 
 impl Patients {
-    /// Refuses a patient who was read before, or whose films may not show what they are named after.
+    /// Refuses a patient who was read before or has a doubted film.
     fn checked(
         &self,
         patient: CohortPatient,
@@ -121,7 +121,7 @@ impl Patients {
             ))
         };
         if self.patients.iter().any(|earlier| earlier.case_id() == patient.case_id()) {
-            return refused("was given already", "give every case a `case_id` of its own");
+            return refused("was given already", "give every case its own `case_id`");
         }
         if patient.has_doubted_film() {
             return refused(

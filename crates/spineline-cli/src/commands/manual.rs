@@ -43,5 +43,5 @@ fn unknown(words: &[String], parent: &Command) -> Failure {
     } else {
         format!("give one of {}", names.join(", "))
     };
-    Failure::usage(format!("there is no command `{}`; {known}", words.join(" ")))
+    Failure::usage(format!("unknown command `{}`; {known}", words.join(" ")))
 }

@@ -21,7 +21,7 @@ pub const EXAMPLES: &str = "\
 A part is a folder that `analyze --tables` has written. Its tables must be as they were written, and all parts must come from one version \
 of this program with the same options. Parts of `analyze --shard` are put in order, and a missing one is named. No patient may be in two parts.
 
-The CSV files are those of one run, byte by byte. Statistics of the cohort (`analyze --cohort`) are not merged: they need all patients.
+The CSV files equal the files of one run, byte by byte. Statistics of the cohort (`analyze --cohort`) are not merged: they need all patients.
 
 Examples:
   spineline analyze cases/ --shard 1/2 --tables part1
@@ -179,7 +179,7 @@ fn check_alike(parts: &[Part]) -> Result<(), Failure> {
             );
         }
         if names(part) != names(first) {
-            let what = format!("its tables are not those of {}", first.folder.display());
+            let what = format!("it has other tables than {}", first.folder.display());
             return Err(part.refused(&what, "analyse all parts with the same --tables-format"));
         }
     }
@@ -204,7 +204,7 @@ fn check_cases(parts: &[Part]) -> Result<usize, Failure> {
                 let what = format!("the case {id} is in {} too", other.folder.display());
                 return Err(part.refused(
                     &what,
-                    "give every case a `case_id` of its own, and every case to one part",
+                    "give every case its own `case_id`, and every case to one part",
                 ));
             }
         }
@@ -237,7 +237,7 @@ fn merge_table(
         if let Some(other) =
             parts.iter().find(|part| part.table(name).is_ok_and(|own| own != first))
         {
-            return Err(other.refused("its dictionary is another one", "analyse this part again"));
+            return Err(other.refused("its dictionary differs", "analyse this part again"));
         }
         merged.add(first)?;
     } else if name.ends_with(".parquet") {

@@ -30,8 +30,8 @@ use crate::run::failure::{Ending, Failure};
 
 /// How every command ends.
 const EXIT_CODES: &str = "\
-Exit codes: 0 done; 1 internal error; 2 wrong usage; 3 bad input, or an output that cannot be written; 4 finished with less than \
-what was asked; 130 interrupted.
+Exit codes: 0 done; 1 internal error; 2 wrong usage; 3 bad input, or an output that cannot be written; 4 finished, \
+results incomplete; 130 interrupted.
 
 Ctrl-C and SIGTERM end a command with 130 and without results. Where replicates or shapes count already, they are written, and the \
 exit code is 4. The second one ends the program at once.";
@@ -91,7 +91,7 @@ pub enum Command {
     /// Measure the reliability of readings: SEM, limits of agreement, ICC and Pearson, within and between observers
     #[command(after_help = reliability::EXAMPLES)]
     Reliability(reliability::ReliabilityArgs),
-    /// Merge the tables of parts of a cohort that were analysed apart
+    /// Merge the tables of parts of a cohort that were analysed separately
     #[command(after_help = merge::EXAMPLES)]
     Merge(merge::MergeArgs),
     /// Learn how the joints of a cohort rotate in bends, for predictions without mechanics

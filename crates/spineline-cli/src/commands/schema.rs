@@ -16,6 +16,6 @@ pub struct SchemaArgs {
 pub fn run(args: &SchemaArgs) -> Result<Ending, Failure> {
     match spineline_files::schema(&args.name) {
         Some(schema) => print_data(schema),
-        None => Err(Failure::usage(format!("there is no file format {}", args.name))),
+        None => Err(Failure::usage(format!("unknown file format {}", args.name))),
     }
 }

@@ -9,7 +9,7 @@ use std::str::FromStr;
 pub struct Shard {
     /// From 1.
     pub number: usize,
-    /// How many there are.
+    /// Number of parts.
     pub of: usize,
 }
 
@@ -29,7 +29,7 @@ impl Shard {
         value.or_else(|| words.next().cloned())?.parse().ok()
     }
 
-    /// Its places among so many items: parts are contiguous, and in the order of the items.
+    /// Its places among `items`: parts are contiguous, and in the order of the items.
     pub const fn places(self, items: usize) -> Range<usize> {
         (self.number - 1) * items / self.of..self.number * items / self.of
     }

@@ -62,7 +62,7 @@ pub struct Failure {
     others: Vec<Self>,
 }
 
-/// So many failures of one command are shown, and the others counted.
+/// Failures of one command that are shown; the others are counted.
 const SHOWN: usize = 20;
 
 impl Failure {
@@ -70,7 +70,7 @@ impl Failure {
         Self { code, what, details: Vec::new(), help, others: Vec::new() }
     }
 
-    /// All failures of a command as one, which has the code of the first; `None` of none.
+    /// All failures of a command as one, which has the code of the first; `None` without failures.
     pub fn together(failures: Vec<Self>) -> Option<Self> {
         let mut failures = failures.into_iter();
         let first = failures.next()?;
@@ -167,7 +167,7 @@ const fn write_help(kind: ErrorKind) -> &'static str {
         }
         ErrorKind::ReadOnlyFilesystem => "the disk is read-only: name a folder on another disk",
         ErrorKind::StorageFull | ErrorKind::QuotaExceeded | ErrorKind::FileTooLarge => {
-            "there is no room: free some space, or name a folder on another disk"
+            "too little space: free some, or name a folder on another disk"
         }
         ErrorKind::NotFound => "the folder is missing and could not be made: check the path",
         ErrorKind::NotADirectory | ErrorKind::AlreadyExists => {

@@ -44,11 +44,11 @@ pub fn case_files(given: &[PathBuf]) -> Result<Vec<PathBuf>, Failure> {
                 "give a folder of case files",
             ));
         }
-        // A pipe would be waited on for ever; given by name, it is read.
+        // Reading a pipe could wait for ever; a pipe given by name is read.
         if let Some(odd) = inside.iter().find(|file| !file.is_file()) {
             let place = odd.display().to_string();
             let help = "move it out of the folder, or give the files by name";
-            return Err(Failure::input(&place, &"it is no plain file", help));
+            return Err(Failure::input(&place, &"it is not a plain file", help));
         }
         inside.sort();
         files.append(&mut without_outputs(path, inside)?);
@@ -57,7 +57,7 @@ pub fn case_files(given: &[PathBuf]) -> Result<Vec<PathBuf>, Failure> {
 }
 
 /// The cases among the files of a folder: files that this program wrote are passed over, and a message says so. Analyses count as
-/// cases where the folder has no others.
+/// cases if the folder has no case.
 fn without_outputs(folder: &Path, inside: Vec<PathBuf>) -> Result<Vec<PathBuf>, Failure> {
     let inside: Vec<PathBuf> = inside.into_iter().filter(|file| !is_truth(file)).collect();
     let (outputs, mut cases): (Vec<_>, Vec<_>) = inside
@@ -73,7 +73,7 @@ fn without_outputs(folder: &Path, inside: Vec<PathBuf>) -> Result<Vec<PathBuf>, 
     }
     if cases.is_empty() {
         let help = "give a folder of case files";
-        let what = "no case file in this folder; what is there was written by this program";
+        let what = "no case file in this folder; this program wrote the files in it";
         return Err(Failure::input(&folder.display().to_string(), &what, help));
     }
     for (format, file) in &outputs {
@@ -86,7 +86,7 @@ fn without_outputs(folder: &Path, inside: Vec<PathBuf>) -> Result<Vec<PathBuf>, 
     Ok(cases.into_iter().map(|(_, file)| file).collect())
 }
 
-/// The format of a file of this program that is no case; a list of analyses counts as one. `None` for anything else.
+/// The format of a file of this program other than a case; of a list, the format of its analyses. `None` for anything else.
 fn output_format(path: &Path) -> Option<String> {
     let text = read_text(path).ok()?;
     let format = spineline_files::file_format(&text)?;
@@ -126,7 +126,7 @@ impl CaseInput {
 /// Endings of pictures.
 const PICTURES: [&str; 7] = ["dcm", "dicom", "png", "jpg", "jpeg", "tif", "tiff"];
 
-/// The first bytes of a file; `None` of a pipe, which gives each byte once, and of a file that cannot be read.
+/// The first bytes of a file; `None` for a pipe, which gives each byte once, and for a file that cannot be read.
 fn start_of(path: &Path) -> Option<Vec<u8>> {
     let mut start = Vec::new();
     let file = path.is_file().then(|| File::open(path))?.ok()?;
@@ -161,7 +161,7 @@ pub fn input_of(path: &Path, text: &str) -> InputFile {
     InputFile::of(shown_name(path), text.as_bytes())
 }
 
-/// As [`input_of`], of a file that something else reads.
+/// As [`input_of`], for a file that other code reads.
 ///
 /// # Errors
 /// If it cannot be read.
@@ -173,7 +173,7 @@ pub fn read_input(path: &Path) -> Result<InputFile, Failure> {
 /// Reads a personalised model with at least one joint.
 ///
 /// # Errors
-/// If the file is no model, or the model has no joint.
+/// If the file is not a model, or the model has no joint.
 pub fn read_model(path: &Path) -> Result<StoredModel, Failure> {
     let stored = read_text(path).and_then(|text| parse_model(&text));
     let stored = stored.map_err(|error| match &error {

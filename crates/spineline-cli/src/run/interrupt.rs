@@ -21,7 +21,7 @@ struct State {
     deferred: usize,
     /// Whether the first result is on its way.
     is_writing: bool,
-    /// Files that are not whole yet, to be removed with the program.
+    /// Unfinished files, to be removed with the program.
     parts: Vec<PathBuf>,
     /// Folders that were made for them, the outer one first.
     folders: Vec<PathBuf>,
@@ -37,7 +37,7 @@ static STATE: Mutex<State> = Mutex::new(State {
 static REQUEST: Notify = Notify::const_new();
 
 fn state() -> MutexGuard<'static, State> {
-    // Numbers and flags are sound whoever panicked.
+    // Numbers and flags stay valid after a panic.
     STATE.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
@@ -143,7 +143,7 @@ pub fn make_part(make: impl FnOnce() -> io::Result<NamedTempFile>) -> io::Result
     Ok(part)
 }
 
-/// A file that has got its own name, or is gone.
+/// Forgets a file that was renamed or removed.
 pub fn forget_part(part: &Path) {
     state().parts.retain(|other| other != part);
 }

@@ -1,5 +1,5 @@
-//! Messages on the standard error. A message that nobody can get, because the stream is full or closed, changes nothing else:
-//! the macros of the standard library would panic.
+//! Messages on the standard error. If the stream is full or closed, a message is dropped: the macros of the standard library
+//! would panic.
 
 use std::io::Write;
 use std::panic;
@@ -8,7 +8,7 @@ use spineline_report::terminal::Lines;
 
 /// Writes a message to the standard error: one line, unless it is made of several.
 pub fn say(message: impl Into<Lines>) {
-    // Nobody is left to be told.
+    // A closed stream changes nothing.
     let _ = std::io::stderr().lock().write_all(message.into().as_str().as_bytes());
 }
 

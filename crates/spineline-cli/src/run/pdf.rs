@@ -9,7 +9,7 @@ use crate::run::failure::Failure;
 /// The bytes of the PDF.
 ///
 /// # Errors
-/// If the date has no four digits for its year, or the report cannot be typeset.
+/// If a PDF cannot have the year of the date, or the report cannot be typeset.
 pub fn pdf(document: &Document, date_utc: &str) -> Result<Vec<u8>, Failure> {
     spineline_pdf::pdf(document, made(date_utc)?).map_err(|error| match error {
         PdfError::Date(_) => Failure::usage(error.to_string()),
@@ -21,7 +21,7 @@ pub fn pdf(document: &Document, date_utc: &str) -> Result<Vec<u8>, Failure> {
 fn made(date_utc: &str) -> Result<Made, Failure> {
     let date = date_utc.parse::<DateTime<Utc>>().ok();
     date.and_then(Made::of).ok_or_else(|| {
-        Failure::usage(format!("{date_utc} is no date for a PDF; expected a year of our time"))
+        Failure::usage(format!("{date_utc} is not a date for a PDF; expected a year of our era"))
     })
 }
 
@@ -33,7 +33,7 @@ pub fn attached(bytes: &[u8]) -> Result<Option<String>, Failure> {
     Ok(spineline_pdf::embedded(bytes))
 }
 
-/// Refuses before any work is done what this build cannot write.
+/// Refuses, before any work, a format that this build cannot write.
 ///
 /// # Errors
 /// None in a build with the typesetter.

@@ -1,4 +1,4 @@
-//! Progress bars for long work; silent where the error stream is no terminal.
+//! Progress bars for long work; silent if the error stream is not a terminal.
 
 use std::time::Duration;
 
@@ -14,7 +14,7 @@ pub fn spinner(what: &str) -> ProgressBar {
     styled(ProgressBar::no_length(), "{msg} {spinner} {pos}", what)
 }
 
-/// A message that changes, for work that has no steps to count.
+/// A message that changes, for work without steps to count.
 pub fn status() -> ProgressBar {
     styled(ProgressBar::new_spinner(), "{spinner} {msg}", "")
 }

@@ -16,7 +16,7 @@ const EPOCH: &str = "SOURCE_DATE_EPOCH";
 static FULL_PATHS: OnceLock<bool> = OnceLock::new();
 
 /// Sets once, for the whole run, whether outputs name files with their folders. A folder may carry the name of a patient or
-/// of a user, so that the default is no.
+/// of a user, so the default is not to.
 pub fn keep_full_paths(keep: bool) {
     // Only the first call counts; there is one per run.
     let _ = FULL_PATHS.set(keep);
@@ -128,7 +128,7 @@ mod tests {
     }
 
     #[test]
-    fn the_part_of_a_cohort_is_no_folder() {
+    fn the_part_of_a_cohort_is_not_a_folder() {
         let shown = |words: &[&str]| shown_words(words.iter().map(|&word| word.to_owned()));
         assert_eq!(shown(&["--shard", "3/8", "4711/1"]), ["--shard", "3/8", "1"]);
         assert_eq!(shown(&["--shard=3/8", "3/8"]), ["--shard=3/8", "8"]);

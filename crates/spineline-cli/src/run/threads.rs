@@ -15,7 +15,7 @@ use super::progress::bar;
 pub struct Pool(rayon::ThreadPool);
 
 impl Pool {
-    /// So many threads; 0 uses all cores.
+    /// A pool of `threads` threads; 0 uses all cores.
     ///
     /// # Errors
     /// If they cannot be started.
@@ -79,7 +79,7 @@ pub fn stream_all<R: Send>(
     stream_while(bar, (count, threads), || true, run, take)
 }
 
-/// As [`stream_all`], as long as it goes on: then no further number is begun, and the results of those begun are passed on.
+/// As [`stream_all`], while `goes_on`. After that no number is begun, and the results of those begun are passed on.
 ///
 /// # Errors
 /// As [`stream_all`].
@@ -98,7 +98,7 @@ pub fn stream_while<R: Send>(
     let run = &run;
     pool.in_place_scope(|scope| {
         let mut place = 0;
-        // How many are begun then.
+        // Returns the number of those begun.
         let mut begin_next = || {
             if place < count && goes_on() {
                 let (own, ended) = (place, ended.clone());

@@ -1,4 +1,4 @@
-//! What a build without the typesetter says of PDF.
+//! PDF in a build without the typesetter.
 
 use spineline_report::Document;
 
@@ -12,7 +12,7 @@ pub fn pdf(_: &Document, _: &str) -> Result<Vec<u8>, Failure> {
     Err(refusal())
 }
 
-/// The analysis JSON that is attached to a report: none in a file that is no PDF.
+/// The analysis JSON that is attached to a report: `None` for other files than PDF.
 ///
 /// # Errors
 /// Wrong usage for a PDF, which this build does not read.
@@ -20,7 +20,7 @@ pub fn attached(bytes: &[u8]) -> Result<Option<String>, Failure> {
     if bytes.starts_with(b"%PDF-") { Err(refusal()) } else { Ok(None) }
 }
 
-/// Refuses before any work is done what this build cannot write.
+/// Refuses, before any work, a format that this build cannot write.
 ///
 /// # Errors
 /// Always.

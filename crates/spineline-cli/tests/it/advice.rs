@@ -1,4 +1,4 @@
-//! Whatever a message or a document of the code names as a command or an option exists.
+//! Every command and option that a message or a document of the code names exists.
 
 use std::collections::BTreeSet;
 use std::path::Path;

@@ -7,7 +7,7 @@ use serde_json::Value;
 use crate::program;
 use crate::results::results;
 
-/// More cases than one thread holds at once, and one that is no case.
+/// More cases than one thread holds at once, and one file that is not a case.
 #[test]
 fn a_list_in_a_file_has_the_same_bytes_for_any_number_of_threads_and_leaves_out_a_bad_case() {
     let here = tempfile::tempdir().expect("a place for files");

@@ -447,7 +447,7 @@ fn landmarks_are_exported_for_image_programs() {
     let out = ["export", case, "--to", "labelme", "--posture", "erect", "--out", "points"];
     done(here.path(), &out);
     assert!(here.path().join("points/erect-1.json").exists());
-    // Phantoms have no pictures, so there is nothing that a report could be about.
+    // Phantoms have no pictures, which a report needs.
     let out = ["export", case, "--to", "dicom-sr", "--out", "reports"];
     let (_, error, code) = run(here.path(), &out);
     assert!(code == 3 && error.contains("DICOM file"), "{error}");

@@ -78,7 +78,7 @@ fn a_cohort_is_tested_by_patient_with_its_family_of_tests() {
     let tests = json["tests"].as_array().expect("tests");
     assert_eq!(tests.len(), 18, "three pairs, three kinds of films, two errors");
     for test in tests.iter().filter(|test| !test["holm_p"].is_null()) {
-        // Four patients cannot reach 0.05, and nobody may claim a line from them.
+        // Four patients cannot reach 0.05.
         assert!(test["sign_flip_p"].as_f64().is_some_and(|p| p >= 0.125), "{test}");
         assert!(test["predicts_better"].is_null(), "{test}");
         assert!(test["holm_p"].as_f64() >= test["sign_flip_p"].as_f64(), "{test}");

@@ -19,7 +19,7 @@ fn blank(columns: u32, rows: u32) -> Vec<u8> {
 }
 
 #[test]
-fn a_synthetic_film_becomes_a_case_of_corners_that_nobody_has_reviewed() {
+fn a_synthetic_film_becomes_a_case_of_unreviewed_corners() {
     let here = tempdir().expect("a folder");
     done(
         here.path(),
@@ -38,7 +38,7 @@ fn a_synthetic_film_becomes_a_case_of_corners_that_nobody_has_reviewed() {
     );
     let film = "p/phantom-rod-01-erect.dcm";
     let text = done(here.path(), &["detect", film, "--posture", "erect", "--out", "found"]);
-    // A drawn film is none of those that the networks were trained on: its levels are not taken for sure.
+    // The networks were not trained on drawn films: the levels are not certain.
     assert!(text.contains("found/detected-01.json") && text.contains("check the levels"), "{text}");
     let file = fs::read_to_string(here.path().join("found/detected-01.json")).expect("a case");
     assert!(!file.contains("phantom-rod"), "the case names no film");

@@ -54,7 +54,7 @@ fn a_known_force_is_positive_and_belongs_to_a_film_with_a_force() {
     films.retain(|film| film["posture"] != "traction");
     fs::write(here.path().join(case), file.to_string()).expect("written");
     let (_, error, code) = with("known-force:traction=120");
-    assert!(code == 2 && error.contains("this case has no such film"), "{code} {error}");
+    assert!(code == 2 && error.contains("which this case lacks"), "{code} {error}");
 }
 
 #[test]
@@ -129,13 +129,13 @@ fn the_line_that_predicts_best_gives_the_model() {
 fn a_patient_without_an_inflection_line_has_a_model() {
     let here = with_phantom(&["--scenario", "bend", "--subject", "2"]);
     let case = "cases/phantom-bend-02.json";
-    // No curve is so large, so that there are no inflections.
+    // No curve is so large, so the case lacks inflections.
     let analyze = ["analyze", case, "--min-curve", "80", "--json", "a.json", "--model", "m.json"];
     let (text, error, code) = run(here.path(), &analyze);
     assert_eq!(code, 0, "{error}{text}");
     assert!(
         json(&here.path().join("a.json"))["models"]["inflection_line"].is_null(),
-        "no such line"
+        "a line without inflections"
     );
     let model = json(&here.path().join("m.json"));
     let line = model["line"].as_str().expect("a line").replace('_', " ");

@@ -9,7 +9,7 @@ use tempfile::TempDir;
 use crate::maker::{EXPLICIT, Maker, ramp};
 use crate::program::{done, refused, run, spineline, words};
 
-/// Commands that read the file `@` whole, with what the refusal says of its limit.
+/// Commands that read the file `@` whole, with the limit in the refusal.
 const READERS: [(&str, &str); 11] = [
     ("check @", "the limit is 64 MB"),
     ("analyze @", "the limit is 64 MB"),
@@ -90,7 +90,7 @@ fn a_pipe_that_ends_is_read_as_a_file() {
 
 #[cfg(unix)]
 #[test]
-fn a_film_that_is_none_is_not_read_to_its_end() {
+fn a_file_that_is_not_a_film_is_not_read_to_its_end() {
     let folder = folder();
     let (error, code) = limited(folder.path(), "", "film @", "/dev/zero");
     assert_eq!(code, Some(3), "{error}");
@@ -125,7 +125,7 @@ fn a_pipe_in_a_folder_of_cases_is_not_waited_for() {
     let made = Command::new("mkfifo").arg(folder.path().join("pipe.json")).status();
     assert!(made.expect("mkfifo").success());
     let error = refused(folder.path(), &["check", "."], 3);
-    assert!(error.contains("pipe.json: it is no plain file"), "{error}");
+    assert!(error.contains("pipe.json: it is not a plain file"), "{error}");
 }
 
 #[cfg(unix)]

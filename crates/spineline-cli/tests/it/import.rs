@@ -1,4 +1,4 @@
-//! `spineline import`: from films to a case, with nothing guessed, nothing lost and nobody named.
+//! `spineline import`: from films to a case, without guesses, losses or names.
 
 use std::fs;
 use std::path::{Path, PathBuf};

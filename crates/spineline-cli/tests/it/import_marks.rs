@@ -22,7 +22,7 @@ fn three_films() -> Here {
     here
 }
 
-/// The corners of the vertebrae from L4 to T2, leaning by so many columns per vertebra.
+/// The corners of the vertebrae from L4 to T2, tilted by `lean` columns per vertebra.
 fn corners(lean: f64) -> Vec<(String, [[f64; 2]; 4])> {
     let names = (1..=4).rev().map(|i| format!("L{i}"));
     let names = names.chain((2..=12).rev().map(|i| format!("T{i}")));
@@ -135,7 +135,7 @@ fn a_file_whose_picture_is_another_film_is_refused_and_one_of_another_name_is_no
     fs::write(here.path("own.json"), labelme("P07_standing.png", 0.0)).expect("a file");
     let exchanged = arguments("a", &["--landmarks", "erect=erect.json"]);
     let error = here.refused(&exchanged, 3);
-    assert!(error.contains("P07_LB.png, which is that of the left bending film"), "{error}");
+    assert!(error.contains("P07_LB.png, which belongs to the left bending film"), "{error}");
     let (_, notes, code) = here.import(&[&exchanged[..], &["--accept"]].concat());
     assert!(code == 0 && notes.contains("accepted by --accept"), "{notes}");
     let (_, notes, code) = here.import(&arguments("b", &["--landmarks", "erect=other.json"]));
@@ -178,7 +178,7 @@ fn one_file_per_annotator_is_imported_with_their_names() {
         assert!(error.contains(words), "{error}");
     }
     let error = here.refused(&arguments("c", &named("raterC.json=B")), 2);
-    assert!(error.contains("raterC.json, but no such file"), "{error}");
+    assert!(error.contains("raterC.json, which is not a given file"), "{error}");
     let (_, notes, code) = here.import(&arguments("d", &named("raterB.json=Rater_a")));
     assert!(code == 0 && notes.contains("`Rater_a` and `rater-A` count as 2 observers"), "{notes}");
 }

@@ -39,7 +39,7 @@ fn midlines_of_the_back_make_a_case_that_says_its_levels_are_estimates() {
     let mut check = spineline(here.0.path());
     let (out, error, _) = finish(check.args(["check", "p07/case.json"]));
     assert!(out.contains("no vertebra was seen"), "{out}{error}");
-    // Nothing is overwritten, and a file of landmarks is no file of midlines.
+    // Nothing is overwritten, and a file of landmarks is not a file of midlines.
     assert_ne!(here.import(&import).2, 0);
     fs::write(here.path("marks.json"), r#"{"shapes":[]}"#).expect("a file");
     here.refused(&["--midlines", "marks.json", "--case-id", "B", "--out", "b"], 3);

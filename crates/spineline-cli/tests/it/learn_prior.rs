@@ -7,7 +7,7 @@ use tempfile::TempDir;
 
 use crate::program::{CASE, done, folder, json, refused, run, words};
 
-/// So many synthetic patients in `cases`, and one more in `other`. Subject 6 has two films of one shape.
+/// This number of synthetic patients in `cases`, and one more in `other`. Subject 6 has two films of one shape.
 fn cohort(patients: usize) -> TempDir {
     let here = folder();
     for subject in ["1", "2", "3", "4", "5", "7"].into_iter().take(patients) {
@@ -90,7 +90,7 @@ fn a_distribution_of_tilts_by_another_rule_is_refused() {
 }
 
 #[test]
-fn too_few_patients_doubted_films_and_files_that_are_no_distribution_are_refused() {
+fn too_few_patients_doubted_films_and_files_without_a_distribution_are_refused() {
     let here = cohort(4);
     let error = refused(here.path(), &["learn-prior", "cases", "--out", "prior.json"], 3);
     assert!(error.contains("4 patients") && error.contains("at least 5"), "{error}");

@@ -52,7 +52,7 @@ fn merged_shards_are_the_tables_of_one_run() {
     let metadata = metadata.expect("Parquet").metadata().file_metadata().clone();
     let origin = metadata.key_value_metadata().expect("metadata").iter();
     let origin: Vec<_> = origin.filter(|pair| pair.key == "spineline.provenance").collect();
-    assert_eq!(origin.len(), 1, "that of the merged file alone");
+    assert_eq!(origin.len(), 1, "only the one of the merged file");
     assert!(origin[0].value.as_ref().expect("provenance").contains("\"merge\""));
     // Merged tables can be merged again, and are replaced when the command is repeated.
     program::done(here.path(), &["merge", "part1", "part2", "--out", "merged"]);
@@ -101,7 +101,7 @@ fn a_shard_writes_lists_and_needs_a_case() {
     assert_eq!(part.as_array().expect("a list").len(), 1);
     assert_eq!(part[0]["case_id"], whole[1]["case_id"]);
     let text = program::refused(here.path(), &["analyze", "cases", "--shard", "1/3"], 2);
-    assert!(text.contains("there is no case for this part, since there are 2 cases"), "{text}");
+    assert!(text.contains("this part has no case, since there are 2 cases"), "{text}");
     let text = program::refused(here.path(), &["analyze", "cases", "--shard", "4/3"], 2);
     assert!(text.contains("expected a part and the number of parts"), "{text}");
 }

@@ -324,7 +324,7 @@ fn two_outputs_need_two_files() {
 #[test]
 fn a_place_that_cannot_be_written_is_refused_before_any_work() {
     let here = samples();
-    // A file where a folder is needed; the second case does not exist, so that reading it would be told first.
+    // A file where a folder is needed; the second case does not exist, so that reading it would be reported first.
     for command in [TO_FILE.as_slice(), TO_FOLDER.as_slice()].concat() {
         refuses(
             &here,

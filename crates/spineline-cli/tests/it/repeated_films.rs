@@ -8,7 +8,7 @@ use serde_json::{Value, json};
 use crate::maker::{DEFLATED, EXPLICIT, Maker, Syntax, ramp};
 use crate::program::{done, refused, run};
 
-/// A film of its own pixels, with an identifier.
+/// A film with an identifier, whose pixels depend on `number`.
 fn film(number: u16, uid: &str, syntax: Syntax) -> Vec<u8> {
     let pixels: Vec<u16> = ramp(60, 40).into_iter().map(|grey| (grey + number) % 4096).collect();
     let mut maker = Maker::new(60, 40, &pixels);
@@ -32,7 +32,7 @@ fn case(folder: &Path, erect: &[u8], neutral: &[u8]) {
         film["image"]["file"] = format!("{posture}.dcm").into();
     }
     fs::write(path, case.to_string()).expect("written");
-    // A store takes no case with a film that is missing; these are no films, and are not compared.
+    // A store refuses a case with a missing film; these files are not films, and are not compared.
     for posture in ["left_bending", "right_bending", "traction"] {
         fs::write(folder.join(format!("{posture}.dcm")), posture).expect("written");
     }
@@ -271,7 +271,7 @@ fn landmarks_of_one_film_are_refused_for_two_postures_in_any_format() {
 }
 
 #[test]
-fn landmarks_that_name_one_picture_for_two_postures_are_told() {
+fn landmarks_that_name_one_picture_for_two_postures_are_reported() {
     let neutral = [labelme("x.png", &corners(5.0)), coco("x.png", &corners(5.0))];
     for neutral in neutral {
         let (error, code) = import(&labelme("x.png", &corners(0.0)), &neutral);
@@ -281,7 +281,7 @@ fn landmarks_that_name_one_picture_for_two_postures_are_told() {
 }
 
 #[test]
-fn implausible_landmarks_are_told_on_import() {
+fn implausible_landmarks_are_reported_on_import() {
     let mut odd = corners(5.0);
     // The left side of T9 keeps a quarter of its height.
     odd[0].1[1] += 15.0;

@@ -99,7 +99,7 @@ fn changes_are_listed_with_their_place_and_set_the_exit_code() {
     let (_, error, code) = run(here.path(), &["rerun", "a.json"]);
     // A build without typesetter reads no PDF, and says so.
     let (expected, words) = if cfg!(feature = "pdf") {
-        (3, "there is no analysis in this file")
+        (3, "this file has no analysis")
     } else {
         (2, "--features pdf")
     };

@@ -28,7 +28,7 @@ fn number(json: &Value, pointer: &str) -> f64 {
     json.pointer(pointer).and_then(Value::as_f64).unwrap_or_else(|| panic!("{pointer}"))
 }
 
-/// What the JSON of every simulation holds.
+/// Keys in the JSON of every simulation.
 const POINTERS: [&str; 24] = [
     "/generator",
     "/case_id",
@@ -157,7 +157,7 @@ fn an_amplitude_is_found_for_either_direction_of_the_loads() {
     assert!((number(&left, "/equilibria/0/lateral_tilt_right_deg") + 20.0).abs() < 1e-7);
     assert!((number(&right, "/equilibria/0/lateral_tilt_right_deg") - 20.0).abs() < 1e-7);
     assert_eq!(left["equilibria"][0]["verdict"], "reached");
-    // Where several shapes lateral tilt alike, all are told, and why.
+    // All shapes with this lateral tilt are reported, with reasons.
     let line = [
         "simulate",
         "model.json",
@@ -241,7 +241,7 @@ fn weight_and_a_pad_come_from_a_file() {
 }
 
 #[test]
-fn a_whole_body_weight_that_folds_the_spine_is_no_result() {
+fn a_whole_body_weight_that_folds_the_spine_has_no_result() {
     let here = folder();
     let load =
         r#"{"format":"spineline-load","version":1,"loads":[{"kind":"gravity","body_weight":700}]}"#;

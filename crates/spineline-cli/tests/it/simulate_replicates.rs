@@ -50,7 +50,7 @@ fn text_json_and_csv_have_the_interval_beside_the_number_for_any_number_of_threa
     assert_eq!((&text, &rows), (&other_text, &other_rows));
     assert_eq!(found["uncertainty"], other_found["uncertainty"]);
 
-    // The number is that of the simulation, and lies in its interval.
+    // The number equals the number of the simulation, and lies in its interval.
     let cobb = number(&found, "cobb", Some("main_thoracic"), "loaded");
     let ends: Vec<f64> =
         cobb["interval_95"].as_array().expect("two").iter().filter_map(Value::as_f64).collect();
@@ -102,7 +102,7 @@ fn an_amplitude_gives_the_interval_of_its_factor() {
     let ends = factor["interval_95"].as_array().expect("an interval");
     let ends: Vec<f64> = ends.iter().filter_map(Value::as_f64).collect();
     assert!(text.contains(&format!("{:.4} to {:.4}", ends[0], ends[1])), "{text}");
-    // What is sought has no spread.
+    // The target does not vary.
     let tilt = number(&found, "lateral_tilt", None, "loaded");
     assert!(tilt["sd"].as_f64().is_some_and(|sd| sd < 1e-6), "{tilt}");
 }
@@ -164,13 +164,13 @@ fn replicates_that_are_not_possible_are_refused_with_what_to_do() {
     // Another patient, other landmarks, a model without provenance, and one that was changed.
     done(path, &["phantom", "--scenario", "rod", "--subject", "2", "--out", "cases"]);
     let error = words(&refused(path, &with("cases/phantom-rod-02.json"), 3));
-    assert!(error.contains("the model is that of the case phantom-rod-01"), "{error}");
+    assert!(error.contains("the model belongs to the case phantom-rod-01"), "{error}");
     let mut other = json(&path.join(CASE));
     let corner = &mut other["films"][0]["readings"][0]["vertebrae"]["T6"]["superior_left"][0];
     *corner = json!(corner.as_f64().expect("a column") + 3.0);
     fs::write(path.join("other.json"), other.to_string()).expect("written");
     let error = words(&refused(path, &with("other.json"), 3));
-    assert!(error.contains("differ from those of the model that the case gives now"), "{error}");
+    assert!(error.contains("differ from the model that the case gives now"), "{error}");
     let model = json(&path.join("model.json"));
     let change = |change: &dyn Fn(&mut Value)| {
         let mut model = model.clone();
@@ -191,7 +191,7 @@ fn replicates_that_are_not_possible_are_refused_with_what_to_do() {
 }
 
 #[test]
-fn the_case_may_be_that_of_an_analysis_and_the_model_one_with_other_options() {
+fn the_case_may_come_from_an_analysis_and_the_model_may_have_other_options() {
     let here = folder();
     let path = here.path();
     let options = ["--support", "frontal", "--model-line", "iliac"];

@@ -156,8 +156,8 @@ fn number(value: &Value) -> f64 {
     value.as_f64().unwrap_or_else(|| panic!("no number: {value}"))
 }
 
-/// The axial rotation that the pedicles of a body give: its tangent is the true one times the ratio of the distances behind the centre and
-/// beside it, of the body over those of the reader's table.
+/// The axial rotation by the pedicles of a body: its tangent is the true one times `share`, the place of the pedicles of the body
+/// over their place in the reader's table.
 fn read_axial(body: &TrueBody) -> Angle {
     let [beside_mm, behind_mm] = body.pedicle_mm();
     let reader = PediclePlace::of(body.level);
@@ -165,7 +165,7 @@ fn read_axial(body: &TrueBody) -> Angle {
     Angle::from_rad((share * body.axial.rad().tan()).atan())
 }
 
-/// Pitches of the analysis against those of the bodies that were projected, and axial rotations as the pedicles of these give them.
+/// Compares pitches of the analysis with the projected bodies, and axial rotations with their pedicles.
 fn check_angles(analysis: &Value, truth: &BentPhantom) {
     let space = &analysis["space"];
     assert_eq!(space["alignment"]["simultaneous"], true);
@@ -276,7 +276,7 @@ fn a_bad_table_of_the_lateral_film_is_refused_by_line_and_column() {
 }
 
 #[test]
-fn films_of_one_exposure_are_told_by_their_files_or_by_the_option() {
+fn films_of_one_exposure_are_recognised_by_their_files_or_by_the_option() {
     let here = Here::new();
     let side = |number: u16, attributes: &[((u16, u16), &'static str, &str)]| {
         let mut maker = film(number);

@@ -57,7 +57,7 @@ fn a_full_output_stream_is_said_and_has_its_code() {
         assert_eq!(output.status.code(), Some(3), "{arguments:?} {error}");
         if arguments[0] != "film" {
             assert!(error.contains("standard output could not be written"), "{error}");
-            assert!(error.contains("help: there is no room"), "{error}");
+            assert!(error.contains("help: too little space"), "{error}");
         }
     }
 }
@@ -80,7 +80,7 @@ fn closed_streams_change_no_exit_code() {
 
 #[test]
 #[cfg(unix)]
-fn a_reader_that_goes_away_is_no_error() {
+fn a_reader_that_goes_away_is_not_an_error() {
     let here = with_phantom(&[]);
     let program = assert_cmd::cargo::cargo_bin("spineline");
     let mut shell = Command::new("sh");
@@ -89,7 +89,7 @@ fn a_reader_that_goes_away_is_no_error() {
     assert_eq!(String::from_utf8_lossy(&output.stderr).trim(), "0");
 }
 
-/// Numbers that JSON allows, or nearly, and that are no measurement.
+/// Numbers that JSON allows, or nearly, and that are not measurements.
 const NUMBERS: [&str; 7] =
     ["1e400", "-1e400", "NaN", "1e308", "5e-324", "-0.0", "99999999999999999999"];
 

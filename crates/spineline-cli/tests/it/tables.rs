@@ -46,7 +46,7 @@ fn every_table_is_written_in_both_formats_with_its_hash() {
     }
     let dictionary = fs::read_to_string(folder.join("dictionary.csv")).expect("meanings");
     assert!(dictionary.starts_with("table,column,unit,type,meaning\n"));
-    assert!(!dictionary.contains("\nuncertainty,"), "nobody asked");
+    assert!(!dictionary.contains("\nuncertainty,"), "not requested");
 }
 
 #[test]

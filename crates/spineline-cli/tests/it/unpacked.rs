@@ -1,4 +1,4 @@
-//! What compressed and encoded parts of a file hold, so that a search finds texts in them too.
+//! Unpacks compressed and encoded parts of a file, so that a search finds texts in them too.
 
 use std::io::Read;
 
@@ -59,7 +59,7 @@ fn packed(bytes: &[u8]) -> Vec<Vec<u8>> {
     let mut found = Vec::new();
     for at in 0..bytes.len() {
         let rest = &bytes[at..];
-        // Most bytes begin none of them.
+        // Most bytes do not begin a stream.
         if !matches!(rest[0], 0x1f | b'P' | b'b') && rest[0] & 0x0f != 8 {
             continue;
         }
@@ -106,7 +106,7 @@ fn zip_entry(bytes: &[u8]) -> Option<Vec<u8>> {
     if word(8)? == 8 { decoded(DeflateDecoder::new(bytes.get(start..)?)) } else { None }
 }
 
-/// What follows the group of meta elements of a DICOM file, where it is deflated.
+/// The deflated data set of a DICOM file, after its meta elements.
 fn deflated_data_set(bytes: &[u8]) -> Option<&[u8]> {
     let mut rest = bytes.get(132..).filter(|_| bytes.get(128..132) == Some(b"DICM"))?;
     let mut is_deflated = false;

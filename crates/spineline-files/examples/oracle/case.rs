@@ -1,4 +1,4 @@
-//! A spine that other programs have solved, as its file has it.
+//! A spine that other programs have solved, from its file.
 
 use serde_json::Value;
 use spineline::action::{Application, LineOfAction};
@@ -63,7 +63,7 @@ impl Case {
         })
     }
 
-    /// The load as the march has it; `None` where it does not act in a frontal plane.
+    /// The load for the march; `None` where it does not act in a frontal plane.
     pub(crate) fn frontal_load(&self) -> Option<Load> {
         if self.direction.x != 0.0 {
             return None;
@@ -74,7 +74,7 @@ impl Case {
         Some(Load::along(line, self.point_mm.x))
     }
 
-    /// The load as the general solver has it, of so many newtons.
+    /// The load for the general solver, of `force_n` newtons.
     pub(crate) fn body_load(&self, force_n: f64) -> BodyLoad {
         let force_n = self.direction * force_n;
         match self.application {
@@ -87,11 +87,11 @@ impl Case {
 }
 
 fn list(value: &Value) -> Result<&[Value], String> {
-    value.as_array().map(Vec::as_slice).ok_or_else(|| format!("{value} is no list"))
+    value.as_array().map(Vec::as_slice).ok_or_else(|| format!("{value} is not a list"))
 }
 
 pub(crate) fn number(value: &Value) -> Result<f64, String> {
-    value.as_f64().ok_or_else(|| format!("{value} is no number"))
+    value.as_f64().ok_or_else(|| format!("{value} is not a number"))
 }
 
 pub(crate) fn vector(value: &Value) -> Result<Vec3, String> {

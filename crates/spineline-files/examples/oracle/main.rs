@@ -22,11 +22,11 @@ use spineline::spatial::{Mat3, Vec3};
 
 use case::Case;
 
-/// March and Newton agree so well, or the case is not solved.
+/// Largest distance between march and Newton in a solved case.
 const AGREE_MM: f64 = 1e-9;
-/// A force that the amplitude of Newton's path is counted in.
+/// Unit of the force on Newton's path.
 const UNIT_N: f64 = 50.0;
-/// What is looked at: far more than a spine stands.
+/// Largest force of the search: far more than a spine bears.
 const MAX_FORCE_N: f64 = 20_000.0;
 const MAX_HINGE_RAD: f64 = 1.5;
 
@@ -38,7 +38,7 @@ struct Solved {
     deformed: Deformed,
     /// Largest distance between the march's and Newton's midpoints.
     difference_mm: f64,
-    /// Force that the march's own search finds; `None` where it does not look so far, or not in a frontal plane.
+    /// Force that the march's own search finds; `None` beyond its range or outside of a frontal plane.
     march_force_n: Option<f64>,
 }
 

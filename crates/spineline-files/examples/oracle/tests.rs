@@ -10,7 +10,7 @@ use super::{Case, Solved, solve};
 
 /// The programs agree with one another to 1.4e-10 mm; their files have fewer digits in the input.
 const MIDPOINT_MM: f64 = 1e-6;
-/// Relative: an amplitude to 1e-9 rad holds the force at least so well.
+/// Relative: an amplitude to 1e-9 rad fixes the force at least to this.
 const FORCE: f64 = 1e-6;
 
 /// Name, force and midpoints of every program in a file.
@@ -24,7 +24,7 @@ fn solutions(json: &Value) -> Vec<(String, f64, Vec<Vec3>)> {
     programs.collect()
 }
 
-/// The solved cases, in the order of their names; none where no folder was named.
+/// The solved cases, in the order of their names; empty without a folder.
 fn solved_cases() -> Vec<Solved> {
     let Some(folder) = std::env::var_os("SPINELINE_DATA") else {
         println!("skipped: SPINELINE_DATA is not set");

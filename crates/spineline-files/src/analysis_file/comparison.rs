@@ -48,7 +48,7 @@ struct AgainstRecord {
     baseline: Baseline,
     /// Films that both predict.
     films: usize,
-    /// Mean location error of the model less that of the prediction: below zero where the model is better.
+    /// Mean location error of the model less the error of the prediction: below zero where the model is better.
     difference_mm: f64,
 }
 
@@ -105,7 +105,7 @@ struct FilmRecord {
 struct BaselineRecord {
     /// `converged` or how else the fit to T2 ended.
     status: String,
-    /// By how much a pattern of rotations is multiplied; `null` for a distribution.
+    /// Factor on a pattern of rotations; `null` for a distribution.
     amount: Option<f64>,
     #[serde(flatten)]
     scale: ScaleRecord,
@@ -115,7 +115,7 @@ struct BaselineRecord {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 struct CompatibilityRecord {
-    /// What all bends say of the line.
+    /// Outcome of all bends for the line.
     outcome: TestOutcome,
     /// Tests over which Holm's correction was taken.
     tests: usize,
@@ -128,7 +128,7 @@ struct CompatibilityRecord {
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 struct BendRecord {
     posture: Posture,
-    /// What the bend says of the line. Joints alone reject a line and do not keep one.
+    /// Outcome of the bend for the line. Joints alone can reject a line, and do not keep one.
     outcome: TestOutcome,
     joints: usize,
     /// Counter-rotating joints.
@@ -141,13 +141,13 @@ struct BendRecord {
     /// joints were not tested: their noise is not known, or the place of the line is assumed.
     joints_p_holm: Option<f64>,
     joints_reject: bool,
-    /// Of the test of the line itself, after Holm's correction; `null` where there is none.
+    /// p value of the test of the line itself, after Holm's correction; `null` without a test.
     line_p_holm: Option<f64>,
     line_rejects: bool,
 }
 
 impl ComparisonRecord {
-    /// `None` where there is no model to compare.
+    /// `None` without a model to compare.
     pub fn new(analysis: &Analysis) -> Option<Self> {
         if analysis.models.is_empty() {
             return None;

@@ -20,7 +20,7 @@ pub(super) struct HypothesisRecord {
     measured_numbers: usize,
     /// Fitted numbers with the size of the residuals: K.
     fitted_numbers: usize,
-    /// Root mean square of the residuals in standard deviations of their measurement; `null` where there is no fit.
+    /// Root mean square of the residuals in standard deviations of their measurement; `null` without a fit.
     residual_rms: Option<f64>,
     /// n ln(χ²/n) + 2K + 2K(K + 1)/(n - K - 1).
     aicc: Option<f64>,
@@ -29,7 +29,7 @@ pub(super) struct HypothesisRecord {
     predictions: Vec<PredictionRecord>,
     /// Films without a prediction, by role.
     lost: BTreeMap<String, Vec<Posture>>,
-    /// Those of them whose shape is beyond the human range of motion, by role.
+    /// The lost films whose shape is beyond the human range of motion, by role.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     beyond_human_range: BTreeMap<String, Vec<Posture>>,
 }

@@ -50,13 +50,13 @@ pub struct AnalysisFile {
     case_id: String,
     /// Whether the films, and so all results, are synthetic.
     synthetic: bool,
-    /// What the lengths of the erect film, of its chain and curves are: mm in the patient, on the detector or not stated
-    /// where, or pixels.
+    /// Unit of the lengths of the erect film, its chain and its curves: mm in the patient, on the detector or in a plane that is not
+    /// stated, or pixels.
     length_unit: String,
     /// Program, inputs, options and time.
     provenance: Provenance,
     chain: ChainRecord,
-    /// The two inflections of the erect curve that carry the line; empty where there is no such pair.
+    /// The two inflections of the erect curve that carry the line; empty without such a pair.
     inflections: Vec<InflectionRecord>,
     /// Curves between inflections of the erect curve, caudal first.
     curves: Vec<TurnRecord>,
@@ -66,7 +66,7 @@ pub struct AnalysisFile {
     /// The erect spine in space; absent without a lateral film.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     space: Option<SpaceRecord>,
-    /// Axial rotations of vertebrae whose pedicles are marked; absent where none are, and then unknown.
+    /// Axial rotations of vertebrae whose pedicles are marked; absent without any, and then unknown.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     axial_rotation: BTreeMap<LevelKey, AxialRecord>,
     postures: BTreeMap<Posture, PostureRecord>,
@@ -74,7 +74,7 @@ pub struct AnalysisFile {
     reliability: Option<Vec<QuantityRecord>>,
     /// One model per line of action: `inflection_line`, `iliac_line`, `estimated_line`, `given_line`.
     models: BTreeMap<String, ModelRecord>,
-    /// The lines on the same films, every bend left out once; `null` where there is no model.
+    /// The lines on the same films, every bend left out once; `null` without a model.
     comparison: Option<ComparisonRecord>,
     /// Other loads and bases, such as `couple` or `inflection_line+free_base`; absent if not requested.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
@@ -150,11 +150,11 @@ impl ClinicalRecord {
     }
 }
 
-/// How the spine stands over the pelvis on the erect film. Distances are from the central sacral vertical line.
+/// The balance of the spine over the pelvis on the erect film. Distances are from the central sacral vertical line.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 struct BalanceRecord {
-    /// What stands for the sacrum: `iliac_crests`, `l5` or `base`.
+    /// Landmark that stands for the sacrum: `iliac_crests`, `l5` or `base`.
     reference: String,
     /// Vertebra from which the plumb line falls.
     plumb_level: LevelKey,
@@ -205,7 +205,7 @@ struct ClinicalCurveRecord {
     apical_translation_scale_sd_mm: Option<f64>,
     /// In pixels, where it has none.
     apical_translation_px: Option<f64>,
-    /// Part of the erect Cobb angle that the bend to the convex side takes away; of the tilt range where there is no Cobb angle.
+    /// Part of the erect Cobb angle, or of the tilt range without one, that the bend to the convex side corrects.
     flexibility: Option<f64>,
 }
 

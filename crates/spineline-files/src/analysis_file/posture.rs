@@ -72,7 +72,7 @@ struct LengthsRecord {
     spine_scale_sd_mm: Option<f64>,
 }
 
-/// The length of the spine on a film over that on the erect film. Locations of the film are divided by `scale`.
+/// The length of the spine on a film over its length on the erect film. Locations of the film are divided by `scale`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 struct FilmLengthRecord {
@@ -154,7 +154,7 @@ struct PreferredLineRecord {
     point_mm: [f64; 2],
     /// Cranial.
     direction: [f64; 2],
-    /// At the heights of the inflections; of L4 and T2 where there are none.
+    /// At the heights of the inflections; without inflections, of L4 and T2.
     crossings: [CrossingRecord; 2],
     /// Against the line through the inflections.
     inflection_line: Option<LineComparisonRecord>,
@@ -193,8 +193,8 @@ struct TestRecord {
     chi_squared: f64,
     /// How many numbers vanish if it is true.
     restrictions: u32,
-    /// Degrees of freedom of these standard deviations, as far as they come from how readings differ; null where noise was assumed,
-    /// or where they are so many that they make no difference.
+    /// Degrees of freedom of these standard deviations, if they come from differences of readings; null where noise was assumed,
+    /// or where they are too many to matter.
     noise_degrees_of_freedom: Option<f64>,
     p_value: f64,
 }
@@ -298,7 +298,7 @@ fn origin(vertebra: &MeasuredVertebra) -> Option<(LevelKey, String)> {
 }
 
 impl PostureRecord {
-    /// The record of a posture; distances between segments are those on the erect film, in its scale.
+    /// The record of a posture; distances between segments are measured on the erect film, in its scale.
     pub fn new(p: &FilmMovement, erect: &LengthScale) -> Self {
         let scale = &p.outline.scale;
         let spine_mm = p.outline.polygon_mm();

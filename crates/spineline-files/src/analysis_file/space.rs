@@ -25,7 +25,7 @@ pub(super) struct SpaceRecord {
     vertebrae: BTreeMap<LevelKey, VertebraRecord>,
     /// Kyphosis, lordosis, planes of maximum curvature and length, each named 2-D (one film) or 3-D (in space).
     measures: Vec<MeasureRecord>,
-    /// What a model without the lateral film has in place of the measured profile.
+    /// The profile that a model without the lateral film has, against the measured one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     template: Option<TemplateRecord>,
 }
@@ -105,9 +105,9 @@ struct AlignmentRecord {
     /// Turn of the lateral film in its plane; positive where the spine looks more flexed than it is.
     turn_deg: f64,
     turn_sd_deg: f64,
-    /// Root mean square of the differences of height that are left; absent where the erect film has no spacing.
+    /// Root mean square of the remaining differences of height; absent where the erect film has no spacing.
     residual_mm: Option<f64>,
-    /// What the noise of the landmarks leads to expect.
+    /// Its expected value by the noise of the landmarks.
     expected_mm: Option<f64>,
     vertebrae: usize,
 }
@@ -122,7 +122,7 @@ struct VertebraRecord {
     /// Against the vertical of the erect film; positive to the patient's right.
     tilt_2d_deg: f64,
     tilt_2d_sd_deg: f64,
-    /// On the lateral film, with its turn taken out; flexion positive.
+    /// On the lateral film, corrected for its turn; flexion positive.
     pitch_2d_deg: f64,
     /// In space; flexion positive.
     pitch_3d_deg: f64,

@@ -23,7 +23,7 @@ pub struct StoredAnalysis {
     pub request: Request,
 }
 
-/// The two parts that say how to repeat it; results of other versions do not stand in the way.
+/// The two parts that are needed to repeat it; results of other versions are ignored.
 #[derive(Deserialize)]
 struct Origin {
     provenance: Option<Provenance>,

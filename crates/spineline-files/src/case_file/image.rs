@@ -15,16 +15,16 @@ use crate::json::parse_value;
 pub(super) struct ImageRecord {
     columns: u32,
     rows: u32,
-    /// Distance between neighbouring columns; absent, as that of rows, where the scale is unknown.
+    /// Distance between neighbouring columns; absent, as between rows, where the scale is unknown.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     column_spacing_mm: Option<f64>,
     /// Distance between neighbouring rows.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     row_spacing_mm: Option<f64>,
-    /// Height of a pixel over its width, where there are no millimetres and pixels are not taken as square.
+    /// Height of a pixel over its width, without millimetres, where pixels are not taken as square.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pixel_aspect: Option<f64>,
-    /// Plane in which the millimetres were measured; `pixels` where there are none.
+    /// Plane in which the millimetres were measured; `pixels` without millimetres.
     #[serde(default = "unknown_plane")]
     spacing_plane: SpacingPlane,
     /// Source of the spacing.
@@ -61,7 +61,7 @@ pub struct FilmSource {
     pub inverted: bool,
 }
 
-/// How the picture of a case's film lies, from the film's `image`.
+/// The geometry of the picture of a case's film, from the film's `image`.
 ///
 /// A lateral film is taken as seen with the patient's front where a frontal film has the patient's left: `patient_left` is the side of
 /// the picture on which the front is. The plane of its spacing is unknown.
@@ -75,7 +75,7 @@ pub fn parse_image(image: &Value, view: FilmView) -> Result<ImageGeometry, FileE
     }
 }
 
-/// The `image` of a case's film, of a picture that lies as [`parse_image`] gives it.
+/// The `image` of a case's film, from the geometry that [`parse_image`] gives.
 #[must_use]
 pub fn image_value(view: FilmView, image: &ImageGeometry, source: FilmSource) -> Value {
     match view {

@@ -33,13 +33,13 @@ pub(super) struct LateralRecord {
 pub(super) struct LateralImageRecord {
     columns: u32,
     rows: u32,
-    /// Distance between neighbouring columns; absent, as that of rows, where the scale is unknown.
+    /// Distance between neighbouring columns; absent, as between rows, where the scale is unknown.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     column_spacing_mm: Option<f64>,
     /// Distance between neighbouring rows.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     row_spacing_mm: Option<f64>,
-    /// Height of a pixel over its width, where there are no millimetres and pixels are not taken as square.
+    /// Height of a pixel over its width, without millimetres, where pixels are not taken as square.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pixel_aspect: Option<f64>,
     /// Side of the picture on which the patient's front is.

@@ -95,7 +95,7 @@ struct LengthsRecord {
 }
 
 impl LengthsRecord {
-    /// What files without this entry mean: the plane of their picture, if they have one; a scanner measures the patient.
+    /// The meaning of files without this entry: the plane of their picture, if they have one; a scanner measures the patient.
     fn implied(image: Option<&ImageRecord>, source: PlacementSource) -> Self {
         let plane = match (image, source) {
             (Some(image), _) => image.plane(),
@@ -184,7 +184,7 @@ pub fn parse_case(text: &str) -> Result<Case, FileError> {
     parse_case_file(text)?.into_case()
 }
 
-/// Reads a case with what only its file knows, such as the names of its pictures.
+/// Reads a case with data that only its file has, such as the names of its pictures.
 ///
 /// # Errors
 /// [`FileError`], which says where in the file.

@@ -7,7 +7,7 @@ use spineline::spatial::{Angle, Mat3, Vec3};
 use super::rotation::body_xyz;
 use super::{ExportError, ExportFormat};
 
-/// Mass of every vertebra in kg, and its moment of inertia in kg·m²: engines refuse bodies without. No equilibrium
+/// Mass of every vertebra in kg, and its moment of inertia in kg·m²: engines refuse bodies without them. No equilibrium
 /// depends on them.
 pub(super) const NOMINAL_MASS_KG: f64 = 0.1;
 /// See [`NOMINAL_MASS_KG`].
@@ -58,7 +58,7 @@ pub(super) struct Hinge {
 }
 
 impl Hinge {
-    /// Nominal damping in N·m·s/rad: the stiffness times so many seconds. No equilibrium depends on it.
+    /// Nominal damping in N·m·s/rad: the stiffness times `seconds`. No equilibrium depends on it.
     pub(super) fn damping(&self, seconds: f64) -> f64 {
         seconds * self.nm_per_rad
     }
@@ -185,7 +185,7 @@ fn joint(model: &PersonalisedModel, j: usize, format: ExportFormat) -> Result<Jo
     })
 }
 
-/// Three uncoupled springs, because the formats have no others.
+/// Three uncoupled springs: the formats have no others.
 fn hinges(
     model: &PersonalisedModel,
     j: usize,

@@ -16,7 +16,7 @@ use crate::content::ContentHash;
 /// Format and frame.
 const DESCRIBED: [&str; 2] = [
     "glTF 2.0",
-    "that of glTF, in m: x to the patient's left, y cranial, z anterior. It is Spineline's y, z, x.",
+    "glTF's, in m: x to the patient's left, y cranial, z anterior. It is Spineline's y, z, x.",
 ];
 
 /// From `G` to glTF's axes, of the scene and of a node.

@@ -17,7 +17,7 @@ pub(super) struct Dialect {
     pub(super) format: &'static str,
     /// Its frame.
     pub(super) frame: &'static str,
-    /// Where springs and hinges are, and what the format cannot say.
+    /// Where springs and hinges are, and the limits of the format.
     pub(super) notes: &'static str,
     /// Nominal damping of a hinge over its stiffness.
     pub(super) damping_s: f64,
@@ -25,7 +25,7 @@ pub(super) struct Dialect {
     pub(super) from_global: fn(&Vec3) -> Vec3,
 }
 
-/// What a file of vertebral bodies says of itself, line by line.
+/// The comment of a file of vertebral bodies, line by line.
 pub(super) fn about_bodies(
     model: &PersonalisedModel,
     generator: &str,

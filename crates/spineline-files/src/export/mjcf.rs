@@ -12,7 +12,7 @@ const DIALECT: Dialect = Dialect {
     format: "MJCF (MuJoCo)",
     frame: "G: x anterior, y to the patient's left, z cranial; origin at the midpoint of the lowest vertebra.",
     notes: "Springs: `stiffness` and `springref` of each joint. Hinges that are locked are left out. Contacts are off.",
-    // MuJoCo takes damping implicitly, so that enough of it to come to rest within seconds costs nothing.
+    // MuJoCo treats damping implicitly: enough damping to rest within seconds costs nothing.
     damping_s: 0.1,
     from_global: |v| *v,
 };

@@ -1,9 +1,9 @@
 //! Export of personalised models for other programs: MJCF, OpenSim and URDF for multibody programs, VTK and glTF for 3-D views.
 //!
-//! Those for multibody programs hold what [`PersonalisedModel`] holds: bodies in the erect posture, three hinges in series at every joint,
-//! and a linear spring on each. What they ask for beyond that (masses, damping, shapes to draw) is nominal, and moves no
-//! equilibrium. Those for 3-D views hold the vertebral bodies only, as boxes. Each file says what it is, where it came from, and
-//! in which frame and units.
+//! Formats for multibody programs have the content of [`PersonalisedModel`]: bodies in the erect posture, three hinges in series
+//! at every joint, and a linear spring on each. Other values that they need (masses, damping, shapes to draw) are nominal, and do
+//! not change an equilibrium. Formats for 3-D views have only the vertebral bodies, as boxes. Each file states its content, its
+//! origin, its frame and its units.
 
 mod assembly;
 mod boxes;
@@ -96,7 +96,7 @@ pub enum ExportError {
         superior: Level,
         /// Axis.
         axis: &'static str,
-        /// What the model has.
+        /// Value in the model.
         value: f64,
     },
     /// Hinges whose springs are coupled.
@@ -105,7 +105,7 @@ pub enum ExportError {
         format = format.key()
     )]
     Coupled {
-        /// The format that cannot say it.
+        /// The format, which has no coupled springs.
         format: ExportFormat,
         /// Lower vertebra.
         inferior: Level,
@@ -164,7 +164,7 @@ pub fn export(
     }))
 }
 
-/// Control characters and the two that are none have no place in XML, not even escaped.
+/// XML forbids control characters and the two noncharacters, even escaped.
 fn check_text(what: &'static str, text: &str) -> Result<(), ExportError> {
     let refused = |c: &char| c.is_control() || matches!(c, '\u{fffe}' | '\u{ffff}');
     match text.chars().find(refused) {

@@ -1,9 +1,9 @@
-//! What of a model's vertebrae was measured, and what was assumed, for every format.
+//! The measured and the assumed data of a model's vertebrae, for every format.
 
 use spineline::analysis::{AxialSource, PersonalisedModel, PitchSource};
 use spineline::anatomy::{Level, Named};
 
-/// Sentences on pitch and depth, on axial rotation, and on the drawn widths: which vertebrae were measured, and what the others have.
+/// Sentences on pitch and depth, on axial rotation, and on the drawn widths: the measured vertebrae, and the source for the others.
 pub(super) fn sources(model: &PersonalisedModel) -> [String; 3] {
     let widths: Vec<bool> = model.widths_mm.iter().map(Option::is_some).collect();
     [

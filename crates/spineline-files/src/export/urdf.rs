@@ -12,7 +12,7 @@ const DIALECT: Dialect = Dialect {
     format: "URDF",
     frame: "G: x anterior, y to the patient's left, z cranial; origin at the midpoint of the lowest vertebra.",
     notes: "Springs: URDF has none. They stand in SDFormat's extension, `springStiffness` and `springReference` in `gazebo` of each hinge's name; a program that does not read it needs them from elsewhere. \
-            Each hinge turns a small link that is no vertebra (a hundredth of the nominal mass), and the vertebra is fixed to the last of them; hinges that are locked are left out. Limits stop no hinge: they are what the format asks for.",
+            Each hinge turns a small link that is not a vertebra (a hundredth of the nominal mass), and the vertebra is fixed to the last link; hinges that are locked are left out. Limits do not stop a hinge: the format requires them.",
     // Many of the programs that read URDF step explicitly.
     damping_s: 0.001,
     from_global: |v| *v,

@@ -12,7 +12,7 @@ use super::xml::{Document, numbers};
 /// Format and frame.
 const DESCRIBED: [&str; 2] = [
     "VTK PolyData",
-    "LPS in mm, that of 3D Slicer's files: x to the patient's left, y posterior, z cranial. It is Spineline's y, −x, z.",
+    "LPS in mm, as in 3D Slicer's files: x to the patient's left, y posterior, z cranial. It is Spineline's y, −x, z.",
 ];
 
 /// From `G` to LPS.

@@ -51,7 +51,7 @@ impl Document {
         self.write(Event::End(BytesEnd::new(name)));
     }
 
-    /// A comment. XML allows no two hyphens in a row in one, so a blank comes between them.
+    /// A comment. XML forbids two hyphens in a row in it, so a blank separates them.
     pub(super) fn comment(&mut self, text: &str) {
         let mut escaped = text.to_owned();
         while escaped.contains("--") {
@@ -86,7 +86,7 @@ pub(super) fn numbers(values: &[f64]) -> String {
     texts.join(" ")
 }
 
-/// One number; there is no negative zero.
+/// One number, without a negative zero.
 pub(super) fn number(value: f64) -> String {
     format!("{:?}", value + 0.0)
 }

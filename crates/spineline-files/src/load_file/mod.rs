@@ -16,7 +16,7 @@ const FORMAT: &str = "spineline-load";
 const VERSION: u32 = 1;
 
 /// Loads on a spine. `G`: x anterior, y to the patient's left, z cranial along L4's own axis, origin at L4's midpoint;
-/// names that say `in_vertebra` are in a vertebra's own axes, from its midpoint. The unit of forces is that of the model:
+/// names that say `in_vertebra` are in a vertebra's own axes, from its midpoint. Forces have the unit of the model:
 /// newtons where it is `absolute`, because a force was measured; else relative to the nominal stiffness. Moments are force × mm.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]

@@ -91,7 +91,7 @@ pub struct LoadFault {
 }
 
 impl LoadFile {
-    /// Why loads cannot be applied to a model: for every load that alone cannot be, and else for the first one that cannot be with
+    /// Why loads cannot be applied to a model: for every load that is invalid by itself, else for the first one that is invalid with
     /// the others. Empty where [`LoadFile::place`] succeeds.
     #[must_use]
     pub fn faults(&self, model: &PersonalisedModel) -> Vec<LoadFault> {

@@ -65,7 +65,7 @@ impl ChosenOption {
 
 /// The options of a study that differ from the defaults and from the chosen method, each once, in the order of [`OPTIONS`].
 ///
-/// They read no files, so that a value from elsewhere opens none: what a file says is kept as its text.
+/// They read no files, so a value from elsewhere cannot open one: the content of a file is kept as text.
 ///
 /// ```
 /// use spineline_files::method_text::{ChosenOption, ChosenOptions};
@@ -85,7 +85,7 @@ impl ChosenOptions {
     /// Checks options, and keeps those that differ from the defaults, or from the choices of the method among them.
     ///
     /// # Errors
-    /// [`OptionError`]: no such option of a study, no such value, or an option twice.
+    /// [`OptionError`]: an unknown option of a study, an unknown value, or an option twice.
     pub fn new(wanted: &[ChosenOption]) -> Result<Self, OptionError> {
         let mut known: Vec<(usize, ChosenOption)> = Vec::new();
         for ChosenOption { name, value, file } in wanted {
@@ -135,7 +135,7 @@ impl ChosenOptions {
         Ok((options, learned))
     }
 
-    /// The options in which an option has the value that it has where it is not chosen: the chosen method sets it, which comes before it.
+    /// The options with the value that an option has if it is not chosen: the value of the chosen method, which is set first.
     ///
     /// # Errors
     /// [`OptionError`], where another version of the program chose them.
@@ -149,7 +149,7 @@ impl ChosenOptions {
         Ok(options)
     }
 
-    /// What was chosen in a few words, such as `Support: free; Fitted to: ferguson`; empty for the defaults.
+    /// The choices in a few words, such as `Support: free; Fitted to: ferguson`; empty for the defaults.
     #[must_use]
     pub fn words(&self) -> String {
         let words = self.0.iter().map(|one| format!("{}: {}", one.title(), one.words()));
@@ -207,7 +207,7 @@ mod tests {
             option("prior", ""),
             option("min_curve", "5.0"),
         ]);
-        // An empty text is no prior.
+        // An empty text is not a prior.
         assert!(chosen.is_err_and(|error| error.to_string().contains("`prior`")));
         let chosen = ChosenOptions::new(&[
             option("inflections", "L1/T12,T6"),
@@ -244,7 +244,7 @@ mod tests {
     }
 
     #[test]
-    fn what_a_file_says_is_kept_as_its_text_and_named_by_its_digest() {
+    fn the_content_of_a_file_is_kept_as_text_and_named_by_its_digest() {
         let mut table = StiffnessTable::InVitro.library();
         let text = crate::to_text(&crate::StiffnessFile::from(&table));
         let chosen = ChosenOptions::new(&[file("stiffness", &text)]).expect("a table");

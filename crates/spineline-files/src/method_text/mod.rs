@@ -178,7 +178,7 @@ fn set_option_of_text(
     }
 }
 
-/// The film whose force the options know, where the case does not have it: such options do not fit the case.
+/// The film of the known force, if the case lacks it: such options do not fit the case.
 #[must_use]
 pub fn missing_known_force(options: &AnalysisOptions, case: &Case) -> Option<Posture> {
     let Gauge::KnownForce { posture, .. } = options.gauge else { return None };
@@ -351,7 +351,7 @@ mod tests {
         let read = read.expect("a table").map(|one| one.file);
         assert_eq!(read, Some(InputFile::of("own.json", text.as_bytes())));
         assert_eq!(options.library, StiffnessTable::InVitro.library());
-        // A word is no file, in either spelling.
+        // A word is not a file, in either spelling.
         for word in ["in-vitro", "in_vitro"] {
             assert_eq!(option_file("stiffness", word), None);
             assert_eq!(set_option(&mut options, "stiffness", word).expect("a table"), None);

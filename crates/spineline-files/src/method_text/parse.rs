@@ -42,7 +42,7 @@ pub fn named<T: Named>(text: &str) -> Result<T, String> {
 /// A finite number.
 ///
 /// # Errors
-/// If the text is none.
+/// If the text is not a finite number.
 pub fn number(text: &str) -> Result<f64, String> {
     match text.trim().parse::<f64>() {
         Ok(value) if value.is_finite() => Ok(value),
@@ -63,7 +63,7 @@ pub(super) fn prior(text: &str) -> Result<Option<LogNormalPrior>, String> {
     }
 }
 
-/// Least standard deviation of the length of a film, in percent: what is less was meant as a fraction, or is below what landmarks show.
+/// Least standard deviation of the length of a film, in percent: less is a fraction by mistake, or below the noise of landmarks.
 const MIN_LENGTH_SD_PERCENT: f64 = 0.1;
 
 /// `per-film`, `as-marked` or a standard deviation in percent.

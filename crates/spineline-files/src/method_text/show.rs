@@ -1,4 +1,4 @@
-//! Values of options as text that [`parse`](super::parse) reads; empty where no word says them.
+//! Values of options as text that [`parse`](super::parse) reads; empty if no word gives them.
 
 use spineline::action::LineOfAction;
 use spineline::anatomy::{Named, Posture, Region};

@@ -35,7 +35,7 @@ pub struct MethodOption {
     pub(super) read: fn(&mut AnalysisOptions, &str) -> Result<(), String>,
     /// Sets it by the text of a file; `None` where it takes no file.
     pub(super) read_file: Option<ReadFile>,
-    /// Its value as [`Self::read`] takes it; empty where no word says it.
+    /// Its value as [`Self::read`] takes it; empty if no word gives it.
     pub(super) show: fn(&AnalysisOptions) -> String,
     /// Its value in a report.
     pub(super) words: fn(&AnalysisOptions) -> String,
@@ -83,13 +83,13 @@ impl MethodOption {
         }
     }
 
-    /// Its value among some options, as the command line takes it; empty where no word says it.
+    /// Its value among some options, as the command line takes it; empty if no word gives it.
     #[must_use]
     pub fn shown(&self, options: &AnalysisOptions) -> String {
         (self.show)(options)
     }
 
-    /// The value that it has where none is given; empty where no word says it.
+    /// The value that it has where none is given; empty if no word gives it.
     #[must_use]
     pub fn default_text(&self) -> String {
         self.shown(&AnalysisOptions::default())

@@ -36,7 +36,7 @@ pub(super) fn order_rule(rule: OrderRule) -> String {
 pub(super) fn gauge(gauge: Gauge) -> String {
     match gauge {
         Gauge::GeometricMean => "geometric mean of the multipliers is held at 1, to 0.1 % with frontal and 1 % with free support".to_owned(),
-        Gauge::FrozenForce => "forces fixed at those of the nominal stiffness".to_owned(),
+        Gauge::FrozenForce => "forces fixed at their values with the nominal stiffness".to_owned(),
         Gauge::KnownForce { posture, force_n } => {
             format!("the force of the {posture} film is {force_n} N")
         }
@@ -47,7 +47,7 @@ pub(super) fn film_lengths(rule: FilmLengthRule) -> String {
     match rule {
         FilmLengthRule::PerFilm { relative_sd } => {
             let percent = (1e11 * relative_sd).round() / 1e9;
-            format!("every film has a scale of its own, standard deviation {percent} %")
+            format!("every film has its own scale, standard deviation {percent} %")
         }
         FilmLengthRule::AsMarked => "one scale for all films (the paper)".to_owned(),
     }

@@ -1,4 +1,4 @@
-//! What the schemas must be: made from the types, and compared with the files.
+//! The required schemas: made from the types, and compared with the files.
 
 use std::borrow::Cow;
 use std::path::Path;
@@ -69,7 +69,7 @@ fn of_types() -> [(&'static str, Schema); SCHEMAS.len()] {
 
 /// After a change of a file's type, `SPINELINE_WRITE_SCHEMAS=1 cargo test -p spineline-files --lib schemas` writes the new schemas.
 #[test]
-fn schemas_are_those_of_the_types() {
+fn schemas_equal_those_from_the_types() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("schemas");
     let is_writing = std::env::var_os("SPINELINE_WRITE_SCHEMAS").is_some();
     for (name, made) in of_types() {
@@ -79,7 +79,7 @@ fn schemas_are_those_of_the_types() {
         } else {
             assert!(
                 schema(name) == Some(text.as_str()),
-                "schemas/{name}.json is not that of its type: set SPINELINE_WRITE_SCHEMAS=1 and run this test again"
+                "schemas/{name}.json differs from its type: set SPINELINE_WRITE_SCHEMAS=1 and run this test again"
             );
         }
     }

@@ -1,4 +1,4 @@
-//! A personalised model under loads: from the files of both to everything that is shown of the result.
+//! A personalised model under loads: from both files to the outputs.
 
 mod film_force;
 mod warnings;
@@ -13,7 +13,7 @@ use spineline::warning::WarningCode;
 
 use crate::{FileError, LoadFile, PlacedLoads, SimulationFile, SimulationWarning};
 
-/// A model, its loads, and what it does.
+/// A model, its loads, and its response.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Simulated {
     /// The model.
@@ -24,9 +24,9 @@ pub struct Simulated {
     pub placed: PlacedLoads,
     /// Between which vertebrae angles of curves are measured.
     pub places: Vec<CurvePlaces>,
-    /// What the spine does.
+    /// The response of the spine.
     pub response: Response,
-    /// Everything doubtful about it.
+    /// The warnings about it.
     pub warnings: Vec<SimulationWarning>,
 }
 
@@ -40,7 +40,7 @@ pub enum SimulationError {
     /// A load cannot be applied.
     #[error(transparent)]
     Loading(#[from] LoadingError),
-    /// The springs of the model are no springs.
+    /// The springs of the model are invalid.
     #[error("{0}")]
     Springs(String),
     /// A lateral tilt is wanted, and no load is varied.
@@ -148,9 +148,9 @@ fn places(model: &PersonalisedModel, notes: &mut Vec<SimulationWarning>) -> Vec<
         model.known_levels().and_then(|levels| CurvePlaces::usual(levels, &locations, &tilts));
     let text = if usual.is_some() {
         "the model file has no regions; tilt ranges and Ferguson angles are measured with regions that end at T12 and T6, \
-         which may not be those of its analysis; write the model again with `spineline analyze CASE --model FILE`"
+         which may differ from its analysis; write the model again with `spineline analyze CASE --model FILE`"
     } else {
-        "the model file has no regions and does not go from L4 to T2 or a part of it: there are no angles of curves"
+        "the model file has no regions and does not go from L4 to T2 or a part of it: angles of curves are not measured"
     };
     notes.push(SimulationWarning::new(WarningCode::UsualRegions, text));
     usual.map_or_else(Vec::new, Vec::from)

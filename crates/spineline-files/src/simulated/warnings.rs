@@ -52,7 +52,7 @@ pub(super) fn warnings(
     all
 }
 
-/// The joint or part of the spine that is beyond the human range, where that is why there is no result.
+/// The joint or part of the spine beyond the human range, if the result is missing because of it.
 fn about_range(model: &PersonalisedModel, response: &Response) -> Option<SimulationWarning> {
     if response.ending != PathEnding::BeyondHumanRange {
         return None;

@@ -16,7 +16,7 @@ const PIXEL_MM: f64 = 0.179_363;
 /// Larger than any of them.
 const PICTURE_PX: [u32; 2] = [3000, 9000];
 
-/// What a file holds of one patient.
+/// The lines of one patient.
 struct Lines {
     /// Through the vertebral bodies on each film: column by row, in pixels, downwards.
     frontal: Vec<[f64; 2]>,

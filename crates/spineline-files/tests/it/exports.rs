@@ -245,7 +245,7 @@ fn axial_rotations_from_pedicles_reach_the_bodies_of_every_format() {
     let mjcf = read(&exported(&model, ExportFormat::Mjcf)).0;
     let urdf = read(&exported(&model, ExportFormat::Urdf)).0;
     let osim = read(&exported(&model, ExportFormat::Osim)).0;
-    // The lowest vertebra of each file stands in the frame itself, the others in that of the one below.
+    // The lowest vertebra of each file stands in the frame itself, the others in the frame of the vertebra below.
     let quaternion = named(&mjcf, "body")[0].numbers("quat");
     let [roll, pitch, yaw] = named(&urdf, "origin")[0].numbers("rpy")[..] else {
         panic!("three angles");

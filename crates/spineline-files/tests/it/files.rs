@@ -131,7 +131,7 @@ fn origins_walls_and_deviations_round_trip_and_are_absent_where_all_was_clicked(
         panic!("a marked film")
     };
     assert_eq!(read[0].vertebrae.values().next(), readings[0].vertebrae.values().next());
-    // A location and a tilt have no corners whose origin could be stated.
+    // A location and a tilt do not have corners with an origin.
     let mixed = text.replacen("\"accepted\"", "\"guessed\"", 1);
     assert!(parse_case(&mixed).is_err(), "an unknown origin");
 }
@@ -406,7 +406,7 @@ fn an_analysis_file_contains_the_identifiability_of_multipliers() {
     }
     let directions = model["identifiability"]["directions"].as_array().expect("a list");
     assert_eq!(directions.len(), records.len());
-    // Ways at right angles share what the gauge fixes out among them.
+    // Orthogonal directions share the direction that the gauge fixes.
     let shares: f64 = directions.iter().filter_map(|d| d["gauge_share"].as_f64()).sum();
     assert!((shares - 1.0).abs() < 1e-9, "{shares}");
 }
@@ -482,7 +482,7 @@ fn one_picture_of_two_postures_is_refused_by_its_name_or_its_bytes() {
 }
 
 #[test]
-fn the_picture_of_a_frontal_film_is_no_lateral_one() {
+fn the_picture_of_a_frontal_film_is_not_a_lateral_one() {
     let mut case: serde_json::Value = serde_json::from_str(&text()).expect("JSON");
     let image =
         serde_json::json!({ "columns": 900, "rows": 2500, "patient_anterior": "image_left" });

@@ -1,6 +1,6 @@
-//! Numbers of analysis files as they were when a change of structure began: such a change moves none of them.
+//! Numbers of analysis files before a change of structure, which must not move them.
 //!
-//! This is no evidence that a number is right. A change that moves numbers writes `goldens.txt` again in a commit of its own, and its
+//! This does not show that a number is right. A change that moves numbers writes `goldens.txt` again in a separate commit, and its
 //! decision record says why: `SPINELINE_WRITE_GOLDENS=1 cargo nextest run --workspace -E 'test(goldens)'`.
 
 use std::fmt::Write as _;

@@ -60,7 +60,7 @@ fn an_analysis_file_marks_interpolated_vertebrae_and_has_only_what_is_seen() {
     let errors = &file["models"]["iliac_line"]["postures"]["left_bending"]["location_error_mm"];
     let compared = errors["levels"].as_object().expect("errors");
     assert!(compared.contains_key("T7") && !compared.contains_key("T8"));
-    // A complete film has no such key.
+    // A complete film lacks this key.
     let case = whole();
     let file = json(&analyzed(&case), &case);
     assert!(file["postures"]["left_bending"].get("interpolated").is_none());
@@ -82,7 +82,7 @@ fn an_analysis_file_states_origins_where_a_person_did_not_click() {
     let file = json(&analyzed(&case), &case);
     let expected = serde_json::json!({ "T9": "mixed", "T8": "adjusted" });
     assert_eq!(file["postures"]["left_bending"]["origins"], expected);
-    // Where all corners were clicked there is no such key.
+    // Where all corners were clicked, the key is absent.
     assert!(file["postures"]["erect"].get("origins").is_none());
     // What the file says is enough to compute it again.
     let stored = parse_analysis(&to_text(&file)).expect("our own file");

@@ -1,4 +1,4 @@
-//! Bends of real patients that were left out, on public spine lines: what is published of them holds, and a distribution of joint
+//! Bends of real patients that were left out, on public spine lines: the published numbers hold, and a distribution of joint
 //! rotations predicts patients that it was not learned from better than any line does.
 
 use std::fs;
@@ -31,7 +31,7 @@ fn mean(values: impl IntoIterator<Item = f64>) -> f64 {
     values.iter().sum::<f64>() / values.len() as f64
 }
 
-/// Mean error of a line on the left-out bends of a patient that it predicts; `None` where there is none.
+/// Mean error of a line on the left-out bends of a patient that it predicts; `None` without one.
 fn line_error_mm(compared: &LinesCompared, kind: LineKind) -> Option<f64> {
     let place = compared.lines.iter().position(|line| line.kind == kind)?;
     let films = compared.films.iter().filter(|film| film.role == FilmRole::LeftOutBend);

@@ -155,7 +155,7 @@ fn an_analysis_that_cannot_be_repeated_says_what_is_missing() {
         assert!(error.contains(&format!("missing field `{key}`")), "{error}");
     }
     let unknown = to_text(&file).replace("\"couple\"", "\"copule\"");
-    let error = parse_analysis(&unknown).expect_err("no such load").to_string();
+    let error = parse_analysis(&unknown).expect_err("an unknown load").to_string();
     assert!(error.contains("copule") && error.contains("compared_models"), "{error}");
     let case = to_text(&CaseFile::from_case(&case));
     assert!(matches!(parse_analysis(&case), Err(FileError::Format { .. })));

@@ -12,7 +12,7 @@ use crate::document::{Column, NoticeKind, Section, Table};
 use crate::patient;
 use crate::phrases::{LINES, none, sentence_case};
 
-/// What the tables of a cohort show of a patient, without the shapes of the analysis: a few hundred bytes.
+/// Row of a patient in the tables of a cohort, without the shapes of the analysis: a few hundred bytes.
 #[derive(Debug, Clone)]
 pub struct PatientRow {
     case_id: Box<str>,
@@ -23,7 +23,7 @@ pub struct PatientRow {
     models: Box<[ModelRow]>,
     /// Contradictions, warnings and notes.
     notices: [usize; 3],
-    /// Films that may be wrong ones.
+    /// Doubted films.
     doubted_films: Option<Box<str>>,
     hypotheses: Box<[HypothesisScores]>,
 }
@@ -43,17 +43,17 @@ struct ModelRow {
 const KINDS_OF_NOTICES: [NoticeKind; 3] =
     [NoticeKind::Contradiction, NoticeKind::Warning, NoticeKind::Note];
 
-/// Films of a patient that may be wrong ones.
+/// Doubted films of a patient.
 fn doubted_films(analysis: &Analysis) -> Option<Box<str>> {
     let films = patient::doubted_films(analysis);
     (!films.is_empty()).then(|| films.join(", ").into())
 }
 
 impl PatientRow {
-    /// Patients in a table of a terminal; nobody reads a longer one there.
+    /// Most patients in a table of a terminal.
     pub const MAX_SHOWN: usize = 200;
 
-    /// Of an analysed patient.
+    /// The row of an analysed patient.
     #[must_use]
     pub fn of(analysis: &Analysis) -> Self {
         Self {
@@ -68,7 +68,7 @@ impl PatientRow {
         }
     }
 
-    /// Fits of other loads and bases; none where they were not requested.
+    /// Fits of other loads and bases; empty where they were not requested.
     pub(crate) fn hypotheses(&self) -> (bool, &[HypothesisScores]) {
         (self.synthetic, &self.hypotheses)
     }
@@ -196,7 +196,7 @@ pub fn summary(patients: &[PatientRow], cohort: &Cohort) -> Section {
     section
 }
 
-/// Of a table of these patients.
+/// Caption of a table of these patients.
 fn caption(patients: &str) -> String {
     format!("Mean location errors of {patients}")
 }

@@ -85,7 +85,7 @@ fn kind_of_film(
         })
         .collect();
     let Some(svg) = figures::location_errors(&samples, films, cohort.synthetic) else {
-        section.paragraph("No such film has a result.");
+        section.paragraph("These films have no result.");
         return;
     };
     let caption = format!("Location errors on {films} (figure 8 of the paper).");
@@ -115,7 +115,7 @@ fn kind_of_film(
     section.table(table);
 }
 
-/// The paper's pooled tests, those over patients, and the lines on the same films.
+/// The paper's pooled tests, tests over patients, and the lines on the same films.
 pub fn tests(cohort: &Cohort) -> Section {
     let mut section = Section::new("tests", "Hypothesis tests");
     if cohort.lines.is_empty() {
@@ -250,7 +250,7 @@ fn family(cohort: &Cohort) -> Table {
     table
 }
 
-/// What patterns of joint rotations predict without mechanics.
+/// Errors of the predictions without mechanics.
 fn baselines(cohort: &Cohort) -> Table {
     let columns = vec![
         Column::words("Joint rotations without mechanics"),
@@ -269,7 +269,7 @@ fn baselines(cohort: &Cohort) -> Table {
             with_interval(errors.location_mm.patients.mean, errors.location_mm.bootstrap, 1),
         ]);
     }
-    table.note = "The rotations and the scale of the film are fitted to T2: to its location, as every line is, and in one row to its tilt too. A model is worth its parameters where its error is smaller.".to_owned();
+    table.note = "The rotations and the scale of the film are fitted to T2: to its location, as every line is, and in one row to its tilt too. A model with a smaller error is worth its parameters.".to_owned();
     table
 }
 

@@ -16,7 +16,7 @@ use crate::document::{Document, Notice, Section};
 use crate::{hypotheses, patient};
 pub use by_patient::PatientRow;
 
-/// What a report of a cohort is made from.
+/// Data for the report of a cohort.
 #[derive(Debug, Clone, Copy)]
 pub struct Patients<'a> {
     /// The results of every patient.
@@ -33,7 +33,7 @@ pub struct Patients<'a> {
     pub json: &'a str,
 }
 
-/// The report of a cohort. Pictures of single patients are left to their own reports.
+/// The report of a cohort. Single patients have pictures in their own reports.
 #[must_use]
 pub fn report(patients: &Patients<'_>) -> Document {
     let rows: Vec<PatientRow> = patients.analyses.iter().map(PatientRow::of).collect();

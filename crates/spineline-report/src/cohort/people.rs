@@ -80,7 +80,7 @@ pub fn flow(patients: &Patients<'_>) -> Section {
     section
 }
 
-/// The cases that were refused; nothing where none was.
+/// Adds the refused cases, if any.
 pub fn refused(section: &mut Section, refused: &[RefusedCase], analysed: usize) {
     let Some(sentence) = RefusedCase::sentence(refused, analysed) else { return };
     section.paragraph(sentence);
@@ -96,10 +96,10 @@ pub fn refused(section: &mut Section, refused: &[RefusedCase], analysed: usize) 
     section.table(table);
 }
 
-/// Films that stay in, and should be checked before anything is believed.
+/// Doubted films, which stay in and should be checked first.
 fn doubted_table(cohort: &Cohort) -> Table {
     let columns = vec![Column::words("Case"), Column::words("Film"), Column::words("Reason")];
-    let mut table = Table::new("Films that may be wrong ones", columns);
+    let mut table = Table::new("Films that may be wrong", columns);
     for film in &cohort.doubted_films {
         table.row(vec![film.case_id.clone(), film.film(), film.why.clone()]);
     }
@@ -111,7 +111,7 @@ fn incomplete_table(analyses: &[Analysis]) -> Table {
     let columns = vec![
         Column::words("Case"),
         Column::words("Films that are missing"),
-        Column::words("Reason why there is no model"),
+        Column::words("Reason for the missing model"),
     ];
     let mut table = Table::new("Cases without a model or without all five postures", columns);
     for analysis in analyses {
@@ -156,7 +156,7 @@ fn films_table(analyses: &[Analysis]) -> Table {
     table
 }
 
-/// Size of an erect curve in degrees; a tilt range is named as such, since it is no Cobb angle.
+/// Size of an erect curve in degrees; a tilt range is named as such.
 pub fn curve_size(curve: &ClinicalCurve) -> String {
     let name = if curve.has_cobb() { "" } else { " (tilt range)" };
     format!("{:.0}{name}", curve.erect_size().abs().deg())
@@ -266,7 +266,7 @@ pub fn lenke(patients: &Patients<'_>) -> Section {
     let without = patients.analyses.iter().filter(|a| a.movement.lenke.is_none()).count();
     counts.push(("none".to_owned(), without));
     let Some(svg) = figures::lenke_types(&counts, patients.together.synthetic) else {
-        section.paragraph("There is no patient.");
+        section.paragraph("The cohort has no patients.");
         return section;
     };
     let caption = "Lenke types as far as frontal films determine them; none: a bending film or a pair of inflections is missing, or the curves match no type.";
@@ -275,7 +275,7 @@ pub fn lenke(patients: &Patients<'_>) -> Section {
     section
 }
 
-/// The types that clinicians recorded beside those found.
+/// The recorded types beside the types from frontal films.
 fn recorded(patients: &Patients<'_>) -> Table {
     let mut found: BTreeMap<(String, String), usize> = BTreeMap::new();
     for (analysis, subject) in patients.analyses.iter().zip(patients.subjects) {

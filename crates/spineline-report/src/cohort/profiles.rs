@@ -1,4 +1,4 @@
-//! Sagittal profiles of the patients with a lateral film, beside that of a population.
+//! Sagittal profiles of the patients with a lateral film, beside a population's profile.
 
 use spineline::analysis::{Analysis, TemplateError};
 use spineline::evaluate::statistics::Summary;
@@ -6,7 +6,7 @@ use spineline::evaluate::statistics::Summary;
 use crate::document::{Column, Figure, Section, Table};
 use crate::figures;
 
-/// What the profile of a population gets wrong in these patients; `None` where nobody has a lateral film.
+/// Errors of the population's profile in these patients; `None` without lateral films.
 pub fn section(analyses: &[Analysis]) -> Option<Section> {
     let found: Vec<(&Analysis, TemplateError)> =
         analyses.iter().filter_map(|one| Some((one, one.template_error()?))).collect();

@@ -8,9 +8,9 @@ use crate::document::{Figure, Section};
 use crate::figures::bland_altman;
 use crate::reliability::in_short;
 
-/// What is plotted: tilts between neighbours, which no turn of the film changes, and as the paper takes them.
+/// Plotted quantities: tilts between neighbours, which a turn of the film does not change, and the paper's tilts.
 const PLOTTED: [&str; 2] = ["tilt_step", "tilt_as_paper"];
-/// More points than these hide one another.
+/// More points hide one another.
 const MAX_POINTS: usize = 4000;
 
 /// Errors and correlations of the readings, and the differences between readers.

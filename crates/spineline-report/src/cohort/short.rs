@@ -98,7 +98,7 @@ fn sure(cohort: &Cohort) -> String {
     format!("{lines}{baselines}")
 }
 
-/// The tests of every line against the best prediction without mechanics that knows as much of a film.
+/// The tests of every line against the best prediction without mechanics on films of this role.
 fn against_best(cohort: &Cohort, role: FilmRole) -> Vec<&BaselineTest> {
     let Some(best) = cohort.baselines.best(role) else { return Vec::new() };
     let tests = cohort.baselines.tests.iter();

@@ -102,7 +102,7 @@ fn fill_between(panel: &Panel, [low, high]: [f64; 2], fill: &str) -> Primitive {
 fn axis(label: String, values: impl Iterator<Item = f64>) -> Axis {
     let (low, high) =
         values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| (low.min(v), high.max(v)));
-    // All the same: something on both sides of it that double precision can tell apart.
+    // Equal values get room on both sides that double precision can tell apart.
     let spare = 0.04 * (high - low).max(1e-6 * low.abs().max(high.abs())).max(1e-9);
     let (low, high) = (low - spare, high + spare);
     let step = nice_step(high - low, 6.0);

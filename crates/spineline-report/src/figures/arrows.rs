@@ -10,7 +10,7 @@ const MIN_LENGTH_PX: f64 = 4.0;
 const HEAD_PX: f64 = 8.0;
 const TURN_PX: f64 = 16.0;
 
-/// An arrow; nothing where it would be a point, since the force is along the line of sight.
+/// An arrow; empty for a force along the line of sight.
 pub fn arrow(ink: Ink, from: (f64, f64), to: (f64, f64)) -> Vec<Primitive> {
     let (dx, dy) = (to.0 - from.0, to.1 - from.1);
     let length = dx.hypot(dy);

@@ -11,7 +11,7 @@ use super::style::{
 use crate::number::fixed;
 use crate::paper::PaperMean;
 
-/// The rule of every box chart here, as [`box_summary`] has it.
+/// The rule of all box charts, by [`box_summary`].
 pub const RULE: &str = "Boxes: quartiles and median; whiskers: last values within 1.5 IQR of the box; \
      circles: values beyond; diamonds: means. An arrow counts the values above the axis and names the largest.";
 
@@ -63,7 +63,7 @@ fn finite(column: &Column) -> Vec<f64> {
     column.values.iter().copied().filter(|value| value.is_finite()).collect()
 }
 
-/// A panel of boxes from zero upwards; values that are no numbers are left out, and `n` counts the others.
+/// A panel of boxes from zero upwards; only finite values are drawn, and `n` counts them.
 pub fn box_panel(columns: &[Column], y_label: &str, frame_px: [f64; 2]) -> Panel {
     let mut groups: Vec<&str> = Vec::new();
     for column in columns {
@@ -77,7 +77,7 @@ pub fn box_panel(columns: &[Column], y_label: &str, frame_px: [f64; 2]) -> Panel
     let x = Axis { label: String::new(), range: [0.0, total], step: 1.0, ticks: Ticks::None };
     let mut panel = Panel::new(x, Axis::from_zero(y_label, most), frame_px);
     let column_px = frame_px[0] / total;
-    // Where names would meet, the legend alone tells the boxes apart, in the same order.
+    // Where names would overlap, only the legend names the boxes, in the same order.
     let wide = |words: &str| words.split(' ').any(|w| text_width_px(w, TICK_PX) > column_px);
     let narrow = columns.iter().any(|column| wide(&column.name));
     let lines = |column: &Column| match narrow {

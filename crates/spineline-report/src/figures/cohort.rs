@@ -163,8 +163,8 @@ fn bin_shares(distances: &[f64]) -> Vec<f64> {
 /// Location errors by group of cases and line of action, like figure 8 of the paper.
 ///
 /// `films` says over which films, such as `bending films, fitted` or `neutral and traction films, held out`: errors on
-/// films that were fitted and on films that were not belong into figures of their own. Samples without values are left out;
-/// `None` where none has any.
+/// films that were fitted and on films that were not go into separate figures. Samples without values are left out;
+/// `None` without values.
 #[must_use]
 pub fn location_errors(
     samples: &[LocationErrorSample],

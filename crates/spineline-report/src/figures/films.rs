@@ -119,7 +119,7 @@ impl<'a> Displayed<'a> {
 }
 
 /// The films of one patient: landmarks of all readings, fitted curve, inflections, iliac crests and lines of action, over the
-/// pictures as far as there are any.
+/// available pictures.
 #[must_use]
 pub fn films(case: &Case, analysis: &Analysis, pictures: &[FilmPicture]) -> String {
     let title = format!("Films with landmarks, curve, inflections and lines, case {}", case.id);
@@ -260,7 +260,7 @@ fn fill(panel: &mut Panel, film: &Displayed<'_>, analysis: &Analysis, posture: &
     }
 }
 
-/// The part of a stretch from side to side that lies between the sides of the frame.
+/// The part of a stretch between the left and right sides of the frame.
 fn within(panel: &Panel, [a, b]: [(f64, f64); 2]) -> Option<[(f64, f64); 2]> {
     let (left, right) = if a.0 < b.0 { (a, b) } else { (b, a) };
     let [from, to] = [left.0.max(panel.x.range[0]), right.0.min(panel.x.range[1])];

@@ -58,7 +58,7 @@ impl Extent {
         Self { x_mm: grown(self.x_mm, by_mm[0]), z_mm: grown(self.z_mm, by_mm[1]) }
     }
 
-    /// What both hold.
+    /// The common part of both.
     pub fn common(self, other: Self) -> Self {
         let common = |a: [f64; 2], b: [f64; 2]| [a[0].max(b[0]), a[1].min(b[1])];
         Self { x_mm: common(self.x_mm, other.x_mm), z_mm: common(self.z_mm, other.z_mm) }
@@ -70,7 +70,7 @@ impl Extent {
         Self { x_mm: union(self.x_mm, other.x_mm), z_mm: union(self.z_mm, other.z_mm) }
     }
 
-    /// At least so wide, around the same middle.
+    /// Widened to at least this width, around the same middle.
     pub fn at_least_wide(mut self, width_mm: f64) -> Self {
         let more = 0.5 * (width_mm - self.width_mm()).max(0.0);
         self.x_mm = [self.x_mm[0] - more, self.x_mm[1] + more];
@@ -120,7 +120,7 @@ pub fn frame_px(row_px: f64, axes: &[bool], most: usize) -> f64 {
 }
 
 impl Panel {
-    /// Takes the numbers from the axes of a film without a spacing: its scale is unknown.
+    /// Removes the numbers from the axes of a film without a spacing: its scale is unknown.
     pub fn without_scale(&mut self) {
         for axis in [&mut self.x, &mut self.y] {
             axis.label = axis.label.replace("(mm)", "(no scale)");
@@ -129,7 +129,7 @@ impl Panel {
     }
 }
 
-/// An empty panel of an extent at a scale; heights are those above the base.
+/// An empty panel of an extent at a scale; heights are measured from the base.
 pub fn frontal_panel(extent: Extent, px_per_mm: f64, base: Level) -> Panel {
     let step = [20.0, 50.0, 100.0, 200.0].into_iter().find(|step| step * px_per_mm >= 46.0);
     let step = step.unwrap_or(500.0);
@@ -163,8 +163,8 @@ impl Panel {
         }
     }
 
-    /// Writes the name of the base (L4) below the first and of the top (T2) above the last point of a spine; call it before markers are drawn, which it
-    /// would else hide.
+    /// Writes the name of the base (L4) below the first point of a spine and the name of the top (T2) above the last. Call it before
+    /// markers are drawn: it would hide them.
     pub fn end_levels(&mut self, points: &[Frontal], levels: Levels) {
         if let [first, .., last] = points {
             for (point, name, down_px) in
@@ -173,7 +173,7 @@ impl Panel {
                 let (x, z) = drawn(*point);
                 let (x, y) = self.px(x, z);
                 let at = (x, y + down_px);
-                // A pale ground keeps lines from striking the letters out.
+                // A pale ground keeps the letters readable over lines.
                 self.marks.push(ground(at));
                 self.marks.push(bold(at, name, TICK_PX, TextAnchor::Middle, BLACK));
             }

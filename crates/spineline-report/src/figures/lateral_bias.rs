@@ -9,8 +9,8 @@ use super::style::{BLACK, BLUE, Ink, VERMILLION};
 /// Tilts up to which the figure goes.
 const LARGEST_TILT_DEG: f64 = 40.0;
 
-/// What a lateral film shows of a pitch of 20° in space, over the frontal tilt of the vertebra: by its axis and by either habit of
-/// reading its endplates.
+/// A pitch of 20° in space as a lateral film shows it, over the frontal tilt of the vertebra: by its axis and by both ways to read
+/// its endplates.
 #[must_use]
 pub fn lateral_bias() -> String {
     let true_pitch = Angle::from_deg(20.0);

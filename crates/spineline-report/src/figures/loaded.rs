@@ -95,8 +95,7 @@ impl View {
 
 /// A spine under loads from behind and from the right, with its erect shape and the loads.
 ///
-/// Where the search has no result, the shape that came nearest is drawn in another way, and both panels say `not a result`
-/// with the status.
+/// Without a result, the nearest shape is drawn in another way, and both panels say `not a result` with the status.
 #[must_use]
 pub fn loaded_spine(input: &LoadedSpine<'_>) -> String {
     let title = format!("Spine under loads, case {}", input.case_id);
@@ -317,7 +316,7 @@ fn draw_load(
     let at = place(panel, &load.point_mm);
     let [width, height] = panel.frame_px;
     if !((0.0..=width).contains(&at.0) && (0.0..=height).contains(&at.1)) {
-        // A shape that is no result may leave the picture, and its loads with it.
+        // A shape that is not a result may leave the picture, with its loads.
         return;
     }
     let marks = if let Some((along, pushes)) = arrow_mm(input, acting, load) {
@@ -338,7 +337,7 @@ fn draw_load(
         marks
     } else if let ActingKind::Moment(moment) = load.kind {
         let part = view.turn(&moment);
-        // What turns about another axis is seen in the other view, or not at all.
+        // Moments about other axes are seen in the other view, or not at all.
         let seen = part.abs() > 0.05 * moment.norm();
         if seen { turning(MOMENT, at, part > 0.0) } else { Vec::new() }
     } else {
@@ -347,7 +346,7 @@ fn draw_load(
     panel.marks.extend(marks);
 }
 
-/// The number of a load beyond the free end of its arrow; slices of gravity go without.
+/// The number of a load beyond the free end of its arrow; slices of gravity have no number.
 fn number(
     input: &LoadedSpine<'_>,
     item: usize,

@@ -17,13 +17,13 @@
 //! | [`predictions`] | none: left-out bends, measured and predicted, on the first page |
 //! | [`profiles`] | none: profile likelihoods of the multipliers |
 //! | [`noise_study`] | none: the paper's claims over landmark noise |
-//! | [`lateral_bias`] | none: what a lateral film shows of the pitch of a tilted vertebra |
+//! | [`lateral_bias`] | none: pitch of a tilted vertebra on a lateral film |
 //! | [`sagittal_profile`], [`sagittal_profiles`] | none: pitch of the vertebrae from the lateral film, beside the profile of a population |
 //! | [`loaded_spine`] | none: a model under loads, from behind and from the right |
 //!
 //! # Conventions
 //! Frontal pictures are seen **from behind**: the patient's left is on the left of the picture, and says so. Lengths are
-//! millimetres at one scale for both axes, angles degrees. Colours are those of Okabe and Ito; markers, dashes or names
+//! millimetres at one scale for both axes, angles degrees. Colours are after Okabe and Ito; markers, dashes or names
 //! carry the same meaning, so that a grey print can be read. A simulated shape whose force was not found is drawn, and
 //! its panel says that it is not a result.
 //!

@@ -42,7 +42,7 @@ pub struct NoiseRow {
     pub panels: Vec<NoisePanel>,
 }
 
-/// Colour, dash and marker in the order of the scenarios: any one of the three tells them apart.
+/// Colour, dash and marker in the order of the scenarios: each of the three identifies a scenario.
 const STYLES: [(&str, &str, Shape, bool, f64); 7] = [
     (BLACK, "", Shape::Circle, true, 2.2),
     (BLUE, "8 3", Shape::Square, true, 1.5),
@@ -54,7 +54,7 @@ const STYLES: [(&str, &str, Shape, bool, f64); 7] = [
 ];
 
 const WIDTH_PX: f64 = 1080.0;
-/// Curves stand side by side by so much, so that their intervals do not cover one another.
+/// Shift between curves, so that their intervals do not overlap.
 const BESIDE_MM: f64 = 0.012;
 
 fn style(scenario: usize) -> (Ink, Marker) {

@@ -67,7 +67,7 @@ pub fn case_overview(analysis: &Analysis) -> String {
 /// Extents of the postures and the scale with which their frames together have a given width.
 fn scaled(analysis: &Analysis, width_px: f64) -> (Vec<Extent>, f64) {
     let mut px_per_mm = 1.0;
-    // The least width is one on the screen, so it in turn depends on the scale; a few rounds settle it.
+    // The least width is in pixels and so depends on the scale; a few rounds are enough.
     for _ in 0..6 {
         let extents = extents(analysis, NARROW_PX / px_per_mm);
         let width_mm: f64 = extents.iter().map(Extent::width_mm).sum();

@@ -113,7 +113,7 @@ pub struct Panel {
     /// Whether ticks and label of the vertical axis are written.
     pub y_written: bool,
     pub boxed: bool,
-    /// Whether there are no axes at all: then only the marks are drawn.
+    /// Whether only the marks are drawn, without axes.
     pub bare: bool,
     pub names: Vec<Name>,
     /// Curves in data units, clipped to the frame.
@@ -193,7 +193,7 @@ impl Panel {
         }
     }
 
-    /// Marks that a reader may hide together, under a name of ours: no text of a user, since it is an attribute.
+    /// Marks that a reader may hide together, under a fixed name, never a user's text: it is an attribute.
     pub fn layer(&mut self, name: &str, marks: impl IntoIterator<Item = Primitive>) {
         self.marks.push(Primitive::GroupStart {
             transform: None,

@@ -17,7 +17,7 @@ const TALL_PX: f64 = 260.0;
 /// Twice the limit: what lies above is cut off.
 const MOST_RISE: f64 = 2.0 * Profile::LIMIT;
 
-/// One panel per line of action whose fit converged, with a curve per multiplier. `None` where there is none.
+/// One panel per line of action whose fit converged, with a curve per multiplier. `None` without such a line.
 ///
 /// A curve that crosses the dashed limit on both sides has a 95 % interval if the model is exact; one that stays below is not identified.
 #[must_use]
@@ -25,7 +25,7 @@ pub fn profiles(analysis: &Analysis, found: &[Option<Identifiability>]) -> Optio
     let models: Vec<(&LineModel, &Identifiability)> =
         analysis.models.iter().zip(found).filter_map(|(m, f)| Some((m, f.as_ref()?))).collect();
     let (first, _) = models.first()?;
-    let title = format!("What the films say of every multiplier, case {}", analysis.case_id);
+    let title = format!("Identifiability of the multipliers, case {}", analysis.case_id);
     let mut page = Page::new(title, analysis.synthetic);
     page.notes.push("Everything else is fitted anew at every value. Below the dashed limit lie the values that the films allow with 95 % confidence if the model is exact.".to_owned());
     for (group, name) in first.groups.names().iter().enumerate() {

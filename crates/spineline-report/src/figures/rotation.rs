@@ -46,7 +46,7 @@ pub fn rotations(analysis: &Analysis) -> Option<String> {
     for (posture, motion) in &motions {
         let (ink, _) = posture_style(*posture);
         let place = |(k, r): (usize, &spineline::spatial::Angle)| (k as f64, r.deg());
-        // The first joint is the base's midpoint, where nothing turns by definition of the frame.
+        // The first joint is the base's midpoint, which does not turn by definition of the frame.
         let curve = panel.trace(ink, motion.rotations.iter().enumerate().skip(1).map(place));
         panel.layer(&posture.to_string(), [curve]);
     }
@@ -55,7 +55,7 @@ pub fn rotations(analysis: &Analysis) -> Option<String> {
         page.legend.push((sample, "inflection segments of the erect curve".to_owned()));
         mark_inflections(&mut panel, analysis, segments);
     }
-    // Above all curves, so that none hides a marker.
+    // Drawn last, so that curves do not hide the markers.
     for (posture, motion) in &motions {
         let (ink, shape) = posture_style(*posture);
         let marker = Marker { radius_px: 4.5, ..Marker::new(shape, ink.colour, false) };
@@ -84,7 +84,7 @@ fn empty_panel(motions: &[(Posture, &Motion)], width_px: f64, base: Level) -> Pa
     panel
 }
 
-/// Two verticals, and above the frame what they are, pushed apart and inwards where the words would meet or leave.
+/// Two verticals with their names above the frame, which are moved where they would overlap or leave it.
 fn mark_inflections(panel: &mut Panel, analysis: &Analysis, segments: [usize; 2]) {
     let Some(pair) = analysis.movement.inflections.pair else { return };
     let [width, height] = panel.frame_px;

@@ -18,11 +18,11 @@ const TEMPLATE: Ink = Ink::new(VERMILLION, "7 3", 1.8);
 const ZERO: Ink = Ink::new(GREY, "2 3", 1.0);
 /// One of many patients.
 const ONE: Ink = Ink::new(BLUE, "", 0.9);
-/// Of a normal distribution, for 95 %.
+/// Standard deviations to the end of a normal distribution's 95 % interval.
 const WIDE: f64 = 1.96;
 
-/// The profile of a patient from the right, and the pitch of every vertebra with its 95 % interval, beside what the model has without a
-/// lateral film. `None` without a lateral film.
+/// The profile of a patient from the right, and the pitch of every vertebra with its 95 % interval, beside the profile of a
+/// population. `None` without a lateral film.
 #[must_use]
 pub fn sagittal_profile(analysis: &Analysis) -> Option<String> {
     let movement = &analysis.movement;
@@ -65,7 +65,7 @@ pub fn sagittal_profile(analysis: &Analysis) -> Option<String> {
     Some(page.into_svg())
 }
 
-/// Pitches of all patients with a lateral film, and the errors of the profile of a population in its place. `None`
+/// Pitches of all patients with a lateral film, and the errors of the population's profile. `None`
 /// without such a patient.
 #[must_use]
 pub fn sagittal_profiles(analyses: &[Analysis]) -> Option<String> {
@@ -75,7 +75,7 @@ pub fn sagittal_profiles(analyses: &[Analysis]) -> Option<String> {
         return None;
     }
     let synthetic = found.iter().any(|(analysis, _)| analysis.synthetic);
-    let mut page = Page::new("Sagittal profiles beside that of a population", synthetic);
+    let mut page = Page::new("Sagittal profiles beside a population's", synthetic);
     page.notes.push(
         "Left: pitch of every vertebra from both films, flexion positive, one line per patient. Right: error of the profile of a population."
             .to_owned(),

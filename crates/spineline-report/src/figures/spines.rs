@@ -137,7 +137,7 @@ pub fn force_path(
     let colours = [GREEN, ORANGE, BLUE, VERMILLION, PURPLE];
     for (i, (force, locations)) in shapes.iter().enumerate() {
         let colour = colours[i % colours.len()];
-        // After one round of shapes the filling changes, so that ten forces stay apart.
+        // After one round of shapes the filling changes, so that ten forces look different.
         let filled = (i / SHAPES.len()).is_multiple_of(2);
         let marker =
             Marker { radius_px: 3.6, ..Marker::new(SHAPES[i % SHAPES.len()], colour, filled) };

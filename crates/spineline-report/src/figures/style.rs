@@ -15,7 +15,7 @@ pub const LABEL_PX: u32 = 14;
 pub const NOTE_PX: u32 = 13;
 pub const TICK_PX: u32 = 12;
 
-/// Colours after Okabe and Ito, apart for every kind of colour vision.
+/// Colours after Okabe and Ito, distinct for every kind of colour vision.
 pub const BLACK: &str = "#1a1a1a";
 pub const GREY: &str = "#6b6b6b";
 pub const PALE: &str = "#e3e3e3";
@@ -28,7 +28,7 @@ pub const YELLOW: &str = "#f0e442";
 pub const VERMILLION: &str = "#d55e00";
 pub const PURPLE: &str = "#cc79a7";
 
-/// Fills of neighbouring boxes and bars: dark, middle and light in turn, apart in grey too.
+/// Fills of neighbouring boxes and bars: dark, middle and light in turn, distinct in grey too.
 pub const FILLS: [&str; 6] = [BLUE, ORANGE, YELLOW, GREEN, PURPLE, SKY];
 
 /// The form of a marker.
@@ -68,7 +68,7 @@ impl Ink {
         Self { colour, dash, width_px }
     }
 
-    /// As kuva wants it.
+    /// In kuva's form.
     pub fn line_style(&self) -> LineStyle {
         if self.dash.is_empty() {
             LineStyle::Solid
@@ -111,7 +111,7 @@ pub const fn action_ink(kind: LineKind) -> Ink {
     }
 }
 
-/// The filling of boxes that belong to a line of action: dark, light and middle, apart in grey.
+/// The filling of boxes that belong to a line of action: dark, light and middle, distinct in grey.
 pub const fn action_fill(kind: LineKind) -> &'static str {
     match kind {
         LineKind::Inflection => BLUE,
@@ -148,7 +148,7 @@ fn lettering(
     Primitive::Text { x, y, content, size, anchor, rotate: None, bold, color }
 }
 
-/// Control characters have no place in XML, and kuva reads `$…$` as mathematics.
+/// XML forbids control characters, and kuva reads `$…$` as mathematics.
 fn printable(content: &str) -> String {
     content.chars().map(|c| if c.is_control() || c == '$' { ' ' } else { c }).collect()
 }
@@ -206,7 +206,7 @@ impl Marker {
     }
 }
 
-/// Width of text in DejaVu Sans, the widest of the fonts in question, a little generous.
+/// Width of text in DejaVu Sans, the widest of the possible fonts, rounded up.
 pub fn text_width_px(content: &str, size: u32) -> f64 {
     let ems: f64 = content
         .chars()
@@ -260,7 +260,7 @@ pub fn line_px(size: u32) -> f64 {
     1.35 * f64::from(size)
 }
 
-/// A tick step of 1, 2 or 5 times a power of ten, for about so many ticks.
+/// A tick step of 1, 2 or 5 times a power of ten, for about this number of ticks.
 pub fn nice_step(span: f64, ticks: f64) -> f64 {
     let raw = (span / ticks).max(f64::MIN_POSITIVE);
     let power = 10.0_f64.powf(raw.log10().floor());

@@ -137,7 +137,7 @@ fn layer(shape: &Shape, shown: bool) -> SpaceLayer {
     }
 }
 
-/// The erect shape, then those of the first line's model.
+/// The erect shape, then the shapes of the first line's model.
 fn shapes(analysis: &Analysis) -> Vec<Shape> {
     let sizes = analysis.body_sizes();
     let erect = erect_shape(&analysis.movement.spine);

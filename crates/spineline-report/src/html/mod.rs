@@ -6,14 +6,14 @@ use crate::document::{Block, Document, Figure, Notice, Section, Table};
 use crate::embedded::{ELEMENT_ID, for_html};
 
 const STYLE: &str = include_str!("report.css");
-/// Rules for a part of a page of others.
+/// Rules for a part of another page.
 const FRAGMENT_STYLE: &str = include_str!("fragment.css");
 const SCRIPT: &str = include_str!("report.js");
-/// What the file may load: nothing but what it holds.
+/// The file may load only its own content.
 const POLICY: &str =
     "default-src 'none'; img-src data:; style-src 'unsafe-inline'; script-src 'unsafe-inline'";
 
-/// A table of at most so many rows is not divided over two printed pages.
+/// A table of at most this number of rows stays on one printed page.
 const SHORT_ROWS: usize = 16;
 /// A table of more columns is printed in smaller letters.
 const MANY_COLUMNS: usize = 8;

@@ -1,4 +1,4 @@
-//! What is shown of films before any result.
+//! The check of films before any result.
 
 use spineline::analysis::{Analysis, Case};
 use spineline::error::Error;
@@ -7,8 +7,7 @@ use spineline::warning::{Step, Warning};
 use super::banners;
 use crate::document::{Column, Document, Section, Table};
 
-/// What a notebook shows of a case: its films with their scale and noise, and the warnings about them, or the error that stops
-/// its analysis.
+/// A case for a notebook: its films with their scale and noise, and their warnings, or the error that stops its analysis.
 #[must_use]
 pub fn check(case: &Case, checked: Result<&Analysis, &Error>, generator: &str) -> Document {
     let mut section = Section::new("films", "");
@@ -17,7 +16,7 @@ pub fn check(case: &Case, checked: Result<&Analysis, &Error>, generator: &str) -
             section.table(films_table(analysis));
             let mut warnings = film_warnings(analysis).peekable();
             if warnings.peek().is_none() {
-                section.paragraph("There are no warnings about these films.");
+                section.paragraph("These films have no warnings.");
             }
             warnings.for_each(|warning| section.notice(warning.into()));
         }
@@ -68,7 +67,7 @@ pub fn films_table(analysis: &Analysis) -> Table {
     table
 }
 
-/// Warnings about the films alone; those of the fits belong to the results.
+/// Warnings about the films alone; warnings of the fits belong to the results.
 pub fn film_warnings(analysis: &Analysis) -> impl Iterator<Item = &Warning> {
     analysis.warnings.all().iter().filter(|warning| warning.code.step() <= Step::Motion)
 }

@@ -1,12 +1,11 @@
-//! Warnings that say the same of several films, as one notice with the range of their numbers.
+//! Equal warnings of several films as one notice with the range of their numbers.
 
 use spineline::anatomy::Posture;
 use spineline::warning::{Warning, WarningCode};
 
 use crate::document::Notice;
 
-/// One notice per warning, but for those that differ in their film and their numbers alone: these become one, in the order of
-/// the first of them.
+/// One notice per warning. Warnings that differ only in film and numbers become one notice, at the place of the first.
 pub fn notices(warnings: &[Warning]) -> Vec<Notice> {
     let mut groups: Vec<(Pattern, Vec<&Warning>)> = Vec::new();
     for warning in warnings {
@@ -19,7 +18,7 @@ pub fn notices(warnings: &[Warning]) -> Vec<Notice> {
     groups.iter().flat_map(|(pattern, group)| pattern.notices(group)).collect()
 }
 
-/// What warnings of one group share.
+/// The common part of a group of warnings.
 #[derive(PartialEq)]
 struct Pattern {
     code: WarningCode,
@@ -40,7 +39,7 @@ impl Pattern {
         }
     }
 
-    /// One notice of several films; a film that says it twice keeps every notice.
+    /// One notice of several films; if a film has the warning twice, every notice stays.
     fn notices(&self, group: &[&Warning]) -> Vec<Notice> {
         let mut films: Vec<Posture> = group.iter().filter_map(|warning| warning.posture).collect();
         films.sort();
@@ -58,14 +57,14 @@ impl Pattern {
             text.push_str(&range(&values));
         }
         let names: Vec<String> = films.iter().map(Posture::to_string).collect();
-        // Behind the films stands what all of them share.
+        // After the films stands their common place.
         let shared = first.place.split_once(", ").map(|(_, level)| format!(", {level}"));
         let place = format!("{} films{}", names.join(", "), shared.unwrap_or_default());
         vec![Notice { place, text, ..first }]
     }
 }
 
-/// The least and the greatest of some numbers, each as it was written.
+/// The least and the greatest number, as they were written.
 fn range(values: &[&String]) -> String {
     let value = |text: &&&String| text.parse::<f64>().unwrap_or(f64::NAN);
     let least = values.iter().min_by(|a, b| value(a).total_cmp(&value(b)));
@@ -77,7 +76,7 @@ fn range(values: &[&String]) -> String {
     }
 }
 
-/// A text taken apart: words, of which one more than numbers, and numbers. Digits of a name, such as T12, are words.
+/// Splits a text into words, one more than numbers, and numbers. Digits of a name, such as T12, are words.
 fn parts(text: &str) -> (Vec<String>, Vec<String>) {
     let (mut words, mut numbers) = (Vec::new(), Vec::new());
     let mut current = String::new();
@@ -94,7 +93,7 @@ fn parts(text: &str) -> (Vec<String>, Vec<String>) {
             if next.is_ascii_digit() {
                 number.push(next);
             } else if next == '.' && !number.contains('.') {
-                // A point at the end of a sentence is no decimal point.
+                // A point at the end of a sentence is not a decimal point.
                 let mut ahead = characters.clone();
                 ahead.next();
                 if !ahead.peek().is_some_and(char::is_ascii_digit) {

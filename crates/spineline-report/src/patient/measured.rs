@@ -1,4 +1,4 @@
-//! What the films show: landmarks, curve, movement, and where the line of action runs.
+//! Results from the films: landmarks, curve, movement, and line of action.
 
 use spineline::analysis::{Analysis, FilmMovement, probability};
 use spineline::anatomy::Posture;
@@ -98,7 +98,7 @@ pub fn clinical(analysis: &Analysis) -> Table {
     let what = if cobb {
         "Superior endplate of the upper against inferior endplate of the lower end vertebra."
     } else {
-        "The corners of the vertebrae are not known, so there is no Cobb angle: a tilt range is the difference of the tilts of the end vertebrae."
+        "Cobb angles need the corners of the vertebrae, which are not known: a tilt range is the difference of the tilts of the end vertebrae."
     };
     table.note = format!(
         "{what} Positive in the direction of the erect curve: a negative angle is convex to the other side."
@@ -118,7 +118,7 @@ fn ends_interpolated(analysis: &Analysis, posture: Posture, ends: CobbEnds) -> b
     analysis.movement.film(posture).is_some_and(hidden)
 }
 
-/// What was fitted to every film, and how it moved.
+/// The curve of every film, and its movement.
 pub fn curves(analysis: &Analysis) -> Table {
     let levels = analysis.movement.levels();
     let columns = vec![
@@ -151,7 +151,7 @@ pub fn curves(analysis: &Analysis) -> Table {
     table
 }
 
-/// Which vertebrae are interpolated on which films; empty where none is.
+/// The interpolated vertebrae of every film; empty without any.
 fn interpolated_words(analysis: &Analysis) -> String {
     let on_film = |p: &FilmMovement| {
         let scale = &p.outline.scale;
@@ -173,7 +173,7 @@ fn interpolated_words(analysis: &Analysis) -> String {
 pub fn movement(analysis: &Analysis) -> Section {
     let mut section = Section::new("movement", "Movement of the spine");
     let Some(svg) = figures::rotations(analysis) else {
-        section.paragraph("Only the erect film is available: there is no movement.");
+        section.paragraph("Only the erect film is available: it shows no movement.");
         return section;
     };
     let caption = "Rotation of every segment of the chain from the erect to every other posture (figure 5 of the paper).";

@@ -52,7 +52,7 @@ pub(crate) fn options(generator: &str, options: &AnalysisOptions) -> Table {
     table
 }
 
-/// The method and the options that differ from it, where it is not the default one without any.
+/// The method and its changed options; `None` for the default method without changes.
 pub(crate) fn changed(options: &AnalysisOptions) -> Option<String> {
     let method = nearest_method(options);
     let usual = method.options();

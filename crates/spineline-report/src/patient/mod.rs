@@ -25,14 +25,14 @@ use short::Intervals;
 pub(crate) use short::outcome;
 pub use summary::{full, summary};
 
-/// What a report is made from.
+/// Data for a report.
 #[derive(Debug, Clone, Copy)]
 pub struct Patient<'a> {
     /// The films.
     pub case: &'a Case,
     /// The results.
     pub analysis: &'a Analysis,
-    /// Images of the films, as far as there are any; [`summary`] shows none.
+    /// Images of the films, where available; [`summary`] shows none.
     pub pictures: &'a [FilmPicture],
     /// Identifiability of every model's multipliers, in the order of the models; `None` where it was not requested.
     pub identifiability: Option<&'a [Option<Identifiability>]>,
@@ -84,7 +84,7 @@ pub(crate) fn banners(synthetic: bool) -> Vec<Notice> {
     texts.map(|text| Notice::new(NoticeKind::Banner, text)).collect()
 }
 
-/// A notice of the method and of options that differ from it, where it is not the default one without any.
+/// A notice of the method and its changed options; `None` for the default method without changes.
 pub(crate) fn of_options(options: &AnalysisOptions) -> Option<Notice> {
     method::changed(options).map(|text| Notice::new(NoticeKind::Banner, text))
 }
@@ -96,7 +96,7 @@ fn sentences(section: &mut Section, analysis: &Analysis) {
     }
 }
 
-/// What a notebook shows of an analysis: banners, verdict, contradictions and warnings, and all films side by side.
+/// An analysis for a notebook: banners, verdict, contradictions and warnings, and all films side by side.
 #[must_use]
 pub fn overview(analysis: &Analysis, generator: &str) -> Document {
     let mut verdict = verdict(analysis);
@@ -120,7 +120,7 @@ fn verdict(analysis: &Analysis) -> Section {
     let mut notices = grouped::notices(analysis.warnings.all());
     notices.sort_by_key(|notice| notice.kind);
     if notices.is_empty() {
-        section.paragraph("There is no contradiction and no warning.");
+        section.paragraph("No contradictions and no warnings.");
     }
     for notice in notices {
         section.notice(notice);
@@ -128,7 +128,7 @@ fn verdict(analysis: &Analysis) -> Section {
     section
 }
 
-/// The films that may not show what they are named after, each once.
+/// The doubted films, each once.
 pub(crate) fn doubted_films(analysis: &Analysis) -> Vec<String> {
     let mut films: Vec<String> = Vec::new();
     for warning in analysis.film_doubts() {

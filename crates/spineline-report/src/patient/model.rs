@@ -46,7 +46,7 @@ pub fn simulated(analysis: &Analysis) -> Section {
 pub fn space(analysis: &Analysis) -> Section {
     let mut section = Section::new("space", "The model in space");
     let Some((svg, space)) = figures::spine_in_space(analysis) else {
-        section.paragraph(format!("The model is not drawn: its vertebrae are those of the erect film, which has no scale, so that their size in millimetres is not known. {GIVE_SCALE}"));
+        section.paragraph(format!("The model is not drawn: its vertebrae come from the erect film, which has no scale, so their size in millimetres is not known. {GIVE_SCALE}"));
         return section;
     };
     let caption = format!("The multibody model from three sides; {}.", analysis.profile_words());
@@ -56,7 +56,7 @@ pub fn space(analysis: &Analysis) -> Section {
     section
 }
 
-/// Springs with their sources, and what is known of every multiplier.
+/// Springs with their sources, and the intervals of every multiplier.
 pub fn stiffness(patient: &Patient<'_>) -> Section {
     let analysis = patient.analysis;
     let mut section = Section::new("stiffness", "Stiffness");
@@ -74,7 +74,7 @@ pub fn stiffness(patient: &Patient<'_>) -> Section {
     section
 }
 
-/// The multipliers of all lines side by side, with what fixes their level and what makes a value none.
+/// The multipliers of all lines side by side, with the scale constraint and the fits that did not converge.
 pub fn multipliers_in_short(section: &mut Section, analysis: &Analysis) {
     let Some(first) = analysis.models.first() else { return };
     let mut columns = vec![Column::words("Joints")];
@@ -87,7 +87,7 @@ pub fn multipliers_in_short(section: &mut Section, analysis: &Analysis) {
     let caption = format!("Lateral stiffness relative to the table ({})", analysis.gauge_words());
     let mut table = Table::new(caption, columns);
     let values: Vec<Vec<f64>> = analysis.models.iter().map(|m| m.multipliers().collect()).collect();
-    // Lines differ in their values; the groups are those of the analysis.
+    // All lines have the same groups.
     for (group, name) in first.groups.names().iter().enumerate() {
         let mut row = vec![name.replace('_', " ")];
         for (model, values) in analysis.models.iter().zip(&values) {
@@ -197,12 +197,12 @@ fn springs(analysis: &Analysis) -> Table {
     table.note = if analysis.models.iter().all(absolute) {
         "Springs are scaled to the known force, about all axes.".to_owned()
     } else {
-        "No force was measured: springs of the models are relative to those of the table, and only their ratios are known. Flexion and axial springs are those of the table.".to_owned()
+        "No force was measured: springs of the models are relative to the table, and only their ratios are known. Flexion and axial springs are as in the table.".to_owned()
     };
     table
 }
 
-/// Fitted and held-out films in tables of their own.
+/// Fitted and held-out films in separate tables.
 pub fn errors(analysis: &Analysis) -> Section {
     let mut section = Section::new("errors", "Errors of the models");
     if analysis.models.is_empty() {
@@ -339,7 +339,7 @@ pub const fn taken(baseline: Baseline) -> usize {
     }
 }
 
-/// That the lines took different data, in a sentence; empty where they did not.
+/// A sentence where the lines used different data; else empty.
 pub fn other_data(found: &LinesCompared) -> &'static str {
     if found.same_data() {
         ""

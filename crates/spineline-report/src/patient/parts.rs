@@ -1,4 +1,4 @@
-//! Parts of a patient's report by themselves, for pages that show one of them.
+//! Single parts of a patient's report, for pages that show one of them.
 
 use spineline::analysis::Analysis;
 use spineline::personalize::Identifiability;
@@ -18,16 +18,16 @@ pub fn lines(analysis: &Analysis) -> Vec<Section> {
     ]
 }
 
-/// Both films together, as far as there is a lateral one, and axial rotations, as far as pedicles are marked.
+/// The erect and the lateral film together, and axial rotations; each only where the case has it.
 #[must_use]
 pub fn space(analysis: &Analysis) -> Vec<Section> {
     [space::both_films(analysis), space::axial(analysis)].into_iter().flatten().collect()
 }
 
-/// What the bending films say of every multiplier, by model.
+/// Identifiability of every multiplier, by model.
 #[must_use]
 pub fn identifiability(analysis: &Analysis, found: &[Option<Identifiability>]) -> Section {
-    let mut section = Section::new("identifiability", "What the films say of every multiplier");
+    let mut section = Section::new("identifiability", "Identifiability of the multipliers");
     uncertainty::identifiability(&mut section, analysis, found);
     uncertainty::profiles(&mut section, analysis, found);
     section

@@ -187,7 +187,7 @@ fn table(analysis: &Analysis) -> Table {
     table
 }
 
-/// How the bends test a line. A line that is fitted to them cannot be tested by them, and doubted films keep no line.
+/// How the bends test a line. They cannot test a line that is fitted to them, and doubted films keep no line.
 pub fn outcome(analysis: &Analysis, model: &LineModel) -> String {
     let found = analysis.compatibility(model).outcome();
     match found {

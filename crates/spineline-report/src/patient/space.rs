@@ -8,7 +8,7 @@ use crate::document::{Column, Figure, Section, Table};
 use crate::figures;
 use crate::phrases::none;
 
-/// What the two films give together; `None` without a lateral film.
+/// Results of both films together; `None` without a lateral film.
 pub fn both_films(analysis: &Analysis) -> Option<Section> {
     let movement = &analysis.movement;
     let found = movement.space.as_ref()?;
@@ -21,7 +21,7 @@ pub fn both_films(analysis: &Analysis) -> Option<Section> {
     }
     if let Some(svg) = figures::sagittal_profile(analysis) {
         let caption =
-            "Sagittal profile of this patient from both films, beside that of a population";
+            "Sagittal profile of this patient from both films, beside a population's profile";
         section.figure(Figure::new("sagittal-profile", caption, svg));
     }
     section.table(pitches(found, template.as_ref()));
@@ -49,7 +49,7 @@ fn measures(analysis: &Analysis, found: &SpatialMeasures) -> Table {
             format!("{low:.1} to {high:.1}"),
         ]);
     }
-    table.note = "2-D: on one film. 3-D: in space. Endplates are read as clinicians do, from the superior endplate of the upper to the inferior one of the lower vertebra; they include the wedges of both bodies, axes do not. S1 is no landmark.".to_owned();
+    table.note = "2-D: on one film. 3-D: in space. Endplates are read as clinicians do, from the superior endplate of the upper to the inferior one of the lower vertebra; they include the wedges of both bodies, axes do not. S1 is not a landmark.".to_owned();
     table
 }
 
@@ -78,7 +78,7 @@ fn pitches(found: &SpatialOutline, template: Option<&TemplateError>) -> Table {
             assumed(vertebra.level).unwrap_or_else(none),
         ]);
     }
-    table.note = "By the line through the centres of both endplates. A lateral film overstates the pitch of a tilted vertebra; its endplates look different by how they are read, that line does not. The population's profile is what the model has without a lateral film.".to_owned();
+    table.note = "By the line through the centres of both endplates. A lateral film overstates the pitch of a tilted vertebra; its endplates depend on how they are read, that line does not. A model without a lateral film has the population's profile.".to_owned();
     table
 }
 

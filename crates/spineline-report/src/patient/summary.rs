@@ -18,8 +18,8 @@ pub fn summary(patient: &Patient<'_>) -> Document {
     document(patient, vec![on_terminal(patient)])
 }
 
-/// The summary, then the numbers of the report without figures. The parts that every analysis has bear no titles, since their tables'
-/// captions name them.
+/// The summary, then the numbers of the report without figures. Parts that every analysis has need no titles: the captions of
+/// their tables name them.
 #[must_use]
 pub fn full(patient: &Patient<'_>) -> Document {
     let analysis = patient.analysis;

@@ -12,7 +12,7 @@ use crate::document::{Column, Figure, Notice, NoticeKind, Section, Table};
 use crate::figures;
 use crate::phrases::none;
 
-/// An interval of a multiplier from its profile, which holds it if the model is exact.
+/// The 95 % interval of a multiplier from its profile, if the model is exact.
 pub fn interval(one: &MultiplierInformation, scale: f64) -> String {
     let end = |end: ProfileEnd, open: f64| match end {
         ProfileEnd::At(log) => format!("{:.2}", scale * log.exp()),
@@ -23,7 +23,7 @@ pub fn interval(one: &MultiplierInformation, scale: f64) -> String {
     format!("{} to {}", end(one.profile.lower, 0.1), end(one.profile.upper, 10.0))
 }
 
-/// What the bending films say of every multiplier.
+/// Identifiability of every multiplier by the bending films.
 pub fn identifiability(
     section: &mut Section,
     analysis: &Analysis,
@@ -40,7 +40,7 @@ pub fn identifiability(
     ];
     if prior.is_some() {
         columns.push(Column::numbers("sd of ln with prior (1)"));
-        columns.push(Column::numbers("of it from films (%)"));
+        columns.push(Column::numbers("share from films (%)"));
     }
     let mut table = Table::new("Profile likelihood of the multipliers", columns);
     for (model, found) in analysis.models.iter().zip(found) {
@@ -86,7 +86,7 @@ pub fn profiles(section: &mut Section, analysis: &Analysis, found: &[Option<Iden
     }
 }
 
-/// What limits the knowledge of one model's multipliers.
+/// Limits of the identifiability of one model's multipliers.
 fn limits(model: &LineModel, found: &Identifiability) -> Vec<Notice> {
     let note = |text: String| Notice::new(NoticeKind::Note, format!("{}: {text}", model.kind));
     let mut notices = Vec::new();
@@ -121,7 +121,7 @@ fn deviation(log_sd: f64) -> String {
 pub fn numbers(analysis: &Analysis, found: &Uncertainty) -> Section {
     let mut section = Section::new("uncertainty", "Effect of landmark noise on the results");
     section.paragraph(format!(
-        "Monte Carlo over landmark noise: {}, seed {}; {} of them failed. Means and 95 % intervals are those of the others.",
+        "Monte Carlo over landmark noise: {}, seed {}; {} of them failed. Means and 95 % intervals are from the others.",
         counted(found.done, "replicate"),
         found.seed,
         found.failed
@@ -141,12 +141,12 @@ pub fn numbers(analysis: &Analysis, found: &Uncertainty) -> Section {
     section
 }
 
-/// What stands behind an interval that holds a number only if the model is exact.
+/// Text after an interval that is valid only if the model is exact.
 fn if_exact(quantity: AnalysisQuantity) -> &'static str {
     quantity.interval_caveat().map_or("", |_| " (if the model is exact)")
 }
 
-/// Deviations of the measured vertebrae, film by film.
+/// Standard deviations of the measured vertebrae, film by film.
 fn places(analysis: &Analysis, found: &Uncertainty) -> Table {
     let columns = vec![
         Column::words("Film"),

@@ -38,9 +38,9 @@ pub(super) fn evidence(scenarios: &Scenarios<'_>) -> Vec<Evidence> {
         "the least-rotating segments".to_owned(),
     ];
     let below = ["Inflections rotate less than the mean of", "all segments, by"];
-    let fitted = ["Fitted bends: error of Model-1 below that", "of Model-2 (mm)"];
+    let fitted = ["Fitted bends: error of Model-1 below", "the error of Model-2 (mm)"];
     let predicted =
-        ["Neutral and traction, not fitted: error", "of Model-1 below that of Model-2 (mm)"];
+        ["Neutral, traction (not fitted): error of", "Model-1 below the error of Model-2 (mm)"];
     let words = |words: [&str; 2]| words.map(str::to_owned);
     vec![
         Evidence { claim: 1, words: near, paper: "100 %", ours: of(near_share) },

@@ -82,7 +82,7 @@ pub(super) fn test(cohort: &Cohort, lines: [LineKind; 2], role: FilmRole) -> Opt
         .find(|t| t.lines == lines && t.role == role && t.error == ErrorKind::Location)
 }
 
-/// Every line with every prediction without mechanics that knows no more of a film of this role.
+/// Every line with every prediction without mechanics that does not use the tilt of T2.
 fn against_baselines(role: FilmRole) -> impl Iterator<Item = (LineKind, Baseline)> {
     let fair = Baseline::ALL.into_iter().filter(|baseline| !baseline.knows_tilt());
     let baselines: Vec<Baseline> = fair.filter(|_| role != FilmRole::Fitted).collect();

@@ -78,7 +78,7 @@ impl Cell {
         })
     }
 
-    /// The same with the number of films that have no result.
+    /// The same with the number of films without a result.
     pub(super) fn without(self, films: usize) -> Self {
         if films == 0 {
             return self;

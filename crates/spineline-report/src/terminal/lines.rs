@@ -1,14 +1,14 @@
-//! The last thing that happens to text before a terminal gets it.
+//! The last step before text reaches a terminal.
 
 use std::borrow::Cow;
 use std::fmt::Display;
 
 /// A longer line is shown without its middle.
 const MAX_LINE_CHARS: usize = 2000;
-/// So much of its beginning and of its end is shown.
+/// Characters that are shown of its beginning and of its end.
 const KEPT_CHARS: [usize; 2] = [1200, 600];
 
-/// Text for a terminal, line by line. What a line quotes cannot end it, steer the terminal, or hide anything ([`shown`]).
+/// Text for a terminal, line by line. Quoted text cannot end its line, control the terminal, or hide anything ([`shown`]).
 ///
 /// ```
 /// use spineline_report::terminal::Lines;
@@ -29,7 +29,7 @@ impl Lines {
         lines
     }
 
-    /// Text that this program laid out: its line feeds are its own.
+    /// Text that this program laid out: its line feeds stay.
     #[must_use]
     pub fn of_text(text: &str) -> Self {
         let mut lines = Self::default();
@@ -44,13 +44,13 @@ impl Lines {
         self
     }
 
-    /// Adds text that this program laid out: its line feeds and tabs are its own.
+    /// Adds text that this program laid out: its line feeds and tabs stay.
     pub fn text(&mut self, text: &str) -> &mut Self {
         self.0.push_str(&escaped(text, |c| is_hidden(c) && c != '\n' && c != '\t'));
         self
     }
 
-    /// What the terminal gets.
+    /// The text for the terminal.
     #[must_use]
     pub fn as_str(&self) -> &str {
         &self.0
@@ -69,8 +69,8 @@ impl From<String> for Lines {
     }
 }
 
-/// Text from elsewhere as one line: control characters and those that are not seen are written as their codes, and of a text that is
-/// very long the middle is left out.
+/// Text from elsewhere as one line: control characters and invisible characters are written as their codes, and a very long text
+/// loses its middle.
 ///
 /// ```
 /// use spineline_report::terminal::shown;
@@ -102,8 +102,8 @@ fn escaped(text: &str, is_escaped: impl Fn(char) -> bool) -> Cow<'_, str> {
     Cow::Owned(escaped)
 }
 
-/// Whether a character steers the terminal, changes the direction of writing, breaks a line, or is not seen. Those that join letters
-/// (U+200C, U+200D) belong to the writing of several languages.
+/// Whether a character controls the terminal, changes the direction of writing, breaks a line, or is invisible. Characters that
+/// join letters (U+200C, U+200D) are allowed: several languages need them.
 pub(super) fn is_hidden(c: char) -> bool {
     c.is_control()
         || matches!(c, '\u{ad}' | '\u{61c}' | '\u{180e}' | '\u{200b}' | '\u{200e}'..='\u{200f}' | '\u{2028}'..='\u{202e}')

@@ -16,12 +16,12 @@ pub(crate) use table::{Parts, parts};
 
 use lines::is_hidden;
 
-/// Columns of text that goes to no terminal.
+/// Columns of text outside of a terminal.
 pub const WIDTH: usize = 100;
 /// Lines after the first one of a paragraph begin with it.
 const HANGING: &str = "  ";
 
-/// The document as text of at most so many columns, unless a single word or a table of numbers is wider. A figure is named
+/// The document as text of at most `width` columns, unless a single word or a table of numbers is wider. A figure is named
 /// in one line; the embedded analysis is left out.
 #[must_use]
 pub fn terminal(document: &Document, width: usize) -> String {
@@ -39,7 +39,7 @@ pub fn terminal(document: &Document, width: usize) -> String {
     text
 }
 
-/// One section with its heading; one without a title has none, since its tables name what they show.
+/// One section with its heading, if it has a title.
 #[must_use]
 pub fn section(section: &Section, width: usize) -> String {
     let title = plain(&section.title);
@@ -81,7 +81,7 @@ pub fn notice(notice: &Notice, width: usize) -> String {
     hanging(&words, width)
 }
 
-/// Running text in lines of at most so many columns, each after the indent, which does not count.
+/// Running text in lines of at most `width` columns, each after the indent, which does not count.
 #[must_use]
 pub fn paragraph(text: &str, width: usize, indent: &str) -> String {
     let lines = wrapped(&plain(text), width, false);
@@ -94,7 +94,7 @@ fn hanging(text: &str, width: usize) -> String {
     lines.join(&format!("\n{HANGING}")) + "\n"
 }
 
-/// Text as text: what is hidden is left out, and all of it is one line.
+/// The text as one line, without hidden characters.
 fn plain(text: &str) -> String {
     let mut plain = String::with_capacity(text.len());
     for word in words(text) {
@@ -113,8 +113,8 @@ fn words(text: &str) -> impl Iterator<Item = &str> {
     text.split(ends).filter(|word| !word.is_empty())
 }
 
-/// Breaks plain text into lines of at most so many columns; never none. A longer word has a line of its own. The heads of
-/// narrow columns may break after hyphens too. A blank that joins two words is an ordinary one in the lines.
+/// Breaks plain text into one or more lines of at most `width` columns. A longer word has its own line. The heads of narrow
+/// columns may break after hyphens too. A no-break space becomes a space.
 fn wrapped(text: &str, width: usize, at_hyphens: bool) -> Vec<String> {
     let mut lines = vec![String::new()];
     let mut columns = 0;

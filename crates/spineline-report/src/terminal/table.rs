@@ -1,5 +1,5 @@
 //! Tables with aligned columns: numbers right, words left.
-//! Own layout, because comfy-table gives a narrow column of numbers the same share as a column of words and breaks numbers.
+//! Not comfy-table: it gives a narrow column of numbers the same share as a column of words and breaks numbers.
 
 use unicode_width::UnicodeWidthStr;
 
@@ -90,7 +90,7 @@ fn widths(heads: &[String], rows: &[Vec<String>], numeric: &[bool], room: usize)
     (1..=room).rev().map(narrowed).find(fits).unwrap_or(least)
 }
 
-/// The least width in which a head has at most so many lines.
+/// The least width in which a head has at most `lines` lines.
 fn width_in(head: &str, lines: usize) -> usize {
     (narrowest(head)..=head.width())
         .find(|&width| wrapped(head, width, true).len() <= lines)

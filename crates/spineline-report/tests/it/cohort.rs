@@ -112,7 +112,7 @@ fn a_doubted_film_and_a_shorter_chain_are_named() {
     let doubted = analyzed(&case);
     let analyses = [analysis(0, &Posture::ALL), doubted];
     let document = document(&analyses);
-    let films = &table(&document, "flow", "Films that may be wrong ones").expect("a table").rows;
+    let films = &table(&document, "flow", "Films that may be wrong").expect("a table").rows;
     // Exact readings have so little noise that other films may be doubted too.
     let all: usize = analyses.iter().map(|analysis| analysis.film_doubts().count()).sum();
     assert_eq!(films.len(), all);
@@ -163,7 +163,7 @@ fn a_kind_of_film_without_results_says_so_in_place_of_an_empty_panel() {
     let names: Vec<&str> = document.figures().map(|figure| figure.name.as_str()).collect();
     assert!(names.contains(&"errors-fitted"), "{names:?}");
     assert!(!names.contains(&"errors-left-out") && !names.contains(&"errors-held-out"));
-    let without = Block::Paragraph("No such film has a result.".to_owned());
+    let without = Block::Paragraph("These films have no result.".to_owned());
     let count = section(&document, "errors").blocks.iter().filter(|b| **b == without).count();
     assert_eq!(count, 2);
     assert!(document.figures().all(|figure| !figure.svg.contains("n = 0")));
@@ -229,7 +229,7 @@ fn a_large_cohort_shows_its_first_patients_and_counts_all() {
 #[test]
 fn films_without_a_result_are_shown_of_the_first_patients() {
     let whole = analyzed(&case(0, Scenario::Pull));
-    // Changed before anything is asked of it: an analysis keeps its comparison.
+    // Changed before any result is computed: an analysis keeps its comparison.
     let mut without = whole.clone();
     without.models.retain(|model| model.kind != LineKind::Inflection);
     let mut patients = vec![CohortPatient::of(&whole)];

@@ -14,7 +14,7 @@ pub fn analyzed(case: &Case) -> Analysis {
     analyze(case, &AnalysisOptions::default()).expect("a phantom is sound")
 }
 
-/// What a report shows of a patient without requested results.
+/// A patient without requested results.
 pub fn shown<'a>(case: &'a Case, analysis: &'a Analysis, json: &'a str) -> Patient<'a> {
     Patient {
         case,

@@ -174,7 +174,7 @@ fn assert_well_formed(name: &str, svg: &str) {
         let known = ["&amp;", "&lt;", "&gt;", "&quot;", "&apos;"];
         assert!(known.iter().any(|entity| svg[i..].starts_with(entity)), "{name}");
     }
-    assert!(!svg.contains("NaN") && !svg.contains("inf\""), "{name}: a coordinate is no number");
+    assert!(!svg.contains("NaN") && !svg.contains("inf\""), "{name}: a coordinate is not finite");
 }
 
 #[test]

@@ -47,7 +47,7 @@ fn films_fill_the_page_whatever_their_number() {
 }
 
 #[test]
-fn films_may_have_a_page_of_their_own() {
+fn films_may_fill_a_page() {
     let case = case(&Posture::ALL);
     let document = report(&case);
     let whole: Vec<&str> =

@@ -214,8 +214,8 @@ fn patients_with_lateral_films_are_shown_beside_the_population() {
     let svg = &figure.expect("a picture of all profiles").svg;
     // Two panels with one line per patient each.
     assert_eq!(svg.matches("data-layer=\"patient\"").count(), 8);
-    let nobody = cohort_report(&analyses[..1], &subjects[..1], &[]);
-    assert!(nobody.sections.iter().all(|section| section.id != "profiles"));
+    let without = cohort_report(&analyses[..1], &subjects[..1], &[]);
+    assert!(without.sections.iter().all(|section| section.id != "profiles"));
 }
 
 #[test]
@@ -339,7 +339,7 @@ fn a_report_of_an_erect_film_alone_names_what_is_missing() {
     let document = document(&alone);
     assert!(document.sections.iter().all(|section| !section.blocks.is_empty()));
     let text = html(&document);
-    assert!(text.contains("There is no personalised model"));
+    assert!(text.contains("The patient has no personalised model"));
 }
 
 #[test]

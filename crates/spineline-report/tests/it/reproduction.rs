@@ -14,7 +14,7 @@ enum Says {
     Nothing,
 }
 
-/// Two hundred patients that all say the same: fewer leave the share of inflections open.
+/// Two hundred equal patients: with fewer, the share of inflections is open.
 fn claims(says: Says) -> Claims {
     let (distance, rotation, errors) = match says {
         Says::Yes => (1.0, 0.01, [0.5, 1.4]),

@@ -10,7 +10,7 @@ use spineline_report::html;
 
 use crate::common::{analyzed, report, section};
 
-/// A phantom whose films of some postures have no spacing.
+/// A phantom whose films of some postures lack a spacing.
 fn case(without: &[Posture]) -> Case {
     let mut case = generate(0, Scenario::Rod, &Readers::exact(), 1).expect("a subject").case;
     for film in case.films.iter_mut().filter(|film| without.contains(&film.posture)) {

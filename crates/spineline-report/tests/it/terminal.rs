@@ -240,7 +240,7 @@ fn requested_identifiability_and_prior_are_shown() {
         analysis.models.iter().map(|model| analysis.identifiability(model)).collect();
     let text = terminal(&summary(&case, &analysis, Some(&found), None), WIDE);
     assert!(text.contains("Profile likelihood"), "{text}");
-    holds(&text, &["sd of ln with prior (1)", "of it from films (%)"].map(str::to_owned));
+    holds(&text, &["sd of ln with prior (1)", "share from films (%)"].map(str::to_owned));
     let deviation = |sd: f64| if sd < 100.0 { format!("{sd:.2}") } else { "unlimited".to_owned() };
     for (model, found) in analysis.models.iter().zip(&found) {
         let Some(found) = found else { continue };

@@ -20,7 +20,7 @@ fn analyzed(case: &Case) -> Analysis {
     analyze(case, &AnalysisOptions::default()).expect("a phantom")
 }
 
-/// A patient whose films have no spacing, so that there are no models, and with a name that needs quotes.
+/// A patient whose films lack a spacing, so that models are missing, and with a name that needs quotes.
 fn in_pixels() -> Analysis {
     let mut case = Case { id: "a,b".to_owned(), ..case(3) };
     for film in &mut case.films {

@@ -44,7 +44,7 @@ fn a_text_that_a_spreadsheet_would_run_is_guarded_in_csv_and_reads_back() {
         let mut reader = csv::Reader::from_reader(csv_text.as_bytes());
         let row = reader.records().next().expect("a row").expect("CSV");
         assert_eq!(row[1], format!("'{text}"));
-        assert_eq!(&row[3], "-1.0000", "a number is no text");
+        assert_eq!(&row[3], "-1.0000", "a number is not text");
         assert_eq!(csv_case_ids(&csv_text).expect("a table"), [text.to_owned()].into());
         let parquet = table.to_parquet(&[]).expect("a table");
         assert_eq!(parquet_case_ids(parquet).expect("a table"), [text.to_owned()].into());

@@ -215,29 +215,29 @@ fn csv_and_parquet_round_trip() {
 fn the_dictionary_lists_exactly_the_columns() {
     let all = everything(&case(2));
     // Phantoms of bends have no lateral film.
-    let told = dictionary(OptionalTables { space: false, axial: false, ..OptionalTables::ALL });
+    let listed = dictionary(OptionalTables { space: false, axial: false, ..OptionalTables::ALL });
     let [tables, columns, units, kinds, meanings] =
-        ["table", "column", "unit", "type", "meaning"].map(|column| texts(&told, column));
-    let told: Vec<(&str, &str)> =
+        ["table", "column", "unit", "type", "meaning"].map(|column| texts(&listed, column));
+    let listed: Vec<(&str, &str)> =
         tables.iter().zip(&columns).map(|(t, c)| (t.as_str(), c.as_str())).collect();
     let there: Vec<(&str, &str)> = all
         .iter()
         .flat_map(|table| table.columns.iter().map(|c| (table.name, c.name.as_str())))
         .collect();
-    assert_eq!(told, there);
-    assert_eq!(told.iter().collect::<BTreeSet<_>>().len(), told.len(), "a name stands twice");
-    for i in 0..told.len() {
-        assert!(!meanings[i].is_empty(), "{:?}", told[i]);
+    assert_eq!(listed, there);
+    assert_eq!(listed.iter().collect::<BTreeSet<_>>().len(), listed.len(), "a name stands twice");
+    for i in 0..listed.len() {
+        assert!(!meanings[i].is_empty(), "{:?}", listed[i]);
         assert_eq!(
             kinds[i] == "number" || kinds[i] == "integer",
             !units[i].is_empty(),
             "{:?}",
-            told[i]
+            listed[i]
         );
         for (unit, end) in
             [("mm", "_mm"), ("px", "_px"), ("deg", "_deg"), ("N·m/rad", "_nm_per_rad")]
         {
-            assert_eq!(units[i] == unit, columns[i].ends_with(end), "{:?}", told[i]);
+            assert_eq!(units[i] == unit, columns[i].ends_with(end), "{:?}", listed[i]);
         }
     }
 }
@@ -255,7 +255,7 @@ fn the_dictionary_in_the_guide_is_current() {
 fn no_patients_give_empty_tables_with_every_column() {
     let none = tables(&[]);
     assert!(none.iter().all(|table| table.rows() == 0 && table.columns.len() > 2));
-    assert!(!none.iter().any(|table| table.name == "uncertainty"), "nobody asked");
+    assert!(!none.iter().any(|table| table.name == "uncertainty"), "not requested");
     let text = none[0].to_csv().expect("a heading");
     assert_eq!(text.lines().count(), 1);
     none[0].to_parquet(&[]).expect("a file without rows");

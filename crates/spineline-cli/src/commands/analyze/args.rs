@@ -19,9 +19,9 @@ const AUTO: &str = "auto";
 /// Which model is written.
 #[derive(Clone, Copy)]
 pub enum ModelLine {
-    /// That of the line with the smallest error on predicted films, or else of the first one with a result.
+    /// The model of the line with the smallest error on predicted films, or else the first one with a result.
     Auto,
-    /// That of a line by its name.
+    /// The model of this line.
     Kind(LineKind),
 }
 
@@ -70,9 +70,9 @@ pub struct AnalyzeArgs {
     /// Write the personalised model of one case as JSON (`-`: standard output)
     #[arg(long, value_name = "FILE")]
     pub model: Option<PathBuf>,
-    /// Line of action of the model that `--model` writes; `auto`: the one that predicts films which it was not fitted to with
-    /// the smallest error, among those that take one number from each; where no line predicts any, the first one with a result. A message
-    /// says which one it is, and why
+    /// Line of action of the model that `--model` writes; `auto`: the line with the smallest error on films that were not fitted,
+    /// among the lines that take one number from each film; if no line predicts a film, the first line with a result. A message
+    /// names the line and the reason
     #[arg(long, value_name = "LINE", value_parser = model_line(), default_value = AUTO)]
     pub model_line: ModelLine,
     /// Print all tables after the answers
@@ -85,7 +85,7 @@ pub struct AnalyzeArgs {
     #[arg(long, value_name = "DIR")]
     pub figures: Option<PathBuf>,
     /// Analyse one part of the cases, such as 3/8 for the third of eight, as jobs on a cluster do; `spineline merge` puts their tables
-    /// together. Outputs are those of a cohort
+    /// together. Outputs have the form of a cohort
     #[arg(long, value_name = "PART/PARTS")]
     pub shard: Option<Shard>,
     /// Threads for a cohort and for replicates; 0: all cores. The number does not change the results

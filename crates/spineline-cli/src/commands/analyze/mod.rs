@@ -81,7 +81,7 @@ fn case_paths(args: &AnalyzeArgs) -> Result<Vec<PathBuf>, Failure> {
     if places.is_empty() {
         let cases = counted(all, "case");
         return Err(Failure::usage(format!(
-            "--shard {shard}: there is no case for this part, since there are {cases}; take at most {all} parts"
+            "--shard {shard}: this part has no case, since there are {cases}; take at most {all} parts"
         )));
     }
     Ok(paths.drain(places).collect())

@@ -13,7 +13,7 @@ use crate::run::messages::say;
 use crate::run::outputs::Outputs;
 use crate::run::provenance::generator;
 
-/// The model that `--model` writes; without words where the user names its line. `None` where there is none.
+/// The model that `--model` writes; without words where the user names its line. `None` without a model.
 pub fn choose(args: &AnalyzeArgs, analysis: &Analysis) -> Option<ModelChoice> {
     match args.model_line {
         ModelLine::Kind(kind) => {
@@ -61,7 +61,7 @@ impl Model<'_> {
     }
 }
 
-/// What gives a model to write: a line that has one, or what all lines lack.
+/// How to get a model: a line that has one, or the input that all lines lack.
 fn help_without_model(analysis: &Analysis) -> String {
     let lines: Vec<String> = analysis
         .models

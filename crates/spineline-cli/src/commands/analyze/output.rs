@@ -18,8 +18,8 @@ use crate::run::provenance::generator;
 
 /// A file or folder of results. It takes the cases one after the other, so that no analysis stays in memory.
 pub trait Output: Sync {
-    /// Writes down what a case adds. Several threads do this at the same time; the returned step puts it into the output, in the order of
-    /// the cases.
+    /// Prepares the part of a case, on several threads at a time; the returned step adds it to the output, in the order of the
+    /// cases.
     fn case<'a>(&'a self, _case: Result<&Analysed, &RefusedCase>) -> Step<'a> {
         Box::new(|| ())
     }
@@ -31,7 +31,7 @@ pub trait Output: Sync {
 /// A step of an output.
 pub type Step<'a> = Box<dyn FnOnce() + Send + 'a>;
 
-/// A result in the making; nothing is left of it after a failure.
+/// An unfinished result, which a failure removes.
 pub struct Growing<'a, T> {
     outputs: &'a Outputs,
     path: &'a Path,
@@ -39,7 +39,7 @@ pub struct Growing<'a, T> {
 }
 
 impl<'a, T> Growing<'a, T> {
-    /// One that is begun.
+    /// A result that was begun.
     pub const fn new(outputs: &'a Outputs, path: &'a Path, begun: T) -> Self {
         Self { outputs, path, made: Mutex::new(Some(begun)) }
     }

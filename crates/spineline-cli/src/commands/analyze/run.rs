@@ -31,7 +31,7 @@ pub struct Asked<'a> {
     pub args: &'a AnalyzeArgs,
     pub record: &'a RunRecord,
     pub outputs: &'a Outputs,
-    /// Whether outputs are lists, of one patient too.
+    /// Whether outputs are lists, even of one patient.
     pub is_list: bool,
 }
 
@@ -41,7 +41,7 @@ impl Asked<'_> {
         self.is_list || self.args.cohort.is_some()
     }
 
-    /// Whether a patient takes so long that all threads work on one: its replicates also stop by themselves.
+    /// Whether all threads work on one patient at a time, whose replicates also stop by themselves.
     const fn is_long(self) -> bool {
         self.record.request.replicates.is_some() || self.record.request.identifiability
     }
@@ -58,13 +58,13 @@ impl Asked<'_> {
     }
 }
 
-/// A case with everything that was found.
+/// A case with all its results.
 pub struct Analysed {
     path: PathBuf,
     pub input: CaseInput,
     pub analysis: Analysis,
     pub confidence: Confidence,
-    /// Of a cohort.
+    /// Only in a cohort.
     patient: Option<CohortPatient>,
     row: Option<PatientRow>,
 }
@@ -80,7 +80,7 @@ pub struct Finished<'a> {
     pub refused: Vec<RefusedCase>,
     /// A single case.
     pub one: Option<Analysed>,
-    /// The model of it that is written, where one is asked for.
+    /// Its model to write, if requested.
     pub model: Option<ModelChoice>,
     /// Statistics of a cohort.
     pub together: Option<Cohort>,
@@ -154,7 +154,7 @@ impl<'a> Finished<'a> {
         }
     }
 
-    /// Writes what a patient adds to the outputs, says what there is to say, and keeps the rest.
+    /// Adds a patient to the outputs, prints its messages, and keeps the rest.
     fn add(&mut self, mut one: Analysed, steps: Vec<Step<'_>>) {
         let Analysed { analysis, confidence, .. } = &one;
         let args = self.asked.args;
@@ -207,7 +207,7 @@ impl<'a> Finished<'a> {
         self.asked.record.provenance_of_all(&self.read)
     }
 
-    /// What is shown: a cohort or one patient in short, or with all numbers.
+    /// The document for the terminal: a cohort or one patient in short, or with all numbers.
     pub fn shown(&self, generator: &str) -> Option<Document> {
         let is_full = self.asked.args.full;
         if let Some(Analysed { input, analysis, confidence, .. }) = &self.one {

@@ -81,7 +81,7 @@ impl Output for Tables<'_> {
 struct GrowingTable<'a> {
     csv: Option<Pieces<'a>>,
     parquet: Option<(ParquetWriter, Pieces<'a>)>,
-    /// Rows that no file has yet.
+    /// Rows that are not in a file yet.
     rows: Table,
 }
 

@@ -42,7 +42,7 @@ fn import(args: &ImportArgs, folder: &Path, side: ImageSide) -> Result<(), Failu
     let name = folder.file_name().map_or_else(|| "aasce".into(), |name| name.to_string_lossy());
     let first = format!("{name}-0001");
     if !is_case_id(&first) {
-        let what = format!("its name begins the identifiers of its cases, and `{first}` is none");
+        let what = format!("its cases are named after it, and `{first}` is not valid");
         let help = format!("rename the folder: an identifier has {CASE_ID_RULE}");
         return Err(Failure::input(&folder.display().to_string(), &what, &help));
     }
@@ -173,7 +173,7 @@ fn fail(place: &Path, error: &LandmarkError) -> Failure {
     }
 }
 
-/// A case of one erect film in pixels: the set knows no spacing.
+/// A case of one erect film in pixels: the set lacks a spacing.
 fn case_text(
     folder: &Path,
     id: &str,

@@ -212,7 +212,7 @@ impl ImportArgs {
             let name = file.display();
             if !files.contains(&file) {
                 return Err(Failure::usage(format!(
-                    "--reading names {name}, but no such file of landmarks is given: add it with --landmarks or --lateral-landmarks"
+                    "--reading names {name}, which is not a given file of landmarks: add it with --landmarks or --lateral-landmarks"
                 )));
             }
             if self.reading[..i].iter().any(|(other, _)| other == file) {
@@ -236,7 +236,7 @@ impl ImportArgs {
         match named.find(|posture| !chosen.contains(posture)) {
             None => Ok(()),
             Some(posture) => Err(Failure::usage(format!(
-                "an option names the {posture} film, but no such film was chosen: add --film {}=…",
+                "an option names the {posture} film, which was not chosen: add --film {}=…",
                 posture.key().replace('_', "-")
             ))),
         }

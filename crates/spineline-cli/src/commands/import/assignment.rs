@@ -1,4 +1,4 @@
-//! The films of a file of landmarks, each for its film of the case.
+//! Assigns the films of a file of landmarks to films of the case.
 
 use std::path::{Path, PathBuf};
 
@@ -26,7 +26,7 @@ impl Assignment<'_> {
         let (mut found, mut others) = (Vec::new(), Vec::new());
         for film in films {
             let named = film.picture.as_deref().and_then(|name| self.pictures.film(name));
-            // Of several pictures, an option for one film means the one of its name.
+            // With several pictures, an option for one film means the picture with its name.
             let said = match self.of.posture {
                 Some(given) if count > 1 => named.filter(|named| *named == given),
                 Some(given) => Some(given),
@@ -52,7 +52,7 @@ impl Assignment<'_> {
         Ok(found)
     }
 
-    /// A picture that is named as another film, or as none.
+    /// Checks a picture with the name of another film, or of no film.
     fn check_picture(
         &self,
         posture: Posture,
@@ -64,7 +64,7 @@ impl Assignment<'_> {
         match (named, self.pictures.name_of(posture)) {
             (Some(other), _) if other != posture => {
                 let what = format!(
-                    "its landmarks of the {posture} film name the picture {name}, which is that of the {other} film"
+                    "its landmarks of the {posture} film name the picture {name}, which belongs to the {other} film"
                 );
                 if self.args.accept {
                     say(format!("note: {file}: {what}; accepted by --accept"));
@@ -83,7 +83,7 @@ impl Assignment<'_> {
         }
     }
 
-    /// Pictures of which none is a film of the case.
+    /// The error for pictures without a film of the case.
     fn unmatched(&self, names: &[String]) -> Failure {
         if names.is_empty() {
             let what = "it does not state of which film it is";
@@ -91,7 +91,7 @@ impl Assignment<'_> {
             return Failure::input(&display(&self.of.value), &what, help);
         }
         let what = format!(
-            "its pictures ({}) are named as no film of this case ({})",
+            "its pictures ({}) have other names than the films of this case ({})",
             listed(names),
             self.pictures.words()
         );

@@ -1,4 +1,4 @@
-//! The films that were found, each decoded once in a process of its own, and what each says of itself.
+//! The films that were found, each decoded once in its own process, with their metadata.
 
 use spineline_files::sha256_hex;
 use spineline_films::intake::{Found, IntakeLimits, Survey, read, survey};
@@ -13,19 +13,19 @@ use crate::run::progress::spinner;
 /// A film that was found.
 pub struct Candidate {
     pub found: Found,
-    /// What was seen in it, or why it is no film for a case.
+    /// Its metadata, or why a case cannot use it.
     pub seen: Result<Seen, String>,
 }
 
-/// A film as far as an import needs to know it: its pixels are gone again.
+/// The data of a film that an import needs, without its pixels.
 pub struct Seen {
     pub columns: u32,
     pub rows: u32,
     pub tags: FilmTags,
     pub remarks: Vec<FilmRemark>,
-    /// Of the file's bytes, to notice a file that changes while it is imported.
+    /// Hash of the file's bytes, to notice a file that changes while it is imported.
     pub source: String,
-    /// Of the decoded pixels: the same film in two files has the same.
+    /// Hash of the decoded pixels, equal for the same film in two files.
     pub picture: String,
 }
 

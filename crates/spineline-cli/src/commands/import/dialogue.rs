@@ -14,7 +14,7 @@ use super::text;
 use crate::run::failure::Failure;
 use crate::run::messages::say;
 
-/// Whether there is anybody to ask.
+/// Whether a user can answer.
 pub fn possible() -> bool {
     std::io::stdin().is_terminal() && std::io::stderr().is_terminal()
 }
@@ -33,7 +33,7 @@ pub fn choose_films(
         if has_one || free.is_empty() {
             continue;
         }
-        // Without the erect film there is no case.
+        // A case needs the erect film.
         if posture != Posture::Erect {
             free.push(None);
         }
@@ -90,7 +90,7 @@ fn pick(
         .iter()
         .map(|option| match option {
             Some(index) => shown(&text::line(candidates, *index)),
-            None => "none of them".to_owned(),
+            None => "none".to_owned(),
         })
         .collect();
     let answer = Select::new()
@@ -121,7 +121,7 @@ pub fn ask(question: &Question) -> Result<Option<ImageSide>, Failure> {
                 None => Err(Failure::usage("the import was cancelled; nothing was written")),
             }
         }
-        // What is typed has to be kept: it is an option.
+        // A spacing must be given as an option.
         About::Spacing(_) => {
             Err(Failure::usage(question.to_string())
                 .with_line(format!("    {}", question.answer())))

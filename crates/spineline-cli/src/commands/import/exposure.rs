@@ -9,7 +9,7 @@ use super::resolve::ResolvedFilm;
 use super::role::Role;
 use crate::run::failure::Failure;
 
-/// Sets what is known of the exposures on the lateral film, with a note on where it comes from and what was assumed.
+/// Sets on the lateral film whether both were exposed together, with a note on the source and the assumption.
 pub fn decide(
     args: &ImportArgs,
     seen: &[(Role, usize, &Seen)],

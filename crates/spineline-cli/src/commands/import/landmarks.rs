@@ -23,11 +23,11 @@ use super::resolve::ResolvedFilm;
 use crate::run::failure::Failure;
 use crate::run::messages::say;
 
-/// What was marked, by posture.
+/// Landmarks by posture.
 pub type LandmarksByPosture = BTreeMap<Posture, FilmLandmarks>;
 
 impl ResolvedFilm {
-    /// How the picture of a frontal film lies.
+    /// The geometry of the picture of a frontal film.
     pub const fn image(&self) -> ImageGeometry {
         ImageGeometry {
             columns: self.columns,
@@ -80,7 +80,7 @@ fn add(landmarks: &mut LandmarksByPosture, film: Film) -> Result<(), String> {
             Some(first) if first == found => {}
             Some(_) => {
                 return Err(format!(
-                    "its iliac crests of the {posture} film differ from those of an earlier file"
+                    "its iliac crests of the {posture} film differ from an earlier file"
                 ));
             }
         }
@@ -143,7 +143,7 @@ pub fn read_onto(
 
 fn not_chosen(posture: Posture) -> Failure {
     Failure::usage(format!(
-        "the landmarks are of the {posture} film, but no such film was chosen: add --film {}=…",
+        "the landmarks are of the {posture} film, which was not chosen: add --film {}=…",
         posture.key().replace('_', "-")
     ))
 }
@@ -156,7 +156,7 @@ fn note_warnings(file: &Path, film: &Film) {
     }
 }
 
-/// Refuses a file that states other readings than the one that was given for it.
+/// Refuses a file whose reading differs from the given one.
 fn refuse_other_readings(file: &Path, given: &ReadingId, film: &Film) -> Result<(), Failure> {
     match film.landmarks.reading_ids().into_iter().find(|id| *id != given) {
         None => Ok(()),
@@ -220,7 +220,7 @@ fn hint_for(
     }
 }
 
-/// Refuses landmarks that have no corners in a picture.
+/// Refuses landmarks without corners in a picture.
 fn refuse_placements(file: &Path, film: &Film) -> Result<(), Failure> {
     let FilmLandmarks::Placements { source, .. } = &film.landmarks else {
         return Ok(());

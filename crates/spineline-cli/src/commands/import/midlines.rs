@@ -1,4 +1,4 @@
-//! Midlines of the back surface as a case without pictures: every level is estimated, and none was seen.
+//! Midlines of the back surface as a case without pictures: every level is estimated.
 
 use std::path::Path;
 

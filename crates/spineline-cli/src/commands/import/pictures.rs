@@ -1,4 +1,4 @@
-//! Which film a picture is of that a file of landmarks names.
+//! Finds the film of a picture that a file of landmarks names.
 
 use std::path::Path;
 
@@ -37,7 +37,7 @@ impl Pictures {
         Self(films.iter().filter_map(named).collect())
     }
 
-    /// The film whose picture this is; `None` where none or several may be.
+    /// The film whose picture this is; `None` if no film or several match.
     pub fn film(&self, picture: &str) -> Option<Posture> {
         let by_identifier =
             self.0.iter().find(|film| film.sop_instance.as_deref() == Some(picture));
@@ -89,7 +89,7 @@ fn stem(name: &str) -> &str {
     Path::new(name).file_stem().and_then(|stem| stem.to_str()).unwrap_or(name)
 }
 
-/// A name without what programs put before and behind it: Label Studio eight digits, Roboflow the old ending and a hash.
+/// A name without the prefixes and suffixes of programs: Label Studio eight digits, Roboflow the old ending and a hash.
 fn plain(name: &str) -> &str {
     let name = name.split_once(".rf.").map_or(name, |(first, _)| first);
     let name =
@@ -127,7 +127,7 @@ mod tests {
     }
 
     #[test]
-    fn a_picture_is_that_of_the_film_of_its_name() {
+    fn a_picture_belongs_to_the_film_with_its_name() {
         use Posture::{Erect, LeftBending};
         let films = pictures(&[(Erect, "o02/P07_standing.dcm"), (LeftBending, "o02/P07_LB.dcm")]);
         for (name, posture) in [

@@ -45,7 +45,7 @@ pub struct Question {
 pub enum About {
     /// The side of the picture on which the patient's left (or front) is.
     Side,
-    /// The file contradicts what was said of it.
+    /// The file contradicts the user.
     Contradiction(String),
     /// The file states the distances between pixels, or their shape, in a way that does not tell what they are.
     Spacing(String),
@@ -171,7 +171,7 @@ fn orientation_contradiction(role: Role, by_file: ImageSide) -> String {
     )
 }
 
-/// What a file says against its role. What it leaves out, the role answers.
+/// Contradictions between a file and its role. If the file states no view, the role decides.
 fn contradictions(role: Role, view: Option<View>, questions: &[ViewQuestion]) -> Vec<String> {
     let wrong_view = match (role, view) {
         (Role::Frontal(_), Some(View::Lateral)) => {
@@ -191,7 +191,7 @@ fn contradictions(role: Role, view: Option<View>, questions: &[ViewQuestion]) ->
     wrong_view.map(str::to_owned).into_iter().chain(others.map(ToString::to_string)).collect()
 }
 
-/// The spacing of a film: by a ball or a ruler, as said, or as its file supports it.
+/// The spacing of a film: by a ball or a ruler, by the option, or by its file.
 fn spacing(
     args: &ImportArgs,
     role: Role,
@@ -241,7 +241,7 @@ fn compare(role: Role, file: &Spacing, used: &Spacing, notes: &mut Vec<String>) 
     }
 }
 
-/// All films of the case, or everything that is open.
+/// Checks the films of the case together: each is another picture, and the erect film is among them.
 pub fn check_films(films: &[(Role, usize, &Seen)]) -> Result<(), Failure> {
     for (i, (role, _, seen)) in films.iter().enumerate() {
         let twin = films[..i].iter().find(|(_, _, other)| other.picture == seen.picture);

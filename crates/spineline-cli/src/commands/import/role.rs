@@ -1,4 +1,4 @@
-//! What a film is in a case.
+//! The role of a film in a case.
 
 use std::fmt;
 

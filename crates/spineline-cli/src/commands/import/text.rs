@@ -143,7 +143,7 @@ fn notes(film: &Candidate) -> Vec<String> {
     }
 }
 
-/// What is no film: the first few by name, the rest by number.
+/// Adds the files that are not films: the first few by name, the rest by number.
 fn add_passed_over(text: &mut Lines, candidates: &Candidates) {
     const SHOWN: usize = 8;
     let all = &candidates.survey.passed_over;
@@ -155,7 +155,7 @@ fn add_passed_over(text: &mut Lines, candidates: &Candidates) {
     }
 }
 
-/// What went into the case.
+/// The content of the new case.
 pub fn outcome(films: &[ResolvedFilm], folder: &std::path::Path, marked: usize) -> Lines {
     let mut text = Lines::default();
     let heads = ["Film", "Size", "Patient's left", "Lengths"];

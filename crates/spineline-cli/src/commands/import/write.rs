@@ -22,7 +22,7 @@ use crate::run::messages::say;
 use crate::run::outputs::{Outputs, OverwriteArgs};
 use crate::run::provenance::generator;
 
-/// What is marked on the films of a case.
+/// Landmarks on the films of a case.
 pub struct Marks {
     pub frontal: LandmarksByPosture,
     /// The lateral film, where there is one, with its readings.
@@ -133,7 +133,7 @@ pub fn write(
         films: reports,
     };
     outputs.write(&folder.join("import.json"), spineline_files::to_text(&report))?;
-    // The case comes last: where it is, everything that it names is.
+    // The case is written last: if it exists, the files that it names exist.
     outputs.write(&folder.join("case.json"), spineline_files::to_text(&case))?;
     outputs.commit()
 }

@@ -62,7 +62,7 @@ pub struct Point {
     pub claims: Claims,
     /// Phantoms that could not be made or analysed.
     pub lost: usize,
-    /// Per claim: how often a rod phantom's number exceeds that of one of this scenario. 0.5: they cannot be distinguished. `None`
+    /// Per claim: how often the number of a rod phantom exceeds one of this scenario. 0.5: they cannot be distinguished. `None`
     /// where rods are not studied.
     pub rod_exceeds: Option<[Share; 3]>,
 }
@@ -123,7 +123,7 @@ pub fn study(args: &NoiseStudyArgs) -> Result<Vec<Point>, Failure> {
     Ok(points)
 }
 
-/// Every setting of one phantom; none where it cannot be made.
+/// Every setting of one phantom; empty if it cannot be made.
 fn of_phantom(
     scenario: Scenario,
     number: u32,

@@ -17,7 +17,7 @@ pub struct PhantomArgs {
     /// How the spine is built; other than `rod` for scenarios with forces
     #[arg(long, value_enum, default_value_t = ConstructionName(Construction::Rod))]
     pub construction: ConstructionName,
-    /// Standard deviation of what every joint's stiffness has of its own, in percent, from 0 to 50
+    /// Standard deviation of the random effect of every joint on its stiffness, in percent, from 0 to 50
     #[arg(long, value_name = "PERCENT", default_value_t = 0.0)]
     pub joint_sd: f64,
     /// Subject of the paper's Table 1, from 1 to 18 [default: all]

@@ -17,7 +17,7 @@ use crate::run::threads::map_all;
 /// The films of one case by posture.
 pub(super) type Listing = BTreeMap<&'static str, FilmRecord>;
 
-/// What is true of one written film.
+/// The true values of one written film.
 #[derive(Debug, Clone, Serialize)]
 pub(super) struct FilmRecord {
     /// Beside the case.

@@ -25,7 +25,7 @@ Examples:
   spineline phantom --out phantoms --subject 3 --films and their films as DICOM files
   spineline phantom --out phantoms --noise 0           without errors of readers";
 
-/// What the spines are made of.
+/// The construction of the spines.
 fn build(args: &PhantomArgs) -> Result<Build, Failure> {
     let (construction, scenario) = (args.construction.0, args.scenario.0);
     if construction != Construction::Rod && !scenario.is_elastic() {
@@ -132,7 +132,7 @@ struct TruePosture {
 impl TruthFile {
     fn new(phantom: &Phantom) -> Self {
         let point = |p: spineline::spatial::Frontal| [p.y_mm, p.z_mm];
-        #[expect(clippy::float_cmp, reason = "a film without a scale of its own has exactly 1")]
+        #[expect(clippy::float_cmp, reason = "a film without its own scale has exactly 1")]
         let scale = |film: &TrueFilm| Some(film.scale).filter(|scale| *scale != 1.0);
         let posture = |p: &spineline_phantom::TruePosture| TruePosture {
             locations_mm: p.locations.iter().map(|&l| point(l)).collect(),

@@ -88,7 +88,7 @@ pub fn run(args: &ReliabilityArgs) -> Result<Ending, Failure> {
     kept.map(|()| Ending::Done)
 }
 
-/// The statistics of a quantity. Of a cohort, the points of plots that nobody asked for would be most of what is kept.
+/// The statistics of a quantity. Plots need points, which take most of the memory: they are dropped unless `with_points`.
 fn assessed(quantity: &RatedQuantity, with_points: bool) -> QuantityReliability {
     let mut found = assess(quantity);
     let pairs = found.designs.iter_mut().flat_map(|design| &mut design.bland_altman);
@@ -116,7 +116,7 @@ fn check_outputs(args: &ReliabilityArgs) -> Result<Outputs, Failure> {
     Ok(outputs)
 }
 
-/// What was read.
+/// The readings of all inputs.
 struct Readings {
     quantities: Vec<RatedQuantity>,
     /// Whether any film is synthetic.
@@ -151,7 +151,7 @@ fn read_cases(given: &[PathBuf]) -> Result<Readings, Failure> {
         let place = path.display().to_string();
         if !ids.insert(case.id.clone()) {
             let text = format!("the case {} was given already", case.id);
-            return Err(Failure::input(&place, &text, "give every case a `case_id` of its own"));
+            return Err(Failure::input(&place, &text, "give every case its own `case_id`"));
         }
         let films = case
             .films

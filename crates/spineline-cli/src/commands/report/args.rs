@@ -62,7 +62,7 @@ impl ReportArgs {
         let named = self.ending().and_then(|ending| FormName::of_ending(&ending));
         match (self.to, named) {
             (Some(asked), Some(named)) if asked != named => Err(Failure::usage(format!(
-                "--to {} contradicts the extension of --out, which is that of {}: give one of them",
+                "--to {} contradicts the extension of --out, which stands for {}: give one of them",
                 asked.ending(),
                 named.ending()
             ))),
@@ -95,7 +95,7 @@ pub struct ReportArgs {
     /// Case files, or folders of them; more than one case makes the report of a cohort
     #[arg(required = true, value_name = "CASE")]
     pub cases: Vec<PathBuf>,
-    /// Format of the report [default: that of the extension of --out, or html]
+    /// Format of the report [default: by the extension of --out, or html]
     #[arg(long, value_enum)]
     to: Option<FormName>,
     /// File to write [default: the case's identifier, or `cohort`, with the extension of the format]

@@ -54,7 +54,7 @@ pub fn run(paths: &[PathBuf], args: &ReportArgs, outputs: Outputs) -> Result<End
         }
     }
     if analyses.is_empty() {
-        return Err(Failure::usage("no case could be analysed: there is no cohort to report"));
+        return Err(Failure::usage("no case could be analysed: nothing to report"));
     }
     print_notices(&read.warnings());
     read.ids().iter().for_each(|id| outputs.of_case(id));

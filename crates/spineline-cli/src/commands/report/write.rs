@@ -73,7 +73,7 @@ impl Report<'_> {
         }
     }
 
-    /// A PDF says itself which letters no font has; a browser looks for letters where it is.
+    /// A PDF itself lists letters without a font; a browser uses the fonts of its machine.
     fn warn_of_letters(&self) {
         let texts = self.document.figures().map(|figure| figure.svg.as_str());
         if let Some(words) = Fonts::for_texts(texts).missing_words() {

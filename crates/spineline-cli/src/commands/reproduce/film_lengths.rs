@@ -17,7 +17,7 @@ const RULES: [(FilmLengthRule, &str); 2] = [
     (FilmLengthRule::PerFilm { relative_sd: FilmLengthRule::RELATIVE_SD }, "a scale per film"),
 ];
 
-/// Errors on predicted films whose lengths differ as those of real patients do, by either rule.
+/// Errors on predicted films whose lengths differ as in real patients, by both rules.
 pub fn part(args: &ReproduceArgs, phantoms: &[Phantom]) -> Result<Part, Failure> {
     let relative_sd = FilmLengthRule::RELATIVE_SD;
     let scaled = |(i, phantom): (usize, &Phantom)| {

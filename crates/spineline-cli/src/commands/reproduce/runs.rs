@@ -40,7 +40,7 @@ pub fn phantoms(args: &ReproduceArgs, readers: &Readers) -> Result<Vec<Phantom>,
     made.into_iter().collect::<Result<_, String>>().map_err(Failure::internal)
 }
 
-/// Analyses of phantoms with their options, and what they are in a cohort.
+/// Analyses of phantoms with their options, and the same patients for a cohort.
 pub fn analyses(
     args: &ReproduceArgs,
     tasks: &[(&Phantom, AnalysisOptions)],

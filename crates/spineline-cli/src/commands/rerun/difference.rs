@@ -106,7 +106,7 @@ mod tests {
     use serde_json::json;
 
     #[test]
-    fn what_differs_is_named_with_its_place_and_what_does_not_is_counted() {
+    fn a_difference_is_named_with_its_place_and_equal_values_are_counted() {
         let then = json!({ "provenance": { "date_utc": "then" }, "a": { "b": [1.0, 200.0, 3] }, "c": "x", "gone": 1 });
         let now = json!({ "provenance": { "date_utc": "now" }, "a": { "b": [1.0, 201.0, 3, 4] }, "c": "y", "new": null });
         let found = differences(&then, &now, 1e-9);
@@ -120,7 +120,7 @@ mod tests {
     }
 
     #[test]
-    fn the_tolerance_is_a_part_of_large_numbers_and_itself_for_small_ones() {
+    fn the_tolerance_is_relative_for_large_numbers_and_absolute_for_small_ones() {
         let differ = |a: f64, b: f64| !differences(&json!(a), &json!(b), 1e-3).all.is_empty();
         assert!(differ(1000.0, 1002.0) && !differ(1000.0, 1000.5));
         assert!(differ(0.1, 0.102) && !differ(0.1, 0.1005));

@@ -144,7 +144,7 @@ fn analysis_text(path: &Path, bytes: &[u8]) -> Result<(String, Form), Failure> {
         Some(text) => Ok((text, Form::Report)),
         None => Err(Failure::input(
             &path.display().to_string(),
-            &"there is no analysis in this file",
+            &"this file has no analysis",
             "give a file from `spineline analyze CASE --json FILE` or from `spineline report CASE`",
         )),
     }
@@ -167,7 +167,7 @@ struct Origin {
 }
 
 impl Origin {
-    /// Whether nothing was changed that is not compared.
+    /// Whether the parts that are not compared are unchanged.
     fn is_as_printed(self) -> bool {
         self.form == Form::Analysis || self.content != Content::Changed
     }
@@ -244,11 +244,11 @@ impl Repeated {
     }
 }
 
-/// What has become of an input file.
+/// The state of an input file, in words.
 fn input_words(report: &Path, input: &InputFile) -> &'static str {
     let named = PathBuf::from(&input.name);
     let beside = report.with_file_name(named.file_name().unwrap_or_default());
-    // The name is the analysis's, and may be of a device or a pipe.
+    // The name comes from the analysis, and may name a device or a pipe.
     let read = |path: PathBuf| {
         let is_plain = path.is_file();
         is_plain.then(|| read_bytes(&path, MAX_ANALYSES_BYTES).ok()).flatten()

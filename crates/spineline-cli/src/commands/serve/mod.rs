@@ -32,7 +32,7 @@ Examples:
 Without accounts, the printed address signs in one browser; a new one is printed after each use. Addresses other than this \
 machine's own require accounts (`spineline account add NAME --role admin STORE`). Ctrl-C stops the server.
 
-With --dicomweb, who may make studies can also open films from that archive, found by Patient ID or Accession Number. The \
+With --dicomweb, users who may make studies can also open films from that archive, found by Patient ID or Accession Number. The \
 program asks no other address. Give the address of the DICOMweb service (QIDO-RS and WADO-RS), such as \
 http://localhost:8042/dicom-web for Orthanc. Keep a login in a file that only you can read (chmod 600). The log of the store \
 says who searched and who opened a film.";
@@ -81,7 +81,7 @@ pub fn run(args: &ServeArgs) -> Result<Ending, Failure> {
     let mut store = open(args)?;
     if let Some(case) = case {
         if is_new && let Err(failure) = add_study(&mut store, case, &args.store) {
-            // Nothing is left of a store whose only study cannot be made.
+            // Removes a store whose only study cannot be made.
             drop(store);
             let _ = std::fs::remove_file(&args.store);
             return Err(failure);
@@ -135,7 +135,7 @@ fn signature(store: &Path) -> Result<Signature, Failure> {
 
 fn open(args: &ServeArgs) -> Result<Store, Failure> {
     let fail = |error| Failure::store(&args.store, &error);
-    // A file that is empty becomes a store, like one that is not there.
+    // An empty file becomes a store, like a missing one.
     if std::fs::metadata(&args.store).is_ok_and(|found| !found.is_file() || found.len() > 0) {
         let store = Store::open(&args.store).map_err(fail)?;
         if let Some(lost) = store.lost_head() {

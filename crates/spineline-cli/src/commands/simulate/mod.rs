@@ -157,7 +157,7 @@ mod tests {
     }
 
     #[test]
-    fn an_interrupted_search_leaves_whole_files_that_are_no_result() {
+    fn an_interrupted_search_leaves_whole_files_without_a_result() {
         for arguments in [
             &["--push", "left", "--force", "50"][..],
             &["--push", "left", "--amplitude", "20", "--towards", "left"],
@@ -177,7 +177,7 @@ mod tests {
     }
 
     #[test]
-    fn a_search_interrupted_after_its_goal_is_no_result_either() {
+    fn a_search_interrupted_after_its_goal_has_no_result_either() {
         // Whether a smaller factor of the other sign exists is not known then.
         let whole = interrupted(&["--push", "left", "--amplitude", "5", "--towards", "left"], 0);
         let first = whole.response.paths[0].path.points.len();

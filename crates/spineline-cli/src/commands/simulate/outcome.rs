@@ -1,4 +1,4 @@
-//! A simulation from its loads to everything that is shown of it.
+//! A simulation from its loads to its outputs.
 
 use std::ops::Deref;
 
@@ -22,12 +22,12 @@ use crate::analysis::replicates::interruption;
 use crate::run::failure::Failure;
 use crate::run::provenance::generator;
 
-/// A model, its loads, and what it does.
+/// A model, its loads, and its response.
 pub struct Outcome {
     simulated: Simulated,
     /// The case of the model, where replicates are asked for.
     pub source: Option<Source>,
-    /// What they gave; `None` where none is done.
+    /// Their statistics; `None` if none was finished.
     pub uncertainty: Option<LoadedUncertainty>,
 }
 
@@ -49,7 +49,7 @@ impl Outcome {
         on_point: OnSignedPoint<'_>,
     ) -> Result<Self, Failure> {
         let goal = goal(args)?;
-        // What was not given as a file is a matter of the command line.
+        // Without a load file, errors name the model file.
         let place_name = args.load.as_deref().unwrap_or(&args.model);
         let found = Simulated::of(model, loads, goal, args.largest_factor, notes, on_point);
         let outcome = |simulated| Self { simulated, source: None, uncertainty: None };

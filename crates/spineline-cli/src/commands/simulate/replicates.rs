@@ -18,10 +18,10 @@ pub struct Source {
 }
 
 impl Source {
-    /// Of the command line; `None` where no replicates are asked for.
+    /// From the command line; `None` where no replicates are requested.
     ///
     /// # Errors
-    /// If there is no case, or the model is not made from it.
+    /// If the case is missing, or the model is not made from it.
     pub fn of(args: &SimulateArgs, model: &StoredModel) -> Result<Option<Self>, Failure> {
         let Some(asked) = args.replicates.asked() else { return Ok(None) };
         let Some(path) = &args.case else {
@@ -40,7 +40,7 @@ impl Source {
         &self.case.input
     }
 
-    /// Everything that is asked of the case.
+    /// The request for the case.
     pub fn request(&self) -> Request {
         let options = self.source.analysis.options.clone();
         Request { options, replicates: Some(self.asked), identifiability: false }
@@ -51,7 +51,7 @@ impl Source {
         &self.source.analysis.movement.erect().outline
     }
 
-    /// Runs the replicates under the loads of a simulation, for what it measures. Ctrl-C ends them early; `None` where none is done then.
+    /// Runs the replicates under the loads of a simulation. Ctrl-C ends them early; `None` if none was finished then.
     ///
     /// # Errors
     /// If the noise cannot be applied to the case.

@@ -122,12 +122,12 @@ fn export(path: &Path, study: &str, out: &Path, outputs: Outputs) -> Result<Endi
     Ok(Ending::Done)
 }
 
-/// Opens a store to look at it.
+/// Opens a store for reading.
 fn view(path: &Path) -> Result<Store, Failure> {
     Store::view(path).map_err(|error| Failure::store(path, &error))
 }
 
-/// An observer who has no place in the plan has not read all films.
+/// The error for an observer who is not in the plan.
 fn unknown_observer(path: &Path, study: &Name, observer: &Name, planned: &[Name]) -> Failure {
     let known = planned.iter().map(Name::as_str).collect::<Vec<_>>().join(", ");
     let what = format!("unknown observer `{observer}`: the plan of {study} has {known}");

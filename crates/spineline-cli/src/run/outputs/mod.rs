@@ -1,4 +1,4 @@
-//! The one way in which results leave the program: whole files, all or none of a command's; streams; the standard output.
+//! Writes all results: whole files, either all files of a command or no file; streams; the standard output.
 
 mod parts;
 mod pieces;
@@ -50,11 +50,11 @@ pub fn print_data(text: &str) -> Result<Ending, Failure> {
 
 fn to_stdout(text: &str) -> Result<Ending, Failure> {
     let mut output = io::stdout().lock();
-    // What is still held back at the end of the program is lost without a word where the disk is full.
+    // Without the flush, output would be lost silently on a full disk.
     shown(output.write_all(text.as_bytes()).and_then(|()| output.flush()))
 }
 
-/// Whether what was written to the standard output is there; a closed pipe is no error.
+/// Checks a write to the standard output; a closed pipe is not an error.
 ///
 /// # Errors
 /// If it could not be written.

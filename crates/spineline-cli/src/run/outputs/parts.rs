@@ -1,4 +1,4 @@
-//! Files in the making, beside their targets. A program that is killed leaves some; the next one that writes into the folder removes them.
+//! Unfinished files, beside their targets. A killed program leaves some; the next run that writes into the folder removes them.
 
 use std::collections::BTreeSet;
 use std::fs::{self, File, TryLockError};
@@ -9,19 +9,19 @@ use tempfile::NamedTempFile;
 
 use crate::run::interrupt;
 
-/// What the names of all of them begin and end with; between the two, a word per run, and another one per file.
+/// Start and end of their names; between them, a word per run and a word per file.
 const BEGIN: &str = ".spineline-";
 const END: &str = ".part";
 
-/// The files in the making of this run in one folder.
+/// The unfinished files of this run in one folder.
 pub struct Parts {
     pub folder: PathBuf,
-    /// It is locked as long as the program runs, whose files are not left ones then.
+    /// Locked while the program runs, so that its files are not taken for left ones.
     lock: NamedTempFile,
 }
 
 impl Parts {
-    /// Removes what earlier runs have left in a folder, and begins.
+    /// Removes the files of earlier runs in a folder, and begins.
     ///
     /// # Errors
     /// If no file can be made there.
@@ -30,7 +30,7 @@ impl Parts {
         loop {
             let lock = make(folder, BEGIN)?;
             let is_taken = matches!(lock.as_file().try_lock(), Err(TryLockError::WouldBlock));
-            // Another run, which took it for a left one, may have been faster.
+            // Another run may have removed it as a left one.
             if !is_taken && lock.path().exists() {
                 return Ok(Self { folder: folder.to_owned(), lock });
             }
@@ -75,7 +75,7 @@ fn remove_left(folder: &Path) {
         for name in names.iter().filter(|name| run_of(name) == Some(run)) {
             let file = folder.join(name);
             if file != lock {
-                // What cannot be removed hinders nobody.
+                // A file that cannot be removed does no harm.
                 let _ = fs::remove_file(file);
             }
         }
@@ -83,13 +83,13 @@ fn remove_left(folder: &Path) {
     }
 }
 
-/// The run that a file in the making belongs to, by its name.
+/// The run of an unfinished file, by its name.
 fn run_of(name: &str) -> Option<&str> {
     let words = name.strip_prefix(BEGIN)?.strip_suffix(END)?;
     words.split('-').next()
 }
 
-/// The lock of a run that has ended, held from now on, or without a file if that is gone; `None` of a run that goes on.
+/// The lock of an ended run, held from now on, without a file if that is gone; `None` for a running one.
 fn left(lock: &Path) -> Option<Option<File>> {
     match File::options().write(true).open(lock) {
         Err(error) if error.kind() == io::ErrorKind::NotFound => Some(None),
@@ -107,7 +107,7 @@ mod tests {
     }
 
     #[test]
-    fn what_a_killed_run_has_left_is_removed_and_what_a_running_one_has_is_not() {
+    fn files_of_a_killed_run_are_removed_and_files_of_a_running_one_stay() {
         let folder = tempfile::tempdir().expect("a folder");
         for name in ["aaaaaa", "aaaaaa-bbbbbb", "cccccc-dddddd"] {
             fs::write(folder.path().join(format!("{BEGIN}{name}{END}")), "half").expect("a file");

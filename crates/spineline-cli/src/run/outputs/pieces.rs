@@ -12,7 +12,7 @@ use super::staged::{Outputs, failed, name_of};
 use crate::run::failure::Failure;
 use crate::run::interrupt;
 
-/// A result in the making; without [`Pieces::keep`] nothing of it is left.
+/// A result that is written in pieces; without [`Pieces::keep`] it is removed.
 pub struct Pieces<'a> {
     outputs: &'a Outputs,
     path: PathBuf,
@@ -21,7 +21,7 @@ pub struct Pieces<'a> {
 }
 
 enum Place {
-    /// What is printed or goes to a pipe, all at once.
+    /// Printed or written to a pipe, all at once.
     Memory(Vec<u8>),
     /// Beside its target; none once it is kept.
     File { part: Option<NamedTempFile>, file: PathBuf },

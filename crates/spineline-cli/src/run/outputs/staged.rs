@@ -23,7 +23,7 @@ use crate::run::failure::Failure;
 use crate::run::interrupt;
 use crate::run::messages::say;
 
-/// What replacing files needs.
+/// The permission to replace files.
 #[derive(Args, Debug, Clone, Copy)]
 pub struct OverwriteArgs {
     /// Replace output files that this program did not write, that were changed since, or that are of other patients; inputs and study
@@ -40,7 +40,7 @@ pub struct OverwriteArgs {
 pub struct Outputs {
     overwrite: bool,
     inputs: Vec<Identity>,
-    /// The cases in the inputs; `None` where nobody knows them before they are read.
+    /// The cases in the inputs; `None` if they are not known before they are read.
     input_cases: OnceLock<Option<BTreeSet<String>>>,
     state: Mutex<State>,
 }
@@ -69,20 +69,20 @@ enum Staged {
 }
 
 impl Outputs {
-    /// For a command that reads these files, whichever of them are there.
+    /// For a command that reads these files, if they exist.
     pub fn new<'a>(args: OverwriteArgs, inputs: impl IntoIterator<Item = &'a Path>) -> Self {
         let inputs = inputs.into_iter().map(Identity::of).collect();
         let input_cases = OnceLock::new();
         Self { overwrite: args.overwrite, inputs, input_cases, state: Mutex::default() }
     }
 
-    /// The results are of this case, among others: they may replace others of it.
+    /// Adds a case of the results: they may replace earlier results of this case.
     pub fn of_case(&self, id: &str) {
         self.state().cases.insert(id.to_owned());
     }
 
     fn state(&self) -> MutexGuard<'_, State> {
-        // Lists are whole between any two pushes.
+        // Lists stay valid after a panic.
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
@@ -98,7 +98,7 @@ impl Outputs {
         Ok(())
     }
 
-    /// Checks a file whose content may be that which is there already: it is compared when it is written.
+    /// Checks a file that may have the new content already, which is compared when it is written.
     ///
     /// # Errors
     /// As [`Outputs::file`], but for what it replaces.
@@ -237,7 +237,7 @@ impl Outputs {
         self.write(&beside(path), to_text(&file))
     }
 
-    /// Makes one result of several. If that fails, nothing of it is left and the others are made: [`Outputs::commit`] ends with the failure.
+    /// Makes one of several results. If that fails, it is removed and the others are made; [`Outputs::commit`] returns the failure.
     /// Returns whether it was made.
     pub fn attempt(&self, result: &Path, make: impl FnOnce() -> Result<(), Failure>) -> bool {
         let before = self.state().staged.len();
@@ -250,7 +250,7 @@ impl Outputs {
         is_made
     }
 
-    /// The next step of a result that is made step by step, as [`Outputs::attempt`]: `None` is left of it if that fails.
+    /// The next step of a result that is made step by step, as [`Outputs::attempt`]: it becomes `None` if that fails.
     pub fn step<T>(
         &self,
         result: &Path,
@@ -336,8 +336,8 @@ impl Outputs {
         Ok(identity)
     }
 
-    /// Refuses to replace what this program did not write, what was changed since, and results of other cases than those of the
-    /// inputs, of the cases that were read, and of the content; `None` before there is any.
+    /// Refuses to replace files of other programs, changed files, and results of cases that are in neither the inputs, the cases that
+    /// were read, nor the content; `None` before the content is known.
     pub(super) fn check_replaceable(
         &self,
         path: &Path,
@@ -462,7 +462,7 @@ fn write_into(stream: &Path, content: &[u8]) -> Result<(), Failure> {
     let opened = OpenOptions::new().append(true).open(stream);
     let written = opened.and_then(|mut stream| stream.write_all(content));
     match written {
-        // A reader that has gone is no error, as with the standard output.
+        // A closed pipe is not an error, as with the standard output.
         Err(error) if error.kind() == io::ErrorKind::BrokenPipe => Ok(()),
         written => written.map_err(failed(stream)),
     }

@@ -1,4 +1,4 @@
-//! What a path of a result leads to, and what it must not be.
+//! The target of a result's path, and the targets that are refused.
 
 use std::fs::{self, File};
 use std::io::{self, Read};
@@ -6,9 +6,9 @@ use std::path::{Path, PathBuf};
 
 use crate::run::failure::Failure;
 
-/// Links that lead to links are followed so often.
+/// Links that are followed at most.
 const MAX_LINKS: usize = 40;
-/// What every store of studies begins with.
+/// The first bytes of every store of studies.
 const DATABASE: &[u8; 16] = b"SQLite format 3\0";
 /// Ends of the files that lie beside a store while it is in use.
 const BESIDE_STORE: [&str; 4] = ["-wal", "-shm", "-journal", "-head"];
@@ -120,7 +120,7 @@ fn canonical(folder: &Path) -> PathBuf {
     })
 }
 
-/// What tells whether two paths lead to one file, through links of both kinds.
+/// The identity of a file, the same through links of both kinds.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Identity {
     path: PathBuf,

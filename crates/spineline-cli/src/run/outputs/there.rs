@@ -1,4 +1,4 @@
-//! What a file is that a result would replace.
+//! The kind of a file that a result would replace.
 
 use std::collections::BTreeSet;
 use std::fs;
