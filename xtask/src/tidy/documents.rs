@@ -7,10 +7,8 @@ use std::path::{Path, PathBuf};
 use super::{read, sources};
 
 /// Folders of documents; only what lies directly in them counts.
-const FOLDERS_OF_DOCUMENTS: [&str; 4] = ["", "docs", "docs/decisions", "docs/guide/src"];
-
-/// Documents elsewhere.
-const OTHER_DOCUMENTS: [&str; 1] = ["validation/README.md"];
+const FOLDERS_OF_DOCUMENTS: [&str; 5] =
+    ["", "docs", "docs/decisions", "docs/guide/src", "validation"];
 
 /// Folders of the repository: a name that starts with one of them and a slash is a path.
 const FOLDERS: [&str; 11] = [
@@ -38,7 +36,7 @@ const UNWRITTEN: [&str; 5] = ["target", "node_modules", "dist", "out", "__pycach
 
 /// All documents whose text is checked.
 pub fn documents(root: &Path) -> Result<Vec<PathBuf>, String> {
-    let mut found: Vec<PathBuf> = OTHER_DOCUMENTS.iter().map(|path| root.join(path)).collect();
+    let mut found = Vec::new();
     for folder in FOLDERS_OF_DOCUMENTS {
         for path in entries(&root.join(folder))? {
             if path.extension().is_some_and(|end| end == "md") {

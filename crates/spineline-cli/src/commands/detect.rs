@@ -35,7 +35,7 @@ Examples:
 
 The networks were trained on films of erect adolescents with scoliosis from one hospital, and not on bending, lateral or traction films, \
 adults or implants: check films of other postures most carefully. Every corner states its confidence and its deviation, and counts as not reviewed until a person has accepted or \
-moved it. Levels that may be shifted by one are reported. docs/proposals.md has its errors on films that it has not seen.";
+moved it. Levels that may be shifted by one are reported. validation/proposals.md has its errors on films that it has not seen.";
 
 #[derive(Args)]
 pub struct DetectArgs {

@@ -353,7 +353,7 @@ pub const OPTIONS: [MethodOption; 16] = [
     MethodOption {
         name: "compare_models",
         title: "Compared loads and bases",
-        help: "Compare other loads and base supports with the paper's line, on fitted and left-out films: `all`, or names such as couple,weight,inflection-line+free-base (see docs/models.md)",
+        help: "Compare other loads and base supports with the paper's line, on fitted and left-out films: `all`, or names such as couple,weight,inflection-line+free-base (see validation/lines.md)",
         value_name: "all|NAME,NAME",
         values: OptionValues::Text(&["all"]),
         may_repeat: false,

@@ -10,7 +10,7 @@ use spineline::cohort::{Cohort, CohortPatient, learn_rotation_prior};
 use spineline::evaluate::{Baseline, Simulation};
 use spineline_files::parse_case;
 
-/// Differences from `docs/models.md` and `docs/decisions/0034` that are worth a correction there.
+/// Differences from `validation/lines.md` and `docs/decisions/0034` that are worth a correction there.
 const PUBLISHED_TO_MM: f64 = 0.2;
 
 fn cases() -> Option<Vec<Case>> {

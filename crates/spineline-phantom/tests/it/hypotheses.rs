@@ -1,6 +1,6 @@
 //! Loads and bases on synthetic films of known truth, read by the virtual readers: the one that made them wins.
 //!
-//! Oracle: the statics of the phantoms, 998 planar segments. `docs/models.md` has the table over more subjects.
+//! Oracle: the statics of the phantoms, 998 planar segments. `validation/lines.md` has the table over more subjects.
 
 use spineline::analysis::{Analysis, AnalysisOptions, analyze};
 use spineline::hypothesis::{

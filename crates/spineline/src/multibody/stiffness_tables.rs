@@ -8,7 +8,7 @@ named! {
     /// A table of springs before personalisation.
     ///
     /// Only the ratios between joints change a personalised model of relative stiffness; absolute values count where a force is
-    /// known. `docs/stiffness.md` sets the range of motion of every table beside measured spines.
+    /// known. `validation/stiffness.md` sets the range of motion of every table beside measured spines.
     #[default(Paper)]
     pub enum StiffnessTable {
         /// Motion segments without ribs, as models of scoliotic spines take them.

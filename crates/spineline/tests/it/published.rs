@@ -111,7 +111,7 @@ fn corrected_cells_have_their_published_values() {
 #[test]
 fn documents_say_how_often_intervals_and_regions_hold_what_they_should() {
     let documents = [
-        include_str!("../../../../docs/claims.md"),
+        include_str!("../../../../validation/claims.md"),
         include_str!("../../../../docs/guide/src/numbers.md"),
         include_str!("../../../../docs/guide/src/sure.md"),
         include_str!("../../../../docs/paper/paper.md"),

@@ -7,7 +7,7 @@
 //! On films that are not erect the rotations of the joints have more freedom.
 //!
 //! # References
-//! Landmarks: [wu-boostnet-2017]; model card in `training/shape`. The figures of `docs/proposals.md` are of films of
+//! Landmarks: [wu-boostnet-2017]; model card in `training/shape`. The figures of `validation/proposals.md` are of films of
 //! patients it was not learned from.
 
 mod clicks;
