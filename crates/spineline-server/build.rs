@@ -1,11 +1,11 @@
-//! Gives the server its build identity, and lays the browser app beside it: the built one, or a page that says how to build it.
+//! Sets the server's build identity, and provides the browser app: the built one, or a page that says how to build it.
 
 use std::path::{Path, PathBuf};
 use std::{env, fs, io};
 
 fn main() -> io::Result<()> {
     spineline_build::emit()?;
-    // Asked for now: a build folder that was copied from another checkout must not embed that one's app.
+    // Read at run time: a build folder copied from another checkout must not embed its app.
     let crate_folder = env::var_os("CARGO_MANIFEST_DIR").expect("cargo sets it");
     let root = Path::new(&crate_folder).join("../../web");
     let built = root.join("dist");
@@ -14,14 +14,14 @@ fn main() -> io::Result<()> {
         fs::remove_dir_all(&embedded)?;
     }
     fs::create_dir_all(&embedded)?;
-    // A folder that does not exist yet counts as changed at every build; its parent always is there.
+    // A missing folder counts as changed at every build; its parent always exists.
     let watched = if built.exists() { &built } else { &root };
     println!("cargo:rerun-if-changed={}", watched.display());
     if built.join("index.html").exists() {
         copy(&built, &embedded)
     } else {
         println!(
-            "cargo::warning=this program will have no browser app: web/dist is missing; run `cargo xtask web`, then build again"
+            "cargo::warning=the browser app is missing: web/dist was not found; run `cargo xtask web`, then build again"
         );
         fs::copy("unbuilt.html", embedded.join("index.html")).map(drop)
     }

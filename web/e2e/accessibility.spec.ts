@@ -108,12 +108,12 @@ test("signing in again, and a program that does not answer", async ({ app, page 
 });
 
 test("the evidence and the model options of a study without results", async ({ app, page }) => {
-  const refusal = { code: "not_ready", message: "there is no erect film" };
+  const refusal = { code: "not_ready", message: "the erect film is missing" };
   await answerWith(page, "/api/studies/S-1/lines", refusal, 409);
   await answerWith(page, "/api/studies/S-1/model", refusal, 409);
   await app.open(page);
   await page.goto(new URL("#/studies/S-1/evidence", app.address).href);
-  await expect(page.getByRole("alert")).toContainText("there is no erect film");
+  await expect(page.getByRole("alert")).toContainText("the erect film is missing");
   await expectAccessible(page);
   await page.goto(new URL("#/studies/S-1/model", app.address).href);
   await page.getByRole("button", { name: "Model options…" }).click();

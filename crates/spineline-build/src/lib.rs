@@ -12,11 +12,11 @@ use std::path::{Path, PathBuf};
 
 use sha2::{Digest, Sha256};
 
-/// Folders of a crate whose files are in no program.
+/// Folders of a crate whose files are not part of programs.
 const NOT_BUILT: [&str; 4] = ["tests", "benches", "examples", "target"];
 
-/// Gives the crate that is built its identity as the environment variable `SPINELINE_BUILD`, and asks cargo to look again after any change
-/// of what it depends on.
+/// Sets the environment variable `SPINELINE_BUILD` of the crate that is built to its identity, and makes cargo check
+/// again after any change of its sources.
 ///
 /// # Errors
 /// If a source cannot be read.
@@ -33,16 +33,16 @@ pub fn emit() -> io::Result<()> {
     Ok(())
 }
 
-/// What a crate is built from.
+/// The sources of a crate.
 pub struct Sources {
     /// The folder of all crates.
     root: PathBuf,
-    /// Files and folders that count, in the order of their names.
+    /// Files and folders that count, sorted by name.
     places: BTreeSet<PathBuf>,
 }
 
 impl Sources {
-    /// Of the crate in a folder. A crate of the workspace lies in the folder of its name beside those that use it.
+    /// For the crate in a folder. A crate of the workspace lies in the folder of its name beside those that use it.
     ///
     /// # Errors
     /// If a folder or a manifest cannot be read.
@@ -96,7 +96,7 @@ impl Sources {
     }
 }
 
-/// Names of the crates that a manifest lists in its tables of dependencies, but for those of tests.
+/// Names of the crates in a manifest's tables of dependencies, except in those for tests.
 fn dependencies(manifest: &str) -> BTreeSet<String> {
     let mut is_listed = false;
     let mut names = BTreeSet::new();

@@ -1,4 +1,5 @@
-//! The first network's map → centres of vertebrae → the chain of them that looks most like a spine → its levels.
+//! From the first network's map to centres of vertebrae, to the chain of them that looks most like a spine, to
+//! its levels.
 //!
 //! Places are cells of the first network's input: column, row; the spine runs downwards.
 
@@ -15,9 +16,9 @@ const UNIT: f64 = 16.0;
 const CORNERS: usize = 1;
 const FIRST_LEVEL: usize = 9;
 
-/// A centre's probability below which no vertebra is looked for.
+/// Centres below this probability are ignored.
 const MIN_PROBABILITY: f64 = 0.10;
-/// Two centres nearer than this part of their mean height are one vertebra.
+/// Two centres closer than this part of their mean height are one vertebra.
 const MIN_DISTANCE: f64 = 0.5;
 /// Distance between neighbouring centres over the height of a vertebra: geometric mean of the training films.
 const STEP_OVER_HEIGHT: f64 = 1.37;
@@ -25,20 +26,21 @@ const STEP_OVER_HEIGHT: f64 = 1.37;
 /// training films.
 const STEP_SPREAD: f64 = 0.15;
 const TURN_SPREAD_RAD: f64 = 0.30;
-/// Cost of a vertebra that no centre shows.
+/// Cost of a vertebra without a centre.
 const SKIP_COST: f64 = 0.5;
 /// Cost of a step beyond which two centres are not neighbours.
 const MAX_LINK_COST: f64 = 2.5;
-/// Weight of the logarithm of a level's probability beside a centre's; a level of probability exp(-2) neither gains nor loses.
+/// Weight of the logarithm of a level's probability beside a centre's; a level with probability exp(-2) has no effect.
 const LEVEL_WEIGHT: f64 = 0.08;
 const LEVEL_GAIN: f64 = 2.0;
-/// Smallest probability of a level: no single vertebra decides on the count.
+/// Smallest probability of a level, so that a single vertebra cannot decide the count.
 const LEVEL_FLOOR: f64 = 0.01;
-/// Neighbouring vertebrae err together: their votes for a level count as much as a quarter of them.
+/// Errors of neighbouring vertebrae are correlated: their votes for a level count as a quarter of
+/// their number.
 const LEVEL_TEMPER: f64 = 4.0;
-/// A count of a smaller probability is doubted.
+/// A count below this probability is doubted.
 const MIN_COUNT_PROBABILITY: f64 = 0.90;
-/// Another vertebra may follow above or below where a centre of a larger probability would make a step of a smaller cost.
+/// Another vertebra may follow above or below if a centre above this probability would make a step below this cost.
 const MIN_FOLLOWING_PROBABILITY: f64 = 0.50;
 const MAX_FOLLOWING_COST: f64 = 1.0;
 /// The first and the last vertebra are doubted below this probability.
@@ -52,12 +54,12 @@ pub struct Peak {
     pub corners: [[f64; 2]; 4],
     pub probability: f64,
     pub levels: [f64; LEVELS],
-    /// Whether the network saw it; else it was put between its neighbours.
+    /// Whether the network saw it; else it was interpolated.
     pub is_seen: bool,
 }
 
 impl Peak {
-    /// From the middle of the upper endplate to that of the lower one.
+    /// From the middle of the upper endplate to the middle of the lower one.
     fn axis(&self) -> [f64; 2] {
         let [ul, ur, ll, lr] = self.corners;
         [0, 1].map(|i| (ll[i] + lr[i] - ul[i] - ur[i]) / 2.0)
@@ -79,7 +81,8 @@ impl Peak {
     }
 }
 
-/// Local maxima of the centres' probability, the most probable first; of two on one vertebra the more probable one.
+/// Local maxima of the centres' probability, the most probable first; of two on one vertebra, only the more
+/// probable one.
 pub fn peaks_of(map: &Map) -> Vec<Peak> {
     let probability = |row: usize, column: usize| sigmoid(f64::from(map.cell(row, column)[0]));
     let mut found = Vec::new();
@@ -126,7 +129,7 @@ fn peak_at(map: &Map, row: usize, column: usize, probability: f64) -> Peak {
     }
 }
 
-/// Cost of the lower vertebra being so many steps below the upper one.
+/// Cost of the lower vertebra being this number of steps below the upper one.
 fn link_cost(upper: &Peak, lower: &Peak, steps: usize) -> f64 {
     let way = from(upper.centre, lower.centre);
     let (above, below) = (upper.axis(), lower.axis());
@@ -150,8 +153,8 @@ pub struct Chain {
 
 /// The chain with the largest sum of probabilities and agreement of levels, less the costs of its steps.
 ///
-/// A state is a centre as a level. The next centre is the next level, or the next but one: then the vertebra between them,
-/// which no centre shows, is put there.
+/// A state is a centre with a level. The next centre has the next level, or the one after it; then the vertebra between
+/// them is interpolated.
 pub fn chain_of(peaks: &[Peak]) -> Option<Chain> {
     let mut peaks = peaks.to_vec();
     peaks.sort_by(|a, b| a.centre[1].total_cmp(&b.centre[1]));
@@ -180,7 +183,7 @@ pub fn chain_of(peaks: &[Peak]) -> Option<Chain> {
         links.push(link);
     }
     let states = (0..peaks.len()).flat_map(|peak| (0..LEVELS).map(move |level| (peak, level)));
-    // The first of the largest.
+    // The first one of equal maxima.
     let better = |a: (usize, usize), b: (usize, usize)| {
         if totals[b.0][b.1] > totals[a.0][a.1] { b } else { a }
     };
@@ -261,7 +264,7 @@ fn sigmoid(x: f64) -> f64 {
     1.0 / (1.0 + (-x.clamp(-30.0, 30.0)).exp())
 }
 
-/// Shares that add up to one.
+/// Shares with a sum of one.
 pub fn softmax(values: &[f64]) -> Vec<f64> {
     let largest = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
     let powers: Vec<f64> = values.iter().map(|value| (value - largest).exp()).collect();
@@ -302,7 +305,7 @@ mod tests {
     }
 
     #[test]
-    fn neighbours_make_a_chain_without_what_lies_apart() {
+    fn neighbours_make_a_chain_without_distant_centres() {
         let mut peaks: Vec<Peak> = (0..6).map(|k| peak(row(k), k)).collect();
         let mut aside = peak(20.0 + 2.5 * STEP, 3);
         aside.centre[0] += 80.0;
@@ -331,7 +334,7 @@ mod tests {
         let chain = chain_of(&alike).expect("a chain");
         assert_eq!(chain.first_level, 2);
         assert_eq!(doubts(&alike, &chain), [Doubt::Incomplete { found: 9 }]);
-        // The upper third is taken for one level further down than all others.
+        // The upper third votes for one level further down than the others.
         let torn = of([3, 3, 3, 2, 2, 2, 2, 2, 2]);
         let chain = chain_of(&torn).expect("a chain");
         let doubts = doubts(&torn, &chain);

@@ -13,7 +13,7 @@ pub struct Grid {
     pub values: Vec<f32>,
 }
 
-/// The first network's input, and where the film lies in it.
+/// The first network's input, and the place of the film in it.
 pub struct Coarse {
     pub grid: Grid,
     /// The film's upper left corner in cells: column, row.
@@ -23,7 +23,7 @@ pub struct Coarse {
 }
 
 impl Grid {
-    /// The mean of the film over each cell of a grid as large as fits, with the shape of the film.
+    /// The mean of the film over each cell of the largest grid that fits and has the film's shape.
     pub fn reduced(picture: &Picture<'_>, [max_columns, max_rows]: [usize; 2]) -> Self {
         let height = picture.rows as f64 * picture.pixel_aspect;
         let scale = (max_rows as f64 / height).min(max_columns as f64 / picture.columns as f64);
@@ -49,7 +49,7 @@ impl Grid {
         Self { columns, rows, values }
     }
 
-    /// Grey values so that percentile 1 is -1 and percentile 99 is +1, cut there.
+    /// Scales grey values so that percentile 1 is -1 and percentile 99 is +1, and cuts them there.
     fn normalised(&self) -> Self {
         let mut sorted = self.values.clone();
         sorted.sort_by(f32::total_cmp);
@@ -60,7 +60,7 @@ impl Grid {
         Self { values: self.values.iter().map(value).collect(), ..*self }
     }
 
-    /// The value at a place between the middles of cells; beyond the edge that of the edge.
+    /// The value at a place between the middles of cells; beyond the edge, the value at the edge.
     pub fn at(&self, [x, y]: [f64; 2]) -> f64 {
         let along = |place: f64, cells: usize| {
             let place = (place - 0.5).clamp(0.0, (cells - 1) as f64);
@@ -76,7 +76,7 @@ impl Grid {
     }
 }
 
-/// The film as the first network sees it: in the middle of zeros.
+/// The film as input of the first network, with zeros around it.
 pub fn coarse_input(picture: &Picture<'_>) -> Coarse {
     let film = Grid::reduced(picture, COARSE).normalised();
     let [columns, rows] = COARSE;

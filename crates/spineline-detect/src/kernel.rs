@@ -1,4 +1,5 @@
-//! Layers of the networks, in plain arithmetic: sums in one fixed order, so that the same input gives the same bits everywhere.
+//! Layers of the networks in plain arithmetic: sums in a fixed order, so that the same input gives the same bits
+//! everywhere.
 
 /// Channels of every cell of a grid: row by row, cell by cell, channel by channel.
 #[derive(Debug, Clone)]
@@ -21,7 +22,7 @@ pub struct Convolution {
     pub bias: Vec<f32>,
 }
 
-/// Cells that are computed together, so that a weight is read once for all of them.
+/// Cells that are computed together, so that each weight is read once for them.
 const TOGETHER: usize = 8;
 
 impl Map {

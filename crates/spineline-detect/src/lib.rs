@@ -4,8 +4,8 @@
 //! every machine. The first one sees the whole film on a small grid and gives centres, rough corners and levels; vertebrae are the chain
 //! of centres that looks most like a spine. The second one sees a patch around each vertebra and places its corners.
 //!
-//! It was shown films of erect adolescents with scoliosis, and nothing else: no bends, no lateral films, no adults, no implants.
-//! `training/landmarks/README.md` is its model card. What it finds is a proposal, to be looked at by a person.
+//! The training films show erect adolescents with scoliosis only: no bends, no lateral films, no adults, no implants.
+//! `training/landmarks/README.md` is its model card. A person must check the proposals.
 //!
 //! ```
 //! use spineline::anatomy::ImageSide;
@@ -34,9 +34,10 @@ use spineline::spatial::Pixel;
 use chain::{Chain, chain_of, doubts, peaks_of};
 use grid::{Grid, coarse_input};
 
-/// A film with fewer vertebrae in a row is refused.
+/// A film with fewer consecutive vertebrae is refused.
 const MIN_VERTEBRAE: usize = 12;
-/// A film whose lowest vertebra lies above L2 is refused: a chest film shows a part of the spine as well. T1 is zero.
+/// A film whose lowest vertebra lies above L2 is refused, because chest films also show a part of the spine. T1 is
+/// zero.
 const MIN_LAST_LEVEL: usize = 13;
 /// A film whose vertebrae are found with a smaller mean probability is refused.
 const MIN_MEAN_PROBABILITY: f64 = 0.30;
@@ -44,10 +45,10 @@ const MIN_MEAN_PROBABILITY: f64 = 0.30;
 const FINE: [usize; 2] = [512, 896];
 /// Confidence falls to 1/e where the deviation of the corners is this part of the height.
 const CONFIDENCE_SD_SHARE: f64 = 0.25;
-/// A side of the films that are looked at, at least.
+/// Minimum side of a film.
 const MIN_SIDE_PX: usize = 64;
 
-/// A film's grey values, whatever their unit, bright bones or dark ones.
+/// A film's grey values in any unit, with bright or dark bones.
 #[derive(Debug, Clone, Copy)]
 pub struct Picture<'a> {
     /// Pixels in a row.
@@ -73,7 +74,7 @@ impl Picture<'_> {
 /// A vertebra that was found.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DetectedVertebra {
-    /// Which one, by the count of the whole chain.
+    /// Level by the count of the whole chain.
     pub level: Level,
     /// Its corners.
     pub corners: Corners<Pixel>,
@@ -81,7 +82,7 @@ pub struct DetectedVertebra {
     pub sd_share: f64,
     /// From 0 to 1.
     pub confidence: f64,
-    /// Whether it was seen; else it was put between its neighbours.
+    /// Whether it was seen; else it was interpolated.
     pub is_seen: bool,
 }
 
@@ -94,7 +95,7 @@ pub enum Doubt {
     CountFromBelow,
     /// Another count is nearly as probable.
     OtherCount {
-        /// Probability of the count that was taken.
+        /// Probability of the chosen count.
         probability: f64,
     },
     /// Another vertebra may follow above the uppermost one.
@@ -108,7 +109,7 @@ pub enum Doubt {
         /// Vertebrae that were found.
         found: usize,
     },
-    /// A vertebra was put between two others.
+    /// A vertebra was interpolated between two others.
     FilledIn,
     /// Vertebrae with a corner beyond the edge of the film were left out.
     BeyondEdge {
@@ -120,10 +121,10 @@ pub enum Doubt {
 impl std::fmt::Display for Doubt {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
-            Self::CountFromAbove => f.write_str("counted from above, the levels are others"),
-            Self::CountFromBelow => f.write_str("counted from below, the levels are others"),
+            Self::CountFromAbove => f.write_str("the levels by a count from above differ"),
+            Self::CountFromBelow => f.write_str("the levels by a count from below differ"),
             Self::OtherCount { probability } => {
-                write!(f, "these levels have a probability of {:.0} % only", 100.0 * probability)
+                write!(f, "the probability of these levels is only {:.0} %", 100.0 * probability)
             }
             Self::MoreAbove => f.write_str("another vertebra may follow above"),
             Self::MoreBelow => f.write_str("another vertebra may follow below"),
@@ -135,9 +136,7 @@ impl std::fmt::Display for Doubt {
                     "{vertebrae} of them would lie beyond the edge of the film and are left out"
                 )
             }
-            Self::FilledIn => {
-                f.write_str("a vertebra was not seen, and put between its neighbours")
-            }
+            Self::FilledIn => f.write_str("an unseen vertebra was placed between its neighbours"),
         }
     }
 }
@@ -147,11 +146,11 @@ impl std::fmt::Display for Doubt {
 pub struct Detection {
     /// Vertebrae, caudal first.
     pub vertebrae: Vec<DetectedVertebra>,
-    /// Why the levels may be shifted by one or more; empty where nothing speaks for it.
+    /// Why the levels may be shifted by one or more; empty without such a reason.
     pub doubts: Vec<Doubt>,
 }
 
-/// Why nothing is proposed for a film.
+/// Why the program proposes nothing for a film.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Refusal {
@@ -166,7 +165,7 @@ pub enum Refusal {
     },
     /// The picture has too few pixels, or its values do not fill it.
     #[error(
-        "a picture of {columns} × {rows} pixels is no film (at least {} × {})",
+        "a picture of {columns} × {rows} pixels is too small for a film (at least {} × {}), or lacks values",
         MIN_SIDE_PX,
         MIN_SIDE_PX
     )]
@@ -181,7 +180,7 @@ pub enum Refusal {
 /// Finds the vertebrae on a film.
 ///
 /// # Errors
-/// [`Refusal`] where the picture shows no frontal spine, or is no film.
+/// [`Refusal`] if the picture shows no frontal spine, or is not a film.
 pub fn detect(picture: &Picture<'_>) -> Result<Detection, Refusal> {
     let &Picture { columns, rows, pixel_aspect, values, .. } = picture;
     let is_filled = columns.checked_mul(rows) == Some(values.len());

@@ -1,4 +1,4 @@
-//! Patches around vertebrae, turned along the spine → corners and their deviations, by the second network.
+//! Patches around vertebrae, turned along the spine, and their corners with deviations, by the second network.
 //!
 //! Places are cells of the film's fine grid: column, row.
 
@@ -11,9 +11,10 @@ use crate::weights;
 const PATCH: usize = 64;
 /// Side of a patch over the distance between neighbouring centres.
 const SIDE: f64 = 2.5;
-/// Grey values beyond so many deviations from the mean are cut.
+/// Grey values more than this number of deviations from the mean are cut.
 const CUT: f64 = 3.0;
-/// Stated over predicted standard deviation. The validation films give 0.97 for 68.3 % within one: left at 1.
+/// Factor on the predicted standard deviation. The validation films have 68.3 % of errors within 0.97 of it,
+/// so it is 1.
 const SD_FACTOR: f64 = 1.0;
 
 /// The corners of a vertebra.
@@ -51,7 +52,7 @@ pub fn corners(fine: &Grid, centres: &[[f64; 2]]) -> Vec<Body> {
     frames.iter().map(|frame| body(frame, &weights::patch(patch(fine, frame)))).collect()
 }
 
-/// A frame around every centre, along the spine, and as large as the distance of its neighbours asks for.
+/// A frame around every centre, along the spine, with a size by the distance of its neighbours.
 fn frames(centres: &[[f64; 2]]) -> Vec<Frame> {
     let steps: Vec<[f64; 2]> = centres.windows(2).map(|pair| from(pair[0], pair[1])).collect();
     let frame = |(place, centre): (usize, &[f64; 2])| {

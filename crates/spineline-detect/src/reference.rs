@@ -1,4 +1,5 @@
-//! This port beside the reference of the training (`training/landmarks/reference.py`): the same drawn spine, read by other code.
+//! Comparison of this port with the reference of the training (`training/landmarks/reference.py`): the same drawn spine
+//! in both.
 
 use serde_json::Value;
 use spineline::anatomy::ImageSide;
@@ -10,9 +11,9 @@ use crate::kernel::Map;
 use crate::{FINE, patches, weights};
 
 const SIZE: [usize; 2] = [700, 1900];
-/// Values are rounded to 1e-6 there, and sums of f32 run in another order.
+/// The reference is rounded to 1e-6, and sums of f32 have another order.
 const TOLERANCE: f64 = 2e-3;
-/// Places follow from those values.
+/// Places depend on those values.
 const TOLERANCE_CELLS: f64 = 0.02;
 
 fn reference() -> Value {
@@ -71,7 +72,7 @@ fn picture(values: &[f32]) -> Picture<'_> {
     Picture { columns, rows, pixel_aspect: 1.0, patient_left: ImageSide::Left, values }
 }
 
-/// A flattened array beside its samples.
+/// Compares a flattened array with its samples.
 fn assert_samples(name: &str, values: &[f32], samples: &Value) {
     for (at, expected) in list(&samples["indices"]).iter().zip(list(&samples["values"])) {
         let at = at.as_u64().expect("an index") as usize;
@@ -81,7 +82,7 @@ fn assert_samples(name: &str, values: &[f32], samples: &Value) {
     }
 }
 
-/// Channel by channel, as the reference has it.
+/// Channel by channel, in the order of the reference.
 fn by_channel(map: &Map) -> Vec<f32> {
     let channel = |channel: usize| map.values.iter().skip(channel).step_by(map.channels).copied();
     (0..map.channels).flat_map(channel).collect()
@@ -108,7 +109,7 @@ fn grids_maps_peaks_and_chain_are_those_of_the_reference() {
     assert_chain(&peaks, &reference);
 }
 
-/// The chain of some centres beside the reference's.
+/// Compares the chain of some centres with the reference's.
 fn assert_chain(peaks: &[Peak], expected: &Value) {
     let chain = chain_of(peaks).expect("a chain");
     assert_eq!(chain.peaks.len(), list(&expected["chain"]).len());

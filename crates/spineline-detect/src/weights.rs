@@ -18,7 +18,7 @@ enum Kind {
 }
 
 struct Layer {
-    /// Places of the maps that it takes; the network's input is at zero.
+    /// Indices of its input maps; the network's input is at zero.
     sources: Vec<usize>,
     kind: Kind,
     is_rectified: bool,
@@ -63,7 +63,7 @@ impl Network {
                 "pool" => Kind::Pool,
                 "up" => Kind::Double,
                 "add" => Kind::Add,
-                other => panic!("the list has no layers of the kind {other}"),
+                other => panic!("unknown kind of layer: {other}"),
             };
             layers.push(Layer { sources, kind, is_rectified: numbers[4] == 1 });
             names.push(words[1]);
@@ -125,7 +125,7 @@ mod tests {
 
     #[test]
     fn half_precision_is_read() {
-        // One, minus two, the largest number, the smallest normal and the smallest one of all, a third.
+        // One, minus two, the largest number, the smallest normal and the smallest number, a third.
         for (bits, value) in [
             (0x3c00, 1.0),
             (0xc000, -2.0),

@@ -29,21 +29,21 @@ impl Attributes<'_> {
         self.0.get(tag)?.get("Value")?.get(0)
     }
 
-    /// A text, cut to what an attribute of DICOM holds; none where it is absent or empty.
+    /// A text, cut to the maximum length of a DICOM attribute; `None` if it is absent or empty.
     pub fn text(&self, tag: &str) -> Option<String> {
         let text = self.first(tag)?.as_str()?;
         let text: String = text.chars().filter(|c| !c.is_control()).take(MAX_TEXT).collect();
         Some(text.trim().to_owned()).filter(|text| !text.is_empty())
     }
 
-    /// A number that is none below zero; some archives write numbers as texts.
+    /// A number of at least zero; some archives write numbers as texts.
     pub fn count(&self, tag: &str) -> Option<u32> {
         let value = self.first(tag)?;
         let text = || value.as_str()?.trim().parse().ok();
         value.as_u64().and_then(|number| u32::try_from(number).ok()).or_else(text)
     }
 
-    /// A UID that must be there.
+    /// A required UID.
     pub fn uid(&self, tag: &str) -> Result<String, &'static str> {
         self.text(tag).ok_or("an entry has no UID")
     }
@@ -52,15 +52,15 @@ impl Attributes<'_> {
 /// The entries of an answer to a search.
 ///
 /// # Errors
-/// What is wrong with it.
+/// The error in the answer, as text.
 pub fn entries(body: &[u8]) -> Result<Vec<Value>, &'static str> {
-    // Archives without a match answer with nothing, too.
+    // Some archives answer a search without matches with an empty body.
     if body.is_empty() {
         return Ok(Vec::new());
     }
     match serde_json::from_slice(body) {
         Ok(Value::Array(entries)) => Ok(entries),
-        Ok(_) => Err("it is no list"),
+        Ok(_) => Err("it is not a list"),
         Err(_) => Err("it is not JSON"),
     }
 }

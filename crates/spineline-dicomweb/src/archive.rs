@@ -23,7 +23,7 @@ pub struct Archive {
     login: Option<String>,
 }
 
-/// An archive that cannot be meant.
+/// An invalid archive.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ArchiveFault {
@@ -39,7 +39,7 @@ pub enum ArchiveFault {
         /// What was given.
         name: String,
     },
-    /// An address that is none of a DICOMweb archive.
+    /// Not a DICOMweb address.
     #[error("the address of `{name}` {fault}")]
     Address {
         /// The archive.
@@ -47,10 +47,10 @@ pub enum ArchiveFault {
         /// What is wrong.
         fault: &'static str,
     },
-    /// An encrypted connection, which only a program built with the feature `https` makes.
+    /// An encrypted connection, which needs the feature `https`.
     #[error(
         "`{name}` needs an encrypted connection, which this program was built without: build it with `cargo build \
-         --release --features https`, or use that of the Python wheel"
+         --release --features https`, or use the program of the Python wheel"
     )]
     Encryption {
         /// The archive.
@@ -65,7 +65,7 @@ pub enum ArchiveFault {
 }
 
 impl Archive {
-    /// Reads `NAME=ADDRESS`; the address is that of the DICOMweb service, below which `studies` and `series` are.
+    /// Reads `NAME=ADDRESS`, with the address of the DICOMweb service, below which `studies` and `series` are.
     ///
     /// # Errors
     /// [`ArchiveFault`].
@@ -78,7 +78,7 @@ impl Archive {
             return Err(ArchiveFault::Name { name: name.to_owned() });
         }
         let fault = |fault| ArchiveFault::Address { name: name.to_owned(), fault };
-        let uri: Uri = address.parse().map_err(|_| fault("is no address"))?;
+        let uri: Uri = address.parse().map_err(|_| fault("is not an address"))?;
         let is_plain = match uri.scheme_str() {
             Some("https") => false,
             Some("http") => true,

@@ -14,7 +14,7 @@ use crate::query::{
     FilmFound, FilmUid, Found, MAX_FOUND, OF_FILM, OF_SERIES, Search, SeriesFound, SeriesUid, film,
 };
 
-/// How long and how much an answer may be.
+/// Limits of time and size for answers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Limits {
     /// Time for a connection.
@@ -29,7 +29,7 @@ pub struct Limits {
     pub film_bytes: u64,
 }
 
-/// Asks archives. It blocks: it belongs on a thread that may wait.
+/// Client for archives. It blocks, so call it on a thread that may wait.
 #[derive(Debug, Clone)]
 pub struct Client {
     agent: Agent,
@@ -67,7 +67,11 @@ impl Client {
         let mut fields: Vec<&str> = OF_SERIES.into_iter().chain([search.tag()]).collect();
         fields.dedup();
         self.found(archive, "series", &search.parameters(), &fields, |entry| {
-            if search.holds(entry) { search.series(entry) } else { Err("it has films of others") }
+            if search.holds(entry) {
+                search.series(entry)
+            } else {
+                Err("an entry differs from the search")
+            }
         })
     }
 
@@ -84,7 +88,7 @@ impl Client {
         self.found(archive, &path, &[], &OF_FILM, |entry| film(of, entry))
     }
 
-    /// The DICOM file of a film (WADO-RS), in its own transfer syntax. Once it is read, [`FilmUid::check`] says whether it is that film.
+    /// The DICOM file of a film (WADO-RS), in its own transfer syntax. After reading it, call [`FilmUid::check`].
     ///
     /// # Errors
     /// [`DicomwebError`].
@@ -92,7 +96,7 @@ impl Client {
         let (study, series) = (of.series.study(), of.series.series());
         let path = format!("studies/{study}/series/{series}/instances/{}", of.instance());
         let Limits { film, film_bytes, .. } = self.limits;
-        // The head of the part comes on top of the film.
+        // The head of the part comes in addition to the film.
         let Answer { kind, body, .. } =
             self.get(archive, &path, &[], (DICOM, film, film_bytes + (1 << 16)))?;
         let bytes = only_part(&kind, body).map_err(|what| bad(archive, what))?;
@@ -110,7 +114,7 @@ impl Client {
         fields: &[&str],
         read: impl Fn(&serde_json::Value) -> Result<T, &'static str>,
     ) -> Result<Found<T>, DicomwebError> {
-        // One more than is shown says whether there is more.
+        // One more than is shown, to detect further entries.
         let most = (MAX_FOUND + 1).to_string();
         let fields = fields.iter().map(|field| ("includefield", *field));
         let query: Vec<(&str, &str)> =
@@ -135,7 +139,7 @@ impl Client {
     ) -> Result<Answer, DicomwebError> {
         let fail = |error: ureq::Error| failed(archive, &error, limit, limit_bytes);
         let mut request = self.agent.get(archive.address(path)).header("accept", accept);
-        // Escaped: what a user typed is a value and nothing else.
+        // Escaped: the user's input can only be a value.
         request = request.query_pairs(query.iter().copied());
         if let Some(login) = archive.login() {
             request = request.header("authorization", login);
@@ -155,12 +159,12 @@ impl Client {
 struct Answer {
     /// Its Content-Type.
     kind: String,
-    /// Whether the archive says that it has more than it answers.
+    /// Whether the archive has more entries than in its answer.
     has_more: bool,
     body: Vec<u8>,
 }
 
-/// Whether an answer is not all that there is: `Warning: 299` (PS3.18, 8.3.4.4), or an answer in part (206).
+/// Whether an answer is incomplete: `Warning: 299` (PS3.18, 8.3.4.4), or a partial answer (206).
 fn has_more(answer: &Response<Body>) -> bool {
     let warnings = answer.headers().get_all("warning").into_iter();
     let is_of_more = |value: &str| value.trim_start().starts_with("299");
@@ -202,7 +206,7 @@ fn failed(
         ureq::Error::Io(error) => {
             DicomwebError::Unreachable { archive: name, reason: error.kind().to_string() }
         }
-        _ => bad(archive, "it is no answer of HTTP"),
+        _ => bad(archive, "it is not an HTTP answer"),
     }
 }
 

@@ -4,7 +4,7 @@ use ureq::Error;
 use ureq::config::ConfigBuilder;
 use ureq::typestate::AgentScope;
 
-/// Whether `https://` addresses can be asked.
+/// Whether `https://` addresses are supported.
 pub const IS_BUILT: bool = cfg!(feature = "https");
 
 /// Trusts the certificates of the system.
@@ -19,7 +19,7 @@ pub fn trusting_the_system(config: ConfigBuilder<AgentScope>) -> ConfigBuilder<A
     )
 }
 
-/// Changes nothing: no address that needs it is taken.
+/// Changes nothing: addresses that need encryption are refused.
 #[cfg(not(feature = "https"))]
 pub const fn trusting_the_system(config: ConfigBuilder<AgentScope>) -> ConfigBuilder<AgentScope> {
     config
@@ -30,7 +30,7 @@ pub const fn trusting_the_system(config: ConfigBuilder<AgentScope>) -> ConfigBui
 pub fn is_fault(error: &Error) -> bool {
     match error {
         Error::Tls(_) | Error::TlsRequired | Error::Rustls(_) => true,
-        // What is found while a connection begins comes as an error of the connection.
+        // An error at the start of a connection is reported as an error of the connection.
         Error::Io(error) => error.get_ref().is_some_and(|inner| inner.is::<rustls::Error>()),
         _ => false,
     }

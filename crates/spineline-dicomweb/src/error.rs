@@ -1,4 +1,4 @@
-//! What can go wrong between this program and a DICOMweb archive. No message quotes an answer or a searched value.
+//! Errors between this program and a DICOMweb archive. Messages never quote an answer or a searched value.
 
 use std::time::Duration;
 
@@ -22,7 +22,7 @@ pub enum DicomwebError {
         /// The limit.
         limit: Duration,
     },
-    /// It refused the login of this program.
+    /// It refused the login.
     #[error("the archive `{archive}` refuses the login of this program (HTTP {status})")]
     Login {
         /// The archive.
@@ -30,7 +30,7 @@ pub enum DicomwebError {
         /// 401 or 403.
         status: u16,
     },
-    /// It has no such film.
+    /// It does not have the film.
     #[error("the archive `{archive}` does not have this film")]
     NotFound {
         /// The archive.
@@ -62,9 +62,9 @@ pub enum DicomwebError {
         /// The limit.
         limit_bytes: u64,
     },
-    /// It answered with another film than the one that was asked for.
+    /// It answered with another film than requested.
     #[error(
-        "the archive `{archive}` answered with another film: its {attribute} is {}, and that of the film asked for {asked}",
+        "the archive `{archive}` answered with another film: its {attribute} is {} instead of {asked}",
         found.as_deref().unwrap_or("not stated")
     )]
     OtherFilm {
@@ -72,9 +72,9 @@ pub enum DicomwebError {
         archive: String,
         /// Name of the attribute that differs.
         attribute: &'static str,
-        /// UID of the film that was asked for.
+        /// UID of the requested film.
         asked: String,
-        /// UID of the film that came; `None` where it states none.
+        /// UID of the received film; `None` if it is not stated.
         found: Option<String>,
     },
     /// It answered with a film of another patient than the search found.
@@ -87,12 +87,12 @@ pub enum DicomwebError {
         /// SOP Instance UID of the film.
         instance: String,
     },
-    /// The answer is none of DICOMweb.
+    /// Not a DICOMweb answer.
     #[error("the answer of the archive `{archive}` cannot be read: {what}")]
     BadAnswer {
         /// The archive.
         archive: String,
-        /// What is wrong with it.
+        /// The error in the answer.
         what: &'static str,
     },
 }
@@ -103,7 +103,7 @@ impl DicomwebError {
     pub const fn help(&self) -> &'static str {
         match self {
             Self::Unreachable { .. } | Self::TooSlow { .. } => {
-                "try again; if it stays so, an administrator checks the address and the network"
+                "try again; if the error remains, an administrator checks the address and the network"
             }
             Self::Login { .. } => {
                 "an administrator checks the login that `spineline serve` was given"
@@ -113,7 +113,7 @@ impl DicomwebError {
                 "an administrator gives `spineline serve` the address to which the archive redirects"
             }
             Self::Refused { .. } | Self::BadAnswer { .. } => {
-                "an administrator checks that the address is that of the DICOMweb service (QIDO-RS and WADO-RS)"
+                "an administrator checks that the address belongs to the DICOMweb service (QIDO-RS and WADO-RS)"
             }
             Self::OtherFilm { .. } | Self::OtherPatient { .. } => {
                 "do not use this film: an administrator checks the archive, whose index and files contradict one another"

@@ -1,9 +1,10 @@
 //! Films from image archives that speak DICOMweb: search by QIDO-RS, one film by WADO-RS.
 //!
-//! An [`Archive`] comes from the command line of an administrator. What a user types is a value to search for or a UID of an
-//! answer, never an address: it reaches an archive as an escaped value or as digits and dots alone. Answers have limits of size
-//! and time ([`Limits`]); redirects, proxies of the environment and addresses within answers are not followed. A search answers
-//! without names and dates of birth, even where the archive sends them. Encrypted connections need the feature `https`.
+//! An [`Archive`] comes from the command line of an administrator. Users only enter values to search for and choose
+//! UIDs from answers, never addresses: their input reaches an archive as an escaped value, or as digits and dots.
+//! Answers have limits of size and time ([`Limits`]); redirects, proxies of the environment and addresses within
+//! answers are not followed. A search answers without names and dates of birth, even if the archive sends them.
+//! Encrypted connections need the feature `https`.
 //!
 //! ```
 //! use spineline_dicomweb::{Archive, ArchiveFault};

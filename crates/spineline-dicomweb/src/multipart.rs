@@ -2,10 +2,10 @@
 
 use memchr::memmem;
 
-/// The content of the first part, of which there must be one only.
+/// The content of the first part, which must be the only one.
 ///
 /// # Errors
-/// What is wrong with the answer.
+/// The error in the answer.
 pub(crate) fn only_part(content_type: &str, body: Vec<u8>) -> Result<Vec<u8>, &'static str> {
     let kind = content_type.split(';').next().unwrap_or_default().trim().to_ascii_lowercase();
     if kind == "application/dicom" {
@@ -21,7 +21,7 @@ pub(crate) fn only_part(content_type: &str, body: Vec<u8>) -> Result<Vec<u8>, &'
     let head = start + opening.len();
     let blank = memmem::find(&body[head..], b"\r\n\r\n").ok_or("its first part has no content")?;
     let content = head + blank + 4;
-    let length = memmem::find(&body[content..], closing.as_bytes()).ok_or("it broke off")?;
+    let length = memmem::find(&body[content..], closing.as_bytes()).ok_or("it is incomplete")?;
     let rest = &body[content + length + closing.len()..];
     if !rest.starts_with(b"--") {
         return Err("it has more than one film");

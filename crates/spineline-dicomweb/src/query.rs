@@ -1,4 +1,4 @@
-//! What is searched for, and what is found.
+//! Searches and their results.
 
 use serde_json::Value;
 
@@ -6,12 +6,12 @@ use crate::answer::{self, Attributes};
 use crate::archive::Archive;
 use crate::error::DicomwebError;
 
-/// Longest value of the attributes that can be searched for (LO, SH and UI have at most 64 characters).
+/// Maximum length of a searched value (LO, SH and UI have at most 64 characters).
 const MAX_VALUE: usize = 64;
-/// Most entries of a list.
+/// Maximum number of entries of a list.
 pub(crate) const MAX_FOUND: usize = 100;
 
-/// By what films are found: values that name one patient or one order, so that nobody looks through an archive.
+/// Keys of a search: values that name one patient or one order, so that users cannot browse an archive.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum SearchKey {
     /// Patient ID (0010,0020).
@@ -46,7 +46,7 @@ impl std::fmt::Debug for Search {
     }
 }
 
-/// A value that cannot be searched for.
+/// An invalid search.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum BadQuery {
@@ -57,7 +57,7 @@ pub enum BadQuery {
         length: usize,
     },
     /// A wildcard, a list or a control character.
-    #[error("the value has a character that no identifier has (* ? \\ or a control character)")]
+    #[error("the value has a character that is not allowed (* ? \\ or a control character)")]
     Character,
     /// Not a date.
     #[error("the date is not of the form YYYY-MM-DD")]
@@ -98,7 +98,7 @@ impl Search {
         Ok(Self { key, value: value.to_owned(), day: None })
     }
 
-    /// Of one day only, as `YYYY-MM-DD`.
+    /// Limits the search to one day, as `YYYY-MM-DD`.
     ///
     /// # Errors
     /// [`BadQuery::Day`].
@@ -116,13 +116,13 @@ impl Search {
         [(self.key.attribute().0, &self.value[..])].into_iter().chain(day).collect()
     }
 
-    /// The tag that is searched for, which an answer should have.
+    /// The tag of the key, which an answer should have.
     pub(crate) const fn tag(&self) -> &'static str {
         self.key.attribute().1
     }
 
-    /// Whether an entry is of what was searched for. Archives that do not know a parameter answer with everything; an entry
-    /// without the attribute cannot be judged.
+    /// Whether an entry matches the search. Archives that do not know a parameter return everything; an entry without
+    /// the attribute is accepted.
     pub(crate) fn holds(&self, entry: &Value) -> bool {
         let stated = Attributes(entry).text(self.tag());
         let day = Attributes(entry).text(answer::STUDY_DATE);
@@ -130,7 +130,7 @@ impl Search {
             && day.zip(self.day.as_ref()).is_none_or(|(stated, asked)| stated == *asked)
     }
 
-    /// A series of an answer; its patient is the one searched for where the entry does not state it.
+    /// A series of an answer; the searched patient is used if the entry does not state one.
     pub(crate) fn series(&self, entry: &Value) -> Result<SeriesFound, &'static str> {
         let by_search = (self.key == SearchKey::PatientId).then(|| self.value.clone());
         let stated = Attributes(entry).text(answer::PATIENT_ID);
@@ -138,7 +138,7 @@ impl Search {
     }
 }
 
-/// A Patient ID (0010,0020). It is compared with that of a file, and never shown.
+/// A Patient ID (0010,0020). It is only compared with a file's, and never shown.
 #[derive(Clone, PartialEq, Eq)]
 pub struct PatientId(String);
 
@@ -157,7 +157,7 @@ impl std::fmt::Debug for PatientId {
     }
 }
 
-/// A UID, if it is one: it becomes part of a path.
+/// Checks that a text is a UID, because it becomes part of a path.
 fn checked(uid: &str) -> Result<(), BadQuery> {
     let good = !uid.is_empty()
         && uid.len() <= MAX_VALUE
@@ -221,7 +221,7 @@ impl FilmUid {
         &self.instance
     }
 
-    /// Refuses a file of an archive that is not this film.
+    /// Refuses a file from an archive that is not this film.
     ///
     /// # Errors
     /// [`DicomwebError::OtherFilm`] with the first UID that differs or is not stated.
@@ -252,7 +252,7 @@ impl FilmUid {
     }
 }
 
-/// Entries of an answer, and whether there is more.
+/// Entries of an answer, and whether the archive has more.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Found<T> {
     /// At most a hundred.
@@ -272,7 +272,7 @@ pub struct StatedUids<'a> {
     pub instance: Option<&'a str>,
 }
 
-/// A series, with the patient for comparison alone.
+/// A series, with the patient only for comparison.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct SeriesFound {
     /// Its UIDs.
@@ -281,13 +281,13 @@ pub struct SeriesFound {
     pub date: Option<String>,
     /// Modality, such as `DX`.
     pub modality: Option<String>,
-    /// Study Description and Series Description, as they are there; free text of the archive.
+    /// Study Description and Series Description, unchanged; free text of the archive.
     pub description: Option<String>,
     /// Body Part Examined.
     pub body_part: Option<String>,
     /// Number of its films.
     pub films: Option<u32>,
-    /// Patient of the series, as the archive states it or as was searched for.
+    /// Patient of the series, from the archive or from the search.
     pub patient: Option<PatientId>,
 }
 
@@ -306,7 +306,7 @@ pub struct FilmFound {
     pub view: Option<String>,
 }
 
-/// Attributes of a series that an answer should have.
+/// Attributes of a series to request.
 pub(crate) const OF_SERIES: [&str; 7] = [
     answer::STUDY_DATE,
     answer::MODALITY,
@@ -316,12 +316,12 @@ pub(crate) const OF_SERIES: [&str; 7] = [
     answer::SERIES_INSTANCES,
     answer::PATIENT_ID,
 ];
-/// Attributes of a film that an answer should have.
+/// Attributes of a film to request.
 pub(crate) const OF_FILM: [&str; 4] =
     [answer::INSTANCE_NUMBER, answer::COLUMNS, answer::ROWS, answer::VIEW_POSITION];
 
 /// # Errors
-/// What is wrong with the entry.
+/// The error in the entry.
 pub(crate) fn series(entry: &Value) -> Result<SeriesFound, &'static str> {
     let of = Attributes(entry);
     let uid = SeriesUid::new(&of.uid(answer::STUDY_UID)?, &of.uid(answer::SERIES_UID)?);
@@ -329,7 +329,7 @@ pub(crate) fn series(entry: &Value) -> Result<SeriesFound, &'static str> {
     let mut texts: Vec<String> = descriptions.iter().filter_map(|tag| of.text(tag)).collect();
     texts.dedup();
     Ok(SeriesFound {
-        uid: uid.map_err(|_| "a UID is no UID")?,
+        uid: uid.map_err(|_| "a UID is invalid")?,
         date: of.text(answer::STUDY_DATE).and_then(|date| day(&date)),
         modality: of.text(answer::MODALITY),
         description: Some(texts.join(", ")).filter(|text| !text.is_empty()),
@@ -340,7 +340,7 @@ pub(crate) fn series(entry: &Value) -> Result<SeriesFound, &'static str> {
 }
 
 /// # Errors
-/// What is wrong with the entry.
+/// The error in the entry.
 pub(crate) fn film(of_series: &SeriesUid, entry: &Value) -> Result<FilmFound, &'static str> {
     let of = Attributes(entry);
     let asked = [(answer::STUDY_UID, of_series.study()), (answer::SERIES_UID, of_series.series())];
@@ -349,7 +349,7 @@ pub(crate) fn film(of_series: &SeriesUid, entry: &Value) -> Result<FilmFound, &'
     }
     let uid = FilmUid::new(of_series.clone(), &of.uid(answer::INSTANCE_UID)?);
     Ok(FilmFound {
-        uid: uid.map_err(|_| "a UID is no UID")?,
+        uid: uid.map_err(|_| "a UID is invalid")?,
         number: of.count(answer::INSTANCE_NUMBER),
         columns: of.count(answer::COLUMNS),
         rows: of.count(answer::ROWS),

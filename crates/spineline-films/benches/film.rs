@@ -49,7 +49,7 @@ fn films(c: &mut Criterion) {
         ),
         ("jpeg_ls".to_owned(), with(jpeg_ls(COLUMNS, ROWS, 12, &pixels)).file(JPEG_LS)),
     ];
-    // There is no JPEG 2000 encoder here; a real film of 3.1 megapixels stands for it.
+    // JPEG 2000 cannot be encoded here, so a real film of 3.1 megapixels is used.
     if let Some(data) = std::env::var_os("SPINELINE_DATA") {
         for name in ["RG3_J2KR", "RG3_J2KI", "RG3_JPLL", "RG3_JLSL"] {
             let path = std::path::Path::new(&data).join(format!("dicom-samples/wg04/{name}.dcm"));

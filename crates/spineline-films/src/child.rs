@@ -132,7 +132,7 @@ fn await_answer(
     }
 }
 
-/// Reads a pipe to its end, or to a limit, in a thread of its own.
+/// Reads a pipe to its end, or to a limit, in a separate thread.
 fn drain(pipe: Option<impl Read + Send + 'static>, limit: u64) -> mpsc::Receiver<Vec<u8>> {
     let (send, receive) = mpsc::channel();
     thread::spawn(move || {
@@ -169,7 +169,7 @@ fn end(child: &mut Child) {
 }
 
 fn death(status: ExitStatus, complaint: &[u8], limits: &ChildLimits) -> FilmError {
-    // What Rust's allocator says before it aborts.
+    // Rust's allocator writes this before it aborts.
     let phrase = b"memory allocation of";
     if complaint.windows(phrase.len()).any(|window| window == phrase) {
         return FilmError::DecoderMemory { limit_bytes: limits.memory_bytes };
@@ -251,7 +251,7 @@ fn cap(limits: &ChildLimits) -> io::Result<()> {
 
 #[cfg(not(unix))]
 fn cap(_limits: &ChildLimits) -> io::Result<()> {
-    // The parent's clock and the limits of the film are what is left.
+    // Only the parent's clock and the limits of the film apply here.
     Ok(())
 }
 

@@ -80,7 +80,7 @@ pub(super) struct Container<'a> {
     pub remarks: Vec<FilmRemark>,
 }
 
-/// Which kind of film this is.
+/// The kind of a film by its first bytes.
 ///
 /// # Errors
 /// [`FilmError::NotAFilm`].
@@ -88,7 +88,7 @@ pub fn sniff(bytes: &[u8]) -> Result<FilmKind, FilmError> {
     let at = |offset: usize, magic: &[u8]| {
         bytes.get(offset..).is_some_and(|rest| rest.starts_with(magic))
     };
-    // A DICOM file may carry another one's header in its preamble: DICOM goes first.
+    // A DICOM file may have another format's header in its preamble, so DICOM is checked first.
     if at(128, b"DICM") {
         return Ok(FilmKind::Dicom);
     }

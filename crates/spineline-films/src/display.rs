@@ -6,7 +6,7 @@ use super::lookup::{ModalityTransform, Voi, Window, WindowFunction};
 use super::pixels::little_endian;
 use super::{FilmFile, Photometric, StoredPixels};
 
-/// A picture that is ready for the screen.
+/// A picture for the screen.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Display {
     /// Pixels in a row.
@@ -18,7 +18,8 @@ pub struct Display {
 }
 
 impl Display {
-    /// A small picture of so many rows, with square pixels; `pixel_aspect` is the height of a pixel here over its width.
+    /// A small picture with this number of rows and square pixels; `pixel_aspect` is the height of a pixel here over
+    /// its width.
     ///
     /// # Panics
     /// If there are not as many pixels as `columns` by `rows`.
@@ -29,13 +30,13 @@ impl Display {
             .expect("pixels fill the picture");
         let shape = f64::from(self.columns) / (f64::from(self.rows) * pixel_aspect);
         let columns = (f64::from(rows) * shape).round().clamp(1.0, 4.0 * f64::from(rows)) as u32;
-        // No spacing may make it empty.
+        // Extreme spacings must not make it empty.
         let columns = columns.max(1);
         let small = image::imageops::thumbnail(&picture, columns, rows);
         Self { columns, rows, grey: small.into_raw() }
     }
 
-    /// The picture as a PNG file with nothing but pixels.
+    /// The picture as a PNG file with only its pixels.
     ///
     /// # Panics
     /// If there are not as many pixels as `columns` by `rows`.
@@ -51,8 +52,8 @@ impl Display {
 
 /// Values for a viewer that sets window and level by itself. Greater is brighter, whatever the file's polarity.
 ///
-/// A value stands for `modality_offset + modality_step · value` of the device, so a window with centre `c` and width `w`
-/// is one with centre `(c - modality_offset) / modality_step` and width `w / |modality_step|` here.
+/// A value corresponds to `modality_offset + modality_step · value` of the device, so a window with centre `c` and
+/// width `w` has centre `(c - modality_offset) / modality_step` and width `w / |modality_step|` here.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ScreenValues {
     /// Pixels in a row.
@@ -67,10 +68,10 @@ pub struct ScreenValues {
     pub modality_step: f64,
     /// Brightness of every value from 0 to the largest one, by the file's table or window.
     pub default_grey: Vec<u8>,
-    /// Centre and width of the file's own window in these values; for a table, of the values that it does not show as
-    /// black or as white.
+    /// Centre and width of the file's default window in these values; for a table, of the values between black and
+    /// white.
     pub default_window: [f64; 2],
-    /// The same of all tables and windows of the file, in its order; empty where it has none.
+    /// All windows and tables of the file in these values, in its order; may be empty.
     pub file_windows: Vec<[f64; 2]>,
 }
 
@@ -89,8 +90,8 @@ impl ScreenValues {
 }
 
 impl FilmFile {
-    /// Whether small values are bright. Photometric interpretation decides; a Presentation LUT Shape that says the same
-    /// does not invert once more, and one that contradicts it has a remark.
+    /// Whether small values are bright. Photometric interpretation decides; a Presentation LUT Shape that agrees does
+    /// not invert again, and one that contradicts it gives a remark.
     #[must_use]
     pub fn is_inverted(&self) -> bool {
         self.tags.photometric == Photometric::Monochrome1
@@ -110,7 +111,7 @@ impl FilmFile {
         let (mut low, mut high) = self.stored.range();
         if is_padding(low) || is_padding(high) {
             let within = || self.stored.iter().filter(|&value| !is_padding(value));
-            // A picture of padding alone keeps its own range.
+            // A picture of padding only keeps its range.
             low = within().min().unwrap_or(low);
             high = within().max().unwrap_or(high);
         }
@@ -123,10 +124,10 @@ impl FilmFile {
         Window { center: f64::midpoint(low, high), width, function: WindowFunction::LinearExact }
     }
 
-    /// The picture as the standard orders it: modality, values of interest, polarity.
+    /// The picture by the standard's pipeline: modality, values of interest, polarity.
     ///
-    /// `window` is used instead of the file's own where it is given and valid; `inverted` turns black and white around
-    /// once more, for display, and for devices that state a wrong polarity.
+    /// A valid `window` replaces the file's; `inverted` exchanges black and white once more, for display, and for
+    /// devices that state a wrong polarity.
     #[must_use]
     pub fn display(&self, window: Option<&Window>, inverted: bool) -> Display {
         let voi = match window.filter(|window| window.is_valid()) {
@@ -153,7 +154,7 @@ impl FilmFile {
             ModalityTransform::Rescale { slope, .. } => (*slope > 0.0) != invert,
             ModalityTransform::Lut(_) => !invert,
         };
-        // Stored values and those of a table are whole numbers: both need no rounding.
+        // Stored values and table entries are whole numbers, so rounding is not needed.
         let whole: Vec<i32> = (low..=high)
             .map(|stored| match modality {
                 ModalityTransform::Rescale { .. } => stored,
@@ -205,7 +206,7 @@ impl FilmFile {
     }
 }
 
-/// Centre and width of what lies between black and white.
+/// Centre and width of the values between black and white.
 fn span(grey: &[u8]) -> [f64; 2] {
     let low = grey.iter().position(|&value| value > 0).unwrap_or(0);
     let high = grey.iter().rposition(|&value| value < u8::MAX).unwrap_or(grey.len());
@@ -218,7 +219,7 @@ fn grey(voi: &Voi, value: f64, invert: bool) -> u8 {
     let part = match voi {
         Voi::Window(window) => window.apply(value),
         Voi::Lut(lut) => {
-            // The cast saturates; no table reaches beyond 17 bits.
+            // The cast saturates; tables have at most 17 bits.
             let top = f64::from((1_u32 << lut.bits) - 1);
             (f64::from(lut.apply(value.round() as i32)) / top).min(1.0)
         }

@@ -12,7 +12,7 @@ use super::error::{ElementFault, FilmError, Place};
 use super::scan::{Encoding, Native, Scan, scan};
 use super::{Attribute, FilmLimits, FilmRemark};
 
-/// A data set: all of it but uncompressed pixels, which stay where they are, and unused elements.
+/// A data set without uncompressed pixels, which stay in the file, and without unused elements.
 pub(super) struct DataSet<'a> {
     pub object: InMemDicomObject,
     pub native: Option<Native<'a>>,
@@ -30,7 +30,7 @@ pub(super) fn parse<'a>(
     read(scan, encoding)
 }
 
-/// Reads the leading elements of group 0002, and says where they end.
+/// Reads the leading elements of group 0002; returns where they end.
 pub(super) fn parse_meta<'a>(
     data: &'a [u8],
     limits: &FilmLimits,
@@ -53,13 +53,13 @@ fn read(scan: Scan<'_>, encoding: Encoding) -> Result<DataSet<'_>, FilmError> {
     let bytes = parts.concat();
     ensure_memory(bytes.len());
     let read = || InMemDicomObject::read_dataset_with_ts(&bytes[..], &syntax);
-    // Its words may quote the file.
+    // The error's text may quote the file.
     let object = foreign(read).map_err(|_| FilmError::DataSet)?;
     Ok(DataSet { object, native, left_out })
 }
 
 impl DataSet<'_> {
-    /// Whether the file has no such element.
+    /// Whether the file lacks this element.
     pub fn is_without(&self, attribute: Attribute) -> bool {
         self.object.get(attribute.into()).is_none() && !self.left_out.contains(&attribute)
     }
@@ -93,7 +93,7 @@ pub(super) trait Attributes {
         match self.primitive(attribute)?.1 {
             PrimitiveValue::U16(words) => Some(words.to_vec()),
             PrimitiveValue::I16(words) => Some(words.iter().map(|w| w.cast_unsigned()).collect()),
-            // Unknown ones are little endian.
+            // Unknown value representations are little endian.
             PrimitiveValue::U8(bytes) => Some(
                 bytes.as_chunks::<2>().0.iter().map(|&pair| u16::from_le_bytes(pair)).collect(),
             ),
@@ -101,10 +101,10 @@ pub(super) trait Attributes {
         }
     }
 
-    /// The one 16-bit value of an attribute.
+    /// The single 16-bit value of an attribute.
     ///
     /// # Errors
-    /// [`FilmError::Element`] if it is there and is something else.
+    /// [`FilmError::Element`] for another value.
     fn word(&self, attribute: Attribute) -> Result<Option<u16>, FilmError> {
         let wrong = FilmError::Element { attribute, fault: ElementFault::Value };
         match self.primitive(attribute) {
@@ -152,15 +152,15 @@ fn text(value: &PrimitiveValue) -> Option<String> {
     }
 }
 
-/// A decimal string: digits, sign, point and exponent of ten. A comma, a text, or an overflow is none.
+/// A decimal string: digits, sign, point and exponent of ten. Commas, texts and overflows are refused.
 pub(super) fn decimal(text: &str) -> Option<f64> {
     let text = text.trim_matches(|c: char| c == ' ' || c == '\0');
     let plain = text.bytes().all(|b| b.is_ascii_digit() || b"+-.eE".contains(&b));
-    // Not `inf` nor `nan`, which Rust would read.
+    // Rust would also read `inf` and `nan`.
     text.parse::<f64>().ok().filter(|value| plain && value.is_finite())
 }
 
-/// One number; a remark if there is something else.
+/// One number; a remark for any other value.
 pub(super) fn number(
     data: &InMemDicomObject,
     attribute: Attribute,
@@ -175,7 +175,7 @@ pub(super) fn number(
     })
 }
 
-/// All numbers of an attribute; a remark if one of them is none.
+/// All numbers of an attribute; a remark if a value is not a number.
 pub(super) fn numbers(
     data: &InMemDicomObject,
     attribute: Attribute,

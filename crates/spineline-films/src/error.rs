@@ -8,13 +8,13 @@ use super::Attribute;
 pub enum Lookalike {
     /// No bytes at all.
     Empty,
-    /// A ZIP archive, or a document that is one inside.
+    /// A ZIP archive, or a document with that format.
     Zip,
     /// A gzip archive.
     Gzip,
     /// A PDF document.
     Pdf,
-    /// A HEIC or AVIF photograph, or a film in the cinema's sense.
+    /// A HEIC or AVIF photograph, or a video.
     Heic,
     /// A GIF picture.
     Gif,
@@ -76,7 +76,7 @@ impl std::fmt::Display for Codec {
     }
 }
 
-/// Errors of compressed pixels. The message of a decoding library is never passed on, because it may quote the file.
+/// Errors of compressed pixels. The message of a decoding library is never shown, because it may quote the file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[non_exhaustive]
 pub enum CodecFault {
@@ -91,7 +91,7 @@ pub enum CodecFault {
         /// Columns and Rows of the data set.
         stated: [u32; 2],
     },
-    /// A number of bits per sample that the data set's cannot hold, or that is not supported.
+    /// More bits per sample than the data set declares, or an unsupported number.
     Precision {
         /// Bits of the compressed picture.
         bits: u8,
@@ -101,7 +101,7 @@ pub enum CodecFault {
         /// Bits of the compressed picture.
         bits: u8,
     },
-    /// A number of components other than what the data set says.
+    /// Another number of components than the data set states.
     Components {
         /// Components of the compressed picture.
         count: u16,
@@ -168,7 +168,7 @@ pub enum FilmError {
         /// Where.
         place: Place,
     },
-    /// An element that claims more bytes than there are.
+    /// An element that claims more bytes than the file has.
     #[error(
         "{attribute} declares {length} bytes, but only {remaining} are left: the file is truncated or damaged"
     )]
@@ -204,7 +204,7 @@ pub enum FilmError {
         modality: Option<String>,
     },
     /// A data set without a picture.
-    #[error("there is no picture: {missing} is missing")]
+    #[error("the file has no picture: {missing} is missing")]
     NoPixels {
         /// What is missing.
         missing: Attribute,
@@ -215,7 +215,7 @@ pub enum FilmError {
         /// How many; 0 if the value is damaged.
         frames: u32,
     },
-    /// Colours that are no grey.
+    /// Colour, where grey is needed.
     #[error("{photometric}")]
     Photometric {
         /// What it is.
@@ -237,7 +237,7 @@ pub enum FilmError {
         /// Actual size.
         found: u64,
     },
-    /// Compressed pixels that cannot be undone.
+    /// Compressed pixels that cannot be decoded.
     #[error("the {codec} pixels cannot be decoded: {fault}")]
     Codec {
         /// How they are compressed.
@@ -245,7 +245,8 @@ pub enum FilmError {
         /// Why.
         fault: CodecFault,
     },
-    /// Compressed pixels with values beyond Bits Stored, where a text may hide that de-identification cannot take out without another picture.
+    /// Compressed pixels with values beyond Bits Stored, where text may hide that de-identification cannot remove
+    /// without changing the picture.
     #[error(
         "some pixel values exceed the {bits_stored} bits that Bits Stored (0028,0101) declares; text may be hidden in the bits above"
     )]
@@ -253,8 +254,8 @@ pub enum FilmError {
         /// Declared bits.
         bits_stored: u8,
     },
-    /// The case identifier of a de-identified film has other characters than letters, digits, dot, dash, underscore,
-    /// or more than 64 of them.
+    /// The case identifier of a de-identified film has characters other than letters, digits, dot, dash and
+    /// underscore, or more than 64 characters.
     #[error("the case identifier must be 1 to 64 letters, digits, dots, dashes or underscores")]
     CaseId,
     /// The decoder could not be started.
@@ -341,13 +342,13 @@ impl std::fmt::Display for Place {
 #[allow(missing_docs)]
 #[non_exhaustive]
 pub enum ElementFault {
-    /// Its value representation is no pair of capital letters.
+    /// Its value representation is not a pair of capital letters.
     ValueRepresentation,
-    /// An undefined length where there may be none.
+    /// An undefined length where the standard requires a length.
     UndefinedLength,
-    /// Something else than an item inside of a sequence.
+    /// A sequence contains an element that is not an item.
     NotAnItem,
-    /// A value of another type or length than the standard gives it.
+    /// A value of another type or length than in the standard.
     Value,
 }
 

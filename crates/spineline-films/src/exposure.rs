@@ -1,4 +1,4 @@
-//! Whether two films were exposed together, as biplanar scanners do, by what their files state.
+//! Whether two films were exposed together, as biplanar scanners do, by their files.
 
 use std::fmt;
 use std::hash::{DefaultHasher, Hash, Hasher};
@@ -14,12 +14,12 @@ const ACQUISITION_TIME: Attribute = Attribute(0x0008, 0x0032);
 const ACQUISITION_DATE_TIME: Attribute = Attribute(0x0008, 0x002A);
 const FRAME_OF_REFERENCE: Attribute = Attribute(0x0020, 0x0052);
 
-/// Acquisitions that differ by no more are one: nobody turns by a right angle in so short a time (assumption).
+/// Acquisitions within this time are one: patients cannot turn by a right angle so fast (assumption).
 const TOGETHER_S: f64 = 2.0;
-/// Acquisitions that differ by more are two: a scan of a whole spine takes less (assumption).
+/// Acquisitions farther apart are two: a scan of a whole spine takes less (assumption).
 const APART_S: f64 = 30.0;
 
-/// When and in which frame a film was acquired, as far as two files can be compared by it. Never written to a file.
+/// Time and frame of an acquisition, only for comparison of two files. Never written to a file.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub struct ExposureMarks {
     /// Hash of the Frame of Reference UID (0020,0052).
@@ -28,14 +28,14 @@ pub struct ExposureMarks {
     acquired: Option<(u64, f64)>,
 }
 
-/// What two files say of their exposures.
+/// Relation of two exposures by their files.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Exposures {
     /// One exposure: the files share a frame of reference.
     OneFrame,
-    /// One exposure: they were acquired so many seconds apart.
+    /// One exposure: the acquisitions are this many seconds apart.
     AtOnce(f64),
-    /// Two exposures, so many seconds apart, or on different days.
+    /// Two exposures, this many seconds apart, or on different days.
     Apart(Option<f64>),
     /// The files do not say.
     NotStated,
@@ -73,11 +73,11 @@ impl ExposureMarks {
         Self { frame, acquired: acquired(data) }
     }
 
-    /// What these two files say of their exposures. Times that are far apart go before a shared frame of reference.
+    /// Compares the exposures of two files. Distant times take precedence over a shared frame of reference.
     ///
     /// ```
     /// use spineline_films::{ExposureMarks, Exposures};
-    /// // Pictures without a DICOM header say nothing.
+    /// Pictures without a DICOM header state nothing.
     /// assert_eq!(ExposureMarks::default().with(&ExposureMarks::default()), Exposures::NotStated);
     /// ```
     #[must_use]
@@ -97,7 +97,7 @@ impl ExposureMarks {
     }
 }
 
-/// Day and time of the acquisition. Midnight is what de-identification leaves of a time, and counts as none.
+/// Day and time of the acquisition. De-identification leaves midnight as the time, so midnight counts as missing.
 fn acquired(data: &InMemDicomObject) -> Option<(u64, f64)> {
     let both = data.text(ACQUISITION_DATE_TIME).and_then(|text| {
         let (day, time) = text.split_at_checked(8)?;
@@ -109,7 +109,7 @@ fn acquired(data: &InMemDicomObject) -> Option<(u64, f64)> {
     Some((hash(&day), seconds))
 }
 
-/// Seconds from midnight of `HHMMSS.FFFFFF`; hours and minutes alone are too coarse.
+/// Seconds from midnight of `HHMMSS.FFFFFF`; hours and minutes alone are not enough.
 fn seconds(text: &str) -> Option<f64> {
     let (hours, rest) = text.split_at_checked(2)?;
     let (minutes, seconds) = rest.split_at_checked(2)?;

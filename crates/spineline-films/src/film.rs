@@ -23,7 +23,7 @@ pub enum Photometric {
 }
 
 impl Photometric {
-    /// The name used in DICOM, or a word for what has none.
+    /// The DICOM name, or a word for a missing one.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
@@ -59,8 +59,8 @@ pub enum PresentationShape {
     Inverse,
 }
 
-/// Identifiers that a report needs to point at its film. They are unique to the film without a name:
-/// [`deidentify`](super::deidentify) exchanges them.
+/// Identifiers with which a report refers to its film. They are unique to the film and contain no
+/// name: [`deidentify`](super::deidentify) exchanges them.
 #[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct FilmUids {
     /// SOP Class UID (0008,0016).
@@ -86,7 +86,7 @@ pub struct FilmTags {
     pub view: ViewEvidence,
     /// Which values are bright.
     pub photometric: Photometric,
-    /// The same once more, for presentation.
+    /// Presentation LUT Shape, which states the polarity again.
     pub presentation_lut_shape: Option<PresentationShape>,
     /// Burned In Annotation (0028,0301), where it is stated.
     pub burned_in_annotation: Option<bool>,
@@ -124,7 +124,7 @@ impl StoredPixels {
         }
     }
 
-    /// Whether there are none; never so in a [`FilmFile`].
+    /// Whether it has no pixels; never true in a [`FilmFile`].
     #[must_use]
     pub const fn is_empty(&self) -> bool {
         self.len() == 0
@@ -139,7 +139,7 @@ impl StoredPixels {
         unsigned.iter().map(|&v| i32::from(v)).chain(signed.iter().map(|&v| i32::from(v)))
     }
 
-    /// Smallest and largest value; `(0, 0)` if there are none.
+    /// Smallest and largest value; `(0, 0)` without pixels.
     #[must_use]
     pub fn range(&self) -> (i32, i32) {
         fn of<T: Copy + Ord + Into<i32>>(values: &[T]) -> (i32, i32) {
@@ -154,15 +154,15 @@ impl StoredPixels {
 }
 
 impl FilmFile {
-    /// SHA-256 of size and stored values, in hexadecimal: equal for the same picture in two files, however each is
-    /// compressed. Another depth of grey, window, polarity or direction makes it another picture.
+    /// SHA-256 of size and stored values, in hexadecimal: equal for the same picture in two files with any
+    /// compression. Another bit depth, window, polarity or direction gives another picture.
     #[must_use]
     pub fn picture_sha256(&self) -> String {
         let mut digest = Sha256::new();
         for side in [self.columns, self.rows] {
             digest.update(side.to_le_bytes());
         }
-        // Row by row, so that a large film is not held twice.
+        // Row by row, so that memory does not hold a large film twice.
         let columns = self.columns.max(1) as usize;
         let mut values = self.stored.iter().peekable();
         while values.peek().is_some() {

@@ -1,6 +1,6 @@
 use serde::{Deserialize, Serialize};
 
-/// What kind of file a film came from.
+/// File format of a film.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[allow(missing_docs)]
 pub enum FilmKind {

@@ -1,13 +1,13 @@
 //! Radiographs: DICOM, PNG, JPEG and TIFF files in, exact pixels and the evidence for spacing and view out.
 //!
-//! [`read_film`] trusts nothing that a file says of itself: each length is checked against the bytes that are there, each
-//! size against [`FilmLimits`] and against the header of the compressed picture, before anything is allocated. It runs
-//! in the caller's process; [`decode_in_child`] runs it in another one that has caps on memory and time and may die.
-//! A [`FilmFile`] holds no name, number or date of a patient, and no error or remark quotes the file.
+//! [`read_film`] does not trust a file: each length is checked against the bytes of the file, and each size against
+//! [`FilmLimits`] and the header of the compressed picture, before allocation. It runs in the caller's process;
+//! [`decode_in_child`] runs it in another process with limits of memory and time, which may crash. A [`FilmFile`]
+//! contains no name, number or date of a patient, and no error or remark quotes the file.
 //!
 //! Grey values go through the pipeline of DICOM PS3.4, annex N: modality table or rescale, then table or window of
-//! interest, then polarity ([`FilmFile::display`]). What a spacing is worth is judged by
-//! [`spineline_marking::judge_spacing`], what has to be asked about a view by [`spineline_marking::judge_view`].
+//! interest, then polarity ([`FilmFile::display`]). [`spineline_marking::judge_spacing`] judges a spacing, and
+//! [`spineline_marking::judge_view`] finds open questions about a view.
 //!
 //! [`intake`] finds films in folders and archives.
 //!

@@ -1,6 +1,6 @@
 use serde::{Deserialize, Serialize};
 
-/// Limits of a film. Every limit is checked before anything of that size is allocated.
+/// Limits of a film. Every limit is checked before memory of that size is allocated.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct FilmLimits {
@@ -12,7 +12,7 @@ pub struct FilmLimits {
     pub pixels: u64,
     /// Depth of sequences within sequences.
     pub depth: usize,
-    /// Elements of the data set, those of nested ones included.
+    /// Elements of the data set, including nested ones.
     pub elements: usize,
 }
 

@@ -10,7 +10,7 @@ use super::{Attribute, FilmRemark};
 /// A table of up to 65536 values.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Lut {
-    /// The input to which the first value belongs; what lies below it gets the same.
+    /// The input to which the first value belongs; smaller inputs get the same value.
     pub first: i32,
     /// Bits of an output: 8 to 16.
     pub bits: u8,
@@ -28,7 +28,7 @@ impl Lut {
     }
 }
 
-/// From stored values to those of the device: the first step of the pipeline.
+/// Stored values to device values: the first step of the pipeline.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub enum ModalityTransform {
     /// `slope · stored + intercept`.
@@ -95,7 +95,7 @@ impl Window {
     pub fn apply(&self, value: f64) -> f64 {
         let Self { center, width, function } = *self;
         match function {
-            // A width of 1 is a step: no value lies between its two ends.
+            // A width of 1 is a step between two neighbouring values.
             WindowFunction::Linear if value <= center - 0.5 - (width - 1.0) / 2.0 => 0.0,
             WindowFunction::Linear if value > center - 0.5 + (width - 1.0) / 2.0 => 1.0,
             WindowFunction::Linear => (value - (center - 0.5)) / (width - 1.0) + 0.5,
@@ -114,14 +114,15 @@ pub enum Voi {
     Window(Window),
 }
 
-/// How a film's values become grey, as its file says.
+/// How a film's values become grey, by its file.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Look {
-    /// From stored values to those of the device.
+    /// Stored values to device values.
     pub modality: ModalityTransform,
-    /// What to show, in the file's order, tables first; the first one is the default. Empty: the whole range.
+    /// Tables and windows to show, in the file's order, tables first; the first one is the default. Empty:
+    /// the whole range.
     pub voi: Vec<Voi>,
-    /// Stored values that stand for no picture, both ends included.
+    /// Stored values outside of the picture, both ends included.
     pub padding: Option<[i32; 2]>,
 }
 
@@ -219,7 +220,7 @@ fn signed_word(word: u16, signed: bool) -> i32 {
     if signed { i32::from(word.cast_signed()) } else { i32::from(word) }
 }
 
-/// The table of one item of a LUT sequence; `None` if its descriptor and its data do not fit together.
+/// The table of one item of a LUT sequence; `None` if descriptor and data do not agree.
 ///
 /// # References
 /// DICOM PS3.3, C.11.1.1 and C.11.2.1.1: 0 entries are 65536; entries of 8 bits may be packed two to a word.
@@ -243,7 +244,7 @@ fn lut(item: &InMemDicomObject, signed: bool) -> Option<Lut> {
     Some(Lut { first: signed_word(first, signed), bits, values })
 }
 
-/// Descriptor and data of an item of a LUT sequence, as they are, if they make a table.
+/// The unchanged descriptor and data of an item of a LUT sequence, if they make a table.
 pub(super) fn whole_table(item: &InMemDicomObject) -> Option<[PrimitiveValue; 2]> {
     lut(item, false)?;
     let part = |attribute| item.primitive(attribute).map(|(_, value)| value.clone());

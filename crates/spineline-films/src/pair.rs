@@ -1,5 +1,5 @@
-//! Two values of one attribute: distances between pixels, or the sides of a pixel, vertical first. Devices write them with commas,
-//! blanks and other marks too; what can be meant in one way alone is read.
+//! Two values of one attribute: distances between pixels, or the sides of a pixel, vertical first. Devices also
+//! separate them with commas, blanks and other marks; a text with only one meaning is read.
 
 use dicom_object::InMemDicomObject;
 
@@ -9,7 +9,7 @@ use super::{Attribute, FilmRemark};
 /// Longest text of a pair that a remark shows.
 const MAX_SHOWN: usize = 48;
 
-/// The two values of an attribute, with a remark where they are not written as the standard has it.
+/// The two values of an attribute, with a remark if their notation differs from the standard.
 pub(super) fn pair(
     data: &InMemDicomObject,
     attribute: Attribute,
@@ -46,7 +46,7 @@ pub(super) fn aspect(
     None
 }
 
-/// The two numbers that a text can mean in one way alone.
+/// The two numbers of a text with only one meaning.
 fn only_meaning(text: &str) -> Option<[f64; 2]> {
     let two = |separator: char| {
         let parts: Vec<&str> =
@@ -82,7 +82,7 @@ fn by_comma(text: &str) -> Option<[f64; 2]> {
     }
 }
 
-/// The text of a pair where it has no more than what such texts have: it may hold anything.
+/// The text of a pair if it has only usual characters: other text may be a name.
 fn shown(text: &str) -> String {
     let is_plain = |c: char| c.is_ascii_digit() || "+-.,;:/\\ xXeEm".contains(c);
     if text.len() <= MAX_SHOWN && text.chars().all(is_plain) {

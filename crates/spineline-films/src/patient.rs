@@ -1,4 +1,4 @@
-//! What files say of their patient and the part of the body, from which a film of another patient or body part is noticed.
+//! Patient and part of the body by the file, to notice a film of another patient or part.
 
 use std::hash::{DefaultHasher, Hash, Hasher};
 
@@ -13,7 +13,7 @@ const PATIENT_ID: Attribute = Attribute(0x0010, 0x0020);
 const BIRTH_DATE: Attribute = Attribute(0x0010, 0x0030);
 const SEX: Attribute = Attribute(0x0010, 0x0040);
 
-/// Values of Body Part Examined that show no spine from L4 to T2, of DICOM PS3.16, annex L.
+/// Values of Body Part Examined in DICOM PS3.16, annex L, that exclude a spine from L4 to T2.
 const OTHER_PARTS: [&str; 41] = [
     "ANKLE",
     "ARM",
@@ -58,7 +58,7 @@ const OTHER_PARTS: [&str; 41] = [
     "ZYGOMA",
 ];
 
-/// Identity of a patient as two files state it: whether they agree can be asked, and nothing else. Never written to a file.
+/// Identity of a patient as two files state it, only for comparison. Never written to a file.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct PatientMarks {
     id: Option<u64>,
@@ -79,11 +79,11 @@ impl PatientMarks {
         Self { id: (id.is_ascii() && !id.is_empty()).then(|| mark(id)), ..Self::default() }
     }
 
-    /// Names of the attributes that both files state, and state differently.
+    /// Names of the attributes that both files state differently.
     ///
     /// ```
     /// use spineline_films::PatientMarks;
-    /// // What is not stated differs from nothing.
+    /// Missing values do not differ.
     /// assert!(PatientMarks::default().differences(&PatientMarks::default()).is_empty());
     /// ```
     #[must_use]

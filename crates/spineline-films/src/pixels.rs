@@ -55,7 +55,7 @@ pub(super) fn read(
         remarks.push(FilmRemark::BeyondBitsStored { bits_stored });
     }
     let stored = if format.signed {
-        // Two's complement of so many bits; of all 16 where a value does not fit.
+        // Two's complement of this number of bits; of all 16 if a value does not fit.
         let shift = if fits { 16 - u32::from(bits_stored) } else { 0 };
         let extended = |word: u16| (word << shift).cast_signed() >> shift;
         StoredPixels::Signed(words.into_iter().map(extended).collect())
@@ -66,12 +66,12 @@ pub(super) fn read(
     Ok(Picture { columns, rows, bits_stored, stored })
 }
 
-/// The largest unsigned value of so many bits.
+/// The largest unsigned value of this number of bits.
 pub(super) const fn top(bits: u8) -> u16 {
     u16::MAX >> (16 - bits)
 }
 
-/// Whether all words hold no more than their stored bits, negative ones being continued by ones.
+/// Whether all words use only their stored bits, with the sign extended.
 pub(super) fn fit(words: &[u16], format: Format) -> bool {
     let top = top(format.stored);
     let beyond = !top | (top & !(top >> 1));
@@ -124,7 +124,7 @@ pub(super) fn format(
         other => return Err(wrong(REPRESENTATION, other)),
     };
     let planar = colour && data.word(PLANAR)?.unwrap_or(0) == 1;
-    // All of these are at most 16 by now.
+    // All of these are at most 16 now.
     let [samples, allocated, stored, high] = [samples, allocated, stored, high].map(|v| v as u8);
     let luminance_first = colour && data.text(PHOTOMETRIC).is_some_and(|p| p.starts_with("YBR"));
     Ok(Format { columns, rows, samples, planar, luminance_first, allocated, stored, high, signed })
@@ -144,7 +144,7 @@ fn native(
         let found = bytes.len() as u64;
         return Err(FilmError::PixelsMissing { needed: needed as u64, found });
     }
-    // One byte more makes the length even, as it has to be.
+    // The standard pads an odd length with one byte.
     let surplus = bytes.len() - needed;
     if surplus > needed % 2 {
         remarks.push(FilmRemark::PixelsLeftOver { bytes: surplus as u64 });
@@ -225,7 +225,7 @@ impl Coded {
     ) -> Result<Vec<u16>, FilmError> {
         match self {
             Self::Words(words) if words.len() == format.pixels() && format.samples == 1 => {
-                // Run lengths keep all bits of a word; the other codecs have none but those of the sample.
+                // Run lengths keep all bits of a word; the other codecs return only the bits of the sample.
                 Ok(if codec == Codec::Rle { cut(words, format) } else { words })
             }
             Self::Colour(pixels) if pixels.len() == format.pixels() && format.samples == 3 => {

@@ -1,5 +1,5 @@
-//! Pictures without a data set: PNG, JPEG and TIFF. They have no spacing and no view; both have to be asked for. The shape of their pixels
-//! follows from their resolutions.
+//! Pictures without a data set: PNG, JPEG and TIFF. They have no spacing and no view, so the program asks for both. The
+//! shape of their pixels follows from their resolutions.
 
 use std::io::Cursor;
 
@@ -76,7 +76,7 @@ pub(super) fn read(
         bits_stored,
     };
     let stored = StoredPixels::Unsigned(words);
-    // The whole range of the file's bits is what every other program shows.
+    // Other programs show the whole range of the file's bits.
     let full = f64::from(u16::MAX >> (16 - u32::from(bits_stored)));
     let window = super::Window {
         center: full / 2.0,

@@ -8,7 +8,7 @@ use super::{FilmFile, FilmKind, FilmLimits, container, element, pixels, raster, 
 /// Reads a film of any supported format.
 ///
 /// # Errors
-/// [`FilmError`]; never a panic, and never more memory than `limits` and a few times the file's size.
+/// [`FilmError`]; never panics, and uses at most `limits` and a few times the file's size of memory.
 pub fn read_film(bytes: &[u8], limits: &FilmLimits) -> Result<FilmFile, FilmError> {
     let found = bytes.len() as u64;
     if found > limits.file_bytes {

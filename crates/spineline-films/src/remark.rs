@@ -16,7 +16,7 @@ pub enum FilmRemark {
         /// Name of the transfer syntax.
         name: Cow<'static, str>,
     },
-    /// The file does not say by which kind of device it was made.
+    /// The file does not state the kind of its device.
     NoModality,
     /// The file states that another part of the body was examined than the spine.
     OtherBodyPart {
@@ -28,12 +28,12 @@ pub enum FilmRemark {
         /// Which.
         attribute: Attribute,
     },
-    /// The picture was in colour, and is its luminance now.
+    /// The picture was in colour, and was reduced to its luminance.
     Colour {
-        /// Largest difference between red, green and blue of a pixel: 0 if the picture was grey all along.
+        /// Largest difference between red, green and blue of a pixel: 0 if all pixels are grey.
         largest_difference: u8,
     },
-    /// The picture was compressed with losses at some time.
+    /// The picture was compressed with loss at some time.
     Lossy,
     /// Raw data FOR PROCESSING of a detector, not for display.
     ForProcessing,
@@ -56,13 +56,13 @@ pub enum FilmRemark {
         /// Which.
         attribute: Attribute,
     },
-    /// A pair of distances or a ratio that is not written as the standard has it; it can be meant in one way alone and is used.
+    /// A pair of distances or a ratio in another notation than the standard's; it has only one meaning and is used.
     PairReadAs {
         /// Which.
         attribute: Attribute,
         /// Its text.
         text: Cow<'static, str>,
-        /// What it is read as: down first, as the standard has it.
+        /// The values as read, down first, as in the standard.
         values: [f64; 2],
     },
     /// A pair of distances or a ratio that cannot be read; it is not used.
@@ -72,15 +72,15 @@ pub enum FilmRemark {
         /// Its text.
         text: Cow<'static, str>,
     },
-    /// Other resolutions across and down: the shape of a pixel is taken from them.
+    /// Different resolutions across and down, which give the shape of a pixel.
     UnequalResolution(Resolution),
-    /// A resolution, which is not used as a scale: it may be that of a scanner, of a printer or of nothing.
+    /// A resolution, which is not used as a scale: it may belong to a screen or a printer, or mean nothing.
     ResolutionNotUsed(Resolution),
     /// The file states that text is burned into the picture: it may contain the patient's name.
     BurnedIn,
     /// The file does not state whether text is burned into the picture: inspect it before passing it on.
     BurnedInUnknown,
-    /// The picture was turned or mirrored as its camera's orientation tag asks.
+    /// The picture was turned or mirrored by its camera's orientation tag.
     CameraOrientation,
     /// The picture had transparent parts; transparency is not used.
     Transparency,
@@ -151,7 +151,7 @@ impl fmt::Display for FilmRemark {
             ),
             Self::ResolutionNotUsed(resolution) => write!(
                 f,
-                "the file states {resolution}; this is not used as a scale, because it may be that of a screen or a printer{}",
+                "the file states {resolution}; this is not used as a scale, because it may belong to a screen or a printer{}",
                 resolution.spacing_words()
             ),
             Self::BurnedIn => {

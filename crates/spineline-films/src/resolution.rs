@@ -1,5 +1,5 @@
-//! What pictures without a data set state of their pixels: resolutions across and down (PNG `pHYs`, JPEG JFIF and Exif, TIFF), and how many
-//! pictures a file holds. Read from the bytes by itself, because picture decoders pass over it.
+//! Pixels of pictures without a data set: resolutions across and down (PNG `pHYs`, JPEG JFIF and Exif, TIFF), and the
+//! number of pictures in a file. Read from the bytes, because picture decoders ignore them.
 
 use std::fmt;
 
@@ -7,10 +7,10 @@ use serde::{Deserialize, Serialize};
 
 use super::FilmKind;
 
-/// The length in which a resolution counts pixels.
+/// Unit of length of a resolution.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum ResolutionUnit {
-    /// None is stated: only the ratio has a meaning.
+    /// Missing: only the ratio has a meaning.
     None,
     /// An inch.
     Inch,
@@ -20,7 +20,7 @@ pub enum ResolutionUnit {
     Metre,
 }
 
-/// Pixels for each unit of length, across and down the picture.
+/// Pixels per unit of length, across and down.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Resolution {
     /// Across: along a row.
@@ -31,7 +31,7 @@ pub struct Resolution {
     pub unit: ResolutionUnit,
 }
 
-/// Resolutions, in pixels per inch, that programs write where they know none.
+/// Resolutions, in pixels per inch, that programs write for unknown ones.
 const MEANINGLESS_PER_INCH: [f64; 3] = [1.0, 72.0, 96.0];
 
 impl Resolution {
@@ -57,7 +57,7 @@ impl Resolution {
         Some([unit_mm / self.across, unit_mm / self.down])
     }
 
-    /// Whether somebody may have meant it as a scale.
+    /// Whether it may be a scale.
     pub(super) fn is_meant(&self) -> bool {
         let per_inch = self.pixel_mm().map(|[width, _]| 25.4 / width);
         per_inch.is_some_and(|dpi| {
@@ -65,16 +65,14 @@ impl Resolution {
         })
     }
 
-    /// How a scan of such a resolution is stated.
+    /// The option that states such a resolution of a scan.
     pub(super) fn spacing_words(&self) -> String {
         self.pixel_mm().map_or_else(String::new, |[width, height]| {
-            format!(
-                " (if it is that of the scanner, give --spacing {width:.4},{height:.4},unknown)"
-            )
+            format!(" (if this is the scanner's, give --spacing {width:.4},{height:.4},unknown)")
         })
     }
 
-    /// The same after the picture was turned by a right angle.
+    /// The resolution after a turn of the picture by a right angle.
     pub(super) const fn turned(self) -> Self {
         Self { across: self.down, down: self.across, unit: self.unit }
     }
@@ -98,11 +96,11 @@ impl fmt::Display for Resolution {
     }
 }
 
-/// What the bytes of a picture state.
+/// Resolution and number of pictures, by the bytes of a file.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub(super) struct Stated {
     pub resolution: Option<Resolution>,
-    /// Pictures of full size in the file; 0 where that is not known.
+    /// Number of pictures of full size in the file; 0 if unknown.
     pub pictures: u32,
 }
 
@@ -204,14 +202,14 @@ fn jpeg(bytes: &[u8]) -> Option<Stated> {
         }
         place = end;
     }
-    // The one that says more: unequal ones, then those with a unit.
+    // The more informative one: unequal resolutions first, then those with a unit.
     let all = || [by_jfif, by_exif].into_iter().flatten();
     let unequal = all().find(|one| !one.is_square());
     let meant = unequal.or_else(|| all().find(Resolution::is_meant));
     Some(Stated { resolution: meant.or_else(|| all().next()), pictures: 1 })
 }
 
-/// More directories than this in one file are not counted.
+/// Maximum number of directories of one file that are counted.
 const MAX_DIRECTORIES: u32 = 1000;
 
 /// Directories of a TIFF or a `BigTIFF`: the resolutions of the first, and how many are pictures of full size.
@@ -242,13 +240,13 @@ fn tiff(bytes: &[u8]) -> Option<Stated> {
     Some(found)
 }
 
-/// How the numbers of a TIFF are laid out.
+/// Byte layout of a TIFF.
 #[derive(Clone, Copy)]
 struct Layout {
     is_big: bool,
 }
 
-/// What is read of one directory.
+/// Values of one directory.
 #[derive(Default)]
 struct Directory {
     kind: u32,
@@ -261,7 +259,7 @@ struct Directory {
 impl Directory {
     fn resolution(&self) -> Option<Resolution> {
         let unit = match self.unit {
-            // Inches where nothing is stated.
+            // Inches by default.
             None | Some(2) => ResolutionUnit::Inch,
             Some(3) => ResolutionUnit::Centimetre,
             Some(_) => ResolutionUnit::None,
@@ -303,7 +301,7 @@ impl Layout {
         Some(found)
     }
 
-    /// A rational number: beside the entry where it has eight bytes, else where the entry says.
+    /// A rational number: inside the entry if it has eight bytes, else at its offset.
     fn ratio(self, numbers: Numbers<'_>, at: usize) -> Option<f64> {
         let place = if self.is_big { at } else { self.offset(numbers, at)? };
         let [above, below] = [numbers.u32(place)?, numbers.u32(place.checked_add(4)?)?];

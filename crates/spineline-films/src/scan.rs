@@ -1,7 +1,7 @@
-//! Checks of a data set before dicom-rs reads it, which trusts lengths and recurses without limit: each
-//! length against the bytes that are there, the depth of sequences, the number of elements. Headers are read by its own
-//! decoders, so that both see the same elements. Values are not read here, except for the place of uncompressed pixels, which
-//! are not copied.
+//! Checks of a data set before dicom-rs reads it, which trusts lengths and recurses without limit: each length against
+//! the bytes of the file, the depth of sequences, the number of elements. Headers are read by dicom-rs's decoders, so
+//! that both see the same elements. Values are not read here, except that uncompressed pixels are located and not
+//! copied.
 
 use std::collections::BTreeSet;
 
@@ -31,7 +31,7 @@ impl Encoding {
 
 pub(super) const PIXEL_DATA: Attribute = Attribute(0x7FE0, 0x0010);
 
-/// Uncompressed pixels as they stand in the file.
+/// Uncompressed pixels as in the file.
 #[derive(Clone, Copy)]
 pub(super) struct Native<'a> {
     pub vr: VR,
@@ -41,10 +41,10 @@ pub(super) struct Native<'a> {
 /// A checked data set.
 #[derive(Default)]
 pub(super) struct Scan<'a> {
-    /// Elements that dicom-rs reads as they are meant.
+    /// Elements that dicom-rs reads correctly.
     pub parts: Vec<&'a [u8]>,
     pub native: Option<Native<'a>>,
-    /// Elements that it would misread, and those that are there for a second time. They are not needed.
+    /// Elements that it would misread, and repeated ones. They are not needed.
     pub left_out: Vec<Attribute>,
 }
 
@@ -53,7 +53,7 @@ const ITEM_END: Tag = Tag(0xFFFE, 0xE00D);
 const SEQUENCE_END: Tag = Tag(0xFFFE, 0xE0DD);
 const CHARACTER_SET: Attribute = Attribute(0x0008, 0x0005);
 
-/// Checks a data set; one of file meta information ends with group 0002. Says where it ends.
+/// Checks a data set; file meta information ends with group 0002. Returns where it ends.
 pub(super) fn scan<'a>(
     data: &'a [u8],
     encoding: Encoding,
@@ -77,7 +77,7 @@ pub(super) fn scan<'a>(
         let first = seen.insert(tag);
         match native {
             Some(native) if tag == PIXEL_DATA && first => scan.native = Some(native),
-            // All that is read of a film is ASCII, whatever the other texts are.
+            // Only ASCII is read of a film, in any character set.
             _ if scanner.unfit || !first || tag == CHARACTER_SET => scan.left_out.push(tag),
             _ => scan.parts.push(&data[start..scanner.position]),
         }
@@ -111,7 +111,7 @@ impl<'a> Scanner<'a, '_> {
             }
             _ => ExplicitVRBigEndianDecoder::default().decode_header(&mut rest),
         };
-        // Too few bytes are all that can be wrong.
+        // A read can only fail for lack of bytes.
         let (header, length) = read.map_err(|_| FilmError::Truncated { place })?;
         if header.tag.0 != ITEM.0
             && letters.is_some_and(|vr| !vr.iter().all(u8::is_ascii_uppercase))
@@ -133,7 +133,7 @@ impl<'a> Scanner<'a, '_> {
         Ok(self.position + length as usize)
     }
 
-    /// Passes what follows a header; its bytes, if they are a value.
+    /// Passes the content after a header; returns its bytes, if they are a value.
     fn element(
         &mut self,
         header: DataElementHeader,
@@ -150,7 +150,8 @@ impl<'a> Scanner<'a, '_> {
             if tag == PIXEL_DATA.into() {
                 self.fragments(encoding)?;
             } else if encoding.explicit && vr == VR::UN {
-                // Implicit inside, whatever is around it (PS3.5, 6.2.2); dicom-rs reads it like what is around.
+                // Implicit inside, whatever the outer syntax (PS3.5, 6.2.2); dicom-rs would read it in the
+                // outer syntax.
                 self.unfit = true;
                 self.items(tag, Encoding::IMPLICIT, None, depth)?;
             } else if !encoding.explicit || vr == VR::SQ {
@@ -206,7 +207,7 @@ impl<'a> Scanner<'a, '_> {
         Ok(())
     }
 
-    /// Whether a known end is reached. To be past it, or past all bytes, is an error.
+    /// Whether a known end is reached. A position past it, or past all bytes, is an error.
     fn is_at(&self, end: Option<usize>, tag: Tag) -> Result<bool, FilmError> {
         match end {
             Some(end) if self.position > end => {
@@ -241,14 +242,14 @@ fn is_zero(bytes: &[u8]) -> bool {
     bytes.len() >= 8 && bytes[..8].iter().all(|&b| b == 0) && bytes.iter().all(|&b| b == 0)
 }
 
-/// The bytes of one value, as dicom-rs takes them.
+/// Bytes per value, as dicom-rs reads them.
 fn unit(tag: Tag, vr: VR) -> u32 {
     let known = StandardDataDictionary.by_tag(tag).map(DataDictionaryEntry::vr);
     match vr {
         VR::US | VR::SS | VR::OW => 2,
         VR::AT | VR::FL | VR::OF | VR::OL | VR::SL | VR::UL => 4,
         VR::FD | VR::OD | VR::OV | VR::SV | VR::UV => 8,
-        // Words, once the pixels are signed, whatever is stated.
+        // Words, for signed pixels, whatever the file states.
         _ if known == Some(VirtualVr::Xs) => 2,
         _ => 1,
     }

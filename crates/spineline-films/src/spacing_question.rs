@@ -1,12 +1,12 @@
-//! What a film states of its pixels and a person has to decide.
+//! Open questions about a film's pixels that a person must decide.
 
 use spineline_marking::judge_spacing;
 
 use super::{FilmRemark, FilmTags};
 
-/// Why the spacing of a film has to be asked for: its file states the shape of a pixel in a way that cannot be read, that cannot be
-/// meant, or that contradicts itself, and all angles depend on it. `None` where the file states a spacing or a shape that can be
-/// used, or states nothing.
+/// Why the program must ask for the spacing of a film: its file states the shape of a pixel in a way that is
+/// unreadable, implausible or contradictory, and all angles depend on it. `None` where the file states a usable spacing
+/// or shape, or neither.
 #[must_use]
 pub fn spacing_question(tags: &FilmTags, remarks: &[FilmRemark]) -> Option<String> {
     let judged = judge_spacing(&tags.spacing);

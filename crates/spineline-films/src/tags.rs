@@ -94,7 +94,7 @@ pub(super) fn read(
     Ok((tags, look(data, remarks)))
 }
 
-/// What the smallest values mean, and the shape of the look-up table that may contradict it.
+/// The meaning of small values, and the shape of the look-up table that may contradict it.
 fn polarity(
     data: &InMemDicomObject,
     remarks: &mut Vec<FilmRemark>,
@@ -119,7 +119,7 @@ fn polarity(
     Ok((photometric, shape))
 }
 
-/// Whether the pixels show text; `None` where that is not stated.
+/// Whether the pixels show text; `None` if not stated.
 fn burned_in(data: &InMemDicomObject, remarks: &mut Vec<FilmRemark>) -> Option<bool> {
     let burned_in = match data.text(BURNED_IN).as_deref() {
         Some("YES") => Some(true),
@@ -151,7 +151,7 @@ fn modality(
     }
 }
 
-/// Remarks on what is in the file and cannot be read: of geometry, pixels and view; nothing else is used.
+/// Remarks on unreadable attributes of geometry, pixels and view; others are not used.
 fn name_left_out(data: &DataSet<'_>, remarks: &mut Vec<FilmRemark>) {
     let used = |group| matches!(group, 0x0018 | 0x0020 | 0x0028 | 0x0054);
     for &attribute in data.left_out.iter().filter(|attribute| used(attribute.0)) {

@@ -2,7 +2,7 @@
 
 use sha2::{Digest, Sha256};
 
-/// The UID of a thing of ours by its name.
+/// A UID from a name of this program.
 pub(super) fn from_name(name: &str) -> String {
     from_bytes(format!("spineline\n{name}").as_bytes())
 }

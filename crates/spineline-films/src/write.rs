@@ -1,8 +1,8 @@
 //! Writes the films of phantoms as DICOM: Digital X-Ray Image Storage - For Presentation (PS3.3 A.26).
 //!
-//! Only synthetic films are written. The patient's name, the descriptions and the image comments say so, and UIDs are made
-//! from the case's name, so that the same film is the same file. What the modules need and a phantom has not (dates, a
-//! physician) is there without a value.
+//! Only synthetic films are written. The patient's name, the descriptions and the image comments say so, and UIDs are
+//! made from the case's name, so that the same film gives the same file. Attributes that the modules require and a
+//! phantom lacks (dates, a physician) are empty.
 
 use dicom_core::header::Length;
 use dicom_core::value::{DataSetSequence, PixelFragmentSequence, PrimitiveValue, Value};
@@ -26,7 +26,7 @@ pub enum FilmPolarity {
     Monochrome2,
 }
 
-/// How the pixels are stored; nothing is lost by any of them.
+/// How the pixels are stored; all encodings are lossless.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Encoding {
     /// Explicit VR Little Endian, not compressed.
@@ -69,9 +69,10 @@ pub struct DicomFilm<'a> {
     pub posture: Posture,
     /// Direction of the beam.
     pub view: View,
-    /// How the picture lies. Where its spacing is the patient's, the detector's is larger by `magnification`.
+    /// Orientation and spacing of the picture. Where its spacing is the patient's, the detector's is larger
+    /// by `magnification`.
     pub image: ImageGeometry,
-    /// How much larger the detector shows the patient: 1 or more.
+    /// Magnification on the detector: 1 or more.
     pub magnification: f64,
     /// Meaning of large values.
     pub polarity: FilmPolarity,
@@ -99,7 +100,7 @@ pub enum WriteFilmError {
         /// Values given.
         found: usize,
     },
-    /// A picture without pixels, or with more in a row or column than DICOM can say.
+    /// A picture without pixels, or with a side that is too long for DICOM.
     #[error("{posture} film: {columns} × {rows} pixels; a side of a DICOM picture has 1 to 65535")]
     Size {
         /// Film.
@@ -109,7 +110,7 @@ pub enum WriteFilmError {
         /// Rows stated.
         rows: u32,
     },
-    /// Bits that no 16-bit value has, or a value that needs more than are stated.
+    /// An unsupported number of bits, or a value that needs more bits than stated.
     #[error(
         "{posture} film: a value of {greatest} in {bits_stored} bits; 2 to 16 bits are supported"
     )]
@@ -199,7 +200,7 @@ fn text(object: &mut InMemDicomObject, tag: Tag, vr: VR, value: &str) {
     object.put(DataElement::new(tag, vr, PrimitiveValue::from(value)));
 }
 
-/// An attribute that has to be there and has no value.
+/// A required attribute without a value.
 fn empty(object: &mut InMemDicomObject, tag: Tag, vr: VR) {
     object.put(DataElement::empty(tag, vr));
 }
@@ -326,7 +327,7 @@ impl DicomFilm<'_> {
             _ => ("102538003", "recumbent"),
         };
         code(object, tags::PATIENT_ORIENTATION_CODE_SEQUENCE, position, meaning);
-        // Which way the columns and the rows grow.
+        // Directions of increasing columns and rows.
         let rows_grow = match self.image.patient_left {
             ImageSide::Left => "R\\F",
             ImageSide::Right => "L\\F",
@@ -373,7 +374,7 @@ impl DicomFilm<'_> {
         empty(object, tags::CONTENT_DATE, VR::DA);
         empty(object, tags::CONTENT_TIME, VR::TM);
         // The word and the lead marker in the picture do not identify a person.
-        // An image of a phantom, in the standard's words.
+        // In the standard's words, an image of a phantom.
         text(object, tags::QUALITY_CONTROL_IMAGE, VR::CS, "YES");
         text(object, tags::BURNED_IN_ANNOTATION, VR::CS, "NO");
         text(object, tags::LOSSY_IMAGE_COMPRESSION, VR::CS, "00");
@@ -384,7 +385,7 @@ impl DicomFilm<'_> {
         text(object, tags::PHOTOMETRIC_INTERPRETATION, VR::CS, photometric);
         text(object, tags::PRESENTATION_LUT_SHAPE, VR::CS, shape);
         text(object, tags::PIXEL_INTENSITY_RELATIONSHIP, VR::CS, "LOG");
-        // 1: larger values are more of the beam, as in MONOCHROME1; -1: less of it.
+        // 1: larger values mean more of the beam, as in MONOCHROME1; -1: less.
         let sign: i16 = if self.polarity == FilmPolarity::Monochrome1 { 1 } else { -1 };
         let tag = tags::PIXEL_INTENSITY_RELATIONSHIP_SIGN;
         object.put(DataElement::new(tag, VR::SS, PrimitiveValue::from(sign)));
@@ -395,7 +396,7 @@ impl DicomFilm<'_> {
         ] {
             text(object, tag, vr, value);
         }
-        // All values that the bits can hold.
+        // All values of this number of bits.
         let levels = 1_u32 << self.bits_stored;
         text(object, tags::WINDOW_CENTER, VR::DS, &(levels / 2).to_string());
         text(object, tags::WINDOW_WIDTH, VR::DS, &levels.to_string());

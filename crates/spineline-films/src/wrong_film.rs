@@ -1,4 +1,4 @@
-//! Films that may not belong into a case, by what their files state: another part of the body, or another patient.
+//! Films that may not belong to a case, by their files: another part of the body, or another patient.
 
 use serde::{Deserialize, Serialize};
 use spineline::warning::WarningCode;
@@ -9,30 +9,30 @@ use super::read::read_data_set;
 use super::tags::MODALITY;
 use super::{FilmError, FilmFile, FilmRemark, PatientMarks};
 
-/// What a file states of its patient and of the part of the body.
+/// Patient and part of the body, as a file states them.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Stated {
-    /// The patient, for comparison with that of another film.
+    /// The patient, for comparison with other films.
     pub patient: PatientMarks,
     /// [`FilmRemark::OtherBodyPart`], where the file states one.
     pub other_part: Option<FilmRemark>,
 }
 
 impl Stated {
-    /// What a decoded film states.
+    /// The statements of a decoded film.
     #[must_use]
     pub fn of(film: &FilmFile) -> Self {
         Self::by_remarks(film.tags.patient, &film.remarks)
     }
 
-    /// What a film states whose remarks are known.
+    /// The statements of a film with known remarks.
     #[must_use]
     pub fn by_remarks(patient: PatientMarks, remarks: &[FilmRemark]) -> Self {
         let is_other_part = |remark: &&FilmRemark| remark.is_other_body_part();
         Self { patient, other_part: remarks.iter().find(is_other_part).cloned() }
     }
 
-    /// What a DICOM file states; its pixels are not decoded.
+    /// The statements of a DICOM file; its pixels are not decoded.
     ///
     /// # Errors
     /// [`FilmError`] for files that are not DICOM, or invalid.
@@ -44,7 +44,7 @@ impl Stated {
     }
 }
 
-/// Why a film may not belong into a case.
+/// Why a film may not belong to a case.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct FilmDoubt {
     /// [`WarningCode::OtherBodyPart`] or [`WarningCode::PatientDiffers`].
@@ -53,7 +53,7 @@ pub struct FilmDoubt {
     pub text: String,
 }
 
-/// Doubts about each film of a case, by the films' names (such as "erect film") and what their files state.
+/// Doubts about each film of a case, by the films' names (such as "erect film") and the statements of their files.
 ///
 /// ```
 /// use spineline_films::{Stated, film_doubts};

@@ -25,7 +25,7 @@ pub const CHECKS: [(&str, Check); 6] = [
     ("report", report),
 ];
 
-/// Small pictures, so that a check takes milliseconds.
+/// Limits for small pictures, so that a check takes milliseconds.
 fn limits() -> FilmLimits {
     FilmLimits { pixels: 1 << 20, inflated_bytes: 4 << 20, ..FilmLimits::default() }
 }
@@ -43,7 +43,7 @@ pub fn case(bytes: &[u8]) {
     }
 }
 
-/// De-identified films: what comes out is a film again, with as many pixels.
+/// De-identified films: the output is a film with as many pixels.
 ///
 /// # Panics
 /// If it is not.
@@ -57,10 +57,10 @@ pub fn deidentified(bytes: &[u8]) {
     }
 }
 
-/// Radiographs of any kind: pixels or a typed error, and a display of what was read.
+/// Radiographs of any kind: pixels or a typed error, and a display of them.
 ///
 /// # Panics
-/// If the display has not the pixels of the film.
+/// If the display has another number of pixels than the film.
 pub fn film(bytes: &[u8]) {
     if let Ok(film) = read_film(bytes, &limits()) {
         let shown = film.display(None, false);

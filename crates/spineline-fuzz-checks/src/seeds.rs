@@ -1,4 +1,4 @@
-//! Small valid files of every format, made by the program itself: where fuzzing begins.
+//! Small valid files of every format, made by the program itself, as seeds for fuzzing.
 
 use spineline::analysis::{Case, analyze};
 use spineline::anatomy::Posture;
@@ -24,7 +24,7 @@ pub struct Seed {
     pub bytes: Vec<u8>,
 }
 
-/// A distribution of joint rotations, learned from the fewest patients.
+/// A distribution of joint rotations, learned from the smallest number of patients.
 fn rotation_prior() -> Result<String, Box<dyn std::error::Error>> {
     let patients = (0..RotationPrior::MIN_PATIENTS)
         .map(|subject| {
@@ -46,10 +46,10 @@ fn run() -> ProgramRun {
     }
 }
 
-/// All of them, the same at every call.
+/// All seeds, the same at every call.
 ///
 /// # Errors
-/// If the program cannot write one of its own formats.
+/// If the program cannot write one of its formats.
 pub fn seeds() -> Result<Vec<Seed>, Box<dyn std::error::Error>> {
     let mut all = Seeds::default();
     let phantom = generate(0, Scenario::Rod, &Readers::exact(), 1)?;

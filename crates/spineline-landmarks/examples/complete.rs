@@ -1,4 +1,4 @@
-//! Completes corners of films from clicks: JSON in, JSON out. `validation/landmarks` judges what comes out.
+//! Completes corners of films from clicks: JSON in, JSON out. `validation/landmarks` judges the output.
 //!
 //! In: `{"table": "text of a shape table, or null", "films": [{"columns", "rows", "clicks": [[level, mark, column, row], …]}, …]}`;
 //! marks are corners (`superior_left`), `left_wall`, `right_wall`, `superior_endplate`, `inferior_endplate`, `centre`, and `midline` (of any
@@ -33,7 +33,7 @@ fn main() -> io::Result<()> {
     let model = match &request.table {
         Some(table) => Some(
             ShapeModel::of_erect(table)
-                .ok_or_else(|| io::Error::other("this is no shape table"))?,
+                .ok_or_else(|| io::Error::other("this is not a shape table"))?,
         ),
         None => None,
     };
@@ -41,7 +41,7 @@ fn main() -> io::Result<()> {
     io::stdout().write_all(&serde_json::to_vec(&films)?)
 }
 
-/// Corners and deviation of every level; `null` where the clicks complete nothing.
+/// Corners and deviation of every level; `null` where the clicks are not enough.
 fn completed(
     film: &Film,
     model: Option<&ShapeModel>,

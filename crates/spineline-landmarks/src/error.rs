@@ -3,12 +3,12 @@ use spineline::measure::{MeasureError, OBSERVER_RULE};
 use spineline_files::FileError;
 use spineline_marking::MidlineError;
 
-/// How the side of the picture with the patient's left is given.
+/// How to give the side of the picture with the patient's left.
 pub(crate) const GIVE_SIDE: &str = "name the film of the file, as in `--landmarks erect=FILE`, and its side with `--patient-left`; in Python give `patient_left`";
-/// How the posture of a film is given.
+/// How to give the posture of a film.
 pub(crate) const GIVE_POSTURE: &str =
     "name the film of the file, as in `--landmarks erect=FILE`; in Python give `film`";
-/// Where a part of the file contradicts another one.
+/// Remedy for contradicting parts of a file.
 pub(crate) const CORRECT: &str = "correct the file at that place";
 
 /// Error of reading a file of landmarks.
@@ -34,7 +34,7 @@ pub enum LandmarkError {
         /// What was looked for.
         reason: String,
     },
-    /// A file of another program that holds no landmarks, or none that can be read.
+    /// A file of another program without readable landmarks.
     #[error("the file is {what}")]
     Foreign {
         /// What it is.
@@ -57,23 +57,23 @@ pub enum LandmarkError {
         at: String,
         /// Its name.
         name: String,
-        /// The known one that was mistyped.
+        /// The known name that was probably meant.
         nearest: Option<String>,
     },
-    /// A value that is none of a few names.
+    /// A value outside of a list of names.
     #[error("{at}: unknown {what} `{name}`; expected one of {}", known.join(", "))]
     Choice {
         /// Where in the file.
         at: String,
-        /// What kind of value.
+        /// Kind of value.
         what: &'static str,
         /// The value.
         name: String,
         /// All names.
         known: Vec<&'static str>,
     },
-    /// A name of a point that is not that of a landmark.
-    #[error("{at}: `{name}` names no landmark: {reason}")]
+    /// A name of a point that does not name a landmark.
+    #[error("{at}: `{name}` does not name a landmark: {reason}")]
     PointName {
         /// Where in the file.
         at: String,
@@ -100,7 +100,7 @@ pub enum LandmarkError {
         /// Expected value.
         expected: &'static str,
     },
-    /// An observer that is no code.
+    /// An invalid code of an observer.
     #[error("{at}: the observer is `{value}`, and must be {OBSERVER_RULE}")]
     Observer {
         /// Where in the file.
@@ -115,13 +115,13 @@ pub enum LandmarkError {
         at: String,
         /// The name.
         name: String,
-        /// What is known of that vertebra.
+        /// Hint for that vertebra.
         hint: Option<&'static str>,
     },
     /// A repeated part within one reading of one film.
     #[error("{at}: {what} is given twice{}", first.as_ref().map(|first| format!(", first at {first}")).unwrap_or_default())]
     Duplicate {
-        /// Where it stands for the second time.
+        /// Place of the second one.
         at: String,
         /// What it is.
         what: String,
@@ -149,7 +149,7 @@ pub enum LandmarkError {
     Midline {
         /// Where in the file.
         at: String,
-        /// What is wrong with it.
+        /// The problem of the midline.
         fault: MidlineError,
     },
     /// The file can be understood in more than one way.
@@ -187,7 +187,7 @@ pub enum LandmarkError {
     Plane {
         /// Markups node.
         at: String,
-        /// What their coordinates are like.
+        /// The problem of their coordinates.
         reason: String,
     },
     /// A DICOM object that is not a landmark report of Spineline.
@@ -196,7 +196,7 @@ pub enum LandmarkError {
         /// Why.
         reason: String,
     },
-    /// Landmarks from which no measurement can be made.
+    /// Landmarks that cannot be measured.
     #[error(transparent)]
     Marks(#[from] MeasureError),
 }
@@ -223,7 +223,7 @@ impl LandmarkError {
             Self::Missing { .. } => "add it to the file",
             Self::Value { .. } => "correct the value; write numbers without units or formulas",
             Self::Observer { .. } => {
-                "write a code for the observer, the same in all files and studies, and no name of a person"
+                "write a code for the observer, the same in all files and studies, but not the name of a person"
             }
             Self::Vertebra { .. } => {
                 "name vertebrae T1 to T12 and L1 to L5 (Th12 and D12 are read too)"
@@ -248,7 +248,7 @@ impl LandmarkError {
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum LandmarkExportError {
-    /// No film of that posture.
+    /// The posture has no film.
     #[error("the case has no {0} film")]
     NoFilm(spineline::anatomy::Posture),
     /// Locations and tilts instead of corners.
@@ -257,7 +257,7 @@ pub enum LandmarkExportError {
     /// Films with corners and films with locations do not go into one table.
     #[error("some films hold corners and some hold locations; a table holds only one kind")]
     MixedKinds,
-    /// Estimated levels in a format that cannot say so.
+    /// Estimated levels in a format that cannot mark them as estimated.
     #[error(
         "{0} film: its levels were estimated on a surface midline, which this format cannot state"
     )]

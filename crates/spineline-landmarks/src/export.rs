@@ -33,7 +33,7 @@ pub enum LandmarkTarget<'a> {
     DicomSr {
         /// The radiographs on which the landmarks were placed.
         sources: &'a BTreeMap<Posture, SourceImage>,
-        /// Between which vertebrae Cobb angles are measured.
+        /// The end vertebrae of the Cobb angles.
         curves: &'a [(Region, CobbEnds)],
         /// Date and time of the reports in UTC, as DICOM writes them: `20260131` and `235959`.
         written: [&'a str; 2],
@@ -43,14 +43,14 @@ pub enum LandmarkTarget<'a> {
 /// One file of an export.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ExportedFile {
-    /// A name for it among the files of the export, without anything of the patient or an observer.
+    /// A name for it among the files of the export, without data of the patient or an observer.
     pub name: String,
     /// Its bytes.
     pub bytes: Vec<u8>,
 }
 
 impl LandmarkTarget<'_> {
-    /// What this format leaves out of a case.
+    /// The parts of a case that this format leaves out.
     #[must_use]
     pub fn left_out(self, case: &Case) -> Vec<&'static str> {
         let landmarks = || {
@@ -73,7 +73,7 @@ impl LandmarkTarget<'_> {
         if confidences && landmarks().any(|landmark| landmark.confidence.is_some()) {
             left_out.push("confidences");
         }
-        // All formats have the origins of corners; how uncertain these are, they say without the rest only where corners were placed.
+        // All formats have the origins of corners; these show the full uncertainty only if all corners were placed.
         let states_uncertainty = |landmark: &VertebraLandmarks| {
             landmark.walls != [None; 2] || landmark.sd_share.is_some()
         };
@@ -182,7 +182,7 @@ fn corners(film: &Film) -> Result<CornersOfFilm<'_>, LandmarkExportError> {
 
 type CornersOfFilm<'a> = (&'a ImageGeometry, Option<IliacCrests>, &'a [Reading<VertebraLandmarks>]);
 
-/// The files of labelme of a film; the crests stand in each.
+/// The labelme files of a film; each has the crests.
 fn annotations(film: &Film, picture: &str) -> Result<Vec<ExportedFile>, LandmarkExportError> {
     let (image, iliac_crests, readings) = corners(film)?;
     let files = readings.iter().enumerate().map(|(place, reading)| {
@@ -211,7 +211,7 @@ fn reports(
     Ok(files)
 }
 
-/// What every format needs: readings, vertebrae, and numbers.
+/// Checks for every format: readings, vertebrae, and numbers.
 fn check(film: &Film) -> Result<(), LandmarkExportError> {
     match &film.landmarks {
         FilmLandmarks::Corners { readings, .. } => check_readings(film, readings, |landmark| {

@@ -52,7 +52,7 @@ pub struct LandmarkFile {
 pub struct MarkedFilm {
     /// Posture, if the file contains it.
     pub posture: Option<Posture>,
-    /// Name of the picture, with folders where the file has them, or of a DICOM film its SOP Instance UID, if the file contains it.
+    /// Name of the picture, with folders if the file has them; for a DICOM film its SOP Instance UID.
     pub picture: Option<String>,
     /// Columns and rows of the picture, if the file contains them.
     pub size: Option<(u32, u32)>,
@@ -77,9 +77,9 @@ pub enum LandmarkReadings {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum SlicerFrame {
-    /// A picture without a position in the patient, as DX and CR films are: the first pixel is the origin, the columns run
-    /// along `L` and the rows along `P` of LPS, each by its spacing, or by 1 mm where the picture has none. These directions
-    /// are nominal and not those of the patient.
+    /// A picture without a position in the patient, as DX and CR films are: the first pixel is the origin, the columns
+    /// run along `L` and the rows along `P` of LPS, each by its spacing, or by 1 mm for a picture without spacing.
+    /// These directions are nominal, not the patient's.
     Image,
     /// A coronal plane of the patient: `L` of LPS is the patient's left, `S` is cranial.
     Patient,
@@ -92,7 +92,7 @@ pub struct LandmarkHint {
     pub posture: Option<Posture>,
     /// Side of the picture on which the patient's left is: needed by formats that name sides of the picture.
     pub patient_left: Option<ImageSide>,
-    /// The picture, where there is one.
+    /// The picture, if known.
     pub image: Option<ImageGeometry>,
     /// Observer, for formats without one.
     pub reading: ReadingId,
@@ -113,14 +113,14 @@ impl Default for LandmarkHint {
 }
 
 impl LandmarkHint {
-    /// The side of the picture on which the patient's left is, from either place that gives it.
+    /// The side of the picture on which the patient's left is, by the picture or the hint.
     pub(super) fn patient_left(&self) -> Option<ImageSide> {
         self.patient_left.or(self.image.map(|image| image.patient_left))
     }
 }
 
 impl MarkedFilm {
-    /// The film of a case. Corners need the picture, for its size and sides; `posture` counts where the file has none.
+    /// The film of a case. Corners need the picture, for its size and sides; `posture` is used if the file has none.
     ///
     /// # Errors
     /// [`LandmarkError::Needs`], [`LandmarkError::OtherPicture`], [`LandmarkError::Ambiguous`] for another posture, and errors
@@ -194,7 +194,7 @@ impl MarkedFilm {
     }
 }
 
-/// Points of one reading, gathered by name.
+/// Points of one reading by name.
 #[derive(Debug)]
 pub(super) struct Points<P> {
     found: BTreeMap<PointName, (P, String)>,
@@ -223,7 +223,7 @@ impl<P: Copy> Points<P> {
         Ok(())
     }
 
-    /// The origin of a point, where the file states it.
+    /// The origin of a point, if the file states it.
     pub fn set_origin(&mut self, name: PointName, origin: Option<Origin>) {
         self.origins.extend(origin.map(|origin| (name, origin)));
     }
@@ -239,7 +239,7 @@ impl<P: Copy> Points<P> {
         origins
     }
 
-    /// The confidences of a body's corners; those of one, two or three corners are an error.
+    /// The confidences of a body's corners; confidences of only some corners are an error.
     fn confidences(
         &self,
         level: Level,
@@ -264,7 +264,7 @@ impl<P: Copy> Points<P> {
         }
     }
 
-    /// A remark where confidences of iliac crests are left out: a case has no place for them.
+    /// A remark if confidences of iliac crests are left out: a case cannot hold them.
     pub fn remarks(&self) -> Vec<String> {
         let crests = [PointName::CrestLeft, PointName::CrestRight];
         let has = crests.iter().any(|crest| self.confidences.contains_key(crest));
@@ -291,7 +291,7 @@ impl<P: Copy> Points<P> {
         self.found.values().map(|(point, _)| *point)
     }
 
-    /// Vertebrae with all four corners; one with fewer is an error, not left out.
+    /// Vertebrae with all four corners; fewer corners are an error.
     pub fn bodies(&self, reading: &str) -> Result<BTreeMap<Level, Corners<P>>, LandmarkError> {
         let mut bodies = BTreeMap::new();
         for name in self.found.keys() {
@@ -385,7 +385,7 @@ pub(super) fn origin(name: &str, at: &str) -> Result<Origin, LandmarkError> {
     named(name, "origin", at)
 }
 
-/// The origins of a vertebra for a file; `None` where a person clicked all corners, as a file without them says.
+/// The origins of a vertebra for a file; `None` if a person clicked all corners, the default.
 pub(super) fn stated_origins(landmark: &VertebraLandmarks) -> Option<[Origin; 4]> {
     let is_clicked = landmark.origins == Corners::all(Origin::Clicked);
     (!is_clicked).then(|| landmark.origins.points())

@@ -1,21 +1,21 @@
-//! Files of other programs that hold no landmarks, or none that can be read: what each is, and what to give in its place.
+//! Files of other programs without readable landmarks: their kind, and a remedy.
 
 use spineline_files::column_name;
 
 use super::LandmarkError;
 use super::json::Outline;
 
-/// What a file is, and what to do.
+/// Kind of a file, and the remedy.
 type Known = (&'static str, &'static str);
 
 const AS_COCO: &str = "export the key points as COCO JSON, or write a table with the columns of `spineline export --to csv`";
 const AS_TABLE: &str = "write a table with the columns of `spineline export --to csv`";
 const AS_CSV: &str = "save the sheet as CSV";
 const UNPACK: &str = "unpack it, and give the file of landmarks in it";
-const FILMS: &str = "give films as PATH, and landmarks in a file of their own with `--landmarks`";
+const FILMS: &str = "give films as PATH, and landmarks in a separate file with `--landmarks`";
 const SAVE_V7: &str = "save it in MATLAB with save('file.mat', 'p2', '-v7')";
 
-/// First bytes of files that are no text.
+/// First bytes of binary files.
 const SIGNATURES: [(&[u8], Known); 18] = [
     (b"MATLAB 7.3", ("a MATLAB file of version 7.3 (HDF5)", SAVE_V7)),
     (b"\x89HDF", ("an HDF5 file, such as of MATLAB 7.3, DeepLabCut or SLEAP", SAVE_V7)),
@@ -28,7 +28,7 @@ const SIGNATURES: [(&[u8], Known); 18] = [
         b"Iout",
         (
             "an ROI of ImageJ",
-            "save the points in ImageJ as a table, and name its columns as those of `spineline export --to csv`",
+            "save the points in ImageJ as a table, and name its columns as in `spineline export --to csv`",
         ),
     ),
     (b"\xd0\xcf\x11\xe0", ("an Office document, such as an old Excel sheet (.xls)", AS_CSV)),
@@ -116,7 +116,7 @@ pub(super) fn by_json(outline: &Outline) -> Option<LandmarkError> {
     Some(error(known))
 }
 
-/// The error for a list in JSON, which no landmark file is.
+/// The error for a list in JSON: landmark files are objects.
 pub(super) fn by_json_list(outline: &Outline) -> LandmarkError {
     let has = |key: &str| outline.has(key);
     error(if is_task(outline) {
@@ -129,11 +129,11 @@ pub(super) fn by_json_list(outline: &Outline) -> LandmarkError {
             "put it into `annotations` of its dataset, which has `images` and `categories`",
         )
     } else {
-        ("a list in JSON, and no landmark file that is known", AS_COCO)
+        ("a list in JSON, not a known landmark file", AS_COCO)
     })
 }
 
-/// Whether it is a task of Label Studio, in either of its own formats.
+/// Whether it is a task of Label Studio, in JSON or JSON-MIN.
 fn is_task(outline: &Outline) -> bool {
     let has = |key: &str| outline.has(key);
     let full = has("data") && (has("annotations") || has("completions") || has("predictions"));
@@ -156,7 +156,7 @@ fn zip_of(bytes: &[u8]) -> Known {
     } else if lists(b".roi") {
         (
             "a set of ROIs of ImageJ",
-            "save the points in ImageJ as a table, and name its columns as those of `spineline export --to csv`",
+            "save the points in ImageJ as a table, and name its columns as in `spineline export --to csv`",
         )
     } else if lists(b".mrml") {
         ("a scene of 3D Slicer (.mrb)", "save the point lists in 3D Slicer as .mrk.json")
@@ -174,11 +174,11 @@ fn xml_of(text: &str) -> Known {
     } else if has("<!DOCTYPE html") || has("<html") {
         ("a web page", "download the file itself")
     } else {
-        ("XML, and no landmark file that is known", AS_COCO)
+        ("XML, not a known landmark file", AS_COCO)
     }
 }
 
-/// Lines of a class and numbers, with no word.
+/// Lines of a class and numbers, without words.
 fn is_yolo(text: &str) -> bool {
     let mut cells = text.lines().take(3).flat_map(str::split_whitespace).peekable();
     let five = text.lines().next().is_some_and(|line| line.split_whitespace().count() >= 5);
@@ -191,7 +191,7 @@ fn is_matlab_4(bytes: &[u8]) -> bool {
     let word = |place: usize| {
         let four = bytes.get(4 * place..4 * place + 4)?;
         let four = [four[0], four[1], four[2], four[3]];
-        // Types of the other order of bytes are from 1000.
+        // Types with the other byte order start at 1000.
         Some([u32::from_le_bytes(four), u32::from_be_bytes(four)])
     };
     let Some([kinds, rows, columns, complex, length]) = (0..5)

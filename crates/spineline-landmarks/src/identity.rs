@@ -9,7 +9,7 @@ use super::names::observer;
 use super::number::Whole;
 use super::{LandmarkError, LandmarkHint};
 
-/// What of it a file states.
+/// The parts that a file states.
 #[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub(super) struct Identity {
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -38,7 +38,7 @@ impl Identity {
         self.film.as_ref().map(|name| named(name, "posture", at)).transpose()
     }
 
-    /// The stated reading; what is not stated is that of the caller.
+    /// The stated reading; the caller's values replace missing ones.
     pub fn reading(&self, hint: &LandmarkHint, at: &str) -> Result<ReadingId, LandmarkError> {
         let mut id = hint.reading.clone();
         if let Some(name) = &self.observer {

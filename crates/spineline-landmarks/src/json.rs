@@ -9,7 +9,7 @@ use spineline_files::{KeysOnce, decode_text};
 
 use super::LandmarkError;
 
-/// Reads JSON in UTF-8 or UTF-16. `NaN` and `Infinity`, which programs write for what was not placed, count as `null`.
+/// Reads JSON in UTF-8 or UTF-16. `NaN` and `Infinity`, which programs write for missing values, count as `null`.
 pub(super) fn parse_foreign<T: DeserializeOwned>(bytes: &[u8]) -> Result<T, LandmarkError> {
     let text = decode_text(bytes).ok_or_else(|| LandmarkError::Unrecognised {
         reason: "its text is neither UTF-8 nor UTF-16".to_owned(),
@@ -78,7 +78,7 @@ fn quoted(text: &str) -> usize {
     text.len()
 }
 
-/// The keys of a JSON file, to tell what it is: of the object, or of the first one of a list.
+/// The keys of a JSON file, which show its kind: of the object, or of the first object of a list.
 #[derive(Debug, Default)]
 pub(super) struct Outline {
     pub is_list: bool,
@@ -129,7 +129,7 @@ impl<'de> Visitor<'de> for OutlineVisitor {
     }
 }
 
-/// The keys of an object; none of anything else.
+/// The keys of an object; empty for other values.
 struct Keys(Vec<String>);
 
 impl<'de> Deserialize<'de> for Keys {
@@ -163,7 +163,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_number_becomes_null_outside_of_quotes() {
+    fn nan_and_infinity_become_null_outside_of_quotes() {
         let text = r#"{"a": [NaN, -Infinity, Infinity, nan], "NaN\"NaN": "Infinity"}"#;
         let clean = r#"{"a": [null, null, null, null], "NaN\"NaN": "Infinity"}"#;
         assert_eq!(without_nan(text).as_deref(), Some(clean));

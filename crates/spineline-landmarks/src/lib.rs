@@ -1,10 +1,11 @@
 //! Landmarks in the files of other programs, in and out.
 //!
-//! Everything is read into one intermediate, [`MarkedFilm`]: corners in pixels, named by the **patient's** sides, or, where a
-//! file knows no picture, locations and tilts. [`MarkedFilm::into_film`] makes a film of a case of it and lets the core check
-//! it. Nothing is assumed: data that a file does not contain come from the caller ([`LandmarkHint`]) or are an error.
+//! All formats are read into one intermediate, [`MarkedFilm`]: corners in pixels, named by the **patient's** sides, or,
+//! for a file without a picture, locations and tilts. [`MarkedFilm::into_film`] makes a film of a case from it, which
+//! the core checks. Nothing is assumed: data that a file does not contain come from the caller ([`LandmarkHint`]) or
+//! are an error.
 //!
-//! Every reader takes bytes, never panics, and allocates no more than in proportion to them.
+//! Readers take bytes, never panic, and allocate memory in proportion to the bytes.
 
 #![cfg_attr(test, allow(clippy::float_cmp, reason = "tests compare with exact values"))]
 
@@ -47,7 +48,7 @@ pub use sr::{ReportOf, SourceImage, parse_source, read_source, read_sr, write_sr
 /// Maximum size of a file of landmarks.
 pub const MAX_BYTES: u64 = 64 << 20;
 
-/// Text with the formats that are read.
+/// Text about the formats that are read.
 pub const LANDMARK_FORMATS: &str = "\
 Landmark files, detected by their content:
   CSV           one row per vertebra: posture, observer, repeat, vertebra, superior_left_column_px, superior_left_row_px,

@@ -1,12 +1,12 @@
-//! Midlines of the back surface, from surface topography: lines on which no vertebra was seen.
+//! Midlines of the back surface, from surface topography: lines without visible vertebrae.
 //!
 //! ```json
 //! { "midlines": [{ "posture": "erect", "observer": "A", "repeat": 1, "cranial_end": "C7", "caudal_end": "S1",
 //!     "axes": ["right", "caudal", "anterior"], "points_mm": [[-57.1, -229.8, 1079.9], [-56.4, -225.1, 1079.5]] }] }
 //! ```
 //!
-//! Points run from the cranial to the caudal end. `axes` names the patient's direction of each coordinate, so nothing about
-//! sides is assumed; the depth need not be there. Levels are placed by [`Midline::place_levels`].
+//! Points run from the cranial to the caudal end. `axes` names the patient's direction of each coordinate, so sides are
+//! never assumed; the depth is optional. Levels are placed by [`Midline::place_levels`].
 
 use std::collections::BTreeMap;
 
@@ -23,7 +23,7 @@ use super::{
     LandmarkError, LandmarkFile, LandmarkFormat, LandmarkHint, LandmarkReadings, MarkedFilm,
 };
 
-/// Words for directions of axes, and which part of a point and sign they stand for.
+/// Words for directions of axes, with coordinate and sign.
 const DIRECTIONS: [(&str, usize, f64); 6] = [
     ("left", 0, 1.0),
     ("right", 0, -1.0),
@@ -121,7 +121,7 @@ impl MidlineRecord {
         })
     }
 
-    /// Part of a point and sign of each coordinate.
+    /// Coordinate and sign for each value of a point.
     fn directions(&self, at: &str) -> Result<Vec<(usize, f64)>, LandmarkError> {
         let mut axes: Vec<(usize, f64)> = Vec::new();
         for name in &self.axes {

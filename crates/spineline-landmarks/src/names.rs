@@ -60,7 +60,7 @@ impl PointName {
         }
         let split = text.split_once(['_', ' ', '-']);
         match split.and_then(|(level, corner)| Some((level, parse_corner(corner)?))) {
-            // `superior_left` alone is `superior` and `left`, and a corner.
+            // `superior_left` alone would read as `superior` and `left`, but is a corner.
             Some((level, corner)) if parse_corner(text).is_none() => {
                 Ok(Self::Corner(parse_level(level, at)?, corner))
             }
@@ -73,7 +73,7 @@ impl PointName {
     }
 }
 
-/// What a name lacks of a vertebra and a corner.
+/// The missing part of a name: vertebra or corner.
 fn what_is_missing(text: &str) -> String {
     let corners = CornerName::ALL.map(CornerName::key).join(", ");
     let (level, corner) = text.split_once(['_', ' ', '-']).unwrap_or((text, ""));
@@ -82,7 +82,7 @@ fn what_is_missing(text: &str) -> String {
     }
     match (parse_level(level, "").is_ok(), corner) {
         (true, "") => format!("the corner is missing in the name; the corners are {corners}"),
-        (true, corner) => format!("`{}` is none of the corners {corners}", shown(corner)),
+        (true, corner) => format!("`{}` is not one of the corners {corners}", shown(corner)),
         (false, _) => {
             format!("the vertebra is missing in the name, and the corner, one of {corners}")
         }
@@ -93,7 +93,7 @@ fn what_is_missing(text: &str) -> String {
 pub(super) fn parse_level(text: &str, at: &str) -> Result<Level, LandmarkError> {
     let trimmed = text.trim();
     let found = trimmed.parse::<Level>().or_else(|_| {
-        // `t12` is as clear as `T12`; `th12` and `TH12` as `Th12`; `T 5` and `T05` as `T5`.
+        // `t12` is read as `T12`; `th12` and `TH12` as `Th12`; `T 5` and `T05` as `T5`.
         let upper = trimmed.to_ascii_uppercase();
         let upper = upper.strip_prefix("TH").map_or(upper.clone(), |number| format!("T{number}"));
         let (region, number) = upper.split_at_checked(1).unwrap_or((&upper, ""));
@@ -111,11 +111,11 @@ fn hint(name: &str) -> Option<&'static str> {
     let number = number.parse::<u32>().ok()?;
     match (region, number) {
         ("T", 13) => Some(
-            "a thirteenth thoracic vertebra has no place in the model, which counts seventeen from T1 to L5; leave it out, \
+            "a thirteenth thoracic vertebra does not fit the model, which counts seventeen from T1 to L5; leave it out, \
              or count again from below",
         ),
         ("L", 6) => Some(
-            "a sixth lumbar vertebra has no place in the model, which counts seventeen from T1 to L5; leave it out, or \
+            "a sixth lumbar vertebra does not fit the model, which counts seventeen from T1 to L5; leave it out, or \
              count again from above",
         ),
         ("C", 1..=7) | ("S", 1..=5) => {
@@ -138,7 +138,7 @@ pub(super) fn coordinate(value: f64, at: &str) -> Result<f64, LandmarkError> {
     }
 }
 
-/// The code of an observer; blanks around it are none of it.
+/// The code of an observer, without blanks around it.
 pub(super) fn observer(text: &str, at: &str) -> Result<String, LandmarkError> {
     let code = text.trim();
     if is_observer_code(code) {
@@ -181,7 +181,7 @@ mod tests {
         for (name, reason) in [
             (
                 "T12_superior_lfet",
-                "`superior_lfet` is none of the corners superior_left, superior_right",
+                "`superior_lfet` is not one of the corners superior_left, superior_right",
             ),
             ("T12", "the corner is missing"),
             ("superior_left", "the vertebra is missing in the name"),

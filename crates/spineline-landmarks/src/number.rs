@@ -1,4 +1,4 @@
-//! Numbers of JSON from other programs: what was not placed has many spellings, and a whole number may have decimals.
+//! Numbers of JSON from other programs: missing values have many spellings, and a whole number may have decimals.
 
 use std::fmt;
 
@@ -6,7 +6,7 @@ use serde::de::{Error, Unexpected, Visitor};
 use serde::{Deserialize, Deserializer};
 use spineline_files::{is_no_number, whole_number};
 
-/// A number, or none: `null`, `NaN`, an empty text. A number may be written as a text.
+/// A number, or a missing one: `null`, `NaN`, an empty text. A number may be written as a text.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(super) struct Loose(pub Option<f64>);
 

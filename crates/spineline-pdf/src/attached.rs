@@ -1,4 +1,4 @@
-//! The analysis inside a PDF: where it is attached, and how it is extracted.
+//! The analysis inside a PDF: its place, and how it is extracted.
 
 use hayro_syntax::Pdf;
 use hayro_syntax::object::{Array, Dict, Object, Stream, String as PdfString};
@@ -6,15 +6,15 @@ use hayro_syntax::object::{Array, Dict, Object, Stream, String as PdfString};
 /// The attachment, which PDF programs list under this name without the slash.
 pub(crate) const PATH: &str = "/spineline-analysis.json";
 
-/// The analysis that a PDF of a report holds, as it was given to its writer; `None` where there is none.
+/// The analysis in the PDF of a report, unchanged; `None` without one.
 #[must_use]
 pub fn embedded(pdf: &[u8]) -> Option<String> {
-    // A damaged file may end its reader by a panic.
+    // The reader may panic on a damaged file.
     std::panic::catch_unwind(|| attachment(pdf)).ok().flatten()
 }
 
 fn attachment(pdf: &[u8]) -> Option<String> {
-    // Without this check, any file would be searched for lost objects.
+    // Without this check, the reader would search any file for lost objects.
     if !pdf.starts_with(b"%PDF-") {
         return None;
     }

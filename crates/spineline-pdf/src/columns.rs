@@ -4,7 +4,7 @@
 const PAGE_PT: f64 = 481.0;
 /// Left and right of a cell's text, together.
 pub(crate) const EDGES_PT: f64 = 5.0;
-/// Sizes of letters, the wanted one first.
+/// Sizes of letters, the preferred one first.
 const SIZES_PT: [f64; 4] = [7.5, 6.5, 5.5, 4.5];
 /// Tables with more columns begin with the second size.
 const COMMON_COLUMNS: usize = 9;
@@ -23,9 +23,9 @@ pub(crate) struct Fit {
 /// Required width of a column, in em.
 #[derive(Debug, Clone, Copy, Default)]
 struct Required {
-    /// So that no word is cut.
+    /// For words without breaks.
     word: f64,
-    /// So that every cell has one line.
+    /// For cells of one line.
     line: f64,
 }
 
@@ -38,11 +38,11 @@ impl Required {
     }
 }
 
-/// The largest letters in which no word is cut; room that is left goes to columns whose cells have more than one line.
+/// The largest letters for which words are not cut; free room goes to columns whose cells have more than one line.
 pub(crate) fn fit(heads: &[String], rows: &[Vec<String>]) -> Fit {
     let mut required: Vec<Required> =
         heads.iter().map(|head| Required::default().and(head, BOLD)).collect();
-    // A head may have two lines: what is below it counts.
+    // A head may have two lines, so the cells below decide.
     required.iter_mut().for_each(|required| required.line = required.word.max(0.5 * required.line));
     for row in rows {
         for (required, cell) in required.iter_mut().zip(row) {
@@ -67,7 +67,7 @@ pub(crate) fn fit(heads: &[String], rows: &[Vec<String>]) -> Fit {
     Fit { size_pt, widths_pt: widths }
 }
 
-/// Distributes room equally, but gives no column more than it needs.
+/// Distributes room equally, but gives a column at most what it needs.
 fn shared(room: f64, wanted: &[f64]) -> Vec<f64> {
     let mut order: Vec<usize> = (0..wanted.len()).collect();
     order.sort_by(|&a, &b| wanted[a].total_cmp(&wanted[b]));
@@ -80,7 +80,7 @@ fn shared(room: f64, wanted: &[f64]) -> Vec<f64> {
     given
 }
 
-/// The longest part of a text that has no place to break.
+/// The longest part of a text without a place to break.
 fn longest_piece_em(text: &str) -> f64 {
     let (mut longest, mut piece) = (0.0_f64, 0.0);
     for c in text.chars() {
@@ -94,7 +94,7 @@ fn longest_piece_em(text: &str) -> f64 {
     longest
 }
 
-/// About the width of a letter of DejaVu Sans.
+/// Approximate width of a letter of DejaVu Sans.
 fn width_em(c: char) -> f64 {
     match c {
         '\u{200b}'..='\u{200f}' | '\u{2060}' | '\u{300}'..='\u{36f}' => 0.0,

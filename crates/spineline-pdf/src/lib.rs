@@ -1,8 +1,8 @@
 //! The typeset PDF of a report.
 //!
-//! [`pdf`] gives a [`Document`] to one Typst template, as data and never as markup, and writes PDF/A-3b with the analysis
-//! attached; [`embedded`] gets the analysis back. Nothing here has files, a clock or a network: the date is given, and
-//! the same input has the same bytes, as long as the fonts within have all letters.
+//! [`pdf`] gives a [`Document`] to one Typst template, as data and never as markup, and writes PDF/A-3b with the
+//! analysis attached; [`embedded`] extracts the analysis. This crate uses no files, clock or network: the date is
+//! given, and the same input gives the same bytes, if the built-in fonts have all letters.
 
 #![cfg_attr(test, allow(clippy::float_cmp, reason = "tests compare with exact values"))]
 
@@ -43,7 +43,7 @@ pub struct Made {
 }
 
 impl Made {
-    /// This time; `None` before Christ and after the year 65535.
+    /// This time; `None` for years outside of 1 to 65535.
     #[must_use]
     pub fn of(time: DateTime<Utc>) -> Option<Self> {
         // All of them are below 60, and fit.
@@ -65,7 +65,7 @@ impl fmt::Display for Made {
     }
 }
 
-/// A report that has no PDF.
+/// A report that cannot become a PDF.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum PdfError {
@@ -80,8 +80,8 @@ pub enum PdfError {
     Export(String),
 }
 
-/// The report as PDF/A-3b, with the analysis attached. Letters that no font has are boxes, and a note on the first page
-/// names them.
+/// The report as PDF/A-3b, with the analysis attached. Letters that the fonts lack become boxes, and a note on the
+/// first page names them.
 ///
 /// # Errors
 /// [`PdfError`]
@@ -93,7 +93,7 @@ pub fn pdf(document: &Document, made: Made) -> Result<Vec<u8>, PdfError> {
     let found = Fonts::for_texts(page::texts(document)).fonts;
     let is_more = found.len() > within.len();
     let bytes = match typeset(document, found, date) {
-        // For example a font that may not be embedded: boxes are better than no report.
+        // For example, a font forbids embedding: boxes are better than a missing report.
         Err(PdfError::Export(_)) if is_more => typeset(document, within, date),
         done => done,
     };

@@ -1,4 +1,4 @@
-//! A report as the data that the template reads: texts that can be set, in their order, with the measures of tables.
+//! A report as data for the template: texts with available letters, in their order, with the widths of tables.
 
 use serde_json::{Value, json};
 use spineline_files::{case_ids, content_words};
@@ -8,15 +8,15 @@ use spineline_report::document::{Block, Notice, NoticeKind, Section, Table};
 use crate::columns::{EDGES_PT, fit};
 use crate::text::Letters;
 
-/// Letters of the subject that a footer has room for.
+/// Maximum length of the subject in the footer, in letters.
 const FOOTER: usize = 48;
 
-/// The file that the template takes a figure from, by its place among all of the report.
+/// The file of a figure for the template, by its number in the report.
 pub(crate) fn figure_path(place: usize) -> String {
     format!("/figures/{place}.svg")
 }
 
-/// All texts that are shown.
+/// All texts of the report.
 pub(crate) fn texts(document: &Document) -> Vec<&str> {
     let mut texts =
         vec![document.title.as_str(), document.subject.as_str(), document.generator.as_str()];
@@ -45,7 +45,7 @@ fn add_notice<'a>(texts: &mut Vec<&'a str>, notice: &'a Notice) {
     texts.extend([notice.place.as_str(), notice.text.as_str(), notice.code.as_str()]);
 }
 
-/// The report for the template; `missing` says which letters are boxes.
+/// The report for the template; `missing` names the letters that are boxes.
 pub(crate) fn page(document: &Document, letters: &Letters, missing: Option<&str>) -> Value {
     let missing = missing.map(|text| Notice::new(NoticeKind::Note, text));
     let banners = document.banners.iter().chain(&missing);
@@ -61,7 +61,7 @@ pub(crate) fn page(document: &Document, letters: &Letters, missing: Option<&str>
         "heading": letters.plain(&format!("{}: {}", document.title, document.subject)),
         "footer": letters.words(&shortened(&document.subject)),
         "generator": letters.plain(&document.generator),
-        // Programs show them; the place of the hash is filled in by who writes the file.
+        // Programs show them; the writer of the file fills in the hash.
         "keywords": content_words(&case_ids(document.analysis.as_bytes())),
         "banners": banners.map(|banner| notice_value(banner, letters)).collect::<Vec<_>>(),
         "sections": sections,
@@ -143,7 +143,7 @@ mod tests {
             analysis: "{}".to_owned(),
         };
         let letters = Letters::of(texts(&document), &[]);
-        assert!(letters.lacking().contains(&'S'), "no font has no letters");
+        assert!(letters.lacking().contains(&'S'), "fonts without letters lack all");
         let page = page(&document, &letters, Some("No font has these."));
         assert_eq!(page["banners"].as_array().map(Vec::len), Some(2));
         assert_eq!(page["banners"][1]["kind"], "note");

@@ -1,25 +1,25 @@
-//! Texts for typesetting: only letters that a font has, and long words with places to break.
+//! Texts for typesetting: only letters of the available fonts, and long words with places to break.
 
 use std::collections::BTreeSet;
 
 use typst::text::Font;
 
-/// Replaces a letter that no font has.
+/// Replaces a letter that the fonts lack.
 const BOX: char = '\u{25a1}';
-/// Where a line may break without a sign.
+/// A place where a line may break without a sign.
 const BREAK: char = '\u{200b}';
-/// A longer word is broken wherever it has to be.
+/// A longer word may be broken anywhere.
 const MAX_WORD: usize = 20;
 /// Letters between two such places.
 const PIECE: usize = 12;
 
-/// Which letters of a report can be drawn.
+/// The letters of a report that can be drawn.
 pub(crate) struct Letters {
     lacking: BTreeSet<char>,
 }
 
 impl Letters {
-    /// Of these texts in these fonts.
+    /// For these texts in these fonts.
     pub(crate) fn of<'a>(texts: impl IntoIterator<Item = &'a str>, fonts: &[Font]) -> Self {
         let letters: BTreeSet<char> = texts.into_iter().flat_map(str::chars).collect();
         let is_had = |c: char| fonts.iter().any(|font| font.info().coverage.contains(u32::from(c)));
@@ -27,12 +27,12 @@ impl Letters {
         Self { lacking }
     }
 
-    /// Those that no font has.
+    /// The letters that the fonts lack.
     pub(crate) fn lacking(&self) -> Vec<char> {
         self.lacking.iter().copied().collect()
     }
 
-    /// The text with nothing in it that no font has: PDF/A forbids letters without a shape.
+    /// The text without letters that the fonts lack: PDF/A forbids letters without a shape.
     pub(crate) fn plain(&self, text: &str) -> String {
         text.chars().filter_map(|c| self.shown(c)).collect()
     }
@@ -52,12 +52,12 @@ impl Letters {
     }
 }
 
-/// Turns the order of letters beside it, which no identifier should do to the words around it.
+/// Changes the order of neighbouring letters; identifiers must not do this to the text around them.
 fn is_mark_of_order(c: char) -> bool {
     matches!(c, '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}')
 }
 
-/// Chooses among shapes of the letter before it; seldom in a font, and nothing is lost without.
+/// Chooses among shapes of the letter before it; fonts rarely have it, and it may be left out.
 fn is_mark_of_shape(c: char) -> bool {
     matches!(c, '\u{fe00}'..='\u{fe0f}' | '\u{feff}')
 }
@@ -69,7 +69,7 @@ fn is_drawn(c: char) -> bool {
     !c.is_whitespace() && !c.is_control() && !is_joiner && !is_mark
 }
 
-/// A break is allowed after every `/` and `_` within a word, and in words that are too long after every few letters.
+/// A break is allowed after every `/` and `_` within a word, and in long words after every few letters.
 fn breakable(text: &str) -> String {
     let mut broken = String::with_capacity(text.len() + text.len() / 8);
     for word in text.split_inclusive(char::is_whitespace) {
@@ -90,7 +90,7 @@ fn breakable(text: &str) -> String {
     broken
 }
 
-/// Whether a line may begin with it: not with a mark that belongs to the letter before.
+/// Whether a line may begin with it: a mark that belongs to the letter before may not.
 fn begins(c: char) -> bool {
     let is_mark = matches!(c,
         '\u{300}'..='\u{36f}' | '\u{483}'..='\u{489}' | '\u{591}'..='\u{5c7}' | '\u{610}'..='\u{61a}'

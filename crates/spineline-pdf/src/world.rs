@@ -51,7 +51,7 @@ impl Paper {
         &self.fonts
     }
 
-    /// Adds a file. Names are kept for ever by the typesetter: they must be few.
+    /// Adds a file. The typesetter keeps names forever, so they must be few.
     pub(crate) fn put(&mut self, path: &str, text: String) {
         self.files.insert(id(path), Bytes::from_string(text));
     }

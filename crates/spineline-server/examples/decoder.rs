@@ -1,4 +1,4 @@
-//! Decodes one film from its input to its output, as the server's decoder of its own process does.
+//! Decodes one film from its input to its output, as the server's decoder process does.
 
 fn main() -> std::io::Result<()> {
     spineline_films::serve_child(&mut std::io::stdin().lock(), &mut std::io::stdout().lock())

@@ -25,8 +25,8 @@ pub fn seen_film(store: &Store, user: &User, film: FilmId) -> Answer<FilmRecord>
     Ok(film)
 }
 
-/// A reading that this user may see; a reading of others is answered as not found. An own one that is finished stays hidden while its plan
-/// goes on.
+/// A reading that this user may see; a reading of others is answered as not found. While its plan is incomplete, a
+/// user's finished reading is hidden.
 pub fn seen_reading(store: &Store, user: &User, reading: ReadingId) -> Answer<SeenReading> {
     let seen = store.observer(&user.name).reading(reading).map_err(|error| match error {
         StoreError::NotYours { .. } => Failure::not_found(),
@@ -70,7 +70,7 @@ pub async fn study_result(state: &AppState, study: &Name) -> Answer<Arc<StudyRes
             let (state, name) = (state.clone(), study.clone());
             computed(move || {
                 let result = Arc::new(StudyResult::of(&name, current));
-                // The list of studies needs it, and asks while it holds the store.
+                // The list of studies needs it, and reads it while it holds the store.
                 result.models_verdict();
                 state.results().keep(sequence, &result);
                 result
@@ -82,7 +82,7 @@ pub async fn study_result(state: &AppState, study: &Name) -> Answer<Arc<StudyRes
 
 /// Whether results of a study may be shown to somebody who may see it.
 ///
-/// While a plan of blinded readings is incomplete, only those who lead and do not read see results.
+/// While a plan of blinded readings is incomplete, only leaders who do not read see results.
 ///
 /// # Errors
 /// Errors of the store.
@@ -123,11 +123,11 @@ async fn shows_results(state: &AppState, user: &User, study: &Name) -> Answer<bo
     asked.await
 }
 
-/// Has the results of a study computed before the store is asked for them, so that it is free meanwhile; nothing where they
-/// are hidden. Errors of the computation are reported where the results are requested.
+/// Computes the results of a study before the store is locked for them; does nothing where they are hidden. Errors of
+/// the computation are reported where the results are requested.
 ///
 /// # Errors
-/// 404 where the study is not theirs to see.
+/// 404 where the user may not see the study.
 pub async fn prepare(state: &AppState, user: &User, study: &Name) -> Answer<()> {
     if shows_results(state, user, study).await? {
         let _ = study_result(state, study).await;
@@ -135,7 +135,7 @@ pub async fn prepare(state: &AppState, user: &User, study: &Name) -> Answer<()> 
     Ok(())
 }
 
-/// The studies that they may see, with what they may do there; the results that they see are computed, as by [`prepare`].
+/// The studies that a user may see, with their permissions; [`prepare`] computes the visible results.
 ///
 /// # Errors
 /// Errors of reading the store.

@@ -73,7 +73,7 @@ fn panicked(_: Box<dyn Any + Send>) -> Response {
         "internal",
         "internal error: the program has a bug",
     )
-    .help("nothing of this step was saved; the terminal shows where the error occurred")
+    .help("this step was not saved; the terminal shows where the error occurred")
     .into_response()
 }
 

@@ -1,4 +1,4 @@
-//! The image archives that the administrator allowed, and how much is asked of them at a time.
+//! The image archives that the administrator allowed, with limits of concurrent requests.
 
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -13,15 +13,15 @@ use tokio::sync::Semaphore;
 use crate::problem::{Answer, Failure};
 use crate::result_cache::computed;
 
-/// Searches at a time: each holds a thread until the archive answers.
+/// Concurrent searches: each holds a thread until the archive answers.
 const SEARCHES: usize = 4;
-/// Films on their way at a time: each is in memory as a whole.
+/// Concurrent retrievals: each film is in memory as a whole.
 const FILMS: usize = 2;
 
-/// Series whose patients are kept for comparison with the files that follow.
+/// Number of series whose patients are kept for comparison with later files.
 const KEPT_SERIES: usize = 10_000;
 
-/// The archives, how many requests to them there are at a time, and whose series they found.
+/// The archives, their limits of requests, and the patients of series that they found.
 pub struct Archives {
     all: Vec<Arc<Archive>>,
     client: Client,
@@ -50,7 +50,7 @@ impl Archives {
     /// An archive by its name.
     ///
     /// # Errors
-    /// 404 where the program has none of this name.
+    /// 404 for an unknown name.
     pub fn named(&self, name: &str) -> Answer<Arc<Archive>> {
         let found = self.all.iter().find(|archive| archive.name() == name);
         found.cloned().ok_or_else(|| {
@@ -60,10 +60,10 @@ impl Archives {
         })
     }
 
-    /// Asks for what an archive has.
+    /// Searches an archive.
     ///
     /// # Errors
-    /// Those of the archive.
+    /// Errors of the archive.
     pub async fn search<T: Send + 'static>(
         &self,
         ask: impl FnOnce(&Client) -> Result<T, DicomwebError> + Send + 'static,
@@ -71,10 +71,10 @@ impl Archives {
         self.ask(&self.searches, ask).await
     }
 
-    /// Asks for a film.
+    /// Retrieves a film.
     ///
     /// # Errors
-    /// Those of the archive.
+    /// Errors of the archive.
     pub async fn retrieve(
         &self,
         ask: impl FnOnce(&Client) -> Result<Vec<u8>, DicomwebError> + Send + 'static,
@@ -82,7 +82,7 @@ impl Archives {
         self.ask(&self.films, ask).await
     }
 
-    /// Keeps whose series an archive found.
+    /// Keeps the patients of series that an archive found.
     pub fn keep_patients(&self, archive: &Archive, found: &[SeriesFound]) {
         let mut kept = self.patients.lock().unwrap_or_else(PoisonError::into_inner);
         if kept.len() + found.len() > KEPT_SERIES {
@@ -95,7 +95,7 @@ impl Archives {
         }));
     }
 
-    /// Refuses a film that is not the one asked for, or not of the patient whose series the archive found.
+    /// Refuses a film other than the requested one, or of another patient than the series.
     ///
     /// # Errors
     /// 502 with the UIDs that differ.
@@ -116,7 +116,7 @@ impl Archives {
         Ok(())
     }
 
-    /// Asks on a thread that may wait. The place is kept until the archive answers, even where nobody waits any more.
+    /// Runs on a blocking thread. The permit is held until the archive answers, even if the request is dropped.
     async fn ask<T: Send + 'static>(
         &self,
         places: &Arc<Semaphore>,

@@ -1,4 +1,4 @@
-//! Films from the image archives that the administrator allowed. A film that is opened is an upload from there on.
+//! Films from the image archives that the administrator allowed. An opened film becomes an upload.
 
 use axum::extract::State;
 use spineline_dicomweb::{Client, FilmFound, FilmUid, Search, SeriesFound, SeriesUid};
@@ -81,8 +81,8 @@ async fn films(
     Ok(Json(ArchiveFilmList { films, has_more: found.has_more }))
 }
 
-/// Opens a film of an archive, if what the archive answers is that film and of the patient of the search. It is an upload from there on,
-/// with the same checks and limits. The log of the store has an entry for it.
+/// Opens a film of an archive, if the answer is that film and belongs to the patient of the search. It becomes an
+/// upload, with the same checks and limits. The log of the store has an entry for it.
 #[utoipa::path(post, path = "/api/archives/open", request_body = ArchiveFilmChoice,
     responses((status = 200, body = UploadView), (status = 401, body = Problem),
         (status = 403, body = Problem), (status = 404, body = Problem),
@@ -107,7 +107,7 @@ async fn open(
     stage(&state, &user, (room, bytes), is_asked).await.map(Json)
 }
 
-/// Writes into the log of the store who asked an archive, and not for whom.
+/// Logs who queried an archive, but not for which patient.
 async fn log(state: &AppState, user: &User, what: &'static str, archive: String) -> Answer<()> {
     let by = user.sign(state.now());
     state.store(move |store| store.log_archive(what, &archive, &by)).await

@@ -26,7 +26,7 @@ pub fn routes() -> OpenApiRouter<AppState> {
 }
 
 /// Server-sent events `change` with a `Change`. A blinded reader receives own changes only. The stream ends with the
-/// session, and when the role of the account, its grant or what blinding hides from it is another one: the page then asks again.
+/// session, and when the role, the grant or the blinding of the account changes: the page then asks again.
 #[utoipa::path(get, path = "/api/studies/{study}/changes", params(("study" = String, Path)),
     responses((status = 200, content_type = "text/event-stream", body = Change),
         (status = 404, body = Problem)))]
@@ -37,7 +37,7 @@ async fn changes(
     Path(study): Path<String>,
 ) -> Answer<Sse<impl Stream<Item = Result<Event, Infallible>>>> {
     let study = study_name(&study)?;
-    // Listening begins before the lookup, so that no change is missed.
+    // Subscribes before the lookup, so that no change is missed.
     let messages = BroadcastStream::new(state.changes().subscribe());
     let secret = user::secret_of(&state, &headers).unwrap_or_default();
     let (asked, who) = (study.clone(), user.clone());
@@ -50,12 +50,12 @@ async fn changes(
     let every = listener.state.limits().recheck;
     let rechecks = IntervalStream::new(interval_at(Instant::now() + every, every));
     let messages = messages
-        // Who missed messages may have missed that their rights changed.
+        // A listener that missed messages may have missed a change of its rights.
         .map(|message| message.unwrap_or(Message::Rights))
         .merge(rechecks.map(|_| Message::Rights))
         .take_while(|message| !matches!(message, Message::End))
         .then(move |message| listener.clone().heard(message))
-        // Whatever is refused now is refused with its reason when the browser asks again.
+        // After an error the stream ends; the browser asks again and gets the reason.
         .map_while(Result::ok)
         .filter_map(|change| {
             let event = Event::default().event("change").json_data(change?).ok()?;
@@ -64,7 +64,7 @@ async fn changes(
     Ok(Sse::new(messages).keep_alive(KeepAlive::default()))
 }
 
-/// Who listens, as they were when they began.
+/// A listener with its rights at the start.
 #[derive(Clone)]
 struct Listener {
     state: AppState,
@@ -76,7 +76,7 @@ struct Listener {
 }
 
 impl Listener {
-    /// What is reported of a message.
+    /// The change to report for a message.
     async fn heard(self, message: Message) -> Answer<Option<Change>> {
         let change = match message {
             Message::Change(of, change) if of == self.study => Some(change),
@@ -92,7 +92,7 @@ impl Listener {
             .await
     }
 
-    /// Refuses where the session has ended, or does not reach as far as it did, or farther.
+    /// Refuses where the session has ended or its rights have changed.
     fn still_may(&self, store: &Store) -> Answer<()> {
         let access = self.state.options().access;
         let user = user::user_behind(store, &self.secret, access, self.state.now())?;

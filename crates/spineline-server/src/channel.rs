@@ -13,7 +13,7 @@ const LAG: usize = 256;
 pub enum Message {
     /// A change of a study.
     Change(Name, Change),
-    /// Sessions, roles or grants have changed: who listens may no longer do so.
+    /// Sessions, roles or grants have changed: listeners must be checked again.
     Rights,
     /// The server is shutting down.
     End,
@@ -31,11 +31,11 @@ impl Default for Channel {
 impl Channel {
     /// Sends a change that is committed.
     pub fn send(&self, study: &Name, change: Change) {
-        // There may be no listeners.
+        // Without listeners this is an error, which is ignored.
         let _ = self.0.send(Message::Change(study.clone(), change));
     }
 
-    /// Has everybody who listens shown to be somebody who may.
+    /// Makes all listeners check their rights again.
     pub fn rights_changed(&self) {
         let _ = self.0.send(Message::Rights);
     }

@@ -23,8 +23,8 @@ use crate::studies;
 use crate::synthetic::{DrawnFilm, case_file, draw_film};
 use crate::user::User;
 
-/// Pixels of 0.2 mm, as those of a computed radiograph of a whole spine; phantoms are drawn with a quarter of that area.
-const COARSER: u32 = 2;
+/// Pixels of 0.2 mm, as in a computed radiograph of a whole spine; phantoms have a quarter of that area per pixel.
+const PIXEL_FACTOR: u32 = 2;
 const SEED: u64 = 1;
 /// Names that are tried.
 const MAX_DEMOS: usize = 1000;
@@ -69,12 +69,12 @@ fn draw() -> Answer<Drawn> {
     let internal = |text: String| Failure::new(StatusCode::INTERNAL_SERVER_ERROR, "demo", text);
     let phantom = generate(0, Scenario::Rod, &Readers::default(), SEED)
         .map_err(|error| internal(error.to_string()))?
-        .coarser(COARSER);
-    // A film keeps one core busy while it is compressed.
+        .coarser(PIXEL_FACTOR);
+    // Compression keeps one core busy per film.
     let drawn = phantom.films.par_iter().map(|film| -> Answer<_> {
         let drawn = draw_film(&phantom, film, Encoding::JpegLs)
             .map_err(|error| internal(error.to_string()))?;
-        // The program has just written it.
+        // The program has just written this film.
         let read = read_film(&drawn.bytes, &FilmLimits::default())?;
         let thumbnails = (Hash::of(&drawn.bytes), draw_thumbnails(&read));
         Ok(((film.posture, drawn), thumbnails))

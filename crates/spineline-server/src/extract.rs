@@ -11,7 +11,7 @@ use axum::response::{IntoResponse, Response};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
-use crate::pace::TooSlow;
+use crate::body_rate::TooSlow;
 use crate::problem::Failure;
 use crate::state::AppState;
 use crate::user::{self, User};
@@ -35,7 +35,7 @@ impl<T: DeserializeOwned> FromRequest<AppState> for Json<T> {
     }
 }
 
-/// The text of a JSON body, for files with messages of their own.
+/// The text of a JSON body, for files with their own messages.
 #[derive(Debug, Clone)]
 pub struct JsonText(pub String);
 
@@ -61,10 +61,10 @@ async fn json_body(request: Request, state: &AppState) -> Result<Bytes, Failure>
     }
     let (asker, headers) = (request.extensions().get::<User>().cloned(), request.headers().clone());
     let body = Bytes::from_request(request, state).await.map_err(|refused| unread(&refused))?;
-    // A body may take its time, and a role that was taken meanwhile is gone.
+    // The role may change while a slow body arrives.
     match asker {
         Some(asker) if user::user_of(state, &headers).await? != asker => {
-            let text = "your role was changed while the request came";
+            let text = "your role was changed while the request arrived";
             let refused = Failure::new(StatusCode::FORBIDDEN, "not_allowed", text);
             Err(refused.help("load the page again"))
         }

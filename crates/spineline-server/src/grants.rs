@@ -62,7 +62,7 @@ async fn put_grants(
             user.need_on_study(store, &study, Role::Admin)?;
             let wanted = wanted.iter().map(parse).collect::<Answer<Vec<_>>>()?;
             store.set_grants(&study, &wanted, &by).map_err(|error| match error {
-                StoreError::Unknown { .. } => refused("there is no account with this name"),
+                StoreError::Unknown { .. } => refused("no account has this name"),
                 other => other.into(),
             })?;
             views(store, &study)

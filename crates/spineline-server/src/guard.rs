@@ -7,20 +7,20 @@ use axum::middleware::Next;
 use axum::response::{IntoResponse, Response};
 use subtle::ConstantTimeEq;
 
+use crate::body_rate::TimedBody;
+use crate::connection_slots::RequestSlot;
 use crate::extract::unread;
-use crate::pace::Paced;
 use crate::places::{Place, Whose, Work};
 use crate::problem::{Answer, Failure};
-use crate::seats::SeatOf;
+use crate::request_source::{self, RequestSource};
 use crate::state::AppState;
 use crate::user;
-use crate::whence::{self, Whence};
 
 /// Largest body that any route may take, in bytes: a study's films in one archive.
 pub const MAX_UPLOAD_BYTES: usize = 600 << 20;
-/// Largest body of a request, in bytes. A route that takes films sets a limit of its own.
+/// Largest body of a request, in bytes. Routes that take films set their own limit.
 pub const MAX_BODY_BYTES: usize = 1 << 20;
-/// Largest body of somebody who signs in, in bytes: a name and a password.
+/// Largest body of a sign-in, in bytes: a name and a password.
 const MAX_SIGN_IN_BYTES: usize = 16 << 10;
 /// Header with the session's token, required by every request that changes something.
 const CSRF: &str = "x-spineline-csrf";
@@ -37,7 +37,7 @@ const HEADERS: [(&str, &str); 6] = [
     ("x-frame-options", "DENY"),
 ];
 
-/// With `--https`: browsers ask this host by https alone for a year.
+/// With `--https`: for a year, browsers use https only for this host.
 const HTTPS_ONLY: (&str, &str) = ("strict-transport-security", "max-age=31536000");
 
 /// Adds the headers of every answer. Browsers must not cache answers of the interface.
@@ -55,8 +55,8 @@ pub async fn headers(State(state): State<AppState>, request: Request, next: Next
     answer
 }
 
-/// Refuses what does not come from the app itself, and answers so many at once. Who asks is known before anything of a body is
-/// read, and a body is read before its request takes a place, so that no slow body holds one.
+/// Refuses requests from outside of the app, and limits concurrent ones. The user is identified before the body is
+/// read, and the body is read before its request takes a place, so that slow bodies hold no places.
 pub async fn guard(State(state): State<AppState>, request: Request, next: Next) -> Response {
     match admitted(&state, request).await {
         Ok((request, _place)) => next.run(request).await,
@@ -66,18 +66,18 @@ pub async fn guard(State(state): State<AppState>, request: Request, next: Next) 
 
 async fn admitted(state: &AppState, mut request: Request) -> Answer<(Request, Option<Place>)> {
     check(state, &request)?;
-    let pace = state.limits().body;
-    request = request.map(|body| Body::new(Paced::new(body, pace)));
-    // What keeps a session from being read is for the handler to say.
+    let rate = state.limits().body;
+    request = request.map(|body| Body::new(TimedBody::new(body, rate)));
+    // The handler reports errors of reading the session.
     let user = user::user_of(state, request.headers()).await.ok();
-    if let (Some(user), Some(seat)) = (&user, request.extensions().get::<SeatOf>()) {
-        seat.keep(&user.name);
+    if let (Some(user), Some(slot)) = (&user, request.extensions().get::<RequestSlot>()) {
+        slot.keep(&user.name);
     }
     let (work, whose) = if signs_in(&request) {
-        let address = whence::address(state, &request);
-        let whence = Whence::of(state, address, request.headers()).await?;
-        let (whose, is_known) = whence.whose();
-        request.extensions_mut().insert(whence);
+        let address = request_source::address(state, &request);
+        let from = RequestSource::of(state, address, request.headers()).await?;
+        let (whose, is_known) = from.whose();
+        request.extensions_mut().insert(from);
         request = whole(state, request, MAX_SIGN_IN_BYTES).await?;
         (if is_known { Work::KnownSignIn } else { Work::Stranger }, whose)
     } else if let Some(user) = user {
@@ -89,13 +89,13 @@ async fn admitted(state: &AppState, mut request: Request) -> Answer<(Request, Op
         request = whole(state, request, MAX_BODY_BYTES).await?;
         (if marks(&request) { Work::Click } else { Work::Other }, whose)
     } else {
-        (Work::Stranger, Whose::Address(whence::address(state, &request)))
+        (Work::Stranger, Whose::Address(request_source::address(state, &request)))
     };
     let place = state.rooms().take(work, whose).await?;
     Ok((request, Some(place)))
 }
 
-/// The only request whose body is too large for memory before there is room for it: it takes its place itself.
+/// The only request whose body is too large for memory before room is reserved: it takes its place itself.
 fn uploads(request: &Request) -> bool {
     request.method() == Method::POST && request.uri().path() == "/api/uploads"
 }
@@ -154,7 +154,7 @@ fn check(state: &AppState, request: &Request<Body>) -> Answer<()> {
     if reads || signs_in(request) { Ok(()) } else { csrf(state, headers) }
 }
 
-/// What a request says of the size of its body.
+/// Size of the body by the headers.
 pub fn declared_bytes(headers: &HeaderMap) -> Option<u64> {
     headers.get(header::CONTENT_LENGTH)?.to_str().ok()?.parse().ok()
 }
@@ -180,7 +180,7 @@ fn host(uri: &Uri, headers: &HeaderMap) -> Option<String> {
     (named.next().is_none() && agrees).then_some(host)
 }
 
-/// Browsers say where a request comes from. One that changes something must say so; one that reads must not say otherwise.
+/// Browsers state the origin of a request. A write must state this site; a read must not state another one.
 fn comes_from_here(headers: &HeaderMap, host: &str, https: bool, reads: bool) -> bool {
     let scheme = if https { "https" } else { "http" };
     let site = headers.get("sec-fetch-site");
@@ -195,7 +195,7 @@ fn comes_from_here(headers: &HeaderMap, host: &str, https: bool, reads: bool) ->
     }
 }
 
-/// Without a cookie there is no session; the handler reports it.
+/// Without a cookie, the handler reports the missing session.
 fn csrf(state: &AppState, headers: &HeaderMap) -> Answer<()> {
     let Some(secret) = user::secret_of(state, headers) else { return Ok(()) };
     let expected = user::csrf_of(&secret);

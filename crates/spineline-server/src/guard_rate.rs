@@ -1,8 +1,8 @@
 //! Limit of attempts to sign in.
 //!
-//! Rate limiters such as `governor` count requests of an address; here failures count alone, by account and by where they come
-//! from, with locks that double and end with quiet, and by the clock that the caller gives. Nobody's failures lock others: an
-//! attempt elsewhere, or from a browser that signed in lately, is another count.
+//! Rate limiters such as `governor` count requests of an address. This module counts only failures, per account and
+//! source. Locks double, end after a quiet time, and use the caller's clock. Failures of one source do not lock others:
+//! another address, or a browser that signed in lately, has a separate count.
 
 use std::collections::BTreeMap;
 use std::net::IpAddr;
@@ -19,9 +19,9 @@ const FREE: u32 = 5;
 const FIRST_LOCK_MS: i64 = 60_000;
 /// The longest lock, and the quiet after which failures are forgotten.
 const MAX_LOCK_MS: i64 = 15 * 60_000;
-/// Counts that are remembered. Of more, those that have been quiet for longest are forgotten.
+/// Number of counts in memory; beyond it, the oldest are forgotten.
 const MAX_COUNTS: usize = 2000;
-/// Refused attempts that get an entry in the log, per hour: strangers must not fill the disk.
+/// Refused attempts per hour that get an entry in the log: strangers must not fill the disk.
 const LOGGED_PER_HOUR: u64 = 300;
 const HOUR_MS: i64 = 60 * 60_000;
 
@@ -32,7 +32,7 @@ pub enum Source {
     Device(String),
     /// An address; a network of 2^64 addresses counts as one.
     Address(Option<IpAddr>),
-    /// Somebody who is signed in and gives the password again.
+    /// A signed-in user who gives the password again.
     Session,
 }
 
@@ -59,7 +59,7 @@ impl Failures {
     }
 }
 
-/// Counts attempts to sign in. Every attempt counts as failed until it has succeeded, so that many at once gain nothing.
+/// Counts attempts to sign in. Every attempt counts as failed until it succeeds, so concurrent attempts gain nothing.
 #[derive(Debug, Default)]
 pub struct Attempts(Mutex<BTreeMap<(Source, Name), Failures>>);
 
@@ -119,7 +119,7 @@ struct Hour {
 }
 
 impl LoggedRefusals {
-    /// Whether this one gets an entry: then the number of earlier ones without.
+    /// For an attempt that gets an entry, the number of earlier ones without.
     pub fn log(&self, now_ms: i64) -> Option<u64> {
         let mut hour = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         if !(0..HOUR_MS).contains(&now_ms.saturating_sub(hour.begun_ms)) {
@@ -190,7 +190,7 @@ mod tests {
     }
 
     #[test]
-    fn more_names_than_are_remembered_lock_nobody() {
+    fn names_beyond_the_limit_cause_no_lock() {
         let attempts = Attempts::default();
         for guess in 0..2 * MAX_COUNTS {
             attempts.begin(&from(1), &name(&format!("N{guess}")), NOW_MS).expect("free");

@@ -1,4 +1,4 @@
-//! The token printed in the terminal: a person who can read the terminal has all permissions of its user.
+//! The token printed in the terminal: anyone who can read the terminal has all permissions of its user.
 
 use subtle::ConstantTimeEq;
 use tokio::sync::watch;
@@ -14,7 +14,7 @@ impl OneTimeToken {
         Self(watch::Sender::new(secret()))
     }
 
-    /// Follows the token that is good now.
+    /// Follows the currently valid token.
     pub fn follow(&self) -> watch::Receiver<String> {
         self.0.subscribe()
     }

@@ -5,8 +5,8 @@
 pub struct Hosts(Vec<String>);
 
 impl Hosts {
-    /// The address itself and the loopback names with its port; further names with that port, another one of their own, or
-    /// none, as a proxy asks for them.
+    /// The address itself and the loopback names with its port. Further names are allowed with this port, with their
+    /// own port, or without a port, as a proxy sends them.
     pub fn new(address: std::net::SocketAddr, further: &[String]) -> Self {
         let port = address.port();
         let own = ["localhost", "127.0.0.1", "[::1]"].map(|name| format!("{name}:{port}"));

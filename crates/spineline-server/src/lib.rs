@@ -9,8 +9,10 @@ mod archive_client;
 mod archives;
 mod assets;
 mod attachment;
+mod body_rate;
 mod changes;
 mod channel;
+mod connection_slots;
 mod decoded;
 mod demo;
 pub mod extract;
@@ -25,30 +27,28 @@ mod jobs;
 mod limits;
 mod listen;
 mod overview_cache;
-mod pace;
 mod places;
 mod problem;
 mod readings;
+mod request_source;
 mod result_cache;
 mod results;
-mod seats;
 mod secret;
 mod session;
 mod state;
 mod studies;
 pub mod synthetic;
 mod user;
-mod whence;
 mod words;
 
 pub use app::{app, openapi};
 pub use assets::has_app;
 pub use guard::MAX_UPLOAD_BYTES;
-pub use limits::{Pace, Places, RequestPlaces, ServeLimits, Shares, UploadLimits, UploadRoom};
+pub use limits::{BodyRate, Places, RequestPlaces, ServeLimits, Shares, UploadLimits, UploadRoom};
 pub use listen::Server;
 pub use problem::{Answer, Failure};
 pub use state::{AppState, ServeOptions};
 pub use user::User;
 
-/// This program and its version, as files name what wrote them.
+/// This program and its version, as in the provenance of files.
 const PROGRAM: &str = concat!("spineline ", env!("CARGO_PKG_VERSION"));

@@ -1,4 +1,4 @@
-//! What the server takes at once, from whom, and how long it waits.
+//! Limits of the server: concurrent work, shares and waiting times.
 
 use std::time::Duration;
 
@@ -12,9 +12,9 @@ pub struct ServeLimits {
     /// Requests that are answered at once.
     pub requests: RequestPlaces,
     /// How fast a body must arrive.
-    pub body: Pace,
-    /// How often an event stream asks whether it still may run: sessions end by time, and other programs change accounts.
-    /// What this server changes ends a stream at once.
+    pub body: BodyRate,
+    /// How often an event stream checks its rights: sessions expire, and other programs change accounts. Changes by
+    /// this server end a stream at once.
     pub recheck: Duration,
     /// Uploaded films that are not in a study.
     pub uploads: UploadLimits,
@@ -22,7 +22,7 @@ pub struct ServeLimits {
     pub archive: spineline_dicomweb::Limits,
 }
 
-/// Places for those who are signed in, and for everybody else: neither takes the other's.
+/// Places for signed-in users and for everybody else: neither takes the other's.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Shares {
     /// For those who are signed in.
@@ -31,7 +31,7 @@ pub struct Shares {
     pub strangers: usize,
 }
 
-/// Places, and the most of them that one account or address takes.
+/// Places in all, and the maximum for one account or address.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Places {
     /// All.
@@ -40,7 +40,7 @@ pub struct Places {
     pub each: usize,
 }
 
-/// Places for requests, by what they are for: no work takes the places of another.
+/// Places for requests by purpose: each purpose has its own places.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct RequestPlaces {
     /// Recording landmarks.
@@ -53,16 +53,16 @@ pub struct RequestPlaces {
     pub strangers: Places,
 }
 
-/// The least pace of a body: it has `grace`, and a second more for every `bytes_per_s` that arrived.
+/// The minimum rate of a body: it may take `grace`, and one second more per `bytes_per_s` received.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Pace {
-    /// Time that any body has.
+pub struct BodyRate {
+    /// Time that every body has.
     pub grace: Duration,
-    /// Bytes that give it another second.
+    /// Bytes that add one second.
     pub bytes_per_s: u64,
 }
 
-/// How many uploaded films may wait for a study, and for how long.
+/// Number of uploaded films that may wait for a study, and their time limit.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct UploadLimits {
     /// How long each is kept.
@@ -83,8 +83,8 @@ pub struct UploadRoom {
 }
 
 impl Default for ServeLimits {
-    /// A request holds a body of at most some megabytes, and uploads have their own limit. The slowest body is that of a film
-    /// over a poor line.
+    /// A request holds at most a few megabytes in memory, and uploads have their own limit. The slowest body is a film
+    /// on a slow network.
     fn default() -> Self {
         Self {
             connections: Shares { users: Places { all: 192, each: 64 }, strangers: 128 },
@@ -94,7 +94,7 @@ impl Default for ServeLimits {
                 known: Places { all: 8, each: 2 },
                 strangers: Places { all: 16, each: 8 },
             },
-            body: Pace { grace: Duration::from_secs(30), bytes_per_s: 16 << 10 },
+            body: BodyRate { grace: Duration::from_secs(30), bytes_per_s: 16 << 10 },
             recheck: Duration::from_secs(5),
             uploads: UploadLimits {
                 kept: Duration::from_secs(60 * 60),

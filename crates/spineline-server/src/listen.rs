@@ -1,7 +1,7 @@
 //! The listener, with limits for slow connections.
 //!
-//! `axum::serve` cannot replace this loop: it sets no deadline for the head of a request and no limit of connections, and its
-//! graceful end waits for event streams that never end.
+//! `axum::serve` cannot replace this loop: it has neither a deadline for the head of a request nor a limit of
+//! connections, and its graceful end waits for event streams that never end.
 
 use std::net::SocketAddr;
 use std::pin::pin;
@@ -18,7 +18,7 @@ use tokio::sync::watch;
 use tower_http::add_extension::AddExtension;
 
 use crate::app::app;
-use crate::seats::{SeatOf, Seats};
+use crate::connection_slots::{ConnectionSlots, RequestSlot};
 use crate::session;
 use crate::state::{AppState, ServeOptions};
 
@@ -26,9 +26,9 @@ use crate::state::{AppState, ServeOptions};
 const HEAD_TIMEOUT: Duration = Duration::from_secs(30);
 /// Most bytes of a request's head.
 const MAX_HEAD_BYTES: usize = 64 << 10;
-/// How often uploads are dropped whose time is over, and what found no room on the disk is written.
+/// Interval at which expired uploads are dropped and unsaved entries are written.
 const SWEEP_EVERY: Duration = Duration::from_secs(60);
-/// After a rest of this time, what was acknowledged is in the main file of the store.
+/// After a rest of this time, acknowledged changes are in the main file of the store.
 const REST: Duration = Duration::from_secs(2);
 /// Time for running requests after a shutdown was requested. Event streams never end by themselves.
 const END_TIMEOUT: Duration = Duration::from_secs(3);
@@ -83,7 +83,7 @@ impl Server {
     pub async fn run(self, end: impl Future<Output = ()> + Send + 'static) -> std::io::Result<()> {
         let app = app(self.state.clone());
         let open = GracefulShutdown::new();
-        let seats = Seats::new(self.state.limits().connections);
+        let slots = ConnectionSlots::new(self.state.limits().connections);
         let mut sweeps = tokio::time::interval(SWEEP_EVERY);
         let mut rests = tokio::time::interval(REST);
         rests.set_missed_tick_behavior(tokio::time::MissedTickBehavior::Delay);
@@ -110,14 +110,14 @@ impl Server {
             };
             // Small answers are sent at once. An error here only makes them slower.
             let _ = stream.set_nodelay(true);
-            let seat = seats.take(Some(peer.ip()));
-            let app = AddExtension::new(app.clone(), seat.for_requests());
+            let slot = slots.take(Some(peer.ip()));
+            let app = AddExtension::new(app.clone(), slot.for_requests());
             let connection = open.watch(connection(stream, app));
             tokio::spawn(async move {
                 tokio::select! {
                     // A closed connection is not an error of the server.
                     _ = connection => {}
-                    () = seat.closed() => {}
+                    () = slot.closed() => {}
                 }
             });
         }
@@ -135,7 +135,7 @@ fn save_unsaved(state: &AppState) {
     tokio::spawn(async move { state.store(move |store| store.save_unsaved(&by)).await });
 }
 
-type App = AddExtension<axum::Router, SeatOf>;
+type App = AddExtension<axum::Router, RequestSlot>;
 type Connection<I> = http1::Connection<TokioIo<I>, TowerToHyperService<App>>;
 
 fn connection<I: AsyncRead + AsyncWrite + Unpin + Send + 'static>(
@@ -155,7 +155,7 @@ mod tests {
 
     use tokio::io::{AsyncReadExt, AsyncWriteExt};
 
-    use super::{AddExtension, AppState, Seats, ServeOptions, app, connection};
+    use super::{AddExtension, AppState, ConnectionSlots, ServeOptions, app, connection};
     use crate::limits::ServeLimits;
 
     use spineline_store::{Access, Name, Signature, Store, Timestamp};
@@ -176,9 +176,9 @@ mod tests {
             limits: ServeLimits::default(),
         };
         let address = "127.0.0.1:8765".parse().expect("an address");
-        let seat = Seats::new(options.limits.connections).take(None);
+        let slot = ConnectionSlots::new(options.limits.connections).take(None);
         let app = app(AppState::new(store, address, options));
-        let app = AddExtension::new(app, seat.for_requests());
+        let app = AddExtension::new(app, slot.for_requests());
         let (mut client, server) = tokio::io::duplex(1 << 16);
         let served = tokio::spawn(async move {
             // The answer shows how the connection ends.

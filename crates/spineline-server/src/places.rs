@@ -1,5 +1,5 @@
-//! Places for requests under way. A request takes one when its body has arrived, waits a moment for it, and shares the room with
-//! all others: nobody takes more than a share, and clicks have a room that no other work fills.
+//! Places for running requests. A request takes one when its body has arrived, or waits for it briefly. Each user has a
+//! limited share, and clicks have their own places.
 
 use std::collections::BTreeMap;
 use std::net::IpAddr;
@@ -17,7 +17,7 @@ use crate::problem::{Answer, Failure};
 /// How long a request waits for a place.
 const WAIT: Duration = Duration::from_secs(5);
 
-/// Whose share a place is of.
+/// Owner of a share of places.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Whose {
     /// An account, or an observer with the token.
@@ -66,10 +66,10 @@ impl Rooms {
         Self { clicks, users, known, strangers }
     }
 
-    /// A place, as soon as there is one.
+    /// Takes a place as soon as one is free.
     ///
     /// # Errors
-    /// 503 where there is none for some seconds.
+    /// 503 if all places stay taken for some seconds.
     pub async fn take(&self, work: Work, whose: Whose) -> Answer<Place> {
         let room = match work {
             Work::Click => &self.clicks,
@@ -94,7 +94,7 @@ impl Room {
     async fn take(&self, whose: Whose) -> Option<Place> {
         let share = self.share(whose);
         let both = async {
-            // The share first, so that who waits for it takes no place from others.
+            // The share first, so that a waiting user takes no place from others.
             let of_share = share.acquire_owned().await.ok()?;
             let of_all = Arc::clone(&self.all).acquire_owned().await.ok()?;
             Some(Place { _of_share: of_share, _of_all: of_all })
@@ -104,7 +104,7 @@ impl Room {
 
     fn share(&self, whose: Whose) -> Arc<Semaphore> {
         let mut shares = self.shares.lock().unwrap_or_else(PoisonError::into_inner);
-        // A share that nobody uses or waits for is whole, and is made again when it is needed.
+        // An unused share is removed, and made again when it is needed.
         shares.retain(|_, share| Arc::strong_count(share) > 1);
         let whole = || Arc::new(Semaphore::new(self.each));
         Arc::clone(shares.entry(whose).or_insert_with(whole))
@@ -120,7 +120,7 @@ mod tests {
     }
 
     #[tokio::test(start_paused = true)]
-    async fn nobody_takes_more_than_a_share() {
+    async fn one_user_takes_at_most_a_share() {
         let room = Room::new(Places { all: 5, each: 2 });
         let mut taken: Vec<Place> = Vec::new();
         for _ in 0..2 {

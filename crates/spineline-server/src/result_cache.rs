@@ -56,7 +56,7 @@ impl StudyResult {
         Some(self.current.options.words()).filter(|words| !words.is_empty())
     }
 
-    /// The analysis, where there is one.
+    /// The analysis, if the outcome is one.
     pub fn analysis(&self) -> Option<&Analysis> {
         match &self.outcome {
             Outcome::Analysed(analysis) => Some(analysis),
@@ -64,7 +64,7 @@ impl StudyResult {
         }
     }
 
-    /// What the films say of the models, where there are models.
+    /// The verdict on the models, if the study has models.
     pub fn models_verdict(&self) -> Option<ModelsVerdict> {
         self.analysis()?.models_verdict()
     }
@@ -101,7 +101,7 @@ fn analysed(current: &CurrentCase) -> Outcome {
     }
     if let Some(posture) = missing_known_force(&options, &case) {
         return refused_options(format!(
-            "the scale constraint `known-force` names the {posture} film, and no such film takes part in the analysis"
+            "the scale constraint `known-force` names the {posture} film, which is not part of the analysis"
         ));
     }
     match analyze(&case, &options) {
@@ -168,7 +168,7 @@ impl ResultCache {
 /// A refusal if the computation failed.
 pub async fn computed<T: Send + 'static>(work: impl FnOnce() -> T + Send + 'static) -> Answer<T> {
     let (sender, result) = oneshot::channel();
-    // Tasks are of one type, so that they are compiled once and not for each work.
+    // Tasks have one type, so that they are compiled once and not for each work.
     let task: Box<dyn FnOnce() + Send> = Box::new(move || {
         let _ = sender.send(work());
     });

@@ -16,10 +16,10 @@ use crate::api::{PasswordChange, Problem, SessionView, SignIn, SignInPage, Wire}
 use crate::extract::Json;
 use crate::guard_rate::Source;
 use crate::problem::{Answer, Failure};
+use crate::request_source::{RequestSource, device_cookie};
 use crate::secret::secret;
 use crate::state::AppState;
 use crate::user::{LIMITS, User, cookie_name, csrf_of, not_signed_in, secret_of};
-use crate::whence::{Whence, device_cookie};
 
 pub fn routes() -> OpenApiRouter<AppState> {
     OpenApiRouter::new()
@@ -58,7 +58,7 @@ async fn session(
     ))]
 async fn sign_in(
     State(state): State<AppState>,
-    Extension(whence): Extension<Whence>,
+    Extension(from): Extension<RequestSource>,
     headers: HeaderMap,
     Json(how): Json<SignIn>,
 ) -> Answer<Begun> {
@@ -69,7 +69,7 @@ async fn sign_in(
     let found = match (state.options().access, how) {
         (Access::Token, SignIn::Token { token, observer }) => by_token(&state, &token, &observer),
         (Access::Accounts, SignIn::Account { password, .. }) => {
-            by_account(&state, &whence, account.as_ref(), password).await
+            by_account(&state, &from, account.as_ref(), password).await
         }
         (access, _) => Err(not_signed_in(access)),
     };
@@ -85,13 +85,13 @@ async fn sign_in(
     begin(&state, &headers, found).await
 }
 
-/// Somebody who proved to be this user, in accounts by this credential.
+/// A user with a proven identity; for accounts, with the checked credential.
 struct Proved {
     user: User,
     credential: Option<Credential>,
 }
 
-/// A session that has begun, with its cookie and that by which the browser is known later.
+/// A new session, with its cookie and the cookie by which the browser is known later.
 type Begun = (CookieJar, AppendHeaders<Option<(HeaderName, String)>>, Json<SessionView>);
 
 /// Begins a session in a browser.
@@ -119,14 +119,14 @@ async fn begin(state: &AppState, headers: &HeaderMap, proved: Proved) -> Answer<
     let answer = Json(view(&user, access, &id));
     let proof = credential.and_then(|credential| credential.device(now));
     let device = proof.map(|proof| device_cookie(state, &user.name, proof));
-    // A jar has no order, and the session comes first for clients that read one cookie.
+    // The session's cookie comes first, for clients that read one cookie.
     let device = device.map(|cookie| (SET_COOKIE, cookie.encoded().to_string()));
     Ok((CookieJar::new().add(cookie(state, id)), AppendHeaders(device), answer))
 }
 
 fn by_token(state: &AppState, token: &str, observer: &str) -> Answer<Proved> {
     let name = Name::new(observer)?;
-    // 192 random bits cannot be guessed, and failed attempts must not lock out the owner, so no limit of attempts applies.
+    // 192 random bits cannot be guessed, and failed attempts must not lock out the owner, so attempts are not limited.
     if !state.token().use_up(token) {
         return Err(wrong("this address was used already, or is not the one in the terminal")
             .help("open the newest address that `spineline serve` printed"));
@@ -136,12 +136,12 @@ fn by_token(state: &AppState, token: &str, observer: &str) -> Answer<Proved> {
 
 async fn by_account(
     state: &AppState,
-    whence: &Whence,
+    from: &RequestSource,
     name: Option<&Name>,
     password: String,
 ) -> Answer<Proved> {
     let name = name.ok_or_else(wrong_password)?;
-    let source = whence.source(name);
+    let source = from.source(name);
     state.attempts().begin(&source, name, state.now().unix_ms())?;
     let asked = name.clone();
     let credential = state.store(move |store| store.credential(&asked)).await?;
@@ -156,7 +156,7 @@ async fn by_account(
     Ok(Proved { user, credential: Some(credential) })
 }
 
-/// Writes a refused attempt into the log. What fails here does not change the answer.
+/// Logs a refused attempt. An error here does not change the answer.
 async fn log_refused(state: &AppState, account: Option<Name>) {
     let by = program(state.now());
     let Some(unlogged) = state.logged_refusals().log(by.at.unix_ms()) else { return };
@@ -180,7 +180,8 @@ fn wrong_password() -> Failure {
     wrong("no enabled account has this name and this password")
 }
 
-/// Changes one's own password. All other sessions of the account end, and browsers that signed in lately are strangers again.
+/// Changes the user's own password. All other sessions of the account end, and browsers that signed in lately are no
+/// longer known.
 #[utoipa::path(put, path = "/api/session/password", request_body = PasswordChange,
     responses(
         (status = 200, body = SessionView),
@@ -197,7 +198,7 @@ async fn change_password(
     Json(PasswordChange { current, password }): Json<PasswordChange>,
 ) -> Answer<Begun> {
     if state.options().access == Access::Token {
-        let text = "this program runs without accounts: there is no password to change";
+        let text = "this program runs without accounts: it has no passwords";
         return Err(Failure::new(StatusCode::CONFLICT, "no_accounts", text));
     }
     let by = user.sign(state.now());
@@ -210,7 +211,7 @@ async fn change_password(
         Some(PasswordHash::new(&password, &name).map(|password| (before, password)))
     });
     let made = made.await?.ok_or_else(|| {
-        let text = "the current password is another one; nothing was changed";
+        let text = "the current password is wrong; nothing was changed";
         Failure::new(StatusCode::FORBIDDEN, "wrong", text).help("ask an admin if you forgot it")
     })?;
     state.attempts().succeeded(&Source::Session, &user.name);

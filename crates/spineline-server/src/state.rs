@@ -24,7 +24,7 @@ use crate::places::Rooms;
 use crate::problem::Answer;
 use crate::result_cache::{ResultCache, computed};
 
-/// Concurrent comparisons of passwords, of 19 MB each, for those who are or were signed in.
+/// Concurrent comparisons of passwords, of 19 MB each, for known browsers and users.
 const MAX_PASSWORDS: usize = 2;
 /// The same for strangers: their guesses take at most one processor.
 const MAX_STRANGERS_PASSWORDS: usize = 1;
@@ -44,7 +44,7 @@ pub struct ServeOptions {
     pub https: bool,
     /// Image archives from which users may open films.
     pub archives: Vec<Archive>,
-    /// What it takes at once.
+    /// Limits of concurrent work.
     pub limits: ServeLimits,
 }
 
@@ -150,7 +150,7 @@ impl AppState {
         &self.shared.archives
     }
 
-    /// What the list of studies shows.
+    /// Overviews for the list of studies.
     pub(crate) fn overviews(&self) -> &OverviewCache {
         &self.shared.overviews
     }
@@ -172,7 +172,7 @@ impl AppState {
         &self.shared.attempts
     }
 
-    /// Which refused attempts to sign in get an entry in the log.
+    /// Counts the refused attempts to sign in that get an entry in the log.
     pub(crate) fn logged_refusals(&self) -> &LoggedRefusals {
         &self.shared.logged_refusals
     }
@@ -232,7 +232,7 @@ impl AppState {
         computed(work).await
     }
 
-    /// The same for strangers, of whom nobody keeps the others waiting.
+    /// The same for strangers, separately, so that they do not delay users.
     ///
     /// # Errors
     /// If the work panics.

@@ -103,10 +103,10 @@ impl FromRequestParts<AppState> for User {
     }
 }
 
-/// Who asks, by the cookie of a request; their session counts as used.
+/// The user of a request by its cookie; the session counts as used.
 ///
 /// # Errors
-/// 401 where nobody is signed in, and whatever keeps the store from reading.
+/// 401 without a session, and errors of reading the store.
 pub async fn user_of(state: &AppState, headers: &HeaderMap) -> Answer<User> {
     let access = state.options().access;
     let secret = secret_of(state, headers).ok_or_else(|| not_signed_in(access))?;
@@ -118,7 +118,7 @@ pub async fn user_of(state: &AppState, headers: &HeaderMap) -> Answer<User> {
     asked.await
 }
 
-/// Who somebody is whose secret this is; their session does not count as used.
+/// The user of a session by its secret; the session does not count as used.
 ///
 /// # Errors
 /// As [`user_of`].
@@ -144,7 +144,7 @@ fn user(store: &Store, session: Option<Session>, access: Access) -> Answer<User>
     Ok(User { name, role })
 }
 
-/// Nobody is signed in.
+/// The refusal for a missing session.
 pub fn not_signed_in(access: Access) -> Failure {
     let help = match access {
         Access::Token => "open the newest address that `spineline serve` printed",
@@ -164,7 +164,7 @@ pub fn secret_of(state: &AppState, headers: &HeaderMap) -> Option<String> {
     jar.get(&cookie_name(state)).map(|cookie| cookie.value().to_owned())
 }
 
-/// The token that a request needs beside the cookie. It is a hash of the secret, which cannot be derived from it.
+/// The token that a request needs beside the cookie: a hash of the secret, which it does not reveal.
 pub fn csrf_of(secret: &str) -> String {
     Hash::of(format!("spineline csrf {secret}").as_bytes()).to_string()
 }

@@ -6,7 +6,7 @@ use spineline_store::CurrentCase;
 
 use crate::api::{PlaneName, Wire};
 
-/// What lengths on a picture are measured in.
+/// The plane of lengths on a picture.
 pub fn plane_of(image: &ImageGeometry) -> PlaneName {
     Wire(image.spacing.map_or(SpacingPlane::Pixels, |spacing| spacing.plane))
 }
@@ -67,7 +67,7 @@ pub fn marked_text(missing: &[Level]) -> String {
 /// Progress of the erect film, which all results need.
 pub fn progress(current: &CurrentCase) -> String {
     match current.film(Posture::Erect) {
-        None => "there is no erect film".to_owned(),
+        None => "the erect film is missing".to_owned(),
         Some(film) if film.readings == 0 => "no finished reading of the erect film".to_owned(),
         Some(film) => format!("the erect film has {}", marked_text(&film.missing())),
     }

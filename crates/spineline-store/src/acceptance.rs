@@ -1,7 +1,7 @@
 //! Acceptance: whether a file is a store, whether the log beside it is its log, and whether it ends as its audit log says.
 //!
-//! SQLite takes any log of the right name for the store's, and writes it into the store. So nothing is written, and no log is written
-//! back, before all of this is checked: the main file alone, without the log, is read by a connection that ignores it.
+//! SQLite takes any log of the right name for the store's, and writes it into the store. So all of this is checked before anything is
+//! written, with a connection that reads the main file and ignores the log.
 
 use std::collections::BTreeMap;
 use std::fs::File;
@@ -19,8 +19,8 @@ use crate::names::Hash;
 use crate::schema::{self, Mark};
 use crate::verify::verify;
 
-/// The chain of so many entries at the end of the log is checked when a store is opened for writing. A file that was put together
-/// from two versions has a gap where the newer one begins, and SQLite begins a new log after some hundred changes.
+/// Opening for writing checks the chain of this number of entries at the end of the log. A file mixed from two versions has a gap
+/// where the newer one begins, and SQLite begins a new log after some hundred changes.
 const COMPARED_ENTRIES: u64 = 1_000;
 
 /// Accepts a store, with the log beside it, for reading. Nothing is changed. Returns the head that the main file holds alone, unless
@@ -40,12 +40,12 @@ pub(crate) fn accept(connection: &Connection, path: &Path) -> Result<Option<Head
     if content == LogContent::Torn {
         return Err(unfitting(LOG));
     }
-    // In this order: changes of other programs in between make the later ones newer.
+    // The order matters: changes of other programs in between make the later ones newer.
     let heads = Heads::read(path).unwrap_or_default();
     let main = MainFile::read(path);
     if content == LogContent::Nothing {
         return match (schema::check(connection, path), main) {
-            // The main file says best what is wrong with it.
+            // The main file says best which part of it is wrong.
             (
                 Ok(()) | Err(StoreError::Damaged { .. } | StoreError::NotAStore { .. }),
                 Err(wrong),
@@ -54,7 +54,7 @@ pub(crate) fn accept(connection: &Connection, path: &Path) -> Result<Option<Head
         };
     }
     let main = match main {
-        // A checkpoint that was interrupted leaves a file that its log alone completes.
+        // After an interrupted checkpoint, the file is complete only with its log.
         Err(StoreError::Damaged { .. }) => None,
         other => Some(other?),
     };
@@ -67,7 +67,7 @@ pub(crate) fn accept(connection: &Connection, path: &Path) -> Result<Option<Head
     }
 }
 
-/// Whether the main file with its log continues the main file alone, and what was known of it.
+/// Whether the main file with its log continues the main file alone and the known heads.
 fn fits(
     connection: &Connection,
     path: &Path,
@@ -117,10 +117,10 @@ fn not_a_store(path: &Path) -> StoreError {
     StoreError::NotAStore { path: path.to_owned() }
 }
 
-/// How much of a file is looked at: the definitions of a store stand in its first pages.
+/// Number of bytes that are searched: the definitions of a store are in its first pages.
 const LOOKED_AT_BYTES: u64 = 256 << 10;
 
-/// Whether a file that SQLite cannot read, or that has another mark, was a store once: something of it, or beside it, says so.
+/// Whether a file that SQLite cannot read, or that has another mark, was a store: it or a file beside it shows this.
 fn is_ours(path: &Path) -> bool {
     let mut start = Vec::new();
     let read = File::open(path).and_then(|file| file.take(LOOKED_AT_BYTES).read_to_end(&mut start));

@@ -190,7 +190,7 @@ impl Store {
     /// Removes a grant.
     ///
     /// # Errors
-    /// [`StoreError::Unknown`] where there is none.
+    /// [`StoreError::Unknown`] for a missing grant.
     pub fn revoke(&mut self, study: &Name, name: &Name, by: &Signature) -> Result<(), StoreError> {
         self.write(by, |ledger| {
             if !grants(ledger.transaction, "study", study)?.iter().any(|grant| grant.name == *name)
@@ -213,7 +213,7 @@ impl Store {
     /// The grant of an account in a study.
     ///
     /// # Errors
-    /// [`StoreError::Unknown`] where there is no such study, [`StoreError::Damaged`].
+    /// [`StoreError::Unknown`] for the study, [`StoreError::Damaged`].
     pub fn granted(&self, study: &Name, name: &Name) -> Result<Option<Role>, StoreError> {
         films::study(&self.connection, study)?;
         let grants = grants(&self.connection, "study", study)?;

@@ -54,7 +54,7 @@ pub(crate) fn case(study: &Name, synthetic: bool, films: Vec<AssembledFilm>) -> 
 /// A film of a study with its readings.
 ///
 /// # Errors
-/// [`StoreError::Case`] where the image's description is not that of a case file.
+/// [`StoreError::Case`] where a case file cannot have the image's description.
 pub(crate) fn film(
     record: &FilmRecord,
     readings: &[(&ReadingRecord, ReadingState)],

@@ -3,9 +3,8 @@
 //! An entry's hash is SHA-256 over the hash of the entry before it (64 hexadecimal digits; empty for the first) followed
 //! by the entry as compact JSON, `{"sequence":1,"time_ms":0,"actor":"A","action":"begin","object":"reading/1",
 //! "digest":"…"}`. The digest is SHA-256 of the changed row after the change: a JSON array of its key and then of all its
-//! columns in their order, with bytes as the hash of the bytes. So the log does not only tell what happened; it also says what
-//! every row of
-//! the store must look like now, which is what [`Store::verify`](crate::Store::verify) checks.
+//! columns in their order, with bytes as the hash of the bytes. So the log records each change and the present content of
+//! every row, which [`Store::verify`](crate::Store::verify) checks.
 
 use rusqlite::types::ValueRef;
 use rusqlite::{Connection, OptionalExtension, Params, Row, Statement, Transaction, params};
@@ -121,7 +120,7 @@ pub(crate) fn digest(row: &Row<'_>) -> Result<Hash, StoreError> {
     Ok(Hash::of(Value::from(cells).to_string().as_bytes()))
 }
 
-/// What actions of entries begin with on a study that was taken out as a file, and not changed.
+/// Start of the actions that export a study to a file and do not change it.
 pub(crate) const EXPORT: &str = "export_";
 
 /// The digest of the last entry on an object.
@@ -180,8 +179,8 @@ impl Ledger<'_> {
         self.append(action, WHOLE_STORE, "").map(drop)
     }
 
-    /// Records a step that does not change its object: the entry repeats the digest of the last one, so that a row which was
-    /// changed without the log is not approved by it.
+    /// Records a step that does not change its object. The entry repeats the digest of the last one, so it does not approve
+    /// a row that was changed without the log.
     pub fn mention(&self, action: &str, object: &str) -> Result<(), StoreError> {
         let sealed =
             self.transaction.query_row(LAST_DIGEST, [object], |row| row.get::<_, String>(0));

@@ -15,7 +15,7 @@ impl Store {
     /// Copies the store, as it is at this moment, into a new file, flushes it to the disk and verifies the copy.
     ///
     /// A damaged store is copied too; the caller checks the result of the verification. A process that is killed here leaves a
-    /// `.part` beside the name, which the next copy of this name begins anew.
+    /// `.part` file, which the next copy of this name replaces.
     ///
     /// # Errors
     /// [`StoreError::AlreadyExists`]; [`StoreError::Full`], [`StoreError::File`] and the like, which leave no file.

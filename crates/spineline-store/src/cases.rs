@@ -78,7 +78,7 @@ impl fmt::Display for CaseRemark {
 #[derive(Debug)]
 #[non_exhaustive]
 pub enum CaseError<E> {
-    /// The text is no case file.
+    /// The text is not a case file.
     File(FileError),
     /// The case or an observer has a name that a store does not take.
     Name(StoreError),
@@ -247,7 +247,7 @@ impl NewCase {
     ) -> Result<Self, E> {
         for film in &mut self.films {
             film.bytes = rewrite(&film.bytes)?;
-            // The old name may be that of a patient.
+            // The old name may be a patient's.
             let end = if film.bytes.get(128..132) == Some(b"DICM") { "dcm" } else { "png" };
             film.image["file"] = format!("{}-{}.{end}", self.study.id, film.view.key()).into();
             film.image["sha256"] = spineline_files::sha256_hex(&film.bytes).into();

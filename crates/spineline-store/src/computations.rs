@@ -1,4 +1,4 @@
-//! What was computed of a study and took long, kept so that it need not be computed again.
+//! Results of long computations on a study, kept so that they are not computed again.
 
 use rusqlite::{OptionalExtension, params};
 
@@ -25,7 +25,7 @@ impl KeptComputation {
         Self { asked, found, digest }
     }
 
-    /// Whether it was computed from these inputs, and is as it was then.
+    /// Whether it was computed from these inputs and is unchanged.
     #[must_use]
     pub fn is_of(&self, inputs: &str) -> bool {
         self.digest == digest(inputs, self.asked, &self.found)

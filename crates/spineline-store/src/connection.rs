@@ -43,7 +43,7 @@ struct Writer {
     log: Option<(u64, SystemTime)>,
 }
 
-/// What an entry says whose author was the first to write after the store had gone back.
+/// Action of the entry whose author was the first to write after the store went back.
 const WENT_BACK: &str = "store_went_back";
 
 impl Store {
@@ -69,8 +69,8 @@ impl Store {
     ///
     /// # Errors
     /// [`StoreError::NotFound`], [`StoreError::NotAStore`], [`StoreError::NewerSchema`], [`StoreError::ReadOnly`];
-    /// [`StoreError::UnfittingLog`] for the log of another store, or a damaged one, beside it; [`StoreError::Damaged`] where it does
-    /// not end as its log says. None of them has changed a file.
+    /// [`StoreError::UnfittingLog`] for the log of another store, or a damaged one, beside it; [`StoreError::Damaged`] where its end
+    /// differs from its log. No file is changed then.
     pub fn open(path: &Path) -> Result<Self, StoreError> {
         let Opened { connection, file, main } = connect(path, OpenFlags::SQLITE_OPEN_READ_WRITE)?;
         // SQLite opens for reading where it may not write.
@@ -109,15 +109,15 @@ impl Store {
         Self { connection, finals, unsaved, path, writer, busy_timeout }
     }
 
-    /// The last change that was acknowledged here, where the log does not contain it: the store went back, because its log was lost, or
-    /// an earlier copy was put in its place. The next change writes this into the audit log.
+    /// The last change that was acknowledged here, where the log does not contain it: the store went back, because its log was lost or
+    /// an earlier copy replaced it. The next change writes this into the audit log.
     #[must_use]
     pub fn lost_head(&self) -> Option<&Head> {
         self.writer.as_ref()?.lost.as_ref()
     }
 
-    /// Writes SQLite's log into the store, if nothing was written since the last call: to be called every few seconds, so that
-    /// a copy of the main file alone lacks the changes of a few seconds at most.
+    /// Writes SQLite's log into the store if it has not changed since the last call. Call it every few seconds: a copy of the
+    /// main file alone then lacks the changes of a few seconds at most.
     ///
     /// # Errors
     /// [`StoreError::Full`], [`StoreError::Disk`] and the like; the changes stay in the log.
@@ -133,11 +133,11 @@ impl Store {
         }
     }
 
-    /// Writes SQLite's log into the store and empties it, as far as nobody reads from it.
+    /// Writes SQLite's log into the store and empties it, unless a connection reads from it.
     fn checkpoint(&mut self) -> Result<(), StoreError> {
         let Some(writer) = &mut self.writer else { return Ok(()) };
         let (head, _) = audit::head(&self.connection)?;
-        // Who reads is not waited for.
+        // Do not wait for readers.
         self.connection.busy_timeout(Duration::ZERO)?;
         let query = "PRAGMA wal_checkpoint(TRUNCATE)";
         let is_busy = self.connection.query_row(query, [], |row| row.get::<_, bool>(0));
@@ -149,8 +149,8 @@ impl Store {
         Ok(())
     }
 
-    /// How long a write waits while another program writes, before it gives up as [`StoreError::Busy`]: 5 s at
-    /// first, and a day at most.
+    /// How long a write waits while another program writes, before it fails as [`StoreError::Busy`]: 5 s by
+    /// default, one day at most.
     ///
     /// # Errors
     /// [`StoreError::Database`], if SQLite refuses.
@@ -187,7 +187,7 @@ impl Store {
     /// # Errors
     /// Damage is a finding. Errors are failures of reading, such as [`StoreError::Busy`].
     pub fn verify(&self, known: Option<&Head>) -> Result<Verification, StoreError> {
-        // First: what other programs write in between makes the store newer.
+        // First, because writes of other programs in between make the store newer.
         let kept = Heads::read(&self.path);
         let mut verification = verify(&self.connection, known)?;
         match kept {
@@ -234,7 +234,7 @@ impl Store {
 
 impl Drop for Store {
     fn drop(&mut self) {
-        // What is not written into the store now stays in its log.
+        // Changes that are not written into the store now stay in its log.
         let _ = self.checkpoint();
     }
 }

@@ -13,8 +13,8 @@ use crate::names::{FilmId, Name, ReadingId, Timestamp};
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum StoreError {
-    /// No file of this name.
-    #[error("{}: no such store", path.display())]
+    /// The file does not exist.
+    #[error("{}: store not found", path.display())]
     NotFound {
         /// Which file.
         path: PathBuf,
@@ -31,7 +31,7 @@ pub enum StoreError {
         /// Which file.
         path: PathBuf,
     },
-    /// A log or journal of SQLite beside the store that is damaged, or not the store's.
+    /// SQLite's log or journal beside the store is damaged or belongs to another store.
     #[error(
         "{}: this log is damaged, or belongs to another store or to another version of this one; neither it nor the store was changed",
         log.display()
@@ -40,10 +40,10 @@ pub enum StoreError {
         /// The log.
         log: PathBuf,
     },
-    /// Another program has the store open that is to be replaced.
+    /// Another program has the store open, so it cannot be replaced.
     #[error("another program has the store open")]
     Held,
-    /// A store in its own place.
+    /// Backup and store are the same file.
     #[error("{}: a store cannot be restored from itself", path.display())]
     SameFile {
         /// The store.
@@ -89,7 +89,7 @@ pub enum StoreError {
         /// Why.
         source: std::io::Error,
     },
-    /// The database refused a statement for a reason that has no name of its own here.
+    /// SQLite refused a statement for another reason.
     #[error("the database refused (SQLite code {extended_code})")]
     Database {
         /// SQLite's extended result code; 0 where the library and not SQLite refused.
@@ -103,7 +103,7 @@ pub enum StoreError {
         /// Its length.
         characters: usize,
     },
-    /// No such object.
+    /// The object does not exist.
     #[error("no {object} in this store")]
     Unknown {
         /// Such as `film/3`.
@@ -147,7 +147,7 @@ pub enum StoreError {
     /// An image description that is not a JSON object.
     #[error("the description of an image must be a JSON object")]
     ImageNotAnObject,
-    /// The state on which a change was based is no longer the newest. The change was kept as a conflict.
+    /// The change was based on an old revision. It was kept as a conflict.
     #[error(
         "{object} is at revision {found}, not {expected}; the rejected change was kept as conflict {conflict}"
     )]
@@ -238,12 +238,12 @@ pub enum StoreError {
         view: FilmView,
     },
     /// A posture for the lateral film.
-    #[error("{film} is the lateral film, which has no posture to correct")]
+    #[error("{film} is the lateral film and has no posture")]
     NotFrontal {
         /// Film.
         film: FilmId,
     },
-    /// What is stored does not make a case file.
+    /// A case file cannot hold the stored data.
     #[error("the study cannot be exported as a case: {0}")]
     Case(#[from] spineline_files::FileError),
 }
@@ -292,7 +292,7 @@ impl StoreError {
             Self::Database { .. } => "report this as a bug, with the code",
             Self::BadName { .. } => "use a code such as `S-017`, without the patient's name",
             Self::BadPassword(_) => {
-                "use a sentence that nobody else would say, such as four words that do not belong together"
+                "use an unusual sentence, such as four words that do not belong together"
             }
             Self::LastAdmin { .. } => "give another account the role `admin` first",
             Self::AlreadyKnown { .. } => "check whether one film was exported under two names",
@@ -323,7 +323,7 @@ impl StoreError {
         }
     }
 
-    /// Whether the disk takes no change, while it may still be read.
+    /// Whether a full disk prevents the change, while reading still works.
     pub(crate) fn is_no_room(&self) -> bool {
         matches!(self, Self::Full | Self::Disk { .. } | Self::CannotOpen)
     }
@@ -344,7 +344,7 @@ impl From<rusqlite::Error> for StoreError {
         use rusqlite::Error as E;
         let Some(failure) = error.sqlite_error() else {
             return match error {
-                // Every statement here is tested, so that a column of another type is another file than was written.
+                // Every statement here is tested, so a column of another type shows a foreign file.
                 E::FromSqlConversionFailure(..)
                 | E::IntegralValueOutOfRange(..)
                 | E::InvalidColumnType(..)

@@ -120,12 +120,12 @@ pub struct AcceptedVertebra {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, ToSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum CornerOrigin {
-    /// Clicked, or imported without saying how it came about.
+    /// Clicked, or imported without an origin.
     #[default]
     Clicked,
-    /// Completed from other landmarks of the film; nobody has looked at it.
+    /// Completed from other landmarks of the film, and not reviewed.
     Completed,
-    /// Found by a program in the picture; nobody has looked at it.
+    /// Found by a program in the picture, and not reviewed.
     Detected,
     /// The reader accepted a place that the program proposed.
     Accepted,
@@ -214,7 +214,7 @@ pub enum Event {
         /// The vertebrae, each with its four corners.
         vertebrae: Vec<AcceptedVertebra>,
     },
-    /// Take a vertebra with its corners as a case file has it, of which a program found some.
+    /// Take a vertebra from a case file, with some corners from a program.
     TakeVertebra {
         /// Vertebra.
         #[schema(value_type = String)]
@@ -234,8 +234,8 @@ pub enum Event {
         /// Vertebra.
         #[schema(value_type = String)]
         level: LevelKey,
-        /// Against the image's vertical, positive clockwise as seen with square pixels, that is in millimetres and not in
-        /// columns and rows; none to follow the corners.
+        /// Against the image's vertical, positive clockwise with square pixels (in millimetres, not in columns and rows);
+        /// none to follow the corners.
         axis_deg: Option<f64>,
     },
     /// Remove the landmarks of a vertebra.
@@ -279,7 +279,7 @@ pub enum Event {
 }
 
 impl Event {
-    /// Whether a film of this view has what it is about.
+    /// Whether a film of this view shows its landmark.
     pub(crate) fn fits(&self, view: FilmView) -> bool {
         match self {
             Self::PlaceCorner { corner, .. } | Self::MoveCorner { corner, .. } => {

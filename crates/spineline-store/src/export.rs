@@ -71,7 +71,7 @@ impl Store {
     /// in the store.
     ///
     /// # Errors
-    /// [`StoreError::ViewTwice`]; [`StoreError::Case`] where the images' descriptions are not those of a case file;
+    /// [`StoreError::ViewTwice`]; [`StoreError::Case`] where a case file cannot have the images' descriptions;
     /// [`StoreError::Unknown`], [`StoreError::Damaged`].
     pub fn export_case(&self, study: &Name) -> Result<ExportedCase, StoreError> {
         let snapshot = self.connection.unchecked_transaction()?;
@@ -101,11 +101,11 @@ impl Store {
 }
 
 impl Store {
-    /// Writes into the log who took a study out of the store, and as what, such as `report`: the action is `export_report`.
-    /// The study is not changed by it.
+    /// Logs who exported a study, and in which form, such as `report`: the action is `export_report`. The study does not
+    /// change.
     ///
     /// # Errors
-    /// [`StoreError::Unknown`], and errors of writing, except those of a full disk.
+    /// [`StoreError::Unknown`], and errors of writing, except of a full disk.
     pub fn log_export(
         &mut self,
         study: &Name,
@@ -116,11 +116,11 @@ impl Store {
         self.log_step(&format!("{EXPORT}{form}"), &format!("study/{study}"), by)
     }
 
-    /// Writes into the log who did something with an image archive, such as `retrieve`: the action is `retrieve_NAME`, on the store as a
-    /// whole. It holds nothing of the patient.
+    /// Logs who did something with an image archive, such as `retrieve`: the action is `retrieve_NAME`, on the store as a whole. It
+    /// contains no data of the patient.
     ///
     /// # Errors
-    /// Errors of writing, except those of a full disk.
+    /// Errors of writing, except of a full disk.
     pub fn log_archive(
         &mut self,
         what: &str,
@@ -142,7 +142,7 @@ fn left_out(reading: ReadingId, state: &ReadingState) -> Vec<ExportRemark> {
     remarks
 }
 
-/// The case as its file has it, with the descriptions of the images as they were given.
+/// The case as its file has it, with the images' descriptions unchanged.
 fn written(case: &Case, records: &BTreeMap<FilmView, FilmRecord>) -> Value {
     let file = CaseFile::from_case(case);
     let mut value = serde_json::to_value(file).expect("string keys only");
@@ -157,7 +157,7 @@ fn written(case: &Case, records: &BTreeMap<FilmView, FilmRecord>) -> Value {
     value
 }
 
-/// The image of a film with how it is to be shown now.
+/// The image of a film with its present display.
 fn described(film: &FilmRecord) -> Value {
     let mut image = film.image.clone();
     if let Some(image) = image.as_object_mut() {

@@ -41,7 +41,8 @@ impl Store {
     /// # Errors
     /// [`StoreError::FilmsFrozen`] until all planned readings are finished;
     /// [`StoreError::Conflict`], and then the edit is among [`Store::conflicts_of_film`]; [`StoreError::Unknown`];
-    /// [`StoreError::NotFrontal`] for a posture of the lateral film; [`StoreError::Case`] for a spacing where the image's description is not that of a case file.
+    /// [`StoreError::NotFrontal`] for a posture of the lateral film; [`StoreError::Case`] for a spacing where a case file
+    /// cannot have the image's description.
     pub fn edit_film(
         &mut self,
         film: FilmId,

@@ -53,7 +53,7 @@ impl FilmRecord {
     /// Size, spacing and sides of its picture.
     ///
     /// # Errors
-    /// [`StoreError::Case`] where the description is not that of a case file.
+    /// [`StoreError::Case`] where a case file cannot have the description.
     pub fn geometry(&self) -> Result<ImageGeometry, StoreError> {
         Ok(spineline_files::parse_image(&self.image, self.view)?)
     }
@@ -103,10 +103,10 @@ impl Store {
         study_rows(&self.connection, None)
     }
 
-    /// Adds a film to a study that has no reading plan yet.
+    /// Adds a film to a study without a reading plan.
     ///
     /// # Errors
-    /// [`StoreError::AlreadyKnown`] where a film of this study has the same bytes, whatever it shows; [`StoreError::ViewTwice`] for a second
+    /// [`StoreError::AlreadyKnown`] where a film of this study has the same bytes, in any view; [`StoreError::ViewTwice`] for a second
     /// lateral film; [`StoreError::PlanGoverns`], [`StoreError::ImageNotAnObject`], [`StoreError::TooLarge`], [`StoreError::Unknown`].
     pub fn add_film(
         &mut self,
@@ -203,7 +203,7 @@ pub(crate) fn add_film(
     Ok(AddedFilm { film: FilmId(film), content, bytes_are_new })
 }
 
-/// The description of an image as its row has it: a lateral film's says whether it was exposed together with the erect one.
+/// The description of an image as stored: for a lateral film, with whether it was exposed together with the erect one.
 pub(crate) fn described(image: &Value, simultaneous: bool) -> String {
     let mut image = image.clone();
     if simultaneous {

@@ -36,7 +36,7 @@ fn a_full_disk_loses_no_acknowledged_change_and_work_continues_with_room() {
         assert_eq!(session::fingerprint(&store), reference[session::STEPS]);
         assert!(store.verify(None).expect("verifiable").is_clean());
     }
-    assert!(refusals > 5, "only {refusals} limits were felt");
+    assert!(refusals > 5, "only {refusals} limits refused a change");
 }
 
 const LIMITS: SessionLimits = SessionLimits { idle_ms: 3_600_000, whole_ms: 36_000_000 };
@@ -58,7 +58,7 @@ fn full_store(folder: &std::path::Path) -> Store {
     store
 }
 
-/// Somebody signs in, so often that no free place of a page is left.
+/// Signs in until no page has free space left.
 fn sign_in(store: &mut Store, secret: &str) {
     let (by, access) = (by("anna", 0), Access::Accounts);
     for number in 0..200 {

@@ -1,5 +1,5 @@
-//! How much of a password whoever guesses must guess. Measures of entropy by word lists of megabytes know more words; the
-//! runs, repetitions and names here are what is tried first.
+//! How much of a password must be guessed. Measures of entropy by large word lists know more words; this module finds the
+//! runs, repetitions and names that are tried first.
 
 use std::collections::BTreeSet;
 
@@ -13,7 +13,7 @@ const MIN_CHARACTERS: usize = 12;
 pub const MAX_BYTES: usize = 1024;
 /// Minimum number of different characters, without blanks.
 const MIN_DIFFERENT: usize = 5;
-/// Minimum number of characters that nothing before them foretells.
+/// Minimum number of characters that cannot be predicted from those before them.
 const MIN_UNFORESEEN: usize = 8;
 /// Rows of keyboards of several countries, along which passwords run.
 const ROWS: [&str; 12] = [
@@ -62,7 +62,7 @@ const WORDS: [&str; 27] = [
     "radiograph",
 ];
 
-/// A shorter part of a name is a part of too many words.
+/// A shorter part of a name is contained in too many words.
 const SHORTEST_PART: usize = 3;
 
 /// Why a password is refused. It does not repeat the password.
@@ -121,7 +121,7 @@ fn different_characters(password: &str) -> usize {
     folded(password).into_iter().filter(|&one| is_seen(one)).collect::<BTreeSet<_>>().len()
 }
 
-/// Number of characters that no run, repetition, common word or part of the account's name foretells. Blanks do not count.
+/// Number of characters outside runs, repetitions, common words and parts of the account's name, without blanks.
 fn unforeseen_characters(password: &str, account: &Name) -> usize {
     let text = folded(password);
     let seen: Vec<char> = text.into_iter().filter(|&one| is_seen(one)).collect();
@@ -170,7 +170,7 @@ fn words_of(account: &Name) -> Vec<Vec<char>> {
     words.flat_map(|word| [word.iter().rev().copied().collect(), word]).collect()
 }
 
-/// Marks every place of a word, also where signs stand for letters.
+/// Marks all occurrences of a word, also with signs in place of letters.
 fn mark(seen: &[char], word: &[char], foreseen: &mut [bool]) {
     let is_same =
         |(one, letter): (&char, &char)| one == letter || stands_for(*one) == Some(*letter);

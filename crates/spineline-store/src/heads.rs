@@ -1,10 +1,9 @@
-//! Two heads of the audit log in a small file beside the store: a log of SQLite that is lost, and a store that went back, are missed
-//! by them.
+//! Two heads of the audit log in a small file beside the store. They reveal a lost log of SQLite, and a store that went back.
 //!
-//! The file has two lines of fixed length, `NUMBER:HASH`: the last change that was acknowledged, and the last one that was surely
-//! in the main file. It is written in place after the commit, so that it is never ahead of the store, and never torn: a
-//! sector of a disk is written whole. It is not flushed: after a loss of power it may lag behind, which weakens it and makes no
-//! false alarm.
+//! The file has two lines of fixed length, `NUMBER:HASH`: the last acknowledged change, and the last one that was surely in the
+//! main file. It is written in place after the commit, so it is never ahead of the store. It is never torn either, because a disk
+//! writes a sector as a whole. It is not flushed: after a loss of power it may lag behind, which weakens it but gives no false
+//! alarm.
 
 use std::fs::{File, OpenOptions};
 use std::io::{Read, Seek, SeekFrom, Write};
@@ -18,7 +17,7 @@ use crate::privacy;
 /// Length of both lines.
 const LENGTH: usize = 2 * (20 + 1 + 64 + 1);
 
-/// What is kept beside a store.
+/// The heads that are kept beside a store.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct Heads {
     /// The last change that was acknowledged.
@@ -93,7 +92,7 @@ impl HeadFile {
         self.write();
     }
 
-    /// The change is in the store already: a file that cannot be written must not refuse it.
+    /// The change is in the store already, so an unwritable file must not refuse it.
     fn write(&mut self) {
         let text = self.heads.text();
         let _ = self
@@ -104,7 +103,7 @@ impl HeadFile {
     }
 }
 
-/// Nothing is known of the store of this name from now on, until it is opened.
+/// Removes the heads of a store of this name; opening the store makes them again.
 ///
 /// # Errors
 /// [`StoreError::File`].

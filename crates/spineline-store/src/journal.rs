@@ -101,7 +101,7 @@ impl Store {
         self.state_of(&snapshot, &record)
     }
 
-    /// The state of a reading. That of a finished one never changes, and was verified when it was first read.
+    /// The state of a reading. A finished one never changes, and was verified when it was first read.
     pub(crate) fn state_of(
         &self,
         connection: &Connection,
@@ -149,7 +149,7 @@ fn own(ledger: &Ledger<'_>, reading: ReadingId) -> Result<(ReadingRecord, Vec<Ev
     Ok((record, events))
 }
 
-/// Checks that need no reading.
+/// Checks that do not need the reading.
 fn check(events: &[Event]) -> Result<(), StoreError> {
     if events.is_empty() {
         return Err(StoreError::NoEvent);
@@ -163,7 +163,7 @@ fn check(events: &[Event]) -> Result<(), StoreError> {
     Ok(())
 }
 
-/// The revision after these events, if the reading contains them at that place already.
+/// The revision after these events, if the reading already has them there.
 fn known_before(known: &[Event], events: &[Event], expected: u64) -> Option<u64> {
     let start = usize::try_from(expected).ok()?;
     let end = start.checked_add(events.len())?;

@@ -4,21 +4,20 @@
 //! append-only journals of [`Event`]s; their state is a fold over the journal, so that undo survives a reload. Nothing is
 //! overwritten: a change based on an old revision is refused **and kept** ([`StoreError::Conflict`],
 //! [`Store::conflicts_of_reading`]).
-//! Every change has an entry in a hash-chained log. A row that is read is compared with its entry, so that a damaged row
-//! is an error and never another reading; rows that are gone, and the log itself, are the business of [`Store::verify`].
+//! Every change has an entry in a hash-chained log. A row that is read is compared with its entry, so a damaged row is
+//! an error and never another reading. [`Store::verify`] checks the log itself and finds missing rows.
 //!
-//! The bytes of films lie in the database too, once for all films that share them: one file is one thing to copy, to back up
-//! and to lock, and no crash can part a film from its record.
+//! The bytes of films are in the database too, once for all films that share them: only one file must be copied, backed up
+//! and locked, and no crash can separate a film from its record.
 //!
-//! The store reads no clock. It keeps who may do what ([`Account`], [`StudyGrant`]) and leaves it to its callers to ask. They
-//! say who
-//! does what and when ([`Signature`]); a blinded reader is given an [`ObserverView`] and nothing else.
+//! The store reads no clock. It keeps permissions ([`Account`], [`StudyGrant`]), and its callers check them. Callers state
+//! author and time of each change ([`Signature`]); a blinded reader gets an [`ObserverView`] and nothing else.
 //!
 //! ```
 //! use spineline_store::{Name, Signature, Store, Study, Timestamp};
 //! # let folder = tempfile::tempdir()?;
 //! # let path = folder.path().join("clinic.spineline");
-//! let noon = Timestamp::from_unix_ms(1_760_000_000_000).ok_or("no such time")?;
+//! let noon = Timestamp::from_unix_ms(1_760_000_000_000).ok_or("a time outside of the calendar")?;
 //! let by = Signature::new(Name::new("lead")?, noon);
 //! let mut store = Store::create(&path, &by)?;
 //! store.add_study(&Study { id: Name::new("S-017")?, label: None, synthetic: true }, &by)?;

@@ -1,8 +1,8 @@
 //! SQLite's write-ahead log as a file (<https://www.sqlite.org/fileformat2.html#the_write_ahead_log>): whether it holds changes, and
 //! whether some of them can no longer be read.
 //!
-//! SQLite reads a log up to the first frame whose checksum is wrong, and forgets the rest. A process that is killed, or a loss of
-//! power, leaves such a frame in the last change, which nobody acknowledged. Changes after it were acknowledged.
+//! SQLite reads a log up to the first frame whose checksum is wrong, and ignores the rest. A killed process or a loss of power
+//! leaves such a frame in the last change, which was not acknowledged. Changes after it were acknowledged.
 
 use std::fs::File;
 use std::io::{self, BufReader, Read};
@@ -11,13 +11,13 @@ use std::path::Path;
 const HEADER_BYTES: usize = 32;
 const FRAME_HEADER_BYTES: usize = 24;
 const MAGIC: u32 = 0x377f_0682;
-/// A log that another program begins anew during the reading looks damaged once.
+/// A log that another program restarts during the reading looks damaged once.
 const TRIES: usize = 3;
 
 /// What a log holds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum LogContent {
-    /// No committed change, or there is no log.
+    /// The log is missing or has no committed change.
     Nothing,
     /// Changes.
     Changes,
@@ -26,10 +26,10 @@ pub(crate) enum LogContent {
 }
 
 impl LogContent {
-    /// Of the log in a file.
+    /// Reads a log file.
     ///
     /// # Errors
-    /// Of reading it.
+    /// Errors of reading.
     pub fn of(log: &Path) -> io::Result<Self> {
         let mut content = Self::Nothing;
         for _ in 0..TRIES {
@@ -83,7 +83,7 @@ fn survey(log: &mut impl Read) -> io::Result<LogContent> {
     })
 }
 
-/// Reads so many bytes; says whether there were so many.
+/// Fills the bytes; returns whether the source had enough.
 fn fill(source: &mut impl Read, bytes: &mut [u8]) -> io::Result<bool> {
     match source.read_exact(bytes) {
         Ok(()) => Ok(true),

@@ -1,4 +1,4 @@
-//! Entries of the log about steps that change nothing: signing in, exporting, asking an archive.
+//! Log entries of steps that change nothing: signing in, exporting, querying an archive.
 
 use crate::audit::WHOLE_STORE;
 use crate::connection::Store;
@@ -6,8 +6,7 @@ use crate::error::StoreError;
 use crate::names::{Name, Signature};
 
 impl Store {
-    /// Writes into the log who did what to an object that the step does not change. Where the disk is full, the entry is written
-    /// before the next change that finds room.
+    /// Logs a step that does not change its object. On a full disk, the entry is written before the next change that finds room.
     pub(crate) fn log_step(
         &mut self,
         action: &str,
@@ -24,16 +23,16 @@ impl Store {
     /// Writes into the log that somebody signed in; the object is `session/NAME`.
     ///
     /// # Errors
-    /// Errors of writing, except those of a full disk.
+    /// Errors of writing, except of a full disk.
     pub fn log_sign_in(&mut self, by: &Signature) -> Result<(), StoreError> {
         self.log_step("sign_in", &format!("session/{}", by.who), by)
     }
 
-    /// Writes into the log that an attempt to sign in was refused; the object is `session/NAME` for an account of that name, and
-    /// the store for others: what is typed as a name may be a password. `unlogged` earlier ones have no entries of their own.
+    /// Logs a refused attempt to sign in. The object is `session/NAME` for an existing account, and the store for other names:
+    /// the text typed as a name may be a password. `unlogged` earlier attempts have no entries.
     ///
     /// # Errors
-    /// Errors of writing, except those of a full disk.
+    /// Errors of writing, except of a full disk.
     pub fn log_refused_sign_in(
         &mut self,
         account: Option<&Name>,
@@ -48,7 +47,7 @@ impl Store {
         self.log_step("sign_in_refused", &object, by)
     }
 
-    /// Writes what found no room before, if there is some now.
+    /// Writes the entries that found no room before, if there is room now.
     ///
     /// # Errors
     /// Errors of writing.

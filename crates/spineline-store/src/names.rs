@@ -48,13 +48,13 @@ impl Timestamp {
         self.0.timestamp_millis()
     }
 
-    /// The moment of so many milliseconds since 1970-01-01 UTC, if it is in the calendar's range.
+    /// The moment of a Unix time in milliseconds (UTC), if it is in the calendar's range.
     #[must_use]
     pub fn from_unix_ms(unix_ms: i64) -> Option<Self> {
         DateTime::from_timestamp_millis(unix_ms).map(Self)
     }
 
-    /// So many days of 24 hours later, at most the end of the calendar.
+    /// This number of days of 24 hours later, at most the end of the calendar.
     #[must_use]
     pub fn plus_days(self, days: u32) -> Self {
         Self(self.0.checked_add_days(Days::new(days.into())).unwrap_or(DateTime::<Utc>::MAX_UTC))

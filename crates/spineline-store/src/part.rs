@@ -1,5 +1,5 @@
-//! A file that is made beside its name, and gets it when it is whole and on the disk. What a killed process leaves of it is made anew by
-//! the next one.
+//! A file that is written under another name, and renamed when it is complete and on the disk. The next process replaces the rest that a
+//! killed one leaves.
 
 use std::fs::{self, File, OpenOptions};
 use std::io::{self, ErrorKind};
@@ -10,7 +10,7 @@ use crate::error::StoreError;
 use crate::heads;
 use crate::privacy;
 
-/// The part of a file to be made. Without [`Part::place_new`] or [`Part::replace`] nothing of it stays.
+/// The unfinished part of a file. It is removed unless [`Part::place_new`] or [`Part::replace`] is called.
 #[derive(Debug)]
 pub(crate) struct Part {
     path: PathBuf,
@@ -39,7 +39,7 @@ impl Part {
         &self.path
     }
 
-    /// Gives it its name, which no file has yet but an empty one.
+    /// Gives it its name, where the file is missing or empty.
     ///
     /// # Errors
     /// As [`check_free`]; [`StoreError::File`].
@@ -49,7 +49,7 @@ impl Part {
         self.replace()
     }
 
-    /// Gives it its name, in place of the file that has it.
+    /// Gives it its name and replaces the file of that name.
     ///
     /// # Errors
     /// [`StoreError::File`].
@@ -73,7 +73,7 @@ impl Drop for Part {
     }
 }
 
-/// Makes the part empty, whoever left it, unless a living process makes it.
+/// Empties the part, unless a running process writes it.
 fn claim(path: &Path) -> io::Result<File> {
     let mut options = OpenOptions::new();
     privacy::owner_only(options.write(true));
@@ -83,7 +83,7 @@ fn claim(path: &Path) -> io::Result<File> {
         loop {
             let part = options.create(true).truncate(false).open(path)?;
             part.try_lock()?;
-            // Who had it before may have removed it in between.
+            // The earlier owner may have removed it in between.
             if fs::metadata(path)
                 .is_ok_and(|found| Some(found.ino()) == part.metadata().ok().map(|m| m.ino()))
             {
@@ -92,7 +92,7 @@ fn claim(path: &Path) -> io::Result<File> {
             }
         }
     };
-    // A file in use cannot be removed here.
+    // On this system a file in use cannot be removed.
     #[cfg(not(unix))]
     let part = {
         remove(path)?;
@@ -102,7 +102,7 @@ fn claim(path: &Path) -> io::Result<File> {
     Ok(part)
 }
 
-/// Refuses a name that a file has, unless it is empty, and the logs of a store of that name.
+/// Refuses the name of a file that is not empty, or that has logs of a store beside it.
 ///
 /// # Errors
 /// [`StoreError::AlreadyExists`], [`StoreError::UnfittingLog`].

@@ -28,7 +28,7 @@ impl PasswordHash {
     /// [`StoreError::BadPassword`].
     ///
     /// # Panics
-    /// If the system has no random numbers.
+    /// If the system's random numbers fail.
     pub fn new(password: &str, account: &Name) -> Result<Self, StoreError> {
         match PasswordFault::of(password, account) {
             Some(fault) => Err(StoreError::BadPassword(fault)),

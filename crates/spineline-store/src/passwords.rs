@@ -1,4 +1,4 @@
-//! Comparison and change of passwords, and browsers that have proved to know one.
+//! Comparison and change of passwords, and proofs of browsers that signed in before.
 
 use std::sync::OnceLock;
 
@@ -25,14 +25,14 @@ pub struct Credential {
 }
 
 impl Credential {
-    /// The account, if the password is its own and it may sign in. An unknown name takes as long as a wrong password.
+    /// The account, if the password is right and the account enabled. An unknown name takes as long.
     #[must_use]
     pub fn check(&self, password: &str) -> Option<&Account> {
         let right = password.len() <= MAX_BYTES && self.password.is_of(password);
         self.account.as_ref().filter(|account| right && account.enabled)
     }
 
-    /// Proof that a browser signed in to this account at this time. It signs nobody in; a new password ends it.
+    /// Proof that a browser signed in to this account at this time. It does not sign in; a new password ends it.
     #[must_use]
     pub fn device(&self, at: Timestamp) -> Option<String> {
         let account = self.account.as_ref()?;
@@ -46,7 +46,7 @@ impl Credential {
     }
 
     fn has_made(&self, device: &str, name: &Name, at_ms: i64) -> bool {
-        // Equal hashes, not the proofs themselves: the time of the comparison tells nothing of the proof.
+        // Compares hashes: the time of the comparison reveals nothing about the proof.
         self.account.is_some()
             && Hash::of(self.proof(name, at_ms).as_bytes()) == Hash::of(device.as_bytes())
     }
@@ -58,7 +58,7 @@ impl Store {
     /// # Errors
     /// [`StoreError::Damaged`].
     pub fn credential(&self, name: &Name) -> Result<Credential, StoreError> {
-        static NOBODY: OnceLock<PasswordHash> = OnceLock::new();
+        static UNKNOWN: OnceLock<PasswordHash> = OnceLock::new();
         let condition = "WHERE name = ?1";
         let found = audit::load(&self.connection, "accounts", condition, [name.as_str()], |row| {
             let (account, password) = (accounts::read(row)?, PasswordHash(row.get("password")?));
@@ -66,7 +66,7 @@ impl Store {
         })?;
         Ok(found.into_iter().next().unwrap_or_else(|| Credential {
             account: None,
-            password: NOBODY.get_or_init(|| PasswordHash::of_any("nobody")).clone(),
+            password: UNKNOWN.get_or_init(|| PasswordHash::of_any("unknown")).clone(),
         }))
     }
 

@@ -12,7 +12,7 @@ use crate::films;
 use crate::names::{FilmId, Hash, Name, ReadingId, Signature, Timestamp};
 use crate::readings::{self, ReadingRecord};
 
-/// Action of the log's entry that ends the washout of readings from a clock that was ahead, on the plan.
+/// Action of the log entry that ends the washout of readings dated by a clock that was ahead.
 pub(crate) const RELEASE: &str = "release";
 
 /// Maximum number of readings in one plan.
@@ -25,15 +25,15 @@ pub struct PlanDesign {
     pub repeats: u32,
     /// Days of 24 hours between two readings of a film by one observer.
     pub washout_days: u32,
-    /// Whether readers see vertebrae that the program proposes, and may accept them. Readers who do share its model, so that
-    /// their agreement is better than that of clicks.
+    /// Whether readers see vertebrae that the program proposes, and may accept them. Readers who accept share its model, so
+    /// they agree better than readers who click.
     pub proposals: bool,
 }
 
 /// Fills bytes with random numbers of the operating system: the source of codes and of secrets outside of tests.
 ///
 /// # Panics
-/// If the system has no random numbers.
+/// If the system's random numbers fail.
 pub fn system_random(bytes: &mut [u8]) {
     getrandom::fill(bytes).expect("the system has random numbers");
 }
@@ -112,8 +112,9 @@ pub(crate) struct Slot {
 }
 
 impl Store {
-    /// Plans the readings of a study: every observer reads every film once, in an order of their own, then every film
-    /// again, and so on. The order within a round is strict, so that waiting does not make it less random.
+    /// Plans the readings of a study: every observer reads every film once, in a separate order, then every film
+    /// again, and so on. Each round is complete before the next one begins, so that waiting does not make the order
+    /// less random.
     ///
     /// The codes are drawn from `random`, and so is the secret from which the order follows. The hash of the plan in the log covers the secret
     /// from the beginning, and the log shows the secret when the last reading is finished: an entry `reveal_SECRET`. A round of an observer is
@@ -356,7 +357,7 @@ fn slot(row: &Row<'_>) -> Result<Slot, StoreError> {
     })
 }
 
-/// Whether there is no blinding: no plan, or all its readings are finished.
+/// Whether the study is not blinded: it has no plan, or all its readings are finished.
 pub(crate) fn is_open(connection: &Connection, study: &Name) -> Result<bool, StoreError> {
     if !films::is_planned(connection, study)? {
         return Ok(true);
@@ -402,7 +403,7 @@ fn next(
         let before = own.get(&(slot.film, slot.repeat.saturating_sub(1)));
         let rest = before.and_then(|reading| Some((reading.id, reading.rest_from?)));
         let Some((before, rest_from)) = rest else { return Ok(Next::Begin(film)) };
-        // The exact time would tell the reader which earlier reading was of this film.
+        // The exact time would reveal which earlier reading was of this film.
         let until = rest_from.plus_days(plan.washout_days).midnight_after();
         let waits = now < until && !is_released(connection, plan.id, before, rest_from)?;
         return Ok(if waits { Next::Wait(until) } else { Next::Begin(film) });
@@ -410,7 +411,7 @@ fn next(
     Ok(Next::Done)
 }
 
-/// Whether a release followed a finished reading while the clock was behind the time from which the washout counts.
+/// Whether a release followed a finished reading while the clock was behind the start of the washout.
 pub(crate) fn is_released(
     connection: &Connection,
     plan: i64,

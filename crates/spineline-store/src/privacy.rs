@@ -1,18 +1,18 @@
-//! A store holds films and names of readers, so that its files are their owner's alone. SQLite gives the files beside a store the
+//! Only the owner may read a store's files: they hold films and names of readers. SQLite gives the files beside a store the
 //! permissions of the store.
 
 use std::fs::OpenOptions;
 use std::path::Path;
 
-/// Options of a new file that other users of the machine cannot read, from its first moment on.
+/// Options of a new file that other users of the machine can never read.
 pub(crate) fn owner_only(options: &mut OpenOptions) -> &mut OpenOptions {
     #[cfg(unix)]
     std::os::unix::fs::OpenOptionsExt::mode(options, 0o600);
     options
 }
 
-/// Permissions of a store that others than its owner can read or write, such as `0644`; `None` where nobody else can, and on
-/// systems without such permissions.
+/// Permissions of a store that other users can read or write, such as `0644`; `None` if they cannot, and on systems without
+/// such permissions.
 #[must_use]
 pub fn wider_permissions(path: &Path) -> Option<String> {
     #[cfg(unix)]

@@ -25,7 +25,7 @@ pub struct ReadingRecord {
     pub begun_at: Timestamp,
     /// Time of the end.
     pub finished_at: Option<Timestamp>,
-    /// For a finished reading, the latest time at which it was worked on: from here a washout counts.
+    /// For a finished reading, the latest time of work on it: the washout counts from here.
     pub rest_from: Option<Timestamp>,
 }
 

@@ -1,8 +1,8 @@
-//! A backup in the place of a store.
+//! Restores a backup in place of a store.
 //!
-//! At every moment there is a whole store of that name: the earlier one, and then the restored one. What was there is copied
-//! first, with its log where this is its log; a log that is not is moved beside the copy. Only then the backup gets the name, by
-//! renaming. A process that is killed leaves a `.part` at most, which the next one begins anew.
+//! At every moment a whole store has the name: the earlier one, and then the restored one. The earlier files are copied first,
+//! the store with its log; a log that belongs to another store is moved beside the copy. Only then the backup gets the name, by
+//! renaming. A killed process leaves a `.part` file at most, which the next one replaces.
 
 use std::fs::{self, File};
 use std::io;
@@ -23,15 +23,15 @@ use crate::verify::Verification;
 /// What a restoration did.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Restoration {
-    /// Verification of the backup. One with findings is not put in the place of anything.
+    /// Verification of the backup. A backup with findings replaces nothing.
     pub verification: Verification,
-    /// Where the store is now that had the name before.
+    /// New path of the store that had the name before.
     pub replaced: Option<PathBuf>,
 }
 
 impl Store {
-    /// Puts a backup in the place of a store, which may be missing, damaged, or have another store's log beside it. Nobody may have
-    /// it open. What was there is kept under another name.
+    /// Restores a backup in place of a store, which may be missing, damaged, or have another store's log beside it. No program may
+    /// have it open. The earlier files are kept under another name.
     ///
     /// # Errors
     /// [`StoreError::Held`]; [`StoreError::NotAStore`] where another file has the name; [`StoreError::SameFile`];
@@ -63,7 +63,7 @@ pub(crate) fn restore(
     let replaced = there.keep(store, reached)?;
     heads::forget(store)?;
     reached("the heads are forgotten");
-    // Some systems rename no file that is open.
+    // Some systems cannot rename an open file.
     #[cfg(not(unix))]
     drop(there);
     part.replace()?;
@@ -73,13 +73,13 @@ pub(crate) fn restore(
     Ok(Restoration { verification, replaced })
 }
 
-/// What has the name of the store that is restored.
+/// The file that has the name of the restored store.
 enum There {
     /// No file, or an empty one.
     Nothing,
-    /// A store with its log, which nobody else has open as long as this lives.
+    /// A store with its log, locked as long as this value lives.
     Sound(Connection),
-    /// A damaged store, or one beside a log that is not its own.
+    /// A damaged store, or one beside the log of another store.
     Unusable,
 }
 
@@ -108,7 +108,7 @@ impl There {
         }
     }
 
-    /// Keeps what is there under a new name, with everything that is in its log.
+    /// Keeps the earlier store under a new name, with everything in its log.
     fn keep(
         &self,
         store: &Path,

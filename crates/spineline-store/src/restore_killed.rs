@@ -1,5 +1,5 @@
-//! Processes killed at every step of a restoration: the store of that name is whole, and the next restoration goes through. The
-//! steps are known inside of the crate only.
+//! Processes killed at every step of a restoration: the store of that name is whole, and the next restoration succeeds. The
+//! steps are private to the crate.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -27,7 +27,7 @@ fn child_restoration() {
     assert!(restored.expect("a restoration").verification.is_clean());
 }
 
-/// Starts a restoration that ends at a step; says whether it went through.
+/// Starts a restoration that is killed at a step; returns whether it finished.
 fn killed_at(step: usize, folder: &Path) -> bool {
     let mut command = Command::new(std::env::current_exe().expect("this program"));
     command.args(["--exact", "restore_killed::child_restoration", "--ignored"]);

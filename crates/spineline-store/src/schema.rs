@@ -12,19 +12,19 @@ use crate::names::Signature;
 
 /// `SpSt`, the application identifier of stores.
 const STORE_ID: i32 = 0x5370_5374;
-/// `SpSb`, that of backups: no log beside a backup belongs to it.
+/// `SpSb`, the identifier of backups: no log beside a backup belongs to it.
 const BACKUP_ID: i32 = 0x5370_5362;
 /// Where a file of SQLite has its application identifier.
 const ID_BYTES: std::ops::Range<usize> = 68..72;
-/// Stands in the definitions of every store.
+/// A text in the definitions of every store.
 pub(crate) const SIGNATURE: &[u8] = b"audit_is_never_edited";
 
-/// What a file says that it is.
+/// The type of a file by its identifier.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Mark {
     /// A store, which is in use.
     Store,
-    /// A copy of a store, which nobody has changed since.
+    /// A copy of a store, unchanged since.
     Backup,
 }
 
@@ -79,7 +79,7 @@ pub(crate) fn connect_to_main_alone(path: &Path) -> Result<Connection, StoreErro
     connect(Path::new(&uri), OpenFlags::SQLITE_OPEN_READ_ONLY | OpenFlags::SQLITE_OPEN_URI)
 }
 
-/// Settings of a connection, which SQLite does not keep in the file.
+/// Settings of a connection; the file does not store them.
 pub(crate) fn configure(connection: &Connection) -> Result<(), StoreError> {
     connection.pragma_update(None, "trusted_schema", false)?;
     connection.pragma_update(None, "cell_size_check", true)?;
@@ -112,7 +112,7 @@ pub(crate) fn has_table(connection: &Connection, table: &str) -> Result<bool, St
     Ok(connection.prepare("SELECT 1 FROM sqlite_schema WHERE name = ?1")?.exists([table])?)
 }
 
-/// Makes a store that was accepted write ahead, and a backup a store.
+/// Switches an accepted store to a write-ahead log, and makes a backup a store.
 pub(crate) fn write_ahead(connection: &Connection) -> Result<(), StoreError> {
     if mark(connection)? != Some(Mark::Store) {
         without_journal(connection)?;
@@ -125,8 +125,8 @@ pub(crate) fn write_ahead(connection: &Connection) -> Result<(), StoreError> {
     Ok(())
 }
 
-/// Keeps the next changes without a journal on the disk, so that no crash leaves one beside a store. They are changes of the first
-/// page's head, which the disk writes as a whole.
+/// Writes the next changes without a journal on the disk, so that no crash leaves one beside a store. They change only the head of
+/// the first page, which the disk writes as a whole.
 pub(crate) fn without_journal(connection: &Connection) -> Result<(), StoreError> {
     connection.pragma_update_and_check(None, "journal_mode", "MEMORY", |_| Ok(()))?;
     Ok(())
@@ -136,13 +136,13 @@ fn journal_mode(connection: &Connection) -> Result<String, StoreError> {
     Ok(connection.pragma_query_value(None, "journal_mode", |row| row.get(0))?)
 }
 
-/// What a file says that it is, if it says so.
+/// The type of a file, if it is known.
 pub(crate) fn mark(connection: &Connection) -> Result<Option<Mark>, StoreError> {
     let id = number(connection, "application_id")?;
     Ok([Mark::Store, Mark::Backup].into_iter().find(|mark| i64::from(mark.id()) == id))
 }
 
-/// Whether bytes of a file have a mark in the place of a file of SQLite.
+/// Whether the first bytes of an SQLite file have one of these marks.
 pub(crate) fn is_marked(file: &[u8]) -> bool {
     let ids = [Mark::Store, Mark::Backup].map(|mark| mark.id().to_be_bytes());
     file.get(ID_BYTES).is_some_and(|found| ids.iter().any(|id| id == found))

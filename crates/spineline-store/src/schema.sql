@@ -46,8 +46,8 @@ CREATE TABLE films (
 -- A study has one lateral film.
 CREATE UNIQUE INDEX one_lateral_film ON films (study) WHERE posture = 'lateral';
 
--- Small pictures of films, so that a list of studies need not decode every film again. They are drawn from the contents
--- and drawn again when they are missing: these rows are no record, and the log does not know them.
+-- Small pictures of films, so that a list of studies need not decode every film again. They are derived from the
+-- contents and drawn again when they are missing, so the log does not cover these rows.
 CREATE TABLE thumbnails (
     content TEXT PRIMARY KEY REFERENCES contents (hash),
     plain BLOB NOT NULL,
@@ -78,7 +78,7 @@ CREATE TABLE events (
     UNIQUE (reading, revision)
 ) STRICT;
 
--- Changes that lost a race.
+-- Changes based on an old revision.
 CREATE TABLE conflicts (
     id INTEGER PRIMARY KEY,
     object TEXT NOT NULL,
@@ -122,9 +122,8 @@ CREATE TABLE options (
     revision INTEGER NOT NULL
 ) STRICT;
 
--- What was computed of a study and took long. It can be computed again: these rows are no record, and the log does not know
--- them. The digest is of everything that it was computed from and of its result, so that neither stale nor damaged
--- rows are used.
+-- Results of long computations on a study. They can be computed again, so the log does not cover these rows. The digest
+-- covers all inputs and the result, so that neither stale nor damaged rows are used.
 CREATE TABLE computations (
     study TEXT NOT NULL REFERENCES studies (id),
     kind TEXT NOT NULL,
@@ -143,8 +142,8 @@ CREATE TABLE accounts (
     enabled INTEGER NOT NULL CHECK (enabled IN (0, 1))
 ) STRICT;
 
--- The name may be that of an observer who has no account: who makes a study by the token of the terminal is one. A grant
--- that was taken back has no role, so that the log still knows its row.
+-- The name may be an observer without an account, who made a study with the terminal's token. A revoked grant keeps its
+-- row without a role, because the log has its entries.
 CREATE TABLE grants (
     id INTEGER PRIMARY KEY,
     study TEXT NOT NULL REFERENCES studies (id),
@@ -154,7 +153,7 @@ CREATE TABLE grants (
 ) STRICT;
 CREATE INDEX grants_by_name ON grants (name);
 
--- Who is signed in, by the SHA-256 of the secret in their cookie. These rows are no record: they come and go unlogged.
+-- Who is signed in, by the SHA-256 of the secret in their cookie. The log does not cover these rows.
 CREATE TABLE sessions (
     secret_hash TEXT PRIMARY KEY,
     name TEXT NOT NULL,

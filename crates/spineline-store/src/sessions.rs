@@ -46,7 +46,7 @@ impl Store {
     /// in memory.
     ///
     /// # Errors
-    /// Errors of writing to the store, except those of a full disk.
+    /// Errors of writing to the store, except of a full disk.
     pub fn begin_session(
         &mut self,
         secret: &str,
@@ -90,7 +90,7 @@ impl Store {
         Ok(Some(session))
     }
 
-    /// Whose session it is, if it has not ended; it does not count as used.
+    /// Like [`Store::session`], but without updating its last use.
     ///
     /// # Errors
     /// [`StoreError::Damaged`].
@@ -138,10 +138,10 @@ impl Store {
         Ok(Some((Session { name: Name::new(&name)?, access }, used_ms)))
     }
 
-    /// Ends a session, on a full disk as long as the program runs.
+    /// Ends a session; on a full disk, only while the program runs.
     ///
     /// # Errors
-    /// Errors of writing to the store, except those of a full disk.
+    /// Errors of writing to the store, except of a full disk.
     pub fn end_session(&mut self, secret: &str) -> Result<(), StoreError> {
         let secret_hash = hash(secret);
         match unsaved::delete_session(&self.connection, &secret_hash) {

@@ -12,7 +12,7 @@ use crate::event::{AcceptedVertebra, Corner, CornerOrigin, Event};
 pub struct VertebraReading {
     /// Corners placed so far, `[column, row]` in pixels.
     pub corners: BTreeMap<Corner, [f64; 2]>,
-    /// Those of them that a program proposed: accepted as they were, or moved since.
+    /// Corners that a program proposed: accepted unchanged, or moved since.
     pub origins: BTreeMap<Corner, CornerOrigin>,
     /// Standard deviation of a corner as a part of the height of the body, where a program found them in the picture.
     pub sd_share: Option<f64>,
@@ -26,7 +26,7 @@ pub struct VertebraReading {
 }
 
 impl VertebraReading {
-    /// Its corners in a view, as far as it has them, `[column, row]` in pixels; on the lateral film the front stands for the left.
+    /// Its placed corners in a view, `[column, row]` in pixels; on the lateral film the front is in place of the left.
     #[must_use]
     pub fn placed(&self, view: FilmView) -> Corners<Option<[f64; 2]>> {
         Corner::of_view(view).map(|corner| self.corners.get(&corner).copied())
@@ -219,7 +219,7 @@ impl ReadingState {
     }
 }
 
-/// Whether all four corners lie within the limits, with a deviation that is none below zero.
+/// Whether all four corners lie within the limits, and the deviation is not negative.
 fn is_whole(corners: &BTreeMap<Corner, [f64; 2]>, sd_share: Option<f64>) -> bool {
     let inside = |x: &f64| x.is_finite() && x.abs() <= MAX_COORDINATE_PX;
     corners.len() == Corner::COUNT

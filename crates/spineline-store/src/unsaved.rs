@@ -1,5 +1,6 @@
-//! What finds no room on the disk and must not stop anybody from signing in, reading and exporting: sessions that begin or end,
-//! and entries of the log about steps that change nothing. It is in memory until there is room, and lost with the program.
+//! Sessions that begin or end, and entries of the log about steps that change nothing, while the disk is full: a full disk must
+//! not stop anybody from signing in, reading and exporting. They stay in memory until there is room, and are lost with the
+//! program.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -9,7 +10,7 @@ use crate::audit::Ledger;
 use crate::error::StoreError;
 use crate::names::{Name, Signature, Timestamp};
 
-/// Most entries in memory; further steps are refused as the disk refuses them.
+/// Maximum number of entries in memory; further steps fail with the error of the disk.
 const MAX_ENTRIES: usize = 10_000;
 /// Most sessions in memory.
 const MAX_SESSIONS: usize = 10_000;
@@ -66,7 +67,7 @@ impl Unsaved {
         self.entries.is_empty() && self.begun.is_empty() && self.ended.is_empty()
     }
 
-    /// Writes what found no room. Entries get the time at which there is some, and actions that end in `_late`.
+    /// Writes the kept entries. They get the time of writing, and their actions end in `_late`.
     pub fn save(&self, transaction: &Transaction<'_>, at: Timestamp) -> Result<(), StoreError> {
         for step in &self.entries {
             let by = Signature::new(step.who.clone(), at);

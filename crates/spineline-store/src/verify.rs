@@ -129,7 +129,7 @@ pub struct Verification {
 }
 
 impl Verification {
-    /// Whether there are no findings.
+    /// Whether the verification has no findings.
     #[must_use]
     pub fn is_clean(&self) -> bool {
         self.findings.is_empty()
@@ -268,7 +268,7 @@ fn chain(
     let mut contains_known = known.is_none_or(|known| known.entries == 0);
     while let Some(row) = entries.next()? {
         let (entry, hash) = AuditEntry::read(row)?;
-        // A gap may be wide: its first entry stands for all of it.
+        // A wide gap is reported by its first entry only.
         if entry.sequence != expected {
             findings.push(Finding::EntryMissing { sequence: expected });
         }

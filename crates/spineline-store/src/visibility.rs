@@ -16,15 +16,15 @@ use crate::state::ReadingState;
 /// Visibility of a study for an observer.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Visibility {
-    /// All: there is no plan, or all its readings are finished.
+    /// Everything: the study has no plan, or all its readings are finished.
     Open,
     /// The plan is incomplete and has readings of this observer: codes, and the own reading that is not finished.
     Reader,
-    /// The plan is incomplete and has no readings of this observer: films, and no readings.
+    /// The plan is incomplete and has no readings by this observer: only films are visible.
     Apart,
 }
 
-/// A reading as its observer may see it, or anybody after the end of a plan.
+/// A reading as its observer may see it, or anybody after the plan is complete.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SeenReading {
     /// The reading.
@@ -99,7 +99,7 @@ impl ObserverView<'_> {
         Ok(SeenReading { record, film, study, code, proposals, events })
     }
 
-    /// What is left to know of an own reading that is finished while its plan goes on; `None` for every other reading.
+    /// What remains visible after an own reading is finished while its plan continues; `None` for other readings.
     ///
     /// # Errors
     /// [`StoreError::Unknown`].
@@ -129,7 +129,7 @@ impl ObserverView<'_> {
     }
 }
 
-/// The last entry of the log about a study or anything of it.
+/// The last entry of the log about a study or its parts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub struct LastChange {
     /// Its number.
@@ -152,15 +152,15 @@ const OTHER_OBJECTS: &str = "SELECT 'plan/' || id FROM plans WHERE study = ?1
         WHERE object = 'film/' || own_films.id) FROM own_films
     UNION ALL SELECT 'conflict/' || (SELECT max(id) FROM conflicts
         WHERE object = 'reading/' || own_readings.id) FROM own_readings";
-/// Objects of which a blinded observer may know that they have changed, with the observer's readings alone.
+/// Objects whose changes a blinded observer may see, with only the observer's readings.
 const BLINDED_OBJECTS: &str = "SELECT 'plan/' || id FROM plans WHERE study = ?1
     UNION ALL SELECT 'reading/' || id FROM own_readings
     UNION ALL SELECT 'event/' || (SELECT sequence FROM events
         WHERE reading = own_readings.id ORDER BY revision DESC LIMIT 1) FROM own_readings";
 
 impl Store {
-    /// When a study, its films, readings, plan or lost changes changed last; a few look-ups, independent of the length of
-    /// journals.
+    /// When a study, its films, readings, plan or lost changes changed last; needs a few look-ups, independent of the
+    /// length of journals.
     ///
     /// # Errors
     /// [`StoreError::Unknown`].
@@ -177,7 +177,7 @@ impl Store {
         self.last_entry(study, None, RESULT_OBJECTS)
     }
 
-    /// The last entry about objects, in which readings are those of all observers or of one.
+    /// The last entry about objects, with the readings of all observers or of one.
     fn last_entry(
         &self,
         study: &Name,

@@ -1,4 +1,4 @@
-//! Release of readings that a clock which was ahead has dated into the future: their washout would end years from now.
+//! Release of readings that a wrong clock dated into the future: their washout would end years from now.
 
 use crate::connection::Store;
 use crate::error::StoreError;

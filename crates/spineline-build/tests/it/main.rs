@@ -1,11 +1,11 @@
-//! The identity changes with the code of a crate and of what it uses, and with nothing else.
+//! The identity changes only with the code of a crate and of its dependencies.
 
 use std::fs;
 use std::path::Path;
 
 use spineline_build::Sources;
 
-/// A workspace of a program over a library, and a crate that neither uses.
+/// A workspace with a program, its library, and an unused crate.
 fn workspace() -> tempfile::TempDir {
     let root = tempfile::tempdir().expect("a folder");
     let files = [

@@ -161,6 +161,6 @@ fn a_backup_beside_the_log_of_a_killed_server_is_refused_and_restore_puts_it_in_
 fn an_error_names_a_missing_store_once() {
     let here = tempfile::tempdir().expect("a temporary folder");
     let error = refused(here.path(), &["study", "list", "s.db"], 3);
-    assert!(error.starts_with("error: s.db: no such store"), "{error}");
+    assert!(error.starts_with("error: s.db: store not found"), "{error}");
     assert!(error.contains("spineline study create"), "{error}");
 }

@@ -1,4 +1,4 @@
-//! What is refused, and how.
+//! Refusals and their errors.
 
 use spineline::anatomy::ImageSide;
 use spineline_detect::{Picture, Refusal, detect};
@@ -19,7 +19,7 @@ fn blank_films_ramps_noise_and_stripes_are_refused() {
         &|_, _| 65535.0,
         &|x, y| (x + y) as f32,
         &noise,
-        // A ladder of rungs, as vertebrae would stand, without a spine.
+        // A ladder of rungs like vertebrae, without a spine.
         &|_, y| if y % 60 < 30 { 200.0 } else { 40.0 },
     ];
     for (number, picture) in pictures.into_iter().enumerate() {
@@ -29,7 +29,7 @@ fn blank_films_ramps_noise_and_stripes_are_refused() {
 }
 
 #[test]
-fn what_is_no_film_is_refused_without_a_look() {
+fn pictures_that_are_not_films_are_refused_at_once() {
     let picture = |columns: usize, rows: usize, pixel_aspect: f64, values: &[f32]| {
         let patient_left = ImageSide::Left;
         detect(&Picture { columns, rows, pixel_aspect, patient_left, values })
@@ -40,7 +40,7 @@ fn what_is_no_film_is_refused_without_a_look() {
     assert!(no_film(picture(100, 201, 1.0, &values)), "a row is missing");
     assert!(no_film(picture(100, 200, f64::NAN, &values)));
     assert!(no_film(picture(usize::MAX, 200, 1.0, &values)));
-    // Values that are no numbers are no spine, and no panic.
+    // NaN values give a refusal, not a panic.
     assert!(picture(100, 200, 1.0, &vec![f32::NAN; 100 * 200]).is_err());
     assert!(picture(100, 200, 1.0, &vec![f32::INFINITY; 100 * 200]).is_err());
 }

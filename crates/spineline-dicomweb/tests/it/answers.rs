@@ -1,4 +1,4 @@
-//! Searches and films from a small server, and everything that can be wrong with its answers.
+//! Searches and films from a small server, and invalid answers.
 
 use std::time::Duration;
 

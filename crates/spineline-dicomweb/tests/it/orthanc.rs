@@ -1,4 +1,4 @@
-//! The same against Orthanc, where it is installed.
+//! The same with Orthanc, if it is installed.
 
 use spineline_dicomweb::{Archive, Client, Search, SearchKey};
 

@@ -1,4 +1,4 @@
-//! Orthanc for one test, where Debian's packages `orthanc` and `orthanc-dicomweb` are installed.
+//! Orthanc for one test, if Debian's packages `orthanc` and `orthanc-dicomweb` are installed.
 
 use std::io::{Read, Write};
 use std::net::{TcpListener, TcpStream};
@@ -34,7 +34,7 @@ fn free_port() -> u16 {
 }
 
 impl Orthanc {
-    /// An empty archive with the login `films:secret`; none where it is not installed, which it says.
+    /// An empty archive with the login `films:secret`; `None`, with a message, if it is not installed.
     pub fn start() -> Option<Self> {
         if !Path::new(PROGRAM).exists() || !Path::new(PLUGIN).exists() {
             eprintln!("left out: Orthanc is not installed (Debian: orthanc orthanc-dicomweb)");

@@ -1,4 +1,4 @@
-//! A small HTTP server for one test, which answers as it is told and keeps what it was asked.
+//! A small HTTP server for one test, which sends given answers and keeps the requests.
 
 use std::io::{BufRead, BufReader, Write};
 use std::net::{TcpListener, TcpStream};
@@ -27,7 +27,7 @@ impl Reply {
 /// Heads of requests.
 pub type Asked = Arc<Mutex<Vec<String>>>;
 
-/// Starts a server; gives its address and what it is asked.
+/// Starts a server; returns its address and its requests.
 pub fn serve(mut answer: impl FnMut(&str) -> Option<Reply> + Send + 'static) -> (String, Asked) {
     let listener = TcpListener::bind("127.0.0.1:0").expect("a port");
     let address = listener.local_addr().expect("an address");
@@ -59,6 +59,6 @@ fn send(mut stream: TcpStream, reply: &Reply) {
     let head = format!(
         "HTTP/1.1 {status} x\r\ncontent-type: {kind}\r\ncontent-length: {length}\r\nconnection: close\r\n{more}\r\n"
     );
-    // The other side may have given up.
+    // The client may have closed the connection.
     let _ = stream.write_all(head.as_bytes()).and_then(|()| stream.write_all(body));
 }

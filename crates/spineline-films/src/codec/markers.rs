@@ -42,7 +42,7 @@ const fn decoded_bits(frame: Frame) -> u8 {
     if frame.bits == 8 { 8 } else { 16 }
 }
 
-/// That a picture with losses is what the data set says; the bits of its decoded samples.
+/// Checks a lossy picture against the data set; returns the bits of its decoded samples.
 pub(super) fn check_lossy(data: &[u8], format: Format) -> Result<u8, CodecFault> {
     let (segments, start) = segments(data)?;
     let frame = only_frame(&segments)?;
@@ -57,8 +57,8 @@ pub(super) fn check_lossy(data: &[u8], format: Format) -> Result<u8, CodecFault>
     Ok(decoded_bits(frame))
 }
 
-/// That a lossless picture is what the data set says, and nothing that the decoder gets wrong: restart markers, after
-/// which the prediction begins anew, and dropped low bits. The bits of its decoded samples.
+/// Checks a lossless picture against the data set, and refuses features that the decoder gets wrong: restart markers,
+/// after which the prediction begins anew, and dropped low bits. Returns the bits of its decoded samples.
 pub(super) fn check_lossless(data: &[u8], format: Format) -> Result<u8, CodecFault> {
     let (segments, start) = segments(data)?;
     let frame = only_frame(&segments)?;
@@ -80,7 +80,8 @@ pub(super) fn check_lossless(data: &[u8], format: Format) -> Result<u8, CodecFau
     Ok(decoded_bits(frame))
 }
 
-/// That the end of the image is there: the decoder makes up what is cut off. Nothing else looks like it within a scan.
+/// Checks that the end of the image exists: the decoder would invent a missing part. This marker cannot occur within a
+/// scan.
 fn has_end(scan: &[u8]) -> Result<(), CodecFault> {
     let found = scan.windows(2).rev().any(|pair| pair == [0xFF, 0xD9]);
     if found { Ok(()) } else { Err(CodecFault::Truncated) }

@@ -43,8 +43,8 @@ pub(super) fn decode<B: AsRef<[u8]>>(
     frame.and_then(|frame| frame.decode(codec)).map_err(|fault| fault.of(codec))
 }
 
-/// Allocates this much and frees it. Without the memory the process ends as it does for every other allocation: external readers
-/// report their own lack of memory like damaged data.
+/// Allocates this much and frees it. Without the memory the process ends as for every other allocation: external
+/// readers report a lack of memory as damaged data.
 pub(super) fn ensure_memory(bytes: usize) {
     std::hint::black_box(Vec::<u8>::with_capacity(bytes));
 }
@@ -69,7 +69,7 @@ fn jpeg_ls(data: &[u8], format: Format) -> Result<Coded, CodecFault> {
     Ok(Coded::Words(words))
 }
 
-/// A picture whose header was checked, as the codecs of dicom-rs want it.
+/// A picture with a checked header, as the codecs of dicom-rs need it.
 struct Frame<'a> {
     transfer_syntax: &'a str,
     data: &'a [u8],
@@ -87,7 +87,7 @@ impl Frame<'_> {
         };
         let samples = self.format.pixels() * usize::from(self.format.samples);
         let mut bytes = Vec::with_capacity(samples * usize::from(self.bits / 8));
-        // What the codecs unpack into before they sort it.
+        // Buffer into which the codecs unpack before they sort it.
         ensure_memory(bytes.capacity());
         foreign(|| reader.decode_frame(self, 0, &mut bytes))?;
         Ok(match (self.format.samples, self.bits) {

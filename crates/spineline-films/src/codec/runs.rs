@@ -3,7 +3,7 @@
 use super::Format;
 use crate::error::CodecFault;
 
-/// That there is one segment per byte of a pixel, and that each unpacks to as many bytes as there are pixels.
+/// Checks that each byte of a pixel has a segment, and that each segment unpacks to one byte per pixel.
 pub(super) fn check(data: &[u8], format: Format) -> Result<(), CodecFault> {
     let wanted = usize::from(format.allocated / 8) * usize::from(format.samples);
     let header = data.first_chunk::<64>().ok_or(CodecFault::Truncated)?;
@@ -24,7 +24,7 @@ pub(super) fn check(data: &[u8], format: Format) -> Result<(), CodecFault> {
     Ok(())
 }
 
-/// That a segment unpacks to so many bytes, and to no more than a last run beyond them.
+/// Checks that a segment unpacks to this number of bytes, or exceeds it only by a part of the last run.
 fn check_length(mut segment: &[u8], pixels: usize) -> Result<(), CodecFault> {
     let mut unpacked = 0;
     while let Some((&control, rest)) = segment.split_first() {

@@ -3,10 +3,11 @@
 use super::Format;
 use crate::error::CodecFault;
 
-/// Tiles that a codestream may have: a film has one, or a few hundred; each costs memory of its own.
+/// Maximum number of tiles: a film has one, or a few hundred, and each costs memory.
 const MAX_TILES: u64 = 4096;
 
-/// That a picture is what the data set says, and has an end: the decoder makes up what is cut off.
+/// Checks that a picture agrees with the data set and has an end: the decoder would invent a
+/// missing part.
 pub(super) fn check(data: &[u8], format: Format) -> Result<(), CodecFault> {
     Size::read(data)?.check(format)?;
     if data.windows(2).rev().any(|pair| pair == [0xFF, 0xD9]) {

@@ -1,4 +1,4 @@
-//! The pixels of a film alone: a text can stand behind them, between them, and in bits that hold no pixel.
+//! The pixels of a film alone: text can hide behind them, between them, and in unused bits.
 
 use dicom_core::value::Value;
 
@@ -11,7 +11,7 @@ use crate::pixels::{self, fit, top};
 use crate::scan::PIXEL_DATA;
 use crate::{FilmLimits, Photometric, rle};
 
-/// The pixels of a data set without surplus bytes, and without anything in the bits beyond the stored ones.
+/// The pixels of a data set without surplus bytes, and with cleared unused bits.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) enum Clean {
     /// Uncompressed, in the byte order of the data set.

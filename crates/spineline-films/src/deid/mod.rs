@@ -1,8 +1,8 @@
 //! De-identification of films after the Basic Application Level Confidentiality Profile of DICOM PS3.15, annex E.
-//! Kept attributes are listed (the `policy` module), and each kept value is checked: a number, a word
-//! of the standard, a direction. So no text of the file reaches the output. Compressed pictures lose their comments and the
-//! segments of applications, and bits beyond the stored ones are cleared; nothing else of the pixels changes: lead markers stay, and so does text that is burned in, which
-//! only eyes can find; the report says so.
+//! Kept attributes are listed (the `policy` module), and each kept value is checked: a number, a word of the standard,
+//! a direction. So no text of the file reaches the output. Compressed pictures lose their comments and the segments of
+//! applications, and unused bits are cleared. The pixels stay otherwise unchanged: lead markers and burned-in text
+//! remain. Only a person can find such text, and the report says so.
 
 mod clean;
 mod policy;
@@ -34,7 +34,7 @@ use policy::{Rule, TERMS, rule};
 /// Options of de-identification.
 #[derive(Clone)]
 pub struct DeidOptions {
-    /// Stands for the patient's name and number: 1 to 64 letters, digits, dots, dashes or underscores.
+    /// Replaces the patient's name and number: 1 to 64 letters, digits, dots, dashes or underscores.
     pub case_id: String,
     /// A secret: with the same one, the same old UID becomes the same new UID, so that the films of a study stay together;
     /// without it, the old UID cannot be found.
@@ -47,7 +47,7 @@ impl std::fmt::Debug for DeidOptions {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         let mut shown = f.debug_struct("DeidOptions");
         shown.field("case_id", &self.case_id).field("retain_sex_and_age", &self.retain_sex_and_age);
-        // The salt would undo the exchange of UIDs.
+        // With the salt, the old UIDs could be guessed.
         shown.finish_non_exhaustive()
     }
 }
@@ -55,7 +55,7 @@ impl std::fmt::Debug for DeidOptions {
 /// What was done with an attribute.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum DeidAction {
-    /// Kept, its value being harmless.
+    /// Kept, because its value is harmless.
     Kept,
     /// Removed with its value.
     Removed,
@@ -69,7 +69,7 @@ pub enum DeidAction {
     Added,
 }
 
-/// One attribute of the report. There is never a value in it.
+/// One attribute of the report, without its value.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct DeidEntry {
     /// Which.
@@ -81,7 +81,7 @@ pub struct DeidEntry {
 /// What was done with a film.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct DeidReport {
-    /// Every attribute of the data set and of the file meta information; a sequence stands for all within.
+    /// Every attribute of the data set and of the file meta information; a sequence includes its items.
     pub entries: Vec<DeidEntry>,
     /// Checks that a person must do.
     pub remarks: Vec<FilmRemark>,
@@ -101,11 +101,12 @@ const METHOD_CODES: Attribute = Attribute(0x0012, 0x0064);
 
 /// De-identifies a film.
 ///
-/// The transfer syntax stays, but for deflated files, which become Explicit VR Little Endian; so do the values of all pixels. Bits that hold
-/// no pixel become zero, and run lengths are written again; other compressed pixels stay as they are. Pictures are decoded and written as PNG of 8 or 16 bits, with nothing but pixels.
+/// The transfer syntax is kept, except that deflated files become Explicit VR Little Endian. The values of all pixels
+/// are kept. Unused bits become zero, and run lengths are written again; other compressed pixels stay unchanged.
+/// Pictures are decoded and written as PNG of 8 or 16 bits, with only their pixels.
 ///
 /// # Errors
-/// [`FilmError::CaseId`], [`FilmError::HiddenBits`], and all that reading a film can end with.
+/// [`FilmError::CaseId`], [`FilmError::HiddenBits`], and all errors of reading a film.
 pub fn deidentify(
     bytes: &[u8],
     options: &DeidOptions,
@@ -188,7 +189,7 @@ fn dicom(
     Ok(Deidentified { bytes: write(out, written_as.uid)?, report })
 }
 
-/// A whole file: an empty preamble, file meta information with nothing of the old one, and the data set.
+/// A whole file: an empty preamble, new file meta information, and the data set.
 fn write(object: InMemDicomObject, transfer_syntax: &str) -> Result<Vec<u8>, FilmError> {
     let uid_of = |element| object.text(Attribute(0x0008, element)).unwrap_or_default();
     let meta = FileMetaTableBuilder::new()
@@ -273,7 +274,7 @@ fn number(tag: Attribute, vr: VR, object: &InMemDicomObject) -> Option<InMemElem
     }
 }
 
-/// The value representation, of unknown ones that of the standard.
+/// The value representation; for unknown ones, the standard's.
 fn known_vr(tag: Attribute, stated: VR) -> VR {
     let known = StandardDataDictionary.by_tag(tag.into()).map(|entry| entry.vr().relaxed());
     known.filter(|_| stated == VR::UN).unwrap_or(stated)
@@ -318,7 +319,7 @@ fn age(text: &str) -> Option<String> {
     Some(if unit == 'Y' && digits > 90 { "090Y".to_owned() } else { format!("{digits:03}{unit}") })
 }
 
-/// An item for a code that this program knows, in words of its own.
+/// An item for a known code, with this program's text.
 fn known_code(item: &InMemDicomObject) -> Option<InMemDicomObject> {
     let code = item.text(Attribute(0x0008, 0x0100))?;
     let views = VIEW_CODES.iter().map(|&(value, meaning, _)| (value, meaning));
@@ -349,7 +350,7 @@ fn table(tag: Attribute, [descriptor, values]: [PrimitiveValue; 2]) -> InMemElem
 }
 
 fn additions(options: &DeidOptions) -> Vec<InMemElement> {
-    // DICOM PS3.16, CID 7050. Pixels are not cleaned, and no such option is claimed.
+    // DICOM PS3.16, CID 7050. Pixels are not cleaned, so the code of that option is absent.
     let mut codes = vec![code_item("113100", "DCM", "Basic Application Confidentiality Profile")];
     if options.retain_sex_and_age {
         codes.push(code_item("113108", "DCM", "Retain Patient Characteristics Option"));
@@ -365,7 +366,7 @@ fn additions(options: &DeidOptions) -> Vec<InMemElement> {
     ]
 }
 
-/// The UID of salt and old UID together.
+/// A new UID from the salt and the old UID.
 fn new_uid(old: &str, options: &DeidOptions) -> String {
     uid::from_bytes(&[options.salt.as_slice(), old.as_bytes()].concat())
 }

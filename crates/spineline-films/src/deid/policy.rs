@@ -147,7 +147,7 @@ const NUMBER_ATTRIBUTES: [(u16, u16); 57] = [
     (0x0028, 0x9002), // Data Point Columns
 ];
 
-/// Words that the attributes above may hold. A word that is not here says nothing that measuring needs, and may be a name.
+/// Words that the attributes above may hold. Other words are not needed for measuring, and may be names.
 pub(super) const TERMS: &[&str] = &[
     // Image type, conversion, intent, intensity.
     "ORIGINAL",

@@ -3,12 +3,12 @@
 use crate::codec::header_segment;
 use crate::error::{Codec, CodecFault, FilmError};
 
-/// The one compressed picture of a film, its fragments joined, without comments, segments of applications, and what
-/// follows its end.
+/// The one compressed picture of a film, with joined fragments, without comments, segments of applications, and
+/// bytes after its end.
 ///
 /// # Errors
-/// [`FilmError::Codec`] where the headers do not hold together: what cannot be followed cannot be cleaned. Boxes of a JP2 file, which DICOM
-/// does not allow around the picture, are such a case.
+/// [`FilmError::Codec`] for inconsistent headers: a picture that cannot be parsed cannot be cleaned. Boxes of a JP2
+/// file, which DICOM does not allow around the picture, are such a case.
 pub(super) fn cleaned(codec: Codec, fragments: &[Vec<u8>]) -> Result<Vec<u8>, FilmError> {
     let joined = fragments.concat();
     let clean = match (codec, joined.get(..4)) {
@@ -25,11 +25,11 @@ pub(super) fn cleaned(codec: Codec, fragments: &[Vec<u8>]) -> Result<Vec<u8>, Fi
 fn clean_jpeg(data: &[u8]) -> Result<Vec<u8>, CodecFault> {
     const COMMENT: u8 = 0xFE;
     const SCAN: u8 = 0xDA;
-    // Adobe's says which colours the components are.
+    // Adobe's segment states the colours of the components.
     const ADOBE: u8 = 0xEE;
     let is_text = |kind| kind == COMMENT || (0xE0..=0xEF).contains(&kind) && kind != ADOBE;
     let (mut clean, scans) = clean_header(data, SCAN, is_text)?;
-    // Within a scan no such pair can stand: what follows 0xFF there is below 0x80.
+    // This pair cannot occur within a scan: the byte after 0xFF is below 0x80 there.
     let end = scans.windows(2).position(|pair| pair == END).ok_or(CodecFault::Truncated)?;
     clean.extend_from_slice(&scans[..end + 2]);
     Ok(clean)
@@ -48,7 +48,7 @@ fn clean_jpeg_2000(data: &[u8]) -> Result<Vec<u8>, CodecFault> {
 /// The end of an image, or of a codestream.
 const END: [u8; 2] = [0xFF, 0xD9];
 
-/// The header up to the first segment of a kind, without segments of text; then everything from there on.
+/// The header up to the first segment of a kind, without segments of text; then the unchanged rest.
 fn clean_header(
     data: &[u8],
     first: u8,
@@ -58,7 +58,7 @@ fn clean_header(
     let mut at = 2;
     loop {
         let next = header_segment(data, at)?;
-        // The marker and the length stand before the body; fill bytes before them are no loss.
+        // The marker and the length stand before the body; fill bytes before them may be dropped.
         let start = next.end - next.body.len() - 4;
         if next.kind == first {
             return Ok((clean, &data[start..]));

@@ -33,7 +33,7 @@ pub(super) fn walk(surveyor: &mut Surveyor, path: &Path) -> Result<(), IntakeErr
         match look(&mut archive, index) {
             Ok(None) => {}
             Ok(Some(entry)) => {
-                // What an entry claims to unpack to; reading it stops there.
+                // Declared size of an entry; reading stops there.
                 unpacked = unpacked.saturating_add(entry.bytes);
                 let limit = surveyor.limits.archive_bytes;
                 if unpacked > limit {
@@ -60,11 +60,11 @@ pub(super) fn read(path: &Path, index: usize, limits: &IntakeLimits) -> Result<V
 fn open(path: &Path) -> Result<Archive, Reason> {
     let file = File::open(path).map_err(|error| Reason::Unreadable(error.kind()))?;
     let archive = ZipArchive::new(BufReader::new(file)).map_err(|error| reason(&error))?;
-    // The list of the library has the last entry of a name alone.
+    // The library's list contains only the last entry of a name.
     if archive.has_duplicate_names() { Err(Reason::SameNames) } else { Ok(archive) }
 }
 
-/// One entry as far as a survey wants to know it.
+/// The properties of an entry that a survey needs.
 struct Entry {
     bytes: u64,
     head: Vec<u8>,
@@ -90,7 +90,7 @@ fn look(archive: &mut Archive, index: usize) -> Result<Option<Entry>, Reason> {
     Ok(Some(Entry { bytes, head }))
 }
 
-/// Names are never used as paths; but who writes `../` into an archive does not mean a film.
+/// Names are never used as paths, but an entry with `../` is not a film.
 fn has_plain_name<R: std::io::Read + ?Sized>(entry: &ZipFile<'_, R>) -> bool {
     let Ok(name) = entry.name() else { return false };
     let drive = name.as_bytes().get(1) == Some(&b':');

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use super::{IntakeError, Place, Reason, Surveyor, archive, head_of};
 
-/// Files everything at and below a path. A path that was given by name may be a link; links found below are not followed.
+/// Files everything at and below a path. A given path may be a link; links below it are not followed.
 pub(super) fn walk(
     surveyor: &mut Surveyor,
     path: &Path,
@@ -25,7 +25,7 @@ pub(super) fn walk(
         .follow_links(false)
         .follow_root_links(true)
         .sort_by_file_name()
-        // One more, so that what lies too deep is named and not lost.
+        // One level more, so that deeper files are reported.
         .max_depth(depth + 1);
     for entry in entries {
         surveyor.count()?;
@@ -59,7 +59,7 @@ fn look(
     seen(surveyor.looked_at);
     let place = Place::File(path.to_owned());
     let metadata = match fs::metadata(path) {
-        // A pipe would be waited on for ever.
+        // Reading a pipe could block forever.
         Ok(metadata) if !metadata.is_file() => {
             surveyor.pass_over(place, Reason::NotPlain);
             return Ok(());

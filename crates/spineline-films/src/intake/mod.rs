@@ -15,7 +15,7 @@ use crate::{FilmError, FilmKind, Lookalike, sniff};
 /// Limits of a search.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct IntakeLimits {
-    /// Files and archive entries that are looked at.
+    /// Maximum number of files and archive entries.
     pub entries: usize,
     /// Bytes of one file or unpacked entry.
     pub entry_bytes: u64,
@@ -49,7 +49,7 @@ impl std::fmt::Display for Place {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
             Self::File(path) => write!(f, "{}", path.display()),
-            // The entry's own name may be anything, a patient's name among others.
+            // The entry's name may be anything, such as a patient's name.
             Self::Entry { archive, index } => {
                 write!(f, "{}, entry {}", archive.display(), index + 1)
             }
@@ -62,7 +62,7 @@ impl std::fmt::Display for Place {
 pub struct Found {
     /// Where.
     pub place: Place,
-    /// What its first bytes say it is.
+    /// Kind by its first bytes.
     pub kind: FilmKind,
     /// Its size.
     pub bytes: u64,
@@ -88,7 +88,7 @@ pub enum Reason {
     #[error("it cannot be read: {0}")]
     Unreadable(std::io::ErrorKind),
     /// A link, a device or a pipe.
-    #[error("it is no plain file")]
+    #[error("it is not a regular file")]
     NotPlain,
     /// Too large for a film.
     #[error("it has {bytes} bytes, and the limit is {limit}")]
@@ -98,8 +98,8 @@ pub enum Reason {
         /// The limit.
         limit: u64,
     },
-    /// A name that leads out of the archive, or that no file can have.
-    #[error("its name in the archive is no plain name of a file")]
+    /// A name that leads out of the archive, or that files cannot have.
+    #[error("its name in the archive is not a plain file name")]
     UnsafeName,
     /// Two entries of an archive with one name.
     #[error(
@@ -113,7 +113,7 @@ pub enum Reason {
     #[error("it is an archive within an archive")]
     Nested,
     /// A broken archive or entry.
-    #[error("the archive is damaged here, or packed in a way that is not read")]
+    #[error("the archive is damaged here, or packed in an unsupported way")]
     Damaged,
     /// Folders nested too deeply.
     #[error("it lies deeper than {limit} folders")]
@@ -121,7 +121,7 @@ pub enum Reason {
         /// The limit.
         limit: usize,
     },
-    /// The archive unpacks to more than it may.
+    /// The archive unpacks to more than its limit.
     #[error("its archive unpacks to more than {limit} bytes")]
     ArchiveTooLarge {
         /// The limit.
@@ -133,7 +133,7 @@ pub enum Reason {
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum IntakeError {
-    /// A path that was asked for by name does not open.
+    /// A given path does not open.
     #[error("{place}: {kind}")]
     Missing {
         /// The path.
@@ -165,7 +165,7 @@ impl IntakeError {
             Self::Missing { .. } => "check the path, and that you may read it",
             Self::TooMany { .. } => "name the patient's own folder, or the films one by one",
             Self::Gone { reason: Reason::SameNames, .. } => {
-                "give each film a name of its own and pack the archive again"
+                "give each film its own name and pack the archive again"
             }
             Self::Gone { reason: Reason::TooLarge { .. }, .. } => {
                 "check that it is a film; export only the frontal film"
@@ -204,11 +204,11 @@ pub fn survey(
     Ok(surveyor.survey)
 }
 
-/// The bytes of a film that was found. A file that is no film is read no further than its first bytes, by which a decoder
-/// names what it is: a device has no end.
+/// The bytes of a film. Of other files, only the first bytes are read, by which a decoder names their kind: a device is
+/// endless.
 ///
 /// # Errors
-/// [`IntakeError::Gone`] where it is no longer what it was, or is larger than `limits` allow.
+/// [`IntakeError::Gone`] where it has changed, or exceeds `limits`.
 pub fn read(place: &Place, limits: &IntakeLimits) -> Result<Vec<u8>, IntakeError> {
     let bytes = match place {
         Place::File(path) => {
@@ -257,7 +257,7 @@ impl Surveyor {
     }
 }
 
-/// The first bytes of a stream: enough to tell what it is.
+/// The first bytes of a stream, which show its kind.
 fn head_of(stream: impl Read) -> Result<Vec<u8>, std::io::Error> {
     const ENOUGH: u64 = 4096;
     let mut head = Vec::new();
@@ -265,7 +265,7 @@ fn head_of(stream: impl Read) -> Result<Vec<u8>, std::io::Error> {
     Ok(head)
 }
 
-/// A file whole if it is a film, otherwise its first bytes.
+/// A whole file if it is a film, otherwise its first bytes.
 fn read_film(mut file: File, limit: u64) -> Result<Vec<u8>, Reason> {
     let unreadable = |error: std::io::Error| Reason::Unreadable(error.kind());
     let stated = file.metadata().map_err(unreadable)?;
@@ -279,7 +279,7 @@ fn read_film(mut file: File, limit: u64) -> Result<Vec<u8>, Reason> {
     read_limited(head.as_slice().chain(file), limit)
 }
 
-/// A stream whole, if it is no longer than a limit.
+/// A whole stream, if it is within a limit.
 fn read_limited(stream: impl Read, limit: u64) -> Result<Vec<u8>, Reason> {
     let mut bytes = Vec::new();
     let read = stream.take(limit + 1).read_to_end(&mut bytes);

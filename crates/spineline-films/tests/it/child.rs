@@ -18,7 +18,7 @@ fn f62_a_child_that_hangs_crashes_or_writes_too_much_is_an_error() {
     };
     let asked = Instant::now();
     assert_eq!(run("exec sleep 600"), FilmError::DecoderTimeout { limit_s: 5.0 });
-    // However slow the machine: the program is not waited for to its end.
+    // On a slow machine too: the parent does not wait for the program's end.
     assert!(asked.elapsed().as_secs() < 120, "{:?}", asked.elapsed());
     assert_eq!(run("kill -SEGV $$"), FilmError::DecoderDied { signal: Some(11) });
     assert_eq!(run("kill -ABRT $$"), FilmError::DecoderDied { signal: Some(6) });

@@ -64,7 +64,7 @@ const STANDARD: [((u16, u16), &str); 34] = [
     ((0xFFFC, 0xFFFC), "OB"),
 ];
 
-/// Texts in all value representations, at every attribute that the film does not need.
+/// Texts in all value representations, at every unneeded attribute.
 fn with_canaries() -> Maker {
     let mut maker = Maker::new(6, 4, &ramp(6, 4));
     let wide: Vec<u8> = CANARY.encode_utf16().flat_map(u16::to_le_bytes).collect();
@@ -99,7 +99,7 @@ fn with_canaries() -> Maker {
         nested.insert((0x0040, 0xA730), ("SQ", Value::Items(vec![item()])));
         maker.set(tag, "SQ", Value::Items(vec![nested]));
     }
-    // A known code with words of its own, and a whole table with an explanation.
+    // A known code with another text, and a whole table with an explanation.
     let mut code = item();
     code.insert((0x0008, 0x0100), ("SH", text("F-10440")));
     maker.set((0x0054, 0x0410), "SQ", Value::Items(vec![code]));
@@ -141,7 +141,7 @@ fn f73_no_identity_text_remains_in_any_encoding() {
         assert_eq!(old.stored, new.stored);
         assert!(!format!("{old:?}{:?}", old.remarks).contains(&CANARY[..5]));
         assert_eq!(new.tags.view.stance, Some(Stance::Erect), "the erect patient is still erect");
-        assert_eq!(new.tags.view.view_position, None, "a word that is no term is gone");
+        assert_eq!(new.tags.view.view_position, None, "a word that is not a term is removed");
         assert_eq!(new.look, old.look, "the table is still there");
         assert!(bytes[..128].iter().all(|&b| b == 0), "F15");
         let action = |tag| report.entries.iter().find(|e| e.attribute == tag).map(|e| e.action);
@@ -229,7 +229,7 @@ fn compressed_pixels_are_copied_exactly_without_surplus_bytes() {
     assert!(bytes.windows(coded.len()).any(|window| window == coded));
     assert_eq!(read(&bytes).unwrap().stored, StoredPixels::Unsigned(pixels.clone()));
     assert_eq!(report.remarks, []);
-    // A comment of the codec, and words behind its end.
+    // A comment of the codec, and words after its end.
     let comment = [&[0xFF, 0xFE, 0, CANARY.len() as u8 + 2][..], CANARY.as_bytes()].concat();
     let mut talking = coded.clone();
     talking.splice(2..2, comment);
@@ -248,7 +248,7 @@ fn compressed_pixels_are_copied_exactly_without_surplus_bytes() {
     assert_eq!(run(&maker.file(EXPLICIT)).1.remarks, [FilmRemark::BurnedInUnknown]);
 }
 
-/// A ramp of 12 bits with a name in the four bits of each word that hold no pixel.
+/// A ramp of 12 bits with a name in the four unused bits of each word.
 fn with_name(shift: u32) -> Vec<u16> {
     let nibbles = CANARY.bytes().flat_map(|byte| [byte >> 4, byte & 15]);
     let mut words: Vec<u16> = ramp(6, 5).iter().map(|word| word << shift).collect();
@@ -286,7 +286,7 @@ fn a_name_in_bits_that_hold_no_pixel_is_cleared() {
             }
             let mut maker = Maker::new(6, 5, &[]);
             maker.word((0x28, 0x102), high).word((0x28, 0x103), representation);
-            // Something behind the last run too.
+            // Also text after the last run.
             let frame = [&rle(&with_name(shift))[..], CANARY.as_bytes()].concat();
             let file = maker.fragments(vec![frame]).file(RLE);
             let (bytes, _) = run(&file);
@@ -319,7 +319,7 @@ fn a_compressed_film_with_a_name_in_bits_that_hold_no_pixel_is_refused() {
         assert_eq!(error, FilmError::HiddenBits { bits_stored: 12 });
         assert!(error.to_string().contains("12 bits") && error.help().contains("uncompressed"));
     }
-    // A codec of 16 bits with values of 12 is no fault.
+    // A codec of 16 bits with 12-bit values is accepted.
     let file = Maker::new(6, 5, &[]).fragments(vec![jpeg_ls(6, 5, 16, &ramp(6, 5))]).file(JPEG_LS);
     assert_eq!(read(&run(&file).0).unwrap().stored, StoredPixels::Unsigned(ramp(6, 5)));
 }

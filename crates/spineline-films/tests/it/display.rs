@@ -8,7 +8,7 @@ use crate::reading::read;
 fn grey(maker: &Maker) -> Vec<u8> {
     let film = read(&maker.file(EXPLICIT)).unwrap();
     let shown = film.display(None, false).grey;
-    // What a viewer makes of the values and the file's own look is the same picture.
+    // A viewer's picture from the values equals the file's own display.
     let screen = film.screen_values();
     let viewed: Vec<u8> =
         screen.values.iter().map(|&v| screen.default_grey[usize::from(v)]).collect();
@@ -113,10 +113,10 @@ fn f9_invalid_tables_and_windows_show_the_full_range_with_a_remark() {
     assert_eq!(grey(&maker), whole);
     let remarks = |maker: &Maker| read(&maker.file(EXPLICIT)).unwrap().remarks;
     assert_eq!(remarks(&maker), [FilmRemark::LookupUnusable { attribute: voi }]);
-    // No entries are 65536 of them, which are not there.
+    // 0 entries mean 65536, which are missing here.
     maker.set((0x28, 0x3010), "SQ", lut([0, 0, 16], &[]));
     assert_eq!(remarks(&maker), [FilmRemark::LookupUnusable { attribute: voi }]);
-    // Here they are: each value to itself.
+    // Here they exist: each value maps to itself.
     let identity: Vec<u16> = (0..=u16::MAX).collect();
     maker.set((0x28, 0x3010), "SQ", lut([0, 0, 16], &identity));
     assert_eq!(remarks(&maker), []);
@@ -142,7 +142,7 @@ fn padding_does_not_widen_the_default_window() {
     assert_eq!(grey(&maker), [255, 0, 128, 255]);
     maker.word((0x28, 0x121), 4095);
     assert_eq!(grey(&maker), [255, 0, 128, 255]);
-    // Nothing but padding, and one value only: no division by zero.
+    // Only padding, and one value only: no division by zero.
     assert_eq!(grey(&Maker::new(2, 1, &[7, 7])).len(), 2);
 }
 

@@ -85,7 +85,7 @@ fn f2_lengths_beyond_the_file_are_reported() {
         let FilmError::Length { attribute, length: found, .. } = error else { panic!("{error:?}") };
         assert_eq!((attribute, found), (Attribute(0x0008, 0x0005), u64::from(length)));
     }
-    // An undefined length where there is no sequence.
+    // An undefined length outside of a sequence.
     let mut file = small().file(EXPLICIT);
     let pixels = file.windows(6).rposition(|w| w == [0xE0, 0x7F, 0x10, 0, b'O', b'W']).unwrap();
     file[pixels + 2] = 0x11;
@@ -95,7 +95,7 @@ fn f2_lengths_beyond_the_file_are_reported() {
         read(&file).unwrap_err(),
         FilmError::Element { attribute: Attribute(0x7FE0, 0x11), fault }
     );
-    // An odd length is taken as it is.
+    // An odd length is accepted.
     let mut file = small().file(EXPLICIT);
     file[pixels + 8] += 1;
     file.push(0);
@@ -191,7 +191,7 @@ fn f6_unknown_syntaxes_and_codec_bombs_are_refused_from_their_headers() {
     wavelets.extend([0, 1, 11, 1, 1]);
     let error = read(&small().fragments(vec![wavelets.clone()]).file(JPEG_2000)).unwrap_err();
     assert_eq!(error, FilmError::Codec { codec: Codec::Jpeg2000, fault });
-    // The right size, in tiles of one pixel: 24 are few, and the stream ends; none of it is a crash.
+    // The right size, in tiles of one pixel: the 24 tiles are accepted, and the stream ends early; no crash.
     for (at, value) in [(8, 6_u32), (12, 4), (24, 1), (28, 1)] {
         wavelets[at..at + 4].copy_from_slice(&value.to_be_bytes());
     }

@@ -9,7 +9,7 @@ use spineline_films::{FilmKind, Lookalike};
 use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, ZipWriter};
 
-/// The first bytes of a picture; a survey looks at no more.
+/// The first bytes of a picture; a survey reads no more.
 const PNG: &[u8] = b"\x89PNG\r\n\x1a\n and the rest";
 
 fn folder() -> tempfile::TempDir {
@@ -46,7 +46,7 @@ fn films_are_found_in_nested_folders_and_other_files_are_named() {
     fs::write(here.path().join("a/notes.txt"), "<notes>").expect("a file");
     fs::write(here.path().join("report.pdf"), "%PDF-1.7").expect("a file");
     fs::write(here.path().join("empty.dcm"), "").expect("a file");
-    // The name says nothing: the bytes do.
+    // The kind follows from the bytes, not from the name.
     fs::write(here.path().join("z.txt"), [&[0; 128], b"DICM\0\0".as_slice()].concat())
         .expect("a file");
     let found = look(here.path());
@@ -87,7 +87,7 @@ fn links_below_a_folder_are_not_followed() {
     let found = look(here.path());
     assert_eq!(found.films.len(), 1);
     assert_eq!(reasons(&found), [&Reason::NotPlain, &Reason::NotPlain]);
-    // A link that is given by name is followed.
+    // A given link is followed.
     symlink(here.path().join("films"), here.path().join("link")).expect("a link");
     assert_eq!(look(&here.path().join("link")).films.len(), 1);
 }
@@ -133,7 +133,7 @@ fn films_are_read_from_archives_without_unpacking_to_disk() {
     assert_eq!(read(&found.films[1].place, &IntakeLimits::default()).expect("there"), other);
 
     assert_eq!(before, files());
-    // What is printed of an entry is its number: its name may be a patient's.
+    // An entry is printed by its number: its name may be a patient's.
     assert!(found.films[1].place.to_string().ends_with("films.zip, entry 3"));
 }
 
@@ -157,7 +157,7 @@ fn an_archive_with_one_name_twice_is_refused_and_loses_no_film_silently() {
     let other = [PNG, b"another film"].concat();
     let names = ["erect.png", "other.png", "a/erect.png", "Erect.png"];
     for again in names {
-        // The writer refuses the second name, so that it is put in afterwards, in both of its places.
+        // The writer refuses a second entry of the same name, so the test renames one afterwards, in both places.
         let stand_in = "x".repeat(again.len());
         let entries: Vec<(&str, &[u8])> = names
             .iter()
@@ -176,7 +176,7 @@ fn an_archive_with_one_name_twice_is_refused_and_loses_no_film_silently() {
         assert_eq!(found.films, [], "{again}");
         assert_eq!(reasons(&found), [&Reason::SameNames], "{again}");
     }
-    // Names that differ in capitals or folders alone are names of their own.
+    // Names that differ only in capitals or folders are different.
     archive(&path, &names.map(|name| (name, PNG)));
     assert_eq!(look(&path).films.len(), names.len());
 }
@@ -230,7 +230,7 @@ fn a_damaged_archive_does_not_stop_the_search() {
         broken[place] = !byte;
         fs::write(&path, &broken).expect("a file");
         for film in look(&path).films {
-            // Read or refused; a checksum that does not hold is refused.
+            // Read or refused; a wrong checksum is refused.
             let _ = read(&film.place, &IntakeLimits::default());
         }
     }

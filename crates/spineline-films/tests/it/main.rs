@@ -1,4 +1,4 @@
-//! Films: made by hand, the public samples with what an independent program read from them, and films among other files.
+//! Films: synthetic ones, public samples compared with an independent program, and films among other files.
 
 #![allow(clippy::unwrap_used)]
 

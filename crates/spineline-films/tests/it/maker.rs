@@ -47,7 +47,7 @@ pub struct Maker {
     pub meta: BTreeMap<Tag, (&'static str, Value)>,
 }
 
-/// A grey film of 12 bits in 16, a ramp of its own for every pixel.
+/// A grey film of 12 bits in 16, with a different value for each pixel.
 pub fn ramp(columns: u16, rows: u16) -> Vec<u16> {
     (0..u32::from(columns) * u32::from(rows)).map(|i| (i * 37 % 4096) as u16).collect()
 }
@@ -99,7 +99,7 @@ impl Maker {
         self.set((0x7FE0, 0x0010), "OB", Value::Fragments(fragments))
     }
 
-    /// The data set without anything around it.
+    /// Only the data set.
     pub fn body(&self, syntax: Syntax) -> Vec<u8> {
         let mut bytes = Vec::new();
         write(&self.elements, syntax, &mut bytes);
@@ -249,7 +249,8 @@ impl BitWriter {
     }
 }
 
-/// Lossless JPEG with one predictor, a restart marker after every so many lines (0 for none), and so many low bits dropped.
+/// Lossless JPEG with one predictor, a restart marker after `restart_lines` lines (0 for none), and `shift` low bits
+/// dropped.
 pub fn jpeg_lossless(
     columns: u16,
     rows: u16,
@@ -302,7 +303,7 @@ pub fn jpeg_lossless(
     writer.bytes
 }
 
-/// What stands before the scan: size, codes and the distance of restart markers.
+/// The part before the scan: size, codes and the distance of restart markers.
 fn jpeg_lossless_header([columns, rows]: [u16; 2], bits: u8, restart_lines: u16) -> Vec<u8> {
     let mut bytes = vec![0xFF, 0xD8, 0xFF, 0xC3, 0, 11, bits];
     bytes.extend(rows.to_be_bytes());

@@ -1,5 +1,5 @@
-//! Shapes of pixels as files state them: pairs in every spelling, Pixel Aspect Ratio, resolutions of pictures; and files of several
-//! pictures.
+//! Shapes of pixels as files state them: pairs in every spelling, Pixel Aspect Ratio, resolutions of pictures; and
+//! files of several pictures.
 
 use spineline::measure::SpacingPlane;
 use spineline_films::{FilmError, FilmFile, FilmRemark, spacing_question};
@@ -50,7 +50,7 @@ fn a_spacing_that_cannot_be_read_is_asked_for_with_its_text() {
         let asked = question(&film(&[(PIXEL_SPACING, "DS", text)])).expect(text);
         assert!(asked.contains("Pixel Spacing is") && asked.contains(text), "{asked}");
     }
-    // Another spacing answers it, and a name in the wrong place is not shown.
+    // Another spacing replaces it, and a name in the wrong place is not shown.
     let other = film(&[(PIXEL_SPACING, "DS", "0.5"), ((0x18, 0x1164), "DS", "0.2\\0.2")]);
     assert_eq!(question(&other), None);
     let named = film(&[(PIXEL_SPACING, "DS", "DOE^JANE")]);
@@ -225,7 +225,7 @@ fn a_file_of_several_pictures_is_refused_with_their_number() {
     ] {
         assert_eq!(read(&bytes), Err(FilmError::Frames { frames }));
     }
-    // A copy at a lower resolution and a mask are no other picture.
+    // A copy at a lower resolution and a mask are not counted.
     let with_copy = tiff(&[page, ([30, 30], 2, 1), ([300, 300], 2, 4)], false);
     assert!(read(&with_copy).is_ok());
 }

@@ -17,7 +17,7 @@ pub fn read(bytes: &[u8]) -> Result<FilmFile, FilmError> {
     read_film(bytes, &FilmLimits::default())
 }
 
-/// Not square, so that rows and columns cannot be exchanged unseen.
+/// Not square, so that an exchange of rows and columns is noticed.
 const COLUMNS: u16 = 37;
 const ROWS: u16 = 23;
 
@@ -97,7 +97,7 @@ fn jpeg_of_8_bits_is_read_within_tolerance_and_of_12_bits_is_refused() {
     let film = read(&maker.fragments(vec![coded.clone()]).file(JPEG)).unwrap();
     let largest = film.stored.iter().zip(&pixels).map(|(a, &b)| (a - i32::from(b)).abs()).max();
     assert!(largest <= Some(3), "{largest:?}");
-    // The precision stands behind the start of frame.
+    // The precision follows the start of frame.
     let frame = coded.windows(2).position(|pair| pair[0] == 0xFF && pair[1] == 0xC0).unwrap();
     coded[frame + 1] = 0xC1;
     coded[frame + 4] = 12;
@@ -159,7 +159,7 @@ fn high_throughput_jpeg_2000_is_read() {
             assert_eq!(film.stored.len(), 13 * 9);
         }
     }
-    // Cut off, it is an error and no picture that the decoder makes up.
+    // A truncated stream is an error; the decoder would invent the rest.
     let cut = &plain[..plain.len() - 40];
     let error = read(&file(cut, HTJ2K)).unwrap_err();
     let fault = CodecFault::Truncated;
@@ -256,7 +256,7 @@ fn pictures_of_other_formats_are_read_and_have_no_spacing() {
         assert_eq!(judge_spacing(&film.tags.spacing).spacing, None);
         assert_eq!(film.display(None, false).grey[1], (words[1] as f64 / 257.0).round() as u8);
         for end in 0..file.get_ref().len() {
-            // Anything but a panic; the last bytes of a PNG hold no pixels.
+            // Any result but a panic; the last bytes of a PNG hold no pixels.
             let _ = read(&file.get_ref()[..end]).is_ok();
         }
     }
@@ -265,7 +265,7 @@ fn pictures_of_other_formats_are_read_and_have_no_spacing() {
 #[test]
 fn an_unreadable_table_is_named() {
     let mut table = std::collections::BTreeMap::new();
-    // A value of UL has four bytes; these are six, and a reader that takes four is out of step.
+    // A value of UL has four bytes; these are six, and a reader of four is out of step.
     table.insert((0x28, 0x1199), ("UL", Value::Words(vec![0; 3])));
     let mut maker = Maker::new(2, 2, &[0; 4]);
     maker.set((0x28, 0x3010), "SQ", Value::Items(vec![table]));

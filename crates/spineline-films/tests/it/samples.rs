@@ -18,7 +18,7 @@ fn folder() -> Option<PathBuf> {
     Some(PathBuf::from(data))
 }
 
-/// What files that are no single grey film must end with.
+/// Expected errors of files that are not a single grey film.
 fn expected_error(name: &str) -> Option<FilmError> {
     let modality = |text: &str| FilmError::Modality { modality: Some(text.to_owned()) };
     Some(match name {
@@ -36,7 +36,7 @@ fn expected_error(name: &str) -> Option<FilmError> {
     })
 }
 
-/// The attributes of a film are those that the independent program lists.
+/// The attributes of a film equal the list of the independent program.
 fn assert_tags(film: &FilmFile, row: &BTreeMap<String, String>, name: &str) {
     let same = |column: &str, found: String| assert_eq!(found, row[column], "{name}: {column}");
     same("rows", film.rows.to_string());
@@ -69,7 +69,7 @@ fn every_sample_is_read_like_by_the_independent_program() {
         let path = data.join(&row["file"]);
         let name = path.file_name().unwrap().to_string_lossy().into_owned();
         if name.ends_with(".zst") {
-            eprintln!("{name}: compressed as a file; its pixels are those of RG3_RLE.dcm");
+            eprintln!("{name}: compressed as a file; it has the pixels of RG3_RLE.dcm");
             continue;
         }
         let Ok(bytes) = std::fs::read(&path) else {
@@ -82,7 +82,7 @@ fn every_sample_is_read_like_by_the_independent_program() {
                 continue;
             }
             (Err(error), None) => {
-                // Cut off, without pixels, or without its beginning: pydicom refuses its pixels too.
+                // Truncated, without pixels, or without its beginning: pydicom refuses its pixels too.
                 let known =
                     ["MR_truncated.dcm", "nested_priv_SQ.dcm", "no_meta.dcm", "priv_SQ.dcm"];
                 assert!(known.contains(&&*name), "{name}: {error}");
@@ -99,7 +99,7 @@ fn every_sample_is_read_like_by_the_independent_program() {
         }
         let sum: String = sum.finalize().iter().map(|byte| format!("{byte:02x}")).collect();
         let expected = row["decoded_pixels_by_pydicom"].split("sha1 ").nth(1).unwrap_or("");
-        // JPEG 2000 with losses is decoded in floating point; one grey level is allowed there, which no sum shows.
+        // Lossy JPEG 2000 is decoded in floating point; a sum cannot allow its tolerance of one grey level.
         assert_eq!(&sum[..12], expected, "{name}: {}", row["decoded_pixels_by_pydicom"]);
         let options =
             DeidOptions { case_id: "a".to_owned(), salt: [1; 32], retain_sex_and_age: false };

@@ -29,7 +29,7 @@ fn every_seed_passes_its_check() {
     }
 }
 
-/// Oracle: none of the checks panics, whatever is cut off, overwritten or repeated.
+/// Oracle: the checks never panic, whatever is cut off, overwritten or repeated.
 #[test]
 fn damaged_seeds_pass_their_checks() {
     let mut random = ChaCha8Rng::seed_from_u64(1);

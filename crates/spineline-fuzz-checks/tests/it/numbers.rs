@@ -1,5 +1,5 @@
-//! Numbers that JSON allows, or nearly, and that no film has: every reader and what is computed after it ends with a result or an
-//! error, never with a panic.
+//! Numbers that JSON allows, or nearly, but films cannot have: every reader and the computation after it ends with a
+//! result or an error, never with a panic.
 
 use std::ops::ControlFlow;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -62,7 +62,8 @@ fn with(text: &str, places: &[(usize, usize)], number: &str) -> String {
     copy + &text[done..]
 }
 
-/// Copies of a text, each with another number in one of at most so many places, or in as many places from each of them on.
+/// Copies of a text with another number at one place, or at `most_places` places from it on, for at most `most_places`
+/// first places.
 fn hostile(text: &str, most_places: usize) -> impl Iterator<Item = String> {
     let places = numbers(text);
     let step = places.len().div_ceil(most_places).max(1);
@@ -74,7 +75,7 @@ fn hostile(text: &str, most_places: usize) -> impl Iterator<Item = String> {
     })
 }
 
-/// The copies on which a use panics, as the line with the number.
+/// The lines in which the copies that cause a panic differ.
 fn panics(text: &str, most_places: usize, run: impl Fn(&str)) -> Vec<String> {
     let mut found = Vec::new();
     for copy in hostile(text, most_places) {
@@ -165,7 +166,7 @@ fn a_model_of_any_numbers_is_exported_or_refused() {
     assert!(found.is_empty(), "{found:#?}");
 }
 
-/// Shapes after which a search is ended.
+/// Maximum number of shapes of a search.
 const MAX_SHAPES: usize = 10;
 
 #[test]

@@ -15,7 +15,7 @@ const MAX_ROWS: u64 = 100_000;
 pub struct AasceRow {
     /// Row in the tables, from 0.
     pub row: usize,
-    /// Line of `landmarks.csv`, from 1; the tables have no heading.
+    /// Line of `landmarks.csv`, from 1; the tables lack a heading.
     pub line: u64,
     /// Name of the picture.
     pub picture: String,
@@ -38,7 +38,7 @@ impl<'a> AasceRows<'a> {
     /// Opens the bytes of `filenames.csv` and `landmarks.csv`; `sizes` are columns and rows of the pictures by name.
     ///
     /// # Errors
-    /// [`LandmarkError::Needs`] where the hint has no side for the patient's left.
+    /// [`LandmarkError::Needs`] for a hint without the side of the patient's left.
     pub fn new(
         names: &'a [u8],
         landmarks: &'a [u8],
@@ -136,7 +136,7 @@ pub fn picture_names(names: &[u8]) -> Result<Vec<String>, LandmarkError> {
     Ok(found)
 }
 
-/// Sizes of pictures from a table with the columns `filename`, `width_px` and `height_px`; other columns are passed over.
+/// Sizes of pictures from a table with the columns `filename`, `width_px` and `height_px`; other columns are ignored.
 ///
 /// # Errors
 /// [`LandmarkError`], which names line and column.

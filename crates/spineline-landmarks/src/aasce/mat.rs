@@ -1,4 +1,4 @@
-//! Variables of MATLAB files, version 5, as far as landmarks need them: real matrices of numbers.
+//! Variables of MATLAB files, version 5, limited to real numeric matrices.
 //!
 //! # References
 //! The MathWorks, MAT-File Format.
@@ -10,7 +10,7 @@ use flate2::read::ZlibDecoder;
 use super::{CORNERS, film_of, patient_left};
 use crate::{LandmarkError, LandmarkFile, LandmarkFormat, LandmarkHint};
 
-/// Real files have 0.4 kB, and hold 272 bytes of places.
+/// Real files have 0.4 kB, with 272 bytes of coordinates.
 const MAX_BYTES: usize = 1 << 20;
 const HEADER: usize = 128;
 /// Types of elements.
@@ -22,8 +22,8 @@ const VARIABLE: &[u8] = b"p2";
 /// Reads the corners of one film from the bytes of a MATLAB file.
 ///
 /// # Errors
-/// [`LandmarkError::Needs`] without the side of the patient's left; [`LandmarkError`] for anything else than a real matrix
-/// `p2` of 68 × 2 numbers.
+/// [`LandmarkError::Needs`] without the side of the patient's left; [`LandmarkError`] for anything other than a real
+/// matrix `p2` of 68 × 2 numbers.
 pub fn parse_mat(bytes: &[u8], hint: &LandmarkHint) -> Result<LandmarkFile, LandmarkError> {
     if bytes.len() > MAX_BYTES {
         let (found, limit) = (bytes.len() as u64, MAX_BYTES as u64);
@@ -40,7 +40,7 @@ fn points(bytes: &[u8]) -> Result<[[f64; 2]; CORNERS], LandmarkError> {
     let little = match version {
         Some([_, 1, b'I', b'M']) => true,
         Some([1, _, b'M', b'I']) => false,
-        _ => return Err(wrong("its header is not that of a MATLAB file of version 5")),
+        _ => return Err(wrong("it lacks the header of a MATLAB file of version 5")),
     };
     let mut elements = Elements { rest, little };
     while let Some((kind, data)) = elements.next()? {
@@ -92,7 +92,7 @@ fn matrix(data: &[u8], little: bool) -> Result<Option<[[f64; 2]; CORNERS]>, Land
     }
     let (kind, values) = part()?;
     let mut points = [[0.0; 2]; CORNERS];
-    // Columns first, as MATLAB has it.
+    // Columns first, as in MATLAB.
     for (place, point) in points.iter_mut().enumerate() {
         for (column, value) in point.iter_mut().enumerate() {
             *value = value_at(values, kind, CORNERS * column + place, little)
@@ -132,7 +132,7 @@ fn value_at(bytes: &[u8], kind: u32, place: usize, little: bool) -> Option<f64> 
     })
 }
 
-/// The data elements of a stretch of a file, one after the other.
+/// The data elements in a part of a file, in their order.
 struct Elements<'a> {
     rest: &'a [u8],
     little: bool,

@@ -2,11 +2,11 @@
 //!
 //! They come as MATLAB files with a variable `p2` of 68 × 2 pixels, or as a folder of tables: `filenames.csv` with a name
 //! per row, `landmarks.csv` with 68 columns and then 68 rows per row, divided by the picture's width and height, and,
-//! if it is there, `angles.csv`. Each vertebra has its corners in the order upper left, upper right, lower left, lower right
-//! of the *picture*, so the patient's left has to be known. Nothing says whether the first pixel is 0 or 1; no angle depends
-//! on it, and places are taken as they stand.
+//! if it exists, `angles.csv`. Each vertebra has its corners in the order upper left, upper right, lower left, lower
+//! right of the *picture*, so the patient's left has to be known. The set does not state whether the first pixel is 0
+//! or 1; angles do not depend on it, and coordinates are used unchanged.
 //!
-//! The set has faults that are known ([`AasceVerdict`]): nothing should be computed from such a film without a look at it.
+//! The set has known errors ([`AasceVerdict`]): inspect such a film before computing anything from it.
 //!
 //! # References
 //! [wu-boostnet-2017].
@@ -45,7 +45,7 @@ fn film_of(
     // The set counts from T1 downwards.
     for (four, level) in points.chunks_exact(4).zip(Level::ALL.into_iter().rev()) {
         let absent = four.iter().filter(|point| !point.iter().all(|x| x.is_finite())).count();
-        // Not placed: MATLAB has no other word for it.
+        // Not placed: MATLAB writes NaN.
         if absent == four.len() {
             continue;
         }

@@ -13,8 +13,8 @@ use crate::{LandmarkError, LandmarkReadings, MarkedFilm};
 pub enum AasceVerdict {
     /// No findings.
     Clean {
-        /// The main angle as the set defines it: the range, over T1 to L5, of the tilt of the mean endplates. A T1 or L5 that
-        /// an analysis leaves out takes no part in it.
+        /// The main angle as the set defines it: the range, over T1 to L5, of the tilt of the mean endplates, without a
+        /// T1 or L5 that an analysis leaves out.
         main_angle: Angle,
     },
     /// The film needs a manual check.
@@ -24,7 +24,7 @@ pub enum AasceVerdict {
 /// A finding on a film's landmarks.
 #[derive(Debug, Clone, PartialEq)]
 pub enum AasceFault {
-    /// No vertebrae can be measured from them.
+    /// No vertebra can be measured.
     Marks(MeasureError),
     /// Two neighbours are so near or far, for this spine, that one may be doubled or skipped.
     Spacing {

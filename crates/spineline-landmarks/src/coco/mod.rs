@@ -48,7 +48,7 @@ impl From<[Origin; 4]> for Origins {
 }
 
 impl Origins {
-    /// That of a keypoint, where it is stated.
+    /// The origin of a keypoint, if stated.
     fn of(&self, name: PointName, at: &str) -> Result<Option<Origin>, LandmarkError> {
         let PointName::Corner(_, corner) = name else { return Ok(None) };
         let key = match corner {

@@ -46,7 +46,7 @@ struct Category {
 struct Annotation {
     image_id: Id,
     category_id: Id,
-    /// Absent or empty where nothing was placed.
+    /// Absent or empty without placed keypoints.
     keypoints: Option<Vec<Loose>>,
     /// Confidence of every keypoint.
     keypoint_scores: Option<Vec<Loose>>,
@@ -140,7 +140,7 @@ impl Marked<'_> {
 }
 
 impl Annotation {
-    /// Adds its keypoints that were placed.
+    /// Adds its placed keypoints.
     fn add(
         &self,
         names: &[PointName],
@@ -161,7 +161,7 @@ impl Annotation {
         if let Some(scores) = self.keypoint_scores.as_ref().filter(|s| s.len() != names.len()) {
             return Err(count(scores.len(), "keypoint_scores"));
         }
-        // Attributes of other programs are theirs.
+        // Attributes of other programs are ignored.
         let origins: Origins = self
             .attributes
             .as_ref()
@@ -177,7 +177,7 @@ impl Annotation {
                     expected: "a visibility of 0, 1 or 2; confidences go into `keypoint_scores`",
                 });
             }
-            // Without a place it was not placed, whatever its visibility.
+            // Without coordinates it was not placed, whatever its visibility.
             let (Loose(Some(column)), Loose(Some(row))) = (values[0], values[1]) else { continue };
             if visibility.is_none_or(|visible| visible == 0.0) {
                 continue;

@@ -8,7 +8,7 @@ use crate::film::stated_origins;
 use crate::identity::Identity;
 use crate::names::{CREST_LEFT, CREST_RIGHT};
 
-/// The category of the iliac crests; those of vertebrae count from 1, T1 first.
+/// The category of the iliac crests; categories of vertebrae count from 1, T1 first.
 const CRESTS_ID: usize = Level::ALL.len() + 1;
 
 #[derive(Serialize)]

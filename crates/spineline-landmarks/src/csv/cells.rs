@@ -6,11 +6,11 @@ use spineline_files::is_no_number;
 use crate::LandmarkError;
 use crate::names::{coordinate, shown};
 
-/// The decimal mark of a table and the cell that has it; where both marks are possible, as soon as one was met.
+/// The decimal mark of a table and the cell that shows it; unknown until the first cell with a mark.
 pub(super) struct DecimalMark(Option<(char, String)>);
 
 impl DecimalMark {
-    /// Beside commas it is a point.
+    /// Beside commas the mark is a point.
     pub fn beside(separator: u8) -> Self {
         Self((separator == b',').then(|| ('.', "a table with commas between its cells".to_owned())))
     }
@@ -57,7 +57,7 @@ pub(super) fn text<'a>(
     })
 }
 
-/// Whether a cell says that there is no number.
+/// Whether a cell is empty or marks a missing number.
 pub(super) fn is_blank(record: &ByteRecord, column: usize) -> bool {
     std::str::from_utf8(&record[column]).is_ok_and(is_no_number)
 }

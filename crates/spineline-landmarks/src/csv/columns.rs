@@ -10,7 +10,7 @@ use super::{
 use crate::LandmarkError;
 use crate::names::shown;
 
-/// What a table is of.
+/// The view of the films in a table.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum View {
     Frontal,
@@ -82,13 +82,13 @@ pub(super) enum Values {
 }
 
 impl Columns {
-    /// Of the heading that stands on a line.
+    /// From the heading on this line.
     pub fn of(heading: &ByteRecord, line: u64, view: View) -> Result<Self, LandmarkError> {
         let (places, unknown) = places(heading, line, view)?;
         let get = |name: &str| places.get(name).copied();
         let need = |name: &'static str| {
             get(name).ok_or_else(|| {
-                // A known column whose name was mistyped says more than one that is missing.
+                // A mistyped column is reported before a missing one.
                 let mistyped = unknown
                     .iter()
                     .find(|column| nearest(&column.name, &view.columns()).as_deref() == Some(name));
@@ -154,7 +154,7 @@ impl Columns {
     }
 }
 
-/// Where every known column of a heading is, and the other ones.
+/// The position of every known column of a heading, and the other columns.
 fn places(
     heading: &ByteRecord,
     line: u64,

@@ -15,7 +15,7 @@ pub fn parse_lateral_csv(
     bytes: &[u8],
     hint: &LandmarkHint,
 ) -> Result<Vec<Reading<LateralCorners>>, LandmarkError> {
-    // The front stands where a frontal table has the left.
+    // The front is in place of the left of a frontal table.
     let file = parse(bytes, hint, View::Lateral)?;
     let mut readings = Vec::new();
     for film in file.films {

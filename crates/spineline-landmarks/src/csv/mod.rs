@@ -1,25 +1,27 @@
 //! Landmarks as a table, one row per vertebra, read by people, spreadsheets and statistics programs.
 //!
-//! Columns are found by their names, in any order. `vertebra` and the eight corner columns have to be there; `posture`,
-//! `observer`, `repeat` and `axis_clockwise_deg` need not. A row whose vertebra is `iliac_crests` holds the tips of the
-//! patient's left and right crest in the `superior_left` and `superior_right` columns, and nothing in the other corners.
-//! Confidences of corners that a program found, from 0 to 1, stand in `superior_left_confidence` and so on: all four or none
-//! of them. How corners came about (`clicked`, `completed`, `detected`, `accepted`, `adjusted`) stands in
-//! `superior_left_origin` and so on, an empty cell being a clicked corner; the walls that corners were completed from in
-//! `left_wall_column_px` and so on, and the standard deviation of detected corners, as a part of the body's height, in
-//! `corner_sd_share`. The centres of the pedicles stand in `left_pedicle_column_px` and so on. A film that another program measured has `location_left_mm`, `location_cranial_mm` and `tilt_right_deg` in place of
-//! corners.
+//! Columns are found by their names, in any order. `vertebra` and the eight corner columns are required; `posture`,
+//! `observer`, `repeat` and `axis_clockwise_deg` are optional. A row whose vertebra is `iliac_crests` has the tips of
+//! the patient's left and right crest in the `superior_left` and `superior_right` columns; its other corners are empty.
+//! Confidences of corners that a program found, from 0 to 1, are in `superior_left_confidence` and so on: all four or
+//! none. Origins of corners (`clicked`, `completed`, `detected`, `accepted`, `adjusted`) are in `superior_left_origin`
+//! and so on, where an empty cell means a clicked corner. The walls that corners were completed from are in
+//! `left_wall_column_px` and so on. The standard deviation of detected corners, as a part of the body's height, is in
+//! `corner_sd_share`. The centres of the pedicles are in `left_pedicle_column_px` and so on. A film that another
+//! program measured has `location_left_mm`, `location_cranial_mm` and `tilt_right_deg` in place of corners.
 //!
-//! A table of a lateral film has `vertebra`, `observer`, `repeat`, and its corners in `superior_anterior_column_px` and so on; nothing else.
+//! A table of a lateral film has only `vertebra`, `observer`, `repeat`, and its corners in
+//! `superior_anterior_column_px` and so on.
 //!
 //! # Separators
-//! The heading decides: commas, semicolons or tabs, and only one of them. Beside commas the decimal mark is a point. Beside
-//! semicolons and tabs it may be a comma or a point, but the same one in the whole file, and nothing separates thousands. A first line such as
-//! `sep=;` states the separator, as Excel reads it.
+//! The heading decides: commas, semicolons or tabs, and only one of them. Beside commas the decimal mark is a point.
+//! Beside semicolons and tabs it may be a comma or a point, but the same one in the whole file, without separators of
+//! thousands. A first line such as `sep=;` states the separator, as Excel reads it.
 //!
-//! # What was not placed
-//! A cell of a number that is empty, or says `NaN`, `NA`, `-` and the like, is no number. A row without any is passed over with a remark; one with some
-//! corners is an error that names the missing ones. Columns without a known name are errors only if they hold anything.
+//! # Missing landmarks
+//! A cell of a number may be empty, or contain `NaN`, `NA`, `-` and the like, for a missing number. A row without
+//! numbers is skipped with a remark; one with some corners is an error that names the missing ones. Columns without a
+//! known name are errors only if they hold anything.
 
 mod cells;
 mod columns;

@@ -25,8 +25,8 @@ use crate::{
 /// Reads a table of landmarks from the bytes of its file.
 ///
 /// # Errors
-/// [`LandmarkError`], which names line and column. A row too many or too few, a cell that is no number, an unknown column
-/// and a vertebra given twice are errors.
+/// [`LandmarkError`], which names line and column: for too many or too few rows, a cell that is not a number, an
+/// unknown column, or a repeated vertebra.
 pub fn parse_csv(bytes: &[u8], hint: &LandmarkHint) -> Result<LandmarkFile, LandmarkError> {
     parse(bytes, hint, View::Frontal)
 }
@@ -37,7 +37,7 @@ pub(super) fn parse(
     hint: &LandmarkHint,
     view: View,
 ) -> Result<LandmarkFile, LandmarkError> {
-    // What is no text is read as it is, so that the error names its line.
+    // Invalid text is read too, so that the error names its line.
     let text = decode_text(bytes);
     let bytes = text.as_ref().map_or(bytes, |text| text.as_bytes());
     let stated = text.as_ref().and_then(|text| stated_separator(text));
@@ -135,7 +135,7 @@ struct Table<'a> {
     columns: Columns,
     hint: &'a LandmarkHint,
     decimal: DecimalMark,
-    /// Whether rows state an observer, and a repeat; all do or none.
+    /// Whether rows state an observer, and a repeat; all rows or none.
     named: [Option<bool>; 2],
     films: BTreeMap<Option<Posture>, FilmRows>,
     /// Rows without landmarks.
@@ -148,7 +148,7 @@ impl Table<'_> {
         if let Some(column) = self.columns.unknown.iter().find(|c| !is_empty(&c.place)) {
             return Err(column.refused());
         }
-        // Cells beyond the heading are empty ones of a spreadsheet.
+        // Spreadsheets add empty cells beyond the heading.
         let is_longer = !(self.columns.count..record.len()).all(|place| is_empty(&place));
         if record.len() < self.columns.count || is_longer {
             let (found, wanted) = (record.len(), self.columns.count);
@@ -215,7 +215,7 @@ impl Table<'_> {
         Ok(())
     }
 
-    /// The confidences of a row, all of them or none.
+    /// The confidences of a row, all four or none.
     fn confidence(
         &mut self,
         record: &ByteRecord,
@@ -293,7 +293,7 @@ impl Table<'_> {
             return Err(LandmarkError::Ambiguous {
                 at: place(line, VERTEBRA),
                 reason: "iliac crests need columns of corners".to_owned(),
-                help: "remove the row: a table of locations has no place for iliac crests",
+                help: "remove the row: a table of locations cannot contain iliac crests",
             });
         };
         for (column, name) in columns.into_iter().zip(CORNERS).skip(4) {
@@ -330,7 +330,7 @@ impl Table<'_> {
         merge_crests(&mut film.crests, Some(IliacCrests { left, right }), &at)
     }
 
-    /// Which of the numbers of a vertebra are not there.
+    /// Which numbers of a vertebra are missing.
     fn values_blank(&self, record: &ByteRecord) -> Vec<bool> {
         let columns: &[usize] = match &self.columns.values {
             Values::Corners(columns) => columns,
@@ -339,7 +339,7 @@ impl Table<'_> {
         columns.iter().map(|&column| is_blank(record, column)).collect()
     }
 
-    /// Refuses a vertebra of which some corners are not there.
+    /// Refuses a vertebra with only some of its corners.
     fn check_corners(
         &self,
         record: &ByteRecord,
@@ -385,7 +385,7 @@ impl Table<'_> {
         named(cell, "posture", &place(line, POSTURE)).map(Some)
     }
 
-    /// The cell of a column that all rows fill or none; `None` where it is empty.
+    /// The cell of a column that must be filled in all rows or in none; `None` if it is empty.
     fn naming<'a>(
         &mut self,
         (which, column): (usize, Option<usize>),
@@ -459,7 +459,7 @@ impl Table<'_> {
             },
         });
         let passed_over = (!self.not_placed.is_empty())
-            .then(|| format!("without landmarks, and passed over: {}", self.not_placed.join(", ")));
+            .then(|| format!("without landmarks, and skipped: {}", self.not_placed.join(", ")));
         Ok(LandmarkFile {
             format: LandmarkFormat::Csv,
             films: films.collect(),

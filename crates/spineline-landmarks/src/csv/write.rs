@@ -17,7 +17,7 @@ pub fn write(films: &[&Film]) -> Result<String, LandmarkExportError> {
     if marked != 0 && marked != films.len() {
         return Err(LandmarkExportError::MixedKinds);
     }
-    // Columns that no film needs are left out.
+    // Columns without values are left out.
     let optional: Vec<Optional> = Optional::ALL
         .into_iter()
         .filter(|part| films.iter().any(|film| part.is_in(film)))
@@ -43,7 +43,7 @@ pub fn write(films: &[&Film]) -> Result<String, LandmarkExportError> {
     String::from_utf8(bytes).map_err(|error| encode(error.to_string()))
 }
 
-/// Columns after those of corners and axes.
+/// Optional columns, after corners and axes.
 #[derive(Clone, Copy)]
 enum Optional {
     Confidences,

@@ -1,9 +1,9 @@
 //! Annotations of labelme: points named as in Slicer's lists, or quadrilaterals named by their vertebra.
 //!
-//! labelme counts from the corner of the first pixel, so its places are moved by half a pixel. A quadrilateral names no
-//! corner: its superior endplate is its uppermost side, and which side of the picture is the patient's left has to be known.
-//! One whose uppermost side has a tilt of more than 40° could be meant in two ways, and is refused; so is a mixture of points and
-//! quadrilaterals for one vertebra.
+//! labelme counts from the corner of the first pixel, so its coordinates are moved by half a pixel. A quadrilateral
+//! does not name its corners: its superior endplate is its uppermost side, and the side of the picture with the
+//! patient's left has to be known. A quadrilateral whose uppermost side is tilted by more than 40° is ambiguous and
+//! refused; so is a mixture of points and quadrilaterals for one vertebra.
 //!
 //! A shape may have a `score`, the confidence of a program from 0 to 1, and one of the flags `origin_clicked`, `origin_completed`,
 //! `origin_detected`, `origin_accepted` and `origin_adjusted`; without one it was clicked. Files of Spineline name film, observer and repeat in
@@ -20,7 +20,7 @@ use spineline::measure::Origin;
 /// labelme counts from the corner of the first pixel, and Spineline from its centre.
 const HALF_PIXEL: f64 = 0.5;
 
-/// The flag of a point of an origin.
+/// The flag of a point for its origin.
 fn flag(origin: Origin) -> String {
     format!("origin_{}", origin.key())
 }

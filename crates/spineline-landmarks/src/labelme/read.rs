@@ -16,7 +16,7 @@ use crate::{
     LandmarkError, LandmarkFile, LandmarkFormat, LandmarkHint, LandmarkReadings, MarkedFilm,
 };
 
-/// Beyond it, the next side of a nearly square body may lie as high.
+/// For larger tilts, the next side of a nearly square body may be as high.
 const STEEPEST_DEG: f64 = 40.0;
 
 #[derive(Deserialize)]
@@ -33,11 +33,11 @@ struct Annotation {
 #[derive(Deserialize)]
 struct Shape {
     label: String,
-    /// Empty, or without numbers, where it was not placed.
+    /// Empty, or without numbers, if it was not placed.
     points: Option<Vec<Vec<Loose>>>,
     #[serde(default)]
     shape_type: Option<String>,
-    /// Confidence of what a program found.
+    /// Confidence of a program.
     #[serde(default)]
     score: Loose,
     #[serde(default)]
@@ -45,7 +45,7 @@ struct Shape {
 }
 
 impl Shape {
-    /// Whether any of its points has a place.
+    /// Whether any of its points has coordinates.
     fn is_placed(&self) -> bool {
         let mut numbers = self.points.iter().flatten().flatten();
         numbers.any(|number| number.0.is_some())
@@ -74,7 +74,7 @@ pub fn parse_labelme(bytes: &[u8], hint: &LandmarkHint) -> Result<LandmarkFile, 
     for (place, shape) in annotation.shapes.iter().enumerate() {
         let at = format!("shapes[{place}] `{}`", shown(&shape.label));
         if !shape.is_placed() {
-            remarks.push(format!("{at} has no place; it was passed over"));
+            remarks.push(format!("{at} has no coordinates; it was skipped"));
             continue;
         }
         for (name, point) in landmarks_of(shape, hint, &at)? {
@@ -105,7 +105,7 @@ pub fn parse_labelme(bytes: &[u8], hint: &LandmarkHint) -> Result<LandmarkFile, 
     Ok(LandmarkFile { format: LandmarkFormat::Labelme, films: vec![film], remarks })
 }
 
-/// The origin that a shape is flagged with; other flags are the user's own.
+/// The origin by a shape's flags; other flags belong to the user.
 fn origin_of(shape: &Shape, at: &str) -> Result<Option<Origin>, LandmarkError> {
     let set = |origin: &Origin| {
         let flags = shape.flags.as_ref();
@@ -154,7 +154,7 @@ fn landmarks_of(
     }
 }
 
-/// The corners of a quadrilateral drawn around a body, in either sense and from any corner.
+/// The corners of a quadrilateral around a body, drawn in either direction and from any corner.
 fn corners_of(
     points: [Pixel; 4],
     patient_left: ImageSide,
@@ -165,7 +165,7 @@ fn corners_of(
     let turned = |i: usize| points[(top + i) % 4];
     let is_steep = |a: Pixel, b: Pixel| {
         let (across, down) = ((b.column_px - a.column_px).abs(), (b.row_px - a.row_px).abs());
-        // Written so that two points in one place count as steep.
+        // In this form, two equal points count as steep.
         !(down <= Angle::from_deg(STEEPEST_DEG).rad().tan() * across && across > 0.0)
     };
     if is_steep(turned(0), turned(1)) || is_steep(turned(2), turned(3)) {

@@ -12,7 +12,7 @@ use crate::film::stated_origins;
 use crate::identity::Identity;
 use crate::names::PointName;
 
-/// The version of labelme whose files these are like.
+/// The version of labelme that these files follow.
 const VERSION: &str = "5.5.0";
 
 #[derive(Serialize)]
@@ -22,7 +22,7 @@ struct Annotation<'a> {
     flags: Nothing,
     shapes: Vec<Shape>,
     image_path: &'a str,
-    /// The picture within the file: none.
+    /// The picture within the file: missing.
     image_data: Option<()>,
     image_height: u32,
     image_width: u32,

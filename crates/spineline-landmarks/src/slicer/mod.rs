@@ -1,18 +1,18 @@
 //! Point lists of 3D Slicer (`.mrk.json`).
 //!
 //! # Frames
-//! The file has to say `LPS` or `RAS` in `coordinateSystem`: a file in one that is read as the other is mirrored. Points lie
-//! in one of two planes ([`SlicerFrame`]): that of a picture as Slicer loads one that has no position in the patient, or a
-//! coronal plane of the patient. Points in no such plane are refused.
+//! The file must state `LPS` or `RAS` in `coordinateSystem`: a file that is read in the wrong one is mirrored. Points
+//! lie in one of two planes ([`SlicerFrame`]): the plane of a picture as Slicer loads one without a position in the
+//! patient, or a coronal plane of the patient. Other points are refused.
 //!
 //! # Names
 //! Control points are labelled `T12_superior_left`, by the patient's side (or `T12 SL`), and `iliac_crest_left`,
-//! `iliac_crest_right`. Points that were never placed are passed over with a remark.
+//! `iliac_crest_right`. Points that were never placed are skipped with a remark.
 //!
-//! # What Slicer keeps
-//! Slicer drops keys that it does not know when it saves a list, but keeps the description of every point. What the list is
-//! about therefore stands there, as a small JSON object: film, observer, repeat, frame and pixel spacing, and the origin of a point that
-//! nobody clicked.
+//! # Descriptions of points
+//! Slicer drops unknown keys when it saves a list, but keeps the description of every point. So the description
+//! contains the data of the list as a small JSON object: film, observer, repeat, frame and pixel spacing, and the
+//! origin of a point that was not clicked.
 //!
 //! # References
 //! Slicer's schema of markups, version 1.0.3.
@@ -37,10 +37,10 @@ struct Description {
     observer: String,
     repeat: u32,
     frame: SlicerFrame,
-    /// Column and row spacing that the coordinates were made with, in the image's frame.
+    /// Column and row spacing of the coordinates, in the image's frame.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     spacing_mm: Option<[f64; 2]>,
-    /// How the point came about, where nobody clicked it.
+    /// Origin of the point, if it was not clicked.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     origin: Option<String>,
 }

@@ -49,7 +49,7 @@ struct ControlPoint {
     position_status: Option<String>,
 }
 
-/// A position of three numbers, or none: `null`, an empty list or text, numbers that are none.
+/// A position of three numbers, or a missing one: `null`, an empty list or text, invalid numbers.
 #[derive(Default)]
 struct Position(Option<[f64; 3]>);
 
@@ -84,7 +84,7 @@ type Lps = [f64; 3];
 
 /// Reads point lists of Slicer.
 ///
-/// The image's frame needs the pixel spacing: that of the file where it is ours, else the hint's picture's.
+/// The image's frame needs the pixel spacing: from the file if this program wrote it, else from the hint's picture.
 ///
 /// # Errors
 /// [`LandmarkError`], which names list and point.
@@ -96,7 +96,7 @@ pub fn parse_slicer(bytes: &[u8], hint: &LandmarkHint) -> Result<LandmarkFile, L
         let at = format!("markups[{place}] `{}`", shown(&markup.name));
         if markup.kind != "Fiducial" {
             remarks.push(format!(
-                "{at} is a {} and no point list; it was passed over",
+                "{at} is a {}, not a point list; it was skipped",
                 shown(&markup.kind)
             ));
             continue;
@@ -155,12 +155,11 @@ fn gather(
     for (place, point) in markup.control_points.iter().enumerate() {
         let at = format!("{at}, controlPoints[{place}] `{}`", shown(&point.label));
         if let Some(status) = never_placed(point, &at)? {
-            remarks.push(format!("{at} is {status}, so it was never placed; it was passed over"));
+            remarks.push(format!("{at} is {status}, so it was never placed; it was skipped"));
             continue;
         }
         let Some([x, y, z]) = point.position.0 else {
-            remarks
-                .push(format!("{at} has no position, so it was never placed; it was passed over"));
+            remarks.push(format!("{at} has no position, so it was never placed; it was skipped"));
             continue;
         };
         let name = PointName::parse(&point.label, &at)?;
@@ -175,7 +174,7 @@ fn gather(
     Ok(())
 }
 
-/// Film and reading of a list: as its description says, else as the user says.
+/// Film and reading of a list, by its description, else by the user.
 fn list_key(
     about: Option<&Description>,
     at: &str,
@@ -221,7 +220,7 @@ fn signs(markup: &Markup, at: &str) -> Result<[f64; 3], LandmarkError> {
 fn unit_mm(markup: &Markup, at: &str) -> Result<f64, LandmarkError> {
     let unit = match &markup.coordinate_units {
         None | Some(serde_json::Value::Null) => return Ok(1.0),
-        // A coded unit is its code, the coding scheme and words.
+        // A coded unit has its code, the coding scheme and words.
         Some(serde_json::Value::Array(code)) => code.first().cloned().unwrap_or_default(),
         Some(unit) => unit.clone(),
     };
@@ -236,17 +235,17 @@ fn unit_mm(markup: &Markup, at: &str) -> Result<f64, LandmarkError> {
     }
 }
 
-/// The description of a point, where it is ours: any other text there is the user's own.
+/// The description of a point by this program: other texts belong to the user.
 fn own_description(point: &ControlPoint) -> Option<Description> {
     serde_json::from_str(&point.description).ok()
 }
 
-/// The description that the points of a list share, where it is ours; points added in Slicer have none.
+/// The common description of a list's points by this program; points added in Slicer lack it.
 fn description(markup: &Markup, at: &str) -> Result<Option<Description>, LandmarkError> {
     let mut found: Option<Description> = None;
     for point in &markup.control_points {
         let Some(about) = own_description(point) else { continue };
-        // What its points have of their own.
+        // The origin differs between points.
         let about = Description { origin: None, ..about };
         if about.spineline != 1 || about.repeat == 0 {
             return Err(LandmarkError::Value {
@@ -260,7 +259,7 @@ fn description(markup: &Markup, at: &str) -> Result<Option<Description>, Landmar
                 at: at.to_owned(),
                 reason: "its points carry descriptions of different films, readings or frames"
                     .to_owned(),
-                help: "give every film and reading a list of its own",
+                help: "give every film and reading a separate list",
             });
         }
         found = Some(about);
@@ -357,7 +356,8 @@ impl List {
         Ok(placed)
     }
 
-    /// The frame that the file or the caller names, checked against the plane of the points, which alone decides otherwise.
+    /// The frame that the file or the caller names, checked against the plane of the points; without a name the plane
+    /// decides.
     fn frame(&self, hint: &LandmarkHint) -> Result<SlicerFrame, LandmarkError> {
         let spread = |axis: usize| {
             let values = || self.points.points().map(|p| p[axis]);
@@ -380,14 +380,14 @@ impl List {
             Some(named) if named != plane => Err(LandmarkError::Plane {
                 at: self.at.clone(),
                 reason: format!(
-                    "its frame is stated as {named:?}, and its points lie in that of {plane:?}"
+                    "its frame is stated as {named:?}, but its points lie in {plane:?}"
                 ),
             }),
             _ => Ok(plane),
         }
     }
 
-    /// Millimetres per column and row that Slicer had.
+    /// Millimetres per column and row in Slicer.
     fn steps(&self, hint: &LandmarkHint) -> Result<[f64; 2], LandmarkError> {
         let own = self.about.as_ref().and_then(|about| about.spacing_mm);
         let of_image = |image: spineline::measure::ImageGeometry| {

@@ -3,7 +3,7 @@
 use spineline::anatomy::{Level, Posture, Region, Side};
 use spineline::measure::{CornerName, Origin};
 
-/// Designator of our own coding scheme; its values have at most the 16 characters of a Code Value.
+/// Designator of this program's coding scheme; its values have at most the 16 characters of a Code Value.
 pub const SCHEME: &str = "99SPINELINE";
 pub const SCHEME_NAME: &str = "Spineline";
 

@@ -123,7 +123,7 @@ fn fill_container(
     item.put(sequence(tags::CONTENT_SEQUENCE, content));
 }
 
-/// A number with its unit, and what it was derived from.
+/// A number with its unit and its sources.
 pub fn number(
     name: Code,
     value: f64,
@@ -143,7 +143,7 @@ pub fn number(
     item
 }
 
-/// Places on a radiograph, from which something was derived.
+/// Places on a radiograph from which a value was derived.
 pub fn points(name: Code, places: &[f32], source: &SourceImage) -> InMemDicomObject {
     let mut item = item(Relation::InferredFrom, "SCOORD", Some(name));
     item.put(text_element(tags::GRAPHIC_TYPE, VR::CS, "MULTIPOINT"));

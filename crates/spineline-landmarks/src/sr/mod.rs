@@ -1,15 +1,16 @@
 //! DICOM reports of landmarks: Comprehensive SR after the template TID 1500 (Measurement Report), one per reading.
 //!
-//! A report holds one measurement group (TID 1501) per vertebra with its site, its tilt and its location, inferred from the
-//! four corners on the radiograph, with the origin of each corner where a person did not click all; one for the iliac line; and one per curve with its Cobb angle. The observer is the code that
-//! the case has for a reader, so that a report is no more personal than the radiograph that it is about.
+//! A report holds one measurement group (TID 1501) per vertebra with its site, its tilt and its location, inferred from
+//! the four corners on the radiograph, with the origin of each corner unless a person clicked all; one for the iliac
+//! line; and one per curve with its Cobb angle. The observer is the case's code of a reader, so a report is as
+//! anonymous as its radiograph.
 //!
-//! Places of a spatial coordinate count from the *corner* of the first pixel; ours count from its centre, so half a pixel is
-//! added and taken off again. They are single-precision numbers, which keep 1e-4 of a pixel.
+//! Coordinates count from the *corner* of the first pixel in DICOM, and from its centre here, so half a pixel is added
+//! and subtracted. They are single-precision numbers, which keep 1e-4 of a pixel.
 //!
 //! # References
 //! DICOM PS3.3, C.18.6 (spatial coordinates); PS3.16, TID 300, 320, 1001, 1500, 1501, 1600; CID 7603 (vertebrae), CID 7550
-//! (Cobb angle). Codes of 99SPINELINE are ours.
+//! (Cobb angle). Codes of 99SPINELINE belong to this program.
 
 mod codes;
 mod item;
@@ -40,7 +41,7 @@ pub struct SourceImage {
     pub modality: String,
     /// Columns and rows.
     pub size: (u32, u32),
-    /// Patient's Name, as it stands there.
+    /// Patient's Name, unchanged.
     pub patient_name: String,
     /// Patient ID.
     pub patient_id: String,
@@ -69,7 +70,7 @@ pub struct ReportOf<'a> {
     pub iliac_crests: Option<IliacCrests>,
     /// The reading.
     pub reading: &'a Reading<VertebraLandmarks>,
-    /// Between which vertebrae Cobb angles are measured.
+    /// The end vertebrae of the Cobb angles.
     pub curves: &'a [(Region, CobbEnds)],
     /// The radiograph.
     pub source: &'a SourceImage,

@@ -47,7 +47,7 @@ pub fn read_sr(bytes: &[u8]) -> Result<MarkedFilm, LandmarkError> {
     Ok(MarkedFilm { picture: film_uid(document), ..film })
 }
 
-/// The SOP Instance UID of the film, from the list of what the report is about.
+/// The SOP Instance UID of the film, from the list of evidence.
 fn film_uid(document: &InMemDicomObject) -> Option<String> {
     let first = |object: &InMemDicomObject, tag: Tag| -> Option<InMemDicomObject> {
         object.get(tag)?.items()?.first().cloned()
@@ -103,7 +103,7 @@ impl Report {
         })
     }
 
-    /// Posture and repeat, which all groups share.
+    /// Posture and repeat, common to all groups.
     fn common(&mut self, items: &[InMemDicomObject], at: &str) -> Result<(), LandmarkError> {
         let key = coded(items, codes::POSTURE).map(|(value, _)| value);
         let posture: Option<Posture> = key.as_deref().and_then(|key| key.parse().ok());
@@ -166,7 +166,7 @@ fn axis(items: &[InMemDicomObject], at: &str) -> Result<Option<Angle>, LandmarkE
     Ok(Some(Angle::from_deg(degrees)))
 }
 
-/// The origins of the corners of a vertebra; one that is not stated is clicked.
+/// The origins of the corners of a vertebra; a missing one means clicked.
 fn origins(items: &[InMemDicomObject], at: &str) -> Result<Corners<Origin>, LandmarkError> {
     let mut origins = Corners::all(Origin::Clicked);
     for corner in CornerName::ALL {

@@ -11,7 +11,7 @@ use crate::LandmarkExportError;
 /// Data that a report copies from the DICOM file of a radiograph; pixels are not read.
 ///
 /// # Errors
-/// [`LandmarkExportError::Source`] for a file that is no DICOM or has no identifiers.
+/// [`LandmarkExportError::Source`] for a file that is not DICOM or lacks identifiers.
 pub fn read_source(path: &Path) -> Result<SourceImage, LandmarkExportError> {
     let place = Place::File(path.to_owned());
     let bytes = read(&place, &IntakeLimits::default())
@@ -19,7 +19,7 @@ pub fn read_source(path: &Path) -> Result<SourceImage, LandmarkExportError> {
     parse_source(&bytes, &path.display().to_string())
 }
 
-/// The same from the bytes of a file; errors call it by this name.
+/// The same from the bytes of a file; errors use this name.
 ///
 /// # Errors
 /// As [`read_source`].
@@ -49,7 +49,7 @@ pub fn parse_source(bytes: &[u8], name: &str) -> Result<SourceImage, LandmarkExp
         accession_number: text(tags::ACCESSION_NUMBER),
     };
     if source.sop_instance_uid.is_empty() || source.study_instance_uid.is_empty() {
-        return Err(unfit("it has no identifiers of its study and itself"));
+        return Err(unfit("it lacks the identifiers of its study and itself"));
     }
     Ok(source)
 }

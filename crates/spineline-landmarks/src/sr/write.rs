@@ -47,7 +47,7 @@ pub fn write_sr(report: &ReportOf<'_>) -> Result<Vec<u8>, LandmarkExportError> {
     Ok(bytes)
 }
 
-/// An identifier below the arc of UUIDs (2.25), from what it identifies.
+/// An identifier below the arc of UUIDs (2.25), from the identified parts.
 fn uid(parts: &[&[u8]]) -> String {
     let mut hash = Sha256::new();
     for part in parts {
@@ -56,7 +56,7 @@ fn uid(parts: &[&[u8]]) -> String {
     }
     let mut bytes = [0; 16];
     bytes.copy_from_slice(&hash.finalize()[..16]);
-    // A UUID of version 8: free to be made from a hash (RFC 9562).
+    // A UUID of version 8 may be made from a hash (RFC 9562).
     bytes[6] = (bytes[6] & 0x0f) | 0x80;
     bytes[8] = (bytes[8] & 0x3f) | 0x80;
     format!("2.25.{}", u128::from_be_bytes(bytes))
@@ -191,7 +191,7 @@ fn content(report: &ReportOf<'_>) -> Result<Vec<InMemDicomObject>, LandmarkExpor
     Ok(vec![
         code(Modifier, codes::LANGUAGE, codes::ENGLISH),
         code(ObservationContext, codes::OBSERVER_TYPE, codes::PERSON),
-        // A name of one component is marked as such by a caret.
+        // A name of one component is marked by a caret.
         person(ObservationContext, codes::PERSON_NAME, &format!("{}^", report.reading.id.observer)),
         code(ObservationContext, codes::OBSERVER_TYPE, codes::DEVICE),
         uid_reference(ObservationContext, codes::DEVICE_UID, &uid(&[b"device", MODEL.as_bytes()])),
@@ -208,7 +208,7 @@ fn content(report: &ReportOf<'_>) -> Result<Vec<InMemDicomObject>, LandmarkExpor
     ])
 }
 
-/// A measurement group with what all have.
+/// A measurement group with its common items.
 fn group(
     report: &ReportOf<'_>,
     what: &str,
@@ -263,7 +263,7 @@ fn vertebra(
         number(codes::COLUMN, location.column_px + HALF_PIXEL, codes::PIXEL, vec![from()]),
         number(codes::ROW, location.row_px + HALF_PIXEL, codes::PIXEL, vec![from()]),
     ];
-    // The axis as set, so that reading it needs no sides of the picture.
+    // The axis as set, so that reading does not need the sides of the picture.
     let axis =
         landmark.axis_clockwise.map(|axis| number(codes::AXIS, axis.deg(), codes::DEGREE, vec![]));
     measured.extend(axis);

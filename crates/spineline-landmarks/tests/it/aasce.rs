@@ -29,7 +29,7 @@ fn folder() -> Option<PathBuf> {
     Some(folder)
 }
 
-/// The side on which those pictures that show it have the patient's left.
+/// The side with the patient's left on all pictures that show it.
 fn hint() -> LandmarkHint {
     LandmarkHint { patient_left: Some(ImageSide::Right), ..LandmarkHint::default() }
 }
@@ -90,16 +90,16 @@ fn every_film_is_checked_and_known_errors_are_found() {
         ROWS - (&by_geometry | &by_eye).len(),
         false_alarms,
     );
-    // On row 143 two neighbouring distances are 1.4 times their share: between one and two vertebrae, so neither. On row 313 the one that
-    // is too long stays below the limit with distances from CT (decision 0047).
+    // On row 143 two neighbouring distances are 1.4 times their share, between one and two vertebrae, so neither is
+    // found. On row 313 the too long distance stays below the limit with distances from CT (decision 0047).
     let missed: Vec<usize> = (&by_geometry - &caught).into_iter().collect();
     assert!(missed == [143, 313], "missed: {missed:?}");
-    // Two in a hundred: neither the limits of the core (0.6 and 1.6 of the usual distance) nor the distances, which are those of grown-ups
-    // in CT, were chosen on these films.
+    // Two in a hundred: the limits of the core (0.6 and 1.6 of the usual distance) and the distances, from adults in
+    // CT, were not chosen on these films.
     assert!(false_alarms.len() * 50 <= ROWS, "false alarms: {false_alarms:?}");
 }
 
-/// The films that a case can hold, by row; those with crossed corners and the like are refused before.
+/// The films that a case can hold, by row; crossed corners and similar errors are refused before.
 fn films(rows: &[AasceRow]) -> BTreeMap<usize, Film> {
     let film = |row: &AasceRow| {
         let (columns, rows) = row.film.size?;
@@ -110,7 +110,7 @@ fn films(rows: &[AasceRow]) -> BTreeMap<usize, Film> {
     rows.iter().filter_map(|row| Some((row.row, film(row)?))).collect()
 }
 
-/// The same film with one corner of one vertebra moved by a part of its body's diagonal.
+/// The film with one corner of one vertebra moved by a part of its body's diagonal.
 fn moved(film: &Film, (body, corner): (usize, usize), part: f64, direction: f64) -> Film {
     let mut film = film.clone();
     let FilmLandmarks::Corners { readings, .. } = &mut film.landmarks else {
@@ -156,7 +156,7 @@ fn warnings_about_corners_are_rare_on_valid_films_and_find_moved_corners() {
     );
     assert!(unflagged(WarningCode::BodySidesDiffer) * 50 <= valid, "more than 2 %: {counts:?}");
 
-    // Every corner in turn, in directions that have no pattern with it.
+    // Every corner in turn, in directions without a pattern.
     let sound: Vec<&Film> = films
         .iter()
         .filter(|(row, film)| !flagged.contains(row) && judge_landmarks(film).all().is_empty())

@@ -1,4 +1,5 @@
-//! Every export is read back and compared; left stays left on either side of the picture, with pixels that are not square.
+//! Every export is read back and compared; left stays left on either side of the picture, also with pixels that are not
+//! square.
 
 use std::collections::BTreeMap;
 
@@ -16,7 +17,7 @@ use spineline_landmarks::{
 };
 use spineline_phantom::{Readers, Scenario, generate};
 
-/// A phantom whose films hang as asked, with pixels twice as high as wide.
+/// A phantom whose films hang as stated, with pixels twice as high as wide.
 pub fn case(patient_left: ImageSide) -> Case {
     let mut case =
         generate(2, Scenario::Rod, &Readers::default(), 5).expect("subject 3 exists").case;
@@ -64,7 +65,7 @@ fn read(bytes: &[u8]) -> LandmarkFile {
     parse_landmarks(bytes, &LandmarkHint::default()).expect("our own file")
 }
 
-/// Largest distance between two films' corners and crests, in pixels; everything else has to be equal.
+/// Largest distance between two films' corners and crests, in pixels; all other parts must be equal.
 #[track_caller]
 fn apart(one: &Film, other: &Film) -> f64 {
     assert_eq!(one.posture, other.posture);
@@ -161,7 +162,7 @@ fn lists_in_ras_and_lps_give_the_same_film() {
         }
     }
     assert_eq!(read(json.to_string().as_bytes()).films, lps.films);
-    // The same file without a word on its coordinates could be mirrored.
+    // Without stated coordinates the same file could be mirrored.
     json["markups"][0].as_object_mut().expect("a list").remove("coordinateSystem");
     let error = parse_landmarks(json.to_string().as_bytes(), &LandmarkHint::default());
     let text = error.expect_err("no coordinates named").to_string();
@@ -279,7 +280,8 @@ fn a_report_needs_its_radiograph() {
     let refused = |sources: &BTreeMap<_, _>| {
         let target =
             LandmarkTarget::DicomSr { sources, curves: &[], written: ["20260131", "101500"] };
-        export_landmarks(&case, Some(Posture::Erect), target).expect_err("no such radiograph")
+        export_landmarks(&case, Some(Posture::Erect), target)
+            .expect_err("the radiograph is missing")
     };
     assert!(matches!(refused(&sources), LandmarkExportError::Source(_)));
     sources.insert(Posture::Erect, source((10, 10), Posture::Erect));
@@ -304,7 +306,7 @@ fn locations_of_another_program_are_read_from_a_table() {
     case.films = vec![Film { posture: Posture::Erect, landmarks: placed }];
     let files = export_landmarks(&case, None, LandmarkTarget::Csv).expect("a table");
     let text = std::str::from_utf8(&files[0].bytes).expect("UTF-8");
-    // No cell that a spreadsheet would run.
+    // Spreadsheets must not run a cell as a formula.
     for cell in text.lines().skip(1).flat_map(|line| line.split(',')) {
         let formula = cell.starts_with(['=', '+', '-', '@']);
         assert!(!formula || cell.parse::<f64>().is_ok(), "{cell}");
@@ -335,7 +337,7 @@ pub fn without_axes(mut case: Case) -> Case {
     case
 }
 
-/// The same case as a network would have found it: every corner has another confidence.
+/// The case with a different confidence for every corner, as from a network.
 fn with_confidences(case: Case) -> Case {
     let mut case = without_axes(case);
     let mut count = 0.0;
@@ -355,7 +357,7 @@ fn with_confidences(case: Case) -> Case {
     case
 }
 
-/// The films that an export gives when it is read back; readings of one film may stand in several files.
+/// The films of an export when it is read back; readings of one film may be in several files.
 pub fn read_back(case: &Case, target: LandmarkTarget<'_>) -> Vec<Film> {
     let mut films: BTreeMap<Posture, Film> = BTreeMap::new();
     for file in export_landmarks(case, None, target).expect("corners") {

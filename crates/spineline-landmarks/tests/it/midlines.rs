@@ -1,4 +1,4 @@
-//! Midlines of the back surface: the same line in any axes gives the same levels, and what is no such line is refused.
+//! Midlines of the back surface: the same line in any axes gives the same levels, and other files are refused.
 
 use serde_json::{Value, json};
 use spineline::anatomy::{Level, Posture};
@@ -54,7 +54,7 @@ fn axes_of_any_scanner_give_the_same_levels() {
     // The bend is to the left, so the cranial part tilts to the right, and the lumbar part to the left.
     let tilt = |wanted| expected.iter().find(|(level, _)| *level == wanted).expect("placed").1.tilt;
     assert!(tilt(Level::T2).deg() > 5.0 && tilt(Level::L4).deg() < -5.0);
-    // As the scanner of the PCdare set has them: x to the patient's right, y down, z away from the camera.
+    // Axes of the scanner of the PCdare set: x to the patient's right, y down, z away from the camera.
     let turned = points().into_iter().map(|[y, z, x]| vec![-y, -z, x]);
     assert_eq!(levels(&file(json!(["right", "caudal", "anterior"]), turned)), expected);
     let turned = points().into_iter().map(|[y, z, x]| vec![-x, z, y]);

@@ -1,4 +1,4 @@
-//! How corners came about survives an export to every format and the way back.
+//! Origins of corners survive an export to every format and back.
 
 use std::collections::BTreeMap;
 
@@ -12,8 +12,8 @@ use spineline_landmarks::{
 
 use crate::exchange::{case, image, read_back, source, without_axes};
 
-/// A case with every origin: T8 of every reading is completed from its walls but for one corner that was moved, T9 is detected and T10
-/// accepted.
+/// A case with every origin: T8 of every reading is completed from its walls except for one moved corner, T9 is
+/// detected and T10 accepted.
 fn proposed() -> Case {
     let mut case = without_axes(case(ImageSide::Right));
     for film in &mut case.films {

@@ -1,3 +1,3 @@
-//! The tests of this crate that see it from outside, in one executable so that they are linked once.
+//! The integration tests of this crate, in one executable so that they are linked once.
 
 mod pdf;

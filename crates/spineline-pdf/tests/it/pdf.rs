@@ -1,4 +1,4 @@
-//! Typeset reports, read by another program's eyes: pages, attachment, and what no page can show.
+//! Typeset reports, read by another program: pages, attachment, and letters that the fonts lack.
 
 use hayro_syntax::Pdf;
 use spineline_pdf::{Made, PdfError, embedded, pdf};
@@ -8,7 +8,7 @@ use spineline_report::document::{Column, Figure, Notice, NoticeKind, Section, Ta
 const MADE: Made = Made { year: 2026, month: 1, day: 2, hour: 3, minute: 4, second: 5 };
 const HOSTILE: &str = "0123456789abcdef0123456789abcdef0123456789abcdef0123456789abcdef #let x = $y$ *z* <w> [病例一] مريض \\u{1}";
 
-/// Every kind of block, with a subject of one's own.
+/// Every kind of block, with a given subject.
 fn document(subject: &str) -> Document {
     let mut section = Section::new("all", "Every kind of block");
     section.heading("A heading with #emph[no markup]");
@@ -75,7 +75,7 @@ fn a_report_of_hostile_texts_is_typeset_with_its_analysis() {
     let bytes = pdf(&document, MADE).expect("it can be typeset");
     assert!(bytes.starts_with(b"%PDF-"));
     assert_eq!(embedded(&bytes).as_deref(), Some(document.analysis.as_str()));
-    // A tall figure on a page of its own, and a table of 200 rows.
+    // A tall figure on a separate page, and a table of 200 rows.
     let pages = pages(&bytes);
     assert!((4..=10).contains(&pages), "{pages} pages");
 }
@@ -103,7 +103,7 @@ fn long_tables_continue_over_pages() {
 
 #[test]
 fn a_figure_of_a_whole_page_is_as_wide_as_the_page() {
-    // As tall as the films of five postures: two of them on one page are letters of a millimetre.
+    // As tall as the films of five postures: with two on one page, letters would be a millimetre high.
     let tall = || Figure::new("films", "Films of five postures", svg(900, 1130, "synthetic"));
     let five = |figure: &dyn Fn() -> Figure| {
         let mut section = Section::new("films", "Films");
@@ -127,7 +127,7 @@ fn short_tables_are_not_divided_over_pages() {
 
 #[test]
 fn f54_a_report_of_five_hundred_pages_is_typeset() {
-    // Oracle: every section begins a table of its own; a page holds fewer than sixty rows.
+    // Oracle: every section begins a new table; a page holds fewer than sixty rows.
     let mut document = document("cohort");
     document.sections = (0..10)
         .map(|number| {
@@ -169,7 +169,8 @@ fn a_report_without_content_is_a_page() {
 #[test]
 fn impossible_input_is_reported() {
     let document = document("P07");
-    let error = pdf(&document, Made { month: 2, day: 30, ..MADE }).expect_err("no such day");
+    let error =
+        pdf(&document, Made { month: 2, day: 30, ..MADE }).expect_err("the day does not exist");
     assert!(matches!(error, PdfError::Date(_)) && error.to_string().contains("2026-02-30"));
     let mut broken = document;
     broken.sections[1].figure(Figure::new("broken", "No SVG", "<svg".to_owned()));
@@ -178,7 +179,7 @@ fn impossible_input_is_reported() {
 }
 
 #[test]
-fn a_file_that_is_no_report_has_no_analysis() {
+fn files_without_a_report_have_no_analysis() {
     for bytes in [&b"%PDF-1.7 and no analysis"[..], b"", b"<html>", b"{}", b"%PDF-"] {
         assert_eq!(embedded(bytes), None);
     }

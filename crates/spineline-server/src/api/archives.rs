@@ -4,8 +4,8 @@ use serde::{Deserialize, Serialize};
 use spineline_dicomweb::SearchKey;
 use utoipa::ToSchema;
 
-/// By what an archive is searched: exact values that name one patient or one order. Names are no key: they would come into the
-/// program, and match several patients.
+/// Key of a search in an archive: exact values that name one patient or one order. Names are not accepted: they match
+/// several patients and would enter the program.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum ArchiveKey {
@@ -66,7 +66,7 @@ pub struct ArchiveSeries {
     pub films: Option<u32>,
 }
 
-/// A series of an archive whose films are asked for.
+/// A series of an archive whose films are requested.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ArchiveSeriesChoice {
@@ -102,7 +102,7 @@ pub struct ArchiveFilm {
     pub view: Option<String>,
 }
 
-/// A film of an archive that is to be opened.
+/// A film of an archive to be opened.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ArchiveFilmChoice {

@@ -46,7 +46,7 @@ pub struct CohortRow {
 pub struct CohortCell {
     /// Heading with its unit, such as `main Cobb (°)`.
     pub heading: String,
-    /// The value as text; `–` where there is none.
+    /// The value as text; `–` if it is missing.
     pub text: String,
     /// The value as a number, for sorting.
     pub value: Option<f64>,

@@ -9,7 +9,7 @@ use utoipa::ToSchema;
 pub enum ComputationName {
     /// Intervals by landmark noise.
     Replicates,
-    /// What the films say of every multiplier.
+    /// How well the films determine each multiplier.
     Identifiability,
     /// Other loads and base supports beside the lines.
     Models,
@@ -32,7 +32,7 @@ pub struct ComputationRequest {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum ComputationState {
-    /// Nobody has asked for the current results.
+    /// Not requested for the current results.
     None,
     /// It runs, or waits for another one.
     Running,
@@ -59,7 +59,7 @@ pub struct ComputationView {
     pub intervals: Vec<IntervalView>,
     /// Parts of the report, where it is done.
     pub sections: Vec<SectionView>,
-    /// What was done, and what failed.
+    /// Results and failures as text.
     pub texts: Vec<String>,
 }
 

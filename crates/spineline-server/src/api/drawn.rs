@@ -1,4 +1,4 @@
-//! Lengths and angles of lines that are drawn on a film and not kept.
+//! Lengths and angles of lines that are drawn on a film and not stored.
 
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
@@ -33,11 +33,11 @@ pub enum DrawnRequest {
     },
 }
 
-/// What was measured. It is not stored.
+/// The measured value. It is not stored.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct DrawnView {
     /// With its standard deviation and unit, such as `123.4 ± 0.9 mm` or `23.4 ± 0.3°`.
     pub text: String,
-    /// What the unit is and what the deviation includes, as text.
+    /// Text that explains the unit and the deviation.
     pub note: String,
 }

@@ -1,4 +1,4 @@
-//! What a study can be taken out as.
+//! Files that a study can be exported to.
 
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;

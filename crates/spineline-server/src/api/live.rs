@@ -26,8 +26,8 @@ pub struct LiveView {
     pub status_text: String,
     /// Drawing over this film.
     pub overlay: Option<FilmOverlay>,
-    /// Heights of the vertebrae of the other one of the erect and the lateral film on this film; empty on other films, and while fewer than
-    /// two vertebrae are marked on both.
+    /// Heights of the vertebrae of the other one of the erect and the lateral film on this film; empty on other films,
+    /// and while fewer than two vertebrae are marked on both.
     pub heights: Vec<HeightView>,
     /// Results of the whole study; absent while its erect film is not complete.
     pub study: Option<StudyFindings>,
@@ -63,7 +63,7 @@ pub struct FilmOverlay {
     pub curve_text: String,
     /// Inflections of the erect curve; in other postures, the places of the same segments.
     pub inflections: Vec<LabelledPoint>,
-    /// Places where inflections can be picked by hand, caudal first; none on other films than the erect one.
+    /// Places where inflections can be picked by hand, caudal first; only on the erect film.
     pub sites: Vec<SitePoint>,
     /// From each measured midpoint to the curve.
     pub residuals: Vec<Residual>,
@@ -149,7 +149,7 @@ pub struct StudyFindings {
     pub curves: Vec<CurveFinding>,
     /// Lenke type as text, with missing films.
     pub lenke_text: String,
-    /// How the spine stands over the pelvis, as text.
+    /// Coronal balance as text.
     pub balance_text: String,
     /// Scales of the films against the erect film as text, where they are not fixed.
     pub film_scales_text: Option<String>,
@@ -172,7 +172,7 @@ pub struct CurveFinding {
     pub convex: Option<SideName>,
     /// Angles per posture.
     pub angles: Vec<CurveAnglesFinding>,
-    /// What the sizes are: `Cobb angle` or `tilt range`.
+    /// Kind of the sizes: `Cobb angle` or `tilt range`.
     pub size_name: String,
     /// Flexibility as text, if there are bending films.
     pub flexibility_text: Option<String>,
@@ -183,7 +183,7 @@ pub struct CurveFinding {
 pub struct CurveAnglesFinding {
     /// Posture.
     pub posture: PostureName,
-    /// Cobb angle, or tilt range where corners are not known; none where this film lacks what the erect film has.
+    /// Cobb angle, or tilt range where corners are not known; none where this film lacks vertebrae of the erect film.
     pub size_deg: Option<f64>,
     /// Ferguson angle.
     pub ferguson_deg: f64,

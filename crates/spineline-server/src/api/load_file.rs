@@ -1,4 +1,4 @@
-//! The load file within the interface: its schema is that of the file itself.
+//! The load file within the interface, with the file's own schema.
 
 use std::borrow::Cow;
 
@@ -59,7 +59,7 @@ fn definition(name: &str) -> RefOr<Schema> {
     described(whole()["$defs"][name].take())
 }
 
-/// A schema of a file as one of the interface: what it refers to is a schema of the interface too.
+/// Schema of a file as a schema of the interface, with all schemas that it refers to.
 fn described(mut schema: Value) -> RefOr<Schema> {
     settle(&mut schema);
     serde_json::from_value(schema).unwrap_or_else(|_| Schema::default().into())

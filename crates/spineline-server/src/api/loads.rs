@@ -1,11 +1,11 @@
-//! Loads that people put on a model.
+//! Loads that users put on a model.
 
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
 use super::{ComputationState, FileLoad, LevelError, Notice, PostureName, Shape, SideName};
 
-/// What can be put on the model of one line of action.
+/// Loads that are possible on the model of one line of action.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct LoadMenu {
     /// Unit of forces: `N`, or a text that warns where only ratios are known.
@@ -20,7 +20,7 @@ pub struct LoadMenu {
     pub films: Vec<FilmForce>,
     /// Directions in the patient's terms.
     pub directions: Vec<NamedDirection>,
-    /// What the numbers are for, and what the model does not have.
+    /// Purpose of the numbers, and parts that the model lacks.
     pub limits: Vec<String>,
 }
 
@@ -31,7 +31,7 @@ pub struct LoadKind {
     pub label: String,
     /// What it does.
     pub text: String,
-    /// An example to begin with.
+    /// An example to start from.
     pub example: FileLoad,
 }
 
@@ -61,7 +61,7 @@ pub struct NamedDirection {
 pub struct LoadedModel {
     /// Each load as text.
     pub loads: Vec<String>,
-    /// Why loads cannot be applied; then there is no simulation.
+    /// Why loads cannot be applied; then nothing is simulated.
     pub faults: Vec<LoadFaultView>,
     /// The simulation.
     pub simulation: Option<LoadedView>,
@@ -76,24 +76,25 @@ pub struct LoadFaultView {
     pub text: String,
 }
 
-/// What a model does under loads.
+/// A model under loads.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct LoadedView {
     /// Whether there is a result.
     pub converged: bool,
-    /// The ending by name and what it means, the shape nearest to the target where there is no result, and events on the way.
+    /// The ending by name with its meaning, the shape nearest to the target if the loads have no result, and events on
+    /// the path.
     pub texts: Vec<String>,
-    /// Angles before and after; without rows where there is no result.
+    /// Angles before and after; without rows if the loads have no result.
     pub angles: TextTable,
     /// Forces and moments on the vertebrae.
     pub forces: TextTable,
     /// Other numbers of the result.
     pub numbers: TextTable,
-    /// Every shape that meets the target, where there is a choice or no result.
+    /// Every shape that meets the target, where several exist or the loads have no result.
     pub solutions: TextTable,
     /// Warnings.
     pub notices: Vec<Notice>,
-    /// Shapes on the way, the erect one first; the last one is the result where there is one.
+    /// Shapes on the path, the erect one first; the last one is the result, if any.
     pub steps: Vec<LoadStep>,
     /// The result beside other films; empty without a result.
     pub films: Vec<FilmComparison>,
@@ -113,11 +114,11 @@ pub struct TextTable {
 pub struct TextColumn {
     /// Its head, with a unit where it has one.
     pub head: String,
-    /// Whether it is one of numbers.
+    /// Whether it contains numbers.
     pub numeric: bool,
 }
 
-/// A shape on the way of the loads.
+/// A shape on the path of the loads.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct LoadStep {
     /// Part of the loads, such as `45 % of the proportional loads`.
@@ -143,11 +144,11 @@ pub struct LoadArrow {
     pub vector: [f64; 3],
     /// Whether it is a moment.
     pub is_moment: bool,
-    /// Length of the drawn arrow over that of the strongest one; 0 for moments.
+    /// Length of the drawn arrow over the length of the strongest one; 0 for moments.
     pub part: f64,
 }
 
-/// A result beside what another film shows.
+/// A result beside another film.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct FilmComparison {
     /// The film.
@@ -167,12 +168,12 @@ pub struct PadMapRequest {
     /// Stiffness of the pads, in these units per mm.
     #[serde(rename = "force_per_mm")]
     pub n_per_mm: f64,
-    /// The loads beside which each pad is tried.
+    /// The other loads on the spine during each trial.
     #[serde(default)]
     pub beside: Vec<FileLoad>,
 }
 
-/// Intervals that are to be computed of a model under loads.
+/// Request for intervals of a model under loads.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
 #[serde(deny_unknown_fields)]
 pub struct LoadIntervalRequest {
@@ -191,11 +192,11 @@ pub struct LoadIntervalsView {
     pub done: u64,
     /// Number of replicates.
     pub asked: u64,
-    /// The text of the load file that they belong to, as it was sent: under any other loads they are not valid.
+    /// The text of their load file, as it was sent: they are not valid for other loads.
     pub file: String,
     /// Intervals of the table of angles, where they are done.
     pub rows: Vec<LoadIntervalRow>,
-    /// What was done, what has no result, and what the intervals cover.
+    /// Number of replicates, failures, and coverage of the intervals.
     pub texts: Vec<String>,
 }
 
@@ -204,11 +205,11 @@ pub struct LoadIntervalsView {
 pub struct LoadIntervalRow {
     /// First cell of the row in the table.
     pub label: String,
-    /// Interval for each other cell; empty where there is none.
+    /// Interval for each other cell; may be empty.
     pub intervals: Vec<String>,
 }
 
-/// What one pad does at every level and towards both sides.
+/// Effect of one pad at every level and towards both sides.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct PadMapView {
     /// State.
@@ -217,13 +218,13 @@ pub struct PadMapView {
     pub done: u64,
     /// Pads to be tried.
     pub asked: u64,
-    /// Largest force that was asked for.
+    /// Largest requested force.
     pub largest_force: Option<f64>,
     /// Columns, where it is done.
     pub columns: Vec<PadMapColumn>,
     /// Rows, the uppermost level first.
     pub rows: Vec<PadMapRow>,
-    /// What was computed, and what failed.
+    /// Summary, and failures.
     pub texts: Vec<String>,
 }
 
@@ -248,9 +249,9 @@ pub struct PadMapRow {
 /// What one pad does.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct PadMapCell {
-    /// Change of the largest curve, or the name of the ending where there is no result.
+    /// Change of the largest curve, or the name of the ending without a result.
     pub text: String,
-    /// The pad and both angles, or why there is no result.
+    /// The pad and both angles, or why the pad has no result.
     pub title: String,
     /// Change over the largest change of the map, from -1 (correction) to 1; `None` without a result.
     pub part: Option<f64>,

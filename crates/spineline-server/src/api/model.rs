@@ -24,15 +24,15 @@ pub struct ModelView {
     pub bodies: Vec<BodySize>,
     /// The unloaded spine.
     pub erect: Shape,
-    /// The spine as measured on other films; sagittal places are those of the erect film.
+    /// The spine as measured on other films; sagittal coordinates are from the erect film.
     pub measured: Vec<MeasuredShape>,
-    /// One model per line of action; the notices give the reason for an absent result.
+    /// One model per line of action; the notices explain a missing result.
     pub lines: Vec<LineModelView>,
     /// Unit of a load's force: `N` where a force was measured, else `rel. units`.
     pub force_symbol: String,
     /// One of this unit, in words.
     pub force_unit_text: String,
-    /// The line that predicts films best which it was not fitted to, or else the first one with a result.
+    /// The line that predicts unfitted films best, or else the first one with a result.
     pub automatic: Option<LineName>,
     /// Why, as text.
     pub automatic_text: Option<String>,

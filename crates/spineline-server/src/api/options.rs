@@ -12,7 +12,7 @@ pub struct OptionsView {
     pub may_change: bool,
     /// Every option, in the order of the command line.
     pub options: Vec<OptionView>,
-    /// What differs from the defaults; absent where nothing does.
+    /// Options that differ from the defaults; absent if all have their defaults.
     pub changed_text: Option<String>,
 }
 
@@ -21,19 +21,19 @@ pub struct OptionsView {
 pub struct OptionView {
     /// Its name.
     pub name: String,
-    /// What it is, in a few words.
+    /// A short name.
     pub title: String,
     /// What it does, and the values that it takes.
     pub help: String,
-    /// Its value; of a file its name and digest.
+    /// Its value; for a file, name and digest.
     pub value: String,
-    /// The value where none is chosen; empty where no word says it.
+    /// The default value; may be empty.
     pub default: String,
-    /// That value in the words of a report.
+    /// The default in the words of a report.
     pub default_words: String,
-    /// Whether the value is another than the default.
+    /// Whether the value differs from the default.
     pub is_changed: bool,
-    /// Whether `values` are all values that it takes, other than a file.
+    /// Whether `values` lists all values except a file.
     pub is_closed: bool,
     /// Whether it takes a file.
     pub takes_file: bool,
@@ -46,7 +46,7 @@ pub struct OptionView {
 pub struct OptionValueView {
     /// How it is spelled.
     pub value: String,
-    /// What it means; empty where the spelling says it.
+    /// Its meaning; empty where the spelling is clear.
     pub help: String,
 }
 

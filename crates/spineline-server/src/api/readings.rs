@@ -59,12 +59,12 @@ pub struct ReadingView {
     pub next_by_walls: Option<ExpectedLandmark>,
     /// Whether vertebrae may be proposed and accepted; a plan of blinded readings may forbid it.
     pub proposals_allowed: bool,
-    /// Expected corners of the vertebrae without a corner, in the guided order; part of the reading only after a person has accepted or
-    /// moved them.
+    /// Expected corners of the vertebrae without corners, in the guided order. They become part of the reading only
+    /// when a person accepts or moves them.
     pub proposals: Vec<Proposal>,
     /// Errors of the landmarks: crossed or swapped corners, places off the film, wrong order.
     pub faults: Vec<Notice>,
-    /// Changes that lost a race and are kept; in a [`ConflictAnswer`], those of the request alone.
+    /// Refused changes that are kept; in a [`ConflictAnswer`], only the changes of the request.
     pub conflicts: Vec<LostChangeView>,
 }
 
@@ -126,8 +126,7 @@ pub struct AxisView {
     pub from_px: [f64; 2],
     /// Cranial end.
     pub to_px: [f64; 2],
-    /// Angle to the image's vertical, positive clockwise as seen with square pixels, that is in millimetres and not in columns
-    /// and rows.
+    /// Angle to the image's vertical, positive clockwise with square pixels (in millimetres, not in columns and rows).
     pub axis_deg: f64,
     /// Whether it was rotated by hand; else it is computed from the corners.
     pub by_hand: bool,
@@ -169,7 +168,7 @@ pub enum ExpectedLandmark {
     },
 }
 
-/// A vertebra as it is expected from all that is marked.
+/// A vertebra as predicted from all landmarks.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct Proposal {
     /// Level.
@@ -256,6 +255,6 @@ pub struct Preview {
 pub struct ConflictAnswer {
     /// The error.
     pub problem: Problem,
-    /// The reading as it stands, to go on from; its `conflicts` are those of this request alone.
+    /// The current reading; its `conflicts` are only the changes of this request.
     pub reading: ReadingView,
 }

@@ -53,7 +53,7 @@ pub struct SessionView {
     pub role: RoleName,
     /// Way of signing in.
     pub access: AccessName,
-    /// To be sent as `X-Spineline-Csrf` with every request that changes something.
+    /// To be sent as `X-Spineline-Csrf` with every request that changes data.
     pub csrf: String,
     /// Version of the program.
     pub version: String,

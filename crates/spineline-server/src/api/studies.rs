@@ -17,9 +17,9 @@ pub enum StudyStatus {
     Marking,
     /// The curve and its angles are measured, without a model.
     Measured,
-    /// All fitted models converged, and the films support one.
+    /// All fitted models converged, and the films support one of them.
     Modelled,
-    /// All fitted models converged, and the films support none: the verdict says why.
+    /// All fitted models converged, but the films do not support any: the verdict says why.
     Unsupported,
     /// A model did not converge.
     NotConverged,
@@ -52,7 +52,8 @@ pub struct StudySummary {
     pub warnings: usize,
     /// Number of notices with severity `contradiction`.
     pub contradictions: usize,
-    /// Last change, in ms since 1970-01-01 UTC; while readings of the requester are blinded, of the plan or of one of these.
+    /// Last change, in ms since 1970-01-01 UTC; while readings of the requester are blinded, only of the plan or of
+    /// these readings.
     pub changed_ms: i64,
 }
 
@@ -170,12 +171,12 @@ pub enum NextReading {
         /// Reading.
         reading: i64,
     },
-    /// No reading before a day.
+    /// The next reading begins on a later day.
     Wait {
         /// In ms since 1970-01-01 UTC.
         until_ms: i64,
     },
-    /// No more readings, or the observer is not in the plan.
+    /// The observer has finished, or is not in the plan.
     Done,
     /// The observer may no longer place landmarks in the study.
     NotAllowed,
@@ -248,7 +249,7 @@ pub struct NewStudy {
     pub label: Option<String>,
     /// Films, one per posture and one lateral one at most.
     pub films: Vec<NewFilm>,
-    /// Take films whose files state another part of the body, or two patients.
+    /// Accept films whose files state another part of the body, or two patients.
     #[serde(default)]
     pub accept_doubtful_films: bool,
 }
@@ -277,7 +278,7 @@ pub struct NewFilm {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 #[serde(tag = "kind", rename_all = "snake_case", deny_unknown_fields)]
 pub enum ScaleChoice {
-    /// From the file; no scale where the file has none.
+    /// From the file, or none where the file has none.
     File,
     /// Entered by the person who imports the film.
     Stated {
@@ -300,7 +301,7 @@ pub struct CaseImport {
     pub text: String,
     /// Uploads with the file names in the case.
     pub films: Vec<NamedUpload>,
-    /// Take films whose files state another part of the body, or two patients.
+    /// Accept films whose files state another part of the body, or two patients.
     #[serde(default)]
     pub accept_doubtful_films: bool,
 }

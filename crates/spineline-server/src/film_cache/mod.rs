@@ -20,7 +20,7 @@ pub use uploads::{Reservation, Upload, Uploads};
 
 /// Room for decoded films.
 const ROOM_BYTES: usize = 300 << 20;
-/// Films that are decoded at a time; each may take a few hundred megabytes.
+/// Films that are decoded concurrently; each may take a few hundred megabytes.
 const AT_A_TIME: usize = 2;
 /// Height of a thumbnail.
 const THUMBNAIL_ROWS: u32 = 220;
@@ -34,7 +34,7 @@ pub struct Screen {
     pub rows: u32,
     /// Centre and width in these values.
     pub default_window: [f64; 2],
-    /// The same of all windows and tables that a DICOM file has; of no other file.
+    /// Windows and tables of a DICOM file, as centre and width in these values; empty for other files.
     pub file_windows: Vec<[f64; 2]>,
     /// Maximum value.
     pub max: u16,
@@ -106,7 +106,7 @@ impl FilmCache {
         Some(screen)
     }
 
-    /// Keeps a decoded film, and drops the oldest ones where there is no room.
+    /// Keeps a decoded film, and drops the oldest ones if memory is short.
     pub fn keep(&self, content: &Hash, screen: Arc<Screen>) {
         let screens = &mut self.screens();
         if screens.iter().all(|(known, _)| known != content) {

@@ -23,11 +23,11 @@ pub struct Upload {
     pub rows: u32,
     /// Scale from the file, or the shape of its pixels.
     pub spacing: Option<Spacing>,
-    /// Why the spacing has to be entered, where the file does not tell what it is.
+    /// Why the user must enter the spacing, where the file leaves it open.
     pub spacing_question: Option<String>,
     pub is_lateral: bool,
     pub is_synthetic: bool,
-    /// What its file states of its patient and the part of the body.
+    /// Patient and part of the body as the file states them.
     pub stated: Stated,
     /// Hash of the decoded pixels: equal for the same film in two files.
     pub picture: String,
@@ -40,9 +40,9 @@ pub struct Upload {
 struct Staged {
     owner: Name,
     at: Timestamp,
-    /// Of its file, which may still be on its way.
+    /// Size of its file, which may still be arriving.
     bytes: u64,
-    /// `None` while it is on its way.
+    /// `None` while it arrives.
     upload: Option<Arc<Upload>>,
 }
 
@@ -55,7 +55,7 @@ pub struct Uploads {
     known: Arc<Mutex<Known>>,
 }
 
-/// Room for an upload that is on its way; it comes free unless the upload is kept.
+/// Room for an arriving upload, freed unless the upload is kept.
 pub struct Reservation {
     uploads: Uploads,
     id: String,
@@ -78,10 +78,10 @@ impl Uploads {
         staged.upload.is_some() && now.unix_ms() - staged.at.unix_ms() >= self.kept_ms()
     }
 
-    /// Room for a file that is about to come.
+    /// Reserves room for a file that is about to arrive.
     ///
     /// # Errors
-    /// 429 where there is none, with what to do and when there will be.
+    /// 429 if the room is used up, with a remedy and the time to wait.
     pub fn reserve(&self, owner: &Name, bytes: u64, now: Timestamp) -> Answer<Reservation> {
         self.sweep(now);
         let mut known = self.known();
@@ -155,7 +155,7 @@ impl Uploads {
         Some(Notice { severity, code, posture: None, level: None, line: None, text })
     }
 
-    /// Forgets uploads that are in a study now, or that nobody wants any more.
+    /// Forgets uploads that are in a study now, or were discarded.
     pub fn forget<'a>(&self, ids: impl Iterator<Item = &'a str>) {
         let mut known = self.known();
         for id in ids {
@@ -163,7 +163,7 @@ impl Uploads {
         }
     }
 
-    /// Forgets uploads whose time is over.
+    /// Forgets expired uploads.
     pub fn sweep(&self, now: Timestamp) {
         self.known().retain(|_, staged| !self.is_over(staged, now));
     }
@@ -183,7 +183,7 @@ fn has_room<'a>(
 }
 
 impl Reservation {
-    /// Keeps the upload that came, and returns its secret name.
+    /// Keeps the upload, and returns its secret name.
     pub fn keep(self, upload: Upload, now: Timestamp) -> String {
         if let Some(staged) = self.uploads.known().get_mut(&self.id) {
             let held = upload.bytes.len() + upload.thumbnail.len();

@@ -1,4 +1,4 @@
-//! Lengths and angles of lines that are drawn on a film. Nothing of them is stored.
+//! Lengths and angles of lines that are drawn on a film. They are not stored.
 
 use axum::extract::State;
 use axum::http::StatusCode;
@@ -43,7 +43,7 @@ async fn drawn(
 fn length(image: &ImageGeometry, line: &DrawnLine) -> Answer<DrawnView> {
     let length = line.length(image).map_err(refused)?;
     let note = match length.scale.plane {
-        SpacingPlane::Pixels => "this film has no scale: no millimetres".to_owned(),
+        SpacingPlane::Pixels => "this film has no scale: the length is in pixels".to_owned(),
         SpacingPlane::Detector => format!("{}: larger than in the patient", length.scale),
         SpacingPlane::Patient | SpacingPlane::Unknown => length.scale.to_string(),
     };

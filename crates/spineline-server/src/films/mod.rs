@@ -47,7 +47,7 @@ async fn film_pixels(
     pixels(&state, &film).await
 }
 
-/// Pixels of the film of a reading, as those of a film.
+/// Pixels of the film of a reading, in the same format.
 #[utoipa::path(get, path = "/api/readings/{reading}/pixels", params(("reading" = i64, Path)),
     responses((status = 200, content_type = "application/octet-stream"),
         (status = 404, body = Problem)))]
@@ -124,7 +124,7 @@ fn film_edit(film: &FilmRecord, edit: FilmEditName) -> Answer<FilmEdit> {
                 length_mm,
                 length_sd_mm,
                 click_sd_px: Calibration::CLICK_SD_PX,
-                // The shape of a pixel cannot be measured with a ball.
+                // A ball cannot measure the shape of a pixel.
                 pixel_aspect: words::pixel_aspect(image.spacing),
             };
             let spacing = calibration.spacing([image.columns, image.rows]).map_err(|error| {

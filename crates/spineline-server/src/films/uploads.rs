@@ -55,7 +55,7 @@ async fn upload(
     if bytes > largest {
         return Err(too_large());
     }
-    // There is room for the file before any of it is read.
+    // Room for the file is reserved before it is read.
     let room = state.films().uploads.reserve(&user.name, bytes, state.now())?;
     let body = Bytes::from_request(request, &state).await;
     let bytes = body.map_err(|refused| refusal(&refused))?.into();
@@ -64,10 +64,10 @@ async fn upload(
     stage(&state, &user, (room, bytes), |_| Ok(())).await.map(Json)
 }
 
-/// Decodes the file of a film and keeps it for a study, wherever it came from.
+/// Decodes the file of a film from any source and keeps it for a study.
 ///
 /// # Errors
-/// A file that is no film, exceeds a limit, or does not pass `check`.
+/// For a file that is not a film, exceeds a limit, or fails `check`.
 pub async fn stage(
     state: &AppState,
     user: &User,
@@ -97,7 +97,7 @@ fn too_large() -> Failure {
         .help("export only the frontal film")
 }
 
-/// Discards an upload that is in no study.
+/// Discards an upload that is not in a study.
 #[utoipa::path(delete, path = "/api/uploads/{upload}", params(("upload" = String, Path)),
     responses((status = 204), (status = 401, body = Problem), (status = 403, body = Problem),
         (status = 404, body = Problem)))]

@@ -1,4 +1,4 @@
-//! Computations in the background, and what they have found.
+//! Computations in the background, and their results.
 
 use std::sync::Arc;
 
@@ -25,7 +25,7 @@ impl Work for ComputationName {
     }
 }
 
-/// What a computation has found.
+/// Result of a computation.
 #[derive(Debug)]
 pub enum Found {
     /// The effect of landmark noise on the numbers.
@@ -36,12 +36,12 @@ pub enum Found {
     Models(Box<Analysis>),
 }
 
-/// The computations of one result, as far as they are done.
+/// The finished computations of one result.
 #[derive(Default)]
 pub struct Computed(Vec<Arc<ComputationJob>>);
 
 impl Computed {
-    /// What the noise of landmarks does to the results.
+    /// The effect of landmark noise on the results.
     pub fn uncertainty(&self) -> Option<&Uncertainty> {
         self.0.iter().find_map(|job| match found(job)? {
             Found::Replicates(found) => Some(&**found),
@@ -49,7 +49,7 @@ impl Computed {
         })
     }
 
-    /// What the films say of every multiplier, by model.
+    /// The identifiability of every multiplier, by model.
     pub fn identifiability(&self) -> Option<&[Option<Identifiability>]> {
         self.0.iter().find_map(|job| match found(job)? {
             Found::Identifiability(found) => Some(&found[..]),
@@ -67,7 +67,7 @@ impl Computed {
 }
 
 impl Jobs<ComputationName> {
-    /// What is computed of these results.
+    /// The finished computations of these results.
     pub fn computed(&self, result: &Arc<StudyResult>) -> Computed {
         Computed(
             ComputationName::ALL.iter().filter_map(|name| self.of(result, name.key())).collect(),

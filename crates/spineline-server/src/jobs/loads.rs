@@ -12,12 +12,12 @@ use super::{Ending, Job, Jobs, Work};
 use crate::api::{LineName, PadMapRequest};
 use crate::result_cache::StudyResult;
 
-/// The intervals of one result: one per study, of whichever line and loads.
+/// The intervals of one result: one job per study, for any line and loads.
 pub type LoadIntervalJob = Job<LoadIntervalWork>;
-/// A map of one result: one per study, of whichever line. A map uses all cores.
+/// A map of one result: one job per study, for any line. A map uses all cores.
 pub type PadMapJob = Job<PadMapWork>;
 
-/// What intervals are computed of.
+/// The model and loads of the intervals.
 #[derive(Debug)]
 pub struct LoadIntervalWork {
     /// Line of action whose model is loaded.
@@ -62,7 +62,7 @@ impl PadMapWork {
 }
 
 impl Work for PadMapWork {
-    /// What every pad does, in the order of the trials.
+    /// The effect of every pad, in the order of the trials.
     type Found = Vec<PadEffect>;
 
     fn key(&self) -> &'static str {
@@ -71,7 +71,7 @@ impl Work for PadMapWork {
 }
 
 impl Jobs<LoadIntervalWork> {
-    /// The intervals of this line; the intervals of another line are not shown.
+    /// The intervals of this line; they are not shown for other lines.
     pub fn of_line(
         &self,
         result: &Arc<StudyResult>,
@@ -82,7 +82,7 @@ impl Jobs<LoadIntervalWork> {
 }
 
 impl LoadIntervalJob {
-    /// The intervals under the loads of this file and no others, and what was asked.
+    /// The intervals for this load file only, and the request.
     pub fn found_of(&self, file: &str) -> Option<(&LoadedUncertainty, Request)> {
         let Ending::Done(found) = self.ending.get()? else { return None };
         if self.work.file != file {

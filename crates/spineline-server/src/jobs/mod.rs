@@ -1,4 +1,4 @@
-//! Work in the background: one job of each kind per study, from its current results, with progress and cancel.
+//! Background jobs: one of each kind per study, from its current results, with progress and cancel.
 
 mod computations;
 mod loads;
@@ -17,7 +17,7 @@ use crate::api::ComputationState;
 use crate::problem::Answer;
 use crate::result_cache::StudyResult;
 
-/// Jobs that compute at once. Others wait, so that the pages still answer.
+/// Jobs that compute concurrently. Others wait, so that the pages still answer.
 const AT_ONCE: usize = 1;
 
 /// What a job computes from the results of a study.
@@ -88,7 +88,7 @@ impl<W: Work> Job<W> {
         self.cancelled.load(Ordering::Relaxed)
     }
 
-    /// Ends it after what is running.
+    /// Ends it after the running step.
     pub fn cancel(&self) {
         self.cancelled.store(true, Ordering::Relaxed);
     }
@@ -110,7 +110,7 @@ impl<W: Work> Job<W> {
             Ok(None) => Ending::Cancelled,
             Err(failure) => Ending::Failed(failure.into_problem().message),
         };
-        // A job runs once, so that nothing has ended it before.
+        // A job runs once, so it was not ended before.
         let _ = self.ending.set(ending);
     }
 }
@@ -123,7 +123,7 @@ impl<W: Work> Jobs<W> {
         job.filter(|job| Arc::ptr_eq(&job.result, result)).cloned()
     }
 
-    /// Takes up an earlier finding of these results, where nothing else is known of them.
+    /// Restores an earlier result of these inputs, unless the job is known.
     pub fn recall(&self, result: &Arc<StudyResult>, work: W, asked: u64, found: W::Found) {
         let mut jobs = self.jobs.lock().unwrap_or_else(PoisonError::into_inner);
         let key = (result.study.clone(), work.key());
@@ -137,7 +137,7 @@ impl<W: Work> Jobs<W> {
         }
     }
 
-    /// Begins a job of these results, and cancels that of older ones; `None` where one of these runs.
+    /// Begins a job for these results, and cancels a job for older ones; `None` if one is running for these.
     pub fn begin(&self, result: &Arc<StudyResult>, work: W, asked: u64) -> Option<Arc<Job<W>>> {
         let mut jobs = self.jobs.lock().unwrap_or_else(PoisonError::into_inner);
         let key = (result.study.clone(), work.key());

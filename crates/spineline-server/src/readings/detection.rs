@@ -42,7 +42,7 @@ pub(super) async fn detection(
     let shown = screen(&state, &film.content).await?;
     let _permit = state.films().decoding().await?;
     let found = computed(move || in_picture(&shown, &image)).await?;
-    // A blinded reader is not told the posture.
+    // The posture is hidden from a blinded reader.
     let is_other = seen.code.is_none() && film.view != FilmView::Frontal(Posture::Erect);
     Ok(Json(view(found, is_other)))
 }
@@ -50,7 +50,7 @@ pub(super) async fn detection(
 fn in_picture(screen: &Screen, image: &ImageGeometry) -> Result<Detection, Refusal> {
     let [centre, width] = screen.default_window;
     let low = centre - width / 2.0;
-    // As a reader sees it: the networks were trained on pictures for people.
+    // The networks were trained on pictures as people see them.
     let grey = |word: &[u8]| {
         let value = f64::from(u16::from_le_bytes([word[0], word[1]]));
         ((value - low) / width * 255.0).clamp(0.0, 255.0) as f32

@@ -9,7 +9,7 @@ pub fn of_reading(store: &Store, reading: ReadingId) -> Result<Vec<LostChangeVie
     of_reading_from(store, reading, 0)
 }
 
-/// From this conflict on: what one request lost, and not what was lost before it.
+/// From this conflict on: the changes that one request lost.
 pub fn of_reading_from(
     store: &Store,
     reading: ReadingId,

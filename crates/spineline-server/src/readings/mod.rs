@@ -179,7 +179,7 @@ pub fn answer_of(
     }
 }
 
-/// The current state of a reading after a change that lost a race; every other refusal stays one.
+/// The current state of a reading after a refused stale change; other refusals are returned.
 fn refusal(
     state: &AppState,
     store: &Store,

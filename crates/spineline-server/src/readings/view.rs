@@ -28,7 +28,7 @@ pub fn view(
     view_of(seen, &seen.state(pending)?, conflicts, seen.record.observer == user.name)
 }
 
-/// A reading after a change of this user that lost, with this conflict and the later ones alone: others may be many.
+/// A reading after a stale change of this user, with only this conflict and later ones.
 pub fn view_after_loss(
     store: &Store,
     user: &User,
@@ -94,7 +94,7 @@ fn view_of(
             .filter(|_| seen.proposals && !is_lateral)
             .and_then(|next| next_landmark(next, view)),
         proposals_allowed: seen.proposals,
-        // The sizes that proposals follow from are those of frontal views.
+        // Proposals use sizes from frontal views.
         proposals: if seen.proposals && !is_lateral {
             let posture = view.posture().filter(|_| !is_blinded);
             landmarks.propose(&image, posture).iter().map(proposal_view).collect()
@@ -106,7 +106,7 @@ fn view_of(
     })
 }
 
-/// The landmarks in the library's types; on the lateral film the front stands for the left.
+/// The landmarks in the library's types; on the lateral film the front is in place of the left.
 fn landmarks(state: &ReadingState, view: FilmView) -> PartialReading {
     let vertebrae: BTreeMap<Level, PartialLandmarks> = state
         .vertebrae

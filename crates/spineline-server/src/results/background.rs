@@ -1,4 +1,4 @@
-//! Jobs from their start to what the store keeps of them, over a restart of the program.
+//! Jobs from their start to their result in the store, which survives a restart.
 
 use std::ops::Range;
 use std::sync::Arc;
@@ -12,7 +12,7 @@ use crate::problem::{Answer, Failure};
 use crate::result_cache::{StudyResult, computed};
 use crate::state::AppState;
 
-/// How a kind of work is done and kept.
+/// How a kind of work is computed and stored.
 pub trait Task: Work + Sized {
     /// Why a second job is refused while one runs, and what to do.
     const RUNNING: [&'static str; 2];
@@ -26,7 +26,7 @@ pub trait Task: Work + Sized {
         job: &Arc<Job<Self>>,
     ) -> impl Future<Output = Answer<Option<Self::Found>>> + Send;
 
-    /// What the store keeps of the result; by default nothing.
+    /// The part of the result that the store keeps; by default none.
     fn kept(_job: &Job<Self>, _found: &Self::Found) -> Option<KeptComputation> {
         None
     }
@@ -57,7 +57,7 @@ pub fn start<T: Task>(
     Ok(job)
 }
 
-/// Keeps a result before it is shown. A store that cannot be written keeps nothing: the page has it all the same.
+/// Stores a result before it is shown. If the store cannot be written, the page still shows it.
 async fn keep<T: Task>(state: &AppState, job: &Arc<Job<T>>, found: T::Found) -> Answer<T::Found> {
     let of = Arc::clone(job);
     let (found, kept) = computed(move || {
@@ -72,7 +72,8 @@ async fn keep<T: Task>(state: &AppState, job: &Arc<Job<T>>, found: T::Found) -> 
     Ok(found)
 }
 
-/// Makes a kept result known, where no job of this kind and these results is known. `read` gives `None` for a result of other inputs.
+/// Restores a stored result, unless a job of this kind and these results is known. `read` gives `None` for a result of
+/// other inputs.
 ///
 /// # Errors
 /// Errors of reading the store.
@@ -95,7 +96,7 @@ pub async fn recall<T: Task>(
     Ok(())
 }
 
-/// One step after another in its turn, each with its number; `None` where they were cancelled.
+/// Runs numbered steps in turn; `None` if they were cancelled.
 pub async fn in_turns<W: Work, T: Send + 'static>(
     state: &AppState,
     job: &Arc<Job<W>>,

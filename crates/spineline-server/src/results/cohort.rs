@@ -100,7 +100,8 @@ fn cohort_notices(members: &[Member]) -> Vec<Notice> {
     notices::sorted(synthetic.into_iter().chain(mixed).chain(other_options(members)).collect())
 }
 
-/// Whether the statistics pool studies that were analysed with different model options, or with none of the defaults.
+/// Warns where the statistics pool studies with different model options, or notes common options that differ from the
+/// defaults.
 fn other_options(members: &[Member]) -> Option<Notice> {
     let counted: Vec<&ChosenOptions> = members
         .iter()
@@ -110,7 +111,7 @@ fn other_options(members: &[Member]) -> Option<Notice> {
     let changed = counted.iter().filter(|options| !options.all().is_empty()).count();
     let (severity, text) = if counted.windows(2).any(|pair| pair[0] != pair[1]) {
         let text = format!(
-            "{changed} of {} studies in the statistics have model options that are not the defaults: the statistics pool results that were not made alike",
+            "{changed} of {} studies in the statistics have changed model options: the statistics pool results of different methods",
             counted.len()
         );
         (Severity::Warning, text)

@@ -7,7 +7,7 @@ use spineline::spatial::Angle;
 
 use crate::api::{CurveSummary, Wire};
 
-/// Size of a curve in a posture, positive in the direction of the erect curve; negative if the curve is reversed.
+/// Size of a curve in a posture, positive in the direction of the erect curve, negative if the curve is reversed.
 pub fn size_of(curve: &ClinicalCurve, posture: Posture) -> Option<Angle> {
     let sign = if curve.erect_size().rad() < 0.0 { -1.0 } else { 1.0 };
     curve.size_in(posture).map(|angle| angle * sign)

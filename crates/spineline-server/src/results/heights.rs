@@ -34,7 +34,7 @@ fn view_of(current: &CurrentCase, film: FilmId) -> Option<FilmView> {
     records.find(|record| record.id == film).map(|record| record.view)
 }
 
-/// The heights on a film of this view; none where a film cannot be measured, which its own notices say.
+/// The heights on a film of this view; empty if a film cannot be measured, which its notices report.
 pub fn on_film(current: &CurrentCase, view: FilmView) -> Vec<HeightView> {
     let erect = FilmView::Frontal(Posture::Erect);
     let films = current.landmarks(Posture::Erect).zip(current.case.lateral.as_ref());

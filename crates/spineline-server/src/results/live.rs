@@ -86,7 +86,7 @@ fn of_film(result: &StudyResult, film: FilmId) -> LiveView {
     LiveView { status, status_text, overlay, heights, study, options_text, notices }
 }
 
-/// Results for the lateral film, which has no curve of its own.
+/// Results for the lateral film, which has no fitted curve.
 fn of_lateral(result: &StudyResult, film: &CurrentLateral) -> LiveView {
     let missing: Vec<Level> =
         Level::MODEL.into_iter().filter(|level| !film.marked.contains(level)).collect();
@@ -106,13 +106,13 @@ fn of_lateral(result: &StudyResult, film: &CurrentLateral) -> LiveView {
     }
 }
 
-/// Why the film of the reading cannot be measured, or is no film of its own.
+/// Why the film of the reading cannot be measured, or repeats another film.
 fn fault_of(result: &StudyResult, posture: Posture) -> Option<Error> {
     let landmarks = result.current.landmarks(posture)?;
     if let Err(error) = check_landmarks(landmarks) {
         return Some(error.into());
     }
-    // Another film of the study is named where its reading is open.
+    // The error names another film of the study if its reading is open.
     let films = &result.current.case.films;
     let others = films.iter().filter(|film| film.posture != posture);
     let pairs = others.map(|other| [other.clone(), landmarks.clone()]);
@@ -149,7 +149,7 @@ fn film_notices(result: &StudyResult, view: FilmView, fault: Option<&Error>) -> 
         notices.retain(|other| other.severity != Severity::Error);
         notices.insert(0, notice);
     } else if let Some(compared) = &result.current.compared {
-        // The analysis knows of no other readings of this film.
+        // The analysis does not include the other readings of this film.
         notices::add_new(&mut notices, &judge_reading(&compared.film, &compared.id));
     }
     notices::sorted(notices)

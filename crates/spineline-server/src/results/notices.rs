@@ -26,7 +26,7 @@ pub fn of_result(result: &StudyResult) -> Vec<Notice> {
         }
         Outcome::Analysed(analysis) => notices.extend(of_analysis(analysis)),
     }
-    // The analysis is without incomplete films, or there is none.
+    // The analysis lacks incomplete films, or does not exist.
     for film in &result.current.case.films {
         add_new(&mut notices, &judge_landmarks(film));
     }
@@ -34,7 +34,7 @@ pub fn of_result(result: &StudyResult) -> Vec<Notice> {
     sorted(notices)
 }
 
-/// Adds warnings that are not there yet.
+/// Adds warnings that are not included yet.
 pub fn add_new(notices: &mut Vec<Notice>, warnings: &Warnings) {
     for notice in warnings.all().iter().map(of_warning) {
         if !notices.contains(&notice) {
@@ -43,7 +43,7 @@ pub fn add_new(notices: &mut Vec<Notice>, warnings: &Warnings) {
     }
 }
 
-/// Worst first, and otherwise in their order.
+/// Sorts by severity, worst first, otherwise stable.
 pub fn sorted(mut notices: Vec<Notice>) -> Vec<Notice> {
     notices.sort_by_key(|notice| std::cmp::Reverse(notice.severity));
     notices
@@ -72,7 +72,7 @@ pub fn of_warning(warning: &Warning) -> Notice {
     }
 }
 
-/// Warning of lengths that are not the patient's. A film without spacing has a separate warning.
+/// Warning that lengths are not the patient's. A film without spacing has a separate warning.
 pub fn of_scale(scale: &LengthScale) -> Option<Notice> {
     let text = match scale.plane {
         SpacingPlane::Patient | SpacingPlane::Pixels => return None,
@@ -113,10 +113,10 @@ fn left_out(current: &CurrentCase) -> Vec<Notice> {
         notice(
             Severity::Warning,
             "no_erect_film",
-            "there is no erect film; it is the reference of all other films",
+            "the erect film is missing; it is the reference of all other films",
         )
     });
-    // The sagittal profile is then that of a population.
+    // The sagittal profile is then taken from a population.
     let unread = current.lateral.as_ref().filter(|film| film.readings == 0).map(|_| {
         let text = "the lateral film is left out: it has no finished reading";
         notice(Severity::Warning, "film_left_out", text)

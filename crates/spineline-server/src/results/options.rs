@@ -1,4 +1,4 @@
-//! Model options of a study. Every result of the study is made with them.
+//! Model options of a study, which apply to all its results.
 
 use axum::extract::State;
 use axum::http::StatusCode;
@@ -16,7 +16,7 @@ use crate::problem::{Answer, Failure};
 use crate::state::AppState;
 use crate::user::User;
 
-/// Characters of a file's name that are kept.
+/// Maximum length of a stored file name, in characters.
 const MAX_FILE_NAME: usize = 100;
 
 pub fn routes() -> OpenApiRouter<AppState> {
@@ -36,7 +36,7 @@ async fn options(
     state.ask(move |store| view(store, &user, &study)).await.map(Json)
 }
 
-/// Changes the model options of a study. Results that were computed with others are computed again.
+/// Changes the model options of a study. Results with other options are computed again.
 #[utoipa::path(put, path = "/api/studies/{study}/options", params(("study" = String, Path)),
     request_body = OptionsChange,
     responses((status = 200, body = OptionsView), (status = 403, body = Problem),
@@ -77,7 +77,7 @@ fn changed(now: &ChosenOptions, wanted: &OptionsChange) -> Result<ChosenOptions,
     ChosenOptions::new(&kept.chain(new).collect::<Vec<_>>())
 }
 
-/// A file's name as it is shown: without folders, and not longer than any.
+/// A file's name for display: without folders, and shortened.
 fn base_name(file: &str) -> String {
     let name = file.rsplit(['/', '\\']).next().unwrap_or_default();
     let shown = name.chars().filter(|one| !one.is_control()).take(MAX_FILE_NAME);
@@ -105,12 +105,12 @@ fn value_view(value: &str, help: &str) -> OptionValueView {
 
 fn option_view(option: &MethodOption, chosen: &ChosenOptions) -> OptionView {
     let one = chosen.of(option.name);
-    // Where another version of the program chose the options, the results say so.
+    // If another version of the program chose the options, the results say so.
     let without = chosen.before(option).unwrap_or_default();
     let default = option.shown(&without);
     let named = option.named_values();
     let (is_closed, values) = match option.values {
-        // Without a file it has no value.
+        // Without a file, the option has no value.
         OptionValues::Named(_) if named.is_empty() => (true, vec![value_view("", "")]),
         OptionValues::Named(_) => {
             (true, named.iter().map(|one| value_view(&one.spelling, &one.help)).collect())

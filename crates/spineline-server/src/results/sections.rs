@@ -1,4 +1,4 @@
-//! Parts of the report as the browser shows them: texts, tables and pictures are those of the report.
+//! Parts of the report as the browser shows them: the same texts, tables and pictures.
 
 use axum::extract::State;
 use spineline_report::document::{Block, Section, Table};

@@ -170,7 +170,7 @@ impl Pictures {
     }
 }
 
-/// Refuses films whose files state another part of the body, or two patients; the answer has a code of its own, because
+/// Refuses films whose files state another part of the body, or two patients; the answer has a separate code, because
 /// the user may confirm them.
 fn check_doubts(films: &[(String, Stated)]) -> Answer<()> {
     let named = films.iter().zip(film_doubts(films));
@@ -213,7 +213,7 @@ fn prepared_film(
             return Err(refused(&text).help("enter the distances between columns and rows in mm"));
         }
         ScaleChoice::File => upload.spacing,
-        // The shape of the pixels stays: all angles depend on it.
+        // The shape of the pixels is kept: all angles depend on it.
         ScaleChoice::Pixels => upload
             .spacing
             .filter(|spacing| !spacing.is_square())
@@ -262,7 +262,7 @@ fn clean(id: &Name, bytes: &[u8], salt: [u8; 32]) -> Answer<Vec<u8>> {
     Ok(deidentify(bytes, &options, &FilmLimits::default())?.bytes)
 }
 
-/// Films of one study keep a common new identifier, from which the old one cannot be derived.
+/// Films of one study get a common new identifier that does not reveal the old one.
 fn salt() -> Answer<[u8; 32]> {
     let mut salt = [0; 32];
     getrandom::fill(&mut salt).map_err(|_| {

@@ -92,7 +92,7 @@ fn plan_view(
         return Ok(None);
     }
     let next = match store.observer(&user.name).next_film_for(study, now)? {
-        // A code is the way to a film.
+        // A code opens a film.
         _ if visibility == Visibility::Reader && user.on_study(store, study)? < Role::Editor => {
             NextReading::NotAllowed
         }

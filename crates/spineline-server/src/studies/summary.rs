@@ -52,7 +52,7 @@ pub fn study_summary(
     })
 }
 
-/// One film of a study in which readings are not hidden from this user, or are left out.
+/// One film of a study whose readings this user may see, or which are left out.
 pub fn film_summary(
     state: &AppState,
     store: &Store,

@@ -20,9 +20,9 @@ fn admins_add_and_remove_grants() {
         let answer = app.account(who).get(GRANTS);
         assert_eq!((answer.status, answer.code().as_str()), (StatusCode::FORBIDDEN, "not_allowed"));
     }
-    let one = json!([{ "name": "nobody", "role": "reader" }]);
+    let one = json!([{ "name": "ungranted", "role": "reader" }]);
     assert_eq!(lead.put(GRANTS, &one).json(), one);
-    assert_eq!(app.account("nobody").get(GRANTS).status, StatusCode::FORBIDDEN, "now there");
+    assert_eq!(app.account("ungranted").get(GRANTS).status, StatusCode::FORBIDDEN, "now there");
     assert_eq!(app.account("editor").get(GRANTS).status, StatusCode::NOT_FOUND, "gone");
     for bad in [
         json!([{ "name": "stranger", "role": "reader" }]),
@@ -48,7 +48,7 @@ fn the_role_in_a_study_is_the_lower_of_account_and_grant() {
     let on = |store: &Store, who, role| user(who, role).on_study(store, &study).ok();
     assert_eq!(on(&store, "reader", Role::Reader), Some(Role::Reader));
     assert_eq!(on(&store, "editor", Role::Editor), Some(Role::Editor));
-    assert_eq!(on(&store, "nobody", Role::Editor), None);
+    assert_eq!(on(&store, "ungranted", Role::Editor), None);
     assert_eq!(on(&store, "lead", Role::Admin), Some(Role::Admin));
     let reader = user("reader", Role::Reader);
     assert!(reader.need_on_study(&store, &study, Role::Reader).is_ok());
@@ -64,10 +64,10 @@ fn the_creator_of_a_study_may_edit_it() {
     let app = App::with_accounts();
     let mut store = Store::open(&app.store_path()).expect("a store");
     let study = Study { id: name("S-3"), label: None, synthetic: true };
-    store.add_own_study(&study, &by("nobody")).expect("a study");
-    let maker = User { name: name("nobody"), role: Role::Editor };
+    store.add_own_study(&study, &by("ungranted")).expect("a study");
+    let maker = User { name: name("ungranted"), role: Role::Editor };
     assert_eq!(maker.on_study(&store, &study.id), Ok(Role::Editor));
-    store.revoke(&study.id, &name("nobody"), &by("lead")).expect("taken back");
+    store.revoke(&study.id, &name("ungranted"), &by("lead")).expect("taken back");
     assert!(maker.on_study(&store, &study.id).is_err());
     assert!(store.verify(None).expect("verifiable").is_clean());
 }
@@ -80,7 +80,7 @@ fn a_reader_of_a_study_cannot_place_landmarks() {
     assert_eq!(begun("reader"), StatusCode::FORBIDDEN);
     let event = json!({ "kind": "note", "text": "not by me" });
     let body = json!({ "expected_revision": 0, "events": [event] });
-    // The reading of another one in a study that they do not see.
+    // The reading of another observer in a study that they do not see.
     let answer = app.account("reader").post("/api/readings/1/events", &body);
     assert_eq!(answer.status, StatusCode::NOT_FOUND);
 }
@@ -96,7 +96,7 @@ fn observers_of_a_plan_need_accounts_that_may_edit() {
     for (observer, why) in [
         ("stranger", "has no account"),
         ("reader", "may not place landmarks"),
-        ("nobody", "may not place landmarks"),
+        ("ungranted", "may not place landmarks"),
     ] {
         let answer = plan(observer);
         assert_eq!(answer.status, StatusCode::UNPROCESSABLE_ENTITY, "{observer}");

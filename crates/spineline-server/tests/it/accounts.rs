@@ -34,7 +34,7 @@ fn only_admins_list_and_create_accounts() {
         .iter()
         .map(|account| account["name"].clone())
         .collect();
-    assert_eq!(names, ["editor", "lead", "new", "nobody", "reader"]);
+    assert_eq!(names, ["editor", "lead", "new", "reader", "ungranted"]);
     assert_eq!(app.account("new").get("/api/session").json()["role"], "reader");
     let incomplete = lead.put("/api/accounts/newer", &json!({ "role": "reader" }));
     assert_eq!(incomplete.status, StatusCode::UNPROCESSABLE_ENTITY);

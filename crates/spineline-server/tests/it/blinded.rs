@@ -1,4 +1,4 @@
-//! Blinded readings over HTTP: what a role that was taken still opens, and what an observer sees.
+//! Blinded readings over HTTP: access after a role was removed, and the view of an observer.
 
 use axum::http::{Method, StatusCode};
 use serde_json::{Value, json};
@@ -9,7 +9,7 @@ use crate::browser::{App, Browser, PASSWORD, by, name};
 
 const STUDY: &str = "/api/studies/B-1";
 const LABEL: &str = "ZqLabelCanary";
-/// A column that only one finished reading holds.
+/// A column that is in one finished reading only.
 const COLUMN_PX: f64 = 123.4567;
 
 /// A study of two films that `anna` and `ben` read once each, with `lead` as its admin.
@@ -50,7 +50,7 @@ fn code(browser: &Browser<'_>) -> String {
     next(browser)["code"].as_str().expect("a code").to_owned()
 }
 
-/// Begins the next film; its reading.
+/// Begins the next film; returns its reading.
 fn begin(browser: &Browser<'_>) -> i64 {
     let begun = browser.post(&format!("/api/codes/{}/readings", code(browser)), &Value::Null);
     assert_eq!(begun.status, StatusCode::OK, "{}", begun.text());
@@ -67,7 +67,7 @@ fn revision(revision: u64) -> Value {
     json!({ "expected_revision": revision })
 }
 
-/// Reads the next film: a click, its undoing, and the end.
+/// Reads the next film: a click, an undo, and the finish.
 fn read(browser: &Browser<'_>) -> i64 {
     let reading = begin(browser);
     let path = format!("/api/readings/{reading}");
@@ -79,7 +79,7 @@ fn read(browser: &Browser<'_>) -> i64 {
     reading
 }
 
-/// Ways in which an admin takes from `anna` what she needs to read, and gives it back.
+/// Ways in which an admin removes `anna`'s access, and restores it.
 fn takings() -> Vec<(&'static str, [Value; 2])> {
     let grants = |all: &[(&str, &str)]| {
         let one = |(name, role): &(&str, &str)| json!({ "name": name, "role": role });
@@ -211,7 +211,7 @@ fn a_blinded_observer_sees_no_label_and_no_time_of_others() {
     assert!(!before.contains(LABEL), "{before}");
     assert!(answers(&lead).contains(LABEL));
     read(&ben);
-    assert_eq!(answers(&anna), before, "nothing of it reaches another observer");
+    assert_eq!(answers(&anna), before, "other observers see no change");
     read(&anna);
     read(&anna);
     read(&ben);

@@ -50,8 +50,9 @@ impl App {
         Self::new(Access::Token, |_| ())
     }
 
-    /// An app with the accounts `lead` (admin), `editor`, `reader` and `nobody`, where `editor` and `reader` have grants of
-    /// these roles for the study `S-1`, and `S-2` has no grants; each study has a film, and `S-2` a reading, by `lead`.
+    /// An app with the accounts `lead` (admin), `editor`, `reader` and `ungranted`. `editor` and `reader` have grants
+    /// of these roles for the study `S-1`, and `S-2` has no grants. Each study has a film, and `S-2` a reading, by
+    /// `lead`.
     pub fn with_accounts() -> Self {
         Self::new(Access::Accounts, |store| {
             let password = PasswordHash::new(PASSWORD, &name("lead")).expect("a password");
@@ -59,7 +60,7 @@ impl App {
                 ("lead", Role::Admin),
                 ("editor", Role::Editor),
                 ("reader", Role::Reader),
-                ("nobody", Role::Editor),
+                ("ungranted", Role::Editor),
             ] {
                 let account = Account { name: name(who), role, enabled: true };
                 store.add_account(&account, &password, &by("lead")).expect("an account");
@@ -115,7 +116,7 @@ impl App {
     pub fn keep(self, place: &Path) {
         let Self { runtime, router, state, folder } = self;
         drop((router, state, runtime));
-        // Copied under another name first: the store is there as a whole or not at all.
+        // Copied under another name first: the store is complete or absent.
         let beside = place.with_extension("begun");
         copy(folder.path(), &beside);
         fs::rename(&beside, place).expect("moved");
@@ -139,7 +140,7 @@ impl App {
         })
     }
 
-    /// Sends a request whose body comes when something else has happened.
+    /// Sends a request whose body arrives after something else has happened.
     pub fn ask_slowly(
         &self,
         head: axum::http::request::Builder,
@@ -162,7 +163,7 @@ impl App {
         })
     }
 
-    /// Begins to read an answer that may have no end.
+    /// Begins to read an answer that may be endless.
     pub fn begin(&self, request: Request<Body>) -> Stream<'_> {
         let answer = self.runtime.block_on(self.router.clone().oneshot(request));
         let answer = answer.expect("an answer");
@@ -250,7 +251,7 @@ impl Browser<'_> {
         self.send(Method::GET, path, "", Vec::new())
     }
 
-    /// What the program says of a computation when it is no longer running.
+    /// The view of a computation after it has ended.
     pub fn ended(&self, path: &str) -> Value {
         for _ in 0..4800 {
             let view = self.get(path).json();

@@ -33,7 +33,7 @@ fn replicates_are_computed_and_shown_and_cancelled() {
     let report = lead.get("/api/studies/demo-rod-01/exports/report").text();
     assert!(report.contains("Effect of landmark noise on the results"));
 
-    // Kept over a restart for these landmarks and options, and for no others.
+    // Kept over a restart for these landmarks and options only.
     let app = app.restarted(decoding());
     let lead = app.observer("Ann");
     let report = lead.get("/api/studies/demo-rod-01/exports/report").text();
@@ -140,7 +140,7 @@ fn identifiability_and_other_models_are_computed_and_exported() {
     assert!(report.contains("Profile likelihood of the multipliers"));
     assert!(report.contains("Loads and bases compared"));
 
-    // Other options are other results.
+    // Other options give other results.
     let change = json!({
         "expected_revision": 0, "reset": false,
         "options": [{ "name": "support", "value": "free" }]

@@ -1,4 +1,4 @@
-//! Requests that are many or slow.
+//! Many or slow requests.
 
 use std::io::{Read, Write};
 use std::net::{SocketAddr, TcpStream};
@@ -44,7 +44,7 @@ fn listening(limits: ServeLimits) -> Listening {
 impl Listening {
     fn connect(&self) -> TcpStream {
         let stream = TcpStream::connect(self.address).expect("a connection");
-        // Longer than any machine needs.
+        // Long enough for any machine.
         stream.set_read_timeout(Some(Duration::from_secs(120))).expect("a timeout");
         stream
     }
@@ -54,7 +54,7 @@ impl Listening {
         format!("{line} HTTP/1.1\r\nHost: {host}\r\nOrigin: http://{host}\r\n{more}\r\n")
     }
 
-    /// Signs in; the cookie and the whole answer.
+    /// Signs in; returns the cookie and the whole answer.
     fn sign_in(&self) -> (String, String) {
         let body = json!({ "kind": "account", "name": "lead", "password": PASSWORD }).to_string();
         let more = format!(
@@ -67,7 +67,7 @@ impl Listening {
         (cookie.to_owned(), answer)
     }
 
-    /// Signs in; the headers of a request with a JSON body of this session.
+    /// Signs in; returns the headers of a request with a JSON body of this session.
     fn writer(&self) -> String {
         let (cookie, answer) = self.sign_in();
         let csrf = answer.split("\"csrf\":\"").nth(1).and_then(|rest| rest.split('"').next());
@@ -123,11 +123,11 @@ fn f65_bodies_of_strangers_that_trickle_take_no_places() {
 }
 
 #[test]
-fn f65_connections_of_strangers_that_say_nothing_keep_nobody_out() {
+fn f65_silent_connections_of_strangers_do_not_keep_users_out() {
     let connections = Shares { users: Places { all: 4, each: 4 }, strangers: 8 };
     let server = listening(ServeLimits { connections, ..ServeLimits::default() });
     let (cookie, _) = server.sign_in();
-    // A connection of somebody who is signed in, between two requests.
+    // A signed-in connection, idle between two requests.
     let kept = server.connect();
     let mut asking = kept.try_clone().expect("a handle");
     let more = format!("Cookie: {cookie}\r\n");
@@ -147,7 +147,7 @@ fn f65_connections_of_strangers_that_say_nothing_keep_nobody_out() {
 }
 
 #[test]
-fn nothing_of_a_strangers_film_is_waited_for() {
+fn the_film_of_a_stranger_is_refused_before_it_arrives() {
     let server = listening(ServeLimits::default());
     for cookie in ["", "Cookie: spineline_session_1=guessed\r\n"] {
         let more = format!("{cookie}Content-Length: 100000000\r\n");

@@ -29,7 +29,7 @@ pub fn add_demo(browser: &Browser<'_>) -> Value {
     answer.json()
 }
 
-/// A store that tests of this build share, which no test may change: drawing the films takes seconds.
+/// A store shared by the tests of this build; tests must not change it. Drawing the films takes seconds.
 fn drawn_store() -> PathBuf {
     let here = Path::new(env!("CARGO_TARGET_TMPDIR")).join("demo");
     fs::create_dir_all(&here).expect("a folder");

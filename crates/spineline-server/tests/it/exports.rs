@@ -61,7 +61,7 @@ fn a_report_is_saved_and_logged_and_changes_nothing() {
     let text = report.text();
     assert!(text.starts_with("<!DOCTYPE html>") && text.contains("Synthetic data"));
     assert!(text.contains("data:image/png;base64,"), "the films are in it");
-    // The curve is that of the list of studies.
+    // The curve is the one in the list of studies.
     assert!(text.contains(STUDY) && text.contains(&format!("{curve:.1}")), "{curve}");
 
     assert_eq!(logged(&app, 1), ["export_report"]);

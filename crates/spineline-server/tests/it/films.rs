@@ -10,7 +10,7 @@ use spineline_store::Access;
 use crate::browser::{App, Browser, options};
 use crate::demo::{add_demo, app_with_demo, demo};
 
-/// A program that decodes films: the example, which is built beside the tests.
+/// The program that decodes films: an example, built beside the tests.
 pub fn decoding() -> ServeOptions {
     let tests = std::env::current_exe().expect("this program");
     let built = tests.parent().and_then(std::path::Path::parent).expect("a folder of builds");
@@ -22,7 +22,8 @@ pub fn app() -> App {
     App::with_token().restarted(decoding())
 }
 
-/// The study `blind`: a plan needs one without readings, so it has the films of the demonstration alone.
+/// The study `blind`: a plan needs a study without readings, so it has only the films of the
+/// demonstration.
 pub fn add_unread_study(app: &App) {
     let mut store = spineline_store::Store::open(&app.store_path()).expect("the store");
     let by = crate::browser::by("Ann");
@@ -64,7 +65,7 @@ fn thumbnails_and_scales_of_films_survive_a_restart() {
     let id = before["film"].as_i64().expect("a number");
     let small = browser.get(&format!("/api/films/{id}/thumbnail")).body;
     drop(browser);
-    // From here no film can be decoded.
+    // From here on films cannot be decoded.
     let nothing = ServeOptions { decoder: "/nowhere".into(), ..decoding() };
     let app = app.restarted(nothing);
     let browser = app.observer("Ann");
@@ -163,7 +164,7 @@ fn f58_two_sessions_of_one_observer_lose_no_change() {
     assert_eq!(kept.len(), 2, "both lost clicks are kept");
     assert_eq!(kept[0]["text"], "L4 superior left corner to (950.0, 2000.0)");
 
-    // The next refusal brings what it concerns, and the reading all that is kept.
+    // The next refusal lists its own conflicts, and the reading lists all.
     let later = record(&browser, reading, 0, json!([corner("L4", "inferior_left", 7.0, 8.0)]));
     assert_eq!(later.status, StatusCode::CONFLICT);
     let later = later.json()["reading"]["conflicts"].clone();
@@ -251,7 +252,7 @@ fn a_patients_name_reaches_neither_answers_nor_the_store() {
     }
 }
 
-/// An app that keeps so many uploads, for this long.
+/// An app that keeps this number of uploads, for this long.
 fn with_room(per_account: usize, in_all: usize, kept: Duration) -> App {
     let mut limits = ServeLimits::default();
     limits.uploads.per_account.films = per_account;
@@ -271,7 +272,7 @@ fn uploads_that_no_study_uses_have_a_limit_that_says_what_to_do() {
     };
     let first = id(upload(&ann, bytes.clone()));
     id(upload(&ann, bytes.clone()));
-    // Refused before it is looked at.
+    // Refused before it is decoded.
     let full = upload(&ann, b"no film at all".to_vec());
     assert_eq!(
         (full.status, full.code().as_str()),
@@ -290,13 +291,13 @@ fn uploads_that_no_study_uses_have_a_limit_that_says_what_to_do() {
     assert_eq!(full.code(), "too_many_uploads");
     assert!(full.text().contains("all users"), "{}", full.text());
 
-    // A film that is taken back makes room; another's is not taken back.
+    // Discarding an own upload makes room; another user's cannot be discarded.
     let path = format!("/api/uploads/{first}");
     assert_eq!(bob.delete(&path).status, StatusCode::NOT_FOUND);
     assert_eq!(ann.get(&format!("{path}/thumbnail")).status, StatusCode::OK);
     assert_eq!(ann.delete(&path).status, StatusCode::NO_CONTENT);
     assert_eq!(ann.get(&format!("{path}/thumbnail")).status, StatusCode::NOT_FOUND);
-    // One that is refused takes no room.
+    // A refused upload takes no room.
     assert_eq!(upload(&ann, b"no film at all".to_vec()).code(), "film");
     id(upload(&ann, bytes));
 }

@@ -146,7 +146,7 @@ fn f67_other_host_names_are_refused() {
     }
 }
 
-/// A sign-in with the right token that says to come from there.
+/// A sign-in with the right token and these headers of origin.
 fn sign_in_from(app: &App, headers: &[(&str, &str)]) -> Answer {
     let mut request = Request::post("/api/session")
         .header(header::HOST, HOST)

@@ -55,7 +55,7 @@ fn a_vertebra_is_marked_by_its_walls_and_its_expected_corners_are_accepted() {
     assert_eq!(refused.status, StatusCode::UNPROCESSABLE_ENTITY, "{}", refused.text());
 }
 
-/// A proposal as it is accepted.
+/// A proposal in the form of an accepted vertebra.
 fn accepted_vertebra(proposal: &Value) -> Value {
     let corners = proposal["corners"].as_array().expect("corners").iter();
     let named =
@@ -71,7 +71,7 @@ fn vertebrae_are_found_in_the_picture_and_accepted_with_their_deviation() {
     let film = study["summary"]["films"][0]["film"].as_i64().expect("a number");
     let reading = begin(&browser, film);
     let found = browser.post(&format!("/api/readings/{reading}/detection"), &json!(null)).json();
-    // A drawn film is none of those that the networks were trained on: it may be refused, and else its levels are doubted.
+    // The networks were not trained on drawn films: the film may be refused, or else its levels are doubted.
     if let Some(refused) = found["refused"].as_str() {
         assert!(refused.contains("no frontal spine") && found["proposals"] == json!([]), "{found}");
         return;

@@ -1,4 +1,4 @@
-//! Bodies with numbers that no computer holds, or nested without end: a refusal, never an error of the server.
+//! Bodies with numbers outside of the range of doubles, or nested without end: a refusal, never an error of the server.
 
 use axum::http::Method;
 

@@ -1,4 +1,4 @@
-//! Passwords: their own change, wrong ones, and what the log says of both.
+//! Passwords: changes, wrong ones, and their entries in the log.
 
 use axum::http::StatusCode;
 use serde_json::{Value, json};
@@ -123,24 +123,24 @@ fn sign_ins_and_refused_sign_ins_are_in_the_log() {
 }
 
 #[test]
-fn wrong_passwords_of_strangers_lock_nobody_else() {
+fn wrong_passwords_of_strangers_lock_no_other_account() {
     let app = App::with_accounts();
     let mut known = app.account("lead");
     for guess in 0..50 {
-        let who = ["lead", "editor", "nobody", "root", "admin"][guess % 5];
+        let who = ["lead", "editor", "ungranted", "root", "admin"][guess % 5];
         app.browser().sign_in(&account(who, WRONG));
         app.browser().sign_in(&account(&format!("guess-{guess}"), WRONG));
     }
     let refused = app.browser().sign_in(&account("lead", PASSWORD));
     assert_eq!(refused.status, StatusCode::TOO_MANY_REQUESTS);
-    assert!(is_signed_in(&app.account("reader")), "an account that nobody guessed at");
-    // A browser that signed in lately has a way in, with or without its session.
+    assert!(is_signed_in(&app.account("reader")), "an account without wrong guesses");
+    // A browser that signed in lately can sign in, with or without its session.
     known.cookie = known.device.clone();
     assert_eq!(known.sign_in(&account("lead", PASSWORD)).status, StatusCode::OK);
     known.delete("/api/session");
     known.cookie = known.device.clone();
     assert_eq!(known.sign_in(&account("lead", PASSWORD)).status, StatusCode::OK);
-    // It is the way in of that account alone, and has a limit of guesses.
+    // This holds for that account only, and has a limit of guesses.
     known.cookie = known.device.clone();
     assert_eq!(known.sign_in(&account("editor", PASSWORD)).status, StatusCode::TOO_MANY_REQUESTS);
     for _ in 0..5 {

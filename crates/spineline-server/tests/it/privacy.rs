@@ -1,4 +1,4 @@
-//! No answer names a patient, a folder or a home: every route that gives something out is searched, packed parts included.
+//! No answer names a patient, a folder or a home: every route with output is searched, packed parts included.
 
 use axum::http::StatusCode;
 use serde_json::json;
@@ -12,7 +12,7 @@ use crate::unpacked::{holds, wrapped};
 /// The name in the demonstration's films, the one in the uploaded film, and the label of its study.
 const PATIENTS: [&str; 3] = ["PHANTOM^ROD01", "DOE^JANE SMIT", "ZqLabelCanary"];
 
-/// Every path that is asked with GET, but for the stream of changes, which has no end.
+/// Every GET path, except for the endless stream of changes.
 fn downloads() -> Vec<String> {
     let description = serde_json::to_value(openapi()).expect("JSON");
     let paths = description["paths"].as_object().expect("paths");
@@ -40,7 +40,7 @@ fn filled(path: &str, study: &str, [film, reading]: [i64; 2], upload: &str) -> S
     path.split('/').map(part).collect::<Vec<_>>().join("/")
 }
 
-/// Places of this machine: of the store, of this program, and of the home.
+/// Paths of this machine: the store, this program, and the home.
 fn places(app: &App) -> Vec<String> {
     let folder = app.store_path().parent().expect("a folder").to_owned();
     let program = std::env::current_exe().expect("this program");
@@ -96,7 +96,7 @@ fn no_download_names_a_patient_or_a_place() {
             assert_ne!(answer.status, StatusCode::INTERNAL_SERVER_ERROR, "{path}");
             with_content += usize::from(answer.status == StatusCode::OK);
             check(&answer, &path, &places);
-            // A label is for those who may see the study, and leaves it in no file.
+            // A label is shown to users of the study, and is in no file.
             let is_file = !answer.header("content-disposition").is_empty();
             check(&answer, &path, if is_file { &PATIENTS } else { &PATIENTS[..2] });
         }

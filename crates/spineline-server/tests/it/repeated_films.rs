@@ -12,7 +12,7 @@ use crate::films::{decoding, upload};
 
 const SIZE: [u32; 2] = [60, 40];
 
-/// A small film of its own pixels; its identifier follows from the posture.
+/// A small film with these pixels; its identifier follows from the posture.
 fn film(posture: Posture, grey: u16, encoding: Encoding) -> Vec<u8> {
     let [columns, rows] = SIZE;
     let pixels: Vec<u16> = (0..columns * rows).map(|at| at as u16 % 1000 + grey).collect();
@@ -63,7 +63,7 @@ fn a_second_file_of_an_uploaded_film_is_noticed() {
     assert_eq!(repeated(&uploaded(&ann, changed).1), [false, true]);
     let other = film(Posture::Traction, 2, Encoding::Plain);
     assert_eq!(repeated(&uploaded(&ann, other).1), [false, false]);
-    // Nobody learns what others upload.
+    // Other users' uploads stay hidden.
     assert_eq!(repeated(&uploaded(&bob, copy).1), [false, false]);
 }
 
@@ -143,7 +143,7 @@ fn a_study_takes_one_lateral_film_with_the_side_of_the_front() {
     let lateral = spineline_files::parse_case(&case).expect("a case").lateral.expect("its film");
     assert_eq!((lateral.patient_anterior, lateral.simultaneous), (ImageSide::Right, true));
     assert!(lateral.spacing.is_some());
-    // It has no posture to correct.
+    // The lateral film has no posture.
     let films = made.json()["summary"]["films"].clone();
     let film = films.as_array().expect("films").iter().find(|film| film["posture"] == "lateral");
     let number = &film.expect("the lateral film")["film"];

@@ -35,7 +35,7 @@ fn routes() -> Vec<Route> {
     routes
 }
 
-/// Parameters that name a study are filled with this one; numbers are those of `S-2`.
+/// Fills the parameter of a study with this one, and numbers from `S-2`.
 fn filled(path: &str, study: &str) -> String {
     let mut parts = path.split('/').map(|part| match part {
         "{id}" if path.starts_with("/api/studies/") => study.to_owned(),
@@ -76,7 +76,7 @@ fn only_the_sign_in_is_answered_without_a_session() {
 #[test]
 fn f68_a_study_without_a_grant_is_answered_as_not_found() {
     let app = App::with_accounts();
-    for who in ["nobody", "editor", "reader"] {
+    for who in ["ungranted", "editor", "reader"] {
         let browser = app.account(who);
         for route in routes().iter().filter(|route| route.path.contains('{')) {
             let answer = ask(&browser, route, "S-2");

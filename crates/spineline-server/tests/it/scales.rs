@@ -1,4 +1,4 @@
-//! Scales that nobody can mean.
+//! Implausible scales.
 
 use axum::http::StatusCode;
 use serde_json::json;
@@ -6,7 +6,7 @@ use serde_json::json;
 use crate::demo::{app_with_demo, demo};
 
 #[test]
-fn lengths_and_films_that_nobody_has_are_refused_with_their_limits() {
+fn implausible_lengths_and_films_are_refused_with_their_limits() {
     let app = app_with_demo();
     let browser = app.observer("Ann");
     let made = demo(&browser);

@@ -1,4 +1,4 @@
-//! Event streams end with what let them begin.
+//! Event streams end with the rights that they began with.
 
 use std::time::Duration;
 
@@ -11,12 +11,12 @@ use spineline_store::{Access, AccountChange, Role, Store};
 
 use crate::browser::{App, Browser, PASSWORD, Stream, by, name, options};
 
-/// Longer than any machine needs.
+/// Long enough for any machine.
 const ENOUGH: Duration = Duration::from_secs(60);
-/// For what must not happen.
+/// Wait for events that must not happen.
 const A_MOMENT: Duration = Duration::from_millis(200);
 
-/// An app whose streams ask by themselves this often.
+/// An app whose streams check their rights this often.
 fn app(recheck: Duration) -> App {
     let limits = ServeLimits { recheck, ..ServeLimits::default() };
     App::with_accounts().restarted(ServeOptions { limits, ..options(Access::Accounts) })
@@ -73,7 +73,7 @@ fn a_stream_ends_when_a_plan_hides_the_study() {
     let plan = json!({ "observers": ["editor"], "repeats": 1, "washout_days": 0 });
     assert_eq!(lead.post("/api/studies/S-1/plan", &plan).status, StatusCode::OK);
     for stream in &mut streams {
-        assert!(stream.ends_within(ENOUGH), "what each of them sees is another thing now");
+        assert!(stream.ends_within(ENOUGH), "the plan changes what each of them sees");
     }
     let detail = editor.get("/api/studies/S-1").json();
     assert_eq!(detail["plan"]["blinded"], true);
@@ -107,7 +107,7 @@ fn a_stream_keeps_no_session_from_ending_by_rest() {
     rest(11);
     assert!(!stream.ends_within(A_MOMENT));
     rest(2);
-    assert!(stream.ends_within(ENOUGH), "asking for the stream was no use of the session");
+    assert!(stream.ends_within(ENOUGH), "the request of the stream did not count as use");
     let how = crate::browser::account("editor", PASSWORD);
     assert_eq!(app.browser().sign_in(&how).status, StatusCode::OK);
 }

@@ -52,7 +52,7 @@ fn allow(child: &mut Child, steps: usize) {
     let _ = stdin.write_all("go\n".repeat(steps).as_bytes()).and_then(|()| stdin.flush());
 }
 
-/// Reads so many acknowledgements, or as many as there are.
+/// Reads up to `wanted` acknowledgements.
 fn acknowledgements(output: &mut impl BufRead, wanted: usize) -> usize {
     let (mut seen, mut line) = (0, String::new());
     while seen < wanted && output.read_line(&mut line).expect("lines") > 0 {
@@ -62,7 +62,7 @@ fn acknowledgements(output: &mut impl BufRead, wanted: usize) -> usize {
     seen
 }
 
-/// The number of steps that a store has taken, which is what was acknowledged or one more.
+/// The number of steps in a store: the acknowledged ones, or one more.
 fn steps_kept(path: &Path, reference: &[String], acknowledged: usize, what: &str) -> usize {
     let store = Store::open(path).expect("a store that opens after a crash");
     let verification = store.verify(None).expect("verifiable");
@@ -107,7 +107,7 @@ fn a_kill_during_a_write_loses_unacknowledged_changes_only() {
         allow(&mut child, steps);
         let seen = acknowledgements(&mut output, steps);
         assert_eq!(seen, steps);
-        // One step more, and death somewhere within it.
+        // One more step, and a kill during it.
         allow(&mut child, 1);
         std::thread::sleep(Duration::from_micros(97 * (steps as u64 % 13)));
         child.kill().expect("a living child");
@@ -167,7 +167,7 @@ fn a_truncated_write_ahead_log_gives_an_acknowledged_state() {
     let mut last = 0;
     for bytes in (0..=log.len()).step_by(512).chain([log.len()]) {
         fs::copy(&path, &cut).expect("a copy");
-        // Each is a crash of its own, which knows of no later one.
+        // Each cut is a separate crash, without the later heads.
         let _ = fs::remove_file(folder.path().join("cut-head"));
         fs::write(&cut_log, &log[..bytes]).expect("a log");
         // A view replays the log without writing it into the file.

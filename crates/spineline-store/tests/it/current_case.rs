@@ -41,7 +41,7 @@ fn images() -> [(Posture, Value); 3] {
     ]
 }
 
-/// Corner places that have no short decimal form, for one vertebra of one reading.
+/// Corner places without a short decimal form, for one vertebra of one reading.
 fn corners(level: Level, seed: f64) -> Vec<(Corner, [f64; 2])> {
     let top = 1000.0 + 100.0 * f64::from(level as u8) / 3.0 + seed;
     let place = |column: f64, row: f64| [column + seed / 7.0, top + row];
@@ -78,7 +78,7 @@ fn axis(level: Level, axis_deg: Option<f64>) -> Event {
     Event::SetAxis { level: LevelKey(level), axis_deg }
 }
 
-/// Begins a reading with these events, and finishes it if it is to be.
+/// Begins a reading with these events, and finishes it on request.
 fn read(
     store: &mut Store,
     film: i64,
@@ -137,7 +137,7 @@ fn study(store: &mut Store) -> ReadingId {
     let mut second = clicks(Level::L4, 1.0);
     second.extend([crest(PatientSide::Left, LEFT[1]), crest(PatientSide::Right, RIGHT[1])]);
     read(store, 1, 2, "A", &second, true);
-    // One crest counts for nothing, and a reading without a vertebra stays a reading.
+    // A single crest is not counted, and a reading without a vertebra remains a reading.
     read(store, 1, 1, "B", &[crest(PatientSide::Left, [1.0, 2.0])], true);
     read(store, 3, 1, "A", &clicks(Level::L5, 2.0), true);
     let mut partial = clicks(Level::L3, 3.0);
@@ -190,7 +190,7 @@ fn the_case_of_finished_readings_equals_the_case_file() {
     let mut store = create(&folder.path().join("store"));
     study(&mut store);
     let current = store.current_case(&name(STUDY), CaseReadings::Finished).expect("a case");
-    // The left film has no finished reading; on the right one no vertebra of the model is marked.
+    // The left film has no finished reading; the right one has no marked vertebra of the model.
     assert_eq!(current.case, parsed(&[erect()]));
     let exported = store.export_case(&name(STUDY)).expect("a case file");
     let case = spineline_files::parse_case(&exported.text).expect("a case");

@@ -1,4 +1,4 @@
-//! Logs that are not the store's, or no longer whole: they are named, and neither they nor the store are changed.
+//! Logs of another store, and damaged logs: the error names them, and neither they nor the store are changed.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -60,7 +60,7 @@ fn a_log_of_another_store_destroys_nothing() {
             fs::copy(at("other-wal"), at("store-wal")).expect("a log");
             assert_refused(&at("store"), "-wal");
         }
-        // The log alone is at fault.
+        // Only the log is at fault.
         fs::rename(at("store-wal"), at("moved")).expect("moved");
         assert_eq!(fingerprint(&Store::open(&at("store")).expect("a store")), sound);
         fs::remove_file(at("store")).expect("no store");
@@ -81,7 +81,7 @@ fn a_backup_in_the_place_of_a_killed_store_does_not_become_the_newer_store() {
             killed(&at("store"), &at("killed"));
             fs::copy(at("backup"), at("killed")).expect("the usual advice");
             assert_refused(&at("killed"), "-wal");
-            // Without what was kept beside it, too.
+            // Also without the heads beside it.
             fs::remove_file(at("killed-head")).expect("removed");
             assert_refused(&at("killed"), "-wal");
         }
@@ -101,7 +101,7 @@ fn an_earlier_copy_in_the_place_of_a_killed_store_does_not_become_the_newer_stor
     let mut store = create(&at("store"));
     taken(&mut store, 0..6);
     drop(store);
-    fs::copy(at("store"), at("copy")).expect("a copy of a store that nobody uses");
+    fs::copy(at("store"), at("copy")).expect("a copy of a closed store");
     let mut store = Store::open(&at("store")).expect("a store");
     taken(&mut store, 6..8);
     drop(store);
@@ -130,7 +130,7 @@ fn a_damaged_log_is_kept_unless_only_its_last_change_is_unreadable() {
         let mut damaged = log.clone();
         damaged[place] ^= 0x10;
         fs::write(at("killed-wal"), &damaged).expect("a log");
-        // What lies beside it misses even the last change.
+        // The heads beside it lack even the last change.
         assert_refused(&at("killed"), "-wal");
         fs::rename(at("killed-head"), at("head")).expect("moved");
         match Store::open(&at("killed")) {
@@ -254,7 +254,7 @@ fn a_lost_log_is_missed_and_the_audit_log_says_so() {
         findings(Store::view(&at("killed")).expect("a store")),
         std::slice::from_ref(&went_back)
     );
-    // Opening it changes nothing of this.
+    // Opening the store does not change this.
     assert_eq!(findings(Store::open(&at("killed")).expect("a store")), [went_back]);
     let mut store = Store::open(&at("killed")).expect("a store");
     assert_eq!(store.lost_head().map(|head| head.entries), Some(acknowledged));

@@ -130,7 +130,7 @@ fn the_database_refuses_edits_of_append_only_tables() {
 
 #[test]
 fn an_edited_entry_is_detected() {
-    let found = findings_after("UPDATE audit SET actor = 'nobody' WHERE sequence = 7");
+    let found = findings_after("UPDATE audit SET actor = 'somebody' WHERE sequence = 7");
     assert_eq!(found, [Finding::EntryChanged { sequence: 7 }]);
 }
 

@@ -27,7 +27,7 @@ fn a_store_written_by_another_program_is_busy_until_it_ends() {
     let asked = Instant::now();
     let refused = store.record(READING, &clicks()[0], 0, &by("A", 10));
     assert!(matches!(refused, Err(StoreError::Busy)), "{refused:?}");
-    // It waits for the other one before it gives up; how much longer depends on the machine.
+    // It waits for the other one before it fails; the delay after that depends on the machine.
     assert!(asked.elapsed() >= Duration::from_millis(190), "{:?}", asked.elapsed());
     // Reading goes on.
     assert_eq!(store.reading_state(READING).expect("a state").revision, 0);
@@ -55,7 +55,7 @@ fn of_concurrent_writers_one_succeeds_and_the_others_are_told() {
     let path = folder.path().join("store");
     drop(five_steps(&path));
     let race = |thread: usize| {
-        // Each its own event: a repeat of what is there would be acknowledged again.
+        // Different events: a repeated one would be acknowledged again.
         let event = Event::Note { text: format!("thread {thread}") };
         let mut store = Store::open(&path).expect("a store");
         let (mut won, mut lost) = (0, 0);
@@ -83,7 +83,7 @@ fn of_concurrent_writers_one_succeeds_and_the_others_are_told() {
     assert!(store.verify(None).expect("verifiable").is_clean());
 }
 
-/// Keeps everyone from writing a file, root too where the file system can; gives the right back in the end.
+/// Makes a file unwritable for everyone, also for root where the file system can, and restores its rights.
 struct WriteProtection<'a> {
     path: &'a Path,
 }

@@ -87,7 +87,7 @@ fn a_kept_computation_is_that_of_its_inputs_only_and_damage_is_noticed() {
     let kept = read(&store);
     assert_eq!((kept.asked, kept.found.as_str()), (7, "found"));
     assert!(kept.is_of("inputs") && !kept.is_of("other inputs"));
-    assert_eq!(store.head().expect("a head"), head, "it is no record");
+    assert_eq!(store.head().expect("a head"), head, "the log does not cover it");
     assert!(store.verify(None).expect("verifiable").is_clean());
     let unknown = store.keep_computation(&name("S-2"), "replicates", &kept);
     assert!(matches!(unknown, Err(StoreError::Unknown { .. })), "{unknown:?}");

@@ -96,7 +96,7 @@ fn origins_and_walls_reach_the_case_and_another_store() {
     assert_eq!(t9.origins, Corners { inferior_left: Origin::Adjusted, ..accepted });
     assert_eq!(t9.walls.map(|wall| wall.map(|place| place.column_px)), [Some(399.0), Some(601.0)]);
     assert!(readings[0].vertebrae[&Level::T8].is_placed());
-    // What another store makes of it exports the same.
+    // A second store exports the same text.
     let mut other = create(&folder.path().join("other"));
     let new = NewCase::read(&text, |_| Ok::<_, StoreError>(film_bytes(1))).expect("a case");
     other.add_case(&new, &by("lead", 5)).expect("a study");

@@ -1,4 +1,4 @@
-//! Blinded plans: codes and order that nobody can compute, washouts, and what a reader may see.
+//! Blinded plans: codes and order that cannot be computed, washouts, and the data that readers may see.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -73,7 +73,7 @@ fn minutes_until(time: Timestamp) -> i64 {
     (time.unix_ms() - minute(0).unix_ms() + 59_999) / 60_000
 }
 
-/// Reads on, as soon as films are released; the order of contents, with the days on which each was read.
+/// Reads each film when it is released; returns the order of contents and the days of reading.
 fn read_all(store: &mut Store, who: &str) -> Vec<(String, i64)> {
     let (mut minutes, mut order) = (10, Vec::new());
     loop {
@@ -250,7 +250,7 @@ fn a_blinded_reader_sees_only_codes_and_own_readings_until_the_end() {
     let refused = store.observer(&b).reading(first);
     assert!(matches!(refused, Err(StoreError::NotYours { .. })), "{refused:?}");
     assert_eq!(store.observer(&b).closed(first).expect("a reading"), None);
-    // Its picture is that of a film that is read again.
+    // The film of this reading is read again, so its picture is hidden.
     let refused = store.observer(&a).reading(first);
     assert!(matches!(refused, Err(StoreError::Finished { .. })), "{refused:?}");
     let closed = store.observer(&a).closed(first).expect("a reading");
@@ -339,7 +339,7 @@ fn a_plan_that_was_read_by_a_clock_years_ahead_is_released() {
     assert_eq!((entry.actor.as_str(), entry.time_ms), ("lead", minute(70).unix_ms()));
     let again = store.release_washout(&study, &by("lead", 71));
     assert!(matches!(again, Err(StoreError::NothingAhead { .. })), "{again:?}");
-    // What was read by the right clock keeps its washout.
+    // Readings dated by the right clock keep their washout.
     let (mut minutes, mut released, mut order) = (80, 80, Vec::new());
     loop {
         match next(&store, "A", minute(minutes)) {

@@ -1,4 +1,4 @@
-//! The schema: a store that an independent writer makes here from its SQL and the description of the log, and stores of a
+//! The schema: a store that an independent writer makes from its SQL and the description of the log, and stores of a
 //! newer schema.
 
 use std::fs;

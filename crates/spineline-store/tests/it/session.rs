@@ -14,7 +14,7 @@ pub fn name(text: &str) -> Name {
     Name::new(text).expect("a good name")
 }
 
-/// So many minutes after a fixed morning.
+/// This number of minutes after a fixed morning.
 pub fn minute(minutes: i64) -> Timestamp {
     Timestamp::from_unix_ms(1_750_000_000_000 + minutes * 60_000).expect("a moment")
 }

@@ -1,5 +1,5 @@
-//! Real disks that are full, where the tests are asked to mount them: `SPINELINE_MOUNT_SMALL_DISKS=1`, as
-//! `cargo xtask test --full` has it.
+//! Full disks, where the tests may mount them: `SPINELINE_MOUNT_SMALL_DISKS=1`, as
+//! `cargo xtask test --full` sets it.
 
 use std::collections::BTreeSet;
 use std::fs;
@@ -73,7 +73,7 @@ fn a_full_file_system_loses_no_acknowledged_change() {
         stopped.insert(step);
         match try_fingerprint(&store) {
             Ok(print) => assert_eq!(print, reference[step], "{kib} KiB, step {step}"),
-            // The index beside the log finds no room either: a new store cannot even be read, until there is some.
+            // The index beside the log finds no room either: even reading a new store fails until there is room.
             Err(error) => {
                 assert!(step == 0 && matches!(error, StoreError::Disk { .. }), "{kib}: {error:?}");
             }

@@ -1,4 +1,4 @@
-//! Computations that are kept with the study, over a restart of the program.
+//! Computations that are stored with the study and survive a restart.
 
 use std::sync::Arc;
 
@@ -19,10 +19,10 @@ use crate::result_cache::StudyResult;
 use crate::results::background;
 use crate::state::AppState;
 
-/// Identity of the code: what another build has found is computed again.
+/// Identity of the code: results of another build are computed again.
 const BUILD: &str = env!("SPINELINE_BUILD");
 
-/// Everything that it is computed from.
+/// Everything that the result depends on.
 fn inputs(name: ComputationName, result: &StudyResult) -> Answer<String> {
     let fits = || -> Answer<String> {
         let models = result.analysed()?.models.iter();
@@ -44,7 +44,7 @@ fn inputs(name: ComputationName, result: &StudyResult) -> Answer<String> {
     Ok(inputs_with(result, &numbers))
 }
 
-/// Reads what was kept; `None` where it is not of these results.
+/// Reads a stored result; `None` if it belongs to other results.
 fn read(name: ComputationName, result: &StudyResult, kept: &KeptComputation) -> Option<Found> {
     if !inputs(name, result).is_ok_and(|inputs| kept.is_of(&inputs)) {
         return None;
@@ -73,7 +73,7 @@ pub fn inputs_with(result: &StudyResult, numbers: &str) -> String {
     format!("{PROGRAM}\n{BUILD}\n{SEED}\n{case}\n{options}\n{numbers}")
 }
 
-/// What a computation has found, as the store keeps it.
+/// The result of a computation, as the store keeps it.
 pub fn written(job: &ComputationJob, found: &Found) -> Option<KeptComputation> {
     let text = match found {
         Found::Replicates(found) => uncertainty_text(found),
@@ -84,7 +84,7 @@ pub fn written(job: &ComputationJob, found: &Found) -> Option<KeptComputation> {
     Some(KeptComputation::new(&inputs, job.asked, text))
 }
 
-/// Makes what is kept of these results known, where nothing is known of it yet.
+/// Restores stored computations of these results that are not in memory.
 ///
 /// # Errors
 /// Errors of reading the store.

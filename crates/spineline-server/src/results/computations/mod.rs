@@ -1,4 +1,4 @@
-//! What takes longer than a page waits, computed in the background with progress and cancel.
+//! Long computations, in the background with progress and cancel.
 
 mod kept;
 mod models;
@@ -107,7 +107,7 @@ fn steps(result: &StudyResult, name: ComputationName, request: &ComputationReque
     match (name, request.count) {
         (ComputationName::Replicates, count) => replicates::checked(count.unwrap_or_default()),
         (_, Some(_)) => Err(refused(
-            "a number of replicates is given for something else".to_owned(),
+            "only replicates take a number of replicates".to_owned(),
             "leave `count` out",
         )),
         (_, None) if result.analysed()?.models.is_empty() => {
@@ -138,7 +138,7 @@ impl Task for ComputationName {
     }
 }
 
-/// What the films say of the multipliers, one model of a line after another.
+/// The identifiability of the multipliers, model by model.
 async fn identifiability(state: &AppState, job: &Arc<ComputationJob>) -> Answer<Option<Found>> {
     let found = in_turns(state, job, 1, |job, places| {
         let analysis = job.result.analysed()?;

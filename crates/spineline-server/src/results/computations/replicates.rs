@@ -11,10 +11,10 @@ use crate::result_cache::{StudyResult, computed};
 use crate::results::background::in_turns;
 use crate::state::AppState;
 
-/// Seed of the random streams, as that of the command line.
+/// Seed of the random streams, the same as on the command line.
 pub const SEED: u64 = 1;
 const MAX_COUNT: u64 = 2000;
-/// Replicates between two looks at the progress: a cancel waits for them.
+/// Replicates between two updates of the progress: a cancel waits for them.
 pub const BLOCK: u64 = 4;
 
 /// The number of replicates, if it is allowed.
@@ -46,7 +46,7 @@ pub async fn all(state: &AppState, job: &Arc<ComputationJob>) -> Answer<Option<F
     Ok(Some(Found::Replicates(Box::new(uncertainty.await??))))
 }
 
-/// What replicates of a result are drawn from.
+/// The inputs from which replicates of a result are drawn.
 pub fn with_monte_carlo<T>(
     result: &StudyResult,
     work: impl FnOnce(&MonteCarlo<'_>) -> T,

@@ -37,7 +37,7 @@ pub fn view(name: ComputationName, job: Option<&ComputationJob>) -> ComputationV
 }
 
 fn add(view: &mut ComputationView, job: &ComputationJob, found: &Found) {
-    // Computations are of results that were analysed.
+    // Computations exist only for analysed results.
     let Some(analysis) = job.result.analysis() else { return };
     let sections: Vec<Section> = match found {
         Found::Replicates(found) => {

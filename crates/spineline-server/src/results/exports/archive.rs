@@ -9,7 +9,8 @@ use zip::write::SimpleFileOptions;
 use super::{Download, ZIP, internal};
 use crate::problem::Answer;
 
-/// An archive of files, with a list of them and their provenance. The same files give the same bytes but for that date.
+/// An archive of files, with a list of them and their provenance. The same files give the same bytes except for the
+/// date.
 pub fn archive(
     ending: &'static str,
     files: Vec<(String, Vec<u8>)>,

@@ -1,4 +1,4 @@
-//! What this program writes, for the menu.
+//! The export formats of this program, for the menu.
 
 use spineline_files::ExportFormat;
 
@@ -6,7 +6,7 @@ use crate::api::{ExportList, ExportName, ExportView, ModelFormatView, Wire};
 use crate::extract::Json;
 use crate::user::User;
 
-/// What this program writes of a study.
+/// The export formats of a study.
 #[utoipa::path(get, path = "/api/exports", responses((status = 200, body = ExportList)))]
 pub async fn exports(_user: User) -> Json<ExportList> {
     let written = |name: &ExportName| *name != ExportName::Pdf || cfg!(feature = "pdf");

@@ -1,4 +1,4 @@
-//! A study's results as files. Each file that is taken out has an entry in the log of the store.
+//! A study's results as files. Each export has an entry in the log of the store.
 
 mod archive;
 mod landmarks;
@@ -46,7 +46,7 @@ pub fn routes() -> OpenApiRouter<AppState> {
 
 /// A file to download.
 struct Download {
-    /// What follows the study in its name.
+    /// End of its name, after the study.
     ending: &'static str,
     kind: &'static str,
     bytes: Vec<u8>,
@@ -102,14 +102,14 @@ pub async fn export(
     Ok(attachment(&format!("{study}{}", download.ending), download.kind, download.bytes))
 }
 
-/// Writes into the log of the store that a file was taken out.
+/// Logs the export of a file.
 pub async fn log(state: &AppState, user: &User, study: &Name, form: &'static str) -> Answer<()> {
     let (study, by) = (study.clone(), user.sign(state.now()));
     state.store(move |store| store.log_export(&study, form, &by)).await
 }
 
-/// The analysis file of an analysis of this case, with what was computed in the background. Its input is the store; the case
-/// is part of the file.
+/// The analysis file of an analysis of this case, with the finished background computations. Its input is the store;
+/// the case is part of the file.
 fn file_of(analysis: &Analysis, case: &Case, found: &Computed) -> AnalysisFile {
     let request = Request {
         options: analysis.options.clone(),
@@ -144,7 +144,7 @@ pub fn provenance(analysis: &Analysis) -> Provenance {
     provenance.of_cases([analysis.case_id.clone()]).asking(&request)
 }
 
-/// A writer of this program that failed on its own results.
+/// For a writer of this program that failed on its own results.
 pub fn internal(reason: &dyn std::fmt::Display) -> crate::problem::Failure {
     crate::problem::Failure::new(
         axum::http::StatusCode::INTERNAL_SERVER_ERROR,

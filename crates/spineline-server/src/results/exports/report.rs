@@ -17,7 +17,7 @@ use crate::problem::Answer;
 use crate::result_cache::StudyResult;
 use crate::state::AppState;
 
-/// The films with landmarks that are used, as pictures.
+/// The pictures of the films whose landmarks are used.
 pub async fn pictures(state: &AppState, result: &StudyResult) -> Answer<Vec<FilmPicture>> {
     let mut pictures = Vec::new();
     for film in result.current.films.iter().filter(|film| film.is_usable()) {
@@ -43,7 +43,7 @@ pub fn download(
         generator: PROGRAM,
         json: &spineline_files::to_line(&file_of(analysis, case, found)),
     });
-    // The options of an analysis do not know which files they came from.
+    // The options of an analysis do not contain the names of their files.
     for (title, file) in options.files() {
         let text = format!("{title} from the file {file}.");
         document.banners.push(Notice::new(NoticeKind::Banner, text));
@@ -75,7 +75,7 @@ fn figures(document: &Document, analysis: &Analysis) -> Answer<Download> {
 #[cfg(feature = "pdf")]
 fn pdf(document: &Document) -> Answer<Vec<u8>> {
     let made = spineline_pdf::Made::of(std::time::SystemTime::now().into())
-        .ok_or_else(|| internal(&"the clock of this machine has no valid year"))?;
+        .ok_or_else(|| internal(&"the year of this machine's clock is not valid"))?;
     spineline_pdf::pdf(document, made).map_err(|error| internal(&error))
 }
 

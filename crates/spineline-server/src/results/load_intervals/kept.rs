@@ -1,4 +1,4 @@
-//! Intervals under loads that are kept with the study, over a restart of the program: the last ones of whichever line and loads.
+//! Intervals under loads that are stored with the study and survive a restart: the last ones for any line and loads.
 
 use std::sync::Arc;
 
@@ -42,7 +42,7 @@ pub fn written(job: &LoadIntervalJob, found: &LoadedUncertainty) -> Answer<KeptC
     Ok(KeptComputation::new(&inputs, job.asked, to_line(&stored)))
 }
 
-/// Makes what is kept of these results known, where nothing is known of them yet.
+/// Restores stored intervals of these results that are not in memory.
 ///
 /// # Errors
 /// Errors of reading the store.
@@ -50,7 +50,7 @@ pub async fn recall(state: &AppState, result: &Arc<StudyResult>) -> Answer<()> {
     background::recall(state, result, LoadIntervalWork::KEY, read).await
 }
 
-/// Reads what was kept; `None` where it is not of these results.
+/// Reads stored intervals; `None` if they belong to other results.
 fn read(
     result: &StudyResult,
     kept: &KeptComputation,
@@ -65,7 +65,7 @@ fn read(
     Some((work, parse_loaded_uncertainty(&replicates, empty)?))
 }
 
-/// Everything that they are computed from.
+/// Everything that the intervals depend on.
 fn inputs(result: &StudyResult, work: &LoadIntervalWork, empty: &LoadedUncertainty) -> String {
     let values = empty.numbers.iter().map(|one| format!("{:?}", one.nominal));
     let values = values.collect::<Vec<_>>().join("\n");

@@ -126,7 +126,7 @@ async fn all(state: &AppState, job: &Arc<LoadIntervalJob>) -> Answer<Option<Load
     uncertainty.await?.map(Some)
 }
 
-/// An empty tally of replicates for what the case's own model shows under these loads.
+/// An empty tally of replicates for the results of the case's own model under these loads.
 fn tally<T>(
     result: &StudyResult,
     work: &LoadIntervalWork,

@@ -1,4 +1,4 @@
-//! What can be put on a model, with an example of each kind.
+//! Loads that are possible on a model, with an example of each kind.
 
 use spineline::analysis::PersonalisedModel;
 use spineline::anatomy::Side;
@@ -9,20 +9,20 @@ use spineline_files::{AppliedLoad, DIRECTIONS, LevelKey, SimulationWarning};
 
 use crate::api::{FileLoad, FilmForce, LoadKind, LoadMenu, NamedDirection, Wire};
 
-/// What the numbers are for, and what the model does not have.
+/// Purpose of the numbers, and parts that the model lacks.
 const LIMITS: [&str; 3] = [
-    "Research only: these numbers are no basis for a treatment",
-    "The model has no rib cage, no muscles, no skin and no contact: what they carry or limit is missing from every number",
-    "The base is fixed and the top is free: a load that nothing opposes also tilts the whole spine",
+    "Research only: do not base a treatment on these numbers",
+    "The model has no rib cage, no muscles, no skin and no contact: the numbers lack their effects",
+    "The base is fixed and the top is free: an unopposed load also tilts the whole spine",
 ];
 
 /// Symbol of a force where no force was measured.
 pub const RELATIVE_SYMBOL: &str = "rel. units";
 
-/// What a support in the frontal plane does to loads.
-const FRONTAL: &str = "The model bends sideways only: what a load does to the front, to the back or about the spine moves nothing, and a rod prescribes tilt and lateral place alone";
+/// Effect of a support in the frontal plane on loads.
+const FRONTAL: &str = "The model bends sideways only: loads to the front, to the back and about the spine have no effect, and a rod prescribes only tilt and lateral place";
 
-/// Sizes of the examples: small beside what the springs of a spine carry, so that each of them has a result on most spines.
+/// Sizes of the examples: small compared with the strength of a spine, so that each has a result on most spines.
 const FORCE: f64 = 20.0;
 const MOMENT: f64 = 2000.0;
 const SPRING_PER_MM: f64 = 2.0;
@@ -127,8 +127,8 @@ fn kinds(model: &PersonalisedModel) -> Vec<LoadKind> {
     ]
 }
 
-/// A rod over the curve that lessens it, from two vertebrae below to two above, as far as there are vertebrae; over too few joints
-/// one that keeps the pose.
+/// A rod over the curve that lessens it, from two vertebrae below to two above, as far as they exist; with too few
+/// joints, a rod that keeps the pose.
 fn rod(
     model: &PersonalisedModel,
     (apex, towards_left): (usize, f64),

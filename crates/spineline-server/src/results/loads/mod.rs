@@ -1,4 +1,4 @@
-//! Loads that people put on a model: the same files and the same simulation as `spineline simulate --load`.
+//! Loads that users put on a model: the same files and the same simulation as `spineline simulate --load`.
 
 mod menu;
 mod view;
@@ -31,7 +31,7 @@ use crate::user::User;
 pub use menu::RELATIVE_SYMBOL;
 pub use view::tables;
 
-/// More loads than any plan has.
+/// Maximum number of loads, more than any plan has.
 const MAX_LOADS: usize = 100;
 
 pub fn routes() -> OpenApiRouter<AppState> {
@@ -41,7 +41,7 @@ pub fn routes() -> OpenApiRouter<AppState> {
         .routes(routes!(model_file))
 }
 
-/// What can be put on the model of a line of action.
+/// Loads that are possible on the model of a line of action.
 #[utoipa::path(get, path = "/api/studies/{study}/loads/{line}",
     params(("study" = String, Path), ("line" = LineName, Path)),
     responses((status = 200, body = LoadMenu), (status = 403, body = Problem),
@@ -85,7 +85,7 @@ async fn simulate_loads(
     answer.await?.map(Json)
 }
 
-/// The same simulation as a file, with its intervals where they are computed. The log of the store has an entry for it.
+/// The same simulation as a file, with its intervals if they are computed. The log of the store has an entry for it.
 #[utoipa::path(post, path = "/api/studies/{study}/loads/{line}/simulation",
     params(("study" = String, Path), ("line" = LineName, Path)), request_body = FileOfLoads,
     responses((status = 200, content_type = "application/json"), (status = 403, body = Problem),
@@ -99,7 +99,7 @@ async fn simulation_file(
 ) -> Answer<Response> {
     let study = open_study(&state, &user, &study).await?;
     let result = study_result(&state, &study).await?;
-    // The intervals of an earlier start of the program are saved too.
+    // Intervals from before a restart are saved too.
     recall(&state, &result).await?;
     let intervals = state.load_intervals().of_line(&result, line);
     let made = computed(move || {
@@ -146,7 +146,7 @@ fn parsed(text: &str) -> Answer<LoadFile> {
     Ok(loads)
 }
 
-/// Refuses more loads than any plan has.
+/// Refuses too many loads.
 pub fn check_count(loads: &LoadFile) -> Answer<()> {
     let count = loads.loads.len();
     if count > MAX_LOADS {
@@ -159,7 +159,7 @@ pub fn check_count(loads: &LoadFile) -> Answer<()> {
 /// The model of a line of action whose fit gave springs.
 ///
 /// # Errors
-/// A refusal where the study has no such model.
+/// A refusal if the study lacks this model.
 pub fn fitted_model(result: &StudyResult, line: LineName) -> Answer<(&Analysis, &LineModel)> {
     let analysis = result.analysed()?;
     let no_model =
@@ -197,7 +197,7 @@ pub fn personalised_model(result: &StudyResult, line: LineName) -> Answer<Person
 /// The model of a line of action under the loads of a file.
 ///
 /// # Errors
-/// As [`fitted_model`]; a refusal where the text is no load file, or its loads cannot be applied.
+/// As [`fitted_model`]; a refusal if the text is not a load file, or its loads cannot be applied.
 pub fn simulated_file(result: &StudyResult, line: LineName, text: &str) -> Answer<Simulated> {
     simulated(personalised_model(result, line)?, parsed(text)?)
 }

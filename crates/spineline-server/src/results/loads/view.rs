@@ -17,7 +17,7 @@ use crate::api::{
     Notice, Severity, TextColumn, TextTable, Wire,
 };
 
-/// Shapes on the way that are sent; a path with more is thinned.
+/// Maximum number of shapes that are sent; longer paths are thinned.
 const MAX_STEPS: usize = 40;
 
 /// Loads that cannot be applied.
@@ -58,7 +58,7 @@ pub fn view(analysis: &Analysis, simulated: &Simulated) -> LoadedModel {
     LoadedModel { loads: words(&simulated.loads), faults: Vec::new(), simulation: Some(loaded) }
 }
 
-/// The texts and tables of a simulation, with intervals where there are any.
+/// The texts and tables of a simulation, with intervals if they are computed.
 pub fn tables<'a>(
     analysis: &'a Analysis,
     simulated: &'a Simulated,
@@ -93,13 +93,13 @@ fn warnings(simulated: &Simulated) -> Vec<Notice> {
     simulated.warnings.iter().map(warning).collect()
 }
 
-/// The shapes that the spine takes one after another, and the result.
+/// The shapes on the path, and the result.
 fn steps(simulated: &Simulated) -> Vec<LoadStep> {
     let response = &simulated.response;
     let points: Vec<&PathPoint> = response.reached_points(&simulated.model.spine).collect();
     let last = points.len().saturating_sub(1);
     let every = points.len().div_ceil(MAX_STEPS).max(1);
-    // Without a result the last shape is where the loads had to stop, and stays.
+    // Without a result, the last shape is where the loads stopped; it is always kept.
     let kept = points.iter().enumerate().filter(|(i, _)| i % every == 0 || *i == last);
     let mut steps: Vec<LoadStep> = kept
         .map(|(_, point)| {

@@ -1,4 +1,4 @@
-//! What one pad does at every level: tried on all cores in the background, with progress and cancel.
+//! The effect of one pad at every level: tried on all cores in the background, with progress and cancel.
 
 mod view;
 
@@ -96,7 +96,7 @@ async fn cancel_pad_map(
     Ok(Json(view(job.as_deref())))
 }
 
-/// The map of this line; that of another line is none.
+/// The map of this line; `None` if the map belongs to another line.
 fn map_of(state: &AppState, result: &Arc<StudyResult>, line: LineName) -> Option<Arc<PadMapJob>> {
     state.pad_maps().of(result, PadMapWork::KEY).filter(|job| job.work.line == line)
 }

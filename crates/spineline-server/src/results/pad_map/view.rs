@@ -48,7 +48,7 @@ fn largest_rad(found: &[PadEffect]) -> f64 {
     changes.map(|curve| curve.growth().rad().abs()).fold(f64::MIN_POSITIVE, f64::max)
 }
 
-/// The trials of one level: those of one side after those of the other.
+/// Number of trials per level; one side comes after the other.
 fn per_level() -> usize {
     2 * STEPS as usize
 }
@@ -61,7 +61,7 @@ fn columns(trials: &[PadTrial]) -> Vec<PadMapColumn> {
     trials.iter().take(per_level()).map(column).collect()
 }
 
-/// With its sign, unless it rounds to nothing.
+/// With its sign, unless it rounds to zero.
 fn change_text(change: Angle) -> String {
     match format!("{:+.1}°", change.deg()) {
         text if text.ends_with("0.0°") && text.len() == "+0.0°".len() => "0.0°".to_owned(),
@@ -110,7 +110,7 @@ fn texts(work: &PadMapWork, found: &[PadEffect]) -> Vec<String> {
     texts
 }
 
-/// The loads that were on the spine, beside a pad.
+/// The other loads on the spine, in words.
 fn beside(others: usize) -> String {
     match others {
         0 => "alone".to_owned(),

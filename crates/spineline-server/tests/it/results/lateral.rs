@@ -19,7 +19,7 @@ fn case() -> Case {
     spineline_files::parse_case(&spineline_files::to_text(&file)).expect("a case")
 }
 
-/// A server with the case as a study, which has its name.
+/// A server with the case as a study of its name.
 fn serving(case: &Case) -> Running {
     let named = |file: &str| FilmSource { file: Some(file.to_owned()), ..FilmSource::default() };
     let file = CaseFile::from_case(case)
@@ -87,7 +87,7 @@ fn the_lateral_film_is_read_by_the_corners_of_its_own() {
         };
         corners.map(place).into_iter().collect()
     };
-    // The wrong way round for one of both directions in which the patient may face.
+    // One order is wrong for each direction in which the patient may face.
     let mut found = Vec::new();
     for mirrored in [false, true] {
         let asked = json!({ "events": events(mirrored), "turn_axis": null });

@@ -14,7 +14,7 @@ fn px(value: &Value) -> [f64; 2] {
     serde_json::from_value(value.clone()).expect("a place")
 }
 
-/// A reading of the erect film by the one who is signed in, of all vertebrae up to a level.
+/// A reading of the erect film by the signed-in user, of all vertebrae up to a level.
 fn begun(store: &mut Store, case: &Case, study: &str, count: usize) -> ReadingId {
     let films = store.films(&name(study)).expect("films");
     let film = films.iter().find(|film| film.view == Posture::Erect.into()).expect("erect");
@@ -29,7 +29,7 @@ fn begun(store: &mut Store, case: &Case, study: &str, count: usize) -> ReadingId
     reading
 }
 
-/// A server with a reading that is filled in, and the address of the reading.
+/// A server with a reading that `fill` makes, and the address of the reading.
 fn serve_reading(fill: impl FnOnce(&mut Store) -> ReadingId) -> (Running, String) {
     let mut reading = None;
     let running = serve(|store| reading = Some(fill(store)));
@@ -106,7 +106,7 @@ fn overlays_lie_within_their_films_and_curves_pass_midpoints() {
             overlay["curve_px"].as_array().expect("a list").iter().map(px).collect();
         for residual in overlay["residuals"].as_array().expect("a list") {
             let from = px(&residual["from_px"]);
-            // The crossing of the diagonals, taken anew in pixels: no scale moves it.
+            // The crossing of the diagonals, computed in pixels: it does not depend on the scale.
             let level: Level =
                 residual["level"].as_str().expect("a name").parse().expect("a level");
             let crossing = crossing(&reading.vertebrae[&level].corners);
@@ -119,7 +119,7 @@ fn overlays_lie_within_their_films_and_curves_pass_midpoints() {
                 .iter()
                 .map(|p| (p[0] - to[0]).hypot(p[1] - to[1]))
                 .fold(f64::INFINITY, f64::min);
-            // Half of the way from point to point of the drawn curve.
+            // Half of the distance between two points of the drawn curve.
             let step = (curve[1][0] - curve[0][0]).hypot(curve[1][1] - curve[0][1]);
             assert!(nearest < step, "{posture} {level}: {nearest} px");
         }
@@ -177,7 +177,7 @@ fn a_mirrored_film_has_the_mirrored_overlay() {
         let (plain, turned) = (places(&plain), places(&turned));
         assert_eq!(plain.len(), turned.len());
         for (a, b) in plain.iter().zip(&turned) {
-            // Ends of clipped lines come in the other order on neither; fits agree to their tolerance.
+            // Ends of clipped lines keep their order; fits agree to their tolerance.
             assert!(
                 (last - a[0] - b[0]).hypot(a[1] - b[1]) < 1e-3,
                 "{}: {a:?} {b:?}",
@@ -266,7 +266,7 @@ fn a_preview_gives_results_and_records_no_event() {
         let all = live["overlay"]["residuals"].as_array().expect("a list").clone();
         all.into_iter().find(|r| r["level"] == "T8").map(|r| px(&r["from_px"])).expect("T8")
     };
-    // Moving one corner moves the crossing of the diagonals, and no other film's.
+    // Moving one corner moves the crossing of the diagonals on this film only.
     assert!((residual(&preview["live"])[0] - residual(&before)[0]).abs() > 1.0);
     assert_eq!(running.get(&format!("{reading}/live")), before);
     let midpoint = residual(&before);
@@ -300,7 +300,7 @@ fn recorded_events_are_answered_with_their_results() {
     assert_eq!(recorded["reading"]["revision"], json!(revision + 1));
     assert_eq!(recorded["live"]["status"], "complete", "{recorded}");
     assert_ne!(recorded["live"], before);
-    // What was shown while it was dragged, and what a reload shows.
+    // The same as during the drag, and after a reload.
     assert_eq!(recorded["live"], preview["live"]);
     assert_eq!(recorded["live"], running.get(&format!("{reading}/live")));
     assert_eq!(recorded["reading"], running.get(&reading));

@@ -1,4 +1,4 @@
-//! Intervals under loads in the background: progress, cancel, which loads they belong to, and their place in the saved file.
+//! Intervals under loads in the background: progress, cancel, their loads, and their place in the saved file.
 
 use axum::http::StatusCode;
 use serde_json::{Value, json};
@@ -63,7 +63,7 @@ fn intervals_are_computed_for_the_loads_that_were_sent_and_saved_with_no_others(
     assert!(texts.contains("do not cover the errors of the model"), "{texts}");
     saved_with_the_intervals_of_the_command_line(&lead, &file);
 
-    // The intervals of other loads are not saved with these, and one line has not those of another.
+    // Intervals of other loads or of another line are not saved.
     let other = serde_json::from_str(&push(11.0, 0.0)).expect("JSON");
     let saved = lead.post(&format!("{LOADS}/simulation"), &other).json();
     assert_eq!(saved["uncertainty"], Value::Null);

@@ -1,4 +1,4 @@
-//! Loads that people put on a model: what the page shows is what `spineline simulate` computes from the files that are saved.
+//! Loads that users put on a model: the page shows what `spineline simulate` computes from the saved files.
 
 use std::ops::ControlFlow;
 
@@ -96,7 +96,8 @@ fn a_pull_on_both_sides_moves_the_spine_to_both_sides() {
     assert!(left > 1.0 && right < -1.0, "{left} {right}");
 }
 
-/// The phantom stands upright on its film: T2 moves along the horizontal as much as in the frame of L4, but for L4's tilt.
+/// The phantom stands upright on its film: T2 moves along the horizontal as much as in the frame of L4, except for L4's
+/// tilt.
 #[test]
 fn the_balance_changes_as_the_uppermost_vertebra_moves() {
     let running = running();

@@ -8,7 +8,7 @@ use spineline_store::Store;
 
 use super::server::{Running, add_read_study, add_study, assert_numbers, name, phantom, serve};
 
-/// JSON keeps doubles to the last bit; what is left is the order of sums.
+/// JSON keeps doubles exactly; only the order of sums differs.
 const SAME_MM: f64 = 1e-9;
 
 fn running() -> (Running, Analysis) {
@@ -60,7 +60,7 @@ fn models_equal_those_of_the_exported_case() {
             line["multipliers"].as_array().expect("a list").iter().zip(expected.multipliers())
         {
             assert!((view["factor"].as_f64().expect("a number") - factor).abs() < 1e-9);
-            // No force is known, so no value is absolute.
+            // Without a known force, values are not absolute.
             assert_ne!(view["identified"], "identified");
         }
         for (posture, simulation) in
@@ -86,7 +86,7 @@ fn joints_are_at_the_same_place_in_both_vertebrae() {
     let (midpoints, joints) = (points(&shape["midpoints_mm"]), points(&shape["joints_mm"]));
     assert_eq!((midpoints.len(), joints.len()), (15, 14));
     for (j, joint) in analysis.movement.spine.joints.iter().enumerate() {
-        // Rigid vertebrae: no load changes how far a joint is from the midpoints beside it.
+        // Vertebrae are rigid: loads do not change the distance of a joint from the midpoints beside it.
         let below = (joints[j] - midpoints[j]).norm();
         let above = (midpoints[j + 1] - joints[j]).norm();
         assert!((below - joint.centre_in_inferior_mm.norm()).abs() < SAME_MM);
@@ -119,7 +119,8 @@ fn a_zero_load_gives_the_erect_shape() {
     assert!(farthest_mm(&shape, &analysis.movement.spine.midpoints_mm) < SAME_MM);
 }
 
-/// Equilibrium at every joint, computed independently: the springs' moment along each hinge is that of the force about the joint.
+/// Equilibrium at every joint, computed independently: the springs' moment along each hinge equals the moment of the
+/// force about the joint.
 #[test]
 fn a_loaded_shape_is_in_equilibrium_at_every_joint() {
     let (running, analysis) = running();
@@ -144,7 +145,8 @@ fn a_loaded_shape_is_in_equilibrium_at_every_joint() {
     let wrench = Wrench::at(midpoints[vertebra], force_n);
     for (j, spring) in springs.iter().enumerate() {
         let (below, above) = (rotation(j), rotation(j + 1));
-        // What the hinges turned, as angles about x, then y, then z of the inferior vertebra: the first carries the load.
+        // Rotations of the hinges, as angles about x, then y, then z of the inferior vertebra: the first carries the
+        // load.
         let turned = below.transpose()
             * above
             * analysis.movement.spine.joints[j].inferior_from_superior.transpose();
@@ -159,7 +161,7 @@ fn a_loaded_shape_is_in_equilibrium_at_every_joint() {
         // Flexion and axial hinges are locked.
         assert!(y.abs() < 1e-9 && z.abs() < 1e-9, "joint {j}: {y} {z}");
         let in_below = below.transpose() * carried;
-        // A thousandth of a N·mm beside thousands.
+        // A thousandth of a N·mm, beside thousands.
         assert!((in_below.x - x * spring[0]).abs() < 1e-3, "joint {j}");
     }
 }
@@ -176,7 +178,7 @@ fn invalid_loads_are_refused_with_a_message() {
         assert!(body["help"].as_str().is_some_and(|help| !help.is_empty()));
     }
     let unknown = json!({ "kind": "iliac_line", "level": "T5", "tip_mm": [0.0, 0.0, 0.0] });
-    assert_eq!(running.ask("POST", "/api/studies/nobody/load", Some(&unknown)).0, 404);
+    assert_eq!(running.ask("POST", "/api/studies/S9/load", Some(&unknown)).0, 404);
 }
 
 #[test]

@@ -1,4 +1,4 @@
-//! Model options: every result of a study is that of the library with them.
+//! Model options: every result of a study equals the library's result with these options.
 
 use axum::http::StatusCode;
 use serde_json::{Value, json};
@@ -13,7 +13,7 @@ use super::server::{Running, add_read_study, name, phantom, serve};
 use crate::browser::App;
 
 const OPTIONS: &str = "/api/studies/S1/options";
-/// JSON keeps doubles to the last bit; what is left is the order of sums.
+/// JSON keeps doubles exactly; only the order of sums differs.
 const SAME_MM: f64 = 1e-9;
 
 fn change(revision: u64, options: &[(&str, &str)]) -> Value {
@@ -153,7 +153,7 @@ fn a_file_and_lines_of_ones_own_are_kept_used_and_named() {
     let model = running.get("/api/studies/S1/model");
     assert_eq!(model["lines"][3]["kind"], "given_line");
 
-    // The name of the file stays with the text that it had.
+    // The name of the file stays with its text.
     let (status, again) = put(&running, &change(1, &[("support", "free")]));
     assert_eq!((status, &option(&again, "stiffness")["value"]), (200, &json!(shown)), "{again}");
     for (name, value) in [("stiffness", "{}"), ("rotation_prior", "{}"), ("support", "free")] {
@@ -197,5 +197,5 @@ fn only_editors_change_options() {
     assert_eq!(reader.put(path, &body).status, StatusCode::FORBIDDEN);
     assert_eq!(app.account("editor").put(path, &body).json()["revision"], 1);
     assert_eq!(reader.get(path).json()["changed_text"], "Support: free");
-    assert_eq!(app.account("nobody").get(path).status, StatusCode::NOT_FOUND);
+    assert_eq!(app.account("ungranted").get(path).status, StatusCode::NOT_FOUND);
 }

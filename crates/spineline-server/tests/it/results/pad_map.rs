@@ -1,4 +1,4 @@
-//! Pads in the background: progress, cancel, and a map whose pads do what it says.
+//! Pads in the background: progress, cancel, and a map whose numbers hold when its pads are applied.
 
 use axum::http::StatusCode;
 use serde_json::{Value, json};
@@ -35,7 +35,7 @@ fn pads_are_tried_shown_and_cancelled() {
     let best = best_cell(&done);
     check_cell(&lead, &best, &[]);
 
-    // The next one beside the first.
+    // The next pad beside the first one.
     let first = best["load"].clone();
     let request = json!({ "largest_force": 20.0, "force_per_mm": 2.0, "beside": [first] });
     assert_eq!(lead.post(PATH, &request).status, StatusCode::OK);
@@ -98,7 +98,7 @@ fn a_cancelled_map_shows_no_numbers() {
     assert_eq!(lead.post(PATH, &request).status, StatusCode::OK);
     assert_eq!(lead.delete(PATH).status, StatusCode::OK);
     let view = lead.ended(PATH);
-    // On a fast machine it may have been done before.
+    // On a fast machine it may have finished before.
     if view["state"] == "cancelled" {
         assert_eq!((&view["rows"], &view["columns"]), (&json!([]), &json!([])));
     } else {

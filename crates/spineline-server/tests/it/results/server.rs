@@ -110,7 +110,7 @@ pub fn add_read_study(store: &mut Store, study: &str, case: &Case) {
     }
 }
 
-/// Records events on a reading without any; says how many.
+/// Records events on an empty reading; returns their number.
 pub fn record(store: &mut Store, reading: ReadingId, events: &[Event], by: &Signature) -> u64 {
     for (revision, event) in (0..).zip(events) {
         store.record(reading, event, revision, by).expect("a sound event");
@@ -152,7 +152,7 @@ pub fn vertebra(level: Level, landmark: &VertebraLandmarks) -> Vec<Event> {
     events
 }
 
-/// The one reading of a film of a case.
+/// The only reading of a film of a case.
 pub fn reading_of(case: &Case, posture: Posture) -> (&Film, &Reading<VertebraLandmarks>) {
     let film = case.films.iter().find(|film| film.posture == posture).expect("its film");
     let FilmLandmarks::Corners { readings, .. } = &film.landmarks else { panic!("landmarks") };
@@ -164,7 +164,7 @@ pub fn assert_numbers(value: &Value, place: &str) {
     match value {
         Value::Array(items) => {
             for (i, item) in items.iter().enumerate() {
-                assert!(!item.is_null(), "{place}/{i} is no number");
+                assert!(!item.is_null(), "{place}/{i} is not a number");
                 assert_numbers(item, &format!("{place}/{i}"));
             }
         }

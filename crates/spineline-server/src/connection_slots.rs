@@ -1,5 +1,6 @@
-//! Places of connections. Nobody knows whose a connection is before its first request, so that strangers cannot be turned
-//! away at the door: where their places are taken, a connection of the address that has most of them is closed for the newest.
+//! Slots for connections. The user of a connection is unknown before its first request, so strangers cannot be refused
+//! at once: if their slots are full, the oldest connection of the address with most connections is closed for a new
+//! one.
 
 use std::collections::BTreeMap;
 use std::net::IpAddr;
@@ -12,7 +13,7 @@ use crate::limits::Shares;
 
 /// All places.
 #[derive(Clone)]
-pub struct Seats {
+pub struct ConnectionSlots {
     shares: Shares,
     taken: Arc<Mutex<Taken>>,
 }
@@ -20,9 +21,9 @@ pub struct Seats {
 #[derive(Default)]
 struct Taken {
     next: u64,
-    /// Connections on which nobody has been signed in, oldest first.
+    /// Connections without a signed-in user, oldest first.
     strangers: BTreeMap<u64, Stranger>,
-    /// Who was signed in on the others.
+    /// Users of the other connections.
     users: BTreeMap<u64, Name>,
 }
 
@@ -47,22 +48,22 @@ impl Taken {
 }
 
 /// The place of one connection, until it is dropped.
-pub struct Seat {
-    seats: Seats,
+pub struct ConnectionSlot {
+    slots: ConnectionSlots,
     number: u64,
     address: Option<IpAddr>,
     closed: Arc<Notify>,
 }
 
-/// What the requests of a connection know of its place.
+/// The slot, for the requests of its connection.
 #[derive(Clone)]
-pub struct SeatOf {
-    seats: Seats,
+pub struct RequestSlot {
+    slots: ConnectionSlots,
     number: u64,
     address: Option<IpAddr>,
 }
 
-impl Seats {
+impl ConnectionSlots {
     pub fn new(shares: Shares) -> Self {
         Self { shares, taken: Arc::default() }
     }
@@ -71,8 +72,8 @@ impl Seats {
         self.taken.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// A place for a new connection from an address.
-    pub fn take(&self, address: Option<IpAddr>) -> Seat {
+    /// A slot for a new connection from an address.
+    pub fn take(&self, address: Option<IpAddr>) -> ConnectionSlot {
         let mut taken = self.taken();
         while taken.strangers.len() >= self.shares.strangers.max(1) {
             if let Some(oldest) = taken.pop_stranger() {
@@ -82,40 +83,40 @@ impl Seats {
         let (number, closed) = (taken.next, Arc::new(Notify::new()));
         taken.next += 1;
         taken.strangers.insert(number, Stranger { address, closed: Arc::clone(&closed) });
-        Seat { seats: self.clone(), number, address, closed }
+        ConnectionSlot { slots: self.clone(), number, address, closed }
     }
 }
 
-impl Seat {
-    /// Ends when the place is needed for another connection.
+impl ConnectionSlot {
+    /// Ends when the slot is needed for another connection.
     pub async fn closed(&self) {
         self.closed.notified().await;
     }
 
-    pub fn for_requests(&self) -> SeatOf {
-        SeatOf { seats: self.seats.clone(), number: self.number, address: self.address }
+    pub fn for_requests(&self) -> RequestSlot {
+        RequestSlot { slots: self.slots.clone(), number: self.number, address: self.address }
     }
 }
 
-impl Drop for Seat {
+impl Drop for ConnectionSlot {
     fn drop(&mut self) {
-        let mut taken = self.seats.taken();
+        let mut taken = self.slots.taken();
         taken.strangers.remove(&self.number);
         taken.users.remove(&self.number);
     }
 }
 
-impl SeatOf {
-    /// Where the connection comes from.
+impl RequestSlot {
+    /// The address of the connection.
     pub fn address(&self) -> Option<IpAddr> {
         self.address
     }
 
-    /// Somebody who is signed in uses this connection: it is closed for no stranger, while there are places for users and
-    /// this one has not taken a share of them.
+    /// Marks this connection as a signed-in user's: it is not closed for strangers, as long as slots for users and the
+    /// user's share allow it.
     pub fn keep(&self, who: &Name) {
-        let mut taken = self.seats.taken();
-        let room = self.seats.shares.users;
+        let mut taken = self.slots.taken();
+        let room = self.slots.shares.users;
         let own = taken.users.values().filter(|user| *user == who).count();
         if taken.users.len() < room.all
             && own < room.each
@@ -128,7 +129,7 @@ impl SeatOf {
 
 #[cfg(test)]
 mod tests {
-    use super::{IpAddr, Name, Seat, Seats, Shares};
+    use super::{ConnectionSlot, ConnectionSlots, IpAddr, Name, Shares};
     use crate::limits::Places;
 
     const USERS: Places = Places { all: 3, each: 1 };
@@ -137,41 +138,41 @@ mod tests {
         Name::new(text).expect("a name")
     }
 
-    async fn is_closed(seat: &Seat) -> bool {
+    async fn is_closed(slot: &ConnectionSlot) -> bool {
         tokio::select! {
             biased;
-            () = seat.closed() => true,
+            () = slot.closed() => true,
             () = std::future::ready(()) => false,
         }
     }
 
     #[tokio::test]
     async fn the_oldest_stranger_goes_and_no_user_does() {
-        let seats = Seats::new(Shares { users: USERS, strangers: 2 });
-        let user = seats.take(None);
+        let slots = ConnectionSlots::new(Shares { users: USERS, strangers: 2 });
+        let user = slots.take(None);
         user.for_requests().keep(&name("A"));
-        let strangers: Vec<Seat> = (0..4).map(|_| seats.take(None)).collect();
+        let strangers: Vec<ConnectionSlot> = (0..4).map(|_| slots.take(None)).collect();
         assert!(!is_closed(&user).await);
         let mut closed = Vec::new();
-        for seat in &strangers {
-            closed.push(is_closed(seat).await);
+        for slot in &strangers {
+            closed.push(is_closed(slot).await);
         }
         assert_eq!(closed, [true, true, false, false]);
         drop(strangers);
-        let (first, second) = (seats.take(None), seats.take(None));
+        let (first, second) = (slots.take(None), slots.take(None));
         assert!(!is_closed(&first).await && !is_closed(&second).await, "places come free");
         first.for_requests().keep(&name("A"));
-        assert_eq!(seats.taken().users.len(), 1, "one account takes its share only");
+        assert_eq!(slots.taken().users.len(), 1, "one account takes its share only");
         first.for_requests().keep(&name("B"));
-        assert_eq!(seats.taken().users.len(), 2);
+        assert_eq!(slots.taken().users.len(), 2);
     }
 
     #[tokio::test]
     async fn a_crowd_at_one_address_closes_its_own_connections() {
-        let seats = Seats::new(Shares { users: USERS, strangers: 3 });
+        let slots = ConnectionSlots::new(Shares { users: USERS, strangers: 3 });
         let address = |last: u8| Some(IpAddr::from([10, 0, 0, last]));
-        let alone = seats.take(address(1));
-        let crowd: Vec<Seat> = (0..6).map(|_| seats.take(address(2))).collect();
+        let alone = slots.take(address(1));
+        let crowd: Vec<ConnectionSlot> = (0..6).map(|_| slots.take(address(2))).collect();
         assert!(!is_closed(&alone).await);
         assert!(is_closed(&crowd[0]).await && !is_closed(&crowd[5]).await);
     }

@@ -1,4 +1,4 @@
-//! Where a request comes from: its address, and the accounts to which its browser signed in lately.
+//! The source of a request: its address, and the accounts to which its browser signed in lately.
 
 use std::net::{IpAddr, Ipv6Addr};
 use std::time::Duration;
@@ -9,33 +9,33 @@ use axum_extra::extract::CookieJar;
 use axum_extra::extract::cookie::{Cookie, SameSite};
 use spineline_store::Name;
 
+use crate::connection_slots::RequestSlot;
 use crate::guard_rate::Source;
 use crate::places::Whose;
 use crate::problem::Answer;
-use crate::seats::SeatOf;
 use crate::state::AppState;
 
-/// Header in which a proxy names the address that asked it, after those that it was told.
+/// Header in which a proxy appends the address of its client.
 const FORWARDED: &str = "x-forwarded-for";
-/// Most accounts that a browser is known for.
+/// Maximum number of accounts for which a browser is known.
 const MAX_DEVICES: usize = 8;
 
-/// How long browsers keep the proof; it is good for as long.
+/// How long browsers keep the proof, and how long it is valid.
 const DEVICE: Duration = Duration::from_secs(30 * 24 * 60 * 60);
 
-/// Where an attempt to sign in comes from.
+/// The source of an attempt to sign in.
 #[derive(Debug, Clone, Default)]
-pub struct Whence {
+pub struct RequestSource {
     address: Option<IpAddr>,
     /// Accounts to which this browser signed in lately, with its proofs.
     devices: Vec<(Name, String)>,
 }
 
-impl Whence {
-    /// Where a request of this address and head comes from.
+impl RequestSource {
+    /// The source of a request by its address and head.
     ///
     /// # Errors
-    /// Whatever keeps the store from reading.
+    /// Errors of reading the store.
     pub async fn of(
         state: &AppState,
         address: Option<IpAddr>,
@@ -67,7 +67,7 @@ impl Whence {
         device.map_or(Source::Address(self.address), |(_, proof)| Source::Device(proof.clone()))
     }
 
-    /// Whose share of places its requests take, and whether the browser is known.
+    /// Owner of the share of places for its requests, and whether the browser is known.
     pub fn whose(&self) -> (Whose, bool) {
         match self.devices.first() {
             Some((name, _)) => (Whose::Account(name.clone()), true),
@@ -76,20 +76,20 @@ impl Whence {
     }
 }
 
-/// The address of who asks, without the part that one person can choose freely. With `--https` a proxy is in between, and says it.
+/// The client's address, without the part that one person can choose freely. With `--https` a proxy reports it.
 pub fn address(state: &AppState, request: &Request) -> Option<IpAddr> {
     let forwarded = state.options().https.then(|| forwarded(request.headers())).flatten();
-    let peer = || request.extensions().get::<SeatOf>().and_then(SeatOf::address);
+    let peer = || request.extensions().get::<RequestSlot>().and_then(RequestSlot::address);
     forwarded.or_else(peer).map(network)
 }
 
-/// The last address of the last header: those before it may come from the asker.
+/// The last address of the last header: the client may forge those before it.
 fn forwarded(headers: &HeaderMap) -> Option<IpAddr> {
     let last = headers.get_all(FORWARDED).iter().next_back()?.to_str().ok()?;
     last.rsplit(',').next()?.trim().parse().ok()
 }
 
-/// A person usually has 2^64 addresses of IPv6.
+/// One person usually has 2^64 addresses of IPv6.
 fn network(address: IpAddr) -> IpAddr {
     match address.to_canonical() {
         IpAddr::V6(address) => {

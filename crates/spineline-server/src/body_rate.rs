@@ -1,4 +1,4 @@
-//! Bodies that must arrive at a least pace. A limit of the pause between two pieces alone lets a body trickle for days.
+//! Bodies with a minimum rate. A limit of the pause between two pieces alone would let a body trickle for days.
 
 use std::pin::Pin;
 use std::task::{Context, Poll};
@@ -7,7 +7,7 @@ use axum::body::{Body, Bytes, HttpBody};
 use hyper::body::{Frame, SizeHint};
 use tokio::time::{Instant, Sleep, sleep_until};
 
-use crate::limits::Pace;
+use crate::limits::BodyRate;
 
 /// Why a body was given up.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -21,30 +21,30 @@ impl std::fmt::Display for TooSlow {
 
 impl std::error::Error for TooSlow {}
 
-/// A body with the time that it has left. Its time begins when somebody first asks for it.
-pub struct Paced {
+/// A body with its remaining time, which starts at the first poll.
+pub struct TimedBody {
     body: Body,
-    pace: Pace,
+    rate: BodyRate,
     begun: Option<Instant>,
     received: u64,
     alarm: Pin<Box<Sleep>>,
 }
 
-impl Paced {
-    pub fn new(body: Body, pace: Pace) -> Self {
+impl TimedBody {
+    pub fn new(body: Body, rate: BodyRate) -> Self {
         let alarm = Box::pin(sleep_until(Instant::now()));
-        Self { body, pace, begun: None, received: 0, alarm }
+        Self { body, rate, begun: None, received: 0, alarm }
     }
 
-    /// When what has arrived is too little.
+    /// When the received part is too small.
     fn deadline(&mut self) -> Instant {
         let begun = *self.begun.get_or_insert_with(Instant::now);
-        let earned_ms = self.received.saturating_mul(1000) / self.pace.bytes_per_s.max(1);
-        begun + self.pace.grace + std::time::Duration::from_millis(earned_ms)
+        let earned_ms = self.received.saturating_mul(1000) / self.rate.bytes_per_s.max(1);
+        begun + self.rate.grace + std::time::Duration::from_millis(earned_ms)
     }
 }
 
-impl HttpBody for Paced {
+impl HttpBody for TimedBody {
     type Data = Bytes;
     type Error = axum::Error;
 
@@ -84,7 +84,7 @@ mod tests {
     use tokio_stream::StreamExt;
     use tokio_stream::wrappers::IntervalStream;
 
-    use super::{Pace, Paced};
+    use super::{BodyRate, TimedBody};
 
     /// Whether a body of 100 pieces, one a second, arrives. Time is simulated.
     async fn arrives(piece: &'static [u8], bytes_per_s: u64) -> bool {
@@ -92,8 +92,8 @@ mod tests {
         let body = Body::from_stream(
             seconds.map(move |_| Ok::<_, std::convert::Infallible>(Bytes::from_static(piece))),
         );
-        let pace = Pace { grace: Duration::from_secs(10), bytes_per_s };
-        to_bytes(Body::new(Paced::new(body, pace)), usize::MAX).await.is_ok()
+        let rate = BodyRate { grace: Duration::from_secs(10), bytes_per_s };
+        to_bytes(Body::new(TimedBody::new(body, rate)), usize::MAX).await.is_ok()
     }
 
     #[tokio::test(start_paused = true)]
