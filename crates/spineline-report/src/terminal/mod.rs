@@ -113,7 +113,7 @@ fn words(text: &str) -> impl Iterator<Item = &str> {
     text.split(ends).filter(|word| !word.is_empty())
 }
 
-/// Breaks plain text into one or more lines of at most `width` columns. A longer word has its own line. The heads of narrow
+/// Breaks plain text into one or more lines of at most `width` columns. A longer word stands alone on a line. The heads of narrow
 /// columns may break after hyphens too. A no-break space becomes a space.
 fn wrapped(text: &str, width: usize, at_hyphens: bool) -> Vec<String> {
     let mut lines = vec![String::new()];
