@@ -17,7 +17,6 @@ mod hypotheses;
 pub mod loaded_tables;
 mod loaded_words;
 mod markdown;
-pub mod number;
 pub mod paper;
 pub mod patient;
 mod phrases;

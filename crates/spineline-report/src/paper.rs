@@ -23,7 +23,7 @@ impl PaperMean {
 
 impl fmt::Display for PaperMean {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(&crate::number::with_sd(self.mean, self.sd, self.places))
+        f.write_str(&spineline::number::with_sd(self.mean, self.sd, self.places))
     }
 }
 

@@ -4,8 +4,8 @@ use spineline::action::LineKind;
 use spineline::analysis::{Analysis, FilmMovement, FilmRole, FreeNumbers};
 use spineline::measure::SpacingPlane;
 
-pub use crate::number::none;
-use crate::number::{fixed, interval};
+pub use spineline::number::none;
+use spineline::number::{fixed, interval};
 
 /// The lines of action that every patient with a bend is fitted with.
 pub const LINES: [LineKind; 3] = [LineKind::Inflection, LineKind::Iliac, LineKind::Estimated];

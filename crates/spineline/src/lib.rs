@@ -135,6 +135,7 @@ pub(crate) mod least_squares;
 pub mod measure;
 pub mod motion;
 pub mod multibody;
+pub mod number;
 pub mod personalize;
 pub mod prelude;
 pub mod reliability;

@@ -12,6 +12,7 @@ const ORDERS: [(&str, &[&str]); 2] = [
     (
         "spineline",
         &[
+            "number",
             "anatomy",
             "spatial",
             "fault",

@@ -10,8 +10,8 @@ use super::movement::tested;
 
 use crate::document::{Column, Figure, Notice, NoticeKind, Section, Table};
 use crate::figures::{self, LocationErrorSample};
-use crate::number::p_value;
 use crate::phrases::{FITTED, HELD_OUT, LEFT_OUT, line_in_short, none, numbers, with_interval};
+use spineline::number::p_value;
 
 const NO_MODEL: &str = "No patient has a personalised model.";
 

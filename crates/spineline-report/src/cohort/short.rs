@@ -9,8 +9,8 @@ use spineline::warning::counted;
 
 use super::by_patient::{PatientRow, outcomes};
 use crate::document::{Column, Section, Table};
-use crate::number::p_value;
 use crate::phrases::with_interval;
+use spineline::number::p_value;
 
 /// Patients in the table of a terminal.
 const MOST_PATIENTS: usize = 20;

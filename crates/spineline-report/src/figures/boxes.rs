@@ -8,8 +8,8 @@ use super::panel::{Axis, Panel, Ticks};
 use super::style::{
     BLACK, Ink, Marker, Shape, TICK_PX, VERMILLION, WHITE, outlined, text, text_width_px, wrapped,
 };
-use crate::number::fixed;
 use crate::paper::PaperMean;
+use spineline::number::fixed;
 
 /// The rule of all box charts, by [`box_summary`].
 pub const RULE: &str = "Boxes: quartiles and median; whiskers: last values within 1.5 IQR of the box; \

@@ -1,7 +1,8 @@
 //! The line of best fit to the rotations of every film, beside the line through the inflections.
 
 use spineline::action::LineKind;
-use spineline::analysis::{Analysis, FilmMovement, LineCrossing, PreferredLine, probability};
+use spineline::analysis::{Analysis, FilmMovement, LineCrossing, PreferredLine};
+use spineline::number::probability;
 use spineline::personalize::Crossing;
 use spineline::spatial::Frontal;
 

@@ -1,10 +1,11 @@
 //! Results from the films: landmarks, curve, movement, and line of action.
 
-use spineline::analysis::{Analysis, FilmMovement, probability};
+use spineline::analysis::{Analysis, FilmMovement};
 use spineline::anatomy::Posture;
 use spineline::clinical::{Balance, ClinicalCurve, CobbEnds};
 use spineline::measure::{Interpolation, MeasuredVertebra};
 use spineline::motion::SegmentEstimate;
+use spineline::number::probability;
 use spineline::personalize::LineTest;
 use spineline::warning::counted;
 

@@ -7,7 +7,7 @@ use spineline::cohort::{ClaimVerdict, Cohort, LinePairTest, NEAR_SEGMENTS};
 use super::fair::{PAIRS, test};
 use super::numbers::percent;
 use super::{ScenarioResults, Scenarios};
-use crate::number::fixed;
+use spineline::number::fixed;
 
 /// The claims are numbered from one to this.
 pub(super) const CLAIMS: usize = 3;

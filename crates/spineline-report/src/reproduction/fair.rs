@@ -1,7 +1,7 @@
 //! Beyond the paper: the lines on the same films, including left-out bends, with patients as the unit.
 
 use spineline::action::LineKind;
-use spineline::analysis::{FilmRole, probability};
+use spineline::analysis::FilmRole;
 use spineline::cohort::{Cohort, ErrorKind, LinePairTest, PairedComparison, RoleErrors};
 use spineline::evaluate::Baseline;
 use spineline::multibody::Support;
@@ -9,8 +9,8 @@ use spineline::multibody::Support;
 use super::Columns;
 use super::numbers::{Cell, PaperNumber, Part, ours};
 use super::sections::support_words;
-use crate::number::{interval, signed};
 use crate::phrases::{LINES, line_in_short};
+use spineline::number::{interval, probability, signed};
 
 /// The pairs of lines that are compared.
 pub(super) const PAIRS: [[LineKind; 2]; 3] = [

@@ -1,15 +1,14 @@
 //! One number of the paper, our number, and their comparison in words.
 
-use spineline::analysis::probability;
 use spineline::cohort::Cohort;
 use spineline::evaluate::statistics::{PairedT, Summary};
 use spineline::multibody::Support;
 use spineline::personalize::TestOutcome;
 
 use super::Columns;
-use crate::number::{fixed, times, with_sd};
 use crate::paper::PaperMean;
 use crate::phrases::none;
+use spineline::number::{fixed, probability, times, with_sd};
 
 /// Numbers under one heading.
 #[derive(Debug, Clone)]
@@ -192,7 +191,7 @@ pub(super) fn test_verdict(paper_rejects: bool, names: [&str; 3], ours: &[Cell; 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::number::NO_BREAK;
+    use spineline::number::NO_BREAK;
 
     fn cells(means: [f64; 3]) -> [Cell; 3] {
         means.map(|mean| Cell::value(mean, 1, String::new()))

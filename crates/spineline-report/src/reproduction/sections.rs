@@ -8,11 +8,11 @@ use super::numbers::{
     Cell, PaperNumber, Part, TEST_LEGEND, compared, ours, percent, ratio_legend, test_verdict,
 };
 use super::{Columns, Scenarios, fair};
-use crate::number::interval;
 use crate::paper::{
     INFLECTION_ROTATION_DEG, NEAR_SHARES_PERCENT, PaperMean, fitted_location_error_mm,
     held_out_location_error_mm,
 };
+use spineline::number::interval;
 
 /// Every number: the movement once, the models for both supports.
 #[must_use]

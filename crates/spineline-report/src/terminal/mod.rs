@@ -8,7 +8,7 @@ mod table;
 use unicode_width::UnicodeWidthStr;
 
 use crate::document::{Block, Document, Notice, Section};
-use crate::number::NO_BREAK;
+use spineline::number::NO_BREAK;
 
 pub use lines::{Lines, shown};
 pub use table::table;
@@ -162,7 +162,7 @@ mod tests {
 
     #[test]
     fn a_unit_stays_on_the_line_of_its_number() {
-        let text = format!("errors of {} on bends", crate::number::with_unit("12.1", "mm"));
+        let text = format!("errors of {} on bends", spineline::number::with_unit("12.1", "mm"));
         assert_eq!(wrapped(&plain(&text), 16, false), ["errors of", "12.1 mm on bends"]);
     }
 

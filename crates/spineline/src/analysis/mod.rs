@@ -49,7 +49,6 @@ pub use result::Analysis;
 pub use standing::{AxialSource, PitchSource};
 pub use template::{ProfileVertebra, TemplateError};
 pub(crate) use verdict::listed;
-pub use verdict::probability;
 
 use crate::anatomy::named;
 use crate::measure::{Film, LateralFilm};

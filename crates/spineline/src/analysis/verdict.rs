@@ -5,6 +5,7 @@ use super::{Analysis, FilmMovement, LineModel};
 use crate::action::LineKind;
 use crate::anatomy::Posture;
 use crate::evaluate::{Baseline, Simulation};
+use crate::number::probability;
 use crate::personalize::TestOutcome;
 use crate::warning::{Warning, WarningCode};
 
@@ -403,10 +404,4 @@ fn turning_sentence(posture: &FilmMovement) -> Option<String> {
     let same = joints.iter().filter(|joint| joint.rotation.side() == Some(side)).count();
     let name = bend_name(posture.outline.posture);
     Some(format!("In the {name} {same} of {} joints turn to the {side}.", joints.len()))
-}
-
-/// A p value as text, never as zero.
-#[must_use]
-pub fn probability(p: f64) -> String {
-    if p < 1e-4 { "< 0.0001".to_owned() } else { format!("= {p:.4}") }
 }

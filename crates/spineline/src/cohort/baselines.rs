@@ -9,10 +9,11 @@ use super::patients::Patients;
 use super::workers::OneThread;
 use super::{Clustered, PairedComparison};
 use crate::action::LineKind;
-use crate::analysis::{Analysis, FilmRole, listed, probability};
+use crate::analysis::{Analysis, FilmRole, listed};
 use crate::evaluate::Baseline;
 use crate::evaluate::statistics::Resampling;
 use crate::hypothesis::Hypothesis;
+use crate::number::probability;
 
 /// Location errors of a baseline over all films of a role.
 #[derive(Debug, Clone, PartialEq)]

@@ -4,8 +4,9 @@ use super::films::{chains_sentence, doubted_sentence};
 use super::{
     Cohort, ErrorKind, LineOutcomes, LinePairTest, LinesOverPatients, PairedComparison, RoleErrors,
 };
-use crate::analysis::{FilmRole, Ranking, listed, probability};
+use crate::analysis::{FilmRole, Ranking, listed};
 use crate::evaluate::statistics::PairedT;
+use crate::number::probability;
 use crate::personalize::SIGNIFICANCE;
 use crate::warning::counted;
 

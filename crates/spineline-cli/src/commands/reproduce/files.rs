@@ -3,9 +3,9 @@
 use serde::Serialize;
 use spineline::analysis::{Analysis, Case};
 use spineline::multibody::Support;
+use spineline::number::NO_BREAK;
 use spineline_files::{AnalysisFile, CaseFile, Provenance, Request};
 use spineline_phantom::Scenario;
-use spineline_report::number::NO_BREAK;
 use spineline_report::reproduction::Part;
 use spineline_tables::{ReproducedNumber, errors_table, reproduction_table};
 

@@ -1,8 +1,7 @@
-//! Numbers as text for people. Reports and the program's own texts write numbers by these functions.
-
-use spineline::analysis::probability;
+//! Numbers as text for people. Messages, reports and the program's own texts write numbers by these functions.
 
 /// Text in place of a missing number.
+#[must_use]
 pub fn none() -> String {
     "–".to_owned()
 }
@@ -45,7 +44,14 @@ pub fn interval([low, high]: [f64; 2], places: usize) -> String {
     format!("{} to {}", fixed(low, places), fixed(high, places))
 }
 
+/// A p value for a sentence, such as `= 0.0312` and `< 0.0001`: never zero.
+#[must_use]
+pub fn probability(p: f64) -> String {
+    if p < 1e-4 { "< 0.0001".to_owned() } else { format!("= {p:.4}") }
+}
+
 /// A p value for a cell, such as `0.0312` and `< 0.0001`; `–` where the test was not made.
+#[must_use]
 pub fn p_value(p: Option<f64>) -> String {
     p.map_or_else(none, |p| probability(p).trim_start_matches("= ").to_owned())
 }
