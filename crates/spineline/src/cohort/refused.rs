@@ -12,6 +12,8 @@ named! {
         Analysis = "analysis" as "the films could not be analysed",
         /// It was analysed, and cannot be counted beside the others.
         Counting = "counting" as "the case cannot be counted beside the others",
+        /// The run was interrupted before the case was begun.
+        Interruption = "interruption" as "the run was interrupted before the case",
     }
 }
 
