@@ -9,7 +9,7 @@ use crate::action::LineKind;
 use crate::anatomy::Posture;
 use crate::evaluate::{
     Baseline, BaselinePrediction, RotationPrior, Simulation, joint_rotations, predict_baseline,
-    predict_from_prior, published_lateral_bending,
+    predict_cubic, predict_from_prior, published_lateral_bending,
 };
 use crate::measure::Outline;
 use crate::multibody::Load;
@@ -240,15 +240,8 @@ impl LinesCompared {
         (!errors.is_empty()).then(|| errors.iter().sum::<f64>() / errors.len() as f64)
     }
 
-    /// The line with the smallest mean location error on bends that were left out, or else on neutral and traction films,
-    /// among those that take fewest numbers from a predicted film; with that role. `None` where no film was predicted.
-    #[must_use]
-    pub fn best_predictor(&self) -> Option<(LineKind, FilmRole)> {
-        let ranking = self.ranking()?;
-        Some((ranking.best().0, ranking.role))
-    }
-
-    /// The lines that [`Self::best_predictor`] chooses from, on the same films.
+    /// The lines that take fewest numbers from a predicted film, by their mean location error on the same films: bends that were left out,
+    /// or else neutral and traction films. `None` where no film was predicted.
     #[must_use]
     pub fn ranking(&self) -> Option<Ranking> {
         FilmRole::PREDICTED.into_iter().find_map(|role| self.ranked(role))
@@ -296,7 +289,7 @@ impl LinesCompared {
             .map(|(place, _)| place)
     }
 
-    /// Why [`Self::best_predictor`] chooses its line: its error, the error of the next line, and of the best prediction without
+    /// Why the first line of [`Self::ranking`] comes first: its error, the error of the next line, and of the best prediction without
     /// mechanics, in a sentence.
     #[must_use]
     pub fn choice_words(&self) -> Option<String> {
@@ -409,6 +402,7 @@ impl Analysis {
             .chain([(Baseline::PublishedMobility, published)])
             .map(|(baseline, pattern)| predict_baseline(baseline, &pattern, erect, film))
             .chain(self.predicted_from_priors(film))
+            .chain([predict_cubic(erect, film)])
             .collect()
     }
 

@@ -15,7 +15,7 @@ pub struct Headline {
     pub prediction: Option<String>,
     /// How many stiffness values the films identify; `None` without a model.
     pub stiffness: Option<String>,
-    /// The line of the model that these sentences are about.
+    /// The line of the model that these sentences are about ([`Analysis::choose_model`]).
     pub kind: Option<LineKind>,
 }
 
@@ -24,20 +24,19 @@ impl Analysis {
     #[must_use]
     pub fn headline(&self) -> Headline {
         let compared = self.comparison();
-        let Some(first) = self.models.first() else {
+        let chosen = self.choose_model();
+        let Some(model) = chosen.and_then(|chosen| self.model(chosen.kind)) else {
             let line = self.verdict().join(" ");
             return Headline { line, prediction: None, stiffness: None, kind: None };
         };
         let doubted = self.has_doubted_film().then(|| {
             "Check the films first: some may not show what they are named after.".to_owned()
         });
-        let kind = compared.best_predictor().map_or(first.kind, |(kind, _)| kind);
-        let model = self.model(kind).unwrap_or(first);
         Headline {
             line: doubted.or_else(|| self.lines_headline()).unwrap_or_default(),
             prediction: compared.prediction_headline(),
             stiffness: Some(self.identified_headline(model)),
-            kind: Some(kind),
+            kind: Some(model.kind),
         }
     }
 

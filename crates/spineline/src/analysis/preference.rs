@@ -135,7 +135,7 @@ pub(super) fn prefer_lines(
     }
     let Some(loads) = preferred_loads_near(movement, near) else {
         let text = "the estimation of the lines of best fit to the rotations did not converge, so no film has such a line and no line of action is tested";
-        warnings.push(WarningCode::OwnLinesNotFound, text);
+        warnings.push(WarningCode::PreferredLinesNotFound, text);
         return;
     };
     let inflections_mm2 = inflections_along_mm2(movement);

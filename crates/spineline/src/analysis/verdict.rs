@@ -257,12 +257,14 @@ impl LinesCompared {
         found.sort_by(|a, b| a.0.total_cmp(&b.0));
         let (with_tilt, found): (Vec<_>, Vec<_>) =
             found.into_iter().partition(|(_, one)| one.knows_tilt());
-        let parts: Vec<String> =
-            found.iter().map(|(mm, baseline)| format!("{baseline} {mm:.1} mm")).collect();
-        let tilt = with_tilt
-            .first()
-            .map_or_else(String::new, |(mm, _)| format!(", and with T2's tilt too {mm:.1} mm"));
-        (!parts.is_empty()).then(|| format!("; without mechanics: {}{tilt}", listed(&parts)))
+        let words = |found: &[(f64, Baseline)]| {
+            let parts: Vec<String> =
+                found.iter().map(|(mm, baseline)| format!("{baseline} {mm:.1} mm")).collect();
+            listed(&parts)
+        };
+        let tilt =
+            if with_tilt.is_empty() { String::new() } else { format!("; {}", words(&with_tilt)) };
+        (!found.is_empty()).then(|| format!("; without mechanics: {}{tilt}", words(&found)))
     }
 
     /// Mean location errors by line, the smallest first, each over the films on which the line has a result; `None` where no

@@ -195,16 +195,17 @@ impl BaselinesOverPatients {
         found.sort_by(|a, b| a.mean_mm().total_cmp(&b.mean_mm()));
         let (with_tilt, found): (Vec<_>, Vec<_>) =
             found.into_iter().partition(|one| one.baseline.knows_tilt());
-        let parts: Vec<String> =
-            found.iter().map(|one| format!("{} {:.1} mm", one.baseline, one.mean_mm())).collect();
+        let words = |one: &&BaselineErrors| format!("{} {:.1} mm", one.baseline, one.mean_mm());
+        let parts: Vec<String> = found.iter().map(words).collect();
         let films = films_words(role);
         let mut all = vec![format!("{films}, predicted without mechanics: {}.", listed(&parts))];
-        all.extend(with_tilt.first().map(|one| {
-            format!(
-                "With T2's tilt as well as its location, the distribution of rotations predicts them to {:.1} mm; no line is compared with it, since a line knows T2's location alone.",
-                one.mean_mm()
-            )
-        }));
+        let with_tilt: Vec<String> = with_tilt.iter().map(words).collect();
+        if !with_tilt.is_empty() {
+            all.push(format!(
+                "No line is compared with predictions that know T2's tilt, since a line knows T2's location alone: {}.",
+                listed(&with_tilt)
+            ));
+        }
         let of_best = |test: &&BaselineTest| test.role == role && test.baseline == best.baseline;
         let tests: Vec<&BaselineTest> = self.tests.iter().filter(of_best).collect();
         all.extend(tests.iter().filter_map(|test| line_sentence(test)));

@@ -24,6 +24,8 @@ named! {
         RotationPrior = "rotation_prior" as "distribution of rotations",
         /// The distribution of joint rotations and, unlike all others, the tilt of T2 on the film.
         RotationPriorWithTilt = "rotation_prior_with_tilt" as "distribution of rotations with T2's tilt",
+        /// No spine: a cubic from L4 to T2 with the tilts of both, each vertebra at its part of the length on the erect film.
+        Cubic = "cubic" as "cubic from L4 to T2 with T2's tilt",
     }
 }
 
@@ -32,7 +34,7 @@ impl Baseline {
     /// the two are not compared.
     #[must_use]
     pub const fn knows_tilt(self) -> bool {
-        matches!(self, Self::RotationPriorWithTilt)
+        matches!(self, Self::RotationPriorWithTilt | Self::Cubic)
     }
 }
 
@@ -76,8 +78,13 @@ impl BaselinePrediction {
 /// Rotation of every joint from the erect film, caudal first; positive to the patient's right.
 #[must_use]
 pub fn joint_rotations(erect: &Outline, film: &Outline) -> Vec<Angle> {
-    let turn = |i: usize| film.vertebrae[i].tilt - erect.vertebrae[i].tilt;
-    (1..film.vertebrae.len()).map(|i| (turn(i) - turn(i - 1)).wrapped()).collect()
+    joint_rotations_of(erect, |i| film.vertebrae[i].tilt)
+}
+
+/// The same to a film by the tilts of its vertebrae.
+pub(super) fn joint_rotations_of(erect: &Outline, tilt: impl Fn(usize) -> Angle) -> Vec<Angle> {
+    let turn = |i: usize| tilt(i) - erect.vertebrae[i].tilt;
+    (1..erect.vertebrae.len()).map(|i| (turn(i) - turn(i - 1)).wrapped()).collect()
 }
 
 /// How far the top turns from the erect film against the base.
