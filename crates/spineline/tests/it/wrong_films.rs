@@ -77,7 +77,7 @@ fn a_bend_with_the_erect_films_landmarks_is_no_evidence() {
                 warnings.find(|one| one.code == WarningCode::BendKeepsShape).expect("seen above");
             assert_eq!(warning.code.severity(), Severity::Contradiction);
             let verdict = verdict(&analysis);
-            assert!(verdict.contains(&format!("The {bend} film may be a wrong one")), "{verdict}");
+            assert!(verdict.contains(&format!("The {bend} film may be wrong")), "{verdict}");
             assert!(verdict.contains("no result of this patient is evidence"), "{verdict}");
             assert!(!verdict.contains("are consistent with"), "{verdict}");
             let side = if bend == Posture::LeftBending { "left" } else { "right" };
