@@ -19,7 +19,7 @@ use crate::hypothesis::Hypothesis;
 pub struct BaselineErrors {
     /// The pattern of rotations.
     pub baseline: Baseline,
-    /// What the films were to the models.
+    /// Role of the films in the fits.
     pub role: FilmRole,
     /// Films that it predicts.
     pub films: usize,
@@ -34,7 +34,7 @@ pub struct BaselineTest<Model = LineKind> {
     pub model: Model,
     /// The baseline.
     pub baseline: Baseline,
-    /// What the films were to the models.
+    /// Role of the films in the fits.
     pub role: FilmRole,
     /// Films in the comparison.
     pub films: usize,
@@ -45,7 +45,7 @@ pub struct BaselineTest<Model = LineKind> {
 }
 
 impl<Model> BaselineTest<Model> {
-    /// What the test says of the model.
+    /// The outcome of the test for the model.
     #[must_use]
     pub fn outcome(&self) -> ComparisonOutcome {
         self.comparison.outcome(self.holm_p)
@@ -65,7 +65,7 @@ pub struct BaselinesOverPatients {
     pub errors: Vec<BaselineErrors>,
     /// By line, baseline and role: one family.
     pub tests: Vec<BaselineTest>,
-    /// By other load and base, baseline and role: one family; none where they were not requested.
+    /// By other load and base, baseline and role: one family; empty if not requested.
     pub hypothesis_tests: Vec<BaselineTest<Hypothesis>>,
 }
 
@@ -81,8 +81,8 @@ impl BaselinesOverPatients {
         }
     }
 
-    /// The models of one patient beside what is predicted without mechanics and without other patients: differences, with no
-    /// interval and no test.
+    /// The models of one patient beside what is predicted without mechanics and without other patients: differences, without
+    /// intervals and tests.
     #[must_use]
     pub fn of_patient(analysis: &Analysis) -> Self {
         let patient = &[CohortPatient::of(analysis)];
@@ -92,8 +92,8 @@ impl BaselinesOverPatients {
         Self::of(patient, &patients, &Vec::from_iter(kinds))
     }
 
-    /// The prediction without mechanics with the smallest error on the films of a role, of those that know no more of a
-    /// film than a line does.
+    /// The prediction without mechanics with the smallest error on the films of a role, among those that take no more numbers from a
+    /// film than a line.
     #[must_use]
     pub fn best(&self, role: FilmRole) -> Option<&BaselineErrors> {
         let fair = self.errors.iter().filter(|one| one.role == role && !one.baseline.knows_tilt());
@@ -135,7 +135,7 @@ fn errors(patients: &Patients<'_>) -> Vec<BaselineErrors> {
 /// The location errors of a model on a film of a patient; `None` where it has no result.
 type ErrorsOf<Model> = fn(&CohortPatient, u8, Model) -> Option<&[f64]>;
 
-/// All models against every baseline that knows no more of a film than they do, where they have a film in common, as one family.
+/// All models against every baseline that takes no more numbers from a film, where both predict a film, as one family.
 fn tests<Model: Copy + Sync>(
     models: &[Model],
     errors_mm: ErrorsOf<Model>,
@@ -181,7 +181,7 @@ fn tests<Model: Copy + Sync>(
 }
 
 impl BaselinesOverPatients {
-    /// What patterns of rotations predict without mechanics, and which lines predict better.
+    /// Errors of the predictions without mechanics, and the lines that predict better.
     #[must_use]
     pub fn sentences(&self) -> Vec<String> {
         FilmRole::PREDICTED.into_iter().flat_map(|role| self.of_role(role)).collect()
@@ -200,7 +200,7 @@ impl BaselinesOverPatients {
         let mut all = vec![format!("{films}, predicted without mechanics: {}.", listed(&parts))];
         all.extend(with_tilt.first().map(|one| {
             format!(
-                "With T2's tilt as well as its location, the distribution of rotations predicts them to {:.1} mm; no line is compared with it, since a line knows T2's location alone.",
+                "With T2's tilt as well as its location, the distribution of rotations predicts them to {:.1} mm; no line is compared with it, since a line uses only T2's location.",
                 one.mean_mm()
             )
         }));
@@ -209,7 +209,7 @@ impl BaselinesOverPatients {
         all.extend(tests.iter().filter_map(|test| line_sentence(test)));
         if !tests.is_empty() && !tests.iter().any(|test| test.is_better()) {
             all.push(format!(
-                "No line predicts them significantly better than {}: these films are no evidence that a prediction needs mechanics.",
+                "No line predicts them significantly better than {}: these films are not evidence that a prediction needs mechanics.",
                 best.baseline
             ));
         }
