@@ -53,7 +53,7 @@ fn bracketed_root(
             return Ok(Some(now));
         }
         if (high.at - low.at).abs() <= 4.0 * f64::EPSILON * at.abs() {
-            // A jump, as that of an angle past half a turn, changes the sign and is not a zero.
+            // A jump, as of an angle past half a turn, changes the sign and is not a zero.
             return Ok((now.value.abs() <= small).then_some(now));
         }
         if now.value * low.value > 0.0 {

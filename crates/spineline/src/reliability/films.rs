@@ -38,7 +38,7 @@ const ANGLES: [(&str, &str); 2] = [
 /// and limits of agreement describe the observers. Local quantities are added, from which the position along the
 /// spine and the film's frame have dropped out, and, but for the spacing, the patient's lateral tilt: their spread comes from the
 /// spine's shape, with which an ICC should compare the error. (A lateral step from vertebra to vertebra would
-/// still hold the lateral tilt: bends of both sides make it span 40 mm.) An error of these holds those of two or three vertebrae.
+/// still hold the lateral tilt: bends of both sides make it span 40 mm.) An error of these holds two or three vertebrae's errors.
 ///
 /// Subjects are nested: vertebrae in films, films in cases. An observer of the same name is one observer in all cases.
 /// Readings of one case that are given twice are left as they were first.
