@@ -1,4 +1,4 @@
-//! What a patient's analysis says in three sentences.
+//! The analysis of a patient in three sentences.
 
 use super::comparison::LinesCompared;
 use super::verdict::listed;
@@ -6,7 +6,7 @@ use super::{Analysis, Identification, LineModel};
 use crate::action::LineKind;
 use crate::personalize::TestOutcome;
 
-/// What an analysis says in short; [`Analysis::verdict`] has the evidence.
+/// An analysis in short; [`Analysis::verdict`] has the evidence.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Headline {
     /// How the bends test the lines; instead of this, what has to be checked first, or why the model is missing.
@@ -89,7 +89,7 @@ impl Analysis {
             0 => format!("With the {kind}, all {all} stiffness values are identified as ratios."),
             n if n == all => format!("With the {kind}, no stiffness value is identified."),
             n => format!(
-                "With the {kind}, {} of {all} stiffness values are identified as ratios; not that of {}.",
+                "With the {kind}, {} of {all} stiffness values are identified as ratios; not identified: {}.",
                 all - n,
                 listed(&unknown)
             ),

@@ -1,4 +1,4 @@
-//! Cases that were given and have no part in a cohort.
+//! Given cases that are not part of a cohort.
 
 use crate::anatomy::named;
 use crate::warning::counted;
@@ -17,7 +17,7 @@ named! {
     }
 }
 
-/// A case that was given and has no result. Every output of a cohort names it.
+/// A given case without a result. Every output of a cohort names it.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct RefusedCase {
     /// Name of its file, without folders.

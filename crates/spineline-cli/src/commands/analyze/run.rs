@@ -70,7 +70,7 @@ pub struct Analysed {
     row: Option<PatientRow>,
 }
 
-/// What the run keeps of the cases after their results are written.
+/// What a run keeps from cases after their results are written.
 pub struct Finished<'a> {
     asked: Asked<'a>,
     pub read: ReadCases,
