@@ -143,7 +143,7 @@ mod tests {
         assert_eq!(found(offset, 0.0, loaded, [-3.0, -1.0]), "1.0 to 3.0 mm right");
         let tilt = LoadedQuantity::LateralTilt;
         assert_eq!(found(tilt, 0.0, loaded, [1.0, 3.0]), "1.0° to 3.0° right");
-        assert_eq!(found(LoadedQuantity::Factor, 0.0, loaded, [-1.5, -1.0]), "-1.5000 to -1.0000");
+        assert_eq!(found(LoadedQuantity::Factor, 0.0, loaded, [-1.5, -1.0]), "−1.5000 to −1.0000");
     }
 
     #[test]
