@@ -8,6 +8,7 @@ import {
   recordEvents,
 } from "../api/readings";
 import type { Api } from "../api/types";
+import { fixed } from "../shell/number";
 import { keepingOf, keepsNothing, leftBehind, type ReadingKeeping } from "./keeping";
 import {
   fresh,
@@ -335,7 +336,7 @@ export class Marking {
     this.selected = landmark;
     if (!landmark) return;
     const place = placeOf(this.reading, landmark);
-    const at = place ? `, column ${place[0].toFixed(1)} px, row ${place[1].toFixed(1)} px` : "";
+    const at = place ? `, column ${fixed(place[0], 1)} px, row ${fixed(place[1], 1)} px` : "";
     this.said = `${wordsOf(landmark)}${at}`;
   }
 
