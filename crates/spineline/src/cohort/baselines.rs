@@ -13,7 +13,7 @@ use crate::analysis::{Analysis, FilmRole, listed};
 use crate::evaluate::Baseline;
 use crate::evaluate::statistics::Resampling;
 use crate::hypothesis::Hypothesis;
-use crate::number::probability;
+use crate::number::{fixed, probability, signed};
 
 /// Location errors of a baseline over all films of a role.
 #[derive(Debug, Clone, PartialEq)]
@@ -195,14 +195,16 @@ impl BaselinesOverPatients {
         found.sort_by(|a, b| a.mean_mm().total_cmp(&b.mean_mm()));
         let (with_tilt, found): (Vec<_>, Vec<_>) =
             found.into_iter().partition(|one| one.baseline.knows_tilt());
-        let parts: Vec<String> =
-            found.iter().map(|one| format!("{} {:.1} mm", one.baseline, one.mean_mm())).collect();
+        let parts: Vec<String> = found
+            .iter()
+            .map(|one| format!("{} {} mm", one.baseline, fixed(one.mean_mm(), 1)))
+            .collect();
         let films = films_words(role);
         let mut all = vec![format!("{films}, predicted without mechanics: {}.", listed(&parts))];
         all.extend(with_tilt.first().map(|one| {
             format!(
-                "With T2's tilt as well as its location, the distribution of rotations predicts them to {:.1} mm; no line is compared with it, since a line knows T2's location alone.",
-                one.mean_mm()
+                "With T2's tilt as well as its location, the distribution of rotations predicts them to {} mm; no line is compared with it, since a line knows T2's location alone.",
+                fixed(one.mean_mm(), 1)
             )
         }));
         let of_best = |test: &&BaselineTest| test.role == role && test.baseline == best.baseline;
@@ -227,7 +229,9 @@ impl BaselinesOverPatients {
         let of = |outcome: ComparisonOutcome| -> Vec<String> {
             let found = tests.iter().filter(|test| test.outcome() == outcome);
             found
-                .map(|test| format!("{} ({:+.1} mm)", test.model, test.comparison.mean_difference))
+                .map(|test| {
+                    format!("{} ({} mm)", test.model, signed(test.comparison.mean_difference, 1))
+                })
                 .collect()
         };
         let (worse, same) = (of(ComparisonOutcome::Worse), of(ComparisonOutcome::NoDifference));
@@ -258,11 +262,13 @@ fn line_sentence(test: &BaselineTest) -> Option<String> {
         ComparisonOutcome::NotTested => return None,
     };
     Some(format!(
-        "There the {} {verdict} {}: its error is {sense} by {:.1} mm (line minus baseline, 95 % interval over {} patients {low:.1} to {high:.1} mm; p {} after Holm's correction).",
+        "There the {} {verdict} {}: its error is {sense} by {} mm (line minus baseline, 95 % interval over {} patients {} to {} mm; p {} after Holm's correction).",
         test.model,
         test.baseline,
-        difference.abs(),
+        fixed(difference.abs(), 1),
         test.comparison.patients(),
+        fixed(low, 1),
+        fixed(high, 1),
         probability(test.holm_p?)
     ))
 }
