@@ -317,6 +317,10 @@ export function stepsAfter(
   return { undoable, redoable };
 }
 
+/** Column and row after the name of a landmark; empty without a place. */
+export const placeWords = (place: FilmPoint | null): string =>
+  place ? `, column ${fixed(place[0], 1)} px, row ${fixed(place[1], 1)} px` : "";
+
 /** Text of an event for the dialog on lost changes. */
 export function wordsOfEvent(event: Event): string {
   const at = (column: number, row: number): string => `(${fixed(column, 1)}, ${fixed(row, 1)}) px`;

@@ -8,7 +8,6 @@ import {
   recordEvents,
 } from "../api/readings";
 import type { Api } from "../api/types";
-import { fixed } from "../shell/number";
 import { keepingOf, keepsNothing, leftBehind, type ReadingKeeping } from "./keeping";
 import {
   fresh,
@@ -16,6 +15,7 @@ import {
   landmarksOf,
   missingCrest,
   placeOf,
+  placeWords,
   placing,
   remaining,
   round,
@@ -335,9 +335,7 @@ export class Marking {
   select(landmark: Landmark | null): void {
     this.selected = landmark;
     if (!landmark) return;
-    const place = placeOf(this.reading, landmark);
-    const at = place ? `, column ${fixed(place[0], 1)} px, row ${fixed(place[1], 1)} px` : "";
-    this.said = `${wordsOf(landmark)}${at}`;
+    this.said = `${wordsOf(landmark)}${placeWords(placeOf(this.reading, landmark))}`;
   }
 
   /** Whether a reported change is not known here. */
