@@ -29,6 +29,7 @@ mod weights;
 
 use spineline::anatomy::{ImageSide, Level};
 use spineline::measure::Corners;
+use spineline::number::fixed;
 use spineline::spatial::Pixel;
 
 use chain::{Chain, chain_of, doubts, peaks_of};
@@ -124,7 +125,11 @@ impl std::fmt::Display for Doubt {
             Self::CountFromAbove => f.write_str("the levels by a count from above differ"),
             Self::CountFromBelow => f.write_str("the levels by a count from below differ"),
             Self::OtherCount { probability } => {
-                write!(f, "the probability of these levels is only {:.0} %", 100.0 * probability)
+                write!(
+                    f,
+                    "the probability of these levels is only {} %",
+                    fixed(100.0 * probability, 0)
+                )
             }
             Self::MoreAbove => f.write_str("another vertebra may follow above"),
             Self::MoreBelow => f.write_str("another vertebra may follow below"),

@@ -2,6 +2,7 @@ use std::path::PathBuf;
 
 use spineline::analysis::CASE_ID_RULE;
 use spineline::anatomy::{Level, Posture, Region};
+use spineline::number::{fixed, scientific};
 
 /// Limits of the cranial distance from a vertebra's midpoint to its neighbour's, in mm: a fifth of a small child's distance and
 /// twice a tall adult's (assumption). Lengths in metres or in pixels are beyond them.
@@ -210,7 +211,8 @@ pub enum FileError {
     },
     /// Vertebrae of a model that are not where bodies of this size can be.
     #[error(
-        "{above} lies {cranial_mm:.3} mm cranial to {below}, along {below}'s axis; the limits are {} mm to {} mm for each vertebra of the way",
+        "{above} lies {} mm cranial to {below}, along {below}'s axis; the limits are {} mm to {} mm for each vertebra of the way",
+        fixed(*cranial_mm, 3),
         NEIGHBOURS_MM[0],
         NEIGHBOURS_MM[1]
     )]
@@ -252,7 +254,8 @@ pub enum FileError {
     },
     /// Axes of a vertebra that do not form a rotation.
     #[error(
-        "{level}: its axes depart from unit length and right angles by {departure:.2e}{}; a vertebra's pose needs a rotation",
+        "{level}: its axes depart from unit length and right angles by {}{}; a vertebra's pose needs a rotation",
+        scientific(*departure, 2),
         if *right_handed { "" } else { " and are left-handed" }
     )]
     ModelAxes {

@@ -1,4 +1,5 @@
 use serde::{Deserialize, Serialize};
+use spineline::number::fixed;
 
 use super::Attribute;
 
@@ -271,7 +272,7 @@ pub enum FilmError {
         signal: Option<i32>,
     },
     /// The decoder took too long.
-    #[error("the decoder exceeded its time limit of {limit_s:.1} s")]
+    #[error("the decoder exceeded its time limit of {} s", fixed(*limit_s, 1))]
     DecoderTimeout {
         /// The limit.
         limit_s: f64,

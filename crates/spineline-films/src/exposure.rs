@@ -5,6 +5,7 @@ use std::hash::{DefaultHasher, Hash, Hasher};
 
 use dicom_object::InMemDicomObject;
 use serde::{Deserialize, Serialize};
+use spineline::number::fixed;
 
 use super::Attribute;
 use super::element::Attributes;
@@ -57,8 +58,9 @@ impl fmt::Display for Exposures {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::OneFrame => f.write_str("the files have one Frame of Reference UID"),
-            Self::AtOnce(s) => write!(f, "the files have Acquisition Times {s:.0} s apart"),
-            Self::Apart(Some(s)) => write!(f, "the files have Acquisition Times {s:.0} s apart"),
+            Self::AtOnce(s) | Self::Apart(Some(s)) => {
+                write!(f, "the files have Acquisition Times {} s apart", fixed(*s, 0))
+            }
             Self::Apart(None) => f.write_str("the files have Acquisition Dates of different days"),
             Self::NotStated => f.write_str(
                 "the files have neither one Frame of Reference UID nor both an Acquisition Time that decides",

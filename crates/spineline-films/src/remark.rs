@@ -2,6 +2,7 @@ use std::borrow::Cow;
 use std::fmt;
 
 use serde::{Deserialize, Serialize};
+use spineline::number::fixed;
 
 use super::{Attribute, Resolution};
 
@@ -146,8 +147,8 @@ impl fmt::Display for FilmRemark {
             ),
             Self::UnequalResolution(resolution) => write!(
                 f,
-                "the file states {resolution}: its pixels are taken as {:.3} times as high as wide (--spacing COLUMN,ROW,PLANE states another spacing)",
-                resolution.pixel_aspect()
+                "the file states {resolution}: its pixels are taken as {} times as high as wide (--spacing COLUMN,ROW,PLANE states another spacing)",
+                fixed(resolution.pixel_aspect(), 3)
             ),
             Self::ResolutionNotUsed(resolution) => write!(
                 f,

@@ -4,6 +4,7 @@
 use std::fmt;
 
 use serde::{Deserialize, Serialize};
+use spineline::number::fixed;
 
 use super::FilmKind;
 
@@ -68,7 +69,11 @@ impl Resolution {
     /// The option that states such a resolution of a scan.
     pub(super) fn spacing_words(&self) -> String {
         self.pixel_mm().map_or_else(String::new, |[width, height]| {
-            format!(" (if this is the scanner's, give --spacing {width:.4},{height:.4},unknown)")
+            format!(
+                " (if this is the scanner's, give --spacing {},{},unknown)",
+                fixed(width, 4),
+                fixed(height, 4)
+            )
         })
     }
 

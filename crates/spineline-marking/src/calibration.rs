@@ -1,4 +1,5 @@
 use spineline::measure::{LengthScale, Spacing, SpacingPlane, SpacingSource};
+use spineline::number::fixed;
 use spineline::spatial::Pixel;
 
 spineline::named! {
@@ -71,7 +72,9 @@ pub enum CalibrationError {
     },
     /// A point that is not in the picture: it was taken in another one, such as a copy of another size.
     #[error(
-        "the point {:.1}, {:.1} lies outside of the {columns} × {rows} picture", point.column_px, point.row_px
+        "the point {}, {} lies outside of the {columns} × {rows} picture",
+        fixed(point.column_px, 1),
+        fixed(point.row_px, 1)
     )]
     OffPicture {
         /// Column and row of the point.
@@ -83,7 +86,9 @@ pub enum CalibrationError {
     },
     /// Points too close for their standard deviation.
     #[error(
-        "the two points are {apart_px:.1} pixels apart, and the minimum is {least_px:.1} (ten times their standard deviation)"
+        "the two points are {} pixels apart, and the minimum is {} (ten times their standard deviation)",
+        fixed(*apart_px, 1),
+        fixed(*least_px, 1)
     )]
     TooNear {
         /// Distance between the clicks, in widths of a pixel.

@@ -1,4 +1,5 @@
 use spineline::measure::{ImageGeometry, LengthScale};
+use spineline::number::{fixed, with_sd};
 use spineline::spatial::{Angle, Frontal, Pixel};
 
 use super::Calibration;
@@ -38,9 +39,9 @@ pub struct DrawnAngle {
 pub enum DrawnFault {
     /// An end beside the picture, or no number.
     #[error(
-        "an end at column {:.1}, row {:.1} lies outside of the {columns} × {rows} picture",
-        place.column_px,
-        place.row_px
+        "an end at column {}, row {} lies outside of the {columns} × {rows} picture",
+        fixed(place.column_px, 1),
+        fixed(place.row_px, 1)
     )]
     OffPicture {
         /// The end.
@@ -52,7 +53,9 @@ pub enum DrawnFault {
     },
     /// Ends too close for their standard deviation.
     #[error(
-        "the ends of a line are {apart_px:.1} pixels apart, and the minimum is {least_px:.1} (ten times the standard deviation of a click)"
+        "the ends of a line are {} pixels apart, and the minimum is {} (ten times the standard deviation of a click)",
+        fixed(*apart_px, 1),
+        fixed(*least_px, 1)
     )]
     TooNear {
         /// Distance between the ends, in widths of a pixel.
@@ -177,6 +180,6 @@ impl DrawnAngle {
     /// The angle in words: `23.4 ± 0.3°`.
     #[must_use]
     pub fn text(&self) -> String {
-        format!("{:.1} ± {:.1}°", self.angle.deg(), self.click_sd.deg())
+        format!("{}°", with_sd(self.angle.deg(), self.click_sd.deg(), 1))
     }
 }

@@ -17,6 +17,7 @@ use std::str::FromStr;
 
 use spineline::anatomy::{Level, Morphometry, UnknownLevel};
 use spineline::measure::Placement;
+use spineline::number::fixed;
 use spineline::spatial::Frontal;
 
 /// Distance of two neighbouring points above which the line between them is not known: more than one vertebra.
@@ -99,14 +100,20 @@ pub enum MidlineError {
     #[error("the cranial end of the midline is not above its caudal end")]
     Ends,
     /// The points run from the sacrum upwards.
-    #[error("the first point of the midline is lower than the last one by {lower_mm:.0} mm")]
+    #[error(
+        "the first point of the midline is lower than the last one by {} mm",
+        fixed(*lower_mm, 0)
+    )]
     UpsideDown {
         /// By how much.
         lower_mm: f64,
     },
     /// Its length cannot be that of a spine.
     #[error(
-        "the midline is {length_mm:.1} mm long, and between such ends {low_mm:.0} to {high_mm:.0} mm are expected"
+        "the midline is {} mm long, and between such ends {} to {} mm are expected",
+        fixed(*length_mm, 1),
+        fixed(*low_mm, 0),
+        fixed(*high_mm, 0)
     )]
     Length {
         /// Length along the line.
@@ -117,7 +124,13 @@ pub enum MidlineError {
         high_mm: f64,
     },
     /// Neighbouring points are too far apart.
-    #[error("points {} and {} of the midline are {gap_mm:.0} mm apart, and the limit is {limit_mm:.0} mm", after + 1, after + 2)]
+    #[error(
+        "points {} and {} of the midline are {} mm apart, and the limit is {} mm",
+        after + 1,
+        after + 2,
+        fixed(*gap_mm, 0),
+        fixed(*limit_mm, 0)
+    )]
     Gap {
         /// Index of the first of the two.
         after: usize,

@@ -11,6 +11,7 @@ use spineline::anatomy::{FilmView, Level, Side};
 use spineline::measure::{
     CornerFault, Corners, ImageGeometry, LevelStep, Origin, Placement, out_of_order_words,
 };
+use spineline::number::fixed;
 use spineline::spatial::{Angle, Frontal, Pixel};
 
 use super::body_neighbours::{Unlike, unlike_neighbours};
@@ -243,7 +244,8 @@ impl MarkingFault {
                 "front and back corners are exchanged in all {count} vertebrae: check which way the patient faces"
             ),
             (FilmView::Lateral, Self::Width { level, ratio }) => format!(
-                "{level} is {ratio:.1} times as deep as its neighbours: check that its corners are those of the vertebral body"
+                "{level} is {} times as deep as its neighbours: check that its corners are those of the vertebral body",
+                fixed(*ratio, 1)
             ),
             _ => self.to_string(),
         }
@@ -255,7 +257,9 @@ impl fmt::Display for MarkingFault {
         match self {
             Self::OffPicture { level, place: Pixel { column_px, row_px } } => write!(
                 f,
-                "{level}: a corner at column {column_px:.1}, row {row_px:.1} lies outside of the picture"
+                "{level}: a corner at column {}, row {} lies outside of the picture",
+                fixed(*column_px, 1),
+                fixed(*row_px, 1)
             ),
             Self::Corners { level, fault } => write!(f, "{level}: {fault}; {}", fault.help()),
             Self::NotConvex { level } => write!(
@@ -271,11 +275,13 @@ impl fmt::Display for MarkingFault {
             }
             Self::Distance { inferior, superior, ratio } => write!(
                 f,
-                "{inferior} and {superior} are {ratio:.1} times the expected distance for this spine apart: check that no vertebra was skipped or marked twice"
+                "{inferior} and {superior} are {} times the expected distance for this spine apart: check that no vertebra was skipped or marked twice",
+                fixed(*ratio, 1)
             ),
             Self::Width { level, ratio } => write!(
                 f,
-                "{level} is {ratio:.1} times as wide as its neighbours: check that its corners are those of the vertebral body"
+                "{level} is {} times as wide as its neighbours: check that its corners are those of the vertebral body",
+                fixed(*ratio, 1)
             ),
             Self::Tilt { level, step } => write!(
                 f,

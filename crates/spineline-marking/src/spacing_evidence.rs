@@ -1,6 +1,7 @@
 //! The spacing of a film from the attributes of its file; nothing is guessed.
 
 use spineline::measure::{Spacing, SpacingPlane, SpacingSource};
+use spineline::number::fixed;
 
 /// How Pixel Spacing was calibrated, where the file says so (DICOM 0028,0A02).
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -332,30 +333,36 @@ impl std::fmt::Display for SpacingRemark {
             }
             Self::Magnification { value, stated } => write!(
                 f,
-                "the magnification {} is {value:.3}, and should be above 1 and at most 2; it is not used",
-                if stated { "stated" } else { "from the distances" }
+                "the magnification {} is {}, and should be above 1 and at most 2; it is not used",
+                if stated { "stated" } else { "from the distances" },
+                fixed(value, 3)
             ),
             Self::MagnificationsDisagree { stated, by_distances } => write!(
                 f,
-                "the stated magnification {stated:.3} and the one from the distances {by_distances:.3} disagree; neither is used"
+                "the stated magnification {} and the one from the distances {} disagree; neither is used",
+                fixed(stated, 3),
+                fixed(by_distances, 3)
             ),
             Self::SpacingsDisagree { ratio } => write!(
                 f,
-                "the calibrated Pixel Spacing is {ratio:.3} times what Imager Pixel Spacing and magnification give; the calibrated one is used"
+                "the calibrated Pixel Spacing is {} times what Imager Pixel Spacing and magnification give; the calibrated one is used",
+                fixed(ratio, 3)
             ),
             Self::CalibratedAsImager => f.write_str(
                 "Pixel Spacing is labelled as calibrated but equals Imager Pixel Spacing: no magnification was corrected",
             ),
             Self::CorrectionNotStated { magnification } => write!(
                 f,
-                "Pixel Spacing is Imager Pixel Spacing divided by {magnification:.3}, without a stated reason"
+                "Pixel Spacing is Imager Pixel Spacing divided by {}, without a stated reason",
+                fixed(magnification, 3)
             ),
             Self::SupportNotSpine => f.write_str(
                 "the distances are those to the table or support, not to the spine: lengths are still a few percent larger than the patient's",
             ),
             Self::PixelSpacingPassedOver { ratio } => write!(
                 f,
-                "Pixel Spacing has no calibration type, is {ratio:.3} times what is used, and is not used"
+                "Pixel Spacing has no calibration type, is {} times what is used, and is not used",
+                fixed(ratio, 3)
             ),
             Self::PlaneNotStated => f.write_str(
                 "Pixel Spacing has no calibration type: its millimetres may be the detector's or the patient's",
@@ -365,15 +372,18 @@ impl std::fmt::Display for SpacingRemark {
             ),
             Self::ScannedFilm => f.write_str("lengths are those of the film that was scanned, not the patient's"),
             Self::NotSquare { aspect } => {
-                write!(f, "pixels are not square: {aspect:.3} times as high as wide")
+                write!(f, "pixels are not square: {} times as high as wide", fixed(aspect, 3))
             }
             Self::AspectsDisagree { by_spacing, stated } => write!(
                 f,
-                "pixels are {by_spacing:.3} times as high as wide by the spacing, and {stated:.3} times by Pixel Aspect Ratio or by the resolutions; angles depend on it"
+                "pixels are {} times as high as wide by the spacing, and {} times by Pixel Aspect Ratio or by the resolutions; angles depend on it",
+                fixed(by_spacing, 3),
+                fixed(stated, 3)
             ),
             Self::AspectAlone { aspect } => write!(
                 f,
-                "there is no usable spacing, but pixels are stated to be {aspect:.3} times as high as wide: angles are measured with that, and lengths are in pixels"
+                "there is no usable spacing, but pixels are stated to be {} times as high as wide: angles are measured with that, and lengths are in pixels",
+                fixed(aspect, 3)
             ),
             Self::UnusableAspect { aspect } => write!(
                 f,

@@ -6,6 +6,7 @@ use spineline::evaluate::Baseline;
 use spineline::hypothesis::{
     Hypothesis, HypothesisComparison, HypothesisScores, HypothesisSummary, Role, compare,
 };
+use spineline::number::{fixed, signed};
 
 use crate::document::{Column, Section, Table};
 use crate::phrases::{none, with_interval};
@@ -82,9 +83,9 @@ fn against_baselines(baselines: &BaselinesOverPatients, role: FilmRole) -> Optio
         table.row([hypothesis.to_string()].into_iter().chain(cells).collect());
     }
     table.note = format!(
-        "Location error, load minus prediction, on the films that both predict: below zero, the load is better. The best prediction without mechanics: {}, {:.1} mm. Better: significantly, after Holm's correction over these tests; worse: significantly, or with the whole interval above zero.",
+        "Location error, load minus prediction, on the films that both predict: below zero, the load is better. The best prediction without mechanics: {}, {} mm. Better: significantly, after Holm's correction over these tests; worse: significantly, or with the whole interval above zero.",
         best.baseline,
-        best.mean_mm()
+        fixed(best.mean_mm(), 1)
     );
     (!hypotheses.is_empty()).then_some(table)
 }
@@ -115,7 +116,7 @@ fn table(block: &HypothesisComparison, caption: String) -> Table {
 }
 
 fn row(summary: &HypothesisSummary) -> Vec<String> {
-    let number = |value: Option<f64>| value.map_or_else(none, |value| format!("{value:.1}"));
+    let number = |value: Option<f64>| value.map_or_else(none, |value| fixed(value, 1));
     let of = |values: &[Option<f64>], role: Role| {
         values[Role::ALL.iter().position(|one| *one == role).expect("it is one of all")]
     };
@@ -133,8 +134,8 @@ fn row(summary: &HypothesisSummary) -> Vec<String> {
         deg(Role::Fitted),
         deg(Role::LeftOut),
         number(summary.against),
-        format!("{:+.0}", summary.aicc_difference),
-        format!("{:+.0}", summary.bic_difference),
+        signed(summary.aicc_difference, 0),
+        signed(summary.bic_difference, 0),
         format!("{}, {}", summary.best_left_out, summary.best_aicc),
         summary.lost.to_string(),
     ]

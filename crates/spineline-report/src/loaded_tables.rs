@@ -4,6 +4,7 @@ use spineline::anatomy::Level;
 use spineline::clinical::{CurvePlaces, sacral_reference};
 use spineline::measure::Outline;
 use spineline::multibody::{Equilibrium, ForceSign, Goal, Loading, PathEnding, SpineModel};
+use spineline::number::{fixed, scientific};
 use spineline::response::{
     ActingKind, GoalEquilibrium, LoadedMeasure, LoadedQuantity, LoadedState, Response, Verdict,
     acting_loads, largest_displacement_mm, largest_hinge, loaded_measures,
@@ -53,23 +54,23 @@ impl LoadedTables<'_> {
         let mut table =
             Table::new("", vec![Column::words("Shape under load"), Column::words("Value")]);
         let mut add = |name: &str, value: String| table.row(vec![name.to_owned(), value]);
-        add("Factor of proportional loads", format!("{:.6}", result.factor));
+        add("Factor of proportional loads", fixed(result.factor, 6));
         let factor = (LoadedQuantity::Factor, LoadedState::Loaded);
         let interval = self.uncertainty.map(|found| interval_words(found, factor, ""));
         if let Some(interval) = interval.filter(|words| !words.is_empty()) {
             add(&format!("  {INTERVAL}"), interval);
         }
-        add("Largest displacement", format!("{moved_mm:.1} mm, at {}", levels[vertebra]));
+        add("Largest displacement", format!("{} mm, at {}", fixed(moved_mm, 1), levels[vertebra]));
         add(
             "Largest joint rotation",
-            format!("{:.1}° ({axis}, {}/{})", turn.abs().deg(), levels[joint], levels[joint + 1]),
+            format!("{} ({axis}, {}/{})", turn.abs(), levels[joint], levels[joint + 1]),
         );
-        add("Residual", format!("{:.0e} rad", result.residual_rad));
+        add("Residual", format!("{} rad", scientific(result.residual_rad, 0)));
         add(
             "Smallest singular value",
             format!(
-                "{:.3} (1 unloaded, 0 at a limit or branch point)",
-                result.smallest_singular_value
+                "{} (1 unloaded, 0 at a limit or branch point)",
+                fixed(result.smallest_singular_value, 3)
             ),
         );
         table
@@ -198,10 +199,10 @@ impl LoadedTables<'_> {
             };
             table.row(vec![
                 way.to_owned(),
-                format!("{:.6}", equilibrium.factor),
+                fixed(equilibrium.factor, 6),
                 equilibrium.limit_points.to_string(),
                 equilibrium.branch_points.to_string(),
-                format!("{:.1}°", largest_hinge(&equilibrium.deformed).2.abs().deg()),
+                largest_hinge(&equilibrium.deformed).2.abs().to_string(),
                 equilibrium.deformed.lateral_tilt().leaning(),
                 verdict_words(met).to_owned(),
             ]);
@@ -232,11 +233,11 @@ impl LoadedTables<'_> {
         let mut texts = vec![format!("{} · {meaning}", name.to_uppercase())];
         if let (None, Some(point)) = (self.response.result(), self.response.nearest()) {
             texts.push(format!(
-                "Nearest shape on the path: factor {:.4} of the {} loads, lateral tilt {}, largest joint rotation {:.1}°",
-                point.factor,
+                "Nearest shape on the path: factor {} of the {} loads, lateral tilt {}, largest joint rotation {}",
+                fixed(point.factor, 4),
                 point.timing.word(),
                 point.deformed.lateral_tilt().leaning(),
-                largest_hinge(&point.deformed).2.abs().deg()
+                largest_hinge(&point.deformed).2.abs()
             ));
         }
         texts
@@ -253,7 +254,10 @@ impl LoadedTables<'_> {
             signed.path.events.iter().map(move |event| {
                 let name = event.kind.key().replace('_', " ");
                 let (factor, timing) = (event.factor, event.timing.word());
-                format!("Event: {name} at a factor of {factor:.4} of the {timing} loads{way}")
+                format!(
+                    "Event: {name} at a factor of {} of the {timing} loads{way}",
+                    fixed(factor, 4)
+                )
             })
         });
         events.collect()

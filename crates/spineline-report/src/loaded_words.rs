@@ -1,6 +1,7 @@
 //! Numbers before and under loads as text: sides, never signs.
 
 use spineline::clinical::convex_side;
+use spineline::number::fixed;
 use spineline::response::{LoadedMeasure, LoadedQuantity, LoadedState};
 use spineline::spatial::{Angle, sideways_words};
 use spineline::uncertainty::LoadedUncertainty;
@@ -26,7 +27,7 @@ fn value_words(quantity: LoadedQuantity, value: f64) -> String {
         }
         LoadedQuantity::LateralTilt | LoadedQuantity::TopTilt => angle.leaning(),
         LoadedQuantity::TopOffset | LoadedQuantity::CoronalBalance => sideways_words(value),
-        LoadedQuantity::Factor => format!("{value:.6}"),
+        LoadedQuantity::Factor => fixed(value, 6),
     }
 }
 
@@ -75,9 +76,9 @@ pub(crate) fn interval_words(
         LoadedQuantity::Factor => ["", ""],
     };
     let (unit, size): (_, &dyn Fn(f64) -> String) = match quantity {
-        LoadedQuantity::Factor => ("", &|value| format!("{value:.4}")),
+        LoadedQuantity::Factor => ("", &|value| fixed(value, 4)),
         LoadedQuantity::TopOffset | LoadedQuantity::CoronalBalance => {
-            (" mm", &|mm| format!("{:.1}", mm.abs()))
+            (" mm", &|mm| fixed(mm.abs(), 1))
         }
         _ => ("", &size_words),
     };
@@ -142,7 +143,7 @@ mod tests {
         assert_eq!(found(offset, 0.0, loaded, [-3.0, -1.0]), "1.0 to 3.0 mm right");
         let tilt = LoadedQuantity::LateralTilt;
         assert_eq!(found(tilt, 0.0, loaded, [1.0, 3.0]), "1.0° to 3.0° right");
-        assert_eq!(found(LoadedQuantity::Factor, 0.0, loaded, [-1.5, -1.0]), "-1.5000 to -1.0000");
+        assert_eq!(found(LoadedQuantity::Factor, 0.0, loaded, [-1.5, -1.0]), "−1.5000 to −1.0000");
     }
 
     #[test]

@@ -2,6 +2,7 @@
 
 use spineline::cohort::{Clustered, LearnedRotations};
 use spineline::evaluate::{PriorSource, RotationPrior};
+use spineline::number::fixed;
 use spineline::spatial::Angle;
 use spineline::warning::counted;
 
@@ -19,10 +20,10 @@ pub fn summary(learned: &LearnedRotations, synthetic: bool, generator: &str) -> 
     let subject = match prior.source() {
         PriorSource::Published => "published".to_owned(),
         PriorSource::Learned { patients, bends, shrinkage } => format!(
-            "{}, {}, correlations reduced by {:.0} %",
+            "{}, {}, correlations reduced by {} %",
             counted(patients, "patient"),
             counted(bends, "bend"),
-            100.0 * shrinkage
+            fixed(100.0 * shrinkage, 0)
         ),
     };
     Document {
@@ -52,9 +53,9 @@ fn joints(prior: &RotationPrior) -> Table {
         let correlation = has_next.then(|| covariance[(joint, next)] / (sd(joint) * sd(next)));
         table.row(vec![
             format!("{inferior}/{superior}"),
-            format!("{:.1}", prior.mean()[joint].deg()),
-            format!("{:.1}", Angle::from_rad(sd(joint)).deg()),
-            correlation.map_or_else(none, |value| format!("{value:.2}")),
+            fixed(prior.mean()[joint].deg(), 1),
+            fixed(Angle::from_rad(sd(joint)).deg(), 1),
+            correlation.map_or_else(none, |value| fixed(value, 2)),
         ]);
     }
     table

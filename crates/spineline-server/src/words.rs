@@ -2,6 +2,7 @@
 
 use spineline::anatomy::{Level, Posture, Side};
 use spineline::measure::{ImageGeometry, Spacing, SpacingPlane, SpacingSource};
+use spineline::number::fixed;
 use spineline_store::CurrentCase;
 
 use crate::api::{PlaneName, Wire};
@@ -21,15 +22,19 @@ pub fn spacing_text(spacing: Option<Spacing>) -> String {
     let Some(spacing) = spacing else { return "no scale: angles only".to_owned() };
     if !spacing.has_millimetres() {
         let aspect = spacing.aspect();
-        return format!("no scale: angles only, with pixels {aspect:.3} times as high as wide");
+        return format!(
+            "no scale: angles only, with pixels {} times as high as wide",
+            fixed(aspect, 3)
+        );
     }
     let Spacing { column_mm, row_mm, plane, source, relative_sd } = spacing;
-    let mut text = format!("{column_mm:.3} mm × {row_mm:.3} mm, {}", plane.unit());
+    let mut text =
+        format!("{} mm × {} mm, {}", fixed(column_mm, 3), fixed(row_mm, 3), plane.unit());
     if source != SpacingSource::Stated {
         text.push_str(&format!(", {source}"));
     }
     if let Some(sd) = relative_sd {
-        text.push_str(&format!(" (± {:.1} %)", 100.0 * sd));
+        text.push_str(&format!(" (± {} %)", fixed(100.0 * sd, 1)));
     }
     text
 }

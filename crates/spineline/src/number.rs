@@ -7,7 +7,7 @@ pub fn none() -> String {
 }
 
 /// The sign of a negative number in text.
-const MINUS: char = '−';
+const MINUS: &str = "−";
 /// Keeps a number and its unit on one line.
 pub const NO_BREAK: char = '\u{a0}';
 
@@ -32,6 +32,16 @@ pub fn signed(value: f64, places: usize) -> String {
     if value.is_finite() && value > 0.0 && !is_zero(&text) { format!("+{text}") } else { text }
 }
 
+/// A very small or very large number with its exponent, such as `4.0e−13`; `–` for a value that is not finite.
+#[must_use]
+pub fn scientific(value: f64, places: usize) -> String {
+    if !value.is_finite() {
+        return none();
+    }
+    // A negative zero plus zero is zero.
+    format!("{:.places$e}", value + 0.0).replace('-', MINUS)
+}
+
 /// A mean with its standard deviation, such as `2.90 ± 0.64`.
 #[must_use]
 pub fn with_sd(mean: f64, sd: f64, places: usize) -> String {
@@ -47,7 +57,7 @@ pub fn interval([low, high]: [f64; 2], places: usize) -> String {
 /// A p value for a sentence, such as `= 0.0312` and `< 0.0001`: never zero.
 #[must_use]
 pub fn probability(p: f64) -> String {
-    if p < 1e-4 { "< 0.0001".to_owned() } else { format!("= {p:.4}") }
+    if p < 1e-4 { "< 0.0001".to_owned() } else { format!("= {}", fixed(p, 4)) }
 }
 
 /// A p value for a cell, such as `0.0312` and `< 0.0001`; `–` where the test was not made.
@@ -102,10 +112,19 @@ mod tests {
     }
 
     #[test]
+    fn an_exponent_has_a_minus_sign_and_no_hyphen() {
+        assert_eq!(scientific(4.04e-13, 1), "4.0e−13");
+        assert_eq!(scientific(-1_234_000.0, 2), "−1.23e6");
+        assert_eq!(scientific(-0.0, 0), "0e0");
+    }
+
+    #[test]
     fn what_is_missing_is_a_dash() {
         for missing in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
             assert_eq!((fixed(missing, 2), signed(missing, 0)), ("–".to_owned(), "–".to_owned()));
+            assert_eq!(scientific(missing, 2), "–");
         }
+        assert_eq!((p_value(None), p_value(Some(f64::NAN))), ("–".to_owned(), "–".to_owned()));
     }
 
     #[test]

@@ -1,14 +1,9 @@
 import type { Api } from "../api/types";
-
-const NUMBER = new Intl.NumberFormat("en-GB", { maximumSignificantDigits: 3 });
-
-/** A number as text. */
-export const short = (value: number | undefined): string =>
-  value === undefined ? "–" : NUMBER.format(value).replace("-", "−");
+import { threeDigits } from "../shell/number";
 
 /** A number with its unit; no space before a degree sign. */
 export const withUnit = (value: number | undefined, unit: string): string =>
-  unit === "°" ? `${short(value)}°` : `${short(value)} ${unit}`;
+  unit === "°" ? `${threeDigits(value)}°` : `${threeDigits(value)} ${unit}`;
 
 const BOX_HEIGHT_PX = 38;
 

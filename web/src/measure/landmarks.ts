@@ -1,4 +1,5 @@
 import type { Api } from "../api/types";
+import { fixed } from "../shell/number";
 import type { Way } from "./proposals";
 import { filmPoint, type FilmPoint } from "./viewport";
 
@@ -316,10 +317,13 @@ export function stepsAfter(
   return { undoable, redoable };
 }
 
+/** Column and row after the name of a landmark; empty without a place. */
+export const placeWords = (place: FilmPoint | null): string =>
+  place ? `, column ${fixed(place[0], 1)} px, row ${fixed(place[1], 1)} px` : "";
+
 /** Text of an event for the dialog on lost changes. */
 export function wordsOfEvent(event: Event): string {
-  const at = (column: number, row: number): string =>
-    `(${column.toFixed(1)}, ${row.toFixed(1)}) px`;
+  const at = (column: number, row: number): string => `(${fixed(column, 1)}, ${fixed(row, 1)}) px`;
   switch (event.kind) {
     case "place_corner":
     case "move_corner":
@@ -335,7 +339,7 @@ export function wordsOfEvent(event: Event): string {
     case "set_axis":
       return event.axis_deg === null || event.axis_deg === undefined
         ? `${event.level} – axis follows the corners`
-        : `${event.level} – axis rotated by hand to ${event.axis_deg.toFixed(1)}°`;
+        : `${event.level} – axis rotated by hand to ${fixed(event.axis_deg, 1)}°`;
     case "remove_vertebra":
       return `${event.level} removed`;
     case "place_iliac_crest":

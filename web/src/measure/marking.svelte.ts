@@ -15,6 +15,7 @@ import {
   landmarksOf,
   missingCrest,
   placeOf,
+  placeWords,
   placing,
   remaining,
   round,
@@ -334,9 +335,7 @@ export class Marking {
   select(landmark: Landmark | null): void {
     this.selected = landmark;
     if (!landmark) return;
-    const place = placeOf(this.reading, landmark);
-    const at = place ? `, column ${place[0].toFixed(1)} px, row ${place[1].toFixed(1)} px` : "";
-    this.said = `${wordsOf(landmark)}${at}`;
+    this.said = `${wordsOf(landmark)}${placeWords(placeOf(this.reading, landmark))}`;
   }
 
   /** Whether a reported change is not known here. */

@@ -1,4 +1,5 @@
 import type { Api } from "../api/types";
+import { fixed } from "../shell/number";
 
 /** What a scale decides of a film. */
 type Film = Pick<Api<"FilmSummary">, "rows" | "row_mm" | "pixel_aspect">;
@@ -31,8 +32,10 @@ export function movedText(
   after: Film,
   vertebrae: readonly Pick<Api<"VertebraView">, "corners">[],
 ): string {
-  const moved = (was: number | null, is: number | null, digits: number): string =>
-    `${was === null ? "unknown" : was.toFixed(digits)} → ${is === null ? "unknown" : is.toFixed(digits)} mm`;
+  const moved = (was: number | null, is: number | null, digits: number): string => {
+    const [from, to] = [was, is].map((mm) => (mm === null ? "unknown" : fixed(mm, digits)));
+    return `${from} → ${to} mm`;
+  };
   const height = ({ rows, row_mm }: Film): number | null => (row_mm ? rows * row_mm : null);
   const width = meanWidth_mm(after, vertebrae);
   return [

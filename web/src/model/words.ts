@@ -1,4 +1,5 @@
 import type { Api } from "../api/types";
+import { fixed } from "../shell/number";
 
 type Identified = Api<"Identified">;
 
@@ -22,14 +23,8 @@ export const identifiedWord = (identified: Identified): string => IDENTIFIED[ide
 /** Token of the colour of a line. */
 export const lineToken = (line: Api<"LineName">): string => LINE_TOKENS[line];
 
-const MILLIMETRES = new Intl.NumberFormat("en", {
-  minimumFractionDigits: 1,
-  maximumFractionDigits: 1,
-});
-const FACTOR = new Intl.NumberFormat("en", { minimumFractionDigits: 2, maximumFractionDigits: 2 });
-
 /** A length in the unit of the study; the reason for an absent one is shown beside it. */
 export const lengthText = (value_mm: number | null | undefined, unit: string): string =>
-  value_mm === null || value_mm === undefined ? "none" : `${MILLIMETRES.format(value_mm)} ${unit}`;
+  value_mm === null || value_mm === undefined ? "none" : `${fixed(value_mm, 1)} ${unit}`;
 
-export const factorText = (factor: number): string => `× ${FACTOR.format(factor)}`;
+export const factorText = (factor: number): string => `× ${fixed(factor, 2)}`;

@@ -8,6 +8,7 @@ use spineline::anatomy::{ImageSide, Posture};
 use spineline::measure::{
     Corners, Film, FilmLandmarks, ImageGeometry, Origin, Reading, ReadingId, VertebraLandmarks,
 };
+use spineline::number::fixed;
 use spineline::warning::counted;
 use spineline_detect::{DetectedVertebra, Detection, Picture, detect};
 use spineline_files::{CaseFile, FilmSource, sha256_hex, to_text};
@@ -217,9 +218,11 @@ fn add_summary(text: &mut Lines, film: &str, detection: &Detection) {
     };
     let (confidence, sd) = (mean(|one| one.confidence), mean(|one| one.sd_share));
     text.line(format!(
-        "{}: {}{range}; mean confidence {confidence:.0} %, standard deviation of a corner {sd:.0} % of a vertebral height",
+        "{}: {}{range}; mean confidence {} %, standard deviation of a corner {} % of a vertebral height",
         film,
-        counted(count, "level")
+        counted(count, "level"),
+        fixed(confidence, 0),
+        fixed(sd, 0)
     ));
     for doubt in doubts {
         text.line(format!("  check the levels: {doubt}"));

@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use serde_json::{Value, json};
+use spineline::number::fixed;
 use spineline_films::intake::{IntakeLimits, Place, read};
 use spineline_films::{FilmError, FilmFile, ModalityTransform, Voi, Window, WindowFunction};
 use spineline_marking::{judge_spacing, judge_view};
@@ -114,9 +115,9 @@ fn as_text(path: &Path, film: &FilmFile) -> Lines {
         "spacing",
         &match spacing.spacing {
             Some(s) => format!(
-                "columns {:.4}, rows {:.4} {}; {}",
-                s.column_mm,
-                s.row_mm,
+                "columns {}, rows {} {}; {}",
+                fixed(s.column_mm, 4),
+                fixed(s.row_mm, 4),
                 s.plane.unit(),
                 s.source
             ),

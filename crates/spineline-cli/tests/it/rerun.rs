@@ -85,7 +85,7 @@ fn changes_are_listed_with_their_place_and_set_the_exit_code() {
     assert_eq!(code, 4, "{text}");
     for word in [
         "chain.segment_mm",
-        "1.0e-6",
+        "1.0e−6",
         "sagittal_profile",
         "\"measured\"",
         "CHANGED",

@@ -4,6 +4,7 @@ use std::fs;
 use std::path::Path;
 
 use serde_json::{Value, json};
+use spineline::number::interval;
 use tempfile::TempDir;
 
 use crate::program::{CASE, done, json, refused, run, with_phantom, words};
@@ -101,7 +102,7 @@ fn an_amplitude_gives_the_interval_of_its_factor() {
     assert_eq!(factor["value"], found["equilibria"][0]["factor"]);
     let ends = factor["interval_95"].as_array().expect("an interval");
     let ends: Vec<f64> = ends.iter().filter_map(Value::as_f64).collect();
-    assert!(text.contains(&format!("{:.4} to {:.4}", ends[0], ends[1])), "{text}");
+    assert!(text.contains(&interval([ends[0], ends[1]], 4)), "{text}");
     // The target does not vary.
     let tilt = number(&found, "lateral_tilt", None, "loaded");
     assert!(tilt["sd"].as_f64().is_some_and(|sd| sd < 1e-6), "{tilt}");

@@ -113,14 +113,19 @@ fn load(load: &FilmLoad, unit: &str, dialect: &Dialect) -> String {
     let place = match load.application {
         Application::Fixed => {
             let point_m = (dialect.from_global)(&(Vec3::from(load.point_mm) / 1000.0));
-            format!("along the line fixed in space through {} m", vector(&point_m))
+            format!("along the line fixed in space through {} m", rounded(&point_m))
         }
         Application::AtT2 => "at the midpoint, and moves with it".to_owned(),
     };
     format!(
         "  {}: {} ({unit}) {place} ({})",
         load.posture.key(),
-        vector(&force_n),
+        rounded(&force_n),
         load.status.key()
     )
+}
+
+/// A vector for the comment, with at most six decimals, as the file writes numbers: a user can copy it.
+fn rounded(v: &Vec3) -> String {
+    vector(&v.map(|part| (1e6 * part).round() / 1e6))
 }

@@ -2,6 +2,7 @@
 
 use spineline::analysis::PersonalisedModel;
 use spineline::multibody::{BodyLoad, PathEnding};
+use spineline::number::fixed;
 use spineline::response::{Response, UNUSUAL_HINGE, largest_hinge};
 use spineline::warning::WarningCode;
 
@@ -42,9 +43,10 @@ pub(super) fn warnings(
             let axis = ["lateral", "flexion", "axial"][axis];
             let (below, above) = (model.levels[joint], model.levels[joint + 1]);
             let text = format!(
-                "the {axis} rotation of joint {below}/{above} is {:.0}°, more than a spine allows (limit of this warning: {UNUSUAL_HINGE:.0}); \
+                "the {axis} rotation of joint {below}/{above} is {}, more than a spine allows (limit of this warning: {}); \
                  linear springs do not limit it as ligaments and facets do",
-                turn.abs().deg()
+                turn.abs().text(0),
+                UNUSUAL_HINGE.text(0)
             );
             all.push(warning(WarningCode::LargeHinge, text));
         }
@@ -60,9 +62,9 @@ fn about_range(model: &PersonalisedModel, response: &Response) -> Option<Simulat
     let beyond = response.shape()?.beyond_human_range(&model.spine)?;
     let [below, above] = beyond.vertebrae.map(|vertebra| model.levels[vertebra]);
     let text = format!(
-        "{above} rotates by {:.0}° relative to {below}, and no human spine by more than {:.0}°: reduce the loads or the amplitude",
-        beyond.rotation.deg(),
-        beyond.limit.deg()
+        "{above} rotates by {} relative to {below}, and no human spine by more than {}: reduce the loads or the amplitude",
+        beyond.rotation.text(0),
+        beyond.limit.text(0)
     );
     Some(warning(WarningCode::BeyondHumanRange, text))
 }
@@ -102,11 +104,19 @@ fn about_springs(
         match item.load {
             BodyLoad::Pad { .. } => warning(
                 WarningCode::PadPulls,
-                format!("load {load}: the pad on {level} pulls with {size:.1} ({}); a real pad would lose contact: remove it", model.force_unit()),
+                format!(
+                    "load {load}: the pad on {level} pulls with {} ({}); a real pad would lose contact: remove it",
+                    fixed(size, 1),
+                    model.force_unit()
+                ),
             ),
             _ => warning(
                 WarningCode::StrapPushes,
-                format!("load {load}: the strap on {level} pushes with {size:.1} ({}); a real strap would be slack: remove it", model.force_unit()),
+                format!(
+                    "load {load}: the strap on {level} pushes with {} ({}); a real strap would be slack: remove it",
+                    fixed(size, 1),
+                    model.force_unit()
+                ),
             ),
         }
     });

@@ -3,6 +3,7 @@ use std::collections::BTreeMap;
 use serde::Deserialize;
 use spineline::anatomy::ImageSide;
 use spineline::measure::{CornerName, Origin, Reading};
+use spineline::number::fixed;
 use spineline::spatial::{Angle, Pixel};
 
 use super::{HALF_PIXEL, flag};
@@ -172,8 +173,9 @@ fn corners_of(
         return Err(LandmarkError::Ambiguous {
             at: at.to_owned(),
             reason: format!(
-                "its uppermost or lowest side is tilted by more than {STEEPEST_DEG:.0}°, so which one is the superior endplate \
-                 is not certain"
+                "its uppermost or lowest side is tilted by more than {}°, so which one is the superior endplate \
+                 is not certain",
+                fixed(STEEPEST_DEG, 0)
             ),
             help: "name its four points instead, as T12_superior_left and so on",
         });

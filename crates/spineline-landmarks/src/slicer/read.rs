@@ -5,6 +5,7 @@ use spineline::anatomy::{Level, Posture};
 use spineline::measure::{
     Corners, IliacCrests, Placement, Reading, ReadingId, TiltRule, VertebraLandmarks,
 };
+use spineline::number::fixed;
 use spineline::spatial::{Frontal, Pixel};
 use spineline_files::is_no_number;
 
@@ -370,8 +371,10 @@ impl List {
             _ => Err(LandmarkError::Plane {
                 at: self.at.clone(),
                 reason: format!(
-                    "its points extend over {posterior:.1} mm from front to back and {superior:.1} mm from foot to head, and \
-                     lie neither in the plane of a picture nor in a coronal plane"
+                    "its points extend over {} mm from front to back and {} mm from foot to head, and \
+                     lie neither in the plane of a picture nor in a coronal plane",
+                    fixed(posterior, 1),
+                    fixed(superior, 1)
                 ),
             }),
         }?;

@@ -6,6 +6,7 @@ use spineline::action::LineKind;
 use spineline::analysis::{Analysis, FilmRole, LineModel};
 use spineline::cohort::Cohort;
 use spineline::hypothesis::HypothesisScores;
+use spineline::number::fixed;
 
 use super::people::curve_size;
 use crate::document::{Column, NoticeKind, Section, Table};
@@ -94,7 +95,7 @@ impl ModelRow {
         let mean = bends.next().and_then(|errors| errors.by_patient_mm.get(place));
         let left_out = mean.copied().filter(|mean| !mean.is_nan());
         [self.fitted_mm, left_out, self.held_out_mm]
-            .map(|error| error.map_or_else(none, |error| format!("{error:.1}")))
+            .map(|error| error.map_or_else(none, |error| fixed(error, 1)))
     }
 }
 

@@ -11,7 +11,7 @@ use super::movement::tested;
 use crate::document::{Column, Figure, Notice, NoticeKind, Section, Table};
 use crate::figures::{self, LocationErrorSample};
 use crate::phrases::{FITTED, HELD_OUT, LEFT_OUT, line_in_short, none, numbers, with_interval};
-use spineline::number::p_value;
+use spineline::number::{p_value, with_sd};
 
 const NO_MODEL: &str = "No patient has a personalised model.";
 
@@ -106,7 +106,7 @@ fn kind_of_film(
             kind.to_string(),
             location_mm.patients.n.to_string(),
             pooled.n.to_string(),
-            if pooled.n > 0 { format!("{:.2} ± {:.2}", pooled.mean, pooled.sd) } else { none() },
+            if pooled.n > 0 { with_sd(pooled.mean, pooled.sd, 2) } else { none() },
             with_interval(location_mm.patients.mean, location_mm.bootstrap, 2),
             with_interval(ferguson_deg.patients.mean, ferguson_deg.bootstrap, 2),
             without.to_string(),

@@ -1,6 +1,7 @@
 //! Rotations of segments over a cohort, with table 2 of the paper.
 
 use spineline::cohort::{Clustered, Cohort, EstimateStatistics, PairedComparison};
+use spineline::number::with_sd;
 
 use crate::document::{Column, Figure, Section, Table};
 use crate::figures::{self, EstimateGroup, EstimateSample, InflectionSample};
@@ -60,7 +61,7 @@ fn rotations(cohort: &Cohort) -> Table {
             table.row(vec![
                 name.to_owned(),
                 of.pooled.n.to_string(),
-                format!("{:.places$} ± {:.places$}", of.pooled.mean, of.pooled.sd),
+                with_sd(of.pooled.mean, of.pooled.sd, places),
                 with_interval(of.patients.mean, of.bootstrap, places),
             ]);
         }

@@ -7,6 +7,7 @@ use spineline::anatomy::Posture;
 use spineline::clinical::ClinicalCurve;
 use spineline::cohort::{Cohort, RefusalStep, RefusedCase};
 use spineline::evaluate::statistics::{Summary, quantile};
+use spineline::number::{fixed, interval, with_sd};
 use spineline::warning::WarningCode;
 
 use super::Patients;
@@ -159,7 +160,7 @@ fn films_table(analyses: &[Analysis]) -> Table {
 /// Size of an erect curve in degrees; a tilt range is named as such.
 pub fn curve_size(curve: &ClinicalCurve) -> String {
     let name = if curve.has_cobb() { "" } else { " (tilt range)" };
-    format!("{:.0}{name}", curve.erect_size().abs().deg())
+    format!("{}{name}", fixed(curve.erect_size().abs().deg(), 0))
 }
 
 /// Table 1 of the paper, with the sizes of the chain.
@@ -184,11 +185,11 @@ pub fn table_1(patients: &Patients<'_>) -> Section {
         table.row(vec![
             analysis.case_id.clone(),
             subject.sex.map_or_else(none, |sex| sex_words(sex).to_owned()),
-            subject.age_years.map_or_else(none, |age| format!("{age:.0}")),
+            subject.age_years.map_or_else(none, |age| fixed(age, 0)),
             subject.lenke.clone().unwrap_or_else(none),
             analysis.movement.lenke.map_or_else(none, |lenke| lenke.number.to_string()),
             main.map_or_else(none, curve_size),
-            flexibility.map_or_else(none, |f| format!("{:.0}", 100.0 * f)),
+            flexibility.map_or_else(none, |f| fixed(100.0 * f, 0)),
             analysis.movement.inflections.all.len().to_string(),
             format!("{}-{}", analysis.movement.levels().base(), analysis.movement.levels().top()),
         ]);
@@ -248,9 +249,9 @@ fn described(name: &str, mut values: Vec<f64>, places: usize) -> Option<Vec<Stri
     Some(vec![
         name.to_owned(),
         n.to_string(),
-        format!("{mean:.*} ± {sd:.*}", places.max(1), places.max(1)),
-        format!("{:.places$}", quantile(&values, 0.5)),
-        format!("{first:.places$} to {last:.places$}"),
+        with_sd(mean, sd, places.max(1)),
+        fixed(quantile(&values, 0.5), places),
+        interval([*first, *last], places),
     ])
 }
 

@@ -2,6 +2,7 @@
 
 use spineline::analysis::{Analysis, TemplateError};
 use spineline::evaluate::statistics::Summary;
+use spineline::number::{interval, with_sd};
 
 use crate::document::{Column, Figure, Section, Table};
 use crate::figures;
@@ -42,8 +43,8 @@ fn errors(found: &[(&Analysis, TemplateError)]) -> Table {
         table.row(vec![
             name.to_owned(),
             of.n.to_string(),
-            format!("{:.1} ± {:.1}", of.mean, of.sd),
-            format!("{low:.1} to {high:.1}"),
+            with_sd(of.mean, of.sd, 1),
+            interval([low, high], 1),
         ]);
     };
     let all = |of: fn(&TemplateError) -> f64| found.iter().map(|(_, error)| of(error)).collect();

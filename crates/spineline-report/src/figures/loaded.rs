@@ -3,6 +3,7 @@
 use kuva::render::render::{Primitive, TextAnchor};
 use spineline::anatomy::Level;
 use spineline::multibody::{BodyLoad, Deformed, Loading, SpineModel};
+use spineline::number::fixed;
 use spineline::response::{ActingKind, ActingLoad, Response, acting_loads, erect_shape};
 use spineline::spatial::{Frontal, Vec3};
 
@@ -141,15 +142,15 @@ fn state_words(input: &LoadedSpine<'_>) -> String {
     match (response.result(), response.nearest()) {
         (Some(result), _) => {
             format!(
-                "Factor of the proportional loads: {:.4} ({}).",
-                result.factor,
+                "Factor of the proportional loads: {} ({}).",
+                fixed(result.factor, 4),
                 response.ending.key()
             )
         }
         (None, Some(point)) => format!(
-            "Not a result ({}): the shape nearest to the target is drawn, at a factor of {:.4}.",
+            "Not a result ({}): the shape nearest to the target is drawn, at a factor of {}.",
             response.ending.key(),
-            point.factor
+            fixed(point.factor, 4)
         ),
         (None, None) => format!("Not a result ({}).", response.ending.key()),
     }

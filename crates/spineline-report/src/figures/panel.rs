@@ -7,6 +7,7 @@ use kuva::render::layout::{Layout, TickFormat};
 use kuva::render::plots::Plot;
 use kuva::render::render::{Primitive, TextAnchor, render_multiple};
 use kuva::render::theme::Theme;
+use spineline::number::fixed;
 
 use super::style::{
     BLACK, GREY, HEADING_PX, Ink, LABEL_PX, Marker, PALE, TICK_PX, VERMILLION, bold, line_px,
@@ -54,13 +55,17 @@ impl Axis {
     fn format(&self, frame_px: f64) -> TickFormat {
         let places = (-self.step.log10() - 1e-9).ceil().max(0.0) as usize;
         match self.ticks {
-            Ticks::Numbers => TickFormat::Fixed(places),
+            Ticks::Numbers => TickFormat::Custom(Arc::new(move |x| fixed(x, places))),
             Ticks::Sides => {
                 let [from, to] = self.range;
                 let px_per_unit = frame_px / (to - from);
                 TickFormat::Custom(Arc::new(move |x| {
-                    let side = if x < 0.0 { " L" } else { " R" };
-                    let label = format!("{:.places$}{}", x.abs(), if x == 0.0 { "" } else { side });
+                    let side = match x {
+                        0.0 => "",
+                        x if x < 0.0 => " L",
+                        _ => " R",
+                    };
+                    let label = format!("{}{side}", fixed(x.abs(), places));
                     let room_px = (x - from).min(to - x) * px_per_unit + EDGE_PX;
                     if 0.5 * text_width_px(&label, TICK_PX) > room_px {
                         String::new()

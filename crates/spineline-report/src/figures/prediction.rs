@@ -1,6 +1,7 @@
 //! Bends that were left out of the fit: measured, predicted by the best line, and predicted without mechanics.
 
 use spineline::analysis::{Analysis, ComparedFilm, FilmRole};
+use spineline::number::fixed;
 use spineline::spatial::Frontal;
 
 use super::frontal::{Extent, VIEW, extent_words, frame_px, frontal_panel};
@@ -52,7 +53,7 @@ pub fn predictions(analysis: &Analysis) -> Option<String> {
         panel.heading(HeadingKind::Title, film.posture.to_string());
         let simulation = film.simulations[line].as_ref()?;
         let without = baseline.and_then(|one| film.baseline(one));
-        let mm = format!("{kind} {:.1} mm", simulation.mean_location_error_mm());
+        let mm = format!("{kind} {} mm", fixed(simulation.mean_location_error_mm(), 1));
         panel.heading(HeadingKind::Plain, mm);
         let points = measured(film);
         panel.end_levels(&points, analysis.movement.levels());

@@ -4,6 +4,7 @@ use spineline::action::LineKind;
 use spineline::analysis::{Analysis, LineModel};
 use spineline::anatomy::Posture;
 use spineline::evaluate::Simulation;
+use spineline::number::fixed;
 use spineline::spatial::Frontal;
 
 use super::frontal::{Extent, VIEW, extent_words, frontal_panel, support_note};
@@ -72,7 +73,7 @@ fn head(panel: &mut Panel, kind: LineKind, simulation: &Simulation, alarm: bool)
     let fitted = if simulation.fitted { "fitted" } else { "held out" };
     panel.heading(HeadingKind::Title, format!("{kind} ({fitted})"));
     let error = simulation.mean_location_error_mm();
-    panel.heading(HeadingKind::Plain, format!("mean location error {error:.2} mm"));
+    panel.heading(HeadingKind::Plain, format!("mean location error {} mm", fixed(error, 2)));
     if !simulation.is_usable() {
         let words = format!("not a result ({})", simulation.status.key());
         panel.heading(HeadingKind::Alarm, words);
@@ -143,7 +144,8 @@ pub fn force_path(
             Marker { radius_px: 3.6, ..Marker::new(SHAPES[i % SHAPES.len()], colour, filled) };
         let ink = Ink::new(colour, "", 1.2);
         panel.spine(locations, ink, marker);
-        page.legend.push((Sample::Stroke(ink, Some(marker)), format!("{force:.2} {force_unit}")));
+        let words = format!("{} {force_unit}", fixed(*force, 2));
+        page.legend.push((Sample::Stroke(ink, Some(marker)), words));
     }
     page.rows.push(vec![panel]);
     page.into_svg()

@@ -2,6 +2,7 @@
 
 use spineline::analysis::{Analysis, Case};
 use spineline::error::Error;
+use spineline::number::fixed;
 use spineline::warning::{Step, Warning};
 
 use super::banners;
@@ -59,7 +60,7 @@ pub fn films_table(analysis: &Analysis) -> Table {
             outline.scale.text(outline.polygon_mm(), 0),
             outline.amplitude().leaning(),
             format!("{}{assumed}", outline.scale.residual_text(outline.noise.location_mm)),
-            format!("{:.2}{assumed}", outline.noise.tilt.deg()),
+            format!("{}{assumed}", fixed(outline.noise.tilt.deg(), 2)),
             if outline.iliac_normal.is_some() { "marked" } else { "none" }.to_owned(),
             outline.scale.to_string(),
         ]);

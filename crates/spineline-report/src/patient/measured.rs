@@ -5,7 +5,7 @@ use spineline::anatomy::Posture;
 use spineline::clinical::{Balance, ClinicalCurve, CobbEnds};
 use spineline::measure::{Interpolation, MeasuredVertebra};
 use spineline::motion::SegmentEstimate;
-use spineline::number::probability;
+use spineline::number::{fixed, probability};
 use spineline::personalize::LineTest;
 use spineline::warning::counted;
 
@@ -43,8 +43,9 @@ pub fn films(patient: &Patient<'_>) -> Section {
 pub fn curve_sentences(analysis: &Analysis) -> Vec<String> {
     let scale = analysis.movement.scale();
     let segment_mm = analysis.movement.chain.segment_mm;
-    let segment =
-        scale.px(segment_mm).map_or_else(|| scale.text(segment_mm, 4), |px| format!("{px:.3} px"));
+    let segment = scale
+        .px(segment_mm)
+        .map_or_else(|| scale.text(segment_mm, 4), |px| format!("{} px", fixed(px, 3)));
     let curve = analysis.inflection_words();
     let chain = format!("Chain of {} segments of {segment}.", analysis.movement.chain.segments);
     let scales = analysis.film_scale_words().map(|words| format!("{words}."));
@@ -60,9 +61,9 @@ pub fn noise_words(analysis: &Analysis) -> String {
         None => "assumed, since one reading does not show it".to_owned(),
     };
     format!(
-        "Standard deviation of a vertebra: {} and {:.1}° ({from}).",
+        "Standard deviation of a vertebra: {} and {}° ({from}).",
         outline.scale.residual_text(noise.location_mm),
-        noise.tilt.deg()
+        fixed(noise.tilt.deg(), 1)
     )
 }
 
@@ -91,9 +92,9 @@ pub fn clinical(analysis: &Analysis) -> Table {
         row.extend(curve.angles.iter().map(|(posture, _)| {
             let mark = if ends_interpolated(analysis, *posture, curve.ends) { " ~" } else { "" };
             let size = curve.size_in(*posture);
-            size.map_or_else(none, |angle| format!("{:.1}{mark}", angle.deg() * sign))
+            size.map_or_else(none, |angle| format!("{}{mark}", fixed(angle.deg() * sign, 1)))
         }));
-        row.push(curve.flexibility.map_or_else(none, |f| format!("{:.0}", 100.0 * f)));
+        row.push(curve.flexibility.map_or_else(none, |f| fixed(100.0 * f, 0)));
         table.row(row);
     }
     let what = if cobb {
@@ -142,9 +143,9 @@ pub fn curves(analysis: &Analysis) -> Table {
             p.outline.amplitude().leaning(),
             p.fit.order.to_string(),
             p.outline.scale.residual_text(p.fit.rmse_mm),
-            format!("{:.2}", p.fit.rmse_tilt.deg()),
+            fixed(p.fit.rmse_tilt.deg(), 2),
             p.outline.readings.to_string(),
-            p.mean_rotation().map_or_else(none, |rotation| format!("{:.4}", rotation.deg())),
+            p.mean_rotation().map_or_else(none, |rotation| fixed(rotation.deg(), 4)),
             distances.unwrap_or_else(none),
         ]);
     }
@@ -158,7 +159,7 @@ fn interpolated_words(analysis: &Analysis) -> String {
         let scale = &p.outline.scale;
         let words = |(vertebra, found): (&MeasuredVertebra, &Interpolation)| {
             let sd = scale.text(found.location_sd_mm, 1);
-            format!("{} (sd {sd}, {:.1})", vertebra.level, found.tilt_sd)
+            format!("{} (sd {sd}, {})", vertebra.level, found.tilt_sd)
         };
         let names: Vec<String> = p.outline.interpolated().map(words).collect();
         (!names.is_empty()).then(|| format!("{}: {}", p.outline.posture, names.join(", ")))
@@ -223,7 +224,7 @@ pub fn movement(analysis: &Analysis) -> Section {
             e.least.to_string(),
             e.distance_segments.to_string(),
             analysis.movement.scale().text(e.distance_mm, 2),
-            format!("{:.4}", e.rotation.deg()),
+            fixed(e.rotation.deg(), 4),
         ]);
     }
     section.table(table);
@@ -289,8 +290,8 @@ pub fn best_fit(analysis: &Analysis) -> Table {
     }
     if let Some(found) = analysis.movement.films.iter().find_map(|p| p.preferred_line.as_ref()) {
         table.note = format!(
-            "p below 0.05 rejects the line. Joints of a region differ in stiffness by {:.0} % on these films.",
-            100.0 * found.joint_log_sd
+            "p below 0.05 rejects the line. Joints of a region differ in stiffness by {} % on these films.",
+            fixed(100.0 * found.joint_log_sd, 0)
         );
     }
     table

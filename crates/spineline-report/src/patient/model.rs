@@ -4,6 +4,7 @@ use spineline::analysis::{Analysis, FilmRole, LineModel, LinesCompared};
 use spineline::anatomy::Posture;
 use spineline::evaluate::Baseline;
 use spineline::multibody::StiffnessLibrary;
+use spineline::number::{fixed, interval};
 use spineline::personalize::{FitStatus, MULTIPLIER_COVERAGE, StiffnessBound};
 use spineline::uncertainty::{AnalysisQuantity, Uncertainty};
 
@@ -96,7 +97,7 @@ pub fn multipliers_in_short(section: &mut Section, analysis: &Analysis) {
                 StiffnessBound::Inside => "",
                 _ => " (at its bound: not identified)",
             };
-            row.push(format!("{value:.2}{note}"));
+            row.push(format!("{}{note}", fixed(value, 2)));
         }
         table.row(row);
     }
@@ -136,7 +137,7 @@ fn multipliers(patient: &Patient<'_>) -> Table {
             table.row(vec![
                 model.kind.to_string(),
                 name.replace('_', " "),
-                format!("{:.2}", value * scale),
+                fixed(value * scale, 2),
                 profile.unwrap_or_else(none),
                 noise.unwrap_or_else(none),
                 verdict.to_string(),
@@ -163,7 +164,7 @@ pub fn noise_interval(
 ) -> Option<String> {
     let spread = found.of(AnalysisQuantity::LogMultiplier(model.kind, group))?;
     let [low, high] = spread.interval_95()?.map(|log| scale * log.exp());
-    Some(format!("{low:.2} to {high:.2}"))
+    Some(interval([low, high], 2))
 }
 
 fn springs(analysis: &Analysis) -> Table {
@@ -184,12 +185,12 @@ fn springs(analysis: &Analysis) -> Table {
     let fitted: Vec<Vec<[f64; 3]>> =
         analysis.models.iter().map(|model| model.stiffness_nmm_per_rad(library)).collect();
     for (i, row) in library.rows().iter().enumerate() {
-        let shown = |nmm: f64| format!("{:.0}", nmm / 1000.0);
+        let shown = |nmm: f64| fixed(nmm / 1000.0, 0);
         let mut cells = vec![format!("{}/{}", row.superior, row.inferior), row.source.clone()];
         cells.extend(row.nmm_per_rad.map(shown));
         cells.extend(analysis.models.iter().zip(&fitted).map(|(model, springs)| {
             let lateral = springs[i][0];
-            let relative = || format!("{:.2}", lateral / row.nmm_per_rad[0]);
+            let relative = || fixed(lateral / row.nmm_per_rad[0], 2);
             if absolute(model) { shown(lateral) } else { relative() }
         }));
         table.row(cells);
@@ -239,7 +240,7 @@ pub fn error_table(analysis: &Analysis, fitted: bool) -> Table {
     let mut table = Table::new(format!("Errors on {films} films"), columns);
     for model in &analysis.models {
         for s in model.postures.iter().filter(|s| s.fitted == fitted) {
-            let angles = s.ferguson_difference.iter().map(|a| format!("{:.1}", a.abs().deg()));
+            let angles = s.ferguson_difference.iter().map(|a| fixed(a.abs().deg(), 1));
             let angles = angles.collect::<Vec<_>>().join(" / ");
             let largest = s.location_errors_mm.iter().copied().fold(0.0, f64::max);
             let status = s.status.key().replace('_', " ");
@@ -248,10 +249,10 @@ pub fn error_table(analysis: &Analysis, fitted: bool) -> Table {
             table.row(vec![
                 model.kind.to_string(),
                 s.posture.to_string(),
-                or_status(format!("{:.2}", s.mean_location_error_mm())),
-                or_none(format!("{largest:.2}")),
+                or_status(fixed(s.mean_location_error_mm(), 2)),
+                or_none(fixed(largest, 2)),
                 or_none(angles),
-                or_none(format!("{:.0}", s.force_n)),
+                or_none(fixed(s.force_n, 0)),
                 format!("{} of {}", s.contradicted.len(), s.joints()),
             ]);
         }
@@ -309,8 +310,8 @@ pub fn by_line(found: &LinesCompared) -> Table {
                 line.kind.to_string(),
                 if role == FilmRole::Fitted { "none: fitted" } else { "prediction" }.to_owned(),
                 format!("{} of {all}", errors.films),
-                format!("{:.2}", errors.location_mm),
-                format!("{:.1}", errors.ferguson_deg),
+                fixed(errors.location_mm, 2),
+                fixed(errors.ferguson_deg, 1),
                 numbers(&line.numbers, role),
             ]);
         }
@@ -321,7 +322,7 @@ pub fn by_line(found: &LinesCompared) -> Table {
                 baseline.to_string(),
                 "without mechanics".to_owned(),
                 format!("{films} of {all}"),
-                format!("{mm:.2}"),
+                fixed(mm, 2),
                 none(),
                 format!("{} per film", taken(baseline)),
             ]);

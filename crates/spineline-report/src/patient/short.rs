@@ -3,6 +3,7 @@
 use spineline::action::LineKind;
 use spineline::analysis::{Analysis, FilmRole, LineModel};
 use spineline::evaluate::Baseline;
+use spineline::number::{self, fixed};
 use spineline::personalize::{Identifiability, StiffnessBound, TestOutcome};
 use spineline::uncertainty::Uncertainty;
 
@@ -75,11 +76,11 @@ fn curve(analysis: &Analysis) -> String {
         let side = curve.convex.map_or_else(String::new, |side| format!(", convex to the {side}"));
         let (ends, apex) = (curve.ends, curve.apex);
         format!(
-            "The {} curve has a {name} of {:.0}°{side} ({}–{}, apex {apex}).",
+            "The {} curve has a {name} of {}°{side} ({}–{}, apex {apex}).",
             curve.region,
-            curve.erect_size().abs().deg(),
+            fixed(curve.erect_size().abs().deg(), 0),
             ends.superior,
-            ends.inferior,
+            ends.inferior
         )
     });
     let place = |pair: &[spineline::curve::Inflection; 2]| {
@@ -96,7 +97,7 @@ fn multipliers(analysis: &Analysis, model: &LineModel, intervals: Intervals<'_>)
     let values: Vec<f64> = model.multipliers().map(|value| value * scale).collect();
     if values.len() > MOST_MULTIPLIERS {
         let [low, high] = [f64::min, f64::max].map(|of| values.iter().copied().reduce(of));
-        let ends = low.zip(high).map(|(low, high)| format!("{low:.2} to {high:.2}"));
+        let ends = low.zip(high).map(|(low, high)| number::interval([low, high], 2));
         return format!(
             "Multipliers of the table: {} over {} joints.",
             ends.unwrap_or_default(),
@@ -109,7 +110,7 @@ fn multipliers(analysis: &Analysis, model: &LineModel, intervals: Intervals<'_>)
             _ => Some("at its bound".to_owned()),
         };
         let interval = interval.map_or_else(String::new, |text| format!(" ({text})"));
-        format!("{} {value:.2}{interval}", name.replace('_', " "))
+        format!("{} {}{interval}", name.replace('_', " "), fixed(value, 2))
     };
     let all = model.groups.names().iter().cloned().zip(values).enumerate().map(one);
     format!("Multipliers of the table: {}.", all.collect::<Vec<_>>().join(", "))
@@ -160,7 +161,7 @@ fn table(analysis: &Analysis) -> Table {
         Column::words("Numbers taken per film"),
     ];
     let mut table = Table::new("Mean location errors on films that were not fitted", columns);
-    let mm = |mm: Option<f64>| mm.map_or_else(none, |mm| format!("{mm:.1}"));
+    let mm = |mm: Option<f64>| mm.map_or_else(none, |mm| fixed(mm, 1));
     let roles = FilmRole::PREDICTED;
     for (i, line) in compared.lines.iter().enumerate() {
         let Some(model) = analysis.model(line.kind) else {

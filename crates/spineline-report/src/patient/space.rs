@@ -3,6 +3,7 @@
 use spineline::analysis::{Analysis, TemplateError};
 use spineline::clinical::SpatialMeasures;
 use spineline::measure::SpatialOutline;
+use spineline::number::{fixed, interval};
 
 use crate::document::{Column, Figure, Section, Table};
 use crate::figures;
@@ -46,7 +47,7 @@ fn measures(analysis: &Analysis, found: &SpatialMeasures) -> Table {
             number.between.clone(),
             number.dimension.key().to_owned(),
             number.text(),
-            format!("{low:.1} to {high:.1}"),
+            interval([low, high], 1),
         ]);
     }
     table.note = "2-D: on one film. 3-D: in space. Endplates are read as clinicians do, from the superior endplate of the upper to the inferior one of the lower vertebra; they include the wedges of both bodies, axes do not. S1 is not a landmark.".to_owned();
@@ -66,15 +67,15 @@ fn pitches(found: &SpatialOutline, template: Option<&TemplateError>) -> Table {
     let mut table = Table::new("Pitch of the vertebrae, flexion positive", columns);
     let assumed = |level| {
         let vertebra = template?.vertebrae.iter().find(|vertebra| vertebra.level == level)?;
-        Some(format!("{:.1}", vertebra.template.deg()))
+        Some(fixed(vertebra.template.deg(), 1))
     };
     for vertebra in &found.vertebrae {
         table.row(vec![
             vertebra.level.to_string(),
             vertebra.orientation.tilt.leaning(),
-            format!("{:.1}", vertebra.lateral_pitch.deg()),
-            format!("{:.1}", vertebra.orientation.pitch.deg()),
-            format!("{:.1}", found.pitch_sd(vertebra).deg()),
+            fixed(vertebra.lateral_pitch.deg(), 1),
+            fixed(vertebra.orientation.pitch.deg(), 1),
+            fixed(found.pitch_sd(vertebra).deg(), 1),
             assumed(vertebra.level).unwrap_or_else(none),
         ]);
     }
@@ -96,8 +97,8 @@ pub fn axial(analysis: &Analysis) -> Option<Section> {
         table.row(vec![
             found.level.to_string(),
             found.words(),
-            format!("{:.1}", found.sd.deg()),
-            found.drerup.map_or_else(none, |angle| format!("{:.1}", angle.deg())),
+            fixed(found.sd.deg(), 1),
+            found.drerup.map_or_else(none, |angle| fixed(angle.deg(), 1)),
             found.grade.key().to_owned(),
         ]);
     }

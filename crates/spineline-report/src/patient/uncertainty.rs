@@ -2,6 +2,7 @@
 
 use spineline::analysis::{Analysis, FilmMovement, LineModel};
 use spineline::anatomy::Level;
+use spineline::number::fixed;
 use spineline::personalize::{
     Identifiability, MULTIPLIER_COVERAGE, MultiplierInformation, ProfileEnd,
 };
@@ -15,9 +16,9 @@ use crate::phrases::none;
 /// The 95 % interval of a multiplier from its profile, if the model is exact.
 pub fn interval(one: &MultiplierInformation, scale: f64) -> String {
     let end = |end: ProfileEnd, open: f64| match end {
-        ProfileEnd::At(log) => format!("{:.2}", scale * log.exp()),
-        ProfileEnd::Open if open < 1.0 => format!("below {:.2}", scale * open),
-        ProfileEnd::Open => format!("above {:.1}", scale * open),
+        ProfileEnd::At(log) => fixed(scale * log.exp(), 2),
+        ProfileEnd::Open if open < 1.0 => format!("below {}", fixed(scale * open, 2)),
+        ProfileEnd::Open => format!("above {}", fixed(scale * open, 1)),
         ProfileEnd::Lost(_) => "?".to_owned(),
     };
     format!("{} to {}", end(one.profile.lower, 0.1), end(one.profile.upper, 10.0))
@@ -54,7 +55,7 @@ pub fn identifiability(
             let mut row = vec![
                 model.kind.to_string(),
                 name.replace('_', " "),
-                format!("{value:.2}"),
+                fixed(value, 2),
                 interval(one, 1.0),
                 deviation(one.log_sd),
                 one.profile.verdict().to_string(),
@@ -62,7 +63,7 @@ pub fn identifiability(
             if let Some(prior) = prior {
                 row.push(one.log_sd_with_prior.map_or_else(none, deviation));
                 let share = one.film_share(prior.log_sd);
-                row.push(share.map_or_else(none, |share| format!("{:.0}", 100.0 * share)));
+                row.push(share.map_or_else(none, |share| fixed(100.0 * share, 0)));
             }
             table.row(row);
         }
@@ -93,7 +94,8 @@ fn limits(model: &LineModel, found: &Identifiability) -> Vec<Notice> {
     if found.variance_factor > 1.0 {
         let times = found.variance_factor.sqrt();
         notices.push(note(format!(
-            "the fit leaves {times:.1} times what noise explains; intervals are widened by that factor."
+            "the fit leaves {} times what noise explains; intervals are widened by that factor.",
+            fixed(times, 1)
         )));
     }
     if let Some(weakest) = found.directions.first() {
@@ -114,7 +116,7 @@ fn limits(model: &LineModel, found: &Identifiability) -> Vec<Notice> {
 }
 
 fn deviation(log_sd: f64) -> String {
-    if log_sd < 100.0 { format!("{log_sd:.2}") } else { "unlimited".to_owned() }
+    if log_sd < 100.0 { fixed(log_sd, 2) } else { "unlimited".to_owned() }
 }
 
 /// Every number of the report with its interval.
@@ -189,7 +191,7 @@ fn mean_and_largest(
         unit => format!(" {}", unit.key()),
     };
     let mean = sds.iter().map(|(sd, _)| sd).sum::<f64>() / sds.len() as f64;
-    [format!("{mean:.2}{unit}"), format!("{largest:.2} ({level})")]
+    [format!("{}{unit}", fixed(mean, 2)), format!("{} ({level})", fixed(largest, 2))]
 }
 
 /// Every other number that is reported.
@@ -207,9 +209,9 @@ fn spreads(analysis: &Analysis, found: &Uncertainty) -> Table {
     for spread in found.quantities.iter().filter(|spread| spread.quantity.is_reported()) {
         let unit = spread.quantity.unit(analysis);
         let number = |value: f64| match unit {
-            QuantityUnit::Segments => format!("{value:.0}"),
-            QuantityUnit::One | QuantityUnit::Millimetres => format!("{value:.2}"),
-            _ => format!("{value:.1}"),
+            QuantityUnit::Segments => fixed(value, 0),
+            QuantityUnit::One | QuantityUnit::Millimetres => fixed(value, 2),
+            _ => fixed(value, 1),
         };
         let of = spread.spread;
         table.row(vec![
@@ -217,7 +219,7 @@ fn spreads(analysis: &Analysis, found: &Uncertainty) -> Table {
             unit.key().to_owned(),
             spread.nominal.ok().map_or_else(none, number),
             of.map_or_else(none, |s| number(s.mean)),
-            of.map_or_else(none, |s| format!("{:.2}", s.sd)),
+            of.map_or_else(none, |s| fixed(s.sd, 2)),
             match spread.interval_95() {
                 Some([low, high]) => {
                     let only_if = if_exact(spread.quantity);
@@ -226,7 +228,7 @@ fn spreads(analysis: &Analysis, found: &Uncertainty) -> Table {
                 None if spread.at_bound => "none: at its bound".to_owned(),
                 None => none(),
             },
-            format!("{:.1}", 100.0 * spread.count as f64 / found.done.max(1) as f64),
+            fixed(100.0 * spread.count as f64 / found.done.max(1) as f64, 1),
         ]);
     }
     table

@@ -8,6 +8,7 @@ use spineline::anatomy::{Level, Posture};
 use spineline::cohort::{Cohort, CohortPatient};
 use spineline::measure::FilmLandmarks;
 use spineline::multibody::MatchStatus;
+use spineline::number::fixed;
 use spineline_phantom::{Readers, Scenario, generate};
 use spineline_report::cohort::{self, PatientRow, Rows};
 use spineline_report::document::{Block, Table};
@@ -49,7 +50,7 @@ fn every_patient_and_line_has_its_error_on_left_out_bends() {
             let name = model.kind.to_string();
             let row = rows.iter().find(|row| row[0] == analysis.case_id && row[1] == name);
             let left_out = compared.errors(place, FilmRole::LeftOutBend).expect("two bends");
-            let expected = format!("{:.1}", left_out.location_mm);
+            let expected = fixed(left_out.location_mm, 1);
             assert_eq!(row.expect("a row of this line")[3], expected, "{name}");
         }
     }

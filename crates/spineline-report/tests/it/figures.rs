@@ -278,7 +278,8 @@ fn samples_without_values_give_no_empty_panel() {
 
 /// Texts of a figure that are numbers alone: the labels of its ticks, and counts.
 fn numbers(svg: &str) -> Vec<f64> {
-    svg.split('>').filter_map(|part| part.split('<').next()?.parse().ok()).collect()
+    let text = |part: &str| Some(part.split('<').next()?.replace('−', "-"));
+    svg.split('>').filter_map(|part| text(part)?.parse().ok()).collect()
 }
 
 #[test]

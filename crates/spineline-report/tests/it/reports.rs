@@ -178,7 +178,7 @@ fn a_lateral_film_adds_the_spine_in_space() {
     assert_eq!(pitches.rows.len(), Level::ALL.len());
     assert!(measures.rows.iter().any(|row| row[0].starts_with("kyphosis T5–T12")));
     assert!(text.contains("the model would have the profile of a population"), "{text}");
-    let assumed = pitches.rows.iter().filter(|row| row[5].parse::<f64>().is_ok());
+    let assumed = pitches.rows.iter().filter(|row| row[5].replace('−', "-").parse::<f64>().is_ok());
     assert_eq!(assumed.count(), Level::MODEL.len(), "L5 and T1 are not of the model");
     let profile = document.figures().find(|figure| figure.name == "sagittal-profile");
     let svg = &profile.expect("a picture of the profile").svg;

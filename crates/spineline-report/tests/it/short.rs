@@ -3,6 +3,7 @@
 use spineline::action::LineKind;
 use spineline::analysis::{Analysis, FilmRole};
 use spineline::cohort::{Cohort, CohortPatient, ErrorKind};
+use spineline::number::fixed;
 use spineline::warning::WarningCode;
 use spineline_phantom::Scenario;
 use spineline_report::cohort::{self, PatientRow, Rows};
@@ -56,7 +57,7 @@ fn a_row_has_the_test_and_the_errors_of_its_line() {
         assert_eq!(row[1], outcome);
         for (cell, role) in [(2, FilmRole::LeftOutBend), (3, FilmRole::HeldOut)] {
             let mm = compared.errors(place, role).map(|errors| errors.location_mm);
-            assert_eq!(row[cell], mm.map_or("–".to_owned(), |mm| format!("{mm:.1}")));
+            assert_eq!(row[cell], mm.map_or("–".to_owned(), |mm| fixed(mm, 1)));
         }
     }
     assert!(table.rows.iter().any(|row| row[0].starts_with("* ")), "a row without mechanics");

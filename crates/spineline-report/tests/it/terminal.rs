@@ -6,6 +6,7 @@ use spineline::anatomy::Level;
 use spineline::cohort::{Cohort, CohortPatient};
 use spineline::hypothesis::{Hypothesis, HypothesisScores, Role, compare};
 use spineline::measure::{FilmReadings, TiltRule};
+use spineline::number::{fixed, signed};
 use spineline::personalize::{FitStatus, Identifiability, LogNormalPrior, StiffnessBound};
 use spineline::reliability::{QuantityReliability, assess, film_quantities};
 use spineline::uncertainty::{AnalysisQuantity, LandmarkNoise, MonteCarlo, Uncertainty};
@@ -47,7 +48,7 @@ fn holds(text: &str, cells: &[String]) {
 }
 
 fn percent(part: f64) -> String {
-    format!("{:.0}", 100.0 * part)
+    fixed(100.0 * part, 0)
 }
 
 #[test]
@@ -86,7 +87,7 @@ fn every_clinical_angle_and_every_fitted_curve_is_shown() {
             format!("{}–{}", curve.ends.superior, curve.ends.inferior),
             curve.apex.to_string(),
         ];
-        cells.extend(curve.angles.iter().map(|(_, all)| format!("{:.1}", all.size().deg() * sign)));
+        cells.extend(curve.angles.iter().map(|(_, all)| fixed(all.size().deg() * sign, 1)));
         cells.push(percent(curve.flexibility.expect("it was bent")));
         holds(&text, &cells);
     }
@@ -96,12 +97,12 @@ fn every_clinical_angle_and_every_fitted_curve_is_shown() {
             p.outline.amplitude().leaning(),
             p.fit.order.to_string(),
             p.outline.scale.residual_text(p.fit.rmse_mm),
-            format!("{:.2}", p.fit.rmse_tilt.deg()),
+            fixed(p.fit.rmse_tilt.deg(), 2),
             p.outline.readings.to_string(),
         ];
         if let (Some(mean), Some([a, b])) = (p.mean_rotation(), p.inflection_estimates) {
             let distances = format!("{}, {}", a.distance_segments, b.distance_segments);
-            cells.extend([format!("{:.4}", mean.deg()), distances]);
+            cells.extend([fixed(mean.deg(), 4), distances]);
         }
         holds(&text, &cells);
         if let Some(line) = &p.preferred_line {
@@ -131,16 +132,16 @@ fn every_error_force_and_multiplier_is_shown() {
         for s in model.postures.iter().filter(|s| s.is_usable()) {
             let largest = s.location_errors_mm.iter().copied().fold(0.0, f64::max);
             let angles: Vec<String> =
-                s.ferguson_difference.iter().map(|a| format!("{:.1}", a.abs().deg())).collect();
+                s.ferguson_difference.iter().map(|a| fixed(a.abs().deg(), 1)).collect();
             holds(
                 &text,
                 &[
                     model.kind.to_string(),
                     s.posture.to_string(),
-                    format!("{:.2}", s.mean_location_error_mm()),
-                    format!("{largest:.2}"),
+                    fixed(s.mean_location_error_mm(), 2),
+                    fixed(largest, 2),
                     angles.join(" / "),
-                    format!("{:.0}", s.force_n),
+                    fixed(s.force_n, 0),
                     format!("{} of {}", s.contradicted.len(), s.location_errors_mm.len()),
                 ],
             );
@@ -150,7 +151,7 @@ fn every_error_force_and_multiplier_is_shown() {
     for (group, name) in analysis.models[0].groups.names().iter().enumerate() {
         let mut cells = vec![name.replace('_', " ")];
         for (model, values) in analysis.models.iter().zip(&values) {
-            cells.push(format!("{:.2}", values[group]));
+            cells.push(fixed(values[group], 2));
             if model.fit.bounds[group] != StiffnessBound::Inside {
                 cells.push("(at its bound: not identified)".to_owned());
             }
@@ -170,8 +171,8 @@ fn every_error_force_and_multiplier_is_shown() {
                 line.kind.to_string(),
                 evidence.to_owned(),
                 format!("{} of {}", errors.films, compared.count(role)),
-                format!("{:.2}", errors.location_mm),
-                format!("{:.1}", errors.ferguson_deg),
+                fixed(errors.location_mm, 2),
+                fixed(errors.ferguson_deg, 1),
             ];
             holds(&text, &cells);
             assert!(text.contains(&numbers), "{numbers} is missing in\n{text}");
@@ -204,7 +205,7 @@ fn requested_loads_and_bases_are_shown() {
     assert!(text.contains("Loads and bases compared (synthetic)"), "{text}");
     let blocks = compare(&[&HypothesisScores::all(&analysis.hypotheses)[..]]);
     let [block] = &blocks[..] else { panic!("one block") };
-    let number = |value: Option<f64>| value.map_or("–".to_owned(), |value| format!("{value:.1}"));
+    let number = |value: Option<f64>| value.map_or("–".to_owned(), |value| fixed(value, 1));
     for one in &block.hypotheses {
         let at = |role: Role| Role::ALL.iter().position(|r| *r == role).expect("one of all");
         let mm = |role| number(one.location_mm[at(role)]);
@@ -223,7 +224,7 @@ fn requested_loads_and_bases_are_shown() {
                 deg(Role::Fitted),
                 deg(Role::LeftOut),
                 number(one.against),
-                format!("{:+.0} {:+.0}", one.aicc_difference, one.bic_difference),
+                format!("{} {}", signed(one.aicc_difference, 0), signed(one.bic_difference, 0)),
                 format!("{}, {} {}", one.best_left_out, one.best_aicc, one.lost),
             ],
         );
@@ -241,12 +242,12 @@ fn requested_identifiability_and_prior_are_shown() {
     let text = terminal(&summary(&case, &analysis, Some(&found), None), WIDE);
     assert!(text.contains("Profile likelihood"), "{text}");
     holds(&text, &["sd of ln with prior (1)", "share from films (%)"].map(str::to_owned));
-    let deviation = |sd: f64| if sd < 100.0 { format!("{sd:.2}") } else { "unlimited".to_owned() };
+    let deviation = |sd: f64| if sd < 100.0 { fixed(sd, 2) } else { "unlimited".to_owned() };
     for (model, found) in analysis.models.iter().zip(&found) {
         let Some(found) = found else { continue };
         let rows = model.groups.names().iter().zip(model.multipliers()).zip(&found.multipliers);
         for ((name, value), one) in rows {
-            let row = format!("{} {} {value:.2}", model.kind, name.replace('_', " "));
+            let row = format!("{} {} {}", model.kind, name.replace('_', " "), fixed(value, 2));
             holds(&text, &[row]);
             let with_prior = one.log_sd_with_prior.expect("there is a prior");
             let share = one.film_share(prior.log_sd);
@@ -259,7 +260,7 @@ fn requested_identifiability_and_prior_are_shown() {
             holds(&text, &cells);
         }
         if found.variance_factor > 1.0 {
-            let times = format!("the fit leaves {:.1} times", found.variance_factor.sqrt());
+            let times = format!("the fit leaves {} times", fixed(found.variance_factor.sqrt(), 1));
             assert!(text.contains(&times), "{times} is missing in\n{text}");
         }
         let weakest = found.directions.first().expect("a direction");
@@ -286,7 +287,7 @@ fn requested_numbers_of_replicates_are_shown() {
         assert!(words(&text).contains(&words(&sentence)), "`{sentence}` is missing in\n{text}");
     }
     for spread in found.quantities.iter().filter(|spread| spread.quantity.is_reported()) {
-        let sd = spread.spread.map_or("–".to_owned(), |s| format!("{:.2}", s.sd));
+        let sd = spread.spread.map_or("–".to_owned(), |s| fixed(s.sd, 2));
         let label = words(&spread.quantity.label(&analysis));
         let rows = text.lines().map(words);
         let mut rows = rows.filter(|row| row.starts_with(&label)).peekable();
@@ -296,8 +297,8 @@ fn requested_numbers_of_replicates_are_shown() {
     for posture in analysis.movement.films.iter().map(|p| p.outline.posture) {
         let of = |level: Level| found.spread(AnalysisQuantity::Tilt(posture, level)).map(|s| s.sd);
         let sds = || Level::MODEL[1..].iter().filter_map(|&level| of(level));
-        let largest = format!("{:.2} (", sds().fold(0.0, f64::max));
-        let mean = format!("{:.2} ", sds().sum::<f64>() / sds().count() as f64);
+        let largest = format!("{} (", fixed(sds().fold(0.0, f64::max), 2));
+        let mean = format!("{} ", fixed(sds().sum::<f64>() / sds().count() as f64, 2));
         let row = words(&[mean, largest].concat());
         assert!(words(&text).contains(&row), "{posture}: {row} is missing in\n{text}");
     }
@@ -393,7 +394,7 @@ fn a_cohort_shows_every_patient_line_and_test() {
         let cobb = analysis.movement.clinical.iter().map(|curve| curve.erect_size().abs().deg());
         let mut cells = vec![
             analysis.case_id.clone(),
-            format!("{:.0}", cobb.fold(0.0, f64::max)),
+            fixed(cobb.fold(0.0, f64::max), 0),
             analysis.movement.inflections.all.len().to_string(),
         ];
         for kind in [LineKind::Inflection, LineKind::Iliac, LineKind::Estimated] {
@@ -403,7 +404,7 @@ fn a_cohort_shows_every_patient_line_and_test() {
                 [true, false].map(|fitted| analysis.models[place].mean_location_error_mm(fitted));
             let left_out = analysis.comparison().errors(place, FilmRole::LeftOutBend);
             let errors = [fitted, left_out.map(|errors| errors.location_mm), held_out]
-                .map(|e| e.map_or("–".to_owned(), |e| format!("{e:.1}")));
+                .map(|e| e.map_or("–".to_owned(), |e| fixed(e, 1)));
             cells.push(errors.join(" / "));
         }
         holds(&text, &cells);
@@ -421,7 +422,7 @@ fn a_cohort_shows_every_patient_line_and_test() {
             errors.location_mm.patients.n.to_string(),
             errors.films.to_string(),
             errors.without_result.to_string(),
-            format!("{:.1}", errors.location_mm.patients.mean),
+            fixed(errors.location_mm.patients.mean, 1),
         ];
         holds(&text, &cells);
     }

@@ -1,6 +1,7 @@
 //! Texts of changes that were based on an old revision.
 
 use serde_json::Value;
+use spineline::number::fixed;
 use spineline_store::{FilmRecord, LostChange, ReadingId, Store, StoreError};
 
 use crate::api::LostChangeView;
@@ -71,7 +72,7 @@ fn words(change: &Value) -> String {
         _ => {
             let [column, row] = ["column_spacing_mm", "row_spacing_mm"]
                 .map(|key| change[key].as_f64().unwrap_or(f64::NAN));
-            format!("scale to {column:.3} mm × {row:.3} mm per pixel")
+            format!("scale to {} mm × {} mm per pixel", fixed(column, 3), fixed(row, 3))
         }
     }
 }

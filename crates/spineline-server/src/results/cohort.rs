@@ -8,6 +8,7 @@ use spineline::analysis::Analysis;
 use spineline::anatomy::Posture;
 use spineline::cohort::{Cohort, CohortPatient};
 use spineline::evaluate::statistics::{Summary, box_summary};
+use spineline::number::{fixed, none};
 use spineline::warning::WarningCode;
 use spineline_files::method_text::ChosenOptions;
 use spineline_store::StoreError;
@@ -147,7 +148,7 @@ fn row(member: &Member) -> CohortRow {
 fn cell(heading: &str, value: Option<f64>, places: usize) -> CohortCell {
     CohortCell {
         heading: heading.to_owned(),
-        text: value.map_or_else(|| "–".to_owned(), |value| format!("{value:.places$}")),
+        text: value.map_or_else(none, |value| fixed(value, places)),
         value,
     }
 }

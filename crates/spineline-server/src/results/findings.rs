@@ -4,6 +4,7 @@ use spineline::analysis::{Analysis, FilmMovement};
 use spineline::anatomy::Side;
 use spineline::clinical::ClinicalCurve;
 use spineline::motion::{Motion, SegmentEstimate};
+use spineline::number::fixed;
 use spineline::spatial::Angle;
 use spineline::warning::counted;
 
@@ -48,7 +49,7 @@ fn curve(curve: &ClinicalCurve) -> CurveFinding {
 }
 
 fn flexibility_text(name: &str, part: f64, convex: Side) -> String {
-    format!("{name} falls by {:.0} % when bending to the {convex}", 100.0 * part)
+    format!("{name} falls by {} % when bending to the {convex}", fixed(100.0 * part, 0))
 }
 
 fn rotation(analysis: &Analysis, posture: &FilmMovement) -> Option<RotationFinding> {
@@ -86,12 +87,12 @@ fn texts(motion: &Motion, inflections: Option<&[SegmentEstimate; 2]>) -> Vec<Str
         let beside = inflections.map_or_else(String::new, |pair| {
             let SegmentEstimate { segment, distance_segments, rotation, .. } = pair[window];
             format!(
-                "; the inflection is segment {segment}, at a distance of {}, and rotates {:.4}°",
+                "; the inflection is segment {segment}, at a distance of {}, and rotates {}°",
                 counted(distance_segments, "segment"),
-                rotation.deg()
+                fixed(rotation.deg(), 4)
             )
         });
-        format!("{name}: least-rotating segment {least}, {turns:.4}°{beside}")
+        format!("{name}: least-rotating segment {least}, {}°{beside}", fixed(turns, 4))
     };
     windows.map(text).collect()
 }

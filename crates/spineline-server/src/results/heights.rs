@@ -3,6 +3,7 @@
 use axum::extract::State;
 use spineline::anatomy::{FilmView, Posture};
 use spineline::measure::{HeightLine, SharedHeights};
+use spineline::number::fixed;
 use spineline_store::{CurrentCase, FilmId};
 
 use crate::access::{open_study, study_result};
@@ -52,6 +53,6 @@ pub fn on_film(current: &CurrentCase, view: FilmView) -> Vec<HeightView> {
 fn height(line: &HeightLine, of: FilmView) -> HeightView {
     let [from_px, to_px] = line.ends.map(|end| [end.column_px, end.row_px]);
     let (level, sd_px) = (line.level.to_string(), line.sd_px);
-    let text = format!("{level} by the {of} film, ± {sd_px:.1} pixels");
+    let text = format!("{level} by the {of} film, ± {} pixels", fixed(sd_px, 1));
     HeightView { level, from_px, to_px, sd_px, text }
 }

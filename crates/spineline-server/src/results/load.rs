@@ -7,6 +7,7 @@ use axum::http::StatusCode;
 use spineline::analysis::{Analysis, LineModel};
 use spineline::anatomy::Level;
 use spineline::multibody::{BodyLoad, Deformed, GeneralStatics, Goal, Loading};
+use spineline::number::fixed;
 use spineline::response::{
     CurveChange, SpineAngles, erect_shape, largest_displacement_mm, measure_angles, respond,
 };
@@ -64,7 +65,11 @@ fn answer(result: &StudyResult, request: &LoadRequest) -> Answer<LoadAnswer> {
     let force_n = Vec3::from(request.tip_mm) - analysis.movement.spine.midpoints_mm[vertebra];
     let size = force_n.norm();
     if size.is_nan() || size > MAX_ARROW_MM {
-        let text = format!("the arrow is {size:.0} mm long; the limit is {MAX_ARROW_MM:.0} mm");
+        let text = format!(
+            "the arrow is {} mm long; the limit is {} mm",
+            fixed(size, 0),
+            fixed(MAX_ARROW_MM, 0)
+        );
         return Err(refused(text, "drag a shorter arrow"));
     }
     loaded(analysis, model, vertebra, force_n)
@@ -129,9 +134,9 @@ fn equilibrium(
     }
     let (part, deformed) = response.last_reached(&analysis.movement.spine).unwrap_or((0.0, erect));
     let status_text = format!(
-        "Not a result: {}. The shape at {:.0} % of the load is shown",
+        "Not a result: {}. The shape at {} % of the load is shown",
         response.ending.meaning(),
-        100.0 * part
+        fixed(100.0 * part, 0)
     );
     Ok(Found { deformed: deformed.clone(), part, status_text, converged: false })
 }
@@ -139,10 +144,11 @@ fn equilibrium(
 fn load_text(analysis: &Analysis, model: &LineModel, level: Level, force_n: Vec3) -> String {
     let (size, way) = (force_n.norm(), vector_words(force_n.into()));
     if model.is_absolute(analysis.options.gauge) {
-        return format!("{size:.0} N at the midpoint of {level}: {way}");
+        return format!("{} N at the midpoint of {level}: {way}", fixed(size, 0));
     }
     format!(
-        "Relative force {size:.0} at the midpoint of {level}: {way}; no force was measured: it is relative to the nominal stiffness, only shapes and ratios are meaningful"
+        "Relative force {} at the midpoint of {level}: {way}; no force was measured: it is relative to the nominal stiffness, only shapes and ratios are meaningful",
+        fixed(size, 0)
     )
 }
 
@@ -152,7 +158,7 @@ fn texts(analysis: &Analysis, erect: &Deformed, shape: &Deformed) -> Vec<String>
     let level = levels.as_slice()[vertebra];
     let places = analysis.movement.curve_places();
     let [before, after] = [erect, shape].map(|shape| measure_angles(shape, &places));
-    let mut texts = vec![format!("{level} moves most: {moved_mm:.1} mm")];
+    let mut texts = vec![format!("{level} moves most: {} mm", fixed(moved_mm, 1))];
     texts.extend(curve_text(&before, &after));
     texts.push(format!(
         "lateral tilt of {}–{}: {}",

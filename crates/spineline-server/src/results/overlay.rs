@@ -7,6 +7,7 @@ use spineline::curve::{CurveFit, Site, fit_curve};
 use spineline::measure::{
     Film, FilmFrame, LengthScale, Outline, body_widths, endplate_centres, measure_film,
 };
+use spineline::number::fixed;
 use spineline::spatial::{Frontal, Pixel};
 use spineline::warning::Warnings;
 
@@ -121,8 +122,8 @@ impl Drawing<'_> {
         let points = motion.least.iter().filter_map(|&segment| {
             let at = *self.measured.pose.joints.get(segment)?;
             let text = format!(
-                "least-rotating segment of its window: {:.4}°",
-                motion.rotations.get(segment)?.deg()
+                "least-rotating segment of its window: {}°",
+                fixed(motion.rotations.get(segment)?.deg(), 4)
             );
             Some(self.point(at, "MMS", text))
         });
@@ -137,8 +138,8 @@ impl Drawing<'_> {
             let status = if simulation.is_usable() {
                 let films = if simulation.fitted { "fitted" } else { "held out" };
                 format!(
-                    "{films}, {:.1} mm mean location error",
-                    simulation.mean_location_error_mm()
+                    "{films}, {} mm mean location error",
+                    fixed(simulation.mean_location_error_mm(), 1)
                 )
             } else {
                 format!("{}: no result", simulation.status.key().replace('_', " "))

@@ -5,6 +5,7 @@ use spineline::analysis::{Analysis, LineModel};
 use spineline::anatomy::Level;
 use spineline::evaluate::Simulation;
 use spineline::multibody::{Deformed, MatchStatus, Residual, SpineModel};
+use spineline::number::fixed;
 use spineline::personalize::evidence::ContradictedJoint;
 use spineline::spatial::{Mat3, Vec3};
 
@@ -66,9 +67,11 @@ pub fn simulated(
 fn status_text(simulation: &Simulation, top: Level) -> String {
     let left = match simulation.residual {
         Residual::Amplitude(angle) => {
-            format!("{:.2}° from the measured lateral tilt", angle.abs().deg())
+            format!("{}° from the measured lateral tilt", fixed(angle.abs().deg(), 2))
         }
-        Residual::Distance { mm } => format!("{top} {:.1} mm from its measured location", mm.abs()),
+        Residual::Distance { mm } => {
+            format!("{top} {} mm from its measured location", fixed(mm.abs(), 1))
+        }
     };
     let status = simulation.status.key().replace('_', " ");
     if simulation.is_usable() {
@@ -83,11 +86,11 @@ fn status_text(simulation: &Simulation, top: Level) -> String {
 fn contradiction_text(joint: &ContradictedJoint) -> String {
     let noise = if joint.beyond_noise { "beyond noise" } else { "within noise" };
     format!(
-        "{}/{} turns {}, counter-rotating: lever arm {:.0} mm, {:.0} % of the work, {noise}",
+        "{}/{} turns {}, counter-rotating: lever arm {} mm, {} % of the work, {noise}",
         joint.inferior,
         joint.superior,
         joint.rotation.leaning(),
-        joint.lever_arm_mm.abs(),
-        100.0 * joint.weight
+        fixed(joint.lever_arm_mm.abs(), 0),
+        fixed(100.0 * joint.weight, 0)
     )
 }

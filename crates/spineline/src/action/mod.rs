@@ -12,6 +12,7 @@ mod line_kind;
 pub use line_kind::LineKind;
 
 use crate::anatomy::named;
+use crate::number::fixed;
 use crate::spatial::{Angle, Frontal};
 
 named! {
@@ -41,7 +42,9 @@ pub struct LineOfAction {
 pub enum LineError {
     /// Two points nearly in one place.
     #[error(
-        "the two inflections are {gap_mm:.1} mm apart, and the minimum for a line is {limit_mm:.0} mm"
+        "the two inflections are {} mm apart, and the minimum for a line is {} mm",
+        fixed(*gap_mm, 1),
+        fixed(*limit_mm, 0)
     )]
     TooShort {
         /// Distance between the points.

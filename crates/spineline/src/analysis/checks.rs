@@ -5,6 +5,7 @@ use crate::anatomy::{Levels, Posture};
 use crate::clinical::ClinicalCurve;
 use crate::error::CaseError;
 use crate::measure::{Film, FilmLength, Outline, body_widths, same_landmarks};
+use crate::number::fixed;
 use crate::spatial::Angle;
 use crate::warning::{WarningCode, Warnings};
 
@@ -92,16 +93,16 @@ pub(super) fn warn_of_length(film: &Outline, warnings: &mut Warnings) {
     }
     let effect = if film.length.is_free() {
         format!(
-            "its scale is taken as {:.3}, and the expected standard deviation is {:.1} %",
-            scale.factor,
-            100.0 * prior_log_sd
+            "its scale is taken as {}, and the expected standard deviation is {} %",
+            fixed(scale.factor, 3),
+            fixed(100.0 * prior_log_sd, 1)
         )
     } else {
         "the lengths are compared as marked".to_owned()
     };
     let text = format!(
-        "the spine is {:.1} % {} than on the erect film ({effect}): check the spacing of both films, and that they show the same patient",
-        100.0 * (measured.factor - 1.0).abs(),
+        "the spine is {} % {} than on the erect film ({effect}): check the spacing of both films, and that they show the same patient",
+        fixed(100.0 * (measured.factor - 1.0).abs(), 1),
         if measured.factor > 1.0 { "longer" } else { "shorter" }
     );
     warnings.film(WarningCode::LengthsDiffer, film.posture, text);
@@ -156,8 +157,9 @@ pub(super) fn warn_of_unknown_rotation(curves: &[ClinicalCurve], warnings: &mut 
         return;
     }
     let text = format!(
-        "no pedicles are marked, so the axial rotation of the vertebrae is not known and is zero in the model: apices of curves of {largest:.0} usually turn by about {:.0}; mark both pedicles of the vertebrae around the apex",
-        largest * ROTATION_PER_DEGREE
+        "no pedicles are marked, so the axial rotation of the vertebrae is not known and is zero in the model: apices of curves of {} usually turn by about {}; mark both pedicles of the vertebrae around the apex",
+        largest.text(0),
+        (largest * ROTATION_PER_DEGREE).text(0)
     );
     warnings.film(WarningCode::AxialRotationUnknown, Posture::Erect, text);
 }

@@ -2,6 +2,7 @@
 
 use super::{Analysis, LineModel};
 use crate::action::LineKind;
+use crate::number::fixed;
 
 /// The chosen model, and the reason.
 #[derive(Debug, Clone, PartialEq)]
@@ -43,7 +44,8 @@ impl Analysis {
             } else {
                 let films = ranking.role.predicted_words();
                 format!(
-                    "The {kind} has the smallest error on {films}, {mm:.1} mm, of the lines whose model converged; {} did not converge.",
+                    "The {kind} has the smallest error on {films}, {} mm, of the lines whose model converged; {} did not converge.",
+                    fixed(mm, 1),
                     lost.join(" and ")
                 )
             };

@@ -1,6 +1,7 @@
 //! Lines of action on the same films, with the numbers of their parameters and every bend left out once.
 
 use crate::anatomy::named;
+use crate::number::fixed;
 use std::sync::OnceLock;
 
 use super::models::{FitTask, bending_loads, fit_model, settings_of};
@@ -298,12 +299,15 @@ impl LinesCompared {
         let (kind, mm) = ranking.best();
         let next = ranking.lines.get(1).map_or_else(
             || "no other line can be compared".to_owned(),
-            |(kind, mm)| format!("the {kind} follows with {mm:.1} mm"),
+            |(kind, mm)| format!("the {kind} follows with {} mm", fixed(*mm, 1)),
         );
         let without = ranking.baseline.map_or_else(
             || "nothing is predicted without mechanics".to_owned(),
             |(baseline, mm)| {
-                format!("the best prediction without mechanics ({baseline}) has {mm:.1} mm")
+                format!(
+                    "the best prediction without mechanics ({baseline}) has {} mm",
+                    fixed(mm, 1)
+                )
             },
         );
         let limit = if ranking.is_prediction() {
@@ -312,7 +316,8 @@ impl LinesCompared {
             format!(" {}", self.no_prediction_words(&ranking))
         };
         Some(format!(
-            "Of the lines that take fewest numbers from a predicted film, the {kind} has the smallest error on {films}: {mm:.1} mm; {next}; {without}.{limit}"
+            "Of the lines that take fewest numbers from a predicted film, the {kind} has the smallest error on {films}: {} mm; {next}; {without}.{limit}",
+            fixed(mm, 1)
         ))
     }
 

@@ -3,6 +3,7 @@ use super::{Analysis, LineModel};
 use crate::action::LineKind;
 use crate::evaluate::Simulation;
 use crate::multibody::{MAX_HUMAN_COLUMN, MAX_HUMAN_JOINT, MatchStatus};
+use crate::number::fixed;
 use crate::personalize::{FitStatus, SIGNIFICANCE, StiffnessBound};
 use crate::warning::{WarningCode, Warnings, counted};
 
@@ -17,8 +18,10 @@ pub(super) fn warn_of_endings(model: &LineModel, warnings: &mut Warnings) {
         let posture = Some(simulation.posture);
         if simulation.status == MatchStatus::BeyondHumanRange {
             let text = format!(
-                "the simulated shape is beyond the human range of motion (limits: {MAX_HUMAN_JOINT:.0} at a joint, {MAX_HUMAN_COLUMN:.0} over the spine), \
-                 so it is not a result: check the landmarks and the amplitude of this film"
+                "the simulated shape is beyond the human range of motion (limits: {} at a joint, {} over the spine), \
+                 so it is not a result: check the landmarks and the amplitude of this film",
+                MAX_HUMAN_JOINT.text(0),
+                MAX_HUMAN_COLUMN.text(0)
             );
             warn(WarningCode::BeyondHumanRange, posture, text);
         } else if !simulation.is_usable() {
@@ -74,11 +77,11 @@ fn warn_of_contradiction(line: LineKind, simulation: &Simulation, warnings: &mut
         return;
     }
     let text = format!(
-        "{} of {} joints turn against the force, {} of them beyond noise ({:.0} % of the work): no positive stiffness explains them",
+        "{} of {} joints turn against the force, {} of them beyond noise ({} % of the work): no positive stiffness explains them",
         against.len(),
         simulation.joints(),
         against.iter().filter(|joint| joint.beyond_noise).count(),
-        100.0 * simulation.contradicted_weight()
+        fixed(100.0 * simulation.contradicted_weight(), 0)
     );
     let posture = Some(simulation.posture);
     warnings.line(WarningCode::JointsContradictLine, line, posture, text);

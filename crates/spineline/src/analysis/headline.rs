@@ -4,6 +4,7 @@ use super::comparison::LinesCompared;
 use super::verdict::listed;
 use super::{Analysis, Identification, LineModel};
 use crate::action::LineKind;
+use crate::number::fixed;
 use crate::personalize::TestOutcome;
 
 /// An analysis in short; [`Analysis::verdict`] has the evidence.
@@ -107,12 +108,16 @@ impl LinesCompared {
             return Some(self.no_prediction_words(&ranking));
         }
         Some(match ranking.baseline {
-            None => format!("The {kind} predicts {films} best: {mm:.1} mm."),
+            None => format!("The {kind} predicts {films} best: {} mm.", fixed(mm, 1)),
             Some((baseline, without_mm)) if mm < without_mm => format!(
-                "The {kind} predicts {films} best: {mm:.1} mm; without mechanics {without_mm:.1} mm ({baseline})."
+                "The {kind} predicts {films} best: {} mm; without mechanics {} mm ({baseline}).",
+                fixed(mm, 1),
+                fixed(without_mm, 1)
             ),
             Some((baseline, without_mm)) => format!(
-                "No line with one parameter per film predicts {films} better than without mechanics: {kind} {mm:.1} mm, {baseline} {without_mm:.1} mm."
+                "No line with one parameter per film predicts {films} better than without mechanics: {kind} {} mm, {baseline} {} mm.",
+                fixed(mm, 1),
+                fixed(without_mm, 1)
             ),
         })
     }

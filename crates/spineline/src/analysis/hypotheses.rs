@@ -110,7 +110,9 @@ fn warn_of_endings(fit: &HypothesisFit, warnings: &mut Warnings) {
             LossReason::BeyondHumanRange => (
                 WarningCode::BeyondHumanRange,
                 format!(
-                    "{name}: the shape found for this film ({role}) is beyond the human range of motion (limits: {MAX_HUMAN_JOINT:.0} at a joint, {MAX_HUMAN_COLUMN:.0} over the spine), so it is not a result: check the landmarks of this film, and do not trust this load"
+                    "{name}: the shape found for this film ({role}) is beyond the human range of motion (limits: {} at a joint, {} over the spine), so it is not a result: check the landmarks of this film, and do not trust this load",
+                    MAX_HUMAN_JOINT.text(0),
+                    MAX_HUMAN_COLUMN.text(0)
                 ),
             ),
         };

@@ -8,6 +8,7 @@ use crate::evaluate::{NearbyMatch, Simulation, Target, predict, simulate};
 use crate::multibody::{
     ForceSign, JointGroups, Load, MatchStatus, Statics, StiffnessLibrary, coupled_matrix,
 };
+use crate::number::fixed;
 use crate::personalize::estimate::{
     EstimatedLoads, components_of, estimate_load, estimate_loads, line_of,
 };
@@ -210,8 +211,10 @@ fn warn_of_distance(line: &LineOfAction, posture: &FilmMovement, warnings: &mut 
     let nearest_mm = arms.fold(f64::INFINITY, f64::min);
     if nearest_mm > FAR_MM {
         let text = format!(
-            "the given line passes {nearest_mm:.0} mm from the nearest vertebra, and a trunk reaches less than {FAR_MM:.0} mm: \
-             check that it is in mm from the base's (L4's) midpoint, to the patient's left and cranial"
+            "the given line passes {} mm from the nearest vertebra, and a trunk reaches less than {} mm: \
+             check that it is in mm from the base's (L4's) midpoint, to the patient's left and cranial",
+            fixed(nearest_mm, 0),
+            fixed(FAR_MM, 0)
         );
         warnings.film(WarningCode::GivenLineFar, posture.outline.posture, text);
     }

@@ -358,8 +358,7 @@ fn inflections_of(
 }
 
 fn warn_of_inflections(found: &Inflections, warnings: &mut Warnings) {
-    let curves: Vec<String> =
-        found.curves.iter().map(|part| format!("{:.0}°", part.turn.abs().deg())).collect();
+    let curves: Vec<String> = found.curves.iter().map(|part| part.turn.abs().text(0)).collect();
     let then = if found.pair.is_some() {
         "the pair around the largest curve is used"
     } else {

@@ -6,6 +6,7 @@ use super::{Analysis, AnalysisOptions, FilmMovement, Movement};
 use crate::action::{LineKind, LineOfAction};
 use crate::clinical::JointShares;
 use crate::curve::CurveSpread;
+use crate::number::{fixed, interval};
 use crate::personalize::evidence::FilmEvidence;
 use crate::personalize::{Crossing, LineTest, NearbyLoads, PreferredLoads, ProposedLine};
 use crate::spatial::{Angle, Frontal};
@@ -44,7 +45,7 @@ impl std::fmt::Display for LineCrossing {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self.within {
             Crossing::Between([low, high]) => {
-                f.pad(&format!("{:.0} ({low:.0} to {high:.0})", self.y_mm))
+                f.pad(&format!("{} ({})", fixed(self.y_mm, 0), interval([low, high], 0)))
             }
             Crossing::Open => f.pad("anywhere"),
         }

@@ -4,6 +4,7 @@ use super::{Analysis, Movement};
 use crate::anatomy::{Level, SagittalProfile};
 use crate::measure::LengthScale;
 use crate::multibody::SpineModel;
+use crate::number::fixed;
 use crate::spatial::{Angle, Mat3};
 
 /// A vertebra of the model that the lateral film shows.
@@ -109,10 +110,10 @@ impl TemplateError {
     pub fn words(&self, scale: &LengthScale) -> String {
         let (level, worst) = self.worst();
         let depth = scale.mm(self.depth_rms_mm).map_or_else(String::new, |mm| {
-            format!(", and by {mm:.1} mm in its depth (root mean square)")
+            format!(", and by {} mm in its depth (root mean square)", fixed(mm, 1))
         });
         format!(
-            "Without the lateral film the model would have the profile of a population, with the top above the base. It is wrong by {:.1} at a joint (root mean square, {} joints), by {:.1} in the pitch of a vertebra (root mean square; {worst:.1} at {level}){depth}.",
+            "Without the lateral film the model would have the profile of a population, with the top above the base. It is wrong by {} at a joint (root mean square, {} joints), by {} in the pitch of a vertebra (root mean square; {worst} at {level}){depth}.",
             self.joint_rms, self.joints, self.vertebra_rms
         )
     }

@@ -5,7 +5,7 @@ use super::{Analysis, FilmMovement, LineModel};
 use crate::action::LineKind;
 use crate::anatomy::Posture;
 use crate::evaluate::{Baseline, Simulation};
-use crate::number::probability;
+use crate::number::{fixed, probability};
 use crate::personalize::TestOutcome;
 use crate::warning::{Warning, WarningCode};
 
@@ -193,11 +193,11 @@ fn joints_words(bend: &BendEvidence, is_first: bool, several: bool) -> String {
     let place =
         if several { format!(" in the {}", bend_name(bend.posture)) } else { String::new() };
     format!(
-        "{} of {}{joints}{place} turn against it ({} beyond noise, {:.0} % of the work)",
+        "{} of {}{joints}{place} turn against it ({} beyond noise, {} % of the work)",
         bend.against,
         bend.joints,
         bend.beyond_noise,
-        100.0 * bend.weight
+        fixed(100.0 * bend.weight, 0)
     )
 }
 
@@ -206,16 +206,16 @@ fn place_words(kind: LineKind, bend: &BendEvidence, tests: usize, several: bool)
     let (test, p) = bend.line_test.zip(bend.line_p)?;
     let place =
         if several { format!("in the {} ", bend_name(bend.posture)) } else { String::new() };
-    let (mm, deg) = (test.distance_mm, test.angle.deg());
+    let (distance, angle) = (fixed(test.distance_mm, 0), test.angle.text(0));
     let where_it_lies = match kind {
         LineKind::Iliac => {
-            format!("at {deg:.0}° to the iliac line, {mm:.0} mm from the top of the model")
+            format!("at {angle} to the iliac line, {distance} mm from the top of the model")
         }
         LineKind::Inflection => format!(
-            "{mm:.0} mm from the midpoint of the inflections, at {deg:.0}° to the line through them"
+            "{distance} mm from the midpoint of the inflections, at {angle} to the line through them"
         ),
         LineKind::Given | LineKind::Estimated => {
-            format!("{mm:.0} mm from this line, at {deg:.0}° to it")
+            format!("{distance} mm from this line, at {angle} to it")
         }
     };
     Some(format!(
@@ -258,8 +258,10 @@ impl LinesCompared {
         let (with_tilt, found): (Vec<_>, Vec<_>) =
             found.into_iter().partition(|(_, one)| one.knows_tilt());
         let words = |found: &[(f64, Baseline)]| {
-            let parts: Vec<String> =
-                found.iter().map(|(mm, baseline)| format!("{baseline} {mm:.1} mm")).collect();
+            let parts: Vec<String> = found
+                .iter()
+                .map(|(mm, baseline)| format!("{baseline} {} mm", fixed(*mm, 1)))
+                .collect();
             listed(&parts)
         };
         let tilt =
@@ -293,7 +295,7 @@ impl LinesCompared {
                 } else {
                     format!(" ({})", remarks.join(", "))
                 };
-                Some((mm, format!("{} {mm:.1} mm{remarks}", line.kind)))
+                Some((mm, format!("{} {} mm{remarks}", line.kind, fixed(mm, 1))))
             })
             .collect();
         found.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -372,9 +374,10 @@ impl LinesCompared {
     pub(super) fn no_prediction_words(&self, ranking: &Ranking) -> String {
         let (kind, mm) = ranking.best();
         format!(
-            "No line predicts {}: the smallest error, with the {kind}, is {mm:.1} mm, above the limit of {:.0} mm.",
+            "No line predicts {}: the smallest error, with the {kind}, is {} mm, above the limit of {} mm.",
             self.ranked_films_words(ranking),
-            Ranking::MAX_PREDICTED_MM
+            fixed(mm, 1),
+            fixed(Ranking::MAX_PREDICTED_MM, 0)
         )
     }
 

@@ -7,6 +7,7 @@ use crate::anatomy::{Posture, Side};
 use crate::clinical::ClinicalCurve;
 use crate::curve::{Inflection, InflectionInterval};
 use crate::evaluate::Simulation;
+use crate::number::{self, fixed};
 use crate::personalize::{FitStatus, Gauge, StiffnessBound};
 use crate::warning::counted;
 
@@ -67,7 +68,10 @@ impl Analysis {
                 between: (below, above),
                 ..
             })) => {
-                format!("{place}, {:.0} to {:.0}, {below} to {above}", mm(*from), mm(*to))
+                format!(
+                    "{place}, {}, {below} to {above}",
+                    number::interval([mm(*from), mm(*to)], 0)
+                )
             }
         }
     }
@@ -83,7 +87,12 @@ impl Analysis {
             .map(|p| {
                 let scale = p.outline.length.scale;
                 let [low, high] = scale.interval_95();
-                format!("{} {:.3} ({low:.3} to {high:.3})", p.outline.posture, scale.factor)
+                format!(
+                    "{} {} ({})",
+                    p.outline.posture,
+                    fixed(scale.factor, 3),
+                    number::interval([low, high], 3)
+                )
             })
             .collect();
         let words = || format!("Scales of the films against the erect film: {}", films.join(", "));
@@ -180,10 +189,11 @@ impl Analysis {
         let tilt = upwards.lateral_tilt().leaning();
         let way = format!("{way} along a line with a lateral tilt of {tilt}");
         if model.is_absolute(self.options.gauge) {
-            format!("{size:.0} N, {way}")
+            format!("{} N, {way}", fixed(size, 0))
         } else {
             format!(
-                "relative force {size:.0} (relative to the nominal stiffness, not newtons), {way}"
+                "relative force {} (relative to the nominal stiffness, not newtons), {way}",
+                fixed(size, 0)
             )
         }
     }
@@ -199,13 +209,19 @@ impl Analysis {
         if model.is_absolute(self.options.gauge) {
             let [lateral, flexion, axial] = springs.map(|k| k / 1000.0);
             return format!(
-                "lateral {lateral:.0}, flexion {flexion:.0}, axial {axial:.0} N·m/rad (scaled to the known force)"
+                "lateral {}, flexion {}, axial {} N·m/rad (scaled to the known force)",
+                fixed(lateral, 0),
+                fixed(flexion, 0),
+                fixed(axial, 0)
             );
         }
         let nominal = self.movement.library.rows()[joint].nmm_per_rad;
         let [lateral, flexion, axial] = [0, 1, 2].map(|axis| springs[axis] / nominal[axis]);
         format!(
-            "lateral {lateral:.2}, flexion {flexion:.2}, axial {axial:.2} of the nominal stiffness (no force was measured: only ratios are identified)"
+            "lateral {}, flexion {}, axial {} of the nominal stiffness (no force was measured: only ratios are identified)",
+            fixed(lateral, 2),
+            fixed(flexion, 2),
+            fixed(axial, 2)
         )
     }
 }

@@ -3,6 +3,7 @@
 use super::film_likelihood::{FilmDifference, Taken, is_clear};
 use crate::anatomy::{Level, Levels, Side};
 use crate::measure::{Film, FilmLandmarks, Outline, body_shapes};
+use crate::number::fixed;
 use crate::spatial::Angle;
 use crate::warning::{WarningCode, Warnings};
 
@@ -77,11 +78,11 @@ fn warn_of_leaning_erect(erect: &Outline, warnings: &mut Warnings) {
     };
     if tilt.abs() > MAX_ERECT_TILT {
         let text = format!(
-            "the lateral tilt of the line from {} to {} is {} (limit {:.0}°): check that the film shows the erect posture and is not turned",
+            "the lateral tilt of the line from {} to {} is {} (limit {}): check that the film shows the erect posture and is not turned",
             erect.levels().base(),
             erect.levels().top(),
             tilt.leaning(),
-            MAX_ERECT_TILT.deg()
+            MAX_ERECT_TILT.text(0)
         );
         warnings.film(WarningCode::ErectLeans, erect.posture, text);
     }
@@ -132,9 +133,8 @@ fn warn_of_no_bend(erect: &Outline, bend: &Outline, side: Side, warnings: &mut W
         warnings.film(WarningCode::FilmLooksMirrored, bend.posture, text);
     } else if towards < MIN_BEND_TILT {
         let text = format!(
-            "the lateral tilt of {ends} changes by {:.1}° towards the side of the bend from the erect film (usual: {:.0}° or more): check that the film shows a bend",
-            towards.deg(),
-            MIN_BEND_TILT.deg()
+            "the lateral tilt of {ends} changes by {towards} towards the side of the bend from the erect film (usual: {} or more): check that the film shows a bend",
+            MIN_BEND_TILT.text(0)
         );
         warnings.film(WarningCode::BendLeansLittle, bend.posture, text);
     }
@@ -185,7 +185,7 @@ fn shape_difference(a: &Outline, b: &Outline, sign: f64) -> String {
     let count = differences.len() as f64;
     let mean = differences.iter().sum::<f64>() / count;
     let squares: f64 = differences.iter().map(|one| (one - mean).powi(2)).sum();
-    format!("{:.1}°", (squares / (count - 1.0)).sqrt())
+    format!("{}°", fixed((squares / (count - 1.0)).sqrt(), 1))
 }
 
 /// Bodies of one film against the erect film. A common factor, such as another magnification, makes no difference.
@@ -218,14 +218,16 @@ fn warn_of_another_patient(films: [&Film; 2], outlines: [&Outline; 2], warnings:
     let max_deviation = MAX_WIDTH_DEVIATION + PROGRAM_FACTOR * width_sd;
     let found = if ratio.max(1.0 / ratio) > max_ratio {
         format!(
-            "its vertebral bodies are {ratio:.2} times as high for their width as on the erect film (limits {:.2} and {max_ratio:.2})",
-            1.0 / max_ratio
+            "its vertebral bodies are {} times as high for their width as on the erect film (limits {} and {})",
+            fixed(ratio, 2),
+            fixed(1.0 / max_ratio, 2),
+            fixed(max_ratio, 2)
         )
     } else if deviation > max_deviation {
         format!(
-            "the widths of its vertebral bodies grow differently than on the erect film (median deviation {:.0} %, limit {:.0} %)",
-            100.0 * deviation,
-            100.0 * max_deviation
+            "the widths of its vertebral bodies grow differently than on the erect film (median deviation {} %, limit {} %)",
+            fixed(100.0 * deviation, 0),
+            fixed(100.0 * max_deviation, 0)
         )
     } else {
         return;

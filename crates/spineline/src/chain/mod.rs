@@ -18,6 +18,7 @@ use std::ops::RangeInclusive;
 
 use crate::curve::Curve;
 use crate::fault::faults;
+use crate::number::fixed;
 use crate::spatial::{Angle, Frontal};
 
 /// The number of segments that the erect curve may have.
@@ -89,7 +90,11 @@ faults! {
             erect_mm: f64,
         },
         /// A curve shorter than a tenth of the erect one.
-        #[error("a curve is {length_mm:.1} mm long, and the erect curve {erect_mm:.1} mm")]
+        #[error(
+            "a curve is {} mm long, and the erect curve {} mm",
+            fixed(*length_mm, 1),
+            fixed(*erect_mm, 1)
+        )]
         #[code("curve_too_short")]
         #[help(LENGTHS_HELP)]
         #[at(value = *length_mm)]

@@ -13,7 +13,7 @@ use crate::analysis::{Analysis, FilmRole, listed};
 use crate::evaluate::Baseline;
 use crate::evaluate::statistics::Resampling;
 use crate::hypothesis::Hypothesis;
-use crate::number::probability;
+use crate::number::{fixed, probability, signed};
 
 /// Location errors of a baseline over all films of a role.
 #[derive(Debug, Clone, PartialEq)]
@@ -195,7 +195,8 @@ impl BaselinesOverPatients {
         found.sort_by(|a, b| a.mean_mm().total_cmp(&b.mean_mm()));
         let (with_tilt, found): (Vec<_>, Vec<_>) =
             found.into_iter().partition(|one| one.baseline.knows_tilt());
-        let words = |one: &&BaselineErrors| format!("{} {:.1} mm", one.baseline, one.mean_mm());
+        let words =
+            |one: &&BaselineErrors| format!("{} {} mm", one.baseline, fixed(one.mean_mm(), 1));
         let parts: Vec<String> = found.iter().map(words).collect();
         let films = films_words(role);
         let mut all = vec![format!("{films}, predicted without mechanics: {}.", listed(&parts))];
@@ -228,7 +229,9 @@ impl BaselinesOverPatients {
         let of = |outcome: ComparisonOutcome| -> Vec<String> {
             let found = tests.iter().filter(|test| test.outcome() == outcome);
             found
-                .map(|test| format!("{} ({:+.1} mm)", test.model, test.comparison.mean_difference))
+                .map(|test| {
+                    format!("{} ({} mm)", test.model, signed(test.comparison.mean_difference, 1))
+                })
                 .collect()
         };
         let (worse, same) = (of(ComparisonOutcome::Worse), of(ComparisonOutcome::NoDifference));
@@ -259,11 +262,13 @@ fn line_sentence(test: &BaselineTest) -> Option<String> {
         ComparisonOutcome::NotTested => return None,
     };
     Some(format!(
-        "There the {} {verdict} {}: its error is {sense} by {:.1} mm (line minus baseline, 95 % interval over {} patients {low:.1} to {high:.1} mm; p {} after Holm's correction).",
+        "There the {} {verdict} {}: its error is {sense} by {} mm (line minus baseline, 95 % interval over {} patients {} to {} mm; p {} after Holm's correction).",
         test.model,
         test.baseline,
-        difference.abs(),
+        fixed(difference.abs(), 1),
         test.comparison.patients(),
+        fixed(low, 1),
+        fixed(high, 1),
         probability(test.holm_p?)
     ))
 }

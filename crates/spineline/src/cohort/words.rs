@@ -6,7 +6,7 @@ use super::{
 };
 use crate::analysis::{FilmRole, Ranking, listed};
 use crate::evaluate::statistics::PairedT;
-use crate::number::probability;
+use crate::number::{fixed, interval, probability, signed};
 use crate::personalize::SIGNIFICANCE;
 use crate::warning::counted;
 
@@ -130,11 +130,11 @@ impl LinesOverPatients {
                 errors.min_by(|a, b| a.mean_location_mm().total_cmp(&b.mean_location_mm()))?;
             (best.mean_location_mm() > Ranking::MAX_PREDICTED_MM).then(|| {
                 format!(
-                    "No line with fewest parameters predicts {}: the smallest mean error, with the {}, is {:.1} mm, above the limit of {:.0} mm.",
+                    "No line with fewest parameters predicts {}: the smallest mean error, with the {}, is {} mm, above the limit of {} mm.",
                     films_words(role),
                     best.kind,
-                    best.mean_location_mm(),
-                    Ranking::MAX_PREDICTED_MM
+                    fixed(best.mean_location_mm(), 1),
+                    fixed(Ranking::MAX_PREDICTED_MM, 0)
                 )
             })
         };
@@ -173,10 +173,12 @@ fn difference(test: &LinePairTest) -> Option<String> {
     let (more, less, low, high) =
         if mean > 0.0 { (first, second, low, high) } else { (second, first, -high, -low) };
     Some(format!(
-        "on {} the error of the {more} is {:.1} mm larger than the error of the {less} (95 % interval over {} patients {low:.1} to {high:.1} mm)",
+        "on {} the error of the {more} is {} mm larger than the error of the {less} (95 % interval over {} patients {} to {} mm)",
         films_words(test.role),
-        mean.abs(),
-        test.comparison.patients()
+        fixed(mean.abs(), 1),
+        test.comparison.patients(),
+        fixed(low, 1),
+        fixed(high, 1)
     ))
 }
 
@@ -202,9 +204,9 @@ fn better_sentence(test: &LinePairTest) -> Option<String> {
     let [low, high] = test.comparison.bootstrap?;
     let (least, most) = (low.abs().min(high.abs()), low.abs().max(high.abs()));
     let interval = if low.signum() == high.signum() {
-        format!("{least:.1} to {most:.1} mm")
+        format!("{} mm", interval([least, most], 1))
     } else {
-        format!("{low:+.1} to {high:+.1} mm, first minus second")
+        format!("{} to {} mm, first minus second", signed(low, 1), signed(high, 1))
     };
     let caveat = if own > its {
         format!(
@@ -215,8 +217,8 @@ fn better_sentence(test: &LinePairTest) -> Option<String> {
         String::new()
     };
     Some(format!(
-        "On {films} the error of the {nearer} is smaller than the error of the {other} by {:.1} mm (95 % interval over {} patients {interval}; p {} after Holm's correction).{caveat}",
-        test.comparison.mean_difference.abs(),
+        "On {films} the error of the {nearer} is smaller than the error of the {other} by {} mm (95 % interval over {} patients {interval}; p {} after Holm's correction).{caveat}",
+        fixed(test.comparison.mean_difference.abs(), 1),
         test.comparison.patients(),
         probability(test.holm_p?)
     ))
@@ -240,12 +242,13 @@ impl PairedComparison {
             return "too few patients to test".to_owned();
         };
         let effect = self.effect.map_or_else(String::new, |effect| {
-            let [low, high] = effect.interval;
-            format!("; effect d {:.2}, 95 % {low:.2} to {high:.2}", effect.d)
+            format!("; effect d {}, 95 % {}", fixed(effect.d, 2), interval(effect.interval, 2))
         });
         format!(
-            "{:+.3} {unit}, 95 % {low:.3} to {high:.3} by bootstrap over patients, p {} (sign-flip test{}, {} patients){effect}",
-            self.mean_difference,
+            "{} {unit}, 95 % {} to {} by bootstrap over patients, p {} (sign-flip test{}, {} patients){effect}",
+            signed(self.mean_difference, 3),
+            fixed(low, 3),
+            fixed(high, 3),
             probability(test.p_two_sided),
             if test.exact { ", exact" } else { "" },
             test.n
@@ -255,8 +258,8 @@ impl PairedComparison {
 
 fn test_words(test: &PairedT, unit: &str, of: &str) -> String {
     format!(
-        "{:+.3} {unit}, p {} (paired t, two-sided, {} {of})",
-        test.mean_difference,
+        "{} {unit}, p {} (paired t, two-sided, {} {of})",
+        signed(test.mean_difference, 3),
         probability(test.p_two_sided),
         test.n
     )

@@ -4,6 +4,7 @@ use super::{
     CornerName, FilmPlace, MeasureError, MeasureFault, Reading, ReadingId, VertebraLandmarks,
 };
 use crate::anatomy::{Level, Posture};
+use crate::number::fixed;
 use crate::warning::{WarningCode, Warnings};
 
 /// Confidence below which a landmark is doubted: the program itself takes it to be as likely wrong as right. How well a
@@ -56,13 +57,17 @@ pub(super) fn warn_of_confidence(
         .collect();
     let mean = all.iter().sum::<f64>() / all.len() as f64;
     let text = format!(
-        "observer {id}: a program found these landmarks, with a mean confidence of {mean:.2} and a lowest of {least:.2} ({level}): check them on the film"
+        "observer {id}: a program found these landmarks, with a mean confidence of {} and a lowest of {} ({level}): check them on the film",
+        fixed(mean, 2),
+        fixed(least, 2)
     );
     warnings.film(WarningCode::LandmarksByProgram, posture, text);
     for (level, corner, value) in lowest.into_iter().filter(|&(.., value)| value < LOW_CONFIDENCE) {
         let text = format!(
-            "observer {id}: the {} corner has a confidence of {value:.2} (limit {LOW_CONFIDENCE:.2}): check the four corners of this vertebra on the film",
-            corner.key().replace('_', " ")
+            "observer {id}: the {} corner has a confidence of {} (limit {}): check the four corners of this vertebra on the film",
+            corner.key().replace('_', " "),
+            fixed(value, 2),
+            fixed(LOW_CONFIDENCE, 2)
         );
         warnings.vertebra(WarningCode::LowConfidence, posture, level, text);
     }

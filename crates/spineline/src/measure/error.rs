@@ -7,6 +7,7 @@ use super::{
 };
 use crate::anatomy::{FilmView, Level, Levels, Posture};
 use crate::fault::{ErrorPlace, faults};
+use crate::number::fixed;
 
 /// The corners in their order, as errors name them.
 const CORNER_NAMES: [&str; 4] =
@@ -159,7 +160,10 @@ faults! {
             fault: FilmTooLarge,
         },
         /// With the scale of its film a body has a size that no vertebra has.
-        #[error("{level} is {size_mm:.1} mm {side}, and no vertebral body is outside of {least_mm} to {most_mm} mm")]
+        #[error(
+            "{level} is {} mm {side}, and no vertebral body is outside of {least_mm} to {most_mm} mm",
+            fixed(*size_mm, 1)
+        )]
         #[code("body_size")]
         #[help("correct the scale of the film, or the corners of this vertebra")]
         #[at(level = *level, value = *size_mm, limit = if size_mm < least_mm { *least_mm } else { *most_mm })]
@@ -347,7 +351,7 @@ faults! {
             rows: u32,
         },
         /// Iliac crests that give no line.
-        #[error("the iliac crests are {apart_mm:.1} mm apart, and the minimum is {limit_mm:.0} mm")]
+        #[error("the iliac crests are {} mm apart, and the minimum is {} mm", fixed(*apart_mm, 1), fixed(*limit_mm, 0))]
         #[code("crests")]
         #[help(CRESTS_HELP)]
         #[at(value = *apart_mm, limit = *limit_mm)]
@@ -401,7 +405,11 @@ faults! {
             limit: f64,
         },
         /// The same in a reading of the lateral film.
-        #[error("{superior} lies {:.0} % of the expected distance above {inferior}, and the minimum is {:.0} %", 100.0 * share, 100.0 * limit)]
+        #[error(
+            "{superior} lies {} % of the expected distance above {inferior}, and the minimum is {} %",
+            fixed(100.0 * share, 0),
+            fixed(100.0 * limit, 0)
+        )]
         #[code("out_of_order")]
         #[help(ORDER_HELP)]
         #[at(level = *superior, value = *share, limit = *limit)]
@@ -416,7 +424,7 @@ faults! {
             limit: f64,
         },
         /// An angle of a vertebra beyond what a spine can show.
-        #[error("{level} is tilted {tilt_deg:.0}° relative to {base}, and the limit is {limit_deg:.0}°")]
+        #[error("{level} is tilted {}° relative to {base}, and the limit is {}°", fixed(*tilt_deg, 0), fixed(*limit_deg, 0))]
         #[code("tilt_too_large")]
         #[help("check the corners of this vertebra and of the lowest one of the film")]
         #[at(level = *level, value = *tilt_deg, limit = *limit_deg)]

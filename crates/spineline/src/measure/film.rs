@@ -6,6 +6,7 @@ use super::{
     VertebraOrigin,
 };
 use crate::anatomy::{ImageSide, Level, Posture, named};
+use crate::number::fixed;
 use crate::spatial::{Angle, Frontal, Pixel};
 
 /// The geometry of a picture: its size, the distance between its pixels, and the side of the patient's left.
@@ -24,7 +25,9 @@ pub struct ImageGeometry {
 /// A scale that makes a film larger than any film of a spine.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 #[error(
-    "its scale makes it {size_mm:.0} mm {side}, and no film of a spine is more than {limit_mm:.0} mm {side}"
+    "its scale makes it {} mm {side}, and no film of a spine is more than {} mm {side}",
+    fixed(*size_mm, 0),
+    fixed(*limit_mm, 0)
 )]
 #[non_exhaustive]
 pub struct FilmTooLarge {

@@ -8,6 +8,7 @@ use std::fmt;
 use super::bodies::{ReadBodies, median};
 use super::{Film, FilmLandmarks, MeasureError, MeasureFault, SpacingPlane};
 use crate::anatomy::{Level, Morphometry};
+use crate::number::fixed;
 use crate::spatial::Frontal;
 use crate::warning::{WarningCode, Warnings};
 
@@ -161,8 +162,10 @@ impl FilmSize {
         let [least, most] = self.limits;
         match self.measured {
             Measured::Spine([inferior, superior]) => format!(
-                "{inferior} to {superior} are {} along the spine, and {of} have {least:.0} to {most:.0} mm there: {}",
+                "{inferior} to {superior} are {} along the spine, and {of} have {} to {} mm there: {}",
                 millimetres(self.length),
+                fixed(least, 0),
+                fixed(most, 0),
                 self.cause()
             ),
             Measured::Bodies => format!(
@@ -187,9 +190,9 @@ fn millimetres(mm: f64) -> String {
 /// Three digits at least.
 fn significant(value: f64) -> String {
     match value {
-        value if value >= 100.0 => format!("{value:.0}"),
-        value if value >= 1.0 => format!("{value:.2}"),
-        value => format!("{value:.4}"),
+        value if value >= 100.0 => fixed(value, 0),
+        value if value >= 1.0 => fixed(value, 2),
+        value => fixed(value, 4),
     }
 }
 
@@ -310,8 +313,9 @@ impl FilmSizes {
         let stretched = self.stretch().filter(|stretch| stretch.ln().abs() > MAX_STRETCH.ln());
         let stretched = stretched.map(|stretch| {
             let text = format!(
-                "its vertebral bodies are {stretch:.2} times as wide for their height as those of a typical adult (limits {:.2} and {MAX_STRETCH}): the pixels may not be as high as wide as stated, which makes all angles wrong; check the spacing of columns and rows",
-                1.0 / MAX_STRETCH
+                "its vertebral bodies are {} times as wide for their height as those of a typical adult (limits {} and {MAX_STRETCH}): the pixels may not be as high as wide as stated, which makes all angles wrong; check the spacing of columns and rows",
+                fixed(stretch, 2),
+                fixed(1.0 / MAX_STRETCH, 2)
             );
             (WarningCode::BodiesStretched, text)
         });

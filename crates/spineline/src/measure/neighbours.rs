@@ -6,6 +6,7 @@
 use super::Corners;
 use super::bodies::{CheckedFilm, ReadBodies, median};
 use crate::anatomy::Level;
+use crate::number::fixed;
 use crate::spatial::Frontal;
 use crate::warning::{WarningCode, Warnings};
 
@@ -53,11 +54,11 @@ pub(super) fn warn_of_corners_off_the_trend(
         for (corner, found) in corners.iter().enumerate() {
             if found.share() > limit && is_worst(&all, index, corner) {
                 let text = format!(
-                    "observer {}: the {} corner is {:.0} % of the body's diagonal from where the neighbouring vertebrae put it (limit {:.0} %): check this corner",
+                    "observer {}: the {} corner is {} % of the body's diagonal from where the neighbouring vertebrae put it (limit {} %): check this corner",
                     reading.id,
                     film.corners()[corner],
-                    100.0 * found.distance,
-                    100.0 * limit * found.error
+                    fixed(100.0 * found.distance, 0),
+                    fixed(100.0 * limit * found.error, 0)
                 );
                 film.warn(WarningCode::CornerFarFromNeighbours, bodies[index].0, text, warnings);
             }

@@ -2,6 +2,7 @@
 
 use super::Placement;
 use crate::anatomy::{Level, Morphometry};
+use crate::number::fixed;
 use crate::spatial::Frontal;
 
 /// An exchanged or doubled vertebra shows at most a fifth of the usual distance.
@@ -15,9 +16,9 @@ pub fn out_of_order_words(inferior: Level, superior: Level, share: f64) -> Strin
         return format!("{inferior} is marked above {superior}: check the labels");
     }
     format!(
-        "{superior} lies {:.0} % of the expected distance above {inferior}, and the minimum is {:.0} %: one is marked twice, skipped or exchanged",
-        100.0 * share,
-        100.0 * MIN_SPACING_SHARE
+        "{superior} lies {} % of the expected distance above {inferior}, and the minimum is {} %: one is marked twice, skipped or exchanged",
+        fixed(100.0 * share, 0),
+        fixed(100.0 * MIN_SPACING_SHARE, 0)
     )
 }
 

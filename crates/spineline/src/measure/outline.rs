@@ -15,6 +15,7 @@ use super::{
     common_levels, measure_readings, seen_levels, warn_of_shortened_chain,
 };
 use crate::anatomy::{FilmView, Level, Levels, Morphometry, Posture};
+use crate::number::fixed;
 use crate::spatial::{Angle, Frontal, Pixel};
 use crate::warning::{WarningCode, Warnings};
 
@@ -228,9 +229,9 @@ pub(crate) fn outline_of(
     let iliac_normal = iliac_normal.map(|normal| (normal - base.tilt).wrapped());
     if let Some(normal) = iliac_normal.filter(|normal| normal.abs() > Angle::from_deg(60.0)) {
         let text = format!(
-            "the angle between the iliac line and {} is {:.0}°: the left and right crests may be exchanged",
+            "the angle between the iliac line and {} is {}: the left and right crests may be exchanged",
             levels.base(),
-            normal.abs().deg()
+            normal.abs().text(0)
         );
         warnings.film(WarningCode::IliacLineUnusual, posture, text);
     }
@@ -431,8 +432,9 @@ fn scaled_from_pixels(
     mut placed: Vec<BTreeMap<Level, Placement>>,
     warnings: &mut Warnings,
 ) -> (Vec<BTreeMap<Level, Placement>>, LengthScale) {
-    let shape = match image.spacing {
-        Some(spacing) => format!("are {:.3} times as high as wide, as stated,", spacing.aspect()),
+    let stated = image.spacing.map(|spacing| fixed(spacing.aspect(), 3));
+    let shape = match stated {
+        Some(aspect) => format!("are {aspect} times as high as wide, as stated,"),
         None => "are assumed square".to_owned(),
     };
     let text = format!(

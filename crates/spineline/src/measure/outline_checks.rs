@@ -7,6 +7,7 @@ use super::{
     LengthScale, MeasureError, MeasureFault, MeasuredVertebra, Placement, PlacementSource,
 };
 use crate::anatomy::{Level, Posture};
+use crate::number::fixed;
 use crate::spatial::Angle;
 use crate::warning::{WarningCode, Warnings};
 
@@ -49,7 +50,7 @@ pub(super) fn warn_of_interpolated(
         let Some(found) = vertebra.interpolated else { continue };
         let [below, above] = found.between;
         let text = format!(
-            "{} is not marked; it is interpolated between {below} and {above} (standard deviation {} and {:.1}), and takes no part in fits to this film and in location errors{}",
+            "{} is not marked; it is interpolated between {below} and {above} (standard deviation {} and {}), and takes no part in fits to this film and in location errors{}",
             vertebra.level,
             scale.text(found.location_sd_mm, 1),
             found.tilt_sd,
@@ -85,9 +86,9 @@ fn check_order(
         }
         if step.is_unusual() {
             let text = format!(
-                "{inferior} and {superior} are {} apart, {:.1} times the expected distance for this spine: check that no vertebra was skipped or marked twice",
+                "{inferior} and {superior} are {} apart, {} times the expected distance for this spine: check that no vertebra was skipped or marked twice",
                 scale.text(step.distance_mm, 1),
-                step.ratio
+                fixed(step.ratio, 1)
             );
             warnings.vertebra(WarningCode::SpacingUnusual, posture, superior, text);
         }

@@ -7,6 +7,7 @@ use super::neighbours::warn_of_corners_off_the_trend;
 use super::rounding::warn_of_rounding;
 use super::{Corners, Film, FilmLandmarks, ImageGeometry, Reading, ReadingId, VertebraLandmarks};
 use crate::anatomy::Level;
+use crate::number::fixed;
 use crate::spatial::{Angle, Frontal, Pixel};
 use crate::warning::{WarningCode, Warnings};
 
@@ -149,7 +150,8 @@ fn warn_of_sides(
     for (sides, ratio) in film.sides().into_iter().zip(body.side_ratios()) {
         if ratio > MAX_SIDE_RATIO {
             let text = format!(
-                "observer {id}: {sides} differ by a factor of {ratio:.1} (limit {MAX_SIDE_RATIO}): check the four corners of this vertebra"
+                "observer {id}: {sides} differ by a factor of {} (limit {MAX_SIDE_RATIO}): check the four corners of this vertebra",
+                fixed(ratio, 1)
             );
             film.warn(WarningCode::BodySidesDiffer, level, text, warnings);
         }
@@ -170,10 +172,10 @@ fn warn_of_axis(
     let apart = (image.tilt_from_clockwise(axis) - body.measure_tilt()).wrapped().abs();
     if apart > MAX_AXIS_DIFFERENCE {
         let text = format!(
-            "observer {}: the axis turned by hand is {:.0}° from the axis of the corners (limit {:.0}°): check the axis and the corners",
+            "observer {}: the axis turned by hand is {} from the axis of the corners (limit {}): check the axis and the corners",
             id,
-            apart.deg(),
-            MAX_AXIS_DIFFERENCE.deg()
+            apart.text(0),
+            MAX_AXIS_DIFFERENCE.text(0)
         );
         warnings.vertebra(WarningCode::AxisAgainstCorners, film.posture, level, text);
     }
@@ -216,10 +218,10 @@ fn warn_of_outliers(
     let odd = found.into_iter().filter(|&(_, _, id, share)| share > limit && asked(id));
     for (level, corner, id, share) in odd {
         let text = format!(
-            "observer {id}: the {} corner is {:.0} % of the body's diagonal from the median of all readings (limit {:.0} %): mark it again",
+            "observer {id}: the {} corner is {} % of the body's diagonal from the median of all readings (limit {} %): mark it again",
             film.corners()[corner],
-            100.0 * share,
-            100.0 * limit
+            fixed(100.0 * share, 0),
+            fixed(100.0 * limit, 0)
         );
         film.warn(WarningCode::CornerFarFromReadings, level, text, warnings);
     }

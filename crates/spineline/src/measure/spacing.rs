@@ -1,6 +1,7 @@
 use std::fmt;
 
 use crate::anatomy::named;
+use crate::number::{fixed, with_sd};
 
 named! {
     /// Unit of the lengths of a film.
@@ -191,8 +192,8 @@ impl LengthScale {
     #[must_use]
     pub fn residual_text(&self, residual_mm: f64) -> String {
         match self.px(residual_mm) {
-            Some(px) => format!("{px:.1} px"),
-            None => format!("{residual_mm:.2} mm"),
+            Some(px) => format!("{} px", fixed(px, 1)),
+            None => format!("{} mm", fixed(residual_mm, 2)),
         }
     }
 
@@ -208,12 +209,12 @@ impl LengthScale {
     #[must_use]
     pub fn text(&self, length_mm: f64, places: usize) -> String {
         if let Some(px) = self.px(length_mm) {
-            return format!("{px:.0} px");
+            return format!("{} px", fixed(px, 0));
         }
         // An exact scale needs no words.
         match self.sd_mm(length_mm).filter(|sd| *sd > 0.0) {
-            Some(sd) => format!("{length_mm:.places$} ± {sd:.places$} mm"),
-            None => format!("{length_mm:.places$} mm"),
+            Some(sd) => format!("{} mm", with_sd(length_mm, sd, places)),
+            None => format!("{} mm", fixed(length_mm, places)),
         }
     }
 }
@@ -228,7 +229,7 @@ impl fmt::Display for LengthScale {
             write!(f, ", {source}")?;
         }
         match self.relative_sd.filter(|sd| *sd > 0.0) {
-            Some(sd) => write!(f, ", scale ± {:.1} %", 100.0 * sd),
+            Some(sd) => write!(f, ", scale ± {} %", fixed(100.0 * sd, 1)),
             None => Ok(()),
         }
     }

@@ -2,6 +2,7 @@ use std::fmt;
 use std::ops::{Add, Mul, Neg, Sub};
 
 use crate::anatomy::Side;
+use crate::number::fixed;
 
 /// A plane angle, right-handed about +X, +Y or +Z, held in radians.
 ///
@@ -82,6 +83,12 @@ impl Angle {
         }
     }
 
+    /// Degrees with these decimal places, such as `12.5°`.
+    #[must_use]
+    pub fn text(self, places: usize) -> String {
+        format!("{}°", fixed(self.deg(), places))
+    }
+
     /// A frontal angle in words, such as `12.5° left`.
     #[must_use]
     pub fn leaning(self) -> String {
@@ -96,8 +103,7 @@ impl Angle {
 
 impl fmt::Display for Angle {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let places = f.precision().unwrap_or(1);
-        write!(f, "{:.places$}°", self.deg())
+        f.write_str(&self.text(f.precision().unwrap_or(1)))
     }
 }
 

@@ -1,5 +1,7 @@
 //! Vectors of `G` as text: sides, never signs.
 
+use crate::number::fixed;
+
 /// Parts of a vector below this part of the largest are not shown.
 const MIN_PART: f64 = 0.005;
 
@@ -16,7 +18,7 @@ pub fn vector_words(vector: [f64; 3]) -> String {
 /// A distance to one side, such as `12.3 mm left`.
 #[must_use]
 pub fn sideways_words(left_mm: f64) -> String {
-    let size = format!("{:.1}", left_mm.abs());
+    let size = fixed(left_mm.abs(), 1);
     match size.as_str() {
         // A distance that rounds to zero has no side.
         "0.0" => format!("{size} mm"),
@@ -45,7 +47,7 @@ fn parts(vector: [f64; 3], words: [[&str; 2]; 3]) -> String {
             let word = if *part > 0.0 { positive } else { negative };
             // Small forces keep their digits.
             let places = if largest < 1.0 { 4 } else { 1 };
-            format!("{:.places$} {word}", part.abs())
+            format!("{} {word}", fixed(part.abs(), places))
         })
         .collect();
     if named.is_empty() { "0".to_owned() } else { named.join(", ") }

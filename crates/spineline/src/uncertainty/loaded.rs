@@ -11,6 +11,7 @@ use super::{FilmNoise, MonteCarlo, Spread};
 use crate::action::LineKind;
 use crate::analysis::Analysis;
 use crate::multibody::{GeneralStatics, Goal, Loading, Support};
+use crate::number::fixed;
 use crate::response::{
     LoadedMeasure, LoadedQuantity, LoadedState, loaded_measures, respond, usual_limit,
 };
@@ -217,7 +218,7 @@ impl LoadedUncertainty {
         );
         let ending = |(code, count): &(Cow<'static, str>, u64)| {
             let percent = 100.0 * *count as f64 / done.max(1) as f64;
-            format!("`{code}` in {count} of {done} ({percent:.1} %)")
+            format!("`{code}` in {count} of {done} ({} %)", fixed(percent, 1))
         };
         let endings: Vec<String> = self.endings.iter().map(ending).collect();
         let without = (!endings.is_empty())

@@ -6,6 +6,7 @@ use super::words::noise_words;
 use super::{Absent, AnalysisQuantity, FilmNoise, MonteCarlo, Replicate};
 use crate::action::LineKind;
 use crate::anatomy::Posture;
+use crate::number::fixed;
 
 /// The results of the replicates so far; its size does not depend on their number.
 #[derive(Debug, Clone)]
@@ -218,7 +219,11 @@ impl Uncertainty {
                     if places.is_empty() { "whole analysis".to_owned() } else { places.join(", ") };
                 let (count, done) = (failure.count, self.done);
                 let percent = share(count);
-                format!("{place}: `{}` in {count} of {done} ({percent:.1} %)", failure.code)
+                format!(
+                    "{place}: `{}` in {count} of {done} ({} %)",
+                    failure.code,
+                    fixed(percent, 1)
+                )
             })
             .collect()
     }

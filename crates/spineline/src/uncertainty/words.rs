@@ -4,6 +4,7 @@ use super::{AnalysisQuantity, FilmNoise, NoiseSource, QuantityUnit, Uncertainty,
 use crate::analysis::Analysis;
 use crate::anatomy::Posture;
 use crate::clinical::SagittalPart;
+use crate::number::fixed;
 use crate::personalize::MULTIPLIER_COVERAGE;
 
 impl Uncertainty {
@@ -227,12 +228,15 @@ fn words_of(noise: &FilmNoise) -> String {
     };
     let size = match noise.landmarks {
         VertebraNoise::Corners { sd_px: [column, row], sd_mm, axis_sd } => {
-            let mm = sd_mm.map_or_else(String::new, |[y, z]| format!(" ({y:.2} × {z:.2} mm)"));
-            let axis = axis_sd.map_or_else(String::new, |sd| format!(", axes set by hand {sd:.2}"));
-            format!("corners {column:.2} × {row:.2} px{mm}{axis}")
+            let mm = sd_mm.map_or_else(String::new, |[y, z]| {
+                format!(" ({} × {} mm)", fixed(y, 2), fixed(z, 2))
+            });
+            let axis =
+                axis_sd.map_or_else(String::new, |sd| format!(", axes set by hand {}", sd.text(2)));
+            format!("corners {} × {} px{mm}{axis}", fixed(column, 2), fixed(row, 2))
         }
         VertebraNoise::Placements { location_sd_mm, tilt_sd } => {
-            format!("locations {location_sd_mm:.2} mm, tilts {tilt_sd:.2}")
+            format!("locations {} mm, tilts {}", fixed(location_sd_mm, 2), tilt_sd.text(2))
         }
     };
     let program = match noise.program_corners {

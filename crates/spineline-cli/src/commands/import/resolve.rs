@@ -4,6 +4,7 @@ use std::fmt;
 
 use spineline::anatomy::{ImageSide, Posture};
 use spineline::measure::{Spacing, SpacingPlane};
+use spineline::number::fixed;
 use spineline_films::{FilmDoubt, spacing_question};
 use spineline_marking::{View, ViewQuestion, judge_view};
 
@@ -235,7 +236,8 @@ fn compare(role: Role, file: &Spacing, used: &Spacing, notes: &mut Vec<String>) 
     };
     if !usual.contains(&ratio) {
         notes.push(format!(
-            "the scale used for the {role} is {ratio:.3} times the file's ({}); the file's is not used",
+            "the scale used for the {role} is {} times the file's ({}); the file's is not used",
+            fixed(ratio, 3),
             file.source
         ));
     }

@@ -1,6 +1,7 @@
 //! The study as text: the noise up to which every claim holds.
 
 use spineline::cohort::{ClaimVerdict, Claims, NEAR_SEGMENTS};
+use spineline::number::fixed;
 use spineline::warning::counted;
 use spineline_phantom::Scenario;
 use spineline_report::document::{Column, Table};
@@ -29,12 +30,12 @@ pub fn report(points: &[Point], args: &NoiseStudyArgs) -> String {
     }
     let percent = |limit: f64| 100.0 * limit;
     let near = format!(
-        "Claim 1: more than {:.0} % of inflections within {NEAR_SEGMENTS} segments of the least-rotating one",
-        percent(Claims::NEAR_LIMIT)
+        "Claim 1: more than {} % of inflections within {NEAR_SEGMENTS} segments of the least-rotating one",
+        fixed(percent(Claims::NEAR_LIMIT), 0)
     );
     let below = format!(
-        "Claim 2: inflections rotate by more than {:.0} % less than the mean",
-        percent(Claims::BELOW_LIMIT)
+        "Claim 2: inflections rotate by more than {} % less than the mean",
+        fixed(percent(Claims::BELOW_LIMIT), 0)
     );
     let movement = WAYS.into_iter().filter(|way| way.has_movement());
     let movement: Vec<(String, Way)> = movement.map(|way| (way.rule_name(), way)).collect();

@@ -9,6 +9,7 @@ use std::collections::BTreeMap;
 
 use serde::Serialize;
 use spineline::anatomy::Region;
+use spineline::number::fixed;
 use spineline_files::CaseFile;
 use spineline_phantom::{
     Build, Construction, Phantom, PhantomError, SUBJECTS, TrueFilm, generate_built,
@@ -97,7 +98,7 @@ pub fn run(args: &PhantomArgs) -> Result<Ending, Failure> {
     if !all.is_empty() {
         let mb = all.iter().map(|film| film.bytes).sum::<usize>() as f64 / 1e6;
         let films = all.len();
-        text.line(format!("{films} synthetic films beside the cases, {mb:.0} MB in all"));
+        text.line(format!("{films} synthetic films beside the cases, {} MB in all", fixed(mb, 0)));
     }
     print(text)
 }

@@ -12,6 +12,7 @@ use std::ops::ControlFlow;
 use std::path::PathBuf;
 
 use spineline::multibody::{ForceSign, PathPoint};
+use spineline::number::fixed;
 use spineline_files::{FilmOrigin, InputFile, Provenance, to_text};
 use spineline_report::terminal::Lines;
 use spineline_tables::Table;
@@ -82,7 +83,8 @@ fn with_progress<T>(
     let mut points = 0_usize;
     let result = search(&mut |_, point| {
         points += 1;
-        spinner.set_message(format!("following: {points} shapes, factor {:.3}", point.factor));
+        spinner
+            .set_message(format!("following: {points} shapes, factor {}", fixed(point.factor, 3)));
         spinner.tick();
         if interrupt::is_requested() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     });

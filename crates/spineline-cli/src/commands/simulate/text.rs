@@ -1,6 +1,7 @@
 //! One simulation as a report for the terminal.
 
 use spineline::multibody::{Equilibrium, Goal, Support};
+use spineline::number::fixed;
 use spineline::uncertainty::LoadedUncertainty;
 use spineline_files::SimulationWarning;
 use spineline_report::document::{Document, Notice, NoticeKind, Section};
@@ -64,10 +65,10 @@ fn target(outcome: &Outcome) -> Section {
     section.paragraph(match outcome.response.goal {
         Goal::FullLoad => "Target: the shape under these loads".to_owned(),
         Goal::LateralTilt(tilt) => format!(
-            "Target: the factor of the proportional loads for a lateral tilt of {} of {}, up to {:.4} in either direction",
+            "Target: the factor of the proportional loads for a lateral tilt of {} of {}, up to {} in either direction",
             outcome.tables().ends(),
             tilt.leaning(),
-            outcome.response.largest_factor
+            fixed(outcome.response.largest_factor, 4)
         ),
     });
     section

@@ -4,6 +4,7 @@ use std::sync::atomic::Ordering;
 
 use spineline::analysis::Analysis;
 use spineline::anatomy::Posture;
+use spineline::number::fixed;
 use spineline::personalize::MULTIPLIER_COVERAGE;
 use spineline::uncertainty::{AnalysisQuantity, QuantitySpread, QuantityUnit, Uncertainty};
 use spineline_report::document::Section;
@@ -83,13 +84,13 @@ fn interval(analysis: &Analysis, one: &QuantitySpread) -> Option<IntervalView> {
     let label = one.quantity.label(analysis);
     let label = if multiplier.is_some() { label.replace("ln of the ", "") } else { label };
     let text = |number: f64| match one.quantity.unit(analysis) {
-        QuantityUnit::Degrees => format!("{number:.1}°"),
-        QuantityUnit::Newtons => format!("{number:.0} N"),
-        QuantityUnit::RelativeForce => format!("{number:.0} (relative)"),
+        QuantityUnit::Degrees => format!("{}°", fixed(number, 1)),
+        QuantityUnit::Newtons => format!("{} N", fixed(number, 0)),
+        QuantityUnit::RelativeForce => format!("{} (relative)", fixed(number, 0)),
         QuantityUnit::Millimetres | QuantityUnit::Pixels | QuantityUnit::Segments => {
-            format!("{number:.1}")
+            fixed(number, 1)
         }
-        QuantityUnit::One => format!("{number:.3}"),
+        QuantityUnit::One => fixed(number, 3),
     };
     Some(IntervalView {
         label,

@@ -3,6 +3,7 @@
 use spineline::analysis::Analysis;
 use spineline::evaluate::location_errors_mm;
 use spineline::multibody::{Deformed, Equilibrium, PathPoint, Timing};
+use spineline::number::fixed;
 use spineline::response::{ActingKind, CurveChange, acting_loads, erect_shape, measure_angles};
 use spineline::spatial::Frontal;
 use spineline::uncertainty::LoadedUncertainty;
@@ -104,8 +105,11 @@ fn steps(simulated: &Simulated) -> Vec<LoadStep> {
     let mut steps: Vec<LoadStep> = kept
         .map(|(_, point)| {
             let factor = if point.timing == Timing::Proportional { point.factor } else { 0.0 };
-            let label =
-                format!("{:.0} % of the {} loads", 100.0 * point.factor, point.timing.word());
+            let label = format!(
+                "{} % of the {} loads",
+                fixed(100.0 * point.factor, 0),
+                point.timing.word()
+            );
             step(simulated, label, &point.deformed, factor, &[])
         })
         .collect();

@@ -4,6 +4,7 @@ use std::sync::atomic::Ordering;
 
 use spineline::anatomy::Side;
 use spineline::multibody::Timing;
+use spineline::number::{fixed, signed};
 use spineline::response::{CurveChange, PadEffect, PadTrial};
 use spineline::spatial::Angle;
 use spineline_files::{AppliedLoad, LevelKey};
@@ -61,12 +62,8 @@ fn columns(trials: &[PadTrial]) -> Vec<PadMapColumn> {
     trials.iter().take(per_level()).map(column).collect()
 }
 
-/// With its sign, unless it rounds to zero.
 fn change_text(change: Angle) -> String {
-    match format!("{:+.1}°", change.deg()) {
-        text if text.ends_with("0.0°") && text.len() == "+0.0°".len() => "0.0°".to_owned(),
-        text => text.replace('-', "−"),
-    }
+    format!("{}°", signed(change.deg(), 1))
 }
 
 /// Three digits, without zeros at the end.
@@ -78,7 +75,7 @@ fn force_text(force: f64) -> String {
     } else {
         2
     };
-    let text = format!("{force:.places$}");
+    let text = fixed(force, places);
     if places == 0 { text } else { text.trim_end_matches('0').trim_end_matches('.').to_owned() }
 }
 

@@ -1,6 +1,7 @@
 use super::SpatialMeasures;
 use crate::anatomy::{Region, named};
 use crate::measure::LengthScale;
+use crate::number::with_sd;
 use crate::spatial::Angle;
 
 named! {
@@ -45,9 +46,10 @@ impl SpatialNumber {
     /// Number and unit with the standard deviation: `32.1 ± 1.4°`.
     #[must_use]
     pub fn text(&self) -> String {
+        let number = with_sd(self.value, self.sd, 1);
         match self.unit {
-            "deg" => format!("{:.1} ± {:.1}°", self.value, self.sd),
-            unit => format!("{:.1} ± {:.1} {unit}", self.value, self.sd),
+            "deg" => format!("{number}°"),
+            unit => format!("{number} {unit}"),
         }
     }
 }

@@ -15,6 +15,7 @@ use super::{
     Film, LateralFilm, LateralOutline, LengthScale, MeasureError, Noise, Outline, SpacingPlane,
 };
 use crate::anatomy::{Level, SagittalProfile};
+use crate::number::{fixed, with_sd};
 use crate::spatial::{Angle, Orientation, Vec3};
 use crate::warning::{WarningCode, Warnings};
 use alignment::{Exposure, HeightPair, LateralSd};
@@ -234,10 +235,9 @@ impl SpatialOutline {
             );
         }
         format!(
-            "The lateral film was aligned to the erect one by the heights of {} vertebrae: scale {:.3} ± {:.3}, turn {:.1} ± {:.1}; heights then differ by {residual} (root mean square). Assumed: the erect film hangs upright, and the patient keeps the shape between the films. {corners}",
+            "The lateral film was aligned to the erect one by the heights of {} vertebrae: scale {}, turn {} ± {}; heights then differ by {residual} (root mean square). Assumed: the erect film hangs upright, and the patient keeps the shape between the films. {corners}",
             found.vertebrae,
-            found.scale,
-            found.scale * found.relative_scale_sd(),
+            with_sd(found.scale, found.scale * found.relative_scale_sd(), 3),
             found.turn,
             found.turn_sd()
         )
@@ -251,8 +251,9 @@ impl SpatialOutline {
             warn(
                 WarningCode::LateralHeightsDiffer,
                 format!(
-                    "the heights of vertebrae on the lateral film differ from those on the erect film by {:.1} mm (root mean square), and {:.1} mm are expected from the landmarks: the patient moved between the films, or vertebrae are named differently on them; check both films",
-                    found.residual_mm, found.expected_mm
+                    "the heights of vertebrae on the lateral film differ from those on the erect film by {} mm (root mean square), and {} mm are expected from the landmarks: the patient moved between the films, or vertebrae are named differently on them; check both films",
+                    fixed(found.residual_mm, 1),
+                    fixed(found.expected_mm, 1)
                 ),
             );
         }

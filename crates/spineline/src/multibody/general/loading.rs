@@ -1,5 +1,6 @@
 use crate::anatomy::{Levels, named, trunk_weight_shares};
 use crate::multibody::{SpineModel, Support};
+use crate::number::fixed;
 use crate::spatial::{Angle, Mat3, Vec3};
 
 /// A load on one vertebra. Frame `G` unless the name says `in_vertebra`.
@@ -188,7 +189,10 @@ pub enum LoadingFault {
         n_per_mm: f64,
     },
     /// A strap without a length.
-    #[error("the strap is {length_mm:.2} mm long on the erect spine, and the minimum is 1 mm")]
+    #[error(
+        "the strap is {} mm long on the erect spine, and the minimum is 1 mm",
+        fixed(*length_mm, 2)
+    )]
     Strap {
         /// Its length.
         length_mm: f64,
@@ -210,7 +214,9 @@ pub enum LoadingFault {
     RodPose,
     /// A rod that prescribes what the support holds.
     #[error(
-        "it prescribes {component} of {value:.3}{}, but in the frontal support a rod prescribes only the tilt (rotation about x) and the lateral place (displacement along y) of its upper vertebra", component.unit()
+        "it prescribes {component} of {}{}, but in the frontal support a rod prescribes only the tilt (rotation about x) and the lateral place (displacement along y) of its upper vertebra",
+        fixed(*value, 3),
+        component.unit()
     )]
     RodAgainstSupport {
         /// What it prescribes.

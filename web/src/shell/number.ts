@@ -1,0 +1,19 @@
+const DIGITS = new Intl.NumberFormat("en-GB", { maximumSignificantDigits: 3 });
+
+/** The sign of a negative number in text; a number that is written as zero has none. */
+function withMinus(text: string): string {
+  if (!text.startsWith("-")) return text;
+  const size = text.slice(1);
+  return /^[0.]*$/.test(size) ? size : `−${size}`;
+}
+
+const isNumber = (value: number | null | undefined): value is number =>
+  value !== null && value !== undefined && Number.isFinite(value);
+
+/** A number with its decimal places, such as `−0.17`, as the library writes it; `–` for a missing one. */
+export const fixed = (value: number | null | undefined, places: number): string =>
+  isNumber(value) ? withMinus(value.toFixed(places)) : "–";
+
+/** A number with three digits, such as `−12.3`; `–` for a missing one. */
+export const threeDigits = (value: number | null | undefined): string =>
+  isNumber(value) ? withMinus(DIGITS.format(value)) : "–";
