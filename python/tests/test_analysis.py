@@ -172,7 +172,7 @@ def test_a_known_force_of_a_film_that_there_is_not_is_refused(case: sl.Case) -> 
     data = json.loads(case.to_json())
     data["films"] = [film for film in data["films"] if film["posture"] != "traction"]
     without = sl.Case.from_json(json.dumps(data))
-    with pytest.raises(sl.InputError, match="no such film"):
+    with pytest.raises(sl.InputError, match="which this case does not have"):
         sl.analyze(without, gauge="known-force:traction=120")
     assert sl.analyze(case, gauge="known-force:traction=120").model().absolute
 
@@ -190,7 +190,7 @@ def test_options_take_the_values_of_python(case: sl.Case) -> None:
 
 
 def test_names_that_there_are_not_are_errors(analysis: sl.Analysis) -> None:
-    with pytest.raises(sl.InputError, match="there is no `errect` film"):
+    with pytest.raises(sl.InputError, match="the analysis has no `errect` film"):
         analysis.curve("errect")
     with pytest.raises(sl.InputError, match="did you mean `vertebrae`"):
         analysis.tables["vertebra"]
