@@ -8,7 +8,7 @@ const EVIDENCE: [(&str, &str); 4] = [
     ("Uncertainty", "how far a number may be off"),
 ];
 
-/// The parts that say what the evidence is for.
+/// The parts that state the purpose of the evidence.
 const FRAME: [&str; 3] = ["Question of interest", "Context of use", "Model risk"];
 
 /// A part of the file below a heading of the second level.
@@ -42,7 +42,7 @@ pub fn page(evidence: &str) -> Result<String, String> {
     let mut page = String::from(
         "# Credibility\n\n\
          In the order of ASME V&V 40: what is asked, in which context the answer is used, what is at risk if it is wrong, and \
-         the evidence, each kind on a line of its own. None of them stands for another.\n\n",
+         the evidence, each kind on a line of its own. They do not replace one another.\n\n",
     );
     for name in FRAME {
         page.push_str(&format!("## {name}\n\n{}\n\n", named(name)?.text));
@@ -65,7 +65,7 @@ pub fn page(evidence: &str) -> Result<String, String> {
     Ok(page)
 }
 
-/// The same text where links to files of the repository, which the book does not have, are words.
+/// The text with links to files of the repository, which the book lacks, as plain words.
 fn without_links(text: &str) -> String {
     let mut plain = String::new();
     let mut rest = text;
