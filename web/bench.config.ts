@@ -6,7 +6,7 @@ import base from "./playwright.config";
 // The release build, as users have it.
 process.env.SPINELINE_PROGRAM ??= "../target/release/spineline";
 
-/** Speeds are reported and not tested: a slow machine must not fail the run. */
+/** Speeds are reported, not tested: a slow machine must not fail the run. */
 export default defineConfig(base, {
   testDir: "e2e/bench",
   testMatch: "*.bench.ts",

@@ -1,4 +1,4 @@
-//! Gives the native module its build identity.
+//! Sets the build identity of the native module.
 
 fn main() -> std::io::Result<()> {
     spineline_build::emit()

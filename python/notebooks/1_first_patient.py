@@ -12,8 +12,8 @@
 # %% [markdown]
 # # First patient
 #
-# From films with landmarks to a personalised model and its errors. The patient is **synthetic**: a spine of known stiffness that a rod bends, with
-# landmarks by virtual readers who err as real ones do.
+# From films with landmarks to a personalised model and its errors. The patient is **synthetic**: a rod bends a spine of known stiffness, and
+# virtual readers place the landmarks with realistic errors.
 
 # %%
 import matplotlib.pyplot as plt
@@ -39,7 +39,7 @@ a
 # %% [markdown]
 # ## The films
 #
-# Black squares are measured midpoints, diamonds are the two inflections of the erect curve where they lie on each film. The lines are the candidate lines of
+# Black squares are measured midpoints. Diamonds are the two inflections of the erect curve, on each film. The lines are the candidate lines of
 # action of the bending force.
 
 # %%
@@ -49,8 +49,8 @@ plt.show()
 # %% [markdown]
 # ## What the model predicts
 #
-# `a.fitted` has the films from which the stiffness was found: their errors say how well the model can follow the data. `a.held_out` has the films that it never
-# saw: only these are predictions.
+# `a.fitted` has the films from which the stiffness was found: their errors show how well the model can follow the data. `a.held_out` has the other films:
+# only their errors are errors of predictions.
 
 # %%
 for name, errors in (("fitted", a.fitted), ("held out", a.held_out)):
@@ -61,7 +61,7 @@ a.plot.errors()
 plt.show()
 
 # %% [markdown]
-# How good is that? Every prediction stands beside some that use no mechanics; see [Is this line believable?](3_is_this_line_believable.md).
+# How good is that? Compare with predictions without mechanics: see [Is this line believable?](3_is_this_line_believable.md).
 
 # %%
 a.plot.predictions()
@@ -82,7 +82,7 @@ multipliers = a.tables["multipliers"].to_pandas()
 multipliers[["line", "joints", "multiplier", "at_bound"]]
 
 # %% [markdown]
-# ## Keep it
+# ## Save it
 #
 # The file of the analysis holds the case, the options and every result; `spineline rerun` repeats it to the last bit. The report is one HTML file.
 

@@ -13,7 +13,7 @@
 # # My own landmarks
 #
 # Many groups keep corners of vertebrae in a table. This notebook reads such a CSV file, finds what is wrong with it, and analyses it. The numbers are
-# **synthetic**; the file is written here so that the notebook runs anywhere.
+# **synthetic**; the notebook writes the file itself, so that it runs anywhere.
 
 # %%
 import json
@@ -50,7 +50,7 @@ case
 # %% [markdown]
 # ## Landmarks have errors
 #
-# Swap two corners of one vertebra, as happens with a slip of the hand. The program does not guess: it says which film, which vertebra, and what to do.
+# Swap two corners of one vertebra by mistake. The program does not guess: it says which film, which vertebra, and what to do.
 
 # %%
 slipped = landmarks.copy()
@@ -64,7 +64,7 @@ except sl.InputError as error:
     print("film:", error.film, "| vertebra:", error.level)
 
 # %% [markdown]
-# A softer error, a corner that lies 4 mm off, is a warning: the analysis runs, and every output repeats the warning.
+# A smaller error, a corner that is 4 mm off, is a warning: the analysis runs, and every output repeats the warning.
 
 # %%
 moved = landmarks.copy()
@@ -74,7 +74,7 @@ sl.Case.from_landmarks(moved, mm_per_px=0.14, case_id="P07", synthetic=True).che
 # %% [markdown]
 # ## How well do the readers agree?
 #
-# Where a film was read more than once, the readings themselves say how large the noise is.
+# If a film was read more than once, the readings show how large the noise is.
 
 # %%
 a = sl.analyze(case)
@@ -84,7 +84,7 @@ reliability.loc[reliability.statistic == "sem_agreement", ["quantity", "design",
 # %% [markdown]
 # ## The curve, with your own axes
 #
-# Arrays are NumPy's, in mm from the midpoint of L4: y to the patient's left, z cranial.
+# NumPy arrays, in mm from the midpoint of L4: y to the patient's left, z cranial.
 
 # %%
 figure, ax = plt.subplots(figsize=(4.2, 5.5), layout="constrained")

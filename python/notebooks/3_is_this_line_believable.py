@@ -13,8 +13,8 @@
 # # Is this line believable?
 #
 # A model can fit its films well and still be wrong. Three questions help: does a prediction without mechanics do as well, how wide are the intervals, and do the
-# films contradict the model? Here we know the answer, for the two patients are **synthetic**: in one a force through the inflections of the curve bends
-# the spine (`rod`), in the other a horizontal force at T2 (`pull`).
+# films contradict the model? Here we know the answer, because the two patients are **synthetic**: in one a force through the inflections of the curve
+# bends the spine (`rod`), in the other a horizontal force at T2 (`pull`).
 
 # %%
 import matplotlib.pyplot as plt
@@ -28,8 +28,8 @@ for name, a in patients.items():
 # %% [markdown]
 # ## Baselines
 #
-# A bend is left out, the model is fitted to the other films, and the bend is predicted. Beside each line stand predictions that use no mechanics: the
-# other bend mirrored, and the mobility of healthy spines from the literature, both turned so that they meet T2.
+# A bend is left out, the model is fitted to the other films, and the bend is predicted. The figure also has predictions without mechanics: the
+# other bend mirrored, and the mobility of healthy spines from the literature, both scaled so that they meet T2.
 
 # %%
 figure, axes = plt.subplots(2, 1, figsize=(7, 5.4), sharex=True, layout="constrained")
@@ -39,13 +39,13 @@ axes[0].set_xlabel("")
 plt.show()
 
 # %% [markdown]
-# A line that does not beat the grey bars gives no evidence that the prediction needs its mechanics. The estimated line takes two more numbers from
-# each film that it predicts, and the distribution of rotations with tilt takes one: compare what takes the same.
+# If a line does not beat the grey bars, its prediction does not need mechanics. The estimated line takes two more numbers from
+# each predicted film, and the distribution of rotations with tilt takes one: compare bars with equal numbers.
 #
 # ## Intervals
 #
-# Landmarks have noise. Replicates analyse the case again with perturbed landmarks; each number then has a spread. A thousand give stable intervals; a
-# hundred are enough to see their size.
+# Landmarks have noise. Replicates analyse the case again with perturbed landmarks; each number then has a spread. 1000 replicates give stable intervals;
+# 100 are enough to see their size.
 
 # %%
 for name, a in patients.items():
@@ -60,7 +60,7 @@ for name, a in patients.items():
 # %% [markdown]
 # ## Contradictions
 #
-# A contradiction is a warning that the films speak against a line, beyond noise. In the `rod` patient all of them are about the iliac line, which is
+# A contradiction is a warning that the films contradict a line beyond noise. In the `rod` patient all of them are about the iliac line, which is
 # wrong there; in the `pull` patient most are about the line through the inflections.
 
 # %%

@@ -32,7 +32,7 @@ cohort = sl.Cohort.glob("cases/*.json")
 len(cohort)
 
 # %% [markdown]
-# On a real cluster, `chunk` cases should take 10 to 60 s. A worker that is killed costs nothing: its part is made again.
+# On a real cluster, `chunk` cases should take 10 to 60 s. If a worker is killed, its part is made again.
 
 # %%
 with LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as cluster, Client(cluster) as client:
@@ -40,14 +40,14 @@ with LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as 
 run.is_complete, len(run.parts), sum(part.failed for part in run.parts)
 
 # %% [markdown]
-# A case that cannot be analysed is a row with its error. Nothing is dropped silently.
+# A case that cannot be analysed is a row with its error. No case is dropped silently.
 
 # %%
 cases = run.read("cases").to_pandas()
 cases.loc[cases.status != "ok", ["file", "status", "error"]]
 
 # %% [markdown]
-# Run it again, and every part is already there: files are named by a hash of program, options and cases.
+# Run it again: every part already exists, since files are named by a hash of program, options and cases.
 
 # %%
 again = cohort.analyze(out="results", chunk=5)
@@ -56,7 +56,7 @@ all(part.was_there for part in again.parts)
 # %% [markdown]
 # ## Errors over patients
 #
-# The patient is the unit: first a mean per patient, then a box over patients.
+# The patient is the unit: first a mean per patient, then a box plot over patients.
 
 # %%
 vertebrae = run.read("vertebrae").to_pandas()
@@ -73,6 +73,6 @@ axes[0].set_ylabel("error on held-out films,\nmean of a patient (mm)")
 plt.show()
 
 # %% [markdown]
-# The scenario that made the films decides which line predicts them: there is no line that is best for all.
+# The scenario that made the films decides which line predicts them: no line is best for all.
 #
 # Statistics of the cohort with tests by patient come from the program: `spineline analyze cases --cohort cohort.json`.

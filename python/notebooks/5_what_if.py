@@ -12,7 +12,7 @@
 # %% [markdown]
 # # What if: pads and rods
 #
-# A personalised model answers how the spine would move under loads that nobody has applied yet. The patient is **synthetic**, and the model has relative
+# A personalised model shows how the spine would move under new loads. The patient is **synthetic**, and the model has relative
 # stiffness: forces are ratios until a force is known (`gauge="known-force:…"`).
 
 # %%
@@ -27,7 +27,7 @@ model
 # %% [markdown]
 # ## Where would a pad act best?
 #
-# A pad pushes one vertebra at a time to either side, with the same force everywhere. The change of the main thoracic Cobb angle says where it
+# A pad pushes one vertebra at a time to either side, always with the same force. The change of the main thoracic Cobb angle shows where it
 # works.
 
 # %%
@@ -47,11 +47,11 @@ ax.legend(frameon=False)
 plt.show()
 
 # %% [markdown]
-# Where a search ends without a result, the curve has a gap: the program gives no number there, and says why.
+# If a search ends without a result, the curve has a gap: the program gives no number there, and says why.
 #
 # ## A rod
 #
-# A rod between T5 and L1 keeps what it connects. Under the same side force the rest of the spine moves alone.
+# A rod between T5 and L1 keeps this part rigid. Under the same side force only the rest of the spine moves.
 
 # %%
 push = sl.Force("T2", towards="right", force=8.0)
@@ -76,7 +76,7 @@ plt.show()
 # %% [markdown]
 # ## How far, instead of how hard
 #
-# A wanted lateral tilt finds its force.
+# Give a lateral tilt, and the search finds the force.
 
 # %%
 for tilt in (5, 10, 15):

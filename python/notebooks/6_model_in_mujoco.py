@@ -12,8 +12,8 @@
 # %% [markdown]
 # # The model in MuJoCo
 #
-# A personalised model is more useful where muscles, contact or control are. It is written as MJCF, loaded into MuJoCo, and both engines are asked the same
-# question. The patient is **synthetic**.
+# A personalised model is more useful with muscles, contact or control. Here it is written as MJCF and loaded into MuJoCo, and both engines compute the same
+# shape. The patient is **synthetic**.
 
 # %%
 import matplotlib.pyplot as plt
@@ -32,7 +32,7 @@ print(f"{spine.nbody} bodies, {spine.nv} degrees of freedom")
 # %% [markdown]
 # ## The same force in both
 #
-# A horizontal force on T2, towards the patient's right. MuJoCo lets time pass until the spine is at rest; Spineline solves for equilibrium.
+# A horizontal force on T2, towards the patient's right. MuJoCo simulates until the spine is at rest; Spineline solves for equilibrium.
 
 # %%
 push = sl.Force("T2", towards="right", force=8.0)
@@ -63,5 +63,5 @@ figure.legend(loc="outside lower center", ncols=3, frameon=False, fontsize=8)
 plt.show()
 
 # %% [markdown]
-# Forces are relative here, since no force is known. With `gauge="known-force:left_bending=60"` both engines work in newtons. OpenSim
+# Forces are relative here, since all forces are unknown. With `gauge="known-force:left_bending=60"` both engines work in newtons. OpenSim
 # (`to_opensim`) and every reader of URDF (`to_urdf`) take the same model.

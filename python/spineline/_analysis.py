@@ -33,7 +33,7 @@ class MethodOptions(TypedDict, total=False):
     """Options of the method, with the names and values of ``spineline analyze --help``."""
 
     method: Literal["default", "paper"]
-    """Method that the other options start from; each that is given replaces a choice of the method."""
+    """Method; every other option that is given replaces one of its choices."""
     order_rule: str | int
     """Order of the curves: ``"leave-one-out"``, ``"paper"``, or 4 to 12."""
     gauge: str
@@ -53,7 +53,7 @@ class MethodOptions(TypedDict, total=False):
     prior: str | float
     """``"none"``, ``"in-vivo"``, or a standard deviation of ln."""
     rotation_prior: str | os.PathLike[str]
-    """File of ``spineline learn-prior``: how the joints of other patients rotate, for predictions without mechanics."""
+    """File of ``spineline learn-prior``: joint rotations of other patients, for predictions without mechanics."""
     stiffness: str | os.PathLike[str]
     """Table to start from: ``"paper"``, ``"in-vitro"``, ``"intact-chest"``, ``"scoliotic-in-vivo"``, ``"coupled"``, or a file."""
     inflections: str | Sequence[str]
@@ -69,8 +69,8 @@ class MethodOptions(TypedDict, total=False):
 class Analysis(_Exportable[_native.Analysis]):
     """The results of all steps for one patient, made by :func:`analyze`. It does not change.
 
-    Two analyses are equal where case, options and results are. Pickle and copies hold the file of the analysis and repeat the
-    computation where they are read, which refuses another version of Spineline.
+    Two analyses are equal if case, options and results are. Pickle and copies hold the file of the analysis and repeat the
+    computation when they are read; another version of Spineline is refused.
     """
 
     @classmethod
@@ -80,7 +80,7 @@ class Analysis(_Exportable[_native.Analysis]):
         Raises
         ------
         InputError
-            If the text is no analysis, or this version of Spineline finds other results.
+            If the text is not an analysis, or this version of Spineline finds other results.
         """
         return cls(_native.Analysis.repeat(text.decode() if isinstance(text, bytes) else text))
 
@@ -111,12 +111,12 @@ class Analysis(_Exportable[_native.Analysis]):
 
     @property
     def is_usable(self) -> bool:
-        """Whether what was asked for has a result: fits converged and forces were found."""
+        """Whether the analysis has a result: fits converged and forces were found."""
         return self._native.is_usable
 
     @property
     def verdict(self) -> list[str]:
-        """What the analysis says, in sentences."""
+        """The conclusions, in sentences."""
         return self._native.verdict
 
     @property
@@ -126,7 +126,7 @@ class Analysis(_Exportable[_native.Analysis]):
 
     @cached_property
     def tables(self) -> Tables:
-        """Tidy tables by name, as of ``spineline analyze --tables``: ``a.tables["vertebrae"].to_pandas()``."""
+        """Tidy tables by name, as ``spineline analyze --tables`` writes them: ``a.tables["vertebrae"].to_pandas()``."""
         return Tables(self._native.tables())
 
     @cached_property
@@ -137,24 +137,24 @@ class Analysis(_Exportable[_native.Analysis]):
 
     @property
     def held_out(self) -> FilmErrors:
-        """Errors on films that the models were not fitted to. They are predictions."""
+        """Errors on held-out films. They are predictions."""
         return FilmErrors(self, fitted=False)
 
     @property
     def fitted(self) -> FilmErrors:
-        """Errors on the films that the models were fitted to. They are no predictions."""
+        """Errors on fitted films. They are not predictions."""
         return FilmErrors(self, fitted=True)
 
     def model(self, line: LineName | Literal["auto"] | str = "auto") -> Model:
         """The personalised model with a line of action: ``"inflection"``, ``"iliac"``, ``"estimated"`` or ``"given"``.
 
-        ``"auto"``: the line that predicts films which it was not fitted to with the smallest error, of those whose model converged and
-        that take one number from each film; where no line predicts any, the first one with a result. :attr:`Model.line` says which.
+        ``"auto"``: the line that predicts held-out films with the smallest error, among lines whose model converged and that
+        take one number from each film. If no line predicts a film: the first one with a result. :attr:`Model.line` says which.
 
         Raises
         ------
         InputError
-            If there is no model with this line, or none at all.
+            If the analysis has no model with this line, or no model at all.
         """
         from ._model import Model
 
@@ -174,7 +174,7 @@ class Analysis(_Exportable[_native.Analysis]):
         Raises
         ------
         InputError
-            If there is no such film.
+            If the film is missing.
         """
         return Curve(self._native, film)
 
@@ -184,7 +184,7 @@ class Analysis(_Exportable[_native.Analysis]):
         Raises
         ------
         InputError
-            If there is no such film, or the figure has nothing to show.
+            If the film is missing, or the figure has nothing to show.
         """
         known = name in ("overview", "rotations")
         svg = self._native.figure(name) if known else self._native.figure("simulated", name)
@@ -200,7 +200,7 @@ class Analysis(_Exportable[_native.Analysis]):
         return self._native.summary()
 
     def report(self, path: str | os.PathLike[str], *, overwrite: bool = False) -> Path:
-        """Writes the report as one HTML file, as ``spineline report``; whole or not at all. Returns the path.
+        """Writes the report as one HTML file, as ``spineline report`` does; whole or not at all. Returns the path.
 
         Raises
         ------
@@ -219,7 +219,7 @@ class Analysis(_Exportable[_native.Analysis]):
 
 
 class Curve:
-    """The fitted curve of a film, with what lies on it. Arrays cannot be written to."""
+    """The fitted curve of a film, with the points on it. Arrays are read-only."""
 
     __slots__ = ("_native", "film")
 
@@ -233,7 +233,7 @@ class Curve:
         """Points of the curve from the lowest vertebra upwards at equal distances, shape (n, 2), float64.
 
         Columns: y to the patient's left, z cranial, in mm from the midpoint of the lowest vertebra (L4), in the frame of its
-        axis; the mm are those of the film's plane.
+        axis, and in the film's plane.
 
         Raises
         ------
@@ -260,8 +260,8 @@ class Curve:
 
     @property
     def inflections_mm(self) -> Floats | None:
-        """Where the two inflections of the erect curve lie on this film, the caudal one first, shape (2, 2), in the frame of
-        :attr:`points_mm`; None where the erect curve has no such pair.
+        """Places of the two inflections of the erect curve on this film, the caudal one first, shape (2, 2), in the frame of
+        :attr:`points_mm`; None where the erect curve does not have both.
         """
         return self._native.inflections(self.film)
 
@@ -276,7 +276,7 @@ class Curve:
         Raises
         ------
         InputError
-            If the film has no picture, since locations came from another program.
+            If the film has no picture: its locations came from another program.
         """
         pixels = self._native.to_pixels(self.film, [(float(y), float(z)) for y, z in points_mm])
         if pixels is None:
@@ -294,7 +294,7 @@ class Curve:
 class FilmErrors:
     """Errors of a model on its fitted films, or on films that were held out; one entry per vertebra and film.
 
-    By default of the model with the line through the inflections; :meth:`of` gives those of another line.
+    By default of the line through the inflections; :meth:`of` gives another line.
     """
 
     __slots__ = ("_analysis", "_rows", "is_fitted", "line")
@@ -319,18 +319,18 @@ class FilmErrors:
         ]
 
     def of(self, line: LineName | str) -> FilmErrors:
-        """The same of the model with another line: ``"inflection"``, ``"iliac"``, ``"estimated"`` or ``"given"``.
+        """The same for another line: ``"inflection"``, ``"iliac"``, ``"estimated"`` or ``"given"``.
 
         Raises
         ------
         InputError
-            If there is no model with this line.
+            If the analysis has no model with this line.
         """
         return FilmErrors(self._analysis, fitted=self.is_fitted, line=line)
 
     @property
     def location_error_mm(self) -> Floats:
-        """Distance of simulated and measured midpoints in mm, shape (n,), read-only: without the base, which is fixed,
+        """Distances of simulated from measured midpoints in mm, shape (n,), read-only: without the fixed base,
         without interpolated vertebrae, and without films whose force was not found.
         """
         errors: Floats = self._analysis.tables["vertebrae"]["location_error_mm"][self._rows]
@@ -363,7 +363,7 @@ def analyze(
 ) -> Analysis:
     """Runs all steps of the method. Other Python threads run meanwhile.
 
-    Ctrl-C ends the call at once. A computation of seconds may run on in the background to its end; its result is dropped.
+    Ctrl-C ends the call at once. A computation of seconds may run on in the background; its result is dropped.
 
     Parameters
     ----------
@@ -378,8 +378,8 @@ def analyze(
     Raises
     ------
     InputError
-        If an option or its value is unknown (a similar name of an option, or all values, are given), or the case cannot be analysed: with film, vertebra,
-        value and limit.
+        If an option or its value is unknown (the help has a similar name, or all values), or the case cannot be analysed: with
+        film, vertebra, value and limit.
     """
     given: dict[str, Any] = dict(options)
     words = as_words(given)
@@ -393,7 +393,7 @@ def analyze(
 
 
 def as_words(options: Mapping[str, Any]) -> list[tuple[str, str]]:
-    """Options as the words that the command line has for them."""
+    """Options in the words of the command line."""
     return [pair for name, value in options.items() for pair in _as_text(name, value)]
 
 

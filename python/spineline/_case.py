@@ -18,7 +18,7 @@ class Case(_Exportable[_native.Case]):
     """The films of one patient with their landmarks. It does not change.
 
     Made by :func:`read_case`, :meth:`Case.from_landmarks`, :meth:`Case.from_json` or :func:`phantom`. Two cases are equal
-    where their files are.
+    if their files are.
     """
 
     __slots__ = ()
@@ -30,7 +30,7 @@ class Case(_Exportable[_native.Case]):
         Raises
         ------
         InputError
-            If the text is no case; it says where.
+            If the text is not a case; it says where.
         """
         return cls(_native.parse_case(text.decode() if isinstance(text, bytes) else text))
 
@@ -47,28 +47,28 @@ class Case(_Exportable[_native.Case]):
         case_id: str = "case",
         synthetic: bool = False,
     ) -> Case:
-        """Makes a case of a table of landmarks, one row per vertebra.
+        """Makes a case from a table of landmarks, one row per vertebra.
 
         Parameters
         ----------
         landmarks
             A DataFrame of pandas or polars, anything with ``to_csv`` or ``write_csv``, a mapping from names of columns to
-            values, or the text of a landmark file that ``spineline import`` reads (CSV, 3D Slicer, labelme, COCO). The columns are those of the CSV format: ``vertebra``, and column and row of
-            the four corners in pixels, named by the patient's sides: ``superior_left_column_px``,
-            ``superior_left_row_px``, and so on for ``superior_right``, ``inferior_left``, ``inferior_right``. Optional:
-            ``posture``, ``observer``, ``repeat``, ``axis_clockwise_deg`` and confidences. A row whose vertebra is
-            ``iliac_crests`` has the tips in the superior columns. Locations in mm (``location_left_mm``,
-            ``location_cranial_mm``, ``tilt_right_deg``) may stand in place of corners.
+            values, or the text of a landmark file that ``spineline import`` reads (CSV, 3D Slicer, labelme, COCO). Columns,
+            as in the CSV format: ``vertebra``, and column and row of the four corners in pixels, named by the patient's
+            sides: ``superior_left_column_px``, ``superior_left_row_px``, and so on for ``superior_right``,
+            ``inferior_left``, ``inferior_right``. Optional: ``posture``, ``observer``, ``repeat``, ``axis_clockwise_deg``
+            and confidences. A row whose vertebra is ``iliac_crests`` has the tips in the superior columns. Locations in mm
+            (``location_left_mm``, ``location_cranial_mm``, ``tilt_right_deg``) may replace corners.
         film
-            Posture of the film, such as ``"erect"``, where the table has no column ``posture``.
+            Posture of the film, such as ``"erect"``, if the table has no column ``posture``.
         mm_per_px
-            Distance of pixel centres in mm, one number or (columns, rows); without it there are angles, but no lengths.
+            Distance of pixel centres in mm, one number or (columns, rows); without it, results have angles, but no lengths.
         patient_left
-            Side of the picture, as it is stored, on which the patient's left is. A wrong one is found and refused.
+            Side of the stored picture that shows the patient's left. A wrong side is found and refused.
         size_px
-            Columns and rows of the pictures; by default the smallest that holds all landmarks.
+            Columns and rows of the pictures; by default the smallest size that holds all landmarks.
         plane
-            Where ``mm_per_px`` holds.
+            The plane in which ``mm_per_px`` is true.
         case_id
             Identifier, without any name: 1 to 64 letters, digits, ``.``, ``-`` and ``_``.
         synthetic
@@ -176,7 +176,7 @@ def read_case(path: str | os.PathLike[str]) -> Case:
     Raises
     ------
     InputError
-        If the file cannot be read or is no case; it says where in the file, and names the nearest known key.
+        If the file cannot be read or is not a case; it says where, and names the nearest known key.
     """
     return Case(_native.read_case(os.fspath(path)))
 
@@ -200,7 +200,7 @@ def phantom(
     Raises
     ------
     InputError
-        If there is no such scenario or subject.
+        If the scenario or subject is unknown.
     """
     return Case(_native.phantom(scenario, subject, seed, noise))
 
@@ -223,5 +223,5 @@ def _csv_text(landmarks: Any) -> str:
         writer.writerows(zip(*landmarks.values(), strict=True))
         return text.getvalue()
     raise TypeError(
-        f"landmarks are a DataFrame, a mapping of columns or the text of a landmark file, not {type(landmarks).__name__}"
+        f"landmarks must be a DataFrame, a mapping of columns or the text of a landmark file, not {type(landmarks).__name__}"
     )

@@ -26,20 +26,20 @@ if TYPE_CHECKING:
     from typing_extensions import Unpack
 
 _LIST = "manifest.json"
-"""File in the folder of a run that lists what it is of, and its parts."""
+"""File in the folder of a run that lists its inputs and its parts."""
 
 
 @dataclass(frozen=True)
 class CohortRun:
-    """What :meth:`Cohort.analyze` has made."""
+    """The result of :meth:`Cohort.analyze`."""
 
     folder: Path
-    """Folder of this run alone, below the one that was given: ``TABLE/PART.parquet``, so that ``folder / "vertebrae"`` is one data
-    set, and ``manifest.json``, which lists what the run is of and its parts."""
+    """Folder of this run alone, in the given one: ``TABLE/PART.parquet``, so that ``folder / "vertebrae"`` is one data
+    set, and ``manifest.json``, which lists the inputs of the run and its parts."""
     parts: tuple[Part, ...]
     """All parts, in the order of the cases."""
     lost: tuple[tuple[tuple[str, ...], str], ...]
-    """Paths of tasks that ended without an answer, such as those of a killed worker, and why; another run repeats them."""
+    """Paths of tasks that ended without an answer, for example on a killed worker, and why; another run repeats them."""
 
     @property
     def is_complete(self) -> bool:
@@ -48,7 +48,7 @@ class CohortRun:
 
     @property
     def redone(self) -> tuple[str, ...]:
-        """Why parts of an earlier run were made again, such as a table that was missing; empty where all were whole."""
+        """Why parts of an earlier run were made again, such as a missing table; empty if all were intact."""
         return tuple(part.redone for part in self.parts if part.redone is not None)
 
     def read(self, table: str) -> pyarrow.Table:
@@ -57,7 +57,7 @@ class CohortRun:
         Raises
         ------
         InputError
-            If there is no such table, or a file of it is no longer there with all its rows.
+            If the table is unknown, or one of its files is missing or has lost rows.
         """
         import pyarrow
         import pyarrow.parquet
@@ -66,7 +66,7 @@ class CohortRun:
         if table not in names:
             meant = _native.did_you_mean(table, names)
             raise InputError(
-                f"there is no table `{table}`{meant}", help=f"give one of {', '.join(names)}"
+                f"the table `{table}` is unknown{meant}", help=f"give one of {', '.join(names)}"
             )
         found = []
         for part in self.parts:
@@ -76,7 +76,7 @@ class CohortRun:
             one = pyarrow.parquet.read_table(file) if file.exists() else None
             if one is None or len(one) != part.rows[table]:
                 raise InputError(
-                    f"{file} is no longer there with its {part.rows[table]} rows",
+                    f"{file} is missing, or does not have its {part.rows[table]} rows",
                     help="run the cohort again: it makes only what is missing",
                     file=str(file),
                 )
@@ -98,12 +98,12 @@ class Cohort(Sequence[Path]):
     def glob(cls, pattern: str) -> Cohort:
         """The case files of a pattern such as ``"cases/*/case.json"``, in the order of their names.
 
-        True values of phantoms (``*.truth.json``) are passed over.
+        True values of phantoms (``*.truth.json``) are skipped.
 
         Raises
         ------
         InputError
-            If there is none.
+            If no file matches.
         """
         found = sorted(glob.glob(pattern, recursive=True))
         return cls(path for path in found if not path.endswith(".truth.json"))
@@ -130,45 +130,45 @@ class Cohort(Sequence[Path]):
         progress: bool | Callable[[int, int], None] | None = None,
         **options: Unpack[MethodOptions],
     ) -> CohortRun:
-        """Analyses all cases, as many at once as the executor has workers, and writes the tables as Parquet.
+        """Analyses all cases in parallel on the workers of the executor, and writes the tables as Parquet.
 
-        A run has a folder of its own in ``out``, named by a hash of what it depends on: the code of Spineline, options and the bytes of
-        the files that they name, replicates, and the bytes of the cases. A task reads and analyses ``chunk`` cases, and writes one
+        Each run has its own folder in ``out``, named by a hash of all inputs: the code of Spineline, options and the bytes of the
+        files that they name, replicates, and the bytes of the cases. A task reads and analyses ``chunk`` cases, and writes one
         Parquet file per table, whole or not at all. Another run makes only parts that no earlier run in ``out`` has made, or whose
-        tables are not there as they were written; :attr:`CohortRun.redone` says of the latter why. A case that cannot be analysed is a
-        row of the table ``cases`` with its status and error.
+        tables are missing or changed; :attr:`CohortRun.redone` says why. A case that cannot be analysed is a row of the table
+        ``cases`` with its status and error.
 
-        Ctrl-C ends the call within a second; workers stop at the end of the step that they are at. Another run goes on from there.
+        Ctrl-C ends the call within a second; workers stop at the end of their step. Another run continues from there.
 
         Parameters
         ----------
         out
-            Folder, made where it is missing; for workers on other machines, on a file system that they share.
+            Folder, made if it is missing. Workers on other machines need a shared file system.
         executor
             Any ``concurrent.futures.Executor``: a thread or process pool, Dask's ``client.get_executor()``, executorlib. By
-            default threads, one per core. Dask waits for ever for a scheduler that was killed: interrupt the call, and
+            default threads, one per core. Dask waits without end for a killed scheduler: interrupt the call, and
             run it again on another cluster.
         chunk
-            Cases of a task: so many that it takes 10 to 60 s on a cluster; with 1000 replicates, a few.
+            Cases per task: a task should take 10 to 60 s on a cluster; with 1000 replicates, a few cases.
         replicates
-            Number of Monte Carlo replicates of every case, computed by the workers, one thread each: then there is a table
-            ``uncertainty``, with the rows of ``spineline analyze --replicates``. By default none.
+            Number of Monte Carlo replicates of every case, computed by the workers, one thread each. They add the table
+            ``uncertainty``, with the rows of ``spineline analyze --replicates``. By default 0.
         noise, seed
-            Of the replicates, as of :func:`replicates`. The noise of a case depends on the seed and its identifier, and not
-            on its place in the cohort.
+            As in :func:`replicates`. The noise of a case depends on the seed and its identifier, and not on its place in the
+            cohort.
         progress
-            Whether a line on standard error counts the cases that are done; by default if it is a terminal. Or a function, which is
-            called with the number of cases that are done and of all.
+            Whether a line on standard error counts the finished cases; by default if it is a terminal. Or a function, which is
+            called with the number of finished cases and of all cases.
         **options
-            Options of the method, as of :func:`analyze`.
+            Options of the method, as in :func:`analyze`.
 
         Raises
         ------
         InputError
-            If an option is unknown, replicates or noise are out of range, two cases have one identifier, a worker has another version of
-            Spineline, or the file of an option changes meanwhile.
+            If an option is unknown, replicates or noise are out of range, two cases have the same identifier, a worker has
+            another version of Spineline, or the file of an option changes meanwhile.
         OSError
-            If a file cannot be written, such as on a full disk; what is there is whole.
+            If a file cannot be written, such as on a full disk; existing files are whole.
         """
         if chunk < 1:
             raise InputError(f"chunk is {chunk}", help="give 1 or more", value=float(chunk), limit=1.0)
@@ -186,7 +186,7 @@ class Cohort(Sequence[Path]):
 
 
 def _request(words: list[tuple[str, str]], asked: tuple[int, str, int] | None) -> Request:
-    """What is asked of every case, with files by absolute paths: a worker may have another working directory."""
+    """The request for every case, with absolute paths: a worker may have another working directory."""
     from . import __version__
 
     words = [
@@ -198,7 +198,7 @@ def _request(words: list[tuple[str, str]], asked: tuple[int, str, int] | None) -
 
 
 def _check_identifiers(paths: Sequence[str], case_ids: Sequence[str | None]) -> None:
-    """Refuses two cases with one identifier, as the program does: tables would take them for one patient.
+    """Refuses two cases with the same identifier, as the program does: tables would mix the two patients.
 
     Raises
     ------
@@ -212,14 +212,14 @@ def _check_identifiers(paths: Sequence[str], case_ids: Sequence[str | None]) -> 
         if case_id in known:
             raise InputError(
                 f"{path}: the case {case_id} was given already, by {known[case_id]}",
-                help="give every case a `case_id` of its own",
+                help="give every case its own `case_id`",
                 file=path,
             )
         known[case_id] = path
 
 
 def _shown(progress: bool | Callable[[int, int], None] | None) -> Callable[[int, int], None]:
-    """Who is told how many cases of all are done."""
+    """The function that shows how many of all cases are done."""
     if callable(progress):
         return progress
     stream = sys.stderr
@@ -235,7 +235,7 @@ def _shown(progress: bool | Callable[[int, int], None] | None) -> Callable[[int,
 
 
 class _Run:
-    """A run of a cohort in its folder; a context, which ends the work of its workers."""
+    """A run of a cohort in its folder; leaving the context stops its workers."""
 
     def __init__(self, out: str, request: Request, cases: Sequence[CaseRead], chunk: int) -> None:
         chunks = [tuple(cases[at : at + chunk]) for at in range(0, len(cases), chunk)]
@@ -252,17 +252,17 @@ class _Run:
         return self
 
     def __exit__(self, *_: object) -> None:
-        # At once, since workers look for it and write into it.
+        # Renamed at once: workers look for it and write into it.
         ended = self.asking.with_name(f"{self.asking.name}.ended")
         try:
             self.asking.rename(ended)
         except OSError:
-            # It is gone, or a worker has a file open on a system that keeps its folder.
+            # It is gone, or an open file of a worker keeps it on this system.
             ended = self.asking
         shutil.rmtree(ended, ignore_errors=True)
 
     def collect(self, executor: Executor, progress: Callable[[int, int], None]) -> CohortRun:
-        """Runs all tasks; one that is lost with its worker is noted, other errors are raised."""
+        """Runs all tasks; notes a task that is lost with its worker, and raises other errors."""
         self._write_list({}, {})
         done: dict[int, Part] = {}
         lost: dict[int, str] = {}
@@ -273,7 +273,7 @@ class _Run:
                 try:
                     tasks[executor.submit(analyze_part, task)] = number
                 except RuntimeError as error:
-                    # A pool whose process was killed takes no more tasks.
+                    # A pool with a killed process takes no more tasks.
                     lost[number] = str(error)
             progress(0, self.cases)
             for future in as_completed(tasks):
@@ -302,7 +302,7 @@ class _Run:
         return tuple(case.path for case in self.tasks[number].cases)
 
     def _write_list(self, done: dict[int, Part], lost: dict[int, str]) -> None:
-        """Writes what the run is of, and its parts so far; file names without folders, which may carry names of persons."""
+        """Writes the inputs and the parts so far; file names without folders, which may contain names of persons."""
         cases = [
             {"file": os.path.basename(one.path), "sha256": one.sha256} for task in self.tasks for one in task.cases
         ]
@@ -326,12 +326,12 @@ class _Run:
 
 
 def _loss(task: Future[Part]) -> str | None:
-    """Why a finished task has no answer; None where it has one.
+    """Why a finished task has no answer; None if it has an answer.
 
     Raises
     ------
     InputError, OSError
-        If the task ended with it: other tasks would too.
+        If the task raised it: other tasks would raise it too.
     """
     if task.cancelled():
         return "the cluster cancelled it"

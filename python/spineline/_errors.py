@@ -1,4 +1,4 @@
-"""What can go wrong."""
+"""Errors."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from typing import Any
 
 
 class InputError(ValueError):
-    """Input that cannot be used; the text says what, where, and what to do.
+    """Input that cannot be used; the text says why, where, and what to do.
 
     Attributes
     ----------

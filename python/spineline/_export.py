@@ -23,7 +23,7 @@ _N = TypeVar("_N", bound=_Native)
 
 
 class _Exportable(Generic[_N]):
-    """A native object that does not change and has a file. Pickle, copies and equality go by it."""
+    """An object that does not change and has a file. Pickle, copies and equality use the file."""
 
     __slots__ = ("_native",)
 
@@ -40,7 +40,7 @@ class _Exportable(Generic[_N]):
         Raises
         ------
         FileExistsError
-            If there is such a file and ``overwrite`` was not given.
+            If the file exists and ``overwrite`` was not given.
         OSError
             If it cannot be written.
         """
@@ -67,7 +67,7 @@ def export(path: str | os.PathLike[str], text: str, *, overwrite: bool) -> Path:
     Raises
     ------
     FileExistsError
-        If there is such a file and ``overwrite`` was not given.
+        If the file exists and ``overwrite`` was not given.
     OSError
         If it cannot be written.
     """

@@ -1,4 +1,4 @@
-"""Personalised models, and what they do under loads."""
+"""Personalised models, and their shapes under loads."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ Timing = Literal["growing", "held"]
 
 @dataclass(frozen=True)
 class Force:
-    """A force at the midpoint of a vertebra; of fixed direction, or one that turns with the vertebra."""
+    """A force of fixed direction at the midpoint of a vertebra."""
 
     level: str
     """Vertebra, such as ``"T9"``."""
@@ -155,7 +155,7 @@ class Model(_Exportable[_native.Model]):
         Raises
         ------
         InputError
-            If the text is no model; it says where.
+            If the text is not a model; it says where.
         """
         return cls(_native.parse_model_text(text.decode() if isinstance(text, bytes) else text))
 
@@ -206,17 +206,17 @@ class Model(_Exportable[_native.Model]):
         support: Literal["free", "frontal"] | None = None,
         allow_unusable: bool = False,
     ) -> Simulation:
-        """Finds the shape of the model under loads, as ``spineline simulate``. Ctrl-C ends it.
+        """Finds the shape of the model under loads, as ``spineline simulate`` does. Ctrl-C ends it.
 
         Parameters
         ----------
         *loads
             :class:`Force`, :class:`Pad`, :class:`Rod`, :class:`Gravity`, or a load as a dictionary of a load file.
         amplitude_deg, towards
-            A lateral tilt of the line from the lowest to the highest vertebra, in degrees, and its side: then the factor of
-            the proportional loads is sought that gives it. Without them, the loads have their full size.
+            A lateral tilt of the line from the lowest to the highest vertebra, in degrees, and its side: the proportional
+            loads then get the factor that gives this tilt. Without them, the loads have their full size.
         largest_factor
-            No larger factor of the proportional loads is tried.
+            The largest factor of the proportional loads that is tried.
         support
             Support of the patient; by default as in the model.
         allow_unusable
@@ -297,14 +297,14 @@ class Model(_Exportable[_native.Model]):
 
 
 _Asked = tuple[str, float | None, float | None, str | None]
-"""What is asked of a model: text of the load file, tilt to the right in degrees, largest factor, support."""
+"""Input of a simulation: text of the load file, tilt to the right in degrees, largest factor, support."""
 
 
 class Simulation(_Exportable[_native.Simulation]):
-    """What a model does under loads, made by :meth:`Model.simulate`. It does not change.
+    """The shape of a model under loads, made by :meth:`Model.simulate`. It does not change.
 
-    Two simulations are equal where the models and the files of the simulations are. Pickle holds these files and what was asked,
-    and repeats the computation where it is read, which refuses another version of Spineline that finds another result.
+    Two simulations are equal if their models and their files are. Pickle holds these files and the input, and repeats the
+    computation when it is read; a version of Spineline that finds another result is refused.
     """
 
     __slots__ = ("_allow_unusable", "_asked", "_model", "levels")
@@ -326,7 +326,7 @@ class Simulation(_Exportable[_native.Simulation]):
 
     @property
     def is_usable(self) -> bool:
-        """Whether there is a result."""
+        """Whether the search has a result."""
         return self._native.is_usable
 
     @property
@@ -362,7 +362,7 @@ class Simulation(_Exportable[_native.Simulation]):
 
     @property
     def tilt_range_deg(self) -> dict[str, float]:
-        """Tilt of the upper minus that of the lower end vertebra by region in degrees, positive where convex to the left.
+        """Tilt of the upper minus tilt of the lower end vertebra by region in degrees, positive where convex to the left.
 
         Raises
         ------
@@ -433,7 +433,7 @@ class Simulation(_Exportable[_native.Simulation]):
 
 
 def _repeated(model: Model, asked: _Asked, allow_unusable: bool, text: str) -> Simulation:
-    """A simulation that is computed again, and has to say the same.
+    """A simulation that is computed again, and must give the same result.
 
     Raises
     ------
@@ -444,7 +444,7 @@ def _repeated(model: Model, asked: _Asked, allow_unusable: bool, text: str) -> S
     then, now = (json.loads(one) | {"generator": None} for one in (text, found.to_json()))
     if then != now:
         raise InputError(
-            f"{model.id}: this version of Spineline finds another simulation than the one that was pickled",
+            f"{model.id}: this version of Spineline finds another result than the pickled one",
             help="install the same version everywhere",
         )
     return found

@@ -1,4 +1,4 @@
-"""Parts of a cohort: what a worker makes of some cases, and whether what is there is whole."""
+"""Parts of a cohort: the tables that a worker makes from some cases, and whether they are intact."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ _RECORDS = "parts"
 
 @dataclass(frozen=True)
 class CaseRead:
-    """A case file as the cohort was asked for."""
+    """A case file as it was when the cohort was requested."""
 
     path: str
     """Absolute path."""
@@ -35,10 +35,10 @@ class CaseRead:
 
 @dataclass(frozen=True)
 class Request:
-    """What is asked of every case."""
+    """The request for every case."""
 
     version: str
-    """Version of Spineline that asks."""
+    """Version of Spineline of the request."""
     build: str
     """Identity of its code."""
     words: list[tuple[str, str]]
@@ -56,7 +56,7 @@ class Request:
         ]
 
     def record(self) -> dict[str, Any]:
-        """Everything that numbers depend on but the cases, as JSON has it."""
+        """Everything that numbers depend on except the cases, for JSON."""
         return {
             "program": f"spineline {self.version}",
             "build": self.build,
@@ -75,7 +75,7 @@ class Task:
     run: str
     """Absolute path of the folder of the run."""
     asking: str
-    """Absolute path of a folder for unfinished files, which is there as long as somebody waits for the part."""
+    """Absolute path of a folder for unfinished files, which exists while a caller waits for the part."""
 
     @property
     def name(self) -> str:
@@ -86,7 +86,7 @@ class Task:
 
 @dataclass(frozen=True)
 class Part:
-    """What a task gives back: a small row, whatever the size of its cases."""
+    """The answer of a task: a small row, whatever the size of its cases."""
 
     name: str
     """Beginning of the names of its files: a hash of build, options and their files, replicates and the bytes of its cases."""
@@ -99,11 +99,11 @@ class Part:
     rows: Mapping[str, int] = field(default_factory=dict, hash=False)
     """Rows of every table."""
     redone: str | None = None
-    """Why it was made again although an earlier run had made it, such as a table that is missing; else None."""
+    """Why it was made again although an earlier run had made it, such as a missing table; else None."""
 
 
 class _NotWholeError(Exception):
-    """A part that is not as it was written."""
+    """A part that was changed or has lost a file."""
 
 
 def digest_of(value: Any) -> str:
@@ -117,19 +117,19 @@ def analyze_part(task: Task) -> Part:
     Raises
     ------
     InputError
-        If this worker has another version of Spineline than who asks, or the file of an option has changed.
+        If this worker has another version of Spineline than the request, or the file of an option has changed.
     OSError
         If a file cannot be written.
     RuntimeError
-        If a case file has changed since the cohort was asked for, or nobody waits for the part.
+        If a case file has changed since the request, or no caller waits for the part.
     """
     from . import __version__
 
     request, name, folder = task.request, task.name, Path(task.run)
     if (request.version, request.build) != (__version__, build_identity()):
         raise InputError(
-            f"a worker has Spineline {__version__} (build {build_identity()[:12]}), and {request.version} "
-            f"(build {request.build[:12]}) asks it",
+            f"a worker has Spineline {__version__} (build {build_identity()[:12]}), and the request is from "
+            f"{request.version} (build {request.build[:12]})",
             help="install the same version on every worker",
         )
     redone = None
@@ -176,12 +176,12 @@ def _part(record: dict[str, Any], *, was_there: bool, redone: str | None = None)
 def _whole_tables(
     run: Path, name: str, cases: int
 ) -> tuple[dict[str, Any], dict[str, bytes]] | None:
-    """The record and the tables of a part that is as it was written; None where it was not made yet.
+    """The record and the tables of an unchanged part; None if it was not made yet.
 
     Raises
     ------
     _NotWholeError
-        If it was made, and is not as it was written.
+        If it was changed or has lost a file.
     """
     path = run / _RECORDS / f"{name}.json"
     try:
@@ -189,11 +189,11 @@ def _whole_tables(
         facts = {key: value for key, value in record.items() if key != "sha256"}
         is_its_own = record["name"] == name and record["cases"] == cases
         if not is_its_own or digest_of(facts) != record["sha256"]:
-            raise _NotWholeError(f"{_RECORDS}/{path.name} is not as it was written")
+            raise _NotWholeError(f"{_RECORDS}/{path.name} has changed")
     except FileNotFoundError:
         return None
     except (OSError, ValueError, LookupError, TypeError, AttributeError):
-        raise _NotWholeError(f"{_RECORDS}/{path.name} is not as it was written") from None
+        raise _NotWholeError(f"{_RECORDS}/{path.name} has changed") from None
     tables = {}
     for table, one in record["tables"].items():
         try:
@@ -201,7 +201,7 @@ def _whole_tables(
         except OSError:
             raise _NotWholeError(f"{table}/{name}.parquet is missing") from None
         if hashlib.sha256(content).hexdigest() != one["sha256"]:
-            raise _NotWholeError(f"{table}/{name}.parquet is not as it was written")
+            raise _NotWholeError(f"{table}/{name}.parquet has changed")
         tables[table] = content
     return record, tables
 
@@ -209,7 +209,7 @@ def _whole_tables(
 def _of_another_run(
     run: Path, name: str, cases: int
 ) -> tuple[dict[str, Any], dict[str, bytes]] | None:
-    """The same part of another run beside this one, where it is whole."""
+    """The same part from another run in the same folder, if it is intact."""
     for record in sorted(run.parent.glob(f"run-*/{_RECORDS}/{name}.json")):
         other = record.parent.parent
         try:

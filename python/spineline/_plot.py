@@ -24,7 +24,7 @@ _OTHER_LINE = ("#56B4E9", "solid")
 
 
 class Plot:
-    """Figures of one analysis. Frontal figures are seen from behind: the patient's left is on the left."""
+    """Figures of one analysis. Frontal figures show the patient from behind: the patient's left is on the left."""
 
     __slots__ = ("_analysis",)
 
@@ -37,18 +37,18 @@ class Plot:
         Parameters
         ----------
         film
-            One film; by default all of them.
+            One film; by default all.
         ax
-            Where to draw; several films are laid over each other there. By default every film gets a panel of a new figure.
+            Axes to draw on; several films are drawn over each other. By default every film gets a panel of a new figure.
 
         Returns
         -------
-        The axes that were drawn on: a list where there are several.
+        The axes: a list if there are several.
 
         Raises
         ------
         InputError
-            If there is no such film, or a film has no spacing.
+            If the film is missing, or a film has no spacing.
         """
         films = self._analysis.films if film is None else [film]
         if ax is not None:
@@ -85,7 +85,7 @@ class Plot:
         Raises
         ------
         InputError
-            If there is no model.
+            If the analysis has no model.
         """
         analysis = self._analysis
         if not analysis.lines:
@@ -116,18 +116,18 @@ class Plot:
         *,
         ax: Axes | None = None,
     ) -> Axes:
-        """Draws the mean location error of every model on films that it was not fitted to, beside predictions without
-        mechanics on the same films, in mm. Needs matplotlib.
+        """Draws the mean location error of every model on held-out films, beside predictions without mechanics on the same
+        films, in mm. Needs matplotlib.
 
         Parameters
         ----------
         films
-            Bends that are left out of the fit in turn, or neutral and traction films.
+            Bends, each left out of the fit in turn, or neutral and traction films.
 
         Raises
         ------
         InputError
-            If no such film is predicted.
+            If no film of this kind is predicted.
         """
         compared = self._analysis.data["comparison"]
         bars: list[tuple[float, str, str]] = []
@@ -159,11 +159,11 @@ class Plot:
         kind = "bends left out" if films == "left_out_bend" else "held-out films"
         ax.set_xlabel(f"mean location error, {kind} (mm)")
         synthetic = " · SYNTHETIC" if self._analysis.synthetic else ""
-        ax.set_title(f"{self._analysis.id}{synthetic}: grey has no mechanics")
+        ax.set_title(f"{self._analysis.id}{synthetic} (grey: without mechanics)")
         return ax
 
     def model3d(self, line: str = "inflection", *, simulation: Simulation | None = None) -> Any:
-        """The model in space as a figure of plotly, which turns with the mouse. Needs plotly (the extra ``model3d``).
+        """The model in space as a plotly figure, which turns with the mouse. Needs plotly (the extra ``model3d``).
 
         Parameters
         ----------
@@ -175,9 +175,9 @@ class Plot:
         Raises
         ------
         InputError
-            If there is no model with this line.
+            If the analysis has no model with this line.
         NotAResultError
-            If the simulation has no result that may be shown.
+            If the simulation has no shape to show.
         """
         import plotly.graph_objects as go
 
@@ -239,7 +239,7 @@ class Plot:
         ax.set_aspect("equal", adjustable="box")
         ax.set_xlabel("patient's left (mm)")
         ax.set_ylabel("cranial (mm)")
-        # Seen from behind, the patient's left is on the left; shared axes are turned once.
+        # From behind, the patient's left is on the left; shared axes are inverted once.
         if not is_inverted and not ax.xaxis_inverted():
             ax.invert_xaxis()
 

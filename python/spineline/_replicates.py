@@ -1,4 +1,4 @@
-"""Monte Carlo replicates with perturbed landmarks: how landmark noise spreads to every number."""
+"""Monte Carlo replicates with perturbed landmarks: how landmark noise affects every number."""
 
 from __future__ import annotations
 
@@ -24,13 +24,14 @@ class Spread:
     unit: str
     """``"mm"``, ``"px"``, ``"deg"``, ``"segments"``, ``"N"``, ``"relative"`` (a force relative to the nominal stiffness) or ``"1"``."""
     value: float | None
-    """In the case itself."""
+    """Value in the case itself."""
     mean: float | None
-    """Mean; None of a multiplier, whose logarithm has one."""
+    """Mean; None for a multiplier, whose logarithm has one."""
     sd: float | None
-    """Standard deviation; None of a multiplier."""
+    """Standard deviation; None for a multiplier."""
     quantiles: tuple[float, float, float, float, float] | None
-    """The 2.5, 25, 50, 75 and 97.5 % quantiles; None where no replicate has the number, at a bound of the fit, and for distances and absolute errors, which any noise makes larger."""
+    """The 2.5, 25, 50, 75 and 97.5 % quantiles; None if no replicate has the number, at a bound of the fit, and for
+    distances and absolute errors, which any noise makes larger."""
     at_bound: bool
     """Whether the value is at a bound of the fit: the films do not identify it, and it has no interval."""
     count: int
@@ -40,8 +41,8 @@ class Spread:
 class Replicates(Mapping[str, Spread]):
     """Distributions of every number of an analysis by name, made by :func:`replicates`.
 
-    A name is the kind of the number, then film, vertebra, region or group, end and line, as far as it has them, with dots
-    between: ``"cobb.erect.main_thoracic"``, ``"multiplier.main_thoracic"``. The line through the inflections is not named,
+    A name is the kind of the number, then film, vertebra, region or group, end and line, if it has them, separated by
+    dots: ``"cobb.erect.main_thoracic"``, ``"multiplier.main_thoracic"``. The line through the inflections is not named,
     other lines are: ``"multiplier.main_thoracic.iliac_line"``.
     """
 
@@ -57,7 +58,7 @@ class Replicates(Mapping[str, Spread]):
         self.failed: int = native.failed
         """Replicates whose analysis stopped with an error."""
         self.noise: tuple[str, ...] = tuple(native.noise)
-        """Which noise was laid on the landmarks, in sentences."""
+        """The noise of the landmarks, in sentences."""
 
     def __getitem__(self, name: str) -> Spread:
         """The distribution of a number.
@@ -65,13 +66,13 @@ class Replicates(Mapping[str, Spread]):
         Raises
         ------
         InputError
-            If there is no number of this name; a similar name is given, if there is one.
+            If the name is unknown; the message has a similar one, if any.
         """
         found = self._spreads.get(name)
         if found is None:
             meant = _native.did_you_mean(name, list(self._spreads))
             raise UnknownNumberError(
-                f"there is no number `{name}`{meant}",
+                f"the number `{name}` is unknown{meant}",
                 help="`list(replicates)` gives all names",
             )
         return Spread(**found)
@@ -91,8 +92,8 @@ class Replicates(Mapping[str, Spread]):
         Raises
         ------
         InputError
-            If there is no number of this name, no replicate has it, it is at a bound of the fit, or it is a distance or an
-            absolute error: any noise makes these larger, so that an interval would lie too high.
+            If the name is unknown, no replicate has the number, it is at a bound of the fit, or it is a distance or an
+            absolute error: any noise makes these larger, so an interval would be too high.
         """
         found = self[name]
         quantiles = found.quantiles
@@ -115,7 +116,7 @@ class Replicates(Mapping[str, Spread]):
         """The table ``uncertainty`` of ``spineline analyze --tables``: one row per number."""
         if self._table is None:
             raise InputError(
-                "replicates that were unpickled have no table",
+                "unpickled replicates have no table",
                 help="take the distributions by name, or run them again",
             )
         return Table(self._table)
@@ -164,16 +165,16 @@ def replicates(
     Parameters
     ----------
     analysis
-        The analysis whose case and options are taken.
+        The analysis that gives case and options.
     n
         Number of replicates: 1000 for intervals, 10000 for stable ends of intervals.
     noise
-        Standard deviation of one reading: ``"measured"`` between the readings of the case (assumed where there is one), or
+        Standard deviation of one reading: ``"measured"`` between the readings of the case (assumed if it has one), or
         in pixels of the film.
     seed
-        Seed of all of them; the same seed gives the same numbers on any machine and any number of threads.
+        Seed; the same seed gives the same numbers on any machine and with any number of threads.
     threads
-        Threads; 0 for all cores.
+        Number of threads; 0 for all cores.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""A call from Python as files record it."""
+"""How files record a call from Python, and how they are written."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from ._errors import InputError
 
 @cache
 def build_identity() -> str:
-    """SHA-256 of the sources of the native module and of this package: it changes with the code, whatever the version."""
+    """SHA-256 of the sources of the native module and of this package: it changes with the code, even within a version."""
     digest = hashlib.sha256(_native.BUILD.encode())
     for file in sorted(Path(__file__).parent.glob("*.py")):
         content = file.read_bytes()
@@ -42,7 +42,7 @@ def now_utc() -> str:
 
 
 def command(function: str, options: dict[str, Any]) -> list[str]:
-    """The words that stand for a call where the program would record its command line."""
+    """The words that record a call in place of the program's command line."""
     return [f"spineline.{function}", *(f"{name}={value}" for name, value in options.items())]
 
 
@@ -56,12 +56,12 @@ def write_whole(
     path, data
         The file and its bytes.
     unfinished
-        Folder on the same file system where the file lies until it is whole; by default its own.
+        Folder on the same file system for the unfinished file; by default the folder of the file.
 
     Raises
     ------
     OSError
-        If it cannot be written; then what was there stays.
+        If it cannot be written; then an existing file stays as it is.
     """
     target = Path(path)
     part = (unfinished or target.parent) / f".{target.name}.{uuid4().hex}.part"

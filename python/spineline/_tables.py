@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 
 class Table:
-    """A table: columns of the same length; units end the names of columns.
+    """A table: columns of the same length; names of columns end with units.
 
     It has the Arrow PyCapsule interface (``__arrow_c_stream__``), so that ``polars.DataFrame(table)``,
     ``pyarrow.table(table)`` and duckdb take it without a copy of the values.
@@ -28,12 +28,12 @@ class Table:
 
     @property
     def name(self) -> str:
-        """Name, the same as of the file of ``spineline analyze --tables``."""
+        """Name, as in the files of ``spineline analyze --tables``."""
         return self._native.name
 
     @property
     def row(self) -> str:
-        """What one row is."""
+        """The meaning of one row."""
         return self._native.row
 
     @property
@@ -55,13 +55,13 @@ class Table:
         return len(self._native)
 
     def __getitem__(self, column: str) -> Any:
-        """One column: numbers as a read-only float64 array of shape (rows,) with NaN where there is none, all else as a list
+        """One column: numbers as a read-only float64 array of shape (rows,) with NaN for missing values, others as a list
         with None.
 
         Raises
         ------
         KeyError
-            If there is no such column.
+            If the column is unknown.
         """
         values = self._native.column(column)
         if values is None:
@@ -98,7 +98,7 @@ class Table:
 
 
 class Tables(Mapping[str, Table]):
-    """All tables of an analysis by name, as of ``spineline analyze --tables``."""
+    """All tables of an analysis by name, as ``spineline analyze --tables`` writes them."""
 
     __slots__ = ("_all",)
 
@@ -111,13 +111,13 @@ class Tables(Mapping[str, Table]):
         Raises
         ------
         InputError
-            If there is no table of this name.
+            If the table is unknown.
         """
         try:
             return self._all[name]
         except KeyError:
             names = ", ".join(self._all)
-            text = f"there is no table `{name}`{_native.did_you_mean(name, list(self._all))}"
+            text = f"the table `{name}` is unknown{_native.did_you_mean(name, list(self._all))}"
             raise UnknownTableError(text, help=f"give one of {names}") from None
 
     def __iter__(self) -> Iterator[str]:

@@ -1,4 +1,4 @@
-"""What the tests share: a synthetic patient, its analysis, and the program."""
+"""Fixtures: a synthetic patient, its analysis, and the program."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ def analysis(case: sl.Case) -> sl.Analysis:
 
 @pytest.fixture(scope="session")
 def program() -> Path:
-    """The program: that of the wheel, or the one that SPINELINE_PROGRAM names."""
+    """The program of the wheel, or the one that SPINELINE_PROGRAM names."""
     given = os.environ.get("SPINELINE_PROGRAM")
     installed = Path(sysconfig.get_path("scripts")) / ("spineline.exe" if os.name == "nt" else "spineline")
     found = given or (str(installed) if installed.exists() else shutil.which("spineline"))

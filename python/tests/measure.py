@@ -1,4 +1,4 @@
-"""Prints how long an import takes, and what a call costs beside the analysis. It tests nothing."""
+"""Prints the time of an import, and the overhead of a call. It is not a test."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from spineline._run import command, now_utc
 
 
 def import_ms() -> float:
-    """Median time of `import spineline` in a new interpreter, without that of starting it."""
+    """Median time of `import spineline` in a new interpreter, without its start."""
     code = (
         "import time; start = time.perf_counter(); import spineline; "
         "print(1e3 * (time.perf_counter() - start)); "

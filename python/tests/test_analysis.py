@@ -1,4 +1,4 @@
-"""Analyses: the same numbers and bytes as of the program, safe arrays, copies, errors."""
+"""Analyses: the same numbers and bytes as the program gives, safe arrays, copies, errors."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from spineline import _native
 
 
 def without_run(text: str) -> str:
-    """The file of an analysis without what tells one run from another: command, time, and the hash of the file."""
+    """The file of an analysis without command, time and hash, which differ between runs."""
     data = json.loads(text)
     for key in ("command", "date_utc", "content_sha256"):
         del data["provenance"][key]
@@ -26,7 +26,7 @@ def without_run(text: str) -> str:
 
 
 def scenarios() -> list[str]:
-    """Every loading scenario of phantoms, as the answer to one that there is not names them."""
+    """Every loading scenario of phantoms, from the error for an unknown one."""
     with pytest.raises(sl.InputError) as caught:
         sl.phantom("none")
     return caught.value.help.removeprefix("give one of ").split(", ")
@@ -62,7 +62,7 @@ def test_files_and_tables_have_the_bytes_of_the_program(
         assert table.to_csv() == (tables / f"{name}.csv").read_text(), name
 
 
-def test_what_stops_the_program_stops_the_package_with_the_same_words(
+def test_errors_of_the_program_have_the_same_text_in_the_package(
     program: Path, tmp_path: Path
 ) -> None:
     # Each bend under the name of the other one.
@@ -93,7 +93,7 @@ def test_held_out_films_are_apart_from_fitted_ones(analysis: sl.Analysis) -> Non
     assert len(held_out.of("iliac")) and held_out.of("iliac").line == "iliac_line"
 
 
-def test_the_curve_is_an_array_that_cannot_be_written_to(analysis: sl.Analysis) -> None:
+def test_the_curve_is_a_read_only_array(analysis: sl.Analysis) -> None:
     points = analysis.curve("erect").points_mm
     assert points.dtype == np.float64 and points.ndim == 2 and points.shape[1] == 2
     assert points[0] == pytest.approx([0.0, 0.0], abs=5.0)
@@ -160,7 +160,7 @@ def test_the_programs_own_analysis_is_read(
     assert {**found.data, "provenance": None} == {**data, "provenance": None}
 
 
-def test_an_unknown_option_is_answered_with_the_nearest_and_a_value_with_all(case: sl.Case) -> None:
+def test_an_unknown_option_gets_the_nearest_and_a_value_all_valid_ones(case: sl.Case) -> None:
     with pytest.raises(sl.InputError, match="did you mean `support`"):
         sl.analyze(case, suport="frontal")  # type: ignore[call-arg]
     with pytest.raises(sl.InputError, match="expected one of"):
@@ -168,11 +168,11 @@ def test_an_unknown_option_is_answered_with_the_nearest_and_a_value_with_all(cas
     assert isinstance(sl.InputError("x"), ValueError)
 
 
-def test_a_known_force_of_a_film_that_there_is_not_is_refused(case: sl.Case) -> None:
+def test_a_known_force_of_a_missing_film_is_refused(case: sl.Case) -> None:
     data = json.loads(case.to_json())
     data["films"] = [film for film in data["films"] if film["posture"] != "traction"]
     without = sl.Case.from_json(json.dumps(data))
-    with pytest.raises(sl.InputError, match="no such film"):
+    with pytest.raises(sl.InputError, match="which this case does not have"):
         sl.analyze(without, gauge="known-force:traction=120")
     assert sl.analyze(case, gauge="known-force:traction=120").model().absolute
 
@@ -189,8 +189,8 @@ def test_options_take_the_values_of_python(case: sl.Case) -> None:
     assert "given_line" in a.lines and "7" in json.dumps(options)
 
 
-def test_names_that_there_are_not_are_errors(analysis: sl.Analysis) -> None:
-    with pytest.raises(sl.InputError, match="there is no `errect` film"):
+def test_unknown_names_are_errors(analysis: sl.Analysis) -> None:
+    with pytest.raises(sl.InputError, match="the analysis has no `errect` film"):
         analysis.curve("errect")
     with pytest.raises(sl.InputError, match="did you mean `vertebrae`"):
         analysis.tables["vertebra"]
@@ -199,14 +199,14 @@ def test_names_that_there_are_not_are_errors(analysis: sl.Analysis) -> None:
     assert "vertebra" not in analysis.tables
 
 
-def test_the_model_is_that_of_the_line_that_predicts_best(case: sl.Case) -> None:
+def test_the_model_has_the_line_that_predicts_best(case: sl.Case) -> None:
     analysis = sl.analyze(case)
     predicted = analysis.data["comparison"]["lines"]
     errors = {line: of["errors"]["left_out_bend"]["location_mm"] for line, of in predicted.items()}
     assert errors[analysis.model().line] == min(
         errors[line] for line in ("inflection_line", "iliac_line")
     )
-    # Curves that are so small that there are no inflections leave another line.
+    # All curves are below the minimum: without inflections, another line is taken.
     without = sl.analyze(case, min_curve=80.0)
     assert "inflection_line" not in without.lines
     assert without.model().line in without.lines
@@ -232,7 +232,7 @@ def test_reports_and_figures_are_written(analysis: sl.Analysis, tmp_path: Path) 
     assert [path.name for path in tmp_path.iterdir()] == ["p.html"]
 
 
-def test_a_file_is_replaced_only_where_asked(analysis: sl.Analysis, tmp_path: Path) -> None:
+def test_a_file_is_replaced_only_with_overwrite(analysis: sl.Analysis, tmp_path: Path) -> None:
     model, path = analysis.model(), tmp_path / "kept"
     path.write_text("mine")
     for write in (analysis.case.save, analysis.save, analysis.report, model.save, model.to_mujoco):

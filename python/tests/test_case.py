@@ -1,4 +1,4 @@
-"""Cases: files, tables of landmarks, checks, errors with their place."""
+"""Cases: files, tables of landmarks, checks, errors that name their place."""
 
 from __future__ import annotations
 
@@ -108,7 +108,7 @@ def test_a_check_lists_doubts_as_a_table(case: sl.Case) -> None:
     assert "Synthetic data" in check._repr_html_()
 
 
-def test_a_misspelt_key_is_answered_with_its_file_and_the_nearest(tmp_path: Path) -> None:
+def test_a_misspelt_key_is_named_with_its_file_and_the_nearest_key(tmp_path: Path) -> None:
     path = tmp_path / "case.json"
     path.write_text('{"format": "spineline-case", "version": 1, "case_id": "a", "filmes": []}')
     with pytest.raises(sl.InputError, match="did you mean `films`") as caught:
@@ -118,7 +118,7 @@ def test_a_misspelt_key_is_answered_with_its_file_and_the_nearest(tmp_path: Path
         sl.read_case(tmp_path / "missing.json")
 
 
-def test_phantoms_that_there_are_not_are_errors() -> None:
+def test_unknown_phantoms_are_errors() -> None:
     for wrong in (lambda: sl.phantom("rood"), lambda: sl.phantom(subject=19)):
         with pytest.raises(sl.InputError):
             wrong()
@@ -158,8 +158,8 @@ def test_landmark_files_of_other_programs_are_read(program: Path, tmp_path: Path
     assert np.allclose(corners_px(ours), corners_px(theirs), atol=1e-6)
 
 
-def test_bodies_by_quadrilaterals_need_no_more_than_the_side_that_is_given() -> None:
-    # A subject without endplates so steep that a quadrilateral does not tell them from walls.
+def test_bodies_by_quadrilaterals_need_only_the_given_side() -> None:
+    # In this subject no endplate is so steep that it looks like a wall of the quadrilateral.
     case = sl.phantom("rod", subject=4)
     film = json.loads(case.to_json())["films"][0]
     image, (reading, *_) = film["image"], film["readings"]

@@ -1,4 +1,4 @@
-"""Cohorts: parts that are whole, resumed, and the same on any executor."""
+"""Cohorts: parts are whole, resumed, and the same on any executor."""
 
 from __future__ import annotations
 
@@ -52,7 +52,7 @@ def test_any_executor_gives_the_same_bytes_and_another_run_resumes(
     assert not {part.name for part in other.parts} & {part.name for part in again.parts}
 
 
-def test_replicates_in_the_workers_are_those_of_the_program(
+def test_replicates_in_the_workers_are_as_in_the_program(
     program: Path, folder_of_cases: Path, tmp_path: Path
 ) -> None:
     import pyarrow.parquet
@@ -143,7 +143,7 @@ def test_a_worker_with_another_version_or_build_is_refused(tmp_path: Path) -> No
     for version, build in (("0.0.9", _parts.build_identity()), (sl.__version__, "0" * 64)):
         request = _parts.Request(version, build, [], [], None)
         task = _parts.Task((), request, str(tmp_path), str(tmp_path))
-        with pytest.raises(sl.InputError, match=rf"{version} \(build {build[:12]}\) asks it"):
+        with pytest.raises(sl.InputError, match=rf"is from {version} \(build {build[:12]}\)"):
             _parts.analyze_part(task)
 
 
@@ -204,7 +204,7 @@ def test_an_empty_cohort_and_wrong_options_are_errors(folder_of_cases: Path, tmp
 
 
 def stiffness_file(program: Path, path: Path, factor: float) -> None:
-    """The default springs with those of the sixth joint multiplied."""
+    """The default springs; the sixth joint's are multiplied."""
     printed = subprocess.run([program, "stiffness"], check=True, capture_output=True, text=True).stdout
     springs = json.loads(printed)
     springs["joints"][5]["lateral_nm_per_rad"] *= factor
@@ -244,7 +244,7 @@ def test_a_changed_stiffness_file_gives_new_numbers(
     assert cohort.analyze(out=tmp_path / "out", stiffness="own.json").folder == run.folder
 
 
-def test_a_changed_program_takes_nothing_over(
+def test_a_changed_program_reuses_no_part(
     folder_of_cases: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     cohort = sl.Cohort.glob(str(folder_of_cases / "*-01.json"))
@@ -269,7 +269,7 @@ def test_a_part_that_is_not_whole_is_made_again_and_named(
     content = table.read_bytes()
     if change == "deleted":
         table.unlink()
-        with pytest.raises(sl.InputError, match="no longer there"):
+        with pytest.raises(sl.InputError, match="is missing, or does not have"):
             run.read("vertebrae")
     elif change == "truncated":
         table.write_bytes(content[:-100])
@@ -302,7 +302,7 @@ def test_the_folder_of_a_run_holds_one_data_set(folder_of_cases: Path, tmp_path:
         cohort.analyze(out=tmp_path, chunk=3),
     ]
     assert len({run.folder for run in runs}) == 4
-    # What another run has made of the same cases is taken over.
+    # Parts of another run with the same cases are reused.
     assert all(part.was_there for part in runs[2].parts)
     for run, cases in zip(runs, (6, 6, 4, 6), strict=True):
         rows = pyarrow.dataset.dataset(run.folder / "patients").to_table()
@@ -351,7 +351,7 @@ def test_a_case_with_the_name_of_a_person_is_refused(case: sl.Case, tmp_path: Pa
     assert sl.Case.from_json(json.dumps(data)).id == "P-07_a.2"
 
 
-def test_relative_paths_are_those_of_the_call(
+def test_relative_paths_start_where_the_call_is_made(
     program: Path, folder_of_cases: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     shutil.copy(next(folder_of_cases.glob("*-01.json")), tmp_path / "case.json")
@@ -368,7 +368,7 @@ def test_relative_paths_are_those_of_the_call(
     assert list(elsewhere.iterdir()) == []
 
 
-def test_a_file_that_changes_meanwhile_is_not_taken_for_the_one_asked_for(
+def test_a_file_that_changes_during_the_run_is_refused(
     program: Path, folder_of_cases: Path, tmp_path: Path
 ) -> None:
     path, springs = tmp_path / "case.json", tmp_path / "own.json"
@@ -404,14 +404,14 @@ def test_progress_counts_the_cases(
     seen: list[tuple[int, int]] = []
     cohort.analyze(out=tmp_path, chunk=2, progress=lambda done, cases: seen.append((done, cases)))
     assert seen == [(0, 4), (2, 4), (4, 4)]
-    # Standard error is no terminal here.
+    # Standard error is not a terminal here.
     cohort.analyze(out=tmp_path, chunk=2)
     assert capsys.readouterr().err == ""
     cohort.analyze(out=tmp_path, chunk=2, progress=True)
     assert capsys.readouterr().err.endswith("analysed 4 of 4 cases\n")
 
 
-def test_nothing_is_predicted_of_patients_who_were_learned_from(
+def test_patients_of_the_learned_prior_are_not_predicted(
     program: Path, folder_of_cases: Path, tmp_path: Path
 ) -> None:
     names = list(sl.Cohort.glob(str(folder_of_cases / "*.json")))[:6]

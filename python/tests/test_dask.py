@@ -1,4 +1,4 @@
-"""A cohort on a real cluster: killed workers and schedulers, cases that kill, full disks, old wheels."""
+"""A cohort on a real cluster: killed workers and schedulers, fatal cases, full disks, old wheels."""
 
 from __future__ import annotations
 
@@ -41,13 +41,13 @@ class Poisoned:
 
 parts._native = Poisoned()
 """
-"""Makes a worker die of one case, every time."""
+"""Ends a worker at one case, every time."""
 
 FULL = """
 import resource
 resource.setrlimit(resource.RLIMIT_FSIZE, (2_000, 2_000))
 """
-"""Lets a worker write the smallest files alone."""
+"""Lets a worker write only the smallest files."""
 
 
 SCRIPT = """
@@ -62,7 +62,7 @@ if __name__ == "__main__":
         cohort = sl.Cohort.glob(folder + "/*.json")
         cohort.analyze(executor=client.get_executor(), out=out, chunk=1)
 """
-"""A process that asks a cluster of its own."""
+"""A process with its own cluster."""
 
 INTERRUPTED = """
 import os
@@ -94,15 +94,15 @@ if __name__ == "__main__":
             cohort.analyze(executor=client.get_executor(), out=out, chunk=1, replicates=1_000_000)
         except KeyboardInterrupt:
             print(time.monotonic() - at[0], flush=True)
-        # Workers have let go of their cases.
+        # Workers have stopped their cases.
         print(client.submit(sum, [1, 2]).result(timeout=30))
 """
-"""Interrupts a cohort on a cluster, says after how many seconds it ended, and goes on."""
+"""Interrupts a cohort on a cluster, prints after how many seconds it ended, and uses the cluster again."""
 
 
 @contextmanager
 def cluster(preload: Path | None = None) -> Iterator[Any]:
-    """A client of two worker processes, which may run a file before any task."""
+    """A client of two worker processes, which can run a file before any task."""
     with (
         distributed.LocalCluster(
             n_workers=2,
@@ -118,7 +118,7 @@ def cluster(preload: Path | None = None) -> Iterator[Any]:
 
 
 def wait_for_parts(folder: Path, number: int) -> None:
-    """Waits until so many parts are done."""
+    """Waits until `number` parts are done."""
     while len(list(folder.glob("run-*/parts/*.json"))) < number:
         time.sleep(0.005)
 
@@ -144,7 +144,7 @@ def alone(cohort: sl.Cohort, tmp_path_factory: pytest.TempPathFactory) -> sl.Coh
     return cohort.analyze(out=tmp_path_factory.mktemp("alone"), chunk=1)
 
 
-def test_a_killed_worker_costs_no_case(
+def test_a_killed_worker_loses_no_case(
     cohort: sl.Cohort, alone: sl.CohortRun, tmp_path: Path
 ) -> None:
     with cluster() as client:
@@ -172,7 +172,7 @@ def test_a_case_that_kills_its_worker_is_named_and_the_others_go_on(
         run = cohort.analyze(executor=client.get_executor(), out=out, chunk=1)
     lost = [path for paths, _ in run.lost for path in paths]
     assert "phantom-rod-02.json" in [Path(path).name for path in lost]
-    # Cases that waited at its workers each time are lost with it; the files of some of them may be there.
+    # Cases that waited at the killed workers are lost too; some of their files may exist.
     assert len(lost) < len(cohort) / 2 and all("KilledWorker" in why for _, why in run.lost)
     again = cohort.analyze(out=out, chunk=1)
     assert again.is_complete
@@ -180,10 +180,10 @@ def test_a_case_that_kills_its_worker_is_named_and_the_others_go_on(
     assert is_same(out, alone.folder, alone.parts)
 
 
-def test_a_killed_scheduler_loses_what_was_not_done_and_another_run_resumes(
+def test_a_killed_scheduler_loses_unfinished_cases_and_another_run_resumes(
     cohort: sl.Cohort, alone: sl.CohortRun, folder_of_cases: Path, tmp_path: Path
 ) -> None:
-    # The scheduler of a local cluster lives in the process that asks.
+    # The scheduler of a local cluster runs in the calling process.
     out = tmp_path / "out"
     script = tmp_path / "run.py"
     script.write_text(SCRIPT)

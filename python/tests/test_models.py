@@ -15,7 +15,7 @@ import pytest
 import spineline as sl
 
 
-def test_a_simulation_is_that_of_the_program(
+def test_a_simulation_is_the_same_as_in_the_program(
     program: Path, analysis: sl.Analysis, tmp_path: Path
 ) -> None:
     model = analysis.model("inflection")
@@ -56,7 +56,7 @@ def test_pads_push_by_force_or_by_spring(analysis: sl.Analysis) -> None:
     assert model.simulate(sl.Rod("T12", "T6"), sl.Gravity(10.0)).is_usable
 
 
-def test_an_amplitude_is_met_on_its_side(analysis: sl.Analysis) -> None:
+def test_an_amplitude_is_reached_on_its_side(analysis: sl.Analysis) -> None:
     found = analysis.model().simulate(
         sl.Force("T2", "left", 100.0), amplitude_deg=10.0, towards="left"
     )
@@ -65,7 +65,7 @@ def test_an_amplitude_is_met_on_its_side(analysis: sl.Analysis) -> None:
         analysis.model().simulate(sl.Force("T2", "left", 1.0), amplitude_deg=10.0)
 
 
-def test_an_ending_without_a_result_raises_on_its_shape(analysis: sl.Analysis) -> None:
+def test_the_shape_of_a_search_without_a_result_raises(analysis: sl.Analysis) -> None:
     model, huge = analysis.model(), sl.Force("T2", "caudal", 1e6)
     found = model.simulate(huge)
     assert not found.is_usable
@@ -115,7 +115,7 @@ def test_exports_are_read_by_parsers(analysis: sl.Analysis, tmp_path: Path) -> N
         assert ET.parse(write(tmp_path / f"{root}.xml")).getroot().tag == root
 
 
-def test_replicates_are_those_of_the_program(
+def test_replicates_are_the_same_as_in_the_program(
     program: Path, case: sl.Case, analysis: sl.Analysis, tmp_path: Path
 ) -> None:
     path = case.save(tmp_path / "case.json")
@@ -142,14 +142,14 @@ def test_replicates_are_those_of_the_program(
     assert again == mc and again.interval("multiplier.main_thoracic") == (low, high)
     with pytest.raises(sl.InputError, match="did you mean `multiplier.main_thoracic`"):
         mc.interval("multiplier.main_thoracc")
-    # An absolute error grows with any noise: it has a mean and no interval.
+    # Any noise makes an absolute error larger: it has a mean, but no interval.
     errors = [name for name in mc if name.startswith("mean_location_error")]
     assert errors and all(mc[name].quantiles is None for name in errors)
     with pytest.raises(sl.InputError, match="has no interval"):
         mc.interval(next(name for name in errors if mc[name].count))
 
 
-def test_noise_that_there_is_not_is_refused(analysis: sl.Analysis) -> None:
+def test_unknown_noise_is_refused(analysis: sl.Analysis) -> None:
     for wrong in ({"noise": "loud"}, {"noise": -1.0}, {"n": 1}):
         with pytest.raises(sl.InputError):
             sl.replicates(analysis, **wrong)  # type: ignore[arg-type]

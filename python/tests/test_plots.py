@@ -41,7 +41,7 @@ def test_lines_are_drawn_on_own_and_on_given_axes(analysis: sl.Analysis) -> None
     plt.close("all")
 
 
-def test_the_model_turns_in_space(analysis: sl.Analysis) -> None:
+def test_the_model_is_drawn_in_space(analysis: sl.Analysis) -> None:
     pytest.importorskip("plotly")
     loaded = analysis.model().simulate(sl.Pad("T9", towards="left", force=10))
     figure = analysis.plot.model3d(simulation=loaded)

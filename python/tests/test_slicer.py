@@ -18,12 +18,12 @@ sys.path.insert(0, str(MODULE))
 
 from SpinelineAnalysisLib import logic, package  # noqa: E402
 
-# A volume that lies turned and far off: columns run to the patient's right, rows caudally and a little back.
+# A turned, distant volume: columns run to the patient's right, rows caudally and a little back.
 TURN = np.deg2rad(20)
 
 
 def ijk_to_ras(column_mm: float, row_mm: float) -> np.ndarray:
-    """Columns of the matrix are the steps of a column, a row and a slice."""
+    """Columns of the matrix: the steps of a column, a row and a slice."""
     matrix = np.eye(4)
     matrix[:3, 0] = [-column_mm, 0, 0]
     matrix[:3, 1] = [0, -row_mm * np.sin(TURN), -row_mm * np.cos(TURN)]
@@ -33,7 +33,7 @@ def ijk_to_ras(column_mm: float, row_mm: float) -> np.ndarray:
 
 
 def films_of(case: sl.Case) -> list[logic.FilmPoints]:
-    """The films as nodes of Slicer would have them, first readings."""
+    """The first readings of the films, as nodes of Slicer have them."""
     found = []
     for film in json.loads(case.to_json())["films"]:
         image, reading = film["image"], film["readings"][0]
@@ -81,17 +81,17 @@ def exact() -> sl.Case:
     return with_spacing(sl.phantom("rod", subject=3, noise=0), columns=0.2, rows=0.15)
 
 
-def test_points_of_slicer_give_the_films_that_they_were_made_of(exact: sl.Case) -> None:
+def test_points_of_slicer_give_the_original_films(exact: sl.Case) -> None:
     case = logic.case_of(films_of(exact), case_id="slicer", plane="patient")
     assert case.films == exact.films
     for film in case.films:
         ours, theirs = (sl.analyze(one).curve(film).locations_mm for one in (case, exact))
-        # The true scale of a phantom is stated, that of Slicer's films is not: lengths may differ by their factor.
+        # A phantom states its true scale, Slicer's films do not: lengths may differ by this factor.
         assert np.allclose(ours[1] / np.linalg.norm(ours[1]), theirs[1] / np.linalg.norm(theirs[1]), atol=1e-9)
     assert np.allclose(sl.analyze(case).curve("erect").locations_mm, sl.analyze(exact).curve("erect").locations_mm, atol=1e-9)
 
 
-def test_what_is_drawn_lies_on_the_vertebrae(exact: sl.Case) -> None:
+def test_drawn_lines_lie_on_the_vertebrae(exact: sl.Case) -> None:
     films = films_of(exact)
     analysis = sl.analyze(logic.case_of(films, case_id="slicer", plane="patient"))
     for film in films:
@@ -102,7 +102,7 @@ def test_what_is_drawn_lies_on_the_vertebrae(exact: sl.Case) -> None:
             [points[[label.startswith(f"{level}_") for label in film.labels]].mean(axis=0) for level in levels]
         )
         away = np.linalg.norm(found.curve_ras[None] - middles[:, None], axis=2).min(axis=1)
-        # The curve is a fit, and the mean of corners is not quite the midpoint: a few millimetres would be a wrong frame.
+        # The curve is a fit, and the mean of corners is not exactly the midpoint; a wrong frame would give more.
         assert away.max() < 2.0, film.posture
         assert found.inflections_ras.shape == (2, 3)
         if film.posture != "erect":

@@ -14,7 +14,7 @@ from spineline import _native
 
 
 def stub_names(tree: ast.Module) -> dict[str, set[str]]:
-    """Names of the stub: of functions and constants with nothing, of classes with their members."""
+    """Names of the stub; classes have their members, functions and constants an empty set."""
     names: dict[str, set[str]] = {}
     for node in tree.body:
         if isinstance(node, ast.ClassDef):
@@ -31,7 +31,7 @@ def stub() -> ast.Module:
 
 
 Parameters = list[tuple[str, bool]]
-"""Names, and whether there is a default."""
+"""Names, and whether they have a default."""
 
 
 def is_property(node: ast.FunctionDef) -> bool:
@@ -50,7 +50,7 @@ def native_parameters(item: object) -> Parameters:
 
 
 def stubbed_calls(tree: ast.Module) -> Iterator[tuple[str, object, ast.FunctionDef]]:
-    """Every function, method and constructor of the stub with the native one, by its name."""
+    """Every function, method and constructor of the stub with the native one, by name."""
     for node in tree.body:
         if isinstance(node, ast.FunctionDef):
             yield node.name, getattr(_native, node.name), node
@@ -78,7 +78,7 @@ def test_a_property_of_the_stub_is_one_of_the_native_module() -> None:
             assert inspect.isdatadescriptor(native) is is_property(part), f"{node.name}.{part.name}"
 
 
-def test_the_stub_names_what_the_native_module_has() -> None:
+def test_the_stub_has_the_names_of_the_native_module() -> None:
     stubbed = stub_names(stub())
     found = {name for name in dir(_native) if not name.startswith("__")}
     assert set(stubbed) == found

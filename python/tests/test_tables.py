@@ -30,7 +30,7 @@ def test_every_library_reads_the_same_values(analysis: sl.Analysis) -> None:
 def test_duckdb_reads_the_same_values(analysis: sl.Analysis) -> None:
     duckdb = pytest.importorskip("duckdb")
     for name, rows in analysis.tables.items():
-        # DuckDB finds the variable `rows` by its name, and asks it for a stream.
+        # DuckDB finds the variable `rows` by its name, and reads its stream.
         found = duckdb.sql("select * from rows")
         assert found.columns == rows.columns
         assert found.fetchall() == [tuple(row.values()) for row in rows.to_pyarrow().to_pylist()], name
@@ -48,7 +48,7 @@ def test_units_and_meanings_go_with_the_columns(analysis: sl.Analysis) -> None:
     assert table.row and "location error" in table.meanings["location_error_mm"]
 
 
-def test_a_stream_is_taken_more_than_once_and_may_be_dropped(analysis: sl.Analysis) -> None:
+def test_a_stream_can_be_taken_twice_and_dropped(analysis: sl.Analysis) -> None:
     table = analysis.tables["patients"]
     for _ in range(3):
         table.__arrow_c_stream__()

@@ -1,4 +1,4 @@
-"""Long calls: Ctrl-C ends them, and other threads run beside them."""
+"""Long calls: Ctrl-C ends them, and other threads run meanwhile."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ except KeyboardInterrupt:
     print("interrupted", "working" if working() else "stopped", flush=True)
 print(sl.analyze(case) == a, flush=True)
 """
-"""Interrupts a call while it computes, says whether a thread of the library is at work yet, and goes on."""
+"""Interrupts a running call, prints whether a thread of the library still works, and analyses again."""
 
 
 @pytest.mark.skipif(not Path("/proc/self/task").exists(), reason="names of threads")
@@ -49,7 +49,7 @@ print(sl.analyze(case) == a, flush=True)
     ("call", "state"),
     [
         ("sl.replicates(a, n=1_000_000)", "stopped"),
-        # Steps of seconds: the exception does not wait for them.
+        # Steps take seconds: the exception does not wait for them.
         ("sl.analyze(case, compare_models='all')", "working"),
         ("sl.analyze(case, compare_models='all', multipliers='per-joint', identifiability=True)", "working"),
         ("read_often.check()", "working"),
@@ -108,7 +108,7 @@ if __name__ == "__main__":
     def interrupt():
         while not list(folder.glob("out/run-*/.asking-*")):
             time.sleep(0.01)
-        # Processes start, and all are in the middle of a case.
+        # All processes have started, and are in the middle of a case.
         time.sleep(4 if kind == "processes" else 1)
         at.append(time.monotonic())
         os.kill(os.getpid(), signal.SIGINT)
@@ -122,7 +122,7 @@ if __name__ == "__main__":
     except KeyboardInterrupt:
         print(time.monotonic() - at[0], flush=True)
 """
-"""Interrupts a cohort, and says after how many seconds it ended with its executor."""
+"""Interrupts a cohort, and prints after how many seconds it and its executor ended."""
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="interrupts by signal")
@@ -134,7 +134,7 @@ def test_ctrl_c_ends_a_cohort_within_a_second(kind: str, tmp_path: Path) -> None
     ended = subprocess.run(command, capture_output=True, text=True, timeout=120)
     assert ended.returncode == 0, ended.stderr
     assert float(ended.stdout) < 1.0, ended.stderr
-    # Nothing that is half done is taken for a part.
+    # No unfinished file counts as a part.
     (manifest,) = tmp_path.glob("out/run-*/manifest.json")
     found = json.loads(manifest.read_text())
     assert not found["complete"] and found["parts"] == []

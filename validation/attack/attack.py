@@ -33,7 +33,7 @@ READINGS = "\n".join(
 
 
 def main() -> int:
-    """0 where every run ended as it should, 1 elsewhere."""
+    """0 if every run ended as expected, else 1."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--program", type=Path, required=True, help="the spineline program")
     parser.add_argument("--seeds", type=Path, required=True, help="the program that writes the seeds of the fuzz targets")
@@ -67,7 +67,7 @@ def main() -> int:
 
 
 def make_samples(program: Path, seeds: Path, samples: Path) -> None:
-    """A sound file of every kind."""
+    """A valid file of every kind."""
     shutil.rmtree(samples, ignore_errors=True)
     samples.mkdir(parents=True)
 

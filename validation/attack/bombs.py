@@ -1,4 +1,4 @@
-"""Films of a few hundred bytes whose headers claim thousands of megapixels, one per codec and place of the claim."""
+"""Films of a few hundred bytes with headers that claim thousands of megapixels, for every codec and header."""
 
 from __future__ import annotations
 
@@ -63,7 +63,7 @@ def film(syntax: str, rows: int, columns: int, stream: bytes, frames: bytes = b"
 
 
 def jpeg(start: int, rows: int, columns: int, bits: int) -> bytes:
-    """A stream of ISO 10918 or 14495 with one component and no data to speak of."""
+    """A stream of ISO 10918 or 14495 with one component and almost no data."""
     frame = struct.pack(">BHHBBBB", bits, rows, columns, 1, 1, 0x11, 0)
     scan = bytes((1, 1, 0, 0, 0, 0) if start == 0xF7 else (1, 1, 0, 1, 0, 0))
     table = b"\xff\xc4" + struct.pack(">H", 20) + bytes((0, 1)) + bytes(15) + bytes((0,))
@@ -107,7 +107,7 @@ def streams(rows: int, columns: int) -> dict[str, list[bytes]]:
 
 
 def bombs() -> Iterator[tuple[str, bytes]]:
-    """Bombs by name: claims of the file and of the stream that agree, or not, and too many frames."""
+    """Bombs by name: file and stream claim the same or different sizes, or too many frames."""
     sizes = ((HUGE, HUGE), (HUGE, 1), (1, HUGE), (20_000, 20_000), (0, 0))
     for rows, columns in sizes:
         for syntax, found in streams(rows, columns).items():

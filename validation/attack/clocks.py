@@ -1,4 +1,4 @@
-"""Clocks that are wrong: before 1970, far ahead, and set right again in the middle of a plan."""
+"""Wrong clocks: before 1970, far ahead, and corrected in the middle of a plan."""
 
 from __future__ import annotations
 
@@ -29,9 +29,9 @@ OBSERVER = "attacker"
 
 
 def attack(program: Path, samples: Path) -> Iterator[str]:
-    """Faults of commands and of the server under each clock, and of a plan whose clock was set right."""
+    """Faults of commands and of the server under each clock, and of a plan with a corrected clock."""
     if not shutil.which("cc"):
-        print("   0 clocks: there is no C compiler `cc`")
+        print("   0 clocks: the C compiler `cc` is missing")
         return
     with temporary() as place:
         source = Path(place) / "clock.c"
@@ -45,13 +45,13 @@ def attack(program: Path, samples: Path) -> Iterator[str]:
 
 
 def clock(shim: Path, year: int) -> dict[str, str]:
-    """Variables under which a program sees this year."""
+    """Environment in which a program sees this year."""
     days = 365.2425 * (year - datetime.date.today().year)
     return {"LD_PRELOAD": str(shim), "ATTACK_CLOCK_S": str(round(86_400 * days))}
 
 
 def commands(program: Path, samples: Path, folder: Path, shim: Path, year: int) -> Iterator[str]:
-    """What writes or reads a time; the server refuses years that HTTP has no date for."""
+    """Commands that write or read a time; the server refuses years without an HTTP date."""
     when = clock(shim, year)
     folder.mkdir()
     case = str(samples / "case.json")
@@ -85,7 +85,7 @@ def commands(program: Path, samples: Path, folder: Path, shim: Path, year: int) 
 
 
 def plan(program: Path, samples: Path, folder: Path, ahead: dict[str, str]) -> Iterator[str]:
-    """Readings by a clock that is ahead lock the plan, until somebody releases it; sessions do not outlive the clock."""
+    """Readings by a clock that is ahead lock the plan until a release; sessions of the future are refused."""
     folder.mkdir()
     store = folder / "s.spineline"
     release = ["study", "release", store.name, "P07", "--by", "lead"]
@@ -126,7 +126,7 @@ def plan(program: Path, samples: Path, folder: Path, ahead: dict[str, str]) -> I
 
 
 def step(server: Server) -> dict[str, object]:
-    """What the observer does next."""
+    """The observer's next step."""
     study, _ = server.answer("GET", "/api/studies/P07")
     return study["plan"]["next"]
 

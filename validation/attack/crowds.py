@@ -1,4 +1,4 @@
-"""A server with accounts among people who are many, slow, wrong, or on a full disk: nobody of the lowest role stops the others."""
+"""A server with accounts under many, slow or wrong requests, and on a full disk: a reader cannot stop the others."""
 
 from __future__ import annotations
 
@@ -20,12 +20,12 @@ from program import MAX_SECONDS, run, temporary
 PASSWORD = "four words that do not rhyme"
 ROLES = {"lead": "admin", "ed": "editor", "rea": "reader"}
 SLOW, REPORTS, WRONG, CLICKS = 48, 48, 50, 93
-# What a person waits for before they think that the program hangs.
+# A person who waits longer thinks that the program hangs.
 PATIENCE_S = 20
 
 
 class Served:
-    """The program over a store with accounts. SIGXFSZ is ignored in it, as Python does: a file that may not grow is an error."""
+    """The program over a store with accounts. It ignores SIGXFSZ, as Python does: a file that cannot grow is an error."""
 
     def __init__(self, program: Path, store: Path) -> None:
         words = [str(program), "serve", str(store), "--port", "0", "--accounts"]
@@ -37,7 +37,7 @@ class Served:
         self.host, self.port = address[1], int(address[2])
 
     def may_grow(self, files: bool) -> None:
-        """Whether its files may grow, or the disk is full."""
+        """Lets its files grow, or makes the disk full."""
         _, hard = resource.prlimit(self.child.pid, resource.RLIMIT_FSIZE)
         resource.prlimit(self.child.pid, resource.RLIMIT_FSIZE, (hard if files else 0, hard))
 
@@ -47,7 +47,7 @@ class Served:
 
 
 class Browser:
-    """Somebody at the server, with the cookies that it gave."""
+    """A client of the server, with its cookies."""
 
     def __init__(self, served: Served) -> None:
         self.served = served
@@ -61,7 +61,7 @@ class Browser:
         return kind | {"X-Spineline-Csrf": self.csrf} | ({"Cookie": cookies} if cookies else {})
 
     def ask(self, method: str, path: str, body: Any = None) -> tuple[int, bytes]:
-        """Status and body of the answer; status 0 where it takes too long."""
+        """Status and body of the answer; status 0 if it takes too long."""
         connection = http.client.HTTPConnection(self.served.host, self.served.port, timeout=PATIENCE_S)
         try:
             connection.request(method, path, None if body is None else json.dumps(body), self.headers())
@@ -85,7 +85,7 @@ class Browser:
 
 def attack(program: Path, samples: Path, seed: int) -> Iterator[str]:
     """Faults over all crowds."""
-    dice = random.Random(f"{seed} crowds")
+    rng = random.Random(f"{seed} crowds")
     with temporary() as place:
         store = Path(place) / "study.spineline"
         created = run(program, ["study", "create", store.name], store.parent)
@@ -98,7 +98,7 @@ def attack(program: Path, samples: Path, seed: int) -> Iterator[str]:
             subprocess.run(words, input=PASSWORD, text=True, cwd=store.parent, check=True, stdout=subprocess.DEVNULL)
         served = Served(program, store)
         try:
-            yield from crowds(served, dice)
+            yield from crowds(served, rng)
         finally:
             served.end()
         checked = run(program, ["study", "verify", store.name], store.parent)
@@ -111,7 +111,7 @@ def attack(program: Path, samples: Path, seed: int) -> Iterator[str]:
     print(f"   4 crowds: {SLOW} slow bodies, {REPORTS} reports, {WRONG} wrong passwords, a full disk")
 
 
-def crowds(served: Served, dice: random.Random) -> Iterator[str]:
+def crowds(served: Served, rng: random.Random) -> Iterator[str]:
     """Faults of one server."""
     lead, editor, reader = (Browser(served) for _ in ROLES)
     for name, browser in zip(ROLES, (lead, editor, reader), strict=True):
@@ -123,7 +123,7 @@ def crowds(served: Served, dice: random.Random) -> Iterator[str]:
     lead.ask("PUT", f"/api/studies/{study}/grants", grants)
     film = json.loads(editor.ask("GET", f"/api/studies/{study}")[1])["summary"]["films"][0]["film"]
     reading = json.loads(editor.ask("POST", f"/api/films/{film}/readings", {"repeat": 1})[1])
-    marker = Marker(editor, reading["reading"], reading["revision"], dice)
+    marker = Marker(editor, reading["reading"], reading["revision"], rng)
 
     slow = [slow_body(reader, f"/api/readings/{reading['reading']}/events") for _ in range(SLOW)]
     for path in ("/api/session", "/api/studies", f"/api/studies/{study}"):
@@ -146,11 +146,11 @@ def crowds(served: Served, dice: random.Random) -> Iterator[str]:
         thread.join()
 
     for number in range(WRONG):
-        who = dice.choice(["lead", "root", "admin", f"guess-{number}"])
+        who = rng.choice(["lead", "root", "admin", f"guess-{number}"])
         Browser(served).sign_in(who, f"{number} is not the password")
     for name in ("ed", "rea"):
         if (status := Browser(served).sign_in(name)) != 200:
-            yield f"{WRONG} wrong passwords: {name}, of whom nobody spoke, gets {status}"
+            yield f"{WRONG} wrong passwords: {name}, who was not guessed, gets {status}"
     lead.ask("DELETE", "/api/session")
     if (status := lead.sign_in("lead")) != 200:
         yield f"{WRONG} wrong passwords: a browser that signed in lately gets {status}"
@@ -172,15 +172,15 @@ def crowds(served: Served, dice: random.Random) -> Iterator[str]:
 
 
 class Marker:
-    """Somebody who places landmarks one after the other."""
+    """An editor who places landmarks one after the other."""
 
-    def __init__(self, browser: Browser, reading: int, revision: int, dice: random.Random) -> None:
-        self.browser, self.reading, self.revision, self.dice = browser, reading, revision, dice
+    def __init__(self, browser: Browser, reading: int, revision: int, rng: random.Random) -> None:
+        self.browser, self.reading, self.revision, self.rng = browser, reading, revision, rng
         self.places: dict[tuple[str, str], list[float]] = {}
 
     def click(self) -> int:
         """Status of the answer to a click."""
-        event = click(self.dice, self.places)
+        event = click(self.rng, self.places)
         body = {"expected_revision": self.revision, "events": [event]}
         status, data = self.browser.ask("POST", f"/api/readings/{self.reading}/events", body)
         if status == 200:
@@ -189,12 +189,12 @@ class Marker:
         return status
 
     def refused(self, count: int) -> int:
-        """How many of so many clicks were not recorded."""
+        """How many of `count` clicks were not recorded."""
         return sum(self.click() != 200 for _ in range(count))
 
 
 def slow_body(browser: Browser, path: str) -> socket.socket:
-    """A connection on which a JSON body has begun and does not go on."""
+    """A connection with a JSON body that never ends."""
     served = browser.served
     connection = socket.create_connection((served.host, served.port), timeout=MAX_SECONDS)
     lines = [f"POST {path} HTTP/1.1", f"Host: {served.host}:{served.port}", "Content-Length: 400"]

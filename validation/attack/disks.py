@@ -7,7 +7,7 @@ from pathlib import Path
 
 from program import parts, run, temporary
 
-# Bytes that a file may grow to: none, a part of a page, a page, and less than the larger outputs.
+# Largest file in bytes: zero, a part of a page, a page, and less than the larger outputs.
 LIMITS = (0, 100, 4096, 40_000)
 
 
@@ -56,7 +56,7 @@ def attack(program: Path, samples: Path) -> Iterator[str]:
         with temporary() as place:
             end = run(program, [f"out.{kind}" if word == "OUT" else word for word in command], Path(place))
             if end.code:
-                yield f"{' '.join(command)}: refused with {end.code} where there is room: {end.errors.strip()}"
+                yield f"{' '.join(command)}: refused with {end.code} on a disk with room: {end.errors.strip()}"
         for limit in LIMITS:
             with temporary() as place:
                 folder = Path(place)
@@ -71,4 +71,4 @@ def attack(program: Path, samples: Path) -> Iterator[str]:
                     yield f"{' '.join(words)}: ended with {end.code} on a disk that takes {limit} bytes"
                 if end.code == 3 and target.exists():
                     yield f"{' '.join(words)}: left a torn target on a disk that takes {limit} bytes"
-    print(f"{count:4} outputs on full disks, {refused} of them refused, all others fitted")
+    print(f"{count:4} outputs on full disks, {refused} of them refused, all others were small enough")

@@ -1,4 +1,4 @@
-"""A server that dies while films are marked and uploaded: what it had acknowledged is there afterwards."""
+"""A server that is killed while films are marked and uploaded: all acknowledged changes are kept."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ class Server:
         self.headers["X-Spineline-Csrf"] = body["csrf"]
 
     def answer(self, method: str, path: str, body: Any = None) -> tuple[Any, dict[str, str]]:
-        """The answer to a request; an error where it is none."""
+        """The answer to a request; an error if it fails."""
         connection = http.client.HTTPConnection(self.host, self.port, timeout=MAX_SECONDS)
         data = body if isinstance(body, bytes) or body is None else json.dumps(body)
         kind = {"Content-Type": "application/octet-stream"} if isinstance(body, bytes) else {}
@@ -59,14 +59,14 @@ class Server:
         return (json.loads(text) if text else None), headers
 
     def kill(self) -> None:
-        """As a power cut would."""
+        """Kills it, like a power cut."""
         os.kill(self.child.pid, signal.SIGKILL)
         self.child.wait()
 
 
 def attack(program: Path, samples: Path, kills: int, seed: int) -> Iterator[str]:
-    """Faults over so many kills of one store."""
-    dice = random.Random(f"{seed} kills")
+    """Faults over `kills` kills of one store."""
+    rng = random.Random(f"{seed} kills")
     film = (samples / "seeds" / "film" / "rle").read_bytes()
     clicks = uploads = 0
     with temporary() as place:
@@ -79,15 +79,15 @@ def attack(program: Path, samples: Path, kills: int, seed: int) -> Iterator[str]
         server = Server(program, store)
         reading, places, revision = begun(server)
         for number in range(kills):
-            timer = threading.Timer(dice.uniform(0.02, 0.6), server.kill)
+            timer = threading.Timer(rng.uniform(0.02, 0.6), server.kill)
             timer.start()
             acknowledged = dict(places)
             while True:
                 try:
-                    if dice.random() < 0.1:
+                    if rng.random() < 0.1:
                         server.answer("POST", "/api/uploads", film)
                         uploads += 1
-                    event = click(dice, places)
+                    event = click(rng, places)
                     body = {"expected_revision": revision, "events": [event]}
                     preview, _ = server.answer("POST", f"/api/readings/{reading}/events", body)
                 except (OSError, http.client.HTTPException):
@@ -107,18 +107,18 @@ def attack(program: Path, samples: Path, kills: int, seed: int) -> Iterator[str]
             server = Server(program, store)
             view, _ = server.answer("GET", f"/api/readings/{reading}")
             places, revision = corners(view), view["revision"]
-            # The click that was under way may be there or not.
+            # The unanswered click may be kept or not.
             lost = [key for key, px in acknowledged.items() if places.get(key) != px and not under_way(event, key, places)]
             if lost:
                 yield f"kill {number}: lost {lost}"
         server.kill()
         if left := parts(store.parent):
             yield f"kills left {left}"
-    print(f"{kills:4} kills, {clicks} clicks and {uploads} uploads acknowledged, none lost unless said below")
+    print(f"{kills:4} kills, {clicks} clicks and {uploads} uploads acknowledged, all kept unless listed below")
 
 
 def under_way(event: dict[str, Any], key: tuple[str, str], places: dict[tuple[str, str], list[float]]) -> bool:
-    """Whether a place is that of the click which had no answer."""
+    """Whether a place is from the unanswered click."""
     return (event["level"], event["corner"]) == key and places.get(key) == [event["column_px"], event["row_px"]]
 
 
@@ -132,13 +132,13 @@ def begun(server: Server) -> tuple[int, dict[tuple[str, str], list[float]], int]
 
 
 def corners(view: dict[str, Any]) -> dict[tuple[str, str], list[float]]:
-    """Where every corner of a reading is."""
+    """Places of the corners of a reading."""
     return {(v["level"], c["corner"]): c["px"] for v in view["vertebrae"] for c in v["corners"]}
 
 
-def click(dice: random.Random, places: dict[tuple[str, str], list[float]]) -> dict[str, Any]:
-    """Some corner, placed or moved."""
-    level, corner = dice.choice(LEVELS), dice.choice(CORNERS)
+def click(rng: random.Random, places: dict[tuple[str, str], list[float]]) -> dict[str, Any]:
+    """A random corner, placed or moved."""
+    level, corner = rng.choice(LEVELS), rng.choice(CORNERS)
     kind = "move_corner" if (level, corner) in places else "place_corner"
-    place = {"column_px": float(dice.randint(100, 900)), "row_px": float(dice.randint(100, 1900))}
+    place = {"column_px": float(rng.randint(100, 900)), "row_px": float(rng.randint(100, 1900))}
     return {"kind": kind, "level": level, "corner": corner} | place

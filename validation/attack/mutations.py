@@ -1,5 +1,5 @@
-"""Damaged files of every kind that the program reads: each ends in a code of the guide, without a panic, in bounded memory, and without
-a character that steers the terminal. Every sample is accepted before it is damaged."""
+"""Damaged files of every kind that the program reads: each run ends with a code of the guide, without a panic, in bounded memory, and
+without a control character on the terminal. Every sample is accepted before it is damaged."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from damage import damaged
 from program import Run, parts, run, temporary
 
 
-# Finished, with everything or with something that did not converge.
+# Finished, with or without convergence.
 ACCEPTED = (0, 4)
 
 
@@ -24,11 +24,11 @@ class Kind:
 
     name: str
     seed: Path
-    # The command, in which FILE stands for the damaged files.
+    # The command; FILE stands for the damaged files.
     command: list[str]
     # How many files one run reads.
     batch: int = 1
-    # With which words the sound sample is refused after it was read; none where it is accepted.
+    # The refusal of the valid sample after it was read; empty if it is accepted.
     known_refusal: str = ""
     results: list[Run] = field(default_factory=list)
 
@@ -52,7 +52,7 @@ def kinds(samples: Path) -> list[Kind]:
         *(Kind(f"film, {seed}", film / seed, ["film", "FILE"], batch=50) for seed in ("jpegls", "rle", "plain")),
         Kind("film, png", small / "erect.png", ["film", "FILE"], batch=50),
         *(Kind(f"landmarks, {name}", small / name, into) for name in ("csv", "slicer", "labelme", "coco")),
-        # Files of other programs that no command writes. They are read, and their vertebrae do not fit this film.
+        # Files of other programs that no command writes. They are read, but their vertebrae do not fit this film.
         Kind("landmarks, mat", landmarks / "mat", into, known_refusal="lies outside of the"),
         Kind("landmarks, report", landmarks / "report", into, known_refusal="lies outside of the"),
         Kind("landmarks, midlines", landmarks / "midlines", ["import", "FILE", "--midlines", "--case-id", "P07", "--out", "out"]),
@@ -65,9 +65,9 @@ def attack(program: Path, samples: Path, copies: int, seed: int) -> Iterator[str
     """Faults over all kinds; prints the counts of each."""
     for kind in kinds(samples):
         yield from refusals(program, kind)
-        dice = random.Random(f"{seed} {kind.name}")
+        rng = random.Random(f"{seed} {kind.name}")
         with temporary() as folder, ThreadPoolExecutor(2) as pool:
-            batches = list(files(kind, Path(folder), copies, dice))
+            batches = list(files(kind, Path(folder), copies, rng))
             ends = list(pool.map(lambda batch: run_on(program, kind, batch), batches))
         codes = sorted({end.code for end in ends})
         largest = max(end.resident_mb for end in ends)
@@ -77,7 +77,7 @@ def attack(program: Path, samples: Path, copies: int, seed: int) -> Iterator[str
 
 
 def refusals(program: Path, kind: Kind) -> Iterator[str]:
-    """A fault where the sample itself is refused: its damaged copies would show nothing."""
+    """A fault if the sample itself is refused: its damaged copies would test nothing."""
     with temporary() as folder:
         place = Path(folder) / "sound"
         place.mkdir()
@@ -90,7 +90,7 @@ def refusals(program: Path, kind: Kind) -> Iterator[str]:
         yield f"{kind.name}: the sample is refused with {end.code}: {end.errors.strip()}"
 
 
-def files(kind: Kind, folder: Path, copies: int, dice: random.Random) -> Iterator[list[Path]]:
+def files(kind: Kind, folder: Path, copies: int, rng: random.Random) -> Iterator[list[Path]]:
     """Folders of damaged copies, one per run."""
     data = kind.seed.read_bytes()
     for start in range(0, copies, kind.batch):
@@ -99,7 +99,7 @@ def files(kind: Kind, folder: Path, copies: int, dice: random.Random) -> Iterato
         batch = []
         for number in range(start, min(copies, start + kind.batch)):
             path = place / f"{number:04}{kind.seed.suffix}"
-            path.write_bytes(damaged(data, dice))
+            path.write_bytes(damaged(data, rng))
             batch.append(path)
         yield batch
 

@@ -1,4 +1,4 @@
-"""Runs of the program with limits of time, memory and file size, and what each of them left behind."""
+"""Runs of the program with limits of time, memory and file size, and the files that they leave."""
 
 from __future__ import annotations
 
@@ -28,19 +28,19 @@ class Run:
     resident_mb: float
     output: str
     errors: str
-    # Files that it began and did not finish.
+    # Unfinished files.
     left: list[str] = field(default_factory=list)
 
     def faults(self) -> list[str]:
-        """What no run may do, whatever it was given."""
+        """Faults that no run may have, whatever its input."""
         found = []
         if self.code not in EXIT_CODES:
             found.append(f"ended with {self.code}")
         if "panicked" in self.errors or "RUST_BACKTRACE" in self.errors:
             found.append("panicked")
         if self.code not in (0, 130) and not (self.errors + self.output).strip():
-            found.append(f"ended with {self.code} and no word")
-        # What goes to `-` is for a program, and is what a file would hold.
+            found.append(f"ended with {self.code} and without a message")
+        # Output to `-` is for a program, with the content of the file.
         for_people = self.errors + ("" if "-" in self.arguments else self.output)
         steering = sorted({hex(ord(char)) for char in for_people if is_hidden(char)})
         if steering:
@@ -55,7 +55,7 @@ class Run:
 
 
 def is_hidden(char: str) -> bool:
-    """Whether a character steers a terminal, ends a line unseen, or turns the direction of writing."""
+    """Whether a character controls a terminal, ends a line invisibly, or reverses the writing direction."""
     code = ord(char)
     turns = code in (0x61C, 0x200E, 0x200F, 0xFEFF) or 0x2028 <= code <= 0x202E or 0x2060 <= code <= 0x206F
     return turns or (char != "\n" and (code < 32 or 127 <= code < 160))
@@ -70,14 +70,14 @@ def run(
     interrupt_after_s: float | None = None,
     environment: dict[str, str] | None = None,
 ) -> Run:
-    """Runs the program in a folder; a file may grow to a size, and Ctrl-C may come after a time."""
+    """Runs the program in a folder; the file size can be limited, and Ctrl-C sent after a time."""
 
     def limit() -> None:
         resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
         if largest_file is not None:
             resource.setrlimit(resource.RLIMIT_FSIZE, (largest_file, largest_file))
 
-    # Outputs lie outside of the limit of file sizes: pipes have none.
+    # Pipes have no file size limit, so outputs are not cut.
     with subprocess.Popen(
         [program, *arguments],
         cwd=folder,
@@ -85,7 +85,7 @@ def run(
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         preexec_fn=limit,
-        # Python ignores the signal of a file that is too large, and so must its child: it sees an error, as of a full disk.
+        # Like Python, its child must ignore the signal of a too large file: it gets an error, as on a full disk.
         restore_signals=False,
         env=os.environ | {"NO_COLOR": "1", "HOME": str(folder)} | (environment or {}),
     ) as child:
@@ -102,7 +102,7 @@ def run(
         for timer in timers:
             timer.start()
         _, status, usage = os.wait4(child.pid, 0)
-        # As a shell says it: 130 where Ctrl-C came before the program listened for it.
+        # As in a shell: 130 if Ctrl-C came before the program listened for it.
         code = os.waitstatus_to_exitcode(status)
         child.returncode = code if code >= 0 else 128 - code
         for timer in timers:
@@ -127,7 +127,7 @@ def send_interrupt(child: subprocess.Popen[bytes]) -> None:
 
 
 def parts(folder: Path) -> list[str]:
-    """Files that a run began and did not finish."""
+    """Unfinished files of a run."""
     return sorted(str(path.relative_to(folder)) for path in folder.rglob("*") if path.name.endswith(PARTS))
 
 

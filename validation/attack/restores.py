@@ -1,4 +1,4 @@
-"""Stores beside logs that are not theirs, and backups and restorations that are killed: nothing is destroyed, nothing blocks."""
+"""Stores beside foreign logs, and killed backups and restorations: no store is destroyed or blocked."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from pathlib import Path
 from kills import Server, begun, click
 from program import parts, run, temporary
 
-# Commands that open a store; none of them may change a file where it refuses.
+# Commands that open a store; one that refuses must not change a file.
 OPENINGS = (
     ["study", "list", "STORE"],
     ["study", "verify", "STORE"],
@@ -25,8 +25,8 @@ OPENINGS = (
 
 
 def attack(program: Path, samples: Path, kills: int, seed: int) -> Iterator[str]:
-    """Faults over all foreign logs, and over so many kills of each copying command."""
-    dice = random.Random(f"{seed} restores")
+    """Faults over all foreign logs, and over `kills` kills of each copying command."""
+    rng = random.Random(f"{seed} restores")
     with temporary() as place:
         folder = Path(place)
         films = samples / "films" / "phantom-rod-01.json"
@@ -35,17 +35,17 @@ def attack(program: Path, samples: Path, kills: int, seed: int) -> Iterator[str]
             if end.code:
                 yield f"no store: {end.errors}"
                 return
-        marked(program, folder / "s.spineline", dice)
+        marked(program, folder / "s.spineline", rng)
         yield from foreign_logs(program, folder, films)
-        yield from killed_copies(program, folder, kills, dice)
+        yield from killed_copies(program, folder, kills, rng)
 
 
-def marked(program: Path, store: Path, dice: random.Random) -> None:
-    """Clicks of a server that is killed at once, so that the log beside the store holds them alone."""
+def marked(program: Path, store: Path, rng: random.Random) -> None:
+    """Clicks of a server that is killed at once, so that only the log beside the store has them."""
     server = Server(program, store)
     reading, places, revision = begun(server)
     for _ in range(20):
-        event = click(dice, places)
+        event = click(rng, places)
         body = {"expected_revision": revision, "events": [event]}
         preview, _ = server.answer("POST", f"/api/readings/{reading}/events", body)
         revision = preview["reading"]["revision"]
@@ -54,7 +54,7 @@ def marked(program: Path, store: Path, dice: random.Random) -> None:
 
 
 def foreign_logs(program: Path, folder: Path, films: Path) -> Iterator[str]:
-    """Stores beside the log of another one, of a later version, and of none at all."""
+    """Stores beside a log of another store, of a later version, or a file that is not a log."""
     log = (folder / "s.spineline-wal").read_bytes()
     run(program, ["study", "create", "new.spineline"], folder)
     torn = bytearray(log)
@@ -79,11 +79,11 @@ def foreign_logs(program: Path, folder: Path, films: Path) -> Iterator[str]:
                     yield f"{name}: {' '.join(words)} ended with {end.code} and does not name the log"
                 if files(store) != before:
                     yield f"{name}: {' '.join(words)} changed the store or the log"
-    print(f"{count:4} stores beside logs that are not theirs, refused and unchanged unless said below")
+    print(f"{count:4} stores beside foreign logs, refused and unchanged unless listed below")
 
 
-def killed_copies(program: Path, folder: Path, kills: int, dice: random.Random) -> Iterator[str]:
-    """Backups and restorations that are killed: a whole store has the name, and the next command goes through."""
+def killed_copies(program: Path, folder: Path, kills: int, rng: random.Random) -> Iterator[str]:
+    """Killed backups and restorations: a whole store has the name, and the next command succeeds."""
     states = {head(program, folder, "s.spineline"), head(program, folder, "b.spineline")}
     cut = 0
     for number in range(kills):
@@ -94,18 +94,18 @@ def killed_copies(program: Path, folder: Path, kills: int, dice: random.Random) 
             shutil.copy(folder / "b.spineline", here / "b.spineline")
             for words in (["study", "backup", "s.spineline", "c.spineline"], ["study", "restore", "b.spineline", "s.spineline"]):
                 child = subprocess.Popen([program, *words], cwd=here, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-                time.sleep(dice.uniform(0.0, 0.3))
+                time.sleep(rng.uniform(0.0, 0.3))
                 os.kill(child.pid, signal.SIGKILL)
                 cut += child.wait() != 0
                 if head(program, here, "s.spineline") not in states:
-                    yield f"kill {number} of {words[1]}: the store is neither the earlier one nor the backup"
+                    yield f"kill {number} of {words[1]}: the store is not the earlier one, and not the backup"
                 again = run(program, words, here)
                 exists = words[1] == "backup" and again.code == 3 and head(program, here, "c.spineline") in states
                 if again.code and not exists:
                     yield f"kill {number}: the next {words[1]} ended with {again.code}: {again.errors}"
             if left := parts(here):
                 yield f"kill {number}: left {left}"
-    print(f"{2 * kills:4} backups and restorations, {cut} of them killed; the next ones went through unless said below")
+    print(f"{2 * kills:4} backups and restorations, {cut} of them killed; the next ones succeeded unless listed below")
 
 
 def files(store: Path) -> list[bytes]:
@@ -114,7 +114,7 @@ def files(store: Path) -> list[bytes]:
 
 
 def head(program: Path, folder: Path, store: str) -> str | None:
-    """The end of the log of a sound store."""
+    """The last hash of the log of a valid store."""
     end = run(program, ["study", "verify", store], folder)
     words = [word for word in end.output.split() if len(word) > 64]
     return words[0] if end.code == 0 and words else None

@@ -1,4 +1,4 @@
-"""Ctrl-C at random times in every command: a documented code, nothing torn."""
+"""Ctrl-C at random times in every command: a documented code, whole files."""
 
 from __future__ import annotations
 
@@ -10,13 +10,13 @@ from pathlib import Path
 from disks import outputs
 from program import parts, run, temporary
 
-# Before any result, or after a part of the replicates; or the command was quicker.
+# Before any result, after a part of the replicates, or after the command ended.
 CODES = {0, 4, 130}
 
 
 def attack(program: Path, samples: Path, times: int, seed: int) -> Iterator[str]:
-    """Faults over all commands, each interrupted so many times within its own duration."""
-    dice = random.Random(f"{seed} signals")
+    """Faults over all commands, each interrupted several times within its duration."""
+    rng = random.Random(f"{seed} signals")
     case = str(samples / "case.json")
     long = [
         ("json", ["analyze", case, "--replicates", "2000", "--json", "OUT"]),
@@ -31,8 +31,8 @@ def attack(program: Path, samples: Path, times: int, seed: int) -> Iterator[str]
                 folder = Path(place)
                 target = folder / f"out.{kind}" if kind != "folder" else folder / "out"
                 words = [target.name if word == "OUT" else word for word in command]
-                # Most commands take a tenth of a second; the long ones are stopped within their first seconds.
-                delay = dice.uniform(0.0, 3.0 if (kind, command) in long else 0.3)
+                # Most commands take 0.1 s; the long ones are stopped within their first seconds.
+                delay = rng.uniform(0.0, 3.0 if (kind, command) in long else 0.3)
                 end = run(program, words, folder, interrupt_after_s=delay)
                 end.left = parts(folder)
                 count += 1
@@ -41,7 +41,7 @@ def attack(program: Path, samples: Path, times: int, seed: int) -> Iterator[str]
                 if end.code not in CODES:
                     yield f"{' '.join(words)}: ended with {end.code} after Ctrl-C at {delay:.3f} s"
                 if end.code == 130 and target.exists():
-                    yield f"{' '.join(words)}: says that nothing was written, after Ctrl-C at {delay:.3f} s, and something is"
+                    yield f"{' '.join(words)}: after Ctrl-C at {delay:.3f} s it says that nothing was written, but a file was"
                 if kind == "json" and target.exists() and not is_json(target):
                     yield f"{' '.join(words)}: torn JSON after Ctrl-C at {delay:.3f} s"
     print(f"{count:4} interruptions, codes {dict(sorted(codes.items()))}")

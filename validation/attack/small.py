@@ -1,4 +1,4 @@
-"""Small samples that go together: a case of one film, a tenth of its size, the picture of it, and its landmarks in several formats."""
+"""Small samples of one film at a tenth of its size: a case, the picture, and landmarks in several formats."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ CORNERS = ("superior_left", "superior_right", "inferior_left", "inferior_right")
 
 
 def small_case(case: dict[str, Any]) -> dict[str, Any]:
-    """The erect film of a case and its first reading, in a tenth of the pixels, each ten times as large."""
+    """The erect film of a case and its first reading, with pixels ten times as large."""
     film = next(film for film in case["films"] if film["posture"] == "erect")
     image, reading = film["image"], film["readings"][0]
     for key in ("columns", "rows"):
@@ -29,7 +29,7 @@ def small_case(case: dict[str, Any]) -> dict[str, Any]:
 
 
 def png(columns: int, rows: int) -> bytes:
-    """A grey picture of so many pixels."""
+    """A grey picture of this size."""
 
     def chunk(name: bytes, data: bytes) -> bytes:
         return struct.pack(">I", len(data)) + name + data + struct.pack(">I", zlib.crc32(name + data))
@@ -41,7 +41,7 @@ def png(columns: int, rows: int) -> bytes:
 
 
 def write_small(case: Path, folder: Path) -> None:
-    """The small case of a case, and its picture, in a folder."""
+    """A small version of a case, and its picture, in a folder."""
     folder.mkdir()
     small = small_case(json.loads(case.read_text()))
     (folder / "case.json").write_text(json.dumps(small))

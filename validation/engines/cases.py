@@ -1,4 +1,4 @@
-"""What is compared: models of phantoms, their exports, loads on T2, and Spineline's own shapes under them."""
+"""The compared cases: models of phantoms, their exports, loads on T2, and Spineline's own shapes."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ FORMATS = ("mjcf", "osim", "urdf")
 
 @dataclass(frozen=True)
 class Subject:
-    """A model to make, and how far beyond its fitted forces it is taken."""
+    """A model to make, and the largest multiple of its fitted forces."""
 
     scenario: str
     number: int
@@ -51,7 +51,7 @@ class Load:
         return Load(self.on_line, factor * self.force_n, self.point_mm)
 
     def file(self) -> dict:
-        """As `spineline simulate` reads it."""
+        """The load file of `spineline simulate`."""
         kind, point = "force_at_point", "point_in_vertebra_mm"
         if self.on_line:
             kind, point = "force_on_line", "point_mm"
@@ -60,7 +60,7 @@ class Load:
         return {"format": "spineline-load", "version": 1, "loads": [load]}
 
 
-# Out of every plane of symmetry: forwards, sideways and down, beside the midpoint.
+# Without any symmetry: forwards, sideways and down, beside the midpoint.
 OBLIQUE = {
     "oblique, line": Load(True, np.array([45.0, -30.0, -80.0]), np.array([30.0, 25.0, 300.0])),
     "oblique, point": Load(False, np.array([30.0, 40.0, -60.0]), np.array([12.0, -20.0, 6.0])),
@@ -82,7 +82,7 @@ class Case:
 
 
 class Spineline:
-    """The program under test, and a folder for what it writes."""
+    """The program under test, and a folder for its output."""
 
     def __init__(self, program: Path, folder: Path) -> None:
         self.program = program.resolve()
@@ -90,7 +90,7 @@ class Spineline:
         folder.mkdir(parents=True, exist_ok=True)
 
     def run(self, *arguments: str, codes: tuple[int, ...] = (0,)) -> None:
-        """Runs a command that must end with one of these codes; warnings are of no interest here."""
+        """Runs a command that must end with one of these codes; ignores warnings."""
         command = [str(self.program), *arguments]
         done = subprocess.run(command, cwd=self.folder, capture_output=True, text=True)
         if done.returncode not in codes:
@@ -98,7 +98,7 @@ class Spineline:
             raise SystemExit(f"`spineline {' '.join(arguments)}` ended with {done.returncode}:\n{told}")
 
     def cases(self) -> list[Case]:
-        """Everything that is compared."""
+        """All cases."""
         found = []
         for subject in SUBJECTS:
             model, exports = self.model(subject)
@@ -116,7 +116,7 @@ class Spineline:
         self.run("phantom", "--scenario", subject.scenario, "--subject", number, "--noise", "0", "--out", "phantoms")
         film = f"phantoms/phantom-{subject.scenario}-{subject.number:02}.json"
         options = ["--model-line", subject.line, "--support", subject.support]
-        # Another line of the same analysis may have no result; the model of this one is what counts.
+        # Another line of the same analysis may fail; only the model of this one is needed.
         self.run("analyze", film, "--model", f"{stem}.json", *options, codes=(0, 4))
         for form in FORMATS:
             self.run("export", f"{stem}.json", "--to", form, "--out", f"{stem}.{form}")
@@ -127,7 +127,7 @@ class Spineline:
         """Spineline's own equilibrium."""
         given, told = f"load-{number:02}.json", f"shape-{number:02}.json"
         (self.folder / given).write_text(json.dumps(load.file(), indent=2), encoding="utf-8")
-        # An extreme shape may be beyond what a human spine does, and is an equilibrium of the model all the same.
+        # An extreme shape may be beyond human range, but it is an equilibrium of the model.
         self.run("simulate", f"{stem}.json", "--load", given, "--json", told, codes=(0, 4))
         shape = json.loads((self.folder / told).read_text(encoding="utf-8"))
         if shape["status"] not in ("converged", "beyond_human_range"):

@@ -20,7 +20,7 @@ from in_opensim import OpensimSpine
 from in_pinocchio import PinocchioSpine
 from statics import NoEquilibrium, Spine, equilibrium
 
-# Engine, format, how its equilibrium is found, and the largest distance that counts as the same, in mm.
+# Engine, format, how its equilibrium is found, and the tolerance in mm.
 ENGINES = (
     ("mujoco", "mjcf", MujocoSpine, equilibrium, 1e-6),
     ("mujoco, in time", "mjcf", MujocoSpine, MujocoSpine.settle, 1e-6),
@@ -45,7 +45,7 @@ class Row:
 
 
 def main() -> int:
-    """0 where every shape agrees, 1 elsewhere."""
+    """0 if every shape agrees, else 1."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--program", type=Path, required=True, help="the spineline program")
     parser.add_argument("--out", type=Path, required=True, help="folder for models and results")
@@ -98,7 +98,7 @@ def apart(one: np.ndarray, other: np.ndarray) -> float:
 
 
 def show(rows: list[Row]) -> None:
-    """A table for people."""
+    """Prints a table."""
     wide = max(len(row.case) for row in rows)
     print(f"{'case':{wide}}  engine           force (N)  T2 moves (mm)  hinge (rad)  difference (mm)")
     for row in rows:
@@ -107,7 +107,7 @@ def show(rows: list[Row]) -> None:
 
 
 def write(rows: list[Row], path: Path) -> None:
-    """The same for programs."""
+    """The table as CSV."""
     with path.open("w", newline="", encoding="utf-8") as file:
         table = csv.writer(file)
         table.writerow(field.name for field in fields(Row))

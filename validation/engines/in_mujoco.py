@@ -1,4 +1,4 @@
-"""The MJCF export in MuJoCo: its kinematics, its springs, its way of applying a force."""
+"""The MJCF export in MuJoCo: the engine's kinematics, springs and force."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import numpy as np
 from cases import Load
 from statics import NoEquilibrium
 
-# Simulated time in which the load grows, and in which rest has to follow, in s.
+# Simulated time in which the load grows, and in which it must come to rest, in s.
 GROWS_S = 1.0
 ENDS_S = 30.0
 # Slower than this is rest.
@@ -34,7 +34,7 @@ class MujocoSpine:
         return self.data.qfrc_passive + self._applied(factor)
 
     def settle(self) -> np.ndarray:
-        """Lets time pass under the load until all is at rest, as a user would."""
+        """Simulates under the load until the model is at rest, as a user would."""
         mujoco.mj_resetData(self.model, self.data)
         mujoco.mj_forward(self.model, self.data)
         while self.data.time < ENDS_S:
@@ -58,7 +58,7 @@ class MujocoSpine:
         return applied
 
     def midpoints_mm(self, q: np.ndarray) -> np.ndarray:
-        """Sites stand at the midpoints."""
+        """Sites are at the midpoints."""
         self._place(q)
         return 1000 * self.data.site_xpos[self.sites]
 

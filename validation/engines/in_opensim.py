@@ -1,4 +1,4 @@
-"""The OSIM export in OpenSim: its kinematics, its springs and prescribed force, its inverse dynamics."""
+"""The OSIM export in OpenSim: the engine's kinematics, springs, prescribed force and inverse dynamics."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ def to_opensim(vector: np.ndarray) -> list[float]:
 
 
 def from_opensim(vector: opensim.Vec3) -> list[float]:
-    """The way back."""
+    """The inverse."""
     return [vector[0], -vector[2], vector[1]]
 
 
@@ -35,7 +35,7 @@ class OpensimSpine:
         coordinates = self.model.getCoordinateSet()
         every = [coordinates.get(i) for i in range(coordinates.getSize())]
         self.places = {c.getName(): self._place_in_state(c) for c in every}
-        # What the support locks is part of the structure.
+        # Coordinates that the support locks are part of the structure.
         self.free = [self.places[c.getName()] for c in every if not c.getLocked(self.state)]
         self.dof = len(self.free)
         self.rest = opensim.Vector(len(every), 0.0)
@@ -50,12 +50,12 @@ class OpensimSpine:
         force.setForceFunctions(*grows)
         place = [opensim.Constant(p) for p in to_opensim(load.point_mm / 1000)]
         force.setPointFunctions(*place)
-        # The model takes hold of it; Python must not free it too.
+        # The model owns it; Python must not free it too.
         force.thisown = False
         self.model.addForce(force)
 
     def _place_in_state(self, coordinate: opensim.Coordinate) -> int:
-        """Where the engine keeps a coordinate, found by moving it."""
+        """The engine's index of a coordinate, found by moving it."""
         before = self.state.getQ().to_numpy().copy()
         locked = coordinate.getLocked(self.state)
         coordinate.setLocked(self.state, False)
@@ -66,14 +66,14 @@ class OpensimSpine:
         return place
 
     def unbalance(self, q: np.ndarray, factor: float) -> np.ndarray:
-        """Inverse dynamics at rest gives what would have to hold springs and load."""
+        """Inverse dynamics at rest gives the forces that would balance springs and load."""
         self._place(q)
         self.state.setTime(factor)
         held = self.solver.solve(self.state, self.rest).to_numpy()
         return -held[self.free]
 
     def midpoints_mm(self, q: np.ndarray) -> np.ndarray:
-        """Markers stand at the midpoints."""
+        """Markers are at the midpoints."""
         self._place(q)
         self.model.realizePosition(self.state)
         places = [from_opensim(marker.getLocationInGround(self.state)) for marker in self.markers]

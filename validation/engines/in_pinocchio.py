@@ -1,4 +1,4 @@
-"""The URDF export in Pinocchio: its kinematics and inverse dynamics; springs read from the file's extension."""
+"""The URDF export in Pinocchio: the engine's kinematics and inverse dynamics; springs from the file's extension."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ class PinocchioSpine:
         return stiffness, rest
 
     def unbalance(self, q: np.ndarray, factor: float) -> np.ndarray:
-        """Inverse dynamics at rest gives what would have to hold the load."""
+        """Inverse dynamics at rest gives the forces that would balance the load."""
         self._place(q)
         if self.load.on_line:
             point_m = self.load.point_mm / 1000
@@ -53,7 +53,7 @@ class PinocchioSpine:
         return -self.stiffness * (q - self.rest) - held
 
     def midpoints_mm(self, q: np.ndarray) -> np.ndarray:
-        """Links stand at the midpoints."""
+        """Links are at the midpoints."""
         self._place(q)
         return 1000 * np.array([self.data.oMf[frame].translation for frame in self.frames])
 

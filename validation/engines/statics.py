@@ -9,7 +9,7 @@ import numpy as np
 
 # Step of central differences in rad: truncation and rounding both below 1e-9 of a spring.
 DIFFERENCE_RAD = 1e-5
-# A full Newton step that is smaller is rounding.
+# A smaller full Newton step is rounding.
 ROUNDING_RAD = 1e-12
 # Load steps on the way to the full load.
 LOAD_STEPS = 10
@@ -35,7 +35,7 @@ class NoEquilibrium(Exception):
 
 
 def equilibrium(spine: Spine) -> np.ndarray:
-    """Hinge angles in rad at which springs balance the full load, followed from the erect posture."""
+    """Hinge angles in rad at which springs balance the full load, found stepwise from the erect posture."""
     q = np.zeros(spine.dof)
     for factor in np.linspace(1 / LOAD_STEPS, 1.0, LOAD_STEPS):
         q = newton(lambda angles: spine.unbalance(angles, factor), q)
@@ -43,7 +43,7 @@ def equilibrium(spine: Spine) -> np.ndarray:
 
 
 def newton(unbalance: Unbalance, q: np.ndarray) -> np.ndarray:
-    """Newton's method, halving steps that do not help; ends where only rounding is left."""
+    """Newton's method; halves steps that do not help, and ends when only rounding is left."""
     force = unbalance(q)
     for _ in range(MOST_ITERATIONS):
         step = np.linalg.solve(jacobian(unbalance, q), -force)
@@ -56,7 +56,7 @@ def newton(unbalance: Unbalance, q: np.ndarray) -> np.ndarray:
                 break
             share /= 2
             if share < 1e-6:
-                # Nothing helps any more: fine if the step itself is next to nothing.
+                # No step helps: accepted if the step itself is almost zero.
                 if np.abs(step).max() < 1e3 * ROUNDING_RAD:
                     return q
                 raise NoEquilibrium(f"unbalanced by {np.abs(force).max():.1e} N m")

@@ -17,7 +17,7 @@ WRITTEN = "20260131101500"
 
 @dataclass(frozen=True)
 class Exported:
-    """A case, its film's posture keys, and what was exported of it."""
+    """A case, its film's posture keys, and its exports."""
 
     name: str
     case: dict
@@ -38,7 +38,7 @@ class Spineline:
         self.program, self.out = program, out
 
     def run(self, *arguments: object) -> None:
-        """One call that has to succeed."""
+        """One call that must succeed."""
         subprocess.run([self.program, *map(str, arguments)], check=True, capture_output=True)
 
     def cases(self) -> list[Exported]:
@@ -85,7 +85,7 @@ class Spineline:
 
 
 def hung(case: dict, side: str) -> dict:
-    """The same case with its films hung by `side`, and rows twice as far apart as they were."""
+    """The same case with the patient's left on `side` of the films, and rows twice as far apart."""
     case = json.loads(json.dumps(case))
     for film in case["films"]:
         image = film["image"]

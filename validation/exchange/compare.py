@@ -1,4 +1,4 @@
-"""Reads landmarks that `spineline export` writes, tables, typeset reports and shapes, with other programs; compares them with case, analysis and model.
+"""Reads exported landmarks, tables, typeset reports and shapes with other programs, and compares them with case, analysis and model.
 
 Usage: python compare.py --program path/to/spineline --out folder
 """
@@ -20,7 +20,7 @@ from cases import Spineline
 
 
 def main() -> int:
-    """0 where everything agrees; an assertion tells what does not."""
+    """0 if everything agrees; else an assertion fails."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--program", type=Path, required=True, help="the spineline program")
     parser.add_argument("--out", type=Path, required=True, help="folder for cases and exports")
@@ -37,7 +37,7 @@ def main() -> int:
         )
         print(f"{exported.name}: {', '.join(counts)} agree")
     if shutil.which("dsrdump") is None:
-        print("dsrdump was not there: reports were not read by DCMTK")
+        print("dsrdump is missing: DCMTK did not read the reports")
     return 0
 
 

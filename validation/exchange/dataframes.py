@@ -40,7 +40,7 @@ def same(text: pandas.DataFrame, file: pyarrow.Table) -> int:
 
 
 def errors(exported: Exported) -> None:
-    """Every location error of the tidy table is the analysis's."""
+    """Location errors are equal in table and analysis."""
     vertebrae = pandas.read_parquet(exported.tables / "vertebrae.parquet")
     kept = vertebrae.dropna(subset=["line"]).set_index(["line", "posture", "level"])
     assert kept.index.is_unique

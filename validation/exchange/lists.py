@@ -10,7 +10,7 @@ from cases import CORNERS, Exported
 
 TOLERANCE_PX = 1e-9
 
-# What Slicer's schema of markups, version 1.0.3, requires of a point list, by its facts.
+# Requirements of Slicer's schema of markups, version 1.0.3, for a point list.
 POINT = {
     "type": "object",
     "properties": {

@@ -43,7 +43,7 @@ def compare(exported: Exported) -> int:
 
 
 def key_of(report: hd.sr.ComprehensiveSR) -> tuple[str, str, str]:
-    """Posture, observer and repeat as the first group and the observer context have them."""
+    """Posture, observer and repeat from the first group and the observer context."""
     people = report.content.get_observer_contexts(observer_type=codes.DCM.Person)
     devices = report.content.get_observer_contexts(observer_type=codes.DCM.Device)
     assert len(people) == len(devices) == 1
@@ -56,7 +56,7 @@ def key_of(report: hd.sr.ComprehensiveSR) -> tuple[str, str, str]:
 
 
 def check_document(report: hd.sr.ComprehensiveSR, film: dict, reading: dict) -> None:
-    """Patient, study and evidence are those of the radiograph."""
+    """Patient, study and evidence match the radiograph."""
     assert report.PatientName == "Phantom^Müller" and report.PatientID == "PH-1"
     assert report.StudyInstanceUID == "2.25.11" and report.Modality == "SR"
     assert report.ContentDate + report.ContentTime == WRITTEN
@@ -110,7 +110,7 @@ def check_groups(content: hd.sr.MeasurementReport, film: dict, reading: dict, cu
             upper = endplate_deg(image, marked[superior], "superior")
             turn = upper - endplate_deg(image, marked[inferior], "inferior")
             close(number.value, abs(turn), ANGLE_TOLERANCE)
-            # A spine that turns to the right as it rises is convex to the left.
+            # A spine that turns to the right going up is convex to the left.
             assert coded(group, "convexity", OURS)[1] == ("Left" if turn > 0.0 else "Right")
     assert not left and not curves, (left, curves)
 
@@ -122,7 +122,7 @@ def curves_of(analysis: dict) -> dict[str, tuple[str, str]]:
 
 
 def check_codes(document: pydicom.Dataset) -> None:
-    """Every code of a public scheme is in pydicom's tables with the meaning that is given."""
+    """Every code of a public scheme is in pydicom's tables with the same meaning."""
     for item in walk(document):
         for keyword in ("ConceptNameCodeSequence", "ConceptCodeSequence"):
             for code in item.get(keyword, []):
@@ -153,7 +153,7 @@ def walk(item: pydicom.Dataset):
 
 
 def coordinates(number: object) -> np.ndarray:
-    """Points from which a number was derived, as columns and rows."""
+    """Columns and rows of the points from which a number is derived."""
     (places,) = [item for item in number.ContentSequence if item.ValueType == "SCOORD"] if hasattr(number, "ContentSequence") else [
         item for item in number[0].ContentSequence if item.ValueType == "SCOORD"
     ]
@@ -167,7 +167,7 @@ def items(group: object) -> list[pydicom.Dataset]:
 
 
 def named(group: object, code: str, scheme: str) -> pydicom.Dataset:
-    """The one item of a name."""
+    """The only item with a name."""
     (found,) = [
         item
         for item in items(group)
@@ -189,7 +189,7 @@ def coded(group: object, code: str, scheme: str) -> tuple[str, str]:
 
 
 def crossing(corners: np.ndarray) -> np.ndarray:
-    """Where the diagonals meet."""
+    """The intersection of the diagonals."""
     sl, sr, il, ir = corners
     along, _ = np.linalg.solve(np.column_stack([ir - sl, sr - il]), sr - sl)
     return sl + along * (ir - sl)

@@ -65,7 +65,7 @@ def scene(exported: Exported) -> int:
 
 
 def check_box(corners_mm: np.ndarray, vertebra: dict, tolerance_mm: float) -> None:
-    """Corners in Spineline's frame lie on a box at the midpoint and in the axes of the vertebra."""
+    """Corners in Spineline's frame are on a box at the midpoint, along the axes of the vertebra."""
     place = (corners_mm - vertebra["midpoint_mm"]) @ axes(vertebra)
     half = np.abs(place).max(axis=0)
     assert np.abs(np.abs(place) - half).max() < tolerance_mm, vertebra["level"]

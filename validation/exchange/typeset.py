@@ -11,7 +11,7 @@ ATTACHMENT = "spineline-analysis.json"
 
 
 def compare(exported: Exported) -> int:
-    """Number of pages that qpdf has nothing to say against."""
+    """Number of pages that qpdf accepts."""
     with pikepdf.open(exported.typeset) as report:
         problems = report.check_pdf_syntax()
         assert not problems, problems
@@ -20,7 +20,7 @@ def compare(exported: Exported) -> int:
             assert exported.case["case_id"] in metadata["dc:title"], metadata["dc:title"]
         assert list(report.attachments) == [ATTACHMENT], list(report.attachments)
         attached = json.loads(report.attachments[ATTACHMENT].get_file().read_bytes())
-        # Says which command it was, and when.
+        # It has the command and its time.
         assert attached.pop("provenance")["films"] == "synthetic"
         assert attached == {key: value for key, value in exported.analysis.items() if key != "provenance"}
         return len(report.pages)

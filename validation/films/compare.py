@@ -1,4 +1,4 @@
-"""Reads films of phantoms with pydicom and compares them with what the program says of them.
+"""Reads films of phantoms with pydicom and compares them with the program's statements.
 
 Usage: python compare.py --program path/to/spineline --out folder
 """
@@ -18,11 +18,11 @@ import numpy as np
 import pydicom
 from pydicom.uid import DigitalXRayImageStorageForPresentation
 
-# Subject, encoding, factor on the size of pixels: not square pixels, bone stored dark, seen from the front, both of the first
-# two, a marker R. One subject has the resolution of real films; the others have a quarter of their pixels, which take less time.
+# Subject, encoding, factor on the size of pixels: not square pixels, bone stored dark, seen from the front, the first two
+# together, a marker R. One subject has the resolution of real films; the others have a quarter of their pixels, to save time.
 FILMS = ((3, "mixed", 2), (4, "rle", 2), (5, "plain", 1), (12, "jpeg-ls", 2), (7, "mixed", 2))
 
-# Attributes of type 1 and 2 that the DX modules want (PS3.3 A.26), and their files may leave only the second empty.
+# Attributes of type 1 and 2 that the DX modules require (PS3.3 A.26); only type 2 may be empty.
 FILLED = (
     "SOPClassUID SOPInstanceUID StudyInstanceUID SeriesInstanceUID Modality PresentationIntentType ImageType "
     "PatientOrientation SamplesPerPixel PhotometricInterpretation Rows Columns BitsAllocated BitsStored HighBit "
@@ -37,7 +37,7 @@ PRESENT = (
 
 
 def main() -> int:
-    """0 where every film is as stated, 1 elsewhere."""
+    """0 if every film is as stated, else 1."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--program", type=Path, required=True, help="the spineline program")
     parser.add_argument("--out", type=Path, required=True, help="folder for films and results")
@@ -76,10 +76,10 @@ def make(program: Path, folder: Path, subject: int, encoding: str, pixel_size: i
 
 
 def differences(data: pydicom.Dataset, stated: dict, film: dict, case_id: str) -> Iterator[str]:
-    """What the file holds that is not what was stated."""
+    """Differences of the file from the statements."""
     for name in FILLED:
         if name not in data or data[name].is_empty:
-            yield f"{name} has no value"
+            yield f"{name} is empty"
     for name in PRESENT:
         if name not in data:
             yield f"{name} is missing"
@@ -134,7 +134,7 @@ def bones(data: pydicom.Dataset, pixels: np.ndarray, stated: dict) -> Iterator[s
 
 
 def around(bright: np.ndarray, place: np.ndarray) -> float:
-    """Mean of a square of one millimetre or so."""
+    """Mean of a square of about 1 mm."""
     column, row = (int(round(value)) for value in place)
     return float(bright[max(row - 5, 0) : row + 6, max(column - 5, 0) : column + 6].mean())
 

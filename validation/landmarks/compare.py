@@ -1,9 +1,9 @@
-"""Judges completed and detected landmarks on films of patients that neither model was learned from.
+"""Evaluates completed and detected landmarks on films of patients that are new to both models.
 
 Usage: python compare.py --data path/to/aasce --program path/to/spineline --complete path/to/examples/complete --out folder
 
-The films are those of the test patients of training/landmarks/split.py. The shape is learned anew without them; the networks were
-trained without them. The films have no scale: 370 mm from L4 to T2 are assumed, and millimetres follow from that.
+The films show the test patients of training/landmarks/split.py. The shape is learned anew without them; the networks were
+trained without them. The films have no scale: millimetres assume 370 mm from L4 to T2.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ SEED = 1
 
 
 def per_mm(corners):
-    """Pixels per millimetre, from the way along the centres from L4 to T2."""
+    """Pixels per millimetre, from the length of the line through the centres from L4 to T2."""
     centres = corners.mean(axis=1)[1:16]
     return np.hypot(*np.diff(centres, axis=0).T).sum() / LENGTH_MM
 
@@ -56,7 +56,7 @@ SCHEMES = ["corners", "walls", "superior endplate", "every second", "five", "mid
 
 
 def tilts_deg(corners):
-    """Mean tilt of the two endplates of every vertebra, as the data's angles have it."""
+    """Mean tilt of the two endplates of every vertebra, as in the data's angles."""
     lines = corners[:, [0, 2]] - corners[:, [1, 3]]
     return np.degrees(np.arctan2(lines[..., 1], lines[..., 0])).mean(axis=1)
 
@@ -76,7 +76,7 @@ def errors(found, true):
 
 
 def completed(options, films, scheme, text, noise):
-    """Corners and deviations of every film that the clicks of a scheme complete, and the number of clicks."""
+    """Corners and deviations of every film that a scheme's clicks complete, and the number of clicks."""
     random = np.random.default_rng([SEED, SCHEMES.index(scheme)])
     wanted = []
     for film in films:
@@ -165,7 +165,7 @@ def judge_detection(options, films):
 
 
 def shift_of(places, true):
-    """By how many levels the names are shifted: that shift with the nearest centres."""
+    """By how many levels the names are shifted: the shift with the nearest centres."""
     def distance(shift):
         pairs = [(places[LEVELS[k + shift]], true[k]) for k in range(17) if 0 <= k + shift < 17 and LEVELS[k + shift] in places]
         return np.median([np.hypot(*(a.mean(axis=0) - b.mean(axis=0))) for a, b in pairs]) if pairs else np.inf

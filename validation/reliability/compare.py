@@ -27,7 +27,7 @@ ICC = {"icc_2_1": "ICC(A,1)", "icc_3_1": "ICC(C,1)", "icc_2_k": "ICC(A,k)"}
 
 
 class Comparison:
-    """Counts what was compared, and remembers what differs."""
+    """Counts the comparisons, and keeps the differences."""
 
     def __init__(self) -> None:
         self.counts: Counter[str] = Counter()
@@ -37,7 +37,7 @@ class Comparison:
     def same(self, table: str, what: str, ours: object, theirs: object) -> None:
         """Numbers, or arrays of them, agree."""
         if ours is None:
-            self.wrong(table, what, "undefined, which has no reason")
+            self.wrong(table, what, "undefined without a reason")
             return
         ours, theirs = np.asarray(ours, float), np.asarray(theirs, float)
         apart = float(np.max(np.abs(ours - theirs) / np.maximum(1.0, np.abs(theirs))))
@@ -47,10 +47,10 @@ class Comparison:
             self.wrong(table, what, f"{ours} against {theirs}")
 
     def undefined(self, table: str, what: str, reason: str | None, holds: bool) -> None:
-        """The program says that there is no number, and the reason holds."""
+        """The program says that the number is undefined, and the reason is true."""
         self.counts[f"{what} undefined"] += 1
         if not holds:
-            self.wrong(table, what, f"undefined ({reason}), which does not hold")
+            self.wrong(table, what, f"undefined ({reason}), which is not true")
 
     def wrong(self, table: str, what: str, why: str) -> None:
         """One difference."""
@@ -58,12 +58,12 @@ class Comparison:
 
 
 def main() -> int:
-    """0 where everything agrees, 1 elsewhere."""
+    """0 if everything agrees, else 1."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--program", type=Path, required=True, help="the spineline program")
     parser.add_argument("--out", type=Path, required=True, help="folder for tables and results")
     options = parser.parse_args()
-    # pingouin rounds what it prints unless it is told not to.
+    # pingouin rounds its output by default.
     for key in [key for key in pingouin.options if key.startswith("round")]:
         pingouin.options[key] = None
     made = tables()
@@ -81,7 +81,7 @@ def main() -> int:
 
 
 def assessed(program: Path, out: Path, made: dict[str, np.ndarray]) -> dict[str, dict]:
-    """What the program finds between the observers of every table."""
+    """The program's results between the observers of every table."""
     out.mkdir(parents=True, exist_ok=True)
     rows = [
         (name, "mm", f"s{i:03}", chr(ord("A") + j), 1, repr(float(value)))
@@ -112,7 +112,7 @@ def compare(c: Comparison, name: str, table: np.ndarray, found: dict, subjects: 
 
 
 def mean_squares(table: np.ndarray) -> tuple[float, float, float]:
-    """Of subjects, raters and rest, by plain sums."""
+    """Mean squares of subjects, raters and rest, by plain sums."""
     n, k = table.shape
     means, offsets = table.mean(axis=1), table.mean(axis=0)
     rest = table - means[:, None] - offsets + table.mean()
@@ -145,7 +145,7 @@ def shrout_fleiss(squares: tuple, n: int, k: int) -> dict[str, tuple[float, np.n
 
 
 def long(table: np.ndarray) -> pd.DataFrame:
-    """One row per reading; about the mean, since pingouin's least squares lose digits of numbers that are far off."""
+    """One row per reading, minus the mean: pingouin's least squares lose digits of large numbers."""
     cells = [(f"s{i:03}", f"r{j}", value) for (i, j), value in np.ndenumerate(table - table.mean())]
     return pd.DataFrame(cells, columns=["subject", "rater", "value"])
 
@@ -167,7 +167,7 @@ def compare_icc(c: Comparison, name: str, table: np.ndarray, ours: dict, squares
         warnings.simplefilter("ignore", RuntimeWarning)
         formulas = shrout_fleiss(squares, n, k)
         package = None
-        # pingouin refuses fewer than five readings. One reading per cell leaves it no residual, of which it warns.
+        # pingouin refuses fewer than five readings. One reading per cell leaves no residual, and it warns.
         if table.size >= 5:
             package = pingouin.intraclass_corr(long(table), "subject", "rater", "value").set_index("Type")
     totals = {
@@ -187,7 +187,7 @@ def compare_icc(c: Comparison, name: str, table: np.ndarray, ours: dict, squares
             c.same(name, f"{key} in pingouin", found["value"], package.loc[form, "ICC"])
         if found["interval_95"] is None:
             turns_over = key == "icc_2_k" and 1.0 + (k - 1) * min(single) <= 1e-9
-            # Quantiles of F beyond 1e299: next to no degrees of freedom, and scipy's bounds leave out the estimate.
+            # Quantiles of F beyond 1e299: almost zero degrees of freedom, and scipy's bounds exclude the estimate.
             no_freedom = not single[0] <= formulas["icc_2_1"][0] <= single[1]
             c.undefined(name, f"{key} interval", "no_interval", turns_over or no_freedom)
         else:
@@ -197,7 +197,7 @@ def compare_icc(c: Comparison, name: str, table: np.ndarray, ours: dict, squares
 
 
 def compare_sem(c: Comparison, name: str, ours: dict, squares: tuple, n: int, k: int) -> None:
-    """Both errors, with their intervals."""
+    """Both SEMs, with their intervals."""
     _, columns, error = squares
     parts = np.array([columns / n, (n - 1) * error / n])
     freedoms = np.array([k - 1, (k - 1) * (n - 1)])
@@ -205,7 +205,7 @@ def compare_sem(c: Comparison, name: str, ours: dict, squares: tuple, n: int, k:
     with np.errstate(all="ignore"):
         satterthwaite = agreement**2 / (parts**2 / freedoms).sum()
     consistency = (error, freedoms[1])
-    # The variance between raters is zero where its estimate is below.
+    # The variance between raters is zero if its estimate is negative.
     with_raters = consistency if columns < error else (agreement, satterthwaite)
     cases = {"agreement": with_raters, "consistency": consistency}
     for kind, (variance, freedom) in cases.items():

@@ -6,7 +6,7 @@ import numpy as np
 
 
 def tables(seed: int = 20) -> dict[str, np.ndarray]:
-    """Subjects × raters by name; not-a-number stands for a reading that is missing."""
+    """Subjects × raters by name; NaN is a missing reading."""
     rng = np.random.default_rng(seed)
     made = {f"random-{i:03}": random(rng) for i in range(190)}
     spread = rng.normal(size=9)
@@ -28,14 +28,14 @@ def random(rng: np.random.Generator) -> np.ndarray:
     """Two-way random effects of widely different sizes."""
     subjects, raters = rng.integers(2, 61), rng.integers(2, 7)
     error, offset = 10.0 ** rng.uniform(-3.0, 1.0), 10.0 ** rng.uniform(-3.0, 1.0)
-    # A third of the tables has subjects without any spread: their coefficients are about zero, and often negative.
+    # In a third of the tables subjects are equal: coefficients are about zero, and often negative.
     between = 0.0 if rng.random() < 1.0 / 3.0 else 1.0
     table = between * rng.normal(size=(subjects, 1)) + offset * rng.normal(size=(1, raters))
     return table + error * rng.normal(size=(subjects, raters))
 
 
 def gappy(rng: np.random.Generator) -> np.ndarray:
-    """Some readings are missing; every rater has read something."""
+    """Some readings are missing; every rater has at least one."""
     table = rng.normal(size=(20, 1)) + 0.3 * rng.normal(size=(20, 3))
     table[[2, 5, 5], [0, 1, 2]] = np.nan
     return table

@@ -1,8 +1,8 @@
-// Unpacks the Chromium of npm, where the machine has none, and prints its path and the folder of its libraries.
+// Unpacks npm's Chromium on machines without one, and prints its path and the folder of its libraries.
 import { mkdirSync } from "node:fs";
 import { join } from "node:path";
 
-// It unpacks into the folder for temporary files; one of our own keeps it for the next run.
+// It unpacks into the folder for temporary files; a separate one keeps it for the next run.
 const folder = join(import.meta.dirname, "node_modules/.chromium");
 mkdirSync(folder, { recursive: true });
 process.env.TMPDIR = folder;

@@ -42,12 +42,7 @@ test("without a valid token the page says where to find the address", async ({ a
 test("a new sign-in after the end of a session keeps the page", async ({ app, page }) => {
   await app.open(page);
   await page.goto(new URL("#/new", app.address).href);
-  await answerWith(
-    page,
-    "/api/uploads",
-    { code: "not_signed_in", message: "nobody is signed in" },
-    401,
-  );
+  await answerWith(page, "/api/uploads", { code: "not_signed_in", message: "not signed in" }, 401);
   await page
     .locator("input[type=file]")
     .setInputFiles([{ name: "erect.png", mimeType: "image/png", buffer: Buffer.from("x") }]);
@@ -68,7 +63,7 @@ test("the page waits for a stopped program and continues by itself", async ({ ap
   await page.getByRole("link", { name: "Cohort" }).click();
   const banner = page.getByRole("status").filter({ hasText: "The program does not answer" });
   await expect(banner).toBeVisible();
-  // It does not cover the way to other pages.
+  // It does not cover the links to other pages.
   await page.getByRole("link", { name: "Access" }).click();
   await expect(page).toHaveURL(/access/);
   await shot(page, "program-gone");
@@ -214,7 +209,7 @@ test.describe("with a study", () => {
       await expect(page.getByRole("rowheader", { name: "ab", exact: true })).toBeVisible();
       await shot(page, "access-accounts");
 
-      // Before the grant the editor sees nothing, after it the one study.
+      // Before the grant the editor sees nothing, after it the granted study.
       const signOut = page.getByRole("button", { name: "Sign out" });
       await signOut.click();
       await signIn("ab");

@@ -21,7 +21,7 @@ test("studies: none, many, none found", async ({ app, page }) => {
   await page.reload();
   await expect(page.getByRole("article")).toHaveCount(14);
   await expectAccessible(page);
-  await page.getByRole("searchbox").fill("no such study");
+  await page.getByRole("searchbox").fill("missing study");
   await expectAccessible(page);
 });
 
@@ -95,7 +95,7 @@ test("access, with accounts and without", async ({ app, page }) => {
 
 test("signing in again, and a program that does not answer", async ({ app, page }) => {
   await app.open(page);
-  await answerWith(page, "/api/cohort", { code: "not_signed_in", message: "nobody" }, 401);
+  await answerWith(page, "/api/cohort", { code: "not_signed_in", message: "not signed in" }, 401);
   await page.getByRole("link", { name: "Cohort" }).click();
   const dialog = page.getByRole("dialog", { name: "Sign in again" });
   await expect(dialog).toBeVisible();

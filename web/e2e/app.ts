@@ -99,7 +99,7 @@ export class App {
   }
 }
 
-/** Runs a command of the program to its end, such as to make phantoms; gives what it printed. */
+/** Runs a command of the program to its end, such as to make phantoms; returns its output. */
 export async function runProgram(...args: string[]): Promise<string> {
   return (await promisify(execFile)(PROGRAM, args)).stdout;
 }
@@ -146,7 +146,7 @@ export const test = base.extend<Fixtures, Shared>({
   hasDemo: [false, { option: true }],
   app: async ({ hasDemo, demoStore }, use) => {
     const app = await newApp();
-    // The whole folder: what the killed program wrote last is in a file beside the store.
+    // The whole folder: the last changes of the killed program are in a file beside the store.
     if (hasDemo) await cp((await demoStore()).folder, app.folder, { recursive: true });
     await app.start();
     await use(app);
@@ -155,7 +155,7 @@ export const test = base.extend<Fixtures, Shared>({
   },
 });
 
-/** Replaces the program's pages by those of `SPINELINE_PAGES`, if set, with the same headers. */
+/** Replaces the program's pages with the pages of `SPINELINE_PAGES`, if set, with the same headers. */
 export async function usePages(page: Page): Promise<void> {
   if (!PAGES) return;
   await page.route(
@@ -190,7 +190,7 @@ export async function expectAccessible(page: Page): Promise<void> {
 /** A page of Playwright or of Puppeteer. */
 type Pictured = { screenshot(options: { path: `${string}.png` }): Promise<unknown> };
 
-/** Stores a screenshot of the page, where somebody wants to look: with `SPINELINE_SHOTS`. */
+/** Stores a screenshot of the page, if requested with `SPINELINE_SHOTS`. */
 export async function shot(page: Pictured, name: string): Promise<void> {
   if (process.env.SPINELINE_SHOTS) await page.screenshot({ path: `e2e/shots/${name}.png` });
 }

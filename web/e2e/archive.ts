@@ -33,7 +33,7 @@ const films = (instance: string) =>
     "00280011": { vr: "US", Value: [400] },
   }));
 
-/** A DICOMweb server with one series of two films, of which it has lost the second; the patient `locked` is refused. */
+/** A DICOMweb server with one series of two films, of which the second is lost; the patient `locked` is refused. */
 export async function startArchive(
   film: Buffer,
 ): Promise<{ address: string; server: Server; owner: string }> {

@@ -41,7 +41,7 @@ test(
     await plan.getByRole("button", { name: "Make the plan" }).click();
     await expect(plan).toBeHidden();
     await expect(page.getByRole("button", { name: "Plan blinded readings…" })).toHaveCount(0);
-    // The open page is told, and goes to the reading under a code; so does its address.
+    // The open page gets the change, and shows the reading under a code, also in its address.
     await expect(early.getByRole("heading", { name: /^next film/i })).toBeVisible();
     await expect(early).toHaveURL(new RegExp(`#/studies/${STUDY}/read$`));
     await early.goto(new URL(`#/studies/${STUDY}/measure`, app.address).href);

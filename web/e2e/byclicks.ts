@@ -7,13 +7,13 @@ type ReadingView = Api<"ReadingView">;
 
 /** Tolerance between a landmark and its click: places are rounded to 0.001 px. */
 const CLOSE_PX = 0.01;
-/** CSS pixels per film pixel at which corners are told apart. */
+/** CSS pixels per film pixel at which corners are distinct. */
 const SCALE = 0.6;
 
 /** The click at which the program is killed, and the one at which it is started again. */
 export const KILLED = { click: 26, back: 38 };
 
-/** The reading of the film by another observer, which says where the corners are. */
+/** The reading of the film by another observer, with the true corners. */
 export async function truthOf(film: FilmPage): Promise<ReadingView> {
   const { summary } = await film.detail();
   const number = Number(/measure\/(\d+)/.exec(film.page.url())?.[1]);
@@ -24,7 +24,7 @@ export async function truthOf(film: FilmPage): Promise<ReadingView> {
   return film.get(`/api/readings/${other.reading}`);
 }
 
-/** Moves the film as a reader does, where the next corner is not in view. */
+/** Moves the film like a reader if the next corner is not in view. */
 async function bringIntoView(film: FilmPage, place: FilmPoint): Promise<void> {
   const [x, y] = await film.where(place);
   const box = (await film.viewer.boundingBox())!;
@@ -35,7 +35,8 @@ async function bringIntoView(film: FilmPage, place: FilmPoint): Promise<void> {
 }
 
 /**
- * Marks a film corner by corner, with a time before each click as a reader needs to aim; gives where each click was on the film.
+ * Marks a film corner by corner, with a reader's time for aiming before each click; returns the place of each click on
+ * the film.
  */
 export async function markFilm(
   film: FilmPage,
@@ -52,7 +53,7 @@ export async function markFilm(
       const place = cornerOf(truth, level, corner);
       await bringIntoView(film, place);
       await film.page.waitForTimeout(aimMs);
-      // After the last corner of a vertebra the view moves on: the click is where the film was before it.
+      // After the last corner of a vertebra the view moves on: the click was made on the earlier view.
       const [view, box] = [await film.view(), (await film.viewer.boundingBox())!];
       const [x, y] = cssOf(view, place);
       await film.page.mouse.click(box.x + x, box.y + y);
@@ -62,11 +63,11 @@ export async function markFilm(
   return clicks;
 }
 
-/** What became of the clicks on a film. */
+/** The result of the clicks on a film. */
 export interface Kept {
   /** Corners that are missing. */
   lost: string[];
-  /** Corners that are not where they were clicked. */
+  /** Corners that are away from their clicks. */
   misplaced: string[];
   /** The largest distance between a click and its corner. */
   largestPx: number;

@@ -46,7 +46,7 @@ async function fromTheFront(app: App, page: Page): Promise<FilmPage> {
   return film;
 }
 
-/** Largest difference between the grey on the screen and that of the pixel under it, when enlarged. */
+/** Largest difference between the grey on the screen and the grey of the pixel under it, when enlarged. */
 async function worstGrey(film: FilmPage, number: number): Promise<number> {
   const view = await film.view();
   const places: { at: readonly [number, number]; px: FilmPoint }[] = [];
@@ -77,7 +77,7 @@ async function worstGrey(film: FilmPage, number: number): Promise<number> {
   );
 }
 
-/** Where a side of the patient is written on the screen. */
+/** Screen place of the label of a patient's side. */
 async function sideOf(
   film: FilmPage,
   side: "L" | "R",
@@ -195,7 +195,7 @@ test(
     await page.mouse.move(x + 40, y - 60, { steps: 6 });
     await page.mouse.up();
     await expect.poll(() => number(/^Angle/)).not.toBe(was);
-    // Clicks of these tools place no landmark.
+    // Clicks with these tools do not place landmarks.
     expect(await film.reading()).toEqual(before);
     await page.keyboard.press("Escape");
     await expect(answer).toContainText("first line");
@@ -267,7 +267,7 @@ test("presets of window and level change the picture", async ({ app, page }) => 
     await shot(page, `films-window-${preset.split(" ")[0]!.toLowerCase()}`);
   }
   expect(means[0]).toBeLessThan(means[1]!);
-  // The key goes on to the first preset.
+  // The key selects the first preset.
   await film.viewer.focus();
   await page.keyboard.press("v");
   await expect.poll(mean).toBe(filmed);
@@ -315,7 +315,7 @@ test("two films are shown side by side, each with its own view, or linked", asyn
   await first.getByTestId("viewer").focus();
   await page.keyboard.press("ArrowRight");
   await expect.poll(left).toEqual(was.map((one) => one - 60));
-  // A film is turned alone, and keys reach the film with the focus alone.
+  // Each film is turned separately, and keys only reach the film with the focus.
   await page.keyboard.press("q");
   await expect(first.getByTestId("turned")).toContainText("turned 90° clockwise");
   await expect(second.getByTestId("turned")).toBeEmpty();

@@ -10,8 +10,8 @@ import { CORNERS, cornerOf } from "./marking";
 type ReadingView = Api<"ReadingView">;
 
 /**
- * Debian's Firefox. Playwright drives its own build only, which cannot be downloaded everywhere, and asks a system's Firefox for
- * commands that Firefox ESR does not have; Puppeteer drives it by WebDriver BiDi.
+ * Debian's Firefox. Playwright only drives its own build, which cannot be downloaded everywhere, and sends commands
+ * that Firefox ESR does not have; Puppeteer drives it by WebDriver BiDi.
  */
 const FIREFOX = process.env.FIREFOX ?? "/usr/bin/firefox-esr";
 /** Tolerance between a landmark and its click: places are rounded to 0.001 px. */
@@ -43,7 +43,10 @@ class FirefoxFilm {
     return this.reads("[data-testid='saving'][data-state='saved']", /saved/i);
   }
 
-  /** Clicks on the pixel of the screen that is nearest to a place of the film; gives what is under it. WebDriver clicks on whole pixels. */
+  /**
+   * Clicks on the screen pixel nearest to a place of the film; returns the film's place under it. WebDriver clicks on
+   * whole pixels.
+   */
   async click(place: FilmPoint): Promise<FilmPoint> {
     const viewer = (await this.page.waitForSelector("[data-testid='viewer']"))!;
     const box = (await viewer.boundingBox())!;
@@ -55,7 +58,7 @@ class FirefoxFilm {
     return filmOf(view, [at[0] - box.x, at[1] - box.y]);
   }
 
-  /** The readings of the erect film: this person's, or that of one of the demo's virtual readers. */
+  /** The readings of the erect film: this person's, or one by the demo's virtual readers. */
   async reading(mine: boolean): Promise<ReadingView> {
     const study = /studies\/([^/]+)/.exec(this.page.url())![1]!;
     const { summary } = await this.get<Api<"StudyDetail">>(`/api/studies/${study}`);
@@ -102,7 +105,7 @@ test("Firefox: a study, its landmarks and its model", { tag: "@long" }, async ({
       expect(Math.hypot(x - column, y - row), `${level} ${corner}`).toBeLessThan(CLOSE_PX);
     }
 
-    // Undo, and what is kept over a reload.
+    // Undo, and the landmarks after a reload.
     await page.keyboard.down("Control");
     await page.keyboard.press("z");
     await page.keyboard.up("Control");

@@ -34,7 +34,10 @@ function fromTheSide(erect: Vertebra, columns: number, bend: number): Record<str
   };
 }
 
-/** A study with a lateral film: the picture is that of another posture, since phantoms have no radiograph from the side. */
+/**
+ * A study with a lateral film: it has the picture of another posture, because phantoms have no radiograph from the
+ * side.
+ */
 async function withLateral(app: App, page: Page): Promise<void> {
   const folder = await mkdtemp(path.join(tmpdir(), "spineline-lateral-"));
   const options = ["--subject", "2", "--noise", "0", "--films", "--pixel-size", "2"];

@@ -28,7 +28,7 @@ const PAGES = [
   ["evidence", `#/studies/${DEMO}/evidence`, "Mean location errors"],
 ] as const;
 
-/** What is wider than its place and scrolls sideways, other than a table in its frame. */
+/** Elements that are wider than their place and scroll sideways, other than tables in their frames. */
 async function tooWide(page: Page): Promise<string[]> {
   return page.evaluate(() => {
     const scrolls = (element: Element) =>
@@ -41,7 +41,7 @@ async function tooWide(page: Page): Promise<string[]> {
   });
 }
 
-/** What is too wide on any screen. axe checks the light theme here; the other tests check the dark one. */
+/** Elements that are too wide on any screen. axe checks the light theme here; the other tests check the dark one. */
 async function lookAt(page: Page, name: string): Promise<string[]> {
   const wide: string[] = [];
   for (const [width, height] of SIZES) {

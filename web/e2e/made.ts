@@ -150,7 +150,7 @@ export function uploads(): (Api<"UploadView"> | Api<"Problem">)[] {
       ],
     }),
     film("u3", { format: "PNG" }),
-    { code: "film", message: "this is no picture: its first bytes are of no known format" },
+    { code: "film", message: "this is not a picture: the format of its first bytes is unknown" },
     film("u5", { posture: "lateral", patient_left: "image_right" }),
   ];
 }

@@ -158,7 +158,7 @@ export class FilmPage {
 export function cornerOf(reading: ReadingView, level: string, corner: Corner): FilmPoint {
   const vertebra = reading.vertebrae.find((one) => one.level === level);
   const px = vertebra?.corners.find((one) => one.corner === corner)?.px;
-  if (!px) throw new Error(`${level} has no ${corner}`);
+  if (!px) throw new Error(`${level} lacks ${corner}`);
   return [px[0]!, px[1]!];
 }
 

@@ -128,7 +128,7 @@ test("a reload keeps all landmarks, and undo still works", async ({ app, page })
   const { film, truth } = await atL4(app, page);
   await film.mark(truth, "L4");
   await film.click(cornerOf(truth, "L3", "superior_left"));
-  // At once, while the last clicks may still be being sent.
+  // At once, while the last clicks may still be on their way.
   await page.reload();
   await expect(film.target).toContainText(/superior endplate, patient.s right/);
   await film.saved();
@@ -282,7 +282,7 @@ test("a lost connection moves nothing: clicks on the same pixels are saved after
     ...CORNERS.map((corner) => ["L4", corner] as const),
     ...CORNERS.slice(0, 2).map((corner) => ["L3", corner] as const),
   ];
-  // Recorded once: nothing below asks the page where the film is before it clicks.
+  // Measured once: the steps below click without asking the page for the film's place.
   const [view, box] = [await film.view(), (await film.viewer.boundingBox())!];
   const pixels = await Promise.all(
     corners.map(([level, corner]) => film.where(cornerOf(truth, level, corner))),
@@ -345,7 +345,7 @@ test("the scale is set by two clicks and holds for the film", async ({ app, page
   await page.mouse.click(box.x + box.width / 2, box.y + 200);
   await page.mouse.click(box.x + box.width / 2, box.y + 300);
   const dialog = page.getByRole("dialog", { name: /scale of this film/i });
-  // A ball of that size is none; the form is not sent.
+  // A ball cannot have this size; the form is not sent.
   await dialog.getByLabel(/true diameter/i).fill("254");
   await expect(dialog).toContainText("254 mm: expected 1 to 200 mm");
   await dialog.getByRole("button", { name: /set the scale/i }).click();
@@ -358,13 +358,13 @@ test("the scale is set by two clicks and holds for the film", async ({ app, page
   await dialog.getByRole("button", { name: /set the scale/i }).click();
   await expect(dialog).toBeHidden();
   await expect(page.getByTestId("spacing")).toContainText("ball");
-  // What moved is said, once, in the strip beside the film.
+  // The strip beside the film states once what moved.
   const moved = page.getByText(/^Scale: 0\.2000 → 0\.\d{4} mm per row; film \d+ → \d+ mm high$/);
   await expect(moved).toBeVisible();
   await shot(page, "measure-scale-moved");
   await page.getByRole("button", { name: "Dismiss" }).click();
   await expect(moved).toHaveCount(0);
-  // A scale that makes the film larger than any film of a spine is refused by the program.
+  // The program refuses a scale that makes the film larger than any film of a spine.
   await page.getByRole("button", { name: "Scale" }).click();
   await page.mouse.click(box.x + box.width / 2, box.y + 200);
   await page.mouse.click(box.x + box.width / 2, box.y + 220);

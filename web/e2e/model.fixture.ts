@@ -230,7 +230,7 @@ export function modelView(): Api<"ModelView"> {
   };
 }
 
-/** Response to a load: the spine bends towards the arrow; above a force of 120 there is no equilibrium. */
+/** Response to a load: the spine bends towards the arrow; above a force of 120 it has no equilibrium. */
 export function loadAnswer(request: Api<"LoadRequest">): Api<"LoadAnswer"> {
   const from = ERECT.midpoints_mm[LEVELS.indexOf(request.level)]!;
   const force = request.tip_mm.map((v, i) => v - from[i]!);
@@ -241,7 +241,7 @@ export function loadAnswer(request: Api<"LoadRequest">): Api<"LoadAnswer"> {
     status_text:
       part === 1
         ? "Equilibrium, reached from the erect spine"
-        : `Not a result: there is no equilibrium near. The shape at ${(part * 100).toFixed(0)} % of the load is shown`,
+        : `Not a result: no equilibrium is near. The shape at ${(part * 100).toFixed(0)} % of the load is shown`,
     load_text: `Relative force ${Math.abs(force[1]!).toFixed(0)} to the patient's ${force[1]! >= 0 ? "left" : "right"} on ${request.level}`,
     part,
     shape: curved(24, -force[1]! * 0.4 * part),

@@ -22,7 +22,7 @@ async function pretend(page: Page, view = modelView(), patient_left = "image_lef
   );
 }
 
-/** Replicates at their begin, on their way, or done. */
+/** Replicates at their start, while running, or done. */
 function replicates(done: number): Api<"ComputationView"> {
   const intervals =
     done === 200 ? [{ label: "Cobb angle", value: "48.2°", interval: "46.9° to 49.6°" }] : [];

@@ -130,7 +130,7 @@ test("inflections are picked on the film, undone and reset", async ({ app, page 
   await expectAccessible(page);
   await shot(page, "inflections-picked");
 
-  // The upper one first: the program says why not.
+  // The upper one first: the program refuses it with a reason.
   await section.getByRole("button", { name: "Pick on the film" }).click();
   await click("T6");
   await click("L2");

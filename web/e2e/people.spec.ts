@@ -137,7 +137,7 @@ async function scaleAtOnce(ab: Page, cd: Page): Promise<void> {
   expect(erect).toMatchObject({ revision: 1, spacing_text: stands });
 }
 
-/** A reader has no controls that change a study, and the program refuses such requests. */
+/** A reader lacks the controls that change a study, and the program refuses such requests. */
 async function expectLooking(app: App, ef: Page): Promise<void> {
   await ef.goto(new URL(`#/studies/${SHARED}/measure`, app.address).href);
   await new FilmPage(ef).painted();

@@ -23,7 +23,7 @@ async function saved(download: Promise<Download>, folder: string): Promise<strin
   return place;
 }
 
-/** What the page saves of a plan: where the files are. */
+/** The files that the page saves of a plan, with their paths. */
 async function savedFiles(app: App, page: Page) {
   const take = async (name: string) => {
     const download = page.waitForEvent("download");
@@ -123,7 +123,7 @@ test("the saved files give the command line the same simulation", async ({ app, 
   };
   expect(await parsed(simulation)).toBe(await parsed(own));
 
-  // The file is opened again, and one that is no load file changes nothing.
+  // The file is opened again, and a file of another kind changes nothing.
   await page.getByRole("button", { name: "Remove all" }).click();
   await expect(page.getByText("No loads yet.")).toBeVisible();
   const bad = path.join(app.folder, "bad.json");
@@ -244,7 +244,7 @@ test("the trials show their progress, can be cancelled, and name their failures"
 });
 
 test(
-  "intervals belong to their loads, and are those of the command line",
+  "intervals belong to their loads, and equal the command line's",
   { tag: "@long" },
   async ({ app, page }) => {
     await openPlan(app, page);
@@ -263,7 +263,7 @@ test(
     await shot(page, "plan-intervals");
     await expectAccessible(page);
 
-    // The command line has the same numbers from the saved files.
+    // The command line gives the same numbers from the saved files.
     const { loads, simulation, model } = await savedFiles(app, page);
     const { origin } = new URL(page.url());
     const made = await page.request.get(`${origin}/api/studies/${DEMO}/exports/analysis`);
@@ -276,7 +276,7 @@ test(
       (JSON.parse(await readFile(file, "utf8")) as { uncertainty: unknown }).uncertainty;
     expect(await found(simulation)).toEqual(await found(own));
 
-    // Other loads: no interval is shown, until an undo brings these back.
+    // With other loads, intervals are hidden, until an undo restores these.
     await page
       .getByRole("group", { name: "Fields of load 1" })
       .getByLabel("Displacement")
@@ -303,7 +303,7 @@ test(
   },
 );
 
-test("replicates under loads show their progress, can be cancelled, and count what has no result", async ({
+test("replicates under loads show their progress, can be cancelled, and count failures", async ({
   app,
   page,
 }) => {

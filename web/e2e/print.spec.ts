@@ -39,7 +39,7 @@ async function expectPlainPaper(page: Page): Promise<void> {
   expect(look.isCut).toBe(false);
 }
 
-/** Saves files from the menu of the model page, and is told of one that cannot be written. */
+/** Saves files from the menu of the model page, and gets an error for one that cannot be written. */
 async function exportFiles(page: Page): Promise<void> {
   await page.getByRole("button", { name: "Export…" }).click();
   const dialog = page.getByRole("dialog", { name: "Export" });

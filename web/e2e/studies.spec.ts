@@ -32,7 +32,7 @@ test.describe("with films of one phantom", () => {
       "--out",
       phantom,
     );
-    await writeFile(path.join(phantom, "garbage.dcm"), "this is no picture\n".repeat(400));
+    await writeFile(path.join(phantom, "garbage.dcm"), "this is not a picture\n".repeat(400));
   });
 
   test.afterAll(() => rm(phantom, { recursive: true, force: true }));
@@ -163,7 +163,7 @@ test.describe("with films of one phantom", () => {
 });
 
 async function expectThumbnails(page: Page, count: number): Promise<void> {
-  // The first view of a film decodes the whole file.
+  // The first display of a film decodes the whole file.
   const loaded = (): Promise<number> =>
     page
       .locator("article img")
@@ -205,7 +205,7 @@ test("fifty studies are searched, sorted and opened by keyboard", async ({ app, 
   const id = await rows.first().locator(".open").innerText();
   await page.keyboard.press("Enter");
   await expect(page).toHaveURL(new RegExp(`#/studies/${id}/measure`));
-  // The address changes before the page does: a way back before that would find the search as it was.
+  // The address changes before the page does: going back earlier would find the old search.
   await expect(rows).toHaveCount(0);
 
   await page.goBack();
@@ -214,7 +214,7 @@ test("fifty studies are searched, sorted and opened by keyboard", async ({ app, 
   await page.getByRole("combobox", { name: "Status" }).selectOption("All");
   await page.getByRole("combobox", { name: "Sort by" }).selectOption("Identifier");
   await expect(rows.first()).toContainText("S-001");
-  await page.getByRole("searchbox").fill("no such study");
+  await page.getByRole("searchbox").fill("missing study");
   await expect(page.getByRole("heading", { name: "No study matches" })).toBeVisible();
   await page.getByRole("button", { name: "Show all studies" }).click();
   await expect(rows).toHaveCount(50);

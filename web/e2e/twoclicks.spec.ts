@@ -44,7 +44,7 @@ test("a film is marked by two clicks per vertebra, accepted at once and undone a
   const accepted = await film.reading();
   const origins = accepted.vertebrae.flatMap(({ corners }) => corners.map(({ origin }) => origin));
   expect(origins).toEqual(LEVELS.flatMap(() => CORNERS.map(() => "accepted")));
-  // The worst corner of all lies within half a vertebral height of another reader's.
+  // The worst corner lies within half a vertebral height of another reader's.
   expect(farthest(accepted, truth)).toBeLessThan(0.5 * height(truth));
   expect(clicks + 2).toBeLessThanOrEqual(34);
   await shot(page, "measure-two-clicks-accepted");
@@ -61,7 +61,7 @@ test("a film is marked by two clicks per vertebra, accepted at once and undone a
 test("vertebrae are proposed on request and accepted one by one", async ({ app, page }) => {
   const film = await FilmPage.ofDemo(app, page);
   const truth = await film.truth();
-  // Two vertebrae say where the next ones lie.
+  // Two vertebrae show where the next ones lie.
   for (const level of LEVELS.slice(0, 2)) {
     for (const corner of CORNERS) await film.click(cornerOf(truth, level, corner));
   }

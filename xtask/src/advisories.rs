@@ -1,4 +1,5 @@
-//! `cargo xtask advisories`: known faults and licences of all dependencies, by cargo-deny and the RustSec database.
+//! `cargo xtask advisories`: known vulnerabilities and licences of all dependencies, by cargo-deny and the RustSec
+//! database.
 
 use std::path::Path;
 use std::process::Command;
@@ -7,9 +8,9 @@ use crate::cargo;
 use crate::plan::Plan;
 use crate::tools::answers;
 
-/// Checks licences and sources, which need no network, and advisories where their database can be had.
+/// Checks licences and sources without a network, and advisories if their database can be fetched.
 ///
-/// What cannot be checked on this machine stands in the list of what was not run, and is no error here: a release needs it
+/// Checks that cannot run on this machine are listed as not run, and are not an error here: a release needs them
 /// (`cargo xtask advisories --required`).
 pub fn check(plan: &Plan<'_>) -> Result<(), String> {
     if !answers("cargo", &["deny", "--version"]) {
@@ -27,7 +28,7 @@ pub fn check(plan: &Plan<'_>) -> Result<(), String> {
     cargo(plan.root, &arguments)
 }
 
-/// Fetches the database; the error is the last line of what cargo-deny says.
+/// Fetches the database; the error is the last line of cargo-deny's output.
 fn fetched(root: &Path) -> Result<(), String> {
     let mut command = Command::new("cargo");
     command.args(["deny", "fetch", "db"]).current_dir(root);
@@ -47,7 +48,7 @@ mod tests {
 
     #[test]
     fn f74_every_kind_of_check_is_configured() {
-        // A kind without a section takes defaults, of which some allow everything.
+        // A missing section means defaults, some of which allow everything.
         let text = include_str!("../../deny.toml");
         for section in ["[advisories]", "[licenses]", "[bans]", "[sources]"] {
             assert!(text.contains(section), "{section}");
@@ -60,7 +61,7 @@ mod tests {
         assert!(!text.contains("GPL"), "a licence with duties for those who link it");
     }
 
-    /// Every exception names a crate that is still there, by which reason it stays; and the crates known as without a maintainer have one.
+    /// Every exception names a crate that still exists and a reason; crates known as unmaintained have an exception.
     #[test]
     fn f74_every_exception_has_a_crate_and_a_reason() {
         let (deny, lock) = (include_str!("../../deny.toml"), include_str!("../../Cargo.lock"));

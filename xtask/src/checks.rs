@@ -8,20 +8,20 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use crate::plan::{self, Plan};
 use crate::{cargo, package, python, run, tools};
 
-/// Typesetting is most of a build, encryption is much of one: they are features.
+/// Typesetting takes most of a build, encryption much of one, so they are features.
 const USUAL: [&str; 4] = ["--locked", "--workspace", "--exclude", "spineline-pdf"];
 const FULL: [&str; 4] =
     ["--locked", "--workspace", "--features", "spineline-cli/pdf,spineline-cli/https"];
 
-/// The crates of all cargo commands of a plan. They are always the same: another choice would ask for other features of
-/// what they depend on, and build all of it once more.
+/// The crates of all cargo commands of a plan. They are always the same: another choice would change the features of
+/// their dependencies, and build all of them again.
 fn crates(plan: &Plan<'_>) -> &'static [&'static str] {
     if plan.is_full() { &FULL } else { &USUAL }
 }
 
-/// Calls cargo with clippy in the place of the compiler: what is built is linted, and a lint ends the build.
+/// Calls cargo with clippy in place of the compiler: built code is linted, and a lint ends the build.
 ///
-/// Lints by themselves check all dependencies once more, which takes a third as long as building them.
+/// Separate lints would check all dependencies again, which takes a third of the time of building them.
 fn cargo_on(
     plan: &Plan<'_>,
     command: &[&str],
@@ -34,9 +34,9 @@ fn cargo_on(
     run(plan.root, "cargo", &[command, crates(plan), rest].concat(), &variables)
 }
 
-/// The program and its examples as the tests have built them.
+/// The program and its examples as built by the tests.
 ///
-/// They are built once in a run: a step beside others would wait for the build folder, which those use.
+/// They are built once per run: a concurrent step would wait for the build folder, which the tests use.
 pub fn built(plan: &Plan<'_>, name: &str) -> Result<PathBuf, String> {
     static IS_BUILT: AtomicBool = AtomicBool::new(false);
     if !IS_BUILT.load(Ordering::Acquire) {
@@ -46,8 +46,8 @@ pub fn built(plan: &Plan<'_>, name: &str) -> Result<PathBuf, String> {
     Ok(python::target()?.join("debug").join(name).with_extension(std::env::consts::EXE_EXTENSION))
 }
 
-/// The native module of the Python package, with what the tests have built: the same crates and features. It is built once in
-/// a run, as the program is.
+/// The native module of the Python package, from the tests' build: the same crates and features. It is built once per
+/// run, as the program is.
 pub fn native_module(plan: &Plan<'_>) -> Result<PathBuf, String> {
     static IS_BUILT: AtomicBool = AtomicBool::new(false);
     if !IS_BUILT.load(Ordering::Acquire) {
@@ -67,8 +67,8 @@ pub fn lint(plan: &Plan<'_>) -> Result<(), String> {
     run(plan.root, "cargo", &[&["clippy"], crates(plan), &arguments].concat(), &[])
 }
 
-/// Clippy as `cargo clippy` calls it in [`lint`], so that the documentation takes the crates that the lints have checked. Should
-/// cargo call it otherwise one day, they are checked once more.
+/// The environment of clippy as `cargo clippy` sets it in [`lint`], so that the documentation reuses the crates checked
+/// by the lints. If cargo changes these settings, the crates are checked again.
 fn as_linted(root: &Path) -> Result<[(&'static str, String); 2], String> {
     let output = Command::new("rustc").args(["--print", "sysroot"]).current_dir(root).output();
     let output = output.map_err(|error| format!("`rustc` could not be started: {error}"))?;
@@ -79,11 +79,12 @@ fn as_linted(root: &Path) -> Result<[(&'static str, String); 2], String> {
     Ok([("RUSTC_WORKSPACE_WRAPPER", python::text(&driver)?), ("CLIPPY_ARGS", arguments)])
 }
 
-/// All tests but slow studies, with nextest where it is installed; long tests in a full run only (`.config/nextest.toml`).
+/// All tests except slow studies, with nextest if it is installed; long tests only in a full run
+/// (`.config/nextest.toml`).
 pub fn test(plan: &Plan<'_>) -> Result<(), String> {
-    // Steps beside others find it built.
+    // Concurrent steps then find it built.
     native_module(plan)?;
-    // What changes the machine for a moment is asked for.
+    // Tests that change the machine briefly must be requested.
     let variables: &[(&str, &str)] =
         if plan.is_full() { &[("SPINELINE_MOUNT_SMALL_DISKS", "1")] } else { &[] };
     if tools::has_nextest() {
@@ -94,15 +95,15 @@ pub fn test(plan: &Plan<'_>) -> Result<(), String> {
     }
 }
 
-/// Films of an image archive: the tests that ask Orthanc, which pass without a word where it is missing.
+/// Films of an image archive: the tests with Orthanc, which pass silently if it is missing.
 pub fn archive(plan: &Plan<'_>) -> Result<(), String> {
     cargo_on(plan, &["test", "--quiet", "--test", "it"], &["orthanc"], &[])
 }
 
 /// Studies of minutes over thousands of synthetic patients, which are ignored by other runs.
 ///
-/// `cargo xtask studies` runs all of them, for so long that a release build pays. A full run takes what the tests have built and leaves out
-/// the longest (`.config/nextest.toml`).
+/// `cargo xtask studies` runs all of them, for so long that a release build pays. A full run uses the tests' build and
+/// leaves out the longest (`.config/nextest.toml`).
 pub fn slow_studies(plan: &Plan<'_>) -> Result<(), String> {
     if plan.is_full() {
         let arguments = ["nextest", "run", "--profile", "studies", "--run-ignored", "only"];
@@ -117,11 +118,11 @@ pub fn doctest(plan: &Plan<'_>) -> Result<(), String> {
     cargo_on(plan, &["test", "--doc"], &[], &[])
 }
 
-/// Documentation of the libraries, and of those programs whose name is that of no library.
+/// Documentation of the libraries, and of programs with another name than the libraries.
 pub fn rustdoc(plan: &Plan<'_>) -> Result<(), String> {
     let command = ["doc", "--no-deps", "--quiet", "--lib"];
     let programs = ["--bin", "xtask", "--bin", "spineline-peers"];
-    // An example asks for the features that the lints' tests ask for.
+    // An example requests the features of the lints' tests.
     let targets = [&programs[..], &["--example", "dictionary"]].concat();
     cargo_on(plan, &command, &targets, &[("RUSTDOCFLAGS", "--deny warnings")])
 }
@@ -129,7 +130,7 @@ pub fn rustdoc(plan: &Plan<'_>) -> Result<(), String> {
 /// Quick tests of some crates and of all that depend on them.
 pub struct QuickTests {
     filter: String,
-    /// What nextest says of the built tests. With it a run asks cargo for nothing, and so waits for no other build.
+    /// nextest's list of the built tests. With it a run does not call cargo, and so waits for no other build.
     binaries: PathBuf,
 }
 

@@ -1,6 +1,5 @@
-//! `cargo xtask fuzz`: every parser for a bounded time, from seeds, with cargo-fuzz and a nightly compiler. The tests replay
-//! the seeds on stable.
-//! Nothing here is unsafe, so that panics and overflows are what is looked for, and no sanitizer is needed.
+//! `cargo xtask fuzz`: every parser for a limited time, from seeds, with cargo-fuzz and a nightly compiler. The tests
+//! replay the seeds on stable. The code is safe Rust, so fuzzing looks for panics and overflows, without a sanitizer.
 
 use std::fs;
 use std::path::Path;
@@ -8,7 +7,8 @@ use std::path::Path;
 use crate::tools::answers;
 use crate::{cargo, run};
 
-/// Runs every target for so many seconds; a crash is an error, and its input stays below `fuzz/artifacts`.
+/// Runs every target for this number of seconds; a crash is an error, and its input is kept below
+/// `fuzz/artifacts`.
 pub fn all(root: &Path, seconds: u32) -> Result<(), String> {
     let folder = root.join("fuzz");
     if !answers("cargo", &["+nightly", "--version"]) {

@@ -1,4 +1,4 @@
-//! The project's own commands: `cargo xtask test` runs what must hold.
+//! The project's own commands: `cargo xtask test` runs all checks.
 
 mod advisories;
 mod book;
@@ -112,7 +112,7 @@ fn main() -> ExitCode {
     }
 }
 
-/// The steps of a command that has nothing but steps.
+/// The steps of a command that consists of steps only.
 fn steps(command: &str) -> Option<Vec<Step<'static>>> {
     let format = Step::new("format", &[], checks::format);
     let advisories = Step::new("advisories", &[], advisories::check);
@@ -151,7 +151,7 @@ fn steps(command: &str) -> Option<Vec<Step<'static>>> {
             Step::new("doc examples", &[], checks::doctest),
             lint.full(),
             Step::new("docs", &[], checks::rustdoc).full(),
-            // Both write where the Python step reads, or where the lints look.
+            // Both write files that the Python step or the lints read.
             notebooks.alone(),
             wheel.alone(),
             Step::new("browser", &[Tool::Npm], web::browser_in_short).alone(),

@@ -1,4 +1,4 @@
-//! The version of Node that the packages of the browser app ask for.
+//! The version of Node that the packages of the browser app require.
 
 use std::fs;
 use std::path::Path;
@@ -29,7 +29,8 @@ pub fn check(root: &Path) -> Result<(), String> {
     }
 }
 
-/// Whether a range such as `^20.19 || >=24` contains a version such as `v20.20.2`; none where one of them is not understood.
+/// Whether a range such as `^20.19 || >=24` contains a version such as `v20.20.2`; `None` if one of them is not
+/// understood.
 fn allows(range: &str, version: &str) -> Option<bool> {
     let version = numbers(version.strip_prefix('v')?)?;
     let mut is_allowed = false;
@@ -44,7 +45,7 @@ fn allows(range: &str, version: &str) -> Option<bool> {
     Some(is_allowed)
 }
 
-/// Major, minor and patch; absent ones are 0.
+/// Major, minor and patch; missing parts are 0.
 fn numbers(text: &str) -> Option<[u32; 3]> {
     let mut numbers = [0; 3];
     let parts: Vec<&str> = text.trim().split('.').collect();
@@ -73,7 +74,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_not_understood_is_not_allowed() {
+    fn unknown_versions_are_not_allowed() {
         for (range, version) in [
             ("~20.19", "v20.19.0"),
             ("^20.x", "v20.19.0"),

@@ -1,4 +1,4 @@
-//! Notebooks: run from top to bottom, and made into pages with what they print and draw.
+//! Notebooks: run from top to bottom, and made into pages with their output and pictures.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -24,7 +24,7 @@ pub fn test(plan: &Plan<'_>) -> Result<(), String> {
 pub fn render(plan: &Plan<'_>, to: &Path) -> Result<(), String> {
     let failed = |error: std::io::Error| format!("{}: {error}", to.display());
     if to.exists() {
-        // What an earlier run has written would be found by this one.
+        // Files of an earlier run must not be found by this one.
         fs::remove_dir_all(to).map_err(failed)?;
     }
     fs::create_dir_all(to).map_err(failed)?;
@@ -44,7 +44,7 @@ pub fn render(plan: &Plan<'_>, to: &Path) -> Result<(), String> {
     Ok(())
 }
 
-/// The notebooks as they are kept: Python files whose cells are marked.
+/// The notebooks in the repository: Python files with marked cells.
 fn sources(root: &Path) -> Result<Vec<PathBuf>, String> {
     let folder = root.join("python/notebooks");
     let entries =

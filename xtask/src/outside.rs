@@ -1,4 +1,4 @@
-//! The program beside programs of others: each check is a Python project below `validation/`.
+//! Comparisons of the program with other programs: each is a Python project below `validation/`.
 
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
@@ -39,8 +39,8 @@ pub fn attack(plan: &Plan<'_>) -> Result<(), String> {
     python::project(plan.root, "attack", &script, Path::new("debug/spineline"), &passed_on)
 }
 
-/// Completed and detected landmarks on X-rays of patients that the models were not learned from; their data are not in the
-/// project.
+/// Completed and detected landmarks on X-rays of patients that the models were not learned from; their data are not in
+/// the project.
 pub fn landmarks(plan: &Plan<'_>) -> Result<(), String> {
     let data = std::env::var("SPINELINE_DATA")
         .map_err(|_| "the variable SPINELINE_DATA must name the folder that holds `aasce`")?;
@@ -51,7 +51,7 @@ pub fn landmarks(plan: &Plan<'_>) -> Result<(), String> {
     python::project(plan.root, "landmarks", &script, Path::new("debug/spineline"), &passed_on)
 }
 
-/// Makes the Python environments of the checks of a plan, two at a time: each is a network and a disk, and half a core.
+/// Makes the Python environments of the checks of a plan, two at a time: each uses network, disk and half a core.
 pub fn provide_environments(plan: &Plan<'_>) -> Result<(), String> {
     let root = plan.root;
     let projects: &[&str] = match plan.extent {
@@ -68,7 +68,7 @@ pub fn provide_environments(plan: &Plan<'_>) -> Result<(), String> {
         .is_full()
         .then(|| -> Provide<'_> { Box::new(|| notebooks::environment(root).map(drop)) });
     let package: Provide<'_> = Box::new(|| package::environment(root).map(drop));
-    // The last one is taken first: the largest.
+    // The last one is the largest and starts first.
     let waiting = Mutex::new(own.chain(notebooks).chain([package]).collect::<Vec<_>>());
     let next = || waiting.lock().unwrap_or_else(PoisonError::into_inner).pop();
     let work = || std::iter::from_fn(next).try_for_each(|make| make());

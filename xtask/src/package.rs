@@ -22,14 +22,16 @@ pub fn environment(root: &Path) -> Result<PathBuf, String> {
     python::environment(root, ENVIRONMENT, &root.join("python/tests/requirements.txt"))
 }
 
-/// Builds the wheels as they are given to people: their program writes typeset reports and asks encrypted archives.
+/// Builds the wheels for users: their program writes typeset reports and connects to encrypted archives.
 ///
-/// One serves every usual Python. An interpreter without the stable ABI, such as a free-threaded one, gets its own.
+/// One serves every usual Python. An interpreter without the stable ABI, such as a free-threaded one, gets a
+/// separate wheel.
 pub fn wheels(root: &Path, others: &[&str]) -> Result<(), String> {
     wheels_with(root, &["--features", "pdf,https"], others).map(|_| ())
 }
 
-/// An interpreter by its name on the path, or by its place as seen from the folder of the caller: wheels are built in another one.
+/// An interpreter by its name on the path, or by its path from the folder of the caller: wheels are built in another
+/// one.
 fn interpreter_of(given: &str) -> Result<String, String> {
     if Path::new(given).components().count() == 1 {
         return Ok(given.to_owned());
@@ -38,13 +40,13 @@ fn interpreter_of(given: &str) -> Result<String, String> {
     python::text(&place)
 }
 
-/// Builds wheels: the browser app where Node is there, the program with these features, then the native modules.
+/// Builds wheels: the browser app if Node is installed, the program with these features, then the native modules.
 fn wheels_with(root: &Path, features: &[&str], others: &[&str]) -> Result<Vec<PathBuf>, String> {
     let start = Instant::now();
     if Tool::Npm.is_there() {
         web::build(root)?;
     } else {
-        println!("Node.js is missing: the program of this wheel has no browser app");
+        println!("Node.js is missing: the program of this wheel lacks the browser app");
     }
     let target = python::target()?;
     let flags = flags_without_places(root, &target)?;
@@ -83,11 +85,11 @@ fn wheels_with(root: &Path, features: &[&str], others: &[&str]) -> Result<Vec<Pa
     Ok(wheels)
 }
 
-/// Places of this machine, with the names that stand for them in what is given to people.
+/// Paths of this machine, with the names that replace them in files for users.
 fn builder(root: &Path, target: &Path) -> Result<Vec<(String, &'static str)>, String> {
     let home = std::env::home_dir().ok_or("the home folder is not known")?;
     let cargo = std::env::var_os("CARGO_HOME").map_or_else(|| home.join(".cargo"), PathBuf::from);
-    // The last one that fits counts.
+    // The last match counts.
     let places = [(home, "home"), (cargo, "cargo"), (root.to_owned(), "spineline")];
     let places = places.into_iter().chain([(target.to_owned(), "target")]);
     // A container may have `/` as its home.
@@ -95,23 +97,23 @@ fn builder(root: &Path, target: &Path) -> Result<Vec<(String, &'static str)>, St
     places.map(|(place, name)| Ok((python::text(&place)?, name))).collect()
 }
 
-/// Flags of the compiler with which a panic names the file of a crate and not where the builder keeps it.
+/// Flags of the compiler with which a panic names the file of a crate without the builder's path.
 fn flags_without_places(root: &Path, target: &Path) -> Result<String, String> {
     let places = builder(root, target)?.into_iter();
     let given = std::env::var("RUSTFLAGS").unwrap_or_default();
     let given = given.split_whitespace().map(str::to_owned);
     let remapped = places.map(|(place, name)| format!("--remap-path-prefix={place}={name}"));
-    // What separates flags, so that a place may hold blanks.
+    // This character separates flags, so that a path may contain blanks.
     Ok(given.chain(remapped).collect::<Vec<_>>().join("\x1f"))
 }
 
-/// That a program or module holds no place of its builder and no names of its functions.
+/// Checks that a program or module contains no path of its builder and no names of its functions.
 fn check_given(bytes: &[u8], builder: &[(String, &'static str)]) -> Result<(), String> {
     let holds = |text: &str| bytes.windows(text.len()).any(|window| window == text.as_bytes());
     if let Some((place, _)) = builder.iter().find(|(place, _)| holds(&format!("{place}/"))) {
         return Err(format!("it holds the path {place} of its builder"));
     }
-    // Both ways of writing names of functions put the length of a crate's name before it.
+    // Both encodings of function names put the length of a crate's name before it.
     match ["13spineline_cli", "15spineline_files"].into_iter().find(|name| holds(name)) {
         Some(name) => Err(format!("it is not stripped: it holds `{name}`")),
         None => Ok(()),
@@ -155,8 +157,8 @@ fn pytest(
     run(from, interpreter, &arguments, variables)
 }
 
-/// Builds a wheel and installs it in an environment of its own, whose interpreter it gives. It has no typesetter, which
-/// is most of a release build, and which other tests cover.
+/// Builds a wheel, installs it in a separate environment, and returns the interpreter. The wheel lacks the typesetter,
+/// which is most of a release build and is covered by other tests.
 pub fn with_wheel(root: &Path) -> Result<PathBuf, String> {
     let wheels = wheels_with(root, &[], &[])?;
     let wheel = python::text(wheels.first().ok_or("no wheel was built")?)?;
@@ -167,14 +169,14 @@ pub fn with_wheel(root: &Path) -> Result<PathBuf, String> {
     Ok(interpreter)
 }
 
-/// Tests what the wheel has installed: its program beside its module. The same sources have passed all tests before.
+/// Tests the installed wheel: its program and its module. The same sources have passed all tests before.
 pub fn test_wheel(root: &Path) -> Result<(), String> {
     let interpreter = python::text(&with_wheel(root)?)?;
     let variables = [("PYTHONDONTWRITEBYTECODE", "1")];
     pytest(root, &python::target()?, &interpreter, &variables, &WHEEL_TESTS)
 }
 
-/// The package with the native module that the tests have built, below the target folder.
+/// The package with the native module of the tests' build, below the target folder.
 pub fn staged(plan: &Plan<'_>) -> Result<PathBuf, String> {
     let module = native_module(plan)?;
     let staged = python::target()?.join("python/staged");
@@ -195,7 +197,7 @@ pub fn staged(plan: &Plan<'_>) -> Result<PathBuf, String> {
     Ok(staged)
 }
 
-/// The name of the file that cargo makes of the native module.
+/// The file name that cargo gives the native module.
 pub fn module_file() -> String {
     format!("{DLL_PREFIX}_native{DLL_SUFFIX}")
 }
@@ -220,7 +222,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_is_given_to_people_holds_no_place_of_its_builder_and_no_symbols() {
+    fn files_for_users_contain_no_path_of_the_builder_and_no_symbols() {
         let builder = [("/home/doe".to_owned(), "home")];
         assert_eq!(check_given(b"..cargo/registry/src/lib.rs..", &builder), Ok(()));
         for bytes in [&b"..\0/home/doe/.cargo/registry"[..], b"_ZN13spineline_cli4main17h0E"] {
@@ -228,7 +230,7 @@ mod tests {
         }
     }
 
-    /// A package that has settings of its own in a profile loses `strip` of the profile.
+    /// A package with settings in a profile loses `strip` of the profile.
     #[test]
     fn the_program_states_that_it_is_stripped() {
         let manifest = include_str!("../../Cargo.toml");
@@ -241,7 +243,7 @@ mod tests {
     }
 
     #[test]
-    fn every_build_that_is_given_to_people_hides_the_places_of_its_builder() {
+    fn every_build_for_users_hides_the_paths_of_its_builder() {
         for (name, text) in [
             ("Dockerfile", include_str!("../../packaging/Dockerfile")),
             ("recipe.yaml", include_str!("../../packaging/conda/recipe.yaml")),

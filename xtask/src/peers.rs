@@ -1,4 +1,4 @@
-//! `cargo xtask peers`: Spineline's times beside those of other engines on the same cases.
+//! `cargo xtask peers`: Spineline's times beside other engines' on the same cases.
 
 use std::path::Path;
 

@@ -1,4 +1,4 @@
-//! Steps in their order: which tools they need, what runs beside others, what is left out, and how long each took.
+//! Steps in their order: required tools, concurrent steps, left-out steps, and times.
 
 use std::cell::RefCell;
 use std::fs::{self, File};
@@ -15,13 +15,13 @@ use crate::tools::{self, Tool};
 /// How much is run.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub enum Extent {
-    /// All but typeset reports, exchange formats and what changes the machine for a moment.
+    /// All except typeset reports, exchange formats and tests that change the machine briefly.
     Usual,
     /// Everything; a missing tool is an error.
     Full,
 }
 
-/// One thing that must hold; the error says what does not.
+/// A check; the error says what failed.
 type Check<'a> = Box<dyn Fn(&Plan<'_>) -> Result<(), String> + Sync + 'a>;
 
 /// A named check and the tools that it needs.
@@ -38,9 +38,9 @@ pub struct Step<'a> {
 enum Place {
     /// After the step before it.
     InTurn,
-    /// Beside the steps after it, with its output in a file, since it leaves a core free.
+    /// Beside the steps after it, with its output in a file, because it leaves a core free.
     Beside,
-    /// After all steps before it have ended, since it waits for a browser, which a busy machine slows down.
+    /// After all steps before it have ended: it waits for a browser, which a busy machine slows down.
     Alone,
 }
 
@@ -53,7 +53,7 @@ impl<'a> Step<'a> {
         Self { name, tools, extent: Extent::Usual, place: Place::InTurn, check: Box::new(check) }
     }
 
-    /// The same step, run by `--full` alone.
+    /// The same step, run only by `--full`.
     pub fn full(self) -> Self {
         Self { extent: Extent::Full, ..self }
     }
@@ -63,7 +63,7 @@ impl<'a> Step<'a> {
         Self { place: Place::Beside, ..self }
     }
 
-    /// The same step, run when nothing else runs.
+    /// The same step, run while nothing else runs.
     pub fn alone(self) -> Self {
         Self { place: Place::Alone, ..self }
     }
@@ -78,7 +78,7 @@ impl<'a> Step<'a> {
 pub struct Plan<'a> {
     pub root: &'a Path,
     pub extent: Extent,
-    /// Parts of steps that could not be run, and why.
+    /// Parts of steps that could not run, and why.
     not_run: Mutex<Vec<String>>,
 }
 
@@ -92,11 +92,11 @@ struct Ended {
 }
 
 thread_local! {
-    /// Where the programs that this thread starts write, if not to the terminal.
+    /// Output of the programs that this thread starts, if not the terminal.
     static OUTPUT: RefCell<Option<File>> = const { RefCell::new(None) };
 }
 
-/// Lets a program write where the step that starts it writes.
+/// Sends a program's output to the output of its step.
 pub fn direct_output(command: &mut Command) {
     OUTPUT.with_borrow(|output| {
         let copies =
@@ -124,7 +124,7 @@ impl<'a> Plan<'a> {
         Self { root, extent, not_run: Mutex::default() }
     }
 
-    /// Notes that a part of a step cannot be run on this machine; the list at the end names it.
+    /// Notes that a part of a step cannot run on this machine; the list at the end names it.
     pub fn note_not_run(&self, what: &str, why: &str) {
         self.not_run_so_far().push(format!("{what}: {why}"));
     }
@@ -133,7 +133,7 @@ impl<'a> Plan<'a> {
         self.not_run.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// As [`Plan::run`]; what cannot be run is an error.
+    /// As [`Plan::run`]; parts that cannot run are an error.
     pub fn run_all_of(&self, steps: &[Step<'_>]) -> Result<(), String> {
         self.run(steps)?;
         match self.not_run_so_far().join("; ") {
@@ -146,10 +146,10 @@ impl<'a> Plan<'a> {
         self.extent == Extent::Full
     }
 
-    /// Runs the steps in their order, until one fails; says what each took.
+    /// Runs the steps in their order, until one fails; reports the time of each.
     ///
-    /// Missing tools are listed first. On a terminal they are offered for installation. Steps without their tools are
-    /// left out and named, except where everything was asked for: then nothing begins.
+    /// Missing tools are listed first. On a terminal their installation is offered. Steps without their tools are
+    /// left out and named; if everything was requested, the run does not start.
     pub fn run(&self, steps: &[Step<'_>]) -> Result<(), String> {
         let steps: Vec<&Step<'_>> =
             steps.iter().filter(|step| self.is_full() || step.extent == Extent::Usual).collect();
@@ -191,7 +191,7 @@ impl<'a> Plan<'a> {
         Ended { name: step.name, time: start.elapsed(), left_out, result }
     }
 
-    /// Runs a step with its output in a file, and shows that when it has ended.
+    /// Runs a step with its output in a file, and shows the output at the end.
     fn run_beside(&self, step: &Step<'_>) -> Ended {
         let log = match output_file(&format!("{}.log", step.name)) {
             Ok(log) => log,
@@ -206,7 +206,7 @@ impl<'a> Plan<'a> {
         let ended = self.run_step(step);
         OUTPUT.set(None);
         let output = fs::read_to_string(&path).unwrap_or_default();
-        println!("\n━━ {}, which ran beside\n{output}", step.name);
+        println!("\n━━ {}, which ran in the background\n{output}", step.name);
         ended
     }
 
@@ -231,13 +231,13 @@ impl<'a> Plan<'a> {
             return tools::install(self.root, &missing);
         }
         if self.is_full() {
-            return Err("everything was asked for, and tools are missing".to_owned());
+            return Err("everything was requested, and tools are missing".to_owned());
         }
         Ok(())
     }
 }
 
-/// Whether somebody at a terminal wants the tools installed now.
+/// Whether a user at the terminal wants the tools installed now.
 fn asked_to_install() -> bool {
     if !std::io::stdin().is_terminal() {
         return false;
@@ -248,7 +248,8 @@ fn asked_to_install() -> bool {
     read.is_ok() && answer.trim().eq_ignore_ascii_case("y")
 }
 
-/// What each step took, then what was not run. Steps beside others count in no sum, so the whole is measured by itself.
+/// Time of each step, then the parts that were not run. Concurrent steps are in no sum, so the total is measured
+/// separately.
 fn times(ended: &[Ended], not_run: &[String], whole: Duration) -> String {
     let mut text = "\n━━ times\n".to_owned();
     let mut left_out = String::new();

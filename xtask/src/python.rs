@@ -9,7 +9,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use crate::run;
 
-/// Runs a script of a Python project with a program of ours, whose results go to a folder of that name below the target.
+/// Runs a script of a Python project with this program; results go to a folder of that name below the target.
 pub fn project(
     root: &Path,
     name: &str,
@@ -22,7 +22,7 @@ pub fn project(
     self::script(root, &interpreter, name, script, program, passed_on)
 }
 
-/// Runs a script by an interpreter that is there; else as [`project`].
+/// Runs a script with an existing interpreter; else as [`project`].
 pub fn script(
     root: &Path,
     interpreter: &Path,
@@ -49,18 +49,18 @@ pub fn script(
     run(root, &text(interpreter)?, &arguments, &[("PYTHONDONTWRITEBYTECODE", "1")])
 }
 
-/// A program that an environment holds.
+/// A program in an environment.
 pub fn tool(root: &Path, name: &str, requirements: &Path, tool: &str) -> Result<String, String> {
     let interpreter = environment(root, name, requirements)?;
     text(&interpreter.with_file_name(tool).with_extension(EXE_EXTENSION))
 }
 
-/// The interpreter of an environment that holds what a requirements file asks for.
+/// The interpreter of an environment with the packages of a requirements file.
 ///
-/// The environment is made where it is missing, and filled where the file is not the one that filled it before; else
-/// nothing happens and no network is needed. `python3` makes it, or the program that `PYTHON` names.
+/// The environment is made if it is missing, and filled if the file has changed since; otherwise the network is not
+/// needed. `python3` makes it, or the program that `PYTHON` names.
 pub fn environment(root: &Path, name: &str, requirements: &Path) -> Result<PathBuf, String> {
-    /// One environment after the other of the same name; several names at a time.
+    /// One environment of a name at a time; different names concurrently.
     static MAKING: Mutex<BTreeMap<String, Arc<Mutex<()>>>> = Mutex::new(BTreeMap::new());
     let own = MAKING
         .lock()
@@ -88,7 +88,7 @@ pub fn environment(root: &Path, name: &str, requirements: &Path) -> Result<PathB
     let maker = env::var("PYTHON").unwrap_or_else(|_| "python3".to_owned());
     run(root, &maker, &["-m", "venv", &text(&folder)?], &[]).map_err(failed)?;
     let file = text(requirements)?;
-    // Most modules are never imported: compiling them all takes half of the time of an installation.
+    // Most modules are never imported: compiling all of them takes half of the installation time.
     let quiet = ["--quiet", "--disable-pip-version-check", "--no-compile"];
     let install = [&["-m", "pip", "install"][..], &quiet, &["--requirement", &file]].concat();
     run(root, &text(&python)?, &install, &[]).map_err(failed)?;

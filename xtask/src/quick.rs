@@ -1,4 +1,4 @@
-//! `cargo xtask quick`: what a change touches, in the time that one waits for.
+//! `cargo xtask quick`: quick checks of the changed parts.
 
 use std::collections::BTreeSet;
 use std::path::Path;
@@ -8,7 +8,7 @@ use crate::checks::{self, QuickTests};
 use crate::plan::{Extent, Plan, Step};
 use crate::tidy;
 
-/// Checks what differs from a revision, files that git does not know yet included.
+/// Checks the differences from a revision, including untracked files.
 pub fn run(root: &Path, base: &str) -> Result<(), String> {
     let mut files = git(root, &["diff", "--name-only", base])?;
     files.extend(git(root, &["ls-files", "--others", "--exclude-standard"])?);
@@ -41,7 +41,7 @@ fn git(root: &Path, arguments: &[&str]) -> Result<BTreeSet<String>, String> {
     Ok(String::from_utf8_lossy(&output.stdout).lines().map(str::to_owned).collect())
 }
 
-/// Names of the crates that hold these files. The workspace's own files touch the core, on which all depend.
+/// Names of the crates that contain these files. The workspace's own files count for the core, on which all depend.
 fn crates_of(root: &Path, files: &BTreeSet<String>) -> Result<BTreeSet<String>, String> {
     let mut names = BTreeSet::new();
     for file in files {

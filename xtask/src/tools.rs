@@ -1,4 +1,4 @@
-//! Programs of others that the checks need, and how they are installed where the user wants it.
+//! Other programs that the checks need, and their installation.
 
 use std::path::Path;
 use std::process::{Command, Stdio};
@@ -15,11 +15,11 @@ pub enum Tool {
     Orthanc,
 }
 
-/// Chromium as Debian installs it, with and without windows; `web/e2e/browser.ts` looks for the same files.
+/// Chromium of Debian, with and without windows; `web/e2e/browser.ts` looks for the same files.
 const CHROMIUM: &str = "/usr/bin/chromium";
 const CHROMIUM_SHELL: &str = "/usr/lib/chromium/chromium-headless-shell";
 
-/// What Debian installs of Orthanc, as the tests look for it.
+/// Files of Debian's Orthanc, which the tests look for.
 const ORTHANC: [&str; 2] =
     ["/usr/sbin/Orthanc", "/usr/share/orthanc/plugins/libOrthancDicomWeb.so"];
 
@@ -35,7 +35,7 @@ impl Tool {
         }
     }
 
-    /// What it is needed for.
+    /// Its purpose.
     pub fn purpose(self) -> &'static str {
         match self {
             Self::Npm => "builds and tests the browser app",
@@ -45,12 +45,12 @@ impl Tool {
         }
     }
 
-    /// Whether the tests say at their end alone that it is missing.
+    /// Whether a missing tool is only reported at the end.
     pub const fn is_optional(self) -> bool {
         matches!(self, Self::Dcmtk | Self::Orthanc)
     }
 
-    /// The Debian packages that hold it.
+    /// The Debian packages that contain it.
     fn packages(self) -> &'static [&'static str] {
         match self {
             Self::Npm => &["nodejs", "npm"],
@@ -78,14 +78,14 @@ impl Tool {
     }
 }
 
-/// Whether the machine has a Chromium, as `web/e2e/browser.ts` looks for it; otherwise the Chromium of npm drives the app.
+/// Whether the machine has a Chromium that `web/e2e/browser.ts` finds; otherwise npm's Chromium drives the app.
 pub fn has_chromium() -> bool {
     std::env::var_os("CHROMIUM").is_some()
         || Path::new(CHROMIUM_SHELL).exists()
         || Path::new(CHROMIUM).exists()
 }
 
-/// `cargo xtask setup`: installs what is missing, and fills the folders of npm and Python.
+/// `cargo xtask setup`: installs missing tools, and fills the folders of npm and Python.
 pub fn setup(root: &Path) -> Result<(), String> {
     let missing: Vec<Tool> = Tool::ALL.into_iter().filter(|tool| !tool.is_there()).collect();
     install(root, &missing)?;
@@ -117,7 +117,7 @@ pub fn has_nextest() -> bool {
     answers("cargo", &["nextest", "--version"])
 }
 
-/// Whether a program can be started and is content.
+/// Whether a program can be started and succeeds.
 pub fn answers(program: &str, arguments: &[&str]) -> bool {
     let quiet =
         Command::new(program).args(arguments).stdout(Stdio::null()).stderr(Stdio::null()).status();

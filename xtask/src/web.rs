@@ -23,12 +23,12 @@ pub fn check(root: &Path) -> Result<(), String> {
     ["check", "test"].iter().try_for_each(|script| npm(root, &["run", "--silent", script], &[]))
 }
 
-/// Drives the app in Chromium as a person does, in every test.
+/// Drives the app in Chromium, with all tests.
 pub fn browser(plan: &Plan<'_>) -> Result<(), String> {
     drive(plan, &[])
 }
 
-/// The same without long tests, which a full run has.
+/// The same without long tests, which only a full run has.
 pub fn browser_in_short(plan: &Plan<'_>) -> Result<(), String> {
     drive(plan, if plan.is_full() { &[] } else { &["--", "--grep-invert", "@long"] })
 }
@@ -49,7 +49,7 @@ fn drive(plan: &Plan<'_>, chosen: &[&str]) -> Result<(), String> {
     npm(plan.root, &arguments, &variables)
 }
 
-/// The Chromium of npm and the folder of its libraries, where the machine has no Chromium.
+/// The Chromium of npm and the folder of its libraries, if the machine has no Chromium.
 fn chromium(root: &Path) -> Result<Option<[String; 2]>, String> {
     if tools::has_chromium() {
         return Ok(None);

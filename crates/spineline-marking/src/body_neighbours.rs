@@ -1,4 +1,4 @@
-//! Bodies of a reading beside their neighbours: steps of width and tilt that no spine makes from one vertebra to the next.
+//! Bodies of a reading compared with their neighbours: steps of width and tilt that do not occur between vertebrae.
 
 use std::collections::BTreeMap;
 
@@ -8,27 +8,27 @@ use spineline::spatial::{Angle, Frontal};
 
 /// The width of a body over the mean width of its neighbours, or the inverse, above which it is doubted.
 ///
-/// None of 7599 bodies of the 447 films without faults among the training landmarks of [wu-boostnet-2017] exceeds it; the largest is
-/// 1.58. Heights differ more (one of a hundred by 1.6), so that they show nothing.
+/// The 7599 bodies of the 447 films without faults among the training landmarks of [wu-boostnet-2017] do not exceed it;
+/// the largest is 1.58. Heights differ more (one of a hundred by 1.6), so they are not compared.
 const MAX_WIDTH_RATIO: f64 = 1.6;
 
 /// The tilt of a body from the mean tilt of its neighbours, above which it is doubted.
 ///
-/// Of the same bodies none exceeds it; the largest is 25.0°. These films are erect: a bend, whose rotations are spread over its joints,
-/// adds less to one vertebra than to all.
+/// The same bodies do not exceed it; the largest is 25.0°. These films are erect: a bend, whose rotations are spread
+/// over its joints, changes the difference between neighbours only slightly.
 const MAX_TILT_STEP: Angle = Angle::from_deg(30.0);
 
-/// What a body is beside its neighbours.
+/// Difference of a body from its neighbours.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Unlike {
-    /// Its width is this many times that of its neighbours.
+    /// Its width over its neighbours' width.
     Width(f64),
     /// It is tilted by this angle against its neighbours, to the patient's right where positive.
     Tilt(Angle),
 }
 
 impl Unlike {
-    /// How far beyond its limit, so that both compare.
+    /// Excess over its limit, to compare both kinds.
     fn excess(self) -> f64 {
         match self {
             Self::Width(ratio) => ratio.max(ratio.recip()) / MAX_WIDTH_RATIO,
@@ -37,7 +37,7 @@ impl Unlike {
     }
 }
 
-/// The bodies that are unlike their neighbours, with what they are. A body is not reported for a neighbour that is worse.
+/// The bodies that differ from their neighbours. A body is not reported if a neighbour is worse.
 pub(super) fn unlike_neighbours(
     bodies: &BTreeMap<Level, (Corners<Frontal>, Angle)>,
 ) -> Vec<(Level, Unlike)> {

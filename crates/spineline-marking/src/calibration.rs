@@ -13,8 +13,8 @@ spineline::named! {
 }
 
 impl Calibrator {
-    /// Least and largest true length: a ball of another size does not lie beside a patient, and a ruler is no longer than
-    /// the longest films (assumption).
+    /// Smallest and largest true length: balls beside a patient have these sizes, and a ruler is at most as long as the
+    /// longest films (assumption).
     #[must_use]
     pub const fn lengths_mm(self) -> [f64; 2] {
         match self {
@@ -41,11 +41,11 @@ pub struct Calibration {
     pub pixel_aspect: f64,
 }
 
-/// A calibration from which no scale can be made.
+/// A calibration that does not give a scale.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum CalibrationError {
-    /// A number that cannot be meant.
+    /// An implausible number.
     #[error("the {what} is {value}, and must be {must}")]
     Value {
         /// Which number.
@@ -55,7 +55,7 @@ pub enum CalibrationError {
         /// What it must be.
         must: &'static str,
     },
-    /// A length that the object does not have.
+    /// A length that the object cannot have.
     #[error(
         "the length of the {} is {value_mm} mm, and must be {least_mm} to {most_mm} mm",
         calibrator.key()
@@ -70,7 +70,7 @@ pub enum CalibrationError {
         /// The most.
         most_mm: f64,
     },
-    /// A point that is not in the picture: it was taken in another one, such as a copy of another size.
+    /// A point outside of the picture: it was placed in another one, such as a copy of another size.
     #[error(
         "the point {}, {} lies outside of the {columns} × {rows} picture",
         fixed(point.column_px, 1),
@@ -102,18 +102,19 @@ impl Calibration {
     /// Assumed standard deviation of one careful click.
     pub const CLICK_SD_PX: f64 = 0.5;
 
-    /// The spacing of a film of so many columns and rows in the plane of the calibrator, with its uncertainty.
+    /// The spacing of a film with this number of columns and rows in the plane of the calibrator, with its
+    /// uncertainty.
     ///
     /// With the clicks `a` and `b`, `D² = (Δcolumn)² + (aspect · Δrow)²`, `column = length / D` and `row = aspect · column`.
     /// Both points have the same standard deviation in pixels in both directions, so the relative variance of the scale is
     /// `2 σ² (Δcolumn² + aspect⁴ Δrow²) / D⁴ + (σ_length / length)²`, to first order.
     ///
     /// # Assumption
-    /// The calibrator lies as far from the detector as the spine does; 10 mm off at a source distance of 2 m is another
-    /// 0.5 %, which is not visible in the picture, and which is not part of the result.
+    /// The calibrator is as far from the detector as the spine; 10 mm of difference at a source distance of 2 m adds an
+    /// error of 0.5 %, which the picture does not show and the result does not include.
     ///
     /// # Errors
-    /// [`CalibrationError`]: a number that cannot be meant, or clicks that are too near or outside of the picture.
+    /// [`CalibrationError`]: an implausible number, or clicks that are too near or outside of the picture.
     ///
     /// ```
     /// use spineline_marking::{Calibration, Calibrator};

@@ -4,7 +4,7 @@ use spineline::spatial::{Angle, Frontal, Pixel};
 
 use super::Calibration;
 
-/// A line that a person draws on a film to measure a length or an angle. It is a landmark of no reading.
+/// A line that a person draws on a film to measure a length or an angle. It is not part of a reading.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DrawnLine {
     /// One end.
@@ -16,28 +16,29 @@ pub struct DrawnLine {
 /// The length of a drawn line.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DrawnLength {
-    /// Length in the millimetres of [`DrawnLength::scale`]; in pixels where the film has no scale.
+    /// Length in the millimetres of [`DrawnLength::scale`]; in pixels for a film without scale.
     pub length_mm: f64,
     /// Its standard deviation by the two clicks alone, in the same unit.
     pub click_sd_mm: f64,
-    /// What the length is measured in, with the error of the film's scale.
+    /// Unit and plane of the length, with the error of the film's scale.
     pub scale: LengthScale,
 }
 
 /// The angle between two drawn lines.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DrawnAngle {
-    /// The smaller angle between the lines, from 0° to 90°, whatever the order of their ends.
+    /// The smaller angle between the lines, from 0° to 90°, for any order of their ends.
     pub angle: Angle,
-    /// Its standard deviation by the four clicks. The error of the scale does not count: it changes both directions alike.
+    /// Its standard deviation by the four clicks. The error of the scale does not contribute: it changes both
+    /// directions alike.
     pub click_sd: Angle,
 }
 
-/// A drawn line that measures nothing.
+/// A drawn line that cannot be measured.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum DrawnFault {
-    /// An end beside the picture, or no number.
+    /// An end outside of the picture, or not a number.
     #[error(
         "an end at column {}, row {} lies outside of the {columns} × {rows} picture",
         fixed(place.column_px, 1),
@@ -66,7 +67,7 @@ pub enum DrawnFault {
 }
 
 impl DrawnLine {
-    /// The length of a drawn line, by the spacing of columns and that of rows.
+    /// The length of a drawn line, by the spacing of columns and rows.
     ///
     /// With the sides `y` and `z` of the line and the size `c` × `r` of a pixel, its variance by the clicks is
     /// `2 σ² (c² y² + r² z²) / (y² + z²)`, to first order; `σ` is [`Calibration::CLICK_SD_PX`].
@@ -126,7 +127,7 @@ impl DrawnLine {
     pub fn angle_to(&self, other: &Self, image: &ImageGeometry) -> Result<DrawnAngle, DrawnFault> {
         let (a, b) = (self.way(image)?, other.way(image)?);
         let sd_rad = |way: Frontal| {
-            // A click moves the direction by what it moves across the line.
+            // Only movement of a click across the line changes the direction.
             let across = Frontal::new(way.z_mm.abs(), way.y_mm.abs());
             by_click(image, across) / way.dot(way)
         };
@@ -154,7 +155,7 @@ impl DrawnLine {
     }
 }
 
-/// Standard deviation by two clicks of `y Δy + z Δz`, where `y` and `z` are given.
+/// Standard deviation of `y Δy + z Δz` by two clicks, for given `y` and `z`.
 fn by_click(image: &ImageGeometry, weights: Frontal) -> f64 {
     let size = image.pixel_size();
     let spread = (weights.y_mm * size.y_mm).hypot(weights.z_mm * size.z_mm);
@@ -162,13 +163,13 @@ fn by_click(image: &ImageGeometry, weights: Frontal) -> f64 {
 }
 
 impl DrawnLength {
-    /// Standard deviation of the length by the clicks and, where it is known, by the film's scale; in the unit of the length.
+    /// Standard deviation of the length by the clicks and, if known, by the film's scale; in the unit of the length.
     #[must_use]
     pub fn sd_mm(&self) -> f64 {
         self.click_sd_mm.hypot(self.scale.sd_mm(self.length_mm).unwrap_or_default())
     }
 
-    /// The length in words: `123.4 ± 0.9 mm`, or `842 px` where the film has no scale.
+    /// The length as text: `123.4 ± 0.9 mm`, or `842 px` for a film without scale.
     #[must_use]
     pub fn text(&self) -> String {
         let relative_sd = Some(self.sd_mm() / self.length_mm);

@@ -1,11 +1,11 @@
 //! Helps a person to read films, before the method measures them.
 //!
-//! - [`PartialReading`]: a reading in the making, its faults, the next landmark and where it is to be expected
+//! - [`PartialReading`]: an unfinished reading, its faults, and the next landmark with its expected place
 //! - [`Calibration`] and [`DrawnLine`]: objects of known size and lines that a person draws on a film
 //! - [`judge_spacing`] and [`judge_view`]: the spacing of the pixels and the view, as far as a file states them
 //! - [`Midline`]: a midline of the back surface, cut into vertebrae
 //!
-//! Like the core, it has no files, no clock and no printing.
+//! Like the core, it uses no files and no clock, and does not print.
 
 mod body_neighbours;
 mod calibration;

@@ -1,8 +1,8 @@
-//! A midline of the spine on which no vertebra was seen → levels placed by arc length.
+//! Levels placed by arc length on a midline of the spine without visible vertebrae.
 //!
-//! Surface topography gives the line of the spinous processes, and no vertebra. Levels are put on it where they are on a
-//! typical spine: each takes the part of the line's length that it has of the length between the line's ends. A level's
-//! tilt is that of the chord between the middles of the discs below and above it.
+//! Surface topography gives the line of the spinous processes, but no vertebrae. Levels are placed as on a typical
+//! spine: each has the same share of the line's length as of the typical length between the line's ends. A level's tilt
+//! is the tilt of the chord between the middles of the discs below and above it.
 //!
 //! # Assumptions
 //! Proportions of an adult spine hold for this patient, and the line's ends are at the named vertebrae. The seventh cervical
@@ -20,11 +20,11 @@ use spineline::measure::Placement;
 use spineline::number::fixed;
 use spineline::spatial::Frontal;
 
-/// Distance of two neighbouring points above which the line between them is not known: more than one vertebra.
+/// Distance of two neighbouring points above which the line between them is unknown: more than one vertebra.
 const MAX_GAP_MM: f64 = 40.0;
 
-/// Length of the line as a part of the typical length between its ends; beyond it, coordinates are not millimetres, or the
-/// ends are not where they are said to be.
+/// Length of the line as a part of the typical length between its ends; outside of this range, coordinates are not
+/// millimetres, or the ends are wrong.
 const LENGTH_SHARE: [f64; 2] = [0.5, 1.6];
 
 /// An end of a midline.
@@ -68,7 +68,7 @@ impl FromStr for MidlineEnd {
 pub struct MidlinePoint {
     /// In the frontal plane.
     pub frontal: Frontal,
-    /// How far anterior; 0 on a line that is known in the frontal plane only.
+    /// Anterior coordinate; 0 on a line in the frontal plane only.
     pub anterior_mm: f64,
 }
 
@@ -83,17 +83,17 @@ impl MidlinePoint {
 pub struct Midline {
     /// Its points.
     pub points: Vec<MidlinePoint>,
-    /// What its first point is.
+    /// The end at its first point.
     pub cranial_end: MidlineEnd,
-    /// What its last point is.
+    /// The end at its last point.
     pub caudal_end: MidlineEnd,
 }
 
-/// A midline on which no levels can be placed.
+/// A midline on which levels cannot be placed.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum MidlineError {
-    /// Too few points, or one that is no number.
+    /// Too few points, or a point that is not a number.
     #[error("a midline needs at least two points, all of them numbers")]
     Points,
     /// The cranial end is not above the caudal one.
@@ -108,7 +108,7 @@ pub enum MidlineError {
         /// By how much.
         lower_mm: f64,
     },
-    /// Its length cannot be that of a spine.
+    /// A spine cannot have this length.
     #[error(
         "the midline is {} mm long, and between such ends {} to {} mm are expected",
         fixed(*length_mm, 1),
@@ -161,8 +161,9 @@ impl Midline {
     /// The levels whose middles lie on the line.
     ///
     /// # Definition
-    /// With `h(v)` the distance of a level above the sacrum on a typical spine, `a` and `b` those of the cranial and the
-    /// caudal end, and `S` the length of the line, `v` lies at the arc length `S (a − h(v)) / (a − b)` from the cranial end.
+    /// With `h(v)` the distance of a level above the sacrum on a typical spine, `a` and `b` the distances of the
+    /// cranial and the caudal end, and `S` the length of the line, `v` lies at the arc length `S (a − h(v)) / (a − b)`
+    /// from the cranial end.
     ///
     /// # Errors
     /// [`MidlineError`].
@@ -246,7 +247,7 @@ fn middle_above_sacrum_mm(level: Level) -> f64 {
     Morphometry::L5_ABOVE_SACRUM_MM + Morphometry::spacing_mm(Level::L5, level)
 }
 
-/// From the midpoint of a level of a typical spine to the middle of the disc below, and of that above.
+/// Distances from the midpoint of a level of a typical spine to the middles of the discs below and above.
 fn disc_distances_mm(level: Level) -> [f64; 2] {
     let below_mm = level.next_below().map_or(Morphometry::L5_ABOVE_SACRUM_MM, |below| {
         0.5 * Morphometry::of(below).spacing_above_mm
@@ -311,7 +312,7 @@ mod tests {
     }
 
     #[test]
-    fn lines_that_are_no_midlines_are_refused() {
+    fn invalid_midlines_are_refused() {
         let refused = |change: &dyn Fn(&mut Midline)| {
             let mut line = leaning();
             change(&mut line);

@@ -18,11 +18,11 @@ pub enum NextLandmark {
     Crest(Side),
 }
 
-/// Largest standard deviation of a proposed corner, as a part of the height of its body: two of them are a body, so that a
-/// proposal beyond it may lie on the neighbour (assumption).
+/// Largest standard deviation of a proposed corner, as a part of the height of its body: two larger deviations exceed a body,
+/// so the proposal may lie on the neighbour (assumption).
 const MAX_SD_SHARE: f64 = 0.5;
 
-/// A vertebra where it is to be expected.
+/// A vertebra at its expected place.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ProposedVertebra {
     /// Which one.
@@ -43,8 +43,8 @@ impl PartialReading {
         order
     }
 
-    /// What is marked next: the first missing corner in [`PartialReading::order`] and [`CornerName::ORDER`], then the left
-    /// and the right crest. Who marks a crest first goes without T1 and L5, unless they were begun.
+    /// The next landmark: the first missing corner in [`PartialReading::order`] and [`CornerName::ORDER`], then the
+    /// left and the right crest. After a crest, T1 and L5 are skipped unless they were begun.
     #[must_use]
     pub fn next(&self) -> Option<NextLandmark> {
         let at_crests = self.crests.iter().any(Option::is_some);
@@ -65,8 +65,8 @@ impl PartialReading {
         open.map(|(side, _)| NextLandmark::Crest(side))
     }
 
-    /// What is marked next with two clicks per vertebra: the first missing wall in [`PartialReading::order`], left before
-    /// right, of the vertebrae without a corner; then what [`PartialReading::next`] gives.
+    /// The next landmark with two clicks per vertebra: the first missing wall in [`PartialReading::order`], left before
+    /// right, of the vertebrae without a corner; then the result of [`PartialReading::next`].
     #[must_use]
     pub fn next_by_walls(&self) -> Option<NextLandmark> {
         let at_crests = self.crests.iter().any(Option::is_some);
@@ -88,8 +88,8 @@ impl PartialReading {
         open.map(|(side, _)| NextLandmark::Crest(side))
     }
 
-    /// What a person placed on all vertebrae without a fault of their own: corners, and walls where there is none. Accepted
-    /// corners are none of it: they would confirm the model that proposed them.
+    /// The landmarks of a person on all vertebrae without a fault: corners, or else walls. Accepted corners do not
+    /// count: they would confirm the model that proposed them.
     #[must_use]
     pub fn clicks(&self, image: &ImageGeometry) -> Clicks {
         let faulty = self.faulty_levels(image);
@@ -104,11 +104,12 @@ impl PartialReading {
         Clicks { vertebrae: vertebrae.collect(), midline: Vec::new() }
     }
 
-    /// The vertebrae without a corner, from L4 to T2 and then T1 and L5, as [`complete`] expects them from all that is
-    /// marked; none where fewer than two clicks are.
+    /// The vertebrae without a corner, from L4 to T2 and then T1 and L5, as [`complete`] expects them from all
+    /// landmarks; empty for fewer than two clicks.
     ///
-    /// A vertebra with a corner beyond the edge is not proposed, nor one that is so uncertain that it may be its neighbour:
-    /// with a standard deviation above half the height of its body. `posture` is `None` where it is not known, as in blinded readings.
+    /// A vertebra with a corner beyond the edge is not proposed, nor one so uncertain that it may be its neighbour:
+    /// with a standard deviation above half the height of its body. `posture` is `None` if it is unknown, as in blinded
+    /// readings.
     #[must_use]
     pub fn propose(
         &self,

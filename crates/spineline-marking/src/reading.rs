@@ -1,8 +1,9 @@
-//! A reading while it is being marked: midpoints and axes of single vertebrae, and faults as they occur.
+//! A reading during marking: midpoints and axes of single vertebrae, and faults as they occur.
 //!
 //! Places are pixels with the centre of the first one at zero. Directions are taken in the film's frontal frame
-//! ([`ImageGeometry::frontal`]: millimetres, or pixels where no spacing is known), so that pixels need not be square.
-//! An axis is written as [`VertebraLandmarks`](spineline::measure::VertebraLandmarks) has it: against the image's vertical, positive clockwise as seen.
+//! ([`ImageGeometry::frontal`]: millimetres, or pixels if the spacing is unknown), so that pixels need not be square.
+//! An axis is stored as in [`VertebraLandmarks`](spineline::measure::VertebraLandmarks): against the image's vertical,
+//! positive clockwise.
 
 use std::collections::BTreeMap;
 use std::fmt;
@@ -25,11 +26,11 @@ pub struct PartialLandmarks {
     pub origins: Corners<Origin>,
     /// The midpoints of its left and right wall, where it was marked by them.
     pub walls: [Option<Pixel>; 2],
-    /// Its axis where it was turned by hand.
+    /// Its axis, if it was turned by hand.
     pub axis_clockwise: Option<Angle>,
 }
 
-/// All that is marked on a film so far.
+/// All landmarks on a film so far.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct PartialReading {
     /// Vertebrae with at least a corner or an axis.
@@ -54,7 +55,7 @@ pub struct MarkedBody {
 
 /// Half the drawn axis over the distance between the endplates' centres.
 const AXIS_REACH: f64 = 0.9;
-/// A crossing of three corners flatter than this is one line.
+/// Three corners with a flatter crossing lie on one line.
 const MIN_CROSSING_ANGLE: Angle = Angle::from_deg(3.0);
 
 impl PartialLandmarks {
@@ -95,8 +96,8 @@ impl PartialLandmarks {
     }
 }
 
-/// The axis of a vertebra turned so that its cranial end points at a place, to 0.1° and within 90° of the vertical, against
-/// the image's vertical and positive clockwise as seen; `None` where the place is the midpoint.
+/// The axis of a vertebra turned so that its cranial end points at a place, to 0.1° and within 90° of the vertical,
+/// against the image's vertical and positive clockwise; `None` if the place is the midpoint.
 ///
 /// ```
 /// use spineline::anatomy::ImageSide;
@@ -117,7 +118,7 @@ pub fn turn_axis_towards(image: &ImageGeometry, midpoint: Pixel, place: Pixel) -
     Some(Angle::from_deg(((clockwise * 10.0).round() / 10.0).clamp(-90.0, 90.0)))
 }
 
-/// Something wrong with the landmarks of a film.
+/// A fault of the landmarks of a film.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum MarkingFault {
     /// A corner lies outside of the picture.
@@ -127,11 +128,11 @@ pub enum MarkingFault {
         /// The corner.
         place: Pixel,
     },
-    /// The corners make no body; with three of them, as far as they determine it.
+    /// The corners do not make a body; three corners are checked as far as possible.
     Corners {
         /// Vertebra.
         level: Level,
-        /// What is wrong with them.
+        /// The fault of the corners.
         fault: CornerFault,
     },
     /// One corner lies within the triangle of the others.
@@ -150,10 +151,10 @@ pub enum MarkingFault {
         inferior: Level,
         /// Upper vertebra.
         superior: Level,
-        /// How far above along the axes of both, as a part of the usual distance in this spine.
+        /// Its distance above the lower one along both axes, as a part of the usual distance in this spine.
         share: f64,
     },
-    /// Two vertebrae are as far apart as where one was skipped or doubled.
+    /// The distance of two vertebrae suggests that one was skipped or doubled.
     Distance {
         /// Lower vertebra.
         inferior: Level,
@@ -206,7 +207,7 @@ impl MarkingFault {
         }
     }
 
-    /// The vertebra to look at, if it is one.
+    /// The affected vertebra, if it is one.
     #[must_use]
     pub const fn level(&self) -> Option<Level> {
         match *self {
@@ -221,7 +222,7 @@ impl MarkingFault {
         }
     }
 
-    /// Whether nothing can be measured with it; else it is worth a look.
+    /// Whether measurement is impossible; else a check is advised.
     #[must_use]
     pub const fn is_error(&self) -> bool {
         !matches!(
@@ -232,8 +233,8 @@ impl MarkingFault {
 }
 
 impl MarkingFault {
-    /// What is wrong on a film of this view; on the lateral film, whose front is in the place of the left, corners are exchanged between
-    /// front and back. On a frontal film these are the words of [`Display`](fmt::Display).
+    /// The message for a film of this view; on the lateral film, with the front in place of the left, corners are
+    /// exchanged between front and back. On a frontal film it is the text of [`Display`](fmt::Display).
     #[must_use]
     pub fn words(&self, view: FilmView) -> String {
         match (view, self) {
@@ -244,7 +245,7 @@ impl MarkingFault {
                 "front and back corners are exchanged in all {count} vertebrae: check which way the patient faces"
             ),
             (FilmView::Lateral, Self::Width { level, ratio }) => format!(
-                "{level} is {} times as deep as its neighbours: check that its corners are those of the vertebral body",
+                "{level} is {} times as deep as its neighbours: check that its corners lie on the vertebral body",
                 fixed(*ratio, 1)
             ),
             _ => self.to_string(),
@@ -280,12 +281,12 @@ impl fmt::Display for MarkingFault {
             ),
             Self::Width { level, ratio } => write!(
                 f,
-                "{level} is {} times as wide as its neighbours: check that its corners are those of the vertebral body",
+                "{level} is {} times as wide as its neighbours: check that its corners lie on the vertebral body",
                 fixed(*ratio, 1)
             ),
             Self::Tilt { level, step } => write!(
                 f,
-                "{level} is tilted by {} against its neighbours: check that its corners are those of one vertebra",
+                "{level} is tilted by {} against its neighbours: check that its corners belong to one vertebra",
                 step.abs()
             ),
             Self::CrestOffPicture { side } => {
@@ -299,10 +300,10 @@ impl fmt::Display for MarkingFault {
 }
 
 impl PartialReading {
-    /// Everything wrong with the landmarks so far: vertebrae caudal first, then the crests.
+    /// All faults of the landmarks so far: vertebrae caudal first, then the crests.
     ///
-    /// Three corners already show whether sides or endplates are exchanged. Where cranial is, the steps between the
-    /// bodies say; for a single one, up the picture.
+    /// Three corners already show whether sides or endplates are exchanged. The steps between the bodies give the
+    /// cranial direction; for a single body it is up in the picture.
     #[must_use]
     pub fn faults(&self, image: &ImageGeometry) -> Vec<MarkingFault> {
         let mut faults = Vec::new();
@@ -344,7 +345,7 @@ impl PartialReading {
         unlike_neighbours(&shapes).into_iter().map(fault).collect()
     }
 
-    /// Vertebrae with a fault of their own.
+    /// Vertebrae with a fault.
     pub(super) fn faulty_levels(&self, image: &ImageGeometry) -> Vec<Level> {
         let cranial = self.cranial(image);
         let faulty = self
@@ -387,7 +388,7 @@ impl PartialReading {
     }
 }
 
-/// What is wrong with one vertebra by itself.
+/// The fault of one vertebra.
 fn fault_of(
     image: &ImageGeometry,
     level: Level,
@@ -425,7 +426,7 @@ fn four_corners(corners: Corners<Frontal>, cranial: Frontal) -> Option<Fault> {
     }
 }
 
-/// Around a body one goes in one sense; where one corner lies within the others, in the other sense there alone.
+/// A body turns in one direction at every corner; a corner within the others turns in the opposite direction.
 fn is_concave(corners: &Corners<Frontal>) -> bool {
     let [a, b, d, c] = corners.points();
     let around = [a, b, c, d];
@@ -436,7 +437,7 @@ fn is_concave(corners: &Corners<Frontal>) -> bool {
     matches!(turns.filter(|&turn| turn).count(), 1 | 3)
 }
 
-/// As far as three corners determine it: they always hold one endplate and one wall.
+/// The fault that three corners show: they always include one endplate and one wall.
 fn three_corners(corners: &Corners<Option<Frontal>>, cranial: Frontal) -> Option<CornerFault> {
     let &Corners { superior_left, superior_right, inferior_left, inferior_right } = corners;
     let way = |from: Option<Frontal>, to: Option<Frontal>| Some(to? - from?);

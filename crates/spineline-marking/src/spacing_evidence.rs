@@ -1,9 +1,9 @@
-//! The spacing of a film from the attributes of its file; nothing is guessed.
+//! The spacing of a film from the attributes of its file, without guesses.
 
 use spineline::measure::{Spacing, SpacingPlane, SpacingSource};
 use spineline::number::fixed;
 
-/// How Pixel Spacing was calibrated, where the file says so (DICOM 0028,0A02).
+/// How Pixel Spacing was calibrated, if the file states it (DICOM 0028,0A02).
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum CalibrationType {
     /// By the known geometry of the set-up, for some depth in the patient.
@@ -34,11 +34,11 @@ pub struct SpacingEvidence {
     pub pixel_aspect: Option<f64>,
 }
 
-/// A remark on a film's spacing, and what was done about it.
+/// A remark on a film's spacing, and its consequence.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub enum SpacingRemark {
-    /// An attribute holds values that cannot be meant, such as zero; it is not used.
+    /// An attribute with implausible values, such as zero; it is not used.
     Unusable {
         /// Name of the attribute.
         attribute: &'static str,
@@ -49,79 +49,81 @@ pub enum SpacingRemark {
     Magnification {
         /// The value.
         value: f64,
-        /// Whether it was stated, or follows from the distances.
+        /// Whether it was stated; else it follows from the distances.
         stated: bool,
     },
     /// The stated magnification and the distances contradict one another; neither is used.
     MagnificationsDisagree {
         /// As stated.
         stated: f64,
-        /// As the distances give it.
+        /// The magnification by the distances.
         by_distances: f64,
     },
-    /// Calibrated Pixel Spacing differs from what Imager Pixel Spacing and magnification give; the calibrated one is used.
+    /// Calibrated Pixel Spacing differs from the result of Imager Pixel Spacing and magnification; the calibrated one
+    /// is used.
     SpacingsDisagree {
         /// Calibrated over computed.
         ratio: f64,
     },
     /// Pixel Spacing equals Imager Pixel Spacing although it claims to be calibrated: it is taken as calibrated.
     CalibratedAsImager,
-    /// Pixel Spacing differs from Imager Pixel Spacing without a calibration type: who corrected it, and for what, is unknown.
+    /// Pixel Spacing differs from Imager Pixel Spacing without a calibration type: source and purpose of the correction
+    /// are unknown.
     CorrectionNotStated {
-        /// Imager over pixel spacing, the magnification that was taken out.
+        /// Imager over pixel spacing, the magnification that was corrected.
         magnification: f64,
     },
-    /// The distances reach to the table or support, not to the spine: what they take out is too little.
+    /// The distances reach to the table or support, not to the spine: the correction by them is too small.
     SupportNotSpine,
-    /// Pixel Spacing without a calibration type differs from what is used.
+    /// Pixel Spacing without a calibration type differs from the spacing that is used.
     PixelSpacingPassedOver {
-        /// Pixel Spacing over what is used.
+        /// Pixel Spacing over the spacing that is used.
         ratio: f64,
     },
     /// Pixel Spacing alone: for a projection it may be the detector's or the patient's.
     PlaneNotStated,
     /// Lengths are the detector's, larger than the patient's by an unknown magnification.
     DetectorPlane,
-    /// Lengths are those of the film that was scanned.
+    /// Lengths are measured on the scanned film.
     ScannedFilm,
     /// Pixels are not square; this is allowed, and rare.
     NotSquare {
         /// Height over width.
         aspect: f64,
     },
-    /// The shape of a pixel is stated in two ways that contradict one another; that of the spacing is used.
+    /// The shape of a pixel is stated in two contradicting ways; the spacing decides.
     AspectsDisagree {
         /// Height over width, by the spacing.
         by_spacing: f64,
         /// As stated by itself.
         stated: f64,
     },
-    /// There is no usable spacing, but the shape of a pixel is stated.
+    /// Only the shape of a pixel is usable.
     AspectAlone {
         /// Height over width.
         aspect: f64,
     },
-    /// A shape of pixels that no film has; it is not used.
+    /// An implausible shape of pixels; it is not used.
     UnusableAspect {
         /// Height over width.
         aspect: f64,
     },
-    /// There is no usable spacing at all.
+    /// The spacing is missing or not usable.
     None,
 }
 
 /// The spacing that a file supports, with remarks.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SpacingJudgement {
-    /// The spacing; `None` where only pixels are left.
+    /// The spacing; `None` for pixels without a shape.
     pub spacing: Option<Spacing>,
     /// The remarks.
     pub remarks: Vec<SpacingRemark>,
 }
 
 impl SpacingJudgement {
-    /// The remark that only a person can answer: angles would be wrong without the shape of a pixel, and what the file states of it
-    /// cannot be meant, or contradicts itself.
+    /// The remark that only a person can answer: angles would be wrong without the shape of a pixel, and the file's
+    /// values are implausible or contradictory.
     #[must_use]
     pub fn question(&self) -> Option<&SpacingRemark> {
         self.remarks.iter().find(|remark| match remark {
@@ -143,17 +145,16 @@ fn is_magnification(value: f64) -> bool {
     value > 1.0 && value <= 2.0
 }
 
-/// Two values agree when they differ by no more than so much of themselves.
+/// Largest relative difference of agreeing values.
 const AGREEMENT: f64 = 0.01;
 
-/// Weighs what a file says about its spacing.
+/// Judges the statements of a file about its spacing.
 ///
 /// In this order: Pixel Spacing with a calibration type (patient); Imager Pixel Spacing reduced by the magnification
-/// factor (patient) or
-/// by the distances (not stated: they reach to the support of the patient); Pixel Spacing that differs from the imager's (not stated);
-/// Pixel Spacing equal to the imager's, or Imager Pixel Spacing alone (detector); Pixel Spacing alone (not stated);
-/// Nominal Scanned Pixel Spacing (not stated); the shape of a pixel alone (pixels). Values of zero, below zero or not finite are no
-/// spacing.
+/// factor (patient) or by the distances (not stated: they reach to the support of the patient); Pixel Spacing that
+/// differs from the imager's (not stated); Pixel Spacing equal to the imager's, or Imager Pixel Spacing alone
+/// (detector); Pixel Spacing alone (not stated); Nominal Scanned Pixel Spacing (not stated); the shape of a pixel alone
+/// (pixels). Values that are not positive and finite are ignored.
 ///
 /// # References
 /// DICOM PS3.3, sections 10.7 and C.8.11; correction proposal 2380.
@@ -230,7 +231,7 @@ pub fn judge_spacing(evidence: &SpacingEvidence) -> SpacingJudgement {
     SpacingJudgement { spacing, remarks }
 }
 
-/// The spacing beside the shape of a pixel that is stated by itself; that shape alone where there is no spacing.
+/// The spacing with a separately stated shape of a pixel; without a spacing, the shape alone.
 fn with_aspect(
     spacing: Option<Spacing>,
     stated: Option<f64>,
@@ -278,7 +279,7 @@ fn usable(
     None
 }
 
-/// The magnification to take out, where it is stated or follows from the distances, and nothing contradicts it.
+/// The magnification to correct, if it is stated or follows from the distances, and is not contradicted.
 fn magnification(
     evidence: &SpacingEvidence,
     remarks: &mut Vec<SpacingRemark>,
@@ -294,7 +295,7 @@ fn magnification(
     let by_distances = evidence
         .source_to_detector_mm
         .zip(evidence.source_to_patient_mm)
-        // Devices write zero where they do not know.
+        // Devices write zero for unknown distances.
         .filter(|(detector, patient)| *detector > 0.0 && *patient > 0.0)
         .and_then(|(detector, patient)| checked(detector / patient, false));
     match (stated, by_distances) {
@@ -357,11 +358,11 @@ impl std::fmt::Display for SpacingRemark {
                 fixed(magnification, 3)
             ),
             Self::SupportNotSpine => f.write_str(
-                "the distances are those to the table or support, not to the spine: lengths are still a few percent larger than the patient's",
+                "the distances reach to the table or support, not to the spine: lengths are still a few percent larger than the patient's",
             ),
             Self::PixelSpacingPassedOver { ratio } => write!(
                 f,
-                "Pixel Spacing has no calibration type, is {} times what is used, and is not used",
+                "Pixel Spacing has no calibration type, is {} times the spacing that is used, and is not used",
                 fixed(ratio, 3)
             ),
             Self::PlaneNotStated => f.write_str(
@@ -370,7 +371,7 @@ impl std::fmt::Display for SpacingRemark {
             Self::DetectorPlane => f.write_str(
                 "lengths are the detector's: larger than the patient's by a magnification that is not stated (usually 5 to 15 %)",
             ),
-            Self::ScannedFilm => f.write_str("lengths are those of the film that was scanned, not the patient's"),
+            Self::ScannedFilm => f.write_str("lengths are measured on the scanned film and are not the patient's"),
             Self::NotSquare { aspect } => {
                 write!(f, "pixels are not square: {} times as high as wide", fixed(aspect, 3))
             }
@@ -382,15 +383,15 @@ impl std::fmt::Display for SpacingRemark {
             ),
             Self::AspectAlone { aspect } => write!(
                 f,
-                "there is no usable spacing, but pixels are stated to be {} times as high as wide: angles are measured with that, and lengths are in pixels",
+                "the file has no usable spacing, but pixels are stated to be {} times as high as wide: angles use this shape, and lengths are in pixels",
                 fixed(aspect, 3)
             ),
             Self::UnusableAspect { aspect } => write!(
                 f,
-                "pixels are stated to be {aspect} times as high as wide, which no film has; it is not used"
+                "pixels are stated to be {aspect} times as high as wide, which is not plausible; it is not used"
             ),
             Self::None => f.write_str(
-                "there is no usable spacing: pixels are assumed square for angles, and lengths are in pixels",
+                "the file has no usable spacing: pixels are assumed square for angles, and lengths are in pixels",
             ),
         }
     }

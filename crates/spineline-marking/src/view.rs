@@ -1,4 +1,4 @@
-//! The view of a film from the attributes of its file; what is absent or contradictory becomes a question.
+//! The view of a film from the attributes of its file; missing or contradictory values become questions.
 
 use std::fmt;
 
@@ -32,7 +32,7 @@ impl PatientDirection {
     }
 }
 
-/// View Position (0018,5101), as far as it matters here.
+/// View Position (0018,5101), with the values that matter here.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ViewPosition {
     /// From the front to the back, or the reverse: `AP`, `PA`.
@@ -51,7 +51,7 @@ impl ViewPosition {
         match value.as_str() {
             "AP" | "PA" => Self::Frontal,
             "LL" | "RL" | "LAT" => Self::Lateral,
-            // Who lies on a side is mostly seen from the front; obliques are neither view.
+            // Films of a patient lying on a side are mostly frontal; obliques are neither view.
             "LATERAL" | "LEFT LATERAL" | "RIGHT LATERAL" => Self::Lateral,
             _ if value.contains("ANTERO-POSTERIOR") || value.contains("POSTERO-ANTERIOR") => {
                 Self::Frontal
@@ -61,7 +61,7 @@ impl ViewPosition {
     }
 }
 
-/// How the patient is to gravity: Patient Orientation Code (0054,0410).
+/// The patient's orientation to gravity: Patient Orientation Code (0054,0410).
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[allow(missing_docs)]
 pub enum Stance {
@@ -72,8 +72,7 @@ pub enum Stance {
 /// The attributes of a radiograph about its view.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct ViewEvidence {
-    /// Patient Orientation: where the columns and the rows run to. The first value is the direction of increasing
-    /// columns, the second that of increasing rows.
+    /// Patient Orientation: the direction of increasing columns, then of increasing rows.
     pub orientation: Option<[PatientDirection; 2]>,
     /// View Position.
     pub view_position: Option<ViewPosition>,
@@ -81,12 +80,12 @@ pub struct ViewEvidence {
     pub stance: Option<Stance>,
 }
 
-/// From where the patient is seen.
+/// Direction from which the patient is seen.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum View {
     /// From the front or the back.
     Frontal,
-    /// From a side: good for the sagittal profile only.
+    /// From a side: for the sagittal profile only.
     Lateral,
 }
 
@@ -94,24 +93,24 @@ pub enum View {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum ViewQuestion {
-    /// Nothing says whether the view is frontal or lateral.
+    /// It is not stated whether the view is frontal or lateral.
     View,
     /// Patient Orientation and View Position name different views.
     ViewsDisagree,
-    /// Nothing says on which side of the picture the patient's left is.
+    /// The side of the picture with the patient's left is not stated.
     PatientLeft,
-    /// Nothing says on which side of a lateral picture the front is.
+    /// The side of a lateral picture with the patient's front is not stated.
     PatientAnterior,
-    /// Rows do not run to the feet: the film hangs upside down, or on its side.
+    /// Rows do not run to the feet: the film is upside down, or on its side.
     NotUpright {
         /// Where they run to.
         rows: PatientDirection,
     },
-    /// The stance of the file does not fit the posture that the film was given.
+    /// The stance in the file contradicts the film's posture.
     Stance {
         /// As the file says.
         stance: Stance,
-        /// As the film was called.
+        /// The film's posture.
         posture: Posture,
     },
 }
@@ -148,10 +147,10 @@ impl fmt::Display for ViewQuestion {
     }
 }
 
-/// What a file states, and what must be asked.
+/// Statements of a file, and open questions.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ViewJudgement {
-    /// The view; `None` where it is absent or contradictory.
+    /// The view; `None` if it is missing or contradictory.
     pub view: Option<View>,
     /// The side of a frontal picture on which the patient's left is.
     pub patient_left: Option<ImageSide>,
@@ -161,7 +160,7 @@ pub struct ViewJudgement {
     pub questions: Vec<ViewQuestion>,
 }
 
-/// Weighs what a file says about its view.
+/// Judges the statements of a file about its view.
 ///
 /// View Position alone does not give the side: it is the direction of the beam, not the orientation of the picture.
 ///
@@ -206,7 +205,7 @@ pub fn judge_view(evidence: &ViewEvidence, posture: Option<Posture>) -> ViewJudg
         questions.push(ViewQuestion::NotUpright { rows });
     }
     let side = |far: PatientDirection, near: PatientDirection| match columns {
-        // A film that does not hang upright says nothing for an upright one.
+        // A film that is not upright is not evidence for an upright one.
         _ if rows.is_some() => None,
         Some(direction) if direction == far => Some(ImageSide::Right),
         Some(direction) if direction == near => Some(ImageSide::Left),

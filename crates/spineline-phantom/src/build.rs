@@ -1,4 +1,4 @@
-//! How a synthetic spine is built: what bends, where, and how joints differ.
+//! Construction of synthetic spines: flexible parts, and variation of stiffness.
 
 use rand_chacha::ChaCha12Rng;
 use rand_distr::{Distribution, Normal, Uniform};
@@ -10,8 +10,8 @@ pub(crate) const SEGMENTS: usize = 998;
 const JOINTS: usize = Level::MODEL.len() - 1;
 
 spineline::named! {
-    /// Construction of a synthetic spine. They differ in the erect curve, in what bends, and in how stiffness varies, so that a
-    /// claim that holds on one of them can be tried on the others.
+    /// Construction of a synthetic spine. Constructions differ in the erect curve, the flexible parts and the
+    /// stiffness, so that a claim that holds on one can be tried on the others.
     #[default(Rod)]
     pub enum Construction {
         /// A continuous rod that bends everywhere. Its erect curve is a polynomial; its stiffness steps at the inflections.
@@ -19,8 +19,8 @@ spineline::named! {
         /// Rigid vertebrae and discs that bend evenly over their thickness. The curvature of the erect spine is three half sines;
         /// stiffness rises smoothly from the lumbar spine to the rib cage.
         Discs = "discs",
-        /// Rigid vertebrae and hinges, which lie up or down of the middle of their discs at random. The curvature of the erect spine
-        /// has three half-waves, each with its maximum at another place; stiffness follows the curve of a random walk from joint to joint.
+        /// Rigid vertebrae and hinges, at random heights within their discs. The curvature of the erect spine has three
+        /// half-waves, each with its maximum at another place; stiffness follows a random walk from joint to joint.
         Hinges = "hinges",
     }
 }
@@ -39,12 +39,12 @@ impl Construction {
     }
 }
 
-/// What a synthetic spine is made of.
+/// Construction of a synthetic spine, and variation of its joints.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Build {
     /// Construction.
     pub construction: Construction,
-    /// Standard deviation of the logarithms of what every joint's stiffness has of its own, beside its region's or its place's.
+    /// Standard deviation of the logarithm of each joint's stiffness about the value of its region or place.
     pub joint_log_sd: f64,
 }
 
@@ -53,7 +53,7 @@ pub struct Build {
 pub(crate) struct Springs {
     /// Lateral stiffness of every joint over the nominal one: mean of logarithms per region, caudal first.
     pub multipliers: [f64; 3],
-    /// Of every segment of the fine chain; infinite where nothing bends.
+    /// For every segment of the fine chain; infinite for rigid segments.
     pub nmm_per_rad: Vec<f64>,
 }
 
@@ -88,14 +88,14 @@ pub(crate) fn region(inflection_s_mm: [f64; 2], s_mm: f64) -> usize {
     inflection_s_mm.iter().filter(|&&end| s_mm > end).count()
 }
 
-/// What every joint's stiffness has of its own.
+/// Random factors on the joints' stiffness.
 fn own_stiffness(log_sd: f64, rng: &mut ChaCha12Rng) -> [f64; JOINTS] {
     let spread = Normal::<f64>::new(0.0, log_sd).expect("a deviation");
     std::array::from_fn(|_| spread.sample(rng).exp())
 }
 
-/// Logarithm of stiffness by joint: from the lumbar spine, where there are no ribs, to three to five times of it above T11, where
-/// all ribs meet the sternum, with a slow wave of a random phase.
+/// Logarithm of stiffness by joint: it rises from the lumbar spine without ribs to three to five times the value above
+/// T11, where all ribs meet the sternum, with a slow wave of random phase.
 fn rising(rng: &mut ChaCha12Rng) -> [f64; JOINTS] {
     let ribs = Uniform::<f64>::new(3.0, 5.0).expect("3 is below 5").sample(rng).ln();
     let phase = Uniform::new(0.0, std::f64::consts::TAU).expect("a range").sample(rng);
@@ -106,7 +106,7 @@ fn rising(rng: &mut ChaCha12Rng) -> [f64; JOINTS] {
     })
 }
 
-/// Logarithm of stiffness by joint: the same rise, and steps of a random walk.
+/// Logarithm of stiffness by joint: the same rise, with steps of a random walk.
 fn wandering(rng: &mut ChaCha12Rng) -> [f64; JOINTS] {
     let mut log = rising(rng);
     let step = Normal::new(0.0, 0.1).expect("a positive deviation");
@@ -118,7 +118,7 @@ fn wandering(rng: &mut ChaCha12Rng) -> [f64; JOINTS] {
     log
 }
 
-/// Where vertebrae and inflections lie on the fine chain.
+/// Positions of vertebrae and inflections on the fine chain.
 struct Place<'a> {
     vertebra_s_mm: &'a [f64],
     inflection_s_mm: [f64; 2],
@@ -150,7 +150,7 @@ impl Place<'_> {
         Springs { multipliers, nmm_per_rad: (0..SEGMENTS).map(spring).collect() }
     }
 
-    /// Puts every joint's spring where `flexible` says, which knows the ends of the disc.
+    /// Puts every joint's spring where `flexible` states, by the ends of the disc.
     fn jointed(
         &self,
         joint_log_sd: f64,
@@ -158,7 +158,8 @@ impl Place<'_> {
         flexible: impl Fn([f64; 2], &mut ChaCha12Rng) -> [f64; 2],
         rng: &mut ChaCha12Rng,
     ) -> Springs {
-        /// Thickness of a disc in parts of the distance of two vertebrae, from the lumbar spine to the upper thoracic one.
+        /// Thickness of a disc in parts of the distance of two vertebrae, from the lumbar spine to the upper thoracic
+        /// spine.
         const DISC: [f64; 2] = [0.28, 0.16];
         let own = own_stiffness(joint_log_sd, rng);
         let library = StiffnessLibrary::default();

@@ -15,7 +15,7 @@ use crate::movement::{
 };
 use crate::rod::{ChainShape, Rod};
 
-/// How far caudal of the inflections the other line crosses the spine, as a part of its length: 60 of 998 segments.
+/// Distance by which the line crosses the spine caudal of the inflections, as a part of its length: 60 of 998 segments.
 const OFFSET: f64 = 0.06;
 
 /// The four movements, in the order of [`TOTAL_DEG`].
@@ -32,7 +32,7 @@ pub(crate) fn flatten(spine: &ErectSpine, erect: &ChainShape, rng: &mut ChaCha12
     let straight = ChainShape::with_turns(spine, |_| 0.0);
     let all = erect.rotation_from(&straight).deg();
     in_order(std::array::from_fn(|i| {
-        // The second bend is the one that grows.
+        // The second bend increases the curve.
         let sense = if i == 1 { 1.0 } else { -1.0 };
         let factor = 1.0 + sense * TOTAL_DEG[i] * vary.sample(rng) / all;
         let shape = ChainShape::with_turns(spine, |k| factor * spine.turns_rad[k]);
@@ -50,7 +50,7 @@ pub(crate) fn offset(
     through(spine, erect, crossings, rng)
 }
 
-/// Horizontal loads tilt the spine as far as those of `pull` do; a cranial one straightens it.
+/// Horizontal loads tilt the spine as far as in `pull`; a cranial one straightens it.
 pub(crate) fn spread(
     spine: &ErectSpine,
     erect: &ChainShape,

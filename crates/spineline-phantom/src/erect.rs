@@ -30,7 +30,7 @@ struct Shape {
     inflections: [f64; 2],
 }
 
-/// Where the outer roots lie, relative to the height of T2: -8 and 415 of 389 mm, so that the ends are nearly straight.
+/// Places of the outer roots, relative to the height of T2: -8 and 415 of 389 mm, so that the ends are nearly straight.
 const BELOW: f64 = 8.0 / 389.0;
 const ABOVE: f64 = 415.0 / 389.0;
 
@@ -62,7 +62,7 @@ impl Shape {
         Vec3::new(self.tilt(p), self.tilt(q) - self.tilt(p), self.tilt(1.0) - self.tilt(q))
     }
 
-    /// Heights at which the curve is cut into pieces of equal length.
+    /// Heights that divide the curve into parts of equal length.
     fn cut(&self, pieces: usize) -> Vec<f64> {
         const FINE: usize = 20_000;
         let step = 1.0 / FINE as f64;
@@ -86,7 +86,7 @@ impl Shape {
             .collect()
     }
 
-    /// Tilt of every segment, which is that of the curve at its middle, and the inflections as parts of the length.
+    /// Tilt of every segment, equal to the curve's tilt at its middle, and the inflections as parts of the length.
     fn tilts(&self) -> (Vec<f64>, [f64; 2]) {
         // Every second cut ends a segment.
         let cuts = self.cut(2 * SEGMENTS);
@@ -98,7 +98,7 @@ impl Shape {
         ((0..SEGMENTS).map(|k| self.tilt(cuts[2 * k + 1])).collect(), inflections)
     }
 
-    /// The shape whose curves have given angles: Newton with differences from a usual shape.
+    /// The shape whose curves have given angles: Newton with finite differences from a usual shape.
     fn with_turns(target_rad: [f64; 3]) -> Option<Self> {
         let mut shape = Self { amplitude: 20.0 * target_rad[1], inflections: [0.33, 0.73] };
         // The curves alternate: the first bends to the right in cranial direction.
@@ -113,7 +113,7 @@ impl Shape {
             let columns =
                 [0, 1, 2].map(|i| (shape.moved(i, steps[i]).curve_turns_rad() - now) / steps[i]);
             let step = Mat3::from_columns(&columns).lu().solve(&miss)?;
-            // Keep the inflections apart and inside while far from the solution.
+            // Limits the steps, so that the inflections stay apart and inside far from the solution.
             let most = [0.5 * shape.amplitude, 0.05, 0.05];
             for i in 0..3 {
                 shape = shape.moved(i, step[i].clamp(-most[i], most[i]));

@@ -1,4 +1,4 @@
-//! True postures → films: how each lies on its film, and the landmarks that readers mark there.
+//! Films of true postures: orientation and scale, and the landmarks that readers mark.
 
 use std::collections::BTreeMap;
 
@@ -96,8 +96,8 @@ fn coarse_image(image: &ImageGeometry, factor: u32) -> ImageGeometry {
 
 /// Makes a film of every posture and its readings.
 ///
-/// The readers draw from `rng`, the radiographs' seeds come from `look`.
-pub(crate) fn photograph(
+/// The readers draw from `rng`, and the radiographs' seeds from `look`.
+pub(crate) fn read_films(
     row: &TableRow,
     scenario: Scenario,
     spine: &ErectSpine,
@@ -217,7 +217,7 @@ impl Placed {
     }
 }
 
-/// The picture that holds spine and crests with a margin, and where its first pixel lies.
+/// The picture that contains spine and crests with a margin, and the place of its first pixel.
 fn picture(row: &TableRow, bodies: &[Body], crests: [Frontal; 2]) -> (ImageGeometry, Frontal) {
     let points = bodies.iter().flat_map(|(_, corners, _)| corners.points()).chain(crests);
     let (mut low, mut high) = (crests[0], crests[0]);
@@ -249,7 +249,7 @@ fn picture(row: &TableRow, bodies: &[Body], crests: [Frontal; 2]) -> (ImageGeome
     (image, Frontal::new(corner_y, high.z_mm + MARGIN_MM))
 }
 
-/// L5 and T1, which the model does not have: one typical distance on, L5 with the tilt of L4, T1 with the rotation of T2.
+/// L5 and T1, which the model lacks: one typical distance away, L5 with the tilt of L4, T1 with the rotation of T2.
 fn neighbours(stands: &[(Frontal, Angle)], spine: &ErectSpine) -> [Body; 2] {
     let scale = body_scale(spine);
     let last = stands.len() - 1;
@@ -291,13 +291,13 @@ fn read(
     readings
 }
 
-/// How much larger this spine is than the typical one.
+/// Size of this spine over the typical one.
 fn body_scale(spine: &ErectSpine) -> f64 {
     let typical: f64 = Level::MODEL.windows(2).map(|p| proportions::spacing_mm(p[0], p[1])).sum();
     spine.length_mm / typical
 }
 
-/// Angle between the two endplates of every vertebra: what grew in the erect spine, and no posture changes.
+/// Angle between the two endplates of every vertebra: growth of the erect spine, the same in all postures.
 ///
 /// # Assumption
 /// Half of the turn per level, as on 433 erect radiographs of adolescents (slope 0.52, decision record 0030).

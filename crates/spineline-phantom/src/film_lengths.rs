@@ -1,4 +1,4 @@
-//! Films of one patient at different scales, as real ones are.
+//! Films of one patient at different scales, as real films are.
 
 use rand_distr::{Distribution, Normal};
 use spineline::anatomy::Posture;
@@ -6,14 +6,14 @@ use spineline::measure::{FilmLandmarks, Spacing};
 
 use crate::{Phantom, stream};
 
-/// Streams of scales are far behind all others.
+/// The streams of scales are far behind all others.
 const STREAMS: u64 = 1 << 50;
 
 impl Phantom {
-    /// The same patient on films that each show another length: the spacing of every film but the erect one is multiplied by
-    /// a factor whose logarithm is normal about zero, and no film states the error of its scale.
+    /// The same patient on films with different scales: the spacing of every film except the erect one is multiplied by
+    /// a factor whose logarithm is normal about zero, and the films do not state the error of their scale.
     ///
-    /// `subject` (from 0) and seed say which factors; pixels stay as they are.
+    /// `subject` (from 0) and seed determine the factors; pixels are unchanged.
     #[must_use]
     pub fn with_film_lengths(mut self, log_sd: f64, subject: usize, seed: u64) -> Self {
         let mut rng = stream(seed, STREAMS + 8 * subject as u64 + self.scenario as u64);

@@ -1,11 +1,11 @@
-//! Erect curves that are no polynomials.
+//! Erect curves that are not polynomials.
 
 use rand_chacha::ChaCha12Rng;
 use rand_distr::{Distribution, Uniform};
 
 use crate::build::Construction;
 
-/// Parts of the length on which curvature and tilt are known.
+/// Number of parts of the length for which curvature and tilt are stored.
 const PARTS: usize = 2000;
 
 /// A smooth curve whose curvature has three half-waves of alternating sign and fades towards its ends.
@@ -18,8 +18,8 @@ pub(crate) struct HalfWaveCurve {
 }
 
 impl HalfWaveCurve {
-    /// A curve whose half-waves turn by given angles: the first is convex to the left, as most adolescent curves are. `None` where none
-    /// was found.
+    /// A curve whose half-waves turn by given angles: the first is convex to the left, as most adolescent curves are.
+    /// `None` if it was not found.
     pub fn draw(
         turns_rad: [f64; 3],
         construction: Construction,
@@ -28,14 +28,14 @@ impl HalfWaveCurve {
         let mut between =
             |low: f64, high: f64| Uniform::new(low, high).expect("a range upwards").sample(rng);
         let ends = [0.0, between(0.27, 0.39), between(0.66, 0.78), 1.0];
-        // Where in a half-wave its maximum lies.
+        // Places of the maxima within the half-waves.
         let maxima = match construction {
             Construction::Hinges => [0; 3].map(|_| between(0.35, 0.65)),
             Construction::Rod | Construction::Discs => [0.5; 3],
         };
         let target = [turns_rad[0], -turns_rad[1], turns_rad[2]];
         let mut sizes = target;
-        // Smoothing takes from every half-wave, and more from a small one beside a large one.
+        // Smoothing reduces every half-wave, and a small one beside a large one more.
         for _ in 0..50 {
             let curve = Self::of(&half_waves(ends, maxima, sizes))?;
             let [p, q] = curve.inflections;
@@ -75,14 +75,14 @@ impl HalfWaveCurve {
     }
 }
 
-/// Curvature over the length: half sines with a maximum anywhere, smoothed over the distance of two vertebrae, so that nothing marks
-/// the inflections but the change of sign.
+/// Curvature over the length: half sines with a maximum anywhere, smoothed over the distance of two vertebrae, so that
+/// only the change of sign marks the inflections.
 fn half_waves(ends: [f64; 4], maxima: [f64; 3], sizes_rad: [f64; 3]) -> Vec<f64> {
     let sharp = |part: f64| -> f64 {
         let wave = (0..3).find(|&i| part <= ends[i + 1]).unwrap_or(2);
         let width = ends[wave + 1] - ends[wave];
         let within = ((part - ends[wave]) / width).clamp(0.0, 1.0);
-        // A half sine is 2/π on the mean.
+        // The mean of a half sine is 2/π.
         let power = -1.0 / maxima[wave].log2();
         let height = 0.5 * std::f64::consts::PI * sizes_rad[wave] / width;
         height * (std::f64::consts::PI * within.powf(power)).sin()
@@ -95,7 +95,7 @@ fn half_waves(ends: [f64; 4], maxima: [f64; 3], sizes_rad: [f64; 3]) -> Vec<f64>
         (-reach..=reach).map(|i| (-0.5 * (i as f64 * step / SMOOTH).powi(2)).exp()).collect();
     let sum: f64 = weights.iter().sum();
     let values: Vec<f64> = (0..=PARTS as i64).map(|i| sharp(i as f64 * step)).collect();
-    // Nothing bends beyond the ends.
+    // The curvature is zero beyond the ends.
     let at = |i: i64| usize::try_from(i).ok().and_then(|i| values.get(i)).copied().unwrap_or(0.0);
     let smoothed = |i: i64| {
         (-reach..=reach).zip(&weights).map(|(off, weight)| weight * at(i + off)).sum::<f64>() / sum

@@ -1,21 +1,21 @@
 //! Synthetic spines with known true values, and the virtual observers who read their films.
 //!
-//! Real films of this protocol are not public, so the demonstration data are phantoms, and every result that came from
-//! one says `synthetic`. The subjects follow Table 1 of the paper. The assumed loading scenario decides which line of action
+//! Real films of this protocol are not public, so the demonstration data are phantoms, and every result from one says
+//! `synthetic`. The subjects follow Table 1 of the paper. The assumed loading scenario decides which line of action
 //! predicts best, so there are several:
 //!
 //! - [`Scenario::Rod`]: an elastic rod of 998 planar segments, bent by a force through its own inflections, found
 //!   self-consistently by continuation: the paper's hypothesis;
-//! - [`Scenario::Bend`]: prescribed rotations of one sign at all levels, sized by published flexibility, vanishing at the
-//!   inflections: what clinicians see;
+//! - [`Scenario::Bend`]: prescribed rotations of one sign at all levels, sized by published flexibility, vanishing at
+//!   the inflections: the clinical bend;
 //! - [`Scenario::Pull`]: the same rod under a horizontal force at T2, Petit's hypothesis; its traction is a cranial one;
-//! - [`Scenario::Flatten`], [`Scenario::Offset`], [`Scenario::Spread`] and [`Scenario::Random`]: movements that no force through the
-//!   inflections made, as counter-examples.
+//! - [`Scenario::Flatten`], [`Scenario::Offset`], [`Scenario::Spread`] and [`Scenario::Random`]: movements without a
+//!   force through the inflections, as counter-examples.
 //!
 //! [`Scenario::LOADS`] bend the same rod by loads that no single line describes, or turn its base: for comparisons of loads.
 //!
-//! A [`TrueFilm`] is how a posture lies on its film. The readers mark it, and [`Phantom::radiograph`] draws it, so that the
-//! two agree to a part of a pixel.
+//! A [`TrueFilm`] is a posture on its film. The readers mark it, and [`Phantom::radiograph`] draws it, so that the two
+//! agree to a part of a pixel.
 //!
 //! ```
 //! use spineline_phantom::{Readers, Scenario, generate};
@@ -83,7 +83,7 @@ pub enum Scenario {
     Couple,
     /// A force through the inflections and a horizontal one at the apex of the main thoracic curve.
     TwoForces,
-    /// As the rod, with the axis of L4 rotated on the bends: all above it is rotated in its frame.
+    /// As the rod, with the axis of L4 rotated on the bends: everything above it is rotated in its frame.
     TurnedBase,
 }
 
@@ -166,20 +166,20 @@ pub struct TruePosture {
     pub tilts: Vec<Angle>,
     /// True places of the two erect inflections, as material points.
     pub inflections: [Frontal; 2],
-    /// True line of action; `None` for prescribed rotations, for a load that has none, and for the erect posture.
+    /// True line of action; `None` for prescribed rotations, for loads without a line, and for the erect posture.
     pub line: Option<LineOfAction>,
-    /// True force along it; of another load, its size.
+    /// True force along it; for other loads, their size.
     pub force_n: f64,
-    /// L4's tilt on the film, where the load depends on it; else the patient's tilt is random.
+    /// L4's tilt on the film, if the load depends on it; else the patient's tilt is random.
     pub l4_on_film: Option<Angle>,
-    /// Rotation of all above L4 in L4's frame, in addition to the load's effect.
+    /// Rotation of everything above L4 in L4's frame, in addition to the load's effect.
     pub base_turn: Angle,
 }
 
 /// A synthetic patient: the read films, and the true values.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Phantom {
-    /// The case that the readers made.
+    /// The case by the readers.
     pub case: Case,
     /// Loading scenario.
     pub scenario: Scenario,
@@ -195,7 +195,7 @@ pub struct Phantom {
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum PhantomError {
-    /// No such row in Table 1.
+    /// Table 1 does not have this row.
     #[error("subject {number} is not one of the 18 of the paper's Table 1")]
     NoSubject {
         /// Requested number, from 1.
@@ -207,7 +207,7 @@ pub enum PhantomError {
         /// Number of the subject, from 1.
         number: usize,
     },
-    /// Prescribed rotations, of a spine that bends at joints only.
+    /// Prescribed rotations need a spine that bends everywhere.
     #[error(
         "{scenario}: without a force only a spine of construction `rod` can be moved, not `{construction}`"
     )]
@@ -244,13 +244,13 @@ pub fn generate(
     generate_built(index, scenario, readers, seed, Build::default())
 }
 
-/// As [`generate`], of a spine that is built otherwise. [`Phantom::multipliers`] are means of regions.
+/// As [`generate`], for a spine of another construction. [`Phantom::multipliers`] are means of regions.
 ///
 /// # Errors
 /// [`PhantomError`].
 ///
 /// # Panics
-/// If the deviation is no finite number.
+/// If the deviation is not a finite number.
 pub fn generate_built(
     index: usize,
     scenario: Scenario,
@@ -263,10 +263,10 @@ pub fn generate_built(
     Ok(phantoms.pop().expect("one per kind of readers"))
 }
 
-/// Makes one phantom and lets several kinds of readers read its films, each beginning with the same random numbers.
+/// Makes one phantom whose films several kinds of readers read, each starting with the same random numbers.
 ///
 /// `copy` is 0 for the phantom of [`generate`]; every other number makes another patient of the same row of Table 1.
-/// Readers who differ in their standard deviations alone have errors in the same directions, of different size.
+/// Readers who differ only in their standard deviations have errors in the same directions, of different size.
 ///
 /// # Errors
 /// [`PhantomError`].
@@ -301,7 +301,7 @@ fn generate_patient(
         return Err(PhantomError::Construction { scenario, construction });
     }
     let place = 8 * (index as u64 + SUBJECTS.len() as u64 * u64::from(copy));
-    // Anatomy is the same for all scenarios; movement and readers have streams of their own.
+    // Anatomy is the same for all scenarios; movement and readers have separate streams.
     let mut anatomy_rng = stream(seed, place);
     let spine = erect::ErectSpine::draw(row, &build, &mut anatomy_rng)?;
     let (movement, look) = streams(place, scenario);
@@ -309,7 +309,7 @@ fn generate_patient(
     let (postures, multipliers) = scenario::postures(row, scenario, &spine, &mut rng)?;
     // Random parts of radiographs do not change landmarks.
     let phantoms = readers.iter().map(|readers| {
-        let (mut case, films) = film::photograph(
+        let (mut case, films) = film::read_films(
             row,
             scenario,
             &spine,
@@ -329,9 +329,10 @@ fn generate_patient(
     Ok(phantoms.collect())
 }
 
-/// Numbers of the streams of movement with readers, and of radiographs, for the patient whose anatomy has the stream `place`.
+/// Numbers of the streams of movement with readers, and of radiographs, for the patient whose anatomy has the stream
+/// `place`.
 ///
-/// Eight streams per patient held the first three scenarios; the others have theirs beside and far behind all of these.
+/// The first three scenarios have eight streams per patient; the others have theirs beside and far behind all of these.
 fn streams(place: u64, scenario: Scenario) -> (u64, u64) {
     let number = scenario as u64;
     if scenario <= Scenario::Pull {
@@ -356,8 +357,8 @@ fn stream(seed: u64, number: u64) -> ChaCha12Rng {
 }
 
 impl Phantom {
-    /// The same patient on films with larger pixels: each stands for `factor` by `factor` of the old ones. All places
-    /// stay where they are in the patient; a part of a pixel is left of what was a whole one.
+    /// The same patient on films with larger pixels: each replaces `factor` by `factor` old ones. All places stay
+    /// where they are in the patient; whole pixels become parts of a pixel.
     #[must_use]
     pub fn coarser(mut self, factor: u32) -> Self {
         for film in &mut self.films {
@@ -388,7 +389,7 @@ impl Phantom {
     }
 }
 
-/// The example of the guide runs with the documentation's.
+/// The example of the guide is tested with the documentation's.
 #[cfg(doctest)]
 #[doc = include_str!("../../../docs/guide/src/library.md")]
 struct Readme;

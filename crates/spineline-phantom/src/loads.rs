@@ -11,11 +11,11 @@ use crate::movement::{Moved, force_for};
 use crate::rod::{ChainShape, PointForce, Rod};
 use crate::{Scenario, TruePosture};
 
-/// The force at the apex, as a part of the one through the inflections (assumption).
+/// The force at the apex, as a part of the force through the inflections (assumption).
 const AT_APEX: f64 = 0.25;
 
-/// Postures that one kind of load makes, sized by how far it turns all segments in sum: as far as the rod's, and less at rest and
-/// in traction (assumptions).
+/// Postures by one kind of load, sized by the sum of all segments' rotations: as large as the rod's, and less at rest
+/// and in traction (assumptions).
 pub(crate) fn move_by(
     scenario: Scenario,
     spine: &ErectSpine,
@@ -74,7 +74,7 @@ fn forces(
             levels.map(|(&level, &s)| at(s, down * trunk_weight_share(level))).collect()
         }
         Scenario::Lateral => {
-            // Spread over 200 pieces of the length.
+            // Spread over 200 parts of the length.
             const PIECES: usize = 200;
             let piece_mm = spine.length_mm / PIECES as f64;
             let middles = (0..PIECES).map(|i| (i as f64 + 0.5) * piece_mm);
@@ -105,7 +105,7 @@ fn apex(spine: &ErectSpine) -> usize {
     inside.max_by(|a, b| off(a).total_cmp(&off(b))).expect("a curve has vertebrae")
 }
 
-/// Rotates all above L4 by one angle on a bend, like a rotated axis of L4.
+/// Rotates everything above L4 by one angle on a bend, like a rotated axis of L4.
 pub(crate) fn turn_base(posture: &mut TruePosture, rng: &mut ChaCha12Rng) {
     let size = Uniform::new(4.0, 8.0).expect("4 is below 8").sample(rng);
     let turn = match posture.posture {

@@ -47,11 +47,11 @@ pub(crate) fn main_turn(spine: &ErectSpine, shape: &ChainShape) -> f64 {
     high - low
 }
 
-/// After so many steps that were once made smaller, they grow again: one place that is hard to pass must not make the rest of the
-/// way endless.
+/// Number of equal steps after which reduced steps grow again: one difficult place must not make the rest of the path
+/// endless.
 const MAX_EQUAL_STEPS: usize = 200;
 
-/// Steps a force from zero until a measure of the shape reaches a target, then halves the last step.
+/// Steps a force from zero until a measure of the shape reaches a target, then bisects the last step.
 ///
 /// `solve` continues from the force before; `None` if the target is not reached.
 pub(crate) fn force_for<S: Clone, L>(
@@ -86,7 +86,7 @@ pub(crate) fn force_for<S: Clone, L>(
                     (step_n, equal_steps) = (2.0 * step_n, 0);
                 }
             }
-            // No equilibrium at this step: a smaller one.
+            // The step has no equilibrium: try a smaller one.
             None => (step_n, equal_steps) = (0.5 * step_n, 0),
         }
     }
@@ -95,8 +95,8 @@ pub(crate) fn force_for<S: Clone, L>(
 
 /// Two bends, neutral and traction by a force along the line through the chain at two arc lengths.
 ///
-/// Forces are sized by the sum of all segments' rotations; the paper's mean rotation makes 42° per movement, of which
-/// neutral and the push take less (assumption).
+/// Forces are sized by the sum of all segments' rotations; the paper's mean rotation makes 42° per movement; neutral
+/// and the push turn less (assumption).
 pub(crate) fn through(
     spine: &ErectSpine,
     erect: &ChainShape,
@@ -127,7 +127,7 @@ pub(crate) fn through(
 /// Sums of the rotations of all segments: a bend that straightens, one that bends further, neutral and traction.
 pub(crate) const TOTAL_DEG: [f64; 4] = [42.0, 25.0, 20.0, 36.0];
 
-/// By how much one patient's movements differ from another's.
+/// Range of the sizes of movements over patients.
 pub(crate) fn usual_variation() -> Uniform<f64> {
     Uniform::new(0.9, 1.1).expect("0.9 is below 1.1")
 }

@@ -1,10 +1,10 @@
-//! Distances between vertebrae, and places of pedicles, of phantoms: other published tables than those with which the library reads films, so
-//! that phantoms check what it reads against numbers that it does not know.
+//! Distances between vertebrae, and places of pedicles, of phantoms. They come from other published tables than the
+//! library's, so that phantoms are an independent check of the library's readings.
 
 use spineline::anatomy::{Level, Morphometry};
 
-/// Distance between the midpoints of two neighbouring vertebrae: half of the lengths of both with their share of the discs, in an adult model
-/// [bruno-2015].
+/// Distance between the midpoints of two neighbouring vertebrae: half of both lengths with their share of the discs, in
+/// an adult model [bruno-2015].
 pub fn spacing_mm(inferior: Level, superior: Level) -> f64 {
     0.5 * (unit_mm(inferior) + unit_mm(superior))
 }
@@ -29,11 +29,12 @@ const fn unit_mm(level: Level) -> f64 {
     }
 }
 
-/// From the posterior wall to the narrowest part of a pedicle, which a frontal film shows as its outline (assumption).
+/// From the posterior wall to the narrowest part of a pedicle, which is its outline on a frontal film (assumption).
 const BEHIND_WALL_MM: f64 = 4.0;
 
-/// Where the centres of the pedicles lie: beside the sagittal plane by half of the width of the canal and half of that of a pedicle
-/// ([panjabi-1991], [panjabi-1992]), and behind the centre of the body by half of its depth and [`BEHIND_WALL_MM`].
+/// Places of the centres of the pedicles: beside the sagittal plane by half the width of the canal and half the width
+/// of a pedicle ([panjabi-1991], [panjabi-1992]), and behind the centre of the body by half its depth and
+/// [`BEHIND_WALL_MM`].
 pub fn pedicle_mm(level: Level) -> [f64; 2] {
     let [canal_mm, pedicle_mm]: [f64; 2] = match level {
         Level::L5 => [27.1, 18.6],

@@ -5,23 +5,23 @@ use spineline::spatial::{Angle, Frontal, Pixel};
 
 /// The virtual readers of a film.
 ///
-/// Every observer has a bias per film and vertebra, every repeat a random error; corners are rounded to pixels and
-/// axes to 0.1°. The default makes means over two observers and three repeats as rough as the paper's residuals say
-/// (0.19 mm and 0.17° about curves of high order). Its Pearson coefficients (0.90 to 0.95) would need readings ten times
-/// rougher, so both cannot be met.
+/// Every observer has a bias per film and vertebra, every repeat a random error; corners are rounded to pixels and axes
+/// to 0.1°. By default, means over two observers and three repeats have the noise of the paper's residuals (0.19 mm and
+/// 0.17° about curves of high order). The paper's Pearson coefficients (0.90 to 0.95) would need ten times this noise,
+/// so both cannot be met.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Readers {
     /// Number of observers.
     pub observers: u32,
     /// Number of readings per observer.
     pub repeats: u32,
-    /// Deviation of a corner coordinate from repeat to repeat.
+    /// Standard deviation of a corner coordinate between repeats.
     pub corner_sd_mm: f64,
-    /// Deviation of an observer's corners from the truth, the same in all repeats.
+    /// Standard deviation of an observer's bias of corners, the same in all repeats.
     pub corner_bias_sd_mm: f64,
-    /// Deviation of an axis from repeat to repeat.
+    /// Standard deviation of an axis between repeats.
     pub axis_sd: Angle,
-    /// Deviation of an observer's axes from the truth.
+    /// Standard deviation of an observer's bias of axes.
     pub axis_bias_sd: Angle,
     /// Whether corners are rounded to pixels and axes to 0.1°.
     pub rounded: bool,
@@ -55,7 +55,7 @@ impl Readers {
         }
     }
 
-    /// One observer's own bias at one vertebra: four corners and an axis.
+    /// One observer's bias at one vertebra: four corners and an axis.
     pub(crate) fn bias(&self, rng: &mut ChaCha12Rng) -> Deviation {
         Deviation::draw(self.corner_bias_sd_mm, self.axis_bias_sd, rng)
     }

@@ -23,7 +23,7 @@ impl ChainShape {
         Self::grow(spine.segment_mm(), |k, _| turn_rad(k))
     }
 
-    /// Grows the chain from L4, segment by segment; `turn` may depend on the node that a segment stands on.
+    /// Builds the chain from L4, segment by segment; `turn` may depend on the node below a segment.
     fn grow(segment_mm: f64, mut turn: impl FnMut(usize, Frontal) -> f64) -> Self {
         let mut nodes = vec![Frontal::default()];
         let mut tilts: Vec<f64> = Vec::with_capacity(SEGMENTS);
@@ -87,8 +87,8 @@ impl<'a> Rod<'a> {
 
     /// Equilibrium under a force along the line through the chain at two arc lengths, such as its inflections.
     ///
-    /// The line crosses the heights of the erect points at two unknown places; Newton moves them until the bent points lie
-    /// on the line. `places_mm` is the start and receives the solution.
+    /// The line crosses the heights of the erect points at two unknown places; Newton's method moves them until the
+    /// bent points lie on the line. `places_mm` is the start and receives the solution.
     pub fn bend_through(
         &self,
         s: [f64; 2],
@@ -130,8 +130,8 @@ impl<'a> Rod<'a> {
 
     /// Equilibrium under a load of the same size and direction, fixed in space, on the upper node of every segment.
     ///
-    /// `base_nmm`, the moment about L4, is the start of a secant iteration and receives the solution: marching up from it,
-    /// nothing is left at T2.
+    /// `base_nmm`, the moment about L4, is the start of a secant iteration and receives the solution, for which the
+    /// moment is zero at T2.
     pub fn spread(
         &self,
         direction: Frontal,
@@ -141,7 +141,7 @@ impl<'a> Rod<'a> {
         let each = direction * (force_n / SEGMENTS as f64);
         let march = |base: f64| {
             let (mut moment, mut below) = (base, Frontal::default());
-            // The moment about a node less that about the next one is due to all loads above both.
+            // The difference of the moments about two neighbouring nodes is due to all loads above both.
             let mut step = |k: usize, node: Frontal| {
                 moment -= (node - below).cross(each) * (SEGMENTS + 1 - k) as f64;
                 below = node;
@@ -179,7 +179,7 @@ impl<'a> Rod<'a> {
         start: Frontal,
     ) -> Option<(ChainShape, LineOfAction)> {
         let line_at = |point| LineOfAction { point, direction, application: Application::Fixed };
-        // Only the place of the line across its direction matters: a secant iteration on one number.
+        // Only the line's position across its direction matters: a secant iteration on one number.
         let across = Frontal::new(direction.z_mm, -direction.y_mm);
         let miss = |offset: f64| {
             let line = line_at(start + across * offset);
@@ -203,9 +203,9 @@ impl<'a> Rod<'a> {
         None
     }
 
-    /// Equilibrium under forces at material points that move with the chain, and a moment on its top; `forces` says which, as
-    /// they are in a shape. Fixed points: moments in one shape make the next one, extrapolated from the rounds before, since near
-    /// buckling a round alone leaves nearly all of the way.
+    /// Equilibrium under forces at material points that move with the chain, and a moment on its top; `forces` gives
+    /// them in a shape. Fixed-point iteration: moments in one shape give the next shape, extrapolated from earlier
+    /// rounds, because near buckling a single round makes little progress.
     pub fn bend_by(
         &self,
         start: &ChainShape,
@@ -260,13 +260,13 @@ impl<'a> Rod<'a> {
     }
 }
 
-/// Tilts of all segments, and where moments lead from there.
+/// Tilts of all segments, and the tilts that follow from their moments.
 struct Round {
     from: DVector<f64>,
     step: DVector<f64>,
 }
 
-/// Where the combination of the last rounds with the smallest step leads (Anderson's method); the last one comes first.
+/// Result of the combination of the last rounds with the smallest step (Anderson's method); the last round comes first.
 fn extrapolated(rounds: &[Round]) -> Option<DVector<f64>> {
     let (last, others) = rounds.split_first()?;
     let to = &last.from + &last.step;

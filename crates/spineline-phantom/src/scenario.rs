@@ -11,7 +11,7 @@ use crate::movement::{Moved, force_for, lateral_tilts, main_turn, through, usual
 use crate::rod::{ChainShape, Rod};
 use crate::{PhantomError, Scenario, TableRow, TruePosture, counter, loads};
 
-/// Five true postures, and the stiffness multipliers behind them (ones where nothing elastic moved the spine).
+/// Five true postures, and their stiffness multipliers (ones for movements without elasticity).
 pub(crate) fn postures(
     row: &TableRow,
     scenario: Scenario,
@@ -57,8 +57,9 @@ fn rod(
 
 /// Prescribed rotations to one side; neutral and traction scale the erect curve.
 ///
-/// Parts of a curve that a bend to its convex side and that lying take away: [bekki-2018] for surgical adolescents,
-/// caudal region first. Traction, and that a curve grows by half as much on the other bend, are assumptions.
+/// Relative reductions of a curve by a bend to its convex side, and by lying: [bekki-2018] for surgical
+/// adolescents, caudal region first. Traction, and growth of a curve by half as much on the other bend, are
+/// assumptions.
 fn bend(spine: &ErectSpine, rng: &mut ChaCha12Rng) -> Vec<Moved> {
     const FLEXIBILITY: [f64; 3] = [0.682, 0.402, 0.325];
     const NEUTRAL: [f64; 3] = [0.19, 0.21, 0.09];
@@ -69,7 +70,7 @@ fn bend(spine: &ErectSpine, rng: &mut ChaCha12Rng) -> Vec<Moved> {
     let ends = [(0.0, low), (low, high), (high, spine.length_mm)];
     let segment_mm = spine.segment_mm();
     let place = |k: usize| (k as f64 + 0.5) * segment_mm;
-    // Weights vanish at the inflections and are one in sum over a region.
+    // Weights vanish at the inflections and have a sum of one over a region.
     let weight = |k: usize| {
         let region = spine.region(place(k));
         let (from, to) = ends[region];

@@ -1,5 +1,5 @@
-//! Spines in space, and their frontal and lateral films: vertebral bodies as elliptic prisms on a space curve, seen by one
-//! projection in both views.
+//! Spines in space, and their frontal and lateral films: vertebral bodies as elliptic prisms on a space curve, with the
+//! same projection in both views.
 
 mod bends;
 
@@ -24,7 +24,7 @@ use crate::proportions;
 /// Sagittal shapes: four types of the healthy spine and the flat back of scoliosis.
 ///
 /// # References
-/// [roussouly-2005] for the types; sizes within what is usual for them (assumption).
+/// [roussouly-2005] for the types; sizes within their usual ranges (assumption).
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum SagittalShape {
     /// Type 1: a short lordosis and a long thoracolumbar kyphosis.
@@ -44,7 +44,8 @@ impl SagittalShape {
     pub const ALL: [Self; 5] =
         [Self::LongKyphosis, Self::Flat, Self::Balanced, Self::LongLordosis, Self::Hypokyphotic];
 
-    /// Kyphosis and lordosis on the lateral film in degrees, and the part of the spine below the inflection between them.
+    /// Kyphosis and lordosis on the lateral film in degrees, and the part of the spine below the inflection between
+    /// them.
     const fn sizes(self) -> (f64, f64, f64) {
         match self {
             Self::LongKyphosis => (55.0, 38.0, 0.20),
@@ -65,7 +66,7 @@ pub enum EndplateHabit {
     MiddleLine,
 }
 
-/// What a phantom in space is made of.
+/// Properties of a phantom in space.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SpaceSetup {
     /// Shape from the side.
@@ -80,9 +81,9 @@ pub struct SpaceSetup {
     pub pedicles: bool,
     /// Standard deviation of a coordinate of a corner, on the film.
     pub corner_sd_mm: f64,
-    /// A length on the lateral film over that on the frontal film.
+    /// A length on the lateral film over the same length on the frontal film.
     pub lateral_scale: f64,
-    /// Turn of the lateral film; positive where the spine looks more flexed than it is.
+    /// Rotation of the lateral film; positive if the spine looks more flexed than it is.
     pub lateral_turn: Angle,
     /// Number of the phantom: seed of the noise, and sides of the pictures.
     pub seed: u64,
@@ -117,18 +118,19 @@ pub struct TrueBody {
     pub left: Vec3,
     /// Along its axis.
     pub cranial: Vec3,
-    /// Axial rotation about its axis, from where its left lies in the frontal plane.
+    /// Axial rotation about its axis, zero where its left lies in the frontal plane.
     pub axial: Angle,
     /// Half of its width, depth and height.
     half_mm: [f64; 3],
 }
 
 impl TrueBody {
-    /// Where the centres of its pedicles lie: beside its sagittal plane, and behind its middle.
+    /// Places of the centres of its pedicles: beside its sagittal plane, and behind its middle.
     ///
     /// # Assumption
-    /// The widths of canals and pedicles are those of [panjabi-1991] and [panjabi-1992], the depth is half of that of the body and 4 mm. The
-    /// library reads axial rotation with ratios from CT, so that it reads the rotation of these bodies with a known bias.
+    /// The widths of canals and pedicles are from [panjabi-1991] and [panjabi-1992], the depth is half the body's depth
+    /// plus 4 mm. The library reads axial rotation with ratios from CT, so its reading of these bodies has a known
+    /// bias.
     #[must_use]
     pub fn pedicle_mm(&self) -> [f64; 2] {
         proportions::pedicle_mm(self.level)
@@ -191,7 +193,7 @@ struct Marker {
 }
 
 impl Marker {
-    /// `stream` tells the films of a phantom apart.
+    /// `stream` differs between the films of a phantom.
     fn new(setup: &SpaceSetup, stream: u64) -> Self {
         let mut rng = ChaCha12Rng::seed_from_u64(setup.seed);
         rng.set_stream(stream);
@@ -216,7 +218,7 @@ impl Marker {
         bodies.iter().map(|body| (body.level, corners(body))).collect()
     }
 
-    /// Level crests beside L5, which are seen without error.
+    /// Level crests beside L5, read without error.
     fn crests(&self, view: &View, l5: &TrueBody) -> IliacCrests {
         let at = |left_mm: f64| view.pixel(view.seen(l5.midpoint_mm + Vec3::y() * left_mm));
         IliacCrests { left: at(CREST_MM), right: at(-CREST_MM) }
@@ -230,7 +232,7 @@ const CREST_MM: f64 = 120.0;
 fn bodies(setup: &SpaceSetup) -> Vec<TrueBody> {
     let (kyphosis, lordosis, share) = setup.shape.sizes();
     let last = (Level::ALL.len() - 1) as f64;
-    // As the films show them: flexion and tilt to the left.
+    // As on the films: flexion and tilt to the left.
     let forward = |t: f64| {
         let lowest = -0.5 * kyphosis;
         let flexion = if t < share {
@@ -269,9 +271,9 @@ fn bodies(setup: &SpaceSetup) -> Vec<TrueBody> {
     bodies
 }
 
-/// A direction of view, and how its film lies.
+/// A direction of view, and the orientation of its film.
 struct View {
-    /// What the film shows from side to side: to the patient's left, or to the front.
+    /// Horizontal direction of the film: the patient's left, or the front.
     across: Vec3,
     scale: f64,
     turn: Angle,
@@ -284,7 +286,7 @@ const ROWS: u32 = 7000;
 const PIXEL_MM: f64 = 0.1;
 
 impl View {
-    /// That of the frontal films.
+    /// The view of the frontal films.
     fn frontal(setup: &SpaceSetup) -> Self {
         Self {
             across: Vec3::y(),
@@ -294,14 +296,14 @@ impl View {
         }
     }
 
-    /// A vector as this film shows it: across and up. This is the only projection.
+    /// Projection of a vector to the film: across and up. Both views use only this projection.
     fn seen(&self, vector: Vec3) -> [f64; 2] {
         let (across, up) = (vector.dot(&self.across), vector.z);
         let (sin, cos) = self.turn.rad().sin_cos();
         [across * cos + up * sin, up * cos - across * sin].map(|mm| mm * self.scale)
     }
 
-    /// Both ends of the superior and of the inferior endplate; first the end to which `across` points.
+    /// Both ends of the superior and of the inferior endplate; the end towards `across` comes first.
     fn corners(&self, body: &TrueBody, habit: EndplateHabit) -> [[f64; 2]; 4] {
         let [half_width, half_depth, half_height] = body.half_mm;
         let (across, along) = (body.left * half_width, body.anterior * half_depth);
@@ -340,7 +342,7 @@ impl View {
 /// Half of the long axis of the ellipse with these conjugate half-diameters.
 fn long_axis(a: [f64; 2], b: [f64; 2]) -> [f64; 2] {
     let dot = |p: [f64; 2], q: [f64; 2]| p[0] * q[0] + p[1] * q[1];
-    // Where the distance of a cos t + b sin t from the centre is largest.
+    // The maximum of the distance of a cos t + b sin t from the centre.
     let twice = Angle::from_sin_cos(2.0 * dot(a, b), dot(a, a) - dot(b, b));
     let (sin, cos) = (0.5 * twice.rad()).sin_cos();
     [a[0] * cos + b[0] * sin, a[1] * cos + b[1] * sin]

@@ -53,7 +53,8 @@ impl TableRow {
     /// Cobb angles of the thoracolumbar/lumbar, main thoracic and proximal thoracic curve, in degrees.
     ///
     /// The ratios of minor to major curves follow upright films of surgical patients (proximal 0.48, lumbar 0.68 of the
-    /// main thoracic curve [bekki-2018]) and what makes a curve structural in each Lenke type; they are assumptions.
+    /// main thoracic curve [bekki-2018]) and the definition of structural curves in each Lenke type; they are
+    /// assumptions.
     #[must_use]
     pub fn cobb_deg(&self) -> [f64; 3] {
         let of_main = match self.lenke.as_bytes()[0] {

@@ -41,10 +41,10 @@ pub struct Analysis {
     pub identified: Option<Vec<Option<Identifiability>>>,
 }
 
-/// An analysis, and the identifiability of its models where it was asked for.
+/// An analysis, and the identifiability of its models if requested.
 pub type Computed = (analysis::Analysis, Option<Vec<Option<Identifiability>>>);
 
-/// Computes while other Python threads run. What takes milliseconds needs no thread that looks for Ctrl-C.
+/// Computes while other Python threads run. Short work (milliseconds) does not need a thread that checks for Ctrl-C.
 fn waited_for(
     py: Python<'_>,
     case: &Arc<analysis::Case>,
@@ -62,7 +62,7 @@ fn waited_for(
     }
 }
 
-/// Computes everything that a request asks of a case, but for replicates; of work that was stopped, a part.
+/// Computes everything that a request asks of a case except replicates; returns a part if it is stopped.
 ///
 /// # Errors
 /// If the case cannot be analysed.
@@ -72,10 +72,8 @@ pub fn compute(
     stop: &AtomicBool,
 ) -> Result<Computed, Fault> {
     if let Some(posture) = missing_known_force(&request.options, case) {
-        let text = format!(
-            "{}: `gauge` names the {posture} film, and this case has no such film",
-            case.id
-        );
+        let text =
+            format!("{}: `gauge` names the {posture} film, which this case does not have", case.id);
         return Err(Fault::new(text, "name a film of the case"));
     }
     let found = analysis::analyze(case, &request.options)?;
@@ -88,7 +86,7 @@ pub fn compute(
 }
 
 impl Analysis {
-    /// The patient as the tables take it.
+    /// The patient in the form for tables.
     fn patient(&self) -> Patient<'_> {
         Patient {
             analysis: &self.analysis,
@@ -98,7 +96,7 @@ impl Analysis {
         }
     }
 
-    /// The patient as reports take it.
+    /// The patient in the form for reports.
     fn reported<'a>(&'a self, generator: &'a str, json: &'a str) -> ReportedPatient<'a> {
         ReportedPatient {
             case: &self.case,
@@ -126,7 +124,7 @@ impl Analysis {
         known.and_then(|posture| self.analysis.movement.film(posture)).ok_or_else(|| {
             let films: Vec<&str> =
                 self.analysis.movement.films.iter().map(|one| one.outline.posture.key()).collect();
-            let text = format!("{}: there is no `{film}` film", self.analysis.case_id);
+            let text = format!("{}: the analysis has no `{film}` film", self.analysis.case_id);
             Fault::new(text, format!("give one of {}", films.join(", ")))
         })
     }
@@ -141,7 +139,7 @@ impl Analysis {
     ) -> PyResult<Bound<'py, PyArray2<f64>>> {
         if scale.mm(1.0).is_none() {
             let text = format!(
-                "{}: the {film} film has no spacing, so its curve has no millimetres",
+                "{}: the {film} film has no spacing, so its curve is not known in millimetres",
                 self.analysis.case_id
             );
             let help = "give the spacing of the film in the case";
@@ -185,7 +183,7 @@ impl Analysis {
         })
     }
 
-    /// Repeats an analysis from its file, which has to say the same. Replicates are left out.
+    /// Repeats an analysis from its file, which must give the same results. Replicates are left out.
     #[staticmethod]
     fn repeat(py: Python<'_>, text: &str) -> PyResult<Self> {
         let stored = parse_analysis(text).map_err(|error| Fault::from(error).raise(py))?;
@@ -230,7 +228,7 @@ impl Analysis {
         self.analysis.synthetic
     }
 
-    /// Whether what was asked for has a result.
+    /// Whether the requested result is complete.
     #[getter]
     fn is_usable(&self) -> bool {
         self.analysis.has_what_was_asked()
@@ -298,7 +296,7 @@ impl Analysis {
         py.detach(|| text_with_hash(html(&report(&self.reported(&made, &to_line(&self.stored()))))))
     }
 
-    /// A figure as SVG; None where there is nothing to show.
+    /// A figure as SVG; None if it would be empty.
     #[pyo3(signature = (name, film = None))]
     fn figure(&self, py: Python<'_>, name: &str, film: Option<&str>) -> PyResult<Option<String>> {
         let posture = film.map(|film| self.posture(film)).transpose();
@@ -314,7 +312,7 @@ impl Analysis {
         })
     }
 
-    /// Refuses a film that there is not.
+    /// Refuses an unknown film.
     fn check_film(&self, py: Python<'_>, film: &str) -> PyResult<()> {
         self.posture(film).map(|_| ()).map_err(|fault| fault.raise(py))
     }
@@ -343,7 +341,7 @@ impl Analysis {
         Ok((levels, self.in_mm(py, film, points, &posture.outline.scale)?))
     }
 
-    /// Where the two inflections of the erect curve lie on a film, the caudal one first; None where there is no such pair.
+    /// Places of the two inflections of the erect curve on a film, the caudal one first; None if the curve lacks them.
     fn inflections<'py>(
         &self,
         py: Python<'py>,
@@ -355,7 +353,7 @@ impl Analysis {
         self.in_mm(py, film, points.into_iter(), &posture.outline.scale).map(Some)
     }
 
-    /// Where points of a film's frame lie on its picture: (n, 2), column and row; None without a picture.
+    /// Places of points of a film's frame on its picture: (n, 2), column and row; None without a picture.
     fn to_pixels<'py>(
         &self,
         py: Python<'py>,
@@ -381,19 +379,19 @@ impl Analysis {
     }
 }
 
-/// Seconds that the library alone takes to analyse a case, to compare calls from Python with.
+/// Seconds that the library alone needs to analyse a case, for comparison with calls from Python.
 #[pyfunction]
 pub fn time_analysis(py: Python<'_>, case: &Case) -> PyResult<f64> {
     py.detach(|| {
         let start = Instant::now();
         let found = analysis::analyze(&case.case, &AnalysisOptions::default());
-        // To give the memory of a result back is a part of its price.
+        // Freeing the memory of a result is included.
         found.map(drop).map(|()| start.elapsed().as_secs_f64())
     })
     .map_err(|error| Fault::from(error).raise(py))
 }
 
-/// What an analysis has found, without what was asked beside it.
+/// The results of an analysis, without the request.
 fn results(mut file: Value) -> Value {
     if let Some(parts) = file.as_object_mut() {
         parts.remove("provenance");

@@ -26,8 +26,7 @@ use crate::wait::{apart, apart_while};
 /// Number, noise and seed of the replicates of every case.
 type GivenReplicates = Option<(u64, String, u64)>;
 
-/// Refuses options that no analysis takes, and replicates that there cannot be. Returns the files that options name: option, name and
-/// SHA-256.
+/// Refuses invalid options and replicates. Returns the files that options name: option, name and SHA-256.
 #[pyfunction]
 pub fn check_options(
     py: Python<'_>,
@@ -39,7 +38,7 @@ pub fn check_options(
     Ok(task.option_files.into_iter().map(words).collect())
 }
 
-/// What every case file holds: SHA-256 of its bytes, or why it cannot be read, and the identifier of its case, if it is one.
+/// For every case file: SHA-256 of its bytes, or why it cannot be read, and the identifier of its case, if it is valid.
 #[pyfunction]
 pub fn identify_cases(
     py: Python<'_>,
@@ -55,9 +54,10 @@ pub fn identify_cases(
     })
 }
 
-/// Analyses case files one after the other, while a folder is there: the call that asked for it removes it where it ends. A case file is
-/// given with what [`identify_cases`] says of it. A file that cannot be analysed is a row of the table `cases` with its error.
-/// Returns every table with its number of rows as Parquet, and the number of cases without a result.
+/// Analyses case files one after the other, as long as a folder exists, which the calling process removes at its end. A
+/// case file is given with its result of [`identify_cases`]. A file that cannot be analysed is a row of the table
+/// `cases` with its error. Returns every table with its number of rows as Parquet, and the number of cases without a
+/// result.
 #[pyfunction]
 #[expect(clippy::type_complexity, reason = "tuples for Python")]
 pub fn analyze_paths<'py>(
@@ -71,7 +71,7 @@ pub fn analyze_paths<'py>(
 ) -> PyResult<(Vec<(String, usize, Bound<'py, PyBytes>)>, usize)> {
     let task = Task::new(given, replicates).map_err(|fault| fault.raise(py))?;
     task.check_files(&option_files).map_err(|fault| fault.raise(py))?;
-    // As many cases are analysed at once as there are workers.
+    // The number of concurrent analyses is the number of workers.
     let pool = pool(1)?;
     let work = move |stop: &AtomicBool| -> Result<_, String> {
         let mut rows = Vec::new();
@@ -91,7 +91,7 @@ pub fn analyze_paths<'py>(
     Ok((files.collect(), failed))
 }
 
-/// What is computed of every case.
+/// The computation for every case.
 struct Task {
     given: Vec<(String, String)>,
     replicates: GivenReplicates,
@@ -110,7 +110,7 @@ impl Task {
         Ok(Self { given, replicates, request, option_files })
     }
 
-    /// Refuses files of options that are not those that the cohort was asked for with.
+    /// Refuses files of options that have changed since the cohort was requested.
     fn check_files(&self, expected: &[(String, String, String)]) -> Result<(), Fault> {
         let is_same = |one: &OptionFile, (option, _, sha256): &(String, String, String)| {
             one.option == *option && one.file.sha256 == *sha256
@@ -123,7 +123,7 @@ impl Task {
         }
         let changed = found.iter().zip(expected).find(|(one, other)| !is_same(one, other));
         let name = changed.map_or("", |(one, _)| &one.option);
-        let text = format!("option `{name}`: its file has changed since the cohort was asked for");
+        let text = format!("option `{name}`: its file has changed since the cohort was requested");
         Err(Fault::new(text, "leave the file as it is, and run the cohort again"))
     }
 
@@ -137,11 +137,11 @@ impl Task {
     }
 }
 
-/// What was read of a case file.
+/// The text of a case file, or its hash and fault.
 struct CaseText(Result<String, (String, Fault)>);
 
 impl CaseText {
-    /// The text; or of what is none, what stands for its bytes, and why.
+    /// Reads the text; for an invalid file, returns the hash of its bytes and the fault.
     fn read(path: &Path) -> Self {
         let bytes = match read_bytes(path, MAX_FILE_BYTES) {
             Ok(bytes) => bytes,
@@ -151,7 +151,7 @@ impl CaseText {
         Self(text_of(path, bytes).map_err(|error| (digest, error.into())))
     }
 
-    /// SHA-256, or why there is none, and the identifier of the case.
+    /// SHA-256, or why it is missing, and the identifier of the case.
     fn identity(&self) -> (String, Option<String>) {
         match &self.0 {
             Ok(text) => {
@@ -174,7 +174,7 @@ struct Row {
 struct Found {
     analysis: Analysis,
     subject: Subject,
-    /// Where replicates are asked for.
+    /// Present if replicates are requested.
     spread: Option<Uncertainty>,
 }
 
@@ -191,7 +191,7 @@ impl Found {
 }
 
 impl Row {
-    /// A case that must be the one that was asked for.
+    /// A case that must be the requested one.
     fn of(
         path: &Path,
         identity: &str,
@@ -208,7 +208,7 @@ impl Row {
             Err((identity, fault)) => (identity, Err(fault)),
         };
         if sha256 != identity {
-            return Err(format!("{file} has changed since the cohort was asked for"));
+            return Err(format!("{file} has changed since the cohort was requested"));
         }
         let is_text = found.is_ok();
         let found = found.and_then(|text| Found::of(&text, task, pool, stop));
@@ -228,7 +228,7 @@ impl Row {
     }
 }
 
-/// All tables of the part, each with its number of rows; that of the cases comes last.
+/// All tables of the part, each with its number of rows; the table of cases comes last.
 fn parquet(
     rows: &[Row],
     task: &Task,
@@ -250,7 +250,7 @@ fn parquet(
             sha256: row.sha256.clone().unwrap_or_default(),
         })
         .collect();
-    // Without the time, so that the same cases give the same bytes wherever they are analysed.
+    // Without the time, so that the same cases give the same bytes on any machine.
     let (made, options, inputs) = (generator(), to_line(&task.words()), to_line(&inputs));
     let option_files = to_line(&task.option_files);
     let replicates = task.replicates.as_ref().map(|(count, noise, seed)| {

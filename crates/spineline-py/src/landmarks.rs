@@ -1,4 +1,4 @@
-//! Cases made of tables of landmarks.
+//! Cases from tables of landmarks.
 
 use pyo3::prelude::*;
 use spineline::analysis::{self, Subject, check_repeated};
@@ -13,7 +13,7 @@ use spineline_landmarks::{LandmarkHint, LandmarkReadings, MarkedFilm, parse_land
 use crate::case::Case;
 use crate::fault::Fault;
 
-/// What a table of landmarks does not say.
+/// Values that a table of landmarks lacks.
 struct Given<'a> {
     film: Option<&'a str>,
     mm_per_px: Option<(f64, f64)>,
@@ -22,7 +22,7 @@ struct Given<'a> {
     plane: &'a str,
 }
 
-/// Makes a case of the text of a landmark file.
+/// Makes a case from the text of a landmark file.
 #[pyfunction]
 #[expect(clippy::too_many_arguments, reason = "Python hands on what its own keywords are")]
 pub fn case_from_landmarks(
@@ -89,7 +89,7 @@ fn side(patient_left: &str) -> Result<ImageSide, Fault> {
     })
 }
 
-/// How the picture lies; `None` for locations, which have none.
+/// Size and sides of the picture; `None` for locations.
 fn image(
     marked: &MarkedFilm,
     patient_left: ImageSide,
@@ -110,7 +110,7 @@ fn image(
     Ok(Some(ImageGeometry { columns, rows, spacing, patient_left }))
 }
 
-/// The smallest picture that holds all points.
+/// The smallest picture that contains all points.
 fn smallest_size(points: impl Iterator<Item = Pixel>) -> (u32, u32) {
     // A point beyond the largest picture stays outside of it, and is refused.
     let size = |largest: f64| (largest.max(0.0).ceil() + 1.0).min(f64::from(u32::MAX)) as u32;

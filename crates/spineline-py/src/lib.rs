@@ -1,7 +1,7 @@
 //! The native module `spineline._native`, which the Python package wraps.
 //!
-//! It parses, calls the library and hands results on. What Python users see is in `python/spineline`; nothing there or here
-//! computes. Long calls let other Python threads run, and look for Ctrl-C ten times a second.
+//! It parses, calls the library and returns results. The Python interface is in `python/spineline`; neither part
+//! computes. Long calls let other Python threads run, and check for Ctrl-C ten times a second.
 
 mod analysis;
 mod case;
@@ -43,7 +43,7 @@ mod _native {
     #[pymodule_export]
     const BUILD: &str = env!("SPINELINE_BUILD");
 
-    /// Whether it was built for development, and is slower than a release.
+    /// Whether it was built for development, which is slower than a release.
     #[pymodule_export]
     const IS_DEVELOPMENT: bool = cfg!(debug_assertions);
 }

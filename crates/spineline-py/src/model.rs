@@ -42,7 +42,8 @@ pub fn parse_model_text(py: Python<'_>, text: String) -> PyResult<Model> {
 
 #[pymethods]
 impl Model {
-    /// The model of an analysis with a line of action; `auto`: the one that [`spineline::analysis::Analysis::choose_model`] takes.
+    /// The model of an analysis with a line of action; `auto` means the choice of
+    /// [`spineline::analysis::Analysis::choose_model`].
     #[new]
     fn new(py: Python<'_>, analysis: &Analysis, line: &str) -> PyResult<Self> {
         let found = &analysis.analysis;
@@ -52,7 +53,7 @@ impl Model {
             let lines: Vec<&str> = found.models.iter().map(|model| model.kind.key()).collect();
             let which =
                 if line == "auto" { String::new() } else { format!(" with the line `{line}`") };
-            let text = format!("{}: there is no model{which}", found.case_id);
+            let text = format!("{}: the analysis has no model{which}", found.case_id);
             let help = match &lines[..] {
                 [] => "a model needs a bending film with a line of action, and the scale of every film".to_owned(),
                 lines => format!("give one of {}", lines.join(", ")),
@@ -104,7 +105,7 @@ impl Model {
         self.text.clone()
     }
 
-    /// The model as another program reads it: `mjcf`, `osim`, `urdf`, `vtp` or `gltf`.
+    /// The model in the format of another program: `mjcf`, `osim`, `urdf`, `vtp` or `gltf`.
     fn export(&self, py: Python<'_>, format: &str) -> PyResult<String> {
         let Ok(format) = format.parse::<ExportFormat>() else {
             let text = format!("unknown format `{format}`");
@@ -153,7 +154,7 @@ impl Model {
     }
 }
 
-/// What a model does under loads.
+/// A model under loads.
 #[pyclass(frozen, module = "spineline._native")]
 pub struct Simulation {
     found: Simulated,
@@ -173,7 +174,7 @@ impl Simulation {
         self.found.response.ending.meaning()
     }
 
-    /// Whether there is a result.
+    /// Whether the simulation has a result.
     #[getter]
     fn is_usable(&self) -> bool {
         self.found.response.ending.is_usable()
@@ -191,13 +192,13 @@ impl Simulation {
         py.detach(|| to_text(&self.found.file(&generator())))
     }
 
-    /// Midpoints of the vertebrae of the result, or else of the nearest shape; None where no path could be started.
+    /// Midpoints of the vertebrae of the result, or else of the nearest shape; None if the path could not be started.
     fn midpoints<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyArray2<f64>>>> {
         let Some(shape) = self.found.response.shape() else { return Ok(None) };
         numbers::points(py, shape.midpoints_mm.iter().map(|&point| point.into())).map(Some)
     }
 
-    /// Angles of the same shape in degrees by name and region; None where no path could be started.
+    /// Angles of the same shape in degrees by name and region; None if the path could not be started.
     fn angles<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyDict>>> {
         let Some(shape) = self.found.response.shape() else { return Ok(None) };
         let measured = measure_angles(shape, &self.found.places);

@@ -1,4 +1,4 @@
-//! Arrays of numpy that cannot be written to.
+//! Read-only arrays of numpy.
 
 use numpy::{PyArray1, PyArray2, PyArrayMethods};
 use pyo3::exceptions::PyValueError;
@@ -7,7 +7,7 @@ use pyo3::prelude::*;
 /// A row of numbers.
 pub fn row<'py>(py: Python<'py>, values: Vec<f64>) -> Bound<'py, PyArray1<f64>> {
     let array = PyArray1::from_vec(py, values);
-    // Only the flag of the array counts, and not the borrow that comes with it.
+    // Only the flag of the array matters, not the borrow that comes with it.
     drop(array.readwrite().make_nonwriteable());
     array
 }

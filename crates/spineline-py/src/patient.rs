@@ -1,4 +1,4 @@
-//! What is asked of a case, and where its numbers come from.
+//! Requests for a case, and the provenance of its numbers.
 
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -10,7 +10,7 @@ use spineline_report::document::NoticeKind;
 
 use crate::fault::Fault;
 
-/// The program and its version, as files name what wrote them: the same as of the program itself.
+/// The program and its version, as in the provenance of files.
 pub fn generator() -> String {
     format!("spineline {}", env!("CARGO_PKG_VERSION"))
 }
@@ -25,10 +25,10 @@ pub fn words(given: &[(String, String)]) -> impl Iterator<Item = (&str, &str)> {
     given.iter().map(|(name, value)| (name.as_str(), value.as_str()))
 }
 
-/// Refuses a case that the distribution of joint rotations was learned from.
+/// Refuses a case from which the distribution of joint rotations was learned.
 ///
 /// # Errors
-/// If it was.
+/// For such a case.
 pub fn check_case(files: &[OptionFile], sha256: &str, case_id: &str) -> Result<(), Fault> {
     let mut priors = files.iter().filter_map(|file| file.rotation_prior.as_ref());
     Ok(priors.try_for_each(|prior| prior.check_case(sha256, case_id))?)
@@ -49,7 +49,7 @@ pub fn option_names() -> Vec<&'static str> {
 /// A warning as a dictionary.
 ///
 /// # Errors
-/// If Python has no memory.
+/// If Python is out of memory.
 pub fn warning<'py>(py: Python<'py>, warning: &Warning) -> PyResult<Bound<'py, PyDict>> {
     let dictionary = PyDict::new(py);
     dictionary.set_item("severity", NoticeKind::from(warning.code.severity()).key())?;
@@ -61,7 +61,7 @@ pub fn warning<'py>(py: Python<'py>, warning: &Warning) -> PyResult<Bound<'py, P
     Ok(dictionary)
 }
 
-/// `; did you mean `X`?` for the key that was mistyped; empty where none is near.
+/// `; did you mean `X`?` for the key that was probably meant; empty without a similar one.
 #[pyfunction]
 pub fn did_you_mean(word: &str, candidates: Vec<String>) -> String {
     let candidates: Vec<&str> = candidates.iter().map(String::as_str).collect();

@@ -76,7 +76,7 @@ impl Replicates {
         self.found.failed
     }
 
-    /// Which noise was laid on the landmarks, in sentences.
+    /// The noise on the landmarks, in sentences.
     #[getter]
     fn noise(&self) -> Vec<String> {
         self.found.noise_words()
@@ -94,7 +94,7 @@ impl Replicates {
                 value: one.nominal.ok(),
                 mean: one.spread.map(|spread| spread.mean),
                 sd: one.spread.map(|spread| spread.sd),
-                // What has no interval has no quantiles to make one of.
+                // Without an interval, quantiles are left out too.
                 quantiles: one.interval_95().and(one.spread).map(|spread| spread.quantiles),
                 at_bound: one.at_bound,
                 count: one.count,
@@ -139,7 +139,7 @@ impl Replicates {
     }
 }
 
-/// What is asked of replicates.
+/// Checks a request for replicates.
 ///
 /// # Errors
 /// If their number or the noise is out of range.
@@ -182,19 +182,19 @@ pub fn run_replicates(
     let mut next = 0;
     while next < asked.count && !stop.load(Ordering::Relaxed) {
         let end = asked.count.min(next.saturating_add(block));
-        // A block without its end is dropped with all others.
+        // An incomplete block is dropped.
         let one = |index| (!stop.load(Ordering::Relaxed)).then(|| monte_carlo.replicate(index));
         let done: Option<Vec<Replicate>> =
             pool.install(|| (next..end).into_par_iter().map(one).collect());
         let Some(done) = done else { break };
-        // In their order, so that the bytes are the same for any number of threads.
+        // In order, so that the bytes are the same for any number of threads.
         done.iter().for_each(|replicate| tally.add(replicate));
         next = end;
     }
     Ok(tally.finish(asked.count))
 }
 
-/// The name of a number: its kind, then film, vertebra, group, end and line, as far as it has them. The line through the
+/// The name of a number: its kind, then film, vertebra, group, end and line, if it has them. The line through the
 /// inflections is not named.
 fn name(quantity: AnalysisQuantity, analysis: &Found) -> String {
     let line = quantity.line().map(|line| line.key().to_owned());
@@ -209,7 +209,7 @@ fn name(quantity: AnalysisQuantity, analysis: &Found) -> String {
     parts.into_iter().flatten().collect::<Vec<_>>().join(".")
 }
 
-/// What is known of one number.
+/// The statistics of one number.
 #[derive(Clone, Copy)]
 struct Numbers {
     unit: &'static str,

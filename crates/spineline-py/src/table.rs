@@ -62,7 +62,7 @@ fn array(values: &Values) -> ArrayRef {
 
 #[pymethods]
 impl Table {
-    /// Name, as of its file.
+    /// Name of its file.
     #[getter]
     fn name(&self) -> &'static str {
         self.columns.name
@@ -104,8 +104,8 @@ impl Table {
         self.columns.rows()
     }
 
-    /// One column: numbers as a read-only array with NaN where there is none, all else as a list with None; None for a name
-    /// that no column has.
+    /// One column: numbers as a read-only array with NaN for missing values, other columns as a list with None; None
+    /// for an unknown name.
     fn column<'py>(&self, py: Python<'py>, name: &str) -> PyResult<Option<Bound<'py, PyAny>>> {
         let Some(column) = self.columns.columns.iter().find(|column| column.name == name) else {
             return Ok(None);
@@ -127,14 +127,14 @@ impl Table {
         self.columns.to_csv().map_err(|error| PyRuntimeError::new_err(error.to_string()))
     }
 
-    /// The bytes of its Parquet file, with more metadata as pairs.
+    /// The bytes of its Parquet file, with additional metadata as pairs.
     fn to_parquet(&self, metadata: Vec<(String, String)>) -> PyResult<Vec<u8>> {
         let pairs: Vec<(&str, &str)> =
             metadata.iter().map(|(key, value)| (key.as_str(), value.as_str())).collect();
         self.columns.to_parquet(&pairs).map_err(|error| PyRuntimeError::new_err(error.to_string()))
     }
 
-    /// The stream of the Arrow PyCapsule interface. The requested schema is not looked at, as the interface allows.
+    /// The stream of the Arrow PyCapsule interface. The requested schema is ignored, as the interface allows.
     #[pyo3(signature = (requested_schema = None))]
     fn __arrow_c_stream__<'py>(
         &self,

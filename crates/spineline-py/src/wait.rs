@@ -1,4 +1,4 @@
-//! Long work beside the Python interpreter.
+//! Long work while the Python interpreter runs.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -9,20 +9,20 @@ use std::time::Duration;
 use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
 
-/// Interval of looks for Ctrl-C.
+/// Interval of checks for Ctrl-C.
 const POLL: Duration = Duration::from_millis(100);
 
-/// Does long work while other Python threads run. At Ctrl-C it sets the flag, at which the work has to stop soon, waits for
-/// it, and raises `KeyboardInterrupt`.
+/// Runs long work while other Python threads run. At Ctrl-C it sets the flag, at which the work must stop soon, waits
+/// for it, and raises `KeyboardInterrupt`.
 ///
 /// # Errors
-/// What a signal handler raises, or that a thread could not be started.
+/// Exceptions of a signal handler, or if a thread could not be started.
 pub fn beside<T: Send>(py: Python<'_>, work: impl FnOnce(&AtomicBool) -> T + Send) -> PyResult<T> {
     let stop = AtomicBool::new(false);
     thread::scope(|scope| {
         let (sender, receiver) = channel();
         let stop = &stop;
-        // Nobody waits for the result of work that was stopped.
+        // After a stop, the result is dropped.
         let worker = worker().spawn_scoped(scope, move || sender.send(work(stop)).ok());
         let worker = worker.map_err(not_started)?;
         let result = received(py, receiver, || true);
@@ -32,11 +32,11 @@ pub fn beside<T: Send>(py: Python<'_>, work: impl FnOnce(&AtomicBool) -> T + Sen
     })
 }
 
-/// As [`beside`], for work with long steps: at Ctrl-C it sets the flag and raises `KeyboardInterrupt` without waiting. The work
-/// goes on to its next look at the flag, and what it has found is dropped.
+/// As [`beside`], for work with long steps: at Ctrl-C it sets the flag and raises `KeyboardInterrupt` without waiting.
+/// The work runs until it checks the flag, and its result is dropped.
 ///
 /// # Errors
-/// As of [`beside`].
+/// As [`beside`].
 pub fn apart<T: Send + 'static>(
     py: Python<'_>,
     work: impl FnOnce(&AtomicBool) -> T + Send + 'static,
@@ -44,10 +44,10 @@ pub fn apart<T: Send + 'static>(
     apart_while(py, || true, work)
 }
 
-/// As [`apart`], and ends in the same way where its result is no longer wanted, as that of a worker, which sees no Ctrl-C.
+/// As [`apart`], but it also ends if its result is no longer needed, as in a worker, which cannot receive Ctrl-C.
 ///
 /// # Errors
-/// As of [`beside`], and where the result is not wanted.
+/// As [`beside`], and if the result is not needed.
 pub fn apart_while<T: Send + 'static>(
     py: Python<'_>,
     is_wanted: impl Fn() -> bool + Send + Sync,
@@ -70,7 +70,7 @@ fn not_started(error: std::io::Error) -> PyErr {
     PyRuntimeError::new_err(format!("a thread could not be started: {error}"))
 }
 
-/// Waits for what a worker sends, for what a signal handler raises, or until it is not wanted.
+/// Waits for a worker's message, for an exception of a signal handler, or until the result is not needed.
 fn received<T: Send>(
     py: Python<'_>,
     mut receiver: Receiver<T>,
@@ -85,7 +85,7 @@ fn received<T: Send>(
         match state {
             Ok(result) => return Ok(result),
             Err(RecvTimeoutError::Timeout) => py.check_signals()?,
-            // The sender is dropped where the work panics.
+            // The sender is dropped if the work panics.
             Err(RecvTimeoutError::Disconnected) => {
                 let text = "a fault of the program: the computation panicked";
                 return Err(PyRuntimeError::new_err(text));

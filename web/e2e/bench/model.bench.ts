@@ -20,7 +20,7 @@ test("a dragged load", async ({ app, page }) => {
   ]);
 });
 
-/** Opens the demo's model with a load by hand; gives the handle's place. */
+/** Opens the demo's model with a load by hand; returns the place of the handle. */
 async function openLoad(page: Page): Promise<[number, number]> {
   await page.getByRole("button", { name: "Open a demo" }).first().click();
   await page.waitForURL(/#\/studies\/[^/]+\/measure/);

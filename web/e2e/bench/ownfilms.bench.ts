@@ -37,7 +37,7 @@ test("five films of one's own, at a person's pace, and a killed program", async 
   expect(marked.flatMap(({ lost, misplaced }) => [...lost, ...misplaced])).toEqual([]);
 });
 
-/** Adds the first case files of the folder to the store; gives their studies. */
+/** Adds the first case files of the folder to the store; returns their studies. */
 async function addCases(app: App, folder: string): Promise<string[]> {
   const names = (await readdir(folder)).filter((name) => name.endsWith(".json")).toSorted();
   expect(names.length, `case files in ${folder}`).toBeGreaterThanOrEqual(COUNT);

@@ -130,7 +130,7 @@ async function films(
 ): Promise<{ size: string; opened: number[]; again: number[] }> {
   await app.kill();
   await app.start();
-  // An address that differs after its # only would not load the page again; the session is still valid.
+  // A new address that differs only after its # would not load the page again; the session is still valid.
   await page.goto("about:blank");
   await page.goto(new URL("#/studies/S-050/measure", app.address).href);
   await new FilmPage(page).painted();
@@ -144,7 +144,7 @@ async function films(
   return { size: `${columns} × ${rows}`, opened, again };
 }
 
-/** From the click on a film to its first paint, both as the page has them. */
+/** From the click on a film to its first paint, both measured by the page. */
 async function clicked(page: Page, name: RegExp): Promise<number> {
   await page.evaluate(() => {
     performance.clearMarks();

@@ -3,7 +3,7 @@ import type { Api } from "./types";
 
 export const listAccounts = () => answerOf(api.GET("/api/accounts"));
 
-/** Adds an account, or changes one: what is absent stays. */
+/** Adds an account, or changes one: absent values are kept. */
 export const putAccount = (name: string, body: Api<"AccountEdit">) =>
   answerOf(api.PUT("/api/accounts/{name}", { params: { path: { name } }, body }));
 

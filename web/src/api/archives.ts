@@ -10,6 +10,6 @@ export const searchArchive = (body: Api<"ArchiveSearch">) =>
 export const listArchiveFilms = (body: Api<"ArchiveSeriesChoice">) =>
   answerOf(api.POST("/api/archives/films", { body }));
 
-/** Opens a film, which is an upload from there on. */
+/** Opens a film, which becomes an upload. */
 export const openArchiveFilm = (body: Api<"ArchiveFilmChoice">, signal: AbortSignal) =>
   answerOf(api.POST("/api/archives/open", { body, signal }));

@@ -10,7 +10,7 @@ export class Refusal extends Error {
   constructor(
     readonly status: number,
     readonly problem: Api<"Problem">,
-    /** The whole body: that of a conflict contains the current reading. */
+    /** The whole body: for a conflict it contains the current reading. */
     readonly body: unknown,
   ) {
     super(problem.message);
@@ -76,7 +76,7 @@ async function sendOnce(request: Request): Promise<Response> {
 }
 
 function refused(path: string, status: number, body: unknown): Refusal {
-  // A sign-in with a wrong password ends no session.
+  // A sign-in with a wrong password does not end a session.
   if (status === 401 && path !== "/api/session") listener?.expired();
   const problem = problemOf(body) ?? {
     code: "unknown",

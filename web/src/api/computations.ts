@@ -5,17 +5,17 @@ type Name = Api<"ComputationName">;
 
 const of = (study: string, computation: Name) => ({ params: { path: { study, computation } } });
 
-/** Where a computation in the background stands. */
+/** State of a computation in the background. */
 export type Progress = Pick<Api<"ComputationView">, "state" | "done" | "asked" | "texts">;
 
-/** A computation in the background: what it has found, its begin and its end. */
+/** A computation in the background: its state and results, its start and its cancel. */
 export interface Background<View extends Progress> {
   read: () => Promise<View>;
   begin: () => Promise<View>;
   cancel: () => Promise<View>;
 }
 
-/** A computation of the current results of a study, with so many replicates. */
+/** A computation of the current results of a study, with this number of replicates. */
 export function computationOf(
   study: string,
   name: Name,

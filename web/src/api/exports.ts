@@ -3,7 +3,7 @@ import type { Api } from "./types";
 
 const of = (study: string): string => `/api/studies/${encodeURIComponent(study)}`;
 
-/** What the program writes of a study. */
+/** The export formats of a study. */
 export const listExports = () => answerOf(api.GET("/api/exports"));
 
 export const exportPath = (study: string, name: Api<"ExportName">): string =>
@@ -15,12 +15,12 @@ export const modelPath = (
   format: Api<"ModelFormatName">,
 ): string => `${of(study)}/models/${line}/${format}`;
 
-/** Saves the file at an address under the name that the program gives it; a refusal is thrown. */
+/** Saves the file at an address under the name from the program; a refusal is thrown. */
 export async function save(address: string, signal: AbortSignal): Promise<void> {
   await saveAnswer(await askBytes(address, signal));
 }
 
-/** Saves what was answered under the name that the program gives it. */
+/** Saves a response under the name from the program. */
 export async function saveAnswer(response: Response): Promise<void> {
   const stated = response.headers.get("content-disposition") ?? "";
   saveBlob(await response.blob(), /filename="([^"]+)"/.exec(stated)?.[1] ?? "");
@@ -32,6 +32,6 @@ export function saveBlob(blob: Blob, name: string): void {
   link.download = name;
   link.href = URL.createObjectURL(blob);
   link.click();
-  // The browser has the bytes when the click is handled.
+  // The browser has the bytes after it has handled the click.
   setTimeout(() => URL.revokeObjectURL(link.href), 0);
 }

@@ -30,7 +30,7 @@ export class Latest<Request, Answer> {
     if (age_ms > (this.options.patienceMs ?? Infinity)) this.#running.abort();
   }
 
-  /** Drops the waiting request and aborts the running one, whose answer is no longer needed. */
+  /** Drops the waiting request and aborts the running one, because its answer is not needed. */
   cancel(): void {
     this.#waiting = null;
     this.#running?.abort();

@@ -9,11 +9,11 @@ const of = (study: string, line: LineName) => ({ params: { path: { study, line }
 const path = (study: string, line: LineName): string =>
   `/api/studies/${encodeURIComponent(study)}/loads/${line}`;
 
-/** What can be put on the model of a line of action. */
+/** Loads that are possible on the model of a line of action. */
 export const readLoadMenu = (study: string, line: LineName, signal: AbortSignal) =>
   answerOf(api.GET("/api/studies/{study}/loads/{line}", { ...of(study, line), signal }));
 
-/** The model under the loads of a file, which is sent as it is written. */
+/** The model under the loads of a file, which is sent unchanged. */
 export const simulateLoads = (study: string, line: LineName, file: string, signal: AbortSignal) =>
   answerOf(
     api.POST("/api/studies/{study}/loads/{line}", {
@@ -42,7 +42,7 @@ export const askSimulationFile = (
     body: file,
   });
 
-/** Intervals of the model under the loads of a file, with so many replicates. */
+/** Intervals of the model under the loads of a file, with this number of replicates. */
 export function loadIntervalsOf(
   study: string,
   line: LineName,

@@ -20,7 +20,7 @@ export const recordEvents = (reading: number, body: Api<"NewEvent">) =>
 export const detectVertebrae = (reading: number) =>
   answerOf(api.POST("/api/readings/{reading}/detection", of(reading)));
 
-/** In a plan the answer has no reading: a plan hides the landmarks of what is finished. */
+/** In a plan the answer lacks the reading: a plan hides the landmarks of finished readings. */
 export const finishReading = (reading: number, body: Api<"Finish">) =>
   answerOf(api.POST("/api/readings/{reading}/finish", { ...of(reading), body }));
 

@@ -60,6 +60,6 @@ export const thumbnailPath = (film: number): string => `/api/films/${film}/thumb
 export const uploadThumbnailPath = (upload: string): string =>
   `/api/uploads/${encodeURIComponent(upload)}/thumbnail`;
 
-/** Discards an upload that is in no study. */
+/** Discards an upload that is not in a study. */
 export const discardUpload = (upload: string) =>
   answerOf(api.DELETE("/api/uploads/{upload}", { params: { path: { upload } } }));

@@ -23,7 +23,8 @@ export function hearChanges(
     source.addEventListener("change", (event: MessageEvent<string>) => {
       heard(JSON.parse(event.data) as Api<"Change">);
     });
-    // After a refusal, such as of a session that ended, the browser gives up; what the page asks next says why.
+    // After a refusal, such as after the end of a session, the browser stops; the next request of the page
+    // gives the reason.
     source.addEventListener("error", () => {
       if (source.readyState !== EventSource.CLOSED) return;
       if (wasOpen) back();

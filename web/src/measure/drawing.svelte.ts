@@ -10,7 +10,7 @@ const REACH_CSS = { mouse: 8, touch: 20 };
 
 /** Clicks that a measurement needs. */
 const ENDS = { length: 2, angle: 4 } as const;
-/** An older answer than this is not waited for during a drag. */
+/** Answers that take longer are not awaited during a drag. */
 const PATIENCE_MS = 250;
 
 export type DrawnKind = keyof typeof ENDS;
@@ -66,7 +66,7 @@ export class Drawing implements Pick<Hand, "press" | "drag" | "release" | "aband
     return this.ends.length === ENDS[this.kind];
   }
 
-  /** What to do next; null where the measurement is complete. */
+  /** The next step; null for a complete measurement. */
   get next(): string | null {
     return NEXT[this.kind][this.ends.length] ?? null;
   }
@@ -87,7 +87,7 @@ export class Drawing implements Pick<Hand, "press" | "drag" | "release" | "aband
   drag(at: CssPoint, far: boolean): void {
     if (!far) return;
     if (this.#held === null) {
-      // A press that moves draws a line from where it began, or from the end that was clicked before.
+      // A press that moves draws a line from its start, or from the end that was clicked before.
       if (this.isComplete || this.ends.length % 2 === 0) this.placeAt(this.#film(this.#from));
       this.placeAt(this.#film(at));
       this.#held = this.ends.length - 1;
@@ -141,7 +141,7 @@ export class Drawing implements Pick<Hand, "press" | "drag" | "release" | "aband
     }
   }
 
-  /** The place on the film; beside it, the nearest one. */
+  /** The place on the film, or the nearest one beside it. */
   #film(at: CssPoint): FilmPoint {
     const { columns, rows } = this.viewer.film;
     const [column, row] = filmOf(this.viewer.view, at);

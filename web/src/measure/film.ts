@@ -10,7 +10,7 @@ export interface FilmPicture {
   readonly aspect: number;
   /** Maximum brightness. */
   readonly max: number;
-  /** Window to begin with: the file's first one, or the whole range where it has none. */
+  /** The first window: the file's first one, or the whole range without one. */
   readonly window: GreyWindow;
   /** All windows that a DICOM file has. */
   readonly fileWindows: readonly GreyWindow[];
@@ -58,7 +58,7 @@ export function pictureOf(headers: Headers, bytes: ArrayBuffer): FilmPicture {
   const number = (name: string): number => {
     const value = Number(headers.get(`x-spineline-${name}`) ?? Number.NaN);
     if (!Number.isFinite(value))
-      throw new Error(`the response with the picture has no ${name}; reload the page`);
+      throw new Error(`the response with the picture lacks ${name}; reload the page`);
     return value;
   };
   const [columns, rows] = [number("columns"), number("rows")];
@@ -68,7 +68,7 @@ export function pictureOf(headers: Headers, bytes: ArrayBuffer): FilmPicture {
     );
   }
   const values = new Uint16Array(bytes);
-  // A value above the stated maximum would have no grey level.
+  // A value above the stated maximum would lack a grey level.
   const max = Math.min(65_535, Math.max(1, number("max"), greatest(values)));
   const window = { centre: number("window-center"), width: number("window-width") };
   return {

@@ -59,8 +59,8 @@ export function windowOfShares(
 }
 
 /**
- * The window of a square part of a picture, which shows what is hardly seen in the window of the whole; at least an eighth
- * as wide as that one, so that it does not show noise alone.
+ * The window of a square part of a picture, which shows details that are hardly visible in the window of the whole; at
+ * least an eighth as wide as that one, so that it does not show only noise.
  */
 export function windowOfPart(
   { columns, rows, values }: Plane,

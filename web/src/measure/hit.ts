@@ -35,7 +35,7 @@ export function proposedAt(
   });
 }
 
-/** Where a corner is proposed. */
+/** Place of a proposed corner. */
 export function placeOfProposed(
   proposals: readonly Proposal[],
   landmark: Landmark,

@@ -25,14 +25,14 @@ export async function nameTab(): Promise<string> {
   return name;
 }
 
-/** Not `randomUUID`, which browsers allow on pages with a certificate only. */
+/** Not `randomUUID`, which browsers allow only on pages with a certificate. */
 function freshName(): string {
   return Array.from(crypto.getRandomValues(new Uint32Array(4)), (part) => part.toString(36)).join(
     "",
   );
 }
 
-/** The page before a reload may hold the name for a moment. */
+/** The page before a reload may hold the name briefly. */
 async function holdSoon(name: string): Promise<boolean> {
   const TRIES = 6;
   const PAUSE_MS = 80;

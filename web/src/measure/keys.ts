@@ -102,11 +102,11 @@ function onArrow([x, y]: CssPoint, large: boolean, targets: KeyTargets): boolean
   return true;
 }
 
-/** Moves the selected landmark, or rotates its axis, as it is seen on the screen. */
+/** Moves the selected landmark, or rotates its axis, in the directions of the screen. */
 function nudge(viewer: Viewer, marking: Marking, [x, y]: CssPoint): void {
   const { mirrored } = viewer.view.turn;
   if (marking.selected?.kind !== "axis") marking.nudge(viewer.alongFilm([x, y]));
-  // On a mirrored picture, clockwise as seen is anticlockwise on the film.
+  // On a mirrored picture, clockwise on the screen is anticlockwise on the film.
   else marking.nudge(mirrored ? [-x, -y] : [x, y]);
 }
 

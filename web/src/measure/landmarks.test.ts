@@ -159,7 +159,7 @@ it("counts possible redos while events are being sent", () => {
   expect(stepsAfter(recorded, [redo!, invert, undo!])).toEqual({ undoable: 2, redoable: 1 });
 });
 
-it("the lateral film has corners of its own, and pedicles are placed, moved and gone through", () => {
+it("the lateral film has its own corners, and pedicles are placed, moved and stepped through", () => {
   const frontal = reading();
   const lateral = { ...frontal, image: { ...frontal.image, is_lateral: true } };
   const corner = { kind: "corner", level: "L4", corner: "superior_anterior" };

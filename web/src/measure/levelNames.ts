@@ -13,7 +13,7 @@ export function besideBody(corners: VertebraView["corners"], view: Viewport): Cs
   return [x, y];
 }
 
-/** The names of marked vertebrae, as texts that others keep off. */
+/** The names of marked vertebrae, as texts that others must not cover. */
 export const levelNames = (vertebrae: readonly VertebraView[], view: Viewport): Wanted[] =>
   vertebrae
     .filter(({ corners }) => corners.length > 0)

@@ -32,7 +32,7 @@ import { AGAIN_MS, AGAIN_TIMES, type Lost, type Trouble, WENT_BACK } from "./los
 import * as proposing from "./proposals";
 import { Outbox, type SaveState } from "./outbox";
 import { CRESTS, MISSING, targetOf, type Chosen } from "./target";
-import { TURN_MS, turnedBy, turnedIn, type PreviewWish, type Turning } from "./turning";
+import { TURN_MS, turnedBy, turnedIn, type PreviewInput, type Turning } from "./turning";
 import type { FilmPoint } from "./viewport";
 
 type Preview = Api<"Preview">;
@@ -62,10 +62,8 @@ export class Marking {
   detects = $state(false);
   /** Why the levels of its proposals may be shifted. */
   doubt = $state.raw<string | null>(null);
-  /** What it found there. */
   #found = $state.raw<proposing.Proposal[]>([]);
   lost = $state.raw<Lost | null>(null);
-  /** The last failure. */
   trouble = $state.raw<Trouble | null>(null);
   /** Text for screen readers. */
   said = $state("");
@@ -75,7 +73,7 @@ export class Marking {
     withEvents(this.#preview?.reading ?? this.#recorded, [...this.#pending, ...this.#draft]),
   );
   readonly #canPropose = $derived(proposing.canPropose(this.#recorded));
-  /** How vertebrae are marked: without proposals, two clicks have no corners. */
+  /** The way of marking vertebrae: two clicks need proposals for the corners. */
   readonly way = $derived<proposing.Way>(
     this.#way === "walls" && !this.#canPropose ? "corners" : this.#way,
   );
@@ -112,7 +110,7 @@ export class Marking {
   readonly #outbox: Outbox;
   readonly #keeping: ReadingKeeping;
   readonly #tab: string;
-  readonly #previews: Latest<PreviewWish, Preview>;
+  readonly #previews: Latest<PreviewInput, Preview>;
   readonly #lives: Latest<null, LiveView>;
   readonly #blinded: boolean;
 
@@ -122,8 +120,8 @@ export class Marking {
     this.#tab = tab;
     this.#keeping = reading.mine ? keepingOf(reading, tab) : keepsNothing;
     this.#previews = new Latest(
-      (wish, signal) => this.#askPreview(wish, signal),
-      (preview, wish) => this.#previewed(preview, wish),
+      (input, signal) => this.#askPreview(input, signal),
+      (preview, input) => this.#previewed(preview, input),
       { patienceMs: PATIENCE_MS },
     );
     this.#lives = new Latest(
@@ -138,7 +136,7 @@ export class Marking {
       keeping: this.#keeping,
       saved: (answer) => this.#use(answer.reading, answer.live ?? null),
       conflict: (_, answer, wentBack) => {
-        // The refusal brings what it lost alone; what was lost before stays listed.
+        // The refusal lists only what it lost; earlier losses stay listed.
         this.#use({ ...answer, conflicts: [...this.#recorded.conflicts, ...answer.conflicts] });
         if (wentBack) this.trouble = WENT_BACK;
         void this.#showLost();
@@ -182,12 +180,12 @@ export class Marking {
     this.selected = landmark;
     if (landmark.kind === "axis") {
       this.#turning = { level: landmark.level, towards: to, isAnswered: false };
-      this.#wish({ events: this.#pending, turn: this.#turning });
+      this.#sendPreview({ events: this.#pending, turn: this.#turning });
       return;
     }
     this.#turning = null;
     this.#draft = this.#placingAt(landmark, round(to));
-    this.#wish({ events: [...this.#pending, ...this.#draft] });
+    this.#sendPreview({ events: [...this.#pending, ...this.#draft] });
   }
 
   /** Records the dragged landmark. */
@@ -233,10 +231,13 @@ export class Marking {
       landmark.kind === "axis" ? turnedBy(this.reading, landmark, by) : this.#moved(landmark, by);
     if (!event) return;
     this.#outbox.push([event], `nudge ${wordsOf(landmark)}`);
-    this.#wish({ events: this.#pending });
+    this.#sendPreview({ events: this.#pending });
   }
 
-  /** Draws the proposals of all vertebrae, or of those to be accepted only; finds them in the picture where too little is marked. */
+  /**
+   * Draws the proposals of all vertebrae, or only those to be accepted; detects them in the picture if too little is
+   * marked.
+   */
   async togglePropose(): Promise<void> {
     if (!this.mayPropose || this.detects) return;
     this.proposes = !this.proposes;
@@ -254,7 +255,7 @@ export class Marking {
   /** Accepts the proposals of the vertebrae that the reader has looked at, as one change. */
   acceptProposals(): void {
     const proposals = this.acceptable;
-    // A place that is on its way to the program moves them.
+    // A place that is being sent moves them.
     if (proposals.length === 0 || this.#pending.length > 0) return;
     this.#record([proposing.accepting(proposals)]);
     this.said = `${proposals.map(({ level }) => level).join(", ")} accepted as proposed`;
@@ -422,16 +423,16 @@ export class Marking {
     if (!this.#blinded) this.#lives.send(null);
   }
 
-  #wish(wish: Omit<PreviewWish, "at">): void {
-    this.#previews.send({ ...wish, at: performance.now() });
+  #sendPreview(input: Omit<PreviewInput, "at">): void {
+    this.#previews.send({ ...input, at: performance.now() });
   }
 
-  #askPreview({ events, turn }: Omit<PreviewWish, "at">, signal: AbortSignal): Promise<Preview> {
+  #askPreview({ events, turn }: Omit<PreviewInput, "at">, signal: AbortSignal): Promise<Preview> {
     const turn_axis = turn ? { level: turn.level, towards_px: [...turn.towards] } : null;
     return previewReading(this.#recorded.reading, { events: [...events], turn_axis }, signal);
   }
 
-  #previewed(preview: Preview, { turn, at }: PreviewWish): void {
+  #previewed(preview: Preview, { turn, at }: PreviewInput): void {
     this.#preview = preview;
     const turned = turn && turnedIn(preview, turn.level);
     if (turned) {
@@ -446,14 +447,14 @@ export class Marking {
   async #dropTurn(turn: Turning, draft: readonly Event[]): Promise<void> {
     const what = `${turn.level} – axis not rotated`;
     try {
-      const wish = { events: this.#pending, turn };
-      const preview = await this.#askPreview(wish, AbortSignal.timeout(TURN_MS));
+      const input = { events: this.#pending, turn };
+      const preview = await this.#askPreview(input, AbortSignal.timeout(TURN_MS));
       const turned = turnedIn(preview, turn.level);
       if (this.#draft === draft) this.#draft = [];
       if (turned) {
         this.#preview = preview;
         this.#record([turned]);
-      } else this.trouble = { what, error: "its vertebra has no landmarks any more" };
+      } else this.trouble = { what, error: "its vertebra lost its landmarks" };
     } catch (error) {
       // Another drag may have begun.
       if (this.#draft === draft && this.#turning === null) this.abandonDrag();
@@ -468,7 +469,7 @@ export class Marking {
 
   /** A dragged corner of a proposal accepts the other three corners too. */
   #placingAt(landmark: Landmark, at: FilmPoint): Event[] {
-    // Those of the recorded reading: the drag itself must not make its proposal vanish.
+    // Proposals of the recorded reading: the drag itself must not make its proposal vanish.
     const open = proposing.openProposals(this.#recorded, this.#found);
     const proposal = "level" in landmark && open.find(({ level }) => level === landmark.level);
     const isPlaced = this.#recorded.vertebrae.some(

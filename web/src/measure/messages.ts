@@ -5,7 +5,7 @@ import { helpOf, messageOf } from "../shell/errors";
 export interface Message {
   severity: Api<"Severity">;
   text: string;
-  /** What to do about it. */
+  /** The remedy. */
   help?: string | null;
   /** Its button, such as `Try again`. */
   action?: { label: string; run: () => void };

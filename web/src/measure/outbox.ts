@@ -43,8 +43,8 @@ export interface OutboxOptions {
   /** The reading after events that were recorded. */
   saved(answer: Preview): void;
   /**
-   * Other changes came first, or the program lacks changes that it had acknowledged (`wentBack`): these events are not recorded; the
-   * current reading is given.
+   * Other changes came first, or the program lacks acknowledged changes (`wentBack`): these events are not recorded,
+   * and the current reading is given.
    */
   conflict(lost: readonly Event[], reading: ReadingView, wentBack: boolean): void;
   /** The program refuses these events. */

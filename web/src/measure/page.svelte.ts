@@ -50,7 +50,7 @@ export class StudyPage {
     );
   }
 
-  /** Whether blinded readings can be planned: nobody has read the study. */
+  /** Whether blinded readings can be planned: the study must have no readings. */
   get mayPlan(): boolean {
     return (
       this.detail !== null &&

@@ -43,7 +43,7 @@ it("waits for the program without a message, and shows what it refuses", async (
   expect(page.problem).toBeNull();
   expect(page.films).toEqual([]);
 
-  const refusal = { code: "not_found", message: "there is no such study" };
+  const refusal = { code: "not_found", message: "the study does not exist" };
   vi.stubGlobal("fetch", () => Promise.resolve(Response.json(refusal, { status: 404 })));
   await page.refresh();
   expect(page.problem?.what).toBe("The study could not be loaded");

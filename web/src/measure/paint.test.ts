@@ -6,7 +6,7 @@ import { Pyramid } from "./pyramid";
 import { UPRIGHT, type Turn } from "./turn";
 import { cssOf } from "./viewport";
 
-/** Node has no canvas; painting needs these parts of `ImageData` only. */
+/** Node lacks a canvas; painting needs only these parts of `ImageData`. */
 function target(width: number, height: number): ImageData {
   return { width, height, data: new Uint8ClampedArray(4 * width * height) } as ImageData;
 }

@@ -3,7 +3,7 @@ import type { Api } from "../api/types";
 /** A person who may be chosen as an observer. */
 export interface Candidate {
   name: string;
-  /** Why the person cannot read in the study; null where nothing stands against it. */
+  /** Why the person cannot read in the study; null for permission. */
   trouble: string | null;
 }
 

@@ -36,7 +36,7 @@ it("are the file's windows, and those between parts of the pixels", () => {
   expect(sameWindow(presets[0]!.window, picture.window)).toBe(true);
 });
 
-it("have none of a file without windows", () => {
+it("lack file windows for a file without windows", () => {
   const labels = presetsOf({ ...picture, fileWindows: [] }).map(({ label }) => label);
   expect(labels[0]).toBe("Bone");
 });

@@ -8,13 +8,13 @@ export interface Preset {
 }
 
 /**
- * Parts of the pixels, by their brightness, between which bone and soft tissue of a film of a whole spine lie (assumption): the
+ * Limits of bone and soft tissue on a film of a whole spine, as parts of the pixels by brightness (assumption): the
  * darker half is air, lungs and soft tissue; the brightest pixels are bone, markers and metal.
  */
 const BONE = [0.5, 0.998] as const;
 const SOFT = [0.05, 0.8] as const;
 
-/** The windows of the file, and those for bone, for soft tissue and for everything. */
+/** The file's windows, and windows for bone, for soft tissue and for everything. */
 export function presetsOf({ max, fileWindows, pyramid }: FilmPicture): Preset[] {
   // The smallest size has the same brightness, and is counted at once.
   const plane = pyramid.levels.at(-1)!;

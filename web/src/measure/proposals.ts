@@ -18,7 +18,7 @@ export const WAY_WORDS: Record<Way, string> = {
 
 const WAY = "spineline.marking-way";
 
-/** The way that was taken last in this browser. */
+/** The last way in this browser. */
 export const lastWay = (): Way => (lasting.get(WAY) === "walls" ? "walls" : "corners");
 
 export function keepWay(way: Way): void {
@@ -47,15 +47,16 @@ export function openProposals(reading: ReadingView, found: readonly Proposal[]):
     const walls = of(level)?.walls;
     return walls?.left_px != null || walls?.right_px != null;
   };
-  // What the reader has marked says more than the picture, whose levels may be shifted: never both.
+  // Proposals from the reader's landmarks are better than from the picture, whose levels may be
+  // shifted: never both.
   const all =
     reading.proposals.length > 0 ? reading.proposals : found.filter(({ level }) => !hasWall(level));
   return all.filter(({ level }) => (of(level)?.corners.length ?? 0) === 0);
 }
 
 /**
- * The proposals that one key accepts: those of all vertebrae whose walls the reader has marked, else that of the next vertebra alone.
- * Without its walls a vertebra is proposed for two clicks only on request.
+ * The proposals that one key accepts: of all vertebrae whose walls the reader has marked, else only of the next
+ * vertebra. Without its walls a vertebra is proposed for two clicks only on request.
  */
 export function acceptable(
   reading: ReadingView,
@@ -85,7 +86,7 @@ export function accepting(proposals: readonly Proposal[]): Event {
   return { kind: "accept_corners", vertebrae };
 }
 
-/** The vertebrae that the program finds in the picture, and what to know about them. */
+/** The vertebrae that the program finds in the picture, with its doubts. */
 export async function detected(
   reading: number,
 ): Promise<{ found: Proposal[]; doubt: string | null; trouble: Trouble | null }> {

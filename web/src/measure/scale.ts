@@ -1,7 +1,7 @@
 import type { Api } from "../api/types";
 import { fixed } from "../shell/number";
 
-/** What a scale decides of a film. */
+/** The properties of a film that a scale changes. */
 type Film = Pick<Api<"FilmSummary">, "rows" | "row_mm" | "pixel_aspect">;
 
 /** Mean width of the bodies with four corners, between the middles of their walls; null without any. */
@@ -26,7 +26,7 @@ export function meanWidth_mm(
   return widths.reduce((sum, width) => sum + width, 0) / widths.length;
 }
 
-/** What a new scale of a film has moved, such as `0.143 → 0.125 mm per row; film 572 → 500 mm high`. */
+/** The effect of a new scale on a film, such as `0.143 → 0.125 mm per row; film 572 → 500 mm high`. */
 export function movedText(
   before: Film,
   after: Film,

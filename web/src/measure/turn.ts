@@ -1,4 +1,4 @@
-/** A quarter of a turn clockwise, so many times. */
+/** Number of clockwise quarter turns. */
 export type Quarters = 0 | 1 | 2 | 3;
 
 /** How a film is turned on the screen, for display only: first mirrored left to right, then turned. */
@@ -31,7 +31,7 @@ export const flipped = ({ mirrored, quarters }: Turn): Turn => ({
 export function axesOf({ mirrored, quarters }: Turn): { columns: Direction; rows: Direction } {
   const turned = (direction: Direction): Direction => {
     let [x, y] = direction;
-    // Positive zero: a negative one would be another value to a test.
+    // Positive zero: tests distinguish a negative one.
     for (let i = 0; i < quarters; i += 1) [x, y] = [0 - y, x];
     return [x, y];
   };
@@ -41,7 +41,7 @@ export function axesOf({ mirrored, quarters }: Turn): { columns: Direction; rows
 /** Whether rows of the film are columns of the screen. */
 export const isOnItsSide = ({ quarters }: Turn): boolean => quarters % 2 === 1;
 
-/** What a person must know of a film that is not shown as it is stored; null where it is. */
+/** A text about a film that is not shown as stored; else null. */
 export function turnText({ mirrored, quarters }: Turn): string | null {
   const turned = ["", "turned 90° clockwise", "turned 180°", "turned 90° anticlockwise"][quarters];
   const words = [mirrored ? "mirrored" : "", turned].filter(Boolean).join(", then ");

@@ -11,7 +11,7 @@ export interface Turning {
   readonly towards: FilmPoint;
 }
 
-export interface PreviewWish {
+export interface PreviewInput {
   readonly events: readonly Event[];
   readonly turn?: Turning;
   /** Time of the pointer's move. */
@@ -31,7 +31,7 @@ export function turnedBy(
   return { kind: "set_axis", level, axis_deg: tenths / 10 };
 }
 
-/** The event of an axis as the program has turned it. */
+/** The event of an axis as turned by the program. */
 export function turnedIn(preview: Api<"Preview">, level: string): Event | null {
   const axis = preview.reading.vertebrae.find((vertebra) => vertebra.level === level)?.axis;
   return axis ? { kind: "set_axis", level, axis_deg: axis.axis_deg } : null;

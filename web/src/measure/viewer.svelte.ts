@@ -69,7 +69,7 @@ export class Viewer {
     this.#linked = other;
   }
 
-  /** What is moved by a person here. */
+  /** The views that a person moves here. */
   get #moved(): Viewer[] {
     return this.#linked ? [this, this.#linked] : [this];
   }

@@ -139,7 +139,7 @@ describe.each(TURNS)("shown %o", (turn) => {
   });
 });
 
-it("says how a film is turned, and nothing of one that is not", () => {
+it("describes a turned film, and is empty for others", () => {
   expect(turnText(UPRIGHT)).toBeNull();
   expect(turnText(flipped(clockwise(UPRIGHT)))).toMatch(/^Shown mirrored, then turned 90° anti/);
   expect(turnText(clockwise(clockwise(flipped(flipped(UPRIGHT)))))).toMatch(/^Shown turned 180°\./);

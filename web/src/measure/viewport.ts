@@ -101,7 +101,7 @@ export function pan(view: Viewport, by: CssPoint, film: FilmSize, size: Size): V
   return kept({ ...view, left: view.left + by[0], top: view.top + by[1] }, film, size);
 }
 
-/** Turns or mirrors; what was in the middle of the view stays there. */
+/** Turns or mirrors about the middle of the view. */
 export function turned(view: Viewport, turn: Turn, film: FilmSize, size: Size): Viewport {
   const middle = [size.width / 2, size.height / 2] as const;
   return kept(placed({ ...view, turn }, filmOf(view, middle), middle), film, size);

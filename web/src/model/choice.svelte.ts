@@ -7,7 +7,7 @@ type PostureName = Api<"PostureName">;
 /** Layout of simulated and measured spines. */
 export type Layout = "overlay" | "beside" | "one";
 
-/** Whether the fit gave stiffness; single films may have no result. */
+/** Whether the fit gave stiffness; single films may lack a result. */
 export function hasStiffness(line: Api<"LineModelView">): boolean {
   return line.multipliers.every((one) => one.identified !== "not_converged");
 }

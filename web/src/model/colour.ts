@@ -8,7 +8,7 @@ export const STIFFNESS_TOKENS = [0, 1, 2, 3, 4, 5, 6].map((step) => `--stiffness
 const light = new MediaQuery("(prefers-color-scheme: light)");
 const known = new Map<string, string>();
 
-/** The theme that the system asks for; it may change while a page is open. */
+/** The theme of the system; it may change while a page is open. */
 export const themeName = (): "light" | "dark" => (light.current ? "light" : "dark");
 
 /** Value of a colour of the theme. It is cached for each theme, because reading it triggers a layout. */

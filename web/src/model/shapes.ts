@@ -64,7 +64,7 @@ export function extent(shapes: readonly Shape[], bodies: readonly BodySize[]): [
 /** An entry that the interface guarantees; its absence is a bug of the program. */
 export function at<T>(list: readonly T[], index: number): T {
   const entry = list[index];
-  if (entry === undefined) throw new Error(`the model has no entry ${index} of ${list.length}`);
+  if (entry === undefined) throw new Error(`the model lacks entry ${index} of ${list.length}`);
   return entry;
 }
 

@@ -22,7 +22,7 @@ const view: Api<"OptionsView"> = {
   options: [option("support", "frontal"), option("inflections", "")],
 };
 
-test("only what was written anew is sent", () => {
+test("only new values are sent", () => {
   const draft = draftOf(view);
   expect(changesOf(view, draft)).toEqual([]);
   expect(changesOf(view, { ...draft, support: " frontal " })).toEqual([]);
@@ -31,7 +31,7 @@ test("only what was written anew is sent", () => {
   ]);
 });
 
-test("of an opened file its text is sent, unless something else is chosen after it", () => {
+test("the text of an opened file is sent, unless another value is chosen after it", () => {
   const files = { support: { name: "own.json", text: "{}" } };
   expect(changesOf(view, { ...draftOf(view), support: "own.json" }, files)).toEqual([
     { name: "support", value: "{}", file: "own.json" },

@@ -1,6 +1,6 @@
 import type { Api } from "../api/types";
 
-/** Values as they are written, by the name of the option. */
+/** Entered values, by the name of the option. */
 export type Draft = Record<string, string>;
 
 /** Files that were opened and not sent yet, by the name of the option. */
@@ -9,7 +9,7 @@ export type OpenedFiles = Record<string, { name: string; text: string }>;
 export const draftOf = (view: Api<"OptionsView">): Draft =>
   Object.fromEntries(view.options.map(({ name, value }) => [name, value]));
 
-/** The options whose written value is another than the stored one. */
+/** The options whose entered value differs from the stored one. */
 export const changesOf = (
   view: Api<"OptionsView">,
   draft: Draft,

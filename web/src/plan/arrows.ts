@@ -7,7 +7,7 @@ const HEAD_MM = 6;
 /** Distance of a number from the free end of its arrow. */
 const NUMBER_MM = 9;
 
-/** An arrow in space; that of a pad ends at its vertebra. Null for moments and without a force. */
+/** An arrow in space; a pad's arrow ends at its vertebra. Null for moments and without a force. */
 export function endsOf(
   arrow: Api<"LoadArrow">,
   isPad: boolean,
@@ -22,7 +22,7 @@ export function endsOf(
   return isPad ? { from: free, tip: point } : { from: point, tip: free };
 }
 
-/** The same in a frontal picture, with its head and the place of its number; null where it is seen end on. */
+/** The same in a frontal picture, with its head and the place of its number; null if it is seen end on. */
 export function arrowOf(arrow: Api<"LoadArrow">, isPad: boolean, sign: 1 | -1) {
   const ends = endsOf(arrow, isPad);
   if (!ends) return null;

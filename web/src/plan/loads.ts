@@ -10,7 +10,7 @@ export function textOf(loads: readonly Load[]): string {
   return `${JSON.stringify({ format: "spineline-load", version: 1, loads }, null, 2)}\n`;
 }
 
-/** The loads of a file that the program has read, or that this page has kept; null for any other text. */
+/** The loads of a file that the program or this page has written; null for any other text. */
 export function loadsOf(text: string): Load[] | null {
   try {
     const file = JSON.parse(text.replace(/^\uFEFF/, "")) as { loads?: unknown };
@@ -50,7 +50,7 @@ export type Field =
 
 const LEVEL: Field = { key: "level", type: "level", label: "Vertebra" };
 
-/** Units of a field; `{force}` stands for that of the model. */
+/** Units of a field; `{force}` is replaced by the model's unit. */
 const vector = (key: string, label: string, unit: string, ways: Ways) => ({
   key,
   type: "vector" as const,
@@ -67,7 +67,7 @@ const number = (key: string, label: string, unit: string, limits: [number, numbe
   limits,
 });
 
-/** The midpoint in nearly all plans, so that its fields are folded. */
+/** The midpoint in nearly all plans, so its fields are folded. */
 const POINT: Field = {
   ...vector("point_in_vertebra_mm", "Point on the vertebra", "mm", OWN),
   isRare: true,
@@ -113,7 +113,7 @@ export function fieldsOf(kind: Kind, force: string): Field[] {
   );
 }
 
-/** A value of a load by its key; a key that is not given has the value of the file format. */
+/** A value of a load by its key; a missing key has the default of the file format. */
 export function valueOf(load: Load, key: string): unknown {
   const value = (load as unknown as Record<string, unknown>)[key];
   if (value !== undefined) return value;
@@ -124,7 +124,7 @@ export function valueOf(load: Load, key: string): unknown {
 export const withValue = (load: Load, key: string, value: unknown): Load =>
   ({ ...load, [key]: value }) as Load;
 
-/** The vertebra that a load is shown at. */
+/** The vertebra at which a load is shown. */
 export function levelOf(load: Load): string | null {
   if ("level" in load) return load.level;
   return "superior" in load ? load.superior : null;

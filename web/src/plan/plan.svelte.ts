@@ -13,20 +13,20 @@ const SPOKEN_MS = 700;
 /** Loads on the model of a study, kept in this browser, with the program's simulation of them. */
 export class Plan {
   loads = $state.raw<Loads>([]);
-  /** The load that is edited. */
+  /** The edited load. */
   chosen = $state<number | null>(null);
   answer = $state.raw<Api<"LoadedModel"> | null>(null);
   problem = $state.raw<unknown>(null);
-  /** The shape on the way that is shown; null for the last one. */
+  /** The displayed shape on the path; null for the last one. */
   step = $state<number | null>(null);
   /** The film beside which the result is shown. */
   compared = $state<Api<"PostureName"> | null>(null);
-  /** Intervals that were computed last, under these or other loads. */
+  /** The last computed intervals, under these or other loads. */
   intervals = $state.raw<Api<"LoadIntervalsView"> | null>(null);
   /** Text for screen readers, updated at intervals. */
   spoken = $state("");
 
-  /** The loads that the answer belongs to. */
+  /** The loads of the answer. */
   #answered = $state.raw<Loads | null>(null);
   #past = $state.raw<readonly Loads[]>([]);
   #future = $state.raw<readonly Loads[]>([]);
@@ -56,7 +56,7 @@ export class Plan {
     this.loads = (kept && loadsOf(kept)) || [];
   }
 
-  /** Whether the answer is that of the loads as they are. */
+  /** Whether the answer belongs to the current loads. */
   get isCurrent(): boolean {
     return this.answer !== null && this.#answered === this.loads;
   }
@@ -65,7 +65,7 @@ export class Plan {
     return this.answer?.simulation ?? null;
   }
 
-  /** Whether the intervals were computed under other loads than those of the plan. */
+  /** Whether the intervals belong to other loads than the current ones. */
   get areIntervalsOfOthers(): boolean {
     const { intervals } = this;
     return (
@@ -73,18 +73,18 @@ export class Plan {
     );
   }
 
-  /** Intervals of the rows of the table of angles, under the loads as they are. */
+  /** Intervals of the rows of the table of angles, under the current loads. */
   get intervalRows(): Api<"LoadIntervalRow">[] {
     return this.isCurrent && !this.areIntervalsOfOthers ? (this.intervals?.rows ?? []) : [];
   }
 
-  /** The shape on the way that is shown. */
+  /** The displayed shape on the path. */
   get shown(): Api<"LoadStep"> | null {
     const steps = this.simulation?.steps ?? [];
     return steps[this.step ?? steps.length - 1] ?? steps.at(-1) ?? null;
   }
 
-  /** Whether the shape that is shown is the result. */
+  /** Whether the displayed shape is the result. */
   get isResult(): boolean {
     const { simulation } = this;
     return (simulation?.converged ?? false) && this.shown === simulation?.steps.at(-1);
@@ -113,7 +113,7 @@ export class Plan {
     this.chosen = this.loads.length - 1;
   }
 
-  /** Replaces a load; changes with the same word that follow at once are one for the undo. */
+  /** Replaces a load; consecutive changes with the same word are undone together. */
   edit(index: number, load: Load, word: string): void {
     const now_ms = performance.now();
     const isSame = this.#last?.word === word && now_ms - this.#last.at_ms < TOGETHER_MS;
@@ -150,7 +150,7 @@ export class Plan {
     this.#put(after);
   }
 
-  /** Takes the loads of a file that the program reads; a file that it refuses changes nothing. */
+  /** Opens the loads of a file that the program can read; a refused file changes nothing. */
   async open(text: string, signal: AbortSignal): Promise<void> {
     const answer = await simulateLoads(this.study, this.line(), text, signal);
     const loads = loadsOf(text);

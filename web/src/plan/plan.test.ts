@@ -84,7 +84,7 @@ it("undoes and redoes, and takes digits of one number together", () => {
   own.leave();
 });
 
-it("shows nothing of other loads, and no words of loads that have changed since", async () => {
+it("hides results of other loads, and texts of loads that have changed since", async () => {
   const own = plan();
   own.add(PAD);
   await settled();

@@ -1,11 +1,13 @@
-/** A number as people write it, with a decimal point or a decimal comma; null for everything else, digit groups among it. */
+/**
+ * A number as people write it, with a decimal point or a decimal comma; null for other texts, including digit groups.
+ */
 export function parseDecimal(text: string): number | null {
   const written = /^\s*([+-]?)(\d+(?:[.,]\d*)?|[.,]\d+)\s*$/.exec(text);
   if (!written) return null;
   return Number(`${written[1] ?? ""}${(written[2] ?? "").replace(",", ".")}`);
 }
 
-/** What is wrong with a written number, as text; null where nothing is. */
+/** The fault of an entered number, as text; null without one. */
 export function decimalFault(
   text: string,
   [min, max]: [number, number],

@@ -22,7 +22,7 @@ export class Loaded<T> {
   };
 }
 
-/** What must be back before the next attempt; null where the person decides. */
+/** What must be back before the next attempt; null if the person decides. */
 export function backAfter(error: unknown): Promise<void> | null {
   if (error instanceof Unreachable) return connection.back();
   if (error instanceof Refusal && error.status === 401) return session.back();

@@ -86,7 +86,7 @@ class Router {
     window.location.hash = addressOf(page);
   }
 
-  /** Goes to a page in place of the current one, to which the browser then does not return. */
+  /** Replaces the current page, so that the browser does not return to it. */
   replace(page: Page): void {
     window.location.replace(addressOf(page));
   }

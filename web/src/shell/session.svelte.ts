@@ -49,7 +49,7 @@ class Session {
     this.token = null;
   }
 
-  /** Another password for this account: the program gives the browser another session. */
+  /** Changes this account's password: the program gives the browser a new session. */
   async changePassword(change: Api<"PasswordChange">): Promise<void> {
     this.#use(await putPassword(change));
   }

@@ -67,7 +67,7 @@ const LINES: Words<Api<"LineName">> = {
 /** Postures in the usual order. */
 export const postures = Object.keys(POSTURES) as Api<"PostureName">[];
 
-/** What films show, in the usual order. */
+/** The views of films, in the usual order. */
 export const filmViews = Object.keys(VIEWS) as Api<"FilmViewName">[];
 
 /** The posture on a frontal film. */

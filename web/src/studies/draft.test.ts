@@ -32,7 +32,7 @@ const SPACING = {
 } as const;
 
 describe("answers", () => {
-  it("are open where the file has no value: side, posture and scale are never assumed", () => {
+  it("are open where the file lacks a value: side, posture and scale are never assumed", () => {
     const answers = answersOf(view());
     expect(answers).toMatchObject({ posture: null, patient_left: null, scale: null });
     const fields = openQuestions(answers, []).map((open) => open.field);

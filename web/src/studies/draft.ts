@@ -3,10 +3,10 @@ import { filmViews, imageSideWord, viewWord } from "../shell/words";
 
 export type ScaleKind = Api<"ScaleChoice">["kind"];
 
-/** Answers about a film; null is not answered. */
+/** Answers about a film; null means open. */
 export interface Answers {
   posture: Api<"FilmViewName"> | null;
-  /** Of a lateral film, where the patient's front is. */
+  /** On a lateral film, the side of the patient's front. */
   patient_left: Api<"ImageSideName"> | null;
   /** Whether a lateral film was exposed together with the erect one. */
   simultaneous: boolean;
@@ -25,7 +25,10 @@ export function postureInName(name: string): Api<"FilmViewName"> | null {
   return named.length === 1 ? (named[0] ?? null) : null;
 }
 
-/** Answers from the file. From its name only the posture is taken, and the page asks to check it. Other values stay open: none is assumed. */
+/**
+ * Answers from the file. Only the posture is taken from its name, and the page asks to check it. Other values stay
+ * open and are never assumed.
+ */
 export function answersOf(view: Api<"UploadView">, name = ""): Answers {
   return {
     posture: view.posture ?? postureInName(name),
@@ -39,7 +42,7 @@ export function answersOf(view: Api<"UploadView">, name = ""): Answers {
   };
 }
 
-/** Another posture or view; where left and front are exchanged by it, the side is taken from the file or asked again. */
+/** Another posture or view; if left and front are exchanged by it, the side is taken from the file or asked again. */
 export function choose(
   answers: Answers,
   view: Api<"UploadView">,
@@ -131,7 +134,7 @@ export function filmOf(answers: Answers, view: Api<"UploadView">): Api<"NewFilm"
 
 function scaleOf({ posture, scale, column_mm, row_mm, ...rest }: Answers): Api<"ScaleChoice"> {
   if (scale !== "stated") return { kind: scale ?? "pixels" };
-  // The scale of a lateral film is compared with that of the erect film, whatever its plane.
+  // The scale of a lateral film is compared with the erect film's, in any plane.
   const plane = posture === "lateral" ? "unknown" : rest.plane;
   if (column_mm === null || row_mm === null || plane === null)
     throw new Error("a film has open questions");

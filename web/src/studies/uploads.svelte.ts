@@ -5,12 +5,12 @@ import type { Api } from "../api/types";
 
 const AT_ONCE = 3;
 
-/** How a film comes to the program; reports the fraction sent where it is known. */
+/** A way to bring a film to the program; reports the fraction sent, if known. */
 type Way = (onsent: (fraction: number) => void, signal: AbortSignal) => Promise<Api<"UploadView">>;
 
-/** A film that is on its way to the program. */
+/** A film that is being sent to the program. */
 export class Sent {
-  /** Fraction sent, 0 to 1; null where it is not known. */
+  /** Fraction sent, 0 to 1; null if unknown. */
   fraction = $state<number | null>(null);
   /** Content of the file as the program read it. */
   view = $state.raw<Api<"UploadView"> | null>(null);
@@ -83,7 +83,7 @@ export class Uploads {
     sent.stop();
     this.#queue = this.#queue.filter((other) => other !== sent);
     this.all = this.all.filter((other) => other !== sent);
-    // The program forgets it in time anyway; until then it takes room of which there is little.
+    // The program would forget it later; until then it takes scarce room.
     const upload = sent.view?.upload;
     if (upload !== undefined && !this.#used.has(upload))
       void discardUpload(upload).catch(() => undefined);
@@ -94,7 +94,7 @@ export class Uploads {
     for (const upload of uploads) this.#used.add(upload);
   }
 
-  /** The page is left: what no study has taken is not needed. */
+  /** The page is left: uploads without a study are not needed. */
   close(): void {
     for (const sent of [...this.all]) this.remove(sent);
   }

@@ -31,7 +31,7 @@ const LETTER = 0.6;
 const ROWS = [0, 1, -1, 2, -2, 3, -3];
 
 /**
- * Places of texts such that none covers one before it: the first texts have the first choice. Where all places are taken, a
+ * Places of texts so that none covers an earlier one: the first texts have the first choice. If all places are taken, a
  * text stands at its first one. Some texts are drawn already, at their first place.
  */
 export function apart(

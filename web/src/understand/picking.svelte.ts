@@ -19,19 +19,19 @@ export class Picking {
   #before = $state.raw<string[]>([]);
 
   readonly mayChange = $derived(this.#view?.may_change ?? false);
-  /** The value of the option; empty where the inflections are found on the erect film. */
+  /** The value of the option; empty if the inflections are found on the erect film. */
   readonly value = $derived(this.#view?.options.find(({ name }) => name === OPTION)?.value ?? "");
   readonly canUndo = $derived(this.#before.length > 0);
 
   constructor(
     readonly study: string,
-    /** Called after a change: the results are other ones. */
+    /** Called after a change, because the results differ. */
     readonly onchange: () => void,
   ) {}
 
   async load(): Promise<void> {
     const view = await readOptions(this.study);
-    // An answer that is older than a change of one's own says nothing new.
+    // An answer older than the user's own change is ignored.
     if (this.#view && view.revision < this.#view.revision) return;
     const was = this.#view && this.value;
     this.#view = view;

@@ -1,4 +1,4 @@
-/** Farthest click that still picks a place. */
+/** Largest distance of a click that still picks a place. */
 const REACH_CSS = 40;
 
 interface Place {
@@ -6,7 +6,7 @@ interface Place {
   at: readonly [number, number];
 }
 
-/** The place nearest to a point of the screen; null where none is near. */
+/** The place nearest to a point of the screen; null if all are far. */
 export function nearestSite(places: Place[], [x, y]: readonly [number, number]): string | null {
   let found: string | null = null;
   let least = REACH_CSS;

@@ -2,13 +2,13 @@
 
 /// Kinds of evidence, by the beginning of their heading in `validation/README.md`, each with what it can show.
 const EVIDENCE: [(&str, &str); 4] = [
-    ("Verification", "the equations are solved right"),
+    ("Verification", "the equations are solved correctly"),
     ("Calibration", "the method finds the truth that made synthetic films"),
     ("Held-out validation", "real spines do what the model predicts"),
     ("Uncertainty", "how far a number may be off"),
 ];
 
-/// The parts that say what the evidence is for.
+/// The parts that state the purpose of the evidence.
 const FRAME: [&str; 3] = ["Question of interest", "Context of use", "Model risk"];
 
 /// A part of the file below a heading of the second level.
@@ -41,8 +41,8 @@ pub fn page(evidence: &str) -> Result<String, String> {
     };
     let mut page = String::from(
         "# Credibility\n\n\
-         In the order of ASME V&V 40: what is asked, in which context the answer is used, what is at risk if it is wrong, and \
-         the evidence, each kind on a line of its own. None of them stands for another.\n\n",
+         In the order of ASME V&V 40: the question, the context of use, the risk of a wrong answer, and the evidence, each \
+         kind on its own line. One kind does not replace another.\n\n",
     );
     for name in FRAME {
         page.push_str(&format!("## {name}\n\n{}\n\n", named(name)?.text));
@@ -65,7 +65,7 @@ pub fn page(evidence: &str) -> Result<String, String> {
     Ok(page)
 }
 
-/// The same text where links to files of the repository, which the book does not have, are words.
+/// The text with links to files of the repository, which the book lacks, as plain words.
 fn without_links(text: &str) -> String {
     let mut plain = String::new();
     let mut rest = text;
@@ -88,7 +88,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn every_kind_of_evidence_has_its_line_and_what_is_missing_says_so() {
+    fn every_kind_of_evidence_has_its_line_and_a_missing_one_says_so() {
         let text = concat!(env!("CARGO_MANIFEST_DIR"), "/../validation/README.md");
         let page = page(&std::fs::read_to_string(text).expect("a file")).expect("a page");
         for (name, _) in EVIDENCE {

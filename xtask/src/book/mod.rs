@@ -1,8 +1,9 @@
-//! `cargo xtask docs`: one book of the guide, the reference of the Python package, the notebooks as they ran, and two pages that are made
-//! from what the project knows of itself.
+//! `cargo xtask docs`: one book of the guide, the reference of the Python package, the executed notebooks, and two
+//! pages from the project's own data.
 //!
-//! mdBook comes as a wheel, as the other programs of the checks do: building it here would take as long as everything else,
-//! and Debian has no package of it. The book needs no network, nor does making it once the wheel is installed.
+//! mdBook comes as a wheel, as the other programs of the checks do: building it here would take as long as everything
+//! else, and Debian does not package it. The book needs no network, and making it needs none once the wheel is
+//! installed.
 
 mod credibility;
 mod paper;
@@ -59,7 +60,7 @@ fn python_reference(root: &Path, page: &Path) -> Result<(), String> {
     run(root, &interpreter, &[&script, &package, &page], &[("PYTHONDONTWRITEBYTECODE", "1")])
 }
 
-/// Copies the guide afresh: no page of an older one is left.
+/// Replaces the guide: pages of an older one are removed.
 fn copy(from: &Path, to: &Path) -> Result<(), String> {
     let failed = |error: std::io::Error| format!("{}: {error}", to.display());
     if to.exists() {

@@ -25,13 +25,13 @@ const FOLDERS: [&str; 11] = [
     "xtask",
 ];
 
-/// A name with one of these endings is a path too; other endings are also those of users' files.
+/// A name with one of these endings is a path too; users' files may have other endings.
 const ENDINGS: [&str; 5] = [".rs", ".ts", ".svelte", ".pyi", ".bib"];
 
 /// Folders that a build makes.
 const BUILT: [&str; 1] = ["web/dist"];
 
-/// Folders that hold nothing that people wrote.
+/// Folders without written files.
 const UNWRITTEN: [&str; 5] = ["target", "node_modules", "dist", "out", "__pycache__"];
 
 /// All documents whose text is checked.
@@ -76,7 +76,7 @@ pub fn check(root: &Path, faults: &mut Vec<String>) -> Result<(), String> {
                     None => items_of(name).iter().all(|item| words.contains(*item)),
                 };
                 if !is_there {
-                    faults.push(format!("{place}:{number}: there is no `{name}`"));
+                    faults.push(format!("{place}:{number}: `{name}` does not exist"));
                 }
             }
         }
@@ -107,7 +107,7 @@ fn list(folder: &Path, at: &str, paths: &mut Vec<String>) -> Result<(), String> 
     Ok(())
 }
 
-/// The path of the repository that a name in backquotes is, without `…/`, which stands for a folder named before.
+/// The repository path of a name in backquotes, without `…/`, which replaces a folder named before.
 fn path_of(name: &str) -> Option<&str> {
     let of_path = |c: char| c.is_ascii_alphanumeric() || "_-./*".contains(c);
     let rest = name.strip_prefix("…/");
@@ -117,7 +117,7 @@ fn path_of(name: &str) -> Option<&str> {
     (is_path && path.chars().all(of_path)).then_some(path)
 }
 
-/// The words of a path of the library, such as `measure::Corners::{width, height}`; none for other names.
+/// The words of a path of the library, such as `measure::Corners::{width, height}`; empty for other names.
 fn items_of(name: &str) -> Vec<&str> {
     let of_item = |c: char| c.is_ascii_alphanumeric() || "_:{}, ".contains(c);
     if !name.contains("::") || !name.chars().all(of_item) {
@@ -126,7 +126,7 @@ fn items_of(name: &str) -> Vec<&str> {
     name.split([':', '{', '}', ',', ' ']).filter(|word| !word.is_empty()).collect()
 }
 
-/// Whether a path ends in the named one; `*` stands for any part of a name.
+/// Whether a path ends in the named one; `*` matches any part of a name.
 fn ends_in(path: &str, named: &str) -> bool {
     let tails = path.match_indices('/').map(|(at, _)| &path[at + 1..]);
     std::iter::once(path).chain(tails).any(|tail| matches(tail, named))
@@ -178,7 +178,7 @@ mod tests {
     }
 
     #[test]
-    fn blocks_of_code_are_no_prose() {
+    fn blocks_of_code_are_not_prose() {
         let lines: Vec<_> = lines_of_prose("a\n```sh\nb\n```\nc").collect();
         assert_eq!(lines, [(1, "a"), (5, "c")]);
     }

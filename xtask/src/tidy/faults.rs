@@ -1,4 +1,4 @@
-//! The list of faults: each is there, and each test that it names exists.
+//! The list of faults is complete, and each test that it names exists.
 
 use std::collections::BTreeSet;
 use std::path::Path;
@@ -7,7 +7,7 @@ use super::read;
 
 const LIST: &str = "validation/faults.md";
 
-/// How many faults the project was started with.
+/// Number of faults at the project's start.
 const FAULTS: u32 = 75;
 
 pub fn check(root: &Path, faults: &mut Vec<String>) -> Result<(), String> {
@@ -27,7 +27,7 @@ pub fn check(root: &Path, faults: &mut Vec<String>) -> Result<(), String> {
     Ok(())
 }
 
-/// A cell names files, and after each file its tests; `f1_…` stands for all names that begin so.
+/// A cell names files, and after each file its tests; `f1_…` matches all names that begin so.
 fn check_tests(
     root: &Path,
     fault: &str,

@@ -1,9 +1,9 @@
-//! Which modules of its own crate a source file names, read from its text.
+//! The modules of its crate that a source file names, read from its text.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
-/// The module that a file holds, as names from the crate's root; empty for the root itself.
+/// The module of a file, as names from the crate's root; empty for the root itself.
 pub fn module_of(source: &Path, file: &Path) -> Vec<String> {
     let inside = file.strip_prefix(source).unwrap_or(file).with_extension("");
     let mut names: Vec<String> =
@@ -14,13 +14,13 @@ pub fn module_of(source: &Path, file: &Path) -> Vec<String> {
     names
 }
 
-/// Paths from the crate's root that a file names by `crate::` or `super::`, tests at its end left out.
+/// Paths from the crate's root that a file names by `crate::` or `super::`, without tests at its end.
 pub fn named_paths(module: &[String], text: &str) -> BTreeSet<Vec<String>> {
     let code = without_comments(text.split("#[cfg(test)]\nmod ").next().unwrap_or_default());
     let mut found = BTreeSet::new();
     for (place, _) in code.match_indices("crate::") {
         let before = code[..place].chars().next_back();
-        // `$crate::` and `my_crate::` are others.
+        // `$crate::` and `my_crate::` are different.
         if before.is_none_or(|c| !c.is_alphanumeric() && c != '_' && c != '$') {
             expand(&code[place + "crate::".len()..], Vec::new(), &mut found);
         }
@@ -40,7 +40,7 @@ pub fn named_paths(module: &[String], text: &str) -> BTreeSet<Vec<String>> {
     found
 }
 
-/// Names that the crate's root hands on, with the module that each comes from.
+/// Names that the crate's root re-exports, each with its module.
 pub fn handed_on(root: &str) -> BTreeMap<String, String> {
     let code = without_comments(root);
     let mut names = BTreeMap::new();
@@ -130,7 +130,7 @@ mod tests {
     }
 
     #[test]
-    fn what_the_root_hands_on_has_its_module() {
+    fn names_that_the_root_re_exports_have_their_module() {
         let names = handed_on("pub use a::{B, c::D};\npub use e::F;");
         assert_eq!(names["D"], "a");
         assert_eq!(names["F"], "e");

@@ -1,4 +1,4 @@
-//! House rules that no compiler knows.
+//! House rules that compilers cannot check.
 
 mod documents;
 mod faults;
@@ -11,7 +11,7 @@ mod vocabulary;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// What the core may not touch: files, clock, printing, processes, environment.
+/// Names that the core may not use: files, clock, printing, processes, environment.
 const IMPURE: [&str; 9] = [
     "std::fs",
     "std::env",
@@ -24,7 +24,7 @@ const IMPURE: [&str; 9] = [
     "dbg!",
 ];
 
-/// Crates on which the core may stand.
+/// Crates on which the core may depend.
 const CORE_DEPENDENCIES: [&str; 9] = [
     "nalgebra",
     "rand",
@@ -37,7 +37,7 @@ const CORE_DEPENDENCIES: [&str; 9] = [
     "thiserror",
 ];
 
-/// A file that is longer holds more than one idea.
+/// A longer file contains more than one idea.
 const MAX_LINES: usize = 500;
 
 pub fn run(root: &Path) -> Result<(), String> {
@@ -99,7 +99,7 @@ fn is_written(path: &Path) -> bool {
     path.extension().and_then(|end| end.to_str()).is_some_and(written)
 }
 
-/// The core is pure, but for its tests beside the code.
+/// The core is pure, except for its tests beside the code.
 fn check_purity(core: &Path, file: &Path, faults: &mut Vec<String>) -> Result<(), String> {
     let inside = file.strip_prefix(core).map_err(|error| error.to_string())?;
     for (number, line) in read(file)?.lines().enumerate() {
@@ -112,7 +112,7 @@ fn check_purity(core: &Path, file: &Path, faults: &mut Vec<String>) -> Result<()
     Ok(())
 }
 
-/// A parameter of the core is one thing: a tuple of several is a type that has no name yet.
+/// A parameter of the core is one thing: a tuple of several needs a type with a name.
 fn check_parameters(core: &Path, file: &Path, faults: &mut Vec<String>) -> Result<(), String> {
     let inside = file.strip_prefix(core).map_err(|error| error.to_string())?;
     for (number, line) in read(file)?.lines().enumerate() {
@@ -126,7 +126,7 @@ fn check_parameters(core: &Path, file: &Path, faults: &mut Vec<String>) -> Resul
     Ok(())
 }
 
-/// Whether a formatted line of a signature takes a parameter apart, as `(a, b): (A, B)`; closures may.
+/// Whether a formatted line of a signature destructures a parameter, as `(a, b): (A, B)`; closures may.
 fn has_tuple_parameter(line: &str) -> bool {
     let code = line.trim_start();
     let is_name = |c: char| c.is_alphanumeric() || "_, &".contains(c);

@@ -1,4 +1,4 @@
-//! The order of modules: no cycle in any crate, and a fixed order where the order is the architecture.
+//! The order of modules: no cycles, and a fixed order where the order is the architecture.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
@@ -7,7 +7,7 @@ use std::path::Path;
 use super::imports::{handed_on, module_of, named_paths};
 use super::{read, sources};
 
-/// Crates whose modules stand in an order: each uses only those before it.
+/// Crates whose modules have an order: each uses only those before it.
 const ORDERS: [(&str, &[&str]); 2] = [
     (
         "spineline",
@@ -40,7 +40,7 @@ const ORDERS: [(&str, &[&str]); 2] = [
     ("spineline-cli", &["run", "options", "analysis", "commands"]),
 ];
 
-/// The folder whose modules are apart: none of them uses another.
+/// The folder whose modules must not use one another.
 const APART: (&str, &str) = ("spineline-cli", "commands");
 
 /// Which module uses which, with a file that does.
@@ -69,7 +69,7 @@ pub fn check(root: &Path, faults: &mut Vec<String>) -> Result<(), String> {
     Ok(())
 }
 
-/// Modules of the first level below the root (`depth` 0) or of the second (1), and what each uses of the others.
+/// Modules of the first level below the root (`depth` 0) or of the second (1), and their uses of other modules.
 fn uses(source: &Path, depth: usize) -> Result<Uses, String> {
     let mut uses = Uses::new();
     let files = sources(source)?;
@@ -102,7 +102,7 @@ fn uses(source: &Path, depth: usize) -> Result<Uses, String> {
     Ok(uses)
 }
 
-/// Names the modules of a cycle, if there is one: what is left when modules that use nothing of the rest are taken away.
+/// Names the modules of a cycle, if any: the rest after repeatedly removing modules that do not use the others.
 fn check_cycles(name: &str, uses: &Uses, faults: &mut Vec<String>) {
     let mut left = uses.clone();
     loop {
@@ -145,7 +145,7 @@ fn check_apart(uses: &Uses, faults: &mut Vec<String>) {
     for (module, used) in uses.iter().filter(|(module, _)| within(module)) {
         for (other, file) in used.iter().filter(|(other, _)| within(other)) {
             faults.push(format!(
-                "{name}/src/{file}: the command `{module}` uses `{other}`; what both need belongs in a lower room"
+                "{name}/src/{file}: the command `{module}` uses `{other}`; code for both belongs in a lower module"
             ));
         }
     }
@@ -165,7 +165,7 @@ mod tests {
     }
 
     #[test]
-    fn a_cycle_is_named_and_what_leads_into_it_is_not_alone() {
+    fn a_cycle_is_named() {
         let mut faults = Vec::new();
         check_cycles("c", &uses_of(&[("a", "b"), ("b", "c")]), &mut faults);
         assert!(faults.is_empty(), "{faults:?}");

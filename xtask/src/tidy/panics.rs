@@ -1,5 +1,5 @@
-//! No panic from outside data: what may panic in a crate that meets such data is in a list, and nothing prints by macros that
-//! panic where a stream is full.
+//! No panic from outside data: in crates that read such data, code that may panic is in a list, and macros that panic
+//! on a full stream are forbidden.
 
 use std::collections::BTreeSet;
 use std::path::Path;
@@ -21,7 +21,7 @@ const READERS: [&str; 11] = [
     "spineline-tables",
 ];
 
-/// What is known to be impossible, each with its reason in its words: `file: code`.
+/// Panics known to be impossible, each with the reason in its message: `file: code`.
 const KNOWN: &str = include_str!("panics.txt");
 
 const PANICKING: [&str; 9] = [
@@ -81,7 +81,7 @@ fn check_file(place: &str, text: &str, unused: &mut BTreeSet<&str>, faults: &mut
     }
 }
 
-/// Whether a line has a macro or method that is no part of another name, such as `debug_assert!`.
+/// Whether a line has a macro or method as a whole name, unlike `debug_assert!`.
 fn is_called(line: &str, word: &str) -> bool {
     line.match_indices(word).any(|(at, _)| {
         let before = line[..at].chars().next_back();
@@ -89,7 +89,7 @@ fn is_called(line: &str, word: &str) -> bool {
     })
 }
 
-/// Modules that are compiled for tests only.
+/// Modules that are compiled only for tests.
 fn test_modules(text: &str) -> impl Iterator<Item = String> {
     let pairs = text.lines().zip(text.lines().skip(1));
     pairs.filter(|(first, _)| first.trim() == "#[cfg(test)]").filter_map(|(_, second)| {
@@ -97,7 +97,7 @@ fn test_modules(text: &str) -> impl Iterator<Item = String> {
     })
 }
 
-/// Lines of the program with their numbers: without comments, and without what is compiled for tests only.
+/// Lines of the program with their numbers: without comments, and without code that is compiled only for tests.
 fn program_lines(text: &str) -> Vec<(usize, &str)> {
     let mut found = Vec::new();
     let mut lines = text.lines().enumerate();

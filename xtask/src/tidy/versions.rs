@@ -1,10 +1,10 @@
-//! One version everywhere: the workspace has it, and files for other tools repeat it.
+//! One version everywhere: the workspace states it, and files for other tools repeat it.
 
 use std::path::Path;
 
 use super::read;
 
-/// Files that state the version, each with what stands before it.
+/// Files that state the version, each with the text around it.
 const STATED: [(&str, &str, &str); 4] = [
     ("CITATION.cff", "\nversion: ", "\n"),
     ("codemeta.json", "\"version\": \"", "\""),

@@ -1,7 +1,7 @@
-//! Names that docs/vocabulary.md calls "not to be called" stand nowhere in documents, help, messages and comments.
+//! Names that docs/vocabulary.md calls "not to be called" are absent from documents, help, messages and comments.
 //!
-//! Checked are names of several words, which mean nothing else, and the [`WORDS`]. A name with a condition in brackets, such
-//! as `agreement (alone)`, is left to readers, and so are single words that are right elsewhere.
+//! Names of several words are checked, which have only one meaning, and the [`WORDS`]. A name with a condition in
+//! brackets, such as `agreement (alone)`, is left to people, and so are single words that are right elsewhere.
 
 use std::path::Path;
 
@@ -13,7 +13,7 @@ const LIST: &str = "docs/vocabulary.md";
 /// Single words of the list that are wrong everywhere.
 const WORDS: [&str; 5] = ["lean", "slant", "lobe", "roughness", "oddity"];
 
-/// Names of stored files, by file, that stay so that old files can be read.
+/// Names in stored files, by file, that are kept so that old files can be read.
 const STORED: [(&str, &str); 2] = [
     ("crates/spineline-landmarks/src/sr/codes.rs", "lean"),
     ("crates/spineline-tables/src/models.rs", "lean"),
@@ -41,7 +41,7 @@ pub fn check(root: &Path, faults: &mut Vec<String>) -> Result<(), String> {
             continue;
         }
         for (index, line) in read(&file)?.lines().enumerate() {
-            // The old names of keys and flags, which are still read.
+            // Old names of keys and flags, which are still read.
             if line.contains("alias = \"") {
                 continue;
             }
@@ -63,12 +63,12 @@ fn fault(place: &str, number: usize, name: &str) -> String {
     format!("{place}:{number}: `{name}` is a name to avoid; {LIST} has the term")
 }
 
-/// The names to avoid that are checked, of the last column of the tables, in alphabetical order.
+/// The names that are checked, from the last column of the tables, in alphabetical order.
 fn avoided(list: &str) -> Vec<String> {
     let rows = list.lines().filter(|line| line.starts_with('|'));
     let rows: Vec<Vec<&str>> =
         rows.map(|row| row.trim_matches('|').split('|').map(str::trim).collect()).collect();
-    // `Cobb angle` is no name of a tilt range, but a term.
+    // `Cobb angle` is listed at the tilt range, but it is a term itself.
     let terms: Vec<&str> = rows.iter().flat_map(|cells| cells[0].split(", ")).collect();
     let names =
         rows.iter().filter_map(|cells| cells.get(2)).flat_map(|cell| cell.split([',', ';']));
@@ -84,7 +84,7 @@ fn avoided(list: &str) -> Vec<String> {
     names
 }
 
-/// Hands on every name that a text contains as whole words, in the singular or with an `s`.
+/// Reports every name that a text contains as whole words, in the singular or with an `s`.
 fn find<'a>(names: &'a [String], text: &str, mut report: impl FnMut(&'a str)) {
     let text = text.to_lowercase();
     let of_word = |c: char| c.is_alphanumeric() || c == '_';

@@ -85,7 +85,7 @@ fn deviations_are_those_of_the_derivatives() {
         sum(&|lines| lines[0].angle_to(&lines[1], &film).expect("an angle").angle.rad());
     let length = lines[0].length(&film).expect("a length");
     let angle = lines[0].angle_to(&lines[1], &film).expect("an angle");
-    // A forward difference over 0.0001 px is off by about that part of the value.
+    // A forward difference over 0.0001 px has about this relative error.
     assert!((length.click_sd_mm / by_lengths - 1.0).abs() < 1e-4);
     assert!((angle.click_sd.rad() / by_angles - 1.0).abs() < 1e-4);
 }

@@ -1,4 +1,4 @@
-//! What files say of spacing and view, and what a ball or a ruler gives: faults F10, F11, and the sides of a film.
+//! Spacing and view by files, and scales by a ball or a ruler: faults F10, F11, and the sides of a film.
 
 use spineline::anatomy::{ImageSide, Posture};
 use spineline::measure::{SpacingPlane, SpacingSource};
@@ -20,7 +20,7 @@ fn judged(evidence: SpacingEvidence) -> (Option<Found>, Vec<SpacingRemark>) {
 
 #[test]
 fn the_first_value_is_the_distance_between_rows() {
-    // DICOM PS3.3, 10.7.1.3: row spacing first. Eight programs had it the other way round.
+    // DICOM PS3.3, 10.7.1.3: row spacing first. Eight programs had the opposite order.
     let (spacing, remarks) = judged(SpacingEvidence {
         pixel_mm: Some([0.2, 0.1]),
         calibration: Some(CalibrationType::Fiducial),
@@ -36,7 +36,7 @@ fn pixel_spacing_is_in_the_patient_plane_with_a_calibration_type_only() {
         judged(SpacingEvidence { pixel_mm: Some([0.14; 2]), ..Default::default() });
     assert_eq!(spacing, Some((0.14, 0.14, SpacingPlane::Unknown, SpacingSource::PixelSpacing)));
     assert_eq!(remarks, [SpacingRemark::PlaneNotStated]);
-    // Both the same: nobody corrected anything.
+    // Equal values: the spacing was not corrected.
     let (spacing, remarks) = judged(SpacingEvidence {
         pixel_mm: Some([0.15; 2]),
         imager_mm: Some([0.15; 2]),
@@ -44,7 +44,7 @@ fn pixel_spacing_is_in_the_patient_plane_with_a_calibration_type_only() {
     });
     assert_eq!(spacing, Some((0.15, 0.15, SpacingPlane::Detector, SpacingSource::Imager)));
     assert_eq!(remarks, [SpacingRemark::DetectorPlane]);
-    // They differ, and nobody says why.
+    // Different values, without a stated reason.
     let (spacing, remarks) = judged(SpacingEvidence {
         pixel_mm: Some([0.125; 2]),
         imager_mm: Some([0.15; 2]),
@@ -123,7 +123,7 @@ fn impossible_or_contradicting_magnifications_keep_the_detector_plane() {
     });
     assert_eq!(spacing, detector);
     assert!(matches!(remarks[0], SpacingRemark::MagnificationsDisagree { .. }), "{remarks:?}");
-    // A calibrated spacing that the geometry contradicts is used, and remarked on.
+    // A calibrated spacing that contradicts the geometry is used, with a remark.
     let (spacing, remarks) = judged(SpacingEvidence {
         pixel_mm: Some([0.1; 2]),
         calibration: Some(CalibrationType::Geometry),
@@ -165,7 +165,7 @@ fn a_ruler_gives_the_same_scale_in_any_direction_of_pixels_that_are_not_square()
 
 #[test]
 fn the_error_of_a_scale_equals_that_of_perturbed_clicks() {
-    // Oracle: 20,000 scattered pairs of clicks from a small generator of its own.
+    // Oracle: 20,000 scattered pairs of clicks from a separate small generator.
     let mut state = 1u64;
     let mut uniform = move || {
         state =
@@ -248,7 +248,7 @@ fn absent_or_contradicting_values_are_asked_for_and_never_assumed() {
     let nothing = judge_view(&ViewEvidence::default(), None);
     assert_eq!((nothing.view, nothing.patient_left), (None, None));
     assert_eq!(nothing.questions, [ViewQuestion::View, ViewQuestion::PatientLeft]);
-    // How the beam went does not say how the picture hangs.
+    // The direction of the beam does not give the orientation of the picture.
     for word in ["AP", "PA", "pa "] {
         let view_position = Some(ViewPosition::from_dicom(word));
         let judged = judge_view(&ViewEvidence { view_position, ..Default::default() }, None);
@@ -260,7 +260,7 @@ fn absent_or_contradicting_values_are_asked_for_and_never_assumed() {
     let judged = judge_view(&both, None);
     assert_eq!((judged.view, judged.patient_left), (None, None));
     assert!(judged.questions.contains(&ViewQuestion::ViewsDisagree));
-    // A film that hangs upside down says nothing of an upright one.
+    // A film that is upside down is not evidence for an upright one.
     let judged = judge_view(&orientation("L", "H"), None);
     assert_eq!(judged.patient_left, None);
     assert!(judged.questions.contains(&ViewQuestion::NotUpright { rows: PatientDirection::Head }));

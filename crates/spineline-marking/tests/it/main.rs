@@ -1,4 +1,4 @@
-//! Tests of what helps a person to read films.
+//! Tests of the crate that helps a person to read films.
 
 #![allow(clippy::float_cmp, reason = "tests compare with exact values")]
 

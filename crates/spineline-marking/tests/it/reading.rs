@@ -1,4 +1,4 @@
-//! Half-marked readings of phantoms: what is proposed, what is found wrong, and that neither depends on how a film lies.
+//! Unfinished readings of phantoms: proposals and faults, which do not depend on the orientation of a film.
 
 use std::collections::BTreeMap;
 
@@ -70,7 +70,7 @@ fn a_body_unlike_its_neighbours_is_named_and_they_are_not() {
             reading.vertebrae.insert(Level::T8, body);
             reading.faults(&image)
         };
-        // Both about the middle of the body, so that its place is as before.
+        // Both about the middle of the body, so that its place is unchanged.
         for by in [0.5, 2.0] {
             let faults = marked_with(&|way| way * by);
             let [MarkingFault::Width { level: Level::T8, ratio }] = faults[..] else {
@@ -188,7 +188,7 @@ fn the_crests_follow_the_vertebrae() {
     let optional = NextLandmark::Corner(Level::T1, CornerName::SuperiorLeft);
     assert_eq!(reading.next(), Some(optional));
     reading.crests[0] = Some(film.iliac_crests.left);
-    assert!(matches!(reading.next(), Some(NextLandmark::Crest(_))), "who marks a crest skips T1");
+    assert!(matches!(reading.next(), Some(NextLandmark::Crest(_))), "T1 is skipped after a crest");
     reading.crests[1] = Some(film.iliac_crests.right);
     assert_eq!(reading.next(), None);
 }
@@ -214,6 +214,6 @@ fn accepted_corners_are_no_evidence_for_the_next_proposals() {
         all.iter().find(|one| one.level == last).map(|one| one.sd_share).expect("a proposal")
     };
     assert_eq!(sd(&before), sd(&after), "blind acceptance does not make the program surer");
-    // Far from what was clicked the program is too unsure to propose anything.
+    // Far from the clicks the program is too uncertain to propose anything.
     assert!(before.len() < rest.len() + 2);
 }

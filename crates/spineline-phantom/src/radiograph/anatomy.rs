@@ -1,4 +1,4 @@
-//! Where the parts of the trunk lie on a film, from the true corners and crests.
+//! Places of the parts of the trunk on a film, from the true corners and crests.
 
 use std::collections::BTreeMap;
 
@@ -10,7 +10,7 @@ use super::layer::{Layer, Point};
 use super::spacing;
 use crate::TrueFilm;
 
-/// A body as it lies.
+/// A body on its film.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Body {
     pub level: Level,
@@ -49,12 +49,12 @@ pub(super) struct Anatomy {
     pub bodies: Vec<Body>,
     /// The left and the right crest.
     pub crests: [Frontal; 2],
-    /// How much larger this patient is than the typical one.
+    /// Size of this patient over the typical one.
     pub scale: f32,
     width_mm: f32,
     height_mm: f32,
     sense: f32,
-    /// The trunk's middle: at the crests, at T1, and how far it bows between.
+    /// The trunk's middle: at the crests and at T1, and its bow between them.
     middle: [Point; 2],
     bow_mm: f32,
 }
@@ -96,7 +96,7 @@ impl Anatomy {
         Layer::covering(self.width_mm, self.height_mm, self.sense)
     }
 
-    /// Height on the film of a level's body.
+    /// Height of a level's body on the film.
     pub fn height_of(&self, level: Level) -> f32 {
         self.body(level).map_or(0.0, |body| body.centre.z_mm as f32)
     }
@@ -105,7 +105,7 @@ impl Anatomy {
         self.bodies.iter().find(|body| body.level == level)
     }
 
-    /// Where the trunk's middle lies at a height, to the left.
+    /// The trunk's middle at a height, to the left.
     pub fn middle_at(&self, z_mm: f32) -> f32 {
         let [low, high] = self.middle;
         let part = (z_mm - low[1]) / (high[1] - low[1]).max(1.0);
@@ -115,7 +115,8 @@ impl Anatomy {
             + 5.0 * self.bow_mm * inside * (1.0 - inside)
     }
 
-    /// A table over levels as a function of height, with one more row so far above T1; sizes are those of a typical patient.
+    /// A table over levels as a function of height, with one more row at a distance above T1; sizes are for a typical
+    /// patient.
     pub fn profile(&self, table: &[(Level, f32)], above: (f32, f32)) -> Profile {
         let rows: BTreeMap<Level, f32> = table.iter().copied().collect();
         let knots = rows.into_iter().map(|(level, mm)| (self.height_of(level), mm * self.scale));

@@ -1,4 +1,4 @@
-//! A grid of attenuation, coarser than the picture, for what is smooth or thick.
+//! A grid of attenuation, with larger cells than the picture, for smooth or thick parts.
 
 use spineline::measure::ImageGeometry;
 
@@ -14,7 +14,7 @@ pub(super) type Point = [f32; 2];
 pub(super) struct Layer {
     columns: usize,
     rows: usize,
-    /// Which way the patient's left lies when the column grows.
+    /// Sign of the patient's left along increasing columns.
     sense: f32,
     values: Vec<f32>,
 }
@@ -55,8 +55,8 @@ impl Layer {
         }
     }
 
-    /// A bent tube: `profile` gives the attenuation at a distance from the nearest point of its axis, where it has that
-    /// radius, and how far along the axis that is (0…1). The axis is given by its points and the radius there.
+    /// A bent tube: `profile` gives the attenuation from the distance to the nearest point of its axis, the radius
+    /// there, and the position along the axis (0…1). The axis is given by points with radii.
     pub fn tube(&self, axis: &[(Point, f32)], profile: impl Fn(f32, f32, f32) -> f32) -> Patch {
         let nodes: Vec<(f32, f32, f32)> = axis
             .iter()
@@ -78,7 +78,7 @@ impl Layer {
         let (across, down) = span(&nodes);
         let columns = across.len();
         let pieces = nodes.len().max(2) as f32 - 1.0;
-        // Distance in units of the radius there, and that radius, of the nearest piece.
+        // For the nearest piece: distance in units of the radius, radius, and position along the axis.
         let mut nearest = vec![(f32::INFINITY, 1.0_f32, 0.0_f32); columns * down.len()];
         for (number, piece) in nodes.windows(2).enumerate() {
             let (dx, dy) = (piece[1].0 - piece[0].0, piece[1].1 - piece[0].1);

@@ -1,4 +1,4 @@
-//! What is laid on the film: the collimator's edge, a lead marker, and the word SYNTHETIC.
+//! Marks on the film: the collimator's edge, a lead marker, and the word SYNTHETIC.
 
 use spineline::anatomy::{ImageSide, Side};
 use spineline::measure::{ImageGeometry, Spacing};
@@ -46,7 +46,7 @@ impl Line {
         self.dot_mm * 7.0
     }
 
-    /// Whether a place lies on a dot; `None` where it is off the line and its margin.
+    /// Whether a place lies on a dot; `None` off the line and its margin.
     fn at(&self, x_mm: f64, y_mm: f64) -> Option<bool> {
         let margin = 1.5 * self.dot_mm;
         let (x, y) = (x_mm - self.left_mm, y_mm - self.top_mm);
@@ -63,7 +63,7 @@ impl Line {
     }
 }
 
-/// Everything that is laid on one film.
+/// All marks of one film.
 pub(super) struct Marks {
     image: ImageGeometry,
     word: Line,
@@ -88,7 +88,7 @@ impl Marks {
         Self { image, word, marker: Line { left_mm, ..marker } }
     }
 
-    /// Lays the marks over one row of values of which large ones are bright.
+    /// Draws the marks over one row of values, of which large ones are bright.
     pub fn burn(&self, row: usize, line: &mut [u16]) {
         let image = &self.image;
         let (width, height) = (f64::from(image.columns), f64::from(image.rows));
@@ -100,7 +100,7 @@ impl Marks {
             let beside_mm = width * column_mm - x_mm;
             let inside = x_mm.min(y_mm).min(below_mm).min(beside_mm);
             if inside < BORDER_MM {
-                // Nothing reaches the detector there, and the shutter blackens it.
+                // The beam does not reach the detector there, and the shutter blackens it.
                 let part = (1.0 - (BORDER_MM - inside) / 0.4).max(0.0);
                 *value = (f64::from(*value) * part) as u16;
             } else if let Some(dot) = self.word.at(x_mm, y_mm) {

@@ -1,14 +1,14 @@
 //! Simulated radiographs of true films.
 //!
-//! The picture is a sum of attenuation along the beam. Soft tissue, ribs and pelvis are smooth and are drawn on a grid of
-//! 0.4 mm; vertebrae are drawn pixel by pixel from their true corners, so that an endplate's edge lies where it truly is.
-//! The beam is attenuated by that sum, its quanta have Poisson noise, the detector takes the logarithm, and the wide range of
-//! soft tissue
-//! is compressed as present systems do. All places are millimetres, so pixels need not be square. The spine is planar: the
-//! phantom's vertebrae do not turn about their own axes, and their pedicles stay symmetric.
+//! The picture is a sum of attenuation along the beam. Soft tissue, ribs and pelvis are smooth and are drawn on a grid
+//! of 0.4 mm; vertebrae are drawn pixel by pixel from their true corners, so that an endplate's edge lies at its true
+//! place. The beam is attenuated by that sum, its quanta have Poisson noise, the detector takes the logarithm, and the
+//! wide range of soft tissue is compressed as in present systems. All places are in millimetres, so pixels need not be
+//! square. The spine is planar: the phantom's vertebrae do not turn about their own axes, and their pedicles stay
+//! symmetric.
 //!
 //! Every picture carries the word SYNTHETIC and a lead marker; neither covers a vertebra. Attenuation coefficients and
-//! shapes are chosen to look like films, not measured: nothing but the corners and the crests may be read off as truth.
+//! shapes are chosen to look like films, not measured: only the corners and the crests are true values.
 
 mod anatomy;
 mod layer;
@@ -45,14 +45,14 @@ pub struct Radiograph {
     pub pixels: Vec<u16>,
 }
 
-/// The spacing of a phantom's film, which every one has.
+/// The spacing of a phantom's film, which is always known.
 fn spacing(image: &ImageGeometry) -> Spacing {
     image.spacing.expect("a phantom's film has a spacing")
 }
 
 const BITS_STORED: u16 = 12;
 const MAX_VALUE: f32 = 4095.0;
-/// Part of soft tissue's contrast that is left after compression.
+/// Part of soft tissue's contrast after compression.
 const SOFT_CONTRAST: f32 = 0.42;
 /// Stored values per unit of attenuation.
 const GAIN: f32 = 1350.0;
@@ -91,7 +91,7 @@ impl Radiograph {
     }
 }
 
-/// All that the beam passes.
+/// Everything in the beam.
 struct Beam<'a> {
     soft: &'a Layer,
     bone: &'a Layer,

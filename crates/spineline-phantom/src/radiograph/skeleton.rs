@@ -8,8 +8,8 @@ use super::anatomy::{Anatomy, Body};
 use super::layer::{Layer, Patch, Point, soft_profile, tube_profile};
 use super::texture::rough;
 
-/// A rib: its vertebra, how far it reaches to the side of the trunk's middle, how far it falls from its head to its
-/// outermost place, how much farther to its front end, and how much of the way to the front it goes.
+/// A rib: its vertebra, the distance of its outermost place from the trunk's middle, its fall from the head to that
+/// place and from there to the front end, and the part of the way to the front that it covers.
 type Rib = (Level, f32, f32, f32, f32);
 
 const RIBS: [Rib; 12] = [
@@ -27,7 +27,7 @@ const RIBS: [Rib; 12] = [
     (Level::T12, 66.0, 50.0, 10.0, 0.36),
 ];
 
-/// All of them on one grid.
+/// All bones on one grid.
 pub(super) fn draw(anatomy: &Anatomy) -> Layer {
     let mut layer = anatomy.layer();
     pelvis(anatomy, &mut layer);

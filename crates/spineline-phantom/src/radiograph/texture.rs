@@ -25,7 +25,7 @@ pub(super) fn clutter(x: f32, y: f32, seed: u32) -> f32 {
     above * (1.0 - ty) + below * ty
 }
 
-/// The field with finer ones on it, each half as large and half as strong.
+/// The field with finer fields added, each with half the size and strength of the one before.
 pub(super) fn rough(x: f32, y: f32, octaves: u32, seed: u32) -> f32 {
     let (mut sum, mut size, mut strength) = (0.0, 1.0, 1.0);
     for octave in 0..octaves {
@@ -36,10 +36,10 @@ pub(super) fn rough(x: f32, y: f32, octaves: u32, seed: u32) -> f32 {
     sum
 }
 
-/// Quanta that reach a pixel behind nothing.
+/// Quanta per pixel without attenuation.
 const QUANTA: f32 = 1.3e5;
 
-/// The scatter of the quanta of one row: a stream of its own, so that rows may be drawn in any order.
+/// Quantum noise of one row, from a separate stream, so that rows may be drawn in any order.
 pub(super) struct Quanta {
     stream: ChaCha12Rng,
 }
@@ -51,7 +51,7 @@ impl Quanta {
         Self { stream }
     }
 
-    /// Adds to the attenuation what counting quanta makes of it: its variance is one over their number.
+    /// Adds quantum noise to the attenuation: its variance is one over the number of quanta.
     ///
     /// The detector blurs a little along the row.
     pub fn scatter(&self, soft: &[f32], bone: &mut [f32]) {

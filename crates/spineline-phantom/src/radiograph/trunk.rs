@@ -12,7 +12,7 @@ use super::texture::rough;
 
 /// Attenuation of water, per mm, at the energies of such films.
 const WATER_PER_MM: f32 = 0.020;
-/// What air in the lungs takes away of it.
+/// Reduction of it by the air in the lungs.
 const LUNG_AIR_PER_MM: f32 = 0.0145;
 
 /// Soft tissue on one grid.
@@ -26,7 +26,7 @@ pub(super) fn draw(anatomy: &Anatomy, seed: u64) -> Layer {
     layer
 }
 
-/// From zero to one around an edge, `inside` beyond it.
+/// Rises from zero to one around an edge, towards `inside`.
 fn soft_edge(inside_mm: f32, width_mm: f32) -> f32 {
     let t = (0.5 + inside_mm / (2.0 * width_mm)).clamp(0.0, 1.0);
     t * t * (3.0 - 2.0 * t)
@@ -137,7 +137,7 @@ impl<'a> Trunk<'a> {
         top - 38.0 * scale * aside * aside
     }
 
-    /// How much of the way along the beam lung is what it passes.
+    /// Part of the beam's way that is lung.
     fn air(&self, x: f32, z: f32) -> f32 {
         let scale = self.anatomy.scale;
         let a = x.abs();
@@ -147,7 +147,7 @@ impl<'a> Trunk<'a> {
         let middle = (27.0 - 5.0 * up) * scale;
         let beside = soft_edge(a - middle, 13.0 * scale);
         let dome = self.dome(x, z);
-        // Lung reaches down behind the domes, so the edge has a fainter foot.
+        // Lung extends down behind the domes, so the edge has a fainter foot.
         let over = 0.86 * soft_edge(z - dome, 1.6 * scale)
             + 0.14 * soft_edge(z - dome + 42.0 * scale, 34.0 * scale);
         let roof = self.apex - 0.010 * (a - 34.0 * scale).powi(2) / scale;
@@ -180,7 +180,7 @@ impl<'a> Trunk<'a> {
         0.22 * aorta + 0.16 * psoas - 0.30 * pipe
     }
 
-    /// Where the spine itself lies at a height.
+    /// Place of the spine at a height.
     fn spine_at(&self, z: f32) -> f32 {
         let bodies = &self.anatomy.bodies;
         let above =
@@ -191,7 +191,8 @@ impl<'a> Trunk<'a> {
     }
 
     fn bowel(&self, point: Point) -> f32 {
-        // A bubble ends at 1.6 times its half axes. Most places are outside of all, and need no wobble of their edges.
+        // A bubble ends at 1.6 times its half axes. Most places are outside of all, so the wobble of the edges is not
+        // computed there.
         let near = self.gas.iter().filter_map(|gas| {
             let x = (point[0] - gas.centre[0]) / gas.half[0];
             let z = (point[1] - gas.centre[1]) / gas.half[1];

@@ -6,7 +6,7 @@ use spineline::spatial::Frontal;
 use super::anatomy::{Anatomy, Body};
 use super::texture::clutter;
 
-/// Attenuation beyond that of soft tissue, per mm.
+/// Attenuation in addition to soft tissue, per mm.
 const CANCELLOUS_PER_MM: f32 = 0.012;
 const CORTEX_PER_MM: f32 = 0.048;
 /// Wall of a body.
@@ -17,7 +17,7 @@ const ENDPLATE_MM: f32 = 0.8;
 /// Half of the width over which an endplate's edge fades.
 const EDGE_MM: f32 = 0.18;
 
-/// All vertebrae, and two of the neck that end the picture.
+/// All vertebrae, and two of the neck at the picture's end.
 pub(super) fn all(anatomy: &Anatomy, seed: u64) -> Vec<Vertebra> {
     let mut bodies = anatomy.bodies.clone();
     if let Some(&t1) = anatomy.body(Level::T1) {
@@ -67,12 +67,12 @@ impl Vertebra {
         }
     }
 
-    /// Adds this vertebra to one row of a picture that starts at a place and goes on by a step.
+    /// Adds this vertebra to one row of a picture, from a start place with a step per pixel.
     pub fn add_row(&self, start: Frontal, step: Frontal, line: &mut [f32]) {
         let (across, along) = (1.2 * self.half_inferior + self.transverse, 2.4 * self.half_height);
         let to_own = |p: Frontal| p.rotated(-self.body.tilt);
         let (from, by) = (to_own(start - self.body.centre), to_own(step));
-        // Columns whose places lie inside of the vertebra's reach.
+        // Columns within the vertebra's reach.
         let mut columns = 0.0..line.len() as f64;
         for (at, by, reach) in
             [(from.y_mm, by.y_mm, f64::from(across)), (from.z_mm, by.z_mm, f64::from(along))]
@@ -141,7 +141,7 @@ impl Vertebra {
             + outer * ENDPLATE_PER_MM * (plate(below_top) + plate(above_base)))
     }
 
-    /// A pedicle looks back at the beam as an oval ring.
+    /// A pedicle appears as an oval ring.
     fn pedicle(&self, a: f32, v: f32) -> f32 {
         let (at, up) = (self.pedicle_place(), 0.34 * self.half_height);
         let (half_width, half_height) = if self.lumbar {
@@ -202,13 +202,13 @@ impl Vertebra {
     }
 }
 
-/// From zero outside to one inside of an edge.
+/// Rises from zero outside to one inside of an edge.
 fn fade(inside_mm: f32) -> f32 {
     let t = (0.5 + inside_mm / (2.0 * EDGE_MM)).clamp(0.0, 1.0);
     t * t * (3.0 - 2.0 * t)
 }
 
-/// A rounded bar between two points: one along its middle, a little more at its rim, zero outside.
+/// A rounded bar between two points: one along its middle, slightly more at its rim, zero outside.
 fn capsule(p: [f32; 2], from: [f32; 2], to: [f32; 2], radius: f32) -> f32 {
     let (x, y) = (p[0] - from[0], p[1] - from[1]);
     let (dx, dy) = (to[0] - from[0], to[1] - from[1]);

@@ -1,4 +1,4 @@
-//! Bends of a spine in space: springs about three axes, a force, and the frontal films of what comes of them.
+//! Bends of a spine in space: springs about three axes, a force, and the frontal films of the result.
 
 use rand_chacha::ChaCha12Rng;
 use rand_chacha::rand_core::SeedableRng;
@@ -13,10 +13,10 @@ use spineline::spatial::{Frontal, Mat3, Vec3};
 
 use super::{Marker, SpacePhantom, SpaceSetup, TrueBody, View, frontal_film, generate_in_space};
 
-/// What holds and couples a spine in space while a horizontal force at the midpoint of T2 bends it.
+/// Support and coupling of a spine in space while a horizontal force at the midpoint of T2 bends it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SpaceBending {
-    /// What the patient's surroundings hold.
+    /// Support by the patient's surroundings.
     pub support: Support,
     /// Springs, before the phantom's own multipliers.
     pub library: StiffnessLibrary,
@@ -31,15 +31,16 @@ pub struct BentPhantom {
     pub bends: Vec<(Posture, Vec<TrueBody>, LineOfAction)>,
 }
 
-/// Sum of the changes of tilt between neighbours: what the phantoms in the plane have on their bends.
+/// Sum of the changes of tilt between neighbours, as on the bends of planar phantoms.
 const TURNS_DEG: [f64; 2] = [42.0, 36.0];
-/// Multipliers of lumbar, main thoracic and upper thoracic joints, and the deviation of the logarithm of each joint's own (assumptions).
+/// Multipliers of lumbar, main thoracic and upper thoracic joints, and the standard deviation of each joint's logarithm
+/// (assumptions).
 const MULTIPLIERS: [f64; 3] = [1.0, 2.5, 1.3];
 const JOINT_LOG_SD: f64 = 0.12;
 
-/// Makes one; `None` where no force bends it so far.
+/// Makes one; `None` if the force cannot bend it far enough.
 ///
-/// Joints lie in the middle of the discs, three tenths of the depth of a body behind their axes: not where a model puts them.
+/// Joints lie in the middle of the discs, three tenths of the depth of a body behind their axes, unlike in a model.
 #[must_use]
 pub fn generate_bends_in_space(setup: &SpaceSetup, bending: &SpaceBending) -> Option<BentPhantom> {
     let mut erect = generate_in_space(setup);
@@ -102,7 +103,7 @@ fn model_of(bodies: &[TrueBody]) -> SpineModel {
     )
 }
 
-/// The shape that turns so far, and the line of its force; by bisection.
+/// The shape with this turn, and the line of its force; by bisection.
 fn bend(
     statics: &GeneralStatics<'_>,
     sense: f64,
@@ -141,7 +142,7 @@ fn bend(
     Some(found)
 }
 
-/// Steps in which a force grows until the spine is bent far enough.
+/// Force steps until the spine is bent far enough.
 const FIRST_N: f64 = 5.0;
 const GROWTH: f64 = 1.2;
 const MOST_N: f64 = 2e4;

@@ -1,5 +1,5 @@
-//! Predictions without mechanics over patients: nobody's own films are in the pattern of the others, and loads that moved the
-//! spines beat patterns that did not.
+//! Predictions without mechanics over patients: a patient's own films are not in the pattern for that patient, and the
+//! loads that moved the spines beat such patterns.
 
 use spineline::action::LineKind;
 use spineline::analysis::{Analysis, AnalysisOptions, FilmRole, analyze};
@@ -81,7 +81,7 @@ fn the_load_that_moved_the_spines_beats_patterns_without_mechanics() {
     let published = test(LineKind::Iliac, Baseline::PublishedMobility);
     assert_eq!((published.films, published.comparison.patients()), (16, 8));
     assert!(published.comparison.mean_difference < -0.5, "{published:?}");
-    // The wrong line has no such advantage.
+    // The wrong line does not beat it.
     let wrong = test(LineKind::Inflection, Baseline::MirroredBend);
     assert!(!wrong.is_better(), "{wrong:?}");
     assert!(cohort.verdict().iter().any(|text| text.contains("without mechanics")));
@@ -132,7 +132,7 @@ fn other_loads_are_tested_against_no_mechanics_by_one_difference_per_patient() {
         // Four patients cannot reach 0.05.
         assert!(!test.is_better(), "{test:?}");
     }
-    // Lines are a family of their own, and every one of them has its sentence.
+    // Lines are a separate family of tests, and each line has its sentence.
     let verdict = cohort.verdict();
     for line in ["inflection line", "iliac line", "estimated line"] {
         let start = format!("There the {line} is not significantly different from");

@@ -1,4 +1,4 @@
-//! Counter-examples move as they say, and readers of one phantom differ in the size of their errors alone.
+//! Counter-examples move as stated, and readers of one phantom differ only in the size of their errors.
 
 use spineline::anatomy::Posture;
 use spineline::measure::FilmLandmarks;
@@ -38,7 +38,7 @@ fn corners(phantom: &Phantom) -> Vec<Pixel> {
 
 #[test]
 fn a_flattened_spine_keeps_the_shape_of_its_curvature() {
-    // Oracle: by definition every turn is multiplied by one number per posture.
+    // Oracle: by definition, each turn is multiplied by one number per posture.
     let phantom = phantom(3, Scenario::Flatten);
     let erect = turns_rad(&phantom, Posture::Erect);
     for posture in Posture::MOVED {
@@ -54,7 +54,7 @@ fn a_flattened_spine_keeps_the_shape_of_its_curvature() {
 
 #[test]
 fn a_line_beside_the_inflections_rotates_joints_by_their_lever_arms() {
-    // Oracle: a joint whose both ends lie on one side of the line turns to that side; no spring pushes back.
+    // Oracle: a joint with both ends on one side of the line turns to that side; springs do not push back.
     for index in [0, 10, 17] {
         let phantom = phantom(index, Scenario::Offset);
         for posture in Posture::MOVED {
@@ -79,7 +79,7 @@ fn a_line_beside_the_inflections_rotates_joints_by_their_lever_arms() {
 
 #[test]
 fn a_distributed_horizontal_load_rotates_every_joint_to_its_side_and_the_lowest_most() {
-    // Oracle: its moment has one sign and grows towards L4, as everything above adds to it.
+    // Oracle: its moment has one sign and increases towards L4, because everything above adds to it.
     let phantom = phantom(0, Scenario::Spread);
     for (posture, sense) in [(Posture::LeftBending, -1.0), (Posture::RightBending, 1.0)] {
         let moved = phantom.posture(posture).expect("five postures");
@@ -94,7 +94,7 @@ fn a_distributed_horizontal_load_rotates_every_joint_to_its_side_and_the_lowest_
 
 #[test]
 fn random_rotations_have_both_signs_and_bends_have_their_sides() {
-    // Oracle: 14 independent normal turns are of one sign once in 8000 times.
+    // Oracle: 14 independent normal turns have one sign once in 8000 times.
     for index in 0..SUBJECTS.len() {
         let phantom = phantom(index, Scenario::Random);
         let tilt =
@@ -118,7 +118,7 @@ fn phantoms_of_a_subject_share_anatomy_in_every_scenario() {
 
 #[test]
 fn readers_of_one_phantom_err_in_the_same_directions() {
-    // Oracle: twice the deviation makes twice the error, to the rounding of a pixel's coordinate.
+    // Oracle: twice the deviation gives twice the error, to the rounding of a pixel's coordinate.
     let readers = [rough(0.0), rough(0.1), rough(0.2)];
     let read = generate_read(2, 0, Scenario::Bend, &readers, 5).expect("a phantom");
     let [none, some, twice] = [0, 1, 2].map(|i| corners(&read[i]));

@@ -1,4 +1,4 @@
-//! How often films are doubted: those of sound patients, and those that were exchanged, mirrored or read twice.
+//! How often films are doubted: films of sound patients, and films that were exchanged, mirrored or read twice.
 
 use std::collections::BTreeMap;
 use std::mem::swap;
@@ -13,7 +13,7 @@ use spineline::measure::{Corners, Film, FilmLandmarks, IliacCrests};
 use spineline::spatial::Pixel;
 use spineline_phantom::{Build, Construction, Readers, SUBJECTS, Scenario, generate_built};
 
-/// Codes of a case: those of its doubts, or that of the error which refuses it.
+/// Codes of a case: of its doubts, or of the error that refuses it.
 fn codes(case: &Case) -> Vec<&'static str> {
     match analyze_movement(case, &AnalysisOptions::default()) {
         Ok(analysis) => {
@@ -30,7 +30,7 @@ fn film_mut(case: &mut Case, posture: Posture) -> &mut Film {
     case.films.iter_mut().find(|film| film.posture == posture).expect("all films")
 }
 
-/// The film as someone sees it who takes the picture for its mirror image.
+/// The film as marked by someone who takes the picture for its mirror image.
 fn mirror(film: &mut Film) {
     let FilmLandmarks::Corners { image, iliac_crests, readings } = &mut film.landmarks else {
         panic!("phantoms have corners")
@@ -43,7 +43,7 @@ fn mirror(film: &mut Film) {
     *iliac_crests = iliac_crests.map(|c| IliacCrests { left: c.right, right: c.left });
 }
 
-/// Gives a posture the film of another one, as other readers of the same kind mark it.
+/// Gives a posture the film of another one, marked by other readers of the same kind.
 fn read_again(case: &mut Case, (from, to): (Posture, Posture), readers: &Readers, seed: u64) {
     let mut landmarks = film_mut(case, from).landmarks.clone();
     let FilmLandmarks::Corners { image, readings, .. } = &mut landmarks else {
@@ -51,7 +51,7 @@ fn read_again(case: &mut Case, (from, to): (Posture, Posture), readers: &Readers
     };
     let [column_mm, row_mm] = image.spacing.map_or([1.0; 2], |one| [one.column_mm, one.row_mm]);
     let mut rng = ChaCha12Rng::seed_from_u64(seed);
-    // The readings that are copied have an error already.
+    // The copied readings already have an error.
     let sd_mm = (2.0_f64).sqrt() * readers.corner_sd_mm.hypot(readers.corner_bias_sd_mm);
     let corner = Normal::new(0.0, sd_mm).expect("a deviation");
     let axis_sd = readers.axis_sd.rad().hypot(readers.axis_bias_sd.rad());
@@ -71,7 +71,7 @@ fn read_again(case: &mut Case, (from, to): (Posture, Posture), readers: &Readers
     film_mut(case, to).landmarks = landmarks;
 }
 
-/// What is done to a sound case, and the codes of which one has to be found.
+/// Faults of a sound case, each with codes of which one has to be found.
 const FAULTS: [(&str, &[&str]); 8] = [
     ("bends exchanged", &["bends_exchanged", "bend_leans_away", "film_looks_mirrored"]),
     ("left bend mirrored", &["bends_exchanged", "bend_leans_away", "film_looks_mirrored"]),
@@ -107,7 +107,7 @@ fn with_fault(sound: &Case, fault: usize, readers: &Readers, seed: u64) -> Case 
     case
 }
 
-/// Sound patients by doubt or error, patients with a fault that was found, and all.
+/// Sound patients by doubt or error, patients with a found fault, and all.
 #[derive(Default)]
 struct Counts {
     patients: usize,
@@ -173,11 +173,11 @@ const SPINES: [(Scenario, Construction); 9] = [
     (Scenario::Flatten, Construction::Rod),
 ];
 
-/// Observers, and the factor on their errors. Noise hides a part of the faults from one observer with three times the usual errors, who
-/// is not known to have them.
+/// Observers, and the factor on their errors. Noise hides some faults of one observer with three times the usual
+/// errors, because the size of the errors is unknown.
 const READERS: [(u32, f64); 4] = [(1, 1.0), (1, 3.0), (2, 1.0), (2, 3.0)];
 
-/// Prints a row per spine and kind of readers, and gives the sums by kind of readers.
+/// Prints a row per spine and kind of readers, and returns the sums by kind of readers.
 fn all_spines(patients: &[(usize, u64)]) -> [Counts; READERS.len()] {
     READERS.map(|(observers, noise)| {
         let mut sum = Counts::default();
@@ -202,8 +202,8 @@ fn all_spines(patients: &[(usize, u64)]) -> [Counts; READERS.len()] {
     })
 }
 
-/// Oracle: the phantoms' films are those that their names say, until a fault is made. Movements that flatten the curve are no bends, so
-/// that nobody sees whether they are exchanged: a ninth of the patients.
+/// Oracle: the phantoms' films are what their names state, until a fault is made. Movements that flatten the curve are
+/// not bends, so their exchange cannot be seen: a ninth of the patients.
 fn check(by_readers: &[Counts], max_false: f64, min_found: f64) {
     for (counts, readers) in by_readers.iter().zip(READERS) {
         let part = |count: usize| count as f64 / counts.patients as f64;

@@ -1,4 +1,4 @@
-//! Loads and bases on synthetic films of known truth, read by the virtual readers: the one that made them wins.
+//! Loads and bases on synthetic films of known truth, read by the virtual readers: the true load wins.
 //!
 //! Oracle: the statics of the phantoms, 998 planar segments. `validation/lines.md` has the table over more subjects.
 
@@ -45,9 +45,8 @@ fn location_mm(summary: &HypothesisSummary, role: Role) -> f64 {
     summary.location_mm[place].expect("every film is predicted")
 }
 
-/// Of all loads with as many components or fewer, the one that made the films predicts a bend from the other one best, and has
-/// the
-/// lowest AICc. With more components a load may come near any other.
+/// Among all loads with at most as many components, the true load predicts a bend from the other one best, and has the
+/// lowest AICc. A load with more components may come near any other.
 fn wins(scenario: Scenario, load: LoadShape) {
     let compared = comparison(scenario, &LOADS.map(Hypothesis::of));
     let of = |load: LoadShape| {
@@ -96,8 +95,8 @@ fn two_forces_predict_best_where_two_bent_the_spine() {
 
 #[test]
 fn one_component_needs_no_more_than_the_place_of_t2() {
-    // Oracle: the search along the path of equilibria, which knows neither joint rotations nor the tilt. Two numbers determine a
-    // load of one component and the scale of the film, so that a wide prior hardly moves them.
+    // Oracle: the search along the path of equilibria, which uses neither joint rotations nor the tilt. Two numbers
+    // determine a load of one component and the scale of the film, so a wide prior hardly changes them.
     let compared = comparison(Scenario::Pull, &[LoadShape::IliacLine].map(Hypothesis::of));
     let [iliac] = &compared.hypotheses[..] else { panic!("one load") };
     let by_place = location_mm(iliac, Role::LeftOut);
@@ -109,8 +108,8 @@ fn one_component_needs_no_more_than_the_place_of_t2() {
 
 #[test]
 fn the_tilt_of_t2_determines_a_free_line() {
-    // Oracle: scenario. Three components, of which the films were bent by one that is among them, by a force spread over the
-    // spine, or by rotations that no load made.
+    // Oracle: scenario. Three components; the films were bent by one of them, by a force spread over the spine, or by
+    // rotations without a load.
     let free = [Hypothesis::of(LoadShape::FreeLine)];
     for scenario in [Scenario::Rod, Scenario::Lateral, Scenario::Bend] {
         let compared = comparison(scenario, &free);
@@ -128,7 +127,7 @@ fn a_free_base_predicts_best_where_the_base_was_rotated() {
     let [fixed, noisy, free] = &compared.hypotheses[..] else { panic!("three bases") };
     assert!(free.aicc_difference < noisy.aicc_difference);
     assert!(noisy.aicc_difference < fixed.aicc_difference);
-    // Turns of 4° to 8°, ten times what reading makes of them, are no noise.
+    // Turns of 4° to 8° are ten times the reading errors.
     for role in [Role::Fitted, Role::LeftOutLoadFitted] {
         assert!(location_mm(free, role) < 0.5 * location_mm(fixed, role));
     }
@@ -136,7 +135,7 @@ fn a_free_base_predicts_best_where_the_base_was_rotated() {
 
 #[test]
 fn a_free_base_recovers_the_rotation_of_the_base() {
-    // Oracle: the turn that stands between the true tilts of L4 and L3 beyond what the same rod has.
+    // Oracle: the turn between the true tilts of L4 and L3, less the same rod's.
     let (index, seed) = (0, 1);
     let turned = generate(index, Scenario::TurnedBase, &Readers::exact(), seed).expect("a phantom");
     let hypothesis = Hypothesis { load: LoadShape::InflectionLine, base: Base::Free };
@@ -149,7 +148,7 @@ fn a_free_base_recovers_the_rotation_of_the_base() {
     for prediction in analysis.hypotheses[0].of_role(Role::Fitted) {
         let truth = turned.posture(prediction.posture).expect("it was filmed");
         let turn = truth.base_turn;
-        // Exact readers; 14 joints for 998 segments leave the rest.
+        // Readers are exact; the rest is from 14 joints instead of 998 segments.
         assert!((prediction.base - turn).abs().deg() < 1.0, "{} {}", prediction.base, turn);
         assert!(turn.abs().deg() >= 4.0);
     }

@@ -1,4 +1,4 @@
-//! What the films say of multipliers that were put into the model itself, with noise of a known size on its shapes.
+//! Identifiability of multipliers that were put into the model itself, with noise of a known size on its shapes.
 
 use rand_chacha::ChaCha12Rng;
 use rand_chacha::rand_core::SeedableRng;
@@ -36,7 +36,7 @@ fn patient() -> Patient {
     }
 }
 
-/// How a fit is asked.
+/// Request for a fit.
 struct Asked {
     groups: JointGroups,
     logs: Vec<f64>,
@@ -61,7 +61,7 @@ impl Patient {
         LineOfAction::leaning(Frontal::new(-0.8 * apex.y_mm, apex.z_mm), Angle::from_deg(7.0))
     }
 
-    /// A film of the model under a force, as a reader with independent normal errors sees it.
+    /// A film of the model under a force, as a reader with independent normal errors marks it.
     fn film(&self, posture: Posture, asked: &Asked, load: &Load, force_n: f64) -> Outline {
         let mut solution = Solution::default();
         let statics =
@@ -109,7 +109,7 @@ impl Patient {
 
 #[test]
 fn the_films_identify_ratios_and_not_the_level() {
-    // Oracle: scaling all springs and all forces by one number changes no shape, where only lateral springs turn.
+    // Oracle: if only lateral springs turn, scaling all springs and all forces by one number does not change shapes.
     let patient = patient();
     let (_, found) = patient.ask(&Asked::regional(&patient));
     let [level, other, ..] = &found.directions[..] else { panic!("three directions") };
@@ -141,8 +141,8 @@ fn a_profile_equals_the_parabola_of_the_curvature() {
 
 #[test]
 fn intervals_cover_the_true_multipliers() {
-    // Oracle: the truth. Of 200 films × 3 multipliers 95 % are expected; 90 to 99 is what chance allows, with ratios that depend
-    // on one another.
+    // Oracle: the true values. 95 % of 200 films × 3 multipliers are expected; chance allows 90 to 99 %, with ratios
+    // that depend on one another.
     const FILMS: u64 = 200;
     let patient = patient();
     let mut asked = Asked::regional(&patient);

@@ -1,5 +1,5 @@
-//! A spine in space under a force along the line through its inflections, the paper's Model-1: how it bends, and what a model with the
-//! lateral film makes of it.
+//! A spine in space under a force along the line through its inflections, the paper's Model-1: its bends, and results
+//! of a model with the lateral film.
 
 use std::collections::BTreeMap;
 
@@ -19,7 +19,7 @@ use spineline_phantom::{
     Readers, SagittalShape, Scenario, SpaceSetup, generate, generate_in_space,
 };
 
-/// The material points through which the line runs, as places among the vertebrae from L4 on: where the tilts of these spines are
+/// The material points on the line, as places among the vertebrae from L4 on: where the tilts of these spines are
 /// largest.
 const INFLECTIONS: [f64; 2] = [2.64, 9.91];
 /// Sum of the turns of neighbours on a bend, as on the other phantoms.
@@ -43,7 +43,7 @@ fn at(shape: &Deformed, place: f64) -> Frontal {
     low + (high - low) * (place - below as f64)
 }
 
-/// A spine, and the line through its inflections that was found last, by where it crosses the heights of the erect ones.
+/// A spine, and the last line through its inflections, by its crossings of the heights of the erect ones.
 struct Bending<'a> {
     statics: GeneralStatics<'a>,
     heights_mm: [f64; 2],
@@ -63,7 +63,7 @@ impl<'a> Bending<'a> {
         }
     }
 
-    /// The shape under a force along a line, and how far the inflections then lie from it.
+    /// The shape under a force along a line, and the distances of the inflections from it.
     fn under(&self, sides_mm: [f64; 2], size_n: f64) -> Option<(Deformed, [f64; 2])> {
         let [low, high] = [0, 1].map(|i| Frontal::new(sides_mm[i], self.heights_mm[i]));
         let line = LineOfAction::through(low, high).ok()?;
@@ -122,7 +122,8 @@ fn leans_deg(erect: &Deformed, shape: &Deformed) -> f64 {
     (shape.location(14).lateral_tilt() - erect.location(14).lateral_tilt()).deg()
 }
 
-/// Grows a force of one sense until the spine turns far enough: the force, and the shape; else the largest force that was found.
+/// Increases a force of one sense until the spine turns far enough: the force and the shape, or else the largest force
+/// that was found.
 fn bend(model: &SpineModel, support: Support, sense: f64) -> Result<(f64, Deformed), f64> {
     let erect = erect_shape(model);
     let mut bending = Bending::new(model, support);
@@ -146,7 +147,7 @@ fn bend(model: &SpineModel, support: Support, sense: f64) -> Result<(f64, Deform
             low_n = middle_n;
         }
     }
-    // A spine that folds turns much farther at once.
+    // A spine that folds jumps to a much larger turn.
     if turns_deg(&erect, &shape, tilt) < 1.5 * TOTAL_DEG { Ok((high_n, shape)) } else { Err(low_n) }
 }
 
@@ -164,7 +165,7 @@ fn film(posture: Posture, shape: &Deformed) -> Film {
     Film { posture, landmarks }
 }
 
-/// Fitted and left-out bends: those with a result, of two each, and their mean location error.
+/// Fitted and left-out bends: number of results out of two each, and mean location error.
 fn cell(analysis: &Analysis, kind: LineKind, role: FilmRole) -> String {
     let compared = analysis.comparison();
     let Some(place) = compared.lines.iter().position(|line| line.kind == kind) else {
@@ -195,7 +196,8 @@ fn spines() -> impl Iterator<Item = (String, Case, Analysis)> {
     })
 }
 
-/// What models with the line through the inflections and with the iliac line make of two bends, with and without the lateral film.
+/// Results of models with the line through the inflections and with the iliac line on two bends, with and without the
+/// lateral film.
 fn models(case: &Case, support: Support, [left, right]: [&Deformed; 2]) -> [String; 2] {
     let mut case = case.clone();
     case.films.truncate(1);
@@ -241,7 +243,7 @@ fn what_a_force_through_the_inflections_does_in_space() {
                 };
                 println!("| {name} | {support:?} | {sense:+} | {words} |");
             }
-            // The one that leans more to the right is the right one, however little.
+            // The bend with the larger tilt to the right is the right one, however small the difference.
             bends.sort_by(|a, b| a.0.total_cmp(&b.0));
             if let [(_, left), (_, right)] = &bends[..] {
                 for row in models(&case, support, [left, right]) {
@@ -255,7 +257,7 @@ fn what_a_force_through_the_inflections_does_in_space() {
     );
 }
 
-/// How far the bends of phantoms in the plane lean, whose force runs through their inflections too.
+/// Lateral tilt of bends of planar phantoms, whose force also runs through their inflections.
 #[test]
 #[ignore = "for comparison with the study above"]
 fn rods_in_the_plane_lean() {
@@ -270,7 +272,7 @@ fn rods_in_the_plane_lean() {
     }
 }
 
-/// The force acts nearly along a spine: it bends it within its curves, hardly leans it, and flexes it where nothing holds it.
+/// The force acts nearly along a spine: it bends it within its curves, hardly tilts it, and flexes it if it is free.
 #[test]
 fn a_force_through_the_inflections_hardly_leans_a_spine_and_flexes_a_free_one() {
     let (_, _, analysis) = spines().last().expect("a spine");

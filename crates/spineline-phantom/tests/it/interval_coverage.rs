@@ -1,4 +1,4 @@
-//! How often intervals under the noise of landmarks hold what a reader without noise would have found.
+//! How often intervals under landmark noise contain the result of a reader without noise.
 
 use std::collections::BTreeMap;
 
@@ -8,10 +8,11 @@ use spineline::analysis::{Analysis, AnalysisOptions, Case, analyze};
 use spineline::uncertainty::{AnalysisQuantity, LandmarkNoise, MonteCarlo, Uncertainty};
 use spineline_phantom::{Readers, SUBJECTS, Scenario, generate};
 
-/// Of each kind of number: how often it is held, and of how many.
+/// For each kind of number: how often the interval contains it, out of how many.
 type Counts = BTreeMap<&'static str, [usize; 2]>;
 
-/// Kinds of numbers. A line's offset is measured from the case's own inflections, which another reading does not share.
+/// Kinds of numbers. A line's offset is measured from the case's own inflections, so another reading cannot be
+/// compared.
 fn kind(quantity: AnalysisQuantity) -> Option<&'static str> {
     use AnalysisQuantity as Q;
     Some(match quantity {
@@ -30,21 +31,26 @@ fn kind(quantity: AnalysisQuantity) -> Option<&'static str> {
     })
 }
 
-/// Replicates of marks about an analysis: its weights, its options.
-fn told(case: &Case, analysis: &Analysis, noise: LandmarkNoise, replicates: u64) -> Uncertainty {
+/// Replicates of marks about an analysis, with its weights and options.
+fn replicated(
+    case: &Case,
+    analysis: &Analysis,
+    noise: LandmarkNoise,
+    replicates: u64,
+) -> Uncertainty {
     let monte_carlo = MonteCarlo::new(case, analysis, noise, 1).expect("readings");
     let mut tally = monte_carlo.tally();
     (0..replicates).for_each(|index| tally.add(&monte_carlo.replicate(index)));
     tally.finish(replicates)
 }
 
-/// One patient, read with noise; and what marks without noise give with the same weights.
+/// One patient, read with noise; and the results of marks without noise with the same weights.
 fn patient(index: usize, scenario: Scenario, seed: u64, replicates: u64) -> Counts {
     let read = |readers| generate(index, scenario, &readers, seed).expect("a subject").case;
     let (noisy, exact) = (read(Readers::default()), read(Readers::exact()));
     let analysis = analyze(&noisy, &AnalysisOptions::default()).expect("a sound case");
-    let found = told(&noisy, &analysis, LandmarkNoise::Measured, replicates);
-    let right = told(&exact, &analysis, LandmarkNoise::Pixels(0.0), 1);
+    let found = replicated(&noisy, &analysis, LandmarkNoise::Measured, replicates);
+    let right = replicated(&exact, &analysis, LandmarkNoise::Pixels(0.0), 1);
     let mut counts = Counts::new();
     for spread in found.quantities.iter().filter(|spread| 20 * spread.count >= 19 * replicates) {
         let both = spread.interval_95().zip(right.spread(spread.quantity));
@@ -76,7 +82,8 @@ fn share(counts: &Counts, kind: &str) -> f64 {
 
 #[test]
 fn intervals_of_a_few_patients_hold_values_without_landmark_noise() {
-    // Oracle: the same analysis of marks without noise. The numbers of a film share its noise; ends of 80 replicates are rough.
+    // Oracle: the same analysis of marks without noise. The numbers of a film share its noise; the ends of 80
+    // replicates are imprecise.
     let patients: Vec<(usize, u64)> = (0..6).map(|index| (index, 1)).collect();
     let counts = study(Scenario::Rod, &patients, 80);
     for kind in ["location", "tilt", "Ferguson angle", "ln of a multiplier", "force"] {

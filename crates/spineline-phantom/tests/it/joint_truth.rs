@@ -1,6 +1,6 @@
-//! Multipliers that were put into the model itself come back out of its own shapes.
+//! Multipliers that were put into the model itself are recovered from its shapes.
 //!
-//! Here the model is exact, unlike on films of a phantom, so everything must be found to the digits of the minimiser.
+//! The model is exact here, unlike on films of a phantom, so everything must be found to the minimiser's precision.
 
 use spineline::action::LineOfAction;
 use spineline::analysis::analyze;
@@ -40,13 +40,13 @@ fn patient(index: usize) -> Patient {
 }
 
 impl Patient {
-    /// A line that stays away from most joints, so that nearly all of them feel the force.
+    /// A line away from most joints, so that the force turns nearly all of them.
     fn line(&self) -> LineOfAction {
         let apex = self.erect.vertebrae[self.regions.bounds[1].apex].location;
         LineOfAction::leaning(Frontal::new(-0.8 * apex.y_mm, apex.z_mm), Angle::from_deg(7.0))
     }
 
-    /// The film that a perfect reader would make of the model under a force.
+    /// The film of a perfect reader of the model under a force.
     fn film(&self, posture: Posture, statics: &Statics<'_>, load: &Load, force_n: f64) -> Outline {
         let mut solution = Solution::default();
         statics.solve(load, &[force_n], &[], &mut solution);

@@ -1,4 +1,5 @@
-//! How often regions and tests of the line of action are right: synthetic patients whose line is known, read with noise.
+//! How often regions and tests of the line of action are right, on synthetic patients with a known line, read with
+//! noise.
 
 use std::collections::BTreeMap;
 use std::ops::RangeInclusive;
@@ -15,15 +16,15 @@ use spineline_phantom::{
 };
 
 const REGION: &str = "the true line is in the 95 % region";
-const SETTLED: &str = "the fit of the films' own loads settles";
+const CONVERGED: &str = "the fit of the films' own loads converges";
 const INFLECTION: &str = "an inflection is in its 95 % interval";
 const CROSSING: &str = "the true line crosses within the 95 % interval";
 
-/// How often each of several things was so.
+/// How often each result is true, out of how many.
 type Counts = BTreeMap<(Posture, &'static str), [usize; 2]>;
 
-/// From the true frame into that of the film as it was read: that is L4's, which turns and shifts as L4 is read. All vertebrae
-/// together show where it lies.
+/// From the true frame to the frame of the film as read: L4's frame, which moves with the reading of L4. It is found
+/// from all vertebrae together.
 fn as_read(truth: &TruePosture, posture: &FilmMovement) -> impl Fn(Frontal) -> Frontal {
     let read: Vec<Frontal> = posture.outline.vertebrae.iter().map(|v| v.location).collect();
     let mean = |places: &[Frontal]| {
@@ -31,7 +32,7 @@ fn as_read(truth: &TruePosture, posture: &FilmMovement) -> impl Fn(Frontal) -> F
             * (1.0 / places.len() as f64)
     };
     let (middle, true_middle) = (mean(&read), mean(&truth.locations));
-    // The turn that brings true places nearest to those read.
+    // The rotation that brings true places nearest to the read ones.
     let pairs = truth.locations.iter().zip(&read).map(|(a, b)| (*a - true_middle, *b - middle));
     let (cross, dot) = pairs.fold((0.0, 0.0), |(c, d), (a, b)| (c + a.cross(b), d + a.dot(b)));
     let (sin, cos) = (cross / cross.hypot(dot), dot / cross.hypot(dot));
@@ -45,7 +46,7 @@ fn count(phantom: &spineline_phantom::Phantom, analysis: &Analysis, counts: &mut
     let erect = phantom.posture(Posture::Erect).expect("a film");
     let intervals = analysis.movement.inflection_intervals.expect("a pair of inflections");
     for (truth, interval) in erect.inflections.iter().zip(intervals.each) {
-        // An interval that is not limited holds everything.
+        // An unlimited interval contains everything.
         let z_mm = as_read(erect, analysis.movement.erect())(*truth).z_mm;
         let held = interval.is_none_or(|found| (found.t_mm[0]..=found.t_mm[1]).contains(&z_mm));
         let [yes, all] = counts.entry((Posture::Erect, INFLECTION)).or_default();
@@ -53,9 +54,9 @@ fn count(phantom: &spineline_phantom::Phantom, analysis: &Analysis, counts: &mut
         *all += 1;
     }
     let loads = analysis.preferred_loads();
-    // One fit for all films: it is kept under the one that has no load.
-    let [settled, all] = counts.entry((Posture::Erect, SETTLED)).or_default();
-    *settled += usize::from(loads.is_some());
+    // One fit for all films, counted under the erect one, which has no load.
+    let [converged, all] = counts.entry((Posture::Erect, CONVERGED)).or_default();
+    *converged += usize::from(loads.is_some());
     *all += 1;
     let Some(loads) = loads else { return };
     let moved = analysis.movement.films.iter().filter(|posture| posture.evidence.is_some());
@@ -73,7 +74,7 @@ fn count(phantom: &spineline_phantom::Phantom, analysis: &Analysis, counts: &mut
         let proposal = ProposedLine::Through { points, covariance: Matrix4::zeros() };
         let test = loads.test(film, &proposal).expect("a load");
         add(REGION, !test.rejects());
-        // Once in thousands of films that move little the load is a couple, which has no line.
+        // On films with little movement, the load is rarely (once in thousands) a couple, which has no line.
         let Some(own) = &posture.preferred_line else { continue };
         let inflection = own.inflection.expect("two inflections").test;
         add("'through the inflections' is not rejected", !inflection.rejects());
@@ -137,13 +138,13 @@ fn print(scenario: Scenario, build: Build, counts: &Counts) {
     }
 }
 
-/// The hypothesis that each scenario obeys, and one that it breaks.
+/// The hypothesis that each scenario obeys, and one that it violates.
 fn check(scenario: Scenario, counts: &Counts, bounds: &Bounds) {
     let (inflection, iliac) = (
         "'through the inflections' is not rejected",
         "'parallel to the iliac line' is not rejected",
     );
-    assert!(share(counts, Posture::Erect, SETTLED) > 0.99, "{scenario:?}");
+    assert!(share(counts, Posture::Erect, CONVERGED) > 0.99, "{scenario:?}");
     let inflections = share(counts, Posture::Erect, INFLECTION);
     assert!((0.9..=1.0).contains(&inflections), "{scenario:?}: {inflections}");
     for posture in Posture::MOVED {
@@ -169,7 +170,7 @@ fn check(scenario: Scenario, counts: &Counts, bounds: &Bounds) {
     }
 }
 
-/// Observers who disagree: each sets every vertebra of a film off by a bias of his own.
+/// Observers with different biases for every vertebra of a film.
 fn biased() -> Readers {
     let [corner_bias_sd_mm, axis_bias_deg] = [0.4, 0.3];
     let axis_bias_sd = Angle::from_deg(axis_bias_deg);
@@ -178,7 +179,7 @@ fn biased() -> Readers {
 
 #[test]
 fn regions_contain_the_true_line_and_tests_keep_their_size() {
-    // Oracle: the line that made the films. Of 36 patients 95 % are 34; fewer than 29 come by chance once in 200 times.
+    // Oracle: the true line. 95 % of 36 patients are 34; fewer than 29 come by chance once in 200 times.
     for (construction, readers) in
         [(Construction::Rod, Readers::default()), (Construction::Discs, biased())]
     {
@@ -191,13 +192,14 @@ fn regions_contain_the_true_line_and_tests_keep_their_size() {
     }
 }
 
-/// Between which shares a study must find: the true line in its region, and the tests of the line that made the films.
+/// Bounds of a study: shares of the true line in its region, and of the tests of the true line.
 struct Bounds {
     regions: RangeInclusive<f64>,
     tests: RangeInclusive<f64>,
 }
 
-/// Spines of every construction, with joints that differ or not, read by observers with and without a bias.
+/// Spines of every construction, with or without differences between joints, read by observers with and
+/// without a bias.
 fn over_all_spines(seeds: &RangeInclusive<u64>, bounds: &Bounds) {
     for construction in Construction::ALL {
         for (joint_log_sd, readers) in
@@ -213,15 +215,15 @@ fn over_all_spines(seeds: &RangeInclusive<u64>, bounds: &Bounds) {
     }
 }
 
-/// A quarter of the study below, with bounds that are wider by two standard errors of so many patients.
+/// A quarter of the study below, with bounds that are wider by two standard errors of this number of patients.
 #[test]
 #[ignore = "minutes: cargo test --release -p spineline-phantom --test it line_regions::over_thousands -- --ignored --nocapture"]
 fn over_thousands_of_patients() {
     over_all_spines(&(9001..=9020), &Bounds { regions: 0.89..=1.0, tests: 0.9..=1.0 });
 }
 
-/// The study behind the rows in `validation/README.md`. What the fit takes for granted was chosen with sets 1 to 168, 1001 to 1168,
-/// 2001 to 2008, 7001 to 7120 and 8001 to 8080 in view; these are others.
+/// The study behind the rows in `validation/README.md`. The assumptions of the fit were chosen with sets 1 to 168, 1001
+/// to 1168, 2001 to 2008, 7001 to 7120 and 8001 to 8080; these are other sets.
 #[test]
 #[ignore = "a quarter of an hour: cargo test --release -p spineline-phantom --test it line_regions::over_tens -- --ignored --nocapture"]
 fn over_tens_of_thousands_of_patients() {

@@ -1,4 +1,5 @@
-//! Lines on the same films: what is left out stays out, numbers are counted, and the scenario decides which line predicts.
+//! Lines on the same films: left-out films are not used, numbers are counted, and the scenario decides which line
+//! predicts.
 
 use spineline::action::LineKind;
 use spineline::analysis::{
@@ -51,7 +52,7 @@ fn a_left_out_bend_does_not_change_the_stiffness_that_predicts_it() {
         let left = Posture::LeftBending;
         assert_ne!(fits(&first, left, kind), fits(&second, left, kind), "{kind}");
     }
-    // One length of segments is for all films (problem 1 of the paper), and places an inflection to within a segment.
+    // All films have one segment length (problem 1 of the paper), which limits the place of an inflection to a segment.
     let [a, b] = [&first, &second].map(|f| fits(f, Posture::RightBending, LineKind::Inflection));
     assert!(a.iter().zip(&b).all(|(a, b)| (a - b).abs() < 0.01), "{a:?} {b:?}");
     for model in first.left_out.iter().flat_map(|bend| &bend.models) {
@@ -59,7 +60,7 @@ fn a_left_out_bend_does_not_change_the_stiffness_that_predicts_it() {
     }
 }
 
-/// The verdict as one value says what the sentences say, and every value occurs.
+/// The verdict's value agrees with its sentences, and every value occurs.
 #[test]
 fn the_verdict_on_the_models_is_that_of_the_sentences() {
     let mut seen = Vec::new();
@@ -121,7 +122,7 @@ fn a_line_without_a_result_takes_no_film_from_the_others() {
     assert_eq!(found.errors(lines[1], role).expect("one bend").films, 1);
     let ranked = found.ranking().expect("two lines predict a bend");
     assert_eq!((ranked.films.len(), ranked.lines.len()), (1, 2));
-    // Without any result, the line has no part in the ranking.
+    // Without any result, the line is not ranked.
     found.films.iter_mut().filter(of_role).for_each(|film| film.simulations[lines[1]] = None);
     assert_eq!(found.errors(lines[0], role), Some(before[0]));
     assert_eq!(found.errors(lines[1], role), None);
@@ -135,7 +136,7 @@ fn a_line_without_a_result_takes_no_film_from_the_others() {
 fn a_line_of_one_patient_takes_no_film_from_the_other_lines_of_a_cohort() {
     let analyses: Vec<Analysis> =
         (0..3).map(|index| analyzed(&exact(index, Scenario::Pull))).collect();
-    // Changed before anything is asked of them: an analysis keeps its comparison.
+    // Changed before first use: an analysis keeps its comparison.
     let mut without = analyses.clone();
     for analysis in &mut without[1..] {
         analysis.models.retain(|model| model.kind != LineKind::Inflection);
@@ -161,13 +162,13 @@ fn a_line_of_one_patient_takes_no_film_from_the_other_lines_of_a_cohort() {
         tests.map(|test| (test.films, test.comparison)).collect::<Vec<_>>()
     };
     assert_eq!(pairs(&few), pairs(&all));
-    // The only lines with equally many parameters share no films of two patients, so nothing is said of them.
+    // The only lines with equally many parameters share no films of two patients, so the text omits them.
     let words = few.verdict().join(" ");
     assert!(words.contains("are not tested against each other"), "{words}");
     assert!(!words.contains("no line predicts significantly better"), "{words}");
 }
 
-/// Joints that turn as published move without a force: whatever line has the smallest error, it predicts nothing.
+/// Joints with published rotations move without a force: the line with the smallest error does not predict anything.
 #[test]
 fn no_line_is_said_to_predict_beyond_the_limit() {
     let mut found = analyzed(&exact(1, Scenario::Pull)).comparison().clone();
@@ -217,8 +218,8 @@ fn a_line_that_could_not_be_tested_is_neither_rejected_nor_kept() {
     );
 }
 
-/// Without noise a rod's force runs through its inflections, and that of a pull does not: the same tests must tell them apart
-/// on films that were not fitted.
+/// Without noise a rod's force runs through its inflections, and a pull's force does not: the same tests must tell them
+/// apart on unfitted films.
 #[test]
 fn the_loading_scenario_decides_which_line_predicts_better() {
     let cohort = |scenario| {
@@ -242,7 +243,7 @@ fn the_loading_scenario_decides_which_line_predicts_better() {
         let plain = test.comparison.sign_flip.map(|flip| flip.p_two_sided);
         assert!(test.holm_p >= plain, "{test:?}");
     }
-    // And the same of the iliac line, the other way round.
+    // The same for the iliac line, in reverse.
     let patients = |cohort: &Cohort, kind| {
         let counts = cohort.outcomes(kind).expect("a model of every line").patients;
         (counts.rejected, counts.tested())
@@ -266,7 +267,7 @@ fn the_loading_scenario_decides_which_line_predicts_better() {
     assert!(patients(&pull, LineKind::Inflection).1 > 0);
 }
 
-/// Whoever pulled, both lines get the same tests, as often, and the true one is kept.
+/// For either load, both lines get the same tests, as often, and the true one is kept.
 #[test]
 fn the_true_line_is_kept_and_the_wrong_one_judged_by_the_same_tests() {
     let lines = [LineKind::Inflection, LineKind::Iliac];
@@ -283,7 +284,7 @@ fn the_true_line_is_kept_and_the_wrong_one_judged_by_the_same_tests() {
                     let model = analysis.models.iter().find(|model| model.kind == kind);
                     (kind, analysis.compatibility(model.expect("every line has a model")))
                 });
-                // Nothing is said of films that may be wrong ones.
+                // The text omits films that may be wrong.
                 if analysis.has_doubted_film()
                     || found.iter().any(|(_, found)| found.bends.len() < 2)
                 {
@@ -292,7 +293,7 @@ fn the_true_line_is_kept_and_the_wrong_one_judged_by_the_same_tests() {
                 let verdict = analysis.verdict();
                 asked += 1;
                 for (kind, found) in found {
-                    // The joints and the line itself, on either bend.
+                    // Tests of the joints and of the line itself, on both bends.
                     assert_eq!(found.tests, 4, "{scenario:?}, {kind}");
                     assert!(found.bends.iter().all(|bend| bend.line_p.is_some()), "{kind}");
                     let force = match kind {

@@ -1,4 +1,4 @@
-//! The tests of this crate that see it from outside, in one executable so that they are linked once.
+//! The integration tests of this crate, in one executable so that they are linked once.
 
 #![allow(clippy::float_cmp, reason = "tests compare with exact values")]
 

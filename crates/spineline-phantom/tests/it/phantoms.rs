@@ -1,4 +1,4 @@
-//! What a phantom is: the same for the same seed, with the angles of the paper's Table 1.
+//! Phantoms: the same for the same seed, with the angles of the paper's Table 1.
 
 use spineline::analysis::analyze;
 use spineline::anatomy::Posture;
@@ -50,7 +50,7 @@ fn a_phantom_depends_on_its_seed_only() {
 
 #[test]
 fn all_scenarios_of_a_subject_share_one_erect_spine() {
-    // Oracle: anatomy has a random stream of its own, so only the movement differs.
+    // Oracle: anatomy has a separate random stream, so only the movement differs.
     for index in 0..SUBJECTS.len() {
         let erect = Scenario::PAPER.map(|scenario| {
             let phantom = phantom(index, scenario, &Readers::exact(), 3);
@@ -101,8 +101,8 @@ fn cobb_angles_of_main_thoracic_curves_exceed_ferguson_angles_as_on_films() {
 
 #[test]
 fn main_lumbar_curves_rotate_most_above_l4_and_exceed_an_arc() {
-    // Oracle: an arc of a circle has a ratio of 2. Films have less; a curve that starts at full bend above L4, as these
-    // two phantoms do, has more. Known and stated: their lumbar curves are not like films in this.
+    // Oracle: an arc of a circle has a ratio of 2. Films have less; a curve that starts at full bend above L4, as in
+    // these two phantoms, has more. This known difference from films is documented.
     let tilt_range = |curve: &ClinicalCurve| curve.angles[0].1.tilt_range;
     check_by_ferguson(|row| main_region(row) == 0, tilt_range, 2.0..2.3);
 }
@@ -138,7 +138,7 @@ fn bends_of_phantoms_tilt_to_their_sides_and_films_are_complete() {
 
 #[test]
 fn spines_that_nearly_buckle_have_bends() {
-    // What a load does to their shape changes its moments by nearly as much again.
+    // The change of shape by a load changes the moments by nearly as much again.
     for (index, scenario) in
         [(9, Scenario::Lateral), (10, Scenario::Lateral), (10, Scenario::TwoForces)]
     {
@@ -167,7 +167,7 @@ fn every_construction_has_the_curve_of_its_row_and_moves() {
         let erect = phantom.posture(Posture::Erect).expect("a film");
         let tilts = || erect.tilts.iter().map(|tilt| tilt.deg());
         let most = tilts().fold(f64::MIN, f64::max) - tilts().fold(f64::MAX, f64::min);
-        // The largest difference of two vertebrae is a little less than that of the curve at its inflections.
+        // The largest difference between two vertebrae is a little less than the curve's at its inflections.
         assert!((50.0..=53.1).contains(&most), "{construction:?}: {most}");
         let bend = phantom.posture(Posture::LeftBending).expect("a film");
         assert!((bend.tilts[14] - erect.tilts[14]).abs().deg() > 5.0, "{construction:?}");

@@ -1,4 +1,4 @@
-//! Drawn films show what is true of them: the oracle is the phantom's own geometry.
+//! Drawn films agree with the phantom's geometry, which is the oracle.
 
 #![allow(clippy::unwrap_used)]
 
@@ -28,7 +28,7 @@ fn bright(film: &Radiograph, column: f64, row: f64) -> f64 {
         + y * ((1.0 - x) * at(c, r + 1.0) + x * at(c + 1.0, r + 1.0))
 }
 
-/// Mean brightness of all blocks of so many columns and rows.
+/// Mean brightness of all blocks of this number of columns and rows.
 fn blocks(film: &Radiograph, columns: usize, rows: usize) -> Vec<Vec<f64>> {
     let width = film.image.columns as usize;
     let lines: Vec<&[u16]> = film.pixels.chunks_exact(width).collect();
@@ -43,14 +43,14 @@ fn blocks(film: &Radiograph, columns: usize, rows: usize) -> Vec<Vec<f64>> {
         .collect()
 }
 
-/// Mean difference of blocks that both have.
+/// Mean difference of the blocks of both.
 fn apart(one: &[Vec<f64>], other: &[Vec<f64>]) -> f64 {
     let pairs = one.iter().zip(other).flat_map(|(a, b)| a.iter().zip(b));
     let differences: Vec<f64> = pairs.map(|(a, b)| (a - b).abs()).collect();
     differences.iter().sum::<f64>() / differences.len() as f64
 }
 
-/// How far the steepest rise of brightness towards the body lies from an endplate's true centre, in mm along the axis.
+/// Distance of the steepest rise of brightness towards the body from an endplate's true centre, in mm along the axis.
 fn edge_error_mm(drawn: &Radiograph, corners: &Corners<Pixel>, superior: bool) -> f64 {
     let image = &drawn.image;
     let c = corners.map(|p| image.frontal(p));
@@ -82,7 +82,7 @@ fn edge_error_mm(drawn: &Radiograph, corners: &Corners<Pixel>, superior: bool) -
 
 #[test]
 fn endplates_are_drawn_at_their_true_places() {
-    // Square pixels; pixels that are not, stored with bone dark, too.
+    // Square pixels; pixels that are not square, stored with dark bone, too.
     for (number, posture) in
         [(1, Posture::Erect), (12, Posture::LeftBending), (5, Posture::Traction)]
     {
@@ -172,7 +172,7 @@ fn a_mirrored_film_is_drawn_mirrored() {
     let mut turned = other.clone();
     let width = film.image.columns as usize;
     turned.pixels.chunks_exact_mut(width).for_each(<[u16]>::reverse);
-    // Quanta, clutter and the upright word differ; all else is a mirror image.
+    // Quanta, clutter and the upright word differ; the rest is a mirror image.
     let right = apart(&blocks(&one, 20, 20), &blocks(&turned, 20, 20));
     let wrong = apart(&blocks(&one, 20, 20), &blocks(&other, 20, 20));
     assert!(right < 25.0 && wrong > 10.0 * right, "{right} and {wrong} of 4095");
@@ -186,7 +186,7 @@ fn a_film_with_other_rows_shows_the_same_at_the_same_millimetre() {
     coarse.image.spacing.as_mut().expect("a spacing").row_mm *= 2.0;
     coarse.image.rows /= 2;
     let (fine, coarse) = (Radiograph::of(&film), Radiograph::of(&coarse));
-    // Blocks of 2 mm. Half a row of 0.2 mm is the most that they are apart.
+    // Blocks of 2 mm. They are at most half a row of 0.2 mm apart.
     let difference = apart(&blocks(&fine, 20, 20), &blocks(&coarse, 20, 10));
     assert!(difference < 8.0, "{difference} of 4095");
 }
@@ -205,7 +205,7 @@ fn pixels_do_not_depend_on_the_number_of_threads() {
 fn relative_noise_is_larger_where_fewer_quanta_arrive() {
     let film = &phantom(1).films[0];
     let drawn = Radiograph::of(film);
-    // Differences of neighbours two columns apart: what is left of tissue is small against the quanta.
+    // Differences of neighbours two columns apart: the contribution of tissue is small against the quanta.
     let noise = |level: Level, left_mm: f64| {
         let c = film.vertebrae[&level].map(|p| film.image.frontal(p));
         let centre = (c.superior_left + c.inferior_right) * 0.5;

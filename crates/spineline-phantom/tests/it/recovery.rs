@@ -1,6 +1,7 @@
-//! The pipeline on films of known truth: what it finds against what was put in, for all 18 subjects.
+//! The pipeline on films of known truth: results against true values, for all 18 subjects.
 //!
-//! Readers are exact here, so every difference is the method's: a curve of a polynomial, 14 joints for 998 segments.
+//! Readers are exact here, so every difference is due to the method: a polynomial curve, and 14 joints instead of
+//! 998 segments.
 
 use spineline::action::LineKind;
 use spineline::analysis::{Analysis, AnalysisOptions, Grouping, LineModel, analyze};
@@ -14,13 +15,13 @@ const BENDS: [Posture; 2] = [Posture::LeftBending, Posture::RightBending];
 const INFLECTION_MM: f64 = 0.5;
 /// Half a millimetre on either end of a line of some 150 mm.
 const LINE_DEG: f64 = 0.3;
-/// Fourteen joints cannot bend exactly as 998 segments do, least of all with three multipliers.
+/// Fourteen joints cannot bend exactly as 998 segments, least of all with three multipliers.
 const REGIONAL_MM: f64 = 1.0;
 const PER_JOINT_MM: f64 = 0.5;
-/// The estimated line has three numbers per film where the others have one; it may be worse only by what its
-/// minimisation stops at.
+/// The estimated line has three numbers per film, the others have one; it may be worse only by the tolerance
+/// of its minimisation.
 const ESTIMATED_MARGIN_MM: f64 = 0.3;
-/// So many of the 14 joints turn against a line that is wrong.
+/// Minimum number of the 14 joints that turn against a wrong line.
 const CONTRADICTED: usize = 3;
 
 fn exact(index: usize, scenario: Scenario) -> Phantom {
@@ -39,7 +40,7 @@ fn model(analysis: &Analysis, kind: LineKind) -> &LineModel {
     analysis.models.iter().find(|model| model.kind == kind).expect("a phantom has every line")
 }
 
-/// Mean location error of a usable simulation; infinite where there is none.
+/// Mean location error of a usable simulation; infinite without one.
 fn error_mm(model: &LineModel, posture: Posture) -> f64 {
     model
         .posture(posture)
@@ -47,7 +48,7 @@ fn error_mm(model: &LineModel, posture: Posture) -> f64 {
         .map_or(f64::INFINITY, |simulation| simulation.mean_location_error_mm())
 }
 
-/// Collects what is wrong, so that one run tells of all subjects.
+/// Collects errors, so that one run reports all subjects.
 #[derive(Default)]
 struct Misses(Vec<String>);
 
@@ -84,8 +85,8 @@ fn inflections_and_lines_of_rod_phantoms_are_found() {
             let found = posture.inflection_points.expect("inflections in every posture");
             for (found, truth) in found.iter().zip(truth.inflections) {
                 let off_mm = found.distance_mm(truth);
-                // The rod's curvature jumps where its stiffness does, which no polynomial follows: where the curve
-                // misses the vertebrae themselves, it may miss the inflection by as much.
+                // The rod's curvature jumps with its stiffness, and a polynomial cannot follow: the inflection may
+                // be wrong by as much as the curve at the vertebrae.
                 let limit_mm = INFLECTION_MM + posture.fit.rmse_mm;
                 misses.unless(off_mm <= limit_mm, || {
                     format!(
@@ -112,7 +113,7 @@ fn inflections_and_lines_of_rod_phantoms_are_found() {
 
 #[test]
 fn the_inflection_line_reproduces_the_bends_of_rod_phantoms() {
-    // Oracle: true locations, which exact readers hand on.
+    // Oracle: true locations, which exact readers return.
     let mut misses = Misses::default();
     for index in 0..SUBJECTS.len() {
         let phantom = exact(index, Scenario::Rod);

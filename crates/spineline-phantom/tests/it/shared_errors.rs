@@ -1,4 +1,5 @@
-//! Fits to films whose corners were completed: what weighting by the shared errors of vertebrae gains over weighting one by one.
+//! Fits to films with completed corners: the gain of weighting by the shared errors of vertebrae over weighting one by
+//! one.
 
 use std::collections::BTreeMap;
 
@@ -29,7 +30,7 @@ use spineline_phantom::{Readers, SUBJECTS, Scenario, TrueFilm, generate};
 const LOG_MULTIPLIERS: [f64; 3] = [0.3, -0.5, 0.2];
 const BENDS: [Posture; 2] = [Posture::LeftBending, Posture::RightBending];
 
-/// A spine whose bends are those of its own model, so that fits leave nothing but errors of landmarks.
+/// A spine bent as its own model, so that fits leave only errors of landmarks.
 struct Bent {
     films: BTreeMap<Posture, TrueFilm>,
     loads: BTreeMap<Posture, Load>,
@@ -78,7 +79,7 @@ impl Bent {
         self.films.iter().map(outline).collect()
     }
 
-    /// The fit to outlines of its films: errors of `ln α`, and which of their 95 % intervals hold the truth.
+    /// The fit to outlines of its films: errors of `ln α`, and which of their 95 % intervals contain the true value.
     fn fit(&self, outlines: &BTreeMap<Posture, Outline>) -> ([f64; 3], [bool; 3]) {
         let erect = &outlines[&Posture::Erect];
         let model = SpineModel::from_outline(erect, &SagittalProfile::default());
@@ -148,8 +149,8 @@ fn clicked(film: &TrueFilm) -> Film {
 
 #[test]
 fn multipliers_are_nearer_to_the_truth_than_with_vertebrae_weighted_one_by_one() {
-    // Oracle: the multipliers with which the bends were made. Corners are completed on all films, the base's among them, so that the
-    // frames of the films have errors too.
+    // Oracle: the multipliers of the bends. Corners are completed on all films, including the base's, so the frames of
+    // the films have errors too.
     let mut draw = normals(7);
     let (mut squares, mut held, mut count) = ([0.0; 2], [0, 0], 0);
     for bent in [0, 8, 14].map(Bent::of) {
@@ -166,7 +167,7 @@ fn multipliers_are_nearer_to_the_truth_than_with_vertebrae_weighted_one_by_one()
         }
     }
     let [together, one_by_one] = squares.map(|sum: f64| (sum / f64::from(count)).sqrt());
-    // About 0.04 and 0.1: three times the variance would be worth a change, and it is more.
+    // About 0.04 and 0.1: three times the variance would already justify weighting, and the ratio is larger.
     assert!(3.0 * together.powi(2) < one_by_one.powi(2), "{together} {one_by_one}");
     assert!(together < 0.08, "{together}");
     assert!(held[0] > held[1] && 2 * held[0] > count as usize, "{held:?} of {count}");
@@ -174,8 +175,8 @@ fn multipliers_are_nearer_to_the_truth_than_with_vertebrae_weighted_one_by_one()
 
 #[test]
 fn errors_of_joint_rotations_are_as_large_together_as_stated() {
-    // Oracle: a sum of squares in units of the stated covariance has the mean of its number of joints. In no direction are errors
-    // understated, so that no weight is too large.
+    // Oracle: a sum of squares in units of the stated covariance has a mean equal to its number of joints. Errors are
+    // not understated in any direction, so weights are never too large.
     const JOINTS: usize = 14;
     let mut draw = normals(3);
     let (mut by_direction, mut films) = ([0.0; JOINTS], 0.0);
@@ -254,9 +255,9 @@ fn read_by_walls(film: &TrueFilm, sd_mm: f64, draw: &mut impl FnMut() -> f64) ->
 }
 
 #[test]
-fn what_completed_corners_state_of_their_error_is_about_the_error() {
-    // Phantoms are no films of the model's patients, bends least of all: the deviation need not be theirs to a tenth, but an error
-    // that is stated must neither hide the true one nor drown it.
+fn the_stated_error_of_completed_corners_is_about_the_true_error() {
+    // The model was not built from phantoms, and bends differ most, so the deviation may differ by a few tenths. But a
+    // stated error must neither hide the true one nor exceed it by far.
     let mut draw = normals(1);
     let mut shares: BTreeMap<bool, Vec<[f64; 2]>> = BTreeMap::new();
     for index in [0, 2, 4, 8, 11, SUBJECTS.len() - 1] {
@@ -265,7 +266,7 @@ fn what_completed_corners_state_of_their_error_is_about_the_error() {
             let read = read_by_walls(film, 0.7, &mut draw);
             let placed = measure_readings(&read, TiltRule::default()).expect("a film");
             for (level, placement) in &placed[0].vertebrae {
-                let noise = placement.program.expect("nobody placed the corners");
+                let noise = placement.program.expect("a program placed the corners");
                 assert!(!noise.is_reviewed && noise.placed_share == 0.0);
                 let body = film.vertebrae[level].map(|corner| film.image.frontal(corner));
                 let location = body.measure_location().expect("a body");

@@ -1,4 +1,5 @@
-//! What a lateral film, the support and coupling change in left-out bends and in the line of action, on phantoms in space.
+//! Effects of a lateral film, the support and coupling on left-out bends and on the line of action, on phantoms in
+//! space.
 
 use rayon::prelude::*;
 use spineline::action::{LineKind, LineOfAction};
@@ -10,18 +11,18 @@ use spineline_phantom::{
     BentPhantom, SagittalShape, SpaceBending, SpaceSetup, generate_bends_in_space,
 };
 
-/// What a film of a phantom is compared by.
+/// Compared values of a phantom's film.
 #[derive(Debug, Clone, Copy, Default)]
 struct Found {
     /// Left out: mean location error of the iliac line, along which the force acts, and of the estimated line.
     left_out_mm: [Option<f64>; 2],
     /// Angle between the true line and the line of best fit to the rotations.
     line: Option<Angle>,
-    /// How far its lever arms differ from those of the true line, as a part of these.
+    /// Difference of its lever arms from the true line's, as a part of the latter.
     arms: Option<f64>,
 }
 
-/// A way to model: its name, whether the lateral film and pedicles are used, the support and the springs.
+/// A way to model: its name, use of the lateral film and pedicles, support and springs.
 struct Way {
     name: &'static str,
     in_space: bool,
@@ -29,7 +30,7 @@ struct Way {
     library: StiffnessLibrary,
 }
 
-/// Springs by which flexion is as good as locked, and axial rotation follows lateral bending.
+/// Springs that nearly lock flexion, and with axial rotation that follows lateral bending.
 fn guided() -> StiffnessLibrary {
     let mut rows = StiffnessTable::Coupled.library().rows().to_vec();
     for row in &mut rows {
@@ -58,7 +59,7 @@ fn ways() -> Vec<Way> {
     ]
 }
 
-/// What holds and couples the phantoms.
+/// Support and coupling of the phantoms.
 fn truths() -> Vec<(&'static str, Support, StiffnessLibrary)> {
     let [paper, coupled] = [StiffnessTable::Paper, StiffnessTable::Coupled].map(|t| t.library());
     vec![
@@ -109,8 +110,8 @@ fn in_g(phantom: &BentPhantom, analysis: &Analysis, posture: Posture) -> Option<
     Some(LineOfAction { point, direction: line.direction.rotated(-turn), ..*line })
 }
 
-/// Angle between two lines, and how far their lever arms about the vertebrae differ, as a part of those of the first, once the
-/// sizes of both forces are made to agree: root mean square over root mean square.
+/// Angle between two lines, and difference of their lever arms about the vertebrae as a part of the first line's, after
+/// both forces are scaled to agree: root mean square over root mean square.
 fn compare(about: &[Frontal], one: &LineOfAction, other: &LineOfAction) -> (Angle, f64) {
     let arms = |line: &LineOfAction| -> Vec<f64> {
         about.iter().map(|&place| line.lever_arm_mm(place)).collect()
@@ -155,7 +156,7 @@ fn phantom(
     generate_bends_in_space(&setup(seed), &bending)
 }
 
-/// Mean, its standard error, and how many of all have a value where some have none.
+/// Mean, its standard error, and the number of values if some are missing.
 fn cell(values: impl Iterator<Item = Option<f64>>) -> String {
     let all: Vec<Option<f64>> = values.collect();
     let known: Vec<f64> = all.iter().flatten().copied().collect();
@@ -194,7 +195,7 @@ fn what_a_lateral_film_changes_in_bends_and_lines() {
     }
 }
 
-/// Bends are as large as they are said to be.
+/// Bends have their stated size.
 #[test]
 fn bends_in_space_turn_as_they_should() {
     let truths = truths();

@@ -30,7 +30,7 @@ export class Rod {
     this.mesh = new Mesh(geometry, new MeshBasicMaterial());
   }
 
-  /** Seen faintly where other objects hide it, so that a line neither covers the spine nor is lost behind it. */
+  /** Drawn faintly through other objects, so that a line neither covers the spine nor disappears behind it. */
   shineThrough(): void {
     const ghost = new MeshBasicMaterial({ depthTest: false, transparent: true, opacity: HIDDEN });
     this.#ghost = new Mesh(this.mesh.geometry, ghost);

@@ -50,7 +50,7 @@ export class Parts {
   }
 }
 
-/** The placement of a vertebra: its rotation comes row by row, and its columns are the vertebra's own axes. */
+/** The placement of a vertebra: its rotation is given row by row, and its columns are the vertebra's own axes. */
 export function placement(shape: Shape, index: number): Matrix4 {
   const r = at(shape.rotations, index);
   const p = at(shape.midpoints_mm, index);
@@ -74,7 +74,7 @@ export function placement(shape: Shape, index: number): Matrix4 {
   );
 }
 
-/** What is drawn of one spine. */
+/** How one spine is drawn. */
 export interface FigureStyle {
   tone: Tone;
   /** Transparent with drawn rims, over another spine. */

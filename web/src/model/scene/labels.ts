@@ -56,7 +56,7 @@ export class Labels {
         (label.shift?.[0] ?? 0) -
         (label.aside_mm ?? 0) * pixelsPerMm;
       const y = ((1 - point.y) / 2) * height + (label.shift?.[1] ?? 0);
-      // What stands on the ground would leave the window at its lower edge.
+      // Labels on the ground would leave the window at its lower edge.
       const within = label.kind === "axis" ? Math.min(y, height - node.offsetHeight) : y;
       const [atX, atY] = label.kind === "force" ? above(node, [x, y], left, width) : [x, within];
       const back = label.aside_mm === undefined ? "" : " translate(-100%, -50%)";

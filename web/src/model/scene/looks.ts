@@ -30,7 +30,7 @@ export interface Look {
   words: string;
   /** The patient's side at each edge of the picture: L, R, A (front), P (back), H (head), F (feet). */
   edges: { left: string; right: string; top: string; bottom: string };
-  /** CSS pixels of a millimetre in the plane of the screen. */
+  /** CSS pixels per millimetre in the plane of the screen. */
   pixelsPerMm: number;
 }
 

@@ -32,14 +32,14 @@ interface Outline {
   fill: string;
 }
 
-/** Every other point of a rim is enough for an outline. */
+/** A factor of two fewer points of a rim is enough for an outline. */
 const EVERY = 2;
 const JOINT_PX = 3;
 /** Distance of the stripes on shapes that are not results. */
 const STRIPES_PX = 6;
 
 /**
- * The picture in flat outlines from the camera's view. Without a graphics card it is drawn faster than a single
+ * The picture in flat outlines from the camera's view. Without a graphics card it is faster than a single
  * picture in 3D.
  */
 export class Sketch {

@@ -122,7 +122,7 @@ function strut(from: Point, to: Point, across: number, along: number): BufferGeo
   if (x.lengthSq() < 1e-6) x.set(0, 1, 0);
   x.normalize();
   const geometry = new SphereGeometry(1, 8, 6);
-  // Blunter ends than those of an ellipsoid.
+  // Blunter ends than an ellipsoid's.
   const points = geometry.getAttribute("position");
   for (let i = 0; i < points.count; i += 1) {
     const girth = Math.sqrt(1 + points.getY(i) ** 2);
