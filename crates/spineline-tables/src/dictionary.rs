@@ -47,10 +47,19 @@ pub fn dictionary(optional: OptionalTables) -> Table {
     .fill(&entries)
 }
 
+const DICTIONARY_HEAD: &str = "# Columns of the tables and codes of warnings
+
+`spineline schema dictionary` prints this page. `analyze --tables DIR` writes the same about its own tables as `dictionary.csv`. The last nine
+tables belong to other options and commands: `chain` to `analyze --chain`, `errors` to `analyze --csv` and `reproduce`, `cohort_tests` to
+`analyze --cohort`, `noise_study` to `noise-study`, `path` to `simulate --csv`, `loaded_measures` to `simulate --measures`, `statistics` to
+`reliability --csv`, `summary` to `reproduce`, `verdicts` to `import`.
+
+";
+
 /// The dictionary for people, in Markdown: a section per table, then the tables of other commands, then the codes of warnings.
 #[must_use]
 pub fn dictionary_markdown() -> String {
-    let mut text = String::new();
+    let mut text = DICTIONARY_HEAD.to_owned();
     for table in tables_of(&[], OptionalTables::ALL).into_iter().chain(other_files()) {
         text.push_str(&format!("## {}\n\nOne row per {}.\n\n", table.name, table.row));
         text.push_str("| column | unit | type | meaning |\n|---|---|---|---|\n");

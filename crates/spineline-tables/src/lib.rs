@@ -83,9 +83,9 @@ impl OptionalTables {
     /// Everything.
     pub const ALL: Self = Self { uncertainty: true, hypotheses: true, space: true, axial: true };
 
-    /// The tables that are made for one or the other patients.
+    /// The tables that either asks for.
     #[must_use]
-    pub const fn and(self, other: Self) -> Self {
+    pub const fn or(self, other: Self) -> Self {
         Self {
             uncertainty: self.uncertainty || other.uncertainty,
             hypotheses: self.hypotheses || other.hypotheses,

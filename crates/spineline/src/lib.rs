@@ -9,7 +9,7 @@
 //! 5. [`action`]: → candidates for the line along which the force acts
 //! 6. [`multibody`]: → vertebrae, joints and springs in static equilibrium
 //! 7. [`personalize`]: → stiffness multipliers that reproduce the bends
-//! 8. [`evaluate`]: → errors on films that were fitted and, apart from them, on films that were not
+//! 8. [`evaluate`]: → errors on films that were fitted and separately on films that were not
 //!
 //! [`reliability`] asks how well the readings of step 1 repeat. [`uncertainty`] asks what their noise does to every result. [`response`] asks a personalised model what it would do under any loads.
 //!

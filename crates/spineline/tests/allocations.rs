@@ -1,6 +1,6 @@
 //! The march and Newton's inner loop do not allocate, and a cohort keeps little of a patient.
 //!
-//! An executable of its own: `allocation_counter` replaces the allocator of the whole program with one that counts, which
+//! A separate executable: `allocation_counter` replaces the allocator of the whole program with one that counts, which
 //! would slow all other tests.
 
 #[path = "it/common/mod.rs"]

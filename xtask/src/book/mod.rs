@@ -23,17 +23,13 @@ pub fn make(root: &Path) -> Result<(), String> {
     let plan = Plan::new(root, Extent::Usual);
     let program = built(&plan, "spineline")?;
     let [program, out] = [&program, &results].map(|path| path.display().to_string());
-    // What it prints is what the page shows.
-    println!("» {program} reproduce");
-    let printed = std::process::Command::new(&program).args(["reproduce", "--out", &out]).output();
-    let printed = printed.map_err(|error| format!("`{program}`: {error}"))?;
-    if !printed.status.success() {
-        return Err(String::from_utf8_lossy(&printed.stderr).into_owned());
-    }
+    output(&program, &["reproduce", "--out", &out])?;
     let source = target.join("docs/guide");
     copy(&guide, &source)?;
     let evidence = read(&root.join("validation/README.md"))?;
     write(&source.join("src/credibility.md"), &credibility::page(&evidence)?)?;
+    let dictionary = output(&program, &["schema", "dictionary"])?;
+    write(&source.join("src/dictionary.md"), &dictionary)?;
     let summary = read(&results.join("summary.json"))?;
     write(&source.join("src/paper.md"), &paper::page(&summary)?)?;
     notebooks::render(&plan, &source.join("src/notebooks"))?;
@@ -42,6 +38,17 @@ pub fn make(root: &Path) -> Result<(), String> {
     run(root, &mdbook, &["build", &source, "--dest-dir", &book], &[])?;
     println!("» {book}/index.html");
     Ok(())
+}
+
+/// The text that a run of the program prints.
+fn output(program: &str, arguments: &[&str]) -> Result<String, String> {
+    println!("» {program} {}", arguments.join(" "));
+    let printed = std::process::Command::new(program).args(arguments).output();
+    let printed = printed.map_err(|error| format!("`{program}`: {error}"))?;
+    if !printed.status.success() {
+        return Err(String::from_utf8_lossy(&printed.stderr).into_owned());
+    }
+    String::from_utf8(printed.stdout).map_err(|error| format!("`{program}`: {error}"))
 }
 
 /// The page of every name of the Python package, by its docstrings.

@@ -31,6 +31,8 @@ fn blocks(page: &str) -> Vec<Block> {
     let mut found: Vec<Block> = Vec::new();
     let mut inside = false;
     for (number, line) in text.lines().enumerate() {
+        let is_indented = line.starts_with(' ') && line.trim_start().starts_with("```");
+        assert!(!is_indented, "{page}:{}: an indented block would not run", number + 1);
         match (inside, line.strip_prefix("```")) {
             (false, Some(kind)) => {
                 let place = format!("{page}:{}", number + 1);
@@ -61,6 +63,8 @@ fn every_command_of_the_guide_runs() {
         assert_eq!(block.kind, "sh", "{}", block.place);
         let mut shell = Command::new("sh");
         shell.args(["-eu", "-c", &block.text]).current_dir(here.path()).env("PATH", &path);
+        // `import` writes its secret there.
+        shell.env("XDG_CONFIG_HOME", here.path().join("configuration"));
         let output = shell.output().expect("a shell");
         let said = String::from_utf8_lossy(&output.stderr);
         assert!(output.status.success(), "{}:\n{}{said}", block.place, block.text);

@@ -12,7 +12,7 @@ use std::time::Duration;
 
 use serde_json::Value;
 
-use crate::program::{CASE, done, with_phantom};
+use crate::program::{CASE, done, with_phantom, with_phantoms};
 
 /// Moments after the start.
 const MOMENTS_MS: [u64; 4] = [0, 30, 300, 1500];
@@ -93,12 +93,22 @@ fn commands_without_partial_results_write_nothing() {
 /// More replicates than any test waits for.
 const REPLICATES: [&str; 4] = ["--replicates", "1000000", "--seed", "1"];
 
-/// A command with replicates that gets a signal later and later, until some replicates count.
+/// A command with replicates on a phantom, as [`cut_short_on`].
 fn cut_short(arguments: &[&str], output: &str, signal: &str) -> (tempfile::TempDir, String, u64) {
+    cut_short_on(|| with_phantom(&[]), arguments, output, signal)
+}
+
+/// A command with replicates that gets a signal later and later, until some replicates count.
+fn cut_short_on(
+    cases: impl Fn() -> tempfile::TempDir,
+    arguments: &[&str],
+    output: &str,
+    signal: &str,
+) -> (tempfile::TempDir, String, u64) {
     let arguments = [arguments, &REPLICATES].concat();
     let mut moment = 0;
     loop {
-        let here = with_phantom(&[]);
+        let here = cases();
         let Ended { code, error } = signalled(here.path(), &arguments, signal, moment);
         assert_nothing_is_half_written(here.path());
         let at = format!("{arguments:?} after {moment} ms: {code:?} {error}");
@@ -125,6 +135,27 @@ fn an_analysis_says_how_many_replicates_count() {
         assert_eq!(file["uncertainty"]["done"], counted);
         assert_eq!(file["uncertainty"]["replicates"], 1_000_000);
     }
+}
+
+#[test]
+fn a_cohort_names_the_cases_that_were_not_begun() {
+    let arguments = ["analyze", "cases", "--json", "a.json", "--cohort", "c.json"];
+    let three = || with_phantoms("rod", &["1", "2", "3"]);
+    let (here, error, counted) = cut_short_on(three, &arguments, "c.json", "INT");
+    assert!(error.contains("interrupted: 2 cases not begun; analyse them again"), "{error}");
+    let read = |name: &str| -> Value {
+        let text = fs::read_to_string(here.path().join(name)).expect("a file");
+        serde_json::from_str(&text).expect("JSON")
+    };
+    let refused = read("c.json")["refused"].clone();
+    let steps: Vec<&Value> =
+        refused.as_array().expect("cases").iter().map(|one| &one["step"]).collect();
+    assert_eq!(steps, ["interruption", "interruption"], "{refused}");
+    let all = read("a.json");
+    let all = all.as_array().expect("a list");
+    assert_eq!(all.len(), 3);
+    assert_eq!(all[0]["uncertainty"]["done"], counted);
+    assert!(all[1..].iter().all(|one| one.get("uncertainty").is_none()));
 }
 
 #[test]

@@ -61,6 +61,7 @@ fn left_out_bends_of_real_patients_have_the_errors_that_are_published() {
         (Baseline::OtherPatients, 3.2),
         (Baseline::RotationPrior, 3.2),
         (Baseline::RotationPriorWithTilt, 1.9),
+        (Baseline::Cubic, 2.6),
     ] {
         let mut errors = cohort.baselines.errors.iter();
         let found =

@@ -221,7 +221,7 @@ fn sound_films_are_not_doubted_and_wrong_ones_are() {
     check(&all_spines(&patients), 0.04, 0.8);
 }
 
-/// The study behind the table in `docs/guide/src/checks.md`.
+/// The study behind the table in `validation/warnings.md`.
 #[test]
 #[ignore = "minutes: cargo test --release -p spineline-phantom --test it film_doubts -- --ignored --nocapture"]
 fn films_of_a_thousand_patients() {

@@ -336,7 +336,7 @@ pub const fn taken(baseline: Baseline) -> usize {
     match baseline {
         Baseline::MirroredBend | Baseline::PublishedMobility | Baseline::OtherPatients => 1,
         Baseline::RotationPrior => 2,
-        Baseline::RotationPriorWithTilt => 3,
+        Baseline::RotationPriorWithTilt | Baseline::Cubic => 3,
     }
 }
 

@@ -1,4 +1,4 @@
-//! The method on one patient: what the films show, then the lines and models that explain it.
+//! The method on one patient: the movement on the films, then the lines and models that explain it.
 
 use super::comparison::Remembered;
 use super::hypotheses::fit_hypotheses;
@@ -13,7 +13,7 @@ use crate::warning::Warnings;
 /// Runs all steps on one case, as far as its films reach.
 ///
 /// An erect film alone gives the curve, its inflections and the clinical angles; every further film adds what it can.
-/// What is missing says why in the warnings. Lengths are in mm, forces in N, moments in N·mm; locations are in the global
+/// Warnings give the reason for missing results. Lengths are in mm, forces in N, moments in N·mm; locations are in the global
 /// frame `G` of each film ([`crate::measure`]), whose origin is L4's midpoint.
 ///
 /// # Errors
@@ -51,18 +51,18 @@ pub fn analyze_movement(case: &Case, options: &AnalysisOptions) -> Result<Analys
     Ok(Analysis::before_any_force(case, options, movement, warnings))
 }
 
-/// What is known from other readings of the same films.
+/// Results of other readings of the same films.
 #[derive(Debug, Clone)]
 pub(crate) struct OtherReadings<'a> {
-    /// Deviations of the films' measured values, in the order of the postures.
+    /// Standard deviations of the films' measured values, in the order of the postures.
     pub noise: Vec<OutlineNoise>,
-    /// Loads near which those of these readings are expected.
+    /// Warm start of the loads.
     pub loads: Option<NearbyLoads>,
-    /// Models near which those of these readings are expected.
+    /// Warm start of the models.
     pub models: &'a [LineModel],
 }
 
-/// As [`analyze`], with what is known from other readings of the films, and errors of interpolated vertebrae; without warnings about
+/// As [`analyze`], with results of other readings of the films, and errors of interpolated vertebrae; without warnings about
 /// the lines that the bends keep.
 pub(crate) fn analyze_known(
     case: &Case,
@@ -73,7 +73,7 @@ pub(crate) fn analyze_known(
     let mut warnings = Warnings::default();
     let mut movement = Movement::of(case, options, known, errors, &mut warnings)?;
     let near = known.and_then(|known| known.loads.as_ref());
-    // Of other readings nothing but the comparison with the inflection line is read.
+    // With other readings, only the comparison with the inflection line is used.
     if known.is_none() || movement.inflections.pair.is_some() {
         prefer_lines(&mut movement, options, near, &mut warnings);
     }

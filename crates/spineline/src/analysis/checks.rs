@@ -20,7 +20,7 @@ pub(super) fn check_age(age_years: Option<f64>) -> Result<(), CaseError> {
     }
 }
 
-/// No two postures carry the same landmarks, of whichever vertebrae.
+/// Refuses two postures with the same landmarks, of whichever vertebrae.
 ///
 /// # Errors
 /// [`CaseError::FilmRepeated`].
@@ -68,7 +68,7 @@ pub(super) fn check_outlines(
     for film in &outlines[1..] {
         if film.scale.plane != erect.scale.plane {
             let text = format!(
-                "its lengths are in {}, those of the erect film in {}: they are compared without conversion",
+                "its lengths are in {}, and on the erect film in {}: they are compared without conversion",
                 film.scale.plane.unit(),
                 erect.scale.plane.unit()
             );
@@ -78,7 +78,7 @@ pub(super) fn check_outlines(
     Ok(())
 }
 
-/// The length of a spine on a film against the erect one. A scale per film takes usual differences out.
+/// The length of a spine on a film against the erect one. A scale per film corrects usual differences.
 pub(super) fn warn_of_length(film: &Outline, warnings: &mut Warnings) {
     /// Where scales are fixed.
     const MAX_DIFFERENCE: f64 = 0.05;
@@ -108,11 +108,11 @@ pub(super) fn warn_of_length(film: &Outline, warnings: &mut Warnings) {
     warnings.film(WarningCode::LengthsDiffer, film.posture, text);
 }
 
-/// Body widths of one film against those of the erect one: a film whose vertebrae all carry the name of their neighbour
-/// shows the same sequence, one place off. A common factor, such as another magnification, makes no difference.
+/// Body widths of one film against the erect film: if every vertebra has the name of its neighbour, the sequence of widths is
+/// the same, shifted by one level. A common factor, such as another magnification, makes no difference.
 ///
 /// # References
-/// Widths grow unevenly from T4 to L5 [panjabi-1991], [panjabi-1992], so that a shifted sequence is no scaled one.
+/// Widths grow unevenly from T4 to L5 [panjabi-1991], [panjabi-1992], so a shifted sequence differs from a scaled one.
 pub(super) fn warn_of_shifted_levels(erect: &Film, film: &Film, warnings: &mut Warnings) {
     /// Fewer widths than this would match by chance.
     const MIN_WIDTHS: usize = 8;
@@ -137,7 +137,7 @@ pub(super) fn warn_of_shifted_levels(erect: &Film, film: &Film, warnings: &mut W
         // A quarter of the variance is half of the deviation: far above landmark noise.
         if misfit(-shift) < 0.25 * misfit(0) {
             let text = format!(
-                "the widths of its vertebrae match those of the neighbours {side} on the erect film: the names may be shifted by one level"
+                "the widths of its vertebrae match the neighbours {side} on the erect film: the names may be shifted by one level"
             );
             warnings.film(WarningCode::LevelsMayBeShifted, film.posture, text);
         }

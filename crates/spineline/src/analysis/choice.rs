@@ -1,10 +1,10 @@
-//! Which personalised model stands for a patient where nobody names a line.
+//! The personalised model that stands for a patient if the user names no line.
 
 use super::{Analysis, LineModel};
 use crate::action::LineKind;
 use crate::number::fixed;
 
-/// A model that was chosen among those of the lines, and why.
+/// The chosen model, and the reason.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ModelChoice {
     /// Its line.
@@ -20,11 +20,11 @@ impl Analysis {
         self.models.iter().find(|model| model.kind == kind)
     }
 
-    /// The model of the line that predicts films which it was not fitted to best, of those that converged; where no line
-    /// predicts any, the first one that converged, and where none did, the first one. `None` without any model.
+    /// The converged model of the line that best predicts films that were not fitted; if no line predicts any, the first converged
+    /// model, or else the first model. `None` without any model.
     ///
     /// # Definition
-    /// Lines are ranked by [`LinesCompared::ranking`](super::LinesCompared::ranking). Their order is that of [`Analysis::models`].
+    /// Lines are ranked by [`LinesCompared::ranking`](super::LinesCompared::ranking). They are in the order of [`Analysis::models`].
     #[must_use]
     pub fn choose_model(&self) -> Option<ModelChoice> {
         let compared = self.comparison();

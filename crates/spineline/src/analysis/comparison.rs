@@ -10,7 +10,7 @@ use crate::action::LineKind;
 use crate::anatomy::Posture;
 use crate::evaluate::{
     Baseline, BaselinePrediction, RotationPrior, Simulation, joint_rotations, predict_baseline,
-    predict_from_prior, published_lateral_bending,
+    predict_cubic, predict_from_prior, published_lateral_bending,
 };
 use crate::measure::Outline;
 use crate::multibody::Load;
@@ -18,13 +18,13 @@ use crate::personalize::{FitTarget, Gauge};
 use crate::warning::Warnings;
 
 named! {
-    /// What the stiffness knew of a film.
+    /// Role of a film in the fit.
     pub enum FilmRole {
-        /// It was fitted to it: a small error says how much the line can bend to data, not that it is right.
+        /// The stiffness was fitted to it: a small error shows how well the line adapts to the data, not that it is right.
         Fitted = "fitted" as "fitted bends",
-        /// A bend, predicted with the stiffness that the other bend alone gave.
+        /// A bend, predicted with the stiffness fitted to the other bend alone.
         LeftOutBend = "left_out_bend" as "bends left out",
-        /// A neutral or traction film, which no fit ever sees.
+        /// A neutral or traction film, which takes no part in a fit.
         HeldOut = "held_out" as "neutral, traction",
     }
 }
@@ -45,7 +45,7 @@ impl FilmRole {
 /// Numbers that a model takes from films.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct FreeNumbers {
-    /// Stiffness multipliers; one less than there are groups, since their level changes no shape, but for
+    /// Stiffness multipliers; one less than there are groups, since their level changes no shape, except with
     /// [`Gauge::FrozenForce`].
     pub multipliers: usize,
     /// Forces, one per fitted film.
@@ -53,7 +53,7 @@ pub struct FreeNumbers {
     /// Numbers that place and direct the fitted films' loads beside their force: none for a line that geometry gives, two
     /// per film for a free one.
     pub line: usize,
-    /// Numbers that every further film gives before it is predicted: its force, and what places a free load.
+    /// Numbers that every further film gives before it is predicted: its force, and the place of a free load.
     pub per_predicted_film: usize,
 }
 
@@ -83,9 +83,9 @@ impl FreeNumbers {
 pub struct ComparedLine {
     /// The line.
     pub kind: LineKind,
-    /// What it takes from films.
+    /// Numbers that it takes from films.
     pub numbers: FreeNumbers,
-    /// What it was fitted to: a free load needs the whole shape, also where the others are fitted to Ferguson angles.
+    /// Data of its fit: a free load needs the whole shape, also where the others are fitted to Ferguson angles.
     pub target: FitTarget,
 }
 
@@ -94,7 +94,7 @@ pub struct ComparedLine {
 pub struct ComparedFilm {
     /// The posture.
     pub posture: Posture,
-    /// What the stiffness knew of it.
+    /// Its role in the fit.
     pub role: FilmRole,
     /// By line; `None` where a line has no result on it.
     pub simulations: Vec<Option<Simulation>>,
@@ -109,7 +109,7 @@ impl ComparedFilm {
         self.baselines.iter().find(|one| one.baseline == baseline && one.is_usable())
     }
 
-    /// Location errors in mm of what predicts the film; `None` where it has no result.
+    /// Location errors in mm of a predictor of the film; `None` without a result.
     fn errors_mm(&self, by: Predictor) -> Option<&[f64]> {
         match by {
             Predictor::Line(line) => Some(&self.simulations[line].as_ref()?.location_errors_mm),
@@ -118,7 +118,7 @@ impl ComparedFilm {
     }
 }
 
-/// What gives the vertebrae of a film.
+/// A predictor of the vertebrae of a film.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Predictor {
     /// A line, by its place in the comparison.
@@ -129,23 +129,23 @@ enum Predictor {
 
 /// Lines of action and joint rotations without mechanics, on the same predicted films of a patient.
 ///
-/// The lines are those that take fewest numbers from a predicted film. A line without a result on any film of the role has no
-/// part, so that it removes no film.
+/// The lines take the fewest numbers from a predicted film. A line without a result on any film of the role is left out, so that it
+/// removes no film.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Ranking {
-    /// What the stiffness knew of the films.
+    /// Role of the films in the fit.
     pub role: FilmRole,
     /// Places in [`LinesCompared::films`] of the films that all of these lines predict.
     pub films: Vec<usize>,
     /// The lines with their mean location errors in mm, the smallest error first; at least one.
     pub lines: Vec<(LineKind, f64)>,
-    /// The prediction without mechanics with the smallest mean location error in mm on these films, of those that know no more
-    /// of a film than a line does.
+    /// The prediction without mechanics with the smallest mean location error in mm on these films, among those that take no more
+    /// numbers from a film than a line.
     pub baseline: Option<(Baseline, f64)>,
 }
 
 impl Ranking {
-    /// A line whose mean location error is larger predicts nothing, however the others do: about half the height of a vertebral
+    /// A line whose mean location error is larger predicts nothing, whatever the other errors: about half the height of a vertebral
     /// body, so that a predicted midpoint lies nearer to the end of the body than to its middle.
     pub const MAX_PREDICTED_MM: f64 = 10.0;
 
@@ -165,7 +165,7 @@ impl Ranking {
 /// A bend, and the models that were fitted to the other one.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LeftOutBend {
-    /// The bend that no part of these models has seen, but for its force and, for a free load, its line.
+    /// The bend of which these models take only its force and, for a free load, its line.
     pub posture: Posture,
     /// One model per line; its postures are the two bends.
     pub models: Vec<LineModel>,
@@ -178,7 +178,7 @@ pub struct LinesCompared {
     pub lines: Vec<ComparedLine>,
     /// Every film once per role: fitted, then left out, then held out.
     pub films: Vec<ComparedFilm>,
-    /// The fits without one of the bends; empty where there is but one.
+    /// The fits without one of the bends; empty with only one bend.
     pub left_out: Vec<LeftOutBend>,
 }
 
@@ -227,13 +227,13 @@ impl LinesCompared {
         Some((films.len(), self.mean_mm(by, &films)?))
     }
 
-    /// Places of the films of a role that something predicts.
+    /// Places of the films of a role that have a prediction.
     fn predicted(&self, by: Predictor, role: FilmRole) -> Vec<usize> {
         let films = self.of_role(role).filter(|(_, film)| film.errors_mm(by).is_some());
         films.map(|(place, _)| place).collect()
     }
 
-    /// Mean location error in mm over some films; `None` where one is not predicted, or where there are none.
+    /// Mean location error in mm over some films; `None` if one is not predicted, or without films.
     fn mean_mm(&self, by: Predictor, films: &[usize]) -> Option<f64> {
         let errors: Option<Vec<&[f64]>> =
             films.iter().map(|&film| self.films[film].errors_mm(by)).collect();
@@ -241,15 +241,8 @@ impl LinesCompared {
         (!errors.is_empty()).then(|| errors.iter().sum::<f64>() / errors.len() as f64)
     }
 
-    /// The line with the smallest mean location error on bends that were left out, or else on neutral and traction films,
-    /// among those that take fewest numbers from a predicted film; with that role. `None` where no film was predicted.
-    #[must_use]
-    pub fn best_predictor(&self) -> Option<(LineKind, FilmRole)> {
-        let ranking = self.ranking()?;
-        Some((ranking.best().0, ranking.role))
-    }
-
-    /// The lines that [`Self::best_predictor`] chooses from, on the same films.
+    /// The lines that take fewest numbers from a predicted film, by their mean location error on the same films: bends that were left out,
+    /// or else neutral and traction films. `None` where no film was predicted.
     #[must_use]
     pub fn ranking(&self) -> Option<Ranking> {
         FilmRole::PREDICTED.into_iter().find_map(|role| self.ranked(role))
@@ -297,7 +290,7 @@ impl LinesCompared {
             .map(|(place, _)| place)
     }
 
-    /// Why [`Self::best_predictor`] chooses its line: its error, the error of the next line, and of the best prediction without
+    /// Why the first line of [`Self::ranking`] comes first: its error, the error of the next line, and of the best prediction without
     /// mechanics, in a sentence.
     #[must_use]
     pub fn choice_words(&self) -> Option<String> {
@@ -340,7 +333,7 @@ pub(crate) fn ferguson_errors_deg(simulation: &Simulation) -> Vec<f64> {
     simulation.ferguson_difference.iter().map(|angle| angle.abs().deg()).collect()
 }
 
-/// A comparison, once it was asked for. Two analyses are equal whether or not one of them was asked.
+/// A comparison that is computed on first use. Analyses are equal whether or not it was computed.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Remembered(OnceLock<Box<LinesCompared>>);
 
@@ -353,8 +346,8 @@ impl PartialEq for Remembered {
 impl Analysis {
     /// All lines on the same films, every bend left out once.
     ///
-    /// It is computed when it is first asked for, since it takes one more fit per line and bend, and kept: a field that is changed after
-    /// that does not change it.
+    /// It is computed on first use, since it takes one more fit per line and bend, and kept: later changes of a field do not change
+    /// it.
     #[must_use]
     pub fn comparison(&self) -> &LinesCompared {
         self.comparison.0.get_or_init(|| Box::new(self.compare_lines()))
@@ -414,6 +407,7 @@ impl Analysis {
             .chain([(Baseline::PublishedMobility, published)])
             .map(|(baseline, pattern)| predict_baseline(baseline, &pattern, erect, film))
             .chain(self.predicted_from_priors(film))
+            .chain([predict_cubic(erect, film)])
             .collect()
     }
 
@@ -434,8 +428,8 @@ impl Analysis {
         }
     }
 
-    /// Fits every line to one bend and predicts the other by the rule of all films that are not fitted: its force alone is
-    /// free, and brings T2 where it was.
+    /// Fits every line to one bend and predicts the other by the rule of all films that are not fitted: only its force is free, and
+    /// brings T2 to its place.
     fn leave_bends_out(&self) -> Vec<LeftOutBend> {
         let bends: Vec<Posture> = self
             .movement

@@ -10,10 +10,10 @@ use statrs::distribution::{ContinuousCDF, Normal};
 
 /// A line is rejected only above this share of the joints' work against the force.
 const WEIGHT_AGAINST: f64 = 0.10;
-/// A joint nearer to the line than this may lie on its other side: an inflection's place along the curve is not known better.
+/// A joint nearer to the line than this may lie on its other side: an inflection's place along the curve has this error.
 const SURE_ARM_MM: f64 = 5.0;
 
-/// What one bend says of a single force along a line.
+/// The evidence of one bend on a single force along a line.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BendEvidence {
     /// The bend.
@@ -22,12 +22,12 @@ pub struct BendEvidence {
     pub joints: usize,
     /// Joints that turn against the force.
     pub against: usize,
-    /// Those of them that do so beyond two standard deviations.
+    /// Joints that turn against it beyond two standard deviations.
     pub beyond_noise: usize,
     /// Part of the joints' work `Σ |rotation × lever arm|` that is against the force.
     pub weight: f64,
-    /// Probability that noise alone turns any joint so far against the force: that of the joint which speaks most against
-    /// it, at least 5 mm from the line, times the number of joints. Corrected over the patient's tests; `None` where the joints
+    /// Probability that noise alone turns any joint so far against the force: the smallest p value of a joint at least 5 mm from the
+    /// line, times the number of joints. Corrected over the patient's tests; `None` where the joints
     /// were not tested: their noise is not known, or the place of the line is assumed.
     pub joints_p: Option<f64>,
     /// How far the line of best fit to the rotations lies from the line; `None` for the estimated line, which comes from the
@@ -51,15 +51,15 @@ impl BendEvidence {
         self.line_p.is_some_and(|p| p < SIGNIFICANCE)
     }
 
-    /// Whether either test rejects the line, and else how the test of the line itself ended: joints alone reject a line and
-    /// do not keep one.
+    /// Whether either test rejects the line, and else how the test of the line itself ended: joints alone can reject a line, but not
+    /// keep it.
     #[must_use]
     pub fn outcome(&self) -> TestOutcome {
         if self.joints_reject() { TestOutcome::Rejected } else { TestOutcome::of(self.line_p) }
     }
 }
 
-/// What all bends of a patient say of a single force along a line.
+/// The evidence of all bends of a patient on a single force along a line.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Compatibility {
     /// Bends on which the force was found.
@@ -88,11 +88,11 @@ impl Analysis {
     /// Whether the bends reject a single force along a line of a model.
     ///
     /// # Definition
-    /// Per bend two questions: does any joint turn against the force further than noise carries one of so many, and is the
-    /// line of best fit to the rotations another one: not through the inflections, not along the iliac line, or not along the
-    /// given line. Holm's correction is over all of them, so that a patient whose
-    /// bends obey the line is called otherwise with a probability of at most 0.05. The joints' question takes the place of the
-    /// line, the lever arms and the noise of the tilts as known; the line's does not ([`crate::personalize::PreferredLoads`]).
+    /// Two questions per bend. Does any joint turn against the force by more than noise explains, given the number of joints? Is the
+    /// line of best fit to the rotations another line: not through the inflections, not along the iliac line, or not along the
+    /// given line? Holm's correction is over all questions: a true line is rejected with a probability of at most 0.05. The joints'
+    /// test takes the place of the line, the lever arms and the noise of the tilts as known; the line's test does not
+    /// ([`crate::personalize::PreferredLoads`]).
     #[must_use]
     pub fn compatibility(&self, model: &LineModel) -> Compatibility {
         let films = || model.postures.iter().filter(|s| s.fitted && s.posture.bend().is_some());
@@ -133,8 +133,8 @@ impl Analysis {
     }
 }
 
-/// Bonferroni's bound on the probability that noise of a deviation carries any of `joints` so far against the force, when
-/// none truly turns against it. It holds for any dependence: neighbours share a vertebra.
+/// Bonferroni's bound on the probability that noise of a deviation turns any of `joints` so far against the force, if
+/// no joint truly turns against it. It holds for any dependence: neighbours share a vertebra.
 pub(super) fn against_by_chance(contradicted: &[ContradictedJoint], joints: usize) -> f64 {
     let sure = contradicted.iter().filter(|joint| joint.lever_arm_mm.abs() >= SURE_ARM_MM);
     let furthest =
@@ -162,7 +162,7 @@ mod tests {
         let p = |joints: &[ContradictedJoint]| against_by_chance(joints, 14);
         // Three standard deviations: 0.00135 on one side.
         assert!((p(&[joint(-3.0, -20.0), joint(2.0, -30.0)]) - 14.0 * 0.001_349_898).abs() < 1e-8);
-        // A joint that the line nearly meets says nothing, however far it turns.
+        // A joint close to the line has a small lever arm: it is not tested.
         assert_eq!(p(&[joint(8.0, -4.9)]), 1.0);
         assert_eq!(p(&[]), 1.0);
     }
@@ -204,7 +204,7 @@ mod tests {
         };
         assert_eq!(outcome(&[kept, rejected, untested]), TestOutcome::Rejected);
         assert_eq!(outcome(&[untested, kept]), TestOutcome::Kept);
-        // Joints that agree with the force keep no line: its place was not tested.
+        // Joints that agree with the force do not keep a line: its place was not tested.
         assert_eq!(outcome(&[untested]), TestOutcome::NotTested);
         assert_eq!(outcome(&[]), TestOutcome::NotTested);
         assert_eq!(outcome(&[bend(Some(0.01), None)]), TestOutcome::Rejected);

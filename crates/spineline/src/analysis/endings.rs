@@ -70,7 +70,7 @@ fn warn_of_bounds(model: &LineModel, warnings: &mut Warnings) {
     }
 }
 
-/// Joints of one film that turn against the force further than noise carries one of so many.
+/// Warns if joints of one film turn against the force by more than noise explains, given the number of joints.
 fn warn_of_contradiction(line: LineKind, simulation: &Simulation, warnings: &mut Warnings) {
     let against = &simulation.contradicted;
     if against_by_chance(against, simulation.joints()) >= SIGNIFICANCE {

@@ -1,4 +1,4 @@
-//! How probable a film of a patient is beside another one: as one picture read twice, as another posture, and as its mirror image.
+//! How probable a film is, given another film of the patient: as one picture read twice, as another posture, and as its mirror image.
 //!
 //! # Definition
 //! Tilts and lateral coordinates of two films differ by landmark noise, by where the patient lies on the film, and by movement:
@@ -24,7 +24,7 @@ struct JointRotations {
     log_sd: f64,
 }
 
-/// The smallest are those of a mild curve between standing and lying: half a degree.
+/// The smallest occur in a mild curve between standing and lying: half a degree.
 const MOVEMENT: JointRotations = JointRotations { size: Angle::from_deg(0.8), log_sd: 1.1 };
 /// The same of a bend.
 const BENDING: JointRotations = JointRotations { size: Angle::from_deg(2.0), log_sd: 0.9 };
@@ -37,23 +37,23 @@ const MEASURED_NOISE: ([f64; 5], f64) = ([0.8, 0.9, 1.0, 1.12, 1.25], 0.15);
 /// The same where it is an assumption for one careful reading.
 const ASSUMED_NOISE: ([f64; 10], f64) =
     ([0.12, 0.18, 0.25, 0.35, 0.5, 0.7, 1.0, 1.4, 2.0, 2.8], 0.8);
-/// Tilts that differ by more than so many of their standard deviations are no second reading.
+/// Tilts that differ by more standard deviations are not a second reading.
 const MAX_NOISE: f64 = 8.0;
 
-/// By how much a patient is turned from one film to another.
+/// Rotation of a patient from one film to another.
 const FILM_ROTATION: Angle = Angle::from_deg(2.0);
-/// By how much a picture is turned where it is digitised again.
+/// Rotation of a picture that is digitised again.
 const PICTURE_ROTATION: Angle = Angle::from_deg(0.05);
 /// The pelvis turns with a bend.
 const FREE_ROTATION: Angle = Angle::from_deg(30.0);
 const SHIFT_MM: f64 = 30.0;
 const LOG_SCALE: f64 = 0.05;
 
-/// What the movement of the joints does not describe, where a film is compared with its mirror image: bodies that rotate about
+/// Movement that the model of the joints lacks, where a film is compared with its mirror image: bodies that rotate about
 /// their axis, and joints that move otherwise than their neighbours (assumptions).
 const UNDESCRIBED: Noise =
     Noise { location_mm: 3.0, tilt: Angle::from_deg(2.0), tilt_degrees_of_freedom: None };
-/// Part of the erect curve that another posture takes away, and its standard deviation.
+/// Part of the erect curve by which another posture flattens it, and its standard deviation.
 const FLATTENED: (f64, f64) = (0.2, 0.3);
 /// Rotation of every joint towards the side of a bend, and its standard deviation.
 const BEND_PER_JOINT: (Angle, Angle) = (Angle::from_deg(1.2), Angle::from_deg(1.0));
@@ -143,7 +143,7 @@ impl FilmDifference {
         self.log_odds_of_rest(PICTURE_ROTATION, MOVEMENT)
     }
 
-    /// Logarithm of the odds that no joint moved between an erect film and that of a bend, against a bend. The patient may be turned as
+    /// Logarithm of the odds that no joint moved between an erect and a bending film, against a bend. The patient may be turned as
     /// a whole.
     pub fn log_odds_of_no_bend(&self) -> f64 {
         let turned = self.log_odds_of_rest(FILM_ROTATION, BENDING);
@@ -174,7 +174,7 @@ impl FilmDifference {
         log_sum(&one) - log_sum(&two)
     }
 
-    /// Logarithm of the density of the differences from an erect film to that of a bend or, without a side, of a posture at rest.
+    /// Logarithm of the density of the differences from an erect film to a bend or, without a side, to a posture at rest.
     pub fn log_density_of_posture(&self, bend: Option<Side>) -> f64 {
         let joints = self.curve.len();
         let sense = match bend {
@@ -205,7 +205,7 @@ impl FilmDifference {
         log_sum(&densities.collect::<Vec<_>>())
     }
 
-    /// Whether the differences are too large for any noise, so that nothing need be computed.
+    /// Whether the differences are too large for any noise, so that no density is computed.
     fn exceeds_noise(&self) -> bool {
         let count = self.values.len() / 2;
         let mean = self.values.rows(0, count).mean();
@@ -254,8 +254,8 @@ fn log_sum(logs: &[f64]) -> f64 {
     largest + logs.iter().map(|log| (log - largest).exp()).sum::<f64>().ln()
 }
 
-/// Of a normal distribution with mean zero, without the factor of π; no number where rounding leaves no distribution, so that nothing is
-/// clear then.
+/// Of a normal distribution with mean zero, without the factor of π; NaN if the covariance is singular by rounding, and then
+/// nothing is clear.
 fn log_density(values: &DVector<f64>, covariance: DMatrix<f64>) -> f64 {
     let Some(root) = covariance.cholesky().map(|found| found.unpack()) else { return f64::NAN };
     let Some(whitened) = root.solve_lower_triangular(values) else { return f64::NAN };

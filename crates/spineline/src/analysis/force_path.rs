@@ -11,7 +11,7 @@ impl Analysis {
     /// The spine of a simulated posture under parts of its force, such as 0, 0.5 and 1, on the outline of the film: the
     /// paper's figure 11.
     ///
-    /// `None` where the model has no such posture.
+    /// `None` if the model lacks the posture.
     #[must_use]
     pub fn force_path(
         &self,

@@ -1,4 +1,4 @@
-//! What a patient's analysis says in three sentences.
+//! The analysis of a patient in three sentences.
 
 use super::comparison::LinesCompared;
 use super::verdict::listed;
@@ -7,7 +7,7 @@ use crate::action::LineKind;
 use crate::number::fixed;
 use crate::personalize::TestOutcome;
 
-/// What an analysis says in short; [`Analysis::verdict`] has the evidence.
+/// An analysis in short; [`Analysis::verdict`] has the evidence.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Headline {
     /// How the bends test the lines; instead of this, what has to be checked first, or why the model is missing.
@@ -16,7 +16,7 @@ pub struct Headline {
     pub prediction: Option<String>,
     /// How many stiffness values the films identify; `None` without a model.
     pub stiffness: Option<String>,
-    /// The line of the model that these sentences are about.
+    /// The line of the model that these sentences are about ([`Analysis::choose_model`]).
     pub kind: Option<LineKind>,
 }
 
@@ -25,20 +25,19 @@ impl Analysis {
     #[must_use]
     pub fn headline(&self) -> Headline {
         let compared = self.comparison();
-        let Some(first) = self.models.first() else {
+        let chosen = self.choose_model();
+        let Some(model) = chosen.and_then(|chosen| self.model(chosen.kind)) else {
             let line = self.verdict().join(" ");
             return Headline { line, prediction: None, stiffness: None, kind: None };
         };
         let doubted = self.has_doubted_film().then(|| {
             "Check the films first: some may not show what they are named after.".to_owned()
         });
-        let kind = compared.best_predictor().map_or(first.kind, |(kind, _)| kind);
-        let model = self.model(kind).unwrap_or(first);
         Headline {
             line: doubted.or_else(|| self.lines_headline()).unwrap_or_default(),
             prediction: compared.prediction_headline(),
             stiffness: Some(self.identified_headline(model)),
-            kind: Some(kind),
+            kind: Some(model.kind),
         }
     }
 
@@ -91,7 +90,7 @@ impl Analysis {
             0 => format!("With the {kind}, all {all} stiffness values are identified as ratios."),
             n if n == all => format!("With the {kind}, no stiffness value is identified."),
             n => format!(
-                "With the {kind}, {} of {all} stiffness values are identified as ratios; not that of {}.",
+                "With the {kind}, {} of {all} stiffness values are identified as ratios; not identified: {}.",
                 all - n,
                 listed(&unknown)
             ),

@@ -88,7 +88,7 @@ fn largest_apex(movement: &Movement) -> usize {
 }
 
 fn warn_of_no_line(hypothesis: Hypothesis, warnings: &mut Warnings) {
-    let text = format!("{hypothesis}: no bending film has such a line");
+    let text = format!("{hypothesis}: no bending film has this line");
     warnings.push(WarningCode::NoLine, text);
 }
 
@@ -110,7 +110,7 @@ fn warn_of_endings(fit: &HypothesisFit, warnings: &mut Warnings) {
             LossReason::BeyondHumanRange => (
                 WarningCode::BeyondHumanRange,
                 format!(
-                    "{name}: the shape found for this film ({role}) is beyond the human range of motion (limits: {} at a joint, {} over the spine), so it is not a result: check the landmarks of this film, and do not believe this load",
+                    "{name}: the shape found for this film ({role}) is beyond the human range of motion (limits: {} at a joint, {} over the spine), so it is not a result: check the landmarks of this film, and do not trust this load",
                     MAX_HUMAN_JOINT.text(0),
                     MAX_HUMAN_COLUMN.text(0)
                 ),

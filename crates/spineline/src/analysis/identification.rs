@@ -7,14 +7,14 @@ use crate::personalize::{
 };
 use crate::warning::Warnings;
 
-/// What is known of a multiplier.
+/// The verdict on a multiplier.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Identification {
     /// Absolutely: a force is known.
     Absolute,
     /// As a ratio to the other multipliers.
     RatioOnly,
-    /// The fit ended at a bound, which is no value.
+    /// The fit ended at a bound, which is not a value.
     AtBound(StiffnessBound),
     /// Most joints that share it turn against the force on the fitted films: no positive stiffness explains them.
     Contradicted,
@@ -25,7 +25,7 @@ pub enum Identification {
 /// A multiplier's verdict and the joints behind it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct MultiplierVerdict {
-    /// What is known of it.
+    /// The verdict.
     pub identification: Identification,
     /// Joints of the fitted films that turn against the force, a joint once per film.
     pub against: usize,
@@ -34,7 +34,7 @@ pub struct MultiplierVerdict {
 }
 
 impl LineModel {
-    /// What is known of every multiplier, in the order of the groups.
+    /// The verdict on every multiplier, in the order of the groups.
     ///
     /// # Definition
     /// A multiplier is contradicted when more than half of its joints, counted once per fitted film with a usable
@@ -72,7 +72,7 @@ impl LineModel {
 }
 
 impl Analysis {
-    /// What the bending films say of a model's multipliers: profile likelihood, information, and what a prior adds; `None`
+    /// Identifiability of a model's multipliers: profile likelihood, information, and what a prior adds; `None`
     /// where its fit did not converge.
     ///
     /// Computed on request, because no other result depends on it: it takes tens of fits.

@@ -32,7 +32,7 @@ pub(super) fn measure(
         readings.iter().map(|film| (film.posture, seen_levels(&film.readings))).collect();
     let levels = common_levels(&seen)?;
     warn_of_shortened_chain(levels, &seen, warnings);
-    // Nobody reads doubts about perturbed landmarks, and they take a tenth of the time of a replicate.
+    // Replicates skip doubts about their films, which take a tenth of their time.
     let reports_doubts = known.is_none();
     let mut held = known.into_iter().flat_map(|known| &known.noise);
     let mut outlines = Vec::new();

@@ -1,6 +1,6 @@
 //! One patient through all steps: [`analyze`].
 //!
-//! `analyze` runs the steps; `movement` is what the films show before any force; `result` is the whole of it.
+//! `analyze` runs the steps; `movement` has the results before any force; `result` has all results.
 
 mod analyze;
 mod checks;
@@ -89,7 +89,7 @@ pub fn is_case_id(text: &str) -> bool {
 /// The films of one patient.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Case {
-    /// Identifier, without any name; files allow those of [`is_case_id`] only.
+    /// Identifier, without any name; files allow only [`is_case_id`].
     pub id: String,
     /// Whether the films are synthetic.
     pub synthetic: bool,

@@ -103,7 +103,7 @@ impl Analysis {
     }
 
     /// Whether what was asked for has a result: the model with the inflection line, with lines that were given, and with loads to
-    /// compare. Models with other lines are fitted in addition, for comparison; they count where there is no such model.
+    /// compare. Models with other lines are fitted in addition, for comparison; they count without such a model.
     #[must_use]
     pub fn has_what_was_asked(&self) -> bool {
         let asked =
@@ -240,7 +240,7 @@ pub(super) fn bending_loads<'a>(
         .collect()
 }
 
-/// What every fit of an analysis needs beside its films.
+/// The settings of every fit of an analysis.
 pub(super) fn settings_of<'a>(
     movement: &'a Movement,
     options: &AnalysisOptions,
@@ -259,7 +259,7 @@ pub(super) fn settings_of<'a>(
     }
 }
 
-/// What a fit is to, and what is known before it.
+/// The data of a fit, and its warm start.
 #[derive(Clone, Copy)]
 pub(super) struct FitTask<'a> {
     /// Bends that are fitted.
@@ -285,7 +285,7 @@ pub(super) fn fit_model(
     let FitTask { bends, .. } = task;
     let groups = movement.joint_groups(options.grouping);
     if bends.is_empty() {
-        warnings.line(WarningCode::NoLine, kind, None, "no bending film has such a line");
+        warnings.line(WarningCode::NoLine, kind, None, "no bending film has this line");
         return None;
     }
     let films: Vec<FitFilm<'_>> =
@@ -349,7 +349,7 @@ impl Evaluation<'_> {
             match self.simulate(posture, fitted, warnings) {
                 Some(simulation) => simulations.push(simulation),
                 None => {
-                    let text = "this film has no such line, so it is not simulated";
+                    let text = "this film lacks this line, so it is not simulated";
                     warnings.line(WarningCode::NoLine, self.kind, Some(name), text);
                 }
             }
@@ -357,7 +357,7 @@ impl Evaluation<'_> {
         simulations
     }
 
-    /// Predicts one film; `fitted` is its place among the fitted ones. `None` where the film has no such line.
+    /// Predicts one film; `fitted` is its place among the fitted ones. `None` where the film lacks the line.
     fn simulate(
         &self,
         posture: &FilmMovement,
@@ -392,7 +392,7 @@ impl Evaluation<'_> {
             Some(_) => simulate(&self.statics, line, self.depth_mm, film, regions, target, true),
             None => predict(&self.statics, line, self.depth_mm, film, regions, target),
         };
-        // Nominal springs predict nothing of this patient.
+        // Nominal springs do not predict this patient.
         let status = match self.fit.status {
             FitStatus::NotEvaluable => MatchStatus::NotConverged,
             _ => simulation.status,
@@ -401,7 +401,7 @@ impl Evaluation<'_> {
         Some(Simulation { status, contradicted, ..simulation })
     }
 
-    /// What other readings of a film have found.
+    /// The result of other readings of a film.
     fn nearby(&self, posture: Posture) -> Option<NearbyMatch> {
         let other = self.other?;
         NearbyMatch::of(other.posture(posture)?, other.fit.absolute_scale)
@@ -427,7 +427,7 @@ impl Evaluation<'_> {
     }
 }
 
-/// What the fits with other lines have found, as free loads: the estimated line then never does much worse.
+/// The results of the fits with other lines, as free loads: the estimated line then never does much worse.
 fn hints(models: &[LineModel], bends: &[(&FilmMovement, Load)]) -> Vec<Start> {
     let load = |model: &LineModel, posture: Posture| {
         let simulation = model.posture(posture).filter(|s| s.is_usable())?;

@@ -7,7 +7,7 @@ use super::comparison::Ranking;
 use crate::action::LineKind;
 use crate::personalize::TestOutcome;
 
-/// What the films say of a patient's models, all lines of action together.
+/// The verdict of the films on a patient's models, all lines of action together.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ModelsVerdict {
     /// Some film may not show what it is named after ([`Analysis::film_doubts`]).

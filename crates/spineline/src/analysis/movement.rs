@@ -1,4 +1,4 @@
-//! What the films show before any force: curves, rotations, and the unloaded spine.
+//! The results before any force: curves, rotations, and the unloaded spine.
 
 use super::checks::warn_of_unknown_rotation;
 use super::measured::{at_erect_length, measure};
@@ -26,7 +26,7 @@ use crate::personalize::evidence::FilmEvidence;
 use crate::spatial::{Angle, Frontal};
 use crate::warning::{WarningCode, Warnings};
 
-/// The film of one posture, and what it shows of the movement.
+/// The film of one posture, with its curve and its movement.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FilmMovement {
     /// Measured vertebrae.
@@ -49,8 +49,8 @@ pub struct FilmMovement {
     pub preferred_line: Option<PreferredLine>,
 }
 
-/// What the films show before any force: their curves, the rotations from the erect posture, and the unloaded spine; what a film or
-/// an option does not allow is `None` or empty, with a warning.
+/// The results before any force: curves, rotations from the erect posture, and the unloaded spine. A result that a film or an option
+/// does not allow is `None` or empty, with a warning.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Movement {
     /// Every reading of every film by itself, the erect one first.
@@ -72,18 +72,18 @@ pub struct Movement {
     pub regions: Regions,
     /// Clinical curves.
     pub clinical: Vec<ClinicalCurve>,
-    /// How the spine stands over the pelvis; `None` where the erect film's vertical is not known.
+    /// Balance of the spine over the pelvis; `None` where the erect film's vertical is not known.
     pub balance: Option<Balance>,
     /// Lenke's type as far as the films show it.
     pub lenke: Option<LenkeType>,
     /// The unloaded spine.
     pub spine: SpineModel,
-    /// Axial rotations of the vertebrae whose pedicles are marked on the erect film; empty where none are, and zero is unknown.
+    /// Axial rotations of the vertebrae whose pedicles are marked on the erect film; empty, and unknown, without marks.
     pub axial: Vec<AxialRotation>,
-    /// Widths of its bodies between the corners of the erect film, the base first; `None` where nobody placed them. An empty list where that
+    /// Widths of its bodies between the corners of the erect film, the base first; `None` where no person placed them. Empty if that
     /// film has no corners.
     pub widths_mm: Vec<Option<f64>>,
-    /// Springs of its joints before personalisation: those of the options, for the joints that the films show.
+    /// Springs of its joints before personalisation: from the options, for the joints that the films show.
     pub library: StiffnessLibrary,
     /// The erect spine in space, from the erect and the lateral film; `None` without a lateral film, where the sagittal profile is a
     /// population's.
@@ -91,7 +91,7 @@ pub struct Movement {
 }
 
 impl Movement {
-    /// Steps 1 to 4 on one case, and the unloaded spine of step 6, which the rotations of joints need. `errors` are those of
+    /// Steps 1 to 4 on one case, and the unloaded spine of step 6, which the rotations of joints need. `errors` belong to
     /// interpolated vertebrae.
     pub(super) fn of(
         case: &Case,
@@ -199,13 +199,13 @@ impl Movement {
         self.erect().outline.levels()
     }
 
-    /// What the lengths of the chain, its inflections and the clinical curves are measured in: they are the erect film's.
+    /// The unit of the chain, its inflections and the clinical curves: the erect film's.
     #[must_use]
     pub fn scale(&self) -> &LengthScale {
         &self.erect().outline.scale
     }
 
-    /// A film without spacing, if there is one: then there are angles, but no lengths to put a line or a model on.
+    /// A film without a spacing, if any: lines and models then lack lengths.
     #[must_use]
     pub fn film_without_scale(&self) -> Option<Posture> {
         let without = |film: &&FilmMovement| film.outline.scale.plane == SpacingPlane::Pixels;
@@ -248,8 +248,8 @@ impl Movement {
         }
     }
 
-    /// Sagittal place of the lines: the mean depth of the vertebrae at the inflections; without inflections that of
-    /// the base, which is zero.
+    /// Sagittal place of the lines: the mean depth of the vertebrae at the inflections; without inflections, the depth of the base,
+    /// which is zero.
     pub(super) fn depth_mm(&self) -> f64 {
         let Some(pair) = self.inflections.pair else { return 0.0 };
         let levels = self.levels();
@@ -301,7 +301,7 @@ fn chain_of(fits: &[CurveFit]) -> Result<Chain, Error> {
     Ok(Chain::fit(lengths[0], &lengths[1..], SEGMENT_WINDOW)?)
 }
 
-/// The unloaded spine, with what the lateral film and the pedicles show of it.
+/// The unloaded spine, with the results of the lateral film and the pedicles.
 struct UnloadedSpine {
     spine: SpineModel,
     space: Option<SpatialOutline>,

@@ -64,13 +64,13 @@ pub struct AnalysisOptions {
     pub library: StiffnessLibrary,
     /// What holds the patient.
     pub support: Support,
-    /// The scale constraint: what fixes the overall level of stiffness and force.
+    /// The scale constraint, which fixes the overall level of stiffness and force.
     pub gauge: Gauge,
     /// What is fitted.
     pub target: FitTarget,
     /// Which joints share a multiplier.
     pub grouping: Grouping,
-    /// What is known of the multipliers before the films; many of one per joint are not identified without.
+    /// Prior of the multipliers; without one, many multipliers per joint are not identified.
     pub prior: Option<LogNormalPrior>,
     /// Distribution of joint rotations from other patients, for predictions without mechanics; `None` for the published one.
     pub rotation_prior: Option<RotationPrior>,

@@ -1,4 +1,4 @@
-//! A personalised model by itself, and what loads do to it.
+//! A personalised model by itself, and its response to loads.
 
 use std::ops::ControlFlow;
 
@@ -40,7 +40,7 @@ pub struct PersonalisedModel {
     pub spine: SpineModel,
     /// Springs of every joint about x, y and z.
     pub stiffness_nmm_per_rad: Vec<[f64; 3]>,
-    /// The same as matrices: diagonal, but for joints whose hinges are coupled.
+    /// The same as matrices: diagonal, except for joints with coupled hinges.
     pub stiffness: Vec<Mat3>,
     /// Where Cobb and Ferguson angles are measured; `None` where that is not stated.
     pub curves: Option<Vec<CurvePlaces>>,

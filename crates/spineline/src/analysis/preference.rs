@@ -65,8 +65,8 @@ pub struct LineComparison {
 }
 
 impl FilmMovement {
-    /// The line of best fit to the film's rotations against a line of this kind; `None` where there is no such line, and for the
-    /// estimated one, which comes from the same rotations.
+    /// The line of best fit to the film's rotations against a line of this kind; `None` without such a line, and for the estimated
+    /// line, which comes from the same rotations.
     #[must_use]
     pub fn line_comparison(&self, kind: LineKind) -> Option<LineComparison> {
         let preferred = self.preferred_line.as_ref()?;
@@ -123,20 +123,20 @@ fn joint_shares(movement: &Movement) -> JointShares {
     }
 }
 
-/// Finds the line of best fit to the rotations of every film, from loads that are expected near.
+/// Finds the line of best fit to the rotations of every film, from a warm start of the loads.
 pub(super) fn prefer_lines(
     movement: &mut Movement,
     options: &AnalysisOptions,
     near: Option<&NearbyLoads>,
     warnings: &mut Warnings,
 ) {
-    // Without lengths there are no lines.
+    // Lines need lengths.
     if movement.film_without_scale().is_some() || movement.films.len() < 2 {
         return;
     }
     let Some(loads) = preferred_loads_near(movement, near) else {
         let text = "the estimation of the lines of best fit to the rotations did not converge, so no film has such a line and no line of action is tested";
-        warnings.push(WarningCode::OwnLinesNotFound, text);
+        warnings.push(WarningCode::PreferredLinesNotFound, text);
         return;
     };
     let inflections_mm2 = inflections_along_mm2(movement);
@@ -194,8 +194,8 @@ fn against_inflections(
     })
 }
 
-/// Covariance of the two inflections along the spine: what the erect curve and the length of a segment leave open. The noise alone
-/// where nothing else is known.
+/// Covariance of the two inflections along the spine, by the uncertainty of the erect curve and the length of a segment; by the
+/// noise if the uncertainty is not known.
 fn inflections_along_mm2(movement: &Movement) -> Option<Matrix2<f64>> {
     let erect = movement.erect();
     let pair = movement.inflections.pair?;

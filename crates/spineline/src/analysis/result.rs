@@ -5,14 +5,14 @@ use crate::hypothesis::HypothesisFit;
 use crate::reliability::{QuantityReliability, assess, film_quantities};
 use crate::warning::Warnings;
 
-/// The results of all steps for one patient; what a film or an option does not allow is `None` or empty, with a warning.
+/// The results of all steps for one patient; a result that a film or an option does not allow is `None` or empty, with a warning.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Analysis {
     /// Identifier of the case.
     pub case_id: String,
     /// Whether the films are synthetic.
     pub synthetic: bool,
-    /// What the films show before any force.
+    /// Results before any force.
     pub movement: Movement,
     /// One personalised model per line of action.
     pub models: Vec<LineModel>,
@@ -22,7 +22,7 @@ pub struct Analysis {
     pub options: AnalysisOptions,
     /// Problems that do not stop the analysis.
     pub warnings: Warnings,
-    /// What [`Analysis::comparison`] has found.
+    /// Result of [`Analysis::comparison`].
     pub(super) comparison: Remembered,
 }
 

@@ -1,4 +1,4 @@
-//! What the model's vertebrae in space rest on: a measurement, or an assumption.
+//! Sources of the model's vertebrae in space: measurements or assumptions.
 
 use super::{Analysis, Case};
 use crate::anatomy::{Level, Posture, named};
@@ -42,7 +42,7 @@ impl AxialSource {
 }
 
 /// Widths of the bodies of the model between their corners on the erect film, means over the readings; `None` where a person did not
-/// place these: what a program proposes follows a typical vertebra too.
+/// place these: proposals of a program follow a typical vertebra too.
 ///
 /// A vertebra with axial rotation looks narrower or wider by its depth: by 1 % at 20° where it is a tenth wider than deep.
 pub(super) fn widths_mm(case: &Case, erect: &Outline) -> Vec<Option<f64>> {

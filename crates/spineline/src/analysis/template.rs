@@ -1,4 +1,4 @@
-//! The sagittal profile of the patient beside that of a population: what a model without the lateral film gets wrong.
+//! The sagittal profile of the patient beside a population's: the error of a model without the lateral film.
 
 use super::{Analysis, Movement};
 use crate::anatomy::{Level, SagittalProfile};
@@ -45,7 +45,7 @@ pub struct TemplateError {
 }
 
 impl ProfileVertebra {
-    /// By how much the other profile turns it too far into flexion.
+    /// Excess flexion in the other profile.
     #[must_use]
     pub fn error(&self) -> Angle {
         (self.template - self.measured).wrapped()
@@ -53,7 +53,7 @@ impl ProfileVertebra {
 }
 
 impl TemplateError {
-    /// What a profile gets wrong in this patient; `None` without a lateral film.
+    /// Errors of a profile in this patient; `None` without a lateral film.
     #[must_use]
     pub fn of(movement: &Movement, profile: &SagittalProfile) -> Option<Self> {
         let space = movement.space.as_ref()?;
@@ -120,7 +120,7 @@ impl TemplateError {
 }
 
 impl Analysis {
-    /// What the profile of a population gets wrong in this patient; `None` without a lateral film.
+    /// Errors of the population's profile in this patient; `None` without a lateral film.
     ///
     /// Computed on request, because no other result depends on it.
     #[must_use]

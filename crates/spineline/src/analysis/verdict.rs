@@ -35,7 +35,7 @@ impl Analysis {
             .map(|warning| {
                 let film =
                     warning.posture.map_or_else(String::new, |posture| format!("{posture} "));
-                format!("The {film}film may be a wrong one: {}.", warning.message)
+                format!("The {film}film may be wrong: {}.", warning.message)
             })
             .collect();
         if !sentences.is_empty() {
@@ -80,7 +80,7 @@ impl Analysis {
         )
     }
 
-    /// What the bends say of a single force along a line that was not fitted to them: every kind of line by the same rule.
+    /// How the bends test a single force along a line that was not fitted to them: every kind of line by the same rule.
     fn line_verdict(&self, model: &LineModel) -> Vec<String> {
         let found = self.compatibility(model);
         let force = force_words(model.kind);
@@ -243,12 +243,12 @@ impl LinesCompared {
             sentences.extend(self.prediction_verdict(&ranking));
         }
         sentences.extend(self.errors_words(FilmRole::Fitted).map(|errors| {
-            format!("Fitted bends: {errors}. A small error there is no evidence for a line.")
+            format!("Fitted bends: {errors}. A small error there is not evidence for a line.")
         }));
         sentences
     }
 
-    /// What joint rotations without mechanics predict of the films of a role.
+    /// Errors of the predictions without mechanics on the films of a role.
     fn baseline_words(&self, role: FilmRole) -> Option<String> {
         let mut found: Vec<(f64, Baseline)> = Baseline::ALL
             .into_iter()
@@ -257,12 +257,16 @@ impl LinesCompared {
         found.sort_by(|a, b| a.0.total_cmp(&b.0));
         let (with_tilt, found): (Vec<_>, Vec<_>) =
             found.into_iter().partition(|(_, one)| one.knows_tilt());
-        let parts: Vec<String> =
-            found.iter().map(|(mm, baseline)| format!("{baseline} {} mm", fixed(*mm, 1))).collect();
-        let tilt = with_tilt.first().map_or_else(String::new, |(mm, _)| {
-            format!(", and with T2's tilt too {} mm", fixed(*mm, 1))
-        });
-        (!parts.is_empty()).then(|| format!("; without mechanics: {}{tilt}", listed(&parts)))
+        let words = |found: &[(f64, Baseline)]| {
+            let parts: Vec<String> = found
+                .iter()
+                .map(|(mm, baseline)| format!("{baseline} {} mm", fixed(*mm, 1)))
+                .collect();
+            listed(&parts)
+        };
+        let tilt =
+            if with_tilt.is_empty() { String::new() } else { format!("; {}", words(&with_tilt)) };
+        (!found.is_empty()).then(|| format!("; without mechanics: {}{tilt}", words(&found)))
     }
 
     /// Mean location errors by line, the smallest first, each over the films on which the line has a result; `None` where no

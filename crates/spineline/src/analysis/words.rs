@@ -12,14 +12,14 @@ use crate::personalize::{FitStatus, Gauge, StiffnessBound};
 use crate::warning::counted;
 
 impl Analysis {
-    /// The scale constraint: what fixes the overall level of stiffness and force.
+    /// The scale constraint, which fixes the overall level of stiffness and force.
     #[must_use]
     pub const fn gauge_words(&self) -> &'static str {
         match self.options.gauge {
             Gauge::GeometricMean => {
                 "only ratios are identified; their geometric mean is held at 1, to 1 %"
             }
-            Gauge::FrozenForce => "forces fixed at those of the nominal stiffness",
+            Gauge::FrozenForce => "forces fixed at their values with the nominal stiffness",
             Gauge::KnownForce { .. } => "scaled to the known force",
         }
     }
@@ -124,7 +124,7 @@ impl Analysis {
         }
     }
 
-    /// How the spine stands over the pelvis on the erect film, and what the landmarks do not give.
+    /// The balance on the erect film, and the numbers that the landmarks do not give.
     #[must_use]
     pub fn balance_words(&self) -> String {
         let Some(balance) = &self.movement.balance else {
@@ -202,7 +202,7 @@ impl Analysis {
     /// measured, else relative to the nominal stiffness.
     ///
     /// # Panics
-    /// If there is no such joint.
+    /// If the joint does not exist.
     #[must_use]
     pub fn spring_words(&self, model: &LineModel, joint: usize) -> String {
         let springs = model.stiffness_nmm_per_rad(&self.movement.library)[joint];
@@ -235,10 +235,10 @@ impl fmt::Display for MultiplierVerdict {
                 "identified only as a ratio to the others: bending films do not measure force",
             ),
             Identification::AtBound(bound) => {
-                let wish = if *bound == StiffnessBound::Lower { "softer" } else { "stiffer" };
+                let better = if *bound == StiffnessBound::Lower { "softer" } else { "stiffer" };
                 write!(
                     f,
-                    "reached its limit: the data favour a {wish} value, so it is not identified"
+                    "reached its limit: the data favour a {better} value, so it is not identified"
                 )
             }
             Identification::Contradicted => write!(

@@ -19,8 +19,8 @@ const MIN_BEND_TILT: Angle = Angle::from_deg(3.0);
 
 /// A bend that is tilted away by more is most likely one to the other side.
 ///
-/// Of bends to the stated side 3 % are tilted away, by 4° in the mean; those to the other side by 5 to 40°, all alike (assumptions, which
-/// make the second 20 times as probable from here on).
+/// Of bends to the stated side 3 % are tilted away, by 4° in the mean; bends to the other side by 5 to 40°, uniformly (assumptions:
+/// from here on, the second is 20 times as probable).
 const MAX_LEANING_AWAY: Angle = Angle::from_deg(7.0);
 
 /// Bodies that both films must show before they are compared.
@@ -36,12 +36,12 @@ const MAX_SHAPE_RATIO: f64 = 1.35;
 /// In the same 366 pairs of one patient the largest is 0.176; 1 % of the pairs of two patients exceed the limit.
 const MAX_WIDTH_DEVIATION: f64 = 0.18;
 
-/// Both limits of bodies are wider by so many standard deviations of corners that a program found.
+/// Both limits of bodies are widened by this number of standard deviations of corners that a program found.
 const PROGRAM_FACTOR: f64 = 2.0;
 
 /// Films and their outlines in the same order, the erect one first.
 ///
-/// The lateral tilt of the erect spine is checked on patients only: that of phantoms of the paper's Table 1 is up to 45° by construction.
+/// The lateral tilt of the erect spine is checked on patients only: phantoms of the paper's Table 1 have up to 45° by construction.
 pub(super) fn warn_of_wrong_films(
     films: &[&Film],
     outlines: &[Outline],
@@ -124,7 +124,7 @@ fn warn_of_no_bend(erect: &Outline, bend: &Outline, side: Side, warnings: &mut W
     let is_mirrored = is_mirrored(erect, bend);
     if leans_away && (is_mirrored || -towards > MAX_LEANING_AWAY) {
         let text = format!(
-            "the lateral tilt of {ends} is {} of that on the erect film: the film may be mirrored or may show another posture",
+            "the lateral tilt of {ends} is {} of the erect film's: the film may be mirrored or may show another posture",
             change.leaning()
         );
         warnings.film(WarningCode::BendLeansAway, bend.posture, text);
@@ -188,9 +188,9 @@ fn shape_difference(a: &Outline, b: &Outline, sign: f64) -> String {
     format!("{}°", fixed((squares / (count - 1.0)).sqrt(), 1))
 }
 
-/// Bodies of one film against those of the erect one. A common factor, such as another magnification, makes no difference.
+/// Bodies of one film against the erect film. A common factor, such as another magnification, makes no difference.
 ///
-/// What corners that a program found add to the noise, such as those completed from two clicks, widens the limits.
+/// Corners that a program found, such as those completed from two clicks, add noise, which widens the limits.
 fn warn_of_another_patient(films: [&Film; 2], outlines: [&Outline; 2], warnings: &mut Warnings) {
     // Without a spacing, heights and widths are comparable in square pixels only.
     let scaled = |film: &Film| matches!(&film.landmarks, FilmLandmarks::Corners { image, .. } if image.scale().is_some());
@@ -201,7 +201,7 @@ fn warn_of_another_patient(films: [&Film; 2], outlines: [&Outline; 2], warnings:
     let pairs = Levels::COMPLETE.iter().zip(reference.into_iter().zip(bodies));
     let marked: Vec<(Level, [[f64; 2]; 2])> =
         pairs.filter_map(|(level, (a, b))| Some((level, [a?, b?]))).collect();
-    // A median of few bodies says little.
+    // A median of few bodies is not reliable.
     if marked.len() < MIN_BODIES {
         return;
     }
@@ -213,7 +213,7 @@ fn warn_of_another_patient(films: [&Film; 2], outlines: [&Outline; 2], warnings:
     let ratio = (median(heights) - width).exp();
     let deviation = median(widths.iter().map(|log| (log - width).abs()).collect());
     let [height_sd, width_sd] = [0, 1].map(|side| program_log_sd(outlines, &marked, side));
-    // Corners of one film that a program found err alike, so that a median of many is no surer than one.
+    // Corners of one film that a program found err alike, so a median of many is not surer than one.
     let max_ratio = MAX_SHAPE_RATIO * (PROGRAM_FACTOR * height_sd.hypot(width_sd)).exp();
     let max_deviation = MAX_WIDTH_DEVIATION + PROGRAM_FACTOR * width_sd;
     let found = if ratio.max(1.0 / ratio) > max_ratio {
@@ -225,7 +225,7 @@ fn warn_of_another_patient(films: [&Film; 2], outlines: [&Outline; 2], warnings:
         )
     } else if deviation > max_deviation {
         format!(
-            "the widths of its vertebral bodies grow differently from those of the erect film (median deviation {} %, limit {} %)",
+            "the widths of its vertebral bodies grow differently than on the erect film (median deviation {} %, limit {} %)",
             fixed(100.0 * deviation, 0),
             fixed(100.0 * max_deviation, 0)
         )
@@ -238,7 +238,7 @@ fn warn_of_another_patient(films: [&Film; 2], outlines: [&Outline; 2], warnings:
     warnings.film(WarningCode::AnotherPatient, films[1].posture, text);
 }
 
-/// Root mean square, over the bodies, of what corners that a program found add to the error of the logarithm of a height (side 0) or a
+/// Root mean square, over the bodies, of the errors that corners by a program add to the logarithm of a height (side 0) or a
 /// width (side 1) in either film.
 fn program_log_sd(outlines: [&Outline; 2], marked: &[(Level, [[f64; 2]; 2])], side: usize) -> f64 {
     // The mean of two opposite sides, with four corners, has the error of one corner.

@@ -4,7 +4,7 @@ use std::str::FromStr;
 /// A vertebra by its anatomical name, ordered from caudal to cranial.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Level {
-    /// Fifth lumbar vertebra; welcome on a film, not part of the model.
+    /// Fifth lumbar vertebra; may be marked, not part of the model.
     L5,
     /// Fourth lumbar vertebra: the fixed base.
     L4,
@@ -36,7 +36,7 @@ pub enum Level {
     T3,
     /// Second thoracic vertebra: carries the force.
     T2,
-    /// First thoracic vertebra; welcome on a film, not part of the model.
+    /// First thoracic vertebra; may be marked, not part of the model.
     T1,
 }
 

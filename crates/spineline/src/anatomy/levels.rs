@@ -85,13 +85,13 @@ impl Levels {
         self.0.iter().position(|&own| own == level)
     }
 
-    /// The place of a level among them, or that of the nearest end.
+    /// The place of a level among them, or of the nearest end.
     #[must_use]
     pub fn nearest_index(self, level: Level) -> usize {
         self.0.iter().filter(|&&own| own < level).count().min(self.joints())
     }
 
-    /// The place of the lowest joint among those of the complete model.
+    /// The place of the lowest joint among the joints of the complete model.
     #[must_use]
     pub fn first_joint(self) -> usize {
         Level::MODEL.len() - Level::MODEL.iter().skip_while(|&&level| level != self.base()).count()

@@ -18,7 +18,7 @@ pub struct Morphometry {
     pub body_height_mm: f64,
     /// Height of the disc between this vertebra and the next one above.
     pub disc_above_mm: f64,
-    /// From the midpoint of this vertebra to that of the next one above; from T1 to that of the seventh cervical vertebra.
+    /// From the midpoint of this vertebra to the next midpoint above; from T1 to the seventh cervical vertebra's.
     pub spacing_above_mm: f64,
     /// Sagittal turn of the joint above in an adult without deformity: kyphosis positive, lordosis negative.
     pub joint_above_deg: f64,

@@ -3,11 +3,11 @@ use super::Level;
 /// Where the centres of the pedicles lie in a typical vertebra, as a frontal film shows them.
 ///
 /// # Definition
-/// Their distance from the sagittal plane is half of the width of the canal and half of that of a pedicle. Their distance behind the
-/// centre of the body is that times a ratio, which is all that the axial rotation after Stokes takes from here.
+/// Their distance from the sagittal plane is half of the width of the canal and half of a pedicle's width. Their distance behind the
+/// centre of the body is that times a ratio: only this ratio enters the axial rotation after Stokes.
 ///
 /// # References
-/// Ratios from L4 to T1: means over 2,068 CTs [vid-ct]. That of L5 stands to the one that [panjabi-1992] gives as at L4 (assumption). Canals and
+/// Ratios from L4 to T1: means over 2,068 CTs [vid-ct]. At L5, [panjabi-1992] corrected as at L4 (assumption). Canals and
 /// pedicles: [panjabi-1991], [panjabi-1992]. Which cells were compared with their source:
 /// [`PublishedNumbers`](super::PublishedNumbers).
 #[derive(Debug, Clone, Copy, PartialEq)]

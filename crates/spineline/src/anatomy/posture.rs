@@ -80,7 +80,7 @@ impl Posture {
     }
 }
 
-/// What a film of a study shows.
+/// The view of a film of a study.
 ///
 /// # Definition
 /// Frontal films show the patient's left and right, one film per posture. The lateral film shows front and back of the standing patient.
@@ -103,7 +103,7 @@ impl FilmView {
         Self::Lateral,
     ];
 
-    /// The name used in files: that of the posture of a frontal film, or `lateral`.
+    /// The name used in files: the posture of a frontal film, or `lateral`.
     #[must_use]
     pub const fn key(self) -> &'static str {
         match self {
@@ -125,7 +125,7 @@ impl FilmView {
 impl Named for FilmView {
     const TYPE: &'static str = "FilmView";
     const DOC: &'static str =
-        "What a film shows: the posture of the patient on a frontal film, or the lateral film.";
+        "View of a film: the posture of the patient on a frontal film, or the lateral film.";
     const ALL: &'static [Self] = &Self::ALL;
 
     fn key(self) -> &'static str {

@@ -5,7 +5,7 @@ use crate::measure::Outline;
 use crate::spatial::{Angle, Frontal};
 
 named! {
-    /// What stands for the centre of the sacrum, through which the central sacral vertical line runs.
+    /// Landmark for the centre of the sacrum, through which the central sacral vertical line runs.
     pub enum SacralReference {
         /// Middle of the tips of the iliac crests.
         IliacCrests = "iliac_crests",
@@ -28,10 +28,10 @@ impl SacralReference {
     }
 }
 
-/// How the spine stands over the pelvis on the erect film.
+/// Balance of the spine over the pelvis on the erect film.
 ///
-/// The vertical is that of the film. The sacrum is not marked: the central sacral vertical line runs through what
-/// [`SacralReference`] says. C7 is not marked either: the plumb line falls from T1, or from T2.
+/// The vertical is the film's. The sacrum is not marked: the central sacral vertical line runs through the
+/// [`SacralReference`]. C7 is not marked either: the plumb line falls from T1, or from T2.
 ///
 /// # References
 /// Definitions of [o-brien-2008].
@@ -60,7 +60,7 @@ impl Balance {
     pub const MISSING: &'static str = "Not measured: trunk shift (no rib margins are marked), shoulder obliquity (no clavicles or acromia are marked), and neutral vertebrae (no pedicles are marked)";
 }
 
-/// What stands for the centre of the sacrum on an erect film, and where it is.
+/// The landmark for the centre of the sacrum on an erect film, and its place.
 fn sacral_centre(erect: &Outline) -> (SacralReference, Frontal) {
     let l5 = || erect.others.iter().find(|vertebra| vertebra.level == Level::L5);
     erect
@@ -70,7 +70,7 @@ fn sacral_centre(erect: &Outline) -> (SacralReference, Frontal) {
         .unwrap_or((SacralReference::Base, erect.vertebrae[0].location))
 }
 
-/// What stands for the centre of the sacrum on an erect film.
+/// The landmark for the centre of the sacrum on an erect film.
 #[must_use]
 pub fn sacral_reference(erect: &Outline) -> SacralReference {
     sacral_centre(erect).0

@@ -39,7 +39,7 @@ pub struct ClinicalCurve {
     pub angles: Vec<(Posture, EndAngles)>,
     /// Ferguson angle in every posture.
     pub ferguson: Vec<(Posture, Angle)>,
-    /// Part of the erect angle that the bend to the convex side takes away; `None` without that film, and for curves of less
+    /// Part of the erect angle that the bend to the convex side corrects; `None` without that film, and for curves of less
     /// than [`ClinicalCurve::MIN_FLEXIBLE`].
     pub flexibility: Option<f64>,
 }

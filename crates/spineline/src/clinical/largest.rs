@@ -1,7 +1,7 @@
 use crate::spatial::Angle;
 
 /// The largest Cobb angle that any two vertebrae of a film make: the largest tilt to the right minus the largest to the left;
-/// `None` without a tilt, or where one is no number.
+/// `None` without a tilt, or where one is not finite.
 ///
 /// With tilts of mean endplates ([`Corners::measure_endplate_tilt`](crate::measure::Corners::measure_endplate_tilt)) of
 /// T1 to L5 it is the main angle of public landmark sets. Regions play no part in it.

@@ -3,7 +3,7 @@
 //! Regions, end vertebrae and apices are chosen on the erect film and then held for every posture, because both angles
 //! depend much on that choice [stokes-1993]. A Cobb angle is the angle between
 //! the superior endplate of the upper and the inferior endplate of the lower end vertebra. Where only locations and tilts are
-//! known there is no Cobb angle, but a tilt range: the difference of the tilts of the end vertebrae.
+//! known, a tilt range replaces the Cobb angle: the difference of the tilts of the end vertebrae.
 
 mod balance;
 mod curves;

@@ -35,7 +35,7 @@ impl EndAngles {
 pub struct CurvePlaces {
     /// Ends and apex of the Ferguson angle.
     pub bounds: RegionBounds,
-    /// Lower and upper end vertebra of the Cobb angle, as places like those of the bounds.
+    /// Lower and upper end vertebra of the Cobb angle, as places like the bounds.
     pub cobb_ends: [usize; 2],
     /// Cobb angle minus tilt range on the erect film. Vertebrae are rigid, so that every posture of a model has the same
     /// difference; `None` where endplates are not known.
@@ -46,11 +46,11 @@ impl CurvePlaces {
     /// The Cobb angle of a region ends at its most tilted vertebrae, at most one level outside of it: below by the inferior,
     /// above by the superior endplates; by the vertebrae's own tilts where endplates are not known.
     ///
-    /// `erect` are the tilts of all vertebrae, from the lowest one upwards, and those of their endplates.
+    /// `erect` has the tilts of all vertebrae and of their endplates, from the lowest one upwards.
     #[must_use]
     pub fn choose(bounds: RegionBounds, erect: &[(Angle, Option<EndplateTilts>)]) -> Self {
         let tilt = |i: usize| erect[i].0.rad();
-        // An interpolated vertebra has no endplates, and ends no curve where others have some.
+        // An interpolated vertebra lacks endplates, and does not end a curve where others have them.
         let any_known = erect.iter().any(|(_, endplates)| endplates.is_some());
         let may_end = |i: &usize| erect[*i].1.is_some() || !any_known;
         let of_plate = |i: usize, pick: fn(&EndplateTilts) -> Angle| {
@@ -125,7 +125,7 @@ pub(super) fn end_angles(
     }
 }
 
-/// A line along an endplate of an end vertebra: through the endplate's centre, as long to either side. Its tilt is that of
+/// A line along an endplate of an end vertebra: through the endplate's centre, as long to either side. Its tilt is the tilt of
 /// its normal. Between the lines of both end vertebrae lies the Cobb angle.
 #[must_use]
 pub fn endplate_line(centre: Frontal, tilt: Angle, reach_mm: f64) -> [Frontal; 2] {

@@ -30,7 +30,7 @@ impl Regions {
     /// Regions that end at T12 and T6, for a spine whose inflections are not known; below a low top as near to T6 as leaves a
     /// vertebra between it and the top.
     ///
-    /// `locations` are those of the levels on the erect spine.
+    /// `locations` belong to the levels on the erect spine.
     #[must_use]
     pub fn usual(levels: Levels, locations: &[Frontal]) -> Self {
         let [low, high] = USUAL_ENDS.map(|level| levels.nearest_index(level));
@@ -43,7 +43,7 @@ impl Regions {
         self.bounds[2].superior
     }
 
-    /// Regions that end at the vertebrae nearest to the two inflections, or at T12 and T6 where there is no such pair.
+    /// Regions that end at the vertebrae nearest to the two inflections, or at T12 and T6 without such a pair.
     #[must_use]
     pub fn from_inflections(
         fit: &CurveFit,
@@ -81,7 +81,7 @@ impl Regions {
         Self { bounds }
     }
 
-    /// The region of a joint: that of its upper vertebra; an end vertebra belongs to the region below.
+    /// The region of a joint: the one of its upper vertebra; an end vertebra belongs to the region below.
     #[must_use]
     pub fn of_joint(&self, joint: usize) -> Region {
         let upper = joint + 1;
@@ -90,7 +90,7 @@ impl Regions {
     }
 }
 
-/// Ferguson angle: lateral tilt of the line apex → upper end minus that of the line lower end → apex.
+/// Ferguson angle: lateral tilt of the line apex → upper end minus the tilt of the line lower end → apex.
 ///
 /// Positive where the curve turns to the patient's right from below to above, so where it is convex to the left.
 ///

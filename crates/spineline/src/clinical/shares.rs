@@ -18,7 +18,7 @@ impl JointShares {
         }))
     }
 
-    /// Regions that end at two places along the spine; `vertebrae_mm` are those of the model (L4 to T2), and parts count by length.
+    /// Regions that end at two places along the spine; `vertebrae_mm` belong to the model (L4 to T2), and parts count by length.
     ///
     /// ```
     /// use spineline::{anatomy::Region, clinical::JointShares};

@@ -20,7 +20,7 @@ use crate::number::{fixed, probability, signed};
 pub struct BaselineErrors {
     /// The pattern of rotations.
     pub baseline: Baseline,
-    /// What the films were to the models.
+    /// Role of the films in the fits.
     pub role: FilmRole,
     /// Films that it predicts.
     pub films: usize,
@@ -35,7 +35,7 @@ pub struct BaselineTest<Model = LineKind> {
     pub model: Model,
     /// The baseline.
     pub baseline: Baseline,
-    /// What the films were to the models.
+    /// Role of the films in the fits.
     pub role: FilmRole,
     /// Films in the comparison.
     pub films: usize,
@@ -46,7 +46,7 @@ pub struct BaselineTest<Model = LineKind> {
 }
 
 impl<Model> BaselineTest<Model> {
-    /// What the test says of the model.
+    /// The outcome of the test for the model.
     #[must_use]
     pub fn outcome(&self) -> ComparisonOutcome {
         self.comparison.outcome(self.holm_p)
@@ -66,7 +66,7 @@ pub struct BaselinesOverPatients {
     pub errors: Vec<BaselineErrors>,
     /// By line, baseline and role: one family.
     pub tests: Vec<BaselineTest>,
-    /// By other load and base, baseline and role: one family; none where they were not requested.
+    /// By other load and base, baseline and role: one family; empty if not requested.
     pub hypothesis_tests: Vec<BaselineTest<Hypothesis>>,
 }
 
@@ -82,8 +82,8 @@ impl BaselinesOverPatients {
         }
     }
 
-    /// The models of one patient beside what is predicted without mechanics and without other patients: differences, with no
-    /// interval and no test.
+    /// The models of one patient beside what is predicted without mechanics and without other patients: differences, without
+    /// intervals and tests.
     #[must_use]
     pub fn of_patient(analysis: &Analysis) -> Self {
         let patient = &[CohortPatient::of(analysis)];
@@ -93,8 +93,8 @@ impl BaselinesOverPatients {
         Self::of(patient, &patients, &Vec::from_iter(kinds))
     }
 
-    /// The prediction without mechanics with the smallest error on the films of a role, of those that know no more of a
-    /// film than a line does.
+    /// The prediction without mechanics with the smallest error on the films of a role, among those that take no more numbers from a
+    /// film than a line.
     #[must_use]
     pub fn best(&self, role: FilmRole) -> Option<&BaselineErrors> {
         let fair = self.errors.iter().filter(|one| one.role == role && !one.baseline.knows_tilt());
@@ -136,7 +136,7 @@ fn errors(patients: &Patients<'_>) -> Vec<BaselineErrors> {
 /// The location errors of a model on a film of a patient; `None` where it has no result.
 type ErrorsOf<Model> = fn(&CohortPatient, u8, Model) -> Option<&[f64]>;
 
-/// All models against every baseline that knows no more of a film than they do, where they have a film in common, as one family.
+/// All models against every baseline that takes no more numbers from a film, where both predict a film, as one family.
 fn tests<Model: Copy + Sync>(
     models: &[Model],
     errors_mm: ErrorsOf<Model>,
@@ -182,7 +182,7 @@ fn tests<Model: Copy + Sync>(
 }
 
 impl BaselinesOverPatients {
-    /// What patterns of rotations predict without mechanics, and which lines predict better.
+    /// Errors of the predictions without mechanics, and the lines that predict better.
     #[must_use]
     pub fn sentences(&self) -> Vec<String> {
         FilmRole::PREDICTED.into_iter().flat_map(|role| self.of_role(role)).collect()
@@ -195,24 +195,24 @@ impl BaselinesOverPatients {
         found.sort_by(|a, b| a.mean_mm().total_cmp(&b.mean_mm()));
         let (with_tilt, found): (Vec<_>, Vec<_>) =
             found.into_iter().partition(|one| one.baseline.knows_tilt());
-        let parts: Vec<String> = found
-            .iter()
-            .map(|one| format!("{} {} mm", one.baseline, fixed(one.mean_mm(), 1)))
-            .collect();
+        let words =
+            |one: &&BaselineErrors| format!("{} {} mm", one.baseline, fixed(one.mean_mm(), 1));
+        let parts: Vec<String> = found.iter().map(words).collect();
         let films = films_words(role);
         let mut all = vec![format!("{films}, predicted without mechanics: {}.", listed(&parts))];
-        all.extend(with_tilt.first().map(|one| {
-            format!(
-                "With T2's tilt as well as its location, the distribution of rotations predicts them to {} mm; no line is compared with it, since a line knows T2's location alone.",
-                fixed(one.mean_mm(), 1)
-            )
-        }));
+        let with_tilt: Vec<String> = with_tilt.iter().map(words).collect();
+        if !with_tilt.is_empty() {
+            all.push(format!(
+                "No line is compared with predictions that know T2's tilt, since a line knows T2's location alone: {}.",
+                listed(&with_tilt)
+            ));
+        }
         let of_best = |test: &&BaselineTest| test.role == role && test.baseline == best.baseline;
         let tests: Vec<&BaselineTest> = self.tests.iter().filter(of_best).collect();
         all.extend(tests.iter().filter_map(|test| line_sentence(test)));
         if !tests.is_empty() && !tests.iter().any(|test| test.is_better()) {
             all.push(format!(
-                "No line predicts them significantly better than {}: these films are no evidence that a prediction needs mechanics.",
+                "No line predicts them significantly better than {}: these films are not evidence that a prediction needs mechanics.",
                 best.baseline
             ));
         }

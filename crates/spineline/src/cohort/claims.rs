@@ -9,12 +9,12 @@ use crate::motion::least_windows;
 
 use super::RESAMPLES;
 
-/// The paper's inflections lie at most so many segments from the least-rotating ones.
+/// The paper's inflections lie at most this number of segments from the least-rotating ones.
 pub const NEAR_SEGMENTS: usize = 2;
 
 /// The evidence of one patient on the paper's three main claims.
 ///
-/// It holds no curve and no chain, so that those of many patients fit into memory.
+/// Without curves and chains, so that many patients fit into memory.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct PatientClaims {
     /// Distance of every inflection to the least-rotating segment of its window, over all moved films: two per film.
@@ -82,7 +82,7 @@ impl PatientClaims {
         Some(1.0 - self.inflection_rotation_deg? / self.mean_rotation_deg?)
     }
 
-    /// Location error of the iliac line minus that of the inflection line, on fitted or on held-out films.
+    /// Location error of the iliac line minus the error of the inflection line, on fitted or on held-out films.
     #[must_use]
     pub fn advantage_mm(&self, fitted: bool) -> Option<f64> {
         let errors = if fitted { self.fitted_mm } else { self.held_out_mm };
@@ -118,7 +118,7 @@ fn both_lines(analysis: &Analysis, fitted: bool) -> Option<[f64; 2]> {
 }
 
 named! {
-    /// What the numbers say of a claim.
+    /// The verdict of the numbers on a claim.
     pub enum ClaimVerdict {
         /// The whole interval is on the claim's side.
         Holds = "holds",
@@ -150,7 +150,7 @@ pub struct Claims {
     pub patients: usize,
     /// Claim 1: share of inflections within [`NEAR_SEGMENTS`] of the least-rotating segment, mean over patients.
     pub near: Share,
-    /// What random places would have.
+    /// The share at random places.
     pub near_by_chance: f64,
     /// Median of all distances, in segments; NaN where there is none.
     pub median_distance_segments: f64,
@@ -187,7 +187,7 @@ impl Claims {
     /// The inflection line is better in more patients than not.
     pub const BETTER_LIMIT: f64 = 0.5;
 
-    /// Statistics of some patients; the seed is that of the bootstrap.
+    /// Statistics of some patients; the seed is for the bootstrap.
     #[must_use]
     pub fn of(patients: &[PatientClaims], seed: u64) -> Self {
         let all = |value: &dyn Fn(&PatientClaims) -> Option<f64>| -> Vec<f64> {

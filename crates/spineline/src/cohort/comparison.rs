@@ -4,7 +4,7 @@ use crate::evaluate::statistics::{PairedT, Summary};
 use crate::personalize::TestOutcome;
 
 named! {
-    /// What a comparison of errors says of the first model beside the second. All outputs use these words.
+    /// Outcome of a comparison of errors for the first model against the second. All outputs use these words.
     pub enum ComparisonOutcome {
         /// Its error is smaller, significantly after Holm's correction.
         Better = "better",
@@ -68,7 +68,7 @@ impl PairedComparison {
         self.sign_flip.map_or(0, |test| test.n)
     }
 
-    /// What the differences, first minus second, say of the first, with the probability after Holm's correction.
+    /// The outcome for the first by the differences, first minus second, and the probability after Holm's correction.
     #[must_use]
     pub fn outcome(&self, holm_p: Option<f64>) -> ComparisonOutcome {
         let is_larger = self.mean_difference > 0.0;
@@ -84,7 +84,7 @@ impl PairedComparison {
     }
 }
 
-/// Sign-flip probabilities of a family of comparisons after Holm's correction; `None` where there is no such test.
+/// Sign-flip probabilities of a family of comparisons after Holm's correction; `None` without a test.
 pub(super) fn corrected_by_holm(family: &[PairedComparison]) -> Vec<Option<f64>> {
     let flips: Vec<Option<f64>> =
         family.iter().map(|one| one.sign_flip.map(|test| test.p_two_sided)).collect();

@@ -1,4 +1,4 @@
-//! What a cohort pools: films that may be wrong ones, and chains of other vertebrae.
+//! Remarks on the pooled data: doubted films, and chains of different vertebrae.
 
 use std::cmp::Reverse;
 
@@ -93,7 +93,7 @@ pub(super) fn doubted_sentence(
     }
     (doubted > 0).then(|| {
         format!(
-            "Films of {doubted} of {patients} patients may be wrong ones; check them first: {}.",
+            "Films of {doubted} of {patients} patients may be wrong; check them first: {}.",
             named.join(", ")
         )
     })
@@ -110,7 +110,7 @@ pub(super) fn chains_sentence(chains: &[ChainCount]) -> Option<String> {
         .collect();
     (chains.len() > 1).then(|| {
         format!(
-            "Warning: models of different vertebrae are pooled: {}. Location errors, amplitudes, numbers of joints and iliac lines of different chains are not comparable: analyse each chain apart as well.",
+            "Warning: models of different vertebrae are pooled: {}. Location errors, amplitudes, numbers of joints and iliac lines of different chains are not comparable: analyse each chain separately as well.",
             listed(&named)
         )
     })

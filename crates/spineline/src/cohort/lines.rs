@@ -16,7 +16,7 @@ use crate::personalize::SIGNIFICANCE;
 named! {
     /// Which error is compared.
     pub enum ErrorKind {
-        /// Distance of vertebrae, in mm: what a verdict is about.
+        /// Distance of vertebrae, in mm: the subject of a verdict.
         Location = "location_mm",
         /// Absolute errors of Ferguson angles, in degrees.
         Ferguson = "ferguson_deg",
@@ -24,7 +24,7 @@ named! {
 }
 
 impl ErrorKind {
-    /// What it is measured in.
+    /// Its unit.
     #[must_use]
     pub const fn unit(self) -> &'static str {
         match self {
@@ -47,11 +47,11 @@ impl ErrorKind {
 pub struct RoleErrors {
     /// The line.
     pub kind: LineKind,
-    /// What the stiffness knew of the films.
+    /// Role of the films in the fit.
     pub role: FilmRole,
     /// Films with a result.
     pub films: usize,
-    /// Films on which it has none.
+    /// Films without a result.
     pub without_result: usize,
     /// Location errors, in mm.
     pub location_mm: Clustered,
@@ -76,13 +76,13 @@ impl RoleErrors {
 pub struct LinePairTest {
     /// First and second line; differences are first minus second, so that a negative one is the first's advantage.
     pub lines: [LineKind; 2],
-    /// What the stiffness knew of the films.
+    /// Role of the films in the fit.
     pub role: FilmRole,
     /// Which error.
     pub error: ErrorKind,
     /// Films in the comparison.
     pub films: usize,
-    /// Films on which one of the two has no result, or both.
+    /// Films on which one of the two lacks a result, or both.
     pub without_result: usize,
     /// The tests.
     pub comparison: PairedComparison,
@@ -122,7 +122,7 @@ impl LinePairTest {
 named! {
     /// Why a line has no result on a film.
     pub enum NoResult {
-        /// The patient has no model of this line; for a left-out bend, none that was fitted to the other bend.
+        /// The patient has no model of this line; for a left-out bend, no model fitted to the other bend.
         NoModel = "no_model" as "the line has no model",
         /// The line has no place on the film.
         NoLine = "no_line" as "the line has no place on this film",
@@ -135,7 +135,7 @@ named! {
     }
 }
 
-/// The shape of a line's model on a film, or why there is none.
+/// The shape of a line's model on a film, or why it is missing.
 pub(super) fn result_on(
     models: &[LineModel],
     kind: LineKind,
@@ -151,14 +151,14 @@ pub(super) fn result_on(
     }
 }
 
-/// A line without a result on a film: the film has no part in a comparison of this line.
+/// A line without a result on a film: the film does not count in a comparison of this line.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct MissingResult {
     /// The patient.
     pub case_id: String,
     /// The film.
     pub posture: Posture,
-    /// What the stiffness knew of the film.
+    /// Role of the film in the fit.
     pub role: FilmRole,
     /// The line.
     pub kind: LineKind,
@@ -177,7 +177,7 @@ pub struct LinesOverPatients {
     pub errors: Vec<RoleErrors>,
     /// By pair of lines, role and error: one family.
     pub tests: Vec<LinePairTest>,
-    /// The films on which a line has no result, once per such line.
+    /// The films on which a line lacks a result, once per such line.
     pub missing: Vec<MissingResult>,
 }
 
@@ -251,7 +251,7 @@ fn count_films<const N: usize>(
     (shared, all - shared)
 }
 
-/// The lines of a cohort that have no result on a film of one patient.
+/// The lines of a cohort without a result on a film of one patient.
 fn missing(patient: &CohortPatient, kinds: &[LineKind]) -> Vec<MissingResult> {
     let mut all = Vec::new();
     for (film, &(posture, role)) in (0..).zip(&patient.compared) {

@@ -1,4 +1,4 @@
-//! Many patients: the paper's statistics and, beside each, one that respects who a vertebra belongs to.
+//! Many patients: the paper's statistics and, beside each, one that respects the patient of a vertebra.
 //!
 //! Pooled means, their normal intervals and the pooled paired t-tests are the paper's. The patient-level tests take one
 //! mean per patient, and the bootstrap resamples patients. Fitted and held-out films are never pooled. Models are
@@ -66,14 +66,14 @@ impl Clustered {
     }
 }
 
-/// A way to guess the least-rotating segments, over some films.
+/// A way to estimate the least-rotating segments, over some films.
 #[derive(Debug, Clone, PartialEq)]
 pub struct EstimateStatistics {
     /// Distances to the least-rotating segments, in segments.
     pub distance_segments: Clustered,
     /// Distances in mm on the erect film.
     pub distance_mm: Clustered,
-    /// Rotation of the guessed segments, in degrees.
+    /// Rotation of the estimated segments, in degrees.
     pub rotation_deg: Clustered,
     /// All distances in segments, patient by patient.
     pub all_distances_segments: Vec<f64>,
@@ -82,7 +82,7 @@ pub struct EstimateStatistics {
 }
 
 impl EstimateStatistics {
-    /// Share of the guesses at a distance of 0, 1 and 2 segments, and beyond; NaN without a guess.
+    /// Share of the estimates at a distance of 0, 1 and 2 segments, and beyond; NaN without an estimate.
     #[must_use]
     pub fn shares(&self) -> [f64; 4] {
         let values = &self.all_distances_segments;
@@ -192,7 +192,7 @@ impl Films {
 }
 
 impl Cohort {
-    /// Statistics of some patients; the seed is that of the bootstrap and of the permutation tests.
+    /// Statistics of some patients; the seed is for the bootstrap and the permutation tests.
     ///
     /// ```
     /// use spineline::analysis::{AnalysisOptions, analyze_movement};
@@ -391,7 +391,7 @@ fn lines(patients: &Patients<'_>, kinds: &[LineKind]) -> Vec<LineStatistics> {
     kinds.iter().zip(found).map(line).collect()
 }
 
-/// Location and Ferguson errors of the inflection line against those of the iliac line, on fitted films that both could simulate.
+/// Location and Ferguson errors of the inflection line against the iliac line, on fitted films that both could simulate.
 fn paper_tests(patients: &Patients<'_>) -> [PairedComparison; 2] {
     let found = patients.compared(&ErrorKind::ALL, |seen, error, [a, b]| {
         for (posture, first) in seen.patient.usable(LineKind::Inflection, true) {

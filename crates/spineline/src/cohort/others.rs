@@ -1,4 +1,4 @@
-//! A patient as a cohort sees it: with what other patients say of its films.
+//! A patient in a cohort, with predictions of its films from other patients.
 
 use super::numbers::Numbers;
 use super::patient::CohortPatient;
@@ -13,7 +13,7 @@ const MAX_GROUPS: usize = 20;
 /// Baselines by the distribution of rotations over other patients.
 const LEARNED: [Baseline; 2] = [Baseline::RotationPrior, Baseline::RotationPriorWithTilt];
 
-/// A patient, with what other patients say of its films.
+/// A patient, with predictions of its films from other patients.
 pub(super) struct Seen<'a> {
     pub patient: &'a CohortPatient,
     /// Whether the distribution of rotations over other patients replaces a published one on bends.
@@ -29,7 +29,7 @@ impl<'a> Seen<'a> {
         mean: Option<&[Angle]>,
         prior: Option<&RotationPrior>,
     ) -> Self {
-        // One that was given was learned elsewhere and is kept; a published one gives way.
+        // A given prior was learned elsewhere and is kept; a published one is replaced.
         let prior = prior.filter(|_| !patient.has_rotation_prior);
         let mut found: Vec<(u8, BaselinePrediction)> = Vec::new();
         for place in FilmRole::PREDICTED.into_iter().flat_map(|role| patient.places(role)) {
@@ -59,7 +59,7 @@ impl<'a> Seen<'a> {
     }
 }
 
-/// What a cohort knows of the rotations of all patients but one: sums over their bends, as if all bent to the right.
+/// The rotations of all patients but one: sums over their bends, as if all bent to the right.
 pub(super) struct Others {
     by_levels: Vec<Bends>,
     /// By vertebrae and group a prior from the other groups; `None` where the others are too few.
@@ -98,7 +98,7 @@ impl Others {
         Self { by_levels, priors }
     }
 
-    /// In a cohort of fewer patients than groups everybody is a group.
+    /// In a cohort of fewer patients than groups every patient is a group.
     const fn group(place: usize) -> usize {
         place % MAX_GROUPS
     }
@@ -118,7 +118,7 @@ impl Others {
 }
 
 impl Bends {
-    /// Of no patient yet; rotations are taken from those of one bend.
+    /// Without patients yet; rotations are relative to the rotations of one bend.
     fn about(levels: Levels, centre: &[Angle]) -> Self {
         Self { levels, groups: Vec::new(), all: RotationMoments::about(centre) }
     }
@@ -131,7 +131,7 @@ impl Bends {
         self.all.add(bends);
     }
 
-    /// The mean over the bends of all other patients than one with these bends; `None` where there is none.
+    /// The mean over the bends of all other patients than one with these bends; `None` without any.
     fn mean_of_others(&self, own: &[Vec<Angle>]) -> Option<Vec<Angle>> {
         let all = self.all.bends();
         let others = all - own.len();

@@ -50,7 +50,7 @@ impl OutcomeCounts {
     }
 }
 
-/// What the bends of a cohort say of a single force along a line that is not fitted to them.
+/// How the bends of a cohort test a single force along a line that is not fitted to them.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct LineOutcomes {
     /// The line.

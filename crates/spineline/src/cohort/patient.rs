@@ -18,7 +18,7 @@ use crate::spatial::Angle;
 
 /// The numbers of a patient that enter a [`super::Cohort`].
 ///
-/// It holds no curve, no chain and no outline. The errors of all films stand in one row of numbers. Making it takes one more
+/// It has no curves, chains or outlines. The errors of all films stand in one row of numbers. Making it takes one more
 /// fit per line and bend ([`Analysis::comparison`]).
 #[derive(Debug, Clone, PartialEq)]
 pub struct CohortPatient {
@@ -90,7 +90,7 @@ struct UnderLine {
     kind: LineKind,
     /// Whether the stiffness was fitted to this very film.
     fitted: bool,
-    /// Why the line has no result.
+    /// Why the result of the line is missing.
     missing: Option<NoResult>,
 }
 
@@ -200,7 +200,7 @@ impl CohortPatient {
         films.map(|(place, _)| place)
     }
 
-    /// Errors of a line on a film, or why there are none.
+    /// Errors of a line on a film, or why they are missing.
     pub(super) fn result(&self, film: u8, kind: LineKind) -> Result<FilmErrors<'_>, NoResult> {
         let is_asked = |one: &&UnderLine| one.film == film && one.kind == kind;
         self.errors.get(&(film, kind)).map(FilmErrors).ok_or_else(|| {
@@ -308,8 +308,8 @@ fn hypotheses_mm(
         let role = match prediction.role {
             Role::LeftOut => FilmRole::LeftOutBend,
             Role::HeldOut => FilmRole::HeldOut,
-            // A load that was fitted to the film predicts nothing, and what knows more of a film than T2's place is not
-            // compared with what does not.
+            // A load that was fitted to the film does not predict it. Predictions that take more than T2's place are not compared with
+            // other ones.
             Role::Fitted
             | Role::LeftOutWithPrior
             | Role::LeftOutWithTilt

@@ -5,7 +5,7 @@ use super::workers::{Workers, results};
 use super::{Clustered, CohortPatient, PairedComparison};
 use crate::evaluate::statistics::{Pooled, Resampling, Summary};
 
-/// All patients, with what other patients predict of each.
+/// All patients, with predictions of each from the others.
 pub(super) struct Patients<'a> {
     seen: Vec<Seen<'a>>,
     resampling: Resampling,
@@ -32,7 +32,7 @@ impl<'a> Patients<'a> {
         Self { seen, resampling, workers }
     }
 
-    /// How many things all patients have.
+    /// Sum of a count over all patients.
     pub fn count(&self, of: impl Fn(&Seen<'_>) -> usize) -> usize {
         self.seen.iter().map(of).sum()
     }
@@ -105,7 +105,7 @@ impl<'a> Patients<'a> {
         })
     }
 
-    /// The sample of what each patient gives: the summary and the mean of its values.
+    /// A sample from each patient: the summary and the mean of its values.
     fn sample(&self, of: impl FnMut(&Seen<'_>) -> (Summary, f64)) -> Sample {
         let (mut pooled, mut means) = (Pooled::default(), Vec::new());
         for (own, mean) in self.seen.iter().map(of) {

@@ -1,4 +1,4 @@
-//! Cases that were given and have no part in a cohort.
+//! Given cases that are not part of a cohort.
 
 use crate::anatomy::named;
 use crate::warning::counted;
@@ -12,10 +12,12 @@ named! {
         Analysis = "analysis" as "the films could not be analysed",
         /// It was analysed, and cannot be counted beside the others.
         Counting = "counting" as "the case cannot be counted beside the others",
+        /// The run was interrupted before the case was begun.
+        Interruption = "interruption" as "the run was interrupted before the case",
     }
 }
 
-/// A case that was given and has no result. Every output of a cohort names it.
+/// A given case without a result. Every output of a cohort names it.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct RefusedCase {
     /// Name of its file, without folders.

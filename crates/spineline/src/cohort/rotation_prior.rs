@@ -1,5 +1,4 @@
-//! The distribution of joint rotations over the bends of patients, and what it predicts of patients that it was not learned
-//! from.
+//! The distribution of joint rotations over the bends of patients, and its predictions for other patients.
 
 use super::others::Others;
 use super::{Clustered, CohortPatient, RESAMPLES};
@@ -17,7 +16,7 @@ pub struct LearnedRotations {
     pub from_location_mm: Clustered,
     /// The same from the location and tilt of T2.
     pub with_tilt_mm: Clustered,
-    /// The same with published mobilities in the place of other patients ([`RotationPrior::published`]).
+    /// The same with published mobilities instead of other patients ([`RotationPrior::published`]).
     pub published_with_tilt_mm: Clustered,
 }
 

@@ -24,8 +24,8 @@ impl Cohort {
         all
     }
 
-    /// What the cohort says of the lines: whether its bends reject a single force along each, and which line
-    /// predicts better. A difference on fitted films alone is never called better.
+    /// The findings on the lines: whether the bends reject a single force along each, and which line predicts better. A difference on
+    /// fitted films alone is never called better.
     #[must_use]
     pub fn verdict(&self) -> Vec<String> {
         let mut all = Vec::new();
@@ -158,14 +158,14 @@ impl LinesOverPatients {
             .collect();
         (!nearer.is_empty()).then(|| {
             format!(
-                "On fitted bends {}: this shows how well a line adapts to the data and is no evidence for it.",
+                "On fitted bends {}: this shows how well a line adapts to the data and is not evidence for it.",
                 listed(&nearer)
             )
         })
     }
 }
 
-/// By how much the error of one line exceeds that of another.
+/// The excess of the error of one line over another's, in words.
 fn difference(test: &LinePairTest) -> Option<String> {
     let [low, high] = test.comparison.bootstrap?;
     let [first, second] = test.lines;
@@ -173,7 +173,7 @@ fn difference(test: &LinePairTest) -> Option<String> {
     let (more, less, low, high) =
         if mean > 0.0 { (first, second, low, high) } else { (second, first, -high, -low) };
     Some(format!(
-        "on {} the error of the {more} is {} mm larger than that of the {less} (95 % interval over {} patients {} to {} mm)",
+        "on {} the error of the {more} is {} mm larger than the error of the {less} (95 % interval over {} patients {} to {} mm)",
         films_words(test.role),
         fixed(mean.abs(), 1),
         test.comparison.patients(),
@@ -217,7 +217,7 @@ fn better_sentence(test: &LinePairTest) -> Option<String> {
         String::new()
     };
     Some(format!(
-        "On {films} the error of the {nearer} is smaller than that of the {other} by {} mm (95 % interval over {} patients {interval}; p {} after Holm's correction).{caveat}",
+        "On {films} the error of the {nearer} is smaller than the error of the {other} by {} mm (95 % interval over {} patients {interval}; p {} after Holm's correction).{caveat}",
         fixed(test.comparison.mean_difference.abs(), 1),
         test.comparison.patients(),
         probability(test.holm_p?)

@@ -18,7 +18,7 @@ impl Workers for OneThread {
     }
 }
 
-/// What all pieces give, in their order.
+/// The results of all pieces, in their order.
 pub(super) fn results<T: Send + Sync>(
     workers: &dyn Workers,
     pieces: usize,

@@ -1,4 +1,4 @@
-//! Where the erect curve inflects if its form is not known: a Gaussian process in the place of the polynomial.
+//! Where the erect curve inflects if its form is not known: a Gaussian process instead of the polynomial.
 //!
 //! # Model
 //! `y''` over the height is a Gaussian process, `y` and its slope at L4 are free, and locations and tilts are measured with the
@@ -18,13 +18,13 @@ use crate::measure::{Measured, Outline};
 
 /// Sines of the process.
 const TERMS: usize = 24;
-/// Coefficients: those of the sines, then place and slope at L4.
+/// Coefficients: of the sines, then of place and slope at L4.
 const COEFFICIENTS: usize = TERMS + 2;
 /// Of the coefficients.
 type Coefficients = SVector<f64, COEFFICIENTS>;
 /// By two coefficients.
 type ByCoefficients = SMatrix<f64, COEFFICIENTS, COEFFICIENTS>;
-/// The process lives on so many times the height of the spine, so that its ends are free.
+/// Domain of the process in heights of the spine, so that the ends of the spine are free.
 const STRETCH: f64 = 1.5;
 /// Length scales as parts of the height.
 const LENGTHS: [f64; 5] = [0.10, 0.14, 0.20, 0.28, 0.40];
@@ -35,7 +35,7 @@ const MIN_WEIGHT: f64 = 1e-3;
 /// 97.5 % of the normal distribution.
 const Z_95: f64 = 1.959_963_984_540_054;
 
-/// Where an inflection may lie, as the noise of the landmarks and the unknown form of the curve leave open.
+/// Where an inflection may lie, by the noise of the landmarks and the unknown form of the curve.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct InflectionInterval {
     /// Parameters on the erect curve between which it lies with 95 % confidence, caudal first.
@@ -127,7 +127,7 @@ impl Process {
             let mean = cholesky.solve(&right);
             let rows = target.len() as f64;
             let left = squares - right.dot(&mean);
-            // The noise that makes the measured values most probable, but not below what the readings say.
+            // The noise that makes the measured values most probable, but not below the noise of the readings.
             let noise = (left / rows).max(1.0);
             let log_determinant = 2.0
                 * cholesky.l_dirty().diagonal().iter().map(|d| d.ln()).sum::<f64>()
@@ -212,7 +212,7 @@ impl Process {
 fn prior_variances(kernel: Kernel, length: f64, deviation: f64) -> Vec<f64> {
     let sines = (1..=TERMS).map(|j| {
         let density = kernel.spectral_density(length, sine(j, 0.0).0);
-        // A coefficient below this is none.
+        // Variances have this minimum.
         (deviation * deviation * density).max(1e-12)
     });
     sines.chain([1.0, 1.0]).collect()

@@ -115,7 +115,7 @@ impl CurveFit {
         })
     }
 
-    /// Parameter of a place on the curve: that of the vertebra, or halfway between two.
+    /// Parameter of a place on the curve: at the vertebra, or halfway between two.
     #[must_use]
     pub fn site_mm(&self, site: Site) -> f64 {
         let t = |level: Level| self.vertebra_t_mm[self.levels.nearest_index(level)];

@@ -78,14 +78,14 @@ impl Curve {
         self.point_and_tangent(t_mm).1
     }
 
-    /// Point and tangent together, for less than the two apart.
+    /// Point and tangent together, cheaper than the two separately.
     #[must_use]
     pub fn point_and_tangent(&self, t_mm: f64) -> (Frontal, Frontal) {
         let [both] = self.points_and_tangents([t_mm]);
         both
     }
 
-    /// The same at several places, for less than one by one.
+    /// The same at several places, cheaper than one by one.
     #[must_use]
     pub fn points_and_tangents<const N: usize>(&self, t_mm: [f64; N]) -> [(Frontal, Frontal); N] {
         let (y, dy) = self.y.values_and_slopes(t_mm);
@@ -115,7 +115,7 @@ impl Curve {
         (Frontal::new(dy, 1.0 + dz), Frontal::new(ddy, ddz))
     }
 
-    /// What vanishes where the curve inflects.
+    /// A value that vanishes where the curve inflects.
     fn bending(&self, t_mm: f64) -> f64 {
         let (tangent, bend) = self.tangent_and_bend(t_mm);
         tangent.cross(bend)

@@ -3,7 +3,7 @@ use crate::anatomy::Level;
 use crate::measure::Outline;
 use crate::spatial::{Angle, Frontal};
 
-/// A vertebra beyond so many standard deviations is an outlier.
+/// A vertebra beyond this number of standard deviations is an outlier.
 const OUTLIER_SD: f64 = 3.0;
 
 /// How far a measured vertebra is from the fitted curve.
@@ -15,9 +15,9 @@ pub struct CurveResidual {
     pub measured: Frontal,
     /// Where the curve passes.
     pub on_curve: Frontal,
-    /// Measured tilt minus that of the curve.
+    /// Measured tilt minus the curve's.
     pub tilt: Angle,
-    /// Whether place or tilt is an outlier among those of this film.
+    /// Whether place or tilt is an outlier on this film.
     pub is_outlier: bool,
 }
 
@@ -30,12 +30,12 @@ impl CurveResidual {
 }
 
 impl CurveFit {
-    /// What the fit leaves of every marked vertebra above L4 (the base), which the curve meets by construction. Their root mean squares are
+    /// Residuals of every marked vertebra above L4 (the base), which the curve meets by construction. Their root mean squares are
     /// [`CurveFit::rmse_mm`] and [`CurveFit::rmse_tilt`].
     ///
     /// # Definition
     /// An outlier is beyond three standard deviations in place or tilt. The deviation is the root mean square of the film's
-    /// *other* residuals, so that a bad mark does not hide behind itself, and at least that of a measurement.
+    /// *other* residuals, so that an outlier does not inflate its own threshold, and at least the measurement's.
     #[must_use]
     pub fn residuals(&self, outline: &Outline) -> Vec<CurveResidual> {
         let mut all: Vec<CurveResidual> = outline
@@ -80,7 +80,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_bad_mark_does_not_hide_behind_itself() {
+    fn an_outlier_does_not_inflate_its_own_threshold() {
         // Fourteen residuals of 1, one of them 5: its own square would widen three deviations to 4.9.
         let mut values = [1.0; 14];
         values[6] = -5.0;
@@ -90,7 +90,7 @@ mod tests {
     }
 
     #[test]
-    fn what_a_measurement_scatters_is_no_outlier() {
+    fn measurement_noise_is_not_an_outlier() {
         let mut values = [1e-6; 14];
         values[0] = 0.5;
         assert!(outliers(values.iter().map(|value| (*value, 0.25))).iter().all(|is| !is));

@@ -29,7 +29,7 @@ impl Series {
         [value, slope]
     }
 
-    /// Values and first derivatives at several places, which do not wait for one another: the sum over the polynomials and its
+    /// Values and first derivatives at several places, computed side by side: the sum over the polynomials and its
     /// derivative by Clenshaw's recurrence [clenshaw-1955].
     #[inline]
     pub(super) fn values_and_slopes<const N: usize>(&self, t_mm: [f64; N]) -> ([f64; N], [f64; N]) {
@@ -127,7 +127,7 @@ mod tests {
     }
 
     #[test]
-    fn clenshaws_sums_are_those_of_the_basis() {
+    fn clenshaws_sums_equal_the_basis() {
         // Oracle: the basis functions added one by one.
         let series = Series::new(300.0, vec![0.3, -0.2, 0.11, 0.07, -0.05, 0.02]);
         for count in 0..=6 {

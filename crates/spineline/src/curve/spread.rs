@@ -9,12 +9,12 @@ use crate::spatial::Frontal;
 /// Uncertainty of a fitted curve from the noise of the vertebrae that it was fitted to.
 ///
 /// # Definition
-/// Linear theory at the order of the fit: the covariance of the coefficients, and where the residuals are larger than noise
-/// explains, as much wider. The choice of the order is not included.
+/// Linear theory at the order of the fit: the covariance of the coefficients, widened where the residuals exceed the noise. The
+/// choice of the order is not included.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CurveSpread<'a> {
     curve: &'a Curve,
-    /// Of the coefficients of `y` and then those of `z`.
+    /// Of the coefficients of `y`, then of `z`.
     covariance: DMatrix<f64>,
 }
 

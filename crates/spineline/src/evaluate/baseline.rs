@@ -1,7 +1,7 @@
 //! Predictions without mechanics, which a model must beat to be worth its parameters.
 //!
-//! A film is predicted from what is known of joint rotations, with no force and no stiffness. As for every model, the
-//! location of T2 says how large the rotations are, and the scale of the film; one of these predictions knows T2's tilt too.
+//! A film is predicted from a pattern of joint rotations, without forces and stiffness. As for every model, the location of T2 gives
+//! the size of the rotations and the scale of the film; one of these predictions takes T2's tilt too.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -12,7 +12,7 @@ use crate::measure::{FilmLength, FilmScale, Outline};
 use crate::spatial::{Angle, Frontal};
 
 named! {
-    /// What is known of joint rotations before a film.
+    /// A source of joint rotations before a film.
     pub enum Baseline {
         /// The rotations of the patient's other bend, to the other side.
         MirroredBend = "mirrored_bend" as "other bend, mirrored",
@@ -24,15 +24,17 @@ named! {
         RotationPrior = "rotation_prior" as "distribution of rotations",
         /// The distribution of joint rotations and, unlike all others, the tilt of T2 on the film.
         RotationPriorWithTilt = "rotation_prior_with_tilt" as "distribution of rotations with T2's tilt",
+        /// No spine: a cubic from L4 to T2 with the tilts of both, each vertebra at its part of the length on the erect film.
+        Cubic = "cubic" as "cubic from L4 to T2 with T2's tilt",
     }
 }
 
 impl Baseline {
-    /// Whether it takes the tilt of T2 from the film beside its location: it then knows more than a line of action does, so
-    /// the two are not compared.
+    /// Whether it takes the tilt of T2 from the film beside its location: more than a line of action takes, so the two are not
+    /// compared.
     #[must_use]
     pub const fn knows_tilt(self) -> bool {
-        matches!(self, Self::RotationPriorWithTilt)
+        matches!(self, Self::RotationPriorWithTilt | Self::Cubic)
     }
 }
 
@@ -41,11 +43,11 @@ impl Baseline {
 pub struct BaselinePrediction {
     /// The posture.
     pub posture: Posture,
-    /// What was known of the rotations.
+    /// The source of the rotations.
     pub baseline: Baseline,
     /// How the fit to T2 ended.
     pub status: FitStatus,
-    /// By how much a pattern of rotations is multiplied; `None` for a distribution.
+    /// Factor on a pattern of rotations; `None` for a distribution.
     pub amount: Option<f64>,
     /// Predicted rotation of every joint from the erect film, caudal first; positive to the patient's right.
     pub rotations: Vec<Angle>,
@@ -76,8 +78,13 @@ impl BaselinePrediction {
 /// Rotation of every joint from the erect film, caudal first; positive to the patient's right.
 #[must_use]
 pub fn joint_rotations(erect: &Outline, film: &Outline) -> Vec<Angle> {
-    let turn = |i: usize| film.vertebrae[i].tilt - erect.vertebrae[i].tilt;
-    (1..film.vertebrae.len()).map(|i| (turn(i) - turn(i - 1)).wrapped()).collect()
+    joint_rotations_of(erect, |i| film.vertebrae[i].tilt)
+}
+
+/// The same to a film by the tilts of its vertebrae.
+pub(super) fn joint_rotations_of(erect: &Outline, tilt: impl Fn(usize) -> Angle) -> Vec<Angle> {
+    let turn = |i: usize| tilt(i) - erect.vertebrae[i].tilt;
+    (1..erect.vertebrae.len()).map(|i| (turn(i) - turn(i - 1)).wrapped()).collect()
 }
 
 /// How far the top turns from the erect film against the base.
@@ -138,7 +145,7 @@ pub fn predict_from_prior(
     FilmFromTop::of(erect, film).by_prior(baseline, prior, &Links::of(erect))
 }
 
-/// What a prediction from T2 takes of a film, and what it is compared with: the film itself need not be kept.
+/// The data of a film for a prediction from T2 and its comparison: the film itself need not be kept.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct FilmFromTop {
     pub posture: Posture,
@@ -237,7 +244,7 @@ impl FilmFromTop {
     }
 }
 
-/// The fit of rotations and scale to what a film says of T2.
+/// The fit of rotations and scale to T2 on the film.
 struct TopFit<'a> {
     links: &'a Links,
     rotations: &'a Rotations,
@@ -363,7 +370,7 @@ impl Carried {
         let top = self.top();
         let mut rates = DMatrix::zeros(2, self.upper_halves.len());
         for (joint, upper_half) in self.upper_halves.iter().enumerate() {
-            // With the joint turns all that lies above the middle of its link.
+            // A joint turns everything above the middle of its link.
             let arm = top - self.locations[joint + 1] + *upper_half;
             rates[(0, joint)] = -arm.z_mm;
             rates[(1, joint)] = arm.y_mm;

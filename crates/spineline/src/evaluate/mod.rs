@@ -6,6 +6,7 @@
 //! [jalalian-loa], sections 3.2 and 4.
 
 mod baseline;
+mod cubic;
 mod mobility;
 pub mod paired;
 mod prediction;
@@ -18,6 +19,7 @@ pub use baseline::{
     Baseline, BaselinePrediction, joint_rotations, predict_baseline, predict_from_prior,
 };
 pub(crate) use baseline::{FilmFromTop, Links, turn_of_top_sd};
+pub(crate) use cubic::predict_cubic;
 pub use mobility::published_lateral_bending;
 pub use prediction::predict;
 pub(crate) use prediction::{ScaledPrediction, at_scale_of_top};

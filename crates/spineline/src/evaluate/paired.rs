@@ -13,7 +13,7 @@ use statrs::function::gamma::ln_gamma;
 
 use super::statistics::Summary;
 
-/// A sign-flip test enumerates all arrangements up to so many patients: half a million sums.
+/// A sign-flip test enumerates all arrangements up to this number of patients: half a million sums.
 pub const EXACT_UP_TO: usize = 20;
 /// Arrangements drawn for more patients.
 const DRAWN: u32 = 50_000;
@@ -252,7 +252,7 @@ mod tests {
     use statrs::distribution::{Continuous, StudentsT};
 
     #[test]
-    fn all_flips_are_those_that_are_counted_by_hand() {
+    fn all_flips_equal_the_count_by_hand() {
         let differences = [1.5, -0.25, 3.0, 0.75, 2.0, 1.0, -0.5];
         let seen: f64 = differences.iter().sum();
         let as_far = (0..128_u32)
@@ -280,8 +280,8 @@ mod tests {
     }
 
     #[test]
-    fn sums_looked_up_are_those_of_the_signs_one_by_one() {
-        // 31 is no multiple of eight.
+    fn sums_looked_up_equal_the_signs_one_by_one() {
+        // 31 is not a multiple of eight.
         let differences: Vec<f64> = (0..31).map(|i| (f64::from(i) * 0.7).sin() + 0.2).collect();
         let seen = differences.iter().sum::<f64>().abs();
         for seed in [1, 2] {
@@ -339,7 +339,7 @@ mod tests {
                 assert!(error.abs() < 1e-8, "{t} {delta} {error}");
             }
         }
-        // Nothing is below zero but what the normal part puts there.
+        // Only the normal part puts values below zero.
         assert!((NoncentralT::new(9).cdf(0.0, 1.3) - normal.cdf(-1.3)).abs() < 1e-9);
     }
 

@@ -51,12 +51,12 @@ pub(crate) struct ScaledPrediction<T> {
 
 /// Finds the scale of a film that is predicted from T2 alone.
 ///
-/// `predict` gives T2 in the model and what else was found, for the film at a scale; `None` where there is no prediction.
+/// `predict` gives T2 in the model and its other results, for the film at a scale; `None` without a prediction.
 pub(crate) fn at_scale_of_top<T>(
     film: &Outline,
     mut predict: impl FnMut(&Outline) -> Option<(Frontal, T)>,
 ) -> Option<ScaledPrediction<T>> {
-    /// Difference of logarithms that is no longer pursued: 4 µm of a spine.
+    /// Difference of logarithms at convergence: 4 µm of a spine.
     const ENOUGH: f64 = 1e-5;
     const MAX_ROUNDS: u32 = 25;
     if !film.length.is_free() {

@@ -24,12 +24,12 @@ pub(crate) struct RotationMoments {
 }
 
 impl RotationMoments {
-    /// Of no bend yet.
+    /// Without bends.
     pub fn about(centre: &[Angle]) -> Self {
         Self::about_rad(DVector::from_iterator(centre.len(), centre.iter().map(|a| a.rad())))
     }
 
-    /// Of no bend yet, from the same centre.
+    /// Without bends, from the same centre.
     pub fn without_bends(&self) -> Self {
         Self::about_rad(self.centre_rad.clone())
     }
@@ -105,8 +105,7 @@ impl RotationMoments {
         about_mean / (bends - 1.0)
     }
 
-    /// Over bends, the sum of squares of how far the product of two joints' deviations from their means is from the mean of such
-    /// products, in rad⁴.
+    /// Over bends, the sum of squares of the deviations of the product of two joints' deviations from the mean product, in rad⁴.
     pub fn spread_of_products(&self, i: usize, j: usize) -> f64 {
         let bends = self.bends as f64;
         let [a, b] = [i, j].map(|joint| self.sums[joint] / bends);
@@ -136,7 +135,7 @@ mod tests {
     }
 
     #[test]
-    fn sums_give_what_all_bends_give() {
+    fn sums_equal_the_definitions_over_all_bends() {
         let centre = &bends(0)[0];
         let [mut first, mut second] = [(); 2].map(|()| RotationMoments::about(centre));
         (0..6).for_each(|patient| first.add(&bends(patient)));

@@ -1,4 +1,4 @@
-//! What is known of the joint rotations of a bend before its film: their mean and how they vary together between patients.
+//! Prior of the joint rotations of a bend: their mean, and their covariance between patients.
 
 use nalgebra::DMatrix;
 
@@ -7,10 +7,10 @@ use super::rotation_moments::RotationMoments;
 use crate::anatomy::{Levels, Posture, Side};
 use crate::spatial::Angle;
 
-/// Normal distribution of the joint rotations of a bend to the right; those of a bend to the left are its mirror image.
+/// Normal distribution of the joint rotations of a bend to the right; a bend to the left has its mirror image.
 ///
-/// It has no mechanics: it says what spines do, not why. Learned from a cohort ([`RotationPrior::learned`]) or taken from
-/// published mobilities ([`RotationPrior::published`]).
+/// It has no mechanics. Learned from a cohort ([`RotationPrior::learned`]) or taken from published mobilities
+/// ([`RotationPrior::published`]).
 #[derive(Debug, Clone, PartialEq)]
 pub struct RotationPrior {
     levels: Levels,
@@ -50,12 +50,12 @@ pub enum RotationPriorError {
         /// The fewest.
         needed: usize,
     },
-    /// There is no joint that all patients show.
+    /// The patients do not share a joint.
     #[error(
-        "the patients have no two vertebrae in common: learn from patients whose films show the same vertebrae"
+        "the patients do not share two vertebrae: learn from patients whose films show the same vertebrae"
     )]
     NoCommonJoints,
-    /// The numbers are no normal distribution.
+    /// The numbers are not a normal distribution.
     #[error("the covariance of the joint rotations is not symmetric and positive definite")]
     NoCovariance,
     /// Mean or covariance do not fit the vertebrae.
@@ -77,7 +77,7 @@ pub enum RotationPriorError {
 impl RotationPrior {
     /// Fewest patients that a prior is learned from.
     pub const MIN_PATIENTS: usize = 5;
-    /// Standard deviation of a rotation that no two films have in common: the noise of two tilts.
+    /// Standard deviation of a rotation that films do not share: the noise of two tilts.
     const NOISE: Angle = Angle::from_deg(0.5);
     /// Standard deviation of a published mobility between joints of different people, as a part of it (assumed).
     const PUBLISHED_RELATIVE_SD: f64 = 0.25;
@@ -105,7 +105,7 @@ impl RotationPrior {
         Ok(Self { levels, mean, covariance_rad2, root, source })
     }
 
-    /// The prior for people of whom nothing is known.
+    /// The published prior.
     ///
     /// # Definition
     /// Rotations are `a w_j + e_j`, with the published mobility `w_j` ([`published_lateral_bending`]), a free size `a` of either
@@ -234,7 +234,7 @@ fn correlation_shrinkage(moments: &RotationMoments, sample: &DMatrix<f64>) -> f6
     for i in 0..moments.joints() {
         for j in 0..i {
             let sizes = sample[(i, i)] * sample[(j, j)];
-            // Joints that never move have no correlation.
+            // Joints that never move lack a correlation.
             if sizes == 0.0 {
                 continue;
             }

@@ -31,7 +31,7 @@ pub struct NearbyMatch {
 }
 
 impl NearbyMatch {
-    /// T2 stays further away by so much at every other minimum of its distance: more than readings differ by far.
+    /// Every other minimum of T2's distance is larger by at least this: far more than readings differ.
     const CLEAR_MM: f64 = 20.0;
 
     /// From a simulation with forces that were multiplied by a scale; `None` where another force might be the result for other readings.
@@ -113,7 +113,7 @@ pub struct Simulation {
     pub status: MatchStatus,
     /// Signed force along the line.
     pub force_n: f64,
-    /// What is left of the target.
+    /// Residual of the target.
     pub residual: Residual,
     /// Why this force and no other.
     pub choice: ForceChoice,
@@ -173,11 +173,11 @@ impl Simulation {
 /// Simulates one posture: the shape of a personalised spine under a force along a line, against the film.
 ///
 /// The line of action is in `G`, and `depth_mm` is its sagittal place; `fitted` says whether the stiffness was fitted to this
-/// film. A fitted force is taken as it is, and what it leaves of the amplitude is reported. Several forces, of either sign,
+/// film. A fitted force is kept, and its residual amplitude is reported. Several forces, of either sign,
 /// may meet a bend's amplitude; the one whose shape has the lowest sum of squared Ferguson errors is chosen, and the others
 /// are reported. For [`Target::NearestT2`] the smallest force counts that brings T2 to within 1 mm of the nearest it gets
-/// (decision 0008). A search without result is a [`MatchStatus`] and no error; a shape beyond the human range of motion is no
-/// result either, and comes after all others in the choice.
+/// (decision 0008). A search without result is a [`MatchStatus`], not an error; a shape beyond the human range of motion is not a
+/// result either, and comes last in the choice.
 ///
 /// ```
 /// use spineline::action::LineOfAction;
@@ -283,7 +283,7 @@ fn nearest_of_signs(
 /// left out.
 ///
 /// # Panics
-/// If the locations are not those of the film's vertebrae.
+/// If the film shows a vertebra without a location.
 #[must_use]
 pub fn location_errors_mm(locations: &[Frontal], film: &Outline) -> Vec<f64> {
     let shown = film.measured().skip(1);

@@ -1,4 +1,4 @@
-//! Statistics of a cohort: the paper's, which pool vertebrae, and beside them those that respect who they belong to.
+//! Statistics of a cohort: the paper's, which pool vertebrae, and beside them statistics that respect patients.
 //!
 //! Vertebrae of one patient are not independent. A paired t-test over all vertebrae of all patients is printed because
 //! the paper printed it; use the patient-level test and the cluster bootstrap.
@@ -62,7 +62,7 @@ impl Summary {
     }
 }
 
-/// The summary of all values of samples that come one after the other, of which none is kept.
+/// The summary of all values of samples that come one after the other, without keeping them.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Pooled {
     n: usize,
@@ -194,7 +194,7 @@ impl Resampling {
     /// Resamples whose sums grow side by side, so that no addition waits for the one before.
     const AT_ONCE: usize = 8;
 
-    /// With so many resamples from a seed.
+    /// With a number of resamples and a seed.
     #[must_use]
     pub const fn new(resamples: u32, seed: u64) -> Self {
         Self { resamples, seed }
@@ -268,7 +268,7 @@ pub struct Share {
 }
 
 impl Share {
-    /// The mean of one share per unit with Wilson's interval for so many units.
+    /// The mean of one share per unit with Wilson's interval for this number of units.
     ///
     /// For units that are 0 or 1 this is Wilson's own [wilson-1927]. A unit that is a share of several things varies no more
     /// than that (its variance is at most `p (1 - p)`), so that the interval is then too wide rather than too narrow.
@@ -285,8 +285,8 @@ impl Share {
     /// The share with which a value of the first sample exceeds one of the second, ties counted half: 0.5 where the two cannot
     /// be distinguished, 1 where every first value is larger.
     ///
-    /// It is Mann and Whitney's U over its largest value. Its variance is at most that of a share of `n` independent units,
-    /// where `n` is the size of the smaller sample [van-dantzig-1951], which is what the interval takes.
+    /// It is Mann and Whitney's U over its largest value. The interval uses an upper bound of its variance: the variance of a share of
+    /// `n` independent units, where `n` is the size of the smaller sample [van-dantzig-1951].
     ///
     /// ```
     /// use spineline::evaluate::statistics::Share;

@@ -3,7 +3,7 @@
 use super::{Criteria, Hypothesis, HypothesisFit, Role, ShapePrediction};
 use crate::spatial::Angle;
 
-/// What a comparison takes of a patient's fit: numbers alone, without the shapes.
+/// The numbers of a patient's fit for a comparison, without the shapes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct HypothesisScores {
     /// Which.
@@ -54,9 +54,9 @@ pub struct HypothesisSummary {
     pub rotation_deg: [Option<f64>; Role::ALL.len()],
     /// Joints per fitted film that turn against the load.
     pub against: Option<f64>,
-    /// AICc less that of the first hypothesis of the comparison.
+    /// AICc less the first hypothesis's.
     pub aicc_difference: f64,
-    /// BIC less that of the first hypothesis.
+    /// BIC less the first hypothesis's.
     pub bic_difference: f64,
     /// Patients for whom no other hypothesis has a lower left-out error.
     pub best_left_out: usize,
@@ -75,8 +75,8 @@ pub struct HypothesisComparison {
     pub hypotheses: Vec<HypothesisSummary>,
 }
 
-/// Compares on equal terms: all hypotheses on the patients that have all of them, and, where that is not everyone, the
-/// hypotheses that everyone has on all patients. One item per patient.
+/// Compares on equal terms: all hypotheses on the patients that have all of them, and, if some patients lack one, the hypotheses
+/// that all patients have on all of them. One item per patient.
 #[must_use]
 pub fn compare(patients: &[&[HypothesisScores]]) -> Vec<HypothesisComparison> {
     let mut all: Vec<Hypothesis> = Vec::new();
@@ -109,7 +109,7 @@ fn block(patients: &[&[HypothesisScores]], hypotheses: &[Hypothesis]) -> Hypothe
     let all: Vec<Vec<&HypothesisScores>> = hypotheses.iter().map(|&h| of(h)).collect();
     let left_out_place = Role::ALL.iter().position(|role| *role == Role::LeftOut);
     let left_out = |fit: &HypothesisScores| fit.location_mm[left_out_place?];
-    // What no human spine can do is no candidate for the best.
+    // A shape beyond the human range is not a candidate for the best.
     let aicc = |fit: &HypothesisScores| (!fit.is_beyond_human_range).then_some(fit.criteria.aicc);
     let summaries = hypotheses.iter().zip(&all).map(|(&hypothesis, fits)| {
         let difference = |value: fn(&Criteria) -> f64| {

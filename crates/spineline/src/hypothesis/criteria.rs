@@ -1,15 +1,14 @@
-/// What a fit is worth for the numbers that it took.
+/// The quality of a fit, given the numbers that it took.
 ///
 /// # Definition
-/// `χ²` is the sum of squared residuals over their measurement's deviations. What a model cannot explain is far larger than
-/// that noise, so the size of the residuals is estimated with the rest: with `n` measured and `K` fitted numbers (multipliers less
+/// `χ²` is the sum of squared residuals over their measurement's deviations. Errors of a model are far larger than that noise, so
+/// the size of the residuals is estimated too: with `n` measured and `K` fitted numbers (multipliers less
 /// the gauge's one, load components, base angles, and that size),
 /// `AICc = n ln(χ²/n) + 2K + 2K(K + 1)/(n - K - 1)` and `BIC = n ln(χ²/n) + K ln n`. Only differences on the same films mean
 /// anything.
 ///
 /// # Assumption
-/// Residuals count as independent. Those of neighbours are not, so differences are larger than they should be: films that were
-/// not fitted decide before these do.
+/// Residuals count as independent. Neighbouring ones are not, so differences are too large: films that were not fitted decide first.
 ///
 /// # References
 /// [burnham-2002], sections 2.2 and 2.4; [schwarz-1978].
@@ -28,7 +27,7 @@ pub struct Criteria {
 }
 
 impl Criteria {
-    /// From a sum of squares over so many measured numbers, with so many parameters beside the residuals' size.
+    /// From a sum of squares over `measured` numbers, with `free` parameters beside the residuals' size.
     ///
     /// ```
     /// use spineline::hypothesis::Criteria;

@@ -15,7 +15,7 @@ use crate::multibody::MatchStatus;
 use crate::spatial::{Angle, Frontal};
 
 named! {
-    /// What a film was to a prediction.
+    /// Role of a film in a prediction.
     pub enum Role {
         /// Stiffness and load were fitted to it.
         Fitted = "fitted",
@@ -44,12 +44,12 @@ pub struct CounterRotatingJoints {
     pub weight: f64,
 }
 
-/// A film as a hypothesis has it, beside what was measured.
+/// A film by a hypothesis, beside the measured film.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ShapePrediction {
     /// The posture.
     pub posture: Posture,
-    /// What the film was to it.
+    /// Role of the film.
     pub role: Role,
     /// The film's scale against the erect film, at which the model was compared with it.
     pub scale: FilmScale,
@@ -63,8 +63,8 @@ pub struct ShapePrediction {
     pub tilts: Vec<Angle>,
     /// Distance between simulated and measured location of L3…T2: E_LOC.
     pub location_errors_mm: Vec<f64>,
-    /// Root mean square of the errors of the joints' rotations, with L4's axis as it was read: where the base turns, the lowest
-    /// joint is wrong by that.
+    /// Root mean square of the errors of the joints' rotations, with L4's axis as it was read: a turn of the base is an error of the
+    /// lowest joint.
     pub rotation_rms: Angle,
     /// Joints that turn against this load.
     pub against: CounterRotatingJoints,
@@ -87,11 +87,11 @@ pub struct HypothesisFit {
     pub status: FitStatus,
     /// `ln α` per group.
     pub log_multipliers: Vec<f64>,
-    /// What the fit is worth.
+    /// Quality of the fit.
     pub criteria: Criteria,
     /// Fitted films, films held out, and bends left out, in this order.
     pub predictions: Vec<ShapePrediction>,
-    /// Films and roles for which there is no prediction.
+    /// Films and roles without a prediction.
     pub lost: Vec<LostPrediction>,
 }
 
@@ -100,13 +100,13 @@ pub struct HypothesisFit {
 pub struct LostPrediction {
     /// The posture.
     pub posture: Posture,
-    /// What the film was to it.
+    /// Role of the film.
     pub role: Role,
-    /// Why there is none.
+    /// Why it is missing.
     pub reason: LossReason,
 }
 
-/// Why a film has no prediction.
+/// Why a prediction of a film is missing.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum LossReason {
     /// No equilibrium or no fit was found.
@@ -166,7 +166,7 @@ fn mean(values: impl Iterator<Item = f64>) -> Option<f64> {
 
 /// Fits a hypothesis to the bends among some films, and predicts every film: fitted, held out, and each bend from the other.
 ///
-/// `None` where no bend has such a line.
+/// `None` if no bend has this line.
 #[must_use]
 pub fn fit_hypothesis(
     hypothesis: Hypothesis,
@@ -234,7 +234,7 @@ pub fn fit_hypothesis(
 /// How a bend is predicted with the stiffness of the other one.
 type PredictLeftOut = fn(Hypothesis, &Spine<'_>, &HypothesisFilm<'_>, &[f64], Role) -> Predicted;
 
-/// A prediction, or why there is none.
+/// A prediction, or why it is missing.
 pub(super) type Predicted = Result<ShapePrediction, LossReason>;
 
 /// A fit that has ended.
@@ -247,9 +247,9 @@ struct Ended<'a> {
     chi_squared: f64,
 }
 
-/// Data met within their noise leave nothing for another start to improve.
+/// If the residuals are within the noise, no other start is tried.
 const ENOUGH_RMS: f64 = 1.0;
-/// Loads of a start that has no equilibrium are halved so often.
+/// How often the loads of a start without an equilibrium are halved.
 const HALVINGS: u32 = 4;
 
 /// Fits multipliers, unless they are known, and loads to some films.
@@ -265,7 +265,7 @@ fn fit_to<'a>(
     let mut best: Option<(f64, FitStatus, DVector<f64>)> = None;
     let mut all = starts(&problem, films, spine, held.as_deref());
     if hypothesis.base != Base::Fixed {
-        // A base that turns does no worse than one that does not.
+        // A free base is never worse than a fixed one.
         let fixed = fit_to(Hypothesis::of(hypothesis.load), spine, films, held)?;
         if fixed.status != FitStatus::NotEvaluable {
             all.insert(0, on_free_base(&fixed, &problem, spine.groups.len()));
@@ -302,7 +302,7 @@ fn on_free_base(fixed: &Ended<'_>, problem: &ShapeProblem<'_>, groups: usize) ->
     x
 }
 
-/// The start with its loads halved until there is an equilibrium.
+/// The start with its loads halved until an equilibrium exists.
 fn evaluable(
     problem: &mut ShapeProblem<'_>,
     mut start: DVector<f64>,

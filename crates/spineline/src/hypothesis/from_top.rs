@@ -1,11 +1,11 @@
-//! A bend that was left out, from what its film says of T2 and what is known of joint rotations before the film.
+//! A bend that was left out, predicted from T2 on its film and the prior of joint rotations.
 //!
 //! # Definition
 //! The components of the load, the angle of the base and the film's scale are the most probable ones: the minimum of the squared
 //! distances, each over its variance, of T2 from where it was marked, of the scale from one, of the model's joint rotations from the
 //! mean of their distribution ([`RotationPrior`](crate::evaluate::RotationPrior)), of a noisy base from zero and, where it is known,
-//! of T2's tilt. The same is known as in [`predict_from_prior`](crate::evaluate::predict_from_prior), whose rotations follow no
-//! load; here they are those of a load on the springs that the other bend gave.
+//! of T2's tilt. The input is the same as of [`predict_from_prior`](crate::evaluate::predict_from_prior), whose rotations follow no
+//! load; here they follow from a load on the springs of the other bend.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -50,7 +50,7 @@ pub(super) fn predict_from_top(
     Err(LossReason::NoEquilibrium)
 }
 
-/// The prediction with lines at the film's scale of now, and the scale that was found with it.
+/// The prediction with lines at the present scale of the film, and the scale found with it.
 fn at_scale(
     hypothesis: Hypothesis,
     spine: &Spine<'_>,
@@ -66,7 +66,7 @@ fn at_scale(
     Ok((predicted, fit.scale(&found)))
 }
 
-/// The fit of a load, the base and the scale to what a film says of T2 and to the distribution of joint rotations.
+/// The fit of a load, the base and the scale to T2 on a film and to the distribution of joint rotations.
 struct TopFit<'s, 'a> {
     hypothesis: Hypothesis,
     film: &'s HypothesisFilm<'s>,
@@ -90,7 +90,7 @@ struct TopFit<'s, 'a> {
 }
 
 impl<'s, 'a> TopFit<'s, 'a> {
-    /// `None` where the film has no such line, or its posture or vertebrae no distribution of rotations.
+    /// `None` if the film lacks the line, or if its posture or vertebrae lack a distribution of rotations.
     fn new(
         hypothesis: Hypothesis,
         spine: &Spine<'a>,
@@ -152,7 +152,7 @@ impl<'s, 'a> TopFit<'s, 'a> {
         (&x.as_slice()[..components], Angle::from_rad(base))
     }
 
-    /// The most probable unknowns; the shape is left at them. `None` where there is no equilibrium, or a single component exceeds
+    /// The most probable unknowns; the shape stays at them. `None` without an equilibrium, or if a single component exceeds
     /// its limit.
     fn minimum(&mut self) -> Option<DVector<f64>> {
         let free = self.free();
@@ -179,7 +179,7 @@ impl<'s, 'a> TopFit<'s, 'a> {
         self.loaded.solve(&self.statics, components, base).then_some(found)
     }
 
-    /// Residuals and derivatives; whether there is an equilibrium.
+    /// Residuals and derivatives; whether an equilibrium exists.
     fn evaluate(&mut self, x: &DVector<f64>, system: &mut System) -> bool {
         let (components, base) = self.split(x);
         if !self.loaded.solve(&self.statics, components, base) {

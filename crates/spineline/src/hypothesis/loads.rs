@@ -28,7 +28,7 @@ fn item(vertebra: usize, load: BodyLoad) -> LoadItem {
 }
 
 impl UnitLoad {
-    /// So much of it, seen from a base that is turned by an angle about +X.
+    /// The load times a factor, seen from a base that is turned by an angle about +X.
     pub fn item(&self, times: f64, base: Angle) -> LoadItem {
         let seen = rotation_x(-base);
         let load = match self.kind {
@@ -46,7 +46,7 @@ impl UnitLoad {
         item(self.vertebra, load)
     }
 
-    /// Its size as a force: a moment counts as a pair of forces that act so far apart.
+    /// Its size as a force: a moment counts as a pair of forces at the distance `apart_mm`.
     pub fn force_n(&self, apart_mm: f64) -> f64 {
         match self.kind {
             UnitKind::OnLine { force, .. } | UnitKind::AtMidpoint { force } => force.norm(),
@@ -93,9 +93,9 @@ fn in_space(v: Frontal) -> Vec3 {
     Vec3::new(0.0, v.y_mm, v.z_mm)
 }
 
-/// Unit loads of every component on one film; `None` where the film has no such line.
+/// Unit loads of every component on one film; `None` if the film lacks the line.
 ///
-/// Of the film they take: the two inflections for a line through them; L4's tilt for the vertical; the iliac crests, or else L4's
+/// They take from the film: the two inflections for a line through them; L4's tilt for the vertical; the iliac crests, or else L4's
 /// axis, for what is parallel to the iliac line; for the iliac line T2, which moves with it.
 pub(super) fn unit_loads(
     shape: LoadShape,

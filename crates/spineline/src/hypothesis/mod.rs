@@ -2,20 +2,20 @@
 //!
 //! # Model
 //! A [`Hypothesis`] is the kind of load that acts on every bend ([`LoadShape`], with one to three free components per film)
-//! and what is done with the base ([`Base`]). Springs are those of [`crate::personalize`]: one `ln α` per group of joints, shared
+//! and the rule for the base ([`Base`]). Springs are as in [`crate::personalize`]: one `ln α` per group of joints, shared
 //! by all bends, their mean held at zero. Loads that move with their vertebra are solved by [`GeneralStatics`]; a line
 //! fixed in space is one of them, so that the same code fits the paper's line and its alternatives.
 //!
 //! # The base
 //! L4 is the origin of every film's frame and its axis is the frame's, so that L4 is at rest by definition and its own turn in
-//! the patient is not seen. What is seen: an error of L4's axis on a film, or a turn of L4 under the soft
-//! tissue that the erect film does not show, turns **all that lies above by one angle** and changes no angle between two vertebrae. That
-//! angle about L4's midpoint is the base's: held at zero, weighed against what reading two axes makes of it, or free.
+//! the patient is not visible. An error of L4's axis on a film, or a turn of L4 under the soft tissue that the erect film does not
+//! show, turns **everything above by one angle** and changes no angle between two vertebrae. This angle about L4's midpoint is the
+//! base's: held at zero, with a prior by the noise of two axes, or free.
 //!
 //! # What decides
 //! Never the fit. Films that were not fitted ([`Role::HeldOut`], [`Role::LeftOut`]) are predicted from T2's place alone, two
 //! numbers for every hypothesis; [`Criteria`] count the parameters of the fit. Two numbers do not determine a load of several
-//! components and the film's scale. So bends are predicted in two more ways, with what predictions without mechanics know too: a
+//! components and the film's scale. So bends are predicted in two more ways, with the inputs of predictions without mechanics: a
 //! distribution of joint rotations ([`Role::LeftOutWithPrior`]), and T2's tilt beside it ([`Role::LeftOutWithTilt`]).
 //!
 //! # References
@@ -47,7 +47,7 @@ use crate::multibody::{JointGroups, SpineModel, StiffnessLibrary, Support};
 use crate::spatial::Frontal;
 
 named! {
-    /// What acts on the spine of one film. The number of free components is that of each film.
+    /// Load on the spine of one film, with the number of free components per film.
     pub enum LoadShape {
         /// A force along the line through the two inflections, carried by T2 (the paper): 1.
         InflectionLine = "inflection_line",
@@ -87,7 +87,7 @@ impl LoadShape {
 }
 
 named! {
-    /// What is done with the angle by which the whole spine may turn about L4 on a film.
+    /// Rule for the angle by which the whole spine may turn about L4 on a film.
     #[default(Fixed)]
     pub enum Base {
         /// It is zero (the paper).
@@ -111,7 +111,7 @@ impl Base {
     }
 }
 
-/// What may have bent a spine.
+/// A load and a base that may have bent a spine.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Hypothesis {
     /// The load.
@@ -127,7 +127,7 @@ impl Hypothesis {
         Self { load, base: Base::Fixed }
     }
 
-    /// What a comparison tries: every load on a fixed base, and the other bases for the paper's line, the free line and the
+    /// The hypotheses of a comparison: every load on a fixed base, and the other bases for the paper's line, the free line and the
     /// couples.
     #[must_use]
     pub fn compared() -> Vec<Self> {
@@ -152,7 +152,7 @@ impl Hypothesis {
         }
     }
 
-    /// Parameters of a fit to so many films, with so many multipliers under one scale constraint.
+    /// Parameters of a fit to this number of films, with `groups` multipliers under one scale constraint.
     #[must_use]
     pub const fn free_numbers(self, films: usize, groups: usize) -> usize {
         groups - 1 + films * (self.load.components() + self.base.angles())
@@ -216,7 +216,7 @@ pub struct Spine<'a> {
     pub groups: &'a JointGroups,
     /// The erect film.
     pub erect: &'a Outline,
-    /// What is known of joint rotations before a film.
+    /// Prior of joint rotations.
     pub rotations: &'a RotationPrior,
     /// What holds the patient.
     pub support: Support,

@@ -20,7 +20,7 @@ pub(super) struct NearT2 {
 ///
 /// The size of a load is how far it turns the unloaded spine to first order, joint by joint in the root of the sum of squares, so that
 /// forces and moments are compared alike. For one component it is proportional to the force. A free base counts
-/// as one more joint; a noisy one stays at zero, which is expected of it. `None` where no load brings T2 nearest before
+/// as one more joint; a noisy one stays at zero, its mean. `None` where no load brings T2 nearest before
 /// hinges or forces reach their limits, or no equilibrium was found.
 pub(super) fn nearest_t2(
     hypothesis: Hypothesis,

@@ -1,4 +1,4 @@
-//! A film under the load of a hypothesis: what is shown of its shape, and how a film that was not fitted is predicted.
+//! A film under the load of a hypothesis: its shape, and the prediction of a film that was not fitted.
 
 use super::fit::{CounterRotatingJoints, LossReason, Predicted, Role, ShapePrediction};
 use super::near_t2::nearest_t2;
@@ -35,7 +35,7 @@ pub(super) fn predict(
     Ok(with_scale(prediction, scale, film))
 }
 
-/// A prediction at a scale of its own, in the lengths of the film as it was given.
+/// A prediction at its own scale, in the lengths of the given film.
 pub(super) fn with_scale(
     prediction: ShapePrediction,
     scale: FilmScale,
@@ -122,7 +122,7 @@ fn against(film: &JointResponses, components: &[f64]) -> CounterRotatingJoints {
     let works: Vec<f64> =
         moments.zip(&film.rotations).map(|(moment, turn)| moment * turn).collect();
     let total: f64 = works.iter().map(|work| work.abs()).sum();
-    // A joint that does not turn but for rounding contradicts nothing.
+    // A joint that turns only by rounding does not contradict the load.
     let contrary: Vec<usize> = (0..works.len()).filter(|&j| works[j] < -1e-9 * total).collect();
     CounterRotatingJoints {
         joints: contrary.len(),

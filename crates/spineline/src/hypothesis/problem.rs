@@ -13,7 +13,7 @@ use crate::multibody::{
 use crate::personalize::{MULTIPLIER_BOUNDS, ROWS_PER_VERTEBRA, ShapeRows, ShapeWeights};
 use crate::spatial::{Angle, Frontal, Vec3};
 
-/// Steps in which loads grow from zero where Newton does not get to them at once.
+/// Steps in which loads grow from zero if Newton does not converge at once.
 const GROWTH_STEPS: u32 = 12;
 
 /// Springs of the spine with given multipliers.
@@ -39,7 +39,7 @@ pub(super) struct LoadedFilm {
 }
 
 impl LoadedFilm {
-    /// `None` where the film has no such line.
+    /// `None` if the film lacks the line.
     pub fn new(
         hypothesis: Hypothesis,
         film: &HypothesisFilm<'_>,
@@ -117,7 +117,7 @@ impl LoadedFilm {
         }
     }
 
-    /// Starts the next search from a shape; from the unloaded spine where there is none.
+    /// Starts the next search from a shape, or else from the unloaded spine.
     pub fn start_from(&mut self, solution: &Solution) {
         self.reset();
         for (hinge, turns) in self.work.hinges_mut().iter_mut().zip(&solution.deformed.hinges_rad) {
@@ -221,7 +221,7 @@ pub(super) struct ShapeProblem<'a> {
 }
 
 impl<'a> ShapeProblem<'a> {
-    /// `None` where a film has no such line, or there is no film.
+    /// `None` if a film lacks the line, or without films.
     pub fn new(
         hypothesis: Hypothesis,
         films: &[HypothesisFilm<'a>],

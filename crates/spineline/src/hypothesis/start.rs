@@ -7,7 +7,7 @@ use super::{HypothesisFilm, Spine};
 use crate::personalize::MULTIPLIER_BOUNDS;
 use crate::personalize::evidence::FilmEvidence;
 
-/// What one film says of every joint under a load.
+/// Data of one film on every joint under a load.
 pub(super) struct JointResponses {
     /// Measured rotation, in rad.
     pub rotations: Vec<f64>,

@@ -15,7 +15,7 @@ named! {
     }
 }
 
-/// Residuals and their derivatives, in memory that is used again and again.
+/// Residuals and their derivatives, in memory that is reused.
 #[derive(Debug, Clone)]
 pub(crate) struct System {
     pub residuals: DVector<f64>,
@@ -103,7 +103,7 @@ pub(crate) fn minimize(
             };
             let step = &next - &x;
             let small = (0..n).all(|i| step[i].abs() <= 1e-12 * (x[i].abs() + 1e-3));
-            // What the linear model promises to take away.
+            // The decrease that the linear model predicts.
             let promised = -2.0 * step.dot(&gradient) - normal_form(&normal, &step);
             let evaluable = evaluate(&next, &mut trial);
             if evaluable && trial.cost() < cost {
@@ -118,7 +118,7 @@ pub(crate) fn minimize(
                 break;
             }
             if small || promised.abs() <= 1e-12 * cost {
-                // A neighbourhood in which nothing can be evaluated proves no minimum.
+                // A neighbourhood in which nothing can be evaluated does not prove a minimum.
                 if evaluable {
                     status = FitStatus::Converged;
                 }

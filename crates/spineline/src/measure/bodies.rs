@@ -11,7 +11,7 @@ use crate::warning::{WarningCode, Warnings};
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum CheckedFilm {
     Frontal(Posture),
-    /// Its anterior corners are where those of a frontal film are left.
+    /// Its anterior corners stand for the left corners of a frontal film.
     Lateral,
 }
 
@@ -66,7 +66,7 @@ impl<'a> ReadBodies<'a> {
         Self { id: &reading.id, bodies: bodies.collect() }
     }
 
-    /// Of every reading of a frontal film; none where it has placements.
+    /// Of every reading of a frontal film; empty if it has placements.
     pub fn of_film(film: &'a Film) -> Vec<Self> {
         let FilmLandmarks::Corners { image, readings, .. } = &film.landmarks else {
             return Vec::new();
@@ -108,12 +108,12 @@ pub(super) fn corner_sd(readings: &[ReadBodies<'_>]) -> Option<f64> {
         }
     }
     let readings = marked.values().map(Vec::len).sum::<usize>() as f64 / marked.len() as f64;
-    // Rounding to a pixel leaves at least about so much, and pixels are no smaller than that in mm.
+    // Rounding to a pixel leaves at least about this noise, and pixels are not smaller than it in mm.
     Some((pool.spread()?.variance / readings).sqrt().max(Noise::FLOOR_CORNER_MM))
 }
 
-/// Standard deviations across and along the axis of the crossing of a body's diagonals, from that of a corner: the error of either diagonal
-/// there is that of the mean of its ends.
+/// Standard deviations, across and along the axis, of the crossing of a body's diagonals, from a corner's: the error of a
+/// diagonal there is the mean error of its ends.
 pub(super) fn crossing_sd(corner_sd: f64, width: f64, height: f64) -> [f64; 2] {
     let diagonal = width.hypot(height);
     [diagonal / height, diagonal / width].map(|share| 0.5 * corner_sd * share)

@@ -15,8 +15,8 @@ const COS_LIMIT: f64 = std::f64::consts::FRAC_1_SQRT_2;
 pub struct CornerOrder([usize; 4]);
 
 impl CornerOrder {
-    /// The only order under which all bodies of a reading, caudal first, are bodies of one spine; `None` where it is the right one, where
-    /// there is none, and where left and right alone are exchanged.
+    /// The only order under which all bodies of a reading, caudal first, are bodies of one spine; `None` if it is the right one, if no
+    /// order fits, and if only left and right are exchanged.
     pub(super) fn of(bodies: &[Corners<Frontal>]) -> Option<Self> {
         let centres: Vec<Frontal> = bodies.iter().map(centre).collect();
         let last = centres.len().checked_sub(1).filter(|&last| last > 0)?;
@@ -33,7 +33,7 @@ impl CornerOrder {
         }
     }
 
-    /// What is exchanged, by the names of the four places.
+    /// The exchange, by the names of the four places.
     #[must_use]
     pub fn words(self, names: [&str; 4]) -> String {
         let Self(order) = self;

@@ -59,7 +59,7 @@ impl CornerName {
     }
 }
 
-/// Why four corners make no vertebral body.
+/// Why four corners are not a vertebral body.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum CornerFault {
     /// The diagonals do not meet inside: two neighbouring corners are exchanged, or one is far off.
@@ -151,7 +151,7 @@ impl Corners<Frontal> {
         self.axis().lateral_tilt()
     }
 
-    /// Lateral tilt of the body by its two endplates: that of the normal of the line through the midpoints of its left and
+    /// Lateral tilt of the body by its two endplates: the tilt of the normal of the line through the midpoints of its left and
     /// right wall, which runs along the mean of the endplates.
     ///
     /// It differs from [`Corners::measure_tilt`] for a body whose walls do not stand square on its endplates.

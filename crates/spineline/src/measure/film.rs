@@ -9,7 +9,7 @@ use crate::anatomy::{ImageSide, Level, Posture, named};
 use crate::number::fixed;
 use crate::spatial::{Angle, Frontal, Pixel};
 
-/// How the picture lies: its size, the distance between its pixels, and where the patient's left is.
+/// The geometry of a picture: its size, the distance between its pixels, and the side of the patient's left.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ImageGeometry {
     /// Number of columns.
@@ -40,7 +40,7 @@ pub struct FilmTooLarge {
 }
 
 impl ImageGeometry {
-    /// Distances between its pixels in millimetres; `None` where there are none, or the shape of a pixel alone is known.
+    /// Distances between its pixels in millimetres; `None` without millimetres, also where only the shape of a pixel is known.
     #[must_use]
     pub fn scale(&self) -> Option<Spacing> {
         self.spacing.filter(Spacing::has_millimetres)
@@ -140,7 +140,7 @@ impl ImageGeometry {
 }
 
 impl FilmLandmarks {
-    /// Who made its readings.
+    /// Observers and repeats of its readings.
     #[must_use]
     pub fn reading_ids(&self) -> Vec<&ReadingId> {
         match self {
@@ -152,12 +152,12 @@ impl FilmLandmarks {
     }
 }
 
-/// Who marked, and the how-manieth time.
+/// Observer, and number of the repeat.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct ReadingId {
     /// Name or code of the reader.
     pub observer: String,
-    /// 1 for the first time.
+    /// From 1.
     pub repeat: u32,
 }
 
@@ -212,7 +212,7 @@ pub struct Placement {
     pub tilt: Angle,
     /// Tilts of its two endplates; `None` where its corners are not known.
     pub endplates: Option<EndplateTilts>,
-    /// What its corners that a program found add to its noise; `None` where a person placed all of them.
+    /// Noise that corners found by a program add to its own; `None` where a person placed all of them.
     pub program: Option<ProgramNoise>,
     /// How its corners came about; `None` where they are not known.
     pub origin: Option<VertebraOrigin>,
@@ -232,7 +232,7 @@ named! {
     pub enum PlacementSource {
         /// Vertebrae that were seen.
         Vertebrae = "vertebrae",
-        /// A midline of the back surface: the levels were placed by arc length, and none was seen.
+        /// A midline of the back surface: the levels were placed by arc length, not seen.
         SurfaceMidline = "surface_midline",
     }
 }
@@ -242,7 +242,7 @@ named! {
 pub struct Reading<T> {
     /// Reader and repeat.
     pub id: ReadingId,
-    /// What was read.
+    /// The vertebrae that were read.
     pub vertebrae: BTreeMap<Level, T>,
 }
 
@@ -255,7 +255,7 @@ pub struct IliacCrests {
     pub right: Pixel,
 }
 
-/// What is known of a film's vertebrae.
+/// The landmarks of a film, or its locations and tilts.
 #[derive(Debug, Clone, PartialEq)]
 pub enum FilmLandmarks {
     /// Landmarks on a picture.
@@ -285,6 +285,6 @@ pub enum FilmLandmarks {
 pub struct Film {
     /// Position of the patient.
     pub posture: Posture,
-    /// What was marked.
+    /// Its landmarks.
     pub landmarks: FilmLandmarks,
 }

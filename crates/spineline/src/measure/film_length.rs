@@ -1,8 +1,8 @@
 //! The length of the spine on a film, as a part of its length on the erect film.
 //!
-//! One patient's spine has one length, and the films show several: the patient stands nearer to the detector or tilted out of
-//! its plane, magnification differs, and landmarks lie differently. A factor per film takes that difference out before films
-//! are compared; no angle depends on it.
+//! One patient's spine has one length, but films show different lengths: the patient stands nearer to the detector or tilted out of
+//! its plane, magnification differs, and landmarks lie differently. A factor per film corrects this before films are compared;
+//! angles do not depend on it.
 
 use super::{LengthScale, Measured, MeasuredVertebra, Outline, SpacingPlane};
 use crate::spatial::Frontal;
@@ -10,8 +10,8 @@ use crate::spatial::Frontal;
 /// How lengths of several films of one patient are compared.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum FilmLengthRule {
-    /// Every film has a scale of its own. Its logarithm is normal about zero with this standard deviation, or with that of
-    /// both films' stated scales where both are stated ([`LengthScale::relative_sd`]).
+    /// Every film has its own scale. Its logarithm is normal about zero with this standard deviation, or with the standard deviation
+    /// of both stated scales if both films state one ([`LengthScale::relative_sd`]).
     PerFilm {
         /// Standard deviation where a scale is not stated.
         relative_sd: f64,
@@ -57,7 +57,7 @@ impl FilmScale {
 /// The length of the spine on a film against the erect one.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FilmLength {
-    /// From the locations alone; the deviation is that of the landmarks.
+    /// From the locations alone, with the standard deviation by the landmarks.
     pub measured: FilmScale,
     /// Standard deviation of the logarithm of the scale before the film is measured; zero where the scale is fixed.
     pub prior_log_sd: f64,
@@ -70,23 +70,23 @@ impl FilmLength {
     pub const ERECT: Self =
         Self { measured: FilmScale::ONE, prior_log_sd: 0.0, scale: FilmScale::ONE };
 
-    /// A scale that is stated to be less certain is not known at all.
+    /// A scale with a larger stated standard deviation counts as unknown.
     const MAX_LOG_SD: f64 = 0.5;
-    /// A film whose length is further from the erect one than so many deviations of the prior is worth a warning.
+    /// A film whose length differs from the erect one by more standard deviations of the prior gets a warning.
     const UNUSUAL: f64 = 3.0;
 
-    /// Compares the length of a film, as it is marked, with that of the erect one.
+    /// Compares the length of a film, as it is marked, with the erect film's.
     ///
     /// # Definition
-    /// The length is that of the polygon through the midpoints. The polygon of the film is compared with what the erect one
-    /// has after every vertebra turns as on the film, half of each link with either neighbour:
+    /// The length of the polygon through the midpoints is compared with the length of the erect polygon after every vertebra turns as
+    /// on the film, half of each link with either neighbour:
     /// `Σ |d_i| cos((δ_{i+1} - δ_i) / 2)`, with the erect links `d_i` and the changes of tilt `δ_i`. The posterior of
-    /// `ln factor` is normal: the measured value and zero, weighed by their inverse variances.
+    /// `ln factor` is normal: the measured value and zero, weighted by their inverse variances.
     #[must_use]
     pub fn of(erect: &Outline, film: &Outline, rule: FilmLengthRule) -> Self {
         let measured = measured_scale(erect, film);
         let has_scale = [erect, film].iter().all(|one| one.scale.plane != SpacingPlane::Pixels);
-        // Coordinates near the limits of numbers have no length.
+        // Coordinates near the limits of numbers do not have a finite length.
         let has_length = [measured.factor.ln(), measured.log_sd].iter().all(|one| one.is_finite());
         let prior_log_sd = match rule {
             FilmLengthRule::PerFilm { relative_sd } if has_scale && has_length => {
@@ -104,7 +104,7 @@ impl FilmLength {
         Self { measured, prior_log_sd, scale }
     }
 
-    /// Whether the scale is to be found.
+    /// Whether the scale is estimated.
     #[must_use]
     pub fn is_free(&self) -> bool {
         self.prior_log_sd > 0.0
@@ -116,11 +116,11 @@ impl FilmLength {
         self.is_free() && self.measured.factor.ln().abs() > Self::UNUSUAL * self.prior_log_sd
     }
 
-    /// The scale from T2's location alone: what brings a simulated one nearest to the marked one, the prior considered.
+    /// The scale from T2's location alone: it brings the simulated T2 nearest to the marked one, with the prior considered.
     ///
     /// # Definition
     /// The minimum over `u = ln factor` of `|e^u s - m|² / σ² + u² / τ²`, where `s` is T2 in the model and `m` on the film as
-    /// marked, both from the base, `σ` the deviation of `m` and `τ` that of the prior. The deviation is that at the
+    /// marked, both from the base, `σ` the standard deviation of `m` and `τ` the prior's. The standard deviation is taken at the
     /// minimum, for the shape as it is simulated.
     #[must_use]
     pub fn from_top(&self, simulated: Frontal, marked: Frontal, sd_mm: f64) -> FilmScale {
@@ -147,7 +147,7 @@ impl FilmLength {
     }
 }
 
-/// Of the ratio of two scales, where both are stated.
+/// Standard deviation of the ratio of two scales, where both are stated.
 fn stated_sd(erect: &LengthScale, film: &LengthScale) -> Option<f64> {
     Some(erect.relative_sd?.hypot(film.relative_sd?))
 }
@@ -199,7 +199,7 @@ fn log_length_variance(outline: &Outline) -> f64 {
 impl Outline {
     /// The same film with its locations divided by another scale than now.
     ///
-    /// Standard deviations of the landmarks stay those of the film: the difference is far below what is known of them.
+    /// Standard deviations of the landmarks do not change: the difference is far below their own uncertainty.
     #[must_use]
     pub fn at_scale(&self, scale: FilmScale) -> Self {
         let factor = self.length.scale.factor / scale.factor;

@@ -17,7 +17,7 @@ pub struct FilmFrame {
     tilt: Angle,
     /// The film's scale against the erect one, to whose length the outline is brought.
     scale: f64,
-    /// What one millimetre of the film is on it: 1, or pixels where the film has no spacing.
+    /// Units of the film per millimetre: 1, or pixels where the film has no spacing.
     units_per_mm: f64,
 }
 

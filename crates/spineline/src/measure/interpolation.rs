@@ -55,8 +55,8 @@ const TILT_SD: Angle = Angle::from_deg(4.8);
 /// The vertebra on the cubic curve through two others, along their axes.
 ///
 /// # Definition
-/// Hermite's cubic from the midpoint of the lower vertebra to that of the upper one, whose derivatives at both ends point along
-/// the axes and are as long as the chord; the part of the way is that of a typical spine [`Morphometry`].
+/// Hermite's cubic between both midpoints, whose derivatives at the ends point along the axes and are as long as the chord; the
+/// part of the way comes from a typical spine [`Morphometry`].
 pub(super) fn interpolate(
     level: Level,
     [low, high]: [&MeasuredVertebra; 2],

@@ -1,6 +1,6 @@
 //! Step 1: landmarks on a radiograph → location and tilt of every vertebra in the global frame.
 //!
-//! The location of a vertebra is the intersection of the two diagonals of its body; its tilt is that of its endplates
+//! The location of a vertebra is the intersection of the two diagonals of its body; its tilt is the tilt of its endplates
 //! ([`TiltRule`]), or an axis turned by hand. Readings are averaged on the film, and the film is
 //! then brought into `G`: L4's midpoint is the origin and L4's own axis is +Z, so L4's tilt is zero in every posture,
 //! however the film was held.

@@ -1,7 +1,7 @@
-//! Corners of one reading against those of the neighbouring vertebrae.
+//! Corners of one reading against the corners of the neighbouring vertebrae.
 //!
-//! A corner is predicted from the same corner of the two nearest marked vertebrae. What all four corners of a body are off
-//! by together is the place of the body, which no warning is about; what one corner is off beyond it is its own error.
+//! A corner is predicted from the same corner of the two nearest marked vertebrae. A deviation that all four corners of a body share
+//! is the place of the body, which no warning is about; a further deviation of one corner is its own error.
 
 use super::Corners;
 use super::bodies::{CheckedFilm, ReadBodies, median};
@@ -16,7 +16,7 @@ const MIN_VERTEBRAE: usize = 5;
 /// Distance of a corner from where its neighbours put it, in medians of such distances in the reading.
 const OUTLIER_MEDIANS: f64 = 5.0;
 
-/// The same distance as a part of the body's diagonal, below which a corner is no outlier in any reading. Both are in
+/// The same distance as a part of the body's diagonal, below which a corner is not an outlier in any reading. Both are in
 /// units of the error of a single corner, of which the prediction from two neighbours amplifies the errors of all three.
 ///
 /// Of 433 unflagged films of the training landmarks of [wu-boostnet-2017] 5 have such a corner. With one corner moved by
@@ -108,7 +108,7 @@ fn predicted(bodies: &[(Level, Corners<Frontal>)], index: usize) -> [Predicted; 
     })
 }
 
-/// What the other three corners are off by: of them, the one nearest to the other two.
+/// Deviation of the other three corners: of them, the one nearest to the other two.
 fn common(off: &[Frontal; 4], corner: usize) -> Frontal {
     let others = || (0..4).filter(move |&other| other != corner).map(|other| off[other]);
     let apart = |from: Frontal| others().map(|other| from.distance_mm(other)).sum::<f64>();

@@ -20,20 +20,20 @@ pub struct Noise {
 }
 
 impl Noise {
-    /// What one careful reading is taken to have: 0.5 mm per corner, so 0.25 mm at their crossing, and 0.7°.
+    /// Assumed noise of one careful reading: 0.5 mm per corner, so 0.25 mm at their crossing, and 0.7°.
     ///
     /// # References
     /// Tilt: intra-observer deviation of [vrtovec-2015]. Corners: assumption.
     pub const ONE_READING: Self =
         Self { location_mm: 0.25, tilt: Angle::from_deg(0.7), tilt_degrees_of_freedom: None };
 
-    /// Rounding to a pixel and to 0.1° leaves at least about so much.
+    /// Rounding to a pixel and to 0.1° leaves at least about this noise.
     pub(super) const FLOOR_LOCATION_MM: f64 = 0.03;
     pub(super) const FLOOR_TILT: Angle = Angle::from_deg(0.03);
-    /// The same of a corner: the crossing of a body's diagonals has half of its deviation.
+    /// The same for a corner: the crossing of a body's diagonals has half of its deviation.
     pub(super) const FLOOR_CORNER_MM: f64 = 2.0 * Self::FLOOR_LOCATION_MM;
 
-    /// Standard deviation of a coordinate of a corner: twice that of the crossing of a body's diagonals.
+    /// Standard deviation of a coordinate of a corner: twice the deviation of the crossing of a body's diagonals.
     #[must_use]
     pub const fn corner_mm(&self) -> f64 {
         2.0 * self.location_mm
@@ -45,8 +45,8 @@ impl Noise {
         self.tilt_degrees_of_freedom.is_some()
     }
 
-    /// Of means, from the standard deviation of the readings of vertebrae whose corners were placed by all: what a program completes is
-    /// alike in all readings and says nothing of readers.
+    /// Of means, from the standard deviation of the readings of vertebrae whose corners were placed by all: completed corners are alike
+    /// in all readings and do not depend on readers.
     pub(super) fn of_means(
         observers: &[&str],
         placed: &[BTreeMap<Level, Placement>],
@@ -125,7 +125,7 @@ impl Outline {
         }
     }
 
-    /// That of its base and top.
+    /// Noise of its base and top.
     pub(crate) fn noise_of_ends(&self) -> Noise {
         self.noise_over(self.vertebrae.first().into_iter().chain(self.vertebrae.last()))
     }
@@ -140,7 +140,7 @@ pub(crate) struct ReadingSquares {
 }
 
 impl ReadingSquares {
-    /// Takes in the readings of one value, with who made them.
+    /// Takes in the readings of one value, with their observers.
     pub fn add<'a>(&mut self, readings: impl Iterator<Item = (&'a str, f64)>) {
         let mut by_observer: BTreeMap<&str, Vec<f64>> = BTreeMap::new();
         readings.for_each(|(observer, value)| by_observer.entry(observer).or_default().push(value));

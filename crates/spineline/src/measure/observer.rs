@@ -5,10 +5,10 @@ use std::collections::{BTreeMap, BTreeSet};
 use super::FilmReadings;
 use crate::warning::{WarningCode, Warnings};
 
-/// What a code of an observer is, in words.
+/// The rule for a code of an observer, in words.
 pub const OBSERVER_RULE: &str = "1 to 64 letters, digits, `.`, `-` and `_`, such as A or reader-2";
 
-/// Remedy where the observer of a reading is no code.
+/// Remedy where the observer of a reading is not a code.
 pub(super) const OBSERVER_HELP: &str =
     "give every observer a code, the same in all files and studies, and no name of a person";
 
@@ -50,7 +50,7 @@ fn folded(name: &str) -> String {
     words.collect::<Vec<_>>().join("_")
 }
 
-/// What is said of such names.
+/// The warning about such names.
 #[must_use]
 pub fn alike_words(names: &[impl AsRef<str>]) -> String {
     let names: Vec<String> = names.iter().map(|name| format!("`{}`", name.as_ref())).collect();

@@ -5,10 +5,10 @@ use crate::anatomy::{Level, Morphometry};
 use crate::number::fixed;
 use crate::spatial::Frontal;
 
-/// A fifth of the usual distance is what an exchanged or doubled vertebra shows at most.
+/// An exchanged or doubled vertebra shows at most a fifth of the usual distance.
 pub(super) const MIN_SPACING_SHARE: f64 = 0.2;
 
-/// What is said of two vertebrae out of order; `share` is how far the superior one lies above the other, as a part of the usual
+/// The message about two vertebrae out of order; `share` is how far the superior one lies above the other, as a part of the usual
 /// distance in this spine.
 #[must_use]
 pub fn out_of_order_words(inferior: Level, superior: Level, share: f64) -> String {
@@ -65,7 +65,7 @@ impl LevelStep {
         self.share <= MIN_SPACING_SHARE
     }
 
-    /// Twice or half the usual distance is what a skipped or doubled vertebra looks like.
+    /// Twice or half the usual distance means a skipped or doubled vertebra.
     #[must_use]
     pub fn is_unusual(&self) -> bool {
         !(0.6..1.6).contains(&self.ratio)

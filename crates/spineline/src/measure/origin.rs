@@ -9,9 +9,9 @@ named! {
     pub enum Origin {
         /// A person clicked it, or another program gave it without saying how.
         Clicked = "clicked",
-        /// It was completed from other landmarks of the film; nobody has looked at it.
+        /// It was completed from other landmarks of the film, and no person reviewed it.
         Completed = "completed",
-        /// A program found it in the picture; nobody has looked at it.
+        /// A program found it in the picture, and no person reviewed it.
         Detected = "detected",
         /// A person looked at a place that a program proposed, and accepted it.
         Accepted = "accepted",
@@ -21,9 +21,9 @@ named! {
 }
 
 impl Origin {
-    /// Whether a person chose the place, so that its error is that of a click.
+    /// Whether a person chose the place, with the error of a click.
     ///
-    /// Who accepts a proposed place sees large errors of it, not small ones: its error stays that of the program.
+    /// A person who accepts a proposed place sees only its large errors: it keeps the error of the program.
     #[must_use]
     pub const fn is_placed(self) -> bool {
         matches!(self, Self::Clicked | Self::Adjusted)
@@ -59,7 +59,7 @@ impl VertebraOrigin {
         if self == other { self } else { Self::Mixed }
     }
 
-    /// The name used in files: that of the origin, or `mixed`.
+    /// The name used in files: the origin's, or `mixed`.
     #[must_use]
     pub const fn key(self) -> &'static str {
         match self {

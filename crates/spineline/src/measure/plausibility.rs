@@ -24,15 +24,15 @@ const MIN_READINGS: usize = 3;
 /// two directions the median is 1.18 standard deviations, so this is beyond nine of them.
 const OUTLIER_MEDIANS: f64 = 8.0;
 
-/// A corner closer than this part of its body's diagonal to the median of its readings is no outlier, however well the
+/// A corner closer than this part of its body's diagonal to the median of its readings is not an outlier, however well the
 /// other readings agree.
 const MIN_OUTLIER_SHARE: f64 = 0.15;
 
-/// Angle between an axis turned by hand and that of the corners, above which one of them is doubted. Far above the
+/// Angle between an axis turned by hand and the axis of the corners, above which one of them is doubted. Far above the
 /// deviation of either (assumption).
 const MAX_AXIS_DIFFERENCE: Angle = Angle::from_deg(30.0);
 
-/// Vertebrae from which equal coordinates on two films are no accident.
+/// Vertebrae from which equal coordinates on two films are not a coincidence.
 const MIN_SAME: usize = 2;
 
 /// Whether a reading of one film has the landmarks or placements of a reading of the other one, whoever is named as its
@@ -172,7 +172,7 @@ fn warn_of_axis(
     let apart = (image.tilt_from_clockwise(axis) - body.measure_tilt()).wrapped().abs();
     if apart > MAX_AXIS_DIFFERENCE {
         let text = format!(
-            "observer {}: the axis turned by hand is {} from that of the corners (limit {}): check the axis and the corners",
+            "observer {}: the axis turned by hand is {} from the axis of the corners (limit {}): check the axis and the corners",
             id,
             apart.text(0),
             MAX_AXIS_DIFFERENCE.text(0)

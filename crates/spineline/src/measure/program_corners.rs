@@ -1,8 +1,8 @@
-//! Corners of a reading that a program found and nobody placed: how uncertain they are, together and by vertebra.
+//! Uncertainty of corners of a reading that a program found and no person placed, together and by vertebra.
 //!
 //! Completed corners share the shape that they were completed with, so that their errors are correlated over the spine: their
-//! covariance is that of the completion from the landmarks that a person placed. Detected corners state a standard
-//! deviation of their own. Fits weigh residuals by the covariance of all vertebrae (module `shared_errors`); replicates of a
+//! covariance comes from the completion by the landmarks that a person placed. Detected corners state their own standard
+//! deviation. Fits weight residuals by the covariance of all vertebrae (module `shared_errors`); replicates of a
 //! Monte Carlo draw all corners together.
 
 use std::collections::BTreeMap;
@@ -16,7 +16,7 @@ use super::{
 use crate::anatomy::{Level, Posture};
 use crate::spatial::{Angle, Frontal};
 
-/// What corners that a program found add to the noise of a vertebra, in one reading or in the mean of several.
+/// Noise that corners found by a program add to a vertebra, in one reading or in the mean of several.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ProgramNoise {
     /// Standard deviation of a coordinate of the location by these corners.
@@ -32,14 +32,14 @@ pub struct ProgramNoise {
 }
 
 impl ProgramNoise {
-    /// The noise of the vertebra, whose placed corners are as rough as the film's.
+    /// The noise of the vertebra; corners placed by a person have the film's noise.
     pub(super) fn beside(&self, film: Noise) -> Noise {
         let total =
             |share: f64, placed: f64, own: f64| (share * placed * placed + own * own).sqrt();
         let location_mm = total(self.placed_share, film.location_mm, self.location_mm);
         let tilt = total(self.placed_tilt_share, film.tilt.rad(), self.tilt.rad());
         Noise {
-            // No program is surer than rounding to a pixel lets a reader be.
+            // Noise is never below pixel rounding.
             location_mm: location_mm.max(Noise::FLOOR_LOCATION_MM),
             tilt: Angle::from_rad(tilt.max(Noise::FLOOR_TILT.rad())),
             tilt_degrees_of_freedom: film.tilt_degrees_of_freedom,
@@ -65,7 +65,7 @@ impl ProgramNoise {
     }
 }
 
-/// The corners of one reading that nobody placed, and their covariance.
+/// The corners of one reading that no person placed, and their covariance.
 #[derive(Debug, Clone)]
 pub(crate) struct ProgramCorners {
     corners: Vec<(Level, CornerName)>,
@@ -77,7 +77,7 @@ impl ProgramCorners {
     /// `None` where a person placed all corners.
     ///
     /// # Errors
-    /// [`CompletionError`] where corners are said to be completed, and what was marked does not complete them.
+    /// [`CompletionError`] if corners have the origin `completed`, and the landmarks do not complete them.
     pub fn of(
         image: &ImageGeometry,
         posture: Option<Posture>,
@@ -85,7 +85,7 @@ impl ProgramCorners {
     ) -> Result<Option<Self>, CompletionError> {
         let unplaced = |(&level, landmark): (&Level, &VertebraLandmarks)| {
             let (origins, is_stated) = (landmark.origins, landmark.sd_share.is_some());
-            // Detected corners without a deviation of their own count as rough as clicks.
+            // Detected corners without a stated deviation have the noise of clicks.
             let counts = move |origin: Origin| {
                 !origin.is_placed() && (is_stated || origin != Origin::Detected)
             };
@@ -122,7 +122,7 @@ impl ProgramCorners {
             }
         }
         if let Some(completion) = &completion {
-            // Where landmarks came after the corners, these are no longer what they would be completed to: that is their error too.
+            // Later landmarks would complete the corners differently: the difference is an error of the corners too.
             let off = |(level, name): (Level, CornerName)| {
                 let own = image.frontal(name.of(&reading.vertebrae[&level].corners));
                 let off = own - name.of(&completion.corners(level));
@@ -140,7 +140,7 @@ impl ProgramCorners {
         Ok(Some(Self { corners, factor_mm: factor.unpack() }))
     }
 
-    /// What they add to the noise of a vertebra; `None` where it has none of them.
+    /// Noise that they add to a vertebra; `None` for a vertebra without them.
     pub fn noise(
         &self,
         image: &ImageGeometry,
@@ -162,8 +162,8 @@ impl ProgramCorners {
         })
     }
 
-    /// Errors of location (two coordinates) and tilt of a vertebra per independent standard deviate, in the film's frontal frame; `None`
-    /// where it has none of the corners. An axis set by hand does not depend on them.
+    /// Errors of location (two coordinates) and tilt of a vertebra per independent standard deviate, in the film's frontal frame;
+    /// `None` for a vertebra without these corners. An axis set by hand does not depend on them.
     pub fn spread(
         &self,
         image: &ImageGeometry,

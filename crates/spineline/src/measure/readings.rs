@@ -9,7 +9,7 @@ use crate::anatomy::Posture;
 pub struct FilmReadings {
     /// Position of the patient.
     pub posture: Posture,
-    /// What the millimetres are.
+    /// Unit of the lengths.
     pub length_unit: String,
     /// Midpoints and tilts, all in one frame of the film; by observer and repeat, whatever order the film had.
     pub readings: Vec<Reading<Placement>>,

@@ -4,7 +4,7 @@ use super::{Film, FilmLandmarks, Reading, VertebraLandmarks};
 use crate::spatial::Pixel;
 use crate::warning::{WarningCode, Warnings};
 
-/// Coordinates from which whole tens are no accident: of as many, one film in 10⁸ has them.
+/// Number of coordinates from which whole tens are not a coincidence: one film in 10⁸ has them by chance.
 const MIN_COUNT: usize = 8;
 /// From here on a spreadsheet with three digits, as in 1.89E+03, shows whole tens.
 const THREE_DIGITS_PX: f64 = 1000.0;
@@ -26,7 +26,7 @@ pub(super) fn warn_of_rounding(film: &Film, warnings: &mut Warnings) {
     }
 }
 
-/// How many coordinates are whole tens, where no accident makes them so.
+/// The number of coordinates that are whole tens, if this is not a coincidence.
 fn whole_tens(reading: &Reading<VertebraLandmarks>, of: fn(&Pixel) -> f64) -> Option<usize> {
     let bodies = reading.vertebrae.values().flat_map(|landmark| landmark.corners.points());
     let all: Vec<f64> = bodies.map(|place| of(&place)).collect();
@@ -79,7 +79,7 @@ mod tests {
             all.map(|one| one.message.clone()).collect::<Vec<_>>()
         };
         assert!(said(|value| value).is_empty());
-        assert!(said(f64::round).is_empty(), "whole pixels are no tens");
+        assert!(said(f64::round).is_empty(), "whole pixels are not tens");
         assert_eq!(said(tens).len(), 2, "columns and rows");
         // 1.89E+03 for rows, while columns stay below 1000.
         let rows = said(three_digits);

@@ -7,8 +7,8 @@
 //!
 //! # Model and assumptions
 //! The base gives the frame of a film, and its own errors move and turn all other vertebrae alike. The shape of a model is compared
-//! with the film in that frame, so that these errors are among those of the residuals. A curve is laid through the vertebrae as they
-//! stand in that frame and meets the base by construction: its residuals are those that are left where the base is known.
+//! with the film in that frame, so that the residuals contain these errors. A curve is laid through the vertebrae in that frame and
+//! meets the base by construction: its residuals are conditional on the base.
 //! Readings share the model of completion and count as fully correlated; films do not.
 
 use std::collections::BTreeMap;
@@ -50,9 +50,9 @@ pub struct SharedErrors {
 }
 
 impl SharedErrors {
-    /// Of the means over the readings of a film, by their corners that a program found; `None` where there are none.
+    /// Of the means over the readings of a film, by their corners that a program found; `None` without such corners.
     ///
-    /// `base_tilt` is the tilt of `G` on the film, and `scale` that of its lengths.
+    /// `base_tilt` is the tilt of `G` on the film, and `scale` the scale of its lengths.
     pub(super) fn of_film(
         film: &Film,
         program: &[Option<ProgramCorners>],
@@ -122,7 +122,7 @@ impl Outline {
         self.shared_errors.is_some()
     }
 
-    /// Covariance of all measured numbers of the model's vertebrae, three of each; those of an interpolated vertebra are independent
+    /// Covariance of all measured numbers of the model's vertebrae, three of each; interpolated vertebrae are independent
     /// (assumption). The errors of the frame that the base gives are left out.
     pub(crate) fn covariance(&self) -> DMatrix<f64> {
         self.with_landmarks(self.of_program())
@@ -138,7 +138,7 @@ impl Outline {
         covariance
     }
 
-    /// Shared errors with those of the frame: an error of the base moves and turns all vertebrae against it, which is the origin.
+    /// Shared errors and errors of the frame: an error of the base moves and turns all vertebrae against it, which is the origin.
     fn of_program_in_frame(&self) -> DMatrix<f64> {
         let of_program = self.of_program();
         let mut by_errors = DMatrix::<f64>::identity(of_program.nrows(), of_program.nrows());
@@ -161,7 +161,7 @@ impl Outline {
             None => [location, tilt],
             Some(program) => [program.placed_share * location, program.placed_tilt_share * tilt],
         });
-        // No program is surer than rounding to a pixel lets a reader be.
+        // Noise is never below pixel rounding.
         let least = [Noise::FLOOR_LOCATION_MM, Noise::FLOOR_LOCATION_MM, Noise::FLOOR_TILT.rad()];
         for row in 0..covariance.nrows() {
             covariance[(row, row)] = covariance[(row, row)].max(least[row % NUMBERS].powi(2));
@@ -169,7 +169,7 @@ impl Outline {
         covariance
     }
 
-    /// Adds variances of a coordinate and of the tilt: those of interpolated vertebrae, and given ones of the others.
+    /// Adds variances of a coordinate and of the tilt: their own for interpolated vertebrae, and given ones for the others.
     fn with_independent(
         &self,
         mut covariance: DMatrix<f64>,
@@ -201,14 +201,14 @@ impl Outline {
         DMatrix::from_diagonal(&DVector::from_iterator(self.vertebrae.len(), variances))
     }
 
-    /// What a model that is made from this film has of its errors beyond those of landmarks; `None` where errors are independent.
+    /// Errors of this film in a model that is made from it, beyond landmark noise; `None` where errors are independent.
     pub(crate) fn model_covariance(&self) -> Option<DMatrix<f64>> {
         self.shared_errors.as_ref()?;
         Some(self.with_independent(self.of_program_in_frame(), |_| [0.0; 2]))
     }
 
     /// Covariance of the differences of this film from the shape of a model, with the errors of both frames: of the film, of the
-    /// landmarks of an erect film where it is given, and of what the model has of the erect film's shared errors.
+    /// landmarks of an erect film where it is given, and of the erect film's shared errors in the model.
     /// `None` where errors are independent.
     pub(crate) fn difference_covariance(
         &self,
@@ -239,7 +239,7 @@ impl Outline {
         (&total * self.covariance() * total.transpose())[(0, 0)]
     }
 
-    /// What makes weighted residuals of all vertebrae independent, the base among them; `None` where they are.
+    /// Makes weighted residuals of all vertebrae independent, the base among them; `None` if they are.
     pub(crate) fn whitening(&self, rates: &[ErrorRate]) -> Option<Whitening> {
         self.has_shared_errors().then(|| Whitening::of(&self.covariance(), rates))?
     }
@@ -250,7 +250,7 @@ impl Outline {
     }
 }
 
-/// The covariance of all other numbers where those of the first vertebra are known, with zeros for that one.
+/// The covariance of all other numbers given the first vertebra's, with zeros for that one.
 fn given_base(covariance: DMatrix<f64>) -> DMatrix<f64> {
     let base = covariance.fixed_view::<NUMBERS, NUMBERS>(0, 0).into_owned();
     let Some(base) = base.cholesky() else { return covariance };
@@ -291,13 +291,13 @@ impl Whitening {
         self.factor.solve_lower_triangular_unchecked_mut(&mut vector);
     }
 
-    /// Rows of a linear fit and what they are to meet.
+    /// Rows of a linear fit and their targets.
     pub fn apply_to_rows(&self, matrix: &mut DMatrix<f64>, target: &mut DVector<f64>) {
         self.factor.solve_lower_triangular_unchecked_mut(matrix);
         self.factor.solve_lower_triangular_unchecked_mut(target);
     }
 
-    /// From independent residuals to those of blocks of rows, each in units of its own error where all others are known.
+    /// From independent residuals to residuals of blocks of rows, each in units of its own error given all others.
     ///
     /// # Definition
     /// With `W = (L L')⁻¹` and `C C' = W_ii` for block `i`: rows `C⁻¹ (L'⁻¹)_i`.

@@ -4,10 +4,10 @@ use crate::anatomy::named;
 use crate::number::{fixed, with_sd};
 
 named! {
-    /// What a length of a film is measured in.
+    /// Unit of the lengths of a film.
     ///
     /// A film carries it from its file to the report: a length in the detector's plane is larger than life by the
-    /// magnification of the set-up (5 to 15 % on long films), and a length in pixels is no length of the patient at all.
+    /// magnification of the set-up (5 to 15 % on long films), and a length in pixels is not a length of the patient.
     pub enum SpacingPlane {
         /// Millimetres in the patient: calibrated.
         Patient = "patient",
@@ -45,7 +45,7 @@ named! {
         Fiducial = "fiducial" as "calibrated to an object in the picture",
         /// Pixel Spacing corrected by a known geometry of the set-up (GEOMETRY).
         Geometry = "geometry" as "calibrated by the geometry of the set-up",
-        /// Pixel Spacing that differs from the detector's, without a word on why.
+        /// Pixel Spacing that differs from the detector's, without a reason.
         Uncalibrated = "uncalibrated" as "Pixel Spacing corrected in a way not stated",
         /// Pixel Spacing alone: it may be the detector's or the patient's.
         PixelSpacing = "pixel_spacing" as "Pixel Spacing without calibration type",
@@ -118,7 +118,7 @@ impl Spacing {
     /// No detector has finer pixels.
     pub const MIN_MM: f64 = 1e-4;
 
-    /// On coarser pixels a thoracic body is three or four of them high, and has no corners (assumption).
+    /// With coarser pixels a thoracic body is three or four pixels high, too few for its corners (assumption).
     const MAX_MM: f64 = 5.0;
 
     /// Whether a distance between pixels can be meant: finite, not the `0.000` that some devices write, and fine enough for the
@@ -150,7 +150,7 @@ pub struct LengthScale {
 }
 
 impl LengthScale {
-    /// Largest standard deviation of a scale, as a part of it: a scale that is less certain says nothing (assumption).
+    /// Largest standard deviation of a scale, as a part of it: a less certain scale is useless (assumption).
     pub const MAX_RELATIVE_SD: f64 = 0.3;
 
     /// The scale of a spacing.
@@ -188,7 +188,7 @@ impl LengthScale {
         self.relative_sd.map(|sd| sd * length_mm.abs())
     }
 
-    /// A residual in words: the scale's own uncertainty says nothing of it.
+    /// A residual in words, without the uncertainty of the scale.
     #[must_use]
     pub fn residual_text(&self, residual_mm: f64) -> String {
         match self.px(residual_mm) {

@@ -41,7 +41,7 @@ pub struct SegmentEstimate {
 }
 
 impl Motion {
-    /// Compares two postures of one chain; `windows` are those of [`least_windows`], as segments of the erect chain.
+    /// Compares two postures of one chain; `windows` come from [`least_windows`], as segments of the erect chain.
     ///
     /// ```
     /// use spineline::analysis::{AnalysisOptions, analyze_movement};
@@ -110,7 +110,7 @@ impl Motion {
 
 /// The windows of the least-rotating segments, as segments of the erect chain.
 ///
-/// The first segment is left out: its joint is L4's midpoint, where nothing turns by definition of the frame.
+/// The first segment is left out: its joint is L4's midpoint, which does not turn by definition of the frame.
 #[must_use]
 pub fn least_windows(fit: &CurveFit, erect: &ChainPose) -> [(usize, usize); 2] {
     LEAST_SEGMENT_WINDOWS.map(|(low, high)| {

@@ -42,10 +42,10 @@ pub struct SpineModel {
     pub axes: Vec<Mat3>,
     /// Joints, one fewer than vertebrae.
     pub joints: Vec<Joint>,
-    /// Standard deviations of vertebrae that the erect film does not show, or whose corners a program found there, beyond those of
-    /// landmarks.
+    /// Standard deviations of vertebrae that the erect film does not show, or whose corners a program found there, beyond landmark
+    /// noise.
     pub uncertain: Vec<Option<Noise>>,
-    /// Covariance of the same errors over all vertebrae, with those of the frame that the base gives: left, cranial and tilt of each, in
+    /// Covariance of the same errors over all vertebrae, with the errors of the frame: left, cranial and tilt of each, in
     /// mm and rad. `None` where they are independent.
     pub shared_errors: Option<DMatrix<f64>>,
 }
@@ -73,13 +73,13 @@ impl SpineModel {
     ///
     /// The frontal film gives `y`, `z` and tilt of every vertebra, the lateral film pitch and `x` of those that it shows. The others have
     /// the turns of `profile` from their neighbours; between two that are shown, what is left over is spread evenly over the joints.
-    /// Axial rotations are those of `profile`. Joints are placed as by [`SpineModel::from_outline`].
+    /// Axial rotations come from `profile`. Joints are placed as by [`SpineModel::from_outline`].
     ///
     /// # Frames
     /// `G` is the frame of the films, turned about x by the tilt of the base. `x`, pitch and axial rotation are the same in both.
     ///
     /// # Assumption
-    /// Those of [`SpatialOutline`]: the erect film hangs upright. An error of the turn of the lateral film turns the whole spine about y.
+    /// As for [`SpatialOutline`]: the erect film hangs upright. An error of the turn of the lateral film turns the whole spine about y.
     #[must_use]
     pub fn in_space(erect: &Outline, profile: &SagittalProfile, space: &SpatialOutline) -> Self {
         let levels = erect.levels();

@@ -5,7 +5,7 @@ use crate::spatial::{Angle, Mat3};
 /// one side at T11/T12 [white-panjabi-1990].
 ///
 /// # Assumption
-/// Three times, because scoliotic joints are not those of the source, and every single joint of a plausible shape must pass.
+/// Three times, because scoliotic joints differ from the source's, and every single joint of a plausible shape must pass.
 pub const MAX_HUMAN_JOINT: Angle = Angle::from_deg(27.0);
 /// No two vertebrae rotate farther relative to each other: the lateral bending to one side of all joints from L4 to T2 together
 /// [white-panjabi-1990].

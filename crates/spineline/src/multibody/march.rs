@@ -5,7 +5,7 @@ use super::{JointGroups, Load, SpineModel, StiffnessLibrary, Support, Wrench};
 use crate::action::{Application, LineOfAction};
 use crate::spatial::{Angle, Frontal, Mat3, Vec3, is_small};
 
-/// What a solution can be differentiated by.
+/// Parameters of the derivatives of a solution.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Parameter {
     /// The magnitude of the load: force along a line; or component 0, 1 or 2 of `(fy, fz, mx)`.
@@ -231,7 +231,7 @@ impl<'a> Statics<'a> {
         parameters: &[Parameter],
         solution: &mut Solution,
     ) {
-        /// No spine is as long: what is further off does not come back.
+        /// Longer than any spine: a force this far away does not come back.
         const ASTRAY_MM: f64 = 1e3;
         const MOVES: [Parameter; 2] = [Parameter::Load(1), Parameter::Load(2)];
         let top = self.model.midpoints_mm.len() - 1;
@@ -334,9 +334,9 @@ impl<'a> Statics<'a> {
         debug_assert!(whole, "only a pass for small angles ends early");
     }
 
-    /// The march itself. Answers whether it came to T2: with `SMALL` it ends at the first large angle.
+    /// The march itself. Returns `false` if it ended before T2: with `SMALL` it ends at the first large angle.
     ///
-    /// Compiled on its own without derivatives and for small angles, which are faster without what the others need.
+    /// Compiled separately without derivatives and for small angles, which is faster.
     fn pass<const DERIVATIVES: bool, const SMALL: bool>(
         &self,
         wrench: &Wrench,
@@ -372,7 +372,7 @@ impl<'a> Statics<'a> {
         true
     }
 
-    /// The derivatives of one joint's superior vertebra from those of its inferior one.
+    /// The derivatives of one joint's superior vertebra from the inferior one's.
     #[inline(always)]
     fn differentiate(
         &self,
@@ -402,7 +402,7 @@ impl<'a> Statics<'a> {
                 Parameter::LogStiffness(group) if self.group_of_joint[j] == group => {
                     stretch = -turns[0];
                 }
-                // What is softer above moves nothing below.
+                // A softer joint above does not move a vertebra below.
                 Parameter::LogStiffness(_)
                     if turn == Vec3::zeros() && *midpoint == Vec3::zeros() =>
                 {
@@ -455,7 +455,7 @@ impl<'a> Statics<'a> {
     }
 }
 
-/// What belongs to the inferior and to the superior vertebra of a joint.
+/// The rates of the inferior and of the superior vertebra of a joint.
 #[inline(always)]
 fn neighbours(rates: &mut [Vec3], joint: usize) -> &mut [Vec3; 2] {
     rates[joint..].first_chunk_mut().expect("a joint stands between two vertebrae")
@@ -478,7 +478,7 @@ fn scaled(wrench: &Wrench, factor: f64) -> Wrench {
     Wrench { force_n: wrench.force_n * factor, moment_nmm: wrench.moment_nmm * factor }
 }
 
-/// Adds to every derivative what the force's own movement with T2 brings (implicit function theorem).
+/// Adds to every derivative the effect of the force's movement with T2 (implicit function theorem).
 fn close_derivatives(
     solution: &mut Solution,
     parameters: usize,

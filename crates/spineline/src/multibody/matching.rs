@@ -47,7 +47,7 @@ named! {
     }
 }
 
-/// What is left of the target of a search.
+/// Residual of the target of a search.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Residual {
     /// Of an amplitude: lateral tilt of the line L4→T2 beyond the target's.
@@ -86,14 +86,14 @@ pub struct ForceMatch {
     pub status: MatchStatus,
     /// Signed force along the line.
     pub force_n: f64,
-    /// What is left of the target.
+    /// Residual of the target.
     pub residual: Residual,
     /// Equilibria computed.
     pub evaluations: u32,
     /// The shape.
     pub solution: Solution,
-    /// The least residual that another result along the path may have, in mm of T2's distance; infinite where there is none, or
-    /// where none was sought.
+    /// The least residual that another result along the path may have, in mm of T2's distance; infinite without one, or
+    /// if none was sought.
     pub(crate) other_mm: f64,
 }
 
@@ -120,9 +120,9 @@ impl ForceMatch {
 pub(crate) const MAX_HINGE_RAD: f64 = 0.8;
 /// 1500 N for springs of the library's mean lateral stiffness; scales with the springs.
 pub(crate) const MAX_FORCE_PER_STIFFNESS: f64 = 1500.0 / 144_000.0;
-/// T2's next place is guessed along the path no further than this.
+/// T2's next place is extrapolated along the path no further than this.
 const MAX_GUESS_MM: f64 = 20.0;
-/// A path that cannot be followed by so small a part of a step breaks off.
+/// A path that cannot be followed by this part of a step breaks off.
 const MIN_STEP_FRACTION: f64 = 1.0 / 20.0;
 /// Maximum number of equilibria of a path.
 const MAX_EVALUATIONS: u32 = 2000;
@@ -145,7 +145,7 @@ pub fn match_amplitude(
 
 /// Finds every force of either sign, up to the largest force and hinge angle, at which the line L4→T2 has a given lateral tilt.
 ///
-/// Where there is none, the nearest shape comes back as [`MatchStatus::Unreachable`]; the list is never empty. Where a
+/// Without one, the nearest shape is returned as [`MatchStatus::Unreachable`]; the list is never empty. Where a
 /// path did not converge, the last entry is [`MatchStatus::NotConverged`].
 #[must_use]
 pub fn amplitude_matches(statics: &Statics<'_>, load: &Load, target: Angle) -> Vec<ForceMatch> {
@@ -178,8 +178,8 @@ pub fn match_t2(
     nearest_on_path(LineForce { statics, load }, signs, place)
 }
 
-/// As [`match_t2`], near a force that is the result for another place or shape nearby whose path has no other result that comes
-/// near; `None` where none is found there.
+/// As [`match_t2`], near the result for a nearby place or shape, whose path has no other result near; `None` if no result is
+/// found there.
 pub(crate) fn match_t2_near(
     statics: &Statics<'_>,
     load: &Load,
@@ -226,7 +226,7 @@ pub(super) struct Path<L, S> {
     seen: [Option<PathState>; 2],
     evaluations: u32,
     pub found: Vec<ForceMatch>,
-    /// The search stops after so many zeros.
+    /// Number of zeros after which the search stops.
     enough: usize,
     /// The state with the least residual of all.
     nearest: Option<PathState>,
@@ -314,7 +314,7 @@ impl<L: OneComponent, S: SearchTarget> Path<L, S> {
         self.found.push(ForceMatch { status, force_n, residual, evaluations, solution, other_mm });
     }
 
-    /// Follows the path of one sign until so many zeros were found, or to its end.
+    /// Follows the path of one sign until `most` zeros were found, or to its end.
     pub fn follow(&mut self, sign: ForceSign, most: usize) {
         let sign = sign.factor();
         let cap_n = self.load.largest();

@@ -11,7 +11,7 @@ use super::target::{NearestT2Target, T2_TOLERANCE_MM};
 use crate::least_squares::{FitStatus, System, minimize};
 use crate::spatial::Frontal;
 
-/// Weight of the load's squared size, in mm²/rad²: next to nothing, so that it decides only between loads that bring T2 equally near.
+/// Weight of the load's squared size, in mm²/rad²: negligible, so that it decides only between loads that bring T2 equally near.
 const SIZE_WEIGHT: f64 = 1e-2;
 /// Sizes of load, in rad, from which minima are sought.
 const START_SIZES: [f64; 4] = [0.1, 0.2, 0.4, 0.8];

@@ -16,7 +16,7 @@ pub(super) struct Sample {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Lost;
 
-/// A function along a path, and what is done with its zeros.
+/// A function along a path, and a callback for its zeros.
 pub(super) trait Along {
     /// The function at a place; `None` where it cannot be evaluated.
     fn sample(&mut self, at: f64) -> Option<Sample>;
@@ -53,7 +53,7 @@ fn bracketed_root(
             return Ok(Some(now));
         }
         if (high.at - low.at).abs() <= 4.0 * f64::EPSILON * at.abs() {
-            // A jump, as that of an angle past half a turn, changes the sign and is no zero.
+            // A jump, as of an angle past half a turn, changes the sign and is not a zero.
             return Ok((now.value.abs() <= small).then_some(now));
         }
         if now.value * low.value > 0.0 {
@@ -178,7 +178,7 @@ mod tests {
     }
 
     #[test]
-    fn a_jump_across_zero_is_no_zero_however_near_its_sides() {
+    fn a_jump_across_zero_is_not_a_zero_however_near_its_sides() {
         // Oracle: these functions have no zero.
         for (before, after) in [(3.0, -3.0), (0.5, -0.4), (1e-3, -1e-3)] {
             let jump = move |x: f64| {

@@ -93,7 +93,7 @@ fn paper(inferior: Level) -> ([f64; 3], String) {
 /// The moment of the tests in vitro, in N·mm.
 const TEST_NMM: f64 = 7500.0;
 
-/// Thoracic springs times a factor per axis; the lumbar ones are those of the paper, T12/L1 the mean of its neighbours.
+/// Thoracic springs times a factor per axis; the lumbar ones are the paper's, T12/L1 the mean of its neighbours.
 fn in_vitro(inferior: Level, factors: [f64; 3]) -> ([f64; 3], String) {
     let thoracic = |range_deg: [f64; 3]| -> [f64; 3] {
         // A range covers both directions.
@@ -137,7 +137,7 @@ fn coupling(inferior: Level) -> (f64, String) {
     (ratio, SourceCheck::AtSource.cite(source))
 }
 
-/// The paper's springs, all multiplied so that lateral bending is that measured in patients.
+/// The paper's springs, all multiplied so that lateral bending equals the value measured in patients.
 fn scoliotic(inferior: Level) -> ([f64; 3], String) {
     let lateral = 1000.0 / Angle::from_deg(0.18).rad();
     let (own, _) = paper(inferior);

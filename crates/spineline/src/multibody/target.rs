@@ -5,14 +5,14 @@ use super::roots::Sample;
 use super::{Residual, Solution};
 use crate::spatial::{Angle, Frontal, Vec3};
 
-/// A hinge turns by at most so much from one step to the next.
+/// A hinge turns by at most this from one step to the next.
 const STEP_RAD: f64 = 0.25;
-/// T2 may move by so much from one state to the next, and where it is far away by such a part of its distance.
+/// T2 may move by this from one state to the next; if it is far away, by this part of its distance.
 const T2_STEP_MM: f64 = 4.0;
 const T2_STEP_OF_GAP: f64 = 0.25;
 /// Further away a step might end on another path.
 const MAX_T2_STEP_MM: f64 = 60.0;
-/// Distances of T2 that differ by less are equally good: about what a location's reading and the model's joints leave.
+/// Distances of T2 that differ by less are equally good: about the error of a location's reading and of the model's joints.
 pub(super) const T2_TOLERANCE_MM: f64 = 1.0;
 
 /// A condition on the shape that a search along the force looks for.
@@ -33,7 +33,7 @@ pub(super) trait SearchTarget {
     /// A state's residual with its unit.
     fn residual(of_state: f64) -> Residual;
 
-    /// The least residual that a result between two states may have; `None` where there is none, or no lower bound.
+    /// The least residual that a result between two states may have; `None` without one, or without a lower bound.
     fn least_between(&self, _from: &PathState, _to: &PathState) -> Option<f64> {
         None
     }
@@ -108,7 +108,7 @@ impl SearchTarget for NearestT2Target {
     }
 }
 
-/// What T2's distance cannot fall below between two states.
+/// A lower bound of T2's distance between two states.
 fn lower_bound_mm(from: &PathState, to: &PathState) -> f64 {
     let travel_mm = (to.force_n - from.force_n).abs() * from.rate.max(to.rate).sqrt();
     0.5 * (from.residual + to.residual) - travel_mm
@@ -154,7 +154,7 @@ impl PathState {
         self.value * sign < 0.0
     }
 
-    /// How far T2 moves when the force grows by so much.
+    /// How far T2 moves when the force grows by `step_n`.
     pub fn travel_mm(&self, step_n: f64) -> f64 {
         step_n.abs() * self.t2_rate.norm()
     }

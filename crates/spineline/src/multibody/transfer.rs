@@ -9,7 +9,7 @@ type Axis = nalgebra::Vector4<f64>;
 /// A vertebra's axes, and the wrench about the joint above it in these axes.
 ///
 /// A hinge's angle follows from the moment along its axis. Turned with the axes, the moment need not be taken anew at every
-/// hinge's place, so that one angle waits for the angle before it and for nothing else.
+/// hinge's place, so each angle depends only on the angle before it.
 pub(super) struct WrenchTransfer {
     axes: [Axis; 3],
     moment_nmm: [f64; 3],

@@ -123,9 +123,9 @@ pub fn estimate_load(
     EstimatedLoad { components }
 }
 
-/// Inverse of a symmetric matrix with a diagonal of ones; of what it determines, where it does not determine all.
+/// Inverse of a symmetric matrix with a diagonal of ones; a pseudo-inverse if it is nearly singular.
 fn inverse_of(scaled: Matrix3<f64>) -> Matrix3<f64> {
-    /// Below this pivot, digits are lost; a pseudo-inverse keeps what is left.
+    /// Below this pivot, digits are lost; a pseudo-inverse keeps the rest.
     const SAFE_PIVOT: f64 = 1e-3;
     match scaled.cholesky() {
         Some(factor) if factor.l_dirty().diagonal().iter().all(|pivot| *pivot > SAFE_PIVOT) => {

@@ -16,7 +16,7 @@ pub struct JointEvidence {
     pub centre_mm: Vec3,
     /// Across the disc: along the line between the midpoints, as long as the disc is thick.
     pub disc_mm: Frontal,
-    /// From the centre of a hinge to the middle of a joint that turns evenly between the two midpoints.
+    /// From the centre of a hinge to the centre of a joint that bends uniformly between the two midpoints.
     pub to_evener_mm: Frontal,
     /// Lateral hinge axis on the film.
     pub hinge: Vec3,
@@ -196,7 +196,7 @@ impl FilmEvidence {
             .collect()
     }
 
-    /// By how much these grow where every joint's centre is shifted.
+    /// Their change by a shift of every joint's centre.
     pub(super) fn shifted_responses(
         &self,
         shift_mm: impl Fn(&JointEvidence) -> Frontal,
@@ -230,7 +230,7 @@ impl FilmEvidence {
         let work = |j: usize| (arms[j] * self.joints[j].rotation.rad()).abs();
         let total: f64 = (0..arms.len()).map(work).sum();
         (0..arms.len())
-            // A joint that does not turn but for rounding contradicts nothing.
+            // A joint that turns only by rounding does not contradict the load.
             .filter(|&j| arms[j] * self.joints[j].rotation.rad() < -1e-9 * total)
             .map(|j| {
                 let rotation = self.joints[j].rotation;

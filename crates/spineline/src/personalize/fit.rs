@@ -42,13 +42,13 @@ pub struct Personalization {
     pub variance_factor: f64,
     /// Singular values of the derivative of the data by the unknowns `(ln α, ln F)`: small ones are not identified.
     pub singular_values: Vec<f64>,
-    /// The minima that starts ended in, the best first, but for those that are far worse: other readings of these films have
-    /// theirs near them. Loads are those before a known force scales them.
+    /// The minima in which starts ended, the best first, without those far worse: warm starts for other readings of these films. Their
+    /// loads are not yet scaled by a known force.
     pub(crate) minima: Vec<Start>,
 }
 
 impl Personalization {
-    /// Where a fit may start that is to end near this one.
+    /// A warm start for a fit that ends near this one.
     pub(super) fn as_start(&self) -> Start {
         let unscaled =
             |load: &Vec<f64>| load.iter().map(|part| part / self.absolute_scale).collect();
@@ -59,7 +59,7 @@ impl Personalization {
     }
 }
 
-/// Springs that were fitted: those of a spine in groups.
+/// The fitted springs of a spine, in groups.
 #[derive(Debug, Clone, Copy)]
 pub struct FittedSprings<'a> {
     /// The unloaded spine.
@@ -70,8 +70,8 @@ pub struct FittedSprings<'a> {
     pub groups: &'a JointGroups,
 }
 
-/// Data met so well leave nothing for another start to improve: half a degree is what a careful reading of 0.25 mm does
-/// to a Ferguson angle, and one is the standard deviation of a location or tilt.
+/// Residuals at which no other start is tried: half a degree is the effect of a careful reading of 0.25 mm on a Ferguson angle, and
+/// one is the standard deviation of a location or tilt.
 const fn satisfied_rms(target: FitTarget) -> f64 {
     match target {
         FitTarget::Ferguson => 0.5,
@@ -81,11 +81,11 @@ const fn satisfied_rms(target: FitTarget) -> f64 {
 
 /// Fits multipliers and loads to bending films.
 ///
-/// `erect` is the film on which `model` was built. The loads that come back are in N and N·mm in `G`, up to the level that
+/// `erect` is the film on which `model` was built. The returned loads are in N and N·mm in `G`, up to the level that
 /// the gauge fixes.
 ///
 /// # Errors
-/// None: an ending without result is a status. With no film, the nominal stiffness comes back as not evaluable.
+/// None: an ending without result is a status. With no film, the nominal stiffness is returned as not evaluable.
 ///
 /// ```
 /// use spineline::action::LineOfAction;
@@ -175,7 +175,7 @@ pub(crate) fn personalize_with(
     known: &Known<'_>,
 ) -> Personalization {
     let settings = known.settings;
-    // Films that the model explains badly say less, and nature varies no less: what they say is weighed without the prior.
+    // The prior becomes stronger with the variance of the films about the model, which a fit without the prior estimates.
     let free = settings.prior.map(|_| {
         let settings = FitSettings { prior: None, ..*settings };
         let known = Known { settings: &settings, ..*known };
@@ -210,7 +210,7 @@ pub(crate) fn personalize_with(
     }
 }
 
-/// Follows the minima of other readings, and where there are none, or they have become poor, refines starts of all kinds.
+/// Follows the minima of other readings, and if they are missing or poor, refines starts of all kinds.
 fn find_best(
     problem: &mut Problem<'_>,
     springs: FittedSprings<'_>,
@@ -218,7 +218,7 @@ fn find_best(
     known: &Known<'_>,
     free: Option<&Personalization>,
 ) -> Best {
-    /// Fits that are so much worse than that of other readings have other minima.
+    /// With fits that are this factor worse than the fit of other readings, the minima are other ones.
     const WORSE: f64 = 1.5;
     let FittedSprings { model, library, groups } = springs;
     let enough = satisfied_rms(problem.target());
@@ -253,7 +253,7 @@ fn bound_of(log_multiplier: f64) -> StiffnessBound {
     }
 }
 
-/// What comes back where no start could be evaluated.
+/// The result if no start could be evaluated.
 fn nominal(groups: &JointGroups, films: &[FitFilm<'_>], starts: u32) -> Personalization {
     Personalization {
         log_multipliers: vec![0.0; groups.len()],
@@ -322,7 +322,7 @@ impl Best {
         }
     }
 
-    /// Follows the minima of another fit, the one that these data like best first.
+    /// Follows the minima of another fit, the one that fits these data best first.
     fn follow(&mut self, problem: &mut Problem<'_>, minima: &[Start], enough: f64) {
         let mut priced = problem.priced(minima);
         priced.sort_by(|a, b| a.1.total_cmp(&b.1));

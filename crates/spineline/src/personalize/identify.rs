@@ -40,13 +40,12 @@ use crate::least_squares::{FitStatus, Minimum, minimize};
 /// How often a 95 % interval of a multiplier holds the true one, in words: wherever such an interval is shown, by profile or over replicates.
 pub const MULTIPLIER_COVERAGE: &str = "A 95 % interval of a multiplier holds the true one in 95 % only if the model is exact. On synthetic spines that are not built as the model is, intervals held the true one in 34 to 79 % (spines of this project) and in 30 to 44 % (spines that others built).";
 
-/// What the data of a fit say of its multipliers.
+/// Identifiability of the multipliers from the data of a fit.
 ///
 /// # Definition
-/// Residuals count in standard deviations of their measurement. Where the fit leaves more than those explain, every
-/// deviation and limit below is widened by [`Identifiability::variance_factor`]; where it leaves less, by nothing. A prior is
-/// not widened. The scales of the films ([`crate::measure::FilmLength`]) are held at the values found before the fit: everything
-/// here is conditional on them.
+/// Residuals count in standard deviations of their measurement. Where they exceed this noise, every deviation and limit below is
+/// widened by [`Identifiability::variance_factor`]. A prior is not widened. The scales of the films ([`crate::measure::FilmLength`])
+/// are held at the values found before the fit: everything here is conditional on them.
 ///
 /// # References
 /// [raue-2009] for the profile likelihood; [gutenkunst-2007] for the directions.
@@ -56,13 +55,13 @@ pub struct Identifiability {
     pub variance_factor: f64,
     /// Measured numbers minus fitted ones.
     pub freedom: usize,
-    /// Directions among the `ln α`, the least identified first, from the films alone: no gauge, no prior.
+    /// Directions among the `ln α`, the least identified first, from the films alone: without gauge and prior.
     pub directions: Vec<StiffnessDirection>,
     /// Per group.
     pub multipliers: Vec<MultiplierInformation>,
 }
 
-/// A way in which all `ln α` may change together, and how well the films fix it.
+/// A direction in which all `ln α` may change together, and how well the films fix it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct StiffnessDirection {
     /// Its part in every group's `ln α`; of length 1.
@@ -73,7 +72,7 @@ pub struct StiffnessDirection {
     pub gauge_share: f64,
 }
 
-/// What is known of one multiplier under the gauge.
+/// Identifiability of one multiplier under the gauge.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MultiplierInformation {
     /// Standard deviation of `ln α` from the films alone, by curvature; infinite where they do not fix it.
@@ -85,7 +84,7 @@ pub struct MultiplierInformation {
 }
 
 impl MultiplierInformation {
-    /// Part of what is known that comes from the films and not from a prior of this deviation, 0 to 1.
+    /// Part of the information that comes from the films and not from a prior of this deviation, 0 to 1.
     #[must_use]
     pub fn film_share(&self, prior_log_sd: f64) -> Option<f64> {
         let ratio = self.log_sd_with_prior? / prior_log_sd;
@@ -93,7 +92,7 @@ impl MultiplierInformation {
     }
 }
 
-/// The best that the fit can do when one `ln α` is held at one value after another.
+/// The best fit for every held value of one `ln α`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Profile {
     /// Points in the order of `ln α`.
@@ -125,13 +124,13 @@ pub enum ProfileEnd {
 }
 
 named! {
-    /// What a profile says of its multiplier.
+    /// The verdict of a profile on its multiplier.
     pub enum ProfileVerdict {
         /// An interval with two ends.
         Interval = "interval" as "identified as a ratio",
-        /// It is at least so stiff.
+        /// The stiffness has a lower limit.
         OnlyLower = "only_lower" as "only a lower limit",
-        /// It is at most so stiff.
+        /// The stiffness has an upper limit.
         OnlyUpper = "only_upper" as "only an upper limit",
         /// Every stiffness within the bounds explains the films about as well.
         NotIdentified = "not_identified" as "not identified",
@@ -144,7 +143,7 @@ impl Profile {
     /// Rise of the sum of squares at the ends of the 95 % interval if the model is exact: 95 % of chi-squared on one degree of freedom.
     pub const LIMIT: f64 = 3.841_458_820_694_124;
 
-    /// What it says.
+    /// Its verdict.
     #[must_use]
     pub fn verdict(&self) -> ProfileVerdict {
         match (self.lower, self.upper) {
@@ -156,14 +155,14 @@ impl Profile {
         }
     }
 
-    /// Whether a point does better than the fit: then that was no minimum.
+    /// Whether a point does better than the fit: then the fit was not a minimum.
     #[must_use]
     pub fn improves(&self) -> bool {
         self.points.iter().any(|point| point.rise < -IMPROVEMENT)
     }
 }
 
-/// A rise that is lower than this is a better fit, and no rounding.
+/// A rise that is lower than this is a better fit, not rounding.
 const IMPROVEMENT: f64 = 1e-3;
 /// Most points on one side, before and while its end is narrowed down.
 const MAX_STEPS: usize = 24;
@@ -225,7 +224,7 @@ impl<'p, 'a> ConvergedFit<'p, 'a> {
         Some(Self { problem, minimum, bounds, groups, factor: fit.variance_factor, freedom })
     }
 
-    /// Derivatives of what was measured by every `ln α`, less what free loads can make up for.
+    /// Derivatives of what was measured by every `ln α`, less the part that free loads can compensate.
     fn information(&self) -> DMatrix<f64> {
         let data = self.minimum.system.jacobian.rows(0, self.problem.data_rows());
         let stiffness = data.columns(0, self.groups).into_owned();
@@ -358,7 +357,7 @@ impl<'p, 'a> ConvergedFit<'p, 'a> {
     ) -> Option<(f64, DVector<f64>)> {
         let [mut lower, mut upper] = self.bounds.clone();
         let mut x = near.clone();
-        // The others share what the gauge needs.
+        // The others take the change that the gauge needs.
         let shift = (x[group] - value) / (self.groups - 1).max(1) as f64;
         for i in (0..self.groups).filter(|&i| i != group && self.problem.holds_mean()) {
             x[i] += shift;

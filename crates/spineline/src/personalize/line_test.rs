@@ -9,7 +9,7 @@ use super::preferred::PreferredLoads;
 use super::tilt_errors::of_film;
 use crate::spatial::{Angle, Frontal};
 
-/// What is proposed of the line on one film.
+/// A proposal for the line on one film.
 #[derive(Debug, Clone, PartialEq)]
 pub enum ProposedLine {
     /// It runs through two points, which are known up to a covariance of `(y, z)` of the first and of the second, in mm².
@@ -31,12 +31,12 @@ pub enum ProposedLine {
 /// A test of a proposal.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LineTest {
-    /// Sum of squares of what should vanish, in its standard deviations.
+    /// Sum of squares of the numbers that should vanish, in its standard deviations.
     pub chi_squared: f64,
     /// Numbers that should vanish: 2 for a line, 1 for a direction.
     pub restrictions: u32,
-    /// Degrees of freedom of these deviations, as far as they come from how readings differ; `None` where noise was assumed, or where
-    /// they are so many that they make no difference.
+    /// Degrees of freedom of these deviations, if they come from differences of readings; `None` where noise was assumed, or where they
+    /// are too many to matter.
     pub noise_degrees_of_freedom: Option<f64>,
     /// Probability of a larger statistic if the proposal is true.
     pub p_value: f64,
@@ -51,7 +51,7 @@ pub enum Crossing {
     Open,
 }
 
-/// What is less probable than this is rejected, here and in every other test.
+/// Tests reject at lower p values, here and everywhere else.
 pub const SIGNIFICANCE: f64 = 0.05;
 /// 95 % of chi-squared on one degree of freedom.
 const KNOWN_LIMIT: f64 = 3.841_458_820_694_124;
@@ -74,8 +74,8 @@ impl PreferredLoads {
     /// Tests a proposal on one film.
     ///
     /// # Definition
-    /// A force along a line has no moment about points of it, and no part across its direction: these numbers are linear in
-    /// the load. Their covariance is that of the load and, by the load's force, that of the points or the direction.
+    /// A force along a line has no moment about points of it, and no part across its direction: these numbers are linear in the load.
+    /// Their covariance comes from the load and, by the load's force, from the points or the direction.
     #[must_use]
     pub fn test(&self, film: usize, proposal: &ProposedLine) -> Option<LineTest> {
         let [fy, fz, mx] = *self.components.get(film)?;
@@ -264,7 +264,7 @@ mod tests {
         let freedom = test.noise_degrees_of_freedom.expect("estimated noise");
         let closed_form = (1.0 + test.chi_squared / freedom).powf(-0.5 * freedom);
         assert!((test.p_value - closed_form).abs() < 1e-12 && freedom > 2.0);
-        // Points that are known much worse than the noise leave nothing to its degrees of freedom.
+        // If points are known much worse than the noise, its degrees of freedom do not matter.
         let unsure = ProposedLine::Through { points, covariance: Matrix4::identity() * 1e6 };
         assert_eq!(loads.test(0, &unsure).expect("a load").noise_degrees_of_freedom, None);
     }

@@ -14,52 +14,52 @@ use super::weights::{Normal, Precision, inverse_of, scale_columns};
 use crate::clinical::JointShares;
 use crate::multibody::Load;
 
-/// Variances beyond these are none of springs (of `ln`, by joint), of centres (in discs) and of springs along the spine (of `ln`).
+/// Upper bounds of the variances: of springs (of `ln`, by joint), of centres (in discs) and of springs along the spine (of `ln`).
 pub(super) const MAX_VARIANCES: Vector3<f64> = Vector3::new(1.0, 4.0, 1.0);
 /// Centres of rotation lie between the middles of the vertebrae.
 const MAX_HIGHER_DISCS: f64 = 3.0;
 /// Deviation of the shared shift of the centres before films are seen: loads and this shift are hard to tell apart.
 const HIGHER_SD_DISCS: f64 = 1.0;
-/// Variances below this part of the most are none.
+/// The least variance as a part of the upper bound: in effect zero.
 const MIN_OF_MAX_VARIANCE: f64 = 1e-9;
-/// How evenly joints turn is not known: anywhere between a hinge, 0, and a rod, 1. Mean and deviation of that.
+/// Mean and standard deviation of the prior of the evenness with which joints turn: from 0, a hinge, to 1, a rod.
 const EVENNESS: f64 = 0.5;
 const EVENNESS_SD: f64 = 0.289;
 /// Gamma priors of the deviations, flat but near zero where they vanish: shape 2 [chung-2013]. Per `ln` of a variance, half of the shape
 /// beyond one.
 const PRIOR: f64 = 0.5;
-/// A longer step of multipliers leaves what the linear theory knows.
+/// A longer step of multipliers leaves the range of the linear theory.
 const MAX_LOG_STEP: f64 = 0.5;
 
-/// Rotations of all films below one another, and what is fitted to them.
+/// Rotations of all films below one another, and the numbers fitted to them.
 pub(super) struct Fit<'a> {
     films: usize,
     joints: usize,
     shares: &'a JointShares,
     /// Nominal responses to the components of every film's own load.
     responses: Vec<Vec<[f64; 3]>>,
-    /// By how much they grow per disc that a joint turns higher up the spine.
+    /// Their change per disc by which a joint's centre lies higher.
     higher: Vec<Vec<[f64; 3]>>,
     centres_higher_discs: f64,
-    /// By how much they grow from hinges to joints that turn evenly over their length.
+    /// Their change from hinges to joints that bend uniformly.
     evener: Vec<Vec<[f64; 3]>>,
-    /// How far joints are from hinges, which is 0, to such ones, which is 1.
+    /// From 0 for hinges to 1 for joints that bend uniformly.
     evenness: f64,
     rotations: DMatrix<f64>,
     precision: Precision,
     waves: &'a Waves,
     pub loads: DVector<f64>,
     logs: Vec<f64>,
-    /// What joints have of their own, about which the equations are linear.
+    /// Random effects of the joints, about which the equations are linear.
     own: Vec<OwnParts>,
-    /// By what every joint turns more than with nominal springs, group by group: its parts in several groups turn one after the other.
+    /// Compliance of every joint over the nominal one, by group: the parts of a joint in several groups act in series.
     softness_by_group: DMatrix<f64>,
-    /// The same of all its parts.
+    /// Its sum over the groups.
     softness: DVector<f64>,
     by_loads: LoadColumns,
 }
 
-/// Rotations by the loads' components at the unknowns of now, in scaled columns.
+/// Rotations by the loads' components at the present unknowns, in scaled columns.
 #[derive(Default)]
 struct LoadColumns {
     columns: DMatrix<f64>,
@@ -72,7 +72,7 @@ struct LoadColumns {
 pub(super) struct Linearized<'a> {
     /// By the loads, the free multipliers and the centres, in scaled columns.
     scales: DVector<f64>,
-    /// Rotations by these, and what joints have of their own as it follows them.
+    /// Derivatives of the rotations by these, and of the random effects that follow them.
     jacobian: DMatrix<f64>,
     own_by_fitted: DMatrix<f64>,
     /// Derivative of the likelihood by the fitted numbers.
@@ -80,9 +80,9 @@ pub(super) struct Linearized<'a> {
     /// Their covariance.
     covariance: DMatrix<f64>,
     own: RandomEffects<'a>,
-    /// The same as they are predicted, joint by joint.
+    /// Predicted random effects, joint by joint.
     pub expected: Vec<OwnParts>,
-    /// Rotations by those about which the equations are linear.
+    /// Rotations by the random effects about which the equations are linear.
     by_own: DMatrix<f64>,
     /// Of the restricted likelihood by the variances.
     score: Vector3<f64>,
@@ -96,12 +96,12 @@ impl Linearized<'_> {
         (&self.covariance * &self.slope).component_div(&self.scales)
     }
 
-    /// One scoring step of the variances' logarithms. Their priors keep them off zero, where nothing would be known of them.
+    /// One scoring step of the variances' logarithms. Their priors keep them above zero, where the films would not determine them.
     fn scoring_step(&self, variances: Vector3<f64>) -> Vector3<f64> {
         const MAX_LOG_SCORING_STEP: f64 = 2.0;
         let score = variances.component_mul(&self.score).add_scalar(PRIOR);
         let scaled = Matrix3::from_diagonal(&variances);
-        // The priors have no curvature in logarithms; this much keeps a step finite where films say nothing.
+        // The priors lack curvature in logarithms; this much keeps a step finite where films say nothing.
         let information = scaled * self.information * scaled + Matrix3::identity() * 0.25;
         let step = information.try_inverse().map_or(score, |inverse| inverse * score);
         variances.zip_map(&step, |v, step| {
@@ -146,19 +146,18 @@ impl<'a> Fit<'a> {
             softness: DVector::default(),
             by_loads: LoadColumns::default(),
         };
-        fit.take_unknowns();
+        fit.update_derived();
         Some(fit)
     }
 
-    /// Takes multipliers, centres and evenness from elsewhere.
+    /// Sets multipliers, centres and evenness.
     pub fn begin(&mut self, logs: &[f64], centres_higher_discs: f64, evenness: f64) {
         self.logs.copy_from_slice(logs);
         (self.centres_higher_discs, self.evenness) = (centres_higher_discs, evenness);
-        self.take_unknowns();
+        self.update_derived();
     }
 
-    /// Goes a part of the way to what joints are expected to have of their own, and answers with the largest change. Unknowns are to be
-    /// taken after it.
+    /// Damped update of the random effects; returns the largest change. [`Fit::set_unknowns`] or [`Fit::begin`] has to follow.
     pub fn take_own(&mut self, expected: &[OwnParts], part: f64) -> f64 {
         let mut most = 0.0_f64;
         for (own, expected) in self.own.iter_mut().zip(expected) {
@@ -171,8 +170,8 @@ impl<'a> Fit<'a> {
         most
     }
 
-    /// What follows from multipliers, centres, evenness and what joints have of their own.
-    fn take_unknowns(&mut self) {
+    /// Updates the values that depend on multipliers, centres, evenness and random effects.
+    fn update_derived(&mut self) {
         let softness_of_group: Vec<f64> = self.logs.iter().map(|log| (-log).exp()).collect();
         let softer: Vec<f64> = self.own.iter().map(|own| own.log_softness.exp()).collect();
         self.softness_by_group = DMatrix::from_fn(self.joints, self.logs.len(), |joint, group| {
@@ -202,7 +201,7 @@ impl<'a> Fit<'a> {
         LoadColumns { weighed: self.precision.times_of_films(&columns), columns, scales }
     }
 
-    /// Rotations by the loads of now of all films' joints, with such responses.
+    /// Rotations of all films' joints by the present loads, with these responses.
     fn rotations_by(&self, responses: &[Vec<[f64; 3]>]) -> DMatrix<f64> {
         DMatrix::from_fn(self.joints, self.films, |joint, film| {
             let load = &self.loads.as_slice()[3 * film..3 * film + 3];
@@ -211,7 +210,7 @@ impl<'a> Fit<'a> {
         })
     }
 
-    /// Directions among the `ln α` that keep their mean and leave those at a bound where they are.
+    /// Directions among the `ln α` that keep their mean without those at a bound.
     fn free_directions(&self) -> DMatrix<f64> {
         let g = self.logs.len();
         let limit = MULTIPLIER_BOUNDS[1].ln();
@@ -283,7 +282,7 @@ impl<'a> Fit<'a> {
         })
     }
 
-    /// Rotations by what joints have of their own, from those of all films by the loads and by centres a disc higher, joints by films.
+    /// Rotations by the random effects, from the rotations by the loads and by centres a disc higher; joints by films.
     fn rotations_by_own(&self, by_loads: &DMatrix<f64>, higher: &DMatrix<f64>) -> DMatrix<f64> {
         DMatrix::from_fn(self.rotations.len(), 1, |row, _| {
             let own = &self.own[row % self.joints];
@@ -318,8 +317,7 @@ impl<'a> Fit<'a> {
         IterationStep { from, to }
     }
 
-    /// All that is not linear: `ln` of the variances, `ln α`, and of centres how much higher they lie, as a part of the most, and
-    /// how evenly joints turn.
+    /// All nonlinear unknowns: `ln` of the variances, `ln α`, the shift of the centres as a part of its maximum, and the evenness.
     pub fn place(&self, variances: Vector3<f64>) -> DVector<f64> {
         let variances = variances.map(f64::ln);
         let all = variances.iter().chain(&self.logs).copied();
@@ -332,7 +330,7 @@ impl<'a> Fit<'a> {
         beside_each_other(&self.place(variances), &self.loads.component_div(sizes))
     }
 
-    /// Takes all of such a place, and answers with its variances.
+    /// Sets all unknowns of such a place, and returns its variances.
     pub fn set_place_with_loads(
         &mut self,
         place: &DVector<f64>,
@@ -375,7 +373,7 @@ impl<'a> Fit<'a> {
 
     /// Size of the force and moment of every load component, by which changes are measured.
     pub fn load_sizes(&self) -> DVector<f64> {
-        /// A force acts at least so far off.
+        /// Least distance of a force.
         const LEAST_ARM_MM: f64 = 100.0;
         let sizes = self.loads.as_slice().chunks_exact(3).flat_map(|load| {
             let force = load[0].hypot(load[1]).max(f64::MIN_POSITIVE);
@@ -396,17 +394,17 @@ impl<'a> Fit<'a> {
         *higher = higher.clamp(-1.0, 1.0);
     }
 
-    /// Takes multipliers, centres and evenness of a place, and answers with its variances.
+    /// Sets multipliers, centres and evenness of a place, and returns its variances.
     pub fn set_unknowns(&mut self, place: &DVector<f64>) -> Vector3<f64> {
         let groups = self.logs.len();
         self.logs.copy_from_slice(&place.as_slice()[VARIANCES..VARIANCES + groups]);
         self.centres_higher_discs = place[VARIANCES + groups] * MAX_HIGHER_DISCS;
         self.evenness = place[VARIANCES + 1 + groups];
-        self.take_unknowns();
+        self.update_derived();
         Vector3::from_fn(|i, _| place[i].exp())
     }
 
-    /// The best loads at the multipliers of now, which is linear; what joints have of their own is that of an earlier step.
+    /// The best loads at the present multipliers, which is linear; the random effects come from an earlier step.
     pub fn solve_loads(&mut self, at: Option<&Linearized<'_>>) -> Option<()> {
         let by_loads = &self.by_loads;
         let no_own = || self.rotations.clone();
@@ -421,7 +419,7 @@ impl<'a> Fit<'a> {
         Some(())
     }
 
-    /// By how much every load component grows with the error of every rotation, components by rotations: `(X' V^-1 X)^-1 X' V^-1`.
+    /// Derivatives of every load component by the error of every rotation, components by rotations: `(X' V^-1 X)^-1 X' V^-1`.
     fn loads_by_errors(&self, at: &Linearized<'_>) -> DMatrix<f64> {
         let loads = 3 * self.films;
         let fitted = &at.covariance.columns(0, loads);

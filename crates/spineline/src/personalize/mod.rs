@@ -53,7 +53,7 @@ use crate::clinical::Regions;
 use crate::measure::Outline;
 use crate::multibody::{Load, Support};
 
-/// The scale constraint: what fixes the overall level of stiffness and force.
+/// The scale constraint, which fixes the overall level of stiffness and force.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub enum Gauge {
     /// Mean `ln α` is zero: multipliers are ratios, forces have no absolute meaning.
@@ -95,8 +95,8 @@ named! {
     }
 }
 
-/// What is known of stiffness before the films: every multiplier's distance from their mean, `ln α - mean ln α`, is normal
-/// about zero. It concerns ratios only, as the films do.
+/// Prior of the stiffness: every multiplier's distance from their mean, `ln α - mean ln α`, is normal
+/// about zero. Like the films, it concerns only ratios.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LogNormalPrior {
     /// Standard deviation of `ln α`.
@@ -124,7 +124,7 @@ pub struct FitFilm<'a> {
     pub load: Load,
 }
 
-/// What a fit needs beside its films.
+/// The settings of a fit.
 #[derive(Debug, Clone, Copy)]
 pub struct FitSettings<'a> {
     /// Regions of the Ferguson angles.
@@ -137,13 +137,13 @@ pub struct FitSettings<'a> {
     pub support: Support,
     /// The prior of the multipliers; `None` for the films alone.
     pub prior: Option<LogNormalPrior>,
-    /// Starts beside those in closed form, such as what a fit with another line has found.
+    /// Starts beside those in closed form, such as the results of a fit with another line.
     pub hints: &'a [Start],
 }
 
 impl FitSettings<'_> {
-    /// The same, for films that scatter about the model by a factor of their noise's variance: residuals stay in deviations of
-    /// the noise, and the prior holds as much harder.
+    /// The same for films whose variance about the model is a factor of the noise's: residuals stay in standard deviations of the
+    /// noise, and the variance of the prior is divided by the factor.
     pub(crate) fn weighed(&self, variance_factor: f64) -> Self {
         let weighed = |prior: LogNormalPrior| LogNormalPrior {
             log_sd: prior.log_sd / variance_factor.sqrt(),

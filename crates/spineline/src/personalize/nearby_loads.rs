@@ -1,15 +1,15 @@
 //! Loads of best fit to other readings of films that were fitted before.
 //!
 //! # Equations
-//! One round of the iteration takes a place `x`, of all unknowns and the loads, to `x + s(x)`, and has ended where `s` vanishes. Films
-//! that were read again have their end at another place, but `s` changes with the place nearly as it does for the first readings:
+//! One round of the iteration takes a place `x`, of all unknowns and the loads, to `x + s(x)`, and has converged where `s` vanishes.
+//! Films that were read again converge at another place, but `s` changes with the place nearly as it does for the first readings:
 //!
 //! ```text
 //! P = -(ds/dx)^-1  at the end of the first readings' fit,   x <- x + P s(x)
 //! ```
 //!
-//! which is Newton's method with a derivative from nearby. What joints have of their own, about which the equations are linear, stays
-//! that of the first readings. Its steps are extrapolated [anderson-1965]. The mean of `ln alpha` is held,
+//! which is Newton's method with a derivative from nearby. The random effects, about which the equations are linear, keep the values
+//! of the first readings. Its steps are extrapolated [anderson-1965]. The mean of `ln alpha` is held,
 //! so that `s` has no part along it: there `ds/dx` is taken as -1.
 
 use nalgebra::{DMatrix, DVector, Vector3};
@@ -21,12 +21,12 @@ use super::preferred::{CONVERGED_STEP, PreferredLoads};
 use super::random_effects::{OwnParts, VARIANCES, Waves};
 use crate::clinical::JointShares;
 
-/// A fit from nearby that takes longer has its end elsewhere.
+/// A warm-started fit that needs more rounds converges elsewhere.
 const ROUNDS: usize = 25;
 /// Steps that are extrapolated.
 const MEMORY: usize = 5;
 
-/// Where the fit to some readings ended, and how the steps of its iteration change about there.
+/// The end of the fit to some readings, and the derivative of its steps there.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct NearbyLoads {
     /// Its unknowns and its loads, these in parts of their sizes.
@@ -34,8 +34,8 @@ pub(crate) struct NearbyLoads {
     sizes: DVector<f64>,
     groups: usize,
     own: Vec<OwnParts>,
-    /// How far to go per step.
-    pace: DMatrix<f64>,
+    /// Minus the inverse derivative of a step.
+    step_matrix: DMatrix<f64>,
 }
 
 impl NearbyLoads {
@@ -52,20 +52,21 @@ impl NearbyLoads {
         let sizes = fit.load_sizes();
         let place = fit.place_with_loads(variances, &sizes);
         let all = place.len();
-        // Where a multiplier is on its bound, steps change by leaps.
-        let pace = if fit.is_bounded(&place) { None } else { pace_at(&mut fit, &place, &sizes) };
-        let pace = pace.unwrap_or_else(|| DMatrix::identity(all, all));
+        // With a multiplier on its bound, the step is discontinuous.
+        let step_matrix =
+            if fit.is_bounded(&place) { None } else { step_matrix_at(&mut fit, &place, &sizes) };
+        let step_matrix = step_matrix.unwrap_or_else(|| DMatrix::identity(all, all));
         let (groups, own) = (found.log_multipliers.len(), found.own.clone());
-        Some(Self { place, sizes, groups, own, pace })
+        Some(Self { place, sizes, groups, own, step_matrix })
     }
 
-    /// Whether its unknowns are those of a fit with so many groups.
+    /// Whether it has this number of groups.
     pub fn has_groups(&self, groups: usize) -> bool {
         self.groups == groups
     }
 
-    /// Iterates from there until nothing moves; the variances at the end, and the equations up to the last step from it. `None` where the
-    /// end is not nearby.
+    /// Iterates from there to convergence; the variances at the end, and the equations up to the last step. `None` if the end is not
+    /// nearby.
     pub(super) fn settle<'a>(&self, fit: &mut Fit<'a>) -> Option<(Vector3<f64>, Linearized<'a>)> {
         fit.take_own(&self.own, 1.0);
         let mut place = self.place.clone();
@@ -74,7 +75,7 @@ impl NearbyLoads {
             let variances = fit.set_place_with_loads(&place, &self.sizes);
             let state = fit.linearize(variances)?;
             let step = fit.step_with_loads(&state, variances, &self.sizes);
-            let to = &place + &self.pace * step;
+            let to = &place + &self.step_matrix * step;
             let step = IterationStep { from: place, to };
             if self.has_converged(&step) {
                 return Some((fit.set_place_with_loads(&step.to, &self.sizes), state));
@@ -86,7 +87,7 @@ impl NearbyLoads {
         None
     }
 
-    /// Whether a step is the last one. Steps foresee the end, so that what is left after one is a small part of it.
+    /// Whether a step is the last one. Steps predict the end: the remaining distance is a small part of a step.
     fn has_converged(&self, step: &IterationStep) -> bool {
         /// Of loads, in parts of their sizes, and of `ln` of the variances, on which the loads depend little.
         const CONVERGED: f64 = 10.0 * CONVERGED_STEP;
@@ -96,8 +97,12 @@ impl NearbyLoads {
     }
 }
 
-/// Minus the inverse of a step's derivative by the place, by differences; `None` where there is none.
-fn pace_at(fit: &mut Fit<'_>, place: &DVector<f64>, sizes: &DVector<f64>) -> Option<DMatrix<f64>> {
+/// Minus the inverse of a step's derivative by the place, by differences; `None` without one.
+fn step_matrix_at(
+    fit: &mut Fit<'_>,
+    place: &DVector<f64>,
+    sizes: &DVector<f64>,
+) -> Option<DMatrix<f64>> {
     const DIFFERENCE: f64 = 1e-4;
     let mut step_beside = |unknown: usize, by: f64| {
         let mut beside = place.clone();
@@ -114,6 +119,6 @@ fn pace_at(fit: &mut Fit<'_>, place: &DVector<f64>, sizes: &DVector<f64>) -> Opt
     let groups = fit.groups();
     let mut logs = rates.view_mut((VARIANCES, VARIANCES), (groups, groups));
     logs.add_scalar_mut(-1.0 / groups as f64);
-    let pace = -rates.try_inverse()?;
-    pace.iter().all(|part| part.is_finite()).then_some(pace)
+    let step_matrix = -rates.try_inverse()?;
+    step_matrix.iter().all(|part| part.is_finite()).then_some(step_matrix)
 }

@@ -2,21 +2,20 @@
 //!
 //! # Model
 //! The rotation of joint `j` on a film is `(a_j · w) / α e^(δ_j)` and noise: `w` is the planar load, `a_j` its nominal
-//! response about the joint's centre and `α` the multiplier of the joint's group. What a joint has of its own is the same on
-//! every film: `δ_j` of its stiffness, which is a part of its own and a random walk along the spine, since stiffness need not
-//! step where regions end; and a centre that lies higher up the disc than the model has it, by a part of the
-//! disc that all joints share and a part of its own. A joint in which a region ends has springs of both. A hinge's centre
-//! lies where tangents meet; the more evenly joints turn over their length, the nearer it is to the chord. Noise is that of
-//! the tilts: neighbouring joints share a vertebra and all films share the erect one, so that the rotations of all films
-//! have one covariance.
+//! response about the joint's centre and `α` the multiplier of the joint's group. The random effects of a joint are the same on every
+//! film: `δ_j` of its stiffness, the sum of an independent part and a random walk along the spine, since stiffness need not step where
+//! regions end; and a shift of its centre up the disc, the sum of a part that all joints share and an independent part. A joint in
+//! which a region ends has springs of both. A hinge's centre lies where tangents meet; the more evenly joints turn over their length,
+//! the nearer it is to the chord. Noise comes from the tilts: neighbouring joints share a vertebra and all films share the erect one,
+//! so that the rotations of all films have one covariance.
 //!
-//! Loads, multipliers, the shared part of the centres and the evenness are fitted by generalised least squares; the deviations of what
-//! joints have of their own by restricted maximum likelihood (scoring), with priors by which none is zero. So the films
-//! themselves give how far joints of one group differ, and the uncertainty of a load follows from it.
+//! Loads, multipliers, the shared part of the centres and the evenness are fitted by generalised least squares; the standard
+//! deviations of the random effects by restricted maximum likelihood (scoring), with priors that exclude zero. So the films show how
+//! far joints of one group differ, and the uncertainty of a load follows from it.
 //!
 //! # Equations
 //! With the rotations of all films in one vector `y`, the fitted numbers `b` (loads `w`, multipliers `ln alpha`, shared shift
-//! of the centres, evenness), what joints have of their own `u = (delta, centres)` and the noise `e`:
+//! of the centres, evenness), the random effects `u = (delta, centres)` and the noise `e`:
 //!
 //! ```text
 //! y = f(b, u) + e,    u ~ N(0, D),  D = diag(s_1 I + s_3 W, s_2 I),    e ~ N(0, S),  S = S_films (x) S_joints
@@ -26,9 +25,9 @@
 //! ```
 //!
 //! With `X = df/db`, `Z = df/du`, `r = y - f(b, u_0) + Z u_0` and `V = S + Z D Z'`, generalised least squares solve
-//! `X' V^-1 X db = X' V^-1 r`, and the covariance of `b` is `(X' V^-1 X)^-1`; `V^-1` is applied by Woodbury's identity. All are taken
-//! about the `u` that is expected, `u_0` [lindstrom-bates-1990]: the rotations are not linear in `b` and `u` together, and about zero
-//! a film that moves little has its load by responses that other films have shown to be wrong. The variances `s_1` (of `ln`
+//! `X' V^-1 X db = X' V^-1 r`, and the covariance of `b` is `(X' V^-1 X)^-1`; `V^-1` is applied by Woodbury's identity. All are
+//! linearised about the predicted `u`, `u_0` [lindstrom-bates-1990]: the rotations are not linear in `b` and `u` together, and about
+//! zero, a film that moves little would get its load from responses that other films contradict. The variances `s_1` (of `ln`
 //! stiffness), `s_2` (of centres, in discs) and `s_3` (of `ln` stiffness along the spine, mean over the joints) maximise the
 //! restricted likelihood
 //!
@@ -36,14 +35,14 @@
 //! l_R(s) = -1/2 (ln|V| + ln|X' V^-1 X| + r' V^-1 r) + p sum_i ln s_i
 //! ```
 //!
-//! where the last term is the prior. Fisher scoring on `ln s_i` uses its slope and expected curvature, in which `delta` is written by
-//! waves along the spine that make `D` diagonal (`RandomEffects::scoring`).
+//! where the last term is the prior. Fisher scoring on `ln s_i` uses its slope and expected curvature, in which `delta` is written in
+//! a cosine basis along the spine that makes `D` diagonal (`RandomEffects::scoring`).
 //!
-//! One scoring step of the variances, one Gauss-Newton step of `b` and one of `u_0` alternate until nothing moves. Evenness and the
+//! One scoring step of the variances, one Gauss-Newton step of `b` and one of `u_0` alternate to convergence. Evenness and the
 //! shared shift of the centres have normal priors.
 //!
 //! # References
-//! [harville-1977] for the restricted likelihood, [chung-2013] for the priors, [lindstrom-bates-1990] for what is linear about what.
+//! [harville-1977] for the restricted likelihood, [chung-2013] for the priors, [lindstrom-bates-1990] for the linearisation.
 
 use nalgebra::{DMatrix, DVector, Vector3};
 
@@ -62,37 +61,37 @@ pub struct PreferredLoads {
     pub components: Vec<[f64; 3]>,
     /// `ln α` of the lateral springs per group.
     pub log_multipliers: Vec<f64>,
-    /// How much further up their discs the joints turn than the model has their centres, in thicknesses of the disc.
+    /// Shared shift of the joints' centres up their discs, in thicknesses of the disc.
     pub centres_higher_discs: f64,
-    /// How evenly joints turn over their length: 0 for hinges, 1 for a rod.
+    /// Evenness with which joints turn over their length: 0 for hinges, 1 for a rod.
     pub evenness: f64,
     /// Deviation of `ln` stiffness among the joints of a group, of every joint by itself.
     pub joint_log_sd: f64,
-    /// Deviation of `ln` stiffness by what changes slowly along the spine.
+    /// Deviation of `ln` stiffness by the random walk along the spine.
     pub trend_log_sd: f64,
     /// Deviation of the joints' centres along the spine about that, in thicknesses of the disc.
     pub centre_sd_discs: f64,
-    /// What joints have of their own, about which the fit is linear.
+    /// Random effects of the joints, about which the fit is linear.
     pub(super) own: Vec<OwnParts>,
     /// Covariance of all components, film by film, with multipliers free.
     pub(super) covariance: DMatrix<f64>,
-    /// What comes of it from tilts whose variance is estimated.
+    /// Its part from tilts whose variance is estimated.
     pub(super) from_tilts: TiltErrors,
 }
 
 const ROUNDS: usize = 150;
-/// From this round on steps are shortened and not extrapolated: some fits go to and fro.
+/// From this round on steps are shortened and not extrapolated: some fits oscillate.
 const DAMPED_FROM: usize = 30;
 const DAMPING: f64 = 0.35;
 /// The iteration has converged when no unknown moves by more than this.
 pub(super) const CONVERGED_STEP: f64 = 1e-4;
-/// The same of what joints have of their own: the equations know it to first order anyway.
+/// The same for the random effects, which the equations include to first order anyway.
 const CONVERGED_OWN_STEP: f64 = 1e-3;
 
 impl PreferredLoads {
     /// Fits them; `None` without films, where the films' joints do not determine the loads, or where the fit does not converge.
     ///
-    /// `depth_mm` is the sagittal place of the forces. `near` is where the fit to other readings of the same films ended.
+    /// `depth_mm` is the sagittal place of the forces. `near` is a warm start from other readings of the same films.
     #[must_use]
     pub(crate) fn estimate(
         films: &[&FilmEvidence],
@@ -114,7 +113,7 @@ impl PreferredLoads {
         Some(fit.finish(films, variances, &at))
     }
 
-    /// Puts its unknowns in a fit, and answers with its variances.
+    /// Puts its unknowns in a fit, and returns its variances.
     pub(super) fn begin(&self, fit: &mut Fit<'_>) -> Vector3<f64> {
         let sds = [self.joint_log_sd, self.centre_sd_discs, self.trend_log_sd];
         fit.loads =
@@ -125,7 +124,7 @@ impl PreferredLoads {
     }
 }
 
-/// Iterates from some variances until nothing moves; the variances there, and the equations at them.
+/// Iterates from some variances to convergence; the variances there, and the equations at them.
 fn settle<'a>(
     fit: &mut Fit<'a>,
     mut variances: Vector3<f64>,

@@ -57,7 +57,7 @@ impl FilmData {
             }
             let longest = MAX_STEP_RAD / self.solution.fastest_turn(0);
             self.magnitude[0] -= step.clamp(-longest, longest);
-            // What Newton leaves after such a step is its square.
+            // The error after such a step of Newton is its square.
             if miss.abs() < 1e-7 {
                 return self.solve_at_magnitude(statics, wanted);
             }
@@ -104,7 +104,7 @@ impl<'a> Problem<'a> {
         films: &[FitFilm<'_>],
         settings: &FitSettings<'a>,
     ) -> Self {
-        // A free load is a question about the whole shape: three angles and an amplitude could not answer it.
+        // A free load needs the whole shape: three angles and an amplitude do not determine it.
         let mut settings = *settings;
         if films.iter().any(|film| film.load.components() > 1) {
             settings.target = FitTarget::Shape;
@@ -397,7 +397,7 @@ impl<'a> Problem<'a> {
         sum / self.films.len() as f64
     }
 
-    /// What the fit is to.
+    /// The data of the fit.
     pub fn target(&self) -> FitTarget {
         self.settings.target
     }

@@ -1,11 +1,11 @@
-//! What joints have of their own on all films: random effects of their stiffness and of their centres.
+//! Random effects of the joints on all films, of their stiffness and of their centres.
 
 use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 
 use super::weights::{Precision, inverse_of};
 
-/// Waves along the spine, by which what a joint's stiffness has of its own is written: a part of the joint's own and a random walk over
-/// the joints are independent in them.
+/// Cosine basis along the spine for the random effects of stiffness: in it, an independent part and a random walk over the joints
+/// both have a diagonal covariance.
 ///
 /// # Equations
 /// For `n` joints, `j` from 0, the levels of a random walk with a mean of zero have the covariance `U diag(walk) U'` with
@@ -15,13 +15,13 @@ use super::weights::{Precision, inverse_of};
 /// ```
 ///
 /// since its inverse is the matrix of second differences, whose eigenvectors these cosines are [strang-1999]; the variances are scaled
-/// so that their mean over the joints is one. What joints have by themselves has the identity as its covariance, in any such basis.
+/// so that their mean over the joints is one. The independent part has the identity as its covariance, in any such basis.
 pub(super) struct Waves {
-    /// Joints by waves.
+    /// Joints by cosines.
     shapes: DMatrix<f64>,
-    /// Waves by joints.
+    /// Cosines by joints.
     across: DMatrix<f64>,
-    /// Variance of the walk, by wave.
+    /// Variance of the walk, by cosine.
     walk: DVector<f64>,
 }
 
@@ -42,19 +42,19 @@ impl Waves {
     }
 }
 
-/// What one joint has of its own, on all films alike.
+/// Random effects of one joint, on all films alike.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(super) struct OwnParts {
-    /// `ln` of by what it turns more than its group.
+    /// `ln` of its compliance relative to its group.
     pub log_softness: f64,
-    /// How much higher up its disc it turns than all joints do.
+    /// Shift of its centre up its disc relative to all joints.
     pub higher_discs: f64,
 }
 
-/// The joints' random effects: stiffness by waves along the spine, then centres by joint.
+/// The joints' random effects: stiffness in the cosine basis, then centres by joint.
 pub(super) struct RandomEffects<'a> {
     waves: &'a Waves,
-    /// Rotations per unit of what joints have of their stiffness, and per unit of their centres: joints by films.
+    /// Rotations per unit of the effects on stiffness, and per unit of the effects on centres: joints by films.
     rotations: [DMatrix<f64>; 2],
     /// Inverse of every effect's variance before the rotations are known.
     prior: DVector<f64>,
@@ -170,7 +170,7 @@ impl<'a> RandomEffects<'a> {
         (score, information)
     }
 
-    /// By how much the variance of an effect grows with every one of the variances.
+    /// Derivatives of the variance of an effect by every variance.
     fn rates(&self, effect: usize) -> Vector3<f64> {
         match effect.checked_sub(self.waves.walk.len()) {
             None => Vector3::new(1.0, 0.0, self.waves.walk[effect]),
@@ -186,7 +186,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_waves_have_the_covariance_of_a_random_walk() {
+    fn the_basis_has_the_covariance_of_a_random_walk() {
         // Oracle: the walk itself, step by step, its mean over the joints taken away.
         let joints = 14;
         let mut walk = DMatrix::from_fn(joints, joints - 1, |joint, step| f64::from(joint > step));

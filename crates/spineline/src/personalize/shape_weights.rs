@@ -39,13 +39,13 @@ impl ShapeWeights {
         }
     }
 
-    /// Residuals of a vertebra that lies so far off and is turned by so much.
+    /// Residuals of a vertebra with these errors of location and tilt.
     pub fn residuals(&self, off: Frontal, turn: Angle) -> [f64; ROWS_PER_VERTEBRA] {
         let sd_mm = self.location_sd_mm;
         [off.y_mm / sd_mm, off.z_mm / sd_mm, turn.wrapped().rad() / self.tilt_sd_rad]
     }
 
-    /// Their derivatives, from those of location and tilt.
+    /// Their derivatives, from the derivatives of location and tilt.
     pub fn derivatives(&self, location: Frontal, tilt: f64) -> [f64; ROWS_PER_VERTEBRA] {
         let per_mm = 1.0 / self.location_sd_mm;
         [location.y_mm * per_mm, location.z_mm * per_mm, tilt / self.tilt_sd_rad]
@@ -58,12 +58,12 @@ impl ShapeWeights {
 pub(crate) struct ShapeRows {
     /// By their place, with the standard deviations that their residuals are divided by.
     pub vertebrae: Vec<(usize, ShapeWeights)>,
-    /// Where vertebrae share errors: what makes the divided residuals independent.
+    /// Where vertebrae share errors: makes the divided residuals independent.
     whitening: Option<Whitening>,
 }
 
 impl ShapeRows {
-    /// With the erect film, the weights are those of the difference from it.
+    /// With the erect film, the weights are for the difference from it.
     pub fn new(film: &Outline, erect: Option<&Outline>, model: &SpineModel) -> Self {
         let weights = |(i, vertebra): (usize, &MeasuredVertebra)| {
             let own = film.noise_of(vertebra);

@@ -48,7 +48,7 @@ pub(super) fn closed_form(
             if !(slope > 0.0 && slope.is_finite()) {
                 continue;
             }
-            // The variance of ln x is that of x over x², and that of x falls with Σ a².
+            // The variance of ln x is the variance of x over x², which falls with Σ a².
             let weight = product * product / square / evidence.rotation_sd().rad().powi(2);
             let value = slope.ln();
             normal[(g + film, g + film)] += weight;

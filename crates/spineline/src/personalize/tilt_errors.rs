@@ -10,17 +10,17 @@
 //! ```
 //!
 //! degrees of freedom [satterthwaite-1946]. For several numbers with the covariance `C`, `v_s / v` is the mean of the eigenvalues of
-//! `C^-1 C_s`. Deviations of what joints have of their own are taken as known: their priors keep them off zero. Tilts of completed
+//! `C^-1 C_s`. Deviations of the random effects are taken as known: their priors keep them above zero. Tilts of completed
 //! corners and interpolated vertebrae count as the others of their film (assumption), which makes the degrees of freedom smaller.
 
 use nalgebra::{DMatrix, RowVector3};
 
 use super::evidence::FilmEvidence;
 
-/// So many degrees of freedom make no difference.
+/// More degrees of freedom make no difference.
 const MANY: f64 = 1e4;
 
-/// What tilts of films whose variance is estimated add to the covariance of the loads.
+/// Parts of the covariance of the loads from tilts of films whose variance is estimated.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub(super) struct TiltErrors(Vec<FilmPart>);
 
@@ -64,7 +64,7 @@ impl TiltErrors {
     }
 
     /// Degrees of freedom of the covariance of some numbers of a film's load, of which the inverse is given; `None` where no noise was
-    /// estimated, or where they are so many that they make no difference.
+    /// estimated, or where they are too many to matter.
     pub fn freedom(
         &self,
         film: usize,
@@ -81,7 +81,7 @@ impl TiltErrors {
     }
 }
 
-/// Covariance of some linear numbers of a film's load, from that of all components.
+/// Covariance of some linear numbers of a film's load, from the covariance of all components.
 pub(super) fn of_film(
     covariance: &DMatrix<f64>,
     film: usize,

@@ -11,7 +11,7 @@ pub(super) enum Precision {
     /// covariance is the product of one over films and one over joints, and so is its inverse.
     Product { films: DMatrix<f64>, joints: DMatrix<f64> },
     /// Some vertebra is interpolated on some film, and its tilt is less certain than the others', or vertebrae share errors of
-    /// completed corners: the whole matrix, over the joints of the first film, then over those of the next one.
+    /// completed corners: the whole matrix, over the joints of the first film, then of the next one.
     Whole { matrix: DMatrix<f64>, films: usize, joints: usize },
 }
 
@@ -73,7 +73,7 @@ impl Precision {
         product
     }
 
-    /// Per pair of joints: the sum over pairs of films of their precision times a rotation of either joint's own part.
+    /// Per pair of joints: the sum over pairs of films of their precision times a rotation by either joint's random effect.
     pub fn between(&self, [a, b]: [&DMatrix<f64>; 2]) -> DMatrix<f64> {
         match self {
             Self::Product { films, joints } => (a * (b * films).transpose()).component_mul(joints),
@@ -87,7 +87,7 @@ impl Precision {
     }
 }
 
-/// Covariance of the rotations of all films: differences of neighbouring tilts, minus those of the erect film that all share.
+/// Covariance of the rotations of all films: differences of neighbouring tilts, minus the ones of the erect film, which all share.
 fn whole_covariance(films: &[&FilmEvidence], joints: usize) -> DMatrix<f64> {
     let differences = |tilts: &DMatrix<f64>| {
         DMatrix::from_fn(joints, joints, |a, b| {
@@ -139,7 +139,7 @@ impl Normal {
     }
 }
 
-/// Inverse of a positive definite matrix, by that of its triangular factor: its product with itself takes fewer steps than
+/// Inverse of a positive definite matrix, by the inverse of its triangular factor: its product with itself takes fewer steps than
 /// solving by the factor twice.
 pub(super) fn inverse_of(matrix: DMatrix<f64>) -> Option<DMatrix<f64>> {
     let size = matrix.nrows();
@@ -157,7 +157,7 @@ pub(super) fn inverse_of(matrix: DMatrix<f64>) -> Option<DMatrix<f64>> {
     Some(inverse.transpose() * inverse)
 }
 
-/// Divides every column by its largest entry, and answers with those: newtons and newton millimetres differ by hundreds.
+/// Divides every column by its largest entry, and returns these entries: newtons and newton millimetres differ by hundreds.
 pub(super) fn scale_columns(matrix: &mut DMatrix<f64>) -> DVector<f64> {
     let mut scales = DVector::zeros(matrix.ncols());
     let rows = matrix.nrows();

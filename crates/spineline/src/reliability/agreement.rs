@@ -24,7 +24,7 @@ pub(super) fn sem(squares: &MeanSquares, kind: SemKind) -> StatisticEstimate {
             .filter(|bounds| bounds.iter().all(|bound| bound.is_finite()))
             .ok_or(Undefined::NoInterval)
     } else {
-        // No error was seen at all: nothing says how large it may be.
+        // All readings agree: the size of the error is unknown.
         Err(Undefined::ZeroVariance)
     };
     StatisticEstimate { value: variance.max(0.0).sqrt(), sd: None, interval }
@@ -109,7 +109,7 @@ pub struct BlandAltman {
     pub sd: f64,
     /// Bias ∓ 1.96 standard deviations.
     pub limits: [f64; 2],
-    /// 95 % interval of the bias, or why there is none.
+    /// 95 % interval of the bias, or why it is missing.
     pub bias_interval: Result<[f64; 2], Undefined>,
     /// 95 % intervals of the lower and the upper limit.
     pub limit_intervals: Result<[[f64; 2]; 2], Undefined>,
@@ -130,7 +130,7 @@ impl BlandAltman {
 
 /// Of two columns of ratings.
 ///
-/// The standard error of a limit is √(3 s²/n), that of the bias √(s²/n), each times Student's t on n - 1 degrees
+/// The standard error of a limit is √(3 s²/n), of the bias √(s²/n), each times Student's t on n - 1 degrees
 /// [bland-altman-1986]; both take the differences to be independent and normal.
 pub(super) fn bland_altman(
     ratings: &Ratings,

@@ -36,14 +36,14 @@ const ANGLES: [(&str, &str); 2] = [
 /// The paper correlated locations and tilts over all vertebrae. Heights of vertebrae span 400 mm, so that any reader who
 /// knows the order of the vertebrae has r = 0.999: such quantities are named `…_as_paper`, and of them only SEM, MDC95
 /// and limits of agreement describe the observers. Local quantities are added, from which the position along the
-/// spine and the film's frame have dropped out, and, but for the spacing, the patient's lateral tilt: their spread is that of the
-/// spine's shape, which is what an ICC should compare the error with. (A lateral step from vertebra to vertebra would
-/// still hold the lateral tilt: bends of both sides make it span 40 mm.) An error of these holds those of two or three vertebrae.
+/// spine and the film's frame have dropped out, and, but for the spacing, the patient's lateral tilt: their spread comes from the
+/// spine's shape, with which an ICC should compare the error. (A lateral step from vertebra to vertebra would
+/// still hold the lateral tilt: bends of both sides make it span 40 mm.) An error of these holds two or three vertebrae's errors.
 ///
 /// Subjects are nested: vertebrae in films, films in cases. An observer of the same name is one observer in all cases.
 /// Readings of one case that are given twice are left as they were first.
 ///
-/// A vertebra with corners that a program found and nobody has looked at is no reading, and is left out: two readings by one model
+/// A vertebra with corners that a program found and no person reviewed is not a reading, and is left out: two readings by one model
 /// agree whatever the film shows. Accepted corners count, and are counted, since readers share the model that proposed them.
 #[must_use]
 pub fn film_quantities(cases: &[(&str, &[FilmReadings])]) -> Vec<RatedQuantity> {

@@ -6,7 +6,7 @@
 //! they are the main result.
 //!
 //! A [`RatedQuantity`] is a table of subjects × observers × repeats; [`assess`] computes for it, for every [`Design`], every
-//! [`StatisticKind`]. What has no value says why ([`Undefined`]); nothing here is ever NaN. [`film_quantities`] makes the
+//! [`StatisticKind`]. A missing value has a reason ([`Undefined`]); NaN never occurs. [`film_quantities`] makes the
 //! tables of marked films.
 //!
 //! # Equations
@@ -30,12 +30,12 @@
 //! variance is not, so it is zero in SEM and MDC95; agreement is then consistency. The coefficients keep their published formula, which
 //! other programs print too; [`Remark::NoRaterVariance`] says so.
 //!
-//! Intervals of ICC(2,1) and ICC(3,1) are by F quantiles [shrout-fleiss-1979], that of ICC(2,1) with Satterthwaite's degrees
-//! of freedom; that of ICC(2,k) follows by Spearman and Brown's formula.
+//! Intervals of ICC(2,1) and ICC(3,1) are by F quantiles [shrout-fleiss-1979], for ICC(2,1) with Satterthwaite's degrees of freedom;
+//! the interval of ICC(2,k) follows by Spearman and Brown's formula.
 //!
 //! # Departures from the paper
 //! Subjects are pooled over films and vertebrae, as the paper did, though vertebrae of one film are not independent:
-//! intervals are narrower than those of so many independent subjects would be.
+//! intervals are too narrow.
 //!
 //! # References
 //! [shrout-fleiss-1979], [mcgraw-wong-1996], [koo-li-2016], [bland-altman-1986], [de-vet-2006].
@@ -57,11 +57,11 @@ pub use ratings::RatedQuantity;
 pub use study::{Design, DesignReliability, QuantityReliability, Remark, assess};
 pub use words::{shown_coefficient, shown_measure};
 
-/// Why a statistic has no value.
+/// Why the value of a statistic is missing.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Undefined {
-    /// There is no second observer.
+    /// A second observer is missing.
     #[error("one observer only: give readings of a second one")]
     OneObserver,
     /// Nothing to compare a reading with.
@@ -86,7 +86,7 @@ pub enum Undefined {
         /// All subjects.
         subjects: usize,
     },
-    /// The estimated variances add up to zero or less, so that their ratio is no coefficient.
+    /// The estimated variances add up to zero or less, so that their ratio is not a coefficient.
     #[error(
         "the sum of the estimated variances is not positive: raters disagree more within than between subjects"
     )]
@@ -99,7 +99,7 @@ pub enum Undefined {
     /// A mean over pairs that share raters has no simple interval.
     #[error("the pairs share raters, so their mean has no simple interval; see the pairs")]
     DependentPairs,
-    /// A reading is no finite number, or the numbers are too large to be squared.
+    /// A reading is not a finite number, or the numbers are too large to be squared.
     #[error("a reading is not a number, or too large to compute with")]
     NotFinite,
 }
@@ -216,6 +216,6 @@ pub struct StatisticEstimate {
 pub struct Statistic {
     /// Which.
     pub kind: StatisticKind,
-    /// Its value, or why there is none.
+    /// Its value, or why it is missing.
     pub outcome: Result<StatisticEstimate, Undefined>,
 }

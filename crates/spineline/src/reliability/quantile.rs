@@ -75,7 +75,7 @@ mod tests {
     }
 
     #[test]
-    fn a_quantile_that_is_no_number_is_none() {
+    fn a_quantile_that_is_not_a_number_is_none() {
         assert_eq!(f_975(3.0, 1e-4), None);
         assert_eq!(f_975(0.0, 3.0), None);
         assert_eq!(f_975(3.0, f64::NAN), None);

@@ -2,7 +2,7 @@ use std::collections::BTreeMap;
 
 use super::Undefined;
 
-/// Who read, and the how-manieth time.
+/// Observer, and number of the repeat.
 pub(super) type Reader = (String, u32);
 
 /// Readings of one quantity: subjects × observers × repeats, with or without gaps.
@@ -14,7 +14,7 @@ pub struct RatedQuantity {
     pub unit: String,
     /// What it is, and what its subjects are.
     pub meaning: String,
-    /// Readings of a vertebra that were left out, since nobody has looked at what a program found.
+    /// Readings of a vertebra that were left out, since no person reviewed the program's corners.
     pub not_reviewed: usize,
     /// Readings of a vertebra with corners that a reader accepted from a program.
     pub accepted: usize,
@@ -90,14 +90,14 @@ impl RatedQuantity {
         true
     }
 
-    /// Gives back what was kept for more readings of a place.
+    /// Frees the memory for more readings of a place.
     pub(super) fn shrink(&mut self, place: &str) {
         if let Some(cells) = self.places.get_mut(place) {
             cells.shrink_to_fit();
         }
     }
 
-    /// Number of subjects that anybody read.
+    /// Number of subjects with a reading.
     #[must_use]
     pub fn subjects(&self) -> usize {
         self.subjects

@@ -47,7 +47,7 @@ impl fmt::Display for Design {
     }
 }
 
-/// What a reader of the numbers should know.
+/// A remark for readers of the numbers.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Remark {
     /// Subjects that somebody did not read are left out.
@@ -62,7 +62,7 @@ pub enum Remark {
         /// Fewest and most repeats.
         repeats: [usize; 2],
     },
-    /// Limits between means are narrower than those between single readings.
+    /// Limits between means are narrower than between single readings.
     MeansAreSteadier,
     /// Names of observers that differ by capitals and marks alone count as several observers.
     AlikeNames {
@@ -75,9 +75,9 @@ pub enum Remark {
     NegativeIcc,
     /// All raters agree to the last digit, so the error's size is not known; rounding may hide it.
     PerfectAgreement,
-    /// Two subjects make an interval that says next to nothing.
+    /// Two subjects make an interval without information.
     TwoSubjects,
-    /// Vertebrae that a program marked and nobody has looked at are left out.
+    /// Vertebrae that a program marked and no person reviewed are left out.
     NotReviewed {
         /// Readings of a vertebra.
         readings: usize,
@@ -123,7 +123,7 @@ impl fmt::Display for Remark {
             ),
             Self::MeansAreSteadier => write!(
                 f,
-                "SEM, MDC95 and limits of agreement are those of means over repeats; single readings differ more"
+                "SEM, MDC95 and limits of agreement are for means over repeats; single readings differ more"
             ),
             Self::AlikeNames { names } => f.write_str(&alike_words(names)),
             Self::NoRaterVariance => write!(
@@ -142,12 +142,12 @@ impl fmt::Display for Remark {
             }
             Self::NotReviewed { readings } => write!(
                 f,
-                "{} found by a program, and accepted or moved by nobody, left out",
+                "{} found by a program, and not accepted or moved by a person, left out",
                 crate::warning::counted(*readings, "vertebra reading")
             ),
             Self::Accepted { readings } => write!(
                 f,
-                "{} with corners that readers accepted from the program: readers share its model, so their agreement is better than that of clicks",
+                "{} with corners that readers accepted from the program: readers share its model, so their agreement is better than by clicks",
                 crate::warning::counted(*readings, "vertebra reading")
             ),
         }
@@ -179,7 +179,7 @@ impl DesignReliability {
     /// One statistic.
     ///
     /// # Errors
-    /// Why it has no value.
+    /// Why it is missing.
     pub fn statistic(&self, kind: StatisticKind) -> Result<StatisticEstimate, Undefined> {
         let found = self.statistics.iter().find(|statistic| statistic.kind == kind);
         found.expect("every design has every statistic").outcome

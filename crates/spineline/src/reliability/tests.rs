@@ -83,7 +83,7 @@ fn the_error_of_scatter_is_half_the_variance_of_differences() {
 }
 
 #[test]
-fn limits_of_agreement_are_those_of_the_textbook() {
+fn limits_of_agreement_equal_the_textbooks() {
     // Differences 1, 2, 3: bias 2, deviation 1, t(0.975, 2) = 4.302653.
     let found = between(&[[0.0, 1.0], [5.0, 7.0], [8.0, 11.0]]);
     let pair = &found.bland_altman[0];
@@ -97,7 +97,7 @@ fn limits_of_agreement_are_those_of_the_textbook() {
 }
 
 #[test]
-fn what_is_added_to_all_readings_changes_no_coefficient_and_no_error() {
+fn a_constant_added_to_all_readings_changes_no_coefficient_and_no_error() {
     let (plain, moved) =
         (between(&SHROUT_FLEISS), between(&SHROUT_FLEISS.map(|row| row.map(|x| 2.0 * x + 40.0))));
     for kind in StatisticKind::ALL {
@@ -128,7 +128,7 @@ fn subjects_with_a_gap_are_left_out_and_counted() {
     assert_eq!(found.remarks, [Remark::Dropped { dropped: 1, subjects: 7 }]);
     let whole = between(&SHROUT_FLEISS);
     assert_eq!(found.statistics, whole.statistics);
-    // Nothing that all have read.
+    // No subject that all have read.
     let mut apart = RatedQuantity::new("score", "points", "");
     assert!(apart.insert("1", "A", 1, 1.0) && apart.insert("2", "B", 1, 2.0));
     let reason = Undefined::MissingCells { complete: 0, subjects: 2 };
@@ -312,7 +312,7 @@ fn film(program: Option<ProgramNoise>) -> FilmReadings {
 }
 
 #[test]
-fn what_a_program_marked_and_nobody_looked_at_is_no_agreement() {
+fn unreviewed_corners_of_a_program_are_not_agreement() {
     let noise = ProgramNoise {
         location_mm: 1.0,
         tilt: Angle::from_deg(1.0),

@@ -50,7 +50,7 @@ pub fn shown_measure(value: f64) -> String {
 }
 
 impl Statistic {
-    /// The value with its spread, and its 95 % interval or why it lacks; `None` and why where there is no value.
+    /// The value with its spread, and its 95 % interval or why it is missing; `None` and the reason without a value.
     #[must_use]
     pub fn shown(&self) -> (Option<String>, String) {
         let shown: fn(f64) -> String =
@@ -68,7 +68,7 @@ impl Statistic {
         }
     }
 
-    /// All in one, such as `0.52 mm (95 % CI 0.41 to 0.70)`; `unit` is that of the readings.
+    /// All in one, such as `0.52 mm (95 % CI 0.41 to 0.70)`; `unit` belongs to the readings.
     #[must_use]
     pub fn words(&self, unit: &str) -> String {
         let (value, range) = self.shown();

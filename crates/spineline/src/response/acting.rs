@@ -1,7 +1,7 @@
 use crate::multibody::{BodyLoad, Deformed, Loading, Timing};
 use crate::spatial::Vec3;
 
-/// What a load does to a spine in one shape.
+/// Action of a load on a spine in one shape.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum ActingKind {
     /// A force; for a strap or pad, what it puts on the vertebra.
@@ -25,7 +25,7 @@ pub struct ActingLoad {
 
 /// Where and how strongly every load acts on a shape, at a factor of the proportional ones.
 ///
-/// `spring_forces_n` are those of the pads and straps, as an [`crate::multibody::Equilibrium`] has them; a pad or strap
+/// `spring_forces_n` belong to the pads and straps, as in [`crate::multibody::Equilibrium`]; a pad or strap
 /// without one is left out.
 #[must_use]
 pub fn acting_loads(

@@ -6,7 +6,7 @@ use crate::measure::Outline;
 use crate::multibody::{Deformed, Goal, SpineModel};
 use crate::spatial::Angle;
 
-/// What is measured on a spine before and under loads.
+/// A measure of a spine before and under loads.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum LoadedQuantity {
     /// Cobb angle of a curve, in degrees; positive where convex to the left.
@@ -88,7 +88,7 @@ pub struct LoadedMeasure {
     pub quantity: LoadedQuantity,
     /// On the erect spine; `None` for the factor.
     pub erect: Option<f64>,
-    /// Under the loads; `None` where there is no result.
+    /// Under the loads; `None` without a result.
     pub loaded: Option<f64>,
 }
 
@@ -108,11 +108,11 @@ impl LoadedMeasure {
     }
 }
 
-/// What is measured on a spine before and under loads: angles of the curves between given vertebrae, tilts, the place of the
+/// Measures of a spine before and under loads: angles of the curves between given vertebrae, tilts, the place of the
 /// uppermost vertebra, its distance from the vertical of the erect film where that is given and has one, and the factor of a search.
 ///
 /// # Panics
-/// If a place is not a vertebra of the model, or the response is that of another one.
+/// If a place is not a vertebra of the model, or the response belongs to another one.
 #[must_use]
 pub fn loaded_measures(
     erect: &SpineModel,

@@ -3,13 +3,13 @@ use crate::clinical::{CurvePlaces, EndAngles};
 use crate::multibody::{Deformed, SpineModel};
 use crate::spatial::{Angle, Frontal};
 
-/// A hinge that turns farther is worth a word: about twice what a healthy motion segment allows in any direction.
+/// A hinge that turns farther gets a warning: about twice the range of a healthy motion segment in any direction.
 ///
 /// # Assumption
 /// A round number, not a measured limit.
 pub const UNUSUAL_HINGE: Angle = Angle::from_deg(20.0);
 
-/// What clinicians would measure on one curve of a frontal film.
+/// Clinical measures of one curve on a frontal film.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CurveAngles {
     /// Which curve.
@@ -20,7 +20,7 @@ pub struct CurveAngles {
     pub ferguson: Angle,
 }
 
-/// What clinicians would measure on a frontal film of a shape.
+/// Clinical measures of a shape on a frontal film.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SpineAngles {
     /// Lateral tilt of the line from the lowest to the uppermost vertebra.

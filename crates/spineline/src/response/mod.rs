@@ -1,5 +1,5 @@
-//! Loads on a personalised spine: the shape that it takes, all others that meet the same target, and what clinicians would
-//! measure on them.
+//! Loads on a personalised spine: the shape that it takes, all others that meet the same target, and their clinical
+//! measures.
 //!
 //! [`respond`] follows the branch of equilibria from the erect spine ([`crate::multibody::GeneralStatics::follow_with`]).
 //! For a given load that is one path. For a given amplitude it is two, since the loads may have to act against themselves, and

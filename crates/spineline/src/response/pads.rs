@@ -87,7 +87,7 @@ pub enum OtherLoadsError {
     },
 }
 
-/// What a pad does.
+/// The effect of a pad.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PadEffect {
     /// The pad.

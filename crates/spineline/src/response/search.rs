@@ -44,11 +44,11 @@ pub struct GoalEquilibrium {
     pub sign: ForceSign,
     /// The shape.
     pub equilibrium: Equilibrium,
-    /// What it is worth.
+    /// The verdict on it.
     pub verdict: Verdict,
 }
 
-/// What a spine does under loads.
+/// The response of a spine to loads.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Response {
     /// Target of the search.
@@ -81,7 +81,7 @@ impl Response {
     #[must_use]
     pub fn nearest(&self) -> Option<&PathPoint> {
         let points = || self.paths.iter().flat_map(|signed| &signed.path.points);
-        // Constant loads are applied first, and meanwhile nothing of the goal is seen.
+        // The goal does not apply while constant loads are applied.
         let grows = points().any(|point| point.timing == Timing::Proportional);
         let counts = |point: &&PathPoint| !grows || point.timing == Timing::Proportional;
         let away = |point: &PathPoint| match self.goal {
@@ -175,7 +175,7 @@ pub fn largest_factor(model: &SpineModel, stiffness: &[Mat3], loading: &Loading)
     if factor.is_finite() { factor } else { PathOptions::default().largest_factor }
 }
 
-/// The factor up to which a search looks where none is given: that of [`PathOptions`] for given loads, [`largest_factor`] for a lateral
+/// The factor up to which a search looks where none is given: of [`PathOptions`] for given loads, [`largest_factor`] for a lateral
 /// tilt.
 #[must_use]
 pub fn usual_limit(model: &SpineModel, stiffness: &[Mat3], loading: &Loading, goal: Goal) -> f64 {

@@ -7,7 +7,7 @@ use crate::number::fixed;
 /// A plane angle, right-handed about +X, +Y or +Z, held in radians.
 ///
 /// In the frontal plane a positive angle is to the patient's **right**; users see a side, never a sign.
-/// Degrees exist only at the border: [`Angle::from_deg`], [`Angle::deg`].
+/// Degrees are used only at input and output: [`Angle::from_deg`], [`Angle::deg`].
 ///
 /// ```
 /// use spineline::{anatomy::Side, spatial::Angle};
@@ -15,7 +15,7 @@ use crate::number::fixed;
 /// assert_eq!(tilt.side(), Some(Side::Left));
 /// assert_eq!(tilt.leaning(), "12.5° left");
 /// ```
-/// A bare number is no angle:
+/// A bare number is not an angle:
 /// ```compile_fail
 /// let tilt: spineline::spatial::Angle = 12.5;
 /// ```
@@ -26,13 +26,13 @@ impl Angle {
     /// The zero angle.
     pub const ZERO: Self = Self(0.0);
 
-    /// An angle of so many radians.
+    /// Creates an angle from radians.
     #[must_use]
     pub const fn from_rad(rad: f64) -> Self {
         Self(rad)
     }
 
-    /// An angle of so many degrees.
+    /// Creates an angle from degrees.
     #[must_use]
     pub const fn from_deg(deg: f64) -> Self {
         Self(deg * (std::f64::consts::PI / 180.0))

@@ -2,7 +2,7 @@
 
 use nalgebra::Vector2;
 
-/// Up to this angle, in rad, a series is used; it is larger than what a hinge of a spine turns by in a plausible shape.
+/// Up to this angle, in rad, a series is used; a hinge turns by less in a plausible shape of a spine.
 const SMALL_RAD: f64 = 0.5;
 
 /// `(-1)ᵏ / (2k+1)!` and `(-1)ᵏ / (2k)!` for k = 1 to 7: the series of sine and cosine after their first terms.
@@ -22,8 +22,8 @@ const SERIES: [Vector2<f64>; 7] = [
 /// summed here from their Taylor series, in place and with fewer instructions than the library's take.
 ///
 /// # Accuracy
-/// The first omitted terms are 1e-19 of the sine and 1e-18 of the cosine at half a radian, so that what is left is
-/// rounding: within 2.5e-16 of the true value, relative to it. Larger angles, and what is no number, go to the library.
+/// The first omitted terms are 1e-19 of the sine and 1e-18 of the cosine at half a radian, so that the error is
+/// rounding: within 2.5e-16 of the true value, relative to it. NaN and larger angles use `f64::sin_cos`.
 #[inline]
 #[must_use]
 pub fn sin_cos(angle_rad: f64) -> (f64, f64) {
@@ -78,7 +78,7 @@ mod tests {
     }
 
     #[test]
-    fn the_edge_of_the_series_is_no_step() {
+    fn the_edge_of_the_series_is_not_a_step() {
         for x in [SMALL_RAD, -SMALL_RAD] {
             for near in [x.next_down(), x, x.next_up()] {
                 assert_agrees(near);

@@ -2,7 +2,7 @@
 
 use crate::number::fixed;
 
-/// Parts of a vector below this part of the largest are not worth a word.
+/// Parts of a vector below this part of the largest are not shown.
 const MIN_PART: f64 = 0.005;
 
 /// A force or place by its parts, such as `49.2 left, 8.0 caudal`.

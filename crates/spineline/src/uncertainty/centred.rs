@@ -7,7 +7,7 @@ use crate::spatial::Angle;
 pub(super) struct Centred {
     /// The number in the case itself; else the first value.
     reference: Option<f64>,
-    /// An angle is the same after so many degrees.
+    /// Period of an angle, in degrees.
     period_deg: Option<f64>,
     differences: Distribution,
 }

@@ -7,7 +7,7 @@ const BUFFER: usize = 2048;
 /// Centroids of a digest: enough for quantiles that are off by less than a quarter of their sampling error (tested).
 const CENTROIDS: usize = 1000;
 
-/// What a stream of numbers looks like.
+/// The distribution of a stream of numbers.
 ///
 /// Quantiles come from a t-digest, whose error is smallest in the tails. The values are taken in blocks of this type's own,
 /// so that the same stream gives the same bytes, however it was computed.
@@ -96,8 +96,7 @@ mod tests {
         distribution
     }
 
-    /// By how many places among the sorted values the estimated quantiles are off, as a part of what chance does to a
-    /// quantile of so many values.
+    /// Largest error of the estimated quantiles, in places among the sorted values, as a part of their sampling error.
     fn worst(values: &[f64]) -> f64 {
         let mut sorted = values.to_vec();
         sorted.sort_by(f64::total_cmp);
@@ -130,7 +129,7 @@ mod tests {
     }
 
     #[test]
-    fn moments_are_those_of_the_sample() {
+    fn moments_equal_the_samples() {
         let found = summary(&[1.0, 2.0, 4.0, 9.0]);
         assert!((found.mean() - 4.0).abs() < 1e-15);
         // Squares about the mean: 9 + 4 + 0 + 25 = 38.

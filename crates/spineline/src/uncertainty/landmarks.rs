@@ -14,10 +14,10 @@ use crate::measure::{
 };
 use crate::spatial::{Angle, Frontal, Pixel};
 
-/// How rough one reading is taken to be.
+/// The noise of one reading.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub enum LandmarkNoise {
-    /// As rough as the case's own readings are among one another; where it was read once, as one careful reading
+    /// By the differences of the case's own readings; where it was read once, by the assumption for one careful reading
     /// ([`Noise::ONE_READING`]).
     #[default]
     Measured,
@@ -44,7 +44,7 @@ pub struct FilmNoise {
     pub posture: Posture,
     /// Where it comes from.
     pub source: NoiseSource,
-    /// What is moved.
+    /// The landmarks that are perturbed.
     pub landmarks: VertebraNoise,
     /// Corners of all readings that a program found: they move together, by their own covariance.
     pub program_corners: usize,
@@ -86,7 +86,7 @@ pub(super) struct NoisyCase {
 }
 
 impl NoisyCase {
-    /// Films, and the readings of each, in an order of their own: the numbers do not depend on that of the case.
+    /// Films, and the readings of each, in a fixed order: the numbers do not depend on the order of the case.
     pub fn new(
         case: &Case,
         nominal: &Analysis,
@@ -126,7 +126,7 @@ impl NoisyCase {
         Ok(Self { case, films, program, interpolated, lateral_sd_px, seed })
     }
 
-    /// The case of one replicate, and errors of its interpolated vertebrae: every replicate has a random stream of its own.
+    /// The case of one replicate, and errors of its interpolated vertebrae: every replicate has its own random stream.
     pub fn replicate(&self, index: u64) -> (Case, Vec<InterpolationError>) {
         let mut draw = Draw(stream(self.seed, &self.case.id, index));
         let mut case = self.case.clone();
@@ -238,7 +238,7 @@ fn move_together(
 /// The corners of every reading of a film that a program found.
 fn program_corners(film: &Film) -> Vec<Option<ProgramCorners>> {
     let FilmLandmarks::Corners { image, readings, .. } = &film.landmarks else { return Vec::new() };
-    // What was not completed counts as clicked, as in the analysis, which warns of it.
+    // Corners that were not completed count as clicked, as in the analysis, which warns of it.
     let of = |reading| ProgramCorners::of(image, Some(film.posture), reading).ok().flatten();
     readings.iter().map(of).collect()
 }
@@ -315,7 +315,7 @@ fn lateral_sd_px(case: &Case, nominal: &Analysis, noise: LandmarkNoise) -> [f64;
     steps.map(|step| sd / step)
 }
 
-/// A film's deviation is that of means over its readings; one reading has more.
+/// A film's deviation is for means over its readings; one reading has more.
 fn placement_noise(
     posture: Posture,
     readings: &[Reading<Placement>],
@@ -342,9 +342,8 @@ fn readings_per_level<T>(readings: &[Reading<T>]) -> f64 {
     marked as f64 / levels.len() as f64
 }
 
-/// Deviation of a corner's coordinate between the readings of one film, pooled over films, vertebrae and corners that
-/// persons placed; over films
-/// with a spacing in millimetres, over those without in pixels. `None` where nothing was read twice.
+/// Deviation of a corner's coordinate between the readings of one film, pooled over films, vertebrae and corners that persons placed;
+/// over films with a spacing in millimetres, over those without in pixels. `None` where nothing was read twice.
 fn pooled_corners(case: &Case, with_spacing: bool) -> Option<f64> {
     let mut pool = ReadingSquares::default();
     for film in &case.films {
@@ -384,7 +383,7 @@ fn pooled_axes(case: &Case) -> Option<Angle> {
     pool.spread().map(|found| Angle::from_rad(found.variance.sqrt()))
 }
 
-/// Marks of every level, with who set them.
+/// Marks of every level, with their observers.
 fn by_level(
     readings: &[Reading<VertebraLandmarks>],
 ) -> BTreeMap<Level, Vec<(&str, &VertebraLandmarks)>> {

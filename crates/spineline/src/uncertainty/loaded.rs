@@ -1,4 +1,4 @@
-//! The noise of landmarks on what loads do to a personalised model: every replicate has a model of its own under the same loads.
+//! Effect of landmark noise on a personalised model under loads: every replicate has its own model under the same loads.
 
 use std::borrow::Cow;
 use std::collections::BTreeMap;
@@ -16,7 +16,7 @@ use crate::response::{
     LoadedMeasure, LoadedQuantity, LoadedState, loaded_measures, respond, usual_limit,
 };
 
-/// Loads on the model of one line of action, and what is sought.
+/// Loads on the model of one line of action, and the goal.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct AppliedLoads<'a> {
     /// Line of action that the stiffness was fitted with.
@@ -25,14 +25,14 @@ pub struct AppliedLoads<'a> {
     pub support: Support,
     /// The same loads for every replicate.
     pub loading: &'a Loading,
-    /// What is sought.
+    /// The goal.
     pub goal: Goal,
     /// Largest load factor that is looked at; the usual one of each model if not given.
     pub largest_factor: Option<f64>,
 }
 
 impl AppliedLoads<'_> {
-    /// What is measured on the model of an analysis before and under these loads, or the code of why there is no result.
+    /// Measures of the model of an analysis before and under these loads, or the code of a missing result.
     fn on(&self, analysis: &Analysis) -> Result<Vec<LoadedMeasure>, &'static str> {
         let movement = &analysis.movement;
         let model = fitted_model(analysis, self.kind).map_err(|absent| absent.key())?;
@@ -53,7 +53,7 @@ impl AppliedLoads<'_> {
     }
 }
 
-/// What one replicate gave under loads: measures, or the code of why it has no result.
+/// The result of one replicate under loads: measures, or the code of a missing result.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LoadedReplicate(Result<Vec<LoadedMeasure>, &'static str>);
 
@@ -65,7 +65,7 @@ impl MonteCarlo<'_> {
         LoadedReplicate(self.analysis_of(index).and_then(|analysis| loads.on(&analysis)))
     }
 
-    /// An empty tally of replicates under loads, for what the case's own model shows under them.
+    /// An empty tally of replicates under loads, for the measures of the case's own model.
     #[must_use]
     pub fn loaded_tally(&self, nominal: &[LoadedMeasure]) -> LoadedTally<'_> {
         let numbers = nominal.iter().flat_map(|measure| {
@@ -81,7 +81,7 @@ impl MonteCarlo<'_> {
     }
 }
 
-/// What the replicates so far have given under loads; its size does not depend on their number.
+/// The results of the replicates so far under loads; its size does not depend on their number.
 #[derive(Debug, Clone)]
 pub struct LoadedTally<'a> {
     of: &'a MonteCarlo<'a>,
@@ -126,7 +126,7 @@ impl LoadedTally<'_> {
         }
     }
 
-    /// The result, of so many requested replicates.
+    /// The result, of this number of requested replicates.
     #[must_use]
     pub fn finish(self, requested: u64) -> LoadedUncertainty {
         let spread = |number: Counted| LoadedSpread {
@@ -156,7 +156,7 @@ pub struct LoadedSpread {
     pub quantity: LoadedQuantity,
     /// Which value of it.
     pub state: LoadedState,
-    /// In the case's own model; `None` where that has no result.
+    /// In the case's own model; `None` if its result is missing.
     pub nominal: Option<f64>,
     /// Replicates that have it.
     pub count: u64,
@@ -173,7 +173,7 @@ impl LoadedSpread {
     }
 }
 
-/// What the noise of landmarks does to every number before and under loads.
+/// Effect of landmark noise on every number before and under loads.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LoadedUncertainty {
     /// Seed of the random streams.
@@ -184,7 +184,7 @@ pub struct LoadedUncertainty {
     pub done: u64,
     /// Replicates with a result under the loads. All intervals are theirs.
     pub usable: u64,
-    /// How many replicates have no result, by code: that of the error that stopped an analysis, why there is no model
+    /// Number of replicates without a result, by code: of the error that stopped an analysis, of the reason for a missing model
     /// ([`super::Absent::key`]), or the ending of the search ([`crate::multibody::PathEnding::key`]).
     pub endings: Vec<(Cow<'static, str>, u64)>,
     /// The noise of every film.
@@ -203,7 +203,7 @@ impl LoadedUncertainty {
     /// Code of a replicate to whose model the loads cannot be applied.
     const NOT_APPLICABLE: &'static str = "loads_not_applicable";
 
-    /// All that is known of a number.
+    /// The distribution of a number.
     #[must_use]
     pub fn of(&self, quantity: LoadedQuantity, state: LoadedState) -> Option<&LoadedSpread> {
         self.numbers.iter().find(|one| one.quantity == quantity && one.state == state)

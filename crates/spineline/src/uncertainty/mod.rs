@@ -8,7 +8,7 @@
 //!
 //! The corners of a lateral film are perturbed too, with their own deviation ([`crate::measure::SpatialOutline`]).
 //!
-//! Two things are held at what the case itself gives: the deviations by which frontal films are weighted ([`crate::measure::Noise`]:
+//! Two things are held at the case's own: the deviations by which frontal films are weighted ([`crate::measure::Noise`]:
 //! perturbed readings contain noise twice, and would give too large ones), and the options.
 //!
 //! # What it does not say
@@ -68,7 +68,7 @@ pub enum UncertaintyError {
         /// What was given.
         sd_px: f64,
     },
-    /// Pixels of a film that has no picture.
+    /// Pixels of a film without a picture.
     #[error(
         "{posture} film: it has locations and tilts but no corners, so noise in pixels does not apply"
     )]
@@ -94,13 +94,13 @@ impl UncertaintyError {
 pub struct MonteCarlo<'a> {
     nominal: &'a Analysis,
     noisy: NoisyCase,
-    /// What is known from the case's own readings.
+    /// Results of the case's own readings.
     known: OtherReadings<'a>,
     quantities: Vec<AnalysisQuantity>,
     seed: u64,
 }
 
-/// What one replicate gave.
+/// The result of one replicate.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Replicate {
     /// One value per quantity, or why it has none; or the code of the error that stopped the analysis.
@@ -113,7 +113,7 @@ impl<'a> MonteCarlo<'a> {
     /// Prepares replicates of a case that was analysed already, with the options of that analysis.
     ///
     /// # Errors
-    /// [`UncertaintyError`]: a deviation below zero, or one in pixels for a film that has no corners.
+    /// [`UncertaintyError`]: a deviation below zero, or one in pixels for a film without corners.
     pub fn new(
         case: &Case,
         nominal: &'a Analysis,
@@ -150,7 +150,7 @@ impl<'a> MonteCarlo<'a> {
         self
     }
 
-    /// One replicate; every case, by its identifier, and index has a random stream of its own, so that any may be computed alone, in
+    /// One replicate; every case, by its identifier, and index has its own random stream, so that any may be computed alone, in
     /// any order.
     #[must_use]
     pub fn replicate(&self, index: u64) -> Replicate {

@@ -82,7 +82,7 @@ named! {
     pub enum Absent {
         /// The erect curve has no pair of inflections.
         NoInflections = "no_inflections",
-        /// The films do not give it: no such line, no such window, or a moved curve too short for the segment.
+        /// The films lack the line or the window, or a moved curve is too short for the segment.
         NotMeasured = "not_measured",
         /// The fit of this line did not converge.
         FitNotConverged = "fit_not_converged",
@@ -92,7 +92,7 @@ named! {
 }
 
 named! {
-    /// What a number counts in, as people see it.
+    /// Unit of a number, as people see it.
     pub enum QuantityUnit {
         /// Millimetres of the film's plane.
         Millimetres = "mm",
@@ -358,7 +358,7 @@ impl AnalysisQuantity {
         )
     }
 
-    /// An angle is the same after so many degrees; a line after half a turn.
+    /// Period of an angle, in degrees; a line's is half a turn.
     pub(super) const fn period_deg(self) -> Option<f64> {
         match self {
             Self::Tilt(..)

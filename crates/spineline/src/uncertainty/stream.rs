@@ -6,7 +6,7 @@ use rand_chacha::rand_core::SeedableRng;
 /// The random stream of one replicate of a case.
 ///
 /// The 256 bits of ChaCha's key are the seed, the 64-bit FNV-1a hash of the case's identifier (both little-endian) and zeros;
-/// the number of the stream is that of the replicate. So patients of a cohort have noise of their own, and a patient has the
+/// the number of the stream is the replicate's. So patients of a cohort have independent noise, and a patient has the
 /// same noise in any cohort.
 ///
 /// # References
@@ -34,7 +34,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_hash_is_that_of_the_published_test_vectors() {
+    fn the_hash_equals_the_published_test_vectors() {
         assert_eq!(fnv1a(b""), 0xcbf2_9ce4_8422_2325);
         assert_eq!(fnv1a(b"a"), 0xaf63_dc4c_8601_ec8c);
         assert_eq!(fnv1a(b"foobar"), 0x8594_4171_f739_67e8);

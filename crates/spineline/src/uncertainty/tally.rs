@@ -8,7 +8,7 @@ use crate::action::LineKind;
 use crate::anatomy::Posture;
 use crate::number::fixed;
 
-/// What the replicates so far have given; its size does not depend on their number.
+/// The results of the replicates so far; its size does not depend on their number.
 #[derive(Debug, Clone)]
 pub struct Tally<'a> {
     of: &'a MonteCarlo<'a>,
@@ -43,7 +43,7 @@ pub struct QuantitySpread {
     pub at_bound: bool,
 }
 
-/// Distribution of a multiplier, whose logarithm is what an analysis counts in.
+/// Distribution of a multiplier, whose logarithm an analysis uses.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MultiplierSpread {
     /// In the case itself.
@@ -103,7 +103,7 @@ pub struct FailureCount {
     pub count: u64,
 }
 
-/// What the noise of landmarks does to every number of an analysis.
+/// Effect of landmark noise on every number of an analysis.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Uncertainty {
     /// Seed of the random streams.
@@ -156,7 +156,7 @@ impl<'a> Tally<'a> {
         }
     }
 
-    /// The result, of so many requested replicates.
+    /// The result, of this number of requested replicates.
     #[must_use]
     pub fn finish(self, requested: u64) -> Uncertainty {
         let nominal = self.of.nominal;
@@ -185,13 +185,13 @@ impl<'a> Tally<'a> {
 }
 
 impl Uncertainty {
-    /// Distribution of a quantity; `None` where this analysis has no such number, or no replicate had it.
+    /// Distribution of a quantity; `None` if this analysis lacks the number, or no replicate had it.
     #[must_use]
     pub fn spread(&self, quantity: AnalysisQuantity) -> Option<&Spread> {
         self.of(quantity)?.spread.as_ref()
     }
 
-    /// All that is known of a number.
+    /// The distribution of a number.
     #[must_use]
     pub fn of(&self, quantity: AnalysisQuantity) -> Option<&QuantitySpread> {
         self.quantities.iter().find(|spread| spread.quantity == quantity)
@@ -203,7 +203,7 @@ impl Uncertainty {
         noise_words(&self.noise)
     }
 
-    /// What ended without result, a sentence each.
+    /// The endings without a result, a sentence each.
     #[must_use]
     pub fn failure_words(&self) -> Vec<String> {
         let share = |count: u64| 100.0 * count as f64 / self.done.max(1) as f64;

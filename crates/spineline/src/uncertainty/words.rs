@@ -9,7 +9,7 @@ use crate::personalize::MULTIPLIER_COVERAGE;
 
 impl Uncertainty {
     /// A caveat on the intervals.
-    pub const CAVEAT: &'static str = "Intervals hold what landmarks without noise would give; they contain no bias that all \
+    pub const CAVEAT: &'static str = "Intervals hold the result of landmarks without noise; they contain no bias that all \
                                       observers share, and no error of the model. Distances, angles between lines and absolute \
                                       errors increase with any noise: their means exceed the values of landmarks without noise, \
                                       and they have no interval.";
@@ -25,7 +25,7 @@ impl AnalysisQuantity {
         }
     }
 
-    /// Whether a report shows it; what it leaves to files are numbers of single vertebrae and regions.
+    /// Whether a report shows it; only files have numbers of single vertebrae and regions.
     #[must_use]
     pub const fn is_reported(self) -> bool {
         match self {
@@ -89,7 +89,7 @@ impl AnalysisQuantity {
         }
     }
 
-    /// What it counts in.
+    /// Its unit.
     #[must_use]
     pub fn unit(self, analysis: &Analysis) -> QuantityUnit {
         let film = match self {

@@ -93,7 +93,7 @@ warning_codes! {
         CornerFarFromNeighbours = "corner_far_from_neighbours": Warning;
         /// A corner of one reading is far from the median of the readings.
         CornerFarFromReadings = "corner_far_from_readings": Warning;
-        /// A program found corners that nobody has accepted or moved.
+        /// A program found corners that no person has accepted or moved.
         CornersNotReviewed = "corners_not_reviewed": Warning;
         /// The erect film shows a large lateral tilt of the spine.
         ErectLeans = "erect_leans": Warning, DoubtsFilm;
@@ -174,7 +174,7 @@ warning_codes! {
         /// A film, or every bending film, has no line of action of this kind.
         NoLine = "no_line": Warning;
         /// The estimation of the lines of best fit to the rotations did not converge.
-        OwnLinesNotFound = "own_lines_not_found": Warning;
+        PreferredLinesNotFound = "preferred_lines_not_found": Warning;
     }
     Multibody {
         /// A simulation was interrupted, and its path so far is not a result.

@@ -15,7 +15,7 @@ fn balance(case: &Case) -> Balance {
 }
 
 #[test]
-fn distances_are_those_of_the_film_in_millimetres() {
+fn distances_equal_the_films_in_millimetres() {
     // Oracle: columns of the erect film times their spacing; subject 3 has non-square pixels, subject 5 is seen from the front.
     for subject in [0, 2, 4] {
         let mut case = exact_case(subject);
@@ -43,7 +43,7 @@ fn distances_are_those_of_the_film_in_millimetres() {
 }
 
 #[test]
-fn the_offset_of_any_point_is_that_of_the_balance() {
+fn the_offset_of_any_point_equals_the_balance() {
     let analysis = analyzed(&exact_case(0), &on_a_table());
     let (erect, balance) = (
         &analysis.movement.erect().outline,

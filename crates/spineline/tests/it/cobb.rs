@@ -39,7 +39,7 @@ fn cobb_by_corners(case: &Case, posture: Posture, ends: CobbEnds) -> f64 {
 }
 
 #[test]
-fn a_cobb_angle_is_that_between_the_endplates_as_marked_on_every_film() {
+fn a_cobb_angle_is_the_angle_between_the_endplates_as_marked_on_every_film() {
     // Oracle: corners of exact readers, with wedged and tapered bodies; non-square pixels (subject 3, 6), films seen from
     // the front (subject 5).
     let mut far_from_tilts = 0.0_f64;

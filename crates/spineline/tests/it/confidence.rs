@@ -36,7 +36,7 @@ fn low_confidences_are_warnings_and_all_of_them_are_noted() {
     // Confidences change no number.
     let plain = analyzed(&exact_case(0), &AnalysisOptions::default());
     assert_eq!(plain.movement.clinical, analysis.movement.clinical);
-    // What is no probability is refused.
+    // A value that is not a probability is refused.
     landmarks_mut(&mut case, Posture::Erect, Level::T9).confidence = Some(Corners {
         superior_left: 87.0,
         superior_right: 0.9,

@@ -21,7 +21,7 @@ fn solved(statics: &Statics<'_>, wrench: &Wrench) -> Solution {
     solution
 }
 
-/// The energy is that of the formula, and positive for every coupling that is accepted.
+/// The energy follows the formula, and is positive for every coupling that is accepted.
 #[test]
 fn the_energy_is_positive() {
     let mut draw = Draw::new(7);

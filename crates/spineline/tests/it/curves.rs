@@ -133,7 +133,7 @@ proptest! {
             assert_near(joint.distance_mm(curve.point(t)), 0.0, CHORD_MM, "a joint on the curve");
         }
         prop_assert!(pose.leftover_mm < link);
-        // What the polygon leaves out of the arc, link by link, with the curvature at the link's middle.
+        // The part of the arc that the polygon leaves out, link by link, with the curvature at the link's middle.
         let lost: f64 = pose.t_mm.windows(2).map(|t| {
             let middle = 0.5 * (t[0] + t[1]);
             let curvature = curve.turning(middle) / curve.tangent(middle).norm_mm();
@@ -214,8 +214,8 @@ fn rippled(height_mm: f64, [p, q]: [f64; 2]) -> Outline {
 }
 
 #[test]
-fn intervals_of_inflections_hold_those_of_a_curve_that_is_no_polynomial() {
-    // Oracle: the places where the curvature was made to change its sign; landmarks have no error but are said to have one.
+fn intervals_hold_the_inflections_of_a_curve_that_is_not_a_polynomial() {
+    // Oracle: the places where the curvature was made to change its sign; landmarks are exact but are given an error.
     let height_mm = 390.0;
     let ends = [0.34, 0.7];
     let outline = rippled(height_mm, ends);
@@ -227,7 +227,7 @@ fn intervals_of_inflections_hold_those_of_a_curve_that_is_no_polynomial() {
         let [low, high] = interval.t_mm;
         assert!((low..=high).contains(&(end * height_mm)), "{end}: {low} to {high}");
         assert!(high - low < 60.0, "{end}: {low} to {high}");
-        // The lengths along the curve are those of its heights, and the vertebrae lie around them.
+        // The lengths along the curve belong to its heights, and the vertebrae lie around them.
         assert_near(
             interval.along_mm[0],
             fit.curve.length_mm(low),

@@ -34,7 +34,7 @@ fn place(level: Level) -> Frontal {
     bend.outline.vertebra(level).expect("a level of the model").location
 }
 
-/// A result that can be used has numbers; one that cannot is said to be none.
+/// A usable result has numbers; any other is marked as not a result.
 #[track_caller]
 fn check_ending(analysis: &Analysis) {
     let simulation = simulation(analysis);

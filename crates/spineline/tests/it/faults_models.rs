@@ -1,4 +1,4 @@
-//! Springs that are no springs, amplitudes out of reach, and endings that are no results.
+//! Invalid springs, amplitudes out of reach, and endings without results.
 
 use crate::common::{assert_near, outline, spine, usual_regions};
 use spineline::action::{LineError, LineOfAction};
@@ -120,7 +120,7 @@ fn an_unreachable_amplitude_reports_the_remaining_difference() {
             let end = match_amplitude(&statics, &load(), sign, OUT_OF_REACH);
             assert_eq!(end.status, MatchStatus::Unreachable);
             assert!(!end.is_usable() && end.evaluations > 1);
-            // The residual is that of the shape which comes back.
+            // The residual belongs to the shape that is returned.
             let left = (end.solution.deformed.lateral_tilt() - OUT_OF_REACH).wrapped();
             assert_near(left_of(end.residual).rad(), left.rad(), 1e-12, "residual");
             assert!(left.abs() > Angle::from_deg(30.0));
@@ -196,7 +196,7 @@ fn of_several_forces_the_one_with_the_smallest_ferguson_error_is_chosen_and_repo
     let mut several = 0;
     for change_deg in [-12.0, -4.0, 4.0, 12.0] {
         let all = amplitude_matches(&statics, &load(), tilt + Angle::from_deg(change_deg));
-        // A shape that no human spine takes is no alternative.
+        // A shape beyond the human range is not an alternative.
         let within: Vec<_> = all
             .iter()
             .filter(|made| made.is_usable())

@@ -96,7 +96,7 @@ fn stated_scales_are_not_fitted() {
 }
 
 #[test]
-fn what_is_predicted_gives_no_scale() {
+fn predicted_vertebrae_give_no_scale() {
     let case = scaled(&phantom(3, Scenario::Pull, &Readers::exact()).case, &FACTORS);
     let mut moved = case.clone();
     let film = film_mut(&mut moved, Posture::Neutral);
@@ -136,7 +136,7 @@ fn the_scale_from_t2_minimises_its_two_squares() {
     let found = length.from_top(simulated, marked, sd_mm);
     let log = found.factor.ln();
     for step in [-1e-4, 1e-4] {
-        assert!(cost(log + step) > cost(log), "{log} is no minimum");
+        assert!(cost(log + step) > cost(log), "{log} is not a minimum");
     }
     // The deviation is where the sum of squares is one higher.
     let rise = cost(log + found.log_sd) - cost(log);

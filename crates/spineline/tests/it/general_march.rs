@@ -7,7 +7,7 @@ use spineline::multibody::{
 };
 use spineline::spatial::{Mat3, Vec3};
 
-/// Newton's last step is below 1e-9 rad, and what is left of it its square; the lever is half a metre.
+/// Newton's last step is below 1e-9 rad, and the error is its square; the lever is half a metre.
 const AGREE_MM: f64 = 1e-9;
 
 fn draw_vector(draw: &mut Draw, size: f64) -> Vec3 {

@@ -236,7 +236,7 @@ fn t2_of_a_held_out_film_is_met_by_the_force_that_the_march_finds() {
 }
 
 #[test]
-fn a_fitted_shape_beyond_human_range_is_no_result() {
+fn a_fitted_shape_beyond_human_range_has_no_result() {
     // Every joint of both bends turns by 8°, which each could; all together reach 112°.
     let mut analysis = analysis();
     let erect = analysis.movement.erect().outline.vertebrae.clone();
@@ -273,7 +273,7 @@ fn names_round_trip_and_wrong_ones_are_refused() {
         assert_eq!(hypothesis.key().parse(), Ok(hypothesis));
         assert_eq!(hypothesis.key().replace('_', "-").parse(), Ok(hypothesis));
     }
-    let refused = "inflection+free".parse::<Hypothesis>().expect_err("no such name");
+    let refused = "inflection+free".parse::<Hypothesis>().expect_err("an unknown name");
     assert!(refused.to_string().contains("inflection_line"));
 }
 

@@ -1,4 +1,4 @@
-//! Landmark noise on what loads do to a personalised model.
+//! Effect of landmark noise on a personalised model under loads.
 
 use std::ops::ControlFlow;
 
@@ -18,7 +18,7 @@ use spineline_phantom::{Readers, Scenario};
 
 use crate::common::{assert_near, landmarks, phantom};
 
-/// Place of the uppermost vertebra among those of the model.
+/// Place of the uppermost vertebra in the model.
 const TOP: usize = 14;
 
 /// Erect film and one bend, read once without an error, with tilts by the corners alone.
@@ -161,7 +161,7 @@ fn derivatives(case: &Case, of: impl Fn(&Analysis) -> [f64; 3]) -> Vec<[f64; 3]>
 }
 
 #[test]
-fn the_standard_deviation_for_small_noise_is_that_of_finite_differences() {
+fn the_standard_deviation_for_small_noise_matches_finite_differences() {
     // Oracle: linear propagation through a new analysis and simulation for each moved coordinate of a corner.
     let (sd_px, count) = (0.02, 400);
     let case = two_films();

@@ -13,9 +13,9 @@ use spineline::personalize::{FitStatus, FitTarget};
 use spineline::spatial::{Angle, Frontal, Pixel};
 use spineline_phantom::{Readers, Scenario};
 
-/// What is computed once from landmarks by a few operations, in mm and rad.
+/// Values computed once from landmarks by a few operations, in mm and rad.
 const ROUNDING: f64 = 1e-9;
-/// What a least-squares fit and a minimiser pass on.
+/// Values after a least-squares fit and a minimiser.
 const FITTED: f64 = 1e-6;
 
 /// Subject, scenario, and whether the readers are exact.
@@ -117,7 +117,7 @@ fn assert_same_models(
             };
             assert_eq!(x.status, y.status, "{kind}, {p}");
             assert_eq!(x.contradicted.len(), y.contradicted.len(), "{kind}, {p}");
-            // The nearest shape to an amplitude out of reach is no result; it depends on the largest force tried.
+            // The nearest shape to an amplitude out of reach is not a result; it depends on the largest force tried.
             if !x.is_usable() {
                 continue;
             }
@@ -167,7 +167,7 @@ proptest! {
         assert_same_models(&a, &b, &MIRROR_POSTURE, 1.0, &ALL_LINES);
     }
 
-    /// Oracle: how a film was held is no property of the patient.
+    /// Oracle: how a film was held is not a property of the patient.
     #[test]
     fn a_rigid_motion_of_a_film_does_not_change_results(
         made in any_case(),

@@ -1,4 +1,4 @@
-//! Published numbers and their sources: every key is in the list of references, and what nobody compared says so where it is used.
+//! Published numbers and their sources: every key is in the list of references, and numbers not compared are marked in use.
 
 use spineline::anatomy::{Level, Morphometry, PublishedNumbers, SourceCheck};
 use spineline::multibody::StiffnessTable;
@@ -48,7 +48,7 @@ fn every_published_number_names_references_that_are_listed() {
 }
 
 #[test]
-fn springs_whose_source_nobody_read_say_so() {
+fn springs_whose_source_was_not_read_say_so() {
     let marked = |table: StiffnessTable, mark: &str| {
         table.library().rows().iter().filter(|row| row.source.contains(mark)).count()
     };
@@ -60,7 +60,7 @@ fn springs_whose_source_nobody_read_say_so() {
 }
 
 #[test]
-fn ranges_of_motion_that_nobody_read_are_unverified() {
+fn ranges_of_motion_that_were_not_read_are_unverified() {
     let ranges = PublishedNumbers::ALL.into_iter().find(|one| one.source == "white-panjabi-1990");
     assert_eq!(ranges.expect("ranges").check, SourceCheck::Unverified);
     assert!(note("white-panjabi-1990").contains("UNVERIFIED"));
@@ -89,7 +89,7 @@ const CT_OVER_TABLE: [[f64; 2]; 14] = [
 ];
 
 #[test]
-fn distances_of_typical_midpoints_are_those_of_the_cts() {
+fn distances_of_typical_midpoints_equal_the_cts() {
     let pairs = Level::MODEL.windows(2).zip(UNITS_MM.windows(2)).zip(CT_OVER_TABLE);
     for ((levels, units_mm), [low, high]) in pairs {
         let before_mm = 0.5 * (units_mm[0] + units_mm[1]);

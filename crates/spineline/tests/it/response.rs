@@ -79,7 +79,7 @@ fn the_chosen_shape_is_the_least_loaded_one_on_the_erect_branch() {
         }
         for met in &response.equilibria {
             let found = met.equilibrium.deformed.lateral_tilt();
-            assert!((found.deg() - tilt).abs() < 1e-7, "every shape that is told leans as asked");
+            assert!((found.deg() - tilt).abs() < 1e-7, "every reported shape has the wanted tilt");
         }
     }
     assert!(several > 0, "the test means something");
@@ -245,7 +245,7 @@ fn loads_that_fold_the_spine_end_beyond_the_human_range() {
 }
 
 #[test]
-fn a_wanted_lateral_tilt_of_a_folded_spine_is_no_result() {
+fn a_wanted_lateral_tilt_of_a_folded_spine_has_no_result() {
     let model = spine(0).1;
     let goal = Goal::LateralTilt(Angle::from_deg(-75.0));
     let response = push(&model, &springs(&model), Vec3::new(0.0, 100.0, 0.0), goal).1;
@@ -307,7 +307,7 @@ fn a_tried_pad_pushes_with_its_force_once_it_is_a_spring() {
     let places = usual_places(&model);
     let trials = PadTrial::all(15, 40.0, 2);
     let none = OtherLoads::new(&statics, Loading::default(), &mut |_, _| ControlFlow::Continue(()));
-    let none = none.expect("no load is no fault");
+    let none = none.expect("no load is valid");
     assert_eq!(trials.len(), 14 * 2 * 2);
     let (mut found, mut corrected, mut worsened) = (0, 0, 0);
     for trial in trials {
@@ -332,7 +332,7 @@ fn a_tried_pad_pushes_with_its_force_once_it_is_a_spring() {
     assert!(found > 40 && corrected > 10 && worsened > 10, "{found} {corrected} {worsened}");
 }
 
-/// Oracle: all loads as those of one plan, with the pad as a spring.
+/// Oracle: all loads in one plan, with the pad as a spring.
 #[test]
 fn a_pad_beside_other_loads_is_a_load_of_their_plan() {
     const SAME: f64 = 1e-6;

@@ -15,7 +15,7 @@ fn degrees(values: &[f64]) -> Vec<Angle> {
     values.iter().map(|&deg| Angle::from_deg(deg)).collect()
 }
 
-/// A film on which the joints turn by so many degrees and all lengths are multiplied.
+/// A film on which the joints turn by these degrees and all lengths are multiplied.
 fn film_after(erect: &Outline, joints_deg: &[f64], scale: f64, posture: Posture) -> Outline {
     let mut tilts = vec![0.0];
     for joint in degrees(joints_deg) {
@@ -129,7 +129,7 @@ fn learned_means_are_mirrored_for_a_bend_to_the_left() {
 }
 
 #[test]
-fn mean_covariance_and_shrinkage_are_those_of_the_bends() {
+fn mean_covariance_and_shrinkage_follow_from_the_bends() {
     let levels = Levels::between(Level::L4, Level::L1).expect("four vertebrae");
     let bends = [
         [1.0, 2.0, 0.5],
@@ -176,14 +176,14 @@ fn fewer_vertebrae_have_the_part_of_the_distribution_that_is_theirs() {
 }
 
 #[test]
-fn numbers_that_are_no_distribution_are_refused() {
+fn numbers_that_are_not_a_distribution_are_refused() {
     let source = PriorSource::Published;
     let new = |joints, covariance| {
         RotationPrior::new(Levels::COMPLETE, vec![Angle::ZERO; joints], covariance, source)
     };
     let refused = new(13, DMatrix::identity(14, 14)).expect_err("13 joints");
     assert!(matches!(refused, RotationPriorError::Shape { joints: 14, mean: 13, .. }));
-    let refused = new(14, DMatrix::from_element(14, 14, 1.0)).expect_err("no variance of its own");
+    let refused = new(14, DMatrix::from_element(14, 14, 1.0)).expect_err("it is singular");
     assert_eq!(refused, RotationPriorError::NoCovariance);
     let mut skewed = DMatrix::identity(14, 14);
     skewed[(0, 1)] = 0.1;

@@ -71,7 +71,7 @@ fn exact_landmarks_give_the_pitch_in_space_whatever_the_rotation_and_the_reader(
 }
 
 #[test]
-fn the_turns_of_the_model_are_those_in_space() {
+fn the_turns_of_the_model_equal_the_turns_in_space() {
     let phantom = generate_in_space(&SpaceSetup::default());
     let (found, _) = measured(&phantom);
     let profile = found.profile(&SagittalProfile::default());
@@ -94,7 +94,8 @@ fn axes_as_read(phantom: &SpacePhantom, level: Level) -> Mat3 {
     Mat3::from_columns(&[anterior * cos + left * sin, left * cos - anterior * sin, body.cranial])
 }
 
-/// The model stands as the true bodies do, with the axial rotation that is read from their pedicles, seen from its base; where the lateral film shows nothing, as its neighbours say.
+/// The model stands as the true bodies do, with the axial rotation read from their pedicles, seen from its base; where the
+/// lateral film shows nothing, as its neighbours say.
 #[test]
 fn the_model_stands_in_space_as_the_bodies_do() {
     let setup = SpaceSetup {
@@ -152,7 +153,7 @@ fn without_correction_the_habits_of_readers_differ_by_a_fifth() {
     );
     let difference = (over.rad() - under.rad()) / stands.pitch.rad();
     assert!((0.18..0.22).contains(&difference), "{difference}");
-    // The same on the films of a phantom, whose prisms know nothing of these formulas.
+    // The same on the films of a phantom, whose prisms do not use these formulas.
     for habit in HABITS {
         let setup = SpaceSetup { habit, ..SpaceSetup::default() };
         let phantom = generate_in_space(&setup);
@@ -161,7 +162,7 @@ fn without_correction_the_habits_of_readers_differ_by_a_fifth() {
             let stands = vertebra.orientation;
             let expected = match habit {
                 EndplateHabit::MiddleLine => stands.middle_line_pitch(),
-                // Wider than deep, so that the long axis is not that of a round endplate.
+                // Wider than deep, so the long axis differs from a round endplate's.
                 EndplateHabit::Rim => continue,
             };
             for endplate in vertebra.endplates {
@@ -289,7 +290,7 @@ fn replicates_vary_a_pitch_by_its_deviation() {
 
 /// Kyphosis and lordosis by the true axes.
 #[test]
-fn kyphosis_and_lordosis_in_space_are_those_of_the_true_axes() {
+fn kyphosis_and_lordosis_in_space_match_the_true_axes() {
     for shape in SagittalShape::ALL {
         let phantom = generate_in_space(&SpaceSetup { shape, ..SpaceSetup::default() });
         let (found, _) = measured(&phantom);
@@ -327,7 +328,7 @@ fn a_lateral_film_shows_two_degrees_of_kyphosis_too_many() {
 
 /// On no vertical plane is the angle between the true axes of a curve's ends larger.
 #[test]
-fn no_plane_shows_a_larger_curve_than_that_of_maximum_curvature() {
+fn no_plane_shows_a_larger_curve_than_the_plane_of_maximum_curvature() {
     let phantom = generate_in_space(&SpaceSetup::default());
     let analysis = analyze_movement(&phantom.case, &AnalysisOptions::default()).expect("good");
     let measures = analysis.movement.spatial_measures().expect("both films");

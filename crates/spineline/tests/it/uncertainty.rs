@@ -72,11 +72,11 @@ fn replicates_may_be_computed_in_any_order_and_from_any_order_of_readings() {
     }
     let other = MonteCarlo::new(&turned, &nominal, LandmarkNoise::Measured, 7).expect("as before");
     assert_eq!(other.replicate(2), one_by_one[2]);
-    assert_ne!(one_by_one[1], one_by_one[2], "every replicate has noise of its own");
+    assert_ne!(one_by_one[1], one_by_one[2], "every replicate has its own noise");
 }
 
 #[test]
-fn cases_of_two_patients_have_noise_of_their_own() {
+fn cases_of_two_patients_have_independent_noise() {
     // Oracle: the same films under another identifier.
     let one = erect(case(0, Scenario::Bend, &Readers::default()));
     let other = Case { id: "another".to_owned(), ..one.clone() };
@@ -108,7 +108,7 @@ fn without_noise_all_replicates_equal_the_case() {
         let has_none = quantity.at_bound || quantity.quantity.grows_with_noise();
         let expected = (!has_none).then_some([spread.mean; 2]);
         assert_eq!(interval, expected, "{:?}", quantity.quantity);
-        // A fit goes on from where that of the case has ended, by a small part of what noise does.
+        // A fit starts from the end of the case's fit, and differs by a small part of the noise.
         let sd = usual.spread(quantity.quantity).map_or(0.0, |spread| spread.sd);
         let off = (spread.mean - nominal).abs();
         let left = 0.01 * sd + 1e-6 * nominal.abs();
@@ -149,7 +149,7 @@ fn a_multiplier_at_its_bound_has_no_interval() {
 
 #[test]
 fn replicates_from_the_minima_of_the_case_equal_those_of_a_new_search() {
-    // Oracle: every replicate analysed as a case of its own.
+    // Oracle: every replicate analysed as a separate case.
     for (subject, scenario) in [(1, Scenario::Rod), (2, Scenario::Bend), (6, Scenario::Pull)] {
         let case = case(subject, scenario, &Readers::default());
         let found = run(&case, LandmarkNoise::Measured, 5, 40);
@@ -344,7 +344,7 @@ fn a_film_that_often_cannot_be_measured_is_counted() {
 
 #[test]
 fn inflections_absent_in_some_replicates_are_counted() {
-    // A curve counts from so many degrees on: at the size of the smallest one, noise decides.
+    // A curve counts from a minimum angle on: at the size of the smallest one, noise decides.
     let case = erect(case(0, Scenario::Rod, &Readers::exact()));
     let smallest = analyzed(&case)
         .movement

@@ -16,9 +16,9 @@ use spineline::multibody::{
 use spineline::spatial::{Mat3, Vec3};
 
 const LENGTH_MM: f64 = 400.0;
-/// Bending stiffness, N·mm²: about that of fourteen joints of 130 N·m/rad.
+/// Bending stiffness, N·mm²: as about fourteen joints of 130 N·m/rad.
 const EI: f64 = 4e6;
-/// Second order, with what the next term leaves at eight elements.
+/// Second order, less the next term at eight elements.
 const MIN_ORDER: f64 = 1.9;
 
 /// The column: nodes at whole elements, joints between.
@@ -272,7 +272,7 @@ fn assert_bends_without_an_event(bow_mm: f64) {
 
 #[test]
 fn a_bowed_column_bends_far_beyond_eulers_load_without_an_event() {
-    // Oracle: no second branch crosses that of a bowed column; far beyond Euler's load it is the elastica of a straight one.
+    // Oracle: no second branch crosses the branch of a bowed column; far beyond Euler's load it is the elastica of a straight one.
     assert_bends_without_an_event(20.0);
 }
 

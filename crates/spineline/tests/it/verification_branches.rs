@@ -97,7 +97,7 @@ fn a_bar_that_snaps_past_a_strap_has_the_limit_points_of_its_closed_form() {
         let found = &path.equilibria[0];
         assert_eq!((found.limit_points, found.branch_points), (2, 0));
         assert_near(found.deformed.hinges_rad[0][plane.hinge()], angle, 1e-12, "beyond");
-        // Every point is on the curve, and the path leaves out none of it.
+        // Every point is on the curve, and the path covers all of it.
         let angle_of = |i: usize| path.points[i].deformed.hinges_rad[0][plane.hinge()];
         for i in 0..path.points.len() {
             let moment = Snap::moment(angle_of(i));

@@ -252,7 +252,7 @@ fn check_virtual_work(problem: &Problem, support: Support) {
 #[test]
 fn every_hinge_is_in_equilibrium_under_all_loads_by_virtual_work() {
     // Oracle: springs' moments are the work of all loads per unit of a hinge's turn, by differences of another kinematics
-    // and of the springs' energies; nothing of the solver is used but the hinge angles that it found.
+    // and of the springs' energies; only the hinge angles of the solver are used.
     let mut draw = Draw::new(61);
     for _ in 0..10 {
         let problem = Problem::draw(&mut draw, JOINTS);

@@ -36,7 +36,7 @@ fn problems_with_a_rod(draw: &mut Draw) -> Vec<Problem> {
     vec![alone, all]
 }
 
-/// Panics unless a shape is another one with its vectors mapped; `inside` is what becomes of a vertebra's own axes.
+/// Panics unless a shape is another one with its vectors mapped; `inside` maps a vertebra's own axes.
 #[track_caller]
 fn assert_mapped(
     ours: &Equilibrium,

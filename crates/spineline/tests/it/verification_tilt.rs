@@ -45,7 +45,7 @@ fn forces_n(
     let counts = |found: &&Equilibrium| {
         let force_n = found.factor.abs() * UNIT_N;
         let off = (found.deformed.lateral_tilt() - tilt).wrapped().rad().abs();
-        // What points the other way is left to a test of its own.
+        // Another test covers the opposite direction.
         assert!(off < TILT_RAD || std::f64::consts::PI - off < TILT_RAD, "off by {off} rad");
         off < TILT_RAD
             && found.deformed.largest_hinge_rad() <= MAX_HINGE_RAD

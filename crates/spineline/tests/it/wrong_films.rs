@@ -35,7 +35,7 @@ fn both_ways(case: &Case) -> [Case; 2] {
     [case.clone(), mirrored(case)]
 }
 
-/// Gives a film the landmarks of another one, every corner moved at random by up to so many pixels.
+/// Gives a film the landmarks of another one, every corner moved at random by up to `by_px` pixels.
 fn copy_landmarks(case: &mut Case, from: Posture, to: Posture, by_px: f64) {
     let copied = film_mut(case, from).landmarks.clone();
     let film = film_mut(case, to);
@@ -64,7 +64,7 @@ fn sound_films_are_not_doubted() {
 }
 
 #[test]
-fn a_bend_with_the_erect_films_landmarks_is_no_evidence() {
+fn a_bend_with_the_erect_films_landmarks_is_not_evidence() {
     for bend in BENDS {
         let mut case = exact_case(0);
         // Pixels of 0.1 mm: a corner moves by half a millimetre at most.
@@ -77,7 +77,7 @@ fn a_bend_with_the_erect_films_landmarks_is_no_evidence() {
                 warnings.find(|one| one.code == WarningCode::BendKeepsShape).expect("seen above");
             assert_eq!(warning.code.severity(), Severity::Contradiction);
             let verdict = verdict(&analysis);
-            assert!(verdict.contains(&format!("The {bend} film may be a wrong one")), "{verdict}");
+            assert!(verdict.contains(&format!("The {bend} film may be wrong")), "{verdict}");
             assert!(verdict.contains("no result of this patient is evidence"), "{verdict}");
             assert!(!verdict.contains("are consistent with"), "{verdict}");
             let side = if bend == Posture::LeftBending { "left" } else { "right" };
@@ -92,7 +92,7 @@ fn a_bend_with_the_mirrored_erect_film_is_reported() {
     let erect = mirrored(&case);
     let from = erect.films.iter().find(|film| film.posture == Posture::Erect).expect("erect");
     film_mut(&mut case, Posture::RightBending).landmarks = from.landmarks.clone();
-    // The picture is mirrored, and nobody said so: sides and side of the picture are those of the other film.
+    // The picture is mirrored without notice: the sides and the side of the picture come from the other film.
     let (image, crests, readings) = landmarks(film_mut(&mut case, Posture::RightBending));
     image.patient_left = image.patient_left.opposite();
     for landmark in readings.iter_mut().flat_map(|one| one.vertebrae.values_mut()) {

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use indicatif::ProgressBar;
 use spineline::analysis::{Analysis, LineModel, ModelChoice};
 use spineline::cohort::{Cohort, CohortPatient, RefusalStep, RefusedCase};
+use spineline::warning::counted;
 use spineline_files::Provenance;
 use spineline_report::cohort::{self as cohort_report, PatientRow};
 use spineline_report::document::Document;
@@ -23,7 +24,7 @@ use crate::run::interrupt;
 use crate::run::messages::say;
 use crate::run::outputs::{Outputs, print_notices};
 use crate::run::progress::bar;
-use crate::run::threads::stream_all;
+use crate::run::threads::stream_while;
 
 /// What the user asks for every case.
 #[derive(Clone, Copy)]
@@ -69,7 +70,7 @@ pub struct Analysed {
     row: Option<PatientRow>,
 }
 
-/// What the run keeps of the cases after their results are written.
+/// What a run keeps from cases after their results are written.
 pub struct Finished<'a> {
     asked: Asked<'a>,
     pub read: ReadCases,
@@ -109,7 +110,10 @@ pub fn analyze_all<'a>(
         let steps: Vec<Step<'_>> = all.iter().map(|output| output.case(case)).collect();
         (result, steps)
     };
-    stream_all(&progress, paths.len(), across, run, |(result, mut steps)| {
+    let goes_on = || !interrupt::is_requested();
+    let mut ended = 0;
+    stream_while(&progress, (paths.len(), across), goes_on, run, |(result, mut steps)| {
+        ended += 1;
         let checked = result.and_then(|one| match finished.read.add(&one.input, asked.record) {
             Ok(()) => Ok(one),
             Err(failure) => {
@@ -126,6 +130,7 @@ pub fn analyze_all<'a>(
         }
         Ok(())
     })?;
+    finished.leave_out(&paths[ended..], all);
     finished.check_interruption()?;
     print_notices(&finished.read.warnings());
     if !asked.args.warnings {
@@ -190,6 +195,22 @@ impl<'a> Finished<'a> {
         case.case_id.iter().for_each(|id| self.asked.outputs.of_case(id));
         steps.into_iter().for_each(|step| step());
         self.refused.push(*case);
+    }
+
+    /// Names the cases that were not begun because the run was interrupted, in every output.
+    fn leave_out(&mut self, paths: &[PathBuf], all: &[Box<dyn Output + 'a>]) {
+        if paths.is_empty() {
+            return;
+        }
+        self.is_cut_short = true;
+        let left = counted(paths.len(), "case");
+        say(format!("interrupted: {left} not begun; analyse them again"));
+        for path in paths {
+            let step = RefusalStep::Interruption;
+            let Refusal { case, .. } = Refusal::new(path, None, step, Failure::interrupted());
+            all.iter().for_each(|output| output.case(Err(&case))());
+            self.refused.push(*case);
+        }
     }
 
     fn check_interruption(&self) -> Result<(), Failure> {

@@ -101,7 +101,7 @@ impl<'a> TablesFolder<'a> {
     /// # Errors
     /// If they cannot be written.
     fn add(&mut self, tables: Vec<Table>, optional: OptionalTables) -> Result<(), Failure> {
-        self.optional = self.optional.and(optional);
+        self.optional = self.optional.or(optional);
         for table in tables {
             match self.tables.iter_mut().find(|known| known.rows.name == table.name) {
                 Some(known) => known.rows.append(table)?,

@@ -46,8 +46,8 @@ fn models_equal_those_of_the_exported_case() {
         ) < SAME_MM
     );
     let compared = analysis.comparison();
-    let (automatic, _) = compared.best_predictor().expect("compared lines");
-    assert_eq!(model["automatic"], automatic.key());
+    let automatic = analysis.choose_model().expect("a model");
+    assert_eq!(model["automatic"], automatic.kind.key());
     assert_eq!(model["automatic_text"], json!(compared.choice_words()));
     let lines = model["lines"].as_array().expect("lines");
     assert_eq!(lines.len(), analysis.models.len());

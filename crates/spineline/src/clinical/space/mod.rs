@@ -22,7 +22,7 @@ named! {
 }
 
 impl SagittalPart {
-    /// Names of the angle between endplates and of that between axes, in files and in words.
+    /// Names of the angles between endplates and between axes, in files and in words.
     const fn names(self) -> [(&'static str, &'static str); 2] {
         match self {
             Self::KyphosisT5T12 => [
@@ -83,7 +83,7 @@ pub struct SagittalAngle {
 ///
 /// # Definition
 /// Of all vertical planes the one on which the axes of the curve's end vertebrae, as projected, make the largest angle. Vertical
-/// is that of the films.
+/// is the films'.
 ///
 /// # References
 /// [stokes-1994].

@@ -5,7 +5,7 @@ use crate::number::with_sd;
 use crate::spatial::Angle;
 
 named! {
-    /// Whether a number is what one film shows, or one in space.
+    /// Whether a number is measured on one film, or in space.
     pub enum Dimension {
         /// On one film.
         TwoD = "2-D",
@@ -36,7 +36,7 @@ pub struct SpatialNumber {
 }
 
 impl SpatialNumber {
-    /// 95 % interval by its standard deviation, taken as that of a normal error.
+    /// 95 % interval by its standard deviation, as for a normal error.
     #[must_use]
     pub fn interval_95(&self) -> [f64; 2] {
         let half = 1.959_963_984_540_054 * self.sd;
@@ -55,7 +55,7 @@ impl SpatialNumber {
 }
 
 impl SpatialMeasures {
-    /// All of them, each named 2-D or 3-D; `scale` is that of the erect film.
+    /// All of them, each named 2-D or 3-D; `scale` belongs to the erect film.
     #[must_use]
     pub fn numbers(&self, scale: &LengthScale) -> Vec<SpatialNumber> {
         use Dimension::{ThreeD, TwoD};

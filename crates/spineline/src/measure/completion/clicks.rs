@@ -1,4 +1,4 @@
-//! What was marked on a film, as rows of linear equations for the corners.
+//! Marks on a film as rows of linear equations for the corners.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -79,7 +79,7 @@ impl Click {
 pub struct Clicks {
     /// Clicks on vertebrae, in any order.
     pub vertebrae: Vec<Click>,
-    /// Points on the line through the centres of the vertebrae, in any order; which vertebrae they lie at is not known.
+    /// Points on the line through the centres of the vertebrae, in any order; their vertebrae are not known.
     pub midline: Vec<Pixel>,
 }
 
@@ -109,7 +109,7 @@ impl PlacedClicks {
         Self { about, vertebrae: vertebrae.collect(), midline: midline.collect() }
     }
 
-    /// Whether two clicks on vertebrae lie apart.
+    /// Whether two clicks on vertebrae differ in place.
     pub fn lie_apart(&self) -> bool {
         self.vertebrae.iter().any(|&(.., place)| place.norm_mm() > 1e-9)
     }

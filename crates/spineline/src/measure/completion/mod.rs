@@ -32,10 +32,10 @@ use crate::spatial::{Angle, Frontal, Pixel};
 /// # References
 /// Assumption, between one careful reader and the AASCE readers, whose corners differ by more.
 const CLICK_SD_PER_STEP: f64 = 0.0265;
-/// An angle or a logarithm moves by less at the end.
+/// Largest change of an angle or a logarithm at convergence.
 const TOLERANCE: f64 = 1e-8;
 const MAX_ITERATIONS: usize = 60;
-/// No angle or logarithm moves by more in one iteration.
+/// Largest change of an angle or a logarithm in one iteration.
 const MAX_STEP: f64 = 0.4;
 
 /// Corners of all vertebrae from L5 to T1, completed from clicks.
@@ -57,8 +57,8 @@ pub enum CompletionError {
         /// Clicks on vertebrae.
         clicks: usize,
     },
-    /// A coordinate is no number.
-    #[error("{level}: the place of a click is no finite number")]
+    /// A coordinate is not finite.
+    #[error("{level}: the place of a click is not a finite number")]
     NotFinite {
         /// Vertebra.
         level: Level,
@@ -93,7 +93,7 @@ impl Completion {
         &self.covariance_mm2
     }
 
-    /// Covariance of two corners in mm²; those of one corner with itself are its own.
+    /// Covariance of two corners, or of a corner with itself, in mm².
     pub(crate) fn corner_covariance_mm2(
         &self,
         one: (Level, CornerName),

@@ -1,4 +1,4 @@
-//! What erect spines look like: mean and covariance of the parameters of their shape.
+//! Shape of erect spines: mean and covariance of its parameters.
 
 use std::sync::LazyLock;
 
@@ -11,11 +11,11 @@ use crate::spatial::Angle;
 /// The table that `training/shape/train.py` writes.
 const TABLE: &str = include_str!("erect_spines.txt");
 
-/// Standard deviation of what a joint turns between the erect film and a bend: half the ranges of lateral bending of
+/// Standard deviation of the rotation of a joint between the erect film and a bend: half the ranges of lateral bending of
 /// one side and the other, 5° to 10° per joint [white-panjabi-1990], rounded up; traction straightens by no more.
 const BEND_SD: Angle = Angle::from_deg(6.0);
 
-/// What spines look like: a Gaussian of the parameters of a shape; place and direction of the film are unknown.
+/// Shape of spines: a Gaussian of its parameters; place and direction of the film are unknown.
 #[derive(Debug, Clone)]
 pub struct ShapeModel {
     /// Means of the parameters; zero for place and direction.
@@ -40,13 +40,13 @@ pub(super) fn model_of(posture: Option<Posture>) -> &'static ShapeModel {
 impl ShapeModel {
     /// The shape of erect spines from a table as `training/shape/train.py` writes it, of other films than the library's own.
     ///
-    /// `None` where the text is no such table.
+    /// `None` for any other text.
     #[must_use]
     pub fn of_erect(table: &str) -> Option<Self> {
         Self::of_table(table, Angle::ZERO)
     }
 
-    /// From the table of the erect films, with the standard deviation of what joints turn from there.
+    /// From the table of the erect films, with the standard deviation of the rotations of joints from there.
     fn of_table(table: &str, bend_sd: Angle) -> Option<Self> {
         let lines = table.lines().filter(|line| !line.starts_with('#'));
         let rows: Vec<Vec<f64>> = lines.map(numbers).collect::<Option<_>>()?;
@@ -74,7 +74,7 @@ impl ShapeModel {
     }
 }
 
-/// A precision of logarithms of lengths where nothing is known of their common scale.
+/// A precision of logarithms of lengths whose common scale is unknown.
 fn without_scale(precision: DMatrix<f64>) -> DMatrix<f64> {
     let of_scale = precision.column_sum();
     let known = of_scale.sum();
@@ -101,7 +101,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_table_that_is_cut_or_damaged_is_none() {
+    fn a_table_that_is_cut_or_damaged_is_refused() {
         assert!(ShapeModel::of_erect(TABLE).is_some());
         let cut = &TABLE[..TABLE.len() / 2];
         assert!(ShapeModel::of_erect(cut).is_none());

@@ -162,7 +162,7 @@ impl Shape {
                 let from_centre = body.axis * up + half * left;
                 set(2, turned(body.centre + from_centre - bodies[0].centre));
                 for (step, &vector) in steps.iter().enumerate().take(level) {
-                    // What lies above a step turns with it; the step itself by half of its rotation.
+                    // Bodies above a step turn with it; the step itself by half of its rotation.
                     let above = body.centre + from_centre - bodies[step + 1].centre;
                     set(FIRST_ANGLE + step, turned(above + vector * 0.5));
                     set(OFFSET + step, turned(vector));

@@ -1,4 +1,4 @@
-//! Derivatives against differences, and what must hold of any completion.
+//! Derivatives against differences, and rules for any completion.
 
 use super::*;
 use crate::anatomy::{ImageSide, Side};
@@ -35,7 +35,7 @@ fn clicks_on(image: &ImageGeometry, shape: &Shape, marks: &[Mark]) -> Clicks {
 const WALLS: [Mark; 2] = [Mark::Wall(Side::Left), Mark::Wall(Side::Right)];
 
 #[test]
-fn derivatives_are_those_of_differences() {
+fn derivatives_equal_differences() {
     let shape = curved(1);
     let jacobian = shape.jacobian();
     for parameter in 0..PARAMETERS {
@@ -117,7 +117,7 @@ fn a_larger_turned_film_has_larger_turned_corners() {
 }
 
 #[test]
-fn what_is_marked_is_known_better_than_what_is_not() {
+fn marked_corners_are_known_better_than_others() {
     let shape = curved(6);
     let mut clicks = clicks_on(&IMAGE, &shape, &CornerName::ALL.map(Mark::Corner));
     clicks.vertebrae.retain(|click| click.level < Level::L1);

@@ -66,7 +66,7 @@ fn corners_completed_from_walls_are_as_certain_as_clicks_and_accepting_does_not_
     assert_eq!(completed.tilt, accepted.tilt);
     assert!(!completed.is_reviewed && accepted.is_reviewed);
     // A click is a fortieth of the distance between neighbours, which is 100: both walls fix a tilt to sqrt(2) clicks over the
-    // width. The neighbours take a part of that away; what endplates differ from the walls adds to it.
+    // width. The neighbours reduce it; the difference of endplates and walls adds to it.
     let by_clicks = Angle::from_rad(2.0_f64.sqrt() * 2.65 / 120.0);
     assert!(completed.tilt > by_clicks * 0.5 && completed.tilt < by_clicks * 2.0, "{completed:?}");
 }

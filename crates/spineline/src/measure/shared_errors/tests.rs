@@ -92,7 +92,7 @@ fn a_block_that_is_left_out_is_predicted_from_the_others_and_their_errors() {
 }
 
 #[test]
-fn what_the_base_shares_is_known_where_the_base_is() {
+fn an_error_shared_with_the_base_vanishes_given_the_base() {
     // Oracle: an error that all vertebrae have in common vanishes where the base has none.
     let common = DVector::from_element(18, 1.0);
     let tiny = DMatrix::identity(18, 18) * 1e-9;

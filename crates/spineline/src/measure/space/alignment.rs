@@ -10,8 +10,8 @@ use crate::spatial::{Angle, Frontal};
 ///
 /// # Definition
 /// A point of the lateral film at `x` to the front and `z` up the film has the height
-/// `c + scale (z cos turn + x sin turn)` on the frontal film. The three numbers are those of least squares over the midpoints of the
-/// vertebrae on both films, weighed by their noise, with a normal prior on the turn. Where the heights differ by more than their noise,
+/// `c + scale (z cos turn + x sin turn)` on the frontal film. The three numbers come from least squares over the midpoints of the
+/// vertebrae on both films, weighted by their noise, with a normal prior on the turn. If the heights differ by more than their noise,
 /// the covariance grows with the residual.
 ///
 /// # Assumptions
@@ -27,9 +27,9 @@ pub struct FilmAlignment {
     pub turn: Angle,
     /// Covariance of the logarithm of the scale and of the turn in rad; zero for what was not estimated.
     pub covariance: Matrix2<f64>,
-    /// Root mean square of the differences of height that are left.
+    /// Root mean square of the remaining differences of height.
     pub residual_mm: f64,
-    /// What it is expected to be by the noise of the landmarks.
+    /// Its expected value by the noise of the landmarks.
     pub expected_mm: f64,
     /// Vertebrae that both films show.
     pub vertebrae: usize,
@@ -78,7 +78,7 @@ pub(super) enum LateralSd {
 }
 
 impl LateralSd {
-    /// Of the height of the crossing of a body's diagonals, from that of its corners.
+    /// Of the height of the crossing of a body's diagonals, from its corners.
     pub fn upwards(self, body: &LateralVertebra) -> Self {
         let upwards = |corner_sd: f64| crossing_sd(corner_sd, body.depth, body.height)[1];
         match self {
@@ -148,7 +148,7 @@ impl FilmAlignment {
         })
     }
 
-    /// A place of the lateral film, from another one: to the front and up, in millimetres, with the turn taken out.
+    /// A place of the lateral film, from another one: to the front and up, in millimetres, corrected for the turn.
     #[must_use]
     pub fn from_film_mm(&self, place: Frontal, origin: Frontal) -> Frontal {
         (place - origin).rotated(self.turn) * self.scale
@@ -161,7 +161,7 @@ impl FilmAlignment {
         [height_mm, plane.variance(place).sqrt()]
     }
 
-    /// The place of the lateral film, so far to the front on it, that has a height on the frontal film, and the standard deviation of its
+    /// The place of the lateral film, `front` to the front, that has a height on the frontal film, and the standard deviation of its
     /// second coordinate by the alignment alone, in the unit of the lateral film.
     pub(super) fn place_at(&self, height_mm: f64, front: f64) -> (Frontal, f64) {
         let HeightPlane { middle, middle_mm, coefficients, .. } = &self.heights;
@@ -191,7 +191,7 @@ fn first_scale(pairs: &[HeightPair]) -> Option<f64> {
     (pairs.len() > 1 && scale.is_finite() && scale > 0.0).then_some(scale)
 }
 
-/// Weighed by the noise times `excess`.
+/// Weighted by the noise times `excess`.
 fn fit(pairs: &[HeightPair], exposure: Exposure, scale: f64, excess: f64) -> Option<Fit> {
     let n = pairs.len();
     let sds_mm: Vec<f64> =

@@ -30,11 +30,11 @@ pub struct HeightLine {
 ///
 /// # Definition
 /// Heights agree by the [`FilmAlignment`] that is estimated from the vertebrae on both films. Of a vertebra on the lateral film the line on
-/// the erect film is a row; the other way it has the turn of the lateral film. The deviation is that of the alignment and of
+/// the erect film is a row; the other way it has the turn of the lateral film. The standard deviation includes the alignment and
 /// the midpoint on the film where the vertebra is marked, by the delta method.
 ///
 /// # Assumptions
-/// Those of [`FilmAlignment`]. Films need not be complete. Where nothing was read twice, a corner has the deviation of one careful reading
+/// As for [`FilmAlignment`]. Films need not be complete. Where nothing was read twice, a corner has the deviation of one careful reading
 /// ([`Noise::ONE_READING`]), on a film without spacing by the height of typical bodies.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SharedHeights {

@@ -1,4 +1,4 @@
-//! What the frontal film shows of a vertebra's axis.
+//! A vertebra's axis on the frontal film.
 
 use std::collections::BTreeMap;
 
@@ -19,7 +19,7 @@ pub(super) struct FrontalMark {
     pub tilt_sd: Angle,
 }
 
-/// The vertebrae that a frontal film shows. Where it has no corners, their tilts are those of the film, by whatever rule.
+/// The vertebrae that a frontal film shows. Without corners, their tilts are the film's, by any rule.
 pub(super) fn frontal_marks(
     film: &Film,
     outline: &Outline,
@@ -32,7 +32,7 @@ pub(super) fn frontal_marks(
     let marks = average(&placed).into_iter().filter_map(|(level, (placement, _))| {
         let vertebra = outline.vertebra(level)?;
         let noise = outline.noise_of(vertebra);
-        // How a program's corners differ between readings says nothing of their error.
+        // Differences of a program's corners between readings do not show their error.
         let corner_sd = match (measured_sd, vertebra.program) {
             (Some(sd), None) => sd,
             _ => noise.corner_mm() * per_mm,

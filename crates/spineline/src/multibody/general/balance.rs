@@ -45,10 +45,10 @@ pub(super) struct Balance<'a> {
     pub loading: &'a Loading,
 }
 
-/// A pose, what acts in it, and what is out of balance. All buffers are made once.
+/// A pose, its loads and its residual. All buffers are made once.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct State {
-    /// Hinge angles; the pose is theirs.
+    /// Hinge angles, which give the pose.
     pub hinges: Vec<Vec3>,
     /// Wrench that each rod puts on its upper vertebra, and minus it on its lower one.
     pub reactions: Vec<Spatial>,
@@ -63,7 +63,7 @@ pub(super) struct State {
     pub residual: Vec<Vec3>,
     /// Change of the load moments with the factor that varies.
     pub growth: Vec<Vec3>,
-    /// What each rod asks.
+    /// Equations of each rod.
     pub rods: Vec<RodEquations>,
     /// Per vertebra, then summed from above: wrench and its change with the factor.
     loads: Vec<(Spatial, Spatial)>,

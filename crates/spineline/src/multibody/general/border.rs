@@ -1,4 +1,4 @@
-/// The few equations beside those of the hinges: one for the arc, six for every rod. Buffers are made once.
+/// The few equations beside the hinges' equations: one for the arc, six for every rod. Buffers are made once.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Border {
     order: usize,
@@ -22,7 +22,7 @@ impl Border {
         }
     }
 
-    /// Starts a system of so many equations, all zero.
+    /// Starts a system of `order` equations, all zero.
     pub(super) fn reset(&mut self, order: usize) {
         self.order = order;
         for row in &mut self.rows[..order] {

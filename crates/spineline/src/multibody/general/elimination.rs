@@ -32,7 +32,7 @@ pub(super) struct Elimination {
     shares: Vec<Vec3>,
 }
 
-/// What turns a hinge when the body that carries it twists: the change of its moment.
+/// The change of a hinge's moment when the body that carries it twists.
 pub(super) fn moment_by_twist(twists: &HingeTwists, wrench: &Spatial) -> RowsOf6 {
     let (moment, force) = (first(wrench), second(wrench));
     let mut rows = RowsOf6::zeros();
@@ -60,7 +60,7 @@ impl Elimination {
         }
     }
 
-    /// Eliminates the tangent of an evaluated state; `false` where a pivot is no number.
+    /// Eliminates the tangent of an evaluated state; `false` if a pivot is not finite.
     pub(super) fn factor(&mut self, balance: &Balance<'_>, state: &State) -> bool {
         self.signs = Signs::UNLOADED;
         self.twists.clone_from(&state.twists);

@@ -25,7 +25,7 @@ named! {
         Unreachable = "unreachable",
         /// The path could not be followed to an end.
         NotConverged = "not_converged",
-        /// The caller broke off: what lies further on the path is not known.
+        /// The caller broke off: the rest of the path is not known.
         Interrupted = "interrupted",
     }
 }

@@ -3,7 +3,7 @@ use crate::multibody::{SpineModel, Support};
 use crate::number::fixed;
 use crate::spatial::{Angle, Mat3, Vec3};
 
-/// What one vertebra carries. Frame `G` unless the name says `in_vertebra`.
+/// A load on one vertebra. Frame `G` unless the name says `in_vertebra`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum BodyLoad {
     /// A force along a line fixed in space, whatever the vertebra does.
@@ -127,7 +127,7 @@ pub struct Loading {
     pub rods: Vec<Rod>,
 }
 
-/// A unit vector may be off by so much, as numbers written with seven places are.
+/// Tolerance of a unit vector, for numbers written with seven places.
 pub const UNIT_TOLERANCE: f64 = 1e-6;
 
 /// Which part of a loading.
@@ -162,7 +162,7 @@ pub struct LoadingError {
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum LoadingFault {
-    /// There is no such vertebra, or it is the fixed one.
+    /// The vertebra does not exist, or is the fixed one.
     #[error("it is on vertebra {vertebra}; loads act on 1 to {last}, and 0 is fixed")]
     Vertebra {
         /// What was given.
@@ -170,7 +170,7 @@ pub enum LoadingFault {
         /// The uppermost vertebra.
         last: usize,
     },
-    /// A number that is none.
+    /// A number that is not finite.
     #[error("{what} is not finite")]
     NotFinite {
         /// Which value.
@@ -182,7 +182,7 @@ pub enum LoadingFault {
         /// Its length.
         length: f64,
     },
-    /// A spring that is no spring.
+    /// Stiffness is not positive and finite.
     #[error("its stiffness is {n_per_mm} per mm, and must be positive")]
     Spring {
         /// What was given.
@@ -209,7 +209,7 @@ pub enum LoadingFault {
         /// The uppermost vertebra.
         last: usize,
     },
-    /// A rod whose pose is no pose.
+    /// Invalid rod pose.
     #[error("its translation or rotation is not finite, or the rotation exceeds 180°")]
     RodPose,
     /// A rod that prescribes what the support holds.

@@ -11,7 +11,7 @@ const SMALL_STEP_RAD: f64 = 1e-9;
 /// A step that is larger has left the branch.
 const MAX_STEP_RAD: f64 = 1.5;
 const MAX_ITERATIONS: u32 = 25;
-/// What counts as balanced: hinges (rad), and rods (mm and rad).
+/// Limits of balance: hinges (rad), and rods (mm and rad).
 pub(super) const BALANCED_RAD: f64 = 1e-9;
 const ROD_FITS: (f64, f64) = (1e-6, 1e-8);
 
@@ -21,7 +21,7 @@ pub(super) struct Direction {
     pub turns: Vec<Vec3>,
     pub reactions: Vec<Spatial>,
     pub factor: f64,
-    /// In a length, a factor of one counts as so much turning of a hinge.
+    /// Hinge angle that counts as a factor of one in a length.
     pub factor_rad: f64,
 }
 
@@ -42,11 +42,11 @@ impl Direction {
     }
 }
 
-/// What closes the equations.
+/// The last equation.
 pub(super) enum Closing<'c> {
     /// The factors stay.
     Factor,
-    /// So far along a direction from a point: hinges and factor.
+    /// At a distance along a direction from a point: hinges and factor.
     Arc { from: (&'c [Vec3], f64), along: &'c Direction, length: f64 },
 }
 
@@ -134,7 +134,7 @@ impl Newton {
         failed(MAX_ITERATIONS, residual_rad)
     }
 
-    /// Eliminates the tangent of the state; `false` where a pivot is no number.
+    /// Eliminates the tangent of the state; `false` if a pivot is not finite.
     pub(super) fn factor(&mut self, balance: &Balance<'_>) -> bool {
         self.elimination.factor(balance, &self.state)
     }
@@ -187,7 +187,7 @@ impl Newton {
         largest
     }
 
-    /// The direction of the branch at a balanced state, on the side of the direction so far; `None` where it has none.
+    /// The direction of the branch at a balanced state, on the side of the direction so far; `None` without one.
     pub(super) fn tangent(
         &mut self,
         balance: &Balance<'_>,
@@ -301,7 +301,7 @@ impl Newton {
         self.border.set_right_hand(columns, right_hand);
     }
 
-    /// Adds what the border brings to the turns; returns the change of the factor.
+    /// Adds the border's part of the turns; returns the change of the factor.
     fn add_border(&mut self, rods: usize, arc: bool) -> f64 {
         let (reactions, factor) = self.border.solution().split_at(6 * rods);
         let factor = if arc { factor[0] } else { 0.0 };

@@ -55,7 +55,7 @@ const MIN_STEP_RAD: f64 = 1e-7;
 /// column does not turn at all.
 const MIN_FACTOR_RAD: f64 = 0.1;
 const MAX_FACTOR_RAD: f64 = 0.5;
-/// The path to the largest factor is looked at in at least so many steps.
+/// The path to the largest factor is divided into at least this number of steps.
 const MIN_STEPS: f64 = 20.0;
 /// From one point to the next, the branch turns by less than this cosine says: else it may be another branch.
 const MIN_COSINE: f64 = 0.9;
@@ -202,7 +202,7 @@ impl<'w, 'b> Walk<'w, 'b> {
         self.base(&outwards, 0.0)
     }
 
-    /// A point so far along the branch, and Newton's iterations; `None` where it may not be on the same branch.
+    /// A point at a step along the branch, and Newton's iterations; `None` where it may not be on the same branch.
     pub(super) fn step(&mut self, base: &Base, step_rad: f64) -> Option<(Base, u32)> {
         let iterations = self.advance(base, step_rad)?;
         let mut next = self.base(&base.tangent, step_rad)?;
@@ -214,7 +214,7 @@ impl<'w, 'b> Walk<'w, 'b> {
         Some((next, iterations))
     }
 
-    /// Moves the state so far along a base's direction, and back onto the branch.
+    /// Moves the state by a step along a base's direction, and back onto the branch.
     fn advance(&mut self, base: &Base, step_rad: f64) -> Option<u32> {
         let state = &mut self.newton.state;
         for ((hinge, from), turn) in

@@ -5,12 +5,12 @@ use super::wrench::{Pose, Spatial, first, second};
 use crate::multibody::Solution;
 use crate::spatial::{Mat3, Vec3};
 
-/// What a shape in equilibrium can be differentiated by.
+/// Parameters of the derivatives of a shape in equilibrium.
 #[derive(Debug, Clone, Copy)]
 pub enum ShapeParameter<'p> {
     /// The natural logarithm of the lateral stiffness of the joints that are marked.
     LogLateral(&'p [bool]),
-    /// How much of some loads there is, beside those that balance.
+    /// The amount of some loads, beside the balanced ones.
     Loads(&'p [LoadItem]),
 }
 

@@ -1,4 +1,4 @@
-//! What a rod asks of its two vertebrae: six equations in their poses and in the reaction.
+//! The equations of a rod: six, in the poses of its two vertebrae and in the reaction.
 
 use super::balance::{Balance, rotation_vector};
 use super::loading::{Rod, RodPose};

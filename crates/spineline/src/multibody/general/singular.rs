@@ -15,11 +15,11 @@ pub(super) struct Located {
     pub kind: BranchEventKind,
 }
 
-/// A change of signs is narrowed down to so small a part of its step.
+/// A change of signs is narrowed down to this part of its step.
 const NARROW: f64 = 1e-9;
 /// Elimination loses its digits beside a zero pivot, though the tangent be regular: then this has to do.
 const NARROW_ENOUGH: f64 = 1e-3;
-/// Shapes on both sides of a gap that is so narrow are the same, or the step went from one branch to another.
+/// Shapes on both sides of such a gap are the same, or the step went from one branch to another.
 const SAME_RAD: f64 = 1e-3;
 /// A tangent is singular in a gap where its smallest singular value is below this.
 const SINGULAR: f64 = 1e-3;
@@ -66,7 +66,7 @@ impl Walk<'_, '_> {
         Some(events)
     }
 
-    /// What lies in a narrow gap over which the signs change: nothing, or a singular point; `None` where its sides are apart.
+    /// The singular point in a narrow gap over which the signs change, if any; an outer `None` if its sides differ.
     fn event_in_gap(&mut self, low: &Base, high: &Base) -> Option<Option<Located>> {
         let apart = low.hinges.iter().zip(&high.hinges);
         if apart.map(|(a, b)| (a - b).amax()).fold(0.0, f64::max) > SAME_RAD {

@@ -71,7 +71,7 @@ pub struct NearbyReport {
     pub converged: bool,
     /// Newton's iterations.
     pub iterations: u32,
-    /// Largest difference between a hinge angle and the one of its moment; NaN where there is no shape.
+    /// Largest difference between a hinge angle and the one of its moment; NaN without a shape.
     pub residual_rad: f64,
 }
 
@@ -156,7 +156,7 @@ impl<'a> GeneralStatics<'a> {
     /// The start must be near: nothing shows which branch was found. `work` must have been made for this loading.
     ///
     /// # Accuracy
-    /// Newton stops once a step is below 1e-9 rad, so what is left is of the order of its square, and rounding.
+    /// Newton stops once a step is below 1e-9 rad, so the error is of the order of its square, and rounding.
     pub fn solve_near(
         &self,
         loading: &Loading,
@@ -189,7 +189,7 @@ impl<'a> GeneralStatics<'a> {
         self.follow_with(loading, goal, options, &mut |_| ControlFlow::Continue(()))
     }
 
-    /// As [`GeneralStatics::follow`], telling of every point as it is found; the caller may break off.
+    /// As [`GeneralStatics::follow`], with a callback for every point, which may stop it.
     ///
     /// # Errors
     /// [`LoadingError`] where a load cannot be applied to this spine.
@@ -222,7 +222,7 @@ impl<'a> GeneralStatics<'a> {
             let stop = Walk::new(balance, &mut newton, stage, &once, &mut path, on_point).run();
             path.ending = path.ending(stop);
             let stands = path.result().is_some() && stop != Stop::Interrupted;
-            // These shapes do not meet the goal, whatever came of them.
+            // These shapes do not meet the goal.
             path.equilibria.clear();
             if !stands {
                 return Ok(path);

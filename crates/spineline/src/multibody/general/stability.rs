@@ -18,7 +18,7 @@ pub(super) struct Signs {
 }
 
 impl Signs {
-    /// Those of the springs alone.
+    /// Signs of the springs alone.
     pub(super) const UNLOADED: Self = Self { negative: 0, positive_determinant: true };
 
     /// Adds a pivot block of the elimination: sign changes in the row of its leading minors.
@@ -34,7 +34,7 @@ impl Signs {
         self.positive_determinant
     }
 
-    /// Those of the tangent on the turns that rods allow.
+    /// Signs of the tangent on the turns that rods allow.
     pub(super) fn within_rods(balance: &Balance<'_>, state: &State) -> Self {
         let tangent = allowed_tangent(balance, state);
         if tangent.is_empty() {
@@ -126,11 +126,11 @@ fn reaction_by_hinges(
     let change = equations.by_relative * relative + equations.by_both * below;
     let each = prescribed(balance.support);
     let by_reaction = equations.by_reaction.rows(each, 6 - each).into_owned();
-    let inverse = by_reaction.pseudo_inverse(0.0).expect("zero is no negative tolerance");
+    let inverse = by_reaction.pseudo_inverse(0.0).expect("zero is not negative");
     -inverse * change.rows(each, 6 - each)
 }
 
-/// An orthonormal basis of what equations leave free.
+/// An orthonormal basis of the directions that equations leave free.
 fn free_directions(equations: &nalgebra::DMatrix<f64>) -> nalgebra::DMatrix<f64> {
     let eigen = (equations.transpose() * equations).symmetric_eigen();
     let largest = eigen.eigenvalues.amax();

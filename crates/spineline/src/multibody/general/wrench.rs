@@ -77,7 +77,7 @@ impl PointForce {
 }
 
 impl BodyLoad {
-    /// The wrench on a vertebra in a pose, when so much of the load has come.
+    /// The wrench on a vertebra in a pose, at a factor of the load.
     pub(super) fn wrench(
         &self,
         pose: &Pose<'_>,

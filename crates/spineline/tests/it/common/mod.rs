@@ -66,8 +66,8 @@ pub fn assert_near(actual: f64, expected: f64, tolerance: f64, what: &str) {
     );
 }
 
-/// The axial rotation that the pedicles of a body give after Stokes: its tangent is the true one times the ratio of the distances behind the
-/// centre and beside it, of the body over those of the reader's table.
+/// The axial rotation that the pedicles of a body give after Stokes: its tangent is the true one times a ratio, the place of the
+/// pedicles of the body over their place in the reader's table.
 pub fn read_axial(body: &TrueBody) -> Angle {
     let [beside_mm, behind_mm] = body.pedicle_mm();
     let reader = PediclePlace::of(body.level);
