@@ -37,6 +37,18 @@ const CORE_DEPENDENCIES: [&str; 9] = [
     "thiserror",
 ];
 
+/// Files that set the places of a number themselves: the formatter of texts, files for programs, and coordinates of figures.
+const WITH_PLACES: [&str; 8] = [
+    "crates/spineline/src/number.rs",
+    "crates/spineline-films/src/write.rs",
+    "crates/spineline-landmarks/src/sr/item.rs",
+    "crates/spineline-report/src/figures/arrows.rs",
+    "crates/spineline-report/src/figures/page.rs",
+    "crates/spineline-report/src/figures/panel.rs",
+    "crates/spineline-report/src/figures/style.rs",
+    "crates/spineline-tables/src/table.rs",
+];
+
 /// A longer file contains more than one idea.
 const MAX_LINES: usize = 500;
 
@@ -47,6 +59,7 @@ pub fn run(root: &Path) -> Result<(), String> {
         check_purity(&core, &file, &mut faults)?;
         check_parameters(&core, &file, &mut faults)?;
     }
+    check_places(root, &mut faults)?;
     order::check(root, &mut faults)?;
     panics::check(root, &mut faults)?;
     versions::check(root, &mut faults)?;
@@ -138,6 +151,48 @@ fn has_tuple_parameter(line: &str) -> bool {
     is_signature && !code.contains('|') && code.match_indices('(').any(is_pattern)
 }
 
+/// A number in a text for people goes through the one formatter. Tests are free.
+fn check_places(root: &Path, faults: &mut Vec<String>) -> Result<(), String> {
+    let mut found = Vec::new();
+    for file in sources(&root.join("crates"))? {
+        let place = file.strip_prefix(root).unwrap_or(&file).display().to_string();
+        if !place.contains("/src/") || place.ends_with("/tests.rs") {
+            continue;
+        }
+        let text = read(&file)?;
+        let code = text.split("#[cfg(test)]\nmod ").next().unwrap_or_default();
+        let is_code = |line: &str| !line.trim_start().starts_with("//");
+        for (number, line) in code.lines().enumerate() {
+            if is_code(line) && has_places(line) {
+                found.push((place.clone(), number + 1));
+            }
+        }
+    }
+    for listed in WITH_PLACES.iter().filter(|listed| found.iter().all(|one| one.0 != **listed)) {
+        faults.push(format!("{listed}: it sets no places of a number, and `WITH_PLACES` lists it"));
+    }
+    found.retain(|(place, _)| !WITH_PLACES.contains(&place.as_str()));
+    faults.extend(found.iter().map(|(place, number)| {
+        format!(
+            "{place}:{number}: write the number by `spineline::number`, an angle by `Angle::text`"
+        )
+    }));
+    Ok(())
+}
+
+/// Whether a line has a format with a precision, such as `{x:.1}`, `{:>8.2}`, `{:.*}` and `{x:.places$}`.
+fn has_places(line: &str) -> bool {
+    let is_name = |text: &str| text.chars().all(|c| c.is_alphanumeric() || c == '_');
+    let formats = line.split('{').skip(1).filter_map(|tail| tail.split_once('}'));
+    let mut parts = formats.filter_map(|(format, _)| format.split_once(':'));
+    parts.any(|(name, format)| {
+        let places = format.split_once('.').map_or("", |(_, places)| places);
+        let places = places.trim_end_matches(['e', '?']);
+        let is_count = !places.is_empty() && is_name(places.trim_end_matches('$'));
+        is_name(name) && (places == "*" || is_count)
+    })
+}
+
 fn check_core_dependencies(root: &Path, faults: &mut Vec<String>) -> Result<(), String> {
     let manifest = read(&root.join("crates/spineline/Cargo.toml"))?;
     let section = manifest.split("[dependencies]").nth(1).unwrap_or_default();
@@ -162,7 +217,28 @@ fn check_length(root: &Path, file: &Path, faults: &mut Vec<String>) -> Result<()
 
 #[cfg(test)]
 mod tests {
-    use super::has_tuple_parameter;
+    use super::{has_places, has_tuple_parameter};
+
+    #[test]
+    fn a_precision_is_found_in_formats_only() {
+        let found = [
+            r#"format!("{x:.1} mm")"#,
+            r#"format!("{{{:>8.2}}}", x)"#,
+            r#"write!(f, "{:+.*}°", places, x)"#,
+            r#""{level}: {x:.places$}","#,
+            r#"format!("{:.1e}", x)"#,
+            r#""{0:.3?}""#,
+        ];
+        assert!(found.iter().all(|line| has_places(line)));
+        let others = [
+            r#"format!("{x} of {} in {:>8}.", all.len(), fixed(x, 1))"#,
+            "let Point { x: a.x, y } = point;",
+            "use spineline::{anatomy::Side, spatial::Angle};",
+            r#"let json = "{\"n\":1.5}";"#,
+            r#"format!("{tolerance:e}. {name:?}.")"#,
+        ];
+        assert!(!others.iter().any(|line| has_places(line)));
+    }
 
     #[test]
     fn a_tuple_is_found_in_signatures_only() {

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use serde_json::Value;
 use spineline::analysis::Analysis;
-use spineline::number::scientific;
+use spineline::number::{none, scientific};
 use spineline_files::{
     AnalysisFile, Content, InputFile, MAX_ANALYSES_BYTES, Provenance, StoredAnalysis,
     parse_analysis, parse_json, picture_warnings, read_bytes, to_text,
@@ -271,7 +271,7 @@ fn found_text(found: &Found, tolerance: f64) -> String {
     let columns = [Column::words("Where")].into_iter().chain(values).collect();
     let mut table = Table::new("", columns);
     for Difference { path, then, now, relative } in &found.all {
-        let relative = relative.map_or_else(|| "-".to_owned(), |part| scientific(part, 1));
+        let relative = relative.map_or_else(none, |part| scientific(part, 1));
         table.row(vec![path.clone(), then.clone(), now.clone(), relative]);
     }
     format!(
