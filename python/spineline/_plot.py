@@ -242,6 +242,8 @@ class Plot:
         # From behind, the patient's left is on the left; shared axes are inverted once.
         if not is_inverted and not ax.xaxis_inverted():
             ax.invert_xaxis()
+        for x, name, side in ((0.02, "L", "left"), (0.98, "R", "right")):
+            ax.text(x, 0.98, name, transform=ax.transAxes, ha=side, va="top", weight="bold")
 
 
 def _words(name: str) -> str:

@@ -25,6 +25,8 @@ def test_lines_are_drawn_on_own_and_on_given_axes(analysis: sl.Analysis) -> None
     assert "SYNTHETIC" in figure.get_suptitle()
     ax = plt.subplots()[1]
     assert analysis.plot.lines("left_bending", ax=ax) is ax
+    place = {text.get_text(): text.get_position()[0] for text in ax.texts}
+    assert place["L"] < place["R"] and ax.xaxis_inverted()
     assert "inflection line" in ax.get_legend_handles_labels()[1]
     assert analysis.plot.errors().get_ylabel() == "location error (mm)"
     with pytest.raises(sl.InputError):

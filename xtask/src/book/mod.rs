@@ -6,6 +6,7 @@
 //! installed.
 
 mod credibility;
+mod links;
 mod paper;
 
 use std::fs;
@@ -27,17 +28,45 @@ pub fn make(root: &Path) -> Result<(), String> {
     output(&program, &["reproduce", "--out", &out])?;
     let source = target.join("docs/guide");
     copy(&guide, &source)?;
+    add_pages(root, &source.join("src"))?;
     let evidence = read(&root.join("validation/README.md"))?;
-    write(&source.join("src/credibility.md"), &credibility::page(&evidence)?)?;
+    let page =
+        links::in_book(&credibility::page(&evidence)?, "validation/README.md", "credibility.md");
+    write(&source.join("src/credibility.md"), &page)?;
     let dictionary = output(&program, &["schema", "dictionary"])?;
     write(&source.join("src/dictionary.md"), &dictionary)?;
     let summary = read(&results.join("summary.json"))?;
     write(&source.join("src/paper.md"), &paper::page(&summary)?)?;
     notebooks::render(&plan, &source.join("src/notebooks"))?;
     python_reference(root, &source.join("src/python_reference.md"))?;
+    let dead = links::dead(&source.join("src"))?;
+    if !dead.is_empty() {
+        return Err(format!("links lead nowhere:\n{}", dead.join("\n")));
+    }
     let [source, book] = [&source, &target.join("book")].map(|path| path.display().to_string());
     run(root, &mdbook, &["build", &source, "--dest-dir", &book], &[])?;
     println!("» {book}/index.html");
+    Ok(())
+}
+
+/// Adds the pages of the repository outside of the guide, and lets all links lead to pages of the book.
+fn add_pages(root: &Path, pages: &Path) -> Result<(), String> {
+    let failed = |error: std::io::Error| format!("{}: {error}", pages.display());
+    for entry in fs::read_dir(pages).map_err(failed)? {
+        let entry = entry.map_err(failed)?;
+        let name = entry.file_name().to_string_lossy().into_owned();
+        if name.ends_with(".md") {
+            let text = read(&entry.path())?;
+            let page = links::in_book(&text, &format!("docs/guide/src/{name}"), &name);
+            write(&entry.path(), &page)?;
+        }
+    }
+    fs::create_dir_all(pages.join("results")).map_err(failed)?;
+    for (from, to) in links::PAGES {
+        let text = read(&root.join(from))?;
+        let page = if to.ends_with(".md") { links::in_book(&text, from, to) } else { text };
+        write(&pages.join(to), &page)?;
+    }
     Ok(())
 }
 

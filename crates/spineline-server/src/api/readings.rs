@@ -4,7 +4,9 @@ use serde::{Deserialize, Serialize};
 use spineline_store::{Corner, CornerOrigin, Event, PatientSide};
 use utoipa::ToSchema;
 
-use super::{FilmViewName, ImageSideName, LiveView, LostChangeView, Notice, PlaneName, Problem};
+use super::{
+    FilmViewName, ImageSideName, LiveView, LostChangeView, Notice, Problem, SpacingPlaneName,
+};
 
 /// A new reading of a film by the requester.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
@@ -82,7 +84,7 @@ pub struct ReadingImage {
     /// Side of the picture on which the patient's left is; of the lateral film, the patient's front.
     pub patient_left: ImageSideName,
     /// Unit and plane of lengths.
-    pub plane: PlaneName,
+    pub plane: SpacingPlaneName,
     /// Spacing and its source as text.
     pub spacing_text: String,
     /// Whether it is shown with inverted grey levels.
