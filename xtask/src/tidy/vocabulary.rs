@@ -22,7 +22,7 @@ const STORED: [(&str, &str); 2] = [
 pub fn check(root: &Path, faults: &mut Vec<String>) -> Result<(), String> {
     let names = avoided(&read(&root.join(LIST))?);
     if let Some(word) = WORDS.iter().find(|word| !names.contains(&(**word).to_owned())) {
-        faults.push(format!("{LIST}: `{word}` is no longer listed"));
+        faults.push(format!("{LIST}: `{word}` is not listed"));
     }
     for document in documents(root)? {
         let place = place(root, &document);
