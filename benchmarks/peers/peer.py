@@ -25,7 +25,7 @@ def timed(work, seconds=1.0, most=400):
 
 
 def attempt(task, method, work):
-    """A row of the answer; what was not found is told in it."""
+    """A row of the answer; it has the reason if nothing was found."""
     row = {"task": task, "method": method}
     try:
         return row | work()

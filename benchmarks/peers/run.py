@@ -28,7 +28,7 @@ ONE_THREAD = {name: "1" for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", 
 
 
 def build_pinocchio_cpp(folder):
-    """The C++ program, built against the headers of Pinocchio's wheel, or why there is none.
+    """The C++ program, built against the headers of Pinocchio's wheel, or why it cannot be built.
 
     Nothing is linked but the header-only templates, so that they are compiled for this very processor.
     """
@@ -42,7 +42,7 @@ def build_pinocchio_cpp(folder):
     source, program = HERE / "pinocchio_cpp" / "newton.cpp", folder / "pinocchio-newton"
     if not program.exists() or program.stat().st_mtime < source.stat().st_mtime:
         print("building Pinocchio's C++ program: about a minute", flush=True)
-        # The two settings of Boost's lists are those of Pinocchio's own build.
+        # Pinocchio's own build has the same two settings of Boost's lists.
         options = "-std=c++17 -O3 -march=native -DNDEBUG -w".split()
         boost = ["-DBOOST_MPL_LIMIT_LIST_SIZE=30", "-DBOOST_MPL_CFG_NO_PREPROCESSED_HEADERS"]
         includes = [f"-I{wheel / 'include'}", f"-I{eigen}"]

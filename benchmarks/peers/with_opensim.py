@@ -38,7 +38,7 @@ def build(spine):
             rotation.setCoordinateNames(opensim.ArrayStr(f"{j}{name}", 1))
             rotation.setAxis(vec3(axis))
             rotation.set_function(opensim.LinearFunction(1.0, 0.0))
-        # The joint's frame has the inferior vertebra's axes on both sides, the body those of its own vertebra.
+        # The joint's frame has the inferior vertebra's axes on both sides; the body has its own vertebra's axes.
         own = rest[j].T
         joint = opensim.CustomJoint(
             f"joint{j}", parent, vec3(place * MM), euler(turn), body, vec3(own @ -rise[j] * MM), euler(own), transform

@@ -31,7 +31,7 @@ def main() -> None:
     text = render_object_docs(module, CONFIG)
     # Roles of Sphinx, which the docstrings have for editors.
     text = re.sub(r":(?:class|func|meth|attr|mod):`([^`]+)`", r"`\1`", text)
-    # Objects that only other calls make are no constructors.
+    # Classes that only other calls create are shown without a constructor.
     text = re.sub(r"```python\n[A-Z]\w*\((?:native|analysis|rows|folder|name|tables)\b[^`]*```\n", "", text)
     text = re.sub(r"\[\*\*(\w+)\*\*\]\(#[^)]*\)", r"**\1**", text)
     # Types link to what has no heading here, such as `float`.

@@ -161,8 +161,8 @@ def test_only_a_wheel_of_spineline_is_installed(tmp_path: Path) -> None:
     cut_off = tmp_path / "spineline-0.1.1-cp310-abi3-linux_x86_64.whl"
     cut_off.write_bytes(Path(good).read_bytes()[:40])
     for path, part in (
-        (wheel("numpy-2.0-cp310.whl", "numpy/__init__.py"), "no wheel of Spineline"),
-        (wheel("spineline-0.1.0.zip", "spineline/_native.abi3.so"), "no wheel of Spineline"),
+        (wheel("numpy-2.0-cp310.whl", "numpy/__init__.py"), "not a wheel of Spineline"),
+        (wheel("spineline-0.1.0.zip", "spineline/_native.abi3.so"), "not a wheel of Spineline"),
         (wheel("spineline-9.0-py3-none-any.whl", "spineline/__init__.py"), "no native module"),
         (str(cut_off), "cannot be read"),
         (str(tmp_path / "spineline-1.0-missing.whl"), "cannot be read"),

@@ -11,7 +11,7 @@ MIRRORED = [1, 0, 3, 2]
 
 
 class Warp:
-    """From the fine pixels of a film to those of the canvas: mirror, bend, then rotation with scale, then shift.
+    """From the fine pixels of a film to the pixels of the canvas: mirror, bend, then rotation with scale, then shift.
 
     The bend maps a canvas point back by x' = x + f(y), y' = y - f'(y) x: near to a rotation by atan f' at each height, so that
     endplates turn with the spine.

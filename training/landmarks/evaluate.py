@@ -106,7 +106,7 @@ def summary(rows):
 
 
 def negatives(dicom):
-    """Pictures that are no frontal spine, by name."""
+    """Pictures that do not show a frontal spine, by name."""
     import skimage
 
     random = np.random.default_rng(5)

@@ -10,7 +10,7 @@ import numpy as np
 from cases import Load
 from statics import NoEquilibrium
 
-# Simulated time in which the load grows, and in which it must come to rest, in s.
+# Simulated time in which the load grows, and in which the motion must end, in s.
 GROWS_S = 1.0
 ENDS_S = 30.0
 # Slower than this is rest.

@@ -200,6 +200,6 @@ int main(int count, char **arguments) {
     std::printf("]}\n");
     return 0;
   }
-  std::fprintf(stderr, "newton: no such case\n");
+  std::fprintf(stderr, "newton: unknown case\n");
   return 1;
 }

@@ -22,7 +22,7 @@ impl Display {
     /// its width.
     ///
     /// # Panics
-    /// If there are not as many pixels as `columns` by `rows`.
+    /// If the number of pixels is not `columns` times `rows`.
     #[must_use]
     pub fn thumbnail(&self, rows: u32, pixel_aspect: f64) -> Self {
         let grey = self.grey.clone();
@@ -39,7 +39,7 @@ impl Display {
     /// The picture as a PNG file with only its pixels.
     ///
     /// # Panics
-    /// If there are not as many pixels as `columns` by `rows`.
+    /// If the number of pixels is not `columns` times `rows`.
     #[must_use]
     pub fn to_png(&self) -> Vec<u8> {
         let mut png = Vec::new();

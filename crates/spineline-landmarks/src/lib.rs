@@ -136,8 +136,7 @@ fn parse_json_landmarks(bytes: &[u8], hint: &LandmarkHint) -> Result<LandmarkFil
         Some(error) => Err(error),
         None if has("annotations") => parse_coco(bytes, hint),
         None => Err(LandmarkError::Unrecognised {
-            reason: "the JSON has none of `markups`, `shapes`, `annotations` and `midlines`"
-                .to_owned(),
+            reason: "the JSON has no `markups`, `shapes`, `annotations` or `midlines`".to_owned(),
         }),
     }
 }

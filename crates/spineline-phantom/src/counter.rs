@@ -1,6 +1,6 @@
 //! Counter-examples: movements without a force through the inflections.
 //!
-//! They show which findings of the paper depend on its hypothesis. Sizes are those
+//! They show which findings of the paper depend on its hypothesis. Sizes equal the sizes
 //! of the rod, so that noise has the same effect in all scenarios.
 
 use rand_chacha::ChaCha12Rng;

@@ -44,7 +44,7 @@ pub fn apart<T: Send + 'static>(
     apart_while(py, || true, work)
 }
 
-/// As [`apart`], but it also ends if its result is no longer needed, as in a worker, which cannot receive Ctrl-C.
+/// As [`apart`], but it also ends when its result is not needed any more, as in a worker, which cannot receive Ctrl-C.
 ///
 /// # Errors
 /// As [`beside`], and if the result is not needed.

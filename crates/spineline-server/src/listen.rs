@@ -129,7 +129,7 @@ impl Server {
     }
 }
 
-/// Writes what found no room on the disk before. While there is none, it stays in memory.
+/// Writes the changes that had no room on the disk before. Without room they stay in memory.
 fn save_unsaved(state: &AppState) {
     let (state, by) = (state.clone(), session::program(state.now()));
     tokio::spawn(async move { state.store(move |store| store.save_unsaved(&by)).await });

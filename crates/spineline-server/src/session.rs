@@ -180,8 +180,8 @@ fn wrong_password() -> Failure {
     wrong("no enabled account has this name and this password")
 }
 
-/// Changes the user's own password. All other sessions of the account end, and browsers that signed in lately are no
-/// longer known.
+/// Changes the user's own password. All other sessions of the account end, and so do the proofs of browsers that
+/// signed in lately.
 #[utoipa::path(put, path = "/api/session/password", request_body = PasswordChange,
     responses(
         (status = 200, body = SessionView),

@@ -117,7 +117,7 @@ impl ObserverView<'_> {
         Ok(Some(ClosedReading { study, revision }))
     }
 
-    /// The last change of a study that this observer may know of: while their readings are blinded, of the plan and of their own readings.
+    /// The last change of a study that this observer may know of. Blinded observers know changes of the plan and of their readings only.
     ///
     /// # Errors
     /// [`StoreError::Unknown`].

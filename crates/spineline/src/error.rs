@@ -15,7 +15,7 @@ faults! {
     /// A case whose films do not fit together.
     pub enum CaseError {
         /// No erect film.
-        #[error("there is no erect film, which is the reference of every posture")]
+        #[error("the erect film, the reference of every posture, is missing")]
         #[code("no_erect_film")]
         #[help("add the erect film")]
         NoErectFilm,

@@ -141,7 +141,7 @@ class SpinelineAnalysisLogic(ScriptedLoadableModuleLogic):
         )
 
     def draw(self, kind, name, points_ras, colour):
-        """Draws points as a locked Markups node of our own, which replaces that of an earlier run."""
+        """Draws points as a locked Markups node of our own, which replaces the node of an earlier run."""
         for old in slicer.util.getNodesByClass(kind):
             if old.GetName() == name and old.GetAttribute("Spineline") == "1":
                 slicer.mrmlScene.RemoveNode(old)
@@ -157,7 +157,7 @@ class SpinelineAnalysisLogic(ScriptedLoadableModuleLogic):
         display.SetPropertiesLabelVisibility(False)
 
     def show_report(self, analysis):
-        """Opens the report in a window of its own."""
+        """Opens the report in a separate window."""
         folder = Path(tempfile.mkdtemp(prefix="spineline-"))
         path = analysis.report(folder / "report.html")
         self.window = slicer.qSlicerWebWidget()

@@ -1,4 +1,4 @@
-/** The token in an address, or the text itself if it is a token; null if there is none. */
+/** The token in an address, or the text itself if it is a token; null without a token. */
 export function tokenIn(text: string): string | null {
   return /(?:^|#token=)([0-9a-f]{16,})$/.exec(text.trim())?.[1] ?? null;
 }

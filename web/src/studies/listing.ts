@@ -57,7 +57,7 @@ export function chosen(studies: Study[], choice: Choice): Study[] {
     .toSorted((a, b) => BY[choice.order](a, b) || byId(a, b));
 }
 
-/** Text on films without a reliable scale; null if there are none. */
+/** Text on films without a reliable scale; null if every film has one. */
 export function scaleTrouble(study: Study): string | null {
   const without = study.films.filter((film) => film.plane === "pixels").length;
   // The plane of a lateral film does not matter: its scale is found beside the erect film.

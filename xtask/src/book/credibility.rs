@@ -41,8 +41,8 @@ pub fn page(evidence: &str) -> Result<String, String> {
     };
     let mut page = String::from(
         "# Credibility\n\n\
-         In the order of ASME V&V 40: the question, the context of use, the risk of a wrong answer, and the evidence, each \
-         kind on its own line. One kind does not replace another.\n\n",
+         In the order of ASME V&V 40: the question, the context of use, the risk of a wrong answer, and the evidence, with \
+         one line for each kind. One kind does not replace another.\n\n",
     );
     for name in FRAME {
         page.push_str(&format!("## {name}\n\n{}\n\n", named(name)?.text));

@@ -85,7 +85,7 @@ fn read(path: &Path) -> Result<String, String> {
 }
 
 /// Kinds of files that people write.
-const WRITTEN: [&str; 4] = ["rs", "ts", "svelte", "css"];
+const WRITTEN: [&str; 6] = ["rs", "ts", "svelte", "css", "py", "pyi"];
 
 /// All source files below a folder, in order.
 fn sources(folder: &Path) -> Result<Vec<PathBuf>, String> {

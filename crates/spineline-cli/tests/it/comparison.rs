@@ -20,7 +20,7 @@ fn one_patient_shows_every_line_by_kind_of_film_and_a_conclusion() {
         "2 + 2 + 4 = 8 fitted",
         "1 per film",
         "3 per film",
-        "A small error there is not evidence for a line.",
+        "A small fit error is not evidence for a line.",
     ] {
         assert!(text.contains(word), "{word} is missing in\n{text}\n{error}");
     }

@@ -52,7 +52,7 @@ fn a_synthetic_film_becomes_a_case_of_unreviewed_corners() {
         assert!((0.0..=1.0).contains(&confidence));
     }
     let checked = done(here.path(), &["check", "found/detected-01.json"]);
-    assert!(checked.contains("nobody has accepted or moved them"), "{checked}");
+    assert!(checked.contains("no person has accepted or moved them"), "{checked}");
     // The same film, the same bytes.
     done(here.path(), &["detect", film, "--posture", "erect", "--out", "again"]);
     let again = fs::read_to_string(here.path().join("again/detected-01.json")).expect("a case");

@@ -33,7 +33,7 @@ struct InformationRecord {
     interval_95_if_exact: [Option<f64>; 2],
     /// From the films alone; `null` where they do not fix it.
     log_sd: Option<f64>,
-    /// With the prior; absent where there is none.
+    /// With the prior; absent without a prior.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     log_sd_with_prior: Option<f64>,
     profile: ProfileRecord,

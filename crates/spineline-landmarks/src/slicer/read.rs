@@ -150,7 +150,7 @@ fn gather(
         return Err(LandmarkError::Ambiguous {
             at: at.to_owned(),
             reason: "two lists of one reading differ in frame or spacing".to_owned(),
-            help: "give the lists as files of their own",
+            help: "give each list as a separate file",
         });
     }
     for (place, point) in markup.control_points.iter().enumerate() {
@@ -420,7 +420,7 @@ impl Film {
             return Err(LandmarkError::Ambiguous {
                 at: "markups".to_owned(),
                 reason: "some lists lie on a picture and some in the patient".to_owned(),
-                help: "give the lists as files of their own",
+                help: "give each list as a separate file",
             });
         }
         let landmarks = if self.placed.is_empty() {

@@ -351,7 +351,7 @@ fn keypoints_of_coco_are_named_by_either_scheme() {
 fn files_without_landmarks_are_reported() {
     for (text, part) in [
         (r#"{"format":"spineline-case"}"#, "it is a Spineline file"),
-        (r#"{"a":1}"#, "none of"),
+        (r#"{"a":1}"#, "has no `markups`"),
         ("{", "line 1"),
         ("0.1,0.2\n", "neither"),
         ("", "the file is empty"),

@@ -89,7 +89,7 @@ fn the_load_that_moved_the_spines_beats_patterns_without_mechanics() {
 
 #[test]
 fn other_loads_are_tested_against_no_mechanics_by_one_difference_per_patient() {
-    // Oracle: the mean over patients of their own differences, from predictions and baselines film by film.
+    // Oracle: the mean over patients of each patient's difference, from predictions and baselines film by film.
     let hypotheses = [LoadShape::IliacLine, LoadShape::Couple].map(Hypothesis::of);
     let patients: Vec<Analysis> = [0, 2, 4, 8]
         .map(|subject| {

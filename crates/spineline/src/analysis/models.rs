@@ -81,7 +81,7 @@ impl LineModel {
         self.fit.status == FitStatus::Converged && self.postures.iter().all(Simulation::is_usable)
     }
 
-    /// Mean location error over fitted or over held-out postures; `None` where there is none.
+    /// Mean location error over fitted or over held-out postures; `None` without these postures.
     #[must_use]
     pub fn mean_location_error_mm(&self, fitted: bool) -> Option<f64> {
         let errors: Vec<f64> = self

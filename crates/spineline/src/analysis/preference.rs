@@ -17,7 +17,7 @@ use crate::warning::{WarningCode, Warnings};
 pub struct PreferredLine {
     /// The line; its direction is cranial.
     pub line: LineOfAction,
-    /// Where it crosses the heights of the inflections (of L4 and T2, where there are none), each with 95 % confidence.
+    /// Where it crosses the heights of the inflections (without inflections: of L4 and T2), each with 95 % confidence.
     pub crossings: [LineCrossing; 2],
     /// Against the line through the inflections.
     pub inflection: Option<LineComparison>,

@@ -243,7 +243,7 @@ impl LinesCompared {
             sentences.extend(self.prediction_verdict(&ranking));
         }
         sentences.extend(self.errors_words(FilmRole::Fitted).map(|errors| {
-            format!("Fitted bends: {errors}. A small error there is not evidence for a line.")
+            format!("Fitted bends: {errors}. A small fit error is not evidence for a line.")
         }));
         sentences
     }

@@ -152,7 +152,7 @@ pub struct Claims {
     pub near: Share,
     /// The share at random places.
     pub near_by_chance: f64,
-    /// Median of all distances, in segments; NaN where there is none.
+    /// Median of all distances, in segments; NaN without a distance.
     pub median_distance_segments: f64,
     /// Mean rotation of all segments and of the inflections, in degrees.
     pub rotations_deg: [f64; 2],

@@ -39,7 +39,7 @@ pub struct PairedComparison {
     pub bootstrap: Option<[f64; 2]>,
     /// Mean over the deviation of the patients' differences.
     pub effect: Option<EffectSize>,
-    /// Mean of the patients' mean differences; NaN where there is none.
+    /// Mean of the patients' mean differences; NaN without a difference.
     pub mean_difference: f64,
 }
 

@@ -65,7 +65,7 @@ faults! {
 /// Films marked by hand stay below this by far (about 3° in the median).
 const POOR_TILT: Angle = Angle::from_deg(10.0);
 const ORDERS: std::ops::RangeInclusive<usize> = 4..=12;
-/// A complete film has 15 vertebrae and orders up to 12; one with fewer has orders up to so many fewer.
+/// The highest order is lower than the number of vertebrae by this number: a complete film has 15 vertebrae and orders up to 12.
 const VERTEBRAE_ABOVE_ORDER: usize = 3;
 /// Beyond this tilt the slope dy/dz says too little.
 const GRAPH_LIMIT: Angle = Angle::from_deg(70.0);
@@ -165,7 +165,7 @@ fn fit_by_rule(
 
 /// What every order leaves of vertebrae left out of its fit.
 ///
-/// The basis of an order begins with that of the order below, so that one factorisation of the highest serves them all.
+/// The basis of an order begins with the basis of the order below, so that one factorisation of the highest order serves all.
 fn left_out_errors(outline: &Outline, form: CurveForm) -> Result<Vec<(usize, f64)>, CurveError> {
     if form == CurveForm::Parametric {
         // Two coordinates are side by side there, and the columns of an order are not the first ones of the next.
@@ -204,7 +204,7 @@ fn left_out_errors(outline: &Outline, form: CurveForm) -> Result<Vec<(usize, f64
 /// The order of the least error on vertebrae left out.
 fn best_left_out(errors: &[(usize, f64)]) -> usize {
     let best = errors.iter().map(|(_, error)| *error).fold(f64::INFINITY, f64::min);
-    // Differences below a thousandth of the noise are no evidence for a higher order.
+    // Differences below a thousandth of the noise are not evidence for a higher order.
     let good = errors.iter().find(|(_, error)| *error <= 1.05 * best + 1e-3);
     good.expect("the best is one of them").0
 }
@@ -238,7 +238,7 @@ impl Rows {
         Self { whitening, ..self }
     }
 
-    /// From these rows to those of one vertebra each; `None` where they are that.
+    /// From these mixed rows to rows of one vertebra each; `None` if the rows are not mixed.
     fn by_blocks(&self) -> Option<DMatrix<f64>> {
         self.whitening.as_ref()?.by_blocks(self.block)
     }

@@ -146,7 +146,7 @@ impl HypothesisFit {
         self.predictions.iter().filter(move |p| p.role == role)
     }
 
-    /// Mean location error over the films of a role; `None` where there is none.
+    /// Mean location error over the films of a role; `None` without such a film.
     #[must_use]
     pub fn mean_location_error_mm(&self, role: Role) -> Option<f64> {
         mean(self.of_role(role).map(ShapePrediction::mean_location_error_mm))

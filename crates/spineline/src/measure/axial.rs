@@ -92,7 +92,7 @@ impl AxialRotation {
 /// Why two pedicles give no rotation.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum PedicleFault {
-    /// One of them is no number, or lies outside of the picture.
+    /// A coordinate is not a number, or a pedicle lies outside of the picture.
     OffImage,
     /// The left one lies on the right of the other, across the axis of the body.
     SidesExchanged,

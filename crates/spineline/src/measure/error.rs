@@ -123,7 +123,7 @@ faults! {
             /// Reading.
             id: ReadingId,
         },
-        /// A reading whose observer is no code.
+        /// A reading whose observer is not a code.
         #[error("the observer of a reading is `{}` (repeat {}), and must be {OBSERVER_RULE}", id.observer, id.repeat)]
         #[code("observer")]
         #[help(OBSERVER_HELP)]
@@ -239,19 +239,19 @@ faults! {
             lowest: Level,
         },
         /// No vertebra at which a model may end is marked on every film; the place is the film that lacks most of them.
-        #[error("{} is marked on every film, and this one lacks most of them",
-            if *at_base { format!("none of L4 to {}", Levels::HIGHEST_BASE) } else { format!("none of {} to T2", Levels::LOWEST_TOP) })]
+        #[error("no vertebra from {} is marked on every film, and this film lacks most of them",
+            if *at_base { format!("L4 to {}", Levels::HIGHEST_BASE) } else { format!("{} to T2", Levels::LOWEST_TOP) })]
         #[code("level_missing")]
         #[help(of_film(
             film,
-            "mark one of these vertebrae on all films, or leave out films that do not show those of the erect film",
+            "mark one of these vertebrae on all films, or leave out films without the vertebrae of the erect film",
             "mark one of these vertebrae on all films, or leave this film out of the case",
         ))]
         NoCommonEnd {
             /// Whether it is about the base; else about the top.
             at_base: bool,
         },
-        /// So many neighbouring vertebrae are missing that those around them do not determine where they are.
+        /// Too many neighbouring vertebrae are missing: the vertebrae around them do not determine their locations.
         #[error("{missing} vertebrae in a row are not marked, between {inferior} and {superior}, and at most {limit} can be interpolated")]
         #[code("level_missing")]
         #[help(of_film(
@@ -270,12 +270,12 @@ faults! {
             /// The most that can be.
             limit: usize,
         },
-        /// A coordinate or an angle is no finite number.
+        /// A coordinate or an angle is not a finite number.
         #[error("a coordinate is not a number")]
         #[code("not_finite")]
         #[help("mark this vertebra again")]
         NotFinite,
-        /// A confidence that is no number from 0 to 1.
+        /// A confidence that is not a number from 0 to 1.
         #[error("a confidence is {value}, and must be from 0 to 1{}", percent_words(*value, 1.0))]
         #[code("confidence")]
         #[help("give the probability that the program assigns to the landmark, or no confidence at all")]
@@ -451,7 +451,7 @@ fn percent_words(value: f64, most: f64) -> String {
     }
 }
 
-/// One text for the erect film, without which there is no analysis, and one for the others, which can be left out.
+/// One text for the erect film, which every analysis needs, and one for the other films, which can be left out.
 fn of_film(film: FilmView, erect: &'static str, other: &'static str) -> &'static str {
     if film == Posture::Erect.into() { erect } else { other }
 }

@@ -1,7 +1,7 @@
 //! Lengths of a spine and sizes of its bodies that a patient can have, and what other ones suggest.
 //!
-//! A spine is judged by what is marked of it: the length along its midpoints over that of the same vertebrae of a typical adult
-//! ([`Morphometry`]), with limits for the length from L4 to T2. Films in pixels are not judged.
+//! A spine is judged by its marked vertebrae: the length along their midpoints over the length of the same vertebrae of a typical
+//! adult ([`Morphometry`]), with limits for the length from L4 to T2. Films in pixels are not judged.
 
 use std::fmt;
 
@@ -12,7 +12,7 @@ use crate::number::fixed;
 use crate::spatial::Frontal;
 use crate::warning::{WarningCode, Warnings};
 
-/// Lengths from L4 to T2 along the midpoints outside of which there is no patient: a newborn has about 160 mm, and the tallest
+/// Lengths from L4 to T2 along the midpoints that a patient can have: a newborn has about 160 mm, and the tallest
 /// person ever measured had about 620 mm, which a film magnifies to 720 mm (assumption, from the growth of the spine).
 const POSSIBLE_MM: [f64; 2] = [120.0, 750.0];
 
@@ -20,22 +20,22 @@ const POSSIBLE_MM: [f64; 2] = [120.0, 750.0];
 /// scoliosis have 389 ± 50 mm [jalalian-loa].
 const USUAL_MM: [f64; 2] = [200.0, 550.0];
 
-/// Sizes of vertebral bodies over those of a typical adult [panjabi-1991], median of a film, that are possible and that are
-/// usual. Wider than the limits of lengths, because bodies are slender or stout too.
+/// Possible and usual sizes of vertebral bodies over the sizes of a typical adult [panjabi-1991], median of a film. Wider
+/// than the limits of lengths, because bodies are slender or stout too.
 const POSSIBLE_BODIES: [f64; 2] = [0.25, 2.4];
 const USUAL_BODIES: [f64; 2] = [0.45, 1.7];
 
-/// Width over height of the bodies over that of a typical adult, median of a film, above or below the inverse of which pixels may be of another
-/// shape than stated. Of 433 erect films [wu-boostnet-2017] 6 exceed it, and none is below its inverse.
+/// Width over height of the bodies over the same ratio of a typical adult, median of a film. Above this limit, or below its inverse, pixels
+/// may have another shape than stated. Of 433 erect films [wu-boostnet-2017] 6 exceed it, and none is below its inverse.
 const MAX_STRETCH: f64 = 1.5;
 
 /// Vertebrae from which a length or a median is judged: fewer say little.
 const MIN_VERTEBRAE: usize = 4;
 
-/// The length by the median step may differ from that of all steps by so much: proportions of spines vary (assumption).
+/// The length by the median step may differ from the length of all steps by this factor: proportions of spines vary (assumption).
 const NEAR: f64 = 1.25;
 
-/// What lengths that are wrong by such a factor were probably given in.
+/// The probable unit of lengths that are wrong by this factor.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum SuspectedUnit {
     /// Metres.
@@ -51,7 +51,7 @@ pub enum SuspectedUnit {
 }
 
 impl SuspectedUnit {
-    /// The unit in which a length over the typical one is nearest to that of an adult; `None` where neither is near.
+    /// The unit in which a length is nearest to the length of a typical adult; `None` where no unit is near.
     fn of(ratio: f64) -> Option<Self> {
         let units = [
             (Self::Metres, 1000.0),
@@ -93,9 +93,9 @@ enum Measured {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FilmSize {
     measured: Measured,
-    /// In millimetres; of bodies the median over that of a typical adult.
+    /// In millimetres; for bodies, the median size over the size of a typical adult.
     length: f64,
-    /// Over that of a typical adult.
+    /// Length or size over the same of a typical adult.
     ratio: f64,
     limits: [f64; 2],
     /// Whether the lengths come from a picture and its spacing; else they were given.
@@ -103,13 +103,13 @@ pub struct FilmSize {
 }
 
 impl FilmSize {
-    /// What lengths that are wrong by such a factor were probably given in.
+    /// The probable unit of lengths that are wrong by this factor.
     #[must_use]
     pub fn suspected(&self) -> Option<SuspectedUnit> {
         SuspectedUnit::of(self.ratio)
     }
 
-    /// What was measured: a length in millimetres, or the size of bodies over that of a typical adult.
+    /// What was measured: a length in millimetres, or the size of bodies over the size of a typical adult.
     #[must_use]
     pub const fn value(&self) -> f64 {
         self.length
@@ -142,7 +142,7 @@ impl FilmSize {
             }
             Some(unit) => format!("{given} look like {unit}, not millimetres"),
             None if self.by_spacing => {
-                "the scale may be that of a picture of another size, or the radius of a ball may have been given for its diameter".to_owned()
+                "the scale may belong to a picture of another size, or the radius of a ball may have been given for its diameter".to_owned()
             }
             None => "the locations may be in another unit than millimetres".to_owned(),
         }
@@ -169,7 +169,7 @@ impl FilmSize {
                 self.cause()
             ),
             Measured::Bodies => format!(
-                "its vertebral bodies are {} times as large as those of a typical adult, and {of} have {least} to {most} times: {}",
+                "its vertebral bodies have {} times the size of a typical adult, and {of} have {least} to {most} times: {}",
                 significant(self.length),
                 self.cause()
             ),
@@ -200,7 +200,7 @@ fn significant(value: f64) -> String {
 pub(super) struct FilmSizes {
     /// Midpoints, means over the readings, caudal first.
     midpoints: Vec<(Level, Frontal)>,
-    /// Width and height of every body over those of a typical adult.
+    /// Width and height of every body over the same of a typical adult.
     bodies: Vec<[f64; 2]>,
     by_spacing: bool,
     has_millimetres: bool,
@@ -313,7 +313,7 @@ impl FilmSizes {
         let stretched = self.stretch().filter(|stretch| stretch.ln().abs() > MAX_STRETCH.ln());
         let stretched = stretched.map(|stretch| {
             let text = format!(
-                "its vertebral bodies are {} times as wide for their height as those of a typical adult (limits {} and {MAX_STRETCH}): the pixels may not be as high as wide as stated, which makes all angles wrong; check the spacing of columns and rows",
+                "width over height of its vertebral bodies is {} times the ratio of a typical adult (limits {} and {MAX_STRETCH}): the pixels may have another shape than stated, which makes all angles wrong; check the spacing of columns and rows",
                 fixed(stretch, 2),
                 fixed(1.0 / MAX_STRETCH, 2)
             );
@@ -322,7 +322,7 @@ impl FilmSizes {
         unusual.into_iter().chain(stretched).collect()
     }
 
-    /// Width over height of the bodies over that of a typical adult: their median.
+    /// Width over height of the bodies over the same ratio of a typical adult: their median.
     fn stretch(&self) -> Option<f64> {
         let shapes: Vec<f64> = self.bodies.iter().map(|[width, height]| width / height).collect();
         (shapes.len() >= MIN_VERTEBRAE).then(|| median(shapes))

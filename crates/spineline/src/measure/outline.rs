@@ -41,7 +41,7 @@ pub struct MeasuredVertebra {
 }
 
 impl MeasuredVertebra {
-    /// Standard deviations beyond those of landmarks, of an interpolated vertebra or of corners that a program found.
+    /// The noise of an interpolated vertebra, or the noise that corners found by a program add.
     pub(crate) fn own_noise(&self) -> Option<Noise> {
         let interpolated = self.interpolated.map(|found| (found.location_sd_mm, found.tilt_sd));
         let own = interpolated.or(self.program.map(|found| (found.location_mm, found.tilt)));
@@ -115,7 +115,7 @@ impl Outline {
         self.vertebrae.iter().chain(&self.others).find(|vertebra| vertebra.level == level)
     }
 
-    /// The noise of a vertebra that some reading marked: that of the film, or more where a program found its corners.
+    /// The noise of a vertebra that some reading marked: the noise of the film, or more where a program found its corners.
     #[must_use]
     pub fn noise_of(&self, vertebra: &MeasuredVertebra) -> Noise {
         vertebra.program.map_or(self.noise, |program| program.beside(self.noise))
@@ -180,8 +180,8 @@ pub fn measure_film(
     outline_of(film, &readings, levels, rule, None, warnings)
 }
 
-/// The outline of a film whose readings were measured before; its base and its top are marked. Its noise is that of the readings, if it
-/// is not known from elsewhere.
+/// The outline of a film whose readings were measured before; its base and its top are marked. Its noise comes from the
+/// readings, if it is not known from elsewhere.
 pub(crate) fn outline_of(
     film: &Film,
     readings: &[Reading<Placement>],

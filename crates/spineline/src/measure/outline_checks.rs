@@ -1,4 +1,4 @@
-//! Whether the vertebrae of a film can be those of a spine, and what its readers should know about them.
+//! Whether the vertebrae of a film can form a spine, and what its readers should know about them.
 
 use std::collections::BTreeMap;
 

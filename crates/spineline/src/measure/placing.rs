@@ -81,8 +81,8 @@ pub(super) fn warn_of_unusable_ends(film: &Film, warnings: &mut Warnings) {
     }
 }
 
-/// The corners of every reading that a program found. Says which vertebrae have corners that nobody looked at, and where completed
-/// corners have no landmarks to come from.
+/// The corners of every reading that a program found. Says which vertebrae have corners that no person reviewed, and which completed
+/// corners lack the landmarks that they were completed from.
 pub(super) fn program_corners(film: &Film, warnings: &mut Warnings) -> Vec<Option<ProgramCorners>> {
     let FilmLandmarks::Corners { image, readings, .. } = &film.landmarks else { return Vec::new() };
     let mut all = Vec::new();
@@ -96,7 +96,7 @@ pub(super) fn program_corners(film: &Film, warnings: &mut Warnings) -> Vec<Optio
             .collect();
         if !not_reviewed.is_empty() {
             let text = format!(
-                "observer {id}: corners of {} were found by a program, and nobody has accepted or moved them: look at them on the film",
+                "observer {id}: corners of {} were found by a program, and no person has accepted or moved them: look at them on the film",
                 not_reviewed.join(", ")
             );
             warnings.film(WarningCode::CornersNotReviewed, film.posture, text);

@@ -117,7 +117,7 @@ pub(crate) fn warn_of_shortened_chain(
     let missing: Vec<Level> = Level::MODEL.into_iter().filter(|&level| level > top).collect();
     if !missing.is_empty() {
         let text = format!(
-            "{} not marked on every film (missing on: {}): the model of all films ends at {top}, which carries the force; bends are matched at the lateral tilt of {base} to {top}, the proximal thoracic region is shorter, and results are not those of a spine up to T2",
+            "{} not marked on every film (missing on: {}): the model of all films ends at {top}, which carries the force; bends are matched at the lateral tilt of {base} to {top}, the proximal thoracic region is shorter, and results differ from results of a spine up to T2",
             subject(&names(&missing), missing.len()),
             without(&missing)
         );
@@ -126,7 +126,7 @@ pub(crate) fn warn_of_shortened_chain(
     let missing: Vec<Level> = Level::MODEL.into_iter().filter(|&level| level < base).collect();
     if !missing.is_empty() {
         let text = format!(
-            "{} not marked on every film (missing on: {}): {base} is the fixed base, and locations, tilts and lines are relative to {base} instead of L4; the joints below have no stiffness, and results are not comparable in number with those of a spine from L4",
+            "{} not marked on every film (missing on: {}): {base} is the fixed base, and locations, tilts and lines are relative to {base} instead of L4; the joints below have no stiffness, and results are not comparable in number with results of a spine from L4",
             subject(&names(&missing), missing.len()),
             without(&missing)
         );

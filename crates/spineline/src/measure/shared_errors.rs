@@ -297,7 +297,7 @@ impl Whitening {
         self.factor.solve_lower_triangular_unchecked_mut(target);
     }
 
-    /// From independent residuals to residuals of blocks of rows, each in units of its own error given all others.
+    /// From independent residuals to residuals of blocks of rows, each in units of its error given all others.
     ///
     /// # Definition
     /// With `W = (L L')⁻¹` and `C C' = W_ii` for block `i`: rows `C⁻¹ (L'⁻¹)_i`.

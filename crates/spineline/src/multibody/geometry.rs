@@ -140,7 +140,7 @@ impl SpineModel {
     /// Joins vertebrae by joints whose centres are given in the axes of the inferior vertebra.
     ///
     /// # Panics
-    /// If there is not one centre between each two vertebrae.
+    /// If the number of centres is not one less than the number of vertebrae.
     #[must_use]
     pub fn from_poses(
         midpoints_mm: Vec<Vec3>,

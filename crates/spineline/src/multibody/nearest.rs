@@ -1,8 +1,8 @@
 //! The load that brings T2 nearest to a place (decision 0008): of the minima of T2's distance, the one with the smallest load whose
 //! distance is within [`T2_TOLERANCE_MM`] of the least.
 //!
-//! A load of one component is followed from zero, as [`match_t2`](super::match_t2) follows a force. With several components there is
-//! no single path; minima are found by least squares from several starts.
+//! A load of one component is followed from zero, as [`match_t2`](super::match_t2) follows a force. With several components
+//! many paths are possible; minima are found by least squares from several starts.
 
 use nalgebra::{DMatrix, DVector};
 

@@ -50,7 +50,7 @@ pub fn coupled_matrix(nmm_per_rad: [f64; 3], axial_per_lateral: f64) -> Mat3 {
     matrix
 }
 
-/// The springs of the joints before personalisation, caudal first: of all 14, or of those of a shorter spine.
+/// The springs of the joints before personalisation, caudal first: of all 14, or of the joints of a shorter spine.
 #[derive(Debug, Clone, PartialEq)]
 pub struct StiffnessLibrary {
     rows: Vec<JointStiffness>,
@@ -83,7 +83,7 @@ faults! {
             /// Upper vertebra.
             superior: Level,
         },
-        /// A spring that is no spring.
+        /// A stiffness that is not positive and finite.
         #[error("joint {inferior}/{superior}: {axis} stiffness is {value} N·mm/rad, and must be positive and finite")]
         #[code("stiffness")]
         #[help(HELP)]
@@ -243,7 +243,7 @@ impl JointGroups {
         self.names.len()
     }
 
-    /// Whether there is no group.
+    /// Whether it has no group.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.names.is_empty()

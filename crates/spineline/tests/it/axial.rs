@@ -1,5 +1,5 @@
 //! Axial rotation from pedicles, on films of phantoms whose prisms are turned by a known angle, and whose pedicles stand where another table
-//! than that of the reader puts them.
+//! than the reader's puts them.
 
 use spineline::analysis::{Analysis, AnalysisOptions, analyze, analyze_movement};
 use spineline::anatomy::{Level, PediclePlace, Posture};

@@ -165,7 +165,7 @@ fn bases_that_no_two_films_share_are_refused() {
     let mut case = without(Posture::Neutral, Level::L2..=Level::L2);
     let (_, _, readings) = landmarks(film_mut(&mut case, Posture::Traction));
     readings[0].vertebrae.retain(|level, _| *level >= Level::L2);
-    let error = refused_in_measure(&case, &["none of L4 to L2"]);
+    let error = refused_in_measure(&case, &["no vertebra from L4 to L2 is marked on every film"]);
     assert!(matches!(error.fault, MeasureFault::NoCommonEnd { at_base: true }), "{error:?}");
 }
 

@@ -1,5 +1,5 @@
 //! Films in pixels give angles and no lengths; lateral films give the sagittal profile; films that do not fit their names
-//! or were not stitched well are told.
+//! or were not stitched well get a warning.
 
 #![expect(clippy::disallowed_methods, reason = "the oracle has its own formulas")]
 
@@ -236,7 +236,7 @@ fn a_lateral_film_is_refused_for_what_a_frontal_one_is() {
     }
     assert_eq!(refused(&|film| t7(film, Pixel::new(-3.0, 900.0))), "off_image");
     assert_eq!(refused(&|film| t7(film, Pixel::new(f64::NAN, 900.0))), "not_finite");
-    // T7 carries the name of T4, and T4 that of T7.
+    // T7 and T4 carry each other's name.
     let exchanged = |film: &mut LateralFilm| {
         let all = &mut film.readings[0].vertebrae;
         let (low, high) = (all[&Level::T7], all[&Level::T4]);
@@ -272,7 +272,7 @@ fn odd_corners_of_a_lateral_film_are_named() {
     }
 }
 
-/// The true corners of a phantom's film under the names of other vertebrae, so many levels lower.
+/// The true corners of a phantom's film under the names of other vertebrae, `down` levels lower.
 fn renamed(phantom: &spineline_phantom::Phantom, posture: Posture, down: usize) -> Case {
     let mut case = phantom.case.clone();
     let truth = phantom.film(posture).expect("every posture has a film");

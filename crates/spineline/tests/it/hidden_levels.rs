@@ -94,7 +94,7 @@ fn deviations_of(films: &[Film]) -> Vec<f64> {
 #[test]
 fn an_interpolated_vertebra_is_within_its_stated_uncertainty() {
     // Oracle: the removed vertebrae themselves, exact and as marked by readers. A stated deviation that holds for real spines,
-    // which are rougher, covers those of phantoms: root mean square below 1, and hardly any beyond 2.
+    // which are rougher, covers phantoms: root mean square below 1, and hardly any beyond 2.
     for readers in [Readers::exact(), Readers::default()] {
         for scenario in [Scenario::Bend, Scenario::Rod] {
             let films: Vec<Film> = (0..4)
@@ -232,7 +232,7 @@ fn a_base_hidden_on_one_film_moves_the_frame_and_no_rotation() {
     );
     assert!(found.warnings.has(WarningCode::BaseMissing));
     for (a, b) in whole.movement.films.iter().zip(&found.movement.films) {
-        // Oracle: the frame of L3 is that of L4 moved and turned as L3 stands in it.
+        // Oracle: the frame of L3 is the frame of L4, moved and turned as L3 stands in it.
         let frame = a.outline.vertebrae[1];
         for (x, y) in a.outline.vertebrae[1..].iter().zip(&b.outline.vertebrae) {
             let expected = (x.location - frame.location).rotated(-frame.tilt);

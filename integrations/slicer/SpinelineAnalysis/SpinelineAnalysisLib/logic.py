@@ -48,7 +48,7 @@ class DrawnFilm:
     curve_ras: Floats
     """The fitted curve, the base first, shape (n, 3)."""
     inflections_ras: Floats
-    """The inflections of the erect curve where they lie on this film, shape (2, 3), or (0, 3) where there are none."""
+    """The inflections of the erect curve where they lie on this film, shape (2, 3), or (0, 3) without inflections."""
     lines_ras: dict[str, Floats] = field(default_factory=dict)
     """Two ends of every line of action that has a model, each of shape (2, 3)."""
 

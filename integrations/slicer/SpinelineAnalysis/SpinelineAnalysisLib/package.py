@@ -10,10 +10,10 @@ from pathlib import Path
 
 
 def wheel_fault(path: str) -> str | None:
-    """Why a file is no wheel of Spineline, and what to do; None where it is one."""
+    """Why a file is not a wheel of Spineline, and what to do; None where it is a wheel."""
     name = Path(path).name
     if not (name.startswith("spineline-") and name.endswith(".whl")):
-        return f"`{name}` is no wheel of Spineline: choose a file `spineline-….whl`, which `cargo xtask wheel` builds"
+        return f"`{name}` is not a wheel of Spineline: choose a file `spineline-….whl`, which `cargo xtask wheel` builds"
     try:
         with zipfile.ZipFile(path) as wheel:
             members = wheel.namelist()

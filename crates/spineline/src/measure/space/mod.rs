@@ -36,7 +36,7 @@ pub struct SpatialVertebra {
     pub endplates: [Angle; 2],
     /// Standard deviation of the tilt of the axis on the frontal film.
     pub tilt_sd: Angle,
-    /// Standard deviation of the angle of the axis on the lateral film, without that of the film's turn.
+    /// Standard deviation of the angle of the axis on the lateral film, without the deviation of the film's turn.
     pub lateral_sd: Angle,
     /// Standard deviation of the angle of an endplate there, likewise.
     pub endplate_sd: Angle,
@@ -47,12 +47,12 @@ pub struct SpatialVertebra {
 /// The erect spine as far as both films show it.
 ///
 /// # Definition
-/// Tilt and pitch are those of the line through the centres of both endplates ([`Orientation`]). Endplates themselves look different
+/// Tilt and pitch are the angles of the line through the centres of both endplates ([`Orientation`]). Endplates themselves look different
 /// on an oblique view by how they are read: by the outline of their rim or by their middle line. The line through both centres does
-/// not. Deviations follow from those of the landmarks and of the alignment by the delta method.
+/// not. Deviations follow from the deviations of landmarks and alignment by the delta method.
 ///
 /// # Assumptions
-/// Those of [`FilmAlignment`]. Where nothing was read twice, a corner has the deviation of one careful reading
+/// The assumptions of [`FilmAlignment`]. Where nothing was read twice, a corner has the deviation of one careful reading
 /// ([`Noise::ONE_READING`]).
 ///
 /// # References
@@ -89,13 +89,13 @@ impl SpatialOutline {
         let found = found.filter(|_| missing.len() < joints().count());
         match &found {
             None => {
-                let text = "the lateral film is not marked, or shows no two neighbouring vertebrae of the erect film: the sagittal profile is that of a population";
+                let text = "the lateral film is not marked, or shows no two neighbouring vertebrae of the erect film: the sagittal profile comes from a population";
                 warnings.push(WarningCode::LateralNotMarked, text);
             }
             Some(found) => {
                 if !missing.is_empty() {
                     let text = format!(
-                        "the lateral film does not show {}: the sagittal rotations there are those of a population",
+                        "the lateral film does not show {}: the sagittal rotations there come from a population",
                         missing.join(", ")
                     );
                     warnings.push(WarningCode::LateralIncomplete, text);
@@ -177,7 +177,7 @@ impl SpatialOutline {
     }
 
     /// The sagittal turns of the joints between vertebrae that both films show: differences of their pitches in space. The other joints
-    /// keep those of `template`.
+    /// keep the turns of `template`.
     #[must_use]
     pub fn profile(&self, template: &SagittalProfile) -> SagittalProfile {
         let mut profile = template.clone();
@@ -219,7 +219,7 @@ impl SpatialOutline {
         Angle::from_rad(self.pitch_sd(vertebra).rad().hypot(sideways))
     }
 
-    /// How the lateral film lies to the erect one, and what was assumed, in words; `scale` is that of the erect film.
+    /// How the lateral film lies to the erect one, and what was assumed, in words; `scale` belongs to the erect film.
     #[must_use]
     pub fn alignment_words(&self, scale: &LengthScale) -> String {
         let found = &self.alignment;
@@ -272,7 +272,7 @@ impl SpatialOutline {
 
 /// Differences of height between two films of a patient who stood still, up to which nothing is said (assumption).
 const HEIGHTS_DIFFER_MM: f64 = 3.0;
-/// The same of films that were exposed together, between which nobody moves (assumption).
+/// The same for films that were exposed together: the patient does not move between them (assumption).
 const TOGETHER_DIFFER_MM: f64 = 1.0;
 /// A turn between the films up to which nothing is said (assumption).
 const TURNED: Angle = Angle::from_deg(3.0);
