@@ -96,7 +96,7 @@ function posture(
   };
 }
 
-function line(kind: Api<"LineName">, label: string, shift: number): Api<"LineModelView"> {
+function line(kind: Api<"LineKindName">, label: string, shift: number): Api<"LineModelView"> {
   const joints = ERECT.joints_mm.map((_, i) => ({
     label: `${LEVELS[i]}/${LEVELS[i + 1]}`,
     relative: Math.min(1, Math.max(0, 0.5 + 0.5 * Math.sin(i * 0.55 - 1 + shift))),

@@ -5,10 +5,10 @@ use spineline::measure::{ImageGeometry, Spacing, SpacingPlane, SpacingSource};
 use spineline::number::fixed;
 use spineline_store::CurrentCase;
 
-use crate::api::{PlaneName, Wire};
+use crate::api::{SpacingPlaneName, Wire};
 
 /// The plane of lengths on a picture.
-pub fn plane_of(image: &ImageGeometry) -> PlaneName {
+pub fn plane_of(image: &ImageGeometry) -> SpacingPlaneName {
     Wire(image.spacing.map_or(SpacingPlane::Pixels, |spacing| spacing.plane))
 }
 

@@ -11,8 +11,8 @@ export const exportPath = (study: string, name: Api<"ExportName">): string =>
 
 export const modelPath = (
   study: string,
-  line: Api<"LineName">,
-  format: Api<"ModelFormatName">,
+  line: Api<"LineKindName">,
+  format: Api<"ExportFormatName">,
 ): string => `${of(study)}/models/${line}/${format}`;
 
 /** Saves the file at an address under the name from the program; a refusal is thrown. */

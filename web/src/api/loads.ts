@@ -2,19 +2,19 @@ import { answerOf, api, askBytes } from "./client";
 import type { Background } from "./computations";
 import type { Api } from "./types";
 
-type LineName = Api<"LineName">;
+type LineKindName = Api<"LineKindName">;
 
-const of = (study: string, line: LineName) => ({ params: { path: { study, line } } });
+const of = (study: string, line: LineKindName) => ({ params: { path: { study, line } } });
 
-const path = (study: string, line: LineName): string =>
+const path = (study: string, line: LineKindName): string =>
   `/api/studies/${encodeURIComponent(study)}/loads/${line}`;
 
 /** Loads that are possible on the model of a line of action. */
-export const readLoadMenu = (study: string, line: LineName, signal: AbortSignal) =>
+export const readLoadMenu = (study: string, line: LineKindName, signal: AbortSignal) =>
   answerOf(api.GET("/api/studies/{study}/loads/{line}", { ...of(study, line), signal }));
 
 /** The model under the loads of a file, which is sent unchanged. */
-export const simulateLoads = (study: string, line: LineName, file: string, signal: AbortSignal) =>
+export const simulateLoads = (study: string, line: LineKindName, file: string, signal: AbortSignal) =>
   answerOf(
     api.POST("/api/studies/{study}/loads/{line}", {
       ...of(study, line),
@@ -26,13 +26,13 @@ export const simulateLoads = (study: string, line: LineName, file: string, signa
   );
 
 /** The file of the model, as `spineline simulate` reads it. */
-export const modelFilePath = (study: string, line: LineName): string =>
+export const modelFilePath = (study: string, line: LineKindName): string =>
   `${path(study, line)}/model`;
 
 /** The file of a simulation. */
 export const askSimulationFile = (
   study: string,
-  line: LineName,
+  line: LineKindName,
   file: string,
   signal: AbortSignal,
 ): Promise<Response> =>
@@ -45,7 +45,7 @@ export const askSimulationFile = (
 /** Intervals of the model under the loads of a file, with this number of replicates. */
 export function loadIntervalsOf(
   study: string,
-  line: LineName,
+  line: LineKindName,
   file: () => string,
   count: number,
 ): Background<Api<"LoadIntervalsView">> {
@@ -58,12 +58,12 @@ export function loadIntervalsOf(
 }
 
 /** The pads that were tried on the current results. */
-export const readPadMap = (study: string, line: LineName) =>
+export const readPadMap = (study: string, line: LineKindName) =>
   answerOf(api.GET("/api/studies/{study}/loads/{line}/pad-map", of(study, line)));
 
 /** Tries pads in the background. */
-export const computePadMap = (study: string, line: LineName, body: Api<"PadMapRequest">) =>
+export const computePadMap = (study: string, line: LineKindName, body: Api<"PadMapRequest">) =>
   answerOf(api.POST("/api/studies/{study}/loads/{line}/pad-map", { ...of(study, line), body }));
 
-export const cancelPadMap = (study: string, line: LineName) =>
+export const cancelPadMap = (study: string, line: LineKindName) =>
   answerOf(api.DELETE("/api/studies/{study}/loads/{line}/pad-map", of(study, line)));

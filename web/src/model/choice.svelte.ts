@@ -1,7 +1,7 @@
 import type { Api } from "../api/types";
 import { along, type Shape } from "./shapes";
 
-type LineName = Api<"LineName">;
+type LineKindName = Api<"LineKindName">;
 type PostureName = Api<"PostureName">;
 
 /** Layout of simulated and measured spines. */
@@ -14,7 +14,7 @@ export function hasStiffness(line: Api<"LineModelView">): boolean {
 
 /** Selected part of the model. */
 export class Choice {
-  kind = $state<LineName>("inflection_line");
+  kind = $state<LineKindName>("inflection_line");
   /** A film, or a load by hand. */
   posture = $state<PostureName | "load">("erect");
   layout = $state<Layout>("overlay");

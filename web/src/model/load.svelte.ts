@@ -26,7 +26,7 @@ export class HandLoad {
 
   constructor(
     private readonly view: Api<"ModelView">,
-    private readonly kind: () => Api<"LineName">,
+    private readonly kind: () => Api<"LineKindName">,
   ) {
     this.#latest = new Latest(
       ({ request }, signal) => loadModel(view.study, request, signal),

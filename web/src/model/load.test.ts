@@ -25,7 +25,7 @@ const settled = (): Promise<void> => new Promise((resolve) => setTimeout(resolve
 const ANSWER = { load_text: "Relative force 10", status_text: "found", texts: [] };
 
 it("shows no earlier shape with a load that could not be applied", async () => {
-  const load = new HandLoad(VIEW, () => "bodies" as Api<"LineName">);
+  const load = new HandLoad(VIEW, () => "bodies" as Api<"LineKindName">);
   replies.push({ status: 200, body: ANSWER });
   load.set(0, 10);
   await settled();

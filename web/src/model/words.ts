@@ -11,7 +11,7 @@ const IDENTIFIED: Record<Identified, string> = {
   not_converged: "Not converged",
 };
 
-const LINE_TOKENS: Record<Api<"LineName">, string> = {
+const LINE_TOKENS: Record<Api<"LineKindName">, string> = {
   inflection_line: "--inflection-line",
   iliac_line: "--iliac-line",
   estimated_line: "--estimated-line",
@@ -21,7 +21,7 @@ const LINE_TOKENS: Record<Api<"LineName">, string> = {
 export const identifiedWord = (identified: Identified): string => IDENTIFIED[identified];
 
 /** Token of the colour of a line. */
-export const lineToken = (line: Api<"LineName">): string => LINE_TOKENS[line];
+export const lineToken = (line: Api<"LineKindName">): string => LINE_TOKENS[line];
 
 /** A length in the unit of the study; the reason for an absent one is shown beside it. */
 export const lengthText = (value_mm: number | null | undefined, unit: string): string =>

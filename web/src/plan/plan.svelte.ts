@@ -33,12 +33,12 @@ export class Plan {
   #last: { word: string; at_ms: number } | null = null;
   #timer: ReturnType<typeof setTimeout> | undefined;
   readonly #key: string;
-  readonly #latest: Latest<{ loads: Loads; line: Api<"LineName"> }, Api<"LoadedModel">>;
+  readonly #latest: Latest<{ loads: Loads; line: Api<"LineKindName"> }, Api<"LoadedModel">>;
 
   constructor(
     private readonly study: string,
     reader: string,
-    private readonly line: () => Api<"LineName">,
+    private readonly line: () => Api<"LineKindName">,
   ) {
     this.#key = `spineline.plan.${reader}.${study}`;
     this.#latest = new Latest(

@@ -3,7 +3,7 @@ import { expect, it } from "vitest";
 import type { Api } from "../api/types";
 import { byLine } from "./notices";
 
-const notice = (text: string, line: Api<"LineName"> | null = null): Api<"Notice"> => ({
+const notice = (text: string, line: Api<"LineKindName"> | null = null): Api<"Notice"> => ({
   severity: "warning",
   code: "code",
   line,

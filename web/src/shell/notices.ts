@@ -2,11 +2,11 @@ import type { Api } from "../api/types";
 import { lineNames } from "./words";
 
 type Notice = Api<"Notice">;
-type LineName = Api<"LineName">;
+type LineKindName = Api<"LineKindName">;
 
 /** Notices of one line of action, or of none. */
 export interface LineNotices {
-  line: LineName | null;
+  line: LineKindName | null;
   notices: Notice[];
 }
 

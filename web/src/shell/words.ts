@@ -30,7 +30,7 @@ const IMAGE_SIDES: Words<Api<"ImageSideName">> = {
   image_right: "right side of the picture",
 };
 
-const PLANES: Words<Api<"PlaneName">> = {
+const PLANES: Words<Api<"SpacingPlaneName">> = {
   patient: "millimetres in the plane of the spine",
   detector: "millimetres in the plane of the detector: larger than the patient",
   unknown: "millimetres of an unknown plane",
@@ -57,7 +57,7 @@ const SEVERITIES: Words<Api<"Severity">> = {
   error: "Error",
 };
 
-const LINES: Words<Api<"LineName">> = {
+const LINES: Words<Api<"LineKindName">> = {
   inflection_line: "Inflection line",
   iliac_line: "Iliac line",
   estimated_line: "Estimated line",
@@ -75,7 +75,7 @@ export const postureOf = (view: Api<"FilmViewName">): Api<"PostureName"> | null 
   view === "lateral" ? null : view;
 
 /** Lines of action in the order in which they are compared. */
-export const lineNames = Object.keys(LINES) as Api<"LineName">[];
+export const lineNames = Object.keys(LINES) as Api<"LineKindName">[];
 
 /** All statuses in the order of the work on a study. */
 export const statuses = Object.keys(STATUSES) as Api<"StudyStatus">[];
@@ -89,7 +89,7 @@ export const sideWord = (side: Api<"SideName">): string => SIDES[side];
 
 export const imageSideWord = (side: Api<"ImageSideName">): string => IMAGE_SIDES[side];
 
-export const planeWord = (plane: Api<"PlaneName">): string => PLANES[plane];
+export const planeWord = (plane: Api<"SpacingPlaneName">): string => PLANES[plane];
 
 export const roleWord = (role: Api<"RoleName">): string => ROLES[role];
 
@@ -97,7 +97,7 @@ export const statusWord = (status: Api<"StudyStatus">): string => STATUSES[statu
 
 export const severityWord = (severity: Api<"Severity">): string => SEVERITIES[severity];
 
-export const lineWord = (line: Api<"LineName">): string => LINES[line];
+export const lineWord = (line: Api<"LineKindName">): string => LINES[line];
 
 /** Such as `1 film` and `3 films`. */
 export const counted = (count: number, one: string, many = `${one}s`): string =>

@@ -14,7 +14,7 @@ export interface Answers {
   /** Only with a stated scale. */
   column_mm: number | null;
   row_mm: number | null;
-  plane: Api<"PlaneName"> | null;
+  plane: Api<"SpacingPlaneName"> | null;
   inverted: boolean;
 }
 

@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
-use super::ModelFormatName;
+use super::ExportFormatName;
 
 /// A file of a study's results.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
@@ -71,7 +71,7 @@ pub struct ExportView {
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
 pub struct ModelFormatView {
     /// Format.
-    pub name: ModelFormatName,
+    pub name: ExportFormatName,
     /// Its name for people.
     pub label: String,
     /// Programs that read it.

@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
-use super::{LineName, Notice, PostureName, SideName};
+use super::{LineKindName, Notice, PostureName, SideName};
 
 /// Which results the landmarks allow.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
@@ -131,7 +131,7 @@ pub struct CobbOverlay {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct LineOverlay {
     /// Which line.
-    pub kind: LineName,
+    pub kind: LineKindName,
     /// One end, on the edge of the film.
     pub from_px: [f64; 2],
     /// Other end.

@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
-use super::{LineName, Notice, PostureName};
+use super::{LineKindName, Notice, PostureName};
 
 /// Models of one study.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
@@ -33,7 +33,7 @@ pub struct ModelView {
     /// One of this unit, in words.
     pub force_unit_text: String,
     /// The line that predicts unfitted films best, or else the first one with a result.
-    pub automatic: Option<LineName>,
+    pub automatic: Option<LineKindName>,
     /// Why, as text.
     pub automatic_text: Option<String>,
     /// Comparison of the lines as text.
@@ -95,7 +95,7 @@ pub enum Identified {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct LineModelView {
     /// Which line.
-    pub kind: LineName,
+    pub kind: LineKindName,
     /// Name as text.
     pub label: String,
     /// Whether fit and simulations converged.
@@ -181,7 +181,7 @@ pub struct LevelError {
 #[serde(deny_unknown_fields)]
 pub struct LoadRequest {
     /// Line of action whose springs are used.
-    pub kind: LineName,
+    pub kind: LineKindName,
     /// Vertebra at whose midpoint the force acts; the force keeps its direction.
     pub level: String,
     /// Tip of the dragged arrow, `[x, y, z]`: from the vertebra's erect midpoint to here, 1 mm for 1 N.

@@ -4,7 +4,8 @@ use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
 use super::{
-    CalibratorName, FilmViewName, ImageSideName, Notice, PlaneName, PostureName, RoleName, SideName,
+    CalibratorName, FilmViewName, ImageSideName, Notice, PostureName, RoleName, SideName,
+    SpacingPlaneName,
 };
 
 /// Status of a study.
@@ -88,7 +89,7 @@ pub struct FilmSummary {
     /// Height of a pixel over its width as the film is to be shown.
     pub pixel_aspect: f64,
     /// Unit and plane of lengths.
-    pub plane: PlaneName,
+    pub plane: SpacingPlaneName,
     /// Distance between neighbouring rows in the film's plane; null where the scale is unknown.
     pub row_mm: Option<f64>,
     /// Spacing and its source as text, such as `0.143 mm × 0.143 mm, patient mm, by a ball (± 0.6 %)`.
@@ -234,7 +235,7 @@ pub struct SpacingView {
     /// Distance between neighbouring rows.
     pub row_mm: f64,
     /// Plane of these millimetres.
-    pub plane: PlaneName,
+    pub plane: SpacingPlaneName,
     /// Scale with its source and uncertainty as text.
     pub text: String,
 }
@@ -287,7 +288,7 @@ pub enum ScaleChoice {
         /// Distance between neighbouring rows.
         row_mm: f64,
         /// Plane of these millimetres.
-        plane: PlaneName,
+        plane: SpacingPlaneName,
     },
     /// No scale: angles only.
     Pixels,

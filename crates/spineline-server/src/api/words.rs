@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 use utoipa::ToSchema;
 
-use super::{LineName, PostureName};
+use super::{LineKindName, PostureName};
 
 /// A problem that must be shown beside the affected numbers.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
@@ -17,7 +17,7 @@ pub struct Notice {
     /// Affected vertebra, such as `T12`.
     pub level: Option<String>,
     /// Affected line of action.
-    pub line: Option<LineName>,
+    pub line: Option<LineKindName>,
     /// Message with place, value and limit; the line is not repeated.
     pub text: String,
 }

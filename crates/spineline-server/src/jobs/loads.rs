@@ -9,7 +9,7 @@ use spineline::uncertainty::{LandmarkNoise, LoadedUncertainty};
 use spineline_files::{Replicates, Request, Simulated};
 
 use super::{Ending, Job, Jobs, Work};
-use crate::api::{LineName, PadMapRequest};
+use crate::api::{LineKindName, PadMapRequest};
 use crate::result_cache::StudyResult;
 
 /// The intervals of one result: one job per study, for any line and loads.
@@ -21,7 +21,7 @@ pub type PadMapJob = Job<PadMapWork>;
 #[derive(Debug)]
 pub struct LoadIntervalWork {
     /// Line of action whose model is loaded.
-    pub line: LineName,
+    pub line: LineKindName,
     /// The load file as it was sent.
     pub file: String,
     /// The case's own model under these loads.
@@ -45,7 +45,7 @@ impl Work for LoadIntervalWork {
 #[derive(Debug)]
 pub struct PadMapWork {
     /// Line of action whose model is loaded.
-    pub line: LineName,
+    pub line: LineKindName,
     /// Force, stiffness and other loads.
     pub request: PadMapRequest,
     /// The other loads on the model.
@@ -75,7 +75,7 @@ impl Jobs<LoadIntervalWork> {
     pub fn of_line(
         &self,
         result: &Arc<StudyResult>,
-        line: LineName,
+        line: LineKindName,
     ) -> Option<Arc<LoadIntervalJob>> {
         self.of(result, LoadIntervalWork::KEY).filter(|job| job.work.line == line)
     }

@@ -8,7 +8,7 @@ use super::super::loads::personalised_model;
 use super::log;
 use crate::PROGRAM;
 use crate::access::{open_study, study_result};
-use crate::api::{LineName, ModelFormatName, Problem};
+use crate::api::{ExportFormatName, LineKindName, Problem};
 use crate::attachment::attachment;
 use crate::extract::Path;
 use crate::problem::{Answer, Failure};
@@ -18,14 +18,14 @@ use crate::user::User;
 
 /// The model of a line of action in the format of another program. The log of the store has an entry for it.
 #[utoipa::path(get, path = "/api/studies/{study}/models/{line}/{format}",
-    params(("study" = String, Path), ("line" = LineName, Path), ("format" = ModelFormatName, Path)),
+    params(("study" = String, Path), ("line" = LineKindName, Path), ("format" = ExportFormatName, Path)),
     responses((status = 200, content_type = "application/xml"), (status = 403, body = Problem),
         (status = 404, body = Problem), (status = 409, body = Problem),
         (status = 422, body = Problem)))]
 pub async fn export_model(
     State(state): State<AppState>,
     user: User,
-    Path((study, line, format)): Path<(String, LineName, ModelFormatName)>,
+    Path((study, line, format)): Path<(String, LineKindName, ExportFormatName)>,
 ) -> Answer<Response> {
     let study = open_study(&state, &user, &study).await?;
     let result = study_result(&state, &study).await?;
@@ -35,7 +35,7 @@ pub async fn export_model(
     Ok(attachment(&name, format.0.media_type(), text))
 }
 
-fn text(result: &StudyResult, line: LineName, format: ModelFormatName) -> Answer<String> {
+fn text(result: &StudyResult, line: LineKindName, format: ExportFormatName) -> Answer<String> {
     let model = personalised_model(result, line)?;
     spineline_files::export(&model, format.0, PROGRAM).map_err(|error| {
         Failure::new(StatusCode::UNPROCESSABLE_ENTITY, "refused", error.to_string())

@@ -8,7 +8,7 @@ use spineline_files::{loaded_uncertainty_text, parse_loaded_uncertainty, to_line
 use spineline_store::KeptComputation;
 
 use super::tally;
-use crate::api::LineName;
+use crate::api::LineKindName;
 use crate::jobs::{LoadIntervalJob, LoadIntervalWork};
 use crate::problem::Answer;
 use crate::result_cache::StudyResult;
@@ -20,7 +20,7 @@ use crate::state::AppState;
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Stored {
-    line: LineName,
+    line: LineKindName,
     /// The load file as it was sent.
     file: String,
     replicates: String,

@@ -16,7 +16,8 @@ use super::computations::analysed;
 use super::computations::replicates::{BLOCK, checked, with_monte_carlo};
 use super::loads::{simulated_file, tables};
 use crate::api::{
-    ComputationState, LineName, LoadIntervalRequest, LoadIntervalRow, LoadIntervalsView, Problem,
+    ComputationState, LineKindName, LoadIntervalRequest, LoadIntervalRow, LoadIntervalsView,
+    Problem,
 };
 use crate::extract::{Json, Path};
 use crate::jobs::{Ending, Jobs, LoadIntervalJob, LoadIntervalWork};
@@ -32,13 +33,13 @@ pub fn routes() -> OpenApiRouter<AppState> {
 
 /// Intervals of the model of a line of action under loads, with the load file that they belong to.
 #[utoipa::path(get, path = "/api/studies/{study}/loads/{line}/intervals",
-    params(("study" = String, Path), ("line" = LineName, Path)),
+    params(("study" = String, Path), ("line" = LineKindName, Path)),
     responses((status = 200, body = LoadIntervalsView), (status = 403, body = Problem),
         (status = 409, body = Problem)))]
 async fn load_intervals(
     State(state): State<AppState>,
     user: User,
-    Path((study, line)): Path<(String, LineName)>,
+    Path((study, line)): Path<(String, LineKindName)>,
 ) -> Answer<Json<LoadIntervalsView>> {
     let result = analysed(&state, &user, &study, Role::Reader).await?;
     recall(&state, &result).await?;
@@ -48,14 +49,14 @@ async fn load_intervals(
 
 /// Computes intervals in the background.
 #[utoipa::path(post, path = "/api/studies/{study}/loads/{line}/intervals",
-    params(("study" = String, Path), ("line" = LineName, Path)),
+    params(("study" = String, Path), ("line" = LineKindName, Path)),
     request_body = LoadIntervalRequest,
     responses((status = 200, body = LoadIntervalsView), (status = 403, body = Problem),
         (status = 409, body = Problem), (status = 422, body = Problem)))]
 async fn compute_load_intervals(
     State(state): State<AppState>,
     user: User,
-    Path((study, line)): Path<(String, LineName)>,
+    Path((study, line)): Path<(String, LineKindName)>,
     Json(request): Json<LoadIntervalRequest>,
 ) -> Answer<Json<LoadIntervalsView>> {
     let result = analysed(&state, &user, &study, Role::Editor).await?;
@@ -71,13 +72,13 @@ async fn compute_load_intervals(
 
 /// Cancels the replicates after the running ones.
 #[utoipa::path(delete, path = "/api/studies/{study}/loads/{line}/intervals",
-    params(("study" = String, Path), ("line" = LineName, Path)),
+    params(("study" = String, Path), ("line" = LineKindName, Path)),
     responses((status = 200, body = LoadIntervalsView), (status = 403, body = Problem),
         (status = 409, body = Problem)))]
 async fn cancel_intervals(
     State(state): State<AppState>,
     user: User,
-    Path((study, line)): Path<(String, LineName)>,
+    Path((study, line)): Path<(String, LineKindName)>,
 ) -> Answer<Json<LoadIntervalsView>> {
     let result = analysed(&state, &user, &study, Role::Editor).await?;
     let job = state.load_intervals().of_line(&result, line);

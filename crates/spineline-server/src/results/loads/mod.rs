@@ -21,7 +21,7 @@ use super::exports::{log, provenance};
 use super::load_intervals::recall;
 use crate::PROGRAM;
 use crate::access::{open_study, study_result};
-use crate::api::{FileOfLoads, LineName, LoadMenu, LoadedModel, Problem};
+use crate::api::{FileOfLoads, LineKindName, LoadMenu, LoadedModel, Problem};
 use crate::attachment::attachment;
 use crate::extract::{Json, JsonText, Path};
 use crate::problem::{Answer, Failure};
@@ -43,14 +43,14 @@ pub fn routes() -> OpenApiRouter<AppState> {
 
 /// Loads that are possible on the model of a line of action.
 #[utoipa::path(get, path = "/api/studies/{study}/loads/{line}",
-    params(("study" = String, Path), ("line" = LineName, Path)),
+    params(("study" = String, Path), ("line" = LineKindName, Path)),
     responses((status = 200, body = LoadMenu), (status = 403, body = Problem),
         (status = 404, body = Problem), (status = 409, body = Problem),
         (status = 422, body = Problem)))]
 async fn load_menu(
     State(state): State<AppState>,
     user: User,
-    Path((study, line)): Path<(String, LineName)>,
+    Path((study, line)): Path<(String, LineKindName)>,
 ) -> Answer<Json<LoadMenu>> {
     let study = open_study(&state, &user, &study).await?;
     let result = study_result(&state, &study).await?;
@@ -61,14 +61,14 @@ async fn load_menu(
 
 /// The model of a line of action under the loads of a file.
 #[utoipa::path(post, path = "/api/studies/{study}/loads/{line}",
-    params(("study" = String, Path), ("line" = LineName, Path)), request_body = FileOfLoads,
+    params(("study" = String, Path), ("line" = LineKindName, Path)), request_body = FileOfLoads,
     responses((status = 200, body = LoadedModel), (status = 403, body = Problem),
         (status = 404, body = Problem), (status = 409, body = Problem),
         (status = 422, body = Problem)))]
 async fn simulate_loads(
     State(state): State<AppState>,
     user: User,
-    Path((study, line)): Path<(String, LineName)>,
+    Path((study, line)): Path<(String, LineKindName)>,
     JsonText(text): JsonText,
 ) -> Answer<Json<LoadedModel>> {
     let study = open_study(&state, &user, &study).await?;
@@ -87,14 +87,14 @@ async fn simulate_loads(
 
 /// The same simulation as a file, with its intervals if they are computed. The log of the store has an entry for it.
 #[utoipa::path(post, path = "/api/studies/{study}/loads/{line}/simulation",
-    params(("study" = String, Path), ("line" = LineName, Path)), request_body = FileOfLoads,
+    params(("study" = String, Path), ("line" = LineKindName, Path)), request_body = FileOfLoads,
     responses((status = 200, content_type = "application/json"), (status = 403, body = Problem),
         (status = 404, body = Problem), (status = 409, body = Problem),
         (status = 422, body = Problem)))]
 async fn simulation_file(
     State(state): State<AppState>,
     user: User,
-    Path((study, line)): Path<(String, LineName)>,
+    Path((study, line)): Path<(String, LineKindName)>,
     JsonText(text): JsonText,
 ) -> Answer<Response> {
     let study = open_study(&state, &user, &study).await?;
@@ -119,14 +119,14 @@ async fn simulation_file(
 
 /// The model of a line of action as `spineline simulate` reads it. The log of the store has an entry for it.
 #[utoipa::path(get, path = "/api/studies/{study}/loads/{line}/model",
-    params(("study" = String, Path), ("line" = LineName, Path)),
+    params(("study" = String, Path), ("line" = LineKindName, Path)),
     responses((status = 200, content_type = "application/json"), (status = 403, body = Problem),
         (status = 404, body = Problem), (status = 409, body = Problem),
         (status = 422, body = Problem)))]
 async fn model_file(
     State(state): State<AppState>,
     user: User,
-    Path((study, line)): Path<(String, LineName)>,
+    Path((study, line)): Path<(String, LineKindName)>,
 ) -> Answer<Response> {
     let study = open_study(&state, &user, &study).await?;
     let result = study_result(&state, &study).await?;
@@ -160,7 +160,7 @@ pub fn check_count(loads: &LoadFile) -> Answer<()> {
 ///
 /// # Errors
 /// A refusal if the study lacks this model.
-pub fn fitted_model(result: &StudyResult, line: LineName) -> Answer<(&Analysis, &LineModel)> {
+pub fn fitted_model(result: &StudyResult, line: LineKindName) -> Answer<(&Analysis, &LineModel)> {
     let analysis = result.analysed()?;
     let no_model =
         |text: String, help| Failure::new(StatusCode::CONFLICT, "no_model", text).help(help);
@@ -179,7 +179,7 @@ pub fn fitted_model(result: &StudyResult, line: LineName) -> Answer<(&Analysis, 
 ///
 /// # Errors
 /// As [`fitted_model`].
-pub fn model_text(result: &StudyResult, line: LineName) -> Answer<String> {
+pub fn model_text(result: &StudyResult, line: LineKindName) -> Answer<String> {
     let (analysis, model) = fitted_model(result, line)?;
     let file = ModelFile::new(analysis, model, PROGRAM).with_provenance(provenance(analysis));
     Ok(text_with_hash(to_text(&file)))
@@ -189,7 +189,7 @@ pub fn model_text(result: &StudyResult, line: LineName) -> Answer<String> {
 ///
 /// # Errors
 /// As [`fitted_model`].
-pub fn personalised_model(result: &StudyResult, line: LineName) -> Answer<PersonalisedModel> {
+pub fn personalised_model(result: &StudyResult, line: LineKindName) -> Answer<PersonalisedModel> {
     let (analysis, model) = fitted_model(result, line)?;
     Ok(analysis.personalised_model(model))
 }
@@ -198,7 +198,7 @@ pub fn personalised_model(result: &StudyResult, line: LineName) -> Answer<Person
 ///
 /// # Errors
 /// As [`fitted_model`]; a refusal if the text is not a load file, or its loads cannot be applied.
-pub fn simulated_file(result: &StudyResult, line: LineName, text: &str) -> Answer<Simulated> {
+pub fn simulated_file(result: &StudyResult, line: LineKindName, text: &str) -> Answer<Simulated> {
     simulated(personalised_model(result, line)?, parsed(text)?)
 }
 

@@ -18,7 +18,7 @@ use utoipa_axum::routes;
 use super::background::{Task, start};
 use super::computations::analysed;
 use super::loads::{check_count, personalised_model, refused};
-use crate::api::{LineName, PadMapRequest, PadMapView, Problem};
+use crate::api::{LineKindName, PadMapRequest, PadMapView, Problem};
 use crate::extract::{Json, Path};
 use crate::jobs::{Jobs, PadMapJob, PadMapWork};
 use crate::problem::Answer;
@@ -39,13 +39,13 @@ pub fn routes() -> OpenApiRouter<AppState> {
 
 /// The pads that were tried on the model of a line of action.
 #[utoipa::path(get, path = "/api/studies/{study}/loads/{line}/pad-map",
-    params(("study" = String, Path), ("line" = LineName, Path)),
+    params(("study" = String, Path), ("line" = LineKindName, Path)),
     responses((status = 200, body = PadMapView), (status = 403, body = Problem),
         (status = 409, body = Problem)))]
 async fn pad_map(
     State(state): State<AppState>,
     user: User,
-    Path((study, line)): Path<(String, LineName)>,
+    Path((study, line)): Path<(String, LineKindName)>,
 ) -> Answer<Json<PadMapView>> {
     let result = analysed(&state, &user, &study, Role::Reader).await?;
     Ok(Json(view(map_of(&state, &result, line).as_deref())))
@@ -53,13 +53,13 @@ async fn pad_map(
 
 /// Tries pads in the background.
 #[utoipa::path(post, path = "/api/studies/{study}/loads/{line}/pad-map",
-    params(("study" = String, Path), ("line" = LineName, Path)), request_body = PadMapRequest,
+    params(("study" = String, Path), ("line" = LineKindName, Path)), request_body = PadMapRequest,
     responses((status = 200, body = PadMapView), (status = 403, body = Problem),
         (status = 409, body = Problem), (status = 422, body = Problem)))]
 async fn compute_pad_map(
     State(state): State<AppState>,
     user: User,
-    Path((study, line)): Path<(String, LineName)>,
+    Path((study, line)): Path<(String, LineKindName)>,
     Json(request): Json<PadMapRequest>,
 ) -> Answer<Json<PadMapView>> {
     let result = analysed(&state, &user, &study, Role::Editor).await?;
@@ -80,13 +80,13 @@ async fn compute_pad_map(
 
 /// Cancels the trials after the running ones.
 #[utoipa::path(delete, path = "/api/studies/{study}/loads/{line}/pad-map",
-    params(("study" = String, Path), ("line" = LineName, Path)),
+    params(("study" = String, Path), ("line" = LineKindName, Path)),
     responses((status = 200, body = PadMapView), (status = 403, body = Problem),
         (status = 409, body = Problem)))]
 async fn cancel_pad_map(
     State(state): State<AppState>,
     user: User,
-    Path((study, line)): Path<(String, LineName)>,
+    Path((study, line)): Path<(String, LineKindName)>,
 ) -> Answer<Json<PadMapView>> {
     let result = analysed(&state, &user, &study, Role::Editor).await?;
     let job = map_of(&state, &result, line);
@@ -97,7 +97,11 @@ async fn cancel_pad_map(
 }
 
 /// The map of this line; `None` if the map belongs to another line.
-fn map_of(state: &AppState, result: &Arc<StudyResult>, line: LineName) -> Option<Arc<PadMapJob>> {
+fn map_of(
+    state: &AppState,
+    result: &Arc<StudyResult>,
+    line: LineKindName,
+) -> Option<Arc<PadMapJob>> {
     state.pad_maps().of(result, PadMapWork::KEY).filter(|job| job.work.line == line)
 }
 
