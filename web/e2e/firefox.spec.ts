@@ -91,7 +91,7 @@ test("Firefox: a study, its landmarks and its model", { tag: "@long" }, async ({
     await page.waitForFunction(() => performance.getEntriesByName("film-painted").length > 0);
 
     const truth = await film.reading(false);
-    const clicks: [string, Api<"Corner">, FilmPoint][] = [];
+    const clicks: [string, Api<"CornerName">, FilmPoint][] = [];
     for (const level of ["L4", "L3"])
       for (const corner of CORNERS) {
         await film.reads("[data-testid='target']", new RegExp(level));

@@ -5,7 +5,7 @@ import { cssOf, filmOf, type FilmPoint, type Viewport } from "../src/measure/vie
 import { expect, type App } from "./app";
 
 type ReadingView = Api<"ReadingView">;
-type Corner = Api<"Corner">;
+type Corner = Api<"CornerName">;
 
 export const LEVELS = [..."L4 L3 L2 L1 T12 T11 T10 T9 T8 T7 T6 T5 T4 T3 T2".split(" ")] as const;
 export const CORNERS: readonly Corner[] = [

@@ -8,23 +8,6 @@ use serde::de::{Error, MapAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use spineline::anatomy::Level;
 
-/// A vertebra as a key: `L4`, `T12` (`Th12` and `D12` are read too).
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub struct LevelKey(pub Level);
-
-impl Serialize for LevelKey {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        serializer.serialize_str(self.0.name())
-    }
-}
-
-impl<'de> Deserialize<'de> for LevelKey {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        let text = String::deserialize(deserializer)?;
-        text.parse().map(Self).map_err(D::Error::custom)
-    }
-}
-
 /// A joint as a key, the lower vertebra first: `T12/T11`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub struct JointKey(pub Level, pub Level);
@@ -47,7 +30,7 @@ impl<'de> Deserialize<'de> for JointKey {
 /// A map by level in which a level that is given twice is an error, not an overwriting.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[serde(transparent)]
-pub struct ByLevel<T>(pub BTreeMap<LevelKey, T>);
+pub struct ByLevel<T>(pub BTreeMap<Level, T>);
 
 impl<'de, T: Deserialize<'de>> Deserialize<'de> for ByLevel<T> {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
@@ -62,9 +45,9 @@ impl<'de, T: Deserialize<'de>> Deserialize<'de> for ByLevel<T> {
 
             fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Self::Value, A::Error> {
                 let mut found = BTreeMap::new();
-                while let Some((level, value)) = map.next_entry::<LevelKey, T>()? {
+                while let Some((level, value)) = map.next_entry::<Level, T>()? {
                     if found.insert(level, value).is_some() {
-                        let text = format!("{} is given twice in one reading", level.0);
+                        let text = format!("{} is given twice in one reading", level);
                         return Err(A::Error::custom(text));
                     }
                 }

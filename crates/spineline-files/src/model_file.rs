@@ -10,7 +10,6 @@ use spineline::spatial::{Angle, Mat3, Vec3};
 
 use crate::error::NEIGHBOURS_MM;
 use crate::json::parse;
-use crate::keys::LevelKey;
 use crate::{FileError, Provenance};
 
 const FORMAT: &str = "spineline-model";
@@ -64,14 +63,14 @@ pub struct ModelFile {
 struct RegionRecord {
     region: Region,
     /// Lower end of the Ferguson angle.
-    inferior: LevelKey,
-    apex: LevelKey,
+    inferior: Level,
+    apex: Level,
     /// Upper end of the Ferguson angle.
-    superior: LevelKey,
+    superior: Level,
     /// Lower end vertebra of the Cobb angle.
-    cobb_inferior: LevelKey,
+    cobb_inferior: Level,
     /// Upper end vertebra of the Cobb angle.
-    cobb_superior: LevelKey,
+    cobb_superior: Level,
     /// Cobb angle between endplates minus the difference of the end vertebrae's tilts, which rigid vertebrae keep; absent, and
     /// Cobb angles with it, where the endplates are not known.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -82,7 +81,7 @@ struct RegionRecord {
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 struct VertebraRecord {
-    level: LevelKey,
+    level: Level,
     midpoint_mm: [f64; 3],
     /// Unit vectors in `G`: anterior, left, cranial axis of the vertebra.
     axes: [[f64; 3]; 3],
@@ -101,8 +100,8 @@ struct VertebraRecord {
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 struct JointRecord {
-    inferior: LevelKey,
-    superior: LevelKey,
+    inferior: Level,
+    superior: Level,
     /// Centre in `G`, erect.
     centre_mm: [f64; 3],
     /// Three hinges in series about the inferior vertebra's x, y and z: lateral, flexion, axial. N·mm/rad where the model is
@@ -170,7 +169,7 @@ impl ModelFile {
 fn vertebrae(model: &PersonalisedModel) -> Vec<VertebraRecord> {
     let spine = &model.spine;
     let record = |(i, &level): (usize, &Level)| VertebraRecord {
-        level: LevelKey(level),
+        level: level,
         midpoint_mm: spine.midpoints_mm[i].into(),
         axes: [0, 1, 2].map(|axis| spine.axes[i].column(axis).into_owned().into()),
         pitch_from: model.pitch_from[i],
@@ -183,8 +182,8 @@ fn vertebrae(model: &PersonalisedModel) -> Vec<VertebraRecord> {
 fn joints(model: &PersonalisedModel, movement: &Movement) -> Vec<JointRecord> {
     let spine = &movement.spine;
     let record = |(j, row): (usize, &JointStiffness)| JointRecord {
-        inferior: LevelKey(row.inferior),
-        superior: LevelKey(row.superior),
+        inferior: row.inferior,
+        superior: row.superior,
         centre_mm: (spine.midpoints_mm[j] + spine.axes[j] * spine.joints[j].centre_in_inferior_mm)
             .into(),
         stiffness_nmm_per_rad: model.stiffness_nmm_per_rad[j],
@@ -200,7 +199,7 @@ fn joints(model: &PersonalisedModel, movement: &Movement) -> Vec<JointRecord> {
 
 /// The places of curves by the names of their vertebrae.
 fn regions(curves: &[CurvePlaces], levels: &[Level]) -> Vec<RegionRecord> {
-    let level = |place: usize| LevelKey(levels[place]);
+    let level = |place: usize| levels[place];
     let record =
         |CurvePlaces { bounds, cobb_ends, endplate_difference }: &CurvePlaces| RegionRecord {
             region: bounds.region,
@@ -216,9 +215,9 @@ fn regions(curves: &[CurvePlaces], levels: &[Level]) -> Vec<RegionRecord> {
 
 /// Regions as places among the vertebrae of a file.
 fn places(records: &[RegionRecord], levels: &[Level]) -> Result<Vec<CurvePlaces>, FileError> {
-    let find = |level: LevelKey, record: &RegionRecord| {
-        let found = levels.iter().position(|other| *other == level.0);
-        found.ok_or(FileError::Region { region: record.region, level: level.0 })
+    let find = |level: Level, record: &RegionRecord| {
+        let found = levels.iter().position(|other| *other == level);
+        found.ok_or(FileError::Region { region: record.region, level: level })
     };
     let place = |record: &RegionRecord| {
         let [inferior, apex, superior, low, high] = [
@@ -255,12 +254,12 @@ impl ModelFile {
             let (vertebrae, joints) = (self.vertebrae.len(), self.joints.len());
             return Err(FileError::ModelShape { vertebrae, joints });
         }
-        let levels: Vec<Level> = self.vertebrae.iter().map(|v| v.level.0).collect();
+        let levels: Vec<Level> = self.vertebrae.iter().map(|v| v.level).collect();
         if let Some(pair) = levels.windows(2).find(|pair| pair[0] >= pair[1]) {
             return Err(FileError::ModelOrder { below: pair[0], above: pair[1] });
         }
         for (joint, pair) in self.joints.iter().zip(levels.windows(2)) {
-            let (inferior, superior) = (joint.inferior.0, joint.superior.0);
+            let (inferior, superior) = (joint.inferior, joint.superior);
             if [inferior, superior] != pair {
                 let (lower, upper) = (pair[0], pair[1]);
                 return Err(FileError::ModelJoint { inferior, superior, lower, upper });

@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 use spineline::action::{Application, LineOfAction};
 use spineline::analysis::{AnalysisOptions, Grouping};
-use spineline::anatomy::{Posture, Region};
+use spineline::anatomy::{Level, Posture, Region};
 use spineline::clinical::{CobbEnds, EndChoice, EndRule};
 use spineline::curve::{InflectionChoice, OrderRule, Site};
 use spineline::hypothesis::Hypothesis;
@@ -13,7 +13,6 @@ use spineline::personalize::{FitTarget, Gauge, LogNormalPrior};
 use spineline::spatial::{Angle, Frontal};
 
 use crate::FileError;
-use crate::keys::LevelKey;
 use crate::rotation_prior_record::RotationPriorRecord;
 use crate::stiffness_file::{StiffnessFile, degrees};
 
@@ -115,8 +114,8 @@ impl From<HypothesisKey> for String {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 struct SiteRecord {
-    inferior: LevelKey,
-    superior: LevelKey,
+    inferior: Level,
+    superior: Level,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -164,10 +163,7 @@ impl From<&AnalysisOptions> for OptionsRecord {
             given_lines,
             hypotheses,
         } = options;
-        let site = |site: Site| SiteRecord {
-            inferior: LevelKey(site.inferior),
-            superior: LevelKey(site.superior),
-        };
+        let site = |site: Site| SiteRecord { inferior: site.inferior, superior: site.superior };
         Self {
             tilt: *tilt,
             film_length_sd: match *film_lengths {
@@ -211,16 +207,16 @@ impl From<&AnalysisOptions> for OptionsRecord {
 struct GivenEndsRecord {
     region: Region,
     /// Lower end vertebra.
-    inferior: LevelKey,
+    inferior: Level,
     /// Upper end vertebra.
-    superior: LevelKey,
+    superior: Level,
 }
 
 fn given_ends(choice: &EndChoice) -> Vec<GivenEndsRecord> {
     let given = Region::ALL.into_iter().zip(choice.given);
     let record = |(region, ends): (Region, Option<CobbEnds>)| {
         let CobbEnds { inferior, superior } = ends?;
-        Some(GivenEndsRecord { region, inferior: LevelKey(inferior), superior: LevelKey(superior) })
+        Some(GivenEndsRecord { region, inferior: inferior, superior: superior })
     };
     given.filter_map(record).collect()
 }
@@ -229,7 +225,7 @@ impl OptionsRecord {
     fn ends(&self) -> EndChoice {
         let mut choice = EndChoice { rule: self.end_vertebrae, ..EndChoice::default() };
         for ends in &self.given_end_vertebrae {
-            let given = CobbEnds { inferior: ends.inferior.0, superior: ends.superior.0 };
+            let given = CobbEnds { inferior: ends.inferior, superior: ends.superior };
             choice.given[ends.region.index()] = Some(given);
         }
         choice
@@ -237,7 +233,7 @@ impl OptionsRecord {
 
     /// The library's options.
     pub fn options(&self) -> Result<AnalysisOptions, FileError> {
-        let site = |site: SiteRecord| Site { inferior: site.inferior.0, superior: site.superior.0 };
+        let site = |site: SiteRecord| Site { inferior: site.inferior, superior: site.superior };
         Ok(AnalysisOptions {
             tilt: self.tilt,
             film_lengths: match self.film_length_sd {

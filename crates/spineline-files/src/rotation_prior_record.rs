@@ -2,12 +2,11 @@
 
 use nalgebra::DMatrix;
 use serde::{Deserialize, Serialize};
-use spineline::anatomy::Levels;
+use spineline::anatomy::{Level, Levels};
 use spineline::evaluate::{PriorSource, RotationPrior};
 use spineline::spatial::Angle;
 
 use crate::FileError;
-use crate::keys::LevelKey;
 use crate::stiffness_file::border;
 
 /// A normal distribution of the joint rotations of a bend to the right.
@@ -16,9 +15,9 @@ use crate::stiffness_file::border;
 #[serde(deny_unknown_fields)]
 pub(crate) struct RotationPriorRecord {
     /// The lowest vertebra.
-    base: LevelKey,
+    base: Level,
     /// The highest vertebra.
-    top: LevelKey,
+    top: Level,
     /// Patients.
     patients: usize,
     /// Their bending films.
@@ -40,8 +39,8 @@ impl RotationPriorRecord {
         let covariance = prior.covariance_rad2();
         let value = |rad2: f64| border(rad2, rad2 / rad2_of(1.0), rad2_of);
         Some(Self {
-            base: LevelKey(prior.levels().base()),
-            top: LevelKey(prior.levels().top()),
+            base: prior.levels().base(),
+            top: prior.levels().top(),
             patients,
             bends,
             shrinkage,
@@ -59,7 +58,7 @@ impl RotationPriorRecord {
 
     /// The prior that this record holds.
     pub fn prior(&self) -> Result<RotationPrior, FileError> {
-        let (base, top) = (self.base.0, self.top.0);
+        let (base, top) = (self.base, self.top);
         let levels = Levels::between(base, top).ok_or(FileError::PriorLevels { base, top })?;
         let rows = &self.covariance_deg2;
         let columns = rows.first().map_or(0, Vec::len);

@@ -2,7 +2,7 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 use spineline::analysis::PersonalisedModel;
-use spineline::anatomy::Region;
+use spineline::anatomy::{Level, Region};
 use spineline::clinical::CurvePlaces;
 use spineline::multibody::{Deformed, Goal, PathPoint, Timing};
 use spineline::response::{
@@ -12,7 +12,7 @@ use spineline::spatial::{Mat3, Vec3};
 use spineline::uncertainty::LoadedUncertainty;
 use spineline::warning::WarningCode;
 
-use crate::keys::{ByLevel, JointKey, LevelKey};
+use crate::keys::{ByLevel, JointKey};
 use crate::simulation_uncertainty::SimulationUncertainty;
 use crate::{AppliedLoad, LoadFile, PlacedLoads, Provenance};
 
@@ -134,7 +134,7 @@ struct EquilibriumRecord {
 struct SpringForceRecord {
     /// Which load, from 1.
     load: usize,
-    level: LevelKey,
+    level: Level,
     /// Negative for a pad that pulls or a strap that pushes.
     #[serde(rename = "force")]
     force_n: f64,
@@ -270,13 +270,13 @@ impl Writer<'_> {
     fn equilibrium(&self, met: &GoalEquilibrium) -> EquilibriumRecord {
         let equilibrium = &met.equilibrium;
         let shape = &equilibrium.deformed;
-        let levels = self.model.levels.iter().copied().map(LevelKey);
+        let levels = self.model.levels.iter().copied();
         let joints = self.model.levels.windows(2).map(|pair| JointKey(pair[0], pair[1]));
         let vector = |v: &Vec3| [v.x, v.y, v.z];
         let columns = |m: &Mat3| [0, 1, 2].map(|i| [m[(0, i)], m[(1, i)], m[(2, i)]]);
         let spring_forces = equilibrium.spring_forces_n.iter().map(|&(item, force_n)| {
             let vertebra = self.placed.loading.items[item].vertebra;
-            let level = LevelKey(self.model.levels[vertebra]);
+            let level = self.model.levels[vertebra];
             SpringForceRecord { load: self.placed.load_of_item[item] + 1, level, force_n }
         });
         let reactions = equilibrium.rod_reactions.iter().zip(&self.placed.load_of_rod);

@@ -1,10 +1,10 @@
 use serde::{Deserialize, Serialize};
+use spineline::anatomy::Level;
 use spineline::multibody::{JointStiffness, StiffnessLibrary};
 use spineline::spatial::Angle;
 
 use crate::FileError;
 use crate::json::parse;
-use crate::keys::LevelKey;
 
 const FORMAT: &str = "spineline-stiffness";
 const VERSION: u32 = 1;
@@ -28,8 +28,8 @@ pub struct StiffnessFile {
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 struct JointRow {
-    inferior: LevelKey,
-    superior: LevelKey,
+    inferior: Level,
+    superior: Level,
     lateral_nm_per_rad: f64,
     flexion_nm_per_rad: f64,
     axial_nm_per_rad: f64,
@@ -53,8 +53,8 @@ impl StiffnessFile {
     /// The springs that this file holds.
     pub(crate) fn library(self) -> Result<StiffnessLibrary, FileError> {
         let rows = self.joints.into_iter().map(|row| JointStiffness {
-            inferior: row.inferior.0,
-            superior: row.superior.0,
+            inferior: row.inferior,
+            superior: row.superior,
             nmm_per_rad: [row.lateral_nm_per_rad, row.flexion_nm_per_rad, row.axial_nm_per_rad]
                 .map(newton_millimetres),
             axial_per_lateral: row.axial_per_lateral,
@@ -92,8 +92,8 @@ impl From<&StiffnessLibrary> for StiffnessFile {
             let [lateral, flexion, axial] =
                 row.nmm_per_rad.map(|nmm| border(nmm, nmm / 1000.0, newton_millimetres));
             JointRow {
-                inferior: LevelKey(row.inferior),
-                superior: LevelKey(row.superior),
+                inferior: row.inferior,
+                superior: row.superior,
                 lateral_nm_per_rad: lateral,
                 flexion_nm_per_rad: flexion,
                 axial_nm_per_rad: axial,

@@ -4,19 +4,19 @@ use std::fmt;
 
 use serde_json::Value;
 use spineline::analysis::{Subject, check_repeated};
-use spineline::anatomy::{FilmView, Level, Posture};
+use spineline::anatomy::{FilmView, Level, Posture, Side};
 use spineline::measure::{
     Corners, Film, FilmLandmarks, IliacCrests, LateralCorners, LateralFilm, Origin, Reading,
     VertebraLandmarks,
 };
 use spineline::spatial::Pixel;
-use spineline_files::{FileError, LevelKey};
+use spineline_files::FileError;
 
 use crate::accounts::{self, Role};
 use crate::audit::Ledger;
 use crate::connection::Store;
 use crate::error::StoreError;
-use crate::event::{Corner, Event, PatientSide};
+use crate::event::{Corner, Event};
 use crate::films::{self, NewFilm, Study};
 use crate::journal;
 use crate::names::{FilmId, Name, Signature};
@@ -311,16 +311,12 @@ impl CaseReading {
     ) -> Result<Self, StoreError> {
         let mut events = Vec::new();
         for (&level, landmark) in &reading.vertebrae {
-            let level = LevelKey(level);
-            for (side, wall) in
-                [PatientSide::Left, PatientSide::Right].into_iter().zip(landmark.walls)
-            {
+            let level = level;
+            for (side, wall) in [Side::Left, Side::Right].into_iter().zip(landmark.walls) {
                 let Some(Pixel { column_px, row_px }) = wall else { continue };
                 events.push(Event::PlaceWall { level, side, column_px, row_px });
             }
-            for (side, pedicle) in
-                [PatientSide::Left, PatientSide::Right].into_iter().zip(landmark.pedicles)
-            {
+            for (side, pedicle) in [Side::Left, Side::Right].into_iter().zip(landmark.pedicles) {
                 let Some(Pixel { column_px, row_px }) = pedicle else { continue };
                 events.push(Event::PlacePedicle { level, side, column_px, row_px });
             }
@@ -334,11 +330,11 @@ impl CaseReading {
                 let corners =
                     corners.map(|(corner, place)| (corner, [place.column_px, place.row_px]));
                 let origins = named.into_iter().zip(landmark.origins.points());
-                let origins = origins.filter(|(_, origin)| *origin != Origin::Clicked);
+                let origins = origins.filter(|(_, origin)| *origin != Origin::Clicked).collect();
                 events.push(Event::TakeVertebra {
                     level,
                     corners: corners.collect(),
-                    origins: origins.map(|(corner, origin)| (corner, origin.into())).collect(),
+                    origins,
                     sd_share: landmark.sd_share,
                 });
             }
@@ -348,7 +344,7 @@ impl CaseReading {
             }
         }
         if let Some(IliacCrests { left, right }) = crests {
-            for (side, place) in [(PatientSide::Left, left), (PatientSide::Right, right)] {
+            for (side, place) in [(Side::Left, left), (Side::Right, right)] {
                 let (column_px, row_px) = (place.column_px, place.row_px);
                 events.push(Event::PlaceIliacCrest { side, column_px, row_px });
             }
@@ -359,7 +355,7 @@ impl CaseReading {
 
     fn of_lateral(reading: &Reading<LateralCorners>) -> Result<Self, StoreError> {
         let placed = |(&level, corners): (&Level, &LateralCorners)| {
-            let level = LevelKey(level);
+            let level = level;
             let places = [
                 (Corner::SuperiorAnterior, corners.superior_anterior),
                 (Corner::SuperiorPosterior, corners.superior_posterior),

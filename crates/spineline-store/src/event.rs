@@ -3,32 +3,36 @@
 use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
-use spineline::anatomy::{FilmView, Side};
+use spineline::anatomy::{FilmView, Level, Side};
 use spineline::measure::{Corners, Origin};
-use spineline_files::LevelKey;
 use utoipa::ToSchema;
 
-/// A corner of a vertebral body, by endplate and by the patient's side on a frontal film, or by front and back on the lateral one.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize, ToSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum Corner {
-    /// Superior endplate, patient's left.
-    SuperiorLeft,
-    /// Superior endplate, patient's right.
-    SuperiorRight,
-    /// Inferior endplate, patient's left.
-    InferiorLeft,
-    /// Inferior endplate, patient's right.
-    InferiorRight,
-    /// Superior endplate, front.
-    SuperiorAnterior,
-    /// Superior endplate, back.
-    SuperiorPosterior,
-    /// Inferior endplate, front.
-    InferiorAnterior,
-    /// Inferior endplate, back.
-    InferiorPosterior,
+use crate::wire::{OriginName, SideName, Wire};
+
+spineline::named! {
+    /// A corner of a vertebral body, by endplate and by the patient's side on a frontal film, or by front and back on the lateral one.
+    pub enum Corner {
+        /// Superior endplate, patient's left.
+        SuperiorLeft = "superior_left",
+        /// Superior endplate, patient's right.
+        SuperiorRight = "superior_right",
+        /// Inferior endplate, patient's left.
+        InferiorLeft = "inferior_left",
+        /// Inferior endplate, patient's right.
+        InferiorRight = "inferior_right",
+        /// Superior endplate, front.
+        SuperiorAnterior = "superior_anterior",
+        /// Superior endplate, back.
+        SuperiorPosterior = "superior_posterior",
+        /// Inferior endplate, front.
+        InferiorAnterior = "inferior_anterior",
+        /// Inferior endplate, back.
+        InferiorPosterior = "inferior_posterior",
+    }
 }
+
+/// A corner with its schema.
+pub type CornerName = Wire<Corner>;
 
 impl Corner {
     /// Number of corners of a body on one film.
@@ -64,40 +68,6 @@ impl Corner {
     pub(crate) fn is_seen_on(self, view: FilmView) -> bool {
         Self::of_view(view).points().contains(&self)
     }
-
-    /// The name used in files.
-    #[must_use]
-    pub const fn key(self) -> &'static str {
-        match self {
-            Self::SuperiorLeft => "superior_left",
-            Self::SuperiorRight => "superior_right",
-            Self::InferiorLeft => "inferior_left",
-            Self::InferiorRight => "inferior_right",
-            Self::SuperiorAnterior => "superior_anterior",
-            Self::SuperiorPosterior => "superior_posterior",
-            Self::InferiorAnterior => "inferior_anterior",
-            Self::InferiorPosterior => "inferior_posterior",
-        }
-    }
-}
-
-/// A side of the patient.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, ToSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum PatientSide {
-    /// The patient's left.
-    Left,
-    /// The patient's right.
-    Right,
-}
-
-impl From<PatientSide> for Side {
-    fn from(side: PatientSide) -> Self {
-        match side {
-            PatientSide::Left => Self::Left,
-            PatientSide::Right => Self::Right,
-        }
-    }
 }
 
 /// A vertebra whose corners were expected by the program and accepted by the reader.
@@ -106,7 +76,7 @@ impl From<PatientSide> for Side {
 pub struct AcceptedVertebra {
     /// Vertebra.
     #[schema(value_type = String)]
-    pub level: LevelKey,
+    pub level: Level,
     /// Its corners, column and row in pixels.
     #[schema(value_type = std::collections::BTreeMap<String, [f64; 2]>)]
     pub corners: BTreeMap<Corner, [f64; 2]>,
@@ -114,47 +84,6 @@ pub struct AcceptedVertebra {
     /// where they were completed from other landmarks.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub sd_share: Option<f64>,
-}
-
-/// How the place of a corner came about.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, ToSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum CornerOrigin {
-    /// Clicked, or imported without an origin.
-    #[default]
-    Clicked,
-    /// Completed from other landmarks of the film, and not reviewed.
-    Completed,
-    /// Found by a program in the picture, and not reviewed.
-    Detected,
-    /// The reader accepted a place that the program proposed.
-    Accepted,
-    /// The reader moved a place that the program had proposed.
-    Adjusted,
-}
-
-impl From<CornerOrigin> for Origin {
-    fn from(origin: CornerOrigin) -> Self {
-        match origin {
-            CornerOrigin::Clicked => Self::Clicked,
-            CornerOrigin::Completed => Self::Completed,
-            CornerOrigin::Detected => Self::Detected,
-            CornerOrigin::Accepted => Self::Accepted,
-            CornerOrigin::Adjusted => Self::Adjusted,
-        }
-    }
-}
-
-impl From<Origin> for CornerOrigin {
-    fn from(origin: Origin) -> Self {
-        match origin {
-            Origin::Clicked => Self::Clicked,
-            Origin::Completed => Self::Completed,
-            Origin::Detected => Self::Detected,
-            Origin::Accepted => Self::Accepted,
-            Origin::Adjusted => Self::Adjusted,
-        }
-    }
 }
 
 /// One action of a reader, as JSON with a `kind`. Places are in pixels of the film, column and row, sub-pixel.
@@ -165,8 +94,9 @@ pub enum Event {
     PlaceCorner {
         /// Vertebra.
         #[schema(value_type = String)]
-        level: LevelKey,
+        level: Level,
         /// Which corner.
+        #[schema(value_type = CornerName)]
         corner: Corner,
         /// Column.
         column_px: f64,
@@ -177,8 +107,9 @@ pub enum Event {
     MoveCorner {
         /// Vertebra.
         #[schema(value_type = String)]
-        level: LevelKey,
+        level: Level,
         /// Which corner.
+        #[schema(value_type = CornerName)]
         corner: Corner,
         /// Column.
         column_px: f64,
@@ -189,9 +120,10 @@ pub enum Event {
     PlaceWall {
         /// Vertebra.
         #[schema(value_type = String)]
-        level: LevelKey,
+        level: Level,
         /// The patient's side.
-        side: PatientSide,
+        #[schema(value_type = SideName)]
+        side: Side,
         /// Column.
         column_px: f64,
         /// Row.
@@ -201,9 +133,10 @@ pub enum Event {
     PlacePedicle {
         /// Vertebra.
         #[schema(value_type = String)]
-        level: LevelKey,
+        level: Level,
         /// The patient's side.
-        side: PatientSide,
+        #[schema(value_type = SideName)]
+        side: Side,
         /// Column.
         column_px: f64,
         /// Row.
@@ -218,13 +151,13 @@ pub enum Event {
     TakeVertebra {
         /// Vertebra.
         #[schema(value_type = String)]
-        level: LevelKey,
+        level: Level,
         /// Its four corners, column and row in pixels.
         #[schema(value_type = std::collections::BTreeMap<String, [f64; 2]>)]
         corners: BTreeMap<Corner, [f64; 2]>,
         /// Origins of the corners that were not clicked.
-        #[schema(value_type = std::collections::BTreeMap<String, CornerOrigin>)]
-        origins: BTreeMap<Corner, CornerOrigin>,
+        #[schema(value_type = std::collections::BTreeMap<String, OriginName>)]
+        origins: BTreeMap<Corner, Origin>,
         /// Standard deviation of a corner as a part of the height of the body, where it is stated.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         sd_share: Option<f64>,
@@ -233,7 +166,7 @@ pub enum Event {
     SetAxis {
         /// Vertebra.
         #[schema(value_type = String)]
-        level: LevelKey,
+        level: Level,
         /// Against the image's vertical, positive clockwise with square pixels (in millimetres, not in columns and rows);
         /// none to follow the corners.
         axis_deg: Option<f64>,
@@ -242,12 +175,13 @@ pub enum Event {
     RemoveVertebra {
         /// Vertebra.
         #[schema(value_type = String)]
-        level: LevelKey,
+        level: Level,
     },
     /// The superior tip of an iliac crest.
     PlaceIliacCrest {
         /// The patient's side.
-        side: PatientSide,
+        #[schema(value_type = SideName)]
+        side: Side,
         /// Column.
         column_px: f64,
         /// Row.

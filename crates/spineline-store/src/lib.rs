@@ -63,6 +63,7 @@ mod unsaved;
 mod verify;
 mod visibility;
 mod washout;
+mod wire;
 
 #[cfg(test)]
 mod full_disk;
@@ -80,7 +81,7 @@ pub use conflicts::{Acknowledged, LostChange};
 pub use connection::Store;
 pub use current_case::{CaseReadings, ComparedReading, CurrentCase, CurrentFilm, CurrentLateral};
 pub use error::StoreError;
-pub use event::{AcceptedVertebra, Corner, CornerOrigin, Event, PatientSide};
+pub use event::{AcceptedVertebra, Corner, CornerName, Event};
 pub use export::{ExportRemark, ExportedCase};
 pub use film_edits::FilmEdit;
 pub use films::{AddedFilm, FilmRecord, Study};
@@ -98,6 +99,7 @@ pub use state::{ReadingState, Scale, VertebraReading};
 pub use thumbnails::Thumbnails;
 pub use verify::{Finding, Verification};
 pub use visibility::{ClosedReading, LastChange, SeenReading, Visibility};
+pub use wire::{OriginName, SideName, Wire};
 
 // The session of the crash tests is one file, which unit tests use too.
 #[cfg(test)]

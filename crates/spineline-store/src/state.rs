@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use spineline::anatomy::{FilmView, Level, Side};
 use spineline::measure::{Corners, Origin};
 
-use crate::event::{AcceptedVertebra, Corner, CornerOrigin, Event};
+use crate::event::{AcceptedVertebra, Corner, Event};
 
 /// Landmarks of a vertebra.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -13,7 +13,7 @@ pub struct VertebraReading {
     /// Corners placed so far, `[column, row]` in pixels.
     pub corners: BTreeMap<Corner, [f64; 2]>,
     /// Corners that a program proposed: accepted unchanged, or moved since.
-    pub origins: BTreeMap<Corner, CornerOrigin>,
+    pub origins: BTreeMap<Corner, Origin>,
     /// Standard deviation of a corner as a part of the height of the body, where a program found them in the picture.
     pub sd_share: Option<f64>,
     /// Midpoints of its walls by the patient's side, where it was marked by them.
@@ -35,8 +35,7 @@ impl VertebraReading {
     /// How each of its corners in a view came about.
     #[must_use]
     pub fn corner_origins(&self, view: FilmView) -> Corners<Origin> {
-        Corner::of_view(view)
-            .map(|corner| self.origins.get(&corner).copied().unwrap_or_default().into())
+        Corner::of_view(view).map(|corner| self.origins.get(&corner).copied().unwrap_or_default())
     }
 
     /// Whether all four corners are placed.
@@ -113,45 +112,45 @@ impl ReadingState {
         match *edit {
             Event::PlaceCorner { level, corner, column_px, row_px }
             | Event::MoveCorner { level, corner, column_px, row_px } => {
-                let vertebra = self.vertebrae.entry(level.0).or_default();
+                let vertebra = self.vertebrae.entry(level).or_default();
                 vertebra.corners.insert(corner, [column_px, row_px]);
                 if let Some(origin) = vertebra.origins.get_mut(&corner) {
-                    *origin = CornerOrigin::Adjusted;
+                    *origin = Origin::Adjusted;
                 }
             }
             Event::PlaceWall { level, side, column_px, row_px } => {
-                let vertebra = self.vertebrae.entry(level.0).or_default();
-                vertebra.walls.insert(side.into(), [column_px, row_px]);
+                let vertebra = self.vertebrae.entry(level).or_default();
+                vertebra.walls.insert(side, [column_px, row_px]);
             }
             Event::PlacePedicle { level, side, column_px, row_px } => {
-                let vertebra = self.vertebrae.entry(level.0).or_default();
-                vertebra.pedicles.insert(side.into(), [column_px, row_px]);
+                let vertebra = self.vertebrae.entry(level).or_default();
+                vertebra.pedicles.insert(side, [column_px, row_px]);
             }
             Event::AcceptCorners { ref vertebrae } => {
                 for AcceptedVertebra { level, corners, sd_share } in vertebrae {
-                    let vertebra = self.vertebrae.entry(level.0).or_default();
+                    let vertebra = self.vertebrae.entry(*level).or_default();
                     vertebra.corners.clone_from(corners);
                     vertebra.origins =
-                        corners.keys().map(|&corner| (corner, CornerOrigin::Accepted)).collect();
+                        corners.keys().map(|&corner| (corner, Origin::Accepted)).collect();
                     vertebra.sd_share = *sd_share;
                 }
             }
             Event::TakeVertebra { level, ref corners, ref origins, sd_share } => {
-                let vertebra = self.vertebrae.entry(level.0).or_default();
+                let vertebra = self.vertebrae.entry(level).or_default();
                 vertebra.corners.clone_from(corners);
                 vertebra.origins.clone_from(origins);
                 vertebra.sd_share = sd_share;
             }
             Event::SetAxis { level, axis_deg } => {
-                let vertebra = self.vertebrae.entry(level.0).or_default();
+                let vertebra = self.vertebrae.entry(level).or_default();
                 vertebra.axis_deg = axis_deg;
                 if *vertebra == VertebraReading::default() {
-                    self.vertebrae.remove(&level.0);
+                    self.vertebrae.remove(&level);
                 }
             }
-            Event::RemoveVertebra { level } => drop(self.vertebrae.remove(&level.0)),
+            Event::RemoveVertebra { level } => drop(self.vertebrae.remove(&level)),
             Event::PlaceIliacCrest { side, column_px, row_px } => {
-                self.iliac_crests_px.insert(side.into(), [column_px, row_px]);
+                self.iliac_crests_px.insert(side, [column_px, row_px]);
             }
             Event::Scale { from_px, to_px, length_mm } => {
                 self.scale = Some(Scale { from_px, to_px, length_mm });
@@ -177,7 +176,7 @@ impl ReadingState {
                 (on_film(&[*column_px, *row_px]), "coordinates must be within a million pixels")
             }
             Event::MoveCorner { level, corner, column_px, row_px } => {
-                let known = self.vertebrae.get(&level.0);
+                let known = self.vertebrae.get(&level);
                 let placed = known.is_some_and(|vertebra| vertebra.corners.contains_key(corner));
                 (placed && on_film(&[*column_px, *row_px]), "only a placed corner can be moved")
             }
@@ -197,7 +196,7 @@ impl ReadingState {
                 (turned, "an axis must be within 90° of the vertical")
             }
             Event::RemoveVertebra { level } => (
-                self.vertebrae.contains_key(&level.0),
+                self.vertebrae.contains_key(&level),
                 "only a vertebra with landmarks can be removed",
             ),
             Event::Scale { from_px, to_px, length_mm } => {

@@ -3,8 +3,8 @@ import { fixed } from "../shell/number";
 import type { Way } from "./proposals";
 import { filmPoint, type FilmPoint } from "./viewport";
 
-export type Corner = Api<"Corner">;
-export type PatientSide = Api<"PatientSide">;
+export type Corner = Api<"CornerName">;
+export type PatientSide = Api<"SideName">;
 export type Event = Api<"Event">;
 export type ReadingView = Api<"ReadingView">;
 export type VertebraView = Api<"VertebraView">;

@@ -19,7 +19,6 @@ use spineline::measure::LengthScale;
 use spineline::personalize::Identifiability;
 use spineline::spatial::{Angle, Frontal};
 
-use crate::keys::LevelKey;
 use crate::reliability_file::QuantityRecord;
 use crate::{CaseFile, Provenance};
 use comparison::ComparisonRecord;
@@ -68,7 +67,7 @@ pub struct AnalysisFile {
     space: Option<SpaceRecord>,
     /// Axial rotations of vertebrae whose pedicles are marked; absent without any, and then unknown.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
-    axial_rotation: BTreeMap<LevelKey, AxialRecord>,
+    axial_rotation: BTreeMap<Level, AxialRecord>,
     postures: BTreeMap<Posture, PostureRecord>,
     /// Reliability of the readings, by quantity; `null` where every film was read once.
     reliability: Option<Vec<QuantityRecord>>,
@@ -106,7 +105,7 @@ struct InflectionRecord {
     /// Segment of the chain, from 0.
     segment: usize,
     /// Vertebrae between which it lies, caudal first.
-    between: [LevelKey; 2],
+    between: [Level; 2],
     /// Absent where the erect film has no spacing.
     erect_mm: Option<[f64; 2]>,
     /// In pixels, where it has none.
@@ -117,7 +116,7 @@ struct InflectionRecord {
     interval_95_along_mm: Option<[f64; 2]>,
     /// The vertebrae between which that interval lies, caudal first.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    interval_95_between: Option<[LevelKey; 2]>,
+    interval_95_between: Option<[Level; 2]>,
 }
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -157,7 +156,7 @@ struct BalanceRecord {
     /// Landmark that stands for the sacrum: `iliac_crests`, `l5` or `base`.
     reference: String,
     /// Vertebra from which the plumb line falls.
-    plumb_level: LevelKey,
+    plumb_level: Level,
     /// Positive to the patient's left.
     coronal_balance_mm: Option<f64>,
     coronal_balance_px: Option<f64>,
@@ -166,20 +165,20 @@ struct BalanceRecord {
     l4_tilt_deg: Option<f64>,
     /// Positive where the patient's left iliac crest is higher.
     pelvic_obliquity_deg: Option<f64>,
-    stable_vertebra: LevelKey,
+    stable_vertebra: Level,
 }
 
 impl BalanceRecord {
     fn new(balance: &Balance, scale: &LengthScale) -> Self {
         Self {
             reference: balance.reference.key().to_owned(),
-            plumb_level: LevelKey(balance.plumb_level),
+            plumb_level: balance.plumb_level,
             coronal_balance_mm: scale.mm(balance.coronal_balance_mm),
             coronal_balance_px: scale.px(balance.coronal_balance_mm),
             t1_tilt_deg: balance.t1_tilt.map(Angle::deg),
             l4_tilt_deg: balance.l4_tilt.map(Angle::deg),
             pelvic_obliquity_deg: balance.pelvic_obliquity.map(Angle::deg),
-            stable_vertebra: LevelKey(balance.stable),
+            stable_vertebra: balance.stable,
         }
     }
 }
@@ -188,8 +187,8 @@ impl BalanceRecord {
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 struct ClinicalCurveRecord {
     /// Lower and upper end vertebra on the erect film.
-    ends: [LevelKey; 2],
-    apex: LevelKey,
+    ends: [Level; 2],
+    apex: Level,
     /// The patient's side to which the erect curve is convex.
     convex: Option<String>,
     /// Superior endplate of the upper against the inferior endplate of the lower end vertebra; films without corners have none.
@@ -215,7 +214,7 @@ struct WarningRecord {
     code: WarningCode,
     step: Step,
     posture: Option<Posture>,
-    level: Option<LevelKey>,
+    level: Option<Level>,
     message: String,
 }
 
@@ -225,7 +224,7 @@ impl WarningRecord {
             code: warning.code,
             step: warning.code.step(),
             posture: warning.posture,
-            level: warning.level.map(LevelKey),
+            level: warning.level,
             message: warning.text(),
         }
     }
@@ -325,15 +324,14 @@ fn inflections(analysis: &Analysis) -> Vec<InflectionRecord> {
         .zip(intervals)
         .map(|((inflection, &segment), interval)| InflectionRecord {
             segment,
-            between: [LevelKey(inflection.between.0), LevelKey(inflection.between.1)],
+            between: [inflection.between.0, inflection.between.1],
             erect_mm: point_mm(scale, inflection.erect),
             erect_px: point_px(scale, inflection.erect),
             interval_95_along_mm: interval.and_then(|found| {
                 let [from, to] = found.along_mm.map(|mm| scale.mm(mm));
                 Some([from?, to?])
             }),
-            interval_95_between: interval
-                .map(|found| [LevelKey(found.between.0), LevelKey(found.between.1)]),
+            interval_95_between: interval.map(|found| [found.between.0, found.between.1]),
         })
         .collect()
 }
@@ -352,8 +350,8 @@ fn clinical_curve(
         known.map(|(posture, angle)| (*posture, angle.deg())).collect()
     };
     let record = ClinicalCurveRecord {
-        ends: [LevelKey(curve.ends.inferior), LevelKey(curve.ends.superior)],
-        apex: LevelKey(curve.apex),
+        ends: [curve.ends.inferior, curve.ends.superior],
+        apex: curve.apex,
         convex: curve.convex.map(|side| side.to_string()),
         cobb_deg: ends(&|angles| angles.cobb),
         tilt_range_deg: ends(&|angles| Some(angles.tilt_range)),
@@ -380,6 +378,6 @@ fn point_px(scale: &LengthScale, p: Frontal) -> Option<[f64; 2]> {
     Some([scale.px(p.y_mm)?, scale.px(p.z_mm)?])
 }
 
-fn by_level<T>(values: impl Iterator<Item = T>, levels: &[Level]) -> BTreeMap<LevelKey, T> {
-    levels.iter().map(|&level| LevelKey(level)).zip(values).collect()
+fn by_level<T>(values: impl Iterator<Item = T>, levels: &[Level]) -> BTreeMap<Level, T> {
+    levels.iter().map(|&level| level).zip(values).collect()
 }

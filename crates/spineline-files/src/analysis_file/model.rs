@@ -3,7 +3,7 @@ use std::collections::BTreeMap;
 use serde::{Deserialize, Serialize};
 use spineline::action::{Application, LineOfAction};
 use spineline::analysis::{Analysis, LineModel};
-use spineline::anatomy::{Levels, Posture, Region};
+use spineline::anatomy::{Level, Levels, Posture, Region};
 use spineline::evaluate::Simulation;
 use spineline::personalize::StiffnessBound;
 use spineline::personalize::evidence::ContradictedJoint;
@@ -12,7 +12,6 @@ use spineline::spatial::Angle;
 use super::identifiability::IdentifiabilityRecord;
 use super::posture::ScaleRecord;
 use super::{by_level, point};
-use crate::keys::LevelKey;
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
@@ -76,7 +75,7 @@ struct SimulationRecord {
     ferguson_error_deg: Option<BTreeMap<String, f64>>,
     /// Absent where the status is not `converged`.
     location_error_mm: Option<LocationErrorRecord>,
-    simulated_mm: BTreeMap<LevelKey, [f64; 2]>,
+    simulated_mm: BTreeMap<Level, [f64; 2]>,
     /// Counter-rotating joints, which no positive stiffness explains.
     contradicted_joints: Vec<ContradictedRecord>,
 }
@@ -105,14 +104,14 @@ struct AlternativeRecord {
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 struct LocationErrorRecord {
     mean: f64,
-    levels: BTreeMap<LevelKey, f64>,
+    levels: BTreeMap<Level, f64>,
 }
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 struct ContradictedRecord {
-    inferior: LevelKey,
-    superior: LevelKey,
+    inferior: Level,
+    superior: Level,
     rotation_deg: f64,
     lever_arm_mm: f64,
     /// Part in the work of all joints.
@@ -199,8 +198,8 @@ fn line(line: &LineOfAction, depth_mm: f64) -> LineRecord {
 
 fn contradicted(joint: &ContradictedJoint) -> ContradictedRecord {
     ContradictedRecord {
-        inferior: LevelKey(joint.inferior),
-        superior: LevelKey(joint.superior),
+        inferior: joint.inferior,
+        superior: joint.superior,
         rotation_deg: joint.rotation.deg(),
         lever_arm_mm: joint.lever_arm_mm,
         weight: joint.weight,

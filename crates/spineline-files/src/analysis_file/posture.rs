@@ -1,3 +1,4 @@
+use spineline::anatomy::Level;
 use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
@@ -12,7 +13,6 @@ use spineline::personalize::{Crossing, LineTest};
 use spineline::spatial::{Angle, Frontal};
 
 use super::{by_level, point_mm, point_px};
-use crate::keys::LevelKey;
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
@@ -24,19 +24,19 @@ pub(super) struct PostureRecord {
     /// Length of the curve above the last joint.
     leftover_mm: Option<f64>,
     /// Absent where the film has no spacing.
-    locations_mm: Option<BTreeMap<LevelKey, [f64; 2]>>,
+    locations_mm: Option<BTreeMap<Level, [f64; 2]>>,
     /// From L4's midpoint in the same directions, where the film has no spacing.
-    locations_px: Option<BTreeMap<LevelKey, [f64; 2]>>,
-    tilts_deg: BTreeMap<LevelKey, f64>,
+    locations_px: Option<BTreeMap<Level, [f64; 2]>>,
+    tilts_deg: BTreeMap<Level, f64>,
     /// Vertebrae that this film does not show: their locations and tilts are interpolated, and take no part in fits and
     /// location errors. Absent where all are marked.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
-    interpolated: BTreeMap<LevelKey, InterpolatedRecord>,
+    interpolated: BTreeMap<Level, InterpolatedRecord>,
     /// How the corners of vertebrae came about that a person did not click in all readings: `completed`, `detected`, `accepted`,
     /// `adjusted`, or `mixed` where corners or readings differ; the case has the origin of each corner. Absent where all were
     /// clicked.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
-    origins: BTreeMap<LevelKey, String>,
+    origins: BTreeMap<Level, String>,
     /// Lateral tilt of the line L4→T2 against the normal of the iliac line, or L4's axis.
     amplitude_deg: f64,
     noise: NoiseRecord,
@@ -106,7 +106,7 @@ impl From<FilmScale> for ScaleRecord {
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 struct InterpolatedRecord {
     /// The next marked vertebrae below and above.
-    between: [LevelKey; 2],
+    between: [Level; 2],
     /// Of a coordinate of the location.
     location_sd_mm: Option<f64>,
     location_sd_px: Option<f64>,
@@ -270,7 +270,7 @@ impl CurveRecord {
 impl InterpolatedRecord {
     fn new(found: &Interpolation, scale: &LengthScale) -> Self {
         Self {
-            between: found.between.map(LevelKey),
+            between: found.between,
             location_sd_mm: scale.mm(found.location_sd_mm),
             location_sd_px: scale.px(found.location_sd_mm),
             tilt_sd_deg: found.tilt_sd.deg(),
@@ -291,10 +291,10 @@ impl EstimateRecord {
 }
 
 /// The origin of a vertebra that was not clicked.
-fn origin(vertebra: &MeasuredVertebra) -> Option<(LevelKey, String)> {
+fn origin(vertebra: &MeasuredVertebra) -> Option<(Level, String)> {
     let origin = vertebra.origin?;
     let is_clicked = origin == VertebraOrigin::Alike(Origin::Clicked);
-    (!is_clicked).then(|| (LevelKey(vertebra.level), origin.key().to_owned()))
+    (!is_clicked).then(|| (vertebra.level, origin.key().to_owned()))
 }
 
 impl PostureRecord {
@@ -313,7 +313,7 @@ impl PostureRecord {
         };
         let vertebrae = &p.outline.vertebrae;
         let interpolated = |(vertebra, found): (&MeasuredVertebra, &Interpolation)| {
-            (LevelKey(vertebra.level), InterpolatedRecord::new(found, scale))
+            (vertebra.level, InterpolatedRecord::new(found, scale))
         };
         let estimates = |all: Option<[SegmentEstimate; 2]>| {
             all.map(|pair| pair.map(|estimate| EstimateRecord::new(&estimate, erect)))

@@ -1,5 +1,6 @@
 //! The erect spine in space.
 
+use spineline::anatomy::Level;
 use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
@@ -9,8 +10,6 @@ use spineline::measure::{
     AxialRotation, FilmAlignment, LengthScale, SpatialOutline, SpatialVertebra,
 };
 use spineline::spatial::Angle;
-
-use crate::keys::LevelKey;
 
 /// The erect spine from the erect and the lateral film together. `2d` is as a film shows it, `3d` is in space.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -22,7 +21,7 @@ pub(super) struct SpaceRecord {
     /// Where it comes from: how `readings` differ, or `assumed` for one careful reading.
     corner_sd_from: String,
     /// Vertebrae on both films.
-    vertebrae: BTreeMap<LevelKey, VertebraRecord>,
+    vertebrae: BTreeMap<Level, VertebraRecord>,
     /// Kyphosis, lordosis, planes of maximum curvature and length, each named 2-D (one film) or 3-D (in space).
     measures: Vec<MeasureRecord>,
     /// The profile that a model without the lateral film has, against the measured one.
@@ -43,7 +42,7 @@ struct TemplateRecord {
     /// Root mean square of the differences of depth; absent where the erect film has no spacing.
     depth_rms_mm: Option<f64>,
     /// Pitch of every vertebra by the profile of the population; flexion positive.
-    pitch_deg: BTreeMap<LevelKey, f64>,
+    pitch_deg: BTreeMap<Level, f64>,
 }
 
 impl TemplateRecord {
@@ -54,7 +53,7 @@ impl TemplateRecord {
             joint_rms_deg: found.joint_rms.deg(),
             vertebra_rms_deg: found.vertebra_rms.deg(),
             depth_rms_mm: scale.mm(found.depth_rms_mm),
-            pitch_deg: vertebrae.map(|v| (LevelKey(v.level), v.template.deg())).collect(),
+            pitch_deg: vertebrae.map(|v| (v.level, v.template.deg())).collect(),
         }
     }
 }
@@ -138,7 +137,7 @@ impl SpaceRecord {
         let vertebrae = found.vertebrae.iter();
         let record = |vertebra: &SpatialVertebra| {
             let place_mm = mm(0.0).map(|_| vertebra.place_mm.into());
-            (LevelKey(vertebra.level), VertebraRecord::new(found, vertebra, place_mm))
+            (vertebra.level, VertebraRecord::new(found, vertebra, place_mm))
         };
         Some(Self {
             alignment: AlignmentRecord::new(&found.alignment, mm),
@@ -201,7 +200,7 @@ pub(super) struct AxialRecord {
 }
 
 impl AxialRecord {
-    pub fn new(found: &AxialRotation) -> (LevelKey, Self) {
+    pub fn new(found: &AxialRotation) -> (Level, Self) {
         let record = Self {
             axial_3d_deg: found.stokes.deg(),
             axial_3d_sd_deg: found.sd.deg(),
@@ -209,6 +208,6 @@ impl AxialRecord {
             nash_moe: found.grade.key().to_owned(),
             readings: found.readings,
         };
-        (LevelKey(found.level), record)
+        (found.level, record)
     }
 }

@@ -2,11 +2,9 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 use spineline::analysis::Analysis;
-use spineline::anatomy::Posture;
+use spineline::anatomy::{Level, Posture};
 use spineline::spatial::Angle;
 use spineline::uncertainty::{FilmNoise, QuantitySpread, Uncertainty, VertebraNoise};
-
-use crate::keys::LevelKey;
 
 /// Uncertainty of every number from landmark noise: Monte Carlo replicates with perturbed landmarks.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -64,7 +62,7 @@ struct SpreadRecord {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     posture: Option<Posture>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    level: Option<LevelKey>,
+    level: Option<Level>,
     /// Region, or the joints that share a multiplier.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     group: Option<String>,
@@ -156,7 +154,7 @@ fn record(found: &QuantitySpread, analysis: &Analysis) -> SpreadRecord {
         label: quantity.label(analysis),
         unit: quantity.unit(analysis).key().to_owned(),
         posture: quantity.posture(),
-        level: quantity.level().map(LevelKey),
+        level: quantity.level(),
         group: quantity.group(analysis),
         end: quantity.end().map(str::to_owned),
         line: quantity.line().map(|line| line.key().to_owned()),

@@ -10,7 +10,7 @@ use spineline::measure::{
 use super::image::FilmSource;
 use super::{pair, pixel};
 use crate::FileError;
-use crate::keys::{ByLevel, LevelKey};
+use crate::keys::ByLevel;
 
 /// A lateral film of the standing patient.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -85,7 +85,7 @@ impl LateralRecord {
                 .vertebrae
                 .0
                 .into_iter()
-                .map(|(LevelKey(level), corners)| (level, corners.corners()))
+                .map(|(level, corners)| (level, corners.corners()))
                 .collect(),
         });
         Ok(LateralFilm {
@@ -168,7 +168,7 @@ impl LateralReadingRecord {
             repeat: reading.id.repeat,
             vertebrae: ByLevel(
                 vertebrae
-                    .map(|(&level, corners)| (LevelKey(level), LateralVertebraRecord::of(corners)))
+                    .map(|(&level, corners)| (level, LateralVertebraRecord::of(corners)))
                     .collect(),
             ),
         }

@@ -14,7 +14,7 @@ use spineline::spatial::{Angle, Frontal, Pixel};
 
 use crate::FileError;
 use crate::json::parse;
-use crate::keys::{ByLevel, LevelKey};
+use crate::keys::ByLevel;
 use image::ImageRecord;
 pub use image::{FilmSource, image_value, parse_image, with_spacing};
 use lateral::LateralRecord;
@@ -303,7 +303,7 @@ impl FilmRecord {
             let id = ReadingId::new(reading.observer, reading.repeat);
             let mut landmarks = Reading { id: id.clone(), vertebrae: Default::default() };
             let mut placements = Reading { id, vertebrae: Default::default() };
-            for (LevelKey(level), record) in reading.vertebrae.0 {
+            for (level, record) in reading.vertebrae.0 {
                 match record.kind() {
                     Some(Kind::Marked(landmark)) => {
                         landmarks.vertebrae.insert(level, landmark);
@@ -390,11 +390,8 @@ impl FilmRecord {
 }
 
 fn record<T>(reading: &Reading<T>, vertebra: impl Fn(&T) -> VertebraRecord) -> ReadingRecord {
-    let vertebrae = reading
-        .vertebrae
-        .iter()
-        .map(|(&level, value)| (LevelKey(level), vertebra(value)))
-        .collect();
+    let vertebrae =
+        reading.vertebrae.iter().map(|(&level, value)| (level, vertebra(value))).collect();
     ReadingRecord {
         observer: reading.id.observer.clone(),
         repeat: reading.id.repeat,

@@ -1,5 +1,6 @@
 //! The file of loads.
 
+use spineline::anatomy::Level;
 mod place;
 mod words;
 
@@ -8,7 +9,6 @@ use spineline::multibody::Timing;
 
 use crate::FileError;
 use crate::json::parse;
-use crate::keys::LevelKey;
 
 pub use place::{LoadFault, PlacedLoads};
 
@@ -39,7 +39,7 @@ pub enum AppliedLoad {
     /// A force along a line that is fixed in space.
     ForceOnLine {
         /// Vertebra that carries it.
-        level: LevelKey,
+        level: Level,
         /// Force in `G`.
         #[serde(rename = "force")]
         force_n: [f64; 3],
@@ -52,7 +52,7 @@ pub enum AppliedLoad {
     /// A force of fixed direction that moves with a point of the vertebra.
     ForceAtPoint {
         /// Vertebra.
-        level: LevelKey,
+        level: Level,
         /// Force in `G`.
         #[serde(rename = "force")]
         force_n: [f64; 3],
@@ -66,7 +66,7 @@ pub enum AppliedLoad {
     /// A force that moves and rotates with the vertebra.
     FollowerForce {
         /// Vertebra.
-        level: LevelKey,
+        level: Level,
         /// Force in the vertebra's axes.
         #[serde(rename = "force_in_vertebra")]
         force_in_vertebra_n: [f64; 3],
@@ -80,7 +80,7 @@ pub enum AppliedLoad {
     /// A moment of fixed direction.
     Moment {
         /// Vertebra.
-        level: LevelKey,
+        level: Level,
         /// Right-handed moment about the axes of `G`.
         #[serde(rename = "moment")]
         moment_nmm: [f64; 3],
@@ -91,7 +91,7 @@ pub enum AppliedLoad {
     /// A moment that rotates with the vertebra.
     FollowerMoment {
         /// Vertebra.
-        level: LevelKey,
+        level: Level,
         /// Right-handed moment about the vertebra's axes.
         #[serde(rename = "moment_in_vertebra")]
         moment_in_vertebra_nmm: [f64; 3],
@@ -114,7 +114,7 @@ pub enum AppliedLoad {
     /// A frictionless pad that touches the erect spine and is then pushed in: a linear spring along one direction.
     Pad {
         /// Vertebra.
-        level: LevelKey,
+        level: Level,
         /// Where it touches; the midpoint if not given.
         #[serde(default)]
         point_in_vertebra_mm: [f64; 3],
@@ -132,7 +132,7 @@ pub enum AppliedLoad {
     /// A strap to a point of the ground, unstretched on the erect spine and then shortened: a linear spring along itself.
     Strap {
         /// Vertebra.
-        level: LevelKey,
+        level: Level,
         /// Point of attachment; the midpoint if not given.
         #[serde(default)]
         point_in_vertebra_mm: [f64; 3],
@@ -152,9 +152,9 @@ pub enum AppliedLoad {
     /// `turn_deg` and the second one of `shift_mm`; the others must be zero.
     Rod {
         /// Lower vertebra.
-        inferior: LevelKey,
+        inferior: Level,
         /// Upper vertebra; where the rod moves it, at least three joints above, with frontal support two.
-        superior: LevelKey,
+        superior: Level,
         /// Displacement of the upper vertebra from its erect pose, in the lower one's axes.
         #[serde(default)]
         shift_mm: [f64; 3],
@@ -218,9 +218,9 @@ impl AppliedLoad {
             | Self::Moment { level, .. }
             | Self::FollowerMoment { level, .. }
             | Self::Pad { level, .. }
-            | Self::Strap { level, .. } => level.0.to_string(),
+            | Self::Strap { level, .. } => level.to_string(),
             Self::Gravity { .. } => "all vertebrae".to_owned(),
-            Self::Rod { inferior, superior, .. } => format!("{} to {}", inferior.0, superior.0),
+            Self::Rod { inferior, superior, .. } => format!("{} to {}", inferior, superior),
         }
     }
 }

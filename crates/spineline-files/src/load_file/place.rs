@@ -75,7 +75,7 @@ impl AppliedLoad {
             ),
             Self::Gravity { .. } | Self::Rod { .. } => return None,
         };
-        Some((level.0, load))
+        Some((*level, load))
     }
 }
 
@@ -154,8 +154,8 @@ impl LoadFile {
             }
             AppliedLoad::Rod { inferior, superior, shift_mm, turn_deg, .. } => {
                 placed.loading.rods.push(Rod {
-                    inferior: find(inferior.0)?,
-                    superior: find(superior.0)?,
+                    inferior: find(*inferior)?,
+                    superior: find(*superior)?,
                     shift_mm: Vec3::from(*shift_mm),
                     turn_rad: Vec3::from(turn_deg.map(|deg| Angle::from_deg(deg).rad())),
                     timing,

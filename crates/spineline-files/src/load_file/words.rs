@@ -11,24 +11,24 @@ impl AppliedLoad {
             AppliedLoad::ForceOnLine { level, force_n, .. } => {
                 format!(
                     "force on {}, along a line fixed in space: {}",
-                    level.0,
+                    level,
                     vector_words(*force_n)
                 )
             }
             AppliedLoad::ForceAtPoint { level, force_n, .. } => {
-                format!("force at {}: {}", level.0, vector_words(*force_n))
+                format!("force at {}: {}", level, vector_words(*force_n))
             }
             AppliedLoad::FollowerForce { level, force_in_vertebra_n, .. } => format!(
                 "force at {} that follows its rotation: {} of the vertebra",
-                level.0,
+                level,
                 vector_words(*force_in_vertebra_n)
             ),
             AppliedLoad::Moment { level, moment_nmm, .. } => {
-                format!("moment on {} (force × mm): {}", level.0, moment_words(*moment_nmm))
+                format!("moment on {} (force × mm): {}", level, moment_words(*moment_nmm))
             }
             AppliedLoad::FollowerMoment { level, moment_in_vertebra_nmm, .. } => format!(
                 "moment on {} that follows its rotation (force × mm): {}",
-                level.0,
+                level,
                 moment_words(*moment_in_vertebra_nmm)
             ),
             AppliedLoad::Gravity { body_weight_n, .. } => {
@@ -36,11 +36,11 @@ impl AppliedLoad {
             }
             AppliedLoad::Pad { level, direction, n_per_mm, advance_mm, .. } => format!(
                 "pad on {}, advanced (mm) {}, with {n_per_mm} per mm",
-                level.0,
+                level,
                 vector_words(direction.map(|part| part * advance_mm))
             ),
             AppliedLoad::Strap { level, n_per_mm, shortening_mm, .. } => {
-                format!("strap on {}, shortened by {shortening_mm} mm, {n_per_mm} per mm", level.0)
+                format!("strap on {}, shortened by {shortening_mm} mm, {n_per_mm} per mm", level)
             }
             AppliedLoad::Rod { inferior, superior, shift_mm, turn_deg, .. } => {
                 let fixed = shift_mm.iter().chain(turn_deg).all(|part| *part == 0.0);
@@ -49,7 +49,7 @@ impl AppliedLoad {
                 } else {
                     "moves them relative to each other"
                 };
-                format!("rod from {} to {}: {how}", inferior.0, superior.0)
+                format!("rod from {} to {}: {how}", inferior, superior)
             }
         };
         match self.timing() {

@@ -7,22 +7,11 @@ use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema, schema_for};
 use spineline::anatomy::Level;
 
 use super::{SCHEMAS, schema};
-use crate::keys::{ByLevel, JointKey, LevelKey};
+use crate::keys::{ByLevel, JointKey};
 use crate::{
     AnalysisFile, CaseFile, CohortFile, LoadFile, ModelFile, ProvenanceFile, RefusedFile,
     ReliabilityFile, RotationPriorFile, SimulationFile, StiffnessFile, to_text,
 };
-
-impl JsonSchema for LevelKey {
-    fn schema_name() -> Cow<'static, str> {
-        "Level".into()
-    }
-
-    fn json_schema(_: &mut SchemaGenerator) -> Schema {
-        let names = Level::ALL.map(Level::name);
-        json_schema!({ "type": "string", "enum": names, "description": "A vertebra" })
-    }
-}
 
 impl JsonSchema for JointKey {
     fn schema_name() -> Cow<'static, str> {

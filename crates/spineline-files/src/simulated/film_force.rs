@@ -6,14 +6,14 @@ use spineline::anatomy::Level;
 use spineline::multibody::{MatchStatus, Timing};
 use spineline::warning::WarningCode;
 
-use crate::{AppliedLoad, LevelKey, SimulationWarning};
+use crate::{AppliedLoad, SimulationWarning};
 
 impl AppliedLoad {
     /// The load of a film on the uppermost vertebra of its model.
     #[must_use]
     pub fn of_film(film: &FilmLoad, top: Level) -> Self {
         let force_n = film.force_vector_n().into();
-        let (level, timing) = (LevelKey(top), Timing::Proportional);
+        let (level, timing) = (top, Timing::Proportional);
         match film.application {
             Application::Fixed => {
                 Self::ForceOnLine { level, force_n, point_mm: film.point_mm, timing }

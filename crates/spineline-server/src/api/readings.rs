@@ -1,11 +1,14 @@
 //! One reading of one film.
 
 use serde::{Deserialize, Serialize};
-use spineline_store::{Corner, CornerOrigin, Event, PatientSide};
+use spineline::anatomy::Side;
+use spineline::measure::Origin;
+use spineline_store::{Corner, Event};
 use utoipa::ToSchema;
 
 use super::{
-    FilmViewName, ImageSideName, LiveView, LostChangeView, Notice, Problem, SpacingPlaneName,
+    CornerName, FilmViewName, ImageSideName, LiveView, LostChangeView, Notice, OriginName, Problem,
+    SideName, SpacingPlaneName,
 };
 
 /// A new reading of a film by the requester.
@@ -114,11 +117,13 @@ pub struct VertebraView {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, ToSchema)]
 pub struct CornerView {
     /// Name of the corner.
+    #[schema(value_type = CornerName)]
     pub corner: Corner,
     /// Place.
     pub px: [f64; 2],
     /// How the place came about.
-    pub origin: CornerOrigin,
+    #[schema(value_type = OriginName)]
+    pub origin: Origin,
 }
 
 /// The axis of a vertebra.
@@ -154,6 +159,7 @@ pub enum ExpectedLandmark {
         /// Level.
         level: String,
         /// Which corner.
+        #[schema(value_type = CornerName)]
         corner: Corner,
     },
     /// The midpoint of a wall.
@@ -161,12 +167,14 @@ pub enum ExpectedLandmark {
         /// Level.
         level: String,
         /// The patient's side.
-        side: PatientSide,
+        #[schema(value_type = SideName)]
+        side: Side,
     },
     /// An iliac crest.
     Crest {
         /// The patient's side.
-        side: PatientSide,
+        #[schema(value_type = SideName)]
+        side: Side,
     },
 }
 

@@ -3,9 +3,9 @@
 use axum::extract::State;
 use axum::http::StatusCode;
 use spineline::anatomy::{FilmView, Posture};
-use spineline::measure::{CornerName, ImageGeometry};
+use spineline::measure::{CornerName, ImageGeometry, Origin};
 use spineline_detect::{Detection, Picture, Refusal, detect};
-use spineline_store::{CornerOrigin, ReadingId};
+use spineline_store::ReadingId;
 
 use super::may_mark;
 use super::view::corner_view;
@@ -84,7 +84,7 @@ fn view(found: Result<Detection, Refusal>, is_other_posture: bool) -> DetectionV
         level: found.level.to_string(),
         corners: CornerName::ORDER
             .into_iter()
-            .map(|name| corner_view(name, name.of(&found.corners), CornerOrigin::Detected))
+            .map(|name| corner_view(name, name.of(&found.corners), Origin::Detected))
             .collect(),
         sd_percent: (100.0 * found.sd_share).round(),
         sd_share: Some(found.sd_share),

@@ -3,10 +3,10 @@
 use std::collections::BTreeMap;
 
 use spineline::anatomy::{FilmView, Level, Side};
-use spineline::measure::{CornerName, ImageGeometry};
+use spineline::measure::{CornerName, ImageGeometry, Origin};
 use spineline::spatial::{Angle, Pixel};
 use spineline_marking::{NextLandmark, PartialLandmarks, PartialReading, ProposedVertebra};
-use spineline_store::{Corner, CornerOrigin, Event, PatientSide, ReadingState, SeenReading, Store};
+use spineline_store::{Corner, Event, ReadingState, SeenReading, Store};
 
 use super::lost;
 use crate::api::{
@@ -184,22 +184,15 @@ fn next_landmark(next: NextLandmark, view: FilmView) -> Option<ExpectedLandmark>
             ExpectedLandmark::Corner { level: level.to_string(), corner: corner(name, view) }
         }
         NextLandmark::Wall(level, side) => {
-            ExpectedLandmark::Wall { level: level.to_string(), side: side_view(side) }
+            ExpectedLandmark::Wall { level: level.to_string(), side }
         }
         NextLandmark::Crest(_) if view == FilmView::Lateral => return None,
-        NextLandmark::Crest(side) => ExpectedLandmark::Crest { side: side_view(side) },
+        NextLandmark::Crest(side) => ExpectedLandmark::Crest { side },
     })
 }
 
-fn side_view(side: Side) -> PatientSide {
-    match side {
-        Side::Left => PatientSide::Left,
-        Side::Right => PatientSide::Right,
-    }
-}
-
 /// A corner that the program proposes on a frontal film; corners are placed to 0.01 px at best.
-pub(super) fn corner_view(name: CornerName, place: Pixel, origin: CornerOrigin) -> CornerView {
+pub(super) fn corner_view(name: CornerName, place: Pixel, origin: Origin) -> CornerView {
     let px = pair(place).map(|px| (px * 100.0).round() / 100.0);
     CornerView { corner: name.of(&Corner::FRONTAL), px, origin }
 }
@@ -207,7 +200,7 @@ pub(super) fn corner_view(name: CornerName, place: Pixel, origin: CornerOrigin) 
 fn proposal_view(proposal: &ProposedVertebra) -> ProposalView {
     let corners = CornerName::ORDER
         .into_iter()
-        .map(|name| corner_view(name, name.of(&proposal.corners), CornerOrigin::Completed));
+        .map(|name| corner_view(name, name.of(&proposal.corners), Origin::Completed));
     ProposalView {
         level: proposal.level.to_string(),
         corners: corners.collect(),

@@ -4,7 +4,6 @@ use axum::extract::State;
 use axum::http::StatusCode;
 use spineline::anatomy::Level;
 use spineline::spatial::Pixel;
-use spineline_files::LevelKey;
 use spineline_marking::turn_axis_towards;
 use spineline_store::{Event, FilmRecord, ReadingId, Store};
 
@@ -76,5 +75,5 @@ fn turned(film: &FilmRecord, view: &ReadingView, turn: &TurnAxis) -> Answer<Even
             "point above the vertebra, within 90° of the picture's vertical",
         )
     })?;
-    Ok(Event::SetAxis { level: LevelKey(level), axis_deg: Some(axis.deg()) })
+    Ok(Event::SetAxis { level: level, axis_deg: Some(axis.deg()) })
 }

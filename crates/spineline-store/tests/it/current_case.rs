@@ -2,10 +2,9 @@
 
 use serde_json::{Value, json};
 use spineline::analysis::Case;
-use spineline::anatomy::{Level, Posture};
-use spineline_files::LevelKey;
+use spineline::anatomy::{Level, Posture, Side};
 use spineline_store::{
-    CaseReadings, Corner, Event, FilmEdit, FilmId, PatientSide, ReadingId, Store, StoreError, Study,
+    CaseReadings, Corner, Event, FilmEdit, FilmId, ReadingId, Store, StoreError, Study,
 };
 
 use crate::session::{by, create, film_bytes, name, place};
@@ -70,12 +69,12 @@ fn written(level: Level, seed: f64, axis_deg: Option<f64>) -> Value {
     vertebra
 }
 
-fn crest(side: PatientSide, [column_px, row_px]: [f64; 2]) -> Event {
+fn crest(side: Side, [column_px, row_px]: [f64; 2]) -> Event {
     Event::PlaceIliacCrest { side, column_px, row_px }
 }
 
 fn axis(level: Level, axis_deg: Option<f64>) -> Event {
-    Event::SetAxis { level: LevelKey(level), axis_deg }
+    Event::SetAxis { level: level, axis_deg }
 }
 
 /// Begins a reading with these events, and finishes it on request.
@@ -118,27 +117,27 @@ fn study(store: &mut Store) -> ReadingId {
         axis(Level::T12, Some(2.1)),
         axis(Level::T12, None),
         axis(Level::T1, Some(0.3)),
-        Event::RemoveVertebra { level: LevelKey(Level::T1) },
+        Event::RemoveVertebra { level: Level::T1 },
         Event::Undo,
         Event::MoveCorner {
-            level: LevelKey(Level::L4),
+            level: Level::L4,
             corner: moved.0,
             column_px: moved.1[0],
             row_px: moved.1[1],
         },
         Event::Undo,
-        crest(PatientSide::Left, LEFT[0]),
-        crest(PatientSide::Right, RIGHT[0]),
+        crest(Side::Left, LEFT[0]),
+        crest(Side::Right, RIGHT[0]),
         Event::Scale { from_px: [10.0, 10.0], to_px: [10.0, 410.0], length_mm: 100.0 },
         Event::Invert { inverted: true },
         Event::Note { text: "unclear".to_owned() },
     ]);
     read(store, 1, 1, "A", &first, true);
     let mut second = clicks(Level::L4, 1.0);
-    second.extend([crest(PatientSide::Left, LEFT[1]), crest(PatientSide::Right, RIGHT[1])]);
+    second.extend([crest(Side::Left, LEFT[1]), crest(Side::Right, RIGHT[1])]);
     read(store, 1, 2, "A", &second, true);
     // A single crest is not counted, and a reading without a vertebra remains a reading.
-    read(store, 1, 1, "B", &[crest(PatientSide::Left, [1.0, 2.0])], true);
+    read(store, 1, 1, "B", &[crest(Side::Left, [1.0, 2.0])], true);
     read(store, 3, 1, "A", &clicks(Level::L5, 2.0), true);
     let mut partial = clicks(Level::L3, 3.0);
     partial.extend(clicks(Level::L2, 3.0).into_iter().take(2));

@@ -1,7 +1,7 @@
 //! Clicks, undo, conflicts, films and exported cases.
 
 use spineline::anatomy::{FilmView, Level, Posture, Side};
-use spineline_files::{LevelKey, parse_case};
+use spineline_files::parse_case;
 use spineline_store::{
     Corner, Event, ExportRemark, FilmEdit, FilmId, Name, ReadingId, Store, StoreError, Study,
 };
@@ -136,7 +136,7 @@ fn an_invalid_event_is_refused_with_its_reason_and_changes_no_state() {
     let folder = folder();
     let mut store = at_step(&folder, 5);
     let before = fingerprint(&store);
-    let (level, corner) = (LevelKey(Level::L4), Corner::InferiorLeft);
+    let (level, corner) = (Level::L4, Corner::InferiorLeft);
     for event in [
         Event::Undo,
         Event::Redo,
@@ -168,7 +168,7 @@ fn a_reading_with_an_incomplete_vertebra_cannot_be_finished() {
         matches!(refused, Err(StoreError::Incomplete { level: l, corners: 2, .. }) if l == level),
         "{refused:?}"
     );
-    let level = LevelKey(level);
+    let level = level;
     store.record(READING, &Event::RemoveVertebra { level }, 6, &by("A", 91)).expect("an event");
     store.finish_reading(READING, 7, &by("A", 92)).expect("complete now");
 }

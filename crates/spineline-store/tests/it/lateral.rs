@@ -1,11 +1,9 @@
 //! The lateral film and pedicles: from a case file to readings, and back.
 
 use serde_json::{Value, json};
-use spineline::anatomy::{FilmView, Level, Posture};
-use spineline_files::LevelKey;
+use spineline::anatomy::{FilmView, Level, Posture, Side};
 use spineline_store::{
-    CaseReadings, CaseRemark, Corner, Event, FilmEdit, FilmId, NewCase, PatientSide, Store,
-    StoreError,
+    CaseReadings, CaseRemark, Corner, Event, FilmEdit, FilmId, NewCase, Store, StoreError,
 };
 
 use crate::session::{by, create, film_bytes, name, place};
@@ -81,9 +79,9 @@ fn each_view_takes_its_own_landmarks_and_undo_takes_them_back() {
     let (mut store, lateral) = stored(&folder);
     let frontal = FilmId(1);
     let by = by("B", 2);
-    let level = LevelKey(Level::T9);
+    let level = Level::T9;
     let pedicle = |row_px| {
-        let side = PatientSide::Left;
+        let side = Side::Left;
         Event::PlacePedicle { level, side, column_px: 440.0, row_px }
     };
     let [front, left] = [Corner::SuperiorAnterior, Corner::SuperiorLeft]

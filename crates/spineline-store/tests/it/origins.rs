@@ -1,11 +1,9 @@
 //! How corners came about: from a reader's clicks to a case file and back into a store.
 
-use spineline::anatomy::{Level, Posture};
+use spineline::anatomy::{Level, Posture, Side};
 use spineline::measure::{Corners, FilmLandmarks, Origin};
-use spineline_files::LevelKey;
 use spineline_store::{
-    AcceptedVertebra, Corner, Event, NewCase, Next, PatientSide, PlanDesign, ReadingId, Store,
-    StoreError, Study,
+    AcceptedVertebra, Corner, Event, NewCase, Next, PlanDesign, ReadingId, Store, StoreError, Study,
 };
 
 use crate::plan::random;
@@ -19,16 +17,13 @@ const BODY: [(Corner, [f64; 2]); 4] = [
 ];
 
 fn accept(level: Level) -> Event {
-    let vertebra = AcceptedVertebra {
-        level: LevelKey(level),
-        corners: BODY.into_iter().collect(),
-        sd_share: None,
-    };
+    let vertebra =
+        AcceptedVertebra { level: level, corners: BODY.into_iter().collect(), sd_share: None };
     Event::AcceptCorners { vertebrae: vec![vertebra] }
 }
 
-fn wall(level: Level, side: PatientSide, column_px: f64) -> Event {
-    Event::PlaceWall { level: LevelKey(level), side, column_px, row_px: 1050.0 }
+fn wall(level: Level, side: Side, column_px: f64) -> Event {
+    Event::PlaceWall { level: level, side, column_px, row_px: 1050.0 }
 }
 
 /// A study with a film and an open reading of observer A.
@@ -56,7 +51,7 @@ fn record(store: &mut Store, reading: ReadingId, events: &[Event]) {
 fn a_moved_corner_of_an_accepted_vertebra_is_adjusted_and_one_undo_takes_it_back() {
     let folder = tempfile::tempdir().expect("a folder");
     let (mut store, reading) = begun(&folder);
-    let level = LevelKey(Level::T9);
+    let level = Level::T9;
     let moved =
         Event::MoveCorner { level, corner: Corner::SuperiorLeft, column_px: 401.0, row_px: 999.0 };
     record(&mut store, reading, &[accept(Level::T9), moved]);
@@ -77,11 +72,10 @@ fn origins_and_walls_reach_the_case_and_another_store() {
     let folder = tempfile::tempdir().expect("a folder");
     let (mut store, reading) = begun(&folder);
     let clicked = BODY.map(|(corner, [column, row])| place(Level::T8, corner, column, row - 140.0));
-    let level = LevelKey(Level::T9);
+    let level = Level::T9;
     let moved =
         Event::MoveCorner { level, corner: Corner::InferiorLeft, column_px: 397.0, row_px: 1101.0 };
-    let walls =
-        [wall(Level::T9, PatientSide::Left, 399.0), wall(Level::T9, PatientSide::Right, 601.0)];
+    let walls = [wall(Level::T9, Side::Left, 399.0), wall(Level::T9, Side::Right, 601.0)];
     let events = [&clicked[..], &walls, &[accept(Level::T9), moved]].concat();
     record(&mut store, reading, &events);
     let revision = store.reading_state(reading).expect("a reading").revision;
@@ -121,7 +115,7 @@ fn a_plan_without_proposals_takes_clicked_corners_only() {
     };
     let reading = store.begin_planned(&film.code, &by("A", 2)).expect("a reading");
     assert!(!store.observer(&name("A")).reading(reading).expect("its own").proposals);
-    for event in [accept(Level::T9), wall(Level::T9, PatientSide::Left, 399.0)] {
+    for event in [accept(Level::T9), wall(Level::T9, Side::Left, 399.0)] {
         let refused = store.record(reading, &event, 0, &by("A", 3));
         assert!(matches!(refused, Err(StoreError::BadEvent { .. })), "{refused:?}");
     }
@@ -141,7 +135,7 @@ fn vertebrae_that_are_not_whole_are_not_accepted() {
         [(&BODY[..3], None), (&BODY[..], Some(-0.1)), (&BODY[..], Some(f64::NAN))]
     {
         let corners = corners.iter().copied().collect();
-        let vertebra = AcceptedVertebra { level: LevelKey(Level::T9), corners, sd_share };
+        let vertebra = AcceptedVertebra { level: Level::T9, corners, sd_share };
         refuse(Event::AcceptCorners { vertebrae: vec![vertebra] });
     }
 }

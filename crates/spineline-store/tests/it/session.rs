@@ -3,11 +3,10 @@
 use std::path::Path;
 
 use serde_json::json;
-use spineline::anatomy::{Level, Posture};
-use spineline_files::LevelKey;
+use spineline::anatomy::{Level, Posture, Side};
 use spineline_store::{
-    Corner, Event, FilmEdit, FilmId, Name, PatientSide, ReadingId, Signature, Store, StoreError,
-    Study, Timestamp,
+    Corner, Event, FilmEdit, FilmId, Name, ReadingId, Signature, Store, StoreError, Study,
+    Timestamp,
 };
 
 pub fn name(text: &str) -> Name {
@@ -40,7 +39,7 @@ pub fn film_bytes(seed: u32) -> Vec<u8> {
 }
 
 pub fn place(level: Level, corner: Corner, column_px: f64, row_px: f64) -> Event {
-    Event::PlaceCorner { level: LevelKey(level), corner, column_px, row_px }
+    Event::PlaceCorner { level: level, corner, column_px, row_px }
 }
 
 /// The events of the first reading: three vertebrae, and one event of every other kind.
@@ -57,18 +56,18 @@ pub fn clicks() -> Vec<Event> {
             events.push(place(level, corner, column, top + row));
         }
     }
-    let level = LevelKey(Level::L3);
+    let level = Level::L3;
     events.extend([
         Event::SetAxis { level, axis_deg: Some(-3.7) },
         Event::Undo,
         Event::Redo,
         Event::Note { text: "Größe unklar; Zeile 2\n\"Zitat\"".to_owned() },
-        Event::PlaceIliacCrest { side: PatientSide::Left, column_px: 250.0, row_px: 2300.5 },
-        Event::PlaceIliacCrest { side: PatientSide::Right, column_px: 760.0, row_px: 2304.0 },
+        Event::PlaceIliacCrest { side: Side::Left, column_px: 250.0, row_px: 2300.5 },
+        Event::PlaceIliacCrest { side: Side::Right, column_px: 760.0, row_px: 2304.0 },
         Event::MoveCorner { level, corner: Corner::InferiorLeft, column_px: 397.5, row_px: 1961.0 },
         Event::Scale { from_px: [10.0, 10.0], to_px: [10.0, 410.0], length_mm: 100.0 },
         Event::Invert { inverted: true },
-        Event::RemoveVertebra { level: LevelKey(Level::T12) },
+        Event::RemoveVertebra { level: Level::T12 },
         Event::Undo,
     ]);
     events

@@ -1,7 +1,10 @@
 use std::fmt;
 use std::str::FromStr;
 
-/// A vertebra by its anatomical name, ordered from caudal to cranial.
+use serde::de::{Deserialize, Deserializer, Error as _};
+use serde::ser::{Serialize, Serializer};
+
+/// A vertebra by its anatomical name, ordered from caudal to cranial. In files it is its name: `L4`, `T12` (`Th12` and `D12` are read too).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Level {
     /// Fifth lumbar vertebra; may be marked, not part of the model.
@@ -122,5 +125,30 @@ impl FromStr for Level {
             .into_iter()
             .find(|level| level.name() == canonical)
             .ok_or_else(|| UnknownLevel(text.to_owned()))
+    }
+}
+
+impl Serialize for Level {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.serialize_str(self.name())
+    }
+}
+
+impl<'de> Deserialize<'de> for Level {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let text = String::deserialize(deserializer)?;
+        text.parse().map_err(D::Error::custom)
+    }
+}
+
+#[cfg(feature = "schema")]
+impl schemars::JsonSchema for Level {
+    fn schema_name() -> std::borrow::Cow<'static, str> {
+        "Level".into()
+    }
+
+    fn json_schema(_: &mut schemars::SchemaGenerator) -> schemars::Schema {
+        let names = Self::ALL.map(Self::name);
+        schemars::json_schema!({ "type": "string", "enum": names, "description": "A vertebra" })
     }
 }

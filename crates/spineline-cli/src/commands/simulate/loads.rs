@@ -4,7 +4,7 @@ use spineline::analysis::{FilmLoad, PersonalisedModel};
 use spineline::anatomy::Posture;
 use spineline::multibody::Timing;
 use spineline::spatial::Vec3;
-use spineline_files::{AppliedLoad, LevelKey, LoadFile, SimulationWarning, parse_load, read_text};
+use spineline_files::{AppliedLoad, LoadFile, SimulationWarning, parse_load, read_text};
 
 use super::args::SimulateArgs;
 use crate::run::failure::Failure;
@@ -44,14 +44,14 @@ pub fn of(
         };
         let in_vertebra = model.spine.axes[vertebra].transpose() * force;
         AppliedLoad::FollowerForce {
-            level: LevelKey(level),
+            level: level,
             force_in_vertebra_n: in_vertebra.into(),
             point_in_vertebra_mm: [0.0; 3],
             timing: Timing::Proportional,
         }
     } else {
         AppliedLoad::ForceAtPoint {
-            level: LevelKey(level),
+            level: level,
             force_n: force.into(),
             point_in_vertebra_mm: [0.0; 3],
             timing: Timing::Proportional,

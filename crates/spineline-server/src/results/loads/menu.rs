@@ -5,7 +5,7 @@ use spineline::anatomy::Side;
 use spineline::clinical::convex_side;
 use spineline::multibody::{Rod, Support, Timing};
 use spineline::response::{CurveChange, erect_shape, measure_angles};
-use spineline_files::{AppliedLoad, DIRECTIONS, LevelKey, SimulationWarning};
+use spineline_files::{AppliedLoad, DIRECTIONS, SimulationWarning};
 
 use crate::api::{FileLoad, FilmForce, LoadKind, LoadMenu, NamedDirection, Wire};
 
@@ -55,7 +55,7 @@ pub fn menu(model: &PersonalisedModel) -> LoadMenu {
 /// One example of each kind that the page offers.
 fn kinds(model: &PersonalisedModel) -> Vec<LoadKind> {
     let (vertebra, towards) = against_the_curve(model);
-    let (level, top) = (LevelKey(model.levels[vertebra]), LevelKey(model.top()));
+    let (level, top) = (model.levels[vertebra], model.top());
     let sideways = match towards {
         Side::Left => 1.0,
         Side::Right => -1.0,
@@ -136,7 +136,7 @@ fn rod(
 ) -> AppliedLoad {
     let superior = (apex + 2).min(model.levels.len() - 1);
     let inferior = superior.saturating_sub(4);
-    let level = |vertebra: usize| LevelKey(model.levels[vertebra]);
+    let level = |vertebra: usize| model.levels[vertebra];
     let moves = superior - inferior >= Rod::least_joints(model.support);
     AppliedLoad::Rod {
         inferior: level(inferior),

@@ -2,12 +2,11 @@
 
 use serde_json::{Value, json};
 use spineline::analysis::Case;
-use spineline::anatomy::{ImageSide, Level, Posture};
+use spineline::anatomy::{ImageSide, Level, Posture, Side};
 use spineline::measure::{Film, FilmLandmarks, ImageGeometry, Reading, VertebraLandmarks};
-use spineline_files::LevelKey;
 use spineline_phantom::{Phantom, Readers, Scenario, generate};
 use spineline_store::{
-    Access, Corner, Event, FilmId, Name, PatientSide, ReadingId, Signature, Store, Study, Timestamp,
+    Access, Corner, Event, FilmId, Name, ReadingId, Signature, Store, Study, Timestamp,
 };
 
 use crate::browser::App;
@@ -126,8 +125,7 @@ pub fn events(film: &Film, reading: &Reading<VertebraLandmarks>) -> Vec<Event> {
         events.extend(vertebra(level, landmark));
     }
     if let Some(crests) = iliac_crests {
-        for (side, place) in [(PatientSide::Left, crests.left), (PatientSide::Right, crests.right)]
-        {
+        for (side, place) in [(Side::Left, crests.left), (Side::Right, crests.right)] {
             let (column_px, row_px) = (place.column_px, place.row_px);
             events.push(Event::PlaceIliacCrest { side, column_px, row_px });
         }
@@ -140,14 +138,14 @@ pub fn vertebra(level: Level, landmark: &VertebraLandmarks) -> Vec<Event> {
     let corners = Corner::FRONTAL.points().into_iter().zip(landmark.corners.points());
     let mut events: Vec<Event> = corners
         .map(|(corner, place)| Event::PlaceCorner {
-            level: LevelKey(level),
+            level: level,
             corner,
             column_px: place.column_px,
             row_px: place.row_px,
         })
         .collect();
     if let Some(axis) = landmark.axis_clockwise {
-        events.push(Event::SetAxis { level: LevelKey(level), axis_deg: Some(axis.deg()) });
+        events.push(Event::SetAxis { level: level, axis_deg: Some(axis.deg()) });
     }
     events
 }
