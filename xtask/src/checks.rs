@@ -123,7 +123,7 @@ pub fn rustdoc(plan: &Plan<'_>) -> Result<(), String> {
     let command = ["doc", "--no-deps", "--quiet", "--lib"];
     let programs = ["--bin", "xtask", "--bin", "spineline-peers"];
     // An example requests the features of the lints' tests.
-    let targets = [&programs[..], &["--example", "dictionary"]].concat();
+    let targets = [&programs[..], &["--example", "openapi"]].concat();
     cargo_on(plan, &command, &targets, &[("RUSTDOCFLAGS", "--deny warnings")])
 }
 

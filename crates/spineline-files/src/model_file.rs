@@ -169,7 +169,7 @@ impl ModelFile {
 fn vertebrae(model: &PersonalisedModel) -> Vec<VertebraRecord> {
     let spine = &model.spine;
     let record = |(i, &level): (usize, &Level)| VertebraRecord {
-        level: level,
+        level,
         midpoint_mm: spine.midpoints_mm[i].into(),
         axes: [0, 1, 2].map(|axis| spine.axes[i].column(axis).into_owned().into()),
         pitch_from: model.pitch_from[i],
@@ -217,7 +217,7 @@ fn regions(curves: &[CurvePlaces], levels: &[Level]) -> Vec<RegionRecord> {
 fn places(records: &[RegionRecord], levels: &[Level]) -> Result<Vec<CurvePlaces>, FileError> {
     let find = |level: Level, record: &RegionRecord| {
         let found = levels.iter().position(|other| *other == level);
-        found.ok_or(FileError::Region { region: record.region, level: level })
+        found.ok_or(FileError::Region { region: record.region, level })
     };
     let place = |record: &RegionRecord| {
         let [inferior, apex, superior, low, high] = [

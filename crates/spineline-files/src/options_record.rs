@@ -216,7 +216,7 @@ fn given_ends(choice: &EndChoice) -> Vec<GivenEndsRecord> {
     let given = Region::ALL.into_iter().zip(choice.given);
     let record = |(region, ends): (Region, Option<CobbEnds>)| {
         let CobbEnds { inferior, superior } = ends?;
-        Some(GivenEndsRecord { region, inferior: inferior, superior: superior })
+        Some(GivenEndsRecord { region, inferior, superior })
     };
     given.filter_map(record).collect()
 }

@@ -311,7 +311,6 @@ impl CaseReading {
     ) -> Result<Self, StoreError> {
         let mut events = Vec::new();
         for (&level, landmark) in &reading.vertebrae {
-            let level = level;
             for (side, wall) in [Side::Left, Side::Right].into_iter().zip(landmark.walls) {
                 let Some(Pixel { column_px, row_px }) = wall else { continue };
                 events.push(Event::PlaceWall { level, side, column_px, row_px });
@@ -355,7 +354,6 @@ impl CaseReading {
 
     fn of_lateral(reading: &Reading<LateralCorners>) -> Result<Self, StoreError> {
         let placed = |(&level, corners): (&Level, &LateralCorners)| {
-            let level = level;
             let places = [
                 (Corner::SuperiorAnterior, corners.superior_anterior),
                 (Corner::SuperiorPosterior, corners.superior_posterior),

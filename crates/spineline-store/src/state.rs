@@ -176,7 +176,7 @@ impl ReadingState {
                 (on_film(&[*column_px, *row_px]), "coordinates must be within a million pixels")
             }
             Event::MoveCorner { level, corner, column_px, row_px } => {
-                let known = self.vertebrae.get(&level);
+                let known = self.vertebrae.get(level);
                 let placed = known.is_some_and(|vertebra| vertebra.corners.contains_key(corner));
                 (placed && on_film(&[*column_px, *row_px]), "only a placed corner can be moved")
             }
@@ -196,7 +196,7 @@ impl ReadingState {
                 (turned, "an axis must be within 90° of the vertical")
             }
             Event::RemoveVertebra { level } => (
-                self.vertebrae.contains_key(&level),
+                self.vertebrae.contains_key(level),
                 "only a vertebra with landmarks can be removed",
             ),
             Event::Scale { from_px, to_px, length_mm } => {

@@ -379,5 +379,5 @@ fn point_px(scale: &LengthScale, p: Frontal) -> Option<[f64; 2]> {
 }
 
 fn by_level<T>(values: impl Iterator<Item = T>, levels: &[Level]) -> BTreeMap<Level, T> {
-    levels.iter().map(|&level| level).zip(values).collect()
+    levels.iter().copied().zip(values).collect()
 }

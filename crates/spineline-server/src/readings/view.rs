@@ -138,7 +138,7 @@ fn vertebra(
 ) -> VertebraView {
     let corners = CornerName::ORDER.into_iter().filter_map(|name| {
         let place = name.of(&landmark.corners)?;
-        let origin = name.of(&landmark.origins).into();
+        let origin = name.of(&landmark.origins);
         Some(CornerView { corner: corner(name, view), px: pair(place), origin })
     });
     let body = landmark.body(image);

@@ -75,5 +75,5 @@ fn turned(film: &FilmRecord, view: &ReadingView, turn: &TurnAxis) -> Answer<Even
             "point above the vertebra, within 90° of the picture's vertical",
         )
     })?;
-    Ok(Event::SetAxis { level: level, axis_deg: Some(axis.deg()) })
+    Ok(Event::SetAxis { level, axis_deg: Some(axis.deg()) })
 }

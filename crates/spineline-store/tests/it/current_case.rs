@@ -74,7 +74,7 @@ fn crest(side: Side, [column_px, row_px]: [f64; 2]) -> Event {
 }
 
 fn axis(level: Level, axis_deg: Option<f64>) -> Event {
-    Event::SetAxis { level: level, axis_deg }
+    Event::SetAxis { level, axis_deg }
 }
 
 /// Begins a reading with these events, and finishes it on request.

@@ -168,7 +168,6 @@ fn a_reading_with_an_incomplete_vertebra_cannot_be_finished() {
         matches!(refused, Err(StoreError::Incomplete { level: l, corners: 2, .. }) if l == level),
         "{refused:?}"
     );
-    let level = level;
     store.record(READING, &Event::RemoveVertebra { level }, 6, &by("A", 91)).expect("an event");
     store.finish_reading(READING, 7, &by("A", 92)).expect("complete now");
 }

@@ -17,13 +17,12 @@ const BODY: [(Corner, [f64; 2]); 4] = [
 ];
 
 fn accept(level: Level) -> Event {
-    let vertebra =
-        AcceptedVertebra { level: level, corners: BODY.into_iter().collect(), sd_share: None };
+    let vertebra = AcceptedVertebra { level, corners: BODY.into_iter().collect(), sd_share: None };
     Event::AcceptCorners { vertebrae: vec![vertebra] }
 }
 
 fn wall(level: Level, side: Side, column_px: f64) -> Event {
-    Event::PlaceWall { level: level, side, column_px, row_px: 1050.0 }
+    Event::PlaceWall { level, side, column_px, row_px: 1050.0 }
 }
 
 /// A study with a film and an open reading of observer A.

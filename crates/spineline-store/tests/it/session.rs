@@ -39,7 +39,7 @@ pub fn film_bytes(seed: u32) -> Vec<u8> {
 }
 
 pub fn place(level: Level, corner: Corner, column_px: f64, row_px: f64) -> Event {
-    Event::PlaceCorner { level: level, corner, column_px, row_px }
+    Event::PlaceCorner { level, corner, column_px, row_px }
 }
 
 /// The events of the first reading: three vertebrae, and one event of every other kind.

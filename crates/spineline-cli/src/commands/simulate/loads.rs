@@ -44,14 +44,14 @@ pub fn of(
         };
         let in_vertebra = model.spine.axes[vertebra].transpose() * force;
         AppliedLoad::FollowerForce {
-            level: level,
+            level,
             force_in_vertebra_n: in_vertebra.into(),
             point_in_vertebra_mm: [0.0; 3],
             timing: Timing::Proportional,
         }
     } else {
         AppliedLoad::ForceAtPoint {
-            level: level,
+            level,
             force_n: force.into(),
             point_in_vertebra_mm: [0.0; 3],
             timing: Timing::Proportional,

@@ -175,7 +175,7 @@ impl Map<'_> {
         let n_per_mm = self.job.work.request.n_per_mm;
         let level = *self.job.work.model.levels.get(effect.trial.vertebra)?;
         Some(FileLoad(AppliedLoad::Pad {
-            level: level,
+            level,
             point_in_vertebra_mm: [0.0; 3],
             direction: effect.trial.direction().into(),
             n_per_mm,

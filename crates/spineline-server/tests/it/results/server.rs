@@ -138,14 +138,14 @@ pub fn vertebra(level: Level, landmark: &VertebraLandmarks) -> Vec<Event> {
     let corners = Corner::FRONTAL.points().into_iter().zip(landmark.corners.points());
     let mut events: Vec<Event> = corners
         .map(|(corner, place)| Event::PlaceCorner {
-            level: level,
+            level,
             corner,
             column_px: place.column_px,
             row_px: place.row_px,
         })
         .collect();
     if let Some(axis) = landmark.axis_clockwise {
-        events.push(Event::SetAxis { level: level, axis_deg: Some(axis.deg()) });
+        events.push(Event::SetAxis { level, axis_deg: Some(axis.deg()) });
     }
     events
 }
