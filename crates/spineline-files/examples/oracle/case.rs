@@ -16,7 +16,7 @@ pub(crate) struct Case {
     pub(crate) application: Application,
     /// A point of a line fixed in space.
     pub(crate) point_mm: Vec3,
-    /// LateralTilt of the line from the lowest to the uppermost vertebra; right positive, while the file counts left.
+    /// Lateral tilt of the line from the lowest to the uppermost vertebra; right positive, while the file counts left.
     pub(crate) target: Angle,
     /// The whole file.
     pub(crate) json: Value,

@@ -97,11 +97,11 @@ fn about_springs(
 ) -> Vec<SimulationWarning> {
     let Some(result) = response.result() else { return Vec::new() };
     let wrong = result.spring_forces_n.iter().filter(|(_, force)| *force < 0.0);
-    let warn = wrong.map(|&(number, force_n)| {
+    let warn = wrong.filter_map(|&(number, force_n)| {
         let item = &placed.loading.items[number];
         let (load, level) = (placed.load_of_item[number] + 1, model.levels[item.vertebra]);
         let size = force_n.abs();
-        match item.load {
+        Some(match item.load {
             BodyLoad::Pad { .. } => warning(
                 WarningCode::PadPulls,
                 format!(
@@ -110,7 +110,7 @@ fn about_springs(
                     model.force_unit()
                 ),
             ),
-            _ => warning(
+            BodyLoad::Strap { .. } => warning(
                 WarningCode::StrapPushes,
                 format!(
                     "load {load}: the strap on {level} pushes with {} ({}); a real strap would be slack: remove it",
@@ -118,7 +118,12 @@ fn about_springs(
                     model.force_unit()
                 ),
             ),
-        }
+            BodyLoad::ForceOnLine { .. }
+            | BodyLoad::ForceAtPoint { .. }
+            | BodyLoad::FollowerForce { .. }
+            | BodyLoad::Moment { .. }
+            | BodyLoad::FollowerMoment { .. } => return None,
+        })
     });
     warn.collect()
 }

@@ -28,8 +28,8 @@ pub fn profiles(analysis: &Analysis, found: &[Option<Identifiability>]) -> Optio
     let title = format!("Identifiability of the multipliers, case {}", analysis.case_id);
     let mut page = Page::new(title, analysis.synthetic);
     page.notes.push("Everything else is fitted anew at every value. Below the dashed limit lie the values that the films allow with 95 % confidence if the model is exact.".to_owned());
-    for (group, name) in first.groups.names().iter().enumerate() {
-        page.legend.push((Sample::Stroke(ink(group), Some(marker(group))), name.replace('_', " ")));
+    for (group, name) in first.groups.titles().enumerate() {
+        page.legend.push((Sample::Stroke(ink(group), Some(marker(group))), name));
     }
     page.legend.push((
         Sample::Stroke(LIMIT, None),

@@ -89,8 +89,8 @@ pub fn multipliers_in_short(section: &mut Section, analysis: &Analysis) {
     let mut table = Table::new(caption, columns);
     let values: Vec<Vec<f64>> = analysis.models.iter().map(|m| m.multipliers().collect()).collect();
     // All lines have the same groups.
-    for (group, name) in first.groups.names().iter().enumerate() {
-        let mut row = vec![name.replace('_', " ")];
+    for (group, name) in first.groups.titles().enumerate() {
+        let mut row = vec![name];
         for (model, values) in analysis.models.iter().zip(&values) {
             let value = values[group] * model.fit.absolute_scale;
             let note = match model.fit.bounds[group] {
@@ -122,8 +122,7 @@ fn multipliers(patient: &Patient<'_>) -> Table {
     let mut table = Table::new("Multipliers of the lateral stiffness", columns);
     for (place, model) in analysis.models.iter().enumerate() {
         let found = patient.identifiability.and_then(|all| all[place].as_ref());
-        let rows =
-            model.groups.names().iter().zip(model.multipliers()).zip(model.verdicts(analysis));
+        let rows = model.groups.titles().zip(model.multipliers()).zip(model.verdicts(analysis));
         for (group, ((name, value), verdict)) in rows.enumerate() {
             let scale = model.fit.absolute_scale;
             let profile =
@@ -136,7 +135,7 @@ fn multipliers(patient: &Patient<'_>) -> Table {
             };
             table.row(vec![
                 model.kind.to_string(),
-                name.replace('_', " "),
+                name,
                 fixed(value * scale, 2),
                 profile.unwrap_or_else(none),
                 noise.unwrap_or_else(none),

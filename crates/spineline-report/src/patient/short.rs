@@ -99,7 +99,7 @@ fn multipliers(analysis: &Analysis, model: &LineModel, intervals: Intervals<'_>)
         let [low, high] = [f64::min, f64::max].map(|of| values.iter().copied().reduce(of));
         let ends = low.zip(high).map(|(low, high)| number::interval([low, high], 2));
         return format!(
-            "Multipliers of the table: {} over {} joints.",
+            "Stiffness as a multiple of the table: {} over {} joints.",
             ends.unwrap_or_default(),
             values.len()
         );
@@ -110,10 +110,10 @@ fn multipliers(analysis: &Analysis, model: &LineModel, intervals: Intervals<'_>)
             _ => Some("at its bound".to_owned()),
         };
         let interval = interval.map_or_else(String::new, |text| format!(" ({text})"));
-        format!("{} {}{interval}", name.replace('_', " "), fixed(value, 2))
+        format!("{} {}{interval}", name, fixed(value, 2))
     };
-    let all = model.groups.names().iter().cloned().zip(values).enumerate().map(one);
-    format!("Multipliers of the table: {}.", all.collect::<Vec<_>>().join(", "))
+    let all = model.groups.titles().zip(values).enumerate().map(one);
+    format!("Stiffness as a multiple of the table: {}.", all.collect::<Vec<_>>().join(", "))
 }
 
 /// The 95 % interval of a multiplier: over replicates, or else by the films, if the model is exact.

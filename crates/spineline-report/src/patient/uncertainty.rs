@@ -50,11 +50,11 @@ pub fn identifiability(
             section.notice(Notice::new(NoticeKind::Warning, text));
             continue;
         };
-        let rows = model.groups.names().iter().zip(model.multipliers()).zip(&found.multipliers);
+        let rows = model.groups.titles().zip(model.multipliers()).zip(&found.multipliers);
         for ((name, value), one) in rows {
             let mut row = vec![
                 model.kind.to_string(),
-                name.replace('_', " "),
+                name,
                 fixed(value, 2),
                 interval(one, 1.0),
                 deviation(one.log_sd),

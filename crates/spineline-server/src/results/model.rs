@@ -111,9 +111,9 @@ fn line(analysis: &Analysis, model: &LineModel, relative: &[f64]) -> LineModelVi
 
 fn multipliers(analysis: &Analysis, model: &LineModel) -> Vec<MultiplierView> {
     let verdicts = model.verdicts(analysis);
-    let named = model.groups.names().iter().zip(model.multipliers()).zip(&verdicts);
-    let view = |((name, factor), verdict): ((&String, f64), &MultiplierVerdict)| MultiplierView {
-        label: name.replace('_', " "),
+    let named = model.groups.titles().zip(model.multipliers()).zip(&verdicts);
+    let view = |((name, factor), verdict): ((String, f64), &MultiplierVerdict)| MultiplierView {
+        label: name,
         factor: factor * model.fit.absolute_scale,
         identified: match verdict.identification {
             Identification::Absolute => Identified::Identified,

@@ -110,7 +110,7 @@ impl LineOfAction {
         self.point.y_mm + (z_mm - self.point.z_mm) * self.direction.y_mm / self.direction.z_mm
     }
 
-    /// LateralTilt of the line's direction from cranial.
+    /// Lateral tilt of the line, from the cranial direction.
     #[must_use]
     pub fn lateral_tilt(&self) -> Angle {
         self.direction.lateral_tilt()

@@ -62,8 +62,8 @@ pub(crate) struct OtherReadings<'a> {
     pub models: &'a [LineModel],
 }
 
-/// As [`analyze`], with results of other readings of the films, and errors of interpolated vertebrae; without warnings about
-/// the lines that the bends keep.
+/// As [`analyze`], for a replicate: starts from the results of other readings, takes errors of interpolated vertebrae, and gives no
+/// warnings about lines.
 pub(crate) fn analyze_known(
     case: &Case,
     options: &AnalysisOptions,

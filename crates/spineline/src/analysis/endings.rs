@@ -59,11 +59,10 @@ impl Analysis {
 }
 
 fn warn_of_bounds(model: &LineModel, warnings: &mut Warnings) {
-    for (name, bound) in model.groups.names().iter().zip(&model.fit.bounds) {
+    for (name, bound) in model.groups.titles().zip(&model.fit.bounds) {
         if *bound != StiffnessBound::Inside {
             let text = format!(
-                "the multiplier of {} reached its limit, so its value is not identified",
-                name.replace('_', " ")
+                "the multiplier of {name} reached its limit, so its value is not identified"
             );
             warnings.line(WarningCode::MultiplierAtBound, model.kind, None, text);
         }

@@ -79,11 +79,10 @@ impl Analysis {
         };
         let unknown: Vec<String> = model
             .groups
-            .names()
-            .iter()
+            .titles()
             .zip(&verdicts)
             .filter(|(_, verdict)| !is_known(verdict.identification))
-            .map(|(name, _)| name.replace('_', " "))
+            .map(|(name, _)| name)
             .collect();
         let (all, kind) = (verdicts.len(), model.kind);
         match unknown.len() {

@@ -333,7 +333,7 @@ impl LinesCompared {
         let best = nearest[0];
         Some(if films > 1 && nearest.iter().all(|&line| line == best) {
             format!(
-                "Of {}, which take one parameter from each predicted film, the {best} has the smallest error on all {films}. Films of one patient are too few for a statistical test.",
+                "Of {}, which take one parameter from each predicted film, the {best} has the smallest error on all {films} predicted films. One patient has too few films for a test.",
                 listed(&names)
             )
         } else if films == 1 {

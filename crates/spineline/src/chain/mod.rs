@@ -138,8 +138,8 @@ impl Chain {
         {
             return Err(ChainError::TooShort { length_mm, erect_mm });
         }
-        // The counts change only where a length is a whole number of links, so between two such
-        // lengths one trial says all. The middle of the interval keeps clear of rounding.
+        // Between two lengths at which a count changes, all lengths give the same counts: one trial in the middle tells them,
+        // away from rounding.
         let shortest = erect_mm / f64::from(window.end() + 1);
         let longest = erect_mm / f64::from(*window.start());
         let mut breaks = vec![shortest, longest];
@@ -261,7 +261,7 @@ impl Joint {
 
     /// Where the chord from here has the length of a link, sought from where it is expected; perhaps beyond T2.
     fn next(&self, curve: &Curve, expected: Self, segment_mm: f64) -> Self {
-        /// What Newton's method leaves after a step of this size is of its square, times the curvature: below rounding.
+        /// After a step of this size, the error that Newton's method leaves is below rounding.
         const SMALL_MM: f64 = 3e-6;
         let mut next = expected;
         // Newton on |p(t) - joint| = l; the chord is nearly straight, so that one or two steps meet rounding.

@@ -102,9 +102,21 @@ impl Regions {
 /// ```
 #[must_use]
 pub fn ferguson_angle(locations: &[Frontal], bounds: &RegionBounds) -> Angle {
-    let upper = (locations[bounds.superior] - locations[bounds.apex]).lateral_tilt();
-    let lower = (locations[bounds.apex] - locations[bounds.inferior]).lateral_tilt();
-    (upper - lower).wrapped()
+    bounds.ferguson_angle(|i| locations[i])
+}
+
+impl RegionBounds {
+    /// The lines from the lower end to the apex and from the apex to the upper end.
+    pub(crate) fn ferguson_lines(&self, location: impl Fn(usize) -> Frontal) -> [Frontal; 2] {
+        let apex = location(self.apex);
+        [apex - location(self.inferior), location(self.superior) - apex]
+    }
+
+    /// As [`ferguson_angle`].
+    pub(crate) fn ferguson_angle(&self, location: impl Fn(usize) -> Frontal) -> Angle {
+        let [lower, upper] = self.ferguson_lines(location).map(Frontal::lateral_tilt);
+        (upper - lower).wrapped()
+    }
 }
 
 fn nearest(fit: &CurveFit, t_mm: f64) -> usize {

@@ -163,7 +163,7 @@ fn fit_by_rule(
     fit_order(outline, form, best_left_out(&left_out_errors(outline, form)?))
 }
 
-/// What every order leaves of vertebrae left out of its fit.
+/// Error of every order on vertebrae that were left out of its fit.
 ///
 /// The basis of an order begins with the basis of the order below, so that one factorisation of the highest order serves all.
 fn left_out_errors(outline: &Outline, form: CurveForm) -> Result<Vec<(usize, f64)>, CurveError> {

@@ -133,7 +133,7 @@ pub struct Simulation {
     pub location_errors_mm: Vec<f64>,
     /// Joints that turn against the moment of this force.
     pub contradicted: Vec<ContradictedJoint>,
-    /// Distance of T2 below which no other minimum along the path of forces lies.
+    /// At every other minimum along the path of forces, T2 is at least this far from its place.
     pub(crate) other_mm: f64,
 }
 

@@ -40,7 +40,7 @@ impl Deformed {
         Angle::from_sin_cos(-cranial[1], cranial[2])
     }
 
-    /// LateralTilt of the line L4→T2.
+    /// Lateral tilt of the line L4→T2.
     #[must_use]
     pub fn lateral_tilt(&self) -> Angle {
         self.location(self.midpoints_mm.len() - 1).lateral_tilt()

@@ -196,11 +196,17 @@ named! {
     pub enum Support {
         /// Every joint rotates about three axes (the paper).
         ///
-        /// Only L4 is held. Films of the frontal plane do not show whether it does, and left-out bends are predicted worse (decision record 0032).
+        /// Only L4 is held. Frontal films do not show whether joints flex or rotate axially; with this support, left-out bends are predicted
+        /// worse (decision record 0032).
         Free = "free",
         /// In the frontal plane, as on a table: flexion and axial rotation are locked.
         Frontal = "frontal",
     }
+}
+
+/// The name of a group for people.
+pub(crate) fn group_title(name: &str) -> String {
+    name.parse::<Region>().map_or_else(|_| name.to_owned(), |region| region.to_string())
 }
 
 /// Which joints share one stiffness multiplier.
@@ -235,6 +241,11 @@ impl JointGroups {
     #[must_use]
     pub fn names(&self) -> &[String] {
         &self.names
+    }
+
+    /// Names of the groups for people, such as `thoracolumbar/lumbar` and `L4/L3`.
+    pub fn titles(&self) -> impl Iterator<Item = String> {
+        self.names.iter().map(|name| group_title(name))
     }
 
     /// Number of groups.

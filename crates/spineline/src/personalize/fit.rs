@@ -218,7 +218,7 @@ fn find_best(
     known: &Known<'_>,
     free: Option<&Personalization>,
 ) -> Best {
-    /// With fits that are this factor worse than the fit of other readings, the minima are other ones.
+    /// A fit whose error is larger by this factor than for the other readings has ended in another minimum.
     const WORSE: f64 = 1.5;
     let FittedSprings { model, library, groups } = springs;
     let enough = satisfied_rms(problem.target());

@@ -22,9 +22,7 @@ pub(super) fn ferguson_rows(
     let solution = &film.solution;
     let place = |i: usize| solution.deformed.location(i);
     for (k, bounds) in regions.iter().enumerate() {
-        let upper = place(bounds.superior) - place(bounds.apex);
-        let lower = place(bounds.apex) - place(bounds.inferior);
-        let angle = (upper.lateral_tilt() - lower.lateral_tilt()).wrapped();
+        let angle = bounds.ferguson_angle(place);
         system.residuals[row + k] = (angle - film.ferguson[k]).wrapped().rad() / unit;
         if wanted == Wanted::Derivatives {
             ferguson_rates(film, bounds, groups, row + k, system);
@@ -55,13 +53,11 @@ fn ferguson_rates(
     let solution = &film.solution;
     let force = groups;
     let place = |i: usize| solution.deformed.location(i);
-    let upper = place(bounds.superior) - place(bounds.apex);
-    let lower = place(bounds.apex) - place(bounds.inferior);
+    let [lower, upper] = bounds.ferguson_lines(place);
     let rate = |p: usize| {
-        let at = |i: usize| solution.location_rate(p, i);
+        let [lower_rate, upper_rate] = bounds.ferguson_lines(|i| solution.location_rate(p, i));
         let turn = |v: Frontal, dv: Frontal| v.cross(dv) / v.dot(v);
-        turn(upper, at(bounds.superior) - at(bounds.apex))
-            - turn(lower, at(bounds.apex) - at(bounds.inferior))
+        turn(upper, upper_rate) - turn(lower, lower_rate)
     };
     let by_force = rate(force);
     for p in 0..groups {

@@ -199,7 +199,7 @@ impl AnalysisQuantity {
             self.line().map(|line| line.to_string()),
             self.posture().map(|posture| posture.to_string()),
             self.level().map(|level| level.to_string()),
-            self.group(analysis).map(|group| group.replace('_', " ")),
+            self.group(analysis).map(|group| group_title(&group)),
             self.end().map(str::to_owned),
         ];
         let places: Vec<String> = places.into_iter().flatten().collect();

@@ -121,7 +121,7 @@ impl Bench {
     }
 }
 
-/// LateralTilt of a direction in the frontal plane: positive to the patient's right, which is -y.
+/// Lateral tilt of a direction in the frontal plane: positive to the patient's right, which is -y.
 fn independent_tilt(v: [Dual64; 3]) -> Dual64 {
     use num_dual::DualNum;
     (-v[1]).atan2(v[2])

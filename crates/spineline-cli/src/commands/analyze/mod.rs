@@ -8,7 +8,7 @@ mod tables;
 
 pub use args::{AnalyzeArgs, EXAMPLES};
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use spineline::warning::counted;
 use spineline_tables::{chain_table, errors_table};
@@ -87,37 +87,70 @@ fn case_paths(args: &AnalyzeArgs) -> Result<Vec<PathBuf>, Failure> {
     Ok(paths.drain(places).collect())
 }
 
+/// What an output of `analyze` is written to.
+struct Target<'a> {
+    flag: &'static str,
+    path: &'a Path,
+    kind: TargetKind,
+}
+
+/// The form of a target.
+#[derive(Clone, Copy)]
+enum TargetKind {
+    File,
+    /// A file with its provenance beside it.
+    Table,
+    Folder,
+}
+
+/// Every target that is asked for.
+fn targets(args: &AnalyzeArgs) -> Vec<Target<'_>> {
+    let cohort = args.cohort.as_deref();
+    let of_cohort = match cohort {
+        Some(path) if CohortStatistics::is_csv(path) => TargetKind::Table,
+        _ => TargetKind::File,
+    };
+    [
+        ("--json", args.json.as_deref(), TargetKind::File),
+        ("--csv", args.csv.as_deref(), TargetKind::Table),
+        ("--chain", args.chain.as_deref(), TargetKind::Table),
+        ("--tables", args.tables.folder.as_deref(), TargetKind::Folder),
+        ("--figures", args.figures.as_deref(), TargetKind::Folder),
+        ("--cohort", cohort, of_cohort),
+        ("--model", args.model.as_deref(), TargetKind::File),
+    ]
+    .into_iter()
+    .filter_map(|(flag, path, kind)| Some(Target { flag, path: path?, kind }))
+    .collect()
+}
+
 /// Refuses outputs that exclude each other; says whether one goes to the standard output.
 fn check_streams(args: &AnalyzeArgs, is_list: bool) -> Result<bool, Failure> {
-    let outputs = [&args.json, &args.csv, &args.chain, &args.cohort, &args.model];
-    let outputs = outputs.into_iter().flatten();
-    let to_stdout = outputs.filter(|path| is_stdout(path)).count();
-    if to_stdout > 1 {
-        return Err(Failure::usage(
-            "only one of --json, --csv, --chain, --cohort and --model can go to the standard output",
-        ));
+    let targets = targets(args);
+    let to_stdout = targets.iter().filter(|target| is_stdout(target.path));
+    let flags: Vec<&str> = to_stdout.map(|target| target.flag).collect();
+    if flags.len() > 1 {
+        let flags = flags.join(" and ");
+        return Err(Failure::usage(format!(
+            "{flags} go to the standard output, which takes one of them; give the others a file"
+        )));
     }
     if args.model.is_some() && is_list {
         return Err(Failure::usage("--model writes the model of one case; give one case file"));
     }
-    Ok(to_stdout == 1)
+    Ok(flags.len() == 1)
 }
 
 /// Checks every output before any work.
 fn check_outputs(args: &AnalyzeArgs, paths: &[PathBuf]) -> Result<Outputs, Failure> {
     let inputs = paths.iter().map(PathBuf::as_path).chain(args.method.files());
     let outputs = Outputs::new(args.overwrite, inputs);
-    for path in [&args.json, &args.model].into_iter().flatten() {
-        outputs.file(path)?;
-    }
-    for path in [&args.csv, &args.chain].into_iter().flatten() {
-        outputs.table(path)?;
-    }
-    if let Some(path) = &args.cohort {
-        if CohortStatistics::is_csv(path) { outputs.table(path)? } else { outputs.file(path)? }
-    }
-    for folder in [&args.tables.folder, &args.figures].into_iter().flatten() {
-        outputs.folder(folder)?;
+    for Target { path, kind, .. } in targets(args) {
+        match kind {
+            TargetKind::File => outputs.file(path)?,
+            TargetKind::Table => outputs.table(path)?,
+            TargetKind::Folder => outputs.folder(path)?,
+        }
     }
     Ok(outputs)
 }

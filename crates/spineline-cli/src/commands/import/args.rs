@@ -6,7 +6,7 @@ use std::str::FromStr;
 
 use clap::Args;
 use spineline::analysis::{CASE_ID_RULE, is_case_id};
-use spineline::anatomy::{ImageSide, Posture};
+use spineline::anatomy::{FilmView, ImageSide, Posture};
 use spineline::measure::{
     OBSERVER_RULE, ReadingId, Spacing, SpacingPlane, SpacingSource, is_observer_code,
 };
@@ -14,7 +14,6 @@ use spineline::spatial::Pixel;
 use spineline_files::method_text::named;
 use spineline_marking::{Calibration, Calibrator};
 
-use super::role::Role;
 use crate::options::choice::choice;
 use crate::options::values::{number, posture};
 use crate::run::failure::Failure;
@@ -144,7 +143,7 @@ pub struct OfFilm<T> {
 }
 
 /// The value for a film: one that names the film goes before a general one.
-pub fn answer_for<T: Copy>(all: &[OfFilm<T>], role: Role) -> Option<T> {
+pub fn answer_for<T: Copy>(all: &[OfFilm<T>], role: FilmView) -> Option<T> {
     let posture = role.posture();
     let named = all.iter().find(|said| posture.is_some() && said.posture == posture);
     let general = || all.iter().find(|said| said.posture.is_none());

@@ -3,13 +3,12 @@
 use std::io::IsTerminal;
 
 use dialoguer::{Confirm, Select};
-use spineline::anatomy::{ImageSide, Posture};
+use spineline::anatomy::{FilmView, ImageSide, Posture};
 use spineline_marking::View;
 use spineline_report::terminal::shown;
 
 use super::candidates::Candidates;
 use super::resolve::{About, Question};
-use super::role::Role;
 use super::text;
 use crate::run::failure::Failure;
 use crate::run::messages::say;
@@ -22,12 +21,12 @@ pub fn possible() -> bool {
 /// Asks for the film of every posture that has none yet, and offers lateral views for the sagittal profile.
 pub fn choose_films(
     candidates: &Candidates,
-    chosen: &mut Vec<(Role, usize)>,
+    chosen: &mut Vec<(FilmView, usize)>,
 ) -> Result<(), Failure> {
     say(text::list(candidates));
     say("");
     for posture in Posture::ALL {
-        let role = Role::Frontal(posture);
+        let role = FilmView::Frontal(posture);
         let has_one = chosen.iter().any(|(other, _)| *other == role);
         let mut free = open(candidates, chosen, View::Lateral);
         if has_one || free.is_empty() {
@@ -42,7 +41,7 @@ pub fn choose_films(
             chosen.push((role, index));
         }
     }
-    let lateral = chosen.iter().any(|(role, _)| *role == Role::Lateral);
+    let lateral = chosen.iter().any(|(role, _)| *role == FilmView::Lateral);
     let mut side_views = open(candidates, chosen, View::Frontal);
     side_views.retain(|index| {
         index.is_some_and(|i| {
@@ -53,7 +52,7 @@ pub fn choose_films(
         side_views.push(None);
         let question = "A lateral view was found. Take the sagittal profile from it?";
         if let Some(index) = pick(candidates, question, &side_views)? {
-            chosen.push((Role::Lateral, index));
+            chosen.push((FilmView::Lateral, index));
         }
     }
     Ok(())
@@ -70,7 +69,7 @@ const fn meaning(posture: Posture) -> &'static str {
 }
 
 /// Films that can be used, are not chosen yet, and are not of a view.
-fn open(candidates: &Candidates, chosen: &[(Role, usize)], not: View) -> Vec<Option<usize>> {
+fn open(candidates: &Candidates, chosen: &[(FilmView, usize)], not: View) -> Vec<Option<usize>> {
     let films = candidates.films.iter().enumerate();
     films
         .filter(|(index, film)| {
@@ -109,9 +108,11 @@ fn pick(
 pub fn ask(question: &Question) -> Result<Option<ImageSide>, Failure> {
     match &question.about {
         About::Side => {
-            let of = if question.role == Role::Lateral { "front" } else { "left" };
-            let prompt =
-                format!("{}: on which side of the picture is the patient's {of}?", question.role);
+            let of = if question.role == FilmView::Lateral { "front" } else { "left" };
+            let prompt = format!(
+                "{} film: on which side of the picture is the patient's {of}?",
+                question.role
+            );
             let words = ["left of the picture", "right of the picture"];
             let answer =
                 Select::new().with_prompt(prompt).items(words).interact_opt().map_err(asked)?;
@@ -128,7 +129,7 @@ pub fn ask(question: &Question) -> Result<Option<ImageSide>, Failure> {
         }
         About::Contradiction(text) => {
             let text = shown(text);
-            let prompt = format!("{}: {text}. Continue with your options?", question.role);
+            let prompt = format!("{} film: {text}. Continue with your options?", question.role);
             let sure =
                 Confirm::new().with_prompt(prompt).default(false).interact().map_err(asked)?;
             if sure {

@@ -1,28 +1,27 @@
 //! Whether the lateral film was exposed together with the erect one: by its file, or as said.
 
-use spineline::anatomy::Posture;
+use spineline::anatomy::{FilmView, Posture};
 use spineline_films::Exposures;
 
 use super::args::ImportArgs;
 use super::candidates::Seen;
 use super::resolve::ResolvedFilm;
-use super::role::Role;
 use crate::run::failure::Failure;
 
 /// Sets on the lateral film whether both were exposed together, with a note on the source and the assumption.
 pub fn decide(
     args: &ImportArgs,
-    seen: &[(Role, usize, &Seen)],
+    seen: &[(FilmView, usize, &Seen)],
     films: &mut [ResolvedFilm],
 ) -> Result<(), Failure> {
-    let Some(lateral) = films.iter_mut().find(|film| film.role == Role::Lateral) else {
+    let Some(lateral) = films.iter_mut().find(|film| film.role == FilmView::Lateral) else {
         return Ok(());
     };
-    let marks = |wanted: Role| {
+    let marks = |wanted: FilmView| {
         let found = seen.iter().find(|(role, _, _)| *role == wanted)?;
         Some(found.2.tags.exposure)
     };
-    let pair = marks(Role::Frontal(Posture::Erect)).zip(marks(Role::Lateral));
+    let pair = marks(FilmView::Frontal(Posture::Erect)).zip(marks(FilmView::Lateral));
     let stated = pair.map_or(Exposures::NotStated, |(erect, lateral)| erect.with(&lateral));
     let (simultaneous, note) = match (args.simultaneous, stated.together()) {
         (Some(said), Some(by_file)) if said != by_file => {

@@ -10,19 +10,17 @@ mod landmarks;
 mod midlines;
 mod pictures;
 mod resolve;
-mod role;
 mod text;
 mod write;
 
 pub use args::{EXAMPLES, ImportArgs};
 
-use spineline::anatomy::ImageSide;
+use spineline::anatomy::{FilmView, ImageSide};
 use spineline_films::{FilmDoubt, Stated, film_doubts};
 
 use candidates::{Candidates, Seen};
 use pictures::Pictures;
 use resolve::{Question, ResolvedFilm, check_films, resolve, same_identifier};
-use role::Role;
 use write::Marks;
 
 use crate::run::failure::{Ending, Failure};
@@ -57,7 +55,7 @@ pub fn run(args: &ImportArgs) -> Result<Ending, Failure> {
     let seen = chosen
         .iter()
         .map(|&(role, index)| Ok((role, index, candidates.seen(index)?)))
-        .collect::<Result<Vec<(Role, usize, &Seen)>, Failure>>()?;
+        .collect::<Result<Vec<(FilmView, usize, &Seen)>, Failure>>()?;
     check_films(&seen)?;
     args.check_postures(&chosen.iter().filter_map(|(role, _)| role.posture()).collect::<Vec<_>>())?;
     let mut films = resolve_all(args, &seen, ask)?;
@@ -66,7 +64,7 @@ pub fn run(args: &ImportArgs) -> Result<Ending, Failure> {
     }
     exposure::decide(args, &seen, &mut films)?;
     let landmarks = landmarks::read_onto(args, &films, &Pictures::of(&films, &candidates))?;
-    let lateral = match films.iter().find(|film| film.role == Role::Lateral) {
+    let lateral = match films.iter().find(|film| film.role == FilmView::Lateral) {
         Some(film) => Some(film.lateral(landmarks::read_lateral(args, film)?)),
         None => None,
     };
@@ -79,16 +77,16 @@ pub fn run(args: &ImportArgs) -> Result<Ending, Failure> {
 }
 
 /// The films that the command line chooses.
-fn chosen(args: &ImportArgs, candidates: &Candidates) -> Result<Vec<(Role, usize)>, Failure> {
+fn chosen(args: &ImportArgs, candidates: &Candidates) -> Result<Vec<(FilmView, usize)>, Failure> {
     let mut chosen = Vec::new();
     if args.films().len() < args.film.len() {
         return Err(Failure::usage("--film gives one posture two films; a case holds one of each"));
     }
     for (posture, choice) in args.films() {
-        chosen.push((Role::Frontal(posture), candidates.index(choice)?));
+        chosen.push((FilmView::Frontal(posture), candidates.index(choice)?));
     }
     if let Some(choice) = &args.lateral {
-        chosen.push((Role::Lateral, candidates.index(choice)?));
+        chosen.push((FilmView::Lateral, candidates.index(choice)?));
     }
     Ok(chosen)
 }
@@ -96,12 +94,12 @@ fn chosen(args: &ImportArgs, candidates: &Candidates) -> Result<Vec<(Role, usize
 /// Resolves every film; open questions are asked at the terminal, or listed with the options that answer them.
 fn resolve_all(
     args: &ImportArgs,
-    seen: &[(Role, usize, &Seen)],
+    seen: &[(FilmView, usize, &Seen)],
     ask: bool,
 ) -> Result<Vec<ResolvedFilm>, Failure> {
     let mut films = Vec::new();
     let mut open: Vec<Question> = Vec::new();
-    let stated = |(role, _, film): &(Role, usize, &Seen)| {
+    let stated = |(role, _, film): &(FilmView, usize, &Seen)| {
         (role.to_string(), Stated::by_remarks(film.tags.patient, &film.remarks))
     };
     let doubts = film_doubts(&seen.iter().map(stated).collect::<Vec<_>>());
@@ -125,7 +123,7 @@ fn resolve_all(
 
 fn resolve_by_asking(
     args: &ImportArgs,
-    role: Role,
+    role: FilmView,
     index: usize,
     seen: (&Seen, &[FilmDoubt]),
     questions: &[Question],

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use spineline::anatomy::{ImageSide, Posture};
+use spineline::anatomy::{FilmView, ImageSide, Posture};
 use spineline::measure::{Spacing, SpacingPlane};
 use spineline::number::fixed;
 use spineline_films::{FilmDoubt, spacing_question};
@@ -10,12 +10,11 @@ use spineline_marking::{View, ViewQuestion, judge_view};
 
 use super::args::{ImportArgs, answer_for};
 use super::candidates::Seen;
-use super::role::Role;
 use crate::run::failure::Failure;
 
 /// A film of the case.
 pub struct ResolvedFilm {
-    pub role: Role,
+    pub role: FilmView,
     /// Place in the list of films.
     pub index: usize,
     pub columns: u32,
@@ -37,7 +36,7 @@ pub struct ResolvedFilm {
 /// Something that only a person can answer.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Question {
-    pub role: Role,
+    pub role: FilmView,
     pub about: About,
 }
 
@@ -56,19 +55,19 @@ impl fmt::Display for Question {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { role, about } = self;
         match about {
-            About::Side if *role == Role::Lateral => {
+            About::Side if *role == FilmView::Lateral => {
                 write!(
                     f,
-                    "{role}: the file does not state on which side of the picture the patient's front is"
+                    "{role} film: the file does not state on which side of the picture the patient's front is"
                 )
             }
             About::Side => {
                 write!(
                     f,
-                    "{role}: the file does not state on which side of the picture the patient's left is"
+                    "{role} film: the file does not state on which side of the picture the patient's left is"
                 )
             }
-            About::Contradiction(text) | About::Spacing(text) => write!(f, "{role}: {text}"),
+            About::Contradiction(text) | About::Spacing(text) => write!(f, "{role} film: {text}"),
         }
     }
 }
@@ -77,17 +76,17 @@ impl Question {
     /// How it is answered on the command line.
     pub fn answer(&self) -> String {
         match (&self.about, self.role) {
-            (About::Side, Role::Lateral) => {
+            (About::Side, FilmView::Lateral) => {
                 "--patient-anterior image-left or image-right".to_owned()
             }
             (About::Side, role) => format!(
                 "--patient-left {0}=image-left or {0}=image-right (look for the lead marker, the heart, the stomach's bubble)",
-                role.word()
+                role.key().replace('_', "-")
             ),
             (About::Spacing(_), role) => {
                 let film = match role {
-                    Role::Frontal(_) => format!("{}=", role.word()),
-                    Role::Lateral => String::new(),
+                    FilmView::Frontal(_) => format!("{}=", role.key().replace('_', "-")),
+                    FilmView::Lateral => String::new(),
                 };
                 format!(
                     "--spacing {film}COLUMN,ROW,PLANE in mm, such as --spacing {film}0.25,0.5,unknown; where the shape of a pixel alone is known, its width and height and the plane `pixels`, such as --spacing {film}1,1,pixels for square pixels"
@@ -103,7 +102,7 @@ impl Question {
 /// Resolves one film, or returns the questions that are open.
 pub fn resolve(
     args: &ImportArgs,
-    role: Role,
+    role: FilmView,
     index: usize,
     (seen, doubts): (&Seen, &[FilmDoubt]),
     side_by_dialogue: Option<ImageSide>,
@@ -115,12 +114,12 @@ pub fn resolve(
     let mut contradicted = contradictions(role, judged.view, &judged.questions);
     contradicted.extend(doubts.iter().map(|doubt| doubt.text.clone()));
     let by_file = match role {
-        Role::Frontal(_) => judged.patient_left,
-        Role::Lateral => judged.patient_anterior,
+        FilmView::Frontal(_) => judged.patient_left,
+        FilmView::Lateral => judged.patient_anterior,
     };
     let said = match role {
-        Role::Frontal(_) => answer_for(&args.patient_left, role),
-        Role::Lateral => args.patient_anterior,
+        FilmView::Frontal(_) => answer_for(&args.patient_left, role),
+        FilmView::Lateral => args.patient_anterior,
     };
     let said = said.or(side_by_dialogue);
     if let Some((by_file, _)) = by_file.zip(said).filter(|(file, said)| file != said) {
@@ -164,21 +163,23 @@ pub fn resolve(
 }
 
 /// The file puts a side of the patient on the other side of the picture than the user does.
-fn orientation_contradiction(role: Role, by_file: ImageSide) -> String {
+fn orientation_contradiction(role: FilmView, by_file: ImageSide) -> String {
     format!(
         "Patient Orientation puts the patient's {} on the {} of the picture, your option on the other side",
-        if role == Role::Lateral { "front" } else { "left" },
+        if role == FilmView::Lateral { "front" } else { "left" },
         if by_file == ImageSide::Left { "left" } else { "right" }
     )
 }
 
 /// Contradictions between a file and its role. If the file states no view, the role decides.
-fn contradictions(role: Role, view: Option<View>, questions: &[ViewQuestion]) -> Vec<String> {
+fn contradictions(role: FilmView, view: Option<View>, questions: &[ViewQuestion]) -> Vec<String> {
     let wrong_view = match (role, view) {
-        (Role::Frontal(_), Some(View::Lateral)) => {
+        (FilmView::Frontal(_), Some(View::Lateral)) => {
             Some("the file says that this is a lateral view")
         }
-        (Role::Lateral, Some(View::Frontal)) => Some("the file says that this is a frontal view"),
+        (FilmView::Lateral, Some(View::Frontal)) => {
+            Some("the file says that this is a frontal view")
+        }
         _ => None,
     };
     let others = questions.iter().filter(|question| {
@@ -195,7 +196,7 @@ fn contradictions(role: Role, view: Option<View>, questions: &[ViewQuestion]) ->
 /// The spacing of a film: by a ball or a ruler, by the option, or by its file.
 fn spacing(
     args: &ImportArgs,
-    role: Role,
+    role: FilmView,
     seen: &Seen,
     notes: &mut Vec<String>,
 ) -> Result<Option<Spacing>, Failure> {
@@ -208,7 +209,7 @@ fn spacing(
         let spacing = clicks
             .calibration(calibrator, aspect)
             .spacing([seen.columns, seen.rows])
-            .map_err(|error| Failure::usage(format!("the scale of the {role}: {error}")))?;
+            .map_err(|error| Failure::usage(format!("the scale of the {role} film: {error}")))?;
         if let Some(file) = judged.spacing {
             compare(role, &file, &spacing, notes);
         }
@@ -225,7 +226,7 @@ fn spacing(
 }
 
 /// Notes a scale that differs from the file's by more than a magnification can.
-fn compare(role: Role, file: &Spacing, used: &Spacing, notes: &mut Vec<String>) {
+fn compare(role: FilmView, file: &Spacing, used: &Spacing, notes: &mut Vec<String>) {
     if !(file.has_millimetres() && used.has_millimetres()) {
         return;
     }
@@ -236,7 +237,7 @@ fn compare(role: Role, file: &Spacing, used: &Spacing, notes: &mut Vec<String>) 
     };
     if !usual.contains(&ratio) {
         notes.push(format!(
-            "the scale used for the {role} is {} times the file's ({}); the file's is not used",
+            "the scale used for the {role} film is {} times the file's ({}); the file's is not used",
             fixed(ratio, 3),
             file.source
         ));
@@ -244,25 +245,25 @@ fn compare(role: Role, file: &Spacing, used: &Spacing, notes: &mut Vec<String>) 
 }
 
 /// Checks the films of the case together: each is another picture, and the erect film is among them.
-pub fn check_films(films: &[(Role, usize, &Seen)]) -> Result<(), Failure> {
+pub fn check_films(films: &[(FilmView, usize, &Seen)]) -> Result<(), Failure> {
     for (i, (role, _, seen)) in films.iter().enumerate() {
         let twin = films[..i].iter().find(|(_, _, other)| other.picture == seen.picture);
         if let Some((other, _, _)) = twin {
             return Err(Failure::input(
-                &format!("{other} and {role}"),
+                &format!("{other} film and {role} film"),
                 &"both are the same picture",
                 "choose a different film for each posture",
             ));
         }
     }
-    if films.iter().any(|(role, _, _)| *role == Role::Frontal(Posture::Erect)) {
+    if films.iter().any(|(role, _, _)| *role == FilmView::Frontal(Posture::Erect)) {
         return Ok(());
     }
     Err(Failure::usage("a case needs an erect film: choose it, as in --film erect=1"))
 }
 
 /// Films that carry the same identifier and different pixels.
-pub fn same_identifier(films: &[(Role, usize, &Seen)]) -> Vec<String> {
+pub fn same_identifier(films: &[(FilmView, usize, &Seen)]) -> Vec<String> {
     let mut notes = Vec::new();
     for (i, (role, _, seen)) in films.iter().enumerate() {
         let uid = &seen.tags.uids.sop_instance;
@@ -270,7 +271,7 @@ pub fn same_identifier(films: &[(Role, usize, &Seen)]) -> Vec<String> {
             films[..i].iter().filter(|(_, _, o)| uid.is_some() && o.tags.uids.sop_instance == *uid)
         {
             notes.push(format!(
-                "the {other} and the {role} have the same SOP Instance UID but different pixels: one was changed without a new identifier"
+                "the {other} film and the {role} film have the same SOP Instance UID but different pixels: one was changed without a new identifier"
             ));
         }
     }

@@ -170,12 +170,12 @@ pub fn outcome(films: &[ResolvedFilm], folder: &std::path::Path, marked: usize) 
             None => format!("front: {}", side(Some(film.side))),
         };
         let size = format!("{} × {}", film.columns, film.rows);
-        table.row(vec![film.role.key().replace('_', " "), size, left, scale]);
+        table.row(vec![film.role.to_string(), size, left, scale]);
     }
     text.text(&terminal::table(&table, usize::MAX));
     for film in films {
         for note in &film.notes {
-            let note = format!("! {}: {note}", film.role);
+            let note = format!("! {} film: {note}", film.role);
             text.text(&terminal::paragraph(&note, width(), "  "));
         }
     }

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use serde::Serialize;
 use spineline::analysis::{Case, Subject};
-use spineline::anatomy::Posture;
+use spineline::anatomy::{FilmView, Posture};
 use spineline::measure::{Film, FilmLandmarks, LateralFilm};
 use spineline_files::{CaseFile, FilmSource, sha256_hex};
 use spineline_films::intake::{IntakeLimits, read};
@@ -16,7 +16,6 @@ use super::args::ImportArgs;
 use super::candidates::Candidates;
 use super::landmarks::LandmarksByPosture;
 use super::resolve::ResolvedFilm;
-use super::role::Role;
 use crate::run::failure::Failure;
 use crate::run::messages::say;
 use crate::run::outputs::{Outputs, OverwriteArgs};
@@ -78,7 +77,7 @@ struct ImportReport<'a> {
 
 /// Refuses a folder that holds anything that an import writes: films and landmarks are never overwritten.
 pub fn check_free(folder: &Path) -> Result<(), Failure> {
-    let roles = Posture::ALL.map(Role::Frontal).into_iter().chain([Role::Lateral]);
+    let roles = FilmView::ALL;
     let kinds = [FilmKind::Dicom, FilmKind::Png, FilmKind::Jpeg, FilmKind::Tiff];
     let films = roles.flat_map(|role| kinds.map(|kind| file_name(role, kind)));
     let ours = ["case.json", "import.json"].map(str::to_owned).into_iter().chain(films);
@@ -92,7 +91,7 @@ pub fn check_free(folder: &Path) -> Result<(), Failure> {
     }
 }
 
-fn file_name(role: Role, kind: FilmKind) -> String {
+fn file_name(role: FilmView, kind: FilmKind) -> String {
     format!("{}.{}", role.key(), extension(kind))
 }
 
@@ -120,8 +119,8 @@ pub fn write(
     let mut case = CaseFile::from_case(&case(case_id, films, marks));
     for (role, source) in sources {
         case = match role {
-            Role::Frontal(posture) => case.with_source(posture, source),
-            Role::Lateral => case.with_lateral_source(source),
+            FilmView::Frontal(posture) => case.with_source(posture, source),
+            FilmView::Lateral => case.with_lateral_source(source),
         };
     }
     let report = ImportReport {

@@ -141,15 +141,10 @@ impl Equilibrium {
         let springs = balance.loading.items.iter().enumerate();
         let spring_forces_n = springs
             .filter_map(|(number, item)| {
-                let (BodyLoad::Pad { point_in_vertebra_mm, .. }
-                | BodyLoad::Strap { point_in_vertebra_mm, .. }) = &item.load
-                else {
-                    return None;
-                };
                 let v = item.vertebra;
-                let point = state.midpoints[v] + state.axes[v] * point_in_vertebra_mm;
+                let point = state.midpoints[v] + state.axes[v] * item.load.spring_point_mm()?;
                 let factor = factors.of(item.timing);
-                Some((number, item.load.spring(&point, factor, balance.model, v).force_n))
+                Some((number, item.load.spring(&point, factor, balance.model, v)?.force_n))
             })
             .collect();
         let rods = balance.loading.rods.iter().zip(&state.reactions);

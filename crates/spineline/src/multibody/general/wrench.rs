@@ -124,7 +124,7 @@ impl BodyLoad {
             }
             Self::Pad { point_in_vertebra_mm, .. } | Self::Strap { point_in_vertebra_mm, .. } => {
                 let point = place(point_in_vertebra_mm);
-                let spring = self.spring(&point, factor, model, vertebra);
+                let spring = self.spring(&point, factor, model, vertebra).expect("a spring");
                 PointForce {
                     point,
                     force: spring.direction * spring.force_n,
@@ -137,17 +137,32 @@ impl BodyLoad {
         }
     }
 
-    /// The force of a pad or strap whose point is at a place; a pad that pulls or a strap that pushes is negative.
+    /// Where a spring to ground acts on its vertebra, in its axes; `None` for other loads.
+    pub(super) const fn spring_point_mm(&self) -> Option<&Vec3> {
+        match self {
+            Self::Pad { point_in_vertebra_mm, .. } | Self::Strap { point_in_vertebra_mm, .. } => {
+                Some(point_in_vertebra_mm)
+            }
+            Self::ForceOnLine { .. }
+            | Self::ForceAtPoint { .. }
+            | Self::FollowerForce { .. }
+            | Self::Moment { .. }
+            | Self::FollowerMoment { .. } => None,
+        }
+    }
+
+    /// The force of a spring to ground whose point is at a place; a pad that pulls or a strap that pushes is negative. `None` for
+    /// other loads.
     pub(super) fn spring(
         &self,
         point: &Vec3,
         factor: f64,
         model: &SpineModel,
         vertebra: usize,
-    ) -> SpringForce {
-        match self {
-            Self::Pad { point_in_vertebra_mm, direction, n_per_mm, advance_mm } => {
-                let erect = erect_place_mm(model, vertebra, point_in_vertebra_mm);
+    ) -> Option<SpringForce> {
+        let erect = erect_place_mm(model, vertebra, self.spring_point_mm()?);
+        Some(match self {
+            Self::Pad { direction, n_per_mm, advance_mm, .. } => {
                 let pressed_mm = factor * advance_mm - (point - erect).dot(direction);
                 SpringForce {
                     direction: *direction,
@@ -156,8 +171,7 @@ impl BodyLoad {
                     stiffness: direction * direction.transpose() * *n_per_mm,
                 }
             }
-            Self::Strap { point_in_vertebra_mm, anchor_mm, n_per_mm, shortening_mm } => {
-                let erect = erect_place_mm(model, vertebra, point_in_vertebra_mm);
+            Self::Strap { anchor_mm, n_per_mm, shortening_mm, .. } => {
                 let reach = anchor_mm - point;
                 let length_mm = reach.norm().max(f64::MIN_POSITIVE);
                 let direction = reach / length_mm;
@@ -172,8 +186,12 @@ impl BodyLoad {
                         + (Mat3::identity() - along) * (force_n / length_mm),
                 }
             }
-            _ => unreachable!("only pads and straps are springs"),
-        }
+            Self::ForceOnLine { .. }
+            | Self::ForceAtPoint { .. }
+            | Self::FollowerForce { .. }
+            | Self::Moment { .. }
+            | Self::FollowerMoment { .. } => return None,
+        })
     }
 }
 
