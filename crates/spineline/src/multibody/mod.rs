@@ -47,6 +47,7 @@ pub(crate) use matching::{MAX_FORCE_PER_STIFFNESS, MAX_HINGE_RAD, OneComponent, 
 pub(crate) use nearest::{
     SeveralComponents, nearest_from_starts, nearest_on_path, starts_of_sizes,
 };
+pub(crate) use stiffness::group_title;
 pub use stiffness::{
     JointGroups, JointStiffness, StiffnessError, StiffnessLibrary, Support, coupled_matrix,
 };

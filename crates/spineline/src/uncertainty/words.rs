@@ -4,6 +4,7 @@ use super::{AnalysisQuantity, FilmNoise, NoiseSource, QuantityUnit, Uncertainty,
 use crate::analysis::Analysis;
 use crate::anatomy::Posture;
 use crate::clinical::SagittalPart;
+use crate::multibody::group_title;
 use crate::number::fixed;
 use crate::personalize::MULTIPLIER_COVERAGE;
 

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use serde::Serialize;
 use spineline::analysis::{Case, Subject};
-use spineline::anatomy::{FilmView, Posture};
+use spineline::anatomy::FilmView;
 use spineline::measure::{Film, FilmLandmarks, LateralFilm};
 use spineline_files::{CaseFile, FilmSource, sha256_hex};
 use spineline_films::intake::{IntakeLimits, read};
@@ -77,9 +77,8 @@ struct ImportReport<'a> {
 
 /// Refuses a folder that holds anything that an import writes: films and landmarks are never overwritten.
 pub fn check_free(folder: &Path) -> Result<(), Failure> {
-    let roles = FilmView::ALL;
     let kinds = [FilmKind::Dicom, FilmKind::Png, FilmKind::Jpeg, FilmKind::Tiff];
-    let films = roles.flat_map(|role| kinds.map(|kind| file_name(role, kind)));
+    let films = FilmView::ALL.into_iter().flat_map(|role| kinds.map(|kind| file_name(role, kind)));
     let ours = ["case.json", "import.json"].map(str::to_owned).into_iter().chain(films);
     match ours.map(|name| folder.join(name)).find(|path| path.exists()) {
         None => Ok(()),

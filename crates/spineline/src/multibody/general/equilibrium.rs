@@ -1,5 +1,5 @@
 use super::balance::{Balance, Factors, State};
-use super::loading::{BodyLoad, Timing};
+use super::loading::Timing;
 use super::newton::force_and_moment_at;
 use super::path::Stop;
 use super::stability::smallest_singular_value;
