@@ -124,5 +124,5 @@ fn the_posture_of_a_film_is_stated_by_the_user_or_by_its_case() {
     }
     // Films with a reading are left as they are.
     let (_, error, code) = run(here.path(), &["detect", "p/phantom-rod-01.json", "--out", "none"]);
-    assert!(code == 3 && error.contains("without a reading"), "{code} {error}");
+    assert!(code == 3 && error.contains("lacks a reading"), "{code} {error}");
 }

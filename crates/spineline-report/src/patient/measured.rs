@@ -61,7 +61,7 @@ pub fn noise_words(analysis: &Analysis) -> String {
         None => "assumed, since one reading does not show it".to_owned(),
     };
     format!(
-        "Landmark noise of a vertebra (standard deviation): {} and {}° ({from}).",
+        "Noise of a vertebra: {} and {}° (SD; {from}).",
         outline.scale.residual_text(noise.location_mm),
         fixed(noise.tilt.deg(), 1)
     )

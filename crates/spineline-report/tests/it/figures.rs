@@ -348,8 +348,8 @@ fn a_profile_has_a_panel_per_converged_line_and_a_name_per_multiplier() {
     let svg = profiles(&analysis, &found).expect("converged fits");
     assert!(svg.to_lowercase().contains("synthetic"));
     assert_eq!(svg.matches("rise of the sum of squares").count(), found.iter().flatten().count());
-    for name in analysis.models[0].groups.names() {
-        assert!(svg.contains(&name.replace('_', " ")), "{name}");
+    for name in analysis.models[0].groups.titles() {
+        assert!(svg.contains(&name), "{name}");
     }
     assert_eq!(svg, profiles(&analysis, &found).expect("the same"));
     assert_eq!(profiles(&analysis, &vec![None; found.len()]), None);

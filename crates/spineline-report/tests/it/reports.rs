@@ -74,7 +74,7 @@ fn page_one_sets_every_line_beside_predictions_without_mechanics() {
     assert!(sentences[2].contains("The inflection line predicts bends left out of the fit best"));
     assert!(sentences[3].contains("With the inflection line, all 3"));
     let table = tables(short)[0];
-    assert_eq!(table.rows.len(), compared.lines.len() + 3);
+    assert_eq!(table.rows.len(), compared.lines.len() + 4);
     for (i, row) in table.rows.iter().enumerate().take(compared.lines.len()) {
         let errors = compared.errors(i, FilmRole::LeftOutBend).expect("two bends");
         assert_eq!(row[2], format!("{:.1}", errors.location_mm));

@@ -117,7 +117,7 @@ mod tests {
             for (&part, u) in parts.iter().zip(cubic.at_parts(&parts)) {
                 let (place, tilt) = at(part);
                 // 419 mm long; its derivatives have the length of the chord, 400 mm.
-                assert!(cubic.location(u).distance_mm(place) < 2.0, "{part}");
+                assert!(cubic.location(u).distance_mm(place) < 4.0, "{part}");
                 assert!((cubic.tilt(u) - tilt).deg().abs() < 2.5, "{part}");
             }
         }
