@@ -1,4 +1,5 @@
-//! Which source file of a crate uses which other, through re-exports, outside of tests.
+//! Which source file of a crate uses which other, through re-exports, outside of tests. A name that a file hands on from its own
+//! modules does not count as its use.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
