@@ -74,8 +74,11 @@ impl TryFrom<String> for OrderRuleKey {
         Ok(Self(match text.as_str() {
             "leave_one_out" => OrderRule::LeaveOneOut,
             "paper" => OrderRule::Paper,
+            "two_inflections" => OrderRule::TwoInflections,
             order => OrderRule::Fixed(order.parse().map_err(|_| {
-                format!("`{text}` is neither `leave_one_out`, `paper`, nor an order")
+                format!(
+                    "`{text}` is neither `leave_one_out`, `two_inflections`, `paper`, nor an order"
+                )
             })?),
         }))
     }

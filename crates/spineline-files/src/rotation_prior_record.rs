@@ -24,7 +24,9 @@ pub(crate) struct RotationPriorRecord {
     bends: usize,
     /// By which part correlations between joints were reduced.
     shrinkage: f64,
-    /// Mean rotation of every joint in degrees, caudal first; positive to the right.
+    /// Change of a rotation per angle of its joint on the erect film.
+    erect_coefficient: f64,
+    /// Mean rotation in degrees of every joint that stands at zero on the erect film, caudal first; positive to the right.
     mean_deg: Vec<f64>,
     /// Covariance of the rotations in deg².
     covariance_deg2: Vec<Vec<f64>>,
@@ -44,6 +46,7 @@ impl RotationPriorRecord {
             patients,
             bends,
             shrinkage,
+            erect_coefficient: prior.erect_coefficient(),
             mean_deg: prior
                 .mean()
                 .iter()
@@ -70,7 +73,8 @@ impl RotationPriorRecord {
         let mean = self.mean_deg.iter().map(|&deg| Angle::from_deg(deg)).collect();
         let Self { patients, bends, shrinkage, .. } = *self;
         let source = PriorSource::Learned { patients, bends, shrinkage };
-        Ok(RotationPrior::new(levels, mean, covariance, source)?)
+        let prior = RotationPrior::new(levels, mean, covariance, source)?;
+        Ok(prior.with_erect_coefficient(self.erect_coefficient))
     }
 }
 

@@ -20,10 +20,11 @@ pub fn summary(learned: &LearnedRotations, synthetic: bool, generator: &str) -> 
     let subject = match prior.source() {
         PriorSource::Published => "published".to_owned(),
         PriorSource::Learned { patients, bends, shrinkage } => format!(
-            "{}, {}, correlations reduced by {} %",
+            "{}, {}, correlations reduced by {} %; {} of a joint's erect angle is added",
             counted(patients, "patient"),
             counted(bends, "bend"),
-            fixed(100.0 * shrinkage, 0)
+            fixed(100.0 * shrinkage, 0),
+            fixed(prior.erect_coefficient(), 2)
         ),
     };
     Document {
@@ -44,7 +45,10 @@ fn joints(prior: &RotationPrior) -> Table {
         Column::numbers("Standard deviation (°)"),
         Column::numbers("Correlation with the next joint"),
     ];
-    let mut table = Table::new("Rotation in a bend to the right", columns);
+    let mut table = Table::new(
+        "Rotation in a bend to the right, of a joint that is straight on the erect film",
+        columns,
+    );
     let covariance = prior.covariance_rad2();
     let sd = |joint: usize| covariance[(joint, joint)].sqrt();
     for (joint, [inferior, superior]) in prior.levels().joint_pairs().enumerate() {

@@ -14,7 +14,12 @@ export const readLoadMenu = (study: string, line: LineKindName, signal: AbortSig
   answerOf(api.GET("/api/studies/{study}/loads/{line}", { ...of(study, line), signal }));
 
 /** The model under the loads of a file, which is sent unchanged. */
-export const simulateLoads = (study: string, line: LineKindName, file: string, signal: AbortSignal) =>
+export const simulateLoads = (
+  study: string,
+  line: LineKindName,
+  file: string,
+  signal: AbortSignal,
+) =>
   answerOf(
     api.POST("/api/studies/{study}/loads/{line}", {
       ...of(study, line),

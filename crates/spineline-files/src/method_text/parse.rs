@@ -90,14 +90,18 @@ pub(super) fn film_lengths(text: &str) -> Result<FilmLengthRule, String> {
     }
 }
 
-/// `leave-one-out`, `paper` or an order.
+/// `leave-one-out`, `paper`, `two-inflections` or an order.
 pub(super) fn order_rule(text: &str) -> Result<OrderRule, String> {
     match text {
         "leave-one-out" => Ok(OrderRule::LeaveOneOut),
         "paper" => Ok(OrderRule::Paper),
+        "two-inflections" => Ok(OrderRule::TwoInflections),
         number => match usize::from_str(number) {
             Ok(order @ 4..=12) => Ok(OrderRule::Fixed(order)),
-            _ => Err("expected `leave-one-out`, `paper`, or an order from 4 to 12".to_owned()),
+            _ => Err(
+                "expected `leave-one-out`, `two-inflections`, `paper`, or an order from 4 to 12"
+                    .to_owned(),
+            ),
         },
     }
 }

@@ -26,8 +26,9 @@ pub(super) fn order_rule(rule: OrderRule) -> String {
         OrderRule::LeaveOneOut => {
             "smallest order whose error on left-out vertebrae is within 5 % of the best".to_owned()
         }
-        OrderRule::Paper => {
-            "the paper's: smallest residual among orders with two inflections".to_owned()
+        OrderRule::Paper => "the paper's: smallest residual, nearly always order 12".to_owned(),
+        OrderRule::TwoInflections => {
+            "smallest residual among orders with two inflections".to_owned()
         }
         OrderRule::Fixed(order) => format!("{order}, given"),
     }

@@ -59,8 +59,8 @@ fn left_out_bends_of_real_patients_have_the_errors_that_are_published() {
         (Baseline::MirroredBend, 6.4),
         (Baseline::PublishedMobility, 5.5),
         (Baseline::OtherPatients, 3.2),
-        (Baseline::RotationPrior, 3.2),
-        (Baseline::RotationPriorWithTilt, 1.9),
+        (Baseline::RotationPrior, 2.9),
+        (Baseline::RotationPriorWithTilt, 1.6),
         (Baseline::Cubic, 2.6),
     ] {
         let mut errors = cohort.baselines.errors.iter();

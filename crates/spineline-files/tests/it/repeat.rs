@@ -81,7 +81,8 @@ fn odd_rotation_prior() -> RotationPrior {
         square * if i == j { 4.0 / (i as f64 + 3.0) } else { 0.03 / (i * j + i + j) as f64 }
     });
     let source = PriorSource::Learned { patients: 7, bends: 13, shrinkage: 0.123_456_789 };
-    RotationPrior::new(Levels::COMPLETE, mean, covariance, source).expect("a covariance")
+    let prior = RotationPrior::new(Levels::COMPLETE, mean, covariance, source);
+    prior.expect("a covariance").with_erect_coefficient(-0.384_615)
 }
 
 #[test]

@@ -201,7 +201,7 @@ fn settings_of_the_noise_study() {
         NoisePoint {
             scenario: "rod",
             support: None,
-            order_rule: "paper".to_owned(),
+            order_rule: "two-inflections".to_owned(),
             noise_sd_mm: 0.0,
             claims: &none,
             lost: 20,

@@ -91,7 +91,7 @@ impl AnalysisOptions {
             tilt: TiltRule::Axis,
             // 2.1: one size of a pixel for all X-rays.
             film_lengths: FilmLengthRule::AsMarked,
-            // 2.3: the order with the least root mean square error; two inflections per spine in 3.1.
+            // 2.3: the order with the least root mean square error.
             order_rule: OrderRule::Paper,
             // 2.3: "the inflection points of the spine curvature in the erect position".
             inflections: InflectionChoice::Automatic,

@@ -4,7 +4,7 @@ use super::numbers::Numbers;
 use super::patient::CohortPatient;
 use crate::analysis::FilmRole;
 use crate::anatomy::Levels;
-use crate::evaluate::{Baseline, BaselinePrediction, RotationMoments, RotationPrior};
+use crate::evaluate::{Baseline, BaselinePrediction, BendRotations, RotationPrior};
 use crate::spatial::Angle;
 
 /// Groups of patients that are left out in turn: every patient alone in small cohorts.
@@ -59,43 +59,36 @@ impl<'a> Seen<'a> {
     }
 }
 
-/// The rotations of all patients but one: sums over their bends, as if all bent to the right.
+/// The rotations of all patients but one, as if all bent to the right.
 pub(super) struct Others {
     by_levels: Vec<Bends>,
-    /// By vertebrae and group a prior from the other groups; `None` where the others are too few.
-    priors: Vec<(Levels, Vec<Option<RotationPrior>>)>,
 }
 
-/// Sums over the bends of all patients with the same vertebrae.
+/// The bends of all patients with the same vertebrae.
 struct Bends {
     levels: Levels,
-    /// By group, up to the last one with a bend.
-    groups: Vec<RotationMoments>,
-    /// Of all groups.
-    all: RotationMoments,
+    count: usize,
+    /// By joint, in rad.
+    sums: Vec<f64>,
+    /// By group a prior from the other groups; `None` where the others are too few.
+    priors: Vec<Option<RotationPrior>>,
 }
 
 impl Others {
     pub fn of(patients: &[CohortPatient]) -> Self {
-        Self::of_bends(patients.iter().map(|patient| (patient.levels, &patient.bends[..])))
+        let bends: Vec<_> = patients.iter().map(|one| (one.levels, &one.bends[..])).collect();
+        Self::of_bends(&bends)
     }
 
-    fn of_bends<'a>(patients: impl Iterator<Item = (Levels, &'a [Vec<Angle>])>) -> Self {
-        let mut by_levels: Vec<Bends> = Vec::new();
-        for (place, (levels, bends)) in patients.enumerate() {
-            let Some(first) = bends.first() else { continue };
-            let same = by_levels.iter().position(|one| one.levels == levels);
-            let same = same.unwrap_or_else(|| {
-                by_levels.push(Bends::about(levels, first));
-                by_levels.len() - 1
-            });
-            by_levels[same].add(Self::group(place), bends);
+    /// `patients` have their vertebrae and bends.
+    fn of_bends(patients: &[(Levels, &[BendRotations])]) -> Self {
+        let mut known: Vec<Levels> = Vec::new();
+        for (levels, _) in patients.iter().filter(|(_, bends)| !bends.is_empty()) {
+            if !known.contains(levels) {
+                known.push(*levels);
+            }
         }
-        let priors = |bends: &Bends| {
-            (0..bends.groups.len()).map(|group| bends.prior_without(group)).collect()
-        };
-        let priors = by_levels.iter().map(|bends| (bends.levels, priors(bends))).collect();
-        Self { by_levels, priors }
+        Self { by_levels: known.into_iter().map(|levels| Bends::of(levels, patients)).collect() }
     }
 
     /// In a cohort of fewer patients than groups every patient is a group.
@@ -105,8 +98,8 @@ impl Others {
 
     /// A prior for the patient at a place of the cohort, from the patients of other groups.
     pub fn prior_of_others(&self, place: usize, levels: Levels) -> Option<&RotationPrior> {
-        let known = self.priors.iter().find(|one| one.0 == levels)?;
-        known.1.get(Self::group(place))?.as_ref()
+        let same = self.by_levels.iter().find(|one| one.levels == levels)?;
+        same.priors.get(Self::group(place))?.as_ref()
     }
 
     /// The patient at a place of the cohort.
@@ -118,36 +111,38 @@ impl Others {
 }
 
 impl Bends {
-    /// Without patients yet; rotations are relative to the rotations of one bend.
-    fn about(levels: Levels, centre: &[Angle]) -> Self {
-        Self { levels, groups: Vec::new(), all: RotationMoments::about(centre) }
-    }
-
-    fn add(&mut self, group: usize, bends: &[Vec<Angle>]) {
-        if self.groups.len() <= group {
-            self.groups.resize(group + 1, self.all.without_bends());
+    /// The bends of the patients who have these vertebrae.
+    fn of(levels: Levels, patients: &[(Levels, &[BendRotations])]) -> Self {
+        let same: Vec<(usize, &[BendRotations])> = patients
+            .iter()
+            .enumerate()
+            .filter(|(_, (own, _))| *own == levels)
+            .map(|(place, (_, bends))| (Others::group(place), *bends))
+            .collect();
+        let all = || same.iter().flat_map(|(_, bends)| bends.iter());
+        let sum = |joint: usize| all().map(|bend| bend.rotations[joint].rad()).sum();
+        let without = |group: usize| {
+            let others = same.iter().filter(|(other, _)| *other != group);
+            let others: Vec<&[BendRotations]> = others.map(|(_, bends)| *bends).collect();
+            RotationPrior::learned(levels, &others).ok()
+        };
+        let groups = patients.len().min(MAX_GROUPS);
+        Self {
+            levels,
+            count: all().count(),
+            sums: (0..levels.joints()).map(sum).collect(),
+            priors: (0..groups).map(without).collect(),
         }
-        self.groups[group].add(bends);
-        self.all.add(bends);
     }
 
     /// The mean over the bends of all other patients than one with these bends; `None` without any.
-    fn mean_of_others(&self, own: &[Vec<Angle>]) -> Option<Vec<Angle>> {
-        let all = self.all.bends();
-        let others = all - own.len();
-        let of_others = |(joint, mean): (usize, Angle)| {
-            let of_own: f64 = own.iter().map(|bend| bend[joint].rad()).sum();
-            Angle::from_rad((mean.rad() * all as f64 - of_own) / others as f64)
+    fn mean_of_others(&self, own: &[BendRotations]) -> Option<Vec<Angle>> {
+        let others = self.count - own.len();
+        let of_others = |(joint, sum): (usize, &f64)| {
+            let of_own: f64 = own.iter().map(|bend| bend.rotations[joint].rad()).sum();
+            Angle::from_rad((sum - of_own) / others as f64)
         };
-        (others > 0).then(|| self.all.mean().into_iter().enumerate().map(of_others).collect())
-    }
-
-    fn prior_without(&self, group: usize) -> Option<RotationPrior> {
-        let mut others = self.all.without_bends();
-        for (_, moments) in self.groups.iter().enumerate().filter(|(other, _)| *other != group) {
-            others.merge(moments);
-        }
-        RotationPrior::from_moments(self.levels, &others).ok()
+        (others > 0).then(|| self.sums.iter().enumerate().map(of_others).collect())
     }
 }
 
@@ -157,10 +152,13 @@ mod tests {
     use crate::anatomy::Level;
     use crate::evaluate::PriorSource;
 
-    fn bends(patient: usize, joints: usize) -> Vec<Vec<Angle>> {
+    fn bends(patient: usize, joints: usize) -> Vec<BendRotations> {
         let bend = |bend: usize| {
             let of = |joint: usize| ((5 * patient + 3 * bend + joint) as f64 * 1.3).sin();
-            (0..joints).map(|joint| Angle::from_deg(3.0 + 2.0 * of(joint))).collect()
+            let angles = |factor: f64| -> Vec<Angle> {
+                (0..joints).map(|joint| Angle::from_deg(3.0 + factor * of(joint))).collect()
+            };
+            BendRotations { rotations: angles(2.0), erect: angles(5.0 - 3.0 * bend as f64) }
         };
         (0..patient % 3).map(bend).collect()
     }
@@ -172,7 +170,9 @@ mod tests {
         let levels = |patient: usize| if patient % 4 == 3 { fewer } else { Levels::COMPLETE };
         for patients in [1, 7, 43] {
             let own: Vec<_> = (0..patients).map(|one| bends(one, levels(one).joints())).collect();
-            let others = Others::of_bends((0..patients).map(|one| (levels(one), &own[one][..])));
+            let of_patients: Vec<_> =
+                (0..patients).map(|one| (levels(one), &own[one][..])).collect();
+            let others = Others::of_bends(&of_patients);
             for place in (0..patients).filter(|&place| !own[place].is_empty()) {
                 let is_other = |&one: &usize| {
                     one % MAX_GROUPS != place % MAX_GROUPS && levels(one) == levels(place)
@@ -187,6 +187,7 @@ mod tests {
                     PriorSource::Published => panic!("learned"),
                 };
                 assert_eq!(counts(found), counts(&expected));
+                assert_eq!(found.erect_coefficient(), expected.erect_coefficient());
                 let off = found.covariance_rad2() - expected.covariance_rad2();
                 assert!(off.amax() < 1e-15, "{off}");
                 let off = found.mean().iter().zip(expected.mean()).map(|(a, b)| (*a - *b).deg());

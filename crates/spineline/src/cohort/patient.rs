@@ -7,14 +7,13 @@ use crate::analysis::{
     Analysis, ComparedFilm, ComparedLine, FilmMovement, FilmRole, LineModel, LinesCompared,
     ferguson_errors_deg,
 };
-use crate::anatomy::{Levels, Posture, Side, named};
+use crate::anatomy::{Levels, Posture, named};
 use crate::evaluate::statistics::Summary;
-use crate::evaluate::{Baseline, FilmFromTop, Links, Simulation, joint_rotations};
+use crate::evaluate::{Baseline, BendRotations, FilmFromTop, Links, Simulation};
 use crate::hypothesis::{Hypothesis, HypothesisFit, Role};
 use crate::motion::SegmentEstimate;
 use crate::multibody::MatchStatus;
 use crate::personalize::TestOutcome;
-use crate::spatial::Angle;
 
 /// The numbers of a patient that enter a [`super::Cohort`].
 ///
@@ -41,7 +40,7 @@ pub struct CohortPatient {
     /// The other films, as T2 predicts them.
     pub(super) from_top: Box<[FilmFromTop]>,
     /// Rotations of every bend, as if it were to the right.
-    pub(super) bends: Vec<Vec<Angle>>,
+    pub(super) bends: Vec<BendRotations>,
     /// Lines with a model that are not fitted to the films: the test of a single force along them, of all bends together.
     pub(super) tested: Box<[(LineKind, TestOutcome)]>,
     /// The same of every bend alone.
@@ -172,8 +171,8 @@ impl CohortPatient {
             has_rotation_prior: analysis.options.rotation_prior.is_some(),
             films: movement.films.iter().map(PatientFilm::of).collect(),
             links: Links::of(erect),
-            from_top: moved.map(|film| FilmFromTop::of(erect, film)).collect(),
-            bends: bend_rotations(analysis),
+            from_top: moved.clone().map(|film| FilmFromTop::of(erect, film)).collect(),
+            bends: moved.filter_map(|film| BendRotations::of(erect, film)).collect(),
             tested: tested.collect(),
             tested_bends: tested_bends(analysis),
             lines: compared.lines.as_slice().into(),
@@ -352,20 +351,6 @@ fn hypotheses_mm(
         Some(((place, hypothesis), &prediction.location_errors_mm[..]))
     });
     Numbers::of(on_films)
-}
-
-/// Rotations of every bend, as if it were to the right.
-fn bend_rotations(analysis: &Analysis) -> Vec<Vec<Angle>> {
-    let erect = &analysis.movement.films[0].outline;
-    let bends = analysis.movement.films.iter().filter_map(|film| {
-        let sign = match film.outline.posture.bend()? {
-            Side::Right => 1.0,
-            Side::Left => -1.0,
-        };
-        let rotations = joint_rotations(erect, &film.outline);
-        Some(rotations.into_iter().map(|rotation| rotation * sign).collect())
-    });
-    bends.collect()
 }
 
 /// Rotations of all segments over all films.

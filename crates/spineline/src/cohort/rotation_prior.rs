@@ -4,8 +4,7 @@ use super::others::Others;
 use super::{Clustered, CohortPatient, RESAMPLES};
 use crate::anatomy::Levels;
 use crate::evaluate::statistics::{Resampling, Summary};
-use crate::evaluate::{Baseline, RotationPrior, RotationPriorError};
-use crate::spatial::Angle;
+use crate::evaluate::{Baseline, BendRotations, RotationPrior, RotationPriorError};
 
 /// A prior of joint rotations, and how well such priors predict.
 #[derive(Debug, Clone, PartialEq)]
@@ -36,10 +35,10 @@ pub fn learn_rotation_prior(
         return Err(RotationPriorError::TooFewPatients { patients, needed });
     }
     let levels = common_levels(all).ok_or(RotationPriorError::NoCommonJoints)?;
-    let common = |patient: &CohortPatient| -> Vec<Vec<Angle>> {
+    let common = |patient: &CohortPatient| -> Vec<BendRotations> {
         let first = patient.levels.index_of(levels.base()).unwrap_or_default();
         let joints = first..first + levels.joints();
-        patient.bends.iter().map(|bend| bend[joints.clone()].to_vec()).collect()
+        patient.bends.iter().map(|bend| bend.of_joints(joints.clone())).collect()
     };
     let prior = RotationPrior::learned(levels, &all.iter().map(common).collect::<Vec<_>>())?;
     let others = Others::of(all);

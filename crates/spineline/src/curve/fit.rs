@@ -14,19 +14,23 @@ pub enum OrderRule {
     /// The smallest order whose error on left-out vertebrae is within 5 % of the best.
     #[default]
     LeaveOneOut,
-    /// The paper's: the least residual, here among the orders that give exactly two inflections.
+    /// The paper's: the least residual of locations and tilts. The highest order nearly always has it.
     Paper,
+    /// The least residual among the orders that give exactly two inflections; without such an order, the rule of [`Self::LeaveOneOut`]
+    /// and a warning.
+    TwoInflections,
     /// A given order, 4 to 12.
     Fixed(usize),
 }
 
 impl OrderRule {
-    /// The name used in files: `leave_one_out`, `paper`, or the order.
+    /// The name used in files: `leave_one_out`, `paper`, `two_inflections`, or the order.
     #[must_use]
     pub fn key(self) -> String {
         match self {
             Self::LeaveOneOut => "leave_one_out".to_owned(),
             Self::Paper => "paper".to_owned(),
+            Self::TwoInflections => "two_inflections".to_owned(),
             Self::Fixed(order) => order.to_string(),
         }
     }
@@ -120,28 +124,35 @@ fn fit_by_rule(
     rule: OrderRule,
     warnings: &mut Warnings,
 ) -> Result<CurveFit, CurveError> {
-    if let OrderRule::Fixed(order) = rule {
-        return if orders_of(outline).contains(&order) {
+    let by_leaving_out =
+        || fit_order(outline, form, best_left_out(&left_out_errors(outline, form)?));
+    let all = || -> Result<Vec<CurveFit>, CurveError> {
+        orders_of(outline).map(|order| fit_order(outline, form, order)).collect()
+    };
+    match rule {
+        OrderRule::Fixed(order) if orders_of(outline).contains(&order) => {
             fit_order(outline, form, order)
-        } else {
-            Err(CurveError::Order { order, limit: *orders_of(outline).end() })
-        };
-    }
-    if rule == OrderRule::Paper {
-        let fits: Vec<CurveFit> = orders_of(outline)
-            .map(|order| fit_order(outline, form, order))
-            .collect::<Result<_, _>>()?;
-        if let Some(fit) = least_residual_with_two_inflections(outline, &fits) {
-            return Ok(fit.clone());
         }
-        let text = format!(
-            "no order from {} to {} gives exactly two inflections; the order is chosen by leaving vertebrae out",
-            ORDERS.start(),
-            orders_of(outline).end()
-        );
-        warnings.film(WarningCode::NoOrderWithTwoInflections, outline.posture, text);
+        OrderRule::Fixed(order) => {
+            Err(CurveError::Order { order, limit: *orders_of(outline).end() })
+        }
+        OrderRule::LeaveOneOut => by_leaving_out(),
+        OrderRule::Paper => Ok(least_residual(outline, all()?).expect("a film has an order")),
+        OrderRule::TwoInflections => {
+            let mut fits = all()?;
+            fits.retain(|fit| find_inflections(fit, MIN_TURN).all.len() == 2);
+            if let Some(fit) = least_residual(outline, fits) {
+                return Ok(fit);
+            }
+            let text = format!(
+                "no order from {} to {} gives exactly two inflections; the order is chosen by leaving vertebrae out",
+                ORDERS.start(),
+                orders_of(outline).end()
+            );
+            warnings.film(WarningCode::NoOrderWithTwoInflections, outline.posture, text);
+            by_leaving_out()
+        }
     }
-    fit_order(outline, form, best_left_out(&left_out_errors(outline, form)?))
 }
 
 /// Error of every order on vertebrae that were left out of its fit.
@@ -190,16 +201,12 @@ fn best_left_out(errors: &[(usize, f64)]) -> usize {
     good.expect("the best is one of them").0
 }
 
-fn least_residual_with_two_inflections<'a>(
-    outline: &Outline,
-    fits: &'a [CurveFit],
-) -> Option<&'a CurveFit> {
+/// The fit with the least residual of locations and tilts, each over its noise.
+fn least_residual(outline: &Outline, fits: Vec<CurveFit>) -> Option<CurveFit> {
     let combined = |fit: &CurveFit| {
         fit.rmse_mm / outline.noise.location_mm + fit.rmse_tilt.rad() / outline.noise.tilt.rad()
     };
-    fits.iter()
-        .filter(|fit| find_inflections(fit, MIN_TURN).all.len() == 2)
-        .min_by(|a, b| combined(a).total_cmp(&combined(b)))
+    fits.into_iter().min_by(|a, b| combined(a).total_cmp(&combined(b)))
 }
 
 /// The weighted rows of the fit: `matrix · coefficients ≈ target`, in blocks of one vertebra each. Where vertebrae share errors, they are

@@ -10,8 +10,8 @@
 //! length, and [`CurveForm::Parametric`] says so.
 //!
 //! # Departures from the paper
-//! The paper takes the order with the least residual. On films marked by hand a high order invents inflections, so the
-//! default takes the order that best predicts a vertebra left out of the fit ([`OrderRule::LeaveOneOut`]).
+//! The paper takes the order with the least residual ([`OrderRule::Paper`]). On films marked by hand a high order invents inflections,
+//! so the default takes the order that best predicts a vertebra left out of the fit ([`OrderRule::LeaveOneOut`]).
 //!
 //! # References
 //! [jalalian-loa], section 2.3.

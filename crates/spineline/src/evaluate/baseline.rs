@@ -87,6 +87,11 @@ pub(super) fn joint_rotations_of(erect: &Outline, tilt: impl Fn(usize) -> Angle)
     (1..erect.vertebrae.len()).map(|i| (turn(i) - turn(i - 1)).wrapped()).collect()
 }
 
+/// Angle of every joint of a film, caudal first; positive to the patient's right.
+pub(super) fn joint_angles(film: &Outline) -> Vec<Angle> {
+    film.vertebrae.windows(2).map(|pair| (pair[1].tilt - pair[0].tilt).wrapped()).collect()
+}
+
 /// How far the top turns from the erect film against the base.
 fn turn_of_top(erect: &Outline, film: &Outline) -> Angle {
     let last = film.vertebrae.len() - 1;
@@ -130,7 +135,7 @@ pub fn predict_baseline(
 ///
 /// # Definition
 /// As [`predict_baseline`], with the most probable rotations and scale: the minimum of the squared distances, each over its
-/// variance, of T2 from where it was marked, of the rotations from their mean, of the scale from one and, where the baseline
+/// variance, of T2 from where it was marked, of the rotations from their mean at these erect angles, of the scale from one and, where the baseline
 /// knows it, of the tilt of T2. Learned means are mirrored for a bend to the left.
 ///
 /// # Panics
@@ -198,7 +203,7 @@ impl FilmFromTop {
         prior: &RotationPrior,
         erect: &Links,
     ) -> BaselinePrediction {
-        let joints = prior.mean_of(self.posture).into_iter().map(Angle::rad);
+        let joints = prior.mean_of(self.posture, &erect.joint_angles).into_iter().map(Angle::rad);
         let mean = DVector::from_iterator(prior.mean().len(), joints);
         let rotations = Rotations { mean, basis: prior.root().clone(), is_free: false };
         self.by_rotations(baseline, &rotations, erect)
@@ -210,7 +215,7 @@ impl FilmFromTop {
         rotations: &Rotations,
         erect: &Links,
     ) -> BaselinePrediction {
-        assert_eq!(rotations.mean.len(), erect.0.len(), "one rotation per joint");
+        assert_eq!(rotations.mean.len(), erect.links.len(), "one rotation per joint");
         let turn = baseline.knows_tilt().then(|| self.turn.map(Angle::rad));
         let fit = TopFit { links: erect, rotations, film: self, turn };
         let unknowns = fit.unknowns();
@@ -326,20 +331,29 @@ impl TopFit<'_> {
     }
 }
 
-/// The links of the erect spine, caudal first.
+/// The erect spine, caudal first.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Links(pub Vec<Frontal>);
+pub(crate) struct Links {
+    /// From every vertebra to the next.
+    pub links: Vec<Frontal>,
+    /// Angle of every joint.
+    pub joint_angles: Vec<Angle>,
+}
 
 impl Links {
     pub fn of(erect: &Outline) -> Self {
-        Self(erect.vertebrae.windows(2).map(|pair| pair[1].location - pair[0].location).collect())
+        let pairs = erect.vertebrae.windows(2);
+        Self {
+            links: pairs.map(|pair| pair[1].location - pair[0].location).collect(),
+            joint_angles: joint_angles(erect),
+        }
     }
 
     /// The spine after every joint turns.
     fn carried(&self, rotations: &DVector<f64>) -> Carried {
         let (mut end, mut turned, mut before) = (Frontal::default(), 0.0, (0.0, 1.0));
         let mut carried = Carried { locations: vec![end], upper_halves: Vec::new() };
-        for (link, joint) in self.0.iter().zip(rotations.iter()) {
+        for (link, joint) in self.links.iter().zip(rotations.iter()) {
             turned += joint;
             let after = f64::sin_cos(turned);
             let upper_half = link.rotated_by(after) * 0.5;

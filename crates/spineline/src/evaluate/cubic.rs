@@ -41,7 +41,7 @@ pub(crate) fn predict_cubic(erect: &Outline, film: &Outline) -> BaselinePredicti
 /// The part of the length from the base to T2 at which every vertebra of the erect film lies, from 0 to 1.
 fn parts(erect: &Outline) -> Vec<f64> {
     let mut reached = vec![0.0];
-    for link in &Links::of(erect).0 {
+    for link in &Links::of(erect).links {
         reached.push(reached[reached.len() - 1] + link.norm_mm());
     }
     let all = reached[reached.len() - 1];

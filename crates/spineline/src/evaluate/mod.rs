@@ -6,11 +6,11 @@
 //! [jalalian-loa], sections 3.2 and 4.
 
 mod baseline;
+mod bend_rotations;
 mod cubic;
 mod mobility;
 pub mod paired;
 mod prediction;
-mod rotation_moments;
 mod rotation_prior;
 mod simulate;
 pub mod statistics;
@@ -19,11 +19,11 @@ pub use baseline::{
     Baseline, BaselinePrediction, joint_rotations, predict_baseline, predict_from_prior,
 };
 pub(crate) use baseline::{FilmFromTop, Links, turn_of_top_sd};
+pub use bend_rotations::BendRotations;
 pub(crate) use cubic::predict_cubic;
 pub use mobility::published_lateral_bending;
 pub use prediction::predict;
 pub(crate) use prediction::{ScaledPrediction, at_scale_of_top};
-pub(crate) use rotation_moments::RotationMoments;
 pub use rotation_prior::{PriorSource, RotationPrior, RotationPriorError};
 pub use simulate::{
     Alternative, ForceChoice, NearbyMatch, Simulation, Target, location_errors_mm, simulate,

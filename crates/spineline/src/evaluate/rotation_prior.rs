@@ -2,12 +2,14 @@
 
 use nalgebra::DMatrix;
 
+use super::bend_rotations::{BendRotations, BendStatistics};
 use super::mobility::published_lateral_bending;
-use super::rotation_moments::RotationMoments;
 use crate::anatomy::{Levels, Posture, Side};
 use crate::spatial::Angle;
 
 /// Normal distribution of the joint rotations of a bend to the right; a bend to the left has its mirror image.
+///
+/// The mean rotation of a joint depends on its angle on the erect film, by one coefficient for all joints.
 ///
 /// It has no mechanics. Learned from a cohort ([`RotationPrior::learned`]) or taken from published mobilities
 /// ([`RotationPrior::published`]).
@@ -15,6 +17,7 @@ use crate::spatial::Angle;
 pub struct RotationPrior {
     levels: Levels,
     mean: Vec<Angle>,
+    erect_coefficient: f64,
     covariance_rad2: DMatrix<f64>,
     /// Lower triangle whose product with its transpose is the covariance.
     root: DMatrix<f64>,
@@ -102,7 +105,13 @@ impl RotationPrior {
         let symmetric = covariance_rad2 == covariance_rad2.transpose();
         let root = covariance_rad2.clone().cholesky().filter(|_| symmetric);
         let root = root.ok_or(RotationPriorError::NoCovariance)?.l();
-        Ok(Self { levels, mean, covariance_rad2, root, source })
+        Ok(Self { levels, mean, erect_coefficient: 0.0, covariance_rad2, root, source })
+    }
+
+    /// The same with another change of a rotation per angle of its joint on the erect film; it is zero without this.
+    #[must_use]
+    pub fn with_erect_coefficient(self, erect_coefficient: f64) -> Self {
+        Self { erect_coefficient, ..self }
     }
 
     /// The published prior.
@@ -133,7 +142,8 @@ impl RotationPrior {
     /// Learns from the bends of patients, each as if it were to the right.
     ///
     /// # Definition
-    /// Mean and covariance over all bends; every correlation between two joints is multiplied by `1 - λ`, where `λ` is the
+    /// Rotations are `m_j + b e_j` with the angle `e_j` of the joint on the erect film; `b`, one for all joints, is the least-squares slope
+    /// about the joints' means. Mean and covariance are over all bends; every correlation between two joints is multiplied by `1 - λ`, where `λ` is the
     /// sum of the variances of the correlations over the sum of their squares [schafer-strimmer-2005]; (0.5°)² of noise are
     /// added to every variance.
     ///
@@ -144,28 +154,19 @@ impl RotationPrior {
     /// If a bend has not one rotation per joint.
     pub fn learned(
         levels: Levels,
-        patients: &[impl AsRef<[Vec<Angle>]>],
+        patients: &[impl AsRef<[BendRotations]>],
     ) -> Result<Self, RotationPriorError> {
-        let first = patients.iter().find_map(|bends| bends.as_ref().first());
-        let centre = first.cloned().unwrap_or_else(|| vec![Angle::ZERO; levels.joints()]);
-        assert_eq!(centre.len(), levels.joints(), "one rotation per joint");
-        let mut moments = RotationMoments::about(&centre);
-        patients.iter().for_each(|bends| moments.add(bends.as_ref()));
-        Self::from_moments(levels, &moments)
-    }
-
-    /// As [`Self::learned`], from sums over the bends.
-    pub(crate) fn from_moments(
-        levels: Levels,
-        moments: &RotationMoments,
-    ) -> Result<Self, RotationPriorError> {
-        let (patients, needed) = (moments.patients(), Self::MIN_PATIENTS);
+        let bends: Vec<&BendRotations> = patients.iter().flat_map(AsRef::as_ref).collect();
+        let with_bend = patients.iter().filter(|bends| !bends.as_ref().is_empty());
+        let (patients, needed) = (with_bend.count(), Self::MIN_PATIENTS);
         if patients < needed {
             return Err(RotationPriorError::TooFewPatients { patients, needed });
         }
-        let sample = moments.covariance_rad2();
-        let shrinkage = correlation_shrinkage(moments, &sample);
-        let covariance_rad2 = DMatrix::from_fn(moments.joints(), moments.joints(), |i, j| {
+        let joints = levels.joints();
+        let found = BendStatistics::of(joints, &bends);
+        let sample = found.covariance();
+        let shrinkage = correlation_shrinkage(&found, &sample);
+        let covariance_rad2 = DMatrix::from_fn(joints, joints, |i, j| {
             if i == j {
                 sample[(i, i)] + Self::NOISE.rad().powi(2)
             } else {
@@ -173,8 +174,10 @@ impl RotationPrior {
                 (1.0 - shrinkage) * sample[(i.max(j), i.min(j))]
             }
         });
-        let source = PriorSource::Learned { patients, bends: moments.bends(), shrinkage };
-        Self::new(levels, moments.mean(), covariance_rad2, source)
+        let source = PriorSource::Learned { patients, bends: bends.len(), shrinkage };
+        let mean = found.mean.iter().map(|&rad| Angle::from_rad(rad)).collect();
+        let prior = Self::new(levels, mean, covariance_rad2, source)?;
+        Ok(prior.with_erect_coefficient(found.erect_coefficient))
     }
 
     /// Vertebrae whose joints it describes.
@@ -183,17 +186,25 @@ impl RotationPrior {
         self.levels
     }
 
-    /// Mean rotation of every joint, caudal first; positive to the right.
+    /// Mean rotation of every joint that stands at zero on the erect film, caudal first; positive to the right.
     #[must_use]
     pub fn mean(&self) -> &[Angle] {
         &self.mean
     }
 
-    /// Mean rotation of every joint in a posture: mirrored for a bend to the left.
+    /// Change of a rotation per angle of its joint on the erect film.
     #[must_use]
-    pub fn mean_of(&self, posture: Posture) -> Vec<Angle> {
+    pub const fn erect_coefficient(&self) -> f64 {
+        self.erect_coefficient
+    }
+
+    /// Mean rotation of every joint in a posture, by its angle on the erect film: mirrored for a bend to the left.
+    #[must_use]
+    pub fn mean_of(&self, posture: Posture, erect: &[Angle]) -> Vec<Angle> {
         let sign = if posture.bend() == Some(Side::Left) { -1.0 } else { 1.0 };
-        self.mean.iter().map(|&joint| joint * sign).collect()
+        let joint =
+            |(&mean, &erect): (&Angle, &Angle)| mean * sign + erect * self.erect_coefficient;
+        self.mean.iter().zip(erect).map(joint).collect()
     }
 
     /// Covariance of the rotations, in rad².
@@ -221,24 +232,25 @@ impl RotationPrior {
         let joints = levels.joints();
         let mean = self.mean[first..first + joints].to_vec();
         let covariance = self.covariance_rad2.view((first, first), (joints, joints)).into_owned();
-        Self::new(levels, mean, covariance, self.source).ok()
+        let part = Self::new(levels, mean, covariance, self.source).ok()?;
+        Some(part.with_erect_coefficient(self.erect_coefficient))
     }
 }
 
 /// The part by which correlations are reduced: the sum of their variances over the sum of their squares.
 ///
 /// `sample` is the covariance of the bends.
-fn correlation_shrinkage(moments: &RotationMoments, sample: &DMatrix<f64>) -> f64 {
-    let bends = moments.bends() as f64;
+fn correlation_shrinkage(found: &BendStatistics, sample: &DMatrix<f64>) -> f64 {
+    let bends = found.deviations.nrows() as f64;
     let (mut variances, mut squares) = (0.0, 0.0);
-    for i in 0..moments.joints() {
+    for i in 0..sample.nrows() {
         for j in 0..i {
             let sizes = sample[(i, i)] * sample[(j, j)];
             // Joints that never move lack a correlation.
             if sizes == 0.0 {
                 continue;
             }
-            variances += bends / (bends - 1.0).powi(3) * moments.spread_of_products(i, j) / sizes;
+            variances += bends / (bends - 1.0).powi(3) * found.spread_of_products(i, j) / sizes;
             squares += sample[(i, j)].powi(2) / sizes;
         }
     }

@@ -106,11 +106,13 @@ impl<'s, 'a> TopFit<'s, 'a> {
         let joints = spine.model.joints.len();
         let size = size_factor(&loaded, joints, components, hypothesis.base.angles())?;
         let erect = &spine.erect.vertebrae;
-        let rotations = spine.rotations.mean_of(film.outline.posture);
-        let mean = rotations.into_iter().zip(erect.windows(2)).map(|(rotation, pair)| {
-            let angle = (pair[1].tilt - pair[0].tilt).wrapped();
-            angle.rad() + rotation.rad()
-        });
+        let angles: Vec<Angle> =
+            erect.windows(2).map(|pair| (pair[1].tilt - pair[0].tilt).wrapped()).collect();
+        let rotations = spine.rotations.mean_of(film.outline.posture, &angles);
+        let mean = rotations
+            .into_iter()
+            .zip(&angles)
+            .map(|(rotation, angle)| angle.rad() + rotation.rad());
         let factor = film.outline.length.scale.factor;
         let weights = ShapeWeights::of_difference(&film.outline.noise, &spine.erect.noise);
         Some(Self {

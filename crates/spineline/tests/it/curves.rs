@@ -93,7 +93,7 @@ proptest! {
     #[test]
     fn a_polynomial_of_degree_six_is_recovered((curve, p, q) in any_polynomial()) {
         let outline = curve.outline();
-        for rule in [OrderRule::Fixed(6), OrderRule::Fixed(9), OrderRule::LeaveOneOut, OrderRule::Paper] {
+        for rule in [OrderRule::Fixed(6), OrderRule::Fixed(9), OrderRule::LeaveOneOut, OrderRule::TwoInflections, OrderRule::Paper] {
             let fit = fit(&outline, rule);
             prop_assert!(fit.order >= 6, "order {}", fit.order);
             assert_near(fit.rmse_mm, 0.0, RESIDUAL_MM, "residual");
@@ -248,7 +248,7 @@ fn intervals_hold_the_inflections_of_a_curve_that_is_not_a_polynomial() {
 }
 
 #[test]
-fn the_paper_rule_takes_an_order_with_two_inflections() {
+fn one_rule_takes_an_order_with_two_inflections_and_the_papers_the_least_residual() {
     // Oracle: the curve was made with two, and noise that a high order would follow.
     let curve = Polynomial::with_inflections(390.0, 80.0, 0.33, 0.72);
     let mut draw = common::Draw::new(3);
@@ -258,10 +258,19 @@ fn the_paper_rule_takes_an_order_with_two_inflections() {
         vertebra.location = vertebra.location + shift;
         vertebra.tilt = vertebra.tilt + Angle::from_deg(draw.between(-2.0, 2.0));
     }
+    let two = fit(&outline, OrderRule::TwoInflections);
+    assert_eq!(find_inflections(&two, MIN_TURN).all.len(), 2);
+    // The default leaves the noise alone: its order is not above the others, which have the least residual.
+    assert!(fit(&outline, OrderRule::LeaveOneOut).order <= two.order);
     let paper = fit(&outline, OrderRule::Paper);
-    assert_eq!(find_inflections(&paper, MIN_TURN).all.len(), 2);
-    // The default leaves the noise alone: its order is not above the paper's, which has the least residual.
-    assert!(fit(&outline, OrderRule::LeaveOneOut).order <= paper.order);
+    for order in 4..=12 {
+        let other = fit(&outline, OrderRule::Fixed(order));
+        let sum = |fit: &CurveFit| {
+            fit.rmse_mm / outline.noise.location_mm + fit.rmse_tilt.rad() / outline.noise.tilt.rad()
+        };
+        assert!(sum(&paper) <= sum(&other), "{order}");
+    }
+    assert!(two.order <= paper.order && find_inflections(&paper, MIN_TURN).all.len() > 2);
 }
 
 #[test]

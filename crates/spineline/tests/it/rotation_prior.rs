@@ -3,7 +3,7 @@
 use nalgebra::{DMatrix, DVector};
 use spineline::anatomy::{Level, Levels, Posture};
 use spineline::evaluate::{
-    Baseline, BaselinePrediction, PriorSource, RotationPrior, RotationPriorError,
+    Baseline, BaselinePrediction, BendRotations, PriorSource, RotationPrior, RotationPriorError,
     predict_from_prior,
 };
 use spineline::measure::{FilmLength, Outline};
@@ -139,9 +139,12 @@ fn mean_covariance_and_shrinkage_follow_from_the_bends() {
         [1.5, 3.5, 0.0],
         [2.5, 3.0, 2.0],
     ];
-    let mut patients: Vec<Vec<Vec<Angle>>> =
-        bends[..4].iter().map(|bend| vec![degrees(bend)]).collect();
-    patients.push(bends[4..].iter().map(|bend| degrees(bend)).collect());
+    // Straight on the erect film.
+    let bend =
+        |bend: &[f64; 3]| BendRotations { rotations: degrees(bend), erect: vec![Angle::ZERO; 3] };
+    let mut patients: Vec<Vec<BendRotations>> =
+        bends[..4].iter().map(|one| vec![bend(one)]).collect();
+    patients.push(bends[4..].iter().map(bend).collect());
     patients.push(Vec::new());
     let prior = RotationPrior::learned(levels, &patients).expect("five patients");
     let PriorSource::Learned { patients: with_bend, bends: films, shrinkage } = prior.source()

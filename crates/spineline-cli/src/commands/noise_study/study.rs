@@ -18,12 +18,12 @@ pub const NOISE_MM: [f64; 7] = [0.0, 0.1, 0.2, 0.35, 0.5, 0.7, 1.0];
 /// How the films are analysed.
 pub const WAYS: [Way; 7] = [
     Way { rule: OrderRule::LeaveOneOut, support: Some(Support::Free) },
-    Way { rule: OrderRule::Paper, support: Some(Support::Free) },
+    Way { rule: OrderRule::TwoInflections, support: Some(Support::Free) },
     Way { rule: OrderRule::Fixed(6), support: Some(Support::Free) },
     Way { rule: OrderRule::Fixed(9), support: None },
     Way { rule: OrderRule::Fixed(12), support: None },
     Way { rule: OrderRule::LeaveOneOut, support: Some(Support::Frontal) },
-    Way { rule: OrderRule::Paper, support: Some(Support::Frontal) },
+    Way { rule: OrderRule::TwoInflections, support: Some(Support::Frontal) },
 ];
 
 /// One way to analyse films.
@@ -40,6 +40,7 @@ impl Way {
         match self.rule {
             OrderRule::LeaveOneOut => "leave-one-out".to_owned(),
             OrderRule::Paper => "paper".to_owned(),
+            OrderRule::TwoInflections => "two-inflections".to_owned(),
             OrderRule::Fixed(order) => format!("order {order}"),
         }
     }
