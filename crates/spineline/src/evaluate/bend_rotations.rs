@@ -130,7 +130,8 @@ mod tests {
         assert!((found.erect_coefficient + 0.38).abs() < 1e-12);
         assert!(found.deviations.amax() < 1e-14);
         for (joint, mean) in found.mean.iter().enumerate() {
-            assert!((mean.to_degrees() - (4.0 - joint as f64)).abs() < 1e-12, "{joint}");
+            let mean_deg = Angle::from_rad(*mean).deg();
+            assert!((mean_deg - (4.0 - joint as f64)).abs() < 1e-12, "{joint}");
         }
     }
 
