@@ -13,7 +13,7 @@ pub struct Patient<'a> {
     pub case: &'a Case,
     /// The results.
     pub analysis: &'a Analysis,
-    /// Images of the films, where available; [`summary`] shows none.
+    /// Images of the films, where available; [`summary`](super::summary()) shows none.
     pub pictures: &'a [FilmPicture],
     /// Identifiability of every model's multipliers, in the order of the models; `None` where it was not requested.
     pub identifiability: Option<&'a [Option<Identifiability>]>,
@@ -21,6 +21,6 @@ pub struct Patient<'a> {
     pub uncertainty: Option<&'a Uncertainty>,
     /// Program that makes the report.
     pub generator: &'a str,
-    /// The analysis as JSON, to be embedded; [`summary`] does not show it.
+    /// The analysis as JSON, to be embedded; [`summary`](super::summary()) does not show it.
     pub json: &'a str,
 }

@@ -10,7 +10,7 @@ use crate::spatial::Frontal;
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum FilmLengthRule {
     /// Every film has its own scale. Its logarithm is normal about zero with this standard deviation, or with the standard deviation
-    /// of both stated scales if both films state one ([`LengthScale::relative_sd`]).
+    /// of both stated scales if both films state one ([`LengthScale::relative_sd`](super::LengthScale::relative_sd)).
     PerFilm {
         /// Standard deviation where a scale is not stated.
         relative_sd: f64,
