@@ -3,7 +3,7 @@
 //!
 //! Places are cells of the first network's input: column, row; the spine runs downwards.
 
-use crate::Doubt;
+use crate::doubt::Doubt;
 use crate::kernel::Map;
 
 /// Levels from T1 down to L5.

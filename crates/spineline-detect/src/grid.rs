@@ -1,6 +1,6 @@
 //! Films on smaller grids of square cells.
 
-use crate::Picture;
+use crate::picture::Picture;
 
 /// Size of the first network's input: columns, rows.
 pub const COARSE: [usize; 2] = [192, 384];

@@ -20,20 +20,23 @@
 #![cfg_attr(test, allow(clippy::float_cmp, reason = "tests compare with exact values"))]
 
 mod chain;
+mod doubt;
 mod grid;
 mod kernel;
 mod patches;
+mod picture;
 #[cfg(test)]
 mod reference;
 mod weights;
 
 use spineline::anatomy::{ImageSide, Level};
 use spineline::measure::Corners;
-use spineline::number::fixed;
 use spineline::spatial::Pixel;
 
 use chain::{Chain, chain_of, doubts, peaks_of};
+pub use doubt::Doubt;
 use grid::{Grid, coarse_input};
+pub use picture::Picture;
 
 /// A film with fewer consecutive vertebrae is refused.
 const MIN_VERTEBRAE: usize = 12;
@@ -49,29 +52,6 @@ const CONFIDENCE_SD_SHARE: f64 = 0.25;
 /// Minimum side of a film.
 const MIN_SIDE_PX: usize = 64;
 
-/// A film's grey values in any unit, with bright or dark bones.
-#[derive(Debug, Clone, Copy)]
-pub struct Picture<'a> {
-    /// Pixels in a row.
-    pub columns: usize,
-    /// Rows.
-    pub rows: usize,
-    /// Height of a pixel over its width.
-    pub pixel_aspect: f64,
-    /// The side of the picture on which the patient's left is.
-    pub patient_left: ImageSide,
-    /// Row by row from the top.
-    pub values: &'a [f32],
-}
-
-impl Picture<'_> {
-    /// Whether a place lies on it; the centre of the first pixel is at zero.
-    fn holds(&self, place: Pixel) -> bool {
-        let within = |value: f64, count: usize| (-0.5..count as f64 - 0.5).contains(&value);
-        within(place.column_px, self.columns) && within(place.row_px, self.rows)
-    }
-}
-
 /// A vertebra that was found.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DetectedVertebra {
@@ -85,65 +65,6 @@ pub struct DetectedVertebra {
     pub confidence: f64,
     /// Whether it was seen; else it was interpolated.
     pub is_seen: bool,
-}
-
-/// Why the levels of a film may be shifted, or vertebrae be missing.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Doubt {
-    /// The upper third of the chain alone gives another count.
-    CountFromAbove,
-    /// The lower third of the chain alone gives another count.
-    CountFromBelow,
-    /// Another count is nearly as probable.
-    OtherCount {
-        /// Probability of the chosen count.
-        probability: f64,
-    },
-    /// Another vertebra may follow above the uppermost one.
-    MoreAbove,
-    /// Another vertebra may follow below the lowest one.
-    MoreBelow,
-    /// The uppermost or the lowest vertebra is improbable.
-    WeakEnd,
-    /// Fewer than 17 vertebrae.
-    Incomplete {
-        /// Vertebrae that were found.
-        found: usize,
-    },
-    /// A vertebra was interpolated between two others.
-    FilledIn,
-    /// Vertebrae with a corner beyond the edge of the film were left out.
-    BeyondEdge {
-        /// How many.
-        vertebrae: usize,
-    },
-}
-
-impl std::fmt::Display for Doubt {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        match self {
-            Self::CountFromAbove => f.write_str("the levels by a count from above differ"),
-            Self::CountFromBelow => f.write_str("the levels by a count from below differ"),
-            Self::OtherCount { probability } => {
-                write!(
-                    f,
-                    "the probability of these levels is only {} %",
-                    fixed(100.0 * probability, 0)
-                )
-            }
-            Self::MoreAbove => f.write_str("another vertebra may follow above"),
-            Self::MoreBelow => f.write_str("another vertebra may follow below"),
-            Self::WeakEnd => f.write_str("the uppermost or the lowest vertebra is improbable"),
-            Self::Incomplete { found } => write!(f, "{found} of 17 vertebrae were found"),
-            Self::BeyondEdge { vertebrae } => {
-                write!(
-                    f,
-                    "{vertebrae} of them would lie beyond the edge of the film and are left out"
-                )
-            }
-            Self::FilledIn => f.write_str("an unseen vertebra was placed between its neighbours"),
-        }
-    }
 }
 
 /// The vertebrae of a film.

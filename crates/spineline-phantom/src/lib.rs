@@ -28,6 +28,7 @@
 mod build;
 mod counter;
 mod erect;
+mod error;
 mod film;
 mod film_lengths;
 mod half_waves;
@@ -40,8 +41,10 @@ mod rod;
 mod scenario;
 mod space;
 mod subjects;
+mod truth;
 
 pub use build::{Build, Construction};
+pub use error::PhantomError;
 pub use film::{Polarity, TrueFilm};
 pub use radiograph::Radiograph;
 pub use readers::Readers;
@@ -50,131 +53,12 @@ pub use space::{
     generate_bends_in_space, generate_in_space,
 };
 pub use subjects::{SUBJECTS, TableRow};
+pub use truth::{Scenario, TruePosture};
 
 use rand_chacha::ChaCha12Rng;
 use rand_chacha::rand_core::SeedableRng;
-use spineline::action::LineOfAction;
 use spineline::analysis::Case;
 use spineline::anatomy::Posture;
-use spineline::spatial::{Angle, Frontal};
-
-/// Loading scenario of the synthetic spine.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Scenario {
-    /// A force through the inflections (the paper's hypothesis).
-    Rod,
-    /// Prescribed rotations, all to one side (clinical bends).
-    Bend,
-    /// A horizontal force at T2 (Petit's hypothesis).
-    Pull,
-    /// All segments rotate in proportion to their erect curvature: no force, and no rotation at the inflections.
-    Flatten,
-    /// A force as in [`Scenario::Rod`] along a line that crosses the spine caudal of its inflections.
-    Offset,
-    /// A load of the same size on every millimetre of the spine: horizontal for bends, cranial for traction.
-    Spread,
-    /// Random rotation of every joint.
-    Random,
-    /// The weight of trunk, head and arms along the film's vertical, which is tilted relative to L4.
-    Weight,
-    /// A horizontal force spread evenly over the length.
-    Lateral,
-    /// One moment at all levels.
-    Couple,
-    /// A force through the inflections and a horizontal one at the apex of the main thoracic curve.
-    TwoForces,
-    /// As the rod, with the axis of L4 rotated on the bends: everything above it is rotated in its frame.
-    TurnedBase,
-}
-
-impl Scenario {
-    /// Every scenario.
-    pub const ALL: [Self; 12] = [
-        Self::Rod,
-        Self::Flatten,
-        Self::Offset,
-        Self::Bend,
-        Self::Pull,
-        Self::Spread,
-        Self::Random,
-        Self::Weight,
-        Self::Lateral,
-        Self::Couple,
-        Self::TwoForces,
-        Self::TurnedBase,
-    ];
-    /// The three scenarios that `spineline reproduce` compares with the paper.
-    pub const PAPER: [Self; 3] = [Self::Rod, Self::Bend, Self::Pull];
-    /// Scenarios for a comparison of lines: [`Scenario::PAPER`] and the counter-examples.
-    pub const LINES: &[Self] = Self::ALL.split_at(7).0;
-    /// Scenarios for a comparison of loads, which no single line describes.
-    pub const LOADS: &[Self] = Self::ALL.split_at(7).1;
-
-    /// The name used in files.
-    #[must_use]
-    pub const fn key(self) -> &'static str {
-        match self {
-            Self::Rod => "rod",
-            Self::Bend => "bend",
-            Self::Pull => "pull",
-            Self::Flatten => "flatten",
-            Self::Offset => "offset",
-            Self::Spread => "spread",
-            Self::Random => "random",
-            Self::Weight => "weight",
-            Self::Lateral => "lateral",
-            Self::Couple => "couple",
-            Self::TwoForces => "two-forces",
-            Self::TurnedBase => "turned-base",
-        }
-    }
-
-    /// Whether forces move the spine; else its rotations are prescribed.
-    #[must_use]
-    pub const fn is_elastic(self) -> bool {
-        !matches!(self, Self::Bend | Self::Flatten | Self::Random)
-    }
-
-    /// Short description.
-    #[must_use]
-    pub const fn meaning(self) -> &'static str {
-        match self {
-            Self::Rod => "force through the inflections",
-            Self::Bend => "all joints turn to one side",
-            Self::Pull => "horizontal force at T2",
-            Self::Flatten => "curvature scaled everywhere, no force",
-            Self::Offset => "force along a line beside the inflections",
-            Self::Spread => "load distributed over the whole spine",
-            Self::Random => "joints turn at random",
-            Self::Weight => "weight along a tilted vertical",
-            Self::Lateral => "horizontal force distributed over the length",
-            Self::Couple => "the same moment at all levels",
-            Self::TwoForces => "forces through the inflections and at the apex",
-            Self::TurnedBase => "force through the inflections, and L4's axis turned",
-        }
-    }
-}
-
-/// True values of one posture of a phantom, in the global frame.
-#[derive(Debug, Clone, PartialEq)]
-pub struct TruePosture {
-    /// The posture.
-    pub posture: Posture,
-    /// True locations of L4…T2.
-    pub locations: Vec<Frontal>,
-    /// True tilts.
-    pub tilts: Vec<Angle>,
-    /// True places of the two erect inflections, as material points.
-    pub inflections: [Frontal; 2],
-    /// True line of action; `None` for prescribed rotations, for loads without a line, and for the erect posture.
-    pub line: Option<LineOfAction>,
-    /// True force along it; for other loads, their size.
-    pub force_n: f64,
-    /// L4's tilt on the film, if the load depends on it; else the patient's tilt is random.
-    pub l4_on_film: Option<Angle>,
-    /// Rotation of everything above L4 in L4's frame, in addition to the load's effect.
-    pub base_turn: Angle,
-}
 
 /// A synthetic patient: the read films, and the true values.
 #[derive(Debug, Clone, PartialEq)]
@@ -189,44 +73,6 @@ pub struct Phantom {
     pub multipliers: [f64; 3],
     /// True places on the films, in the same order.
     pub films: Vec<TrueFilm>,
-}
-
-/// A phantom that cannot be made.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-#[non_exhaustive]
-pub enum PhantomError {
-    /// Table 1 does not have this row.
-    #[error("subject {number} is not one of the 18 of the paper's Table 1")]
-    NoSubject {
-        /// Requested number, from 1.
-        number: usize,
-    },
-    /// No erect curve has these angles.
-    #[error("no erect curve with the angles of subject {number} was found")]
-    NoCurve {
-        /// Number of the subject, from 1.
-        number: usize,
-    },
-    /// Prescribed rotations need a spine that bends everywhere.
-    #[error(
-        "{scenario}: without a force only a spine of construction `rod` can be moved, not `{construction}`"
-    )]
-    Construction {
-        /// Loading scenario.
-        scenario: &'static str,
-        /// Construction.
-        construction: &'static str,
-    },
-    /// The force that should move the spine was not found.
-    #[error("subject {number}, {scenario}: the force for the {posture} posture was not found")]
-    NoForce {
-        /// Number of the subject, from 1.
-        number: usize,
-        /// Loading scenario.
-        scenario: &'static str,
-        /// Posture.
-        posture: Posture,
-    },
 }
 
 /// Makes one phantom: subject `index` (from 0) of Table 1.

@@ -1,4 +1,4 @@
-//! Answers that a browser saves as a file.
+//! Answers that are files: to save, and pictures to show.
 
 use axum::http::header;
 use axum::response::{IntoResponse, Response};
@@ -10,4 +10,9 @@ pub fn attachment(file: &str, kind: &str, content: impl IntoResponse) -> Respons
         (header::CONTENT_DISPOSITION, format!("attachment; filename=\"{file}\"")),
     ];
     (headers, content).into_response()
+}
+
+/// An answer that is a PNG.
+pub fn png(bytes: Vec<u8>) -> Response {
+    ([(header::CONTENT_TYPE, "image/png")], bytes).into_response()
 }

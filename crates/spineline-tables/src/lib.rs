@@ -11,6 +11,7 @@
 mod chain;
 mod clinical;
 mod cohort_tests;
+mod data;
 mod define;
 mod dictionary;
 mod error;
@@ -35,6 +36,7 @@ mod write;
 
 pub use chain::chain_table;
 pub use cohort_tests::cohort_tests_table;
+pub use data::Patient;
 pub use dictionary::{dictionary, dictionary_markdown};
 pub use error::TableError;
 pub use loaded::{LoadedSpine, loaded_measures_table};
@@ -48,23 +50,7 @@ pub use verdicts::{RowVerdict, verdicts_table};
 pub use vertebrae::errors_table;
 pub use write::{ParquetWriter, SCHEMA_VERSION};
 
-use spineline::analysis::{Analysis, Subject};
 use spineline::cohort::RefusedCase;
-use spineline::personalize::Identifiability;
-use spineline::uncertainty::Uncertainty;
-
-/// Data of one patient for the tables.
-#[derive(Debug, Clone, Copy)]
-pub struct Patient<'a> {
-    /// Result of the analysis.
-    pub analysis: &'a Analysis,
-    /// Data of the patient.
-    pub subject: &'a Subject,
-    /// Identifiability of every model's multipliers, in the order of the models, where requested.
-    pub identified: Option<&'a [Option<Identifiability>]>,
-    /// Monte Carlo replicates with perturbed landmarks, where requested.
-    pub spread: Option<&'a Uncertainty>,
-}
 
 /// Which optional tables are made.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

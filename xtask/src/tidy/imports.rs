@@ -16,7 +16,7 @@ pub fn module_of(source: &Path, file: &Path) -> Vec<String> {
 
 /// Paths from the crate's root that a file names by `crate::` or `super::`, without tests at its end.
 pub fn named_paths(module: &[String], text: &str) -> BTreeSet<Vec<String>> {
-    let code = without_comments(text.split("#[cfg(test)]\nmod ").next().unwrap_or_default());
+    let code = code_of(text);
     let mut found = BTreeSet::new();
     for (place, _) in code.match_indices("crate::") {
         let before = code[..place].chars().next_back();
@@ -55,6 +55,94 @@ pub fn handed_on(root: &str) -> BTreeMap<String, String> {
         }
     }
     names
+}
+
+/// The code of a file, without comments and without tests at its end.
+pub fn code_of(text: &str) -> String {
+    without_comments(text.split("#[cfg(test)]\nmod ").next().unwrap_or_default())
+}
+
+/// One name that a file imports.
+pub struct Import {
+    /// Its path from the crate's root.
+    pub path: Vec<String>,
+    /// Whether the file hands it on.
+    pub is_public: bool,
+}
+
+/// All names of the own crate that a file imports by `use`.
+pub fn imports(module: &[String], modules: &BTreeSet<Vec<String>>, text: &str) -> Vec<Import> {
+    let code = code_of(text);
+    let mut found = Vec::new();
+    for Statement { is_public, names, .. } in use_statements(&code) {
+        let mut paths = BTreeSet::new();
+        expand(names, Vec::new(), &mut paths);
+        let paths = paths.into_iter().filter_map(|path| from_root(module, modules, path));
+        found.extend(paths.map(|path| Import { path, is_public }));
+    }
+    found
+}
+
+/// Paths from the crate's root that begin with a child of the file's module, outside of `use`.
+pub fn child_paths(
+    module: &[String],
+    modules: &BTreeSet<Vec<String>>,
+    text: &str,
+) -> BTreeSet<Vec<String>> {
+    let mut code = code_of(text);
+    let statements: Vec<_> =
+        use_statements(&code).map(|one| one.place..one.place + one.names.len()).collect();
+    for statement in statements.into_iter().rev() {
+        code.replace_range(statement, "");
+    }
+    let is_of_path = |c: char| c.is_alphanumeric() || "_:.$".contains(c);
+    let words = code.split(|c| !is_of_path(c)).filter(|word| word.contains("::"));
+    let paths = words.map(|word| word.split("::").map(str::to_owned).collect::<Vec<_>>());
+    let of_child = paths.filter(|path| modules.contains(&[module, &path[..1]].concat()));
+    of_child.map(|path| [module, &path[..]].concat()).collect()
+}
+
+/// A `use` statement of a code.
+struct Statement<'a> {
+    /// Where its names begin.
+    place: usize,
+    is_public: bool,
+    names: &'a str,
+}
+
+fn use_statements(code: &str) -> impl Iterator<Item = Statement<'_>> {
+    code.match_indices("use ").filter_map(|(start, word)| {
+        let line = code[..start].rsplit('\n').next().unwrap_or_default().trim();
+        let is_public = line == "pub" || line.starts_with("pub(") && line.ends_with(')');
+        let place = start + word.len();
+        let names = code[place..].split(';').next().unwrap_or_default();
+        (line.is_empty() || is_public).then_some(Statement { place, is_public, names })
+    })
+}
+
+/// A path from the crate's root; `None` if it is of another crate.
+fn from_root(
+    module: &[String],
+    modules: &BTreeSet<Vec<String>>,
+    mut path: Vec<String>,
+) -> Option<Vec<String>> {
+    if path.len() > 1 && path.last().is_some_and(|last| last == "self") {
+        path.pop();
+    }
+    let mut base = match &path[0][..] {
+        "crate" => Vec::new(),
+        "self" | "super" => module.to_vec(),
+        _ if modules.contains(&[module, &path[..1]].concat()) => {
+            return Some([module, &path[..]].concat());
+        }
+        _ => return None,
+    };
+    let steps = path.iter().take_while(|part| matches!(&part[..], "crate" | "self" | "super"));
+    let (steps, ups) =
+        steps.fold((0, 0), |(steps, ups), part| (steps + 1, ups + usize::from(part == "super")));
+    base.truncate(base.len().saturating_sub(ups));
+    base.extend_from_slice(&path[steps..]);
+    Some(base)
 }
 
 fn without_comments(text: &str) -> String {

@@ -1,5 +1,6 @@
 //! House rules that compilers cannot check.
 
+mod circles;
 mod documents;
 mod faults;
 mod imports;

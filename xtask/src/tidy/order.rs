@@ -1,9 +1,10 @@
-//! The order of modules: no cycles, and a fixed order where the order is the architecture.
+//! The order of modules and files: no cycles, and a fixed order where the order is the architecture.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::Path;
 
+use super::circles::uses_of_files;
 use super::imports::{handed_on, module_of, named_paths};
 use super::{read, sources};
 
@@ -43,8 +44,8 @@ const ORDERS: [(&str, &[&str]); 2] = [
 /// The folder whose modules must not use one another.
 const APART: (&str, &str) = ("spineline-cli", "commands");
 
-/// Which module uses which, with a file that does.
-type Uses = BTreeMap<String, BTreeMap<String, String>>;
+/// Which module or file uses which, with a file that does.
+pub type Uses = BTreeMap<String, BTreeMap<String, String>>;
 
 pub fn check(root: &Path, faults: &mut Vec<String>) -> Result<(), String> {
     let folder = root.join("crates");
@@ -57,6 +58,7 @@ pub fn check(root: &Path, faults: &mut Vec<String>) -> Result<(), String> {
         let source = folder.join(&name).join("src");
         let top = uses(&source, 0)?;
         check_cycles(&name, &top, faults);
+        check_cycles(&name, &uses_of_files(&source)?, faults);
         if let Some((_, order)) = ORDERS.iter().find(|(own, _)| *own == name) {
             check_order(&name, order, &top, faults);
         }
@@ -102,25 +104,29 @@ fn uses(source: &Path, depth: usize) -> Result<Uses, String> {
     Ok(uses)
 }
 
-/// Names the modules of a cycle, if any: the rest after repeatedly removing modules that do not use the others.
+/// Names the uses of every cycle: those from which a way leads back.
 fn check_cycles(name: &str, uses: &Uses, faults: &mut Vec<String>) {
-    let mut left = uses.clone();
-    loop {
-        let names: BTreeSet<String> = left.keys().cloned().collect();
-        for used in left.values_mut() {
-            used.retain(|module, _| names.contains(module));
-        }
-        let before = left.len();
-        left.retain(|_, used| !used.is_empty());
-        if left.len() == before {
-            break;
-        }
-    }
-    for (module, used) in left {
-        for (other, file) in used {
+    let reached: BTreeMap<&String, BTreeSet<&String>> =
+        uses.keys().map(|module| (module, reached_from(module, uses))).collect();
+    for (module, used) in uses {
+        let leads_back =
+            |other: &String| reached.get(other).is_some_and(|all| all.contains(module));
+        for (other, file) in used.iter().filter(|(other, _)| leads_back(other)) {
             faults.push(format!("{name}/src/{file}: `{module}` uses `{other}`, in a cycle"));
         }
     }
+}
+
+/// What a module uses, and all that those use.
+fn reached_from<'a>(module: &String, uses: &'a Uses) -> BTreeSet<&'a String> {
+    let mut reached = BTreeSet::new();
+    let mut open: Vec<&String> = uses[module].keys().collect();
+    while let Some(next) = open.pop() {
+        if reached.insert(next) {
+            open.extend(uses.get(next).into_iter().flat_map(BTreeMap::keys));
+        }
+    }
+    reached
 }
 
 fn check_order(name: &str, order: &[&str], uses: &Uses, faults: &mut Vec<String>) {
@@ -169,7 +175,7 @@ mod tests {
         let mut faults = Vec::new();
         check_cycles("c", &uses_of(&[("a", "b"), ("b", "c")]), &mut faults);
         assert!(faults.is_empty(), "{faults:?}");
-        check_cycles("c", &uses_of(&[("a", "b"), ("b", "a")]), &mut faults);
+        check_cycles("c", &uses_of(&[("a", "b"), ("b", "a"), ("c", "a"), ("b", "d")]), &mut faults);
         assert_eq!(faults.len(), 2);
     }
 

@@ -4,6 +4,7 @@ mod comparison;
 mod hypothesis;
 mod identifiability;
 mod model;
+mod points;
 mod posture;
 mod space;
 mod stored;
@@ -17,7 +18,7 @@ use spineline::anatomy::{Level, Posture};
 use spineline::clinical::{Balance, ClinicalCurve, EndAngles};
 use spineline::measure::LengthScale;
 use spineline::personalize::Identifiability;
-use spineline::spatial::{Angle, Frontal};
+use spineline::spatial::Angle;
 
 use crate::reliability_file::QuantityRecord;
 use crate::{CaseFile, Provenance};
@@ -26,6 +27,7 @@ pub(crate) use comparison::NumbersRecord;
 use hypothesis::HypothesisRecord;
 use identifiability::IdentifiabilityRecord;
 use model::ModelRecord;
+use points::{point_mm, point_px};
 use posture::PostureRecord;
 use space::{AxialRecord, SpaceRecord};
 use spineline::uncertainty::Uncertainty;
@@ -362,22 +364,4 @@ fn clinical_curve(
         flexibility: curve.flexibility,
     };
     (curve.region.key().to_owned(), record)
-}
-
-fn point(p: Frontal) -> [f64; 2] {
-    [p.y_mm, p.z_mm]
-}
-
-/// A point of a film that has a spacing.
-fn point_mm(scale: &LengthScale, p: Frontal) -> Option<[f64; 2]> {
-    Some([scale.mm(p.y_mm)?, scale.mm(p.z_mm)?])
-}
-
-/// A point of a film that has none, in pixels.
-fn point_px(scale: &LengthScale, p: Frontal) -> Option<[f64; 2]> {
-    Some([scale.px(p.y_mm)?, scale.px(p.z_mm)?])
-}
-
-fn by_level<T>(values: impl Iterator<Item = T>, levels: &[Level]) -> BTreeMap<Level, T> {
-    levels.iter().copied().zip(values).collect()
 }

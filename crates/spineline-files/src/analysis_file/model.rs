@@ -10,8 +10,8 @@ use spineline::personalize::evidence::ContradictedJoint;
 use spineline::spatial::Angle;
 
 use super::identifiability::IdentifiabilityRecord;
+use super::points::{by_level, point};
 use super::posture::ScaleRecord;
-use super::{by_level, point};
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]

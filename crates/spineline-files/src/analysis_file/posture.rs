@@ -12,7 +12,7 @@ use spineline::motion::SegmentEstimate;
 use spineline::personalize::{Crossing, LineTest};
 use spineline::spatial::{Angle, Frontal};
 
-use super::{by_level, point_mm, point_px};
+use super::points::{by_level, point_mm, point_px};
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]

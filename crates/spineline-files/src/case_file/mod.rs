@@ -10,13 +10,13 @@ use spineline::measure::{
     Corners, Film, FilmLandmarks, IliacCrests, Origin, Placement, PlacementSource, Reading,
     ReadingId, SpacingPlane, VertebraLandmarks,
 };
-use spineline::spatial::{Angle, Frontal, Pixel};
+use spineline::spatial::{Angle, Frontal};
 
 use crate::FileError;
 use crate::json::parse;
 use crate::keys::ByLevel;
-use image::ImageRecord;
 pub use image::{FilmSource, image_value, parse_image, with_spacing};
+use image::{ImageRecord, pair, pixel};
 use lateral::LateralRecord;
 
 const FORMAT: &str = "spineline-case";
@@ -484,12 +484,4 @@ fn corners_of<P>(
     [superior_left, superior_right, inferior_left, inferior_right]: [P; 4],
 ) -> Corners<P> {
     Corners { superior_left, superior_right, inferior_left, inferior_right }
-}
-
-fn pixel([column, row]: [f64; 2]) -> Pixel {
-    Pixel::new(column, row)
-}
-
-fn pair(place: Pixel) -> [f64; 2] {
-    [place.column_px, place.row_px]
 }

@@ -2,10 +2,11 @@
 
 use spineline::analysis::{AxialSource, PersonalisedModel, PitchSource};
 use spineline::anatomy::Morphometry;
+use spineline::multibody::Support;
 use spineline::spatial::{Angle, Mat3, Vec3};
 
+use super::format::{ExportError, ExportFormat};
 use super::rotation::body_xyz;
-use super::{ExportError, ExportFormat};
 
 /// Mass of every vertebra in kg, and its moment of inertia in kg·m²: engines refuse bodies without them. No equilibrium
 /// depends on them.
@@ -43,6 +44,14 @@ impl Axis {
             Self::Flexion => Vec3::y(),
             Self::Axial => Vec3::z(),
         }
+    }
+}
+
+/// Whether a support lets a hinge turn.
+const fn turns(support: Support, axis: Axis) -> bool {
+    match support {
+        Support::Free => true,
+        Support::Frontal => matches!(axis, Axis::Lateral),
     }
 }
 
@@ -212,7 +221,7 @@ fn hinges(
                 name: format!("{joint}_{}", axis.word()),
                 axis,
                 nm_per_rad: nmm_per_rad / 1000.0,
-                locked: !super::turns(model.support, axis),
+                locked: !turns(model.support, axis),
             })
         })
         .collect()

@@ -8,7 +8,7 @@ use zip::ZipArchive;
 use zip::read::ZipFile;
 use zip::result::ZipError;
 
-use super::{IntakeError, IntakeLimits, Place, Reason, Surveyor, head_of, read_limited};
+use super::search::{IntakeError, IntakeLimits, Place, Reason, Surveyor, head_of, read_limited};
 
 type Archive = ZipArchive<BufReader<File>>;
 

@@ -3,7 +3,8 @@
 use std::fs::{self, File};
 use std::path::Path;
 
-use super::{IntakeError, Place, Reason, Surveyor, archive, head_of};
+use super::archive;
+use super::search::{IntakeError, Place, Reason, Surveyor, head_of};
 
 /// Files everything at and below a path. A given path may be a link; links below it are not followed.
 pub(super) fn walk(

@@ -6,8 +6,7 @@ use spineline::anatomy::Level;
 use spineline::measure::Corners;
 use spineline::spatial::{Angle, Frontal, Pixel};
 
-use super::layer::{Layer, Point};
-use super::spacing;
+use super::layer::{Layer, Point, spacing};
 use crate::TrueFilm;
 
 /// A body on its film.

@@ -1,14 +1,17 @@
 //! A grid of attenuation, with larger cells than the picture, for smooth or thick parts.
 
-use spineline::measure::ImageGeometry;
-
-use super::spacing;
+use spineline::measure::{ImageGeometry, Spacing};
 
 /// Distance of the grid's nodes.
 const GRID_MM: f32 = 0.4;
 
 /// A point of the film: to the patient's left and up, in mm from the first pixel.
 pub(super) type Point = [f32; 2];
+
+/// The spacing of a phantom's film, which is always known.
+pub(super) fn spacing(image: &ImageGeometry) -> Spacing {
+    image.spacing.expect("a phantom's film has a spacing")
+}
 
 /// Attenuation on a grid.
 pub(super) struct Layer {

@@ -3,9 +3,11 @@
 use spineline::anatomy::{ImageSide, Side};
 use spineline::measure::{ImageGeometry, Spacing};
 
-use super::MAX_VALUE;
-use super::spacing;
+use super::layer::spacing;
 use crate::TrueFilm;
+
+/// Largest stored value.
+pub(super) const MAX_VALUE: f32 = 4095.0;
 
 /// Width of the unexposed border.
 const BORDER_MM: f64 = 3.0;

@@ -20,13 +20,13 @@ mod vertebra;
 
 use rayon::prelude::*;
 use spineline::anatomy::Posture;
-use spineline::measure::{ImageGeometry, Spacing};
+use spineline::measure::ImageGeometry;
 use spineline::spatial::Pixel;
 
 use crate::film::{Polarity, TrueFilm};
 use anatomy::Anatomy;
 use layer::Layer;
-use marks::Marks;
+use marks::{MAX_VALUE, Marks};
 use texture::Quanta;
 use vertebra::Vertebra;
 
@@ -45,13 +45,7 @@ pub struct Radiograph {
     pub pixels: Vec<u16>,
 }
 
-/// The spacing of a phantom's film, which is always known.
-fn spacing(image: &ImageGeometry) -> Spacing {
-    image.spacing.expect("a phantom's film has a spacing")
-}
-
 const BITS_STORED: u16 = 12;
-const MAX_VALUE: f32 = 4095.0;
 /// Part of soft tissue's contrast after compression.
 const SOFT_CONTRAST: f32 = 0.42;
 /// Stored values per unit of attenuation.

@@ -1,6 +1,7 @@
 //! Analyses of many patients → a report: verdict and exclusions first, the method last.
 
 mod by_patient;
+mod data;
 mod errors;
 mod movement;
 mod people;
@@ -8,30 +9,13 @@ mod profiles;
 mod readers;
 mod short;
 
-use spineline::analysis::{Analysis, Subject};
 use spineline::cohort::RefusedCase;
 use spineline::warning::counted;
 
 use crate::document::{Document, Notice, Section};
 use crate::{hypotheses, patient};
 pub use by_patient::PatientRow;
-
-/// Data for the report of a cohort.
-#[derive(Debug, Clone, Copy)]
-pub struct Patients<'a> {
-    /// The results of every patient.
-    pub analyses: &'a [Analysis],
-    /// Data of the patients, in the same order.
-    pub subjects: &'a [Subject],
-    /// Their statistics.
-    pub together: &'a spineline::cohort::Cohort,
-    /// Excluded cases.
-    pub refused: &'a [RefusedCase],
-    /// Program that makes the report.
-    pub generator: &'a str,
-    /// The analyses as a JSON array, to be embedded.
-    pub json: &'a str,
-}
+pub use data::Patients;
 
 /// The report of a cohort. Single patients have pictures in their own reports.
 #[must_use]

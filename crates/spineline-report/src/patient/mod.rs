@@ -1,6 +1,7 @@
 //! An analysis of one patient → a report: contradictions and warnings first, the method last.
 
 mod check;
+mod data;
 mod grouped;
 mod measured;
 mod method;
@@ -10,39 +11,22 @@ mod short;
 mod space;
 mod summary;
 mod uncertainty;
+mod verdict;
 
-use spineline::analysis::{Analysis, AnalysisOptions, Case};
-use spineline::personalize::Identifiability;
-use spineline::uncertainty::Uncertainty;
+use spineline::analysis::Analysis;
 
-use crate::document::{Document, Figure, Notice, NoticeKind, Section};
-use crate::figures::{self, FilmPicture};
+use crate::document::{Document, Figure};
+use crate::figures;
 use crate::hypotheses;
 
 pub use check::{check, film_warnings, films_table};
+pub use data::Patient;
 pub(crate) use method::{options, published};
 use short::Intervals;
 pub(crate) use short::outcome;
 pub use summary::{full, summary};
-
-/// Data for a report.
-#[derive(Debug, Clone, Copy)]
-pub struct Patient<'a> {
-    /// The films.
-    pub case: &'a Case,
-    /// The results.
-    pub analysis: &'a Analysis,
-    /// Images of the films, where available; [`summary`] shows none.
-    pub pictures: &'a [FilmPicture],
-    /// Identifiability of every model's multipliers, in the order of the models; `None` where it was not requested.
-    pub identifiability: Option<&'a [Option<Identifiability>]>,
-    /// The effect of landmark noise on the numbers; `None` where it was not requested.
-    pub uncertainty: Option<&'a Uncertainty>,
-    /// Program that makes the report.
-    pub generator: &'a str,
-    /// The analysis as JSON, to be embedded; [`summary`] does not show it.
-    pub json: &'a str,
-}
+use verdict::verdict;
+pub(crate) use verdict::{banners, doubted_films, of_options};
 
 /// The report of one patient.
 #[must_use]
@@ -75,27 +59,6 @@ pub fn report(patient: &Patient<'_>) -> Document {
     }
 }
 
-/// Notices above every report.
-pub(crate) fn banners(synthetic: bool) -> Vec<Notice> {
-    let generated = "Synthetic data: generated, not measured on a patient. Every number and picture here is synthetic.";
-    let device =
-        "Research software, not a medical device: not to be used for diagnosis or treatment.";
-    let texts = synthetic.then_some(generated).into_iter().chain([device]);
-    texts.map(|text| Notice::new(NoticeKind::Banner, text)).collect()
-}
-
-/// A notice of the method and its changed options; `None` for the default method without changes.
-pub(crate) fn of_options(options: &AnalysisOptions) -> Option<Notice> {
-    method::changed(options).map(|text| Notice::new(NoticeKind::Banner, text))
-}
-
-/// The verdict in sentences.
-fn sentences(section: &mut Section, analysis: &Analysis) {
-    for sentence in analysis.verdict() {
-        section.paragraph(sentence);
-    }
-}
-
 /// An analysis for a notebook: banners, verdict, contradictions and warnings, and all films side by side.
 #[must_use]
 pub fn overview(analysis: &Analysis, generator: &str) -> Document {
@@ -111,31 +74,4 @@ pub fn overview(analysis: &Analysis, generator: &str) -> Document {
         sections: vec![verdict],
         analysis: String::new(),
     }
-}
-
-/// The verdict in sentences, then contradictions and warnings, the most severe first.
-fn verdict(analysis: &Analysis) -> Section {
-    let mut section = Section::new("verdict", "Evidence, contradictions and warnings");
-    sentences(&mut section, analysis);
-    let mut notices = grouped::notices(analysis.warnings.all());
-    notices.sort_by_key(|notice| notice.kind);
-    if notices.is_empty() {
-        section.paragraph("No contradictions and no warnings.");
-    }
-    for notice in notices {
-        section.notice(notice);
-    }
-    section
-}
-
-/// The doubted films, each once.
-pub(crate) fn doubted_films(analysis: &Analysis) -> Vec<String> {
-    let mut films: Vec<String> = Vec::new();
-    for warning in analysis.film_doubts() {
-        let film = warning.posture.map_or_else(|| "lateral".to_owned(), |p| p.to_string());
-        if !films.contains(&film) {
-            films.push(film);
-        }
-    }
-    films
 }

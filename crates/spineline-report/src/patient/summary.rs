@@ -3,7 +3,8 @@
 use spineline::analysis::Analysis;
 
 use super::short::on_terminal;
-use super::{Patient, measured, model, sentences, space, uncertainty};
+use super::verdict::sentences;
+use super::{Patient, measured, model, space, uncertainty};
 use crate::document::{Column, Document, Section, Table};
 use crate::hypotheses;
 

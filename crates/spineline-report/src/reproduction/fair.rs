@@ -7,8 +7,7 @@ use spineline::evaluate::Baseline;
 use spineline::multibody::Support;
 
 use super::Columns;
-use super::numbers::{Cell, PaperNumber, Part, ours};
-use super::sections::support_words;
+use super::numbers::{Cell, PaperNumber, Part, ours, support_words};
 use crate::phrases::{LINES, line_in_short};
 use spineline::number::{interval, probability, signed};
 

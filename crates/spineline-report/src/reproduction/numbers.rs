@@ -23,6 +23,14 @@ pub struct Part {
     pub note: String,
 }
 
+/// The support in words.
+pub(super) const fn support_words(support: Support) -> &'static str {
+    match support {
+        Support::Free => "free support (the paper's)",
+        Support::Frontal => "frontal support (in the frontal plane, as on a table)",
+    }
+}
+
 /// One number of the paper beside ours.
 #[derive(Debug, Clone)]
 pub struct PaperNumber {

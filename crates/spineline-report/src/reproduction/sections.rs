@@ -5,7 +5,8 @@ use spineline::cohort::{Clustered, Cohort, ErrorStatistics, LineStatistics, Pair
 use spineline::multibody::Support;
 
 use super::numbers::{
-    Cell, PaperNumber, Part, TEST_LEGEND, compared, ours, percent, ratio_legend, test_verdict,
+    Cell, PaperNumber, Part, TEST_LEGEND, compared, ours, percent, ratio_legend, support_words,
+    test_verdict,
 };
 use super::{Columns, Scenarios, fair};
 use crate::paper::{
@@ -26,14 +27,6 @@ pub fn parts(scenarios: &Scenarios<'_>) -> Vec<Part> {
         parts.push(fair::part(&columns, support));
     }
     parts
-}
-
-/// The support in words.
-pub(super) const fn support_words(support: Support) -> &'static str {
-    match support {
-        Support::Free => "free support (the paper's)",
-        Support::Frontal => "frontal support (in the frontal plane, as on a table)",
-    }
 }
 
 /// A part for which the support does not matter.

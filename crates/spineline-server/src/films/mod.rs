@@ -6,7 +6,7 @@ mod uploads;
 pub use uploads::stage;
 
 use axum::extract::State;
-use axum::http::{HeaderValue, StatusCode, header};
+use axum::http::{HeaderValue, StatusCode};
 use axum::response::{IntoResponse, Response};
 use spineline::measure::ImageGeometry;
 use spineline::spatial::Pixel;
@@ -17,6 +17,7 @@ use utoipa_axum::routes;
 
 use crate::access::{seen_film, seen_reading};
 use crate::api::{Change, FilmChange, FilmEditName, FilmSummary, Problem};
+use crate::attachment::png;
 use crate::extract::{Json, Path};
 use crate::problem::{Answer, Failure};
 use crate::state::AppState;
@@ -166,9 +167,4 @@ async fn pixels(state: &AppState, film: &FilmRecord) -> Answer<Response> {
 async fn thumbnail(state: &AppState, film: &FilmRecord) -> Answer<Response> {
     let thumbnails = decoded::thumbnails(state, &film.content).await?;
     Ok(png(if film.inverted { thumbnails.inverted } else { thumbnails.plain }))
-}
-
-/// An answer that is a PNG.
-pub fn png(bytes: Vec<u8>) -> Response {
-    ([(header::CONTENT_TYPE, "image/png")], bytes).into_response()
 }

@@ -15,8 +15,8 @@ use spineline_marking::{Stance, View, judge_spacing, judge_view};
 use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
 
-use super::png;
 use crate::api::{Notice, Problem, Severity, SpacingView, UploadView, Wire};
+use crate::attachment::png;
 use crate::decoded::decode;
 use crate::extract::{Json, Path, unread};
 use crate::film_cache::{Reservation, Upload, draw_thumbnails};

@@ -7,7 +7,7 @@ use spineline::measure::{CornerName, ImageGeometry, Origin};
 use spineline_detect::{Detection, Picture, Refusal, detect};
 use spineline_store::ReadingId;
 
-use super::may_mark;
+use super::markable::may_mark;
 use super::view::corner_view;
 use crate::api::{DetectionView, Problem, Proposal};
 use crate::decoded::screen;

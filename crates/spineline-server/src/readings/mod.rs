@@ -2,14 +2,13 @@
 
 mod detection;
 mod lost;
+mod markable;
 mod view;
 
 use axum::extract::State;
 use axum::http::StatusCode;
 use axum::response::{IntoResponse, Response};
-use spineline_store::{
-    ClosedReading, FilmCode, FilmId, ReadingId, Role, SeenReading, Store, StoreError,
-};
+use spineline_store::{FilmCode, FilmId, ReadingId, Role, SeenReading, Store, StoreError};
 use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
 
@@ -23,6 +22,8 @@ use crate::state::AppState;
 use crate::user::User;
 
 pub use lost::{of_film as lost_of_film, of_reading as lost_of_reading};
+pub use markable::may_mark;
+use markable::{Markable, markable};
 pub use view::view;
 use view::view_after_loss;
 
@@ -136,33 +137,6 @@ async fn finish(
 
 fn finished(revision: u64, reading: Option<ReadingView>) -> FinishedReading {
     FinishedReading { finished: true, revision, reading }
-}
-
-/// A reading of a study in which this user may place landmarks.
-enum Markable {
-    /// It may be seen.
-    Shown(Box<SeenReading>),
-    /// It is finished and hidden by its plan.
-    Closed(ClosedReading),
-}
-
-fn markable(store: &Store, user: &User, reading: ReadingId) -> Answer<Markable> {
-    let closed = store.observer(&user.name).closed(reading)?;
-    if let Some(closed) = closed {
-        user.need_on_study(store, &closed.study, Role::Editor)?;
-        return Ok(Markable::Closed(closed));
-    }
-    let seen = seen_reading(store, user, reading)?;
-    user.need_on_study(store, &seen.study.id, Role::Editor)?;
-    Ok(Markable::Shown(Box::new(seen)))
-}
-
-/// A reading of a study in which this user may place landmarks, planned or not.
-pub fn may_mark(store: &Store, user: &User, reading: ReadingId) -> Answer<SeenReading> {
-    match markable(store, user, reading)? {
-        Markable::Shown(seen) => Ok(*seen),
-        Markable::Closed(_) => Err(StoreError::Finished { reading }.into()),
-    }
 }
 
 /// The reading after a change, or its current state if the change was refused.

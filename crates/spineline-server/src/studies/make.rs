@@ -13,7 +13,7 @@ use spineline_store::{CaseError, Name, NewCase, Role, Study};
 use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
 
-use super::{detail, of_study};
+use super::detail::{detail, of_study};
 use crate::api::{CaseImport, NewFilm, NewStudy, Problem, ScaleChoice, StudyDetail};
 use crate::extract::Json;
 use crate::film_cache::Upload;

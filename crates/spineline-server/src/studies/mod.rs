@@ -1,26 +1,25 @@
 //! Studies: list, create, read, export.
 
+mod detail;
 mod make;
 mod summary;
 
 use axum::extract::State;
 use axum::http::StatusCode;
 use axum::response::Response;
-use spineline_store::{
-    Access, Account, Name, Next, PlanDesign, Role, Store, Timestamp, Visibility, system_random,
-};
+use spineline_store::{Access, Account, Name, PlanDesign, Role, Store, Visibility, system_random};
 use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
 
 use crate::access::{self, study_name};
-use crate::api::{Change, NewPlan, NextReading, PlanView, Problem, StudyDetail, StudySummary};
+use crate::api::{NewPlan, Problem, StudyDetail, StudySummary};
 use crate::attachment::attachment;
 use crate::extract::{Json, Path};
 use crate::problem::{Answer, Failure};
-use crate::readings;
 use crate::state::AppState;
 use crate::user::User;
 
+pub use detail::{detail, of_study};
 pub use summary::{film_summary, study_summary};
 
 pub fn routes() -> OpenApiRouter<AppState> {
@@ -55,55 +54,6 @@ async fn study(
     let (study, asker) = (study_name(&study)?, state.clone());
     access::prepare(&state, &user, &study).await?;
     state.ask(move |store| detail(&asker, store, &user, &study)).await.map(Json)
-}
-
-/// A study with its lost changes and its plan.
-pub fn detail(state: &AppState, store: &Store, user: &User, study: &Name) -> Answer<StudyDetail> {
-    let role = user.on_study(store, study)?;
-    let record = store.study(study)?;
-    let summary = study_summary(state, store, user, role, &record)?;
-    let visibility = store.observer(&user.name).visibility(study)?;
-    let mut conflicts = Vec::new();
-    if visibility != Visibility::Reader {
-        for film in store.films(study)? {
-            conflicts.extend(readings::lost_of_film(store, &film)?);
-        }
-    }
-    if visibility == Visibility::Open {
-        for reading in store.readings(study)? {
-            conflicts.extend(readings::lost_of_reading(store, reading.id)?);
-        }
-    }
-    Ok(StudyDetail {
-        summary,
-        conflicts,
-        plan: plan_view(store, user, study, visibility, state.now())?,
-    })
-}
-
-fn plan_view(
-    store: &Store,
-    user: &User,
-    study: &Name,
-    visibility: Visibility,
-    now: Timestamp,
-) -> Answer<Option<PlanView>> {
-    if !store.has_plan(study)? {
-        return Ok(None);
-    }
-    let next = match store.observer(&user.name).next_film_for(study, now)? {
-        // A code opens a film.
-        _ if visibility == Visibility::Reader && user.on_study(store, study)? < Role::Editor => {
-            NextReading::NotAllowed
-        }
-        Next::Begin(film) => NextReading::Begin { code: film.code.to_string() },
-        Next::Continue(film, reading) => {
-            NextReading::Continue { code: film.code.to_string(), reading: reading.0 }
-        }
-        Next::Wait(until) => NextReading::Wait { until_ms: until.unix_ms() },
-        Next::Done => NextReading::Done,
-    };
-    Ok(Some(PlanView { blinded: visibility != Visibility::Open, next }))
 }
 
 /// Plans blinded readings. With accounts, every observer needs one that may edit the study.
@@ -152,11 +102,6 @@ fn may_read(store: &Store, study: &Name, observer: &Name) -> Answer<()> {
     Err(Failure::new(StatusCode::UNPROCESSABLE_ENTITY, "observer", message).help(
         "an observer needs an enabled account with the role `editor`, and that role in the study",
     ))
-}
-
-/// A change of the study as a whole.
-pub fn of_study(user: &User) -> Change {
-    Change { who: user.name.to_string(), film: None, reading: None, revision: None }
 }
 
 /// The case file of a study, with its finished readings.

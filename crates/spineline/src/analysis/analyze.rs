@@ -4,10 +4,9 @@ use super::comparison::Remembered;
 use super::hypotheses::fit_hypotheses;
 use super::models::fit_models;
 use super::preference::prefer_lines;
-use super::{Analysis, AnalysisOptions, Case, LineModel, Movement};
+use super::{Analysis, AnalysisOptions, Case, Movement, OtherReadings};
 use crate::error::Error;
-use crate::measure::{InterpolationError, OutlineNoise};
-use crate::personalize::NearbyLoads;
+use crate::measure::InterpolationError;
 use crate::warning::Warnings;
 
 /// Runs all steps on one case, as far as its films reach.
@@ -49,17 +48,6 @@ pub fn analyze_movement(case: &Case, options: &AnalysisOptions) -> Result<Analys
     let mut warnings = Warnings::default();
     let movement = Movement::of(case, options, None, &[], &mut warnings)?;
     Ok(Analysis::before_any_force(case, options, movement, warnings))
-}
-
-/// Results of other readings of the same films.
-#[derive(Debug, Clone)]
-pub(crate) struct OtherReadings<'a> {
-    /// Standard deviations of the films' measured values, in the order of the postures.
-    pub noise: Vec<OutlineNoise>,
-    /// Warm start of the loads.
-    pub loads: Option<NearbyLoads>,
-    /// Warm start of the models.
-    pub models: &'a [LineModel],
 }
 
 /// As [`analyze`], for a replicate: starts from the results of other readings, takes errors of interpolated vertebrae, and gives no

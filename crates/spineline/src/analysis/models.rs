@@ -1,13 +1,11 @@
 //! Lines of action, personalisation and evaluation of one patient.
 
 use super::endings::warn_of_endings;
-use super::{Analysis, AnalysisOptions, FilmMovement, Grouping, Movement};
+use super::{AnalysisOptions, FilmMovement, Grouping, LineModel, Movement};
 use crate::action::{Application, LineKind, LineOfAction};
 use crate::anatomy::Posture;
 use crate::evaluate::{NearbyMatch, Simulation, Target, predict, simulate};
-use crate::multibody::{
-    ForceSign, JointGroups, Load, MatchStatus, Statics, StiffnessLibrary, coupled_matrix,
-};
+use crate::multibody::{ForceSign, JointGroups, Load, MatchStatus, Statics};
 use crate::number::fixed;
 use crate::personalize::estimate::{
     EstimatedLoads, components_of, estimate_load, estimate_loads, line_of,
@@ -17,108 +15,7 @@ use crate::personalize::{
     FitFilm, FitSettings, FitStatus, FitTarget, Gauge, Known, Personalization, Start,
     personalize_with,
 };
-use crate::spatial::Mat3;
 use crate::warning::{WarningCode, Warnings};
-
-/// A personalised model for one choice of line, and what it predicts.
-#[derive(Debug, Clone, PartialEq)]
-pub struct LineModel {
-    /// The choice of line.
-    pub kind: LineKind,
-    /// Which joints share a multiplier.
-    pub groups: JointGroups,
-    /// The fit.
-    pub fit: Personalization,
-    /// Predictions of every posture that has a line, fitted ones and held-out ones.
-    pub postures: Vec<Simulation>,
-}
-
-impl LineModel {
-    /// One posture's prediction.
-    #[must_use]
-    pub fn posture(&self, posture: Posture) -> Option<&Simulation> {
-        self.postures.iter().find(|simulation| simulation.posture == posture)
-    }
-
-    /// Multipliers of the lateral springs, in the order of the groups.
-    pub fn multipliers(&self) -> impl Iterator<Item = f64> {
-        self.fit.log_multipliers.iter().map(|log| log.exp())
-    }
-
-    /// Personalised springs of every joint about x, y and z, caudal first.
-    #[must_use]
-    pub fn stiffness_nmm_per_rad(&self, library: &StiffnessLibrary) -> Vec<[f64; 3]> {
-        let multipliers: Vec<f64> = self.multipliers().collect();
-        library
-            .rows()
-            .iter()
-            .zip(self.groups.of_joint())
-            .map(|(row, &group)| {
-                let [lateral, flexion, axial] =
-                    row.nmm_per_rad.map(|k| k * self.fit.absolute_scale);
-                [lateral * multipliers[group], flexion, axial]
-            })
-            .collect()
-    }
-
-    /// The same with their coupling, as matrices.
-    #[must_use]
-    pub fn stiffness_matrices(&self, library: &StiffnessLibrary) -> Vec<Mat3> {
-        let springs = self.stiffness_nmm_per_rad(library).into_iter().zip(library.rows());
-        springs.map(|(springs, row)| coupled_matrix(springs, row.axial_per_lateral)).collect()
-    }
-
-    /// Whether springs and forces are absolute: only where a force is known and was found in the model.
-    #[must_use]
-    pub fn is_absolute(&self, gauge: Gauge) -> bool {
-        let Gauge::KnownForce { posture, .. } = gauge else { return false };
-        self.posture(posture).is_some_and(|s| s.is_usable() && s.force_n != 0.0)
-    }
-
-    /// Whether the fit and every simulation has a usable result.
-    #[must_use]
-    pub fn is_converged(&self) -> bool {
-        self.fit.status == FitStatus::Converged && self.postures.iter().all(Simulation::is_usable)
-    }
-
-    /// Mean location error over fitted or over held-out postures; `None` without these postures.
-    #[must_use]
-    pub fn mean_location_error_mm(&self, fitted: bool) -> Option<f64> {
-        let errors: Vec<f64> = self
-            .postures
-            .iter()
-            .filter(|s| s.fitted == fitted && s.is_usable())
-            .flat_map(|s| s.location_errors_mm.iter().copied())
-            .collect();
-        (!errors.is_empty()).then(|| errors.iter().sum::<f64>() / errors.len() as f64)
-    }
-}
-
-impl Analysis {
-    /// Whether every fit and every simulation has a usable result.
-    #[must_use]
-    pub fn is_converged(&self) -> bool {
-        self.models.iter().all(LineModel::is_converged)
-            && self.hypotheses.iter().all(|fit| fit.is_converged() && fit.lost.is_empty())
-    }
-
-    /// Whether what was asked for has a result: the model with the inflection line, with lines that were given, and with loads to
-    /// compare. Models with other lines are fitted in addition, for comparison; they count without such a model.
-    #[must_use]
-    pub fn has_what_was_asked(&self) -> bool {
-        let asked =
-            |model: &&LineModel| matches!(model.kind, LineKind::Inflection | LineKind::Given);
-        let is_any_asked = self.models.iter().any(|model| asked(&model));
-        let mut counting = self.models.iter().filter(|model| !is_any_asked || asked(model));
-        let are_models_usable = if is_any_asked {
-            counting.all(LineModel::is_converged)
-        } else {
-            self.models.is_empty() || counting.any(LineModel::is_converged)
-        };
-        are_models_usable
-            && self.hypotheses.iter().all(|fit| fit.is_converged() && fit.lost.is_empty())
-    }
-}
 
 /// Fits one model per line of action and evaluates it on every film.
 ///
@@ -197,7 +94,7 @@ fn geometric_line(
         LineKind::Given => {
             let (_, line) = options.given_lines.iter().find(|(p, _)| *p == name)?;
             warn_of_distance(line, posture, warnings);
-            options.given_line(posture)
+            options.given_line(&posture.outline)
         }
         LineKind::Estimated => None,
     }

@@ -1,11 +1,8 @@
 //! The results before any force: curves, rotations, and the unloaded spine.
 
 use super::checks::warn_of_unknown_rotation;
-use super::measured::{at_erect_length, measure};
-use super::preference::PreferredLine;
-use super::standing::widths_mm;
-use super::words::counted_inflections;
-use super::{AnalysisOptions, Case, Grouping, OtherReadings};
+use super::measured::{at_erect_length, measure, widths_mm};
+use super::{AnalysisOptions, Case, Grouping, OtherReadings, PreferredLine};
 use crate::anatomy::{Level, Levels, Posture, SagittalProfile};
 use crate::chain::{Chain, ChainPose, SEGMENT_WINDOW};
 use crate::clinical::{
@@ -370,4 +367,13 @@ fn warn_of_inflections(found: &Inflections, warnings: &mut Warnings) {
         curves.join(", ")
     );
     warnings.film(WarningCode::InflectionsNotTwo, Posture::Erect, text);
+}
+
+/// A number of inflections in words.
+pub(super) fn counted_inflections(inflections: usize) -> String {
+    match inflections {
+        0 => "no inflection".to_owned(),
+        1 => "one inflection".to_owned(),
+        n => format!("{n} inflections"),
+    }
 }

@@ -1,11 +1,10 @@
-use super::FilmMovement;
 use crate::action::{LineKind, LineOfAction};
 use crate::anatomy::{Posture, named};
 use crate::clinical::EndChoice;
 use crate::curve::{InflectionChoice, MIN_TURN, OrderRule};
 use crate::evaluate::RotationPrior;
 use crate::hypothesis::Hypothesis;
-use crate::measure::{FilmLengthRule, TiltRule};
+use crate::measure::{FilmLengthRule, Outline, TiltRule};
 use crate::multibody::{StiffnessLibrary, StiffnessTable, Support};
 use crate::personalize::{FitTarget, Gauge, LogNormalPrior};
 use crate::spatial::Angle;
@@ -131,10 +130,10 @@ impl AnalysisOptions {
     }
 
     /// The line that was given for a film, at the film's scale against the erect one.
-    pub(super) fn given_line(&self, film: &FilmMovement) -> Option<LineOfAction> {
-        let (_, line) = self.given_lines.iter().find(|(p, _)| *p == film.outline.posture)?;
+    pub(super) fn given_line(&self, film: &Outline) -> Option<LineOfAction> {
+        let (_, line) = self.given_lines.iter().find(|(p, _)| *p == film.posture)?;
         // It was given on the film as it is.
-        let point = line.point * (1.0 / film.outline.length.scale.factor);
+        let point = line.point * (1.0 / film.length.scale.factor);
         Some(LineOfAction { point, ..*line })
     }
 }

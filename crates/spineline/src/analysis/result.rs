@@ -1,6 +1,7 @@
 use super::comparison::Remembered;
 use super::measured::is_read_once;
 use super::{AnalysisOptions, LineModel, Movement};
+use crate::action::LineKind;
 use crate::hypothesis::HypothesisFit;
 use crate::reliability::{QuantityReliability, assess, film_quantities};
 use crate::warning::Warnings;
@@ -37,5 +38,29 @@ impl Analysis {
             return Vec::new();
         }
         film_quantities(&[(&self.case_id, readings)]).iter().map(assess).collect()
+    }
+
+    /// Whether every fit and every simulation has a usable result.
+    #[must_use]
+    pub fn is_converged(&self) -> bool {
+        self.models.iter().all(LineModel::is_converged)
+            && self.hypotheses.iter().all(|fit| fit.is_converged() && fit.lost.is_empty())
+    }
+
+    /// Whether what was asked for has a result: the model with the inflection line, with lines that were given, and with loads to
+    /// compare. Models with other lines are fitted in addition, for comparison; they count without such a model.
+    #[must_use]
+    pub fn has_what_was_asked(&self) -> bool {
+        let asked =
+            |model: &&LineModel| matches!(model.kind, LineKind::Inflection | LineKind::Given);
+        let is_any_asked = self.models.iter().any(|model| asked(&model));
+        let mut counting = self.models.iter().filter(|model| !is_any_asked || asked(model));
+        let are_models_usable = if is_any_asked {
+            counting.all(LineModel::is_converged)
+        } else {
+            self.models.is_empty() || counting.any(LineModel::is_converged)
+        };
+        are_models_usable
+            && self.hypotheses.iter().all(|fit| fit.is_converged() && fit.lost.is_empty())
     }
 }

@@ -1,8 +1,7 @@
 //! Sources of the model's vertebrae in space: measurements or assumptions.
 
-use super::{Analysis, Case};
-use crate::anatomy::{Level, Posture, named};
-use crate::measure::{Outline, body_widths};
+use super::Analysis;
+use crate::anatomy::{Level, named};
 use crate::multibody::BodySize;
 
 named! {
@@ -39,20 +38,6 @@ impl AxialSource {
     pub const fn is_measured(self) -> bool {
         matches!(self, Self::Pedicles)
     }
-}
-
-/// Widths of the bodies of the model between their corners on the erect film, means over the readings; `None` where a person did not
-/// place these: proposals of a program follow a typical vertebra too.
-///
-/// A vertebra with axial rotation looks narrower or wider by its depth: by 1 % at 20° where it is a tenth wider than deep.
-pub(super) fn widths_mm(case: &Case, erect: &Outline) -> Vec<Option<f64>> {
-    let film = case.films.iter().find(|film| film.posture == Posture::Erect);
-    let widths = film.map(|film| body_widths(film, erect.levels())).unwrap_or_default();
-    let per_mm = erect.scale.pixels_per_mm.unwrap_or(1.0);
-    let own = |(vertebra, width): (&crate::measure::MeasuredVertebra, Option<f64>)| {
-        width.filter(|_| vertebra.program.is_none()).map(|width| width / per_mm)
-    };
-    erect.vertebrae.iter().zip(widths).map(own).collect()
 }
 
 impl Analysis {

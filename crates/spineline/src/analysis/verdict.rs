@@ -1,6 +1,6 @@
 use super::comparison::{FilmRole, LinesCompared, Ranking};
 use super::compatibility::{BendEvidence, Compatibility};
-use super::words::counted_inflections;
+use super::movement::counted_inflections;
 use super::{Analysis, FilmMovement, LineModel};
 use crate::action::LineKind;
 use crate::anatomy::Posture;

@@ -249,12 +249,3 @@ impl fmt::Display for MultiplierVerdict {
         }
     }
 }
-
-/// A number of inflections in words.
-pub(super) fn counted_inflections(inflections: usize) -> String {
-    match inflections {
-        0 => "no inflection".to_owned(),
-        1 => "one inflection".to_owned(),
-        n => format!("{n} inflections"),
-    }
-}

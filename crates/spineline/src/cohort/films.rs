@@ -2,7 +2,6 @@
 
 use std::cmp::Reverse;
 
-use super::CohortPatient;
 use crate::analysis::{Analysis, listed};
 use crate::anatomy::{Levels, Posture};
 use crate::warning::{WarningCode, counted};
@@ -53,9 +52,9 @@ pub struct ChainCount {
 
 impl ChainCount {
     /// Of all patients: the chain of most patients first; of chains of as many patients the longer one.
-    pub(super) fn all(patients: &[CohortPatient]) -> Vec<Self> {
+    pub(super) fn all(patients: impl Iterator<Item = Levels>) -> Vec<Self> {
         let mut counts: Vec<Self> = Vec::new();
-        for levels in patients.iter().map(|patient| patient.levels) {
+        for levels in patients {
             match counts.iter_mut().find(|count| count.levels == levels) {
                 Some(count) => count.patients += 1,
                 None => counts.push(Self { levels, patients: 1 }),

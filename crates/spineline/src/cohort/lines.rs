@@ -2,15 +2,13 @@
 
 use super::comparison::corrected_by_holm;
 use super::others::Seen;
-use super::patient::{CohortPatient, FilmErrors};
+use super::patient::{CohortPatient, FilmErrors, NoResult};
 use super::patients::Patients;
 use super::{Clustered, PairedComparison};
 use crate::action::LineKind;
-use crate::analysis::{FilmRole, FreeNumbers, LineModel};
+use crate::analysis::{FilmRole, FreeNumbers};
 use crate::anatomy::Posture;
 use crate::anatomy::named;
-use crate::evaluate::Simulation;
-use crate::multibody::MatchStatus;
 use crate::personalize::SIGNIFICANCE;
 
 named! {
@@ -116,38 +114,6 @@ impl LinePairTest {
         let [first, second] = self.per_predicted_film;
         let (own, other) = if nearer == self.lines[0] { (first, second) } else { (second, first) };
         (own <= other).then_some(nearer)
-    }
-}
-
-named! {
-    /// Why a line has no result on a film.
-    pub enum NoResult {
-        /// The patient has no model of this line; for a left-out bend, no model fitted to the other bend.
-        NoModel = "no_model" as "the line has no model",
-        /// The line has no place on the film.
-        NoLine = "no_line" as "the line has no place on this film",
-        /// No force up to the limit gives the shape that was asked for.
-        Unreachable = "unreachable" as "no force up to the limit gives the shape",
-        /// The search for the force did not converge.
-        NotConverged = "not_converged" as "the search for the force did not converge",
-        /// The shape that was found is beyond the human range of motion.
-        BeyondHumanRange = "beyond_human_range" as "the shape found is beyond the human range of motion",
-    }
-}
-
-/// The shape of a line's model on a film, or why it is missing.
-pub(super) fn result_on(
-    models: &[LineModel],
-    kind: LineKind,
-    posture: Posture,
-) -> Result<&Simulation, NoResult> {
-    let model = models.iter().find(|model| model.kind == kind).ok_or(NoResult::NoModel)?;
-    let simulation = model.posture(posture).ok_or(NoResult::NoLine)?;
-    match simulation.status {
-        MatchStatus::Converged => Ok(simulation),
-        MatchStatus::Unreachable => Err(NoResult::Unreachable),
-        MatchStatus::NotConverged => Err(NoResult::NotConverged),
-        MatchStatus::BeyondHumanRange => Err(NoResult::BeyondHumanRange),
     }
 }
 

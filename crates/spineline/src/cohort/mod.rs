@@ -26,9 +26,10 @@ pub use baselines::{BaselineErrors, BaselineTest, BaselinesOverPatients};
 pub use claims::{ClaimVerdict, Claims, NEAR_SEGMENTS, PatientClaims};
 pub use comparison::{ComparisonOutcome, PairedComparison};
 pub use films::{ChainCount, DoubtedFilm};
-pub use lines::{ErrorKind, LinePairTest, LinesOverPatients, MissingResult, NoResult, RoleErrors};
+pub use lines::{ErrorKind, LinePairTest, LinesOverPatients, MissingResult, RoleErrors};
 pub use outcomes::{LineOutcomes, OutcomeCounts};
-pub use patient::CohortPatient;
+pub use patient::{CohortPatient, NoResult};
+pub use patients::Clustered;
 pub use refused::{RefusalStep, RefusedCase};
 pub use rotation_prior::{LearnedRotations, learn_rotation_prior};
 pub use workers::{OneThread, Workers};
@@ -41,30 +42,6 @@ use patients::Patients;
 
 /// Resamples of a cluster bootstrap.
 const RESAMPLES: u32 = 2000;
-
-/// Statistics of a sample that belongs to patients.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Clustered {
-    /// Of all values, as if they were independent.
-    pub pooled: Summary,
-    /// Of one mean per patient.
-    pub patients: Summary,
-    /// 95 % interval of the mean by resampling patients.
-    pub bootstrap: Option<[f64; 2]>,
-}
-
-impl Clustered {
-    /// From one summary per patient; patients without values do not count.
-    fn of(by_patient: &[Summary], resampling: &Resampling) -> Self {
-        let with_values = by_patient.iter().filter(|summary| summary.n > 0);
-        let means: Vec<f64> = with_values.map(|summary| summary.mean).collect();
-        Self {
-            pooled: Summary::pooled(by_patient),
-            patients: Summary::of(&means),
-            bootstrap: resampling.interval(&means),
-        }
-    }
-}
 
 /// A way to estimate the least-rotating segments, over some films.
 #[derive(Debug, Clone, PartialEq)]
@@ -255,7 +232,7 @@ impl Cohort {
             outcomes: LineOutcomes::all(all),
             doubted: doubted.clone().count(),
             doubted_films: doubted.flat_map(|patient| patient.doubts.iter().cloned()).collect(),
-            chains: ChainCount::all(all),
+            chains: ChainCount::all(all.iter().map(|patient| patient.levels)),
         }
     }
 

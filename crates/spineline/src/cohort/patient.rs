@@ -1,18 +1,18 @@
 //! The numbers of a patient that enter a cohort.
 
 use super::DoubtedFilm;
-use super::lines::{NoResult, result_on};
 use super::numbers::Numbers;
 use crate::action::LineKind;
 use crate::analysis::{
     Analysis, ComparedFilm, ComparedLine, FilmMovement, FilmRole, LineModel, LinesCompared,
     ferguson_errors_deg,
 };
-use crate::anatomy::{Levels, Posture};
+use crate::anatomy::{Levels, Posture, named};
 use crate::evaluate::statistics::Summary;
 use crate::evaluate::{Baseline, BendRotations, FilmFromTop, Links, Simulation};
 use crate::hypothesis::{Hypothesis, HypothesisFit, Role};
 use crate::motion::SegmentEstimate;
+use crate::multibody::MatchStatus;
 use crate::personalize::TestOutcome;
 
 /// The numbers of a patient that enter a [`super::Cohort`].
@@ -128,6 +128,22 @@ impl<'a> FilmErrors<'a> {
     /// Location errors of the vertebrae, in mm.
     pub fn location_mm(self) -> &'a [f64] {
         &self.0[Self::BEFORE_LOCATIONS..]
+    }
+}
+
+named! {
+    /// Why a line has no result on a film.
+    pub enum NoResult {
+        /// The patient has no model of this line; for a left-out bend, no model fitted to the other bend.
+        NoModel = "no_model" as "the line has no model",
+        /// The line has no place on the film.
+        NoLine = "no_line" as "the line has no place on this film",
+        /// No force up to the limit gives the shape that was asked for.
+        Unreachable = "unreachable" as "no force up to the limit gives the shape",
+        /// The search for the force did not converge.
+        NotConverged = "not_converged" as "the search for the force did not converge",
+        /// The shape that was found is beyond the human range of motion.
+        BeyondHumanRange = "beyond_human_range" as "the shape found is beyond the human range of motion",
     }
 }
 
@@ -261,6 +277,22 @@ impl CohortPatient {
     /// Location errors of another load and base on a film; `None` where it does not predict the film.
     pub(super) fn hypothesis_mm(&self, film: u8, hypothesis: Hypothesis) -> Option<&[f64]> {
         self.hypotheses_mm.get(&(film, hypothesis))
+    }
+}
+
+/// The shape of a line's model on a film, or why it is missing.
+fn result_on(
+    models: &[LineModel],
+    kind: LineKind,
+    posture: Posture,
+) -> Result<&Simulation, NoResult> {
+    let model = models.iter().find(|model| model.kind == kind).ok_or(NoResult::NoModel)?;
+    let simulation = model.posture(posture).ok_or(NoResult::NoLine)?;
+    match simulation.status {
+        MatchStatus::Converged => Ok(simulation),
+        MatchStatus::Unreachable => Err(NoResult::Unreachable),
+        MatchStatus::NotConverged => Err(NoResult::NotConverged),
+        MatchStatus::BeyondHumanRange => Err(NoResult::BeyondHumanRange),
     }
 }
 

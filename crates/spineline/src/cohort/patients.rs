@@ -2,8 +2,32 @@
 
 use super::others::{Others, Seen};
 use super::workers::{Workers, results};
-use super::{Clustered, CohortPatient, PairedComparison};
+use super::{CohortPatient, PairedComparison};
 use crate::evaluate::statistics::{Pooled, Resampling, Summary};
+
+/// Statistics of a sample that belongs to patients.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Clustered {
+    /// Of all values, as if they were independent.
+    pub pooled: Summary,
+    /// Of one mean per patient.
+    pub patients: Summary,
+    /// 95 % interval of the mean by resampling patients.
+    pub bootstrap: Option<[f64; 2]>,
+}
+
+impl Clustered {
+    /// From one summary per patient; patients without values do not count.
+    pub(super) fn of(by_patient: &[Summary], resampling: &Resampling) -> Self {
+        let with_values = by_patient.iter().filter(|summary| summary.n > 0);
+        let means: Vec<f64> = with_values.map(|summary| summary.mean).collect();
+        Self {
+            pooled: Summary::pooled(by_patient),
+            patients: Summary::of(&means),
+            bootstrap: resampling.interval(&means),
+        }
+    }
+}
 
 /// All patients, with predictions of each from the others.
 pub(super) struct Patients<'a> {

@@ -1,8 +1,8 @@
 use nalgebra::{DMatrix, DMatrixView, DVector, Matrix3, Vector3};
 
 use super::series::{Series, for_each_basis};
-use super::{Curve, CurveForm, MIN_TURN, find_inflections};
-use crate::anatomy::{FilmView, Levels, Posture};
+use super::{Curve, CurveFit, CurveForm, MIN_TURN, find_inflections};
+use crate::anatomy::{FilmView, Posture};
 use crate::fault::faults;
 use crate::measure::{ErrorRate, Measured, MeasuredVertebra, Outline, Whitening};
 use crate::spatial::{Angle, Frontal};
@@ -73,25 +73,6 @@ const ORDERS: std::ops::RangeInclusive<usize> = 4..=12;
 const VERTEBRAE_ABOVE_ORDER: usize = 3;
 /// Beyond this tilt the slope dy/dz says too little.
 const GRAPH_LIMIT: Angle = Angle::from_deg(70.0);
-
-/// A fitted curve and how well it fits.
-#[derive(Debug, Clone, PartialEq)]
-pub struct CurveFit {
-    /// The curve.
-    pub curve: Curve,
-    /// Order of the polynomial.
-    pub order: usize,
-    /// Root mean square distance of the locations.
-    pub rmse_mm: f64,
-    /// Root mean square difference of the tilts.
-    pub rmse_tilt: Angle,
-    /// Root mean square error on vertebrae left out of the fit, in standard deviations of a measurement.
-    pub left_out: f64,
-    /// Parameter of every vertebra, the base (L4) first.
-    pub vertebra_t_mm: Vec<f64>,
-    /// The vertebrae.
-    pub levels: Levels,
-}
 
 /// Fits a curve to the measured vertebrae of one film: weighted least squares on locations and tilts, from L4 to T2, in `G`.
 ///

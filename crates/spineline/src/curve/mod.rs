@@ -23,7 +23,7 @@ mod residual;
 mod series;
 mod spread;
 
-pub use fit::{CurveError, CurveFit, OrderRule, fit_curve};
+pub use fit::{CurveError, OrderRule, fit_curve};
 pub use free_form::{InflectionInterval, InflectionIntervals};
 pub(crate) use inflection::MIN_TURN;
 pub use inflection::{
@@ -32,6 +32,7 @@ pub use inflection::{
 pub use residual::CurveResidual;
 pub use spread::CurveSpread;
 
+use crate::anatomy::Levels;
 use crate::spatial::{Angle, Frontal};
 use series::Series;
 
@@ -142,4 +143,23 @@ impl Curve {
             .sum::<f64>()
             * half
     }
+}
+
+/// A fitted curve and how well it fits.
+#[derive(Debug, Clone, PartialEq)]
+pub struct CurveFit {
+    /// The curve.
+    pub curve: Curve,
+    /// Order of the polynomial.
+    pub order: usize,
+    /// Root mean square distance of the locations.
+    pub rmse_mm: f64,
+    /// Root mean square difference of the tilts.
+    pub rmse_tilt: Angle,
+    /// Root mean square error on vertebrae left out of the fit, in standard deviations of a measurement.
+    pub left_out: f64,
+    /// Parameter of every vertebra, the base (L4) first.
+    pub vertebra_t_mm: Vec<f64>,
+    /// The vertebrae.
+    pub levels: Levels,
 }

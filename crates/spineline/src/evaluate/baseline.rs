@@ -5,6 +5,7 @@
 
 use nalgebra::{DMatrix, DVector};
 
+use super::bend_rotations::joint_angles;
 use super::rotation_prior::RotationPrior;
 use crate::anatomy::{Level, Posture, named};
 use crate::least_squares::{FitStatus, System, minimize};
@@ -73,23 +74,6 @@ impl BaselinePrediction {
     pub fn is_usable(&self) -> bool {
         self.status == FitStatus::Converged
     }
-}
-
-/// Rotation of every joint from the erect film, caudal first; positive to the patient's right.
-#[must_use]
-pub fn joint_rotations(erect: &Outline, film: &Outline) -> Vec<Angle> {
-    joint_rotations_of(erect, |i| film.vertebrae[i].tilt)
-}
-
-/// The same to a film by the tilts of its vertebrae.
-pub(super) fn joint_rotations_of(erect: &Outline, tilt: impl Fn(usize) -> Angle) -> Vec<Angle> {
-    let turn = |i: usize| tilt(i) - erect.vertebrae[i].tilt;
-    (1..erect.vertebrae.len()).map(|i| (turn(i) - turn(i - 1)).wrapped()).collect()
-}
-
-/// Angle of every joint of a film, caudal first; positive to the patient's right.
-pub(super) fn joint_angles(film: &Outline) -> Vec<Angle> {
-    film.vertebrae.windows(2).map(|pair| (pair[1].tilt - pair[0].tilt).wrapped()).collect()
 }
 
 /// How far the top turns from the erect film against the base.

@@ -1,11 +1,27 @@
-//! Joint rotations of bends, from which a prior is learned.
+//! Joint rotations of films, and of bends, from which a prior is learned.
 
 use nalgebra::{DMatrix, RowDVector};
 
-use super::baseline::{joint_angles, joint_rotations};
 use crate::anatomy::Side;
 use crate::measure::Outline;
 use crate::spatial::Angle;
+
+/// Rotation of every joint from the erect film, caudal first; positive to the patient's right.
+#[must_use]
+pub fn joint_rotations(erect: &Outline, film: &Outline) -> Vec<Angle> {
+    joint_rotations_of(erect, |i| film.vertebrae[i].tilt)
+}
+
+/// The same to a film by the tilts of its vertebrae.
+pub(super) fn joint_rotations_of(erect: &Outline, tilt: impl Fn(usize) -> Angle) -> Vec<Angle> {
+    let turn = |i: usize| tilt(i) - erect.vertebrae[i].tilt;
+    (1..erect.vertebrae.len()).map(|i| (turn(i) - turn(i - 1)).wrapped()).collect()
+}
+
+/// Angle of every joint of a film, caudal first; positive to the patient's right.
+pub(super) fn joint_angles(film: &Outline) -> Vec<Angle> {
+    film.vertebrae.windows(2).map(|pair| (pair[1].tilt - pair[0].tilt).wrapped()).collect()
+}
 
 /// A bend as if it were to the right: a bend to the left is mirrored. Joints are caudal first.
 #[derive(Debug, Clone, PartialEq)]
@@ -114,7 +130,8 @@ mod tests {
         assert!((found.erect_coefficient + 0.38).abs() < 1e-12);
         assert!(found.deviations.amax() < 1e-14);
         for (joint, mean) in found.mean.iter().enumerate() {
-            assert!((mean.to_degrees() - (4.0 - joint as f64)).abs() < 1e-12, "{joint}");
+            let mean_deg = Angle::from_rad(*mean).deg();
+            assert!((mean_deg - (4.0 - joint as f64)).abs() < 1e-12, "{joint}");
         }
     }
 

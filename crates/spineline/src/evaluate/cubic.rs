@@ -1,6 +1,7 @@
 //! A prediction without a spine: the curve between both ends of the model.
 
-use super::baseline::{Baseline, BaselinePrediction, Links, joint_rotations_of};
+use super::baseline::{Baseline, BaselinePrediction, Links};
+use super::bend_rotations::joint_rotations_of;
 use crate::least_squares::FitStatus;
 use crate::measure::Outline;
 use crate::spatial::{Angle, Frontal};

@@ -15,11 +15,9 @@ mod rotation_prior;
 mod simulate;
 pub mod statistics;
 
-pub use baseline::{
-    Baseline, BaselinePrediction, joint_rotations, predict_baseline, predict_from_prior,
-};
+pub use baseline::{Baseline, BaselinePrediction, predict_baseline, predict_from_prior};
 pub(crate) use baseline::{FilmFromTop, Links, turn_of_top_sd};
-pub use bend_rotations::BendRotations;
+pub use bend_rotations::{BendRotations, joint_rotations};
 pub(crate) use cubic::predict_cubic;
 pub use mobility::published_lateral_bending;
 pub use prediction::predict;

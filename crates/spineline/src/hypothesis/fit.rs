@@ -1,82 +1,16 @@
 //! A hypothesis fitted to the bends of a patient, and its predictions of films that were not fitted.
 
-use crate::anatomy::named;
 use nalgebra::DVector;
 
 use super::from_top::predict_from_top;
-use super::prediction::{predict, prediction};
+use super::prediction::{LossReason, Predicted, Role, ShapePrediction, predict, prediction};
 use super::problem::{LoadedFilm, ShapeProblem, statics};
 use super::start::{JointResponses, alternate};
 use super::{Base, Criteria, Hypothesis, HypothesisFilm, Spine};
 use crate::anatomy::Posture;
 use crate::least_squares::{FitStatus, System, minimize};
-use crate::measure::FilmScale;
 use crate::multibody::MatchStatus;
-use crate::spatial::{Angle, Frontal};
-
-named! {
-    /// Role of a film in a prediction.
-    pub enum Role {
-        /// Stiffness and load were fitted to it.
-        Fitted = "fitted",
-        /// Neither bend nor fitted: the load is the one that brings T2 nearest.
-        HeldOut = "held_out",
-        /// A bend; stiffness was fitted to the other one, and the load is the one that brings T2 nearest.
-        LeftOut = "left_out",
-        /// A bend; stiffness was fitted to the other one, and the load is the most probable one for T2's place and the
-        /// distribution of joint rotations.
-        LeftOutWithPrior = "left_out_with_prior",
-        /// The same for T2's place and tilt.
-        LeftOutWithTilt = "left_out_with_tilt",
-        /// A bend; stiffness was fitted to the other one, and the load to the whole shape of this one.
-        LeftOutLoadFitted = "left_out_load_fitted",
-    }
-}
-
-/// Joints that turn against the moment of a load, where the film shows both.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct CounterRotatingJoints {
-    /// How many.
-    pub joints: usize,
-    /// How many of them by more than two deviations of their measurement.
-    pub beyond_noise: usize,
-    /// Their part in the work `Σ |rotation × moment|` of all joints.
-    pub weight: f64,
-}
-
-/// A film by a hypothesis, beside the measured film.
-#[derive(Debug, Clone, PartialEq)]
-pub struct ShapePrediction {
-    /// The posture.
-    pub posture: Posture,
-    /// Role of the film.
-    pub role: Role,
-    /// The film's scale against the erect film, at which the model was compared with it.
-    pub scale: FilmScale,
-    /// Components of the load: N, or N·mm for couples; of the body's weight for [`super::LoadShape::Weight`].
-    pub components: Vec<f64>,
-    /// Turn of the whole spine about L4, about +X.
-    pub base: Angle,
-    /// Locations L4 to T2, in `G`.
-    pub locations: Vec<Frontal>,
-    /// Tilts.
-    pub tilts: Vec<Angle>,
-    /// Distance between simulated and measured location of L3…T2: E_LOC.
-    pub location_errors_mm: Vec<f64>,
-    /// Root mean square of the errors of the joints' rotations, with L4's axis as it was read: a turn of the base is an error of the
-    /// lowest joint.
-    pub rotation_rms: Angle,
-    /// Joints that turn against this load.
-    pub against: CounterRotatingJoints,
-}
-
-impl ShapePrediction {
-    /// Mean of the location errors.
-    #[must_use]
-    pub fn mean_location_error_mm(&self) -> f64 {
-        self.location_errors_mm.iter().sum::<f64>() / self.location_errors_mm.len() as f64
-    }
-}
+use crate::spatial::Angle;
 
 /// A hypothesis fitted to one patient.
 #[derive(Debug, Clone, PartialEq)]
@@ -104,15 +38,6 @@ pub struct LostPrediction {
     pub role: Role,
     /// Why it is missing.
     pub reason: LossReason,
-}
-
-/// Why a prediction of a film is missing.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum LossReason {
-    /// No equilibrium or no fit was found.
-    NoEquilibrium,
-    /// The shape found is beyond the human range of motion.
-    BeyondHumanRange,
 }
 
 impl HypothesisFit {
@@ -233,9 +158,6 @@ pub fn fit_hypothesis(
 
 /// How a bend is predicted with the stiffness of the other one.
 type PredictLeftOut = fn(Hypothesis, &Spine<'_>, &HypothesisFilm<'_>, &[f64], Role) -> Predicted;
-
-/// A prediction, or why it is missing.
-pub(super) type Predicted = Result<ShapePrediction, LossReason>;
 
 /// A fit that has ended.
 struct Ended<'a> {

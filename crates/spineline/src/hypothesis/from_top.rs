@@ -9,9 +9,8 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::fit::{LossReason, Predicted, Role, ShapePrediction};
 use super::near_t2::{largest, size_factor};
-use super::prediction::{prediction, with_scale};
+use super::prediction::{LossReason, Predicted, Role, ShapePrediction, prediction, with_scale};
 use super::problem::{LoadedFilm, statics};
 use super::{Base, Hypothesis, HypothesisFilm, Spine};
 use crate::evaluate::turn_of_top_sd;

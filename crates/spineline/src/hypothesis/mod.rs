@@ -35,10 +35,8 @@ mod start;
 
 pub use comparison::{HypothesisComparison, HypothesisScores, HypothesisSummary, compare};
 pub use criteria::Criteria;
-pub use fit::{
-    CounterRotatingJoints, HypothesisFit, LossReason, LostPrediction, Role, ShapePrediction,
-    fit_hypothesis,
-};
+pub use fit::{HypothesisFit, LostPrediction, fit_hypothesis};
+pub use prediction::{CounterRotatingJoints, LossReason, Role, ShapePrediction};
 
 use crate::anatomy::named;
 use crate::evaluate::RotationPrior;

@@ -2,9 +2,7 @@
 
 use std::fmt;
 
-use super::{
-    Film, FilmLandmarks, FilmPlace, MeasureError, MeasureFault, Outline, VertebraLandmarks,
-};
+use super::VertebraLandmarks;
 use crate::anatomy::{Level, Morphometry, PediclePlace, Side, named};
 use crate::spatial::{Angle, Frontal, Pixel};
 
@@ -126,53 +124,16 @@ impl fmt::Display for PedicleFault {
     }
 }
 
-/// Axial rotations of all vertebrae of a film on which both pedicles are marked, caudal first: means over readings.
-///
-/// # Errors
-/// [`MeasureFault::Pedicles`] names film, reading, vertebra and fault.
-pub(crate) fn axial_rotations(
-    film: &Film,
-    outline: &Outline,
-) -> Result<Vec<AxialRotation>, MeasureError> {
-    let FilmLandmarks::Corners { image, readings, .. } = &film.landmarks else {
-        return Ok(Vec::new());
-    };
-    let mut found = Vec::new();
-    for level in Level::ALL {
-        let mut places: Vec<PediclePair> = Vec::new();
-        for reading in readings {
-            let Some(landmark) = reading.vertebrae.get(&level) else { continue };
-            let [Some(left), Some(right)] = landmark.pedicles else { continue };
-            let fault = |fault| {
-                let place = FilmPlace::vertebra(film.posture, &reading.id, level);
-                MeasureFault::Pedicles { fault }.at(place)
-            };
-            if ![left, right].into_iter().all(|place| image.contains(place)) {
-                return Err(fault(PedicleFault::OffImage));
-            }
-            let pair = PediclePair::of(landmark, |place| image.frontal(place)).map_err(fault)?;
-            places.push(pair);
-        }
-        let marked = places.len();
-        let Some(mean) = PediclePair::mean(places) else { continue };
-        let Some(vertebra) = outline.vertebra(level) else { continue };
-        let per_mm = outline.scale.pixels_per_mm.unwrap_or(1.0);
-        let corner_sd = outline.noise_of(vertebra).corner_mm() * per_mm;
-        found.push(mean.rotation(level, corner_sd, marked));
-    }
-    Ok(found)
-}
-
 /// The pedicles of one body across its axis, from its centre to the left, and its width, in the unit of the film.
 #[derive(Debug, Clone, Copy, PartialEq)]
-struct PediclePair {
+pub(super) struct PediclePair {
     left: f64,
     right: f64,
     width: f64,
 }
 
 impl PediclePair {
-    fn of(
+    pub fn of(
         landmark: &VertebraLandmarks,
         frontal: impl Fn(Pixel) -> Frontal,
     ) -> Result<Self, PedicleFault> {
@@ -195,7 +156,7 @@ impl PediclePair {
         Ok(Self { left, right, width })
     }
 
-    fn mean(mut all: Vec<Self>) -> Option<Self> {
+    pub fn mean(mut all: Vec<Self>) -> Option<Self> {
         // The order of the readings must not reach the last bit.
         all.sort_by(|a, b| a.left.total_cmp(&b.left).then(a.right.total_cmp(&b.right)));
         let share = 1.0 / all.len() as f64;
@@ -205,7 +166,7 @@ impl PediclePair {
         (!all.is_empty()).then_some(pair)
     }
 
-    fn rotation(self, level: Level, corner_sd: f64, readings: usize) -> AxialRotation {
+    pub fn rotation(self, level: Level, corner_sd: f64, readings: usize) -> AxialRotation {
         let place = PediclePlace::of(level);
         let (sum, difference) = (self.left + self.right, self.left - self.right);
         let ratio = place.beside_mm / place.behind_mm;

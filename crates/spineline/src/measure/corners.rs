@@ -1,6 +1,5 @@
 use std::fmt;
 
-use super::EndplateTilts;
 use crate::anatomy::named;
 use crate::spatial::{Angle, Frontal};
 
@@ -273,6 +272,24 @@ impl<P: Copy> Corners<P> {
             inferior_left: f(self.inferior_left),
             inferior_right: f(self.inferior_right),
         }
+    }
+}
+
+/// Lateral tilts of the normals of a vertebra's two endplates; positive to the patient's right.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct EndplateTilts {
+    /// Of the superior endplate.
+    pub superior: Angle,
+    /// Of the inferior endplate.
+    pub inferior: Angle,
+}
+
+impl EndplateTilts {
+    /// The same tilts against a base of another tilt.
+    pub(super) fn against(self, base: Angle) -> Self {
+        let [superior, inferior] =
+            [self.superior, self.inferior].map(|tilt| (tilt - base).wrapped());
+        Self { superior, inferior }
     }
 }
 

@@ -161,6 +161,14 @@ pub struct ReadingId {
     pub repeat: u32,
 }
 
+impl ReadingId {
+    /// An identity from its parts.
+    #[must_use]
+    pub fn new(observer: impl Into<String>, repeat: u32) -> Self {
+        Self { observer: observer.into(), repeat }
+    }
+}
+
 impl fmt::Display for ReadingId {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{} (repeat {})", self.observer, self.repeat)
@@ -200,6 +208,18 @@ impl VertebraLandmarks {
             confidence: None,
             sd_share: None,
         }
+    }
+
+    /// Whether a person placed all four corners.
+    #[must_use]
+    pub fn is_placed(&self) -> bool {
+        self.origins.points().into_iter().all(Origin::is_placed)
+    }
+
+    /// Whether a person has looked at all four corners.
+    #[must_use]
+    pub fn is_reviewed(&self) -> bool {
+        self.origins.points().into_iter().all(Origin::is_reviewed)
     }
 }
 

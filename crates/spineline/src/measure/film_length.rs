@@ -4,14 +4,13 @@
 //! its plane, magnification differs, and landmarks lie differently. A factor per film corrects this before films are compared;
 //! angles do not depend on it.
 
-use super::{LengthScale, Measured, MeasuredVertebra, Outline, SpacingPlane};
 use crate::spatial::Frontal;
 
 /// How lengths of several films of one patient are compared.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum FilmLengthRule {
     /// Every film has its own scale. Its logarithm is normal about zero with this standard deviation, or with the standard deviation
-    /// of both stated scales if both films state one ([`LengthScale::relative_sd`]).
+    /// of both stated scales if both films state one ([`LengthScale::relative_sd`](super::LengthScale::relative_sd)).
     PerFilm {
         /// Standard deviation where a scale is not stated.
         relative_sd: f64,
@@ -70,39 +69,8 @@ impl FilmLength {
     pub const ERECT: Self =
         Self { measured: FilmScale::ONE, prior_log_sd: 0.0, scale: FilmScale::ONE };
 
-    /// A scale with a larger stated standard deviation counts as unknown.
-    const MAX_LOG_SD: f64 = 0.5;
     /// A film whose length differs from the erect one by more standard deviations of the prior gets a warning.
     const UNUSUAL: f64 = 3.0;
-
-    /// Compares the length of a film, as it is marked, with the erect film's.
-    ///
-    /// # Definition
-    /// The length of the polygon through the midpoints is compared with the length of the erect polygon after every vertebra turns as
-    /// on the film, half of each link with either neighbour:
-    /// `Σ |d_i| cos((δ_{i+1} - δ_i) / 2)`, with the erect links `d_i` and the changes of tilt `δ_i`. The posterior of
-    /// `ln factor` is normal: the measured value and zero, weighted by their inverse variances.
-    #[must_use]
-    pub fn of(erect: &Outline, film: &Outline, rule: FilmLengthRule) -> Self {
-        let measured = measured_scale(erect, film);
-        let has_scale = [erect, film].iter().all(|one| one.scale.plane != SpacingPlane::Pixels);
-        // Coordinates near the limits of numbers do not have a finite length.
-        let has_length = [measured.factor.ln(), measured.log_sd].iter().all(|one| one.is_finite());
-        let prior_log_sd = match rule {
-            FilmLengthRule::PerFilm { relative_sd } if has_scale && has_length => {
-                stated_sd(&erect.scale, &film.scale).unwrap_or(relative_sd).min(Self::MAX_LOG_SD)
-            }
-            _ => 0.0,
-        };
-        let scale = if prior_log_sd > 0.0 {
-            let (own, prior) = (measured.log_sd.powi(2), prior_log_sd.powi(2));
-            let log = measured.factor.ln() * prior / (prior + own);
-            FilmScale { factor: log.exp(), log_sd: (prior * own / (prior + own)).sqrt() }
-        } else {
-            FilmScale::ONE
-        };
-        Self { measured, prior_log_sd, scale }
-    }
 
     /// Whether the scale is estimated.
     #[must_use]
@@ -144,89 +112,5 @@ impl FilmLength {
         let factor = log.exp();
         let curvature = data * factor * (2.0 * factor * square - product) + prior;
         FilmScale { factor, log_sd: curvature.powf(-0.5) }
-    }
-}
-
-/// Standard deviation of the ratio of two scales, where both are stated.
-fn stated_sd(erect: &LengthScale, film: &LengthScale) -> Option<f64> {
-    Some(erect.relative_sd?.hypot(film.relative_sd?))
-}
-
-fn measured_scale(erect: &Outline, film: &Outline) -> FilmScale {
-    let turn = |i: usize| film.vertebrae[i].tilt - erect.vertebrae[i].tilt;
-    let links = erect.vertebrae.windows(2).enumerate();
-    let carried_mm: f64 = links
-        .map(|(i, pair)| {
-            let half = (turn(i + 1) - turn(i)).wrapped().rad() / 2.0;
-            pair[0].location.distance_mm(pair[1].location) * half.cos()
-        })
-        .sum();
-    let variance: f64 = [erect, film].iter().map(|one| log_length_variance(one)).sum();
-    FilmScale { factor: film.polygon_mm() / carried_mm, log_sd: variance.sqrt() }
-}
-
-/// Variance of the logarithm of the polygon's length by the noise of its points.
-fn log_length_variance(outline: &Outline) -> f64 {
-    let vertebrae = &outline.vertebrae;
-    let unit = |i: usize| {
-        let link = vertebrae[i + 1].location - vertebrae[i].location;
-        link * (1.0 / link.norm_mm())
-    };
-    let last = vertebrae.len() - 1;
-    let rate = |i: usize| {
-        let below = if i > 0 { unit(i - 1) } else { Frontal::default() };
-        let above = if i < last { unit(i) } else { Frontal::default() };
-        below - above
-    };
-    if outline.has_shared_errors() {
-        let rates = (0..=last).flat_map(|i| {
-            let Frontal { y_mm, z_mm } = rate(i);
-            [(i, Measured::Left, y_mm), (i, Measured::Cranial, z_mm)]
-        });
-        return outline.variance_of(&rates.collect::<Vec<_>>()) / outline.polygon_mm().powi(2);
-    }
-    let variance_mm2 = |(i, vertebra): (usize, &MeasuredVertebra)| {
-        let sd_mm = vertebra
-            .interpolated
-            .map_or_else(|| outline.noise_of(vertebra).location_mm, |i| i.location_sd_mm);
-        let rate = rate(i);
-        rate.dot(rate) * sd_mm.powi(2)
-    };
-    let sum_mm2: f64 = vertebrae.iter().enumerate().map(variance_mm2).sum();
-    sum_mm2 / outline.polygon_mm().powi(2)
-}
-
-impl Outline {
-    /// The same film with its locations divided by another scale than now.
-    ///
-    /// Standard deviations of the landmarks do not change: the difference is far below their own uncertainty.
-    #[must_use]
-    pub fn at_scale(&self, scale: FilmScale) -> Self {
-        let factor = self.length.scale.factor / scale.factor;
-        let mut scaled = self.clone();
-        for vertebra in scaled.vertebrae.iter_mut().chain(&mut scaled.others) {
-            vertebra.location = vertebra.location * factor;
-        }
-        scaled.iliac_middle = self.iliac_middle.map(|middle| middle * factor);
-        scaled.length.scale = scale;
-        scaled
-    }
-
-    /// The film at the length of the erect one.
-    pub(crate) fn at_erect_length(mut self, erect: &Outline, rule: FilmLengthRule) -> Self {
-        let length = FilmLength::of(erect, &self, rule);
-        self.length = FilmLength { scale: FilmScale::ONE, ..length };
-        if length.is_free() { self.at_scale(length.scale) } else { self }
-    }
-
-    /// Standard deviation of a coordinate of the top relative to the base.
-    #[must_use]
-    pub fn top_sd_mm(&self) -> f64 {
-        if !self.has_shared_errors() {
-            return self.noise_of_ends().location_mm * f64::sqrt(2.0);
-        }
-        let top = self.vertebrae.len() - 1;
-        let of = |measured| self.variance_of(&[(top, measured, 1.0), (0, measured, -1.0)]);
-        (0.5 * (of(Measured::Left) + of(Measured::Cranial))).sqrt()
     }
 }

@@ -1,19 +1,8 @@
 //! A vertebra that a film does not show, between two that it does.
 
-use super::{MeasuredVertebra, Noise, Outline};
+use super::{Interpolation, MeasuredVertebra, Noise, Outline};
 use crate::anatomy::{Level, Morphometry, Posture};
 use crate::spatial::{Angle, Frontal};
-
-/// Where a vertebra without landmarks was taken from, and how uncertain it is.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Interpolation {
-    /// The next marked vertebrae below and above it.
-    pub between: [Level; 2],
-    /// Standard deviation of a coordinate of its location.
-    pub location_sd_mm: f64,
-    /// Standard deviation of its tilt.
-    pub tilt_sd: Angle,
-}
 
 /// An error of an interpolated vertebra, in its standard deviations: of both coordinates and of the tilt.
 #[derive(Debug, Clone, Copy, PartialEq)]

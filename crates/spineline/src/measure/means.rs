@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use super::{EndplateTilts, Placement, ProgramNoise};
+use super::{EndplateTilts, Noise, Placement, ProgramNoise, ReadingSquares};
 use crate::anatomy::Level;
 use crate::spatial::{Angle, Frontal};
 
@@ -46,4 +46,39 @@ fn mean_placement(mut all: Vec<Placement>) -> (Placement, usize) {
     let origins = all.iter().map(|p| p.origin);
     let origin = origins.reduce(|one, other| Some(one?.and(other?))).flatten();
     (Placement { location, tilt, endplates, program, origin }, all.len())
+}
+
+impl Noise {
+    /// Of means, from the standard deviation of the readings of vertebrae whose corners were placed by all: completed corners are alike
+    /// in all readings and do not depend on readers.
+    pub(super) fn of_means(
+        observers: &[&str],
+        placed: &[BTreeMap<Level, Placement>],
+        means: &BTreeMap<Level, (Placement, usize)>,
+    ) -> Self {
+        let means: BTreeMap<&Level, &(Placement, usize)> =
+            means.iter().filter(|(_, (mean, _))| mean.program.is_none()).collect();
+        let [mut location, mut tilt] = [ReadingSquares::default(), ReadingSquares::default()];
+        for (level, (mean, _)) in &means {
+            let own = || {
+                let marked = placed.iter().zip(observers);
+                marked.filter_map(|(reading, by)| Some((*by, reading.get(*level)?)))
+            };
+            location.add(own().map(|(by, place)| (by, place.location.y_mm - mean.location.y_mm)));
+            location.add(own().map(|(by, place)| (by, place.location.z_mm - mean.location.z_mm)));
+            tilt.add(own().map(|(by, place)| (by, (place.tilt - mean.tilt).wrapped().rad())));
+        }
+        let Some((of_location, of_tilt)) = location.spread().zip(tilt.spread()) else {
+            return Noise::ONE_READING;
+        };
+        let read: usize = means.values().map(|(_, readings)| readings).sum();
+        let readings_per_value = read as f64 / means.len() as f64;
+        let [location_mm, tilt] =
+            [&of_location, &of_tilt].map(|found| (found.variance / readings_per_value).sqrt());
+        Noise {
+            location_mm: location_mm.max(Noise::FLOOR_LOCATION_MM),
+            tilt: Angle::from_rad(tilt.max(Noise::FLOOR_TILT.rad())),
+            tilt_degrees_of_freedom: Some(of_tilt.freedom),
+        }
+    }
 }

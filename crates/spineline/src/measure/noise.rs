@@ -1,7 +1,5 @@
 use std::collections::BTreeMap;
 
-use super::{MeasuredVertebra, Outline, Placement, ProgramNoise, SharedErrors};
-use crate::anatomy::Level;
 use crate::spatial::Angle;
 
 /// Standard deviation of a film's measured values (means over its readings).
@@ -44,90 +42,54 @@ impl Noise {
     pub const fn is_measured(&self) -> bool {
         self.tilt_degrees_of_freedom.is_some()
     }
+}
 
-    /// Of means, from the standard deviation of the readings of vertebrae whose corners were placed by all: completed corners are alike
-    /// in all readings and do not depend on readers.
-    pub(super) fn of_means(
-        observers: &[&str],
-        placed: &[BTreeMap<Level, Placement>],
-        means: &BTreeMap<Level, (Placement, usize)>,
-    ) -> Self {
-        let means: BTreeMap<&Level, &(Placement, usize)> =
-            means.iter().filter(|(_, (mean, _))| mean.program.is_none()).collect();
-        let [mut location, mut tilt] = [ReadingSquares::default(), ReadingSquares::default()];
-        for (level, (mean, _)) in &means {
-            let own = || {
-                let marked = placed.iter().zip(observers);
-                marked.filter_map(|(reading, by)| Some((*by, reading.get(*level)?)))
-            };
-            location.add(own().map(|(by, place)| (by, place.location.y_mm - mean.location.y_mm)));
-            location.add(own().map(|(by, place)| (by, place.location.z_mm - mean.location.z_mm)));
-            tilt.add(own().map(|(by, place)| (by, (place.tilt - mean.tilt).wrapped().rad())));
-        }
-        let Some((of_location, of_tilt)) = location.spread().zip(tilt.spread()) else {
-            return Noise::ONE_READING;
-        };
-        let read: usize = means.values().map(|(_, readings)| readings).sum();
-        let readings_per_value = read as f64 / means.len() as f64;
-        let [location_mm, tilt] =
-            [&of_location, &of_tilt].map(|found| (found.variance / readings_per_value).sqrt());
+/// Noise that corners found by a program add to a vertebra, in one reading or in the mean of several.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ProgramNoise {
+    /// Standard deviation of a coordinate of the location by these corners.
+    pub location_mm: f64,
+    /// Standard deviation of the tilt by them; zero for an axis set by hand.
+    pub tilt: Angle,
+    /// The part of the vertebra's corners that a person placed, from 0 to 1.
+    pub placed_share: f64,
+    /// The same for the tilt: 1 where the axis was set by hand.
+    pub placed_tilt_share: f64,
+    /// Whether a person has looked at all of them.
+    pub is_reviewed: bool,
+}
+
+impl ProgramNoise {
+    /// The noise of the vertebra; corners placed by a person have the film's noise.
+    pub(super) fn beside(&self, film: Noise) -> Noise {
+        let total =
+            |share: f64, placed: f64, own: f64| (share * placed * placed + own * own).sqrt();
+        let location_mm = total(self.placed_share, film.location_mm, self.location_mm);
+        let tilt = total(self.placed_tilt_share, film.tilt.rad(), self.tilt.rad());
         Noise {
+            // Noise is never below pixel rounding.
             location_mm: location_mm.max(Noise::FLOOR_LOCATION_MM),
             tilt: Angle::from_rad(tilt.max(Noise::FLOOR_TILT.rad())),
-            tilt_degrees_of_freedom: Some(of_tilt.freedom),
-        }
-    }
-}
-
-/// The noise of all vertebrae of a film, to be held while its landmarks move.
-#[derive(Debug, Clone)]
-pub(crate) struct OutlineNoise {
-    /// Of landmarks alone.
-    pub film: Noise,
-    program: BTreeMap<Level, ProgramNoise>,
-    shared: Option<SharedErrors>,
-}
-
-impl OutlineNoise {
-    pub fn of(outline: &Outline) -> Self {
-        let own = outline.vertebrae.iter().filter_map(|v| Some((v.level, v.program?)));
-        let shared = outline.shared_errors.clone();
-        Self { film: outline.noise, program: own.collect(), shared }
-    }
-
-    pub fn give_to(&self, outline: &mut Outline) {
-        outline.noise = self.film;
-        for vertebra in &mut outline.vertebrae {
-            vertebra.program = self.program.get(&vertebra.level).copied();
-        }
-        outline.shared_errors.clone_from(&self.shared);
-    }
-}
-
-impl Outline {
-    /// Root mean square of the noise of some vertebrae; exactly the film's where a person placed all their corners.
-    pub(crate) fn noise_over<'a>(
-        &self,
-        vertebrae: impl IntoIterator<Item = &'a MeasuredVertebra>,
-    ) -> Noise {
-        let all: Vec<&MeasuredVertebra> = vertebrae.into_iter().collect();
-        if all.iter().all(|vertebra| vertebra.program.is_none()) {
-            return self.noise;
-        }
-        let mean = |of: &dyn Fn(Noise) -> f64| {
-            let squares = all.iter().map(|vertebra| of(self.noise_of(vertebra)).powi(2));
-            (squares.sum::<f64>() / all.len() as f64).sqrt()
-        };
-        Noise {
-            location_mm: mean(&|noise| noise.location_mm),
-            tilt: Angle::from_rad(mean(&|noise| noise.tilt.rad())),
-            tilt_degrees_of_freedom: self.noise.tilt_degrees_of_freedom,
+            tilt_degrees_of_freedom: film.tilt_degrees_of_freedom,
         }
     }
 
-    /// Noise of its base and top.
-    pub(crate) fn noise_of_ends(&self) -> Noise {
-        self.noise_over(self.vertebrae.first().into_iter().chain(self.vertebrae.last()))
+    /// Of a mean over readings, of which some may be placed. The readings share the model that completed them, so that
+    /// its part does not become smaller by averaging.
+    pub(super) fn of_mean(readings: &[Option<Self>]) -> Option<Self> {
+        readings.iter().any(Option::is_some).then(|| {
+            let mean = |of: &dyn Fn(&Self) -> f64, placed: f64| {
+                let all = readings.iter().map(|one| one.as_ref().map_or(placed, of));
+                all.sum::<f64>() / readings.len() as f64
+            };
+            Self {
+                location_mm: mean(&|one| one.location_mm.powi(2), 0.0).sqrt(),
+                tilt: Angle::from_rad(mean(&|one| one.tilt.rad().powi(2), 0.0).sqrt()),
+                placed_share: mean(&|one| one.placed_share, 1.0),
+                placed_tilt_share: mean(&|one| one.placed_tilt_share, 1.0),
+                is_reviewed: readings.iter().flatten().all(|one| one.is_reviewed),
+            }
+        })
     }
 }
 

@@ -2,9 +2,6 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use super::FilmReadings;
-use crate::warning::{WarningCode, Warnings};
-
 /// The rule for a code of an observer, in words.
 pub const OBSERVER_RULE: &str = "1 to 64 letters, digits, `.`, `-` and `_`, such as A or reader-2";
 
@@ -59,12 +56,4 @@ pub fn alike_words(names: &[impl AsRef<str>]) -> String {
         names.join(" and "),
         names.len()
     )
-}
-
-/// Warns of such names among the observers of all films.
-pub(crate) fn warn_of_alike_observers(films: &[FilmReadings], warnings: &mut Warnings) {
-    let ids = films.iter().flat_map(|film| &film.readings).map(|reading| &reading.id);
-    for names in alike_observers(ids.map(|id| id.observer.as_str())) {
-        warnings.push(WarningCode::ObserversAlike, alike_words(&names));
-    }
 }

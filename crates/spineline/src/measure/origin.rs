@@ -1,6 +1,6 @@
 //! How a landmark came about.
 
-use super::{Corners, VertebraLandmarks};
+use super::Corners;
 use crate::anatomy::named;
 
 named! {
@@ -79,19 +79,5 @@ impl Corners<Origin> {
             inferior_left: origin,
             inferior_right: origin,
         }
-    }
-}
-
-impl VertebraLandmarks {
-    /// Whether a person placed all four corners.
-    #[must_use]
-    pub fn is_placed(&self) -> bool {
-        self.origins.points().into_iter().all(Origin::is_placed)
-    }
-
-    /// Whether a person has looked at all four corners.
-    #[must_use]
-    pub fn is_reviewed(&self) -> bool {
-        self.origins.points().into_iter().all(Origin::is_reviewed)
     }
 }

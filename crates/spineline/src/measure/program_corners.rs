@@ -11,59 +11,10 @@ use nalgebra::{DMatrix, DVector, SMatrix, SVector};
 
 use super::completion::{Click, Clicks, CompletionError, complete};
 use super::{
-    CornerName, Corners, ImageGeometry, Noise, Origin, Reading, TiltRule, VertebraLandmarks,
+    CornerName, Corners, ImageGeometry, Origin, ProgramNoise, Reading, TiltRule, VertebraLandmarks,
 };
 use crate::anatomy::{Level, Posture};
 use crate::spatial::{Angle, Frontal};
-
-/// Noise that corners found by a program add to a vertebra, in one reading or in the mean of several.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct ProgramNoise {
-    /// Standard deviation of a coordinate of the location by these corners.
-    pub location_mm: f64,
-    /// Standard deviation of the tilt by them; zero for an axis set by hand.
-    pub tilt: Angle,
-    /// The part of the vertebra's corners that a person placed, from 0 to 1.
-    pub placed_share: f64,
-    /// The same for the tilt: 1 where the axis was set by hand.
-    pub placed_tilt_share: f64,
-    /// Whether a person has looked at all of them.
-    pub is_reviewed: bool,
-}
-
-impl ProgramNoise {
-    /// The noise of the vertebra; corners placed by a person have the film's noise.
-    pub(super) fn beside(&self, film: Noise) -> Noise {
-        let total =
-            |share: f64, placed: f64, own: f64| (share * placed * placed + own * own).sqrt();
-        let location_mm = total(self.placed_share, film.location_mm, self.location_mm);
-        let tilt = total(self.placed_tilt_share, film.tilt.rad(), self.tilt.rad());
-        Noise {
-            // Noise is never below pixel rounding.
-            location_mm: location_mm.max(Noise::FLOOR_LOCATION_MM),
-            tilt: Angle::from_rad(tilt.max(Noise::FLOOR_TILT.rad())),
-            tilt_degrees_of_freedom: film.tilt_degrees_of_freedom,
-        }
-    }
-
-    /// Of a mean over readings, of which some may be placed. The readings share the model that completed them, so that
-    /// its part does not become smaller by averaging.
-    pub(super) fn of_mean(readings: &[Option<Self>]) -> Option<Self> {
-        readings.iter().any(Option::is_some).then(|| {
-            let mean = |of: &dyn Fn(&Self) -> f64, placed: f64| {
-                let all = readings.iter().map(|one| one.as_ref().map_or(placed, of));
-                all.sum::<f64>() / readings.len() as f64
-            };
-            Self {
-                location_mm: mean(&|one| one.location_mm.powi(2), 0.0).sqrt(),
-                tilt: Angle::from_rad(mean(&|one| one.tilt.rad().powi(2), 0.0).sqrt()),
-                placed_share: mean(&|one| one.placed_share, 1.0),
-                placed_tilt_share: mean(&|one| one.placed_tilt_share, 1.0),
-                is_reviewed: readings.iter().flatten().all(|one| one.is_reviewed),
-            }
-        })
-    }
-}
 
 /// The corners of one reading that no person placed, and their covariance.
 #[derive(Debug, Clone)]

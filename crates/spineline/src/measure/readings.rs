@@ -1,8 +1,12 @@
-use super::outline::{check_placements, check_readings, check_spacing};
+use super::film_checks::{check_placements, check_readings, check_spacing};
 use super::placing::place;
 use super::tilts::check_tilts;
-use super::{Film, FilmLandmarks, MeasureError, Placement, Reading, SpacingPlane, TiltRule};
+use super::{
+    Film, FilmLandmarks, MeasureError, Placement, Reading, SpacingPlane, TiltRule, alike_observers,
+    alike_words,
+};
 use crate::anatomy::Posture;
+use crate::warning::{WarningCode, Warnings};
 
 /// Every reading of one film by itself, for questions about the readers.
 #[derive(Debug, Clone, PartialEq)]
@@ -60,5 +64,13 @@ pub fn measure_readings(
             check_tilts(posture, readings)?;
             Ok(readings.clone())
         }
+    }
+}
+
+/// Warns of such names among the observers of all films.
+pub(crate) fn warn_of_alike_observers(films: &[FilmReadings], warnings: &mut Warnings) {
+    let ids = films.iter().flat_map(|film| &film.readings).map(|reading| &reading.id);
+    for names in alike_observers(ids.map(|id| id.observer.as_str())) {
+        warnings.push(WarningCode::ObserversAlike, alike_words(&names));
     }
 }

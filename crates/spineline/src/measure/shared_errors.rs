@@ -16,7 +16,8 @@ use std::collections::BTreeMap;
 use nalgebra::{DMatrix, DVector};
 
 use super::{
-    Film, FilmLandmarks, LengthScale, MeasuredVertebra, Noise, Outline, ProgramCorners, TiltRule,
+    Film, FilmLandmarks, LengthScale, MeasuredVertebra, Noise, Outline, ProgramCorners,
+    SharedErrors, TiltRule,
 };
 use crate::anatomy::Level;
 use crate::spatial::{Angle, Frontal};
@@ -38,16 +39,6 @@ pub(crate) enum Measured {
 /// How a residual changes with the error of a measured number: place of the vertebra, the number, and the derivative, which is one
 /// over the standard deviation that the residual is divided by, with its sign.
 pub(crate) type ErrorRate = (usize, Measured, f64);
-
-/// Covariance of the errors of locations and tilts by corners that a program found, over the vertebrae of a film.
-///
-/// Locations in mm along the axes of `G`, tilts in rad; the errors of the frame itself, which the base gives, are not taken in.
-#[derive(Debug, Clone, PartialEq)]
-pub struct SharedErrors {
-    levels: Vec<Level>,
-    /// Rows of each level: left, cranial, tilt.
-    covariance: DMatrix<f64>,
-}
 
 impl SharedErrors {
     /// Of the means over the readings of a film, by their corners that a program found; `None` without such corners.

@@ -30,21 +30,3 @@ impl TiltRule {
         }
     }
 }
-
-/// Lateral tilts of the normals of a vertebra's two endplates; positive to the patient's right.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct EndplateTilts {
-    /// Of the superior endplate.
-    pub superior: Angle,
-    /// Of the inferior endplate.
-    pub inferior: Angle,
-}
-
-impl EndplateTilts {
-    /// The same tilts against a base of another tilt.
-    pub(super) fn against(self, base: Angle) -> Self {
-        let [superior, inferior] =
-            [self.superior, self.inferior].map(|tilt| (tilt - base).wrapped());
-        Self { superior, inferior }
-    }
-}

@@ -1,6 +1,5 @@
-use super::nearest::nearest_on_path;
 use super::roots::{Along, Lost, Sample, zeros_between};
-use super::target::{AmplitudeTarget, NearestT2Target, PathState, SearchTarget};
+use super::target::{AmplitudeTarget, NearestT2Target, PathState, Residual, SearchTarget};
 use super::{Load, Parameter, Solution, Statics};
 use crate::anatomy::named;
 use crate::spatial::{Angle, Frontal, Vec3};
@@ -44,38 +43,6 @@ named! {
         BeyondHumanRange = "beyond_human_range",
         /// A load that moves with T2 could not be closed, or the search did not end.
         NotConverged = "not_converged",
-    }
-}
-
-/// Residual of the target of a search.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Residual {
-    /// Of an amplitude: lateral tilt of the line L4→T2 beyond the target's.
-    Amplitude(Angle),
-    /// Distance of T2 from the target's place.
-    Distance {
-        /// In mm.
-        mm: f64,
-    },
-}
-
-impl Residual {
-    /// The tilt of an amplitude; `None` for a distance.
-    #[must_use]
-    pub const fn tilt(self) -> Option<Angle> {
-        match self {
-            Self::Amplitude(tilt) => Some(tilt),
-            Self::Distance { .. } => None,
-        }
-    }
-
-    /// The distance of T2; `None` for an amplitude.
-    #[must_use]
-    pub const fn distance_mm(self) -> Option<f64> {
-        match self {
-            Self::Amplitude(_) => None,
-            Self::Distance { mm } => Some(mm),
-        }
     }
 }
 
@@ -163,22 +130,7 @@ pub fn amplitude_matches(statics: &Statics<'_>, load: &Load, target: Angle) -> V
     path.found
 }
 
-/// Finds the force of the given signs that brings T2 nearest to a place.
-///
-/// The distance may have several minima along the path, and an implausible shape far along it may touch the place by
-/// chance. The smallest force counts whose distance is within a millimetre of the least. Where the path ends before the
-/// distance has a minimum, its nearest shape comes back as [`MatchStatus::Unreachable`].
-#[must_use]
-pub fn match_t2(
-    statics: &Statics<'_>,
-    load: &Load,
-    signs: &[ForceSign],
-    place: Frontal,
-) -> ForceMatch {
-    nearest_on_path(LineForce { statics, load }, signs, place)
-}
-
-/// As [`match_t2`], near the result for a nearby place or shape, whose path has no other result near; `None` if no result is
+/// As [`match_t2`](super::match_t2), near the result for a nearby place or shape, whose path has no other result near; `None` if no result is
 /// found there.
 pub(crate) fn match_t2_near(
     statics: &Statics<'_>,
@@ -200,9 +152,9 @@ pub(crate) trait OneComponent {
 }
 
 /// A force along a line.
-struct LineForce<'a> {
-    statics: &'a Statics<'a>,
-    load: &'a Load,
+pub(super) struct LineForce<'a> {
+    pub statics: &'a Statics<'a>,
+    pub load: &'a Load,
 }
 
 impl OneComponent for LineForce<'_> {

@@ -40,10 +40,9 @@ pub use geometry::{Joint, SpineModel};
 pub use human_range::{BeyondHumanRange, MAX_HUMAN_COLUMN, MAX_HUMAN_JOINT};
 pub use load::{Load, Wrench};
 pub use march::{Deformed, Parameter, Solution, Statics};
-pub use matching::{
-    ForceMatch, ForceSign, MatchStatus, Residual, amplitude_matches, match_amplitude, match_t2,
-};
+pub use matching::{ForceMatch, ForceSign, MatchStatus, amplitude_matches, match_amplitude};
 pub(crate) use matching::{MAX_FORCE_PER_STIFFNESS, MAX_HINGE_RAD, OneComponent, match_t2_near};
+pub use nearest::match_t2;
 pub(crate) use nearest::{
     SeveralComponents, nearest_from_starts, nearest_on_path, starts_of_sizes,
 };
@@ -52,3 +51,4 @@ pub use stiffness::{
     JointGroups, JointStiffness, StiffnessError, StiffnessLibrary, Support, coupled_matrix,
 };
 pub use stiffness_tables::StiffnessTable;
+pub use target::Residual;

@@ -1,13 +1,14 @@
 //! The load that brings T2 nearest to a place (decision 0008): of the minima of T2's distance, the one with the smallest load whose
 //! distance is within [`T2_TOLERANCE_MM`] of the least.
 //!
-//! A load of one component is followed from zero, as [`match_t2`](super::match_t2) follows a force. With several components
+//! A load of one component is followed from zero, as [`match_t2`] follows a force. With several components
 //! many paths are possible; minima are found by least squares from several starts.
 
 use nalgebra::{DMatrix, DVector};
 
-use super::matching::{ForceMatch, ForceSign, OneComponent, Path};
+use super::matching::{ForceMatch, ForceSign, LineForce, OneComponent, Path};
 use super::target::{NearestT2Target, T2_TOLERANCE_MM};
+use super::{Load, Statics};
 use crate::least_squares::{FitStatus, System, minimize};
 use crate::spatial::Frontal;
 
@@ -38,6 +39,21 @@ fn smallest_near_t2<T: Minimum>(minima: Vec<T>, least_mm: f64) -> Option<T> {
         .into_iter()
         .filter(|found| found.distance_mm() <= least_mm + T2_TOLERANCE_MM)
         .min_by(|a, b| a.load_size().total_cmp(&b.load_size()))
+}
+
+/// Finds the force of the given signs that brings T2 nearest to a place.
+///
+/// The distance may have several minima along the path, and an implausible shape far along it may touch the place by
+/// chance. The smallest force counts whose distance is within a millimetre of the least. Where the path ends before the
+/// distance has a minimum, its nearest shape comes back as [`MatchStatus::Unreachable`](super::MatchStatus::Unreachable).
+#[must_use]
+pub fn match_t2(
+    statics: &Statics<'_>,
+    load: &Load,
+    signs: &[ForceSign],
+    place: Frontal,
+) -> ForceMatch {
+    nearest_on_path(LineForce { statics, load }, signs, place)
 }
 
 /// The amount of a load of one component that brings T2 nearest to a place.

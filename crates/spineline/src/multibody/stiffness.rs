@@ -183,13 +183,6 @@ impl StiffnessLibrary {
     }
 }
 
-impl Default for StiffnessLibrary {
-    /// [`StiffnessTable::Paper`](super::StiffnessTable::Paper).
-    fn default() -> Self {
-        super::StiffnessTable::default().library()
-    }
-}
-
 named! {
     /// What holds the patient.
     #[default(Frontal)]

@@ -75,6 +75,13 @@ impl StiffnessTable {
     }
 }
 
+impl Default for StiffnessLibrary {
+    /// [`StiffnessTable::Paper`](StiffnessTable::Paper).
+    fn default() -> Self {
+        StiffnessTable::default().library()
+    }
+}
+
 /// Source of T12/L1.
 const NEIGHBOURS: &str = "mean of T11/T12 and L1/L2 (assumption)";
 

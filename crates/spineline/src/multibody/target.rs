@@ -1,8 +1,8 @@
 //! Targets of a search along an increasing force: a lateral tilt of the line L4→T2, or the smallest distance of T2 from a
 //! place.
 
+use super::Solution;
 use super::roots::Sample;
-use super::{Residual, Solution};
 use crate::spatial::{Angle, Frontal, Vec3};
 
 /// A hinge turns by at most this from one step to the next.
@@ -14,6 +14,38 @@ const T2_STEP_OF_GAP: f64 = 0.25;
 const MAX_T2_STEP_MM: f64 = 60.0;
 /// Distances of T2 that differ by less are equally good: about the error of a location's reading and of the model's joints.
 pub(super) const T2_TOLERANCE_MM: f64 = 1.0;
+
+/// Residual of the target of a search.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Residual {
+    /// Of an amplitude: lateral tilt of the line L4→T2 beyond the target's.
+    Amplitude(Angle),
+    /// Distance of T2 from the target's place.
+    Distance {
+        /// In mm.
+        mm: f64,
+    },
+}
+
+impl Residual {
+    /// The tilt of an amplitude; `None` for a distance.
+    #[must_use]
+    pub const fn tilt(self) -> Option<Angle> {
+        match self {
+            Self::Amplitude(tilt) => Some(tilt),
+            Self::Distance { .. } => None,
+        }
+    }
+
+    /// The distance of T2; `None` for an amplitude.
+    #[must_use]
+    pub const fn distance_mm(self) -> Option<f64> {
+        match self {
+            Self::Amplitude(_) => None,
+            Self::Distance { mm } => Some(mm),
+        }
+    }
+}
 
 /// A condition on the shape that a search along the force looks for.
 pub(super) trait SearchTarget {

@@ -2,6 +2,9 @@
 
 use nalgebra::{DMatrix, DVector};
 
+/// The iteration has converged when no unknown moves by more than this.
+pub(super) const CONVERGED_STEP: f64 = 1e-4;
+
 /// Beyond this an extrapolation means nothing.
 const MAX_EXTRAPOLATION: f64 = 1.0;
 

@@ -229,7 +229,7 @@ fn find_best(
             return best;
         }
     }
-    let mut starts = problem.starts(known);
+    let mut starts = problem.starts(known.evidence, known.estimate);
     if let Some(free) = free {
         starts.insert(0, free.as_start());
     }

@@ -5,7 +5,7 @@ use statrs::distribution::{ChiSquared, ContinuousCDF, StudentsT};
 use statrs::function::beta::beta_reg;
 
 use super::estimate::{EstimatedLine, line_of};
-use super::preferred::PreferredLoads;
+use super::preferred_loads::PreferredLoads;
 use super::tilt_errors::of_film;
 use crate::spatial::{Angle, Frontal};
 

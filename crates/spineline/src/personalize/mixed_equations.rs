@@ -7,10 +7,10 @@ use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 use super::MULTIPLIER_BOUNDS;
 use super::acceleration::IterationStep;
 use super::evidence::FilmEvidence;
-use super::preferred::PreferredLoads;
-use super::random_effects::{OwnParts, RandomEffects, VARIANCES, Waves};
+use super::preferred_loads::PreferredLoads;
+use super::random_effects::{Normal, OwnParts, RandomEffects, VARIANCES, Waves};
 use super::tilt_errors::TiltErrors;
-use super::weights::{Normal, Precision, inverse_of, scale_columns};
+use super::weights::{Precision, inverse_of, scale_columns};
 use crate::clinical::JointShares;
 use crate::multibody::Load;
 

@@ -26,6 +26,7 @@ mod mixed_equations;
 mod nearby_loads;
 mod outcome;
 mod preferred;
+mod preferred_loads;
 mod problem;
 mod random_effects;
 mod rows;
@@ -44,7 +45,7 @@ pub use identify::{
 pub use line_test::{Crossing, LineTest, ProposedLine, SIGNIFICANCE};
 pub(crate) use nearby_loads::NearbyLoads;
 pub use outcome::TestOutcome;
-pub use preferred::PreferredLoads;
+pub use preferred_loads::PreferredLoads;
 pub(crate) use shape_weights::{ROWS_PER_VERTEBRA, ShapeRows, ShapeWeights};
 pub use start::Start;
 

@@ -14,10 +14,10 @@
 
 use nalgebra::{DMatrix, DVector, Vector3};
 
-use super::acceleration::{IterationStep, anderson_step};
+use super::acceleration::{CONVERGED_STEP, IterationStep, anderson_step};
 use super::evidence::FilmEvidence;
 use super::mixed_equations::{Fit, Linearized};
-use super::preferred::{CONVERGED_STEP, PreferredLoads};
+use super::preferred_loads::PreferredLoads;
 use super::random_effects::{OwnParts, VARIANCES, Waves};
 use crate::clinical::JointShares;
 
@@ -121,4 +121,16 @@ fn step_matrix_at(
     logs.add_scalar_mut(-1.0 / groups as f64);
     let step_matrix = -rates.try_inverse()?;
     step_matrix.iter().all(|part| part.is_finite()).then_some(step_matrix)
+}
+
+impl PreferredLoads {
+    /// Puts its unknowns in a fit, and returns its variances.
+    fn begin(&self, fit: &mut Fit<'_>) -> Vector3<f64> {
+        let sds = [self.joint_log_sd, self.centre_sd_discs, self.trend_log_sd];
+        fit.loads =
+            DVector::from_iterator(fit.loads.len(), self.components.iter().flatten().copied());
+        fit.take_own(&self.own, 1.0);
+        fit.begin(&self.log_multipliers, self.centres_higher_discs, self.evenness);
+        Vector3::from(sds.map(|sd| sd.powi(2)))
+    }
 }

@@ -44,48 +44,21 @@
 //! # References
 //! [harville-1977] for the restricted likelihood, [chung-2013] for the priors, [lindstrom-bates-1990] for the linearisation.
 
-use nalgebra::{DMatrix, DVector, Vector3};
+use nalgebra::Vector3;
 
-use super::acceleration::{IterationStep, anderson_step};
+use super::acceleration::{CONVERGED_STEP, IterationStep, anderson_step};
 use super::evidence::FilmEvidence;
 use super::mixed_equations::{Fit, Linearized, MAX_VARIANCES};
 use super::nearby_loads::NearbyLoads;
-use super::random_effects::{OwnParts, Waves};
-use super::tilt_errors::TiltErrors;
+use super::preferred_loads::PreferredLoads;
+use super::random_effects::Waves;
 use crate::clinical::JointShares;
-
-/// Loads of several films that share springs.
-#[derive(Debug, Clone, PartialEq)]
-pub struct PreferredLoads {
-    /// `(fy, fz, mx)` about the origin of `G` per film, in N and N·mm, up to the level of stiffness.
-    pub components: Vec<[f64; 3]>,
-    /// `ln α` of the lateral springs per group.
-    pub log_multipliers: Vec<f64>,
-    /// Shared shift of the joints' centres up their discs, in thicknesses of the disc.
-    pub centres_higher_discs: f64,
-    /// Evenness with which joints turn over their length: 0 for hinges, 1 for a rod.
-    pub evenness: f64,
-    /// Deviation of `ln` stiffness among the joints of a group, of every joint by itself.
-    pub joint_log_sd: f64,
-    /// Deviation of `ln` stiffness by the random walk along the spine.
-    pub trend_log_sd: f64,
-    /// Deviation of the joints' centres along the spine about that, in thicknesses of the disc.
-    pub centre_sd_discs: f64,
-    /// Random effects of the joints, about which the fit is linear.
-    pub(super) own: Vec<OwnParts>,
-    /// Covariance of all components, film by film, with multipliers free.
-    pub(super) covariance: DMatrix<f64>,
-    /// Its part from tilts whose variance is estimated.
-    pub(super) from_tilts: TiltErrors,
-}
 
 const ROUNDS: usize = 150;
 /// From this round on steps are shortened and not extrapolated: some fits oscillate.
 const DAMPED_FROM: usize = 30;
 const DAMPING: f64 = 0.35;
-/// The iteration has converged when no unknown moves by more than this.
-pub(super) const CONVERGED_STEP: f64 = 1e-4;
-/// The same for the random effects, which the equations include to first order anyway.
+/// No random effect moves by more than this at convergence, which the equations include to first order anyway.
 const CONVERGED_OWN_STEP: f64 = 1e-3;
 
 impl PreferredLoads {
@@ -111,16 +84,6 @@ impl PreferredLoads {
             }
         };
         Some(fit.finish(films, variances, &at))
-    }
-
-    /// Puts its unknowns in a fit, and returns its variances.
-    pub(super) fn begin(&self, fit: &mut Fit<'_>) -> Vector3<f64> {
-        let sds = [self.joint_log_sd, self.centre_sd_discs, self.trend_log_sd];
-        fit.loads =
-            DVector::from_iterator(fit.loads.len(), self.components.iter().flatten().copied());
-        fit.take_own(&self.own, 1.0);
-        fit.begin(&self.log_multipliers, self.centres_higher_discs, self.evenness);
-        Vector3::from(sds.map(|sd| sd.powi(2)))
     }
 }
 

@@ -4,8 +4,7 @@ use nalgebra::DVector;
 
 use super::estimate::{EstimatedLoads, estimate_load, estimate_loads};
 use super::evidence::FilmEvidence;
-use super::fit::Known;
-use super::rows::{ferguson_rows, shape_rows};
+use super::rows::{FilmData, Wanted, ferguson_rows, shape_rows};
 use super::shape_weights::{ShapeRows, ShapeWeights};
 use super::start::{Start, closed_form, majority_signs};
 use super::{FitFilm, FitSettings, FitTarget, Gauge, MULTIPLIER_BOUNDS};
@@ -15,66 +14,7 @@ use crate::multibody::{
     ForceSign, JointGroups, Load, MAX_HINGE_RAD, Parameter, Solution, SpineModel, Statics,
     StiffnessLibrary, match_amplitude,
 };
-use crate::spatial::{Angle, Frontal};
-
-/// What an evaluation fills.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Wanted {
-    Residuals,
-    /// Residuals and their derivatives.
-    Derivatives,
-}
-
-/// One film's data.
-pub(super) struct FilmData {
-    load: Load,
-    /// Place of its load's components among the unknowns; `None` where the amplitude determines the force.
-    pub first: Option<usize>,
-    /// The load's components at the last evaluation.
-    magnitude: Vec<f64>,
-    pub locations: Vec<Frontal>,
-    pub tilts: Vec<Angle>,
-    pub ferguson: [Angle; 3],
-    pub lateral_tilt: Angle,
-    /// Of the film's noise.
-    weights: ShapeWeights,
-    /// The vertebrae that have rows.
-    pub rows: ShapeRows,
-    pub parameters: Vec<Parameter>,
-    pub solution: Solution,
-}
-
-impl FilmData {
-    /// Equilibrium with derivatives at the film's amplitude: Newton on the force from its last value.
-    fn solve_at_amplitude(&mut self, statics: &Statics<'_>, wanted: Wanted) -> bool {
-        const MAX_STEP_RAD: f64 = 0.15;
-        for _ in 0..15 {
-            statics.solve(&self.load, &self.magnitude, &[Parameter::Load(0)], &mut self.solution);
-            let miss = (self.solution.deformed.lateral_tilt() - self.lateral_tilt).wrapped().rad();
-            let step = miss / self.solution.lateral_tilt_rate(0);
-            if !(self.solution.converged && step.is_finite()) {
-                return false;
-            }
-            let longest = MAX_STEP_RAD / self.solution.fastest_turn(0);
-            self.magnitude[0] -= step.clamp(-longest, longest);
-            // The error after such a step of Newton is its square.
-            if miss.abs() < 1e-7 {
-                return self.solve_at_magnitude(statics, wanted);
-            }
-        }
-        false
-    }
-
-    /// Equilibrium under the load's last value.
-    fn solve_at_magnitude(&mut self, statics: &Statics<'_>, wanted: Wanted) -> bool {
-        let parameters = match wanted {
-            Wanted::Residuals => &[],
-            Wanted::Derivatives => self.parameters.as_slice(),
-        };
-        statics.solve(&self.load, &self.magnitude, parameters, &mut self.solution);
-        self.solution.converged
-    }
-}
+use crate::spatial::Frontal;
 
 /// Rows of what was measured on a film.
 fn rows_of(film: &FilmData, settings: &FitSettings<'_>) -> usize {
@@ -177,13 +117,17 @@ impl<'a> Problem<'a> {
 
     /// Starts, the likeliest first: from the estimated loads, or in closed form for the majority's signs of force and then
     /// for every other combination; and the hints.
-    pub fn starts(&self, known: &Known<'_>) -> Vec<Start> {
-        if known.evidence.is_empty() {
+    pub fn starts(
+        &self,
+        evidence: &[(&FilmEvidence, Load)],
+        estimate: Option<&EstimatedLoads>,
+    ) -> Vec<Start> {
+        if evidence.is_empty() {
             return Vec::new();
         }
         let mut starts: Vec<Start> = match self.free_depth_mm() {
-            Some(depth_mm) => self.free_starts(known, depth_mm),
-            None => self.signed_starts(known.evidence),
+            Some(depth_mm) => self.free_starts(evidence, estimate, depth_mm),
+            None => self.signed_starts(evidence),
         };
         starts.extend_from_slice(self.settings.hints);
         starts
@@ -234,10 +178,15 @@ impl<'a> Problem<'a> {
         })
     }
 
-    fn free_starts(&self, known: &Known<'_>, depth_mm: f64) -> Vec<Start> {
-        let films: Vec<&FilmEvidence> = known.evidence.iter().map(|(film, _)| *film).collect();
+    fn free_starts(
+        &self,
+        evidence: &[(&FilmEvidence, Load)],
+        estimate: Option<&EstimatedLoads>,
+        depth_mm: f64,
+    ) -> Vec<Start> {
+        let films: Vec<&FilmEvidence> = evidence.iter().map(|(film, _)| *film).collect();
         let own;
-        let EstimatedLoads { loads, log_multipliers } = match known.estimate {
+        let EstimatedLoads { loads, log_multipliers } = match estimate {
             Some(estimate) => estimate,
             None => {
                 own = estimate_loads(&films, depth_mm, self.groups);

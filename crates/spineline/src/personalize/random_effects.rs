@@ -179,6 +179,38 @@ impl<'a> RandomEffects<'a> {
     }
 }
 
+/// The normal equations of columns and a residual, weighted by noise and by the random effects.
+pub(super) struct Normal {
+    pub matrix: DMatrix<f64>,
+    pub right: DMatrix<f64>,
+    /// Predicted random effects, per column and for the residual.
+    pub effects_by_columns: DMatrix<f64>,
+    pub effects_by_residual: DMatrix<f64>,
+}
+
+impl Normal {
+    /// Of columns and a residual, each also times the noise's precision.
+    pub fn new(
+        [columns, by_columns]: [&DMatrix<f64>; 2],
+        [residual, by_residual]: [&DMatrix<f64>; 2],
+        own: Option<&RandomEffects<'_>>,
+    ) -> Self {
+        let across = by_columns.transpose();
+        let (mut matrix, mut right) = (&across * columns, across * residual);
+        let (mut effects_by_columns, mut effects_by_residual) = Default::default();
+        if let Some(own) = own {
+            // Woodbury's identity.
+            let (columns, residual) = (own.gather(by_columns), own.gather(by_residual));
+            effects_by_columns = &own.covariance * &columns;
+            effects_by_residual = &own.covariance * &residual;
+            let across = columns.transpose();
+            matrix -= &across * &effects_by_columns;
+            right -= across * &effects_by_residual;
+        }
+        Self { matrix, right, effects_by_columns, effects_by_residual }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use nalgebra::RowDVector;

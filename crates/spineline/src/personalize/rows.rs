@@ -1,10 +1,69 @@
-//! Residuals of one film and their derivatives.
+//! One film of a fit: its data, its residuals and their derivatives.
 
-use super::problem::{FilmData, Wanted};
-use super::shape_weights::ROWS_PER_VERTEBRA;
+use super::shape_weights::{ROWS_PER_VERTEBRA, ShapeRows, ShapeWeights};
 use crate::clinical::RegionBounds;
 use crate::least_squares::System;
+use crate::multibody::{Load, Parameter, Solution, Statics};
 use crate::spatial::{Angle, Frontal};
+
+/// What an evaluation fills.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Wanted {
+    Residuals,
+    /// Residuals and their derivatives.
+    Derivatives,
+}
+
+/// One film's data.
+pub(super) struct FilmData {
+    pub load: Load,
+    /// Place of its load's components among the unknowns; `None` where the amplitude determines the force.
+    pub first: Option<usize>,
+    /// The load's components at the last evaluation.
+    pub magnitude: Vec<f64>,
+    pub locations: Vec<Frontal>,
+    pub tilts: Vec<Angle>,
+    pub ferguson: [Angle; 3],
+    pub lateral_tilt: Angle,
+    /// Of the film's noise.
+    pub weights: ShapeWeights,
+    /// The vertebrae that have rows.
+    pub rows: ShapeRows,
+    pub parameters: Vec<Parameter>,
+    pub solution: Solution,
+}
+
+impl FilmData {
+    /// Equilibrium with derivatives at the film's amplitude: Newton on the force from its last value.
+    pub fn solve_at_amplitude(&mut self, statics: &Statics<'_>, wanted: Wanted) -> bool {
+        const MAX_STEP_RAD: f64 = 0.15;
+        for _ in 0..15 {
+            statics.solve(&self.load, &self.magnitude, &[Parameter::Load(0)], &mut self.solution);
+            let miss = (self.solution.deformed.lateral_tilt() - self.lateral_tilt).wrapped().rad();
+            let step = miss / self.solution.lateral_tilt_rate(0);
+            if !(self.solution.converged && step.is_finite()) {
+                return false;
+            }
+            let longest = MAX_STEP_RAD / self.solution.fastest_turn(0);
+            self.magnitude[0] -= step.clamp(-longest, longest);
+            // The error after such a step of Newton is its square.
+            if miss.abs() < 1e-7 {
+                return self.solve_at_magnitude(statics, wanted);
+            }
+        }
+        false
+    }
+
+    /// Equilibrium under the load's last value.
+    pub fn solve_at_magnitude(&mut self, statics: &Statics<'_>, wanted: Wanted) -> bool {
+        let parameters = match wanted {
+            Wanted::Residuals => &[],
+            Wanted::Derivatives => self.parameters.as_slice(),
+        };
+        statics.solve(&self.load, &self.magnitude, parameters, &mut self.solution);
+        self.solution.converged
+    }
+}
 
 /// A Ferguson angle counts in degrees.
 const FERGUSON_UNIT: Angle = Angle::from_deg(1.0);

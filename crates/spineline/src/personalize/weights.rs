@@ -3,7 +3,6 @@
 use nalgebra::{DMatrix, DMatrixView, DVector};
 
 use super::evidence::FilmEvidence;
-use super::random_effects::RandomEffects;
 
 /// The inverse of the noise's covariance.
 pub(super) enum Precision {
@@ -105,38 +104,6 @@ fn whole_covariance(films: &[&FilmEvidence], joints: usize) -> DMatrix<f64> {
         block += differences(&film.tilt_covariance());
     }
     covariance
-}
-
-/// The normal equations of columns and a residual, weighted by noise and by the random effects.
-pub(super) struct Normal {
-    pub matrix: DMatrix<f64>,
-    pub right: DMatrix<f64>,
-    /// Predicted random effects, per column and for the residual.
-    pub effects_by_columns: DMatrix<f64>,
-    pub effects_by_residual: DMatrix<f64>,
-}
-
-impl Normal {
-    /// Of columns and a residual, each also times the noise's precision.
-    pub fn new(
-        [columns, by_columns]: [&DMatrix<f64>; 2],
-        [residual, by_residual]: [&DMatrix<f64>; 2],
-        own: Option<&RandomEffects<'_>>,
-    ) -> Self {
-        let across = by_columns.transpose();
-        let (mut matrix, mut right) = (&across * columns, across * residual);
-        let (mut effects_by_columns, mut effects_by_residual) = Default::default();
-        if let Some(own) = own {
-            // Woodbury's identity.
-            let (columns, residual) = (own.gather(by_columns), own.gather(by_residual));
-            effects_by_columns = &own.covariance * &columns;
-            effects_by_residual = &own.covariance * &residual;
-            let across = columns.transpose();
-            matrix -= &across * &effects_by_columns;
-            right -= across * &effects_by_residual;
-        }
-        Self { matrix, right, effects_by_columns, effects_by_residual }
-    }
 }
 
 /// Inverse of a positive definite matrix, by the inverse of its triangular factor: its product with itself takes fewer steps than

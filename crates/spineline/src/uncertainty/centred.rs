@@ -1,6 +1,21 @@
-use super::Spread;
 use super::distribution::Distribution;
 use crate::spatial::Angle;
+
+/// Moments and quantiles, in the unit of the quantity.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Spread {
+    /// Mean.
+    pub mean: f64,
+    /// Standard deviation.
+    pub sd: f64,
+    /// The 2.5, 25, 50, 75 and 97.5 % quantiles.
+    pub quantiles: [f64; 5],
+}
+
+impl Spread {
+    /// The parts at which quantiles are taken.
+    pub const PARTS: [f64; 5] = [0.025, 0.25, 0.5, 0.75, 0.975];
+}
 
 /// Values of one number over replicates, taken as differences from a reference, angles the short way round.
 #[derive(Debug, Clone)]

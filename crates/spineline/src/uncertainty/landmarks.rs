@@ -4,7 +4,6 @@ use std::collections::{BTreeMap, BTreeSet};
 use rand_chacha::ChaCha12Rng;
 use rand_distr::{Distribution, StandardNormal};
 
-use super::UncertaintyError;
 use super::stream::stream;
 use crate::analysis::{Analysis, Case};
 use crate::anatomy::{Level, Posture};
@@ -69,6 +68,37 @@ pub enum VertebraNoise {
         /// Of a tilt.
         tilt_sd: Angle,
     },
+}
+
+/// Noise that cannot be laid on a case.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum UncertaintyError {
+    /// A deviation below zero, or none.
+    #[error("the noise standard deviation is {sd_px} px and must be ≥ 0 px")]
+    Deviation {
+        /// What was given.
+        sd_px: f64,
+    },
+    /// Pixels of a film without a picture.
+    #[error(
+        "{posture} film: it has locations and tilts but no corners, so noise in pixels does not apply"
+    )]
+    NoPicture {
+        /// The film.
+        posture: Posture,
+    },
+}
+
+impl UncertaintyError {
+    /// What the user can do about it.
+    #[must_use]
+    pub const fn help(&self) -> &'static str {
+        match self {
+            Self::Deviation { .. } => "give a standard deviation in pixels, such as 3",
+            Self::NoPicture { .. } => "use the measured noise",
+        }
+    }
 }
 
 /// A case whose landmarks can be perturbed again and again.

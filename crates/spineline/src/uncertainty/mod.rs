@@ -45,10 +45,11 @@ mod stream;
 mod tally;
 mod words;
 
-pub use landmarks::{FilmNoise, LandmarkNoise, NoiseSource, VertebraNoise};
+pub use centred::Spread;
+pub use landmarks::{FilmNoise, LandmarkNoise, NoiseSource, UncertaintyError, VertebraNoise};
 pub use loaded::{AppliedLoads, LoadedReplicate, LoadedSpread, LoadedTally, LoadedUncertainty};
 pub use quantities::{Absent, AnalysisQuantity, QuantityUnit};
-pub use tally::{FailureCount, MultiplierSpread, QuantitySpread, Spread, Tally, Uncertainty};
+pub use tally::{FailureCount, MultiplierSpread, QuantitySpread, Tally, Uncertainty};
 
 use crate::action::LineKind;
 use crate::analysis::{Analysis, Case, OtherReadings, analyze_known};
@@ -57,37 +58,6 @@ use crate::measure::OutlineNoise;
 use crate::personalize::FitStatus;
 use crate::warning::WarningCode;
 use landmarks::NoisyCase;
-
-/// Noise that cannot be laid on a case.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-#[non_exhaustive]
-pub enum UncertaintyError {
-    /// A deviation below zero, or none.
-    #[error("the noise standard deviation is {sd_px} px and must be ≥ 0 px")]
-    Deviation {
-        /// What was given.
-        sd_px: f64,
-    },
-    /// Pixels of a film without a picture.
-    #[error(
-        "{posture} film: it has locations and tilts but no corners, so noise in pixels does not apply"
-    )]
-    NoPicture {
-        /// The film.
-        posture: Posture,
-    },
-}
-
-impl UncertaintyError {
-    /// What the user can do about it.
-    #[must_use]
-    pub const fn help(&self) -> &'static str {
-        match self {
-            Self::Deviation { .. } => "give a standard deviation in pixels, such as 3",
-            Self::NoPicture { .. } => "use the measured noise",
-        }
-    }
-}
 
 /// A case, its analysis, and the noise that is laid on it.
 #[derive(Debug, Clone)]
@@ -175,12 +145,6 @@ impl<'a> MonteCarlo<'a> {
         let value =
             |quantity: &AnalysisQuantity| quantity.value(analysis, measures.as_ref(), self.nominal);
         self.quantities.iter().map(value).collect()
-    }
-
-    /// An empty tally of this case's quantities.
-    #[must_use]
-    pub fn tally(&self) -> Tally<'_> {
-        Tally::new(self)
     }
 }
 

@@ -1,7 +1,7 @@
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 
-use super::centred::Centred;
+use super::centred::{Centred, Spread};
 use super::words::noise_words;
 use super::{Absent, AnalysisQuantity, FilmNoise, MonteCarlo, Replicate};
 use crate::action::LineKind;
@@ -63,22 +63,6 @@ impl QuantitySpread {
     }
 }
 
-/// Moments and quantiles, in the unit of the quantity.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Spread {
-    /// Mean.
-    pub mean: f64,
-    /// Standard deviation.
-    pub sd: f64,
-    /// The 2.5, 25, 50, 75 and 97.5 % quantiles.
-    pub quantiles: [f64; 5],
-}
-
-impl Spread {
-    /// The parts at which quantiles are taken.
-    pub const PARTS: [f64; 5] = [0.025, 0.25, 0.5, 0.75, 0.975];
-}
-
 impl QuantitySpread {
     /// The central 95 % of the replicates. `None` where no replicate has the number, where it is at a bound of the fit, and for
     /// distances and absolute errors: any noise makes these larger, a replicate has it twice, and the interval would lie too high.
@@ -122,8 +106,16 @@ pub struct Uncertainty {
     pub quantities: Vec<QuantitySpread>,
 }
 
+impl MonteCarlo<'_> {
+    /// An empty tally of this case's quantities.
+    #[must_use]
+    pub fn tally(&self) -> Tally<'_> {
+        Tally::new(self)
+    }
+}
+
 impl<'a> Tally<'a> {
-    pub(super) fn new(of: &'a MonteCarlo<'a>) -> Self {
+    fn new(of: &'a MonteCarlo<'a>) -> Self {
         let counted = |(nominal, quantity): (Result<f64, Absent>, &AnalysisQuantity)| Counted {
             nominal,
             values: Centred::around(nominal.ok(), quantity.period_deg()),
@@ -185,6 +177,12 @@ impl<'a> Tally<'a> {
 }
 
 impl Uncertainty {
+    /// A caveat on the intervals.
+    pub const CAVEAT: &'static str = "Intervals hold the result of landmarks without noise; they contain no bias that all \
+                                      observers share, and no error of the model. Distances, angles between lines and absolute \
+                                      errors increase with any noise: their means exceed the values of landmarks without noise, \
+                                      and they have no interval.";
+
     /// Distribution of a quantity; `None` if this analysis lacks the number, or no replicate had it.
     #[must_use]
     pub fn spread(&self, quantity: AnalysisQuantity) -> Option<&Spread> {

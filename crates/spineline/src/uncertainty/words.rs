@@ -1,6 +1,6 @@
 //! Names of the quantities, and noise in words.
 
-use super::{AnalysisQuantity, FilmNoise, NoiseSource, QuantityUnit, Uncertainty, VertebraNoise};
+use super::{AnalysisQuantity, FilmNoise, NoiseSource, QuantityUnit, VertebraNoise};
 use crate::analysis::Analysis;
 use crate::anatomy::Posture;
 use crate::clinical::SagittalPart;
@@ -8,16 +8,8 @@ use crate::multibody::group_title;
 use crate::number::fixed;
 use crate::personalize::MULTIPLIER_COVERAGE;
 
-impl Uncertainty {
-    /// A caveat on the intervals.
-    pub const CAVEAT: &'static str = "Intervals hold the result of landmarks without noise; they contain no bias that all \
-                                      observers share, and no error of the model. Distances, angles between lines and absolute \
-                                      errors increase with any noise: their means exceed the values of landmarks without noise, \
-                                      and they have no interval.";
-}
-
 impl AnalysisQuantity {
-    /// What its interval does not hold, in words; `None` where [`Uncertainty::CAVEAT`] says all.
+    /// What its interval does not hold, in words; `None` where [`Uncertainty::CAVEAT`](super::Uncertainty::CAVEAT) says all.
     #[must_use]
     pub const fn interval_caveat(self) -> Option<&'static str> {
         match self {

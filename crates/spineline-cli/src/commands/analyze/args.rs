@@ -2,11 +2,10 @@
 
 use std::path::PathBuf;
 
-use clap::Args;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
+use clap::{Args, ValueEnum};
 use spineline::action::LineKind;
 
-use super::tables::TablesArgs;
 use crate::options::method::MethodArgs;
 use crate::options::shard::Shard;
 use crate::options::uncertainty::UncertaintyArgs;
@@ -99,4 +98,33 @@ pub struct AnalyzeArgs {
     pub uncertainty: UncertaintyArgs,
     #[command(flatten)]
     pub method: MethodArgs,
+}
+
+/// Tables for pandas, R, Excel and others.
+#[derive(Args)]
+#[command(next_help_heading = "Tables")]
+pub struct TablesArgs {
+    /// Write tidy tables into this folder: patients, postures, vertebrae, joints, models, multipliers, springs, lines, clinical,
+    /// reliability and warnings, and other loads and uncertainty where they are asked for; dictionary.csv defines every
+    /// column, provenance.json names the inputs
+    #[arg(long = "tables", value_name = "DIR")]
+    pub folder: Option<PathBuf>,
+    /// File formats of the tables
+    #[arg(
+        long = "tables-format",
+        value_name = "FORMAT,FORMAT",
+        value_enum,
+        value_delimiter = ',',
+        default_values = ["csv", "parquet"],
+        requires = "folder"
+    )]
+    pub formats: Vec<TableFormat>,
+}
+
+#[derive(Clone, Copy, PartialEq, ValueEnum)]
+pub enum TableFormat {
+    /// Comma-separated text
+    Csv,
+    /// Typed columns with units and provenance, for pandas, polars, R and DuckDB
+    Parquet,
 }

@@ -1,6 +1,7 @@
 //! `spineline analyze`: one patient, or a cohort.
 
 mod args;
+mod finished;
 mod model;
 mod output;
 mod run;
@@ -18,9 +19,10 @@ use crate::run::failure::{Ending, Failure};
 use crate::run::inputs::case_files;
 use crate::run::outputs::{Outputs, is_stdout, print_document};
 use crate::run::provenance::generator;
+use finished::Asked;
 use model::Model;
 use output::{CohortStatistics, Csv, Figures, Json, Output};
-use run::{Asked, analyze_all};
+use run::analyze_all;
 use tables::Tables;
 
 pub fn run(args: &AnalyzeArgs) -> Result<Ending, Failure> {

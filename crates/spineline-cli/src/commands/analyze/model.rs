@@ -6,8 +6,8 @@ use spineline::analysis::{Analysis, ModelChoice};
 use spineline_files::{ModelFile, to_text};
 
 use super::args::{AnalyzeArgs, ModelLine, line_name};
+use super::finished::{Analysed, Finished};
 use super::output::Output;
-use super::run::{Analysed, Finished};
 use crate::run::failure::Failure;
 use crate::run::messages::say;
 use crate::run::outputs::Outputs;

@@ -8,7 +8,7 @@ use spineline::cohort::RefusedCase;
 use spineline_files::{AnalysisFile, ListText, RefusedFile, to_text};
 use spineline_tables::{Table, cohort_tests_table};
 
-use super::run::{Analysed, Finished};
+use super::finished::{Analysed, Finished};
 use crate::analysis::cohort;
 use crate::analysis::figures::{figures_of, write_figures};
 use crate::analysis::record::RunRecord;

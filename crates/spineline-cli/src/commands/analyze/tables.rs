@@ -1,47 +1,18 @@
 //! `analyze --tables`: tidy tables of all cases.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
-use clap::{Args, ValueEnum};
 use spineline::cohort::RefusedCase;
 use spineline_files::{InputFile, Provenance, ProvenanceFile, to_text};
 use spineline_tables::{
     OptionalTables, ParquetWriter, Table, dictionary, tables, tables_of_refused,
 };
 
+use super::args::TableFormat;
+use super::finished::{Analysed, Finished};
 use super::output::{Growing, Output, Step};
-use super::run::{Analysed, Finished};
 use crate::run::failure::Failure;
 use crate::run::outputs::{Outputs, Pieces};
-
-/// Tables for pandas, R, Excel and others.
-#[derive(Args)]
-#[command(next_help_heading = "Tables")]
-pub struct TablesArgs {
-    /// Write tidy tables into this folder: patients, postures, vertebrae, joints, models, multipliers, springs, lines, clinical,
-    /// reliability and warnings, and other loads and uncertainty where they are asked for; dictionary.csv defines every
-    /// column, provenance.json names the inputs
-    #[arg(long = "tables", value_name = "DIR")]
-    pub folder: Option<PathBuf>,
-    /// File formats of the tables
-    #[arg(
-        long = "tables-format",
-        value_name = "FORMAT,FORMAT",
-        value_enum,
-        value_delimiter = ',',
-        default_values = ["csv", "parquet"],
-        requires = "folder"
-    )]
-    pub formats: Vec<TableFormat>,
-}
-
-#[derive(Clone, Copy, PartialEq, ValueEnum)]
-pub enum TableFormat {
-    /// Comma-separated text
-    Csv,
-    /// Typed columns with units and provenance, for pandas, polars, R and DuckDB
-    Parquet,
-}
 
 /// Patients whose rows are one group of a Parquet file, so that its bytes do not depend on the threads.
 const PATIENTS_PER_GROUP: usize = 64;

@@ -9,6 +9,7 @@ use spineline_files::{InputFile, RunningContent};
 use tempfile::NamedTempFile;
 
 use super::staged::{Outputs, failed, name_of};
+use super::target::Target;
 use crate::run::failure::Failure;
 use crate::run::interrupt;
 
@@ -25,6 +26,21 @@ enum Place {
     Memory(Vec<u8>),
     /// Beside its target; none once it is kept.
     File { part: Option<NamedTempFile>, file: PathBuf },
+}
+
+impl Outputs {
+    /// Begins a result that is made piece by piece, so that it need not fit into memory where it goes to a file.
+    ///
+    /// # Errors
+    /// As [`Outputs::file`], or if it cannot be written.
+    pub fn begin(&self, path: &Path) -> Result<Pieces<'_>, Failure> {
+        let Target::File(file) = Target::of(path)? else {
+            return Ok(Pieces::in_memory(self, path));
+        };
+        self.check_replaceable(path, &file, None)?;
+        let part = self.begin_file(path, &file)?;
+        Ok(Pieces::in_file(self, path, file, part))
+    }
 }
 
 impl<'a> Pieces<'a> {

@@ -15,7 +15,6 @@ use spineline_files::{
 use tempfile::{NamedTempFile, TempPath};
 
 use super::parts::Parts;
-use super::pieces::Pieces;
 use super::print_data;
 use super::target::{Identity, Target};
 use super::there::There;
@@ -165,21 +164,8 @@ impl Outputs {
         Ok(())
     }
 
-    /// Begins a result that is made piece by piece, so that it need not fit into memory where it goes to a file.
-    ///
-    /// # Errors
-    /// As [`Outputs::file`], or if it cannot be written.
-    pub fn begin(&self, path: &Path) -> Result<Pieces<'_>, Failure> {
-        let Target::File(file) = Target::of(path)? else {
-            return Ok(Pieces::in_memory(self, path));
-        };
-        self.check_replaceable(path, &file, None)?;
-        let part = self.begin_file(path, &file)?;
-        Ok(Pieces::in_file(self, path, file, part))
-    }
-
     /// An empty file in the folder of a target that no other result has.
-    fn begin_file(&self, path: &Path, file: &Path) -> Result<NamedTempFile, Failure> {
+    pub(super) fn begin_file(&self, path: &Path, file: &Path) -> Result<NamedTempFile, Failure> {
         let identity = self.check_own(path, file)?;
         let mut state = self.state();
         if !state.written.insert(identity.name()) {

@@ -6,7 +6,7 @@ use spineline_files::{InputFile, Provenance, ProvenanceFile, to_text, with_hash}
 use zip::ZipWriter;
 use zip::write::SimpleFileOptions;
 
-use super::{Download, ZIP, internal};
+use super::file::{Download, ZIP, internal};
 use crate::problem::Answer;
 
 /// An archive of files, with a list of them and their provenance. The same files give the same bytes except for the

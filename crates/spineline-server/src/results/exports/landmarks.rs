@@ -13,7 +13,7 @@ use spineline_landmarks::{
 };
 
 use super::archive::archive;
-use super::{Download, provenance};
+use super::file::{Download, provenance};
 use crate::problem::{Answer, Failure};
 use crate::result_cache::StudyResult;
 use crate::state::AppState;

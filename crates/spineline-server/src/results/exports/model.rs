@@ -5,7 +5,7 @@ use axum::http::StatusCode;
 use axum::response::Response;
 
 use super::super::loads::personalised_model;
-use super::log;
+use super::file::log;
 use crate::PROGRAM;
 use crate::access::{open_study, study_result};
 use crate::api::{ExportFormatName, LineKindName, Problem};

@@ -8,7 +8,7 @@ use spineline_report::patient::{self, Patient};
 use spineline_report::{Document, PRINT_SCALE, html, png};
 
 use super::archive::archive;
-use super::{Download, file_of, internal, provenance};
+use super::file::{Download, file_of, internal, provenance};
 use crate::PROGRAM;
 use crate::api::ExportName;
 use crate::decoded::picture;

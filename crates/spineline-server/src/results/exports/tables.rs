@@ -5,7 +5,7 @@ use spineline_files::to_text;
 use spineline_tables::{OptionalTables, Patient, Table, TableError, dictionary, tables};
 
 use super::archive::archive;
-use super::{Download, internal, provenance};
+use super::file::{Download, internal, provenance};
 use crate::jobs::Computed;
 use crate::problem::Answer;
 

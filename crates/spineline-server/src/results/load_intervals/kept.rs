@@ -3,18 +3,18 @@
 use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
-use spineline::uncertainty::LoadedUncertainty;
+use spineline::uncertainty::{LoadedTally, LoadedUncertainty};
 use spineline_files::{loaded_uncertainty_text, parse_loaded_uncertainty, to_line};
 use spineline_store::KeptComputation;
 
-use super::tally;
 use crate::api::LineKindName;
 use crate::jobs::{LoadIntervalJob, LoadIntervalWork};
 use crate::problem::Answer;
 use crate::result_cache::StudyResult;
 use crate::results::background;
 use crate::results::computations::inputs_with;
-use crate::results::loads::simulated_file;
+use crate::results::computations::replicates::with_monte_carlo;
+use crate::results::loads::{simulated_file, tables};
 use crate::state::AppState;
 
 #[derive(Serialize, Deserialize)]
@@ -71,4 +71,14 @@ fn inputs(result: &StudyResult, work: &LoadIntervalWork, empty: &LoadedUncertain
     let values = values.collect::<Vec<_>>().join("\n");
     let numbers = format!("{}\n{}\n{values}", work.line.0.key(), work.file);
     inputs_with(result, &numbers)
+}
+
+/// An empty tally of replicates for the results of the case's own model under these loads.
+pub fn tally<T>(
+    result: &StudyResult,
+    work: &LoadIntervalWork,
+    use_it: impl FnOnce(LoadedTally<'_>) -> T,
+) -> Answer<T> {
+    let measures = tables(result.analysed()?, &work.simulated, None).measures();
+    with_monte_carlo(result, |monte_carlo| use_it(monte_carlo.loaded_tally(&measures)))
 }

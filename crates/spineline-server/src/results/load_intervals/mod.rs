@@ -6,7 +6,7 @@ use std::sync::Arc;
 use std::sync::atomic::Ordering;
 
 use axum::extract::State;
-use spineline::uncertainty::{LoadedReplicate, LoadedTally, LoadedUncertainty};
+use spineline::uncertainty::{LoadedReplicate, LoadedUncertainty};
 use spineline_store::{KeptComputation, Role};
 use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
@@ -22,10 +22,11 @@ use crate::api::{
 use crate::extract::{Json, Path};
 use crate::jobs::{Ending, Jobs, LoadIntervalJob, LoadIntervalWork};
 use crate::problem::{Answer, Failure};
-use crate::result_cache::{StudyResult, computed};
+use crate::result_cache::computed;
 use crate::state::AppState;
 use crate::user::User;
 pub use kept::recall;
+use kept::tally;
 
 pub fn routes() -> OpenApiRouter<AppState> {
     OpenApiRouter::new().routes(routes!(load_intervals, compute_load_intervals, cancel_intervals))
@@ -125,16 +126,6 @@ async fn all(state: &AppState, job: &Arc<LoadIntervalJob>) -> Answer<Option<Load
         })
     });
     uncertainty.await?.map(Some)
-}
-
-/// An empty tally of replicates for the results of the case's own model under these loads.
-fn tally<T>(
-    result: &StudyResult,
-    work: &LoadIntervalWork,
-    use_it: impl FnOnce(LoadedTally<'_>) -> T,
-) -> Answer<T> {
-    let measures = tables(result.analysed()?, &work.simulated, None).measures();
-    with_monte_carlo(result, |monte_carlo| use_it(monte_carlo.loaded_tally(&measures)))
 }
 
 /// State, progress and intervals.

@@ -25,10 +25,8 @@ use crate::problem::Answer;
 use crate::result_cache::{StudyResult, computed};
 use crate::state::AppState;
 use crate::user::User;
-use view::view;
+use view::{STEPS, view};
 
-/// Equal steps of the force up to the largest one.
-const STEPS: u32 = 4;
 /// More than any pad pushes, and the stiffest of them.
 const MAX_FORCE: f64 = 10_000.0;
 const MAX_PER_MM: f64 = 1_000.0;

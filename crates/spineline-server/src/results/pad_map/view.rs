@@ -9,11 +9,13 @@ use spineline::response::{CurveChange, PadEffect, PadTrial};
 use spineline::spatial::Angle;
 use spineline_files::AppliedLoad;
 
-use super::STEPS;
 use crate::api::{
     ComputationState, FileLoad, PadMapCell, PadMapColumn, PadMapRow, PadMapView, Wire,
 };
 use crate::jobs::{Ending, PadMapJob, PadMapWork};
+
+/// Equal steps of the force up to the largest one.
+pub const STEPS: u32 = 4;
 
 /// State, progress and map of a computation.
 pub fn view(job: Option<&PadMapJob>) -> PadMapView {

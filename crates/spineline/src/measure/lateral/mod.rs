@@ -6,9 +6,9 @@ pub use outline::{LateralOutline, LateralVertebra};
 
 use super::bodies::{CheckedFilm, ReadBodies};
 use super::corner_order::CornerOrder;
+use super::film_checks::{check_observers, check_pixels};
 use super::lengths::FilmSizes;
 use super::order::{LevelStep, MIN_SPACING_SHARE};
-use super::outline::{check_observers, check_pixels};
 use super::plausibility::warn_of_corners;
 use super::{
     CornerFault, Corners, FilmPlace, ImageGeometry, MeasureError, MeasureFault, Placement, Reading,

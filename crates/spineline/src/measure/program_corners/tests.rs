@@ -1,4 +1,4 @@
-use super::super::{ReadingId, VertebraLandmarks};
+use super::super::{Noise, ReadingId, VertebraLandmarks};
 use super::*;
 use crate::anatomy::ImageSide;
 use crate::spatial::Pixel;

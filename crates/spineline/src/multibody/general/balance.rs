@@ -1,8 +1,8 @@
 use super::loading::{Loading, Timing};
 use super::rods::{RodEquations, RodState};
-use super::wrench::{Pose, Spatial, SpatialMatrix, spatial};
+use super::wrench::{Pose, Spatial, SpatialMatrix, first, second, spatial};
 use crate::multibody::{Deformed, SpineModel, Support};
-use crate::spatial::{Angle, Mat3, Vec3, sin_cos};
+use crate::spatial::{Mat3, Vec3, sin_cos};
 
 /// How much of the constant and of the proportional loads is applied, and which of them the derivative is for.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -35,6 +35,21 @@ impl Factors {
 
 /// Columns: the twist that one radian of each hinge of a joint gives to all above it.
 pub(super) type HingeTwists = nalgebra::Matrix6x3<f64>;
+
+pub(super) type RowsOf6 = nalgebra::Matrix3x6<f64>;
+
+/// The change of a hinge's moment when the body that carries it twists.
+pub(super) fn moment_by_twist(twists: &HingeTwists, wrench: &Spatial) -> RowsOf6 {
+    let (moment, force) = (first(wrench), second(wrench));
+    let mut rows = RowsOf6::zeros();
+    for i in 0..3 {
+        let twist: Spatial = twists.column(i).into();
+        let (turn, velocity) = (first(&twist), second(&twist));
+        let row = spatial(&(turn.cross(&moment) + velocity.cross(&force)), &turn.cross(&force));
+        rows.set_row(i, &row.transpose());
+    }
+    rows
+}
 
 /// A spine with springs and loads: what must balance.
 #[derive(Debug, Clone, Copy)]
@@ -193,9 +208,10 @@ impl Balance<'_> {
                 axes: ends.map(|v| &state.axes[v]),
                 reaction: &reaction,
                 wanted: rod.pose_at(self.model, factors.of(rod.timing)),
+                lateral_nmm_per_rad: self.stiffness[rod.inferior][(0, 0)],
                 varies: rod.timing == factors.varies,
             };
-            state.rods[number] = RodEquations::of(self, rod, &of_rod);
+            state.rods[number] = RodEquations::of(self.support, rod, &of_rod);
         }
     }
 }
@@ -203,20 +219,6 @@ impl Balance<'_> {
 /// The greater of two, or NaN where one is.
 pub(super) fn nan_max(a: f64, b: f64) -> f64 {
     if a.is_nan() || b.is_nan() { f64::NAN } else { a.max(b) }
-}
-
-/// The rotation vector of a rotation, to rounding near the identity too (an arc cosine would leave 1e-8).
-pub(super) fn rotation_vector(rotation: &Mat3) -> Vec3 {
-    let sine = Vec3::new(
-        rotation[(2, 1)] - rotation[(1, 2)],
-        rotation[(0, 2)] - rotation[(2, 0)],
-        rotation[(1, 0)] - rotation[(0, 1)],
-    ) * 0.5;
-    let size = sine.norm();
-    if size < 1e-12 {
-        return sine;
-    }
-    sine * (Angle::from_sin_cos(size, 0.5 * (rotation.trace() - 1.0)).rad() / size)
 }
 
 /// Turns two axes by an angle about the third: `a` towards `b`.

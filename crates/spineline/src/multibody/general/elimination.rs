@@ -4,12 +4,10 @@
 //! twist of one vertebra, so eliminating joint by joint from T2 downwards costs a few 6 × 3 products per joint instead of
 //! a factorisation of a 42 × 42 matrix. Loads that do not depend on the pose leave a triangular tangent: the march.
 
-use super::balance::{Balance, HingeTwists, State};
+use super::balance::{Balance, HingeTwists, RowsOf6, State, moment_by_twist};
 use super::stability::Signs;
-use super::wrench::{Spatial, SpatialMatrix, first, second, spatial};
+use super::wrench::{Spatial, SpatialMatrix};
 use crate::spatial::{Mat3, Vec3};
-
-pub(super) type RowsOf6 = nalgebra::Matrix3x6<f64>;
 
 /// One joint, eliminated.
 #[derive(Debug, Clone, PartialEq)]
@@ -30,19 +28,6 @@ pub(super) struct Elimination {
     /// Signs of the pivots.
     pub signs: Signs,
     shares: Vec<Vec3>,
-}
-
-/// The change of a hinge's moment when the body that carries it twists.
-pub(super) fn moment_by_twist(twists: &HingeTwists, wrench: &Spatial) -> RowsOf6 {
-    let (moment, force) = (first(wrench), second(wrench));
-    let mut rows = RowsOf6::zeros();
-    for i in 0..3 {
-        let twist: Spatial = twists.column(i).into();
-        let (turn, velocity) = (first(&twist), second(&twist));
-        let row = spatial(&(turn.cross(&moment) + velocity.cross(&force)), &turn.cross(&force));
-        rows.set_row(i, &row.transpose());
-    }
-    rows
 }
 
 impl Elimination {

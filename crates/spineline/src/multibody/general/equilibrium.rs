@@ -1,7 +1,6 @@
 use super::balance::{Balance, Factors, State};
 use super::loading::Timing;
 use super::newton::force_and_moment_at;
-use super::path::Stop;
 use super::stability::smallest_singular_value;
 use crate::anatomy::named;
 use crate::multibody::Deformed;
@@ -167,6 +166,19 @@ impl Equilibrium {
     pub const fn is_on_erect_branch(&self) -> bool {
         self.limit_points == 0 && self.branch_points == 0
     }
+}
+
+/// Why a walk stopped.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Stop {
+    /// Nothing more is requested.
+    Enough,
+    /// The largest hinge angle or factor.
+    Limit,
+    RodOutOfReach,
+    /// No step, however short, led on.
+    Stuck,
+    Interrupted,
 }
 
 /// The branch of equilibria from the erect spine, and what was met on it.

@@ -1,9 +1,10 @@
 use std::ops::ControlFlow;
 
 use super::balance::{Balance, Factors};
-use super::equilibrium::{BranchEvent, BranchEventKind, Equilibrium, EquilibriumPath, PathPoint};
+use super::equilibrium::{
+    BranchEvent, BranchEventKind, Equilibrium, EquilibriumPath, PathPoint, Stop,
+};
 use super::newton::{BALANCED_RAD, Closing, Direction, Newton, NewtonEnding, velocity_at};
-use super::singular::Located;
 use super::stability::Signs;
 use super::wrench::Spatial;
 use crate::multibody::roots::{Along, Lost, Sample, zeros_between};
@@ -80,6 +81,16 @@ pub(super) struct Base {
     pub goal: Sample,
 }
 
+/// A singular point within a step.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Located {
+    /// How far along the step.
+    pub at: f64,
+    /// The factor there.
+    pub factor: f64,
+    pub kind: BranchEventKind,
+}
+
 /// A stage of a path: its factors, and what was met so far.
 pub(super) struct Walk<'w, 'b> {
     pub balance: Balance<'b>,
@@ -92,19 +103,6 @@ pub(super) struct Walk<'w, 'b> {
     arc_rad: f64,
     /// Whether a rod was out of reach in the steps that failed since the last point.
     rod_failed: bool,
-}
-
-/// Why a walk stopped.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Stop {
-    /// Nothing more is requested.
-    Enough,
-    /// The largest hinge angle or factor.
-    Limit,
-    RodOutOfReach,
-    /// No step, however short, led on.
-    Stuck,
-    Interrupted,
 }
 
 impl<'w, 'b> Walk<'w, 'b> {

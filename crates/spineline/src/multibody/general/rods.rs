@@ -1,10 +1,9 @@
 //! The equations of a rod: six, in the poses of its two vertebrae and in the reaction.
 
-use super::balance::{Balance, rotation_vector};
 use super::loading::{Rod, RodPose};
 use super::wrench::{Spatial, SpatialMatrix, first, second, spatial};
 use crate::multibody::Support;
-use crate::spatial::{Mat3, Vec3};
+use crate::spatial::{Angle, Mat3, Vec3};
 
 /// The vertebrae that a rod joins, and the wrench on the upper one.
 pub(super) struct RodState<'s> {
@@ -15,6 +14,8 @@ pub(super) struct RodState<'s> {
     pub reaction: &'s Spatial,
     /// The prescribed pose at the factor as it is.
     pub wanted: RodPose,
+    /// Lateral spring of the joint above the lower vertebra, in N·mm/rad.
+    pub lateral_nmm_per_rad: f64,
     /// Whether the rod's pose changes with the factor that varies.
     pub varies: bool,
 }
@@ -61,10 +62,10 @@ impl RodEquations {
         }
     }
 
-    pub(super) fn of(balance: &Balance<'_>, rod: &Rod, state: &RodState<'_>) -> Self {
-        match balance.support {
+    pub(super) fn of(support: Support, rod: &Rod, state: &RodState<'_>) -> Self {
+        match support {
             Support::Free => Self::free(rod, state),
-            Support::Frontal => Self::frontal(balance, rod, state),
+            Support::Frontal => Self::frontal(rod, state),
         }
     }
 
@@ -89,7 +90,7 @@ impl RodEquations {
     ///
     /// With `z` the cranial axis of the upper vertebra and `w` square to the prescribed one in the lower vertebra's frontal
     /// plane, the tilt is met where `z·w = 0`, and the work of a moment on that is along `z × w`.
-    fn frontal(balance: &Balance<'_>, rod: &Rod, state: &RodState<'_>) -> Self {
+    fn frontal(rod: &Rod, state: &RodState<'_>) -> Self {
         let ([low_mm, p], [low, high]) = (state.midpoints, state.axes);
         let [x, y, up]: [Vec3; 3] = [0, 1, 2].map(|axis| low.column(axis).into());
         let z: Vec3 = high.column(2).into();
@@ -100,7 +101,7 @@ impl RodEquations {
         let moment = moment - p.cross(&force);
         let apart = y.dot(&(p - low_mm)) - state.wanted.place_mm.y;
         // In the units of the other rows: rad and mm.
-        let per_moment = 1.0 / balance.stiffness[rod.inferior][(0, 0)];
+        let per_moment = 1.0 / state.lateral_nmm_per_rad;
         let per_force = per_moment * state.wanted.place_mm.norm_squared();
 
         let mut equations = Self::zeros();
@@ -148,4 +149,18 @@ impl RodEquations {
         self.by_both.set_row(row, &(by_both * scale).transpose());
         self.by_reaction.set_row(row, &(by_reaction * scale).transpose());
     }
+}
+
+/// The rotation vector of a rotation, to rounding near the identity too (an arc cosine would leave 1e-8).
+fn rotation_vector(rotation: &Mat3) -> Vec3 {
+    let sine = Vec3::new(
+        rotation[(2, 1)] - rotation[(1, 2)],
+        rotation[(0, 2)] - rotation[(2, 0)],
+        rotation[(1, 0)] - rotation[(0, 1)],
+    ) * 0.5;
+    let size = sine.norm();
+    if size < 1e-12 {
+        return sine;
+    }
+    sine * (Angle::from_sin_cos(size, 0.5 * (rotation.trace() - 1.0)).rad() / size)
 }

@@ -1,19 +1,9 @@
 //! Singular points of the branch: where the factor turns, and where other branches cross.
 
 use super::equilibrium::BranchEventKind;
-use super::path::{Base, Walk};
+use super::path::{Base, Located, Walk};
 use super::stability::smallest_singular_value;
 use crate::multibody::roots::{Sample, turning_point};
-
-/// A singular point within a step.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Located {
-    /// How far along the step.
-    pub at: f64,
-    /// The factor there.
-    pub factor: f64,
-    pub kind: BranchEventKind,
-}
 
 /// A change of signs is narrowed down to this part of its step.
 const NARROW: f64 = 1e-9;

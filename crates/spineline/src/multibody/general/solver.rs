@@ -1,10 +1,10 @@
 use std::ops::ControlFlow;
 
 use super::balance::{Balance, Factors};
-use super::equilibrium::{EquilibriumPath, PathEnding};
+use super::equilibrium::{EquilibriumPath, PathEnding, Stop};
 use super::loading::{Loading, LoadingError, Timing};
 use super::newton::{Closing, Newton, NewtonEnding};
-use super::path::{Goal, OnPoint, PathOptions, Stop, Walk};
+use super::path::{Goal, OnPoint, PathOptions, Walk};
 use crate::multibody::{Deformed, ForceSign, SpineModel, Support};
 use crate::spatial::{Mat3, Vec3};
 

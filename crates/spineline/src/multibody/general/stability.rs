@@ -1,7 +1,6 @@
 //! How near a state is to a singular point, and on which side.
 
-use super::balance::{Balance, State};
-use super::elimination::{RowsOf6, moment_by_twist};
+use super::balance::{Balance, RowsOf6, State, moment_by_twist};
 use super::rods::prescribed;
 use super::wrench::SpatialMatrix;
 use crate::multibody::Support;

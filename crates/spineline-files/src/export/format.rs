@@ -1,0 +1,117 @@
+//! The formats of other programs, and what they cannot hold.
+
+use spineline::anatomy::Level;
+
+spineline::named! {
+    /// A format of another program.
+    pub enum ExportFormat {
+        /// MuJoCo's own XML.
+        Mjcf = "mjcf",
+        /// An OpenSim 4 model.
+        Osim = "osim",
+        /// Unified robot description format, with the springs in SDFormat's extension.
+        Urdf = "urdf",
+        /// Vertebral bodies as VTK's XML PolyData.
+        Vtp = "vtp",
+        /// Vertebral bodies as glTF 2.0, with its data inside.
+        Gltf = "gltf",
+    }
+}
+
+impl ExportFormat {
+    /// The ending of its files.
+    #[must_use]
+    pub const fn file_ending(self) -> &'static str {
+        match self {
+            Self::Mjcf => "xml",
+            Self::Osim => "osim",
+            Self::Urdf => "urdf",
+            Self::Vtp => "vtp",
+            Self::Gltf => "gltf",
+        }
+    }
+
+    /// The programs that read it.
+    #[must_use]
+    pub const fn programs(self) -> &'static str {
+        match self {
+            Self::Mjcf => "MuJoCo",
+            Self::Osim => "OpenSim 4",
+            Self::Urdf => "Pinocchio, Gazebo, Drake and others",
+            Self::Vtp => "3D Slicer and ParaView; vertebral bodies with their angles, no joints",
+            Self::Gltf => "Blender, ParaView and others; vertebral bodies, no joints",
+        }
+    }
+
+    /// The media type of its files.
+    #[must_use]
+    pub const fn media_type(self) -> &'static str {
+        match self {
+            Self::Mjcf | Self::Osim | Self::Urdf | Self::Vtp => "application/xml",
+            Self::Gltf => "model/gltf+json",
+        }
+    }
+}
+
+/// A model that a format cannot represent.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum ExportError {
+    /// Two bodies would have one name.
+    #[error("vertebra {level} is given twice")]
+    LevelTwice {
+        /// The vertebra.
+        level: Level,
+    },
+    /// An invalid spring.
+    #[error(
+        "joint {inferior}/{superior}: {axis} stiffness is {value} N·mm/rad; it must be positive and finite"
+    )]
+    Spring {
+        /// Lower vertebra.
+        inferior: Level,
+        /// Upper vertebra.
+        superior: Level,
+        /// Axis.
+        axis: &'static str,
+        /// Value in the model.
+        value: f64,
+    },
+    /// Hinges whose springs are coupled.
+    #[error(
+        "joint {inferior}/{superior}: its springs couple the three hinges, and {format} has one spring per hinge",
+        format = format.key()
+    )]
+    Coupled {
+        /// The format, which has no coupled springs.
+        format: ExportFormat,
+        /// Lower vertebra.
+        inferior: Level,
+        /// Upper vertebra.
+        superior: Level,
+    },
+    /// A character that XML cannot hold, or not everywhere.
+    #[error("`{what}` has the character U+{:04X}; XML does not allow it", u32::from(*character))]
+    Text {
+        /// Key of the model file.
+        what: &'static str,
+        /// The character.
+        character: char,
+    },
+}
+
+impl ExportError {
+    /// Remedy.
+    #[must_use]
+    pub const fn help(&self) -> &'static str {
+        match self {
+            Self::LevelTwice { .. } | Self::Spring { .. } => {
+                "write the model again with `spineline analyze CASE --model FILE`"
+            }
+            Self::Coupled { .. } => {
+                "`--to vtp` and `--to gltf` write the vertebral bodies of this model; for its springs, make a model without coupling: `spineline analyze CASE --stiffness paper --model FILE` with your other options, or with `--support frontal`, which locks the axial hinges"
+            }
+            Self::Text { .. } => "remove control characters from that text in the model file",
+        }
+    }
+}
