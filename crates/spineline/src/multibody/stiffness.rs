@@ -184,7 +184,7 @@ impl StiffnessLibrary {
 }
 
 impl Default for StiffnessLibrary {
-    /// [`StiffnessTable::Paper`](super::StiffnessTable::Paper).
+    /// [`StiffnessTable::MotionSegments`](super::StiffnessTable::MotionSegments).
     fn default() -> Self {
         super::StiffnessTable::default().library()
     }
