@@ -55,7 +55,7 @@ class MethodOptions(TypedDict, total=False):
     rotation_prior: str | os.PathLike[str]
     """File of ``spineline learn-prior``: joint rotations of other patients, for predictions without mechanics."""
     stiffness: str | os.PathLike[str]
-    """Table to start from: ``"paper"``, ``"in-vitro"``, ``"intact-chest"``, ``"scoliotic-in-vivo"``, ``"coupled"``, or a file."""
+    """Table to start from: ``"motion-segments"``, ``"in-vitro"``, ``"intact-chest"``, ``"scoliotic-in-vivo"``, ``"coupled"``, or a file."""
     inflections: str | Sequence[str]
     """Inflections set by hand, caudal first, such as ``("L1/T12", "T6")``."""
     min_curve: float

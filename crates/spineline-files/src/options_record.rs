@@ -31,7 +31,7 @@ pub(crate) struct OptionsRecord {
     /// End vertebrae picked by the user.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     given_end_vertebrae: Vec<GivenEndsRecord>,
-    /// `leave_one_out`, `paper`, or an order.
+    /// `leave_one_out`, `two_inflections`, `paper`, or an order.
     order_rule: OrderRuleKey,
     /// Picked by hand, caudal first; `null` where they come from the erect curve.
     #[serde(deserialize_with = "Option::deserialize")]

@@ -185,7 +185,7 @@ fn findings<'a>() -> Vec<Column<PatientRow<'a>>> {
 
 fn options<'a>() -> Vec<Column<PatientRow<'a>>> {
     vec![
-        text("order_rule", "`leave_one_out`, `paper`, or an order", |row| {
+        text("order_rule", "`leave_one_out`, `two_inflections`, `paper`, or an order", |row| {
             Some(row.analysis.options.order_rule.key())
         }),
         text(

@@ -109,7 +109,7 @@ impl ExportError {
                 "write the model again with `spineline analyze CASE --model FILE`"
             }
             Self::Coupled { .. } => {
-                "`--to vtp` and `--to gltf` write the vertebral bodies of this model; for its springs, make a model without coupling: `spineline analyze CASE --stiffness paper --model FILE` with your other options, or with `--support frontal`, which locks the axial hinges"
+                "`--to vtp` and `--to gltf` write the vertebral bodies of this model; for its springs, make a model without coupling: `spineline analyze CASE --stiffness motion-segments --model FILE` with your other options, or with `--support frontal`, which locks the axial hinges"
             }
             Self::Text { .. } => "remove control characters from that text in the model file",
         }

@@ -230,7 +230,7 @@ mod tests {
     #[test]
     fn a_study_opens_no_file_and_refuses_what_it_does_not_keep() {
         for (name, value, word) in [
-            ("stiffness", "/etc/passwd", "expected one of paper"),
+            ("stiffness", "/etc/passwd", "expected one of motion"),
             ("rotation_prior", "/etc/passwd", "expected a file of"),
             ("compare_models", "all", "does not keep"),
             ("given_line", "left_bending=1,2,3; left-bending=4,5,6", "two lines"),

@@ -302,7 +302,7 @@ pub const OPTIONS: [MethodOption; 16] = [
     MethodOption {
         name: "stiffness",
         title: "Stiffness table",
-        help: "Stiffness table to start from: `paper`, `in-vitro`, `intact-chest`, `scoliotic-in-vivo` or `coupled` (`spineline stiffness` prints them), or a file",
+        help: "Stiffness table to start from: `motion-segments`, `in-vitro`, `intact-chest`, `scoliotic-in-vivo` or `coupled` (`spineline stiffness` prints them), or a file",
         value_name: "TABLE|FILE",
         values: OptionValues::Named(named_values::<StiffnessTable>),
         may_repeat: false,

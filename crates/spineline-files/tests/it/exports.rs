@@ -362,7 +362,7 @@ fn values_that_an_engine_cannot_represent_are_refused_by_name() {
     let error = refused(&bad);
     assert!(error.to_string().contains("L2/L1: its springs couple"), "{error}");
     assert!(error.to_string().contains("mjcf"), "{error}");
-    for word in ["--to vtp", "--to gltf", "--stiffness paper", "--support frontal"] {
+    for word in ["--to vtp", "--to gltf", "--stiffness motion-segments", "--support frontal"] {
         assert!(error.help().contains(word), "{}", error.help());
     }
 }

@@ -41,7 +41,8 @@ fn guided() -> StiffnessLibrary {
 }
 
 fn ways() -> Vec<Way> {
-    let [paper, coupled] = [StiffnessTable::Paper, StiffnessTable::Coupled].map(|t| t.library());
+    let [paper, coupled] =
+        [StiffnessTable::MotionSegments, StiffnessTable::Coupled].map(|t| t.library());
     let way = |name, in_space, support, library: &StiffnessLibrary| Way {
         name,
         in_space,
@@ -61,7 +62,8 @@ fn ways() -> Vec<Way> {
 
 /// Support and coupling of the phantoms.
 fn truths() -> Vec<(&'static str, Support, StiffnessLibrary)> {
-    let [paper, coupled] = [StiffnessTable::Paper, StiffnessTable::Coupled].map(|t| t.library());
+    let [paper, coupled] =
+        [StiffnessTable::MotionSegments, StiffnessTable::Coupled].map(|t| t.library());
     vec![
         ("frontal", Support::Frontal, paper.clone()),
         ("frontal with coupled turn", Support::Free, guided()),

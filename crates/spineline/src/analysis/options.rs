@@ -100,7 +100,7 @@ impl AnalysisOptions {
             // Table 1 has Cobb angles of the erect films only.
             ends: EndChoice::default(),
             // 3.2: Petit's method, on the models that the paper refers to; it prints no stiffness.
-            library: StiffnessTable::Paper.library(),
+            library: StiffnessTable::MotionSegments.library(),
             // 3.2: all degrees of freedom of L4 are fixed; all other vertebrae move.
             support: Support::Free,
             // 3.2: not stated; films without a known force show ratios of stiffness only.

@@ -76,8 +76,10 @@ struct Bends {
 
 impl Others {
     pub fn of(patients: &[CohortPatient]) -> Self {
-        let bends: Vec<_> = patients.iter().map(|one| (one.levels, &one.bends[..])).collect();
-        Self::of_bends(&bends)
+        let bends: Vec<_> = patients.iter().map(CohortPatient::bends).collect();
+        let levels = patients.iter().map(|one| one.levels);
+        let with_levels = levels.zip(&bends).map(|(levels, bends)| (levels, &bends[..]));
+        Self::of_bends(&with_levels.collect::<Vec<_>>())
     }
 
     /// `patients` have their vertebrae and bends.
@@ -105,7 +107,7 @@ impl Others {
     /// The patient at a place of the cohort.
     pub fn see<'a>(&self, patient: &'a CohortPatient, place: usize) -> Seen<'a> {
         let with_same = self.by_levels.iter().find(|one| one.levels == patient.levels);
-        let mean = with_same.and_then(|bends| bends.mean_of_others(&patient.bends));
+        let mean = with_same.and_then(|bends| bends.mean_of_others(&patient.bends()));
         Seen::new(patient, mean.as_deref(), self.prior_of_others(place, patient.levels))
     }
 }

@@ -9,11 +9,12 @@ use crate::analysis::{
 };
 use crate::anatomy::{Levels, Posture, named};
 use crate::evaluate::statistics::Summary;
-use crate::evaluate::{Baseline, BendRotations, FilmFromTop, Links, Simulation};
+use crate::evaluate::{Baseline, BendRotations, FilmFromTop, Links, Simulation, joint_rotations};
 use crate::hypothesis::{Hypothesis, HypothesisFit, Role};
 use crate::motion::SegmentEstimate;
 use crate::multibody::MatchStatus;
 use crate::personalize::TestOutcome;
+use crate::spatial::Angle;
 
 /// The numbers of a patient that enter a [`super::Cohort`].
 ///
@@ -39,8 +40,8 @@ pub struct CohortPatient {
     pub(super) links: Links,
     /// The other films, as T2 predicts them.
     pub(super) from_top: Box<[FilmFromTop]>,
-    /// Rotations of every bend, as if it were to the right.
-    pub(super) bends: Vec<BendRotations>,
+    /// Rotations of every bend.
+    bends: Vec<Vec<Angle>>,
     /// Lines with a model that are not fitted to the films: the test of a single force along them, of all bends together.
     pub(super) tested: Box<[(LineKind, TestOutcome)]>,
     /// The same of every bend alone.
@@ -172,7 +173,10 @@ impl CohortPatient {
             films: movement.films.iter().map(PatientFilm::of).collect(),
             links: Links::of(erect),
             from_top: moved.clone().map(|film| FilmFromTop::of(erect, film)).collect(),
-            bends: moved.filter_map(|film| BendRotations::of(erect, film)).collect(),
+            bends: moved
+                .filter(|film| film.posture.bend().is_some())
+                .map(|film| joint_rotations(erect, film))
+                .collect(),
             tested: tested.collect(),
             tested_bends: tested_bends(analysis),
             lines: compared.lines.as_slice().into(),
@@ -202,6 +206,15 @@ impl CohortPatient {
     #[must_use]
     pub const fn has_doubted_film(&self) -> bool {
         !self.doubts.is_empty()
+    }
+
+    /// Every bend as if it were to the right.
+    pub(super) fn bends(&self) -> Vec<BendRotations> {
+        let sides = self.from_top.iter().filter_map(|film| film.posture.bend());
+        let bends = sides.zip(&self.bends);
+        bends
+            .map(|(side, bend)| BendRotations::mirrored(side, bend, &self.links.joint_angles))
+            .collect()
     }
 
     /// A film other than the erect one, as T2 predicts it.

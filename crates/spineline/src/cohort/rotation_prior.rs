@@ -38,7 +38,7 @@ pub fn learn_rotation_prior(
     let common = |patient: &CohortPatient| -> Vec<BendRotations> {
         let first = patient.levels.index_of(levels.base()).unwrap_or_default();
         let joints = first..first + levels.joints();
-        patient.bends.iter().map(|bend| bend.of_joints(joints.clone())).collect()
+        patient.bends().iter().map(|bend| bend.of_joints(joints.clone())).collect()
     };
     let prior = RotationPrior::learned(levels, &all.iter().map(common).collect::<Vec<_>>())?;
     let others = Others::of(all);

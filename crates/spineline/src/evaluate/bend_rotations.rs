@@ -33,18 +33,15 @@ pub struct BendRotations {
 }
 
 impl BendRotations {
-    /// Of a bending film; `None` for another posture.
+    /// Of a bend to a side, from its rotations and the joint angles of the erect film.
     #[must_use]
-    pub fn of(erect: &Outline, film: &Outline) -> Option<Self> {
-        let sign = match film.posture.bend()? {
+    pub fn mirrored(side: Side, rotations: &[Angle], erect: &[Angle]) -> Self {
+        let sign = match side {
             Side::Right => 1.0,
             Side::Left => -1.0,
         };
-        let mirrored = |angles: Vec<Angle>| angles.into_iter().map(|angle| angle * sign).collect();
-        Some(Self {
-            rotations: mirrored(joint_rotations(erect, film)),
-            erect: mirrored(joint_angles(erect)),
-        })
+        let mirrored = |angles: &[Angle]| angles.iter().map(|&angle| angle * sign).collect();
+        Self { rotations: mirrored(rotations), erect: mirrored(erect) }
     }
 
     /// The part of some joints.

@@ -9,18 +9,18 @@ named! {
     ///
     /// Only the ratios between joints change a personalised model of relative stiffness; absolute values count where a force is
     /// known. `validation/stiffness.md` sets the range of motion of every table beside measured spines.
-    #[default(Paper)]
+    #[default(MotionSegments)]
     pub enum StiffnessTable {
-        /// Motion segments without ribs, as models of scoliotic spines take them.
+        /// Motion segments without ribs, as models of scoliotic spines take them. The paper prints no stiffness.
         ///
         /// Thoracic: the 6 × 6 matrix of [desroches-2007]
         /// after [panjabi-1976]. Lumbar: [schmidt-1998], normal discs, as compiled in [ammr-repository]; flexion is the mean of
         /// flexion and extension. T12/L1: mean of its neighbours (assumption).
-        Paper = "paper",
+        MotionSegments = "motion_segments",
         /// Thoracic segments with costovertebral joints, tested in vitro.
         ///
         /// Without the cage of ribs: 7.5 N·m over half of the range of
-        /// motion of [wilke-2017], whose middle is taken. Lumbar as in [`Self::Paper`].
+        /// motion of [wilke-2017], whose middle is taken. Lumbar as in [`Self::MotionSegments`].
         InVitro = "in_vitro",
         /// The same with the cage of ribs.
         ///
@@ -30,9 +30,9 @@ named! {
         /// Segments of scoliotic patients during surgery.
         ///
         /// 0.18 °/(N·m) in lateral bending [reutlinger-2012], which is taken for
-        /// every joint; flexion and axial stiffness in the ratio of [`Self::Paper`] (assumptions).
+        /// every joint; flexion and axial stiffness in the ratio of [`Self::MotionSegments`] (assumptions).
         ScolioticInVivo = "scoliotic_in_vivo",
-        /// The paper's, with axial rotation coupled to lateral bending (counts with free support).
+        /// The motion segments, with axial rotation coupled to lateral bending (counts with free support).
         ///
         /// Thoracic joints turn to the side of the bend
         /// [willems-1996], by 0.4 of it [fujimori-2014] (unverified). T12/L1 turns away from it by 0.5, and the joints below by less and less
@@ -56,7 +56,7 @@ impl StiffnessTable {
     pub fn library(self) -> StiffnessLibrary {
         let rows = Level::MODEL.windows(2).map(|pair| {
             let (nmm_per_rad, source) = match self {
-                Self::Paper | Self::Coupled => paper(pair[0]),
+                Self::MotionSegments | Self::Coupled => motion_segment(pair[0]),
                 Self::InVitro => in_vitro(pair[0], [1.0; 3]),
                 Self::IntactChest => in_vitro(pair[0], [1.635, 1.63, 1.588]),
                 Self::ScolioticInVivo => scoliotic(pair[0]),
@@ -76,7 +76,7 @@ impl StiffnessTable {
 }
 
 impl Default for StiffnessLibrary {
-    /// [`StiffnessTable::Paper`](StiffnessTable::Paper).
+    /// [`StiffnessTable::MotionSegments`](StiffnessTable::MotionSegments).
     fn default() -> Self {
         StiffnessTable::default().library()
     }
@@ -86,7 +86,7 @@ impl Default for StiffnessLibrary {
 const NEIGHBOURS: &str = "mean of T11/T12 and L1/L2 (assumption)";
 
 /// Lateral, flexion and axial stiffness of the joint above a vertebra, in N·mm/rad.
-fn paper(inferior: Level) -> ([f64; 3], String) {
+fn motion_segment(inferior: Level) -> ([f64; 3], String) {
     let (n_m_per_rad, source): ([f64; 3], _) = match inferior {
         Level::L4 | Level::L3 | Level::L2 => {
             ([132.0, 126.0, 481.0], SourceCheck::SecondHand.cite("schmidt-1998, ammr-repository"))
@@ -100,7 +100,7 @@ fn paper(inferior: Level) -> ([f64; 3], String) {
 /// The moment of the tests in vitro, in N·mm.
 const TEST_NMM: f64 = 7500.0;
 
-/// Thoracic springs times a factor per axis; the lumbar ones are the paper's, T12/L1 the mean of its neighbours.
+/// Thoracic springs times a factor per axis; the lumbar ones are as in `MotionSegments`, T12/L1 the mean of its neighbours.
 fn in_vitro(inferior: Level, factors: [f64; 3]) -> ([f64; 3], String) {
     let thoracic = |range_deg: [f64; 3]| -> [f64; 3] {
         // A range covers both directions.
@@ -113,9 +113,9 @@ fn in_vitro(inferior: Level, factors: [f64; 3]) -> ([f64; 3], String) {
     let source = SourceCheck::AtSource.cite(source);
     let lower = [8.5, 7.0, 7.5];
     match inferior {
-        Level::L4 | Level::L3 | Level::L2 => paper(inferior),
+        Level::L4 | Level::L3 | Level::L2 => motion_segment(inferior),
         Level::L1 => {
-            let ((below, _), above) = (paper(Level::L2), thoracic(lower));
+            let ((below, _), above) = (motion_segment(Level::L2), thoracic(lower));
             let mean = std::array::from_fn(|axis| 0.5 * (below[axis] + above[axis]));
             (mean, NEIGHBOURS.to_owned())
         }
@@ -144,10 +144,10 @@ fn coupling(inferior: Level) -> (f64, String) {
     (ratio, SourceCheck::AtSource.cite(source))
 }
 
-/// The paper's springs, all multiplied so that lateral bending equals the value measured in patients.
+/// The springs of motion segments, all multiplied so that lateral bending equals the value measured in patients.
 fn scoliotic(inferior: Level) -> ([f64; 3], String) {
     let lateral = 1000.0 / Angle::from_deg(0.18).rad();
-    let (own, _) = paper(inferior);
-    let source = "reutlinger-2012 (apical segments); ratios of the axes as in `paper` (assumption)";
+    let (own, _) = motion_segment(inferior);
+    let source = "reutlinger-2012 (apical segments); ratios of the axes as in `motion_segments` (assumption)";
     (own.map(|value| value * lateral / own[0]), SourceCheck::AtSource.cite(source))
 }

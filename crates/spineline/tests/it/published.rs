@@ -55,7 +55,7 @@ fn springs_whose_source_was_not_read_say_so() {
     assert_eq!(marked(StiffnessTable::Coupled, "fujimori-2014 (UNVERIFIED)"), 10);
     assert!(note("fujimori-2014").contains("UNVERIFIED"));
     // All but T12/L1, which is the mean of its neighbours.
-    assert_eq!(marked(StiffnessTable::Paper, "(second-hand)"), 13);
+    assert_eq!(marked(StiffnessTable::MotionSegments, "(second-hand)"), 13);
     assert_eq!(marked(StiffnessTable::InVitro, "UNVERIFIED"), 0);
 }
 

@@ -26,14 +26,14 @@ fn thoracic_joints_in_vitro_have_the_published_range() {
         let [.., axial] = range_deg(StiffnessTable::InVitro, superior, 7.5);
         assert!((7.0..=8.0).contains(&axial), "{superior}: {axial}");
     }
-    // The table of the paper is stiffer than measured thoracic segments, and less stiff than with ribs in scoliosis.
-    let [paper, ..] = range_deg(StiffnessTable::Paper, Level::T5, 7.5);
-    assert!((5.7..5.9).contains(&paper), "{paper}");
+    // The table of motion segments is stiffer than measured thoracic segments, and less stiff than with ribs in scoliosis.
+    let [segments, ..] = range_deg(StiffnessTable::MotionSegments, Level::T5, 7.5);
+    assert!((5.7..5.9).contains(&segments), "{segments}");
 }
 
 #[test]
 fn the_joint_between_thorax_and_loins_has_the_mean_of_its_neighbours_springs() {
-    // The table of scoliotic spines has the proportions of the paper's, joint by joint.
+    // The table of scoliotic spines has the proportions of motion segments, joint by joint.
     for table in StiffnessTable::ALL.into_iter().filter(|t| *t != StiffnessTable::ScolioticInVivo) {
         // A range is proportional to one over the stiffness.
         let [below, own, above] = [Level::L1, Level::T12, Level::T11]

@@ -18,7 +18,7 @@ use crate::run::interrupt;
 use crate::run::messages::say;
 use crate::run::outputs::print_notices;
 use crate::run::progress::bar;
-use crate::run::threads::stream_while;
+use crate::run::threads::stream_all;
 
 /// Analyses all cases and passes each to all outputs; in a cohort, a case that fails is reported and left out.
 ///
@@ -35,14 +35,17 @@ pub fn analyze_all<'a>(
     let across = if asked.is_long() { 1 } else { asked.args.threads };
     let mut finished = Finished::new(asked);
     let run = |place: usize| {
+        if interrupt::is_requested() {
+            return None;
+        }
         let result = asked.analyze(&paths[place]);
         let case = result.as_ref().map_err(|refusal| &*refusal.case);
         let steps: Vec<Step<'_>> = all.iter().map(|output| output.case(case)).collect();
-        (result, steps)
+        Some((result, steps))
     };
-    let goes_on = || !interrupt::is_requested();
     let mut ended = 0;
-    stream_while(&progress, (paths.len(), across), goes_on, run, |(result, mut steps)| {
+    stream_all(&progress, paths.len(), across, run, |begun| {
+        let Some((result, mut steps)) = begun else { return Ok(()) };
         ended += 1;
         let checked = result.and_then(|one| match finished.read.add(&one.input, asked.record) {
             Ok(()) => Ok(one),

@@ -96,7 +96,7 @@ fn a_wrong_value_changes_nothing_and_an_impossible_one_is_a_refusal_of_the_resul
     for (name, value, word) in [
         ("support", "fre", "expected one of"),
         ("order_rule", "3", "4 to 12"),
-        ("stiffness", "/etc/passwd", "expected one of paper"),
+        ("stiffness", "/etc/passwd", "expected one of motion"),
         ("inflections", "T6,L1", "the caudal site comes first"),
         ("rotation_prior", "/etc/passwd", "expected a file of"),
     ] {
