@@ -11,7 +11,7 @@ use crate::run::outputs::print_data;
 #[derive(Args)]
 pub struct StiffnessArgs {
     /// Table
-    #[arg(value_parser = choice::<StiffnessTable>(), default_value = StiffnessTable::default().key())]
+    #[arg(value_parser = choice::<StiffnessTable>(), default_value = "motion-segments")]
     table: StiffnessTable,
 }
 

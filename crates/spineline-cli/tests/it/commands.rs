@@ -171,7 +171,7 @@ fn identifiability_is_reported_on_request_with_and_without_a_prior() {
         assert!(asked.contains(word), "{word} is missing in\n{asked}");
     }
     let prior = ["--identifiability", "--multipliers", "per-joint", "--prior", "in-vivo"];
-    assert!(with(&prior).contains("with prior"));
+    assert!(with(&prior).contains("share"));
     let json = with(&[&prior[..], &["--json", "-"]].concat());
     let json: serde_json::Value = serde_json::from_str(&json).expect("JSON and nothing else");
     assert_eq!(json["provenance"]["options"]["prior_log_sd"], 0.5);

@@ -142,12 +142,11 @@ fn next(patient: &Patient<'_>) -> String {
     });
     let asked = patient.uncertainty.is_some() || patient.identifiability.is_some();
     let intervals = (!asked).then(|| "Intervals: --replicates 1000 --identifiability.".to_owned());
+    let more = Some("Tables: --full. Pages: spineline report.".to_owned());
     if analysis.models.is_empty() {
-        let more = "All tables: --full. Pictures: spineline report.";
-        return joined([doubted, Some(no_model(analysis)), Some(more.to_owned())]);
+        return joined([doubted, Some(no_model(analysis)), more]);
     }
-    let more = "All tables: --full. Pictures: spineline report. The model as a file: --model.";
-    joined([doubted, intervals, Some(more.to_owned())])
+    joined([doubted, intervals, more])
 }
 
 /// How the bends test every line, and its errors beside predictions without mechanics.

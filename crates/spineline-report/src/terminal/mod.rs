@@ -107,10 +107,28 @@ fn plain(text: &str) -> String {
     plain
 }
 
+/// Units that stay on the line of their number.
+const UNITS: [&str; 8] = ["mm", "px", "deg", "%", "N", "N·m", "N·mm", "×"];
+
 /// The words of a text. A number and its unit are one word.
-fn words(text: &str) -> impl Iterator<Item = &str> {
+fn words(text: &str) -> Vec<&str> {
     let ends = |c: char| c.is_whitespace() && c != NO_BREAK;
-    text.split(ends).filter(|word| !word.is_empty())
+    let mut words: Vec<&str> = Vec::new();
+    let mut end = 0;
+    for word in text.split(ends).filter(|word| !word.is_empty()) {
+        // Places in the text, of which a word is a part.
+        let start = word.as_ptr() as usize - text.as_ptr() as usize;
+        let is_unit = UNITS.contains(&word.trim_end_matches([',', '.', ';', ':', ')']));
+        let follows = &text[end..start] == " ";
+        match words.last_mut() {
+            Some(last) if is_unit && follows && last.ends_with(|c: char| c.is_ascii_digit()) => {
+                *last = &text[end - last.len()..start + word.len()];
+            }
+            _ => words.push(word),
+        }
+        end = start + word.len();
+    }
+    words
 }
 
 /// Breaks plain text into one or more lines of at most `width` columns. A longer word stands alone on a line. The heads of narrow
@@ -145,7 +163,7 @@ mod tests {
     #[test]
     fn lines_are_filled_to_the_limit_and_keep_every_word() {
         let text =
-            "Each bend left out of the fit in turn and then predicted: inflection line 2.9 mm";
+            "Each bend left out of the fit in turn and then predicted by the inflection line";
         for width in [12, 20, 33, 200] {
             let lines = wrapped(text, width, false);
             assert!(lines.iter().all(|line| line.width() <= width), "{lines:?}");
@@ -164,6 +182,11 @@ mod tests {
     fn a_unit_stays_on_the_line_of_its_number() {
         let text = format!("errors of {} on bends", spineline::number::with_unit("12.1", "mm"));
         assert_eq!(wrapped(&plain(&text), 16, false), ["errors of", "12.1 mm on bends"]);
+        assert_eq!(
+            wrapped("errors of 12.1 mm, 3 % more", 12, false),
+            ["errors of", "12.1 mm, 3 %", "more"]
+        );
+        assert_eq!(wrapped("vertebra L4 mm", 11, false), ["vertebra", "L4 mm"]);
     }
 
     #[test]

@@ -103,7 +103,7 @@ fn narrowest(head: &str) -> usize {
 
 fn longest_word(cell: &str) -> usize {
     let blanks = cell.len() - cell.trim_start().len();
-    blanks + words(cell).map(str::width).max().unwrap_or(0)
+    blanks + words(cell).into_iter().map(str::width).max().unwrap_or(0)
 }
 
 /// A cell in lines; those after the first one begin below its first word.
