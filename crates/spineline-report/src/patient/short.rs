@@ -142,7 +142,7 @@ fn next(patient: &Patient<'_>) -> String {
     });
     let asked = patient.uncertainty.is_some() || patient.identifiability.is_some();
     let intervals = (!asked).then(|| "Intervals: --replicates 1000 --identifiability.".to_owned());
-    let more = Some("Tables: --full. Pages: spineline report.".to_owned());
+    let more = Some("Tables: --full. Pictures: spineline report.".to_owned());
     if analysis.models.is_empty() {
         return joined([doubted, Some(no_model(analysis)), more]);
     }

@@ -106,7 +106,7 @@ impl Analysis {
         let bends = [Posture::LeftBending, Posture::RightBending];
         match movement.lenke {
             Some(lenke) => format!(
-                "Lenke type {} from frontal films (kyphosis and modifiers are not assessed)",
+                "Lenke type {} (frontal films: no kyphosis, no modifiers)",
                 lenke.number
             ),
             None if bends.iter().any(|&bend| movement.film(bend).is_none()) => {
