@@ -63,8 +63,9 @@ pub fn analyze_all<'a>(
         }
         Ok(())
     })?;
-    finished.leave_out(&paths[ended..], all);
+    finished.is_cut_short |= ended < paths.len();
     finished.check_interruption()?;
+    finished.leave_out(&paths[ended..], all);
     print_notices(&finished.read.warnings());
     if !asked.args.warnings {
         print_notices(&finished.warnings.lines("--warnings"));
@@ -118,7 +119,6 @@ impl<'a> Finished<'a> {
         if paths.is_empty() {
             return;
         }
-        self.is_cut_short = true;
         let left = counted(paths.len(), "case");
         say(format!("interrupted: {left} not begun; analyse them again"));
         for path in paths {
