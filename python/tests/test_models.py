@@ -101,7 +101,7 @@ def test_a_pickled_simulation_of_another_version_is_refused(analysis: sl.Analysi
     repeat, (model, asked, allow_unusable, text) = found.__reduce__()
     data = json.loads(text)
     assert repeat(model, asked, allow_unusable, json.dumps(data | {"generator": "spineline 9"})) == found
-    with pytest.raises(sl.InputError, match="another simulation"):
+    with pytest.raises(sl.InputError, match="another result"):
         repeat(model, asked, allow_unusable, json.dumps(data | {"status": "odd"}))
 
 

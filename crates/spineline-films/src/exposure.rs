@@ -79,7 +79,7 @@ impl ExposureMarks {
     ///
     /// ```
     /// use spineline_films::{ExposureMarks, Exposures};
-    /// Pictures without a DICOM header state nothing.
+    /// // Pictures without a DICOM header state nothing.
     /// assert_eq!(ExposureMarks::default().with(&ExposureMarks::default()), Exposures::NotStated);
     /// ```
     #[must_use]

@@ -83,7 +83,7 @@ impl PatientMarks {
     ///
     /// ```
     /// use spineline_films::PatientMarks;
-    /// Missing values do not differ.
+    /// // Missing values do not differ.
     /// assert!(PatientMarks::default().differences(&PatientMarks::default()).is_empty());
     /// ```
     #[must_use]
