@@ -66,7 +66,7 @@ impl Rooms {
         Self { clicks, users, known, strangers }
     }
 
-    /// Takes a place as soon as one is free.
+    /// Waits for a free place and takes it.
     ///
     /// # Errors
     /// 503 if all places stay taken for some seconds.

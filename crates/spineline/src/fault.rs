@@ -1,8 +1,8 @@
-//! What an error states beside its message: a code for programs, a remedy for people, and its place.
+//! Code, remedy and place of an error, beside its message.
 
 use crate::anatomy::{FilmView, Level};
 
-/// What an error is about, as far as it is about one film, vertebra or value.
+/// The film, the vertebra, the value and the limit that an error concerns.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct ErrorPlace {
     /// The film.
@@ -15,8 +15,8 @@ pub struct ErrorPlace {
     pub limit: Option<f64>,
 }
 
-/// Defines an enum of faults. Each variant has its message, its code and its remedy, and where it is about a film, a vertebra, a value or a
-/// limit, an `at` that names them. The expressions see the fields of the variant; with `on film` the remedy sees the film too.
+/// Defines an enum of faults. Each variant has its message, its code and its remedy. An `at` names the film, the vertebra, the value and the
+/// limit that the fault concerns. The expressions see the fields of the variant; with `on film` the remedy sees the film too.
 macro_rules! faults {
     (
         $(#[doc = $type_doc:literal])+
@@ -60,7 +60,7 @@ macro_rules! faults {
                 }
             }
 
-            /// What it is about, as far as the fault itself says it.
+            /// The place that the fault states.
             #[must_use]
             $vis fn place(&self) -> $crate::fault::ErrorPlace {
                 match self {

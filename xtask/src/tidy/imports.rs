@@ -57,9 +57,14 @@ pub fn handed_on(root: &str) -> BTreeMap<String, String> {
     names
 }
 
+/// The text of a file, without tests at its end.
+pub fn without_tests(text: &str) -> &str {
+    text.split("#[cfg(test)]\nmod ").next().unwrap_or_default()
+}
+
 /// The code of a file, without comments and without tests at its end.
 pub fn code_of(text: &str) -> String {
-    without_comments(text.split("#[cfg(test)]\nmod ").next().unwrap_or_default())
+    without_comments(without_tests(text))
 }
 
 /// One name that a file imports.

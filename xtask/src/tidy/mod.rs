@@ -161,9 +161,8 @@ fn check_places(root: &Path, faults: &mut Vec<String>) -> Result<(), String> {
             continue;
         }
         let text = read(&file)?;
-        let code = text.split("#[cfg(test)]\nmod ").next().unwrap_or_default();
         let is_code = |line: &str| !line.trim_start().starts_with("//");
-        for (number, line) in code.lines().enumerate() {
+        for (number, line) in imports::without_tests(&text).lines().enumerate() {
             if is_code(line) && has_places(line) {
                 found.push((place.clone(), number + 1));
             }

@@ -12,7 +12,7 @@ use super::replicates::{interruption, run_replicates};
 use crate::run::failure::Failure;
 use crate::run::threads::map_all;
 
-/// Confidence of the numbers of one patient, as far as requested.
+/// The requested measures of confidence in the numbers of one patient.
 pub struct Confidence {
     /// Identifiability of every model's multipliers, in the order of the models.
     pub identifiability: Option<Vec<Option<Identifiability>>>,

@@ -5,13 +5,13 @@ use spineline::analysis::FilmRole;
 use spineline::cohort::{
     Clustered, Cohort, ErrorKind, ErrorStatistics, LinePairTest, MissingResult,
 };
+use spineline::number::{p_value, with_sd};
 
 use super::movement::tested;
 
 use crate::document::{Column, Figure, Notice, NoticeKind, Section, Table};
 use crate::figures::{self, LocationErrorSample};
 use crate::phrases::{FITTED, HELD_OUT, LEFT_OUT, line_in_short, none, numbers, with_interval};
-use spineline::number::{p_value, with_sd};
 
 const NO_MODEL: &str = "No patient has a personalised model.";
 

@@ -5,12 +5,12 @@ use spineline::analysis::FilmRole;
 use spineline::cohort::{
     BaselineTest, Cohort, ErrorKind, LineOutcomes, LinePairTest, PairedComparison,
 };
+use spineline::number::p_value;
 use spineline::warning::counted;
 
 use super::by_patient::{PatientRow, outcomes};
 use crate::document::{Column, Section, Table};
 use crate::phrases::with_interval;
-use spineline::number::p_value;
 
 /// Patients in the table of a terminal.
 const MOST_PATIENTS: usize = 20;

@@ -2,6 +2,7 @@
 
 use kuva::render::render::{Primitive, TextAnchor};
 use spineline::evaluate::statistics::{BoxSummary, Summary, box_summary};
+use spineline::number::fixed;
 
 use super::page::Sample;
 use super::panel::{Axis, Panel, Ticks};
@@ -9,7 +10,6 @@ use super::style::{
     BLACK, Ink, Marker, Shape, TICK_PX, VERMILLION, WHITE, outlined, text, text_width_px, wrapped,
 };
 use crate::paper::PaperMean;
-use spineline::number::fixed;
 
 /// The rule of all box charts, by [`box_summary`].
 pub const RULE: &str = "Boxes: quartiles and median; whiskers: last values within 1.5 IQR of the box; \

@@ -3,11 +3,11 @@
 use spineline::action::LineKind;
 use spineline::analysis::FilmRole;
 use spineline::cohort::{ClaimVerdict, Cohort, LinePairTest, NEAR_SEGMENTS};
+use spineline::number::fixed;
 
 use super::fair::{PAIRS, test};
 use super::numbers::percent;
 use super::{ScenarioResults, Scenarios};
-use spineline::number::fixed;
 
 /// The claims are numbered from one to this.
 pub(super) const CLAIMS: usize = 3;

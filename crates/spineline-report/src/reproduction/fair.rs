@@ -5,11 +5,11 @@ use spineline::analysis::FilmRole;
 use spineline::cohort::{Cohort, ErrorKind, LinePairTest, PairedComparison, RoleErrors};
 use spineline::evaluate::Baseline;
 use spineline::multibody::Support;
+use spineline::number::{interval, probability, signed};
 
 use super::Columns;
 use super::numbers::{Cell, PaperNumber, Part, ours, support_words};
 use crate::phrases::{LINES, line_in_short};
-use spineline::number::{interval, probability, signed};
 
 /// The pairs of lines that are compared.
 pub(super) const PAIRS: [[LineKind; 2]; 3] = [

@@ -4,11 +4,11 @@ use spineline::analysis::FilmRole;
 use spineline::cohort::Cohort;
 use spineline::evaluate::Baseline;
 use spineline::multibody::Support;
+use spineline::number::{fixed, with_unit};
 
 use super::fair::{baseline_error, error};
 use super::numbers::{Part, ours};
 use crate::phrases::LINES;
-use spineline::number::{fixed, with_unit};
 
 const NOTE: &str = "Location errors on predicted films, one mean per patient. Every film but the erect one is scaled at random, as films of 30 real patients are. With a scale per film, the scale of a predicted film comes from T2 and its prior alone. The parts above have films of one scale, which the phantoms state: both rules are the same there. The paper does not give these numbers; – marks a number without a result.";
 

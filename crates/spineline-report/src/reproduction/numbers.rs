@@ -3,12 +3,12 @@
 use spineline::cohort::Cohort;
 use spineline::evaluate::statistics::{PairedT, Summary};
 use spineline::multibody::Support;
+use spineline::number::{fixed, probability, times, with_sd};
 use spineline::personalize::TestOutcome;
 
 use super::Columns;
 use crate::paper::PaperMean;
 use crate::phrases::none;
-use spineline::number::{fixed, probability, times, with_sd};
 
 /// Numbers under one heading.
 #[derive(Debug, Clone)]

@@ -3,6 +3,7 @@
 use spineline::action::LineKind;
 use spineline::cohort::{Clustered, Cohort, ErrorStatistics, LineStatistics, PairedComparison};
 use spineline::multibody::Support;
+use spineline::number::interval;
 
 use super::numbers::{
     Cell, PaperNumber, Part, TEST_LEGEND, compared, ours, percent, ratio_legend, support_words,
@@ -13,7 +14,6 @@ use crate::paper::{
     INFLECTION_ROTATION_DEG, NEAR_SHARES_PERCENT, PaperMean, fitted_location_error_mm,
     held_out_location_error_mm,
 };
-use spineline::number::interval;
 
 /// Every number: the movement once, the models for both supports.
 #[must_use]

@@ -2,12 +2,12 @@
 
 use spineline::action::LineKind;
 use spineline::analysis::FilmRole;
+use spineline::number::p_value;
 
 use super::Scenarios;
 use super::claims::{Evidence, answer, ending_words, evidence, rejected};
 use super::fair::{PAIRS, difference, pair_words, test};
 use crate::document::{Column, Document, Section, Table};
-use spineline::number::p_value;
 
 const QUESTION: &str =
     "Question: do the paper's claims hold on films of known cause, whatever bent the spines?";

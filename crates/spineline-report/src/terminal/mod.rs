@@ -7,8 +7,9 @@ mod table;
 
 use unicode_width::UnicodeWidthStr;
 
-use crate::document::{Block, Document, Notice, Section};
 use spineline::number::NO_BREAK;
+
+use crate::document::{Block, Document, Notice, Section};
 
 pub use lines::{Lines, shown};
 pub use table::table;

@@ -19,7 +19,7 @@ pub(super) fn joint_rotations_of(erect: &Outline, tilt: impl Fn(usize) -> Angle)
 }
 
 /// Angle of every joint of a film, caudal first; positive to the patient's right.
-pub(super) fn joint_angles(film: &Outline) -> Vec<Angle> {
+pub(crate) fn joint_angles(film: &Outline) -> Vec<Angle> {
     film.vertebrae.windows(2).map(|pair| (pair[1].tilt - pair[0].tilt).wrapped()).collect()
 }
 

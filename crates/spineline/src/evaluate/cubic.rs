@@ -2,6 +2,7 @@
 
 use super::baseline::{Baseline, BaselinePrediction, Links};
 use super::bend_rotations::joint_rotations_of;
+use super::simulate::location_errors_mm;
 use crate::least_squares::FitStatus;
 use crate::measure::Outline;
 use crate::spatial::{Angle, Frontal};
@@ -21,11 +22,6 @@ pub(crate) fn predict_cubic(erect: &Outline, film: &Outline) -> BaselinePredicti
     let places = cubic.at_parts(&parts(erect));
     let tilts: Vec<Angle> = places.iter().map(|&u| cubic.tilt(u)).collect();
     let locations: Vec<Frontal> = places.iter().map(|&u| cubic.location(u)).collect();
-    let (compared, location_errors_mm) = film
-        .measured()
-        .skip(1)
-        .map(|(i, vertebra)| (vertebra.level, locations[i].distance_mm(vertebra.location)))
-        .unzip();
     BaselinePrediction {
         posture: film.posture,
         baseline: Baseline::Cubic,
@@ -33,20 +29,26 @@ pub(crate) fn predict_cubic(erect: &Outline, film: &Outline) -> BaselinePredicti
         amount: None,
         rotations: joint_rotations_of(erect, |i| tilts[i]),
         scale: film.length.scale,
+        compared: film.measured().skip(1).map(|(_, vertebra)| vertebra.level).collect(),
+        location_errors_mm: location_errors_mm(&locations, film),
         locations,
-        compared,
-        location_errors_mm,
     }
 }
 
 /// The part of the length from the base to T2 at which every vertebra of the erect film lies, from 0 to 1.
 fn parts(erect: &Outline) -> Vec<f64> {
-    let mut reached = vec![0.0];
-    for link in &Links::of(erect).links {
-        reached.push(reached[reached.len() - 1] + link.norm_mm());
-    }
+    let reached = sums(Links::of(erect).links.iter().map(|link| link.norm_mm()));
     let all = reached[reached.len() - 1];
     reached.into_iter().map(|length| length / all).collect()
+}
+
+/// The sums of the first lengths, from none to all.
+fn sums(lengths: impl Iterator<Item = f64>) -> Vec<f64> {
+    let mut sums = vec![0.0];
+    for (place, length) in lengths.enumerate() {
+        sums.push(sums[place] + length);
+    }
+    sums
 }
 
 /// A cubic by its ends and its derivatives there.
@@ -81,10 +83,7 @@ impl Cubic {
     /// The parameters at increasing parts of the length of the curve.
     fn at_parts(&self, parts: &[f64]) -> Vec<f64> {
         let at = |chord: usize| self.location(chord as f64 / CHORDS as f64);
-        let mut reached = vec![0.0];
-        for chord in 0..CHORDS {
-            reached.push(reached[chord] + at(chord).distance_mm(at(chord + 1)));
-        }
+        let reached = sums((0..CHORDS).map(|chord| at(chord).distance_mm(at(chord + 1))));
         let all = reached[CHORDS];
         let of_part = |part: &f64| {
             let length = part * all;

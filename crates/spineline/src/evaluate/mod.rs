@@ -17,6 +17,7 @@ pub mod statistics;
 
 pub use baseline::{Baseline, BaselinePrediction, predict_baseline, predict_from_prior};
 pub(crate) use baseline::{FilmFromTop, Links, turn_of_top_sd};
+pub(crate) use bend_rotations::joint_angles;
 pub use bend_rotations::{BendRotations, joint_rotations};
 pub(crate) use cubic::predict_cubic;
 pub use mobility::published_lateral_bending;

@@ -13,7 +13,7 @@ use super::near_t2::{largest, size_factor};
 use super::prediction::{LossReason, Predicted, Role, ShapePrediction, prediction, with_scale};
 use super::problem::{LoadedFilm, statics};
 use super::{Base, Hypothesis, HypothesisFilm, Spine};
-use crate::evaluate::turn_of_top_sd;
+use crate::evaluate::{joint_angles, turn_of_top_sd};
 use crate::least_squares::{FitStatus, System, minimize};
 use crate::measure::FilmScale;
 use crate::multibody::{GeneralStatics, starts_of_sizes};
@@ -105,9 +105,7 @@ impl<'s, 'a> TopFit<'s, 'a> {
         }
         let joints = spine.model.joints.len();
         let size = size_factor(&loaded, joints, components, hypothesis.base.angles())?;
-        let erect = &spine.erect.vertebrae;
-        let angles: Vec<Angle> =
-            erect.windows(2).map(|pair| (pair[1].tilt - pair[0].tilt).wrapped()).collect();
+        let angles = joint_angles(spine.erect);
         let rotations = spine.rotations.mean_of(film.outline.posture, &angles);
         let mean = rotations
             .into_iter()

@@ -44,7 +44,7 @@ impl MeasureError {
         self.fault.help(self.at.film)
     }
 
-    /// What it is about, for programs.
+    /// Its place, for programs.
     #[must_use]
     pub fn place(&self) -> ErrorPlace {
         let fault = self.fault.place();
