@@ -63,6 +63,9 @@ const BINS: [(&str, f64); 7] = [
     (">20", f64::INFINITY),
 ];
 
+/// A share of the paper.
+const SHARE: Ink = Ink::new(VERMILLION, "", 2.2);
+
 /// Whether a sample has something to draw.
 fn has_values(values: &[f64]) -> bool {
     values.iter().any(|value| value.is_finite())
@@ -93,6 +96,7 @@ pub fn inflection_distances(
         page.legend.push((Sample::Fill(fill), format!("{} (n = {n})", sample.name)));
     }
     if with_paper {
+        page.legend.push((Sample::Stroke(SHARE, None), "the paper: share".to_owned()));
         page.legend.push(paper_entry());
     }
     let mut bars = distance_bars(&samples, with_paper, [0.56 * page.inner_px() - 84.0, 340.0]);
@@ -141,10 +145,9 @@ fn distance_bars(samples: &[&InflectionSample], with_paper: bool, frame_px: [f64
             }
         }
     }
-    let stroke = Ink::new(VERMILLION, "", 2.2);
     for (bin, &share) in papers.iter().enumerate() {
         let ends = [0.05, 0.95].map(|part| panel.px(bin as f64 + part, share));
-        panel.marks.push(stroke.stroke(ends[0], ends[1]));
+        panel.marks.push(SHARE.stroke(ends[0], ends[1]));
     }
     panel
 }

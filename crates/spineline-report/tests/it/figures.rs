@@ -308,7 +308,10 @@ fn the_papers_means_stand_beside_ours_where_it_gives_them() {
     let without = location_errors(&of_others.collect::<Vec<_>>(), "others", true).expect("values");
     assert!(with.contains(legend) && !without.contains(legend));
     let [paper, alone] = [true, false].map(|with| inflection_distances(&distances(), with, true));
-    assert!(paper.expect("values").contains(legend) && !alone.expect("values").contains(legend));
+    let (paper, alone) = (paper.expect("values"), alone.expect("values"));
+    for legend in [legend, "the paper: share"] {
+        assert!(paper.contains(legend) && !alone.contains(legend), "{legend}");
+    }
 }
 
 #[test]
