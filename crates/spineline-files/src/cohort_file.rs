@@ -6,7 +6,8 @@ use serde::{Deserialize, Serialize};
 use spineline::anatomy::Posture;
 use spineline::cohort::{
     BaselineErrors, BaselineTest, ChainCount, Clustered, Cohort, ComparisonOutcome, DoubtedFilm,
-    LineOutcomes, LinePairTest, MissingResult, OutcomeCounts, RefusedCase, RoleErrors,
+    LineOutcomes, LinePairTest, MissingResult, OutcomeCounts, PairedComparison, RefusedCase,
+    RoleErrors,
 };
 use spineline::evaluate::Baseline;
 use spineline::evaluate::statistics::PairedT;
@@ -43,6 +44,8 @@ pub struct CohortFile {
     family_tests: usize,
     /// Whether all lines were fitted to the same data.
     same_data: bool,
+    /// Section 3.1 and table 2 of the paper.
+    movement: MovementRecord,
     /// Numbers that each line takes from films.
     numbers: BTreeMap<String, NumbersRecord>,
     /// By line and role, over the films on which the line has a result. Lines are compared by `tests` alone.
@@ -64,6 +67,42 @@ pub struct CohortFile {
     /// By line that is not fitted to the films: how the tests of a single force along it ended.
     outcomes: BTreeMap<String, OutcomesRecord>,
     verdict: Vec<String>,
+}
+
+/// Curves, rotations of segments, and the two estimates of the least-rotating segments.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+struct MovementRecord {
+    curve_residual_mm: SampleRecord,
+    curve_residual_deg: SampleRecord,
+    rotation_deg: SampleRecord,
+    least_rotation_deg: SampleRecord,
+    inflection_rotation_deg: SampleRecord,
+    /// From the least-rotating segment of the window to the inflection.
+    inflection_distance_segments: SampleRecord,
+    inflection_distance_mm: SampleRecord,
+    /// Share of inflections at 0, 1, 2 and more segments from the least-rotating one (figure 6a).
+    inflection_shares: [Option<f64>; 4],
+    /// Inflections minus MMS_Mean.
+    table_2: Vec<EstimatesRecord>,
+}
+
+/// Inflections against MMS_Mean as estimates of the least-rotating segments.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(test, derive(schemars::JsonSchema))]
+struct EstimatesRecord {
+    /// `distance_segments` or `rotation_deg`.
+    quantity: String,
+    /// `bends` or `neutral_and_traction`.
+    films: String,
+    /// Of one mean difference per patient.
+    mean_difference: Option<f64>,
+    /// By resampling patients.
+    interval_95: Option<[f64; 2]>,
+    /// Paired t over one mean per patient, two-sided.
+    patient_t: Option<PairedRecord>,
+    /// The paper's paired t, as if all values were independent.
+    pooled_t: Option<PairedRecord>,
 }
 
 /// How the tests of a single force along a line ended.
@@ -253,6 +292,7 @@ impl CohortFile {
             family: compared.family_words(),
             family_tests: compared.family(),
             same_data: compared.same_data,
+            movement: movement(cohort),
             numbers: numbers
                 .map(|(kind, n)| (kind.key().to_owned(), NumbersRecord::new(n)))
                 .collect(),
@@ -285,6 +325,36 @@ impl CohortFile {
         self.provenance = Some(provenance);
         self
     }
+}
+
+fn movement(cohort: &Cohort) -> MovementRecord {
+    let inflection = &cohort.inflection[0];
+    let rows = ["distance_segments", "rotation_deg"]
+        .into_iter()
+        .flat_map(|quantity| ["bends", "neutral_and_traction"].map(|films| [quantity, films]));
+    let test = |([quantity, films], found): ([&str; 2], &PairedComparison)| EstimatesRecord {
+        quantity: quantity.to_owned(),
+        films: films.to_owned(),
+        mean_difference: finite(found.mean_difference),
+        interval_95: found.bootstrap,
+        patient_t: found.patients.map(paired),
+        pooled_t: found.pooled.map(paired),
+    };
+    MovementRecord {
+        curve_residual_mm: sample(&cohort.rmse_mm),
+        curve_residual_deg: sample(&cohort.rmse_deg),
+        rotation_deg: sample(&cohort.rotation_deg),
+        least_rotation_deg: sample(&cohort.least_rotation_deg),
+        inflection_rotation_deg: sample(&inflection.rotation_deg),
+        inflection_distance_segments: sample(&inflection.distance_segments),
+        inflection_distance_mm: sample(&inflection.distance_mm),
+        inflection_shares: inflection.shares().map(finite),
+        table_2: rows.zip(&cohort.table_2).map(test).collect(),
+    }
+}
+
+fn paired(t: PairedT) -> PairedRecord {
+    PairedRecord { n: t.n, t: t.t, p_two_sided: t.p_two_sided }
 }
 
 fn outcomes(found: &LineOutcomes) -> (String, OutcomesRecord) {
@@ -372,7 +442,6 @@ fn missing(found: &MissingResult) -> MissingRecord {
 }
 
 fn test(found: &LinePairTest) -> TestRecord {
-    let paired = |t: PairedT| PairedRecord { n: t.n, t: t.t, p_two_sided: t.p_two_sided };
     let c = &found.comparison;
     TestRecord {
         lines: found.lines.map(|kind| kind.key().to_owned()),

@@ -1,11 +1,11 @@
-//! `reproduce`: the numbers of the paper beside the numbers of the loading scenarios.
+//! `reproduce`: the numbers of the paper beside the our numbers.
 
 use serde::Serialize;
 
 use crate::define::{Column, Definition, Unit, count, number, text, written};
 use crate::table::{NumberFormat, Table};
 
-/// One number of the paper beside the number of one scenario.
+/// One number of the paper beside the number of one group of patients.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ReproducedNumber {
     /// Part of the paper.
@@ -18,8 +18,8 @@ pub struct ReproducedNumber {
     pub unit: &'static str,
     /// The paper's number as text; `None` where the paper does not give it.
     pub paper: Option<String>,
-    /// Loading scenario.
-    pub scenario: &'static str,
+    /// Group of patients: a loading scenario, or the films that were given.
+    pub group: &'static str,
     /// Mean, share or p value.
     pub mean: Option<f64>,
     /// Standard deviation.
@@ -28,14 +28,14 @@ pub struct ReproducedNumber {
     pub n: usize,
     /// The number as it is printed.
     pub text: String,
-    /// Comparison of all scenarios with the paper.
+    /// Comparison of all groups with the paper.
     pub verdict: String,
 }
 
-/// One row per number of the paper and scenario.
+/// One row per number of the paper and group of patients.
 #[must_use]
 pub fn reproduction_table(numbers: &[ReproducedNumber]) -> Table {
-    let row = "section × support × quantity × scenario";
+    let row = "section × support × quantity × group";
     Definition { name: "summary", row, columns: columns() }.fill(numbers)
 }
 
@@ -50,9 +50,11 @@ fn columns() -> Vec<Column<ReproducedNumber>> {
         text("paper", "the number of the paper; empty where it gives none", |row| {
             row.paper.clone()
         }),
-        text("scenario", "loading scenario: `rod`, `bend` or `pull`", |row| {
-            Some(row.scenario.to_owned())
-        }),
+        text(
+            "group",
+            "loading scenario (`rod`, `bend` or `pull`), or `films` for cases that were given",
+            |row| Some(row.group.to_owned()),
+        ),
         written(
             NumberFormat::ShortestDecimal,
             number("mean", Unit::Stated, "mean, share or p value; empty without one", |row| {
@@ -65,8 +67,6 @@ fn columns() -> Vec<Column<ReproducedNumber>> {
         ),
         count("n", "number of values", |row| Some(row.n as i64)),
         text("text", "the number as it is printed", |row| Some(row.text.clone())),
-        text("verdict", "comparison of all scenarios with the paper", |row| {
-            Some(row.verdict.clone())
-        }),
+        text("verdict", "comparison of all groups with the paper", |row| Some(row.verdict.clone())),
     ]
 }

@@ -1,11 +1,18 @@
 //! Several patients together.
 
-use spineline::cohort::{Cohort, CohortPatient, RefusedCase};
+use std::path::PathBuf;
+
+use spineline::analysis::Analysis;
+use spineline::cohort::{Cohort, CohortPatient, RefusalStep, RefusedCase};
 use spineline_files::CohortFile;
 
+use super::case::{Refusal, analyze_member};
+use super::record::{ReadCases, RunRecord};
 use crate::run::failure::Failure;
+use crate::run::inputs::CaseInput;
+use crate::run::messages::say;
 use crate::run::progress;
-use crate::run::threads::Pool;
+use crate::run::threads::{Pool, map_all};
 
 /// Seed of the bootstrap over patients.
 const BOOTSTRAP_SEED: u64 = 1;
@@ -31,4 +38,50 @@ pub fn file(
     generator: &str,
 ) -> CohortFile {
     CohortFile::new(cohort, case_ids, refused, BOOTSTRAP_SEED, generator)
+}
+
+/// The patients of a cohort, all in memory.
+#[derive(Default)]
+pub struct Members {
+    /// One per patient.
+    pub analyses: Vec<Analysis>,
+    /// Their cases, with their files.
+    pub sources: Vec<(PathBuf, CaseInput)>,
+    /// Cases without a result.
+    pub refused: Vec<RefusedCase>,
+    pub read: ReadCases,
+}
+
+impl Members {
+    /// Reads and analyses all cases; a case that fails is reported and left out.
+    ///
+    /// # Errors
+    /// If no case is left, or the threads cannot be started.
+    pub fn analyze(paths: &[PathBuf], record: &RunRecord, threads: usize) -> Result<Self, Failure> {
+        let options = &record.request.options;
+        let results = map_all("analysing", paths, threads, |path| analyze_member(path, options))?;
+        let mut all = Self::default();
+        for (path, result) in paths.iter().zip(results) {
+            let found = result.and_then(|found| {
+                all.read.add(&found.0, record).map_err(|failure| {
+                    Refusal::new(path, Some(&found.0), RefusalStep::Counting, failure)
+                })?;
+                Ok(found)
+            });
+            match found {
+                Ok((source, analysis)) => {
+                    all.analyses.push(analysis);
+                    all.sources.push((path.clone(), source));
+                }
+                Err(Refusal { case, failure }) => {
+                    say(&failure);
+                    all.refused.push(*case);
+                }
+            }
+        }
+        if all.analyses.is_empty() {
+            return Err(Failure::usage("no case could be analysed"));
+        }
+        Ok(all)
+    }
 }

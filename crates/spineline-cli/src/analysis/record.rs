@@ -51,7 +51,15 @@ impl RunRecord {
             identifiability: uncertainty.identifiability,
         };
         let shared = method.files().map(read_input).collect::<Result<_, _>>()?;
-        Ok(Self { run: this_run()?, request, shared, rotation_prior })
+        Ok(Self { shared, rotation_prior, ..Self::asking(request)? })
+    }
+
+    /// A record of a request that names no file.
+    ///
+    /// # Errors
+    /// If `SOURCE_DATE_EPOCH` is set and is not a time.
+    pub fn asking(request: Request) -> Result<Self, Failure> {
+        Ok(Self { run: this_run()?, request, shared: Vec::new(), rotation_prior: None })
     }
 
     /// Provenance of an output that is made from one case.

@@ -100,7 +100,8 @@ pub enum Command {
     /// Make synthetic patients whose true values are known
     #[command(after_help = phantom::EXAMPLES)]
     Phantom(phantom::PhantomArgs),
-    /// Repeat the paper on 54 synthetic patients and compare every number with the paper's
+    /// Repeat the paper on 54 synthetic patients, or on your cases, and compare every number with the paper's
+    #[command(after_help = reproduce::EXAMPLES)]
     Reproduce(reproduce::ReproduceArgs),
     /// Test how robust the paper's claims are to landmark noise, curve order and loading scenario
     NoiseStudy(noise_study::NoiseStudyArgs),

@@ -322,6 +322,31 @@ fn a_given_line_and_given_inflections_are_used() {
 }
 
 #[test]
+fn reproduce_sets_given_cases_beside_the_paper_by_its_method() {
+    let here = with_phantom(&[]);
+    let paper = options_of(here.path(), &["--method", "paper"]);
+    let screen = done(here.path(), &["reproduce", "cases", "--out", "out"]);
+    assert!(screen.lines().count() <= 45, "{screen}");
+    assert!(screen.lines().all(|line| line.chars().count() <= 100), "{screen}");
+    for word in ["1 patient · SYNTHETIC", "Patients", "Method: the paper's."] {
+        assert!(screen.contains(word), "{word} is missing in\n{screen}");
+    }
+    assert!(!screen.contains("scenario"), "{screen}");
+    let read = |name: &str| fs::read_to_string(here.path().join(name)).expect("it was written");
+    let name = fs::read_dir(here.path().join("out/analyses")).expect("analyses").find_map(|file| {
+        let name = file.expect("a file").file_name().into_string().expect("text");
+        name.ends_with("-free.json").then_some(name)
+    });
+    let analysis = read(&format!("out/analyses/{}", name.expect("free support")));
+    let analysis: serde_json::Value = serde_json::from_str(&analysis).expect("JSON");
+    assert_eq!(analysis["provenance"]["options"], paper);
+    fs::write(here.path().join("cases/bad.json"), "{}").expect("a file");
+    let (text, error, code) = run(here.path(), &["reproduce", "cases", "--out", "again"]);
+    assert_eq!(code, 3, "{text}\n{error}");
+    assert!(error.contains("bad.json") && text.contains("1 patient"), "{text}\n{error}");
+}
+
+#[test]
 fn reproduce_answers_on_one_screen_and_writes_the_same_bytes_for_any_number_of_threads() {
     let here = folder();
     let with = |threads: &str, out: &str, more: &[&str]| {

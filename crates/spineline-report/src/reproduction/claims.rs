@@ -1,4 +1,4 @@
-//! The paper's three claims, tested in each loading scenario.
+//! The paper's three claims, tested in each group of patients.
 
 use spineline::action::LineKind;
 use spineline::analysis::FilmRole;
@@ -7,7 +7,7 @@ use spineline::number::fixed;
 
 use super::fair::{PAIRS, test};
 use super::numbers::percent;
-use super::{ScenarioResults, Scenarios};
+use super::{Films, Group, Reproduction};
 
 /// The claims are numbered from one to this.
 pub(super) const CLAIMS: usize = 3;
@@ -20,19 +20,21 @@ pub(super) struct Evidence {
     pub words: [String; 2],
     /// The paper's number.
     pub paper: &'static str,
-    /// By loading scenario.
-    pub ours: [Found; 3],
+    /// By group.
+    pub ours: Vec<Found>,
 }
 
 /// Our number with its ending; `None` is not tested.
 pub(super) struct Found {
     pub number: String,
+    /// Patients that it rests on.
+    pub patients: usize,
     pub ending: Option<ClaimVerdict>,
 }
 
 /// The claims, one after the other. The third has two numbers: on fitted bends, and on films that are not fitted.
-pub(super) fn evidence(scenarios: &Scenarios<'_>) -> Vec<Evidence> {
-    let of = |found: fn(&ScenarioResults<'_>) -> Found| scenarios.each_ref().map(found);
+pub(super) fn evidence(reproduction: &Reproduction<'_>) -> Vec<Evidence> {
+    let of = |found: fn(&Group<'_>) -> Found| reproduction.groups.iter().map(found).collect();
     let near = [
         format!("Inflections lie within {NEAR_SEGMENTS} segments of"),
         "the least-rotating segments".to_owned(),
@@ -55,21 +57,37 @@ pub(super) fn evidence(scenarios: &Scenarios<'_>) -> Vec<Evidence> {
     ]
 }
 
-fn near_share(of: &ScenarioResults<'_>) -> Found {
-    Found { number: percent(100.0 * of.claims.near.share), ending: of.claims.verdicts()[0] }
+fn near_share(of: &Group<'_>) -> Found {
+    Found {
+        number: percent(100.0 * of.claims.near.share),
+        patients: of.claims.near.n,
+        ending: of.claims.verdicts()[0],
+    }
 }
 
-fn below_mean(of: &ScenarioResults<'_>) -> Found {
-    Found { number: percent(100.0 * of.claims.below_mean), ending: of.claims.verdicts()[1] }
+fn below_mean(of: &Group<'_>) -> Found {
+    Found {
+        number: percent(100.0 * of.claims.below_mean),
+        patients: of.claims.near.n,
+        ending: of.claims.verdicts()[1],
+    }
 }
 
-fn fitted_errors(of: &ScenarioResults<'_>) -> Found {
-    Found { number: pair(of.claims.errors_mm), ending: of.claims.verdicts()[2] }
+fn fitted_errors(of: &Group<'_>) -> Found {
+    Found {
+        number: pair(of.claims.errors_mm),
+        patients: of.claims.better.n,
+        ending: of.claims.verdicts()[2],
+    }
 }
 
-fn predicted_errors(of: &ScenarioResults<'_>) -> Found {
+fn predicted_errors(of: &Group<'_>) -> Found {
     let test = test(of.free, PAIRS[0], FilmRole::HeldOut);
-    Found { number: pair(of.claims.held_out_errors_mm), ending: test.and_then(predicts_better) }
+    Found {
+        number: pair(of.claims.held_out_errors_mm),
+        patients: of.claims.better_held_out.n,
+        ending: test.and_then(predicts_better),
+    }
 }
 
 /// Whether the inflection line predicts better than the iliac line, by the test with Holm's correction.
@@ -92,32 +110,43 @@ pub(super) fn ending_words(ending: Option<ClaimVerdict>) -> String {
 }
 
 /// The answer in one sentence or two, from the endings.
-pub(super) fn answer(evidence: &[Evidence], names: [&str; 3]) -> String {
-    let holds = |claim: usize, scenario: usize| {
+pub(super) fn answer(evidence: &[Evidence], reproduction: &Reproduction<'_>) -> String {
+    let names = reproduction.names();
+    let holds = |claim: usize, group: usize| {
         let mut own = evidence.iter().filter(|one| one.claim == claim);
-        own.all(|one| one.ours[scenario].ending == Some(ClaimVerdict::Holds))
+        own.all(|one| one.ours[group].ending == Some(ClaimVerdict::Holds))
     };
     let held: Vec<Vec<&str>> = (1..=CLAIMS)
         .map(|claim| (0..names.len()).filter(|&s| holds(claim, s)).map(|s| names[s]).collect())
         .collect();
     let everywhere = held.iter().filter(|own| own.len() == names.len()).count();
+    let place = match reproduction.films {
+        Films::Phantoms { .. } => " in every loading scenario",
+        Films::Given => "",
+    };
     if everywhere == CLAIMS {
-        return "Yes. All three claims hold in every loading scenario.".to_owned();
+        return format!("Yes. All three claims hold{place}.");
     }
     let mut endings = evidence.iter().flat_map(|one| &one.ours).map(|found| found.ending);
     let is_contradicted = endings.any(|ending| ending == Some(ClaimVerdict::Fails));
     let word = if is_contradicted { "No" } else { "Not decided" };
-    let count = if everywhere == 0 {
-        "No claim holds".to_owned()
-    } else {
-        format!("Only {everywhere} of the {CLAIMS} claims hold")
+    let count = match everywhere {
+        0 => "No claim holds".to_owned(),
+        1 => format!("Only 1 of the {CLAIMS} claims holds"),
+        _ => format!("Only {everywhere} of the {CLAIMS} claims hold"),
     };
-    let each: Vec<String> = held
-        .iter()
-        .enumerate()
-        .map(|(place, own)| where_it_holds(place + 1, own, names.len()))
-        .collect();
-    format!("{word}. {count} in every loading scenario: {}.", each.join(", "))
+    let numbered = held.iter().zip(1..);
+    let each: Vec<String> = match reproduction.films {
+        Films::Phantoms { .. } => {
+            numbered.map(|(own, claim)| where_it_holds(claim, own, names.len())).collect()
+        }
+        Films::Given => {
+            let own = numbered.filter(|(own, _)| !own.is_empty());
+            own.map(|(_, claim)| format!("claim {claim}")).collect()
+        }
+    };
+    let colon = if each.is_empty() { "" } else { ": " };
+    format!("{word}. {count}{place}{colon}{}.", each.join(", "))
 }
 
 fn where_it_holds(claim: usize, scenarios: &[&str], all: usize) -> String {

@@ -18,7 +18,7 @@ pub(super) const PAIRS: [[LineKind; 2]; 3] = [
     [LineKind::Iliac, LineKind::Estimated],
 ];
 
-const NOTE: &str = "An error is the mean over patients of the location errors of a line; films without a result stand in brackets. A difference compares two lines, or a line and a prediction without mechanics, on the films that both predict; below zero the first is nearer. Left-out bends: the stiffness comes from the other bend, and only the force is fitted. The estimated line takes two more numbers from every film, so its smaller error does not speak for it. With `--fit ferguson`, the default here, it is also fitted to whole shapes, and the other lines are not. Intervals resample patients. p flips the signs of the patients' differences and is corrected by Holm over the 18 tests of a column. The paper pools 14 vertebrae of one spine as if they were 14 patients: prefer these p. The paper does not give these numbers; – marks a number without a result.";
+const NOTE: &str = "An error is the mean over patients of the location errors of a line; films without a result stand in brackets. A difference compares two lines, or a line and a prediction without mechanics, on the films that both predict; below zero the first is nearer. Left-out bends: the stiffness comes from the other bend, and only the force is fitted. The estimated line takes two more numbers from every film, so its smaller error does not speak for it. With Ferguson angles as the target (the paper's), it is also fitted to whole shapes, and the other lines are not. Intervals resample patients. p flips the signs of the patients' differences and is corrected by Holm over the 18 tests of a column. The paper pools 14 vertebrae of one spine as if they were 14 patients: prefer these p. The paper does not give these numbers; – marks a number without a result.";
 
 /// Errors and differences by kind of film.
 pub(super) fn part(columns: &Columns<'_>, support: Support) -> Part {
@@ -47,7 +47,7 @@ fn of_role(columns: &Columns<'_>, role: FilmRole) -> Vec<PaperNumber> {
         let name = format!("  {} (mm, 95 % over patients)", pair_words(lines));
         let found = columns.map(|c| difference(of(c).map(|test| &test.comparison)));
         rows.push(ours(name, "mm", found));
-        let verdict = verdict(columns.names, columns.map(of), role);
+        let verdict = verdict(columns, columns.map(of), role);
         let holm = ours("    p (Holm)".to_owned(), "p", columns.map(|c| holm(of(c))));
         rows.push(PaperNumber { verdict, ..holm });
     }
@@ -118,21 +118,22 @@ fn holm(test: Option<&LinePairTest>) -> Cell {
     })
 }
 
-/// Which line predicts better, by scenario; fitted films get no verdict.
-fn verdict(names: [&str; 3], tests: [Option<&LinePairTest>; 3], role: FilmRole) -> String {
+/// Which line predicts better, by group; fitted films get no verdict.
+fn verdict(columns: &Columns<'_>, tests: Vec<Option<&LinePairTest>>, role: FilmRole) -> String {
     if role == FilmRole::Fitted {
         return String::new();
     }
-    let better: Vec<String> = names
-        .into_iter()
+    let better: Vec<String> = columns
+        .names
+        .iter()
         .zip(tests)
-        .filter_map(|(scenario, test)| {
+        .filter_map(|(group, test)| {
             let test = test?;
             match (test.predicts_better(), test.nearer()) {
-                (Some(kind), _) => Some(format!("{scenario}: the {kind} predicts better")),
-                (None, Some(kind)) => Some(format!(
-                    "{scenario}: the {kind} is nearer, with more numbers from each film"
-                )),
+                (Some(kind), _) => Some(format!("{group}: the {kind} predicts better")),
+                (None, Some(kind)) => {
+                    Some(format!("{group}: the {kind} is nearer, with more numbers from each film"))
+                }
                 (None, None) => None,
             }
         })

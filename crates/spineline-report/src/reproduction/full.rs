@@ -1,6 +1,6 @@
 //! Every number of a reproduction as text.
 
-use super::{Part, Scenarios};
+use super::{Films, Part, Reproduction};
 use crate::document::{Column, Table};
 use crate::phrases::none;
 use crate::terminal::{self, Parts};
@@ -10,27 +10,41 @@ const WIDTH: usize = 120;
 
 /// All parts, each with its table and note. A verdict stands below its row.
 #[must_use]
-pub fn full(scenarios: &Scenarios<'_>, parts: &[Part], subjects: usize, seed: u64) -> String {
-    let names = scenarios.each_ref().map(|one| one.name);
-    let mut text = format!(
-        "Jalalian et al. 2016 on synthetic patients: {subjects} subjects of its Table 1, in {} loading scenarios (seed {seed})\n",
-        names.len()
-    );
-    for one in scenarios {
-        text.push_str(&format!("  {:5} {}\n", one.name, one.meaning));
+pub fn full(reproduction: &Reproduction<'_>, parts: &[Part]) -> String {
+    let names = reproduction.names();
+    let (what, numbers) = match reproduction.films {
+        Films::Phantoms { subjects, seed } => (
+            format!(
+                "synthetic patients: {subjects} subjects of its Table 1, in {} loading scenarios (seed {seed})",
+                names.len()
+            ),
+            "Every number below the name of a scenario is SYNTHETIC; mean ± SD as the paper prints them.",
+        ),
+        Films::Given => (
+            format!("patients that were given{}", reproduction.synthetic()),
+            "Mean ± SD as the paper prints them.",
+        ),
+    };
+    let mut text = format!("Jalalian et al. 2016 on {what}\n");
+    for group in &reproduction.groups {
+        text.push_str(&format!("  {:5} {}\n", group.name, group.meaning));
     }
-    text.push_str("Every number below the name of a scenario is SYNTHETIC; mean ± SD as the paper prints them.\n");
+    for sentence in [numbers, reproduction.method_sentence()] {
+        text.push_str(sentence);
+        text.push('\n');
+    }
     for part in parts {
         text.push('\n');
-        text.push_str(&part_text(part, names));
+        text.push_str(&part_text(part, &names));
     }
     text
 }
 
 /// The column of the paper is left out where it gives no number.
-fn part_text(part: &Part, names: [&str; 3]) -> String {
+fn part_text(part: &Part, names: &[&str]) -> String {
     let has_paper = part.rows.iter().any(|row| row.paper.is_some());
-    let heads = has_paper.then_some("paper").into_iter().chain(names).map(Column::numbers);
+    let heads =
+        has_paper.then_some("paper").into_iter().chain(names.iter().copied()).map(Column::numbers);
     let columns = [Column::words(part.title.as_str())].into_iter().chain(heads).collect();
     let mut table = Table::new("", columns);
     for row in &part.rows {

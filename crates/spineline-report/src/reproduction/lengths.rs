@@ -14,19 +14,22 @@ const NOTE: &str = "Location errors on predicted films, one mean per patient. Ev
 
 /// Errors on predicted films whose lengths differ, by rule of film lengths: its words, and its cohorts by loading scenario.
 #[must_use]
-pub fn film_lengths(relative_sd: f64, rules: &[(&str, [&Cohort; 3])]) -> Part {
+pub fn film_lengths(relative_sd: f64, rules: &[(&str, Vec<&Cohort>)]) -> Part {
     let mut rows = Vec::new();
     for (rule, cohorts) in rules {
-        let mut add = |what: String, found| {
+        let mut add = |what: String, found: Vec<_>| {
             rows.push(ours(format!("{rule}: {what} (mm)"), "mm", found));
         };
         for role in FilmRole::PREDICTED {
             for kind in LINES {
-                add(format!("{role}, {kind}"), cohorts.map(|c| error(c, kind, role)));
+                add(
+                    format!("{role}, {kind}"),
+                    cohorts.iter().map(|c| error(c, kind, role)).collect(),
+                );
             }
             for baseline in Baseline::ALL {
-                let found = cohorts.map(|c| baseline_error(c, baseline, role));
-                add(format!("{role}, without mechanics, {baseline}"), found);
+                let found = cohorts.iter().map(|c| baseline_error(c, baseline, role));
+                add(format!("{role}, without mechanics, {baseline}"), found.collect());
             }
         }
     }

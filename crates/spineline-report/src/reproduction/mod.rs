@@ -1,4 +1,4 @@
-//! The paper's numbers beside the numbers of synthetic patients: a short answer, and every number.
+//! The paper's numbers beside ours: a short answer, and every number.
 
 mod claims;
 mod fair;
@@ -14,11 +14,14 @@ pub use numbers::{Cell, PaperNumber, Part};
 pub use sections::parts;
 pub use short::short;
 
+use spineline::analysis::Method;
 use spineline::cohort::{Claims, Cohort};
+use spineline::multibody::Support;
+use spineline::reliability::QuantityReliability;
 
-/// The patients of one loading scenario.
+/// Patients that are analysed together: of one loading scenario, or the patients that were given.
 #[derive(Debug, Clone)]
-pub struct ScenarioResults<'a> {
+pub struct Group<'a> {
     /// Its name.
     pub name: &'static str,
     /// What it means, in a few words.
@@ -29,20 +32,83 @@ pub struct ScenarioResults<'a> {
     pub frontal: &'a Cohort,
     /// The paper's claims with free support.
     pub claims: Claims,
+    /// The repeatability of the readings.
+    pub readings: Vec<QuantityReliability>,
 }
 
-/// The loading scenarios, in the order of the columns.
-pub type Scenarios<'a> = [ScenarioResults<'a>; 3];
+/// The films that a reproduction reads.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Films {
+    /// Phantoms: one group per loading scenario.
+    Phantoms {
+        /// Patients of each scenario.
+        subjects: usize,
+        /// Seed of the phantoms.
+        seed: u64,
+    },
+    /// The films of one group of patients.
+    Given,
+}
 
-/// One cohort per loading scenario, with the names.
-#[derive(Clone, Copy)]
+/// What was analysed, and how.
+#[derive(Debug, Clone)]
+pub struct Reproduction<'a> {
+    /// The films.
+    pub films: Films,
+    /// How they were analysed.
+    pub method: Method,
+    /// In the order of the columns.
+    pub groups: Vec<Group<'a>>,
+}
+
+impl Reproduction<'_> {
+    fn names(&self) -> Vec<&'static str> {
+        self.groups.iter().map(|group| group.name).collect()
+    }
+
+    /// ` (SYNTHETIC)` where a film is.
+    fn synthetic(&self) -> &'static str {
+        if self.groups.iter().any(|group| group.free.synthetic) { " (SYNTHETIC)" } else { "" }
+    }
+
+    fn columns(&self, support: Support) -> Columns<'_> {
+        let cohorts = self.groups.iter().map(|group| match support {
+            Support::Free => group.free,
+            Support::Frontal => group.frontal,
+        });
+        let groups = &self.groups;
+        Columns { films: self.films, names: self.names(), cohorts: cohorts.collect(), groups }
+    }
+
+    /// How the films were analysed.
+    fn method_sentence(&self) -> &'static str {
+        match self.method {
+            Method::Paper => {
+                "Method: the paper's. `--method default` analyses the same films as `spineline analyze` does."
+            }
+            Method::Default => "Method: the default of `spineline analyze`, not the paper's.",
+        }
+    }
+}
+
+/// One cohort per group, with the names.
 struct Columns<'a> {
-    names: [&'static str; 3],
-    cohorts: [&'a Cohort; 3],
+    films: Films,
+    names: Vec<&'static str>,
+    cohorts: Vec<&'a Cohort>,
+    groups: &'a [Group<'a>],
 }
 
 impl<'a> Columns<'a> {
-    fn map<T>(&self, of: impl FnMut(&'a Cohort) -> T) -> [T; 3] {
-        self.cohorts.map(of)
+    fn map<T>(&self, of: impl FnMut(&'a Cohort) -> T) -> Vec<T> {
+        self.cohorts.iter().copied().map(of).collect()
+    }
+
+    /// A note, and what holds for phantoms only.
+    fn note(&self, common: &str, of_phantoms: &str) -> String {
+        match self.films {
+            Films::Phantoms { .. } => [common, of_phantoms].join(" ").trim().to_owned(),
+            Films::Given => common.to_owned(),
+        }
     }
 }

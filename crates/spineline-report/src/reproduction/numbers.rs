@@ -40,8 +40,8 @@ pub struct PaperNumber {
     pub unit: &'static str,
     /// As the paper prints it; `None` where the paper does not give it.
     pub paper: Option<String>,
-    /// By loading scenario.
-    pub ours: [Cell; 3],
+    /// By group.
+    pub ours: Vec<Cell>,
     /// Comparison with the paper; empty where the paper does not give it.
     pub verdict: String,
 }
@@ -142,29 +142,41 @@ pub(super) fn compared(
     columns: &Columns<'_>,
     cell: impl Fn(&Cohort) -> Cell,
 ) -> PaperNumber {
-    let (paper, ours) = (paper.into(), columns.map(cell));
-    let verdict = verdict(paper.value, columns.names, &ours);
+    beside(quantity, unit, paper, columns, columns.map(cell))
+}
+
+/// As [`compared`], with our numbers.
+pub(super) fn beside(
+    quantity: &str,
+    unit: &'static str,
+    paper: impl Into<Paper>,
+    columns: &Columns<'_>,
+    ours: Vec<Cell>,
+) -> PaperNumber {
+    let paper = paper.into();
+    let verdict = verdict(paper.value, &columns.names, &ours);
     PaperNumber { quantity: quantity.to_owned(), unit, paper: Some(paper.text), ours, verdict }
 }
 
 /// A number that the paper does not give.
-pub(super) fn ours(quantity: String, unit: &'static str, ours: [Cell; 3]) -> PaperNumber {
+pub(super) fn ours(quantity: String, unit: &'static str, ours: Vec<Cell>) -> PaperNumber {
     PaperNumber { quantity, unit, paper: None, ours, verdict: String::new() }
 }
 
-/// Which scenarios agree with the paper, and by how much the others differ.
-fn verdict(paper: f64, names: [&str; 3], ours: &[Cell; 3]) -> String {
+/// Which groups agree with the paper, and by how much the others differ.
+fn verdict(paper: f64, names: &[&str], ours: &[Cell]) -> String {
     if !paper.is_finite() {
         return String::new();
     }
     let (mut alike, mut differs) = (Vec::new(), Vec::new());
-    for (name, cell) in names.into_iter().zip(ours) {
+    for (name, cell) in names.iter().copied().zip(ours) {
         let ratio = cell.mean / paper;
         match ratio {
             r if !r.is_finite() => differs.push(format!("no result for {name}")),
             r if (1.0 / ALIKE..=ALIKE).contains(&r) => alike.push(name),
             r if r > 0.0 => differs.push(format!("{} for {name}", times(r))),
-            _ => differs.push(format!("none for {name}")),
+            r if r < 0.0 => differs.push(format!("the opposite sign for {name}")),
+            _ => differs.push(format!("zero for {name}")),
         }
     }
     sentence(&alike, &differs)
@@ -172,17 +184,17 @@ fn verdict(paper: f64, names: [&str; 3], ours: &[Cell; 3]) -> String {
 
 fn sentence(alike: &[&str], differs: &[String]) -> String {
     match (alike.is_empty(), differs.is_empty()) {
-        (false, true) => "same for all scenarios".to_owned(),
+        (false, true) => "same for all".to_owned(),
         (true, _) => format!("differs: {}", differs.join(", ")),
         (false, false) => format!("same for {}; {}", alike.join(" and "), differs.join(", ")),
     }
 }
 
 /// The verdict of a p-value: whether it lies on the same side of 0.05 as the paper's.
-pub(super) fn test_verdict(paper_rejects: bool, names: [&str; 3], ours: &[Cell; 3]) -> String {
+pub(super) fn test_verdict(paper_rejects: bool, names: &[&str], ours: &[Cell]) -> String {
     let (mut alike, mut differs) = (Vec::new(), Vec::new());
     let paper = if paper_rejects { TestOutcome::Rejected } else { TestOutcome::Kept };
-    for (name, cell) in names.into_iter().zip(ours) {
+    for (name, cell) in names.iter().copied().zip(ours) {
         let outcome = TestOutcome::of(Some(cell.mean).filter(|p| p.is_finite()));
         // The paper rejected where its first mean was the smaller one.
         if paper_rejects && outcome == paper && cell.difference > 0.0 {
@@ -207,12 +219,13 @@ mod tests {
 
     #[test]
     fn a_ratio_within_the_factor_is_the_same_and_another_is_written_as_a_factor() {
-        let said = |means| verdict(2.0, ["a", "b", "c"], &cells(means)).replace(NO_BREAK, " ");
-        assert_eq!(said([1.34, 2.0, 2.99]), "same for all scenarios");
+        let said = |means| verdict(2.0, &["a", "b", "c"], &cells(means)).replace(NO_BREAK, " ");
+        assert_eq!(said([1.34, 2.0, 2.99]), "same for all");
+        assert_eq!(said([-1.0, 2.0, 2.0]), "same for b and c; the opposite sign for a");
         assert_eq!(said([1.0, 2.0, 7.0]), "same for b; 0.50 × for a, 3.5 × for c");
         assert_eq!(
             said([f64::NAN, 0.0, 0.02]),
-            "differs: no result for a, none for b, 0.010 × for c"
+            "differs: no result for a, zero for b, 0.010 × for c"
         );
         assert!(ratio_legend().replace(NO_BREAK, " ").contains("from 0.67 × to 1.5 × the paper's"));
     }

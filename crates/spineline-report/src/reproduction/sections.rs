@@ -1,15 +1,21 @@
 //! Every number of the paper beside ours, in sections.
 
 use spineline::action::LineKind;
-use spineline::cohort::{Clustered, Cohort, ErrorStatistics, LineStatistics, PairedComparison};
+use spineline::cohort::{
+    Claims, Clustered, Cohort, ErrorStatistics, LineStatistics, PairedComparison,
+};
+use spineline::evaluate::statistics::Summary;
 use spineline::multibody::Support;
 use spineline::number::interval;
+use spineline::reliability::{
+    Design, DesignReliability, QuantityReliability, StatisticKind, shown_coefficient,
+};
 
 use super::numbers::{
-    Cell, PaperNumber, Part, TEST_LEGEND, compared, ours, percent, ratio_legend, support_words,
-    test_verdict,
+    Cell, PaperNumber, Part, TEST_LEGEND, beside, compared, ours, percent, ratio_legend,
+    support_words, test_verdict,
 };
-use super::{Columns, Scenarios, fair};
+use super::{Columns, Group, Reproduction, fair};
 use crate::paper::{
     INFLECTION_ROTATION_DEG, NEAR_SHARES_PERCENT, PaperMean, fitted_location_error_mm,
     held_out_location_error_mm,
@@ -17,12 +23,11 @@ use crate::paper::{
 
 /// Every number: the movement once, the models for both supports.
 #[must_use]
-pub fn parts(scenarios: &Scenarios<'_>) -> Vec<Part> {
-    let names = scenarios.each_ref().map(|one| one.name);
-    let free = Columns { names, cohorts: scenarios.each_ref().map(|one| one.free) };
-    let frontal = Columns { names, cohorts: scenarios.each_ref().map(|one| one.frontal) };
-    let mut parts = vec![chain(&free), movement(&free), table_2(&free)];
-    for (columns, support) in [(free, Support::Free), (frontal, Support::Frontal)] {
+pub fn parts(reproduction: &Reproduction<'_>) -> Vec<Part> {
+    let free = reproduction.columns(Support::Free);
+    let mut parts = vec![readings(&free), chain(&free), movement(&free), table_2(&free)];
+    for support in [Support::Free, Support::Frontal] {
+        let columns = reproduction.columns(support);
         parts.push(models(&columns, support));
         parts.push(fair::part(&columns, support));
     }
@@ -31,7 +36,48 @@ pub fn parts(scenarios: &Scenarios<'_>) -> Vec<Part> {
 
 /// A part for which the support does not matter.
 fn of_movement(title: &str, rows: Vec<PaperNumber>, legend: &str, note: &str) -> Part {
-    Part { title: title.to_owned(), support: None, rows, note: format!("{legend} {note}") }
+    Part {
+        title: title.to_owned(),
+        support: None,
+        rows,
+        note: format!("{legend} {note}").trim().to_owned(),
+    }
+}
+
+/// Pearson's coefficients of the tilts, within either observer and between their means.
+fn readings(columns: &Columns<'_>) -> Part {
+    let of = |find: &dyn Fn(&QuantityReliability) -> Option<&DesignReliability>| -> Vec<Cell> {
+        let pearson = |group: &Group<'_>| {
+            let tilts = group.readings.iter().find(|quantity| quantity.key == "tilt_as_paper")?;
+            let design = find(tilts)?;
+            let value = design.statistic(StatisticKind::Pearson).ok()?.value;
+            Some(Cell::value(value, design.subjects, shown_coefficient(value)))
+        };
+        columns.groups.iter().map(|group| pearson(group).unwrap_or_else(Cell::missing)).collect()
+    };
+    let within = |observer: usize| {
+        of(&move |tilts| {
+            let is_within =
+                |one: &&DesignReliability| matches!(one.design, Design::IntraObserver { .. });
+            tilts.designs.iter().filter(is_within).nth(observer)
+        })
+    };
+    let between =
+        of(&|tilts| tilts.designs.iter().find(|one| one.design == Design::InterObserverMeans));
+    let rows = vec![
+        beside("within observer 1", "1", ("0.95 ± 0.03", f64::NAN), columns, within(0)),
+        beside("within observer 2", "1", ("0.92 ± 0.02", f64::NAN), columns, within(1)),
+        beside("between observers", "1", ("0.90", f64::NAN), columns, between),
+    ];
+    of_movement(
+        "Reliability of the readings, Pearson's r of the tilts",
+        rows,
+        "",
+        &columns.note(
+            "The paper does not say of which measurements. A coefficient depends on the spread of the patients more than on the readers: `spineline reliability` has the errors in mm and degrees.",
+            "The noise of the virtual readers gives the paper's residuals of curves; with it, the coefficients are far above the paper's.",
+        ),
+    )
 }
 
 fn chain(columns: &Columns<'_>) -> Part {
@@ -61,7 +107,10 @@ fn chain(columns: &Columns<'_>) -> Part {
         "Curves and chain",
         rows,
         &ratio_legend(),
-        "n is limited to a window, which is our reading of the paper's problem (1). The lengths of the phantoms and the noise of the virtual readers were chosen to resemble the paper's patients and residuals.",
+        &columns.note(
+            "n is limited to a window, which is our reading of the paper's problem (1).",
+            "The lengths of the phantoms and the noise of the virtual readers were chosen to resemble the paper's patients and residuals.",
+        ),
     )
 }
 
@@ -70,11 +119,10 @@ fn interval_cell(ends: [f64; 2], n: usize) -> Cell {
     Cell::value(ends[1] - ends[0], n, interval(ends, 4))
 }
 
-/// How far the rotation of the inflections lies below the mean rotation.
-fn below_mean(cohort: &Cohort) -> Cell {
-    let inflections = &cohort.inflection[0].rotation_deg.pooled;
-    let part = 100.0 * (1.0 - inflections.mean / cohort.rotation_deg.pooled.mean);
-    Cell::value(part, inflections.n, percent(part))
+/// How far the mean of some values lies below another mean, in percent of that.
+fn below(less: Summary, more: Summary) -> Cell {
+    let part = 100.0 * (1.0 - less.mean / more.mean);
+    Cell::value(part, less.n, percent(part))
 }
 
 fn movement(columns: &Columns<'_>) -> Part {
@@ -84,7 +132,10 @@ fn movement(columns: &Columns<'_>) -> Part {
         "Movement of the segments",
         rows,
         &ratio_legend(),
-        "The amount of movement of a phantom is random, not fitted to the paper. A rotation is the small difference of two curvatures: landmark noise, and even the residual of a polynomial without noise (try --noise 0), shifts its zero by many segments, also in scenarios that leave the inflections at rest. Where a rotation changes sign, the least of 998 is almost zero. Segments of one spine are not independent: use the interval over patients.",
+        &columns.note(
+            "A rotation is the small difference of two curvatures: landmark noise, and even the residual of a polynomial without noise, shifts its zero by many segments. Where a rotation changes sign, the least of 998 is almost zero. Segments of one spine are not independent: use the interval over patients.",
+            "The amount of movement of a phantom is random, not fitted to the paper. The zero is shifted also in scenarios that leave the inflections at rest (try --noise 0).",
+        ),
     )
 }
 
@@ -112,6 +163,9 @@ fn rotation_rows(columns: &Columns<'_>) -> Vec<PaperNumber> {
         ours("  95 % interval, patients resampled".to_owned(), "deg", columns.map(patients)),
         compared("least rotation (°)", "deg", PaperMean::new(0.0019, 0.0016, 4), columns, |c| {
             Cell::of(&c.least_rotation_deg.pooled, 4)
+        }),
+        compared("  below the mean rotation by", "%", ("96 %", 96.0), columns, |c| {
+            below(c.least_rotation_deg.pooled, c.rotation_deg.pooled)
         }),
     ]
 }
@@ -146,8 +200,31 @@ fn inflection_rows(columns: &Columns<'_>) -> Vec<PaperNumber> {
         columns,
         |c| Cell::of(&c.inflection[0].rotation_deg.pooled, 4),
     ));
-    rows.push(compared("  below the mean rotation by", "%", ("93 %", 93.0), columns, below_mean));
+    rows.push(compared("  below the mean rotation by", "%", ("93 %", 93.0), columns, |c| {
+        below(c.inflection[0].rotation_deg.pooled, c.rotation_deg.pooled)
+    }));
+    rows.extend(third_points(columns));
     rows
+}
+
+/// Films on which the inflection line meets the spine a third time, and the rotation there.
+fn third_points(columns: &Columns<'_>) -> [PaperNumber; 2] {
+    let claims = |cell: fn(&Claims) -> Cell| -> Vec<Cell> {
+        columns.groups.iter().map(|group| cell(&group.claims)).collect()
+    };
+    let films = claims(|claims| {
+        let [met, films] = claims.third_points;
+        let share = 100.0 * met as f64 / films as f64;
+        Cell::value(share, films, format!("{met} of {films}"))
+    });
+    let rotation = claims(|claims| Cell::of(&claims.third_points_deg, 4));
+    let (name, paper) =
+        ("films whose line meets the lumbar spine again", ("11 of 72", 100.0 * 11.0 / 72.0));
+    let below = PaperMean::new(0.0020, 0.0015, 4);
+    [
+        beside(name, "%", paper, columns, films),
+        beside("  rotation there (°)", "deg", below, columns, rotation),
+    ]
 }
 
 fn table_2(columns: &Columns<'_>) -> Part {
@@ -177,14 +254,14 @@ fn tested(
     name: &str,
     paper: &str,
     paper_rejects: bool,
-    found: [Cell; 3],
+    found: Vec<Cell>,
 ) -> PaperNumber {
-    let verdict = test_verdict(paper_rejects, columns.names, &found);
+    let verdict = test_verdict(paper_rejects, &columns.names, &found);
     PaperNumber { paper: Some(paper.to_owned()), verdict, ..ours(name.to_owned(), "p", found) }
 }
 
 /// What the paper does not give: the same test with one mean per patient.
-fn by_patient(found: [Cell; 3]) -> PaperNumber {
+fn by_patient(found: Vec<Cell>) -> PaperNumber {
     ours("  one mean per patient".to_owned(), "p", found)
 }
 
@@ -254,19 +331,56 @@ fn of_line(cohort: &Cohort, kind: LineKind, cell: impl Fn(&LineStatistics) -> Ce
     cohort.line(kind).map_or_else(Cell::missing, cell)
 }
 
-const MODELS_NOTE: &str = "Model-1 has the inflection line, Model-2 the iliac line. `rod` has the paper's line built in, `pull` Petit's, `bend` neither; this decides which model has the smaller error. Held-out films are neutral and traction; no stiffness was fitted to them. `[1 without]`: number of films without a result for any force. – marks a number that the paper does not give.";
+const MODELS_NOTE: &str = "Model-1 has the inflection line, Model-2 the iliac line. Held-out films are neutral and traction; no stiffness was fitted to them. `[1 without]`: number of films without a result for any force. – marks a number that the paper does not give.";
 
 fn models(columns: &Columns<'_>, support: Support) -> Part {
     let title = format!("Models with {}", support_words(support));
     let mut rows: Vec<PaperNumber> = ERRORS.iter().map(|row| row.number(columns)).collect();
+    rows.extend(reductions(columns));
     rows.extend(test_rows(columns));
     let contradicted = |cohort: &Cohort| {
         of_line(cohort, LineKind::Inflection, |line| Cell::of(&line.contradicted.pooled, 1))
     };
     let name = "counter-rotating joints of 14, Model-1".to_owned();
     rows.push(ours(name, "1", columns.map(contradicted)));
-    let note = format!("{} {TEST_LEGEND} {MODELS_NOTE}", ratio_legend());
+    let against = columns.groups.iter().map(|group| Cell::of(&group.claims.against_force, 1));
+    rows.push(beside(
+        "vertebrae of 14 that move against the iliac force",
+        "1",
+        PaperMean::new(4.0, 1.0, 0),
+        columns,
+        against.collect(),
+    ));
+    let of_phantoms = "`rod` has the paper's line built in, `pull` Petit's, `bend` neither; this decides which model has the smaller error.";
+    let note = columns.note(MODELS_NOTE, of_phantoms);
+    let note = format!("{} {TEST_LEGEND} {note}", ratio_legend());
     Part { title, support: Some(support), rows, note }
+}
+
+/// How far the errors of Model-1 lie below the errors of Model-2 on the bends.
+fn reductions(columns: &Columns<'_>) -> Vec<PaperNumber> {
+    use LineKind::{Iliac, Inflection};
+    type Errors = fn(&ErrorStatistics) -> Summary;
+    let angle: Errors = |errors| errors.ferguson_deg.pooled;
+    let place: Errors = |errors| errors.location_mm.pooled;
+    let rows: [(&str, &str, f64, bool, Errors); 4] = [
+        ("Ferguson error, bends, Model-1 below Model-2 by", "35 %", 35.0, true, angle),
+        ("location error, bends, Model-1 below Model-2 by", "64 %", 64.0, true, place),
+        ("Ferguson error, held out, below Model-2 on bends by", "21 %", 21.0, false, angle),
+        ("location error, held out, below Model-2 on bends by", "45 %", 45.0, false, place),
+    ];
+    let row = |(name, text, percent, is_fitted, errors): (&str, &str, f64, bool, Errors)| {
+        compared(name, "%", (text, percent), columns, |cohort| {
+            let of = |line: &LineStatistics| {
+                if is_fitted { errors(&line.fitted) } else { errors(&line.held_out) }
+            };
+            let lines = cohort.line(Inflection).zip(cohort.line(Iliac));
+            lines.map_or_else(Cell::missing, |(first, second)| {
+                below(of(first), errors(&second.fitted))
+            })
+        })
+    };
+    rows.map(row).into()
 }
 
 /// The paper's one-sided tests on pooled values, and the same on one mean per patient.

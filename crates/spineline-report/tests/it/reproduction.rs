@@ -1,9 +1,9 @@
 //! The answer of a reproduction follows its data.
 
 use spineline::action::LineKind;
-use spineline::analysis::FilmRole;
+use spineline::analysis::{FilmRole, Method};
 use spineline::cohort::{Claims, Cohort, ErrorKind, LinePairTest, PairedComparison, PatientClaims};
-use spineline_report::reproduction::{ScenarioResults, full, parts, short};
+use spineline_report::reproduction::{Films, Group, Reproduction, full, parts, short};
 use spineline_report::terminal;
 
 /// How a constructed cohort answers the paper's claims.
@@ -62,48 +62,64 @@ fn cohort(says: Says) -> Cohort {
     cohort
 }
 
-fn told(says: [Says; 3]) -> [String; 2] {
-    let cohorts = says.map(cohort);
-    let names = ["rod", "bend", "pull"];
-    let scenarios: [ScenarioResults<'_>; 3] = std::array::from_fn(|place| ScenarioResults {
-        name: names[place],
+const PHANTOMS: Films = Films::Phantoms { subjects: 18, seed: 1 };
+
+fn told(films: Films, says: &[Says]) -> [String; 2] {
+    let cohorts: Vec<Cohort> = says.iter().copied().map(cohort).collect();
+    let groups = ["rod", "bend", "pull"].into_iter().zip(says).zip(&cohorts);
+    let groups = groups.map(|((name, &says), cohort)| Group {
+        name,
         meaning: "constructed",
-        free: &cohorts[place],
-        frontal: &cohorts[place],
-        claims: claims(says[place]),
+        free: cohort,
+        frontal: cohort,
+        claims: claims(says),
+        readings: Vec::new(),
     });
-    let text = terminal(&short(&scenarios, 18, 1), 100);
-    [text, full(&scenarios, &parts(&scenarios), 18, 1)]
+    let reproduction = Reproduction { films, method: Method::Paper, groups: groups.collect() };
+    let text = terminal(&short(&reproduction), 100);
+    [text, full(&reproduction, &parts(&reproduction))]
 }
 
-fn answer(says: [Says; 3]) -> String {
-    let [text, _] = told(says);
+fn answer(films: Films, says: &[Says]) -> String {
+    let [text, _] = told(films, says);
     let from = text.find("Answer: ").expect("an answer");
-    let to = text.find("Loading scenarios").expect("the scenarios follow");
+    let next = if films == Films::Given { "Method: " } else { "Loading scenarios" };
+    let to = text.find(next).expect("the method or the scenarios follow");
     text[from..to].split_whitespace().collect::<Vec<_>>().join(" ")
 }
 
 #[test]
 fn the_answer_follows_the_data() {
     assert_eq!(
-        answer([Says::Yes; 3]),
+        answer(PHANTOMS, &[Says::Yes; 3]),
         "Answer: Yes. All three claims hold in every loading scenario."
     );
     assert_eq!(
-        answer([Says::No; 3]),
+        answer(PHANTOMS, &[Says::No; 3]),
         "Answer: No. No claim holds in every loading scenario: claim 1 in none, claim 2 in none, claim 3 in none."
     );
     assert_eq!(
-        answer([Says::Yes, Says::No, Says::Yes]),
+        answer(PHANTOMS, &[Says::Yes, Says::No, Says::Yes]),
         "Answer: No. No claim holds in every loading scenario: claim 1 in rod and pull, claim 2 in rod and pull, claim 3 in rod and pull."
     );
-    let open = answer([Says::Yes, Says::Yes, Says::Nothing]);
+    let open = answer(PHANTOMS, &[Says::Yes, Says::Yes, Says::Nothing]);
     assert!(open.starts_with("Answer: Not decided. "), "{open}");
 }
 
 #[test]
+fn patients_that_were_given_are_one_group_with_an_answer_of_their_own() {
+    let given = |says| answer(Films::Given, &[says]);
+    assert_eq!(given(Says::Yes), "Answer: Yes. All three claims hold.");
+    assert_eq!(given(Says::No), "Answer: No. No claim holds.");
+    let [text, all] = told(Films::Given, &[Says::No]);
+    for word in ["SYNTHETIC", "phantom", "scenario"] {
+        assert!(!text.contains(word) && !all.contains(word), "{word} in\n{text}\n{all}");
+    }
+}
+
+#[test]
 fn endings_differences_and_their_p_stand_beside_the_claims() {
-    let [text, _] = told([Says::Yes, Says::No, Says::Nothing]);
+    let [text, _] = told(PHANTOMS, &[Says::Yes, Says::No, Says::Nothing]);
     let ending = text.lines().find(|line| line.contains("least-rotating")).expect("claim 1");
     let words: Vec<&str> = ending.split("  ").map(str::trim).filter(|w| !w.is_empty()).collect();
     assert_eq!(words[1..], ["holds", "does not hold", "not tested"], "{ending}");
@@ -115,7 +131,7 @@ fn endings_differences_and_their_p_stand_beside_the_claims() {
 
 #[test]
 fn every_number_fits_the_width_and_says_what_its_words_mean() {
-    let [_, all] = told([Says::Yes, Says::No, Says::Nothing]);
+    let [_, all] = told(PHANTOMS, &[Says::Yes, Says::No, Says::Nothing]);
     assert!(all.lines().all(|line| line.chars().count() <= 120), "{all}");
     let all: String = all.split_whitespace().collect::<Vec<_>>().join(" ");
     assert!(all.contains("`same` means from 0.67 × to 1.5 × the paper's number"), "{all}");

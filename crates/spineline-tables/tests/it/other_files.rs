@@ -3,7 +3,7 @@
 use spineline::anatomy::Region;
 use spineline::clinical::EndAngles;
 use spineline::cohort::Claims;
-use spineline::evaluate::statistics::Share;
+use spineline::evaluate::statistics::{Share, Summary};
 use spineline::multibody::{Deformed, ForceSign, PathPoint, Timing};
 use spineline::response::{CurveAngles, SpineAngles};
 use spineline::spatial::{Angle, Vec3};
@@ -59,7 +59,7 @@ fn numbers_of_a_reproduction() {
         quantity: "mean location error".to_owned(),
         unit: "mm",
         paper: Some("3.45 ± 1.97".to_owned()),
-        scenario: "rod",
+        group: "rod",
         mean,
         sd,
         n,
@@ -76,7 +76,7 @@ fn numbers_of_a_reproduction() {
     let start = "\"3.2, all films\",free,mean location error,mm,3.45 ± 1.97,rod";
     let end = "4.00 ± 0.12,same for rod and bend; none for pull";
     let expected = format!(
-        "section,support,quantity,unit,paper,scenario,mean,sd,n,text,verdict\n\
+        "section,support,quantity,unit,paper,group,mean,sd,n,text,verdict\n\
          {start},4.0,0.123456789,24,{end}\n\
          {start},0.0000123,,0,{end}\n\
          {start},1.5e-9,-0.5,1,{end}\n\
@@ -178,6 +178,9 @@ fn claims() -> Claims {
         better_held_out: share(0.5, 17),
         errors_mm: [3.25, 4.5],
         held_out_errors_mm: [1.25, 2.5],
+        third_points: [2, 80],
+        third_points_deg: Summary { n: 2, mean: 0.002, sd: 0.001 },
+        against_force: Summary { n: 40, mean: 4.0, sd: 1.0 },
         advantage_mm: (1.25, Some([-0.5, 3.0])),
         advantage_p: Some(0.001_234_56),
         residuals: [0.43, 0.87],

@@ -104,6 +104,17 @@ impl LineOfAction {
         (self.point - about).cross(self.direction)
     }
 
+    /// The points of a polyline from which the line passes to its other side, each the nearer end of its step.
+    ///
+    /// A step that ends on the line does not count.
+    #[must_use]
+    pub fn crossings(&self, points: &[Frontal]) -> Vec<usize> {
+        let arms: Vec<f64> = points.iter().map(|&point| self.lever_arm_mm(point)).collect();
+        let crosses = |&step: &usize| arms[step] * arms[step + 1] < 0.0;
+        let nearer = |step: usize| step + usize::from(arms[step + 1].abs() < arms[step].abs());
+        (0..points.len().saturating_sub(1)).filter(crosses).map(nearer).collect()
+    }
+
     /// Where the line crosses a height, in mm to the patient's left; infinite for a line that runs along the height.
     #[must_use]
     pub fn y_mm_at(&self, z_mm: f64) -> f64 {
@@ -121,5 +132,21 @@ impl LineOfAction {
     pub fn angle_to(&self, other: &Self) -> Angle {
         let sin = self.direction.cross(other.direction).abs();
         Angle::from_sin_cos(sin, self.direction.dot(other.direction).abs())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_line_crosses_an_arch_twice_and_a_point_on_it_is_no_crossing() {
+        // y = z (4 - z): the vertical line y = 2 is crossed at z = 0.59 and 3.41; y = 4 touches the top.
+        let arch: Vec<Frontal> =
+            (0..=4).map(|z| f64::from(z)).map(|z| Frontal::new(z * (4.0 - z), z)).collect();
+        let upright = |y_mm| LineOfAction::leaning(Frontal::new(y_mm, 0.0), Angle::ZERO);
+        assert_eq!(upright(2.0).crossings(&arch), [1, 3]);
+        assert_eq!(upright(4.0).crossings(&arch), [0; 0]);
+        assert_eq!(upright(2.0).crossings(&arch[..1]), [0; 0]);
     }
 }

@@ -1,11 +1,13 @@
-use crate::action::LineKind;
-use crate::analysis::Analysis;
+use crate::action::{LineKind, LineOfAction};
+use crate::analysis::{Analysis, FilmMovement};
 use crate::anatomy::named;
 use crate::evaluate::Simulation;
 use crate::evaluate::statistics::{
     Share, Summary, cluster_bootstrap, paired_t, quantile, ratio_bootstrap,
 };
+use crate::measure::Outline;
 use crate::motion::least_windows;
+use crate::spatial::Frontal;
 
 use super::RESAMPLES;
 
@@ -29,6 +31,13 @@ pub struct PatientClaims {
     pub fitted_mm: Option<[f64; 2]>,
     /// The same on held-out films.
     pub held_out_mm: Option<[f64; 2]>,
+    /// Rotation of the segment where the inflection line meets the spine a third time, below both inflections; one per moved film
+    /// with such a segment, in degrees.
+    pub third_points_deg: Vec<f64>,
+    /// Moved films with an inflection line.
+    pub films_with_line: usize,
+    /// Vertebrae whose midpoint moves against the force along the iliac line, one number per bend.
+    pub against_force: Vec<f64>,
     /// Mean over films of the curves' residuals: locations in mm, tilts in degrees.
     pub residuals: [f64; 2],
     /// Mean order of the curves.
@@ -49,6 +58,10 @@ impl PatientClaims {
             all.push(motion.mean_rotation().deg());
         }
         let erect = analysis.movement.erect();
+        let has_line = |film: &&FilmMovement| film.inflection_estimates.is_some();
+        let with_line: Vec<_> = analysis.movement.films.iter().filter(has_line).collect();
+        let is_bend = |film: &&FilmMovement| film.outline.posture.bend().is_some();
+        let bends = analysis.movement.films.iter().filter(is_bend);
         let windows = least_windows(&erect.fit, &erect.pose);
         let chance = windows.map(|(from, to)| {
             ((2 * NEAR_SEGMENTS + 1) as f64 / (to.saturating_sub(from) + 1) as f64).min(1.0)
@@ -58,6 +71,9 @@ impl PatientClaims {
                 .unwrap_or(f64::NAN)
         };
         Self {
+            third_points_deg: with_line.iter().filter_map(|film| third_point_deg(film)).collect(),
+            films_with_line: with_line.len(),
+            against_force: bends.map(|film| against_force(&erect.outline, film) as f64).collect(),
             near_by_chance: (!distances.is_empty()).then_some(0.5 * (chance[0] + chance[1])),
             distances_segments: distances,
             inflection_rotation_deg: mean(&inflections),
@@ -88,6 +104,27 @@ impl PatientClaims {
         let errors = if fitted { self.fitted_mm } else { self.held_out_mm };
         errors.map(|[inflection, iliac]| iliac - inflection)
     }
+}
+
+/// Rotation of the segment below both inflections where the line through them meets the spine again.
+fn third_point_deg(film: &FilmMovement) -> Option<f64> {
+    let [caudal, cranial] = film.inflection_points?;
+    let line = LineOfAction::through(caudal, cranial).ok()?;
+    let inflection = film.inflection_estimates?[0].segment;
+    // The first joint is L4's midpoint. Segments next to the inflection are the inflection.
+    let below = film.pose.joints.get(1..inflection.saturating_sub(NEAR_SEGMENTS))?;
+    let crossing = *line.crossings(below).first()?;
+    Some(film.motion.as_ref()?.rotations.get(crossing + 1)?.deg())
+}
+
+/// Vertebrae above the base whose midpoint moves against the force along the iliac line, which pulls T2 to where it moves.
+fn against_force(erect: &Outline, film: &FilmMovement) -> usize {
+    let moves = erect.locations().zip(film.outline.locations()).map(|(from, to)| to - from);
+    let moves: Vec<Frontal> = moves.skip(1).collect();
+    let Some(&of_t2) = moves.last() else { return 0 };
+    let line = LineOfAction::along_iliac(of_t2, film.outline.iliac_normal);
+    let along = |one: &Frontal| one.dot(line.direction) * of_t2.dot(line.direction);
+    moves.iter().filter(|one| along(one) < 0.0).count()
 }
 
 fn simulations(
@@ -173,6 +210,12 @@ pub struct Claims {
     pub advantage_mm: (f64, Option<[f64; 2]>),
     /// One-sided probability of the paper's paired t-test with one mean per patient.
     pub advantage_p: Option<f64>,
+    /// Moved films on which the inflection line meets the spine a third time, and moved films with that line.
+    pub third_points: [usize; 2],
+    /// Rotation of the segments at these points, in degrees.
+    pub third_points_deg: Summary,
+    /// Vertebrae per bend whose midpoint moves against the force along the iliac line.
+    pub against_force: Summary,
     /// Mean residuals of the curves: mm and degrees.
     pub residuals: [f64; 2],
     /// Mean order of the curves.
@@ -192,6 +235,9 @@ impl Claims {
     pub fn of(patients: &[PatientClaims], seed: u64) -> Self {
         let all = |value: &dyn Fn(&PatientClaims) -> Option<f64>| -> Vec<f64> {
             patients.iter().filter_map(value).collect()
+        };
+        let pooled = |values: &dyn Fn(&PatientClaims) -> &[f64]| {
+            Summary::of(&patients.iter().flat_map(values).copied().collect::<Vec<_>>())
         };
         let mut distances: Vec<f64> =
             patients.iter().flat_map(|p| p.distances_segments.iter().copied()).collect();
@@ -226,6 +272,12 @@ impl Claims {
                 cluster_bootstrap(&clusters, RESAMPLES, seed),
             ),
             advantage_p: paired_t(&errors[0], &errors[1]).map(|t| t.p_less),
+            third_points: [
+                patients.iter().map(|p| p.third_points_deg.len()).sum(),
+                patients.iter().map(|p| p.films_with_line).sum(),
+            ],
+            third_points_deg: pooled(&|p| &p.third_points_deg),
+            against_force: pooled(&|p| &p.against_force),
             residuals: [0, 1].map(|i: usize| Summary::of(&all(&|p| Some(p.residuals[i]))).mean),
             order: Summary::of(&all(&|p| Some(p.order))).mean,
         }
@@ -259,6 +311,7 @@ mod tests {
             held_out_mm: Some([errors[1], errors[0]]).filter(|_| errors[0] < 2.0),
             residuals: [0.1, 0.2],
             order: 6.0,
+            ..PatientClaims::default()
         }
     }
 

@@ -2,19 +2,16 @@
 
 use std::path::PathBuf;
 
-use spineline::analysis::Analysis;
-use spineline::cohort::{CohortPatient, RefusalStep};
+use spineline::analysis::{Analysis, Subject};
+use spineline::cohort::CohortPatient;
 use spineline_files::{AnalysisFile, to_line};
 use spineline_report::cohort::{Patients, report};
 
 use super::args::ReportArgs;
 use super::write;
-use crate::analysis::case::{Refusal, analyze_member};
-use crate::analysis::cohort;
-use crate::analysis::record::{ReadCases, RunRecord};
+use crate::analysis::cohort::{self, Members};
+use crate::analysis::record::RunRecord;
 use crate::run::failure::{Ending, Failure};
-use crate::run::inputs::CaseInput;
-use crate::run::messages::say;
 use crate::run::outputs::{Outputs, print_notices};
 use crate::run::provenance::generator;
 use crate::run::threads::map_all;
@@ -30,36 +27,13 @@ pub fn run(paths: &[PathBuf], args: &ReportArgs, outputs: Outputs) -> Result<End
     }
     let out = write::target(STEM, args, &outputs)?;
     let record = RunRecord::new(&args.method, &args.uncertainty)?;
-    let options = &record.request.options;
-    let results = map_all("analysing", paths, args.threads, |path| analyze_member(path, options))?;
-    let (mut analyses, mut subjects, mut sources) = (Vec::new(), Vec::new(), Vec::new());
-    let (mut refused, mut read) = (Vec::new(), ReadCases::default());
-    for (path, result) in paths.iter().zip(results) {
-        let found = result.and_then(|found| {
-            read.add(&found.0, &record).map_err(|failure| {
-                Refusal::new(path, Some(&found.0), RefusalStep::Counting, failure)
-            })?;
-            Ok(found)
-        });
-        match found {
-            Ok((source, analysis)) => {
-                analyses.push(analysis);
-                subjects.push(source.case.subject.clone());
-                sources.push(source);
-            }
-            Err(Refusal { case, failure }) => {
-                say(&failure);
-                refused.push(*case);
-            }
-        }
-    }
-    if analyses.is_empty() {
-        return Err(Failure::usage("no case could be analysed: nothing to report"));
-    }
+    let Members { analyses, sources, refused, read } =
+        Members::analyze(paths, &record, args.threads)?;
+    let subjects: Vec<Subject> = sources.iter().map(|(_, one)| one.case.subject.clone()).collect();
     print_notices(&read.warnings());
     read.ids().iter().for_each(|id| outputs.of_case(id));
-    let pairs: Vec<(&Analysis, &CaseInput)> = analyses.iter().zip(&sources).collect();
-    let files = map_all("writing", &pairs, args.threads, |(analysis, source)| {
+    let pairs: Vec<_> = analyses.iter().zip(&sources).collect();
+    let files = map_all("writing", &pairs, args.threads, |(analysis, (_, source))| {
         let provenance = record.provenance_of(source);
         to_line(&AnalysisFile::new(analysis, source.file.clone(), provenance))
     })?;

@@ -30,7 +30,7 @@ pub fn write(
         outputs.write(&folder.join(format!("{name}.svg")), in_svg(svg, provenance))
     };
     for run in runs.iter().filter(|run| run.support == Support::Free) {
-        let (scenario, example) = (run.scenario.key(), &run.analyses[EXAMPLE]);
+        let (scenario, example) = (run.name, &run.analyses[EXAMPLE]);
         save(format!("overview-{scenario}"), &figures::case_overview(example))?;
         if let Some(svg) = figures::rotations(example) {
             save(format!("figure-05-rotations-{scenario}"), &svg)?;
@@ -49,7 +49,7 @@ pub fn write(
     let inflections: Vec<InflectionSample> = free
         .iter()
         .map(|run| InflectionSample {
-            name: run.scenario.key().to_owned(),
+            name: run.name.to_owned(),
             distances_segments: run.cohort.inflection[0].all_distances_segments.clone(),
             rotations_deg: run.cohort.inflection[0].all_rotations_deg.clone(),
         })
@@ -77,7 +77,7 @@ fn error_figures(
         runs.iter()
             .flat_map(|run| {
                 run.cohort.lines.iter().map(move |line| LocationErrorSample {
-                    group: run.scenario.key().to_owned(),
+                    group: run.name.to_owned(),
                     line: line.kind,
                     errors_mm: if fitted { &line.fitted } else { &line.held_out }
                         .all_location_mm
@@ -117,7 +117,7 @@ fn example(
     support: &str,
     save: &impl Fn(String, &str) -> Result<(), Failure>,
 ) -> Result<(), Failure> {
-    let (scenario, analysis) = (run.scenario.key(), &run.analyses[EXAMPLE]);
+    let (scenario, analysis) = (run.name, &run.analyses[EXAMPLE]);
     for posture in [Posture::LeftBending, Posture::Traction] {
         if let Some(svg) = figures::measured_and_simulated(analysis, posture) {
             save(format!("figure-09-{}-{scenario}-{support}", posture.key()), &svg)?;

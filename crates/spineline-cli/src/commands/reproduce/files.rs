@@ -5,7 +5,6 @@ use spineline::analysis::{Analysis, Case};
 use spineline::multibody::Support;
 use spineline::number::NO_BREAK;
 use spineline_files::{AnalysisFile, CaseFile, Provenance, Request};
-use spineline_phantom::Scenario;
 use spineline_report::reproduction::Part;
 use spineline_tables::{ReproducedNumber, errors_table, reproduction_table};
 
@@ -26,14 +25,15 @@ pub fn write(
     provenance: &Provenance,
 ) -> Result<(), Failure> {
     let out = &args.out;
-    let rows: Vec<ReproducedNumber> = parts.iter().flat_map(numbers).collect();
+    let rows: Vec<ReproducedNumber> = parts.iter().flat_map(|part| numbers(part, runs)).collect();
     let table = reproduction_table(&rows).to_csv()?;
     outputs.write_table(&out.join("summary.csv"), table, provenance)?;
     let summary = Summary {
         format: "spineline-reproduction",
         version: 1,
         generator: generator(),
-        synthetic: true,
+        synthetic: runs.iter().any(|run| run.cohort.synthetic),
+        method: args.method.key(),
         provenance: provenance.clone(),
         seed: args.seed,
         noise: args.noise,
@@ -42,7 +42,7 @@ pub fn write(
     outputs.write(&out.join("summary.json"), spineline_files::to_text(&summary))?;
     for run in runs {
         let support = run.support.key();
-        let name = format!("errors-{}-{support}.csv", run.scenario.key());
+        let name = format!("errors-{}-{support}.csv", run.name);
         let path = out.join("errors").join(name);
         outputs.write_table(&path, errors_table(&run.analyses).to_csv()?, provenance)?;
     }
@@ -74,23 +74,24 @@ struct Summary {
     generator: String,
     provenance: Provenance,
     synthetic: bool,
+    method: &'static str,
     seed: u64,
     noise: f64,
     rows: Vec<ReproducedNumber>,
 }
 
-fn numbers(part: &Part) -> Vec<ReproducedNumber> {
+fn numbers(part: &Part, runs: &[Run]) -> Vec<ReproducedNumber> {
     let plain = |text: &str| text.replace(NO_BREAK, " ");
     let mut numbers = Vec::new();
     for row in &part.rows {
-        for (scenario, cell) in Scenario::PAPER.into_iter().zip(&row.ours) {
+        for (run, cell) in runs.iter().zip(&row.ours) {
             numbers.push(ReproducedNumber {
                 section: plain(&part.title),
                 support: part.support.map(Support::key),
                 quantity: row.quantity.trim().to_owned(),
                 unit: row.unit,
                 paper: row.paper.clone(),
-                scenario: scenario.key(),
+                group: run.name,
                 mean: Some(cell.mean).filter(|v| v.is_finite()),
                 sd: Some(cell.sd).filter(|v| v.is_finite()),
                 n: cell.n,

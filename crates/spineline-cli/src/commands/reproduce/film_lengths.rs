@@ -9,7 +9,6 @@ use spineline_report::reproduction::{self, Part};
 
 use super::args::ReproduceArgs;
 use super::runs;
-use crate::options::phantoms::options_of;
 use crate::run::failure::Failure;
 
 const RULES: [(FilmLengthRule, &str); 2] = [
@@ -28,10 +27,8 @@ pub fn part(args: &ReproduceArgs, phantoms: &[Phantom]) -> Result<Part, Failure>
     for (rule, words) in RULES {
         found.push((words, cohorts(args, &phantoms, rule)?));
     }
-    let by_rule: Vec<(&str, [&Cohort; 3])> = found
-        .iter()
-        .map(|(words, cohorts)| (*words, std::array::from_fn(|scenario| &cohorts[scenario])))
-        .collect();
+    let by_rule: Vec<(&str, Vec<&Cohort>)> =
+        found.iter().map(|(words, cohorts)| (*words, cohorts.iter().collect())).collect();
     Ok(reproduction::film_lengths(relative_sd, &by_rule))
 }
 
@@ -40,7 +37,7 @@ fn cohorts(
     phantoms: &[Phantom],
     rule: FilmLengthRule,
 ) -> Result<Vec<Cohort>, Failure> {
-    let options = AnalysisOptions { film_lengths: rule, ..options_of(Support::Frontal, args.fit) };
+    let options = AnalysisOptions { film_lengths: rule, ..args.options(Support::Frontal) };
     let tasks: Vec<_> = phantoms.iter().map(|phantom| (phantom, options.clone())).collect();
     let (_, patients) = runs::analyses(args, &tasks)?;
     runs::cohorts(args, &patients)

@@ -1,4 +1,4 @@
-//! Reports of a reproduction: the cohort and one patient of every scenario, with the paper's support.
+//! Reports of a reproduction: the cohort and one patient of every group, with the paper's support.
 
 use std::path::Path;
 
@@ -16,7 +16,7 @@ use crate::run::failure::Failure;
 use crate::run::outputs::Outputs;
 use crate::run::provenance::generator;
 
-/// `cohort-SCENARIO.html` for every scenario, and `patient-SCENARIO.html` and `.pdf` of the first subject.
+/// `cohort-GROUP.html` for every group, and `patient-GROUP.html` and `.pdf` of the first subject.
 pub fn write(
     outputs: &Outputs,
     folder: &Path,
@@ -24,16 +24,16 @@ pub fn write(
     provenance: &Provenance,
 ) -> Result<(), Failure> {
     for run in runs.iter().filter(|run| run.support == Support::Free) {
-        let scenario = run.scenario.key();
+        let group = run.name;
         let cohort = of_cohort(run, provenance);
-        outputs.write(&folder.join(format!("cohort-{scenario}.html")), html(&cohort))?;
+        outputs.write(&folder.join(format!("cohort-{group}.html")), html(&cohort))?;
         let (case, analysis) = (&run.cases[EXAMPLE], &run.analyses[EXAMPLE]);
         let patient = of_patient(case, analysis, provenance);
-        outputs.write(&folder.join(format!("patient-{scenario}.html")), html(&patient))?;
+        outputs.write(&folder.join(format!("patient-{group}.html")), html(&patient))?;
         #[cfg(feature = "pdf")]
         {
             let pdf = crate::run::pdf::pdf(&patient, provenance.date_utc())?;
-            outputs.write(&folder.join(format!("patient-{scenario}.pdf")), pdf)?;
+            outputs.write(&folder.join(format!("patient-{group}.pdf")), pdf)?;
         }
     }
     Ok(())

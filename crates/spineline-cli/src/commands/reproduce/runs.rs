@@ -1,23 +1,25 @@
-//! Every phantom made and analysed.
+//! Patients made and analysed.
 
 use spineline::analysis::{Analysis, AnalysisOptions, Case, analyze};
 use spineline::cohort::{Claims, Cohort, CohortPatient, PatientClaims};
 use spineline::multibody::Support;
+use spineline::reliability::{QuantityReliability, assess, film_quantities};
 use spineline_phantom::{Phantom, Readers, SUBJECTS, Scenario, generate};
-use spineline_report::reproduction::{ScenarioResults, Scenarios};
+use spineline_report::reproduction::Group;
 
 use super::args::ReproduceArgs;
-use crate::options::phantoms::options_of;
 use crate::run::failure::Failure;
 use crate::run::threads::map_all;
 
-/// The phantoms of one loading scenario, analysed with one support.
+/// Patients analysed together with one support.
 pub struct Run {
-    /// The loading scenario.
-    pub scenario: Scenario,
+    /// Name of their group.
+    pub name: &'static str,
+    /// What the name means.
+    pub meaning: &'static str,
     /// Their support.
     pub support: Support,
-    /// One case per subject of Table 1.
+    /// Their cases.
     pub cases: Vec<Case>,
     /// Their analyses.
     pub analyses: Vec<Analysis>,
@@ -26,7 +28,7 @@ pub struct Run {
 }
 
 /// Both supports: the paper's, and a patient on a table.
-const SUPPORTS: [Support; 2] = [Support::Free, Support::Frontal];
+pub const SUPPORTS: [Support; 2] = [Support::Free, Support::Frontal];
 
 /// The subjects of Table 1 in every scenario, in the order of [`Scenario::PAPER`]; it does not depend on the threads.
 pub fn phantoms(args: &ReproduceArgs, readers: &Readers) -> Result<Vec<Phantom>, Failure> {
@@ -64,9 +66,7 @@ pub fn cohorts(args: &ReproduceArgs, patients: &[CohortPatient]) -> Result<Vec<C
 pub fn all_runs(args: &ReproduceArgs, phantoms: &[Phantom]) -> Result<Vec<Run>, Failure> {
     let tasks: Vec<_> = SUPPORTS
         .into_iter()
-        .flat_map(|support| {
-            phantoms.iter().map(move |phantom| (phantom, options_of(support, args.fit)))
-        })
+        .flat_map(|support| phantoms.iter().map(move |phantom| (phantom, args.options(support))))
         .collect();
     let (analyses, patients) = analyses(args, &tasks)?;
     let cohorts = cohorts(args, &patients)?;
@@ -79,25 +79,34 @@ pub fn all_runs(args: &ReproduceArgs, phantoms: &[Phantom]) -> Result<Vec<Run>, 
         scenarios.zip(phantoms).zip(cohorts).map(|(((support, scenario), phantoms), cohort)| {
             let cases = phantoms.iter().map(|phantom| phantom.case.clone()).collect();
             let analyses = analyses.by_ref().take(SUBJECTS.len()).collect();
-            Run { scenario, support, cases, analyses, cohort }
+            let (name, meaning) = (scenario.key(), scenario.meaning());
+            Run { name, meaning, support, cases, analyses, cohort }
         });
     Ok(runs.collect())
 }
 
-/// The results of every loading scenario with both supports, and the paper's claims with its support.
-pub fn scenarios(runs: &[Run], seed: u64) -> Scenarios<'_> {
-    Scenario::PAPER.map(|scenario| {
-        let [free, frontal] = SUPPORTS.map(|support| {
-            let mut own = runs.iter().filter(|run| run.support == support);
-            own.find(|run| run.scenario == scenario).expect("one run per scenario and support")
-        });
-        let patients: Vec<PatientClaims> = free.analyses.iter().map(PatientClaims::of).collect();
-        ScenarioResults {
-            name: scenario.key(),
-            meaning: scenario.meaning(),
-            free: &free.cohort,
-            frontal: &frontal.cohort,
-            claims: Claims::of(&patients, seed),
-        }
-    })
+/// The results of every group with both supports, and the paper's claims with its support.
+pub fn groups(runs: &[Run], seed: u64) -> Vec<Group<'_>> {
+    let with = |support| runs.iter().filter(move |run| run.support == support);
+    let [free, frontal] = SUPPORTS.map(with);
+    free.zip(frontal)
+        .map(|(free, frontal)| {
+            let patients: Vec<PatientClaims> =
+                free.analyses.iter().map(PatientClaims::of).collect();
+            Group {
+                name: free.name,
+                meaning: free.meaning,
+                free: &free.cohort,
+                frontal: &frontal.cohort,
+                claims: Claims::of(&patients, seed),
+                readings: readings(&free.analyses),
+            }
+        })
+        .collect()
+}
+
+fn readings(analyses: &[Analysis]) -> Vec<QuantityReliability> {
+    let cases: Vec<_> =
+        analyses.iter().map(|one| (one.case_id.as_str(), &*one.movement.readings)).collect();
+    film_quantities(&cases).iter().map(assess).collect()
 }
