@@ -48,7 +48,7 @@ class MethodOptions(TypedDict, total=False):
     """``"per-film"``, ``"as-marked"``, or a standard deviation in percent."""
     end_vertebrae: str
     """``"erect"``, ``"each-film"``, or such as ``"main-thoracic=T12/T5"``."""
-    multipliers: Literal["regional", "per-joint"]
+    multipliers: Literal["regional", "fixed-regions", "per-joint"]
     """Joints that share a stiffness multiplier."""
     prior: str | float
     """``"none"``, ``"in-vivo"``, or a standard deviation of ln."""

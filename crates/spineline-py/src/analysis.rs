@@ -53,7 +53,7 @@ fn waited_for(
     let options = &request.options;
     let is_short = !request.identifiability
         && options.hypotheses.is_empty()
-        && options.grouping == Grouping::Regional;
+        && options.grouping != Grouping::PerJoint;
     if is_short {
         Ok(py.detach(|| compute(case, request, &AtomicBool::new(false))))
     } else {

@@ -201,7 +201,7 @@ fn options<'a>() -> Vec<Column<PatientRow<'a>>> {
         text("fit", "fitted data: `shape`, or `ferguson` angles", |row| {
             Some(row.analysis.options.target.key().to_owned())
         }),
-        text("grouping", "multipliers are `regional` or `per_joint`", |row| {
+        text("grouping", "multipliers are `regional`, `fixed_regions` or `per_joint`", |row| {
             Some(row.analysis.options.grouping.key().to_owned())
         }),
         number("prior_log_sd", Unit::One, "prior standard deviation of ln multiplier", |row| {

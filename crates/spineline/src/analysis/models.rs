@@ -146,7 +146,7 @@ pub(super) fn settings_of<'a>(
     FitSettings {
         regions: &movement.regions,
         target: match options.grouping {
-            Grouping::Regional => options.target,
+            Grouping::Regional | Grouping::FixedRegions => options.target,
             Grouping::PerJoint => FitTarget::Shape,
         },
         gauge: options.gauge,

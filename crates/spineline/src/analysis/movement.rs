@@ -241,6 +241,10 @@ impl Movement {
     pub(super) fn joint_groups(&self, grouping: Grouping) -> JointGroups {
         match grouping {
             Grouping::Regional => JointGroups::regional(&self.regions),
+            Grouping::FixedRegions => {
+                let locations: Vec<Frontal> = self.erect().outline.locations().collect();
+                JointGroups::regional(&Regions::usual(self.levels(), &locations))
+            }
             Grouping::PerJoint => JointGroups::per_joint(self.levels()),
         }
     }

@@ -17,6 +17,10 @@ named! {
         ///
         /// After Petit et al., whose method the paper uses.
         Regional = "regional",
+        /// One multiplier per region, which end at T12 and T6: the inflections do not enter the stiffness.
+        ///
+        /// A check of results by region. Ferguson angles keep the regions of the erect curve.
+        FixedRegions = "fixed_regions",
         /// One per joint, fitted to the whole shape.
         PerJoint = "per_joint",
     }

@@ -18,6 +18,7 @@ mod faults_pictures;
 mod faults_units;
 mod film_frame;
 mod film_lengths;
+mod fixed_regions;
 mod general_extremes;
 mod general_march;
 mod hidden_levels;
