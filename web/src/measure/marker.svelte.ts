@@ -1,7 +1,7 @@
 import type { Hand } from "./gestures";
 import { landmarkAt, placeOfProposed, proposedAt } from "./hit";
 import type { Marking } from "./marking.svelte";
-import { placeOf, type Landmark } from "./landmarks";
+import { cranialFirst, placeOf, type Landmark } from "./landmarks";
 import type { Viewer } from "./viewer.svelte";
 import { cssOf, filmOf, type CssPoint, type FilmPoint } from "./viewport";
 
@@ -33,6 +33,20 @@ export class Marker implements Pick<Hand, "press" | "drag" | "release" | "abando
     const { selected, target } = this.marking;
     if (selected && selected.kind !== "crest") return selected.level;
     return target && "level" in target ? target.level : null;
+  });
+
+  /** Middle of the current vertebra as placed or proposed, or of the uppermost one. */
+  readonly middle = $derived.by((): FilmPoint | null => {
+    const { vertebrae, proposals } = this.marking.reading;
+    const outlined = vertebrae
+      .filter(({ corners }) => corners.length > 1)
+      .toSorted((a, b) => cranialFirst(a.level, b.level));
+    const here = [...proposals, ...outlined].find(({ level }) => level === this.level);
+    const corners = (here ?? outlined[0])?.corners;
+    if (!corners) return null;
+    const mean = (axis: 0 | 1): number =>
+      corners.reduce((sum, { px }) => sum + px[axis]!, 0) / corners.length;
+    return [mean(0), mean(1)];
   });
 
   press(at: CssPoint, touch: boolean): void {
