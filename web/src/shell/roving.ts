@@ -6,14 +6,17 @@ const STEPS: Record<string, number> = { ArrowRight: 1, ArrowDown: 1, ArrowLeft: 
 /** Makes the buttons of a group one tab stop; arrows, Home and End go through them. */
 export const roving: Attachment<HTMLElement> = (group) => {
   const buttons = (): HTMLElement[] => [...group.querySelectorAll<HTMLElement>(FOCUSED)];
-  const settle = (now: Element | null): void => {
+  /** The last one with the focus. */
+  let last: EventTarget | null = null;
+  const settle = (): void => {
     const all = buttons();
-    const one = all.find((button) => button === now) ?? stop(all) ?? all[0];
+    const one =
+      all.find((button) => button === document.activeElement) ??
+      all.find(({ ariaCurrent }) => ariaCurrent === "true") ??
+      all.find((button) => button === last) ??
+      all[0];
     for (const button of all) button.tabIndex = button === one ? 0 : -1;
   };
-  const stop = (all: HTMLElement[]): HTMLElement | undefined =>
-    all.find((button) => button.ariaCurrent === "true") ??
-    all.find((button) => button.getAttribute("tabindex") === "0");
   const key = (event: KeyboardEvent): void => {
     const all = buttons();
     const here = all.indexOf(event.target as HTMLElement);
@@ -29,8 +32,11 @@ export const roving: Attachment<HTMLElement> = (group) => {
     event.stopPropagation();
     all[next]?.focus();
   };
-  const focus = (event: FocusEvent): void => settle(event.target as Element);
-  const observer = new MutationObserver(() => settle(null));
+  const focus = ({ type, target }: FocusEvent): void => {
+    if (type === "focusin") last = target;
+    settle();
+  };
+  const observer = new MutationObserver(settle);
   observer.observe(group, {
     childList: true,
     subtree: true,
@@ -38,10 +44,12 @@ export const roving: Attachment<HTMLElement> = (group) => {
   });
   group.addEventListener("keydown", key);
   group.addEventListener("focusin", focus);
-  settle(null);
+  group.addEventListener("focusout", focus);
+  settle();
   return () => {
     observer.disconnect();
     group.removeEventListener("keydown", key);
     group.removeEventListener("focusin", focus);
+    group.removeEventListener("focusout", focus);
   };
 };
