@@ -119,7 +119,15 @@ test("two keys finish a reading and begin the next film", async ({ app, page }) 
   await film.saved();
   await page.keyboard.press("Control+Enter");
   const dialog = page.getByRole("dialog", { name: /finish this reading/i });
-  await expect(dialog).toContainText("Half placed, and left out: L3");
+  await expect(dialog).toContainText("Half placed: L3");
+  await expect(dialog.getByRole("button", { name: /^Finish/ }).first()).toBeDisabled();
+  await page.keyboard.press("Enter");
+  await expect(dialog).toBeHidden();
+  await page.keyboard.press("Control+z");
+  await expect(film.target).toContainText(/L3\s*superior endplate, patient.s left/);
+  await film.saved();
+  await page.keyboard.press("Control+Enter");
+  await expect(dialog).toContainText("1 vertebra has four corners");
   await page.keyboard.press("Enter");
   await expect(page.getByRole("link", { name: /^Left bending/ })).toHaveAttribute(
     "aria-current",
