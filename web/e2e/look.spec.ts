@@ -73,7 +73,7 @@ test(
     }
     await page.goto(new URL(`#/studies/${DEMO}/measure`, app.address).href);
     await page.setViewportSize({ width: 1280, height: 720 });
-    await page.getByRole("button", { name: /^begin reading/i }).click();
+    await page.getByRole("button", { name: /^start marking/i }).click();
     await expect(page.getByTestId("target")).toContainText("L4", { timeout: 60_000 });
     // All tools and all levels are in view, and the next landmark is readable.
     await expectReadable(page.getByText("superior endplate, patient’s left"));

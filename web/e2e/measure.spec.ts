@@ -406,7 +406,7 @@ test("a scale bar shows lengths at every zoom", async ({ app, page }) => {
   for (const scale of [0, 0.6, 3]) {
     await film.lookAt([900, 1800], scale);
     const [, length, where] = /^(\d+) mm(.*)$/.exec((await bar.textContent())!.trim())!;
-    expect(where).toBe(" detector");
+    expect(where).toBe(" at the detector");
     const drawn = await bar
       .locator("path")
       .last()

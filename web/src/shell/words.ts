@@ -40,8 +40,8 @@ const PLANES: Words<Api<"SpacingPlaneName">> = {
 const ROLES: Words<Api<"RoleName">> = { reader: "Reader", editor: "Editor", admin: "Admin" };
 
 const STATUSES: Words<Api<"StudyStatus">> = {
-  to_mark: "No landmarks",
-  marking: "Landmarks incomplete",
+  to_mark: "Not marked yet",
+  marking: "Being marked",
   measured: "Measured",
   modelled: "Modelled",
   unsupported: "Modelled, not supported",
