@@ -69,6 +69,7 @@ test(
     for (const [name, address, sign] of PAGES) {
       await page.goto(new URL(address, app.address).href);
       await expect(page.getByText(sign).first()).toBeVisible({ timeout: 60_000 });
+      await expect(page.getByText("Loading the film…")).toHaveCount(0);
       wide.push(...(await lookAt(page, name)));
     }
     await page.goto(new URL(`#/studies/${DEMO}/measure`, app.address).href);
