@@ -5,7 +5,7 @@ import path from "node:path";
 import { promisify } from "node:util";
 
 import AxeBuilder from "@axe-core/playwright";
-import { test as base, expect, request, type Page } from "@playwright/test";
+import { test as base, expect, request, type Locator, type Page } from "@playwright/test";
 
 import type { Api } from "../src/api/types";
 
@@ -185,6 +185,30 @@ export async function expectAccessible(page: Page): Promise<void> {
     where: nodes.map((node) => `${node.target.join(" ")}: ${node.failureSummary}`),
   }));
   expect(found).toEqual([]);
+}
+
+/** Fails if any part of a text is outside of the window, cut by a box around it, or covered. */
+export async function expectReadable(text: Locator): Promise<void> {
+  await expect(text).toBeInViewport({ ratio: 1 });
+  const why = await text.evaluate((element) => {
+    const range = document.createRange();
+    range.selectNodeContents(element);
+    const words = range.getBoundingClientRect();
+    for (let box = element as Element | null; box; box = box.parentElement) {
+      if (getComputedStyle(box).overflow === "visible") continue;
+      const { left, right, top, bottom } = box.getBoundingClientRect();
+      const isInside =
+        words.left >= left - 1 &&
+        words.right <= right + 1 &&
+        words.top >= top - 1 &&
+        words.bottom <= bottom + 1;
+      if (!isInside) return `cut by <${box.localName} class="${box.className}">`;
+    }
+    const middle = [words.x + words.width / 2, words.y + words.height / 2] as const;
+    const seen = document.elementFromPoint(...middle);
+    return seen && (seen.contains(element) || element.contains(seen)) ? "" : "covered";
+  });
+  expect(why).toBe("");
 }
 
 /** A page of Playwright or of Puppeteer. */

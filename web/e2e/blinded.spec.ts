@@ -79,15 +79,15 @@ test(
     const second = await beginNext(bob);
     expect(second).not.toBe(first);
     await film.painted();
-    // A reading with an incomplete vertebra is refused with its name.
+    // A reading with an incomplete vertebra cannot be finished, and the vertebra is named.
     await film.viewer.focus();
     await bob.keyboard.press("c");
     await bob.keyboard.press("Enter");
     await film.saved();
     await bob.getByRole("button", { name: /finish reading/i }).click();
     const dialog = bob.getByRole("dialog", { name: /finish this reading/i });
-    await dialog.getByRole("button", { name: "Finish", exact: true }).click();
-    await expect(dialog.getByRole("alert")).toContainText("L4");
+    await expect(dialog.getByRole("button", { name: "Finish", exact: true })).toBeDisabled();
+    await expect(dialog).toContainText("Half placed: L4");
     await shot(bob, "blinded-finish-refused");
     await dialog.getByRole("button", { name: "Continue reading" }).click();
     await bob.getByRole("button", { name: "Undo" }).click();

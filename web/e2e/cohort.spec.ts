@@ -1,5 +1,5 @@
 import { expect, shot, test } from "./app";
-import { answerWith, cohort } from "./made";
+import { answerWith, cohort, largeCohort } from "./made";
 
 test("the cohort shows a sortable table, charts, comparisons and agreement", async ({
   app,
@@ -40,6 +40,41 @@ test("the cohort shows a sortable table, charts, comparisons and agreement", asy
     .poll(() => page.evaluate(() => document.documentElement.scrollWidth))
     .toBeLessThanOrEqual(1024);
   await shot(page, "cohort-tablet");
+});
+
+test("a cohort of forty studies with six readings is a page, and a study is shown on request", async ({
+  app,
+  page,
+}) => {
+  await answerWith(page, "/api/cohort", largeCohort());
+  await app.open(page);
+  await page.getByRole("link", { name: "Cohort" }).click();
+  const agreement = page.getByRole("region", { name: "Table of agreement" });
+  await expect(agreement.getByRole("rowheader")).toHaveCount(24);
+  const plot = page.getByRole("img", { name: /Bland–Altman plot of 3000 pairs/ });
+  await expect(plot).toHaveCount(1);
+  await expect(page.getByText("Finding 3 of the cohort.")).toBeVisible();
+  await expect(page.getByText("Finding 4 of the cohort.")).toBeHidden();
+  const { nodes, height, resized_ms } = await page.evaluate(async () => {
+    const start = performance.now();
+    document.querySelector<HTMLElement>("main")!.style.width = "900px";
+    for (let i = 0; i < 2; i += 1) await new Promise(requestAnimationFrame);
+    const main = document.querySelector("main > .page")!;
+    return {
+      nodes: document.querySelectorAll("*").length,
+      height: main.scrollHeight,
+      resized_ms: performance.now() - start,
+    };
+  });
+  expect(nodes).toBeLessThan(3_000);
+  expect(height).toBeLessThan(6_000);
+  expect(resized_ms).toBeLessThan(1_000);
+  await page.getByRole("combobox", { name: "Readings of" }).selectOption("S-007");
+  await expect(page.getByRole("img", { name: /Bland–Altman plot of 75 pairs/ })).toHaveCount(1);
+  await agreement.getByRole("button", { name: "Plot of quantity 9" }).click();
+  await expect(page.getByRole("heading", { name: "quantity 9" })).toBeVisible();
+  await page.getByRole("heading", { name: "quantity 9" }).scrollIntoViewIfNeeded();
+  await shot(page, "cohort-large");
 });
 
 test("an empty cohort says which studies are needed", async ({ app, page }) => {

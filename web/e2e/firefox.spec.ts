@@ -86,7 +86,7 @@ test("Firefox: a study, its landmarks and its model", { tag: "@long" }, async ({
     await page.locator("input").fill("tester");
     await page.locator("::-p-aria([role='button'])::-p-text(Open)").click();
     await page.locator("button::-p-text(demo)").click();
-    await page.locator("button::-p-text(Begin reading)").click();
+    await page.locator("button::-p-text(Start marking)").click();
     await film.reads("[data-testid='target']", /L4/);
     await page.waitForFunction(() => performance.getEntriesByName("film-painted").length > 0);
 

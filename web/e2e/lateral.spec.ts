@@ -81,7 +81,7 @@ test(
       page.getByRole("region", { name: "Second film" }),
     ];
     await expect(lateral.getByText("patient’s FRONT")).toBeVisible();
-    await page.getByLabel("Height of").selectOption("T9");
+    await page.getByLabel("Show on both films").selectOption("T9");
     for (const film of [erect, lateral]) {
       await expect(film.locator('[data-height="T9"]')).toHaveCount(1);
       await expect(film.locator("[data-height]")).toHaveCount(1);

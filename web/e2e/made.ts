@@ -231,6 +231,34 @@ export function cohort(): Api<"CohortView"> {
   };
 }
 
+/** Forty studies with six readings of every film. */
+export function largeCohort(): Api<"CohortView"> {
+  const [pooled] = cohort().reliability;
+  const scopes = ["all studies", ...manyStudies(40).map(({ id }) => id)];
+  const pairs = (
+    count: number,
+    seed: number,
+  ): Pick<Api<"BlandAltmanView">, "means" | "differences"> => ({
+    means: Array.from({ length: count }, (_, i) => 20 + ((i * 7.31 + seed) % 40)),
+    differences: Array.from({ length: count }, (_, i) => 3 * Math.sin(i * 9.1 + seed)),
+  });
+  const reliability = scopes.flatMap((scope, place) =>
+    Array.from({ length: 24 }, (_, index) => ({
+      ...pooled!,
+      quantity: `quantity ${index + 1}`,
+      scope,
+      bland_altman: { ...pooled!.bland_altman!, ...pairs(place === 0 ? 3_000 : 75, index) },
+    })),
+  );
+  const sentences = Array.from({ length: 25 }, (_, index) => `Finding ${index + 1} of the cohort.`);
+  const charts = cohort().charts.map((chart) => ({
+    ...chart,
+    boxes: chart.boxes.map((box) => ({ ...box, outliers: pairs(2_000, 0).means })),
+  }));
+  const rows = manyStudies(40).map((study, index) => cohortRow(study, index));
+  return { ...cohort(), rows, charts, reliability, verdict: sentences };
+}
+
 function cohortRow(study: Api<"StudySummary">, index: number): Api<"CohortRow"> {
   const cobb_deg = 30 + ((index * 37) % 23);
   const isUnknown = index === 5;

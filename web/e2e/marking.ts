@@ -28,7 +28,7 @@ export class FilmPage {
   }
 
   async begin(): Promise<void> {
-    await this.page.getByRole("button", { name: /^begin reading/i }).click({ timeout: 90_000 });
+    await this.page.getByRole("button", { name: /^start marking/i }).click({ timeout: 90_000 });
     await expect(this.target).toContainText("L4", { timeout: 60_000 });
     await this.painted();
   }

@@ -107,12 +107,12 @@ test("a model is drawn, with its stiffness, its line and its force", async ({ ap
 
   await expect(page.getByText("Synthetic films: no patient")).toBeVisible();
   await expect(view.getByText("Seen from behind")).toBeVisible();
-  await expect(view.getByText("100 patient mm")).toBeVisible();
+  await expect(view.getByText("100 mm at the spine")).toBeVisible();
   // Contradictions come before the numbers.
   const findings = page.getByRole("complementary", { name: "Findings" });
   const words = await findings.innerText();
   expect(words).toContain("1 contradiction, 1 warning");
-  expect(words.indexOf("Contradiction")).toBeLessThan(words.indexOf("1.6 patient mm"));
+  expect(words.indexOf("Contradiction")).toBeLessThan(words.indexOf("1.6 mm"));
   for (const verdict of ["Ratio only", "Contradicted", "At a bound"]) {
     await expect(findings.getByText(verdict, { exact: true })).toBeVisible();
   }
@@ -202,8 +202,8 @@ test("held-out and fitted films are labelled", async ({ app, page }) => {
   await expect(postures.getByRole("button", { name: "Left bending fitted" })).toBeVisible();
   await expect(postures.getByRole("button", { name: "Neutral held out" })).toBeVisible();
   const table = page.getByRole("table", { name: "The lines of action compared" });
-  await expect(table.getByRole("row", { name: /Inflection line/ })).toContainText("1.6 patient mm");
-  await expect(table.getByRole("row", { name: /Inflection line/ })).toContainText("3.4 patient mm");
+  await expect(table.getByRole("row", { name: /Inflection line/ })).toContainText("1.6 mm");
+  await expect(table.getByRole("row", { name: /Inflection line/ })).toContainText("3.4 mm");
 });
 
 test("a fit that did not converge is never shown as a result", async ({ app, page }) => {

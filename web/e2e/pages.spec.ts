@@ -174,7 +174,9 @@ test("repeated texts of a cohort and of a model are all shown", async ({ app, pa
   await answerWith(page, "/api/cohort", twice);
   await app.open(page);
   await page.goto(new URL("#/cohort", app.address).href);
-  await expect(page.getByText("MDC95")).toHaveCount(3);
+  const agreement = page.getByRole("region", { name: "Table of agreement" });
+  await expect(agreement.getByRole("rowheader")).toHaveCount(2);
+  await expect(agreement.getByText("3.1°; 3.1°")).toHaveCount(1);
   const model = modelView();
   const sentence = model.verdict[0]!;
   const view = { ...model, verdict: [sentence, sentence] };

@@ -144,7 +144,7 @@ async function expectLooking(app: App, ef: Page): Promise<void> {
   await expect(
     ef.getByText("You can view this study, but you cannot edit its landmarks."),
   ).toBeVisible();
-  for (const name of [/^begin reading/i, /^scale$/i, /finish reading/i, /^mark$/i, /undo/i])
+  for (const name of [/^start marking/i, /^scale$/i, /finish reading/i, /^mark$/i, /undo/i])
     await expect(ef.getByRole("button", { name })).toHaveCount(0);
   await shot(ef, "people-reader");
   const { body } = await get<Api<"StudyDetail">>(ef, `/api/studies/${SHARED}`);

@@ -281,7 +281,7 @@ test(
       .getByRole("group", { name: "Fields of load 1" })
       .getByLabel("Displacement")
       .fill("12");
-    await expect(page.getByText(/^The loads have changed: the intervals/)).toBeVisible();
+    await expect(page.getByText(/^The loads have changed: the computed intervals/)).toBeVisible();
     await expect(angles.getByText(", 95 % interval")).toHaveCount(0);
     await expect(page.getByText(/do not cover the errors of the model/)).toHaveCount(0);
     await expect(page.getByText(/advanced \(mm\) 12/i)).toBeVisible();

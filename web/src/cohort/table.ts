@@ -24,6 +24,11 @@ export const headingsOf = (rows: Row[]): string[] => [
   ...new Set(rows.flatMap((row) => row.cells.map((cell) => cell.heading))),
 ];
 
+/** Names of all statistics, in their order. */
+export const statisticsOf = (views: readonly Api<"ReliabilityView">[]): string[] => [
+  ...new Set(views.flatMap(({ statistics }) => statistics.map(({ name }) => name))),
+];
+
 const isEmpty = (cell: Api<"CohortCell"> | undefined): boolean =>
   cell === undefined || cell.text === "–" || cell.text === "";
 

@@ -1,7 +1,7 @@
 import { Latest } from "../api/latest";
 import { measureDrawn } from "../api/studies";
 import type { Api } from "../api/types";
-import type { Hand } from "./gestures";
+import type { PointerMode } from "./gestures";
 import type { Viewer } from "./viewer.svelte";
 import { cssOf, filmOf, type CssPoint, type FilmPoint } from "./viewport";
 
@@ -26,12 +26,12 @@ const NEXT: Record<DrawnKind, readonly string[]> = {
 };
 
 /** A length or an angle that is drawn on a film and not stored. The program measures it. */
-export class Drawing implements Pick<Hand, "press" | "drag" | "release" | "abandon"> {
+export class Drawing implements PointerMode {
   /** Ends of the lines, two by two. */
   ends = $state.raw<readonly FilmPoint[]>([]);
   answer = $state.raw<Api<"DrawnView"> | null>(null);
   error = $state.raw<unknown>(null);
-  isDown = $state(false);
+  #isDown = $state(false);
   /** The end under the pointer. */
   #held: number | null = null;
   #from: CssPoint = [0, 0];
@@ -66,6 +66,10 @@ export class Drawing implements Pick<Hand, "press" | "drag" | "release" | "aband
     return this.ends.length === ENDS[this.kind];
   }
 
+  get magnifies(): boolean {
+    return this.#isDown || (this.viewer.loupe && !this.isComplete);
+  }
+
   /** The next step; null for a complete measurement. */
   get next(): string | null {
     return NEXT[this.kind][this.ends.length] ?? null;
@@ -80,7 +84,7 @@ export class Drawing implements Pick<Hand, "press" | "drag" | "release" | "aband
     const nearest = far.indexOf(Math.min(...far));
     this.#held = nearest >= 0 && far[nearest]! <= reach ? nearest : null;
     this.#from = at;
-    this.isDown = true;
+    this.#isDown = true;
     this.viewer.crosshair = null;
   }
 
@@ -98,7 +102,7 @@ export class Drawing implements Pick<Hand, "press" | "drag" | "release" | "aband
   }
 
   release(at: CssPoint, far: boolean): void {
-    this.isDown = false;
+    this.#isDown = false;
     const end = this.#held === null ? undefined : this.ends[this.#held];
     if (!far && !end) this.placeAt(this.#film(at));
     // The second line may begin at an end of the first one.
@@ -107,7 +111,7 @@ export class Drawing implements Pick<Hand, "press" | "drag" | "release" | "aband
   }
 
   abandon(): void {
-    this.isDown = false;
+    this.#isDown = false;
     this.#held = null;
   }
 

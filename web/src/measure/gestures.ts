@@ -1,4 +1,4 @@
-import type { CssPoint } from "./viewport";
+import type { CssPoint, FilmPoint } from "./viewport";
 
 /** Actions of a pointer on a film. */
 export interface Hand {
@@ -15,6 +15,14 @@ export interface Hand {
   hover(at: CssPoint | null): void;
   /** Action of the left button. */
   leftButton(): "mark" | "pan" | "grey";
+}
+
+/** What the left button, a finger and the crosshair of the keys do on the film. */
+export interface PointerMode extends Pick<Hand, "press" | "drag" | "release" | "abandon"> {
+  /** Whether the loupe helps now. */
+  readonly magnifies: boolean;
+  /** Acts at the crosshair. */
+  placeAt(at: FilmPoint): void;
 }
 
 type Doing = "nothing" | "mark" | "pan" | "grey" | "pinch";

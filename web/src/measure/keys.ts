@@ -1,3 +1,4 @@
+import { act, changeKeys, type Actions } from "../shell/keys.svelte";
 import type { Drawing } from "./drawing.svelte";
 import type { Marking } from "./marking.svelte";
 import { placeOf, type Landmark } from "./landmarks";
@@ -17,14 +18,9 @@ export interface KeyTargets {
   toggleLayer(number: number): void;
   /** Whether lengths and angles can be measured: not in a blinded reading. */
   canDraw: boolean;
+  /** Keys of the page around the film. */
+  more: Actions;
 }
-
-const ARROWS: Record<string, CssPoint> = {
-  ArrowLeft: [-1, 0],
-  ArrowRight: [1, 0],
-  ArrowUp: [0, -1],
-  ArrowDown: [0, 1],
-};
 
 const NUDGE = 0.1;
 const LARGE_NUDGE = 1;
@@ -34,64 +30,27 @@ const LARGE_CROSSHAIR_CSS = 40;
 const ZOOM = 1.25;
 const GREY_CSS = 12;
 
-/** All keys of the film; the help page lists them. */
-export const KEYS: readonly { keys: string; text: string }[] = [
-  { keys: "Click, or C then Enter", text: "place the requested corner" },
-  { keys: "C", text: "crosshair for placing landmarks: arrows move it, Shift in large steps" },
-  { keys: "T", text: "two clicks per vertebra, on the middle of its walls; or four corners" },
-  { keys: "P", text: "propose all vertebrae, from what is marked or from the picture" },
-  {
-    keys: "A, or Enter after two clicks",
-    text: "accept the proposed corners of the next vertebra, or of all that have both clicks",
-  },
-  {
-    keys: "E",
-    text: "mark the pedicles of vertebrae, which give their axial rotation; or corners",
-  },
-  { keys: "N", text: "skip the optional vertebrae and go to the iliac crests" },
-  { keys: "[ ]  Tab", text: "select the previous or next landmark" },
-  {
-    keys: "Arrows",
-    text: "move the selected landmark 0.1 px, rotate an axis 0.1°; with Shift 1 px, 1°",
-  },
-  { keys: "Delete", text: "remove the vertebra of the selected landmark" },
-  { keys: "R", text: "compute the axis from the corners again" },
-  { keys: "Ctrl Z  Ctrl Y", text: "undo, redo" },
-  { keys: "+  −  F", text: "zoom in, zoom out, fit" },
-  { keys: "Space and drag, H", text: "move the film" },
-  { keys: "Right button, W", text: "window and level" },
-  { keys: "V", text: "the next preset of window and level" },
-  { keys: "Q  M", text: "turn the picture 90° clockwise, mirror it; for display only" },
-  {
-    keys: "D  G",
-    text: "measure a length, an angle: click, or C then Enter; Esc begins anew. Nothing is stored",
-  },
-  { keys: "I", text: "invert the grey levels" },
-  { keys: "L", text: "loupe" },
-  { keys: "1 – 7", text: "show or hide a layer" },
-  { keys: "Esc", text: "clear the selection" },
-];
-
 /** Runs the action of a key; returns whether the key has one. */
 export function onKey(event: KeyboardEvent, targets: KeyTargets): boolean {
-  const arrow = ARROWS[event.key];
-  if (event.ctrlKey || event.metaKey) return withControl(event, targets);
-  if (event.altKey) return false;
-  if (arrow) return onArrow(arrow, event.shiftKey, targets);
-  if (event.key === "Tab") return onTab(event.shiftKey ? -1 : 1, targets);
-  if (event.repeat) return event.key === " ";
-  return onLetter(event.key.length === 1 ? event.key.toLowerCase() : event.key, targets);
+  const { viewer, marking, drawing } = targets;
+  const arrow = (step: CssPoint) => () => onArrow(step, event.shiftKey, targets);
+  const moves: Actions = {
+    ArrowLeft: arrow([-1, 0]),
+    ArrowRight: arrow([1, 0]),
+    ArrowUp: arrow([0, -1]),
+    ArrowDown: arrow([0, 1]),
+    Tab: () => onTab(event.shiftKey ? -1 : 1, targets),
+    ...changeKeys(marking),
+  };
+  // The browser would scroll while the bar is down.
+  if (event.repeat) return act(event, { ...moves, " ": () => {} });
+  const ofTool = drawing
+    ? drawKeys(viewer, drawing)
+    : marking && markKeys(viewer, marking, targets);
+  return act(event, { ...ofTool, ...viewKeys(viewer, targets), ...moves });
 }
 
-function withControl(event: KeyboardEvent, { marking }: KeyTargets): boolean {
-  const key = event.key.toLowerCase();
-  if (!marking || (key !== "z" && key !== "y")) return false;
-  if (key === "y" || event.shiftKey) marking.redo();
-  else marking.undo();
-  return true;
-}
-
-function onArrow([x, y]: CssPoint, large: boolean, targets: KeyTargets): boolean {
+function onArrow([x, y]: CssPoint, large: boolean, targets: KeyTargets): void {
   const { viewer, marking, drawing } = targets;
   const by = (step: number): CssPoint => [x * step, y * step];
   if (viewer.tool === "window") viewer.drawGrey(by(GREY_CSS));
@@ -99,7 +58,6 @@ function onArrow([x, y]: CssPoint, large: boolean, targets: KeyTargets): boolean
   else if (viewer.crosshair) {
     viewer.moveCrosshair(by(large ? LARGE_CROSSHAIR_CSS : CROSSHAIR_CSS));
   } else viewer.panBy(by(-PAN_CSS));
-  return true;
 }
 
 /** Moves the selected landmark, or rotates its axis, in the directions of the screen. */
@@ -122,29 +80,12 @@ function onTab(by: 1 | -1, { viewer, marking, drawing }: KeyTargets): boolean {
   return stays;
 }
 
-function onLetter(key: string, targets: KeyTargets): boolean {
-  const { viewer, marking } = targets;
-  if (/^[1-7]$/.test(key)) {
-    targets.toggleLayer(Number(key));
-    return true;
-  }
-  const { drawing } = targets;
-  const ofTool = drawing
-    ? drawKeys(viewer, drawing)
-    : marking && markKeys(viewer, marking, targets);
-  const ofView = viewKeys(viewer, targets);
-  const action = ofView[key] ?? ofTool?.[key];
-  action?.();
-  return action !== undefined;
-}
-
-type Actions = Partial<Record<string, () => void>>;
-
 function viewKeys(viewer: Viewer, targets: KeyTargets): Actions {
   const toggle = (tool: "pan" | "window" | "length" | "angle") => () => {
     viewer.tool = viewer.tool === tool ? "mark" : tool;
   };
   const measures = targets.canDraw ? { d: toggle("length"), g: toggle("angle") } : {};
+  const layer = (number: number) => () => targets.toggleLayer(number);
   return {
     "+": () => viewer.zoomBy(ZOOM),
     "=": () => viewer.zoomBy(ZOOM),
@@ -156,6 +97,14 @@ function viewKeys(viewer: Viewer, targets: KeyTargets): Actions {
     q: () => viewer.turn(),
     m: () => viewer.mirror(),
     ...measures,
+    1: layer(1),
+    2: layer(2),
+    3: layer(3),
+    4: layer(4),
+    5: layer(5),
+    6: layer(6),
+    7: layer(7),
+    ...targets.more,
     i: () => targets.invert(),
     l: () => (viewer.loupe = !viewer.loupe),
   };

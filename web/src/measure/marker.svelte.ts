@@ -1,7 +1,7 @@
-import type { Hand } from "./gestures";
+import type { PointerMode } from "./gestures";
 import { landmarkAt, placeOfProposed, proposedAt } from "./hit";
 import type { Marking } from "./marking.svelte";
-import { placeOf, type Landmark } from "./landmarks";
+import { cranialFirst, placeOf, type Landmark } from "./landmarks";
 import type { Viewer } from "./viewer.svelte";
 import { cssOf, filmOf, type CssPoint, type FilmPoint } from "./viewport";
 
@@ -13,11 +13,9 @@ const ASKED_REACH_CSS = { mouse: 6, touch: 16 };
 const ASKED_CLICK_CSS = { mouse: 3, touch: 10 };
 
 /** Actions of the left button or a finger on the film during a reading. */
-export class Marker implements Pick<Hand, "press" | "drag" | "release" | "abandon"> {
-  /** End points of the scale tool. */
-  scale = $state.raw<readonly FilmPoint[]>([]);
+export class Marker implements PointerMode {
   /** Whether a finger or a button is down. */
-  isDown = $state(false);
+  #isDown = $state(false);
   #held: Landmark | null = null;
   /** Offset from the pointer to the grabbed landmark. */
   #grip: CssPoint = [0, 0];
@@ -28,6 +26,12 @@ export class Marker implements Pick<Hand, "press" | "drag" | "release" | "abando
     readonly marking: Marking,
   ) {}
 
+  get magnifies(): boolean {
+    const { marking, viewer } = this;
+    if (!marking.changeable || viewer.tool !== "mark") return false;
+    return this.#isDown || (viewer.loupe && marking.target !== null);
+  }
+
   /** The current vertebra. */
   readonly level = $derived.by(() => {
     const { selected, target } = this.marking;
@@ -35,13 +39,27 @@ export class Marker implements Pick<Hand, "press" | "drag" | "release" | "abando
     return target && "level" in target ? target.level : null;
   });
 
+  /** Middle of the current vertebra as placed or proposed, or of the uppermost one. */
+  readonly middle = $derived.by((): FilmPoint | null => {
+    const { vertebrae, proposals } = this.marking.reading;
+    const outlined = vertebrae
+      .filter(({ corners }) => corners.length > 1)
+      .toSorted((a, b) => cranialFirst(a.level, b.level));
+    const here = [...proposals, ...outlined].find(({ level }) => level === this.level);
+    const corners = (here ?? outlined[0])?.corners;
+    if (!corners) return null;
+    const mean = (axis: 0 | 1): number =>
+      corners.reduce((sum, { px }) => sum + px[axis]!, 0) / corners.length;
+    return [mean(0), mean(1)];
+  });
+
   press(at: CssPoint, touch: boolean): void {
     const { viewer, marking } = this;
-    this.isDown = true;
+    this.#isDown = true;
     this.#reach = touch ? "touch" : "mouse";
     viewer.crosshair = null;
     this.#held = null;
-    if (viewer.tool === "scale" || !marking.changeable) return;
+    if (!marking.changeable) return;
     const reach = (marking.target ? ASKED_REACH_CSS : REACH_CSS)[this.#reach];
     const placed = landmarkAt(marking.reading, viewer.view, at, reach, this.level);
     this.#held = placed ?? proposedAt(marking.proposals, viewer.view, at, reach);
@@ -58,19 +76,17 @@ export class Marker implements Pick<Hand, "press" | "drag" | "release" | "abando
   }
 
   release(at: CssPoint, far: boolean): void {
-    this.isDown = false;
+    this.#isDown = false;
     const held = this.#held;
     this.#held = null;
-    if (this.viewer.tool === "scale") {
-      this.#scaleClick(filmOf(this.viewer.view, at));
-    } else if (far && held) {
+    if (far && held) {
       this.marking.drop();
       this.marking.select(held);
     } else this.#click(at);
   }
 
   abandon(): void {
-    this.isDown = false;
+    this.#isDown = false;
     this.#held = null;
     this.marking.abandonDrag();
   }
@@ -91,10 +107,6 @@ export class Marker implements Pick<Hand, "press" | "drag" | "release" | "abando
     if (near) marking.select(near);
     else if (marking.target) marking.select(this.placeAt(filmOf(viewer.view, at)));
     else marking.select(null);
-  }
-
-  #scaleClick(at: FilmPoint): void {
-    this.scale = this.scale.length === 2 ? [at] : [...this.scale, at];
   }
 
   #under(at: CssPoint): FilmPoint {

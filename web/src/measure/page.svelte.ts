@@ -2,6 +2,7 @@ import { beginReading, readReading } from "../api/readings";
 import { editFilm, readStudy } from "../api/studies";
 import type { Api } from "../api/types";
 import { backAfter } from "../shell/loaded.svelte";
+import { inFilmOrder } from "../shell/words";
 import { nameTab } from "./keeping";
 import { Marking } from "./marking.svelte";
 import { movedText } from "./scale";
@@ -31,8 +32,14 @@ export class StudyPage {
 
   constructor(readonly study: string) {}
 
+  /** In the usual order. */
   get films(): FilmSummary[] {
-    return this.detail?.summary.films ?? [];
+    return inFilmOrder(this.detail?.summary.films ?? []);
+  }
+
+  /** The next or previous film. */
+  beside(by: 1 | -1): FilmSummary | null {
+    return this.films[this.films.findIndex(({ film }) => film === this.#film) + by] ?? null;
   }
 
   /** The signed-in person's readings of the film. */
@@ -72,14 +79,15 @@ export class StudyPage {
     });
   }
 
-  /** Shows a film with the person's latest unfinished reading, if there is one. */
-  async open(film: number | undefined): Promise<void> {
+  /** Shows a film with the person's latest unfinished reading, if there is one; or begins the first one. */
+  async open(film: number | undefined, begins = false): Promise<void> {
     const erect = this.films.find(({ posture }) => posture === "erect");
     const chosen = this.films.find((one) => one.film === film) ?? erect ?? this.films[0];
     this.#film = chosen?.film ?? null;
     const latest = this.mine.toSorted((a, b) => b.repeat - a.repeat);
     const reading = latest.find(({ finished }) => !finished) ?? latest[0];
     await this.openReading(reading?.reading ?? null);
+    if (begins && !reading && this.mayMark && this.#film === film) await this.begin();
   }
 
   async openReading(reading: number | null): Promise<void> {

@@ -21,7 +21,10 @@ export function candidates(
     .map((account) => {
       const role = roleOf(account);
       const canRead = role === "admin" || role === "editor";
-      return { name: account.name, trouble: canRead ? null : "may not place landmarks here" };
+      return {
+        name: account.name,
+        trouble: canRead ? null : "needs the role editor in this study",
+      };
     });
 }
 

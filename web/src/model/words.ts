@@ -1,5 +1,5 @@
 import type { Api } from "../api/types";
-import { fixed } from "../shell/number";
+import { fixed, withUnit } from "../shell/number";
 
 type Identified = Api<"Identified">;
 
@@ -25,6 +25,6 @@ export const lineToken = (line: Api<"LineKindName">): string => LINE_TOKENS[line
 
 /** A length in the unit of the study; the reason for an absent one is shown beside it. */
 export const lengthText = (value_mm: number | null | undefined, unit: string): string =>
-  value_mm === null || value_mm === undefined ? "none" : `${fixed(value_mm, 1)} ${unit}`;
+  value_mm === null || value_mm === undefined ? "none" : withUnit(fixed(value_mm, 1), unit);
 
 export const factorText = (factor: number): string => `× ${fixed(factor, 2)}`;

@@ -160,6 +160,22 @@ export function pointed(load: Load, left: 1 | -1, midpointOf: (level: string) =>
   );
 }
 
+/** Vertebrae between the pad of a brace and its counter-pads. */
+const BRACE_REACH = 4;
+
+/** A three-point brace: a pad, and a counter-pad above and below it that hold the spine from the other side. */
+export function brace(pad: Load & { kind: "pad" }, levels: readonly string[]): Load[] {
+  const here = levels.indexOf(pad.level);
+  const places = [here - BRACE_REACH, here + BRACE_REACH].map((place) =>
+    Math.max(0, Math.min(place, levels.length - 1)),
+  );
+  const direction = pad.direction.map((value) => (value === 0 ? 0 : -value));
+  const held = places
+    .filter((place) => place !== here)
+    .map((place) => ({ ...pad, level: at(levels, place), direction, advance_mm: 0 }) as Load);
+  return [pad, ...held];
+}
+
 /** A vector of the same length, to one side. */
 function sideways(vector: readonly number[], left: 1 | -1): number[] {
   return [0, left * Math.hypot(...vector), 0];

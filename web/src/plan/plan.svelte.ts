@@ -108,9 +108,11 @@ export class Plan {
     return this.isCurrent ? (this.answer?.loads[index] ?? null) : null;
   }
 
-  add(load: Load): void {
-    this.#change([...this.loads, load]);
-    this.chosen = this.loads.length - 1;
+  /** Adds loads as one change; the first of them is edited. */
+  add(...loads: Loads): void {
+    const first = this.loads.length;
+    this.#change([...this.loads, ...loads]);
+    this.chosen = first;
   }
 
   /** Replaces a load; consecutive changes with the same word are undone together. */

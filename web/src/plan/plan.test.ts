@@ -2,10 +2,20 @@ import { afterEach, beforeEach, expect, it, vi } from "vitest";
 
 import type { Point } from "../model/shapes";
 import { arrowOf, endsOf } from "./arrows";
-import { fieldsOf, loadsOf, moved, pointed, textOf, valueOf, type Load } from "./loads";
+import {
+  brace,
+  fieldsOf,
+  levelOf,
+  loadsOf,
+  moved,
+  pointed,
+  textOf,
+  valueOf,
+  type Load,
+} from "./loads";
 import { Plan } from "./plan.svelte";
 
-const PAD: Load = {
+const PAD: Load & { kind: "pad" } = {
   kind: "pad",
   level: "T8",
   direction: [0, 1, 0],
@@ -168,4 +178,36 @@ it("shows intervals with the loads that they were computed for, and with no othe
   own.again();
   expect([own.intervals, own.intervalRows]).toEqual([null, []]);
   own.leave();
+});
+
+it("a brace has a pad and counter-pads on the other side, at vertebrae that exist", () => {
+  const levels = [
+    "L3",
+    "L2",
+    "L1",
+    "T12",
+    "T11",
+    "T10",
+    "T9",
+    "T8",
+    "T7",
+    "T6",
+    "T5",
+    "T4",
+    "T3",
+    "T2",
+  ] as const;
+  const of = (level: (typeof levels)[number]) => brace({ ...PAD, level }, levels);
+  const [pad, ...held] = of("T8");
+  expect(pad).toEqual(PAD);
+  expect(held).toMatchObject([
+    { level: "T12", direction: [0, -1, 0], advance_mm: 0 },
+    { level: "T4", direction: [0, -1, 0], advance_mm: 0 },
+  ]);
+  expect(of("L2").map(levelOf)).toEqual(["L2", "L3", "T10"]);
+  expect(of("T2").map(levelOf)).toEqual(["T2", "T6"]);
+  const own = plan();
+  own.add(...of("T8"));
+  own.undo();
+  expect(own.loads).toEqual([]);
 });

@@ -14,6 +14,14 @@ const isNumber = (value: number | null | undefined): value is number =>
 export const fixed = (value: number | null | undefined, places: number): string =>
   isNumber(value) ? withMinus(value.toFixed(places)) : "–";
 
+/** A written number with its unit: the patient's lengths are the usual ones, and a degree sign has no space. */
+export const withUnit = (number: string, unit: string): string =>
+  unit === "°" ? `${number}°` : `${number} ${unit === "patient mm" ? "mm" : unit}`;
+
+/** The same below a scale bar, where the plane counts. */
+export const barText = (length_mm: number, unit: string): string =>
+  `${withUnit(String(length_mm), unit)}${unit === "patient mm" ? " at the spine" : ""}`;
+
 /** A number with three digits, such as `−12.3`; `–` for a missing one. */
 export const threeDigits = (value: number | null | undefined): string =>
   isNumber(value) ? withMinus(DIGITS.format(value)) : "–";

@@ -40,8 +40,8 @@ const PLANES: Words<Api<"SpacingPlaneName">> = {
 const ROLES: Words<Api<"RoleName">> = { reader: "Reader", editor: "Editor", admin: "Admin" };
 
 const STATUSES: Words<Api<"StudyStatus">> = {
-  to_mark: "No landmarks",
-  marking: "Landmarks incomplete",
+  to_mark: "Not marked yet",
+  marking: "Being marked",
   measured: "Measured",
   modelled: "Modelled",
   unsupported: "Modelled, not supported",
@@ -69,6 +69,10 @@ export const postures = Object.keys(POSTURES) as Api<"PostureName">[];
 
 /** The views of films, in the usual order. */
 export const filmViews = Object.keys(VIEWS) as Api<"FilmViewName">[];
+
+/** Films in the usual order of their views. */
+export const inFilmOrder = <F extends { posture: Api<"FilmViewName"> }>(films: readonly F[]): F[] =>
+  films.toSorted((a, b) => filmViews.indexOf(a.posture) - filmViews.indexOf(b.posture));
 
 /** The posture on a frontal film. */
 export const postureOf = (view: Api<"FilmViewName">): Api<"PostureName"> | null =>
