@@ -146,7 +146,6 @@ pub fn resolve(
     let spacing = spacing(args, view, seen, &mut notes)?;
     let inverted = view.posture().is_some_and(|posture| args.invert.contains(&posture));
     let (columns, rows, is_phantom) = (seen.columns, seen.rows, seen.tags.is_phantom);
-    let source = seen.source.clone();
     Ok(Ok(ResolvedFilm {
         view,
         index,
@@ -157,7 +156,7 @@ pub fn resolve(
         inverted,
         simultaneous: false,
         is_phantom,
-        source,
+        source: seen.source.clone(),
         notes,
     }))
 }
