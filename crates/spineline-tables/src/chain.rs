@@ -54,7 +54,13 @@ fn columns_of_segments(add: &mut Columns<'_, SegmentRow<'_>>) {
     add.number("d", mm, "link offset", |row| row.item.mm(row.item.row.d_mm)).format = Places(0);
     add.number("theta", Unit::Degrees, "joint variable", |row| row.item.row.theta.deg()).format =
         Places(9);
-    add.number("joint_y", mm, "joint at the caudal end of the segment, relative to the midpoint of the base; positive to the patient's left", |row| row.item.mm(row.item.joint.y_mm)).format = Places(6);
+    add.number(
+        "joint_y",
+        mm,
+        "joint at the caudal end of the segment, relative to the midpoint of the base; positive to the patient's left",
+        |row| row.item.mm(row.item.joint.y_mm),
+    )
+    .format = Places(6);
     add.number("joint_z", mm, "the same, positive upwards", |row| {
         row.item.mm(row.item.joint.z_mm)
     })

@@ -55,18 +55,38 @@ fn columns_of_curves(add: &mut Columns<'_, ClinicalRow<'_>>) {
     add.text("convex", "the patient's side to which the erect curve is convex", |row| {
         row.item.curve.convex.map(|side| side.to_string())
     });
-    add.number("cobb", Unit::Degrees, "Cobb angle between endplates; positive where convex to the patient's left; empty where no corners are known", |row| row.item.curve.cobb_in(row.item.posture).map(Angle::deg));
-    add.number("tilt_range", Unit::Degrees, "tilt of the upper minus tilt of the lower end vertebra; positive where convex to the patient's left", |row| Some(row.item.curve.angles_in(row.item.posture)?.tilt_range.deg()));
+    add.number(
+        "cobb",
+        Unit::Degrees,
+        "Cobb angle between endplates; positive where convex to the patient's left; empty where no corners are known",
+        |row| row.item.curve.cobb_in(row.item.posture).map(Angle::deg),
+    );
+    add.number(
+        "tilt_range",
+        Unit::Degrees,
+        "tilt of the upper minus tilt of the lower end vertebra; positive where convex to the patient's left",
+        |row| Some(row.item.curve.angles_in(row.item.posture)?.tilt_range.deg()),
+    );
     add.number(
         "ferguson",
         Unit::Degrees,
         "Ferguson angle; positive where convex to the patient's left",
         |row| row.item.angle(&row.item.curve.ferguson),
     );
-    add.number("apical_translation", Unit::Millimetres, "distance of the apex from the central sacral vertical line on the erect film, positive to the patient's left; only in the row of the erect film", |row| {
+    add.number(
+        "apical_translation",
+        Unit::Millimetres,
+        "distance of the apex from the central sacral vertical line on the erect film, positive to the patient's left; only in the row of the erect film",
+        |row| {
                 let region = row.item.erect()?.region;
                 let balance = row.analysis.movement.balance.as_ref()?;
                 row.analysis.movement.scale().mm(balance.apical_translation_mm[region.index()])
-            });
-    add.number("flexibility", Unit::One, "share of the erect Cobb angle (tilt range without corners) that the bend to the convex side corrects; only in the row of the erect film", |row| row.item.erect()?.flexibility);
+            },
+    );
+    add.number(
+        "flexibility",
+        Unit::One,
+        "share of the erect Cobb angle (tilt range without corners) that the bend to the convex side corrects; only in the row of the erect film",
+        |row| row.item.erect()?.flexibility,
+    );
 }

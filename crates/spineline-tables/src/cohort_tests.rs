@@ -111,7 +111,11 @@ fn compared(add: &mut Columns<'_, Test<'_>>) {
     });
     add.count("patients", "number of patients", |row| row.comparison.patients() as i64);
     add.count("films_compared", "films on which both have a result", |row| row.films as i64);
-    add.count("films_not_compared", "films on which one of two lines lacks a result; empty beside predictions without mechanics", |row| row.films_not_compared.map(|films| films as i64));
+    add.count(
+        "films_not_compared",
+        "films on which one of two lines lacks a result; empty beside predictions without mechanics",
+        |row| row.films_not_compared.map(|films| films as i64),
+    );
 }
 
 fn difference(add: &mut Columns<'_, Test<'_>>) {
@@ -148,11 +152,21 @@ fn probabilities(add: &mut Columns<'_, Test<'_>>) {
     add.number("sign_flip_p", Unit::One, "p value of the sign-flip test over patients", |row| {
         row.comparison.sign_flip.map(|test| test.p_two_sided)
     });
-    add.number("holm_p", Unit::One, "the same, corrected by Holm over all tests of its family: pairs of lines, lines against predictions without mechanics, or other loads against these", |row| row.holm_p);
+    add.number(
+        "holm_p",
+        Unit::One,
+        "the same, corrected by Holm over all tests of its family: pairs of lines, lines against predictions without mechanics, or other loads against these",
+        |row| row.holm_p,
+    );
     add.number("patient_t_p", Unit::One, "p value of the paired t-test over patients", |row| {
         row.comparison.patients.map(|test| test.p_two_sided)
     });
-    add.number("pooled_t_p", Unit::One, "p value of the paired t-test over all vertebrae or angles, as in the paper; far too small, since the errors of one patient are not independent", |row| row.comparison.pooled.map(|test| test.p_two_sided));
+    add.number(
+        "pooled_t_p",
+        Unit::One,
+        "p value of the paired t-test over all vertebrae or angles, as in the paper; far too small, since the errors of one patient are not independent",
+        |row| row.comparison.pooled.map(|test| test.p_two_sided),
+    );
     add.text(
         "predicts_better",
         "which of the two predicts better; empty where neither does",

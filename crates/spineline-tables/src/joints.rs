@@ -56,8 +56,17 @@ fn columns_of_joints(add: &mut Columns<'_, JointRow<'_>>) {
     });
     add.text("inferior", "lower vertebra", |row| row.item.inferior.to_string());
     add.text("superior", "upper vertebra", |row| row.item.superior.to_string());
-    add.number("rotation", Unit::Degrees, "measured change of the tilt of the upper vertebra relative to the lower one from the erect film; positive to the patient's right", |row| row.item.evidence.rotation.deg());
-    add.truth("contradicted", "whether the joint turns against the moment of the force (counter-rotating joint): no positive stiffness explains it", |row| row.item.simulated.map(|_| row.item.contradicted().is_some()));
+    add.number(
+        "rotation",
+        Unit::Degrees,
+        "measured change of the tilt of the upper vertebra relative to the lower one from the erect film; positive to the patient's right",
+        |row| row.item.evidence.rotation.deg(),
+    );
+    add.truth(
+        "contradicted",
+        "whether the joint turns against the moment of the force (counter-rotating joint): no positive stiffness explains it",
+        |row| row.item.simulated.map(|_| row.item.contradicted().is_some()),
+    );
     add.number(
         "lever_arm",
         Unit::Millimetres,

@@ -62,7 +62,11 @@ fn which(add: &mut Columns<'_, Number<'_>>) {
         row.spine.synthetic
     });
     add.text("status", "how the search ended; the same in every row", |row| row.spine.status);
-    add.text("quantity", "`cobb`, `tilt_range` or `ferguson` of a curve, positive where convex to the patient's left; `lateral_tilt` and `top_tilt`, positive to the right; `top_offset` and `coronal_balance`, positive to the left; or the `factor` of a search", |row| row.measure.quantity.key());
+    add.text(
+        "quantity",
+        "`cobb`, `tilt_range` or `ferguson` of a curve, positive where convex to the patient's left; `lateral_tilt` and `top_tilt`, positive to the right; `top_offset` and `coronal_balance`, positive to the left; or the `factor` of a search",
+        |row| row.measure.quantity.key(),
+    );
     add.text("region", "region of a curve", |row| {
         row.measure.quantity.region().map(|region| region.key())
     });
@@ -80,7 +84,12 @@ fn numbers(add: &mut Columns<'_, Number<'_>>) {
     add.number("sd", Unit::Stated, "standard deviation over the replicates", |row| {
         Some(row.spread?.spread?.sd)
     });
-    add.number("interval_95_low", Unit::Stated, "2.5 % quantile over the replicates: by landmark noise and scales of the films, without errors of the model", |row| Some(row.spread?.interval_95()?[0]));
+    add.number(
+        "interval_95_low",
+        Unit::Stated,
+        "2.5 % quantile over the replicates: by landmark noise and scales of the films, without errors of the model",
+        |row| Some(row.spread?.interval_95()?[0]),
+    );
     add.number("interval_95_high", Unit::Stated, "97.5 % quantile, likewise", |row| {
         Some(row.spread?.interval_95()?[1])
     });

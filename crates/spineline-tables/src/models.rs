@@ -32,7 +32,12 @@ fn columns_of_models(add: &mut Columns<'_, ModelRow<'_>>) {
         row.item.fit.status.key()
     });
     add.count("iterations", "iterations of the fit", |row| i64::from(row.item.fit.iterations));
-    add.number("residual_rms", Unit::One, "root mean square residual: degrees of Ferguson angles, or standard deviations of a shape (see `fit` in patients)", |row| row.item.fit.residual_rms);
+    add.number(
+        "residual_rms",
+        Unit::One,
+        "root mean square residual: degrees of Ferguson angles, or standard deviations of a shape (see `fit` in patients)",
+        |row| row.item.fit.residual_rms,
+    );
     add.truth(
         "absolute",
         "whether forces and stiffness are absolute; else only ratios are identified",
@@ -104,9 +109,23 @@ fn columns_of_multipliers(add: &mut Columns<'_, MultiplierRow<'_>>) {
     add.truth("at_bound", "whether it reached a limit and is therefore not identified", |row| {
         row.item.model.fit.bounds[row.item.group] != StiffnessBound::Inside
     });
-    add.text("verdict", "whether the films identify it: `interval`, `only_lower`, `only_upper`, `not_identified` or `lost` (did not converge); empty where not requested", |row| row.item.found.map(|found| found.profile.verdict().key()));
-    add.number("interval_95_if_exact_low", Unit::One, "lower end of its 95 % interval if the model is exact; empty where the films set no lower limit", |row| row.item.found.and_then(|found| end(found.profile.lower)));
-    add.number("interval_95_if_exact_high", Unit::One, "upper end of its 95 % interval if the model is exact; empty where the films set no upper limit", |row| row.item.found.and_then(|found| end(found.profile.upper)));
+    add.text(
+        "verdict",
+        "whether the films identify it: `interval`, `only_lower`, `only_upper`, `not_identified` or `lost` (did not converge); empty where not requested",
+        |row| row.item.found.map(|found| found.profile.verdict().key()),
+    );
+    add.number(
+        "interval_95_if_exact_low",
+        Unit::One,
+        "lower end of its 95 % interval if the model is exact; empty where the films set no lower limit",
+        |row| row.item.found.and_then(|found| end(found.profile.lower)),
+    );
+    add.number(
+        "interval_95_if_exact_high",
+        Unit::One,
+        "upper end of its 95 % interval if the model is exact; empty where the films set no upper limit",
+        |row| row.item.found.and_then(|found| end(found.profile.upper)),
+    );
     add.text("interval_coverage", MULTIPLIER_COVERAGE, |row| {
         row.item.found.map(|_| MULTIPLIER_COVERAGE.to_owned())
     });
@@ -169,7 +188,12 @@ fn columns_of_springs(add: &mut Columns<'_, SpringsRow<'_>>) {
         "lateral stiffness before personalisation",
         |row| newton_metres(row.item.nominal.nmm_per_rad, 0),
     );
-    add.number("lateral_relative", Unit::One, "personalised lateral stiffness relative to the nominal one; without a known force only ratios between joints are identified", |row| row.item.personal_nmm_per_rad[0] / row.item.nominal.nmm_per_rad[0]);
+    add.number(
+        "lateral_relative",
+        Unit::One,
+        "personalised lateral stiffness relative to the nominal one; without a known force only ratios between joints are identified",
+        |row| row.item.personal_nmm_per_rad[0] / row.item.nominal.nmm_per_rad[0],
+    );
     add.number(
         "lateral",
         Unit::NewtonMetresPerRadian,
@@ -221,7 +245,11 @@ fn columns_of_lines(add: &mut Columns<'_, LineRow<'_>>) {
         "whether the stiffness was fitted to this film; else the film was held out",
         |row| row.item.simulation.fitted,
     );
-    add.text("status", "`converged`, `unreachable`, `beyond_human_range` or `not_converged`; only the first is a result", |row| row.item.simulation.status.key());
+    add.text(
+        "status",
+        "`converged`, `unreachable`, `beyond_human_range` or `not_converged`; only the first is a result",
+        |row| row.item.simulation.status.key(),
+    );
     add.number(
         "point_y",
         Unit::Millimetres,
@@ -249,11 +277,20 @@ fn columns_of_lines(add: &mut Columns<'_, LineRow<'_>>) {
     add.truth("absolute", "whether the force is in newtons; else it is relative", |row| {
         absolute(row.analysis, row.item.model)
     });
-    add.text("choice", "rule by which this force was chosen: `fitted`, `only_one`, `least_ferguson_error`, `smallest_near_t2` or `nearest_miss`", |row| row.item.simulation.choice.key());
+    add.text(
+        "choice",
+        "rule by which this force was chosen: `fitted`, `only_one`, `least_ferguson_error`, `smallest_near_t2` or `nearest_miss`",
+        |row| row.item.simulation.choice.key(),
+    );
     add.count("alternatives", "number of other forces that reach the same amplitude", |row| {
         row.item.simulation.alternatives.len() as i64
     });
-    add.number("film_scale", Unit::One, "the film's scale against the erect film: from all vertebrae of a fitted film, from T2 of a predicted one", |row| row.item.simulation.scale.factor);
+    add.number(
+        "film_scale",
+        Unit::One,
+        "the film's scale against the erect film: from all vertebrae of a fitted film, from T2 of a predicted one",
+        |row| row.item.simulation.scale.factor,
+    );
     add.number(
         "film_scale_95_low",
         Unit::One,
@@ -327,7 +364,11 @@ fn columns_of_hypotheses(add: &mut Columns<'_, PredictedRow<'_>>) {
         row.item.fit.hypothesis.key()
     });
     add.text("posture", "film", |row| row.item.prediction.posture.key());
-    add.text("role", "`fitted`, `held_out`, `left_out`, `left_out_with_prior`, `left_out_with_tilt` or `left_out_load_fitted`", |row| row.item.prediction.role.key());
+    add.text(
+        "role",
+        "`fitted`, `held_out`, `left_out`, `left_out_with_prior`, `left_out_with_tilt` or `left_out_load_fitted`",
+        |row| row.item.prediction.role.key(),
+    );
     add.text("fit_status", "how the fit to all bends ended", |row| row.item.fit.ending_key());
     add.number(
         "aicc",

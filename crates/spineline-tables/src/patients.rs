@@ -25,13 +25,10 @@ pub(crate) fn table(patients: &[Patient<'_>]) -> Table {
 
 fn subject(add: &mut Columns<'_, PatientRow<'_>>) {
     add.text("sex", "`female`, `male` or `other`, as stated in the case", |row| {
-        row.item.sex.map(|sex| {
-            match sex {
-                Sex::Female => "female",
-                Sex::Male => "male",
-                Sex::Other => "other",
-            }
-            .to_owned()
+        row.item.sex.map(|sex| match sex {
+            Sex::Female => "female",
+            Sex::Male => "male",
+            Sex::Other => "other",
         })
     });
     add.number("age", Unit::Years, "age at the time of the films, as stated in the case", |row| {
@@ -74,7 +71,11 @@ fn curve(add: &mut Columns<'_, PatientRow<'_>>) {
     add.text("chain_top", "highest vertebra of the model, which carries the force", |row| {
         row.analysis.movement.levels().top().to_string()
     });
-    add.text("lengths", "plane of the lengths of the erect film: `patient`, `detector`, `unknown`, or `pixels` without a spacing", |row| row.analysis.movement.scale().plane.key());
+    add.text(
+        "lengths",
+        "plane of the lengths of the erect film: `patient`, `detector`, `unknown`, or `pixels` without a spacing",
+        |row| row.analysis.movement.scale().plane.key(),
+    );
     add.count("chain_segments", "number of segments of the erect chain (n)", |row| {
         row.analysis.movement.chain.segments as i64
     });
@@ -123,8 +124,7 @@ fn findings(add: &mut Columns<'_, PatientRow<'_>>) {
         row.analysis.movement.lenke.map(|lenke| i64::from(lenke.number))
     });
     add.text("sagittal_profile", "`measured` on the lateral film, or of a `population`", |row| {
-        let measured = row.analysis.movement.space.is_some();
-        Some(if measured { "measured" } else { "population" }.to_owned())
+        if row.analysis.movement.space.is_some() { "measured" } else { "population" }
     });
     add.truth("converged", "whether every fit and every search for a force converged", |row| {
         row.analysis.is_converged()
@@ -137,7 +137,7 @@ fn findings(add: &mut Columns<'_, PatientRow<'_>>) {
         "number of contradictions: the data contradict the model, or a number is not a result",
         |row| {
             let all = row.analysis.warnings.all().iter();
-            Some(all.filter(|w| w.code.severity() == Severity::Contradiction).count() as i64)
+            all.filter(|w| w.code.severity() == Severity::Contradiction).count() as i64
         },
     );
 }
@@ -177,14 +177,33 @@ fn balance(add: &mut Columns<'_, PatientRow<'_>>) {
     add.text("plumb_level", "vertebra from which the plumb line falls", |row| {
         Some(row.analysis.movement.balance.as_ref()?.plumb_level.to_string())
     });
-    add.number("coronal_balance", Unit::Millimetres, "distance of the plumb line from the central sacral vertical line, positive to the patient's left", |row| {
+    add.number(
+        "coronal_balance",
+        Unit::Millimetres,
+        "distance of the plumb line from the central sacral vertical line, positive to the patient's left",
+        |row| {
                 let balance = row.analysis.movement.balance.as_ref()?;
                 row.analysis.movement.scale().mm(balance.coronal_balance_mm)
-            });
-    add.number("t1_tilt", Unit::Degrees, "tilt of the superior endplate of T1 against the horizontal; positive where its normal is tilted to the patient's right", |row| row.analysis.movement.balance.as_ref()?.t1_tilt.map(Angle::deg));
+            },
+    );
+    add.number(
+        "t1_tilt",
+        Unit::Degrees,
+        "tilt of the superior endplate of T1 against the horizontal; positive where its normal is tilted to the patient's right",
+        |row| row.analysis.movement.balance.as_ref()?.t1_tilt.map(Angle::deg),
+    );
     add.number("l4_tilt", Unit::Degrees, "the same of L4", |row| {
         row.analysis.movement.balance.as_ref()?.l4_tilt.map(Angle::deg)
     });
-    add.number("pelvic_obliquity", Unit::Degrees, "tilt of the iliac line against the horizontal; positive where the patient's left crest is higher", |row| row.analysis.movement.balance.as_ref()?.pelvic_obliquity.map(Angle::deg));
-    add.text("stable_vertebra", "vertebra below the apex of the main thoracic curve that is nearest to the central sacral vertical line", |row| Some(row.analysis.movement.balance.as_ref()?.stable.to_string()));
+    add.number(
+        "pelvic_obliquity",
+        Unit::Degrees,
+        "tilt of the iliac line against the horizontal; positive where the patient's left crest is higher",
+        |row| row.analysis.movement.balance.as_ref()?.pelvic_obliquity.map(Angle::deg),
+    );
+    add.text(
+        "stable_vertebra",
+        "vertebra below the apex of the main thoracic curve that is nearest to the central sacral vertical line",
+        |row| Some(row.analysis.movement.balance.as_ref()?.stable.to_string()),
+    );
 }

@@ -103,7 +103,12 @@ fn scale_95(row: &PostureRow<'_>, end: usize) -> Option<f64> {
 
 /// The film's length against the erect one.
 fn film_scale(add: &mut Columns<'_, PostureRow<'_>>) {
-    add.number("film_scale_measured", Unit::One, "length of the spine on this film over its length on the erect film, from the locations alone", |row| length(row).map(|length| length.measured.factor));
+    add.number(
+        "film_scale_measured",
+        Unit::One,
+        "length of the spine on this film over its length on the erect film, from the locations alone",
+        |row| length(row).map(|length| length.measured.factor),
+    );
     add.number(
         "film_scale",
         Unit::One,

@@ -51,7 +51,11 @@ pub(crate) fn measures(patients: &[Patient<'_>]) -> Table {
 type NumberRow<'a> = Row<'a, SpatialNumber>;
 
 fn numbers(add: &mut Columns<'_, NumberRow<'_>>) {
-    add.text("quantity", "kyphosis or lordosis by `endplates` or `axes`; `curve_frontal`, `curve_lateral`, `curve_largest` (in the plane of maximum curvature) and `curve_convexity` (0 front, 90 left, 180 back) by axes; `spinal_length`", |row| row.item.key);
+    add.text(
+        "quantity",
+        "kyphosis or lordosis by `endplates` or `axes`; `curve_frontal`, `curve_lateral`, `curve_largest` (in the plane of maximum curvature) and `curve_convexity` (0 front, 90 left, 180 back) by axes; `spinal_length`",
+        |row| row.item.key,
+    );
     add.text("between", "vertebrae between which it is measured, the upper one first", |row| {
         row.item.between.clone()
     });
@@ -81,7 +85,12 @@ fn place_mm(row: &VertebraRow<'_>, part: fn(&Vec3) -> f64) -> Option<f64> {
 
 fn places(add: &mut Columns<'_, VertebraRow<'_>>) {
     add.text("level", "vertebra", |row| row.item.vertebra.level.to_string());
-    add.number("x_3d", Unit::Millimetres, "place from the lowest vertebra on both films, to the front, by the vertical of the films; empty where the erect film has no spacing", |row| place_mm(row, |place| place.x));
+    add.number(
+        "x_3d",
+        Unit::Millimetres,
+        "place from the lowest vertebra on both films, to the front, by the vertical of the films; empty where the erect film has no spacing",
+        |row| place_mm(row, |place| place.x),
+    );
     add.number("y_3d", Unit::Millimetres, "the same to the patient's left", |row| {
         place_mm(row, |place| place.y)
     });
@@ -98,7 +107,12 @@ fn angles(add: &mut Columns<'_, VertebraRow<'_>>) {
     add.number("tilt_2d_sd", Unit::Degrees, "its standard deviation by the landmarks", |row| {
         row.item.vertebra.tilt_sd.deg()
     });
-    add.number("pitch_2d", Unit::Degrees, "angle of the axis from the vertical on the lateral film, corrected for the turn of that film; flexion positive", |row| row.item.vertebra.lateral_pitch.deg());
+    add.number(
+        "pitch_2d",
+        Unit::Degrees,
+        "angle of the axis from the vertical on the lateral film, corrected for the turn of that film; flexion positive",
+        |row| row.item.vertebra.lateral_pitch.deg(),
+    );
     add.number("pitch_3d", Unit::Degrees, "pitch of the axis in space; flexion positive", |row| {
         row.item.vertebra.orientation.pitch.deg()
     });
@@ -108,7 +122,12 @@ fn angles(add: &mut Columns<'_, VertebraRow<'_>>) {
         "its standard deviation by the landmarks and the turn of the lateral film",
         |row| row.item.space.pitch_sd(row.item.vertebra).deg(),
     );
-    add.number("pitch_template", Unit::Degrees, "pitch by the profile of a population, as in a model without the lateral film; empty for vertebrae outside of the model", |row| row.item.template.map(Angle::deg));
+    add.number(
+        "pitch_template",
+        Unit::Degrees,
+        "pitch by the profile of a population, as in a model without the lateral film; empty for vertebrae outside of the model",
+        |row| row.item.template.map(Angle::deg),
+    );
 }
 
 type AxialRow<'a> = Row<'a, &'a AxialRotation>;
@@ -122,14 +141,24 @@ pub(crate) fn axial(patients: &[Patient<'_>]) -> Table {
 
 fn rotations(add: &mut Columns<'_, AxialRow<'_>>) {
     add.text("level", "vertebra", |row| row.item.level.to_string());
-    add.number("axial_3d", Unit::Degrees, "axial rotation by the distance between the pedicles (Stokes); positive where the front of the vertebra turns to the patient's left", |row| row.item.stokes.deg());
+    add.number(
+        "axial_3d",
+        Unit::Degrees,
+        "axial rotation by the distance between the pedicles (Stokes); positive where the front of the vertebra turns to the patient's left",
+        |row| row.item.stokes.deg(),
+    );
     add.number(
         "axial_3d_sd",
         Unit::Degrees,
         "its standard deviation by the landmarks and by how vertebrae differ between people",
         |row| row.item.sd.deg(),
     );
-    add.number("drerup", Unit::Degrees, "the same by the width of the body (Drerup); empty where the pedicles lie too far out for it", |row| row.item.drerup.map(Angle::deg));
+    add.number(
+        "drerup",
+        Unit::Degrees,
+        "the same by the width of the body (Drerup); empty where the pedicles lie too far out for it",
+        |row| row.item.drerup.map(Angle::deg),
+    );
     add.text("nash_moe", "grade of Nash and Moe, `0` to `IV`", |row| row.item.grade.key());
     add.count("readings", "number of readings that marked both pedicles", |row| {
         row.item.readings as i64

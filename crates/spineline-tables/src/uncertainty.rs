@@ -41,7 +41,12 @@ fn spread(add: &mut Columns<'_, SpreadRow<'_>>) {
     add.number("sd", Unit::Stated, "standard deviation over the replicates", |row| {
         row.item.spread.map(|spread| spread.sd)
     });
-    add.number("interval_95_low", Unit::Stated, "2.5 % quantile; empty at a bound of the fit, and for distances and absolute errors, which any noise makes larger", |row| row.item.interval_95().map(|interval| interval[0]));
+    add.number(
+        "interval_95_low",
+        Unit::Stated,
+        "2.5 % quantile; empty at a bound of the fit, and for distances and absolute errors, which any noise makes larger",
+        |row| row.item.interval_95().map(|interval| interval[0]),
+    );
     add.number("interval_95_high", Unit::Stated, "97.5 % quantile, likewise", |row| {
         row.item.interval_95().map(|interval| interval[1])
     });

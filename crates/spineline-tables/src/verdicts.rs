@@ -28,7 +28,13 @@ fn columns(add: &mut Columns<'_, RowVerdict>) {
     add.text("verdict", "`clean`, or `faults`, for which no case is written", |row| {
         if row.found.is_ok() { "clean" } else { "faults" }
     });
-    add.number("main_angle", Unit::Degrees, "main angle: range of the tilts of the mean endplates from T1 to L5; empty where there are faults", |row| row.found.as_ref().ok().map(|angle| angle.deg())).format = Places(4);
+    add.number(
+        "main_angle",
+        Unit::Degrees,
+        "main angle: range of the tilts of the mean endplates from T1 to L5; empty where there are faults",
+        |row| row.found.as_ref().ok().map(|angle| angle.deg()),
+    )
+    .format = Places(4);
     add.text("faults", "faults of the row, with `; ` between them", |row| {
         row.found.as_ref().err().cloned()
     });

@@ -147,8 +147,16 @@ fn measured(add: &mut Columns<'_, VertebraRow<'_>>) {
         "measured tilt; positive to the patient's right",
         |row| row.item.measured().tilt.deg(),
     );
-    add.truth("interpolated", "whether the film does not show the vertebra, so that its measured values are interpolated between its neighbours", |row| !row.item.measured().is_measured());
-    add.text("origin", "how its corners came about: `clicked`, `completed`, `detected`, `accepted` or `adjusted`, and `mixed` where corners or readings differ; empty where no corners are known", |row| row.item.measured().origin.map(|origin| origin.key()));
+    add.truth(
+        "interpolated",
+        "whether the film does not show the vertebra, so that its measured values are interpolated between its neighbours",
+        |row| !row.item.measured().is_measured(),
+    );
+    add.text(
+        "origin",
+        "how its corners came about: `clicked`, `completed`, `detected`, `accepted` or `adjusted`, and `mixed` where corners or readings differ; empty where no corners are known",
+        |row| row.item.measured().origin.map(|origin| origin.key()),
+    );
 }
 
 fn simulation<'a>(row: &VertebraRow<'a>) -> Option<&'a Simulation> {
@@ -161,7 +169,11 @@ fn simulated(add: &mut Columns<'_, VertebraRow<'_>>) {
         "whether the stiffness was fitted to this film; else the film was held out",
         |row| simulation(row).map(|s| s.fitted),
     );
-    add.text("status", "`converged`, `unreachable`, `beyond_human_range` or `not_converged`; only the first is a result", |row| simulation(row).map(|s| s.status.key()));
+    add.text(
+        "status",
+        "`converged`, `unreachable`, `beyond_human_range` or `not_converged`; only the first is a result",
+        |row| simulation(row).map(|s| s.status.key()),
+    );
     add.number(
         "simulated_y",
         Unit::Millimetres,
@@ -177,8 +189,13 @@ fn simulated(add: &mut Columns<'_, VertebraRow<'_>>) {
         "simulated tilt; positive to the patient's right",
         |row| simulation(row).map(|s| s.tilts[row.item.index].deg()),
     );
-    add.number("location_error", Unit::Millimetres, "location error: distance of the two midpoints (E_LOC); empty for the base, which is fixed, for interpolated vertebrae, and without a result", |row| {
+    add.number(
+        "location_error",
+        Unit::Millimetres,
+        "location error: distance of the two midpoints (E_LOC); empty for the base, which is fixed, for interpolated vertebrae, and without a result",
+        |row| {
                 let found = simulation(row).filter(|s| s.is_usable())?;
                 found.location_error_mm(row.item.measured().level)
-            });
+            },
+    );
 }
