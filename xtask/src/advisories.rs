@@ -4,9 +4,8 @@
 use std::path::Path;
 use std::process::Command;
 
-use crate::cargo;
+use crate::command::{answers, cargo};
 use crate::plan::Plan;
-use crate::tools::answers;
 
 /// Checks licences and sources without a network, and advisories if their database can be fetched.
 ///

@@ -5,8 +5,9 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::sync::atomic::{AtomicBool, Ordering};
 
+use crate::command::{cargo, run};
 use crate::plan::{self, Plan};
-use crate::{cargo, package, python, run, tools};
+use crate::{python, tools};
 
 /// Typesetting takes most of a build, encryption much of one, so they are features.
 const USUAL: [&str; 4] = ["--locked", "--workspace", "--exclude", "spineline-pdf"];
@@ -55,7 +56,7 @@ pub fn native_module(plan: &Plan<'_>) -> Result<PathBuf, String> {
         cargo_on(plan, &["build", "--quiet"], &["--lib", "--tests"], &[])?;
         IS_BUILT.store(true, Ordering::Release);
     }
-    Ok(python::target()?.join("debug").join(package::module_file()))
+    Ok(python::target()?.join("debug").join(python::module_file()))
 }
 
 pub fn format(plan: &Plan<'_>) -> Result<(), String> {

@@ -4,8 +4,7 @@
 use std::fs;
 use std::path::Path;
 
-use crate::tools::answers;
-use crate::{cargo, run};
+use crate::command::{answers, cargo, run};
 
 /// Runs every target for this number of seconds; a crash is an error, and its input is kept below
 /// `fuzz/artifacts`.

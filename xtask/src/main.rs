@@ -4,6 +4,8 @@ mod advisories;
 mod book;
 mod checks;
 mod cohorts;
+mod command;
+mod files;
 mod fuzz;
 mod node;
 mod notebooks;
@@ -13,13 +15,14 @@ mod peers;
 mod plan;
 mod python;
 mod quick;
+mod setup;
 mod tidy;
 mod tools;
 mod web;
 
 use std::env;
 use std::path::{Path, PathBuf};
-use std::process::{Command, ExitCode};
+use std::process::ExitCode;
 
 use plan::{Extent, Plan, Step};
 use tools::Tool;
@@ -83,9 +86,9 @@ fn main() -> ExitCode {
         ("quick", [option, base]) if option == "--base" => quick::run(&root, base),
         ("wheel", []) => package::wheels(&root, &[]),
         ("wheel", [option, other]) if option == "--also" => package::wheels(&root, &[other]),
-        ("setup", []) => tools::setup(&root),
+        ("setup", []) => setup::setup(&root),
         ("docs", []) => book::make(&root),
-        ("bench", []) => cargo(&root, &["bench", "--package", "spineline", "--benches"]),
+        ("bench", []) => command::cargo(&root, &["bench", "--package", "spineline", "--benches"]),
         ("advisories", [option]) if option == "--required" => {
             Plan::new(&root, Extent::Usual).run_all_of(&steps("advisories").unwrap_or_default())
         }
@@ -179,27 +182,4 @@ fn steps(command: &str) -> Option<Vec<Step<'static>>> {
 /// The folder of the workspace.
 fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).parent().expect("xtask lies in the workspace").to_owned()
-}
-
-fn cargo(root: &Path, arguments: &[&str]) -> Result<(), String> {
-    run(root, "cargo", arguments, &[])
-}
-
-fn run(
-    root: &Path,
-    program: &str,
-    arguments: &[&str],
-    variables: &[(&str, &str)],
-) -> Result<(), String> {
-    println!("» {program} {}", arguments.join(" "));
-    let mut command = Command::new(program);
-    command.args(arguments).envs(variables.iter().copied()).current_dir(root);
-    plan::direct_output(&mut command);
-    let status =
-        command.status().map_err(|error| format!("`{program}` could not be started: {error}"))?;
-    if status.success() {
-        Ok(())
-    } else {
-        Err(format!("`{program} {}` failed", arguments.join(" ")))
-    }
 }

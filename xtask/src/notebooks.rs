@@ -3,9 +3,10 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use crate::command::run;
 use crate::package::staged;
 use crate::plan::Plan;
-use crate::{python, run};
+use crate::python;
 
 /// The name of their Python environment.
 const ENVIRONMENT: &str = "notebooks";

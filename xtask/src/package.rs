@@ -1,15 +1,16 @@
 //! The Python package: its wheel, with the program and the browser app inside, and its tests.
 
-use std::env::consts::{DLL_PREFIX, DLL_SUFFIX, EXE_EXTENSION};
+use std::env::consts::EXE_EXTENSION;
 use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use crate::checks::native_module;
+use crate::command::run;
 use crate::plan::Plan;
 use crate::tools::Tool;
-use crate::{python, run, web};
+use crate::{python, web};
 
 /// The name of its Python environment.
 const ENVIRONMENT: &str = "package";
@@ -69,7 +70,7 @@ fn wheels_with(root: &Path, features: &[&str], others: &[&str]) -> Result<Vec<Pa
     arguments.extend(others.iter().map(String::as_str));
     let variables = [("CARGO_TARGET_DIR", built.as_str()), flags[0]];
     run(&root.join("python"), &interpreter, &arguments, &variables)?;
-    let module = target.join("release").join(module_file());
+    let module = target.join("release").join(python::module_file());
     for file in [&scripts.join(&program), &module] {
         let bytes = fs::read(file).map_err(|error| format!("{}: {error}", file.display()))?;
         check_given(&bytes, &builder(root, &target)?)
@@ -195,11 +196,6 @@ pub fn staged(plan: &Plan<'_>) -> Result<PathBuf, String> {
     let end = if cfg!(windows) { "pyd" } else { "abi3.so" };
     copy(&module, &to.join(format!("_native.{end}")))?;
     Ok(staged)
-}
-
-/// The file name that cargo gives the native module.
-pub fn module_file() -> String {
-    format!("{DLL_PREFIX}_native{DLL_SUFFIX}")
 }
 
 fn copy(from: &Path, to: &Path) -> Result<(), String> {

@@ -2,7 +2,8 @@
 
 use std::path::Path;
 
-use crate::{cargo, python};
+use crate::command::cargo;
+use crate::python;
 
 /// Builds Spineline's program, makes the Python environment, runs every engine and prints the tables.
 pub fn compare(root: &Path, passed_on: &[String]) -> Result<(), String> {

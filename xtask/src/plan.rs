@@ -1,14 +1,13 @@
 //! Steps in their order: required tools, concurrent steps, left-out steps, and times.
 
-use std::cell::RefCell;
 use std::fs::{self, File};
 use std::io::{IsTerminal, Write};
 use std::path::{Path, PathBuf};
-use std::process::{Command, Stdio};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::thread::{self, ScopedJoinHandle};
 use std::time::{Duration, Instant};
 
+use crate::command::with_output;
 use crate::python;
 use crate::tools::{self, Tool};
 
@@ -89,22 +88,6 @@ struct Ended {
     /// Why it was left out, if it was.
     left_out: Option<String>,
     result: Result<(), String>,
-}
-
-thread_local! {
-    /// Output of the programs that this thread starts, if not the terminal.
-    static OUTPUT: RefCell<Option<File>> = const { RefCell::new(None) };
-}
-
-/// Sends a program's output to the output of its step.
-pub fn direct_output(command: &mut Command) {
-    OUTPUT.with_borrow(|output| {
-        let copies =
-            output.as_ref().and_then(|file| Some([file.try_clone().ok()?, file.try_clone().ok()?]));
-        if let Some([out, err]) = copies {
-            command.stdout(Stdio::from(out)).stderr(Stdio::from(err));
-        }
-    });
 }
 
 fn joined(handle: ScopedJoinHandle<'_, Ended>) -> Ended {
@@ -202,9 +185,7 @@ impl<'a> Plan<'a> {
         };
         let (path, file) = log;
         println!("\n━━ {} (beside the next steps; its output is in {})", step.name, path.display());
-        OUTPUT.set(Some(file));
-        let ended = self.run_step(step);
-        OUTPUT.set(None);
+        let ended = with_output(file, || self.run_step(step));
         let output = fs::read_to_string(&path).unwrap_or_default();
         println!("\n━━ {}, which ran in the background\n{output}", step.name);
         ended

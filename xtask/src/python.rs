@@ -2,12 +2,12 @@
 
 use std::collections::BTreeMap;
 use std::env;
-use std::env::consts::EXE_EXTENSION;
+use std::env::consts::{DLL_PREFIX, DLL_SUFFIX, EXE_EXTENSION};
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
 
-use crate::run;
+use crate::command::run;
 
 /// Runs a script of a Python project with this program; results go to a folder of that name below the target.
 pub fn project(
@@ -108,4 +108,9 @@ pub fn target() -> Result<PathBuf, String> {
 /// A path as an argument.
 pub fn text(path: &Path) -> Result<String, String> {
     path.to_str().map(str::to_owned).ok_or_else(|| format!("{} is not UTF-8", path.display()))
+}
+
+/// The file name that cargo gives the native module.
+pub fn module_file() -> String {
+    format!("{DLL_PREFIX}_native{DLL_SUFFIX}")
 }

@@ -1,10 +1,9 @@
 //! Other programs that the checks need, and their installation.
 
 use std::path::Path;
-use std::process::{Command, Stdio};
+use std::process::Command;
 
-use crate::plan::{Extent, Plan};
-use crate::{outside, run, web};
+use crate::command::{answers, run};
 
 /// A program that a check needs.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -15,6 +14,9 @@ pub enum Tool {
     Orthanc,
 }
 
+/// The program of npm.
+pub const NPM: &str = if cfg!(windows) { "npm.cmd" } else { "npm" };
+
 /// Chromium of Debian, with and without windows; `web/e2e/browser.ts` looks for the same files.
 const CHROMIUM: &str = "/usr/bin/chromium";
 const CHROMIUM_SHELL: &str = "/usr/lib/chromium/chromium-headless-shell";
@@ -24,7 +26,7 @@ const ORTHANC: [&str; 2] =
     ["/usr/sbin/Orthanc", "/usr/share/orthanc/plugins/libOrthancDicomWeb.so"];
 
 impl Tool {
-    const ALL: [Self; 4] = [Self::Npm, Self::Python, Self::Dcmtk, Self::Orthanc];
+    pub const ALL: [Self; 4] = [Self::Npm, Self::Python, Self::Dcmtk, Self::Orthanc];
 
     pub fn name(self) -> &'static str {
         match self {
@@ -67,7 +69,7 @@ impl Tool {
 
     pub fn is_there(self) -> bool {
         match self {
-            Self::Npm => answers(web::NPM, &["--version"]),
+            Self::Npm => answers(NPM, &["--version"]),
             Self::Python => {
                 std::env::var_os("PYTHON").is_some()
                     || answers("python3", &["-m", "venv", "--help"])
@@ -83,17 +85,6 @@ pub fn has_chromium() -> bool {
     std::env::var_os("CHROMIUM").is_some()
         || Path::new(CHROMIUM_SHELL).exists()
         || Path::new(CHROMIUM).exists()
-}
-
-/// `cargo xtask setup`: installs missing tools, and fills the folders of npm and Python.
-pub fn setup(root: &Path) -> Result<(), String> {
-    let missing: Vec<Tool> = Tool::ALL.into_iter().filter(|tool| !tool.is_there()).collect();
-    install(root, &missing)?;
-    if !has_nextest() {
-        run(root, "cargo", &["install", "--locked", "cargo-nextest"], &[])?;
-    }
-    web::provide_packages(root)?;
-    outside::provide_environments(&Plan::new(root, Extent::Full))
 }
 
 /// Installs tools as Debian packages, as root or through `sudo`.
@@ -115,11 +106,4 @@ pub fn install(root: &Path, missing: &[Tool]) -> Result<(), String> {
 
 pub fn has_nextest() -> bool {
     answers("cargo", &["nextest", "--version"])
-}
-
-/// Whether a program can be started and succeeds.
-pub fn answers(program: &str, arguments: &[&str]) -> bool {
-    let quiet =
-        Command::new(program).args(arguments).stdout(Stdio::null()).stderr(Stdio::null()).status();
-    quiet.is_ok_and(|status| status.success())
 }

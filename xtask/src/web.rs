@@ -5,11 +5,11 @@ use std::path::Path;
 use std::process::Command;
 
 use crate::checks::built;
+use crate::command::run;
 use crate::plan::Plan;
-use crate::{node, run, tools};
+use crate::{node, tools};
 
 /// The program of npm.
-pub const NPM: &str = if cfg!(windows) { "npm.cmd" } else { "npm" };
 
 /// Builds the app.
 pub fn build(root: &Path) -> Result<(), String> {
@@ -83,10 +83,11 @@ fn install(folder: &Path) -> Result<(), String> {
         return Ok(());
     }
     let help = "\n  help: npm and once a network are needed";
-    run(folder, NPM, &["ci", "--no-audit", "--no-fund"], &[]).map_err(|reason| reason + help)?;
+    run(folder, tools::NPM, &["ci", "--no-audit", "--no-fund"], &[])
+        .map_err(|reason| reason + help)?;
     fs::write(&stamp, wanted).map_err(|error| format!("{}: {error}", stamp.display()))
 }
 
 fn npm(root: &Path, arguments: &[&str], variables: &[(&str, &str)]) -> Result<(), String> {
-    run(&root.join("web"), NPM, arguments, variables)
+    run(&root.join("web"), tools::NPM, arguments, variables)
 }

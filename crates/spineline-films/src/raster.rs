@@ -41,23 +41,7 @@ pub(super) fn read(
     if image.color().has_alpha() {
         remarks.push(FilmRemark::Transparency);
     }
-    let (photometric, bits_stored, words) = match image {
-        DynamicImage::ImageLuma8(_) | DynamicImage::ImageLumaA8(_) => {
-            let words = image.into_luma8().into_raw().into_iter().map(u16::from).collect();
-            (Photometric::Monochrome2, 8, words)
-        }
-        DynamicImage::ImageLuma16(_) | DynamicImage::ImageLumaA16(_) => {
-            (Photometric::Monochrome2, 16, image.into_luma16().into_raw())
-        }
-        DynamicImage::ImageRgb8(_) | DynamicImage::ImageRgba8(_) => {
-            let bytes = image.into_rgb8().into_raw();
-            (Photometric::Colour, 8, luminance(bytes.as_chunks::<3>().0, &mut remarks))
-        }
-        // Floating point and colour of 16 bits.
-        _ => {
-            return Err(FilmError::Photometric { photometric: UnsupportedPhotometric::Deep });
-        }
-    };
+    let (photometric, bits_stored, words) = grey(image, &mut remarks)?;
     let tags = FilmTags {
         modality: None,
         spacing: SpacingEvidence {
@@ -85,6 +69,28 @@ pub(super) fn read(
     };
     let look = Look { voi: vec![super::Voi::Window(window)], ..Look::plain() };
     Ok(FilmFile { kind, columns, rows, stored, tags, look, remarks })
+}
+
+/// The grey values of an image, with their kind and number of bits.
+fn grey(
+    image: DynamicImage,
+    remarks: &mut Vec<FilmRemark>,
+) -> Result<(Photometric, u8, Vec<u16>), FilmError> {
+    Ok(match image {
+        DynamicImage::ImageLuma8(_) | DynamicImage::ImageLumaA8(_) => {
+            let words = image.into_luma8().into_raw().into_iter().map(u16::from).collect();
+            (Photometric::Monochrome2, 8, words)
+        }
+        DynamicImage::ImageLuma16(_) | DynamicImage::ImageLumaA16(_) => {
+            (Photometric::Monochrome2, 16, image.into_luma16().into_raw())
+        }
+        DynamicImage::ImageRgb8(_) | DynamicImage::ImageRgba8(_) => {
+            let bytes = image.into_rgb8().into_raw();
+            (Photometric::Colour, 8, luminance(bytes.as_chunks::<3>().0, remarks))
+        }
+        // Floating point and colour of 16 bits.
+        _ => return Err(FilmError::Photometric { photometric: UnsupportedPhotometric::Deep }),
+    })
 }
 
 fn decode(

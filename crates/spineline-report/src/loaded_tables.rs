@@ -1,16 +1,16 @@
 //! A spine under loads as texts and tables.
 
-use spineline::anatomy::Level;
-use spineline::clinical::{CurvePlaces, sacral_reference};
+use spineline::clinical::sacral_reference;
 use spineline::measure::Outline;
-use spineline::multibody::{Equilibrium, ForceSign, Goal, Loading, PathEnding, SpineModel};
+use spineline::multibody::{Equilibrium, ForceSign, Goal, PathEnding};
 use spineline::number::{fixed, scientific};
 use spineline::response::{
-    ActingKind, GoalEquilibrium, LoadedMeasure, LoadedQuantity, LoadedState, Response, Verdict,
-    acting_loads, largest_displacement_mm, largest_hinge, loaded_measures,
+    ActingKind, GoalEquilibrium, LoadedMeasure, LoadedQuantity, LoadedState, Verdict, acting_loads,
+    largest_displacement_mm, largest_hinge, loaded_measures,
 };
 use spineline::spatial::{moment_words, vector_words};
 use spineline::uncertainty::LoadedUncertainty;
+use spineline_files::Simulated;
 
 use crate::document::{Column, Table};
 use crate::loaded_words::{interval_words, measure_words};
@@ -18,22 +18,8 @@ use crate::loaded_words::{interval_words, measure_words};
 /// A personalised spine and its response to loads.
 #[derive(Debug, Clone, Copy)]
 pub struct LoadedTables<'a> {
-    /// Unit of forces.
-    pub force_unit: &'a str,
-    /// The vertebrae by name.
-    pub levels: &'a [Level],
-    /// The unloaded spine.
-    pub model: &'a SpineModel,
-    /// Between which vertebrae angles are measured.
-    pub places: &'a [CurvePlaces],
-    /// Loads.
-    pub loading: &'a Loading,
-    /// For every item of the loading, the place of its load in the file, from 0.
-    pub load_of_item: &'a [usize],
-    /// The same for every rod.
-    pub load_of_rod: &'a [usize],
-    /// Response of the spine.
-    pub response: &'a Response,
+    /// Model, loads and response.
+    pub simulated: &'a Simulated,
     /// The erect film, where it is known: its vertical gives the coronal balance.
     pub film: Option<&'a Outline>,
     /// Replicates with perturbed landmarks under the same loads, where there are any.
@@ -47,8 +33,9 @@ impl LoadedTables<'_> {
     /// The shape in numbers.
     #[must_use]
     pub fn numbers(&self, result: &Equilibrium) -> Table {
-        let levels = self.levels;
-        let (vertebra, moved_mm) = largest_displacement_mm(self.model, &result.deformed);
+        let model = &self.simulated.model;
+        let levels = &model.levels;
+        let (vertebra, moved_mm) = largest_displacement_mm(&model.spine, &result.deformed);
         let (joint, axis, turn) = largest_hinge(&result.deformed);
         let axis = ["lateral", "flexion", "axial"][axis];
         let mut table =
@@ -79,10 +66,11 @@ impl LoadedTables<'_> {
     /// The force or moment of each load in the final shape; slices of gravity are left out.
     #[must_use]
     pub fn forces(&self, result: &Equilibrium) -> Table {
+        let Simulated { model, placed, .. } = self.simulated;
         let columns = vec![
             Column::words("Load"),
             Column::words("Acts on"),
-            Column::words(format!("Force in {}", self.force_unit)),
+            Column::words(format!("Force in {}", model.force_unit())),
             Column::words("Moment (force × mm)"),
         ];
         let mut table = Table::new("", columns);
@@ -90,22 +78,22 @@ impl LoadedTables<'_> {
             table.row(vec![(load + 1).to_string(), place, force, moment]);
         };
         let acting =
-            acting_loads(self.loading, &result.deformed, result.factor, &result.spring_forces_n);
+            acting_loads(&placed.loading, &result.deformed, result.factor, &result.spring_forces_n);
         for load in acting {
-            let number = self.load_of_item[load.item];
-            if self.load_of_item.iter().filter(|other| **other == number).count() > 1 {
+            let number = placed.load_of_item[load.item];
+            if placed.load_of_item.iter().filter(|other| **other == number).count() > 1 {
                 continue;
             }
             let (force, moment) = match load.kind {
                 ActingKind::Force(force) => (vector_words(force.into()), String::new()),
                 ActingKind::Moment(moment) => (String::new(), moment_words(moment.into())),
             };
-            add(number, self.levels[load.vertebra].to_string(), force, moment);
+            add(number, model.levels[load.vertebra].to_string(), force, moment);
         }
         for ((force, moment), (number, rod)) in
-            result.rod_reactions.iter().zip(self.load_of_rod.iter().zip(&self.loading.rods))
+            result.rod_reactions.iter().zip(placed.load_of_rod.iter().zip(&placed.loading.rods))
         {
-            let place = format!("{}, held by the rod", self.levels[rod.superior]);
+            let place = format!("{}, held by the rod", model.levels[rod.superior]);
             add(*number, place, vector_words((*force).into()), moment_words((*moment).into()));
         }
         table
@@ -114,7 +102,8 @@ impl LoadedTables<'_> {
     /// What is measured before and under the loads.
     #[must_use]
     pub fn measures(&self) -> Vec<LoadedMeasure> {
-        loaded_measures(self.model, self.places, self.film, self.response)
+        let Simulated { model, places, response, .. } = self.simulated;
+        loaded_measures(&model.spine, places, self.film, response)
     }
 
     /// Angles and the place of the uppermost vertebra before and after, each with its interval below it where there are replicates.
@@ -187,7 +176,7 @@ impl LoadedTables<'_> {
             Column::words("Verdict"),
         ];
         let mut table = Table::new("", columns);
-        let response = self.response;
+        let response = &self.simulated.response;
         if response.goal == Goal::FullLoad && response.ending == PathEnding::Converged {
             return table;
         }
@@ -213,9 +202,10 @@ impl LoadedTables<'_> {
     /// The status first, then what it means and what to do; without a result also the shape that is nearest to the target.
     #[must_use]
     pub fn ending(&self) -> Vec<String> {
-        let ending = self.response.ending;
+        let response = &self.simulated.response;
+        let ending = response.ending;
         let meaning = match ending {
-            PathEnding::Converged if !self.response.is_complete() => {
+            PathEnding::Converged if !response.is_complete() => {
                 "a shape that meets the target, reached from the erect spine; the path was lost beyond it, where there may be more".to_owned()
             }
             PathEnding::Converged => {
@@ -231,7 +221,7 @@ impl LoadedTables<'_> {
         };
         let name = ending.key().replace('_', " ");
         let mut texts = vec![format!("{} · {meaning}", name.to_uppercase())];
-        if let (None, Some(point)) = (self.response.result(), self.response.nearest()) {
+        if let (None, Some(point)) = (response.result(), response.nearest()) {
             texts.push(format!(
                 "Nearest shape on the path: factor {} of the {} loads, lateral tilt {}, largest joint rotation {}",
                 fixed(point.factor, 4),
@@ -246,7 +236,7 @@ impl LoadedTables<'_> {
     /// Limit and branch points on the way.
     #[must_use]
     pub fn events(&self) -> Vec<String> {
-        let events = self.response.paths.iter().flat_map(|signed| {
+        let events = self.simulated.response.paths.iter().flat_map(|signed| {
             let way = match signed.sign {
                 ForceSign::Positive => "",
                 ForceSign::Negative => " (loads against their direction)",
@@ -270,7 +260,8 @@ impl LoadedTables<'_> {
     }
 
     fn end_names(&self) -> [&'static str; 2] {
-        [self.levels.first(), self.levels.last()].map(|level| level.map_or("?", |l| l.name()))
+        let levels = &self.simulated.model.levels;
+        [levels.first(), levels.last()].map(|level| level.map_or("?", |l| l.name()))
     }
 }
 

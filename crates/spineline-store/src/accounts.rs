@@ -5,7 +5,7 @@ use rusqlite::{Connection, Row, params};
 use crate::audit::{self, Ledger, next_id};
 use crate::connection::Store;
 use crate::error::StoreError;
-use crate::films::{self, Study};
+use crate::films;
 use crate::names::{Name, Signature};
 use crate::password_hash::PasswordHash;
 use crate::sessions;
@@ -130,17 +130,6 @@ impl Store {
     /// [`StoreError::Unknown`], [`StoreError::Damaged`].
     pub fn account(&self, name: &Name) -> Result<Account, StoreError> {
         account(&self.connection, name)
-    }
-
-    /// Adds a study and grants its creator to edit it, in one transaction.
-    ///
-    /// # Errors
-    /// As [`Store::add_study`].
-    pub fn add_own_study(&mut self, study: &Study, by: &Signature) -> Result<(), StoreError> {
-        self.write(by, |ledger| {
-            films::insert_study(ledger, study)?;
-            set_grant(ledger, &study.id, &by.who, Some(Role::Editor))
-        })
     }
 
     /// Replaces the grants of a study. Admins need no grant.

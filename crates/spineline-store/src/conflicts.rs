@@ -34,19 +34,11 @@ pub struct LostChange {
 }
 
 impl Store {
-    /// The refused changes of a reading, oldest first.
+    /// The refused changes of a reading from this number on, oldest first; zero for all.
     ///
     /// # Errors
     /// [`StoreError::Damaged`].
-    pub fn conflicts_of_reading(&self, reading: ReadingId) -> Result<Vec<LostChange>, StoreError> {
-        self.conflicts_of_reading_from(reading, 0)
-    }
-
-    /// As [`Store::conflicts_of_reading`], from this number on.
-    ///
-    /// # Errors
-    /// [`StoreError::Damaged`].
-    pub fn conflicts_of_reading_from(
+    pub fn conflicts_of_reading(
         &self,
         reading: ReadingId,
         first: i64,

@@ -4,8 +4,8 @@ use spineline::analysis::{Analysis, FilmMovement};
 use spineline::chain::DenavitHartenberg;
 use spineline::spatial::Frontal;
 
-use crate::define::{Column, LENGTHS, Row, Unit, count, keyed, number, places, refused, text};
-use crate::table::Table;
+use crate::define::{Columns, LENGTHS, Row, Unit, keyed};
+use crate::table::{NumberFormat::Places, Table};
 
 /// A segment of a chain.
 struct Segment<'a> {
@@ -37,31 +37,33 @@ pub fn chain_table(analyses: &[Analysis]) -> Table {
             }));
         }
     }
-    keyed("chain", "patient × posture × segment", [columns_of_segments(), vec![refused()]])
-        .fill(&rows)
+    keyed("chain", "patient × posture × segment", &rows, |add| {
+        columns_of_segments(add);
+        add.refused();
+    })
 }
 
-fn columns_of_segments<'a>() -> Vec<Column<SegmentRow<'a>>> {
+fn columns_of_segments(add: &mut Columns<'_, SegmentRow<'_>>) {
     let mm = Unit::Millimetres;
-    vec![
-        text("posture", "film", |row| Some(row.item.posture.outline.posture.key().to_owned())),
-        count("segment", "number of the segment; 0 is the most caudal one", |row| {
-            Some(row.item.index as i64)
-        }),
-        places("a", mm, "link length", 9, |row| row.item.mm(row.item.row.a_mm)),
-        number("alpha", Unit::Degrees, "link twist", |row| Some(row.item.row.alpha.deg())),
-        places("d", mm, "link offset", 0, |row| row.item.mm(row.item.row.d_mm)),
-        places("theta", Unit::Degrees, "joint variable", 9, |row| Some(row.item.row.theta.deg())),
-        places(
-            "joint_y",
-            mm,
-            "joint at the caudal end of the segment, relative to the midpoint of the base; positive to the patient's left",
-            6,
-            |row| row.item.mm(row.item.joint.y_mm),
-        ),
-        places("joint_z", mm, "the same, positive upwards", 6, |row| {
-            row.item.mm(row.item.joint.z_mm)
-        }),
-        text("lengths", LENGTHS, |row| Some(row.item.posture.outline.scale.plane.key().to_owned())),
-    ]
+    add.text("posture", "film", |row| row.item.posture.outline.posture.key());
+    add.count("segment", "number of the segment; 0 is the most caudal one", |row| {
+        row.item.index as i64
+    });
+    add.number("a", mm, "link length", |row| row.item.mm(row.item.row.a_mm)).format = Places(9);
+    add.number("alpha", Unit::Degrees, "link twist", |row| row.item.row.alpha.deg());
+    add.number("d", mm, "link offset", |row| row.item.mm(row.item.row.d_mm)).format = Places(0);
+    add.number("theta", Unit::Degrees, "joint variable", |row| row.item.row.theta.deg()).format =
+        Places(9);
+    add.number(
+        "joint_y",
+        mm,
+        "joint at the caudal end of the segment, relative to the midpoint of the base; positive to the patient's left",
+        |row| row.item.mm(row.item.joint.y_mm),
+    )
+    .format = Places(6);
+    add.number("joint_z", mm, "the same, positive upwards", |row| {
+        row.item.mm(row.item.joint.z_mm)
+    })
+    .format = Places(6);
+    add.text("lengths", LENGTHS, |row| row.item.posture.outline.scale.plane.key());
 }

@@ -1,9 +1,10 @@
+use spineline::analysis::FilmMovement;
 use spineline::anatomy::Posture;
 use spineline::clinical::ClinicalCurve;
 use spineline::spatial::Angle;
 
 use crate::Patient;
-use crate::define::{Column, Row, Unit, keyed, number, text};
+use crate::define::{Columns, Row, Unit, keyed, rows};
 use crate::table::Table;
 
 /// A clinical curve on a film.
@@ -27,66 +28,65 @@ type ClinicalRow<'a> = Row<'a, Measured<'a>>;
 
 /// One row per patient, posture and region.
 pub(crate) fn table(patients: &[Patient<'_>]) -> Table {
-    let mut rows: Vec<ClinicalRow<'_>> = Vec::new();
-    for patient in patients {
-        for posture in patient.analysis.movement.films.iter().map(|p| p.outline.posture) {
-            let curves = patient.analysis.movement.clinical.iter();
-            rows.extend(curves.map(|curve| patient.row(Measured { curve, posture })));
-        }
-    }
+    let rows = rows(patients, |patient| {
+        let movement = &patient.analysis.movement;
+        let curves = move |film: &FilmMovement| {
+            let posture = film.outline.posture;
+            movement.clinical.iter().map(move |curve| Measured { curve, posture })
+        };
+        movement.films.iter().flat_map(curves)
+    });
     let row = "patient × posture × region";
-    keyed("clinical", row, [columns_of_curves()]).fill(&rows)
+    keyed("clinical", row, &rows, columns_of_curves)
 }
 
-fn columns_of_curves<'a>() -> Vec<Column<ClinicalRow<'a>>> {
-    vec![
-        text("posture", "film", |row| Some(row.item.posture.key().to_owned())),
-        text("region", "region of the spine", |row| Some(row.item.curve.region.key().to_owned())),
-        text("lower_end", "lower end vertebra, chosen on the erect film", |row| {
-            Some(row.item.curve.ends.inferior.to_string())
-        }),
-        text("upper_end", "upper end vertebra, chosen on the erect film", |row| {
-            Some(row.item.curve.ends.superior.to_string())
-        }),
-        text("apex", "vertebra at the apex of the erect curve", |row| {
-            Some(row.item.curve.apex.to_string())
-        }),
-        text("convex", "the patient's side to which the erect curve is convex", |row| {
-            row.item.curve.convex.map(|side| side.to_string())
-        }),
-        number(
-            "cobb",
-            Unit::Degrees,
-            "Cobb angle between endplates; positive where convex to the patient's left; empty where no corners are known",
-            |row| row.item.curve.cobb_in(row.item.posture).map(Angle::deg),
-        ),
-        number(
-            "tilt_range",
-            Unit::Degrees,
-            "tilt of the upper minus tilt of the lower end vertebra; positive where convex to the patient's left",
-            |row| Some(row.item.curve.angles_in(row.item.posture)?.tilt_range.deg()),
-        ),
-        number(
-            "ferguson",
-            Unit::Degrees,
-            "Ferguson angle; positive where convex to the patient's left",
-            |row| row.item.angle(&row.item.curve.ferguson),
-        ),
-        number(
-            "apical_translation",
-            Unit::Millimetres,
-            "distance of the apex from the central sacral vertical line on the erect film, positive to the patient's left; only in the row of the erect film",
-            |row| {
+fn columns_of_curves(add: &mut Columns<'_, ClinicalRow<'_>>) {
+    add.text("posture", "film", |row| row.item.posture.key());
+    add.text("region", "region of the spine", |row| row.item.curve.region.key());
+    add.text("lower_end", "lower end vertebra, chosen on the erect film", |row| {
+        row.item.curve.ends.inferior.to_string()
+    });
+    add.text("upper_end", "upper end vertebra, chosen on the erect film", |row| {
+        row.item.curve.ends.superior.to_string()
+    });
+    add.text("apex", "vertebra at the apex of the erect curve", |row| {
+        row.item.curve.apex.to_string()
+    });
+    add.text("convex", "the patient's side to which the erect curve is convex", |row| {
+        row.item.curve.convex.map(|side| side.to_string())
+    });
+    add.number(
+        "cobb",
+        Unit::Degrees,
+        "Cobb angle between endplates; positive where convex to the patient's left; empty where no corners are known",
+        |row| row.item.curve.cobb_in(row.item.posture).map(Angle::deg),
+    );
+    add.number(
+        "tilt_range",
+        Unit::Degrees,
+        "tilt of the upper minus tilt of the lower end vertebra; positive where convex to the patient's left",
+        |row| Some(row.item.curve.angles_in(row.item.posture)?.tilt_range.deg()),
+    );
+    add.number(
+        "ferguson",
+        Unit::Degrees,
+        "Ferguson angle; positive where convex to the patient's left",
+        |row| row.item.angle(&row.item.curve.ferguson),
+    );
+    add.number(
+        "apical_translation",
+        Unit::Millimetres,
+        "distance of the apex from the central sacral vertical line on the erect film, positive to the patient's left; only in the row of the erect film",
+        |row| {
                 let region = row.item.erect()?.region;
                 let balance = row.analysis.movement.balance.as_ref()?;
                 row.analysis.movement.scale().mm(balance.apical_translation_mm[region.index()])
             },
-        ),
-        number(
-            "flexibility",
-            Unit::One,
-            "share of the erect Cobb angle (tilt range without corners) that the bend to the convex side corrects; only in the row of the erect film",
-            |row| row.item.erect()?.flexibility,
-        ),
-    ]
+    );
+    add.number(
+        "flexibility",
+        Unit::One,
+        "share of the erect Cobb angle (tilt range without corners) that the bend to the convex side corrects; only in the row of the erect film",
+        |row| row.item.erect()?.flexibility,
+    );
 }

@@ -53,93 +53,94 @@ impl Unit {
     }
 }
 
-/// Function from a row to the value of a column.
-enum Cell<R> {
-    Text(fn(&R) -> Option<String>),
-    Number(fn(&R) -> Option<f64>),
-    Element(fn(&R, usize) -> Option<f64>, usize),
-    Count(fn(&R) -> Option<i64>),
-    Truth(fn(&R) -> Option<bool>),
+/// A text of a cell.
+pub(crate) trait Text {
+    fn shown(self) -> Option<String>;
 }
 
-/// A column of a table whose rows are made from `R`.
-pub(crate) struct Column<R> {
-    name: String,
-    unit: &'static str,
-    meaning: &'static str,
-    cell: Cell<R>,
-    format: NumberFormat,
-}
-
-impl<R> Column<R> {
-    fn new(name: String, unit: &'static str, meaning: &'static str, cell: Cell<R>) -> Self {
-        Self { name, unit, meaning, cell, format: NumberFormat::Shortest }
+impl Text for &str {
+    fn shown(self) -> Option<String> {
+        Some(self.to_owned())
     }
 }
 
-/// A text.
-pub(crate) fn text<R>(
-    name: &str,
-    meaning: &'static str,
-    cell: fn(&R) -> Option<String>,
-) -> Column<R> {
-    Column::new(name.to_owned(), "", meaning, Cell::Text(cell))
+impl Text for String {
+    fn shown(self) -> Option<String> {
+        Some(self)
+    }
 }
 
-/// A measured or computed number; the unit is added to the name.
-pub(crate) fn number<R>(
-    name: &str,
-    unit: Unit,
-    meaning: &'static str,
-    cell: fn(&R) -> Option<f64>,
-) -> Column<R> {
-    Column::new(format!("{name}{}", unit.suffix()), unit.words(), meaning, Cell::Number(cell))
+impl<T: Text> Text for Option<T> {
+    fn shown(self) -> Option<String> {
+        self.and_then(Text::shown)
+    }
 }
 
-/// A number at one index of a list, for columns that are named after the elements of the list.
-pub(crate) fn element<R>(
-    name: &str,
-    unit: Unit,
-    meaning: &'static str,
-    index: usize,
-    cell: fn(&R, usize) -> Option<f64>,
-) -> Column<R> {
-    let name = format!("{name}{}", unit.suffix());
-    Column::new(name, unit.words(), meaning, Cell::Element(cell, index))
+/// Columns of a table whose rows are made from `R`: each call names, explains and fills the next one.
+pub(crate) struct Columns<'a, R> {
+    rows: &'a [R],
+    all: Vec<Series>,
 }
 
-/// A number with this number of decimal places.
-pub(crate) fn places<R>(
-    name: &str,
-    unit: Unit,
-    meaning: &'static str,
-    places: usize,
-    cell: fn(&R) -> Option<f64>,
-) -> Column<R> {
-    written(NumberFormat::Places(places), number(name, unit, meaning, cell))
-}
+impl<R> Columns<'_, R> {
+    fn add(
+        &mut self,
+        name: String,
+        unit: &'static str,
+        meaning: &'static str,
+        values: Values,
+    ) -> &mut Series {
+        let format = NumberFormat::Shortest;
+        self.all.push_mut(Series { name, unit, meaning, values, format })
+    }
 
-/// The column with its numbers written in this format.
-pub(crate) fn written<R>(format: NumberFormat, column: Column<R>) -> Column<R> {
-    Column { format, ..column }
-}
+    /// A text.
+    pub fn text<T: Text>(&mut self, name: &str, meaning: &'static str, cell: impl Fn(&R) -> T) {
+        let values = self.rows.iter().map(|row| cell(row).shown()).collect();
+        self.add(name.to_owned(), "", meaning, Values::Text(values));
+    }
 
-/// A count.
-pub(crate) fn count<R>(
-    name: &str,
-    meaning: &'static str,
-    cell: fn(&R) -> Option<i64>,
-) -> Column<R> {
-    Column::new(name.to_owned(), "1", meaning, Cell::Count(cell))
-}
+    /// A measured or computed number; the unit is added to the name. A number without a finite value is empty, so that columns of
+    /// numbers contain no words.
+    pub fn number<T: Into<Option<f64>>>(
+        &mut self,
+        name: &str,
+        unit: Unit,
+        meaning: &'static str,
+        cell: impl Fn(&R) -> T,
+    ) -> &mut Series {
+        let finite = |row| cell(row).into().filter(|value| value.is_finite());
+        let values = Values::Number(self.rows.iter().map(finite).collect());
+        self.add(format!("{name}{}", unit.suffix()), unit.words(), meaning, values)
+    }
 
-/// True or false.
-pub(crate) fn truth<R>(
-    name: &str,
-    meaning: &'static str,
-    cell: fn(&R) -> Option<bool>,
-) -> Column<R> {
-    Column::new(name.to_owned(), "", meaning, Cell::Truth(cell))
+    /// A count.
+    pub fn count<T: Into<Option<i64>>>(
+        &mut self,
+        name: &str,
+        meaning: &'static str,
+        cell: impl Fn(&R) -> T,
+    ) {
+        let values = self.rows.iter().map(|row| cell(row).into()).collect();
+        self.add(name.to_owned(), "1", meaning, Values::Count(values));
+    }
+
+    /// True or false.
+    pub fn truth<T: Into<Option<bool>>>(
+        &mut self,
+        name: &str,
+        meaning: &'static str,
+        cell: impl Fn(&R) -> T,
+    ) {
+        let values = self.rows.iter().map(|row| cell(row).into()).collect();
+        self.add(name.to_owned(), "", meaning, Values::Truth(values));
+    }
+
+    /// The reason why a case has no result; filled only by [`Table::refused`].
+    pub fn refused(&mut self) {
+        let meaning = "why the case was refused and has no result; empty for all others";
+        self.text(REFUSED, meaning, |_| None::<String>);
+    }
 }
 
 /// Meaning of the columns `lengths`.
@@ -151,89 +152,48 @@ pub(crate) struct Row<'a, T> {
     pub item: T,
 }
 
+/// Rows of patients, in their order.
+pub(crate) fn rows<'a, T, I: IntoIterator<Item = T>>(
+    patients: &[Patient<'a>],
+    items: impl Fn(Patient<'a>) -> I,
+) -> Vec<Row<'a, T>> {
+    let of_patient =
+        |&patient: &Patient<'a>| items(patient).into_iter().map(move |item| patient.row(item));
+    patients.iter().flat_map(of_patient).collect()
+}
+
 impl<'a> Patient<'a> {
     pub(crate) fn row<T>(&self, item: T) -> Row<'a, T> {
         Row { analysis: self.analysis, item }
     }
 }
 
-/// The columns that every table begins with.
-fn keys<'a, T>() -> Vec<Column<Row<'a, T>>> {
-    vec![
-        text("case_id", "patient", |row| Some(row.analysis.case_id.clone())),
-        truth(
+/// A table of these rows.
+pub(crate) fn table<R>(
+    name: &'static str,
+    row: &'static str,
+    rows: &[R],
+    columns: impl FnOnce(&mut Columns<'_, R>),
+) -> Table {
+    let mut add = Columns { rows, all: Vec::new() };
+    columns(&mut add);
+    Table { name, row, columns: add.all }
+}
+
+/// A table of rows of patients: the columns that every one of them begins with, and these.
+pub(crate) fn keyed<'a, T>(
+    name: &'static str,
+    row: &'static str,
+    rows: &[Row<'a, T>],
+    columns: impl FnOnce(&mut Columns<'_, Row<'a, T>>),
+) -> Table {
+    table(name, row, rows, |add| {
+        add.text("case_id", "patient", |row| row.analysis.case_id.clone());
+        add.truth(
             "synthetic",
             "whether the films are synthetic; then every number of the row is synthetic",
-            |row| Some(row.analysis.synthetic),
-        ),
-    ]
-}
-
-/// The reason why a case has no result; filled only by [`Table::refused`].
-pub(crate) fn refused<R>() -> Column<R> {
-    text(REFUSED, "why the case was refused and has no result; empty for all others", |_| None)
-}
-
-/// The columns with these names, in the order of the names.
-pub(crate) fn chosen<R>(mut columns: Vec<Column<R>>, names: &[&str]) -> Vec<Column<R>> {
-    let take = |name: &&str| {
-        let place = columns.iter().position(|column| column.name == *name)?;
-        Some(columns.swap_remove(place))
-    };
-    names.iter().filter_map(take).collect()
-}
-
-/// A table before it has rows.
-pub(crate) struct Definition<R> {
-    pub name: &'static str,
-    /// Meaning of one row.
-    pub row: &'static str,
-    pub columns: Vec<Column<R>>,
-}
-
-/// A table with these groups of columns.
-pub(crate) fn grouped<R, const N: usize>(
-    name: &'static str,
-    row: &'static str,
-    groups: [Vec<Column<R>>; N],
-) -> Definition<R> {
-    Definition { name, row, columns: groups.into_iter().flatten().collect() }
-}
-
-/// A table of rows of patients: the columns that every one of them begins with, and these groups.
-pub(crate) fn keyed<'a, T, const N: usize>(
-    name: &'static str,
-    row: &'static str,
-    groups: [Vec<Column<Row<'a, T>>>; N],
-) -> Definition<Row<'a, T>> {
-    let mut columns = keys();
-    columns.extend(groups.into_iter().flatten());
-    Definition { name, row, columns }
-}
-
-impl<R> Definition<R> {
-    /// The table of these rows.
-    pub fn fill(self, rows: &[R]) -> Table {
-        let columns = self.columns.into_iter().map(|column| Series {
-            name: column.name,
-            unit: column.unit,
-            meaning: column.meaning,
-            format: column.format,
-            values: match column.cell {
-                Cell::Text(cell) => Values::Text(rows.iter().map(cell).collect()),
-                Cell::Number(cell) => Values::Number(rows.iter().map(cell).map(finite).collect()),
-                Cell::Element(cell, index) => {
-                    Values::Number(rows.iter().map(|row| finite(cell(row, index))).collect())
-                }
-                Cell::Count(cell) => Values::Count(rows.iter().map(cell).collect()),
-                Cell::Truth(cell) => Values::Truth(rows.iter().map(cell).collect()),
-            },
-        });
-        Table { name: self.name, row: self.row, columns: columns.collect() }
-    }
-}
-
-/// A number without a value is empty, so that columns of numbers contain no words.
-fn finite(value: Option<f64>) -> Option<f64> {
-    value.filter(|value| value.is_finite())
+            |row| row.analysis.synthetic,
+        );
+        columns(add);
+    })
 }

@@ -1,7 +1,7 @@
 use spineline::anatomy::Named;
 use spineline::warning::WarningCode;
 
-use crate::define::{Definition, text};
+use crate::define::table;
 use crate::table::Table;
 use crate::{OptionalTables, other_files, tables_of};
 
@@ -29,22 +29,13 @@ pub fn dictionary(optional: OptionalTables) -> Table {
             })
         })
         .collect();
-    Definition {
-        name: "dictionary",
-        row: "a column of a table",
-        columns: vec![
-            text("table", "name of the table", |entry: &Entry| Some(entry.table.to_owned())),
-            text("column", "name of the column", |entry| Some(entry.column.clone())),
-            text("unit", "unit; empty where values are not numbers", |entry| {
-                Some(entry.unit.to_owned())
-            }),
-            text("type", "`text`, `number`, `integer` or `boolean`", |entry| {
-                Some(entry.kind.to_owned())
-            }),
-            text("meaning", "meaning of the values", |entry| Some(entry.meaning.to_owned())),
-        ],
-    }
-    .fill(&entries)
+    table("dictionary", "a column of a table", &entries, |add| {
+        add.text("table", "name of the table", |entry| entry.table);
+        add.text("column", "name of the column", |entry| entry.column.clone());
+        add.text("unit", "unit; empty where values are not numbers", |entry| entry.unit);
+        add.text("type", "`text`, `number`, `integer` or `boolean`", |entry| entry.kind);
+        add.text("meaning", "meaning of the values", |entry| entry.meaning);
+    })
 }
 
 const DICTIONARY_HEAD: &str = "# Columns of the tables and codes of warnings

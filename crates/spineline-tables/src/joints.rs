@@ -5,7 +5,7 @@ use spineline::evaluate::Simulation;
 use spineline::personalize::evidence::{ContradictedJoint, JointEvidence};
 
 use crate::Patient;
-use crate::define::{Column, Row, Unit, keyed, number, text, truth};
+use crate::define::{Columns, Row, Unit, keyed};
 use crate::table::Table;
 use crate::vertebrae::simulations;
 
@@ -46,44 +46,42 @@ pub(crate) fn table(patients: &[Patient<'_>]) -> Table {
         }
     }
     let row = "patient × moved posture × line × joint; measured values are repeated in the rows of every line, and `line` is empty without a model";
-    keyed("joints", row, [columns_of_joints()]).fill(&rows)
+    keyed("joints", row, &rows, columns_of_joints)
 }
 
-fn columns_of_joints<'a>() -> Vec<Column<JointRow<'a>>> {
-    vec![
-        text("posture", "film", |row| Some(row.item.posture.outline.posture.key().to_owned())),
-        text("line", "line of action of the model", |row| {
-            row.item.simulated.map(|(kind, _)| kind.key().to_owned())
-        }),
-        text("inferior", "lower vertebra", |row| Some(row.item.inferior.to_string())),
-        text("superior", "upper vertebra", |row| Some(row.item.superior.to_string())),
-        number(
-            "rotation",
-            Unit::Degrees,
-            "measured change of the tilt of the upper vertebra relative to the lower one from the erect film; positive to the patient's right",
-            |row| Some(row.item.evidence.rotation.deg()),
-        ),
-        truth(
-            "contradicted",
-            "whether the joint turns against the moment of the force (counter-rotating joint): no positive stiffness explains it",
-            |row| row.item.simulated.map(|_| row.item.contradicted().is_some()),
-        ),
-        number(
-            "lever_arm",
-            Unit::Millimetres,
-            "lever arm of the force about a counter-rotating joint",
-            |row| row.item.contradicted().map(|joint| joint.lever_arm_mm),
-        ),
-        number(
-            "work_against",
-            Unit::One,
-            "share of a counter-rotating joint in the work of all joints",
-            |row| row.item.contradicted().map(|joint| joint.weight),
-        ),
-        truth(
-            "beyond_noise",
-            "whether the rotation of a counter-rotating joint exceeds two standard deviations",
-            |row| row.item.contradicted().map(|joint| joint.beyond_noise),
-        ),
-    ]
+fn columns_of_joints(add: &mut Columns<'_, JointRow<'_>>) {
+    add.text("posture", "film", |row| row.item.posture.outline.posture.key());
+    add.text("line", "line of action of the model", |row| {
+        row.item.simulated.map(|(kind, _)| kind.key())
+    });
+    add.text("inferior", "lower vertebra", |row| row.item.inferior.to_string());
+    add.text("superior", "upper vertebra", |row| row.item.superior.to_string());
+    add.number(
+        "rotation",
+        Unit::Degrees,
+        "measured change of the tilt of the upper vertebra relative to the lower one from the erect film; positive to the patient's right",
+        |row| row.item.evidence.rotation.deg(),
+    );
+    add.truth(
+        "contradicted",
+        "whether the joint turns against the moment of the force (counter-rotating joint): no positive stiffness explains it",
+        |row| row.item.simulated.map(|_| row.item.contradicted().is_some()),
+    );
+    add.number(
+        "lever_arm",
+        Unit::Millimetres,
+        "lever arm of the force about a counter-rotating joint",
+        |row| row.item.contradicted().map(|joint| joint.lever_arm_mm),
+    );
+    add.number(
+        "work_against",
+        Unit::One,
+        "share of a counter-rotating joint in the work of all joints",
+        |row| row.item.contradicted().map(|joint| joint.weight),
+    );
+    add.truth(
+        "beyond_noise",
+        "whether the rotation of a counter-rotating joint exceeds two standard deviations",
+        |row| row.item.contradicted().map(|joint| joint.beyond_noise),
+    );
 }

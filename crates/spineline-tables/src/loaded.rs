@@ -3,7 +3,7 @@
 use spineline::response::{LoadedMeasure, LoadedState};
 use spineline::uncertainty::{LoadedSpread, LoadedUncertainty};
 
-use crate::define::{Column, Definition, Unit, count, grouped, number, text, truth};
+use crate::define::{Columns, Unit, table};
 use crate::table::Table;
 
 /// A spine before and under loads.
@@ -41,67 +41,62 @@ pub fn loaded_measures_table(spine: LoadedSpine<'_>) -> Table {
         })
     });
     let exists = |row: &Number<'_>| row.measure.value(row.state).is_some() || row.spread.is_some();
-    definition().fill(&numbers.filter(exists).collect::<Vec<_>>())
+    of_numbers(&numbers.filter(exists).collect::<Vec<_>>())
 }
 
 /// The table without rows.
 pub(crate) fn loaded_measures_columns() -> Table {
-    definition().fill(&[])
+    of_numbers(&[])
 }
 
-fn definition<'a>() -> Definition<Number<'a>> {
-    grouped("loaded_measures", "number of a spine before and under loads", [which(), numbers()])
+fn of_numbers(all: &[Number<'_>]) -> Table {
+    table("loaded_measures", "number of a spine before and under loads", all, |add| {
+        which(add);
+        numbers(add);
+    })
 }
 
-fn which<'a>() -> Vec<Column<Number<'a>>> {
-    vec![
-        text("case_id", "patient", |row| Some(row.spine.case_id.to_owned())),
-        truth("synthetic", "whether the patient of the model is synthetic", |row| {
-            Some(row.spine.synthetic)
-        }),
-        text("status", "how the search ended; the same in every row", |row| {
-            Some(row.spine.status.to_owned())
-        }),
-        text(
-            "quantity",
-            "`cobb`, `tilt_range` or `ferguson` of a curve, positive where convex to the patient's left; `lateral_tilt` and `top_tilt`, positive to the right; `top_offset` and `coronal_balance`, positive to the left; or the `factor` of a search",
-            |row| Some(row.measure.quantity.key().to_owned()),
-        ),
-        text("region", "region of a curve", |row| {
-            row.measure.quantity.region().map(|region| region.key().to_owned())
-        }),
-        text("state", "`erect`, `loaded`, or `change`: loaded minus erect", |row| {
-            Some(row.state.key().to_owned())
-        }),
-        text("unit", "`deg`, `mm` or `1`", |row| Some(row.measure.quantity.unit_key().to_owned())),
-    ]
+fn which(add: &mut Columns<'_, Number<'_>>) {
+    add.text("case_id", "patient", |row| row.spine.case_id);
+    add.truth("synthetic", "whether the patient of the model is synthetic", |row| {
+        row.spine.synthetic
+    });
+    add.text("status", "how the search ended; the same in every row", |row| row.spine.status);
+    add.text(
+        "quantity",
+        "`cobb`, `tilt_range` or `ferguson` of a curve, positive where convex to the patient's left; `lateral_tilt` and `top_tilt`, positive to the right; `top_offset` and `coronal_balance`, positive to the left; or the `factor` of a search",
+        |row| row.measure.quantity.key(),
+    );
+    add.text("region", "region of a curve", |row| {
+        row.measure.quantity.region().map(|region| region.key())
+    });
+    add.text("state", "`erect`, `loaded`, or `change`: loaded minus erect", |row| row.state.key());
+    add.text("unit", "`deg`, `mm` or `1`", |row| row.measure.quantity.unit_key());
 }
 
-fn numbers<'a>() -> Vec<Column<Number<'a>>> {
-    vec![
-        number("value", Unit::Stated, "value of the model itself", |row| {
-            row.measure.value(row.state)
-        }),
-        number("mean", Unit::Stated, "mean over the replicates with a result", |row| {
-            Some(row.spread?.spread?.mean)
-        }),
-        number("sd", Unit::Stated, "standard deviation over the replicates", |row| {
-            Some(row.spread?.spread?.sd)
-        }),
-        number(
-            "interval_95_low",
-            Unit::Stated,
-            "2.5 % quantile over the replicates: by landmark noise and scales of the films, without errors of the model",
-            |row| Some(row.spread?.interval_95()?[0]),
-        ),
-        number("interval_95_high", Unit::Stated, "97.5 % quantile, likewise", |row| {
-            Some(row.spread?.interval_95()?[1])
-        }),
-        count("replicates", "number of replicates with a value", |row| {
-            Some(row.spread?.count as i64)
-        }),
-        count("replicates_done", "number of replicates; the others have no result", |row| {
-            Some(row.spine.uncertainty?.done as i64)
-        }),
-    ]
+fn numbers(add: &mut Columns<'_, Number<'_>>) {
+    add.number("value", Unit::Stated, "value of the model itself", |row| {
+        row.measure.value(row.state)
+    });
+    add.number("mean", Unit::Stated, "mean over the replicates with a result", |row| {
+        Some(row.spread?.spread?.mean)
+    });
+    add.number("sd", Unit::Stated, "standard deviation over the replicates", |row| {
+        Some(row.spread?.spread?.sd)
+    });
+    add.number(
+        "interval_95_low",
+        Unit::Stated,
+        "2.5 % quantile over the replicates: by landmark noise and scales of the films, without errors of the model",
+        |row| Some(row.spread?.interval_95()?[0]),
+    );
+    add.number("interval_95_high", Unit::Stated, "97.5 % quantile, likewise", |row| {
+        Some(row.spread?.interval_95()?[1])
+    });
+    add.count("replicates", "number of replicates with a value", |row| {
+        Some(row.spread?.count as i64)
+    });
+    add.count("replicates_done", "number of replicates; the others have no result", |row| {
+        Some(row.spine.uncertainty?.done as i64)
+    });
 }

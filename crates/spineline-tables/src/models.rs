@@ -9,7 +9,7 @@ use spineline::personalize::{
 };
 
 use crate::Patient;
-use crate::define::{Column, Row, Unit, count, keyed, number, text, truth};
+use crate::define::{Columns, Row, Unit, keyed, rows};
 use crate::table::Table;
 
 type ModelRow<'a> = Row<'a, &'a LineModel>;
@@ -20,54 +20,47 @@ fn absolute(analysis: &Analysis, model: &LineModel) -> bool {
 
 /// One row per patient and line.
 pub(crate) fn models(patients: &[Patient<'_>]) -> Table {
-    let rows: Vec<ModelRow<'_>> = patients
-        .iter()
-        .flat_map(|patient| patient.analysis.models.iter().map(|item| patient.row(item)))
-        .collect();
-    keyed("models", "patient × line", [columns_of_models()]).fill(&rows)
+    let rows = rows(patients, |patient| &patient.analysis.models);
+    keyed("models", "patient × line", &rows, columns_of_models)
 }
 
-fn columns_of_models<'a>() -> Vec<Column<ModelRow<'a>>> {
-    vec![
-        text("line", "line of action that the stiffness was fitted with", |row| {
-            Some(row.item.kind.key().to_owned())
-        }),
-        text("fit_status", "`converged`, `iteration_limit` or `not_evaluable`", |row| {
-            Some(row.item.fit.status.key().to_owned())
-        }),
-        count("iterations", "iterations of the fit", |row| {
-            Some(i64::from(row.item.fit.iterations))
-        }),
-        number(
-            "residual_rms",
-            Unit::One,
-            "root mean square residual: degrees of Ferguson angles, or standard deviations of a shape (see `fit` in patients)",
-            |row| Some(row.item.fit.residual_rms),
-        ),
-        truth(
-            "absolute",
-            "whether forces and stiffness are absolute; else only ratios are identified",
-            |row| Some(absolute(row.analysis, row.item)),
-        ),
-        number(
-            "absolute_scale",
-            Unit::One,
-            "factor on springs about all axes; 1 unless a force is known",
-            |row| Some(row.item.fit.absolute_scale),
-        ),
-        number(
-            "mean_location_error_fitted",
-            Unit::Millimetres,
-            "mean location error over the fitted films",
-            |row| row.item.mean_location_error_mm(true),
-        ),
-        number(
-            "mean_location_error_held_out",
-            Unit::Millimetres,
-            "mean location error over the held-out films",
-            |row| row.item.mean_location_error_mm(false),
-        ),
-    ]
+fn columns_of_models(add: &mut Columns<'_, ModelRow<'_>>) {
+    add.text("line", "line of action that the stiffness was fitted with", |row| {
+        row.item.kind.key()
+    });
+    add.text("fit_status", "`converged`, `iteration_limit` or `not_evaluable`", |row| {
+        row.item.fit.status.key()
+    });
+    add.count("iterations", "iterations of the fit", |row| i64::from(row.item.fit.iterations));
+    add.number(
+        "residual_rms",
+        Unit::One,
+        "root mean square residual: degrees of Ferguson angles, or standard deviations of a shape (see `fit` in patients)",
+        |row| row.item.fit.residual_rms,
+    );
+    add.truth(
+        "absolute",
+        "whether forces and stiffness are absolute; else only ratios are identified",
+        |row| absolute(row.analysis, row.item),
+    );
+    add.number(
+        "absolute_scale",
+        Unit::One,
+        "factor on springs about all axes; 1 unless a force is known",
+        |row| row.item.fit.absolute_scale,
+    );
+    add.number(
+        "mean_location_error_fitted",
+        Unit::Millimetres,
+        "mean location error over the fitted films",
+        |row| row.item.mean_location_error_mm(true),
+    );
+    add.number(
+        "mean_location_error_held_out",
+        Unit::Millimetres,
+        "mean location error over the held-out films",
+        |row| row.item.mean_location_error_mm(false),
+    );
 }
 
 /// A multiplier of a model.
@@ -92,7 +85,7 @@ pub(crate) fn multipliers(patients: &[Patient<'_>]) -> Table {
         }
     }
     let row = "patient × line × group of joints with one multiplier";
-    keyed("multipliers", row, [columns_of_multipliers()]).fill(&rows)
+    keyed("multipliers", row, &rows, columns_of_multipliers)
 }
 
 fn end(end: ProfileEnd) -> Option<f64> {
@@ -102,53 +95,49 @@ fn end(end: ProfileEnd) -> Option<f64> {
     }
 }
 
-fn columns_of_multipliers<'a>() -> Vec<Column<MultiplierRow<'a>>> {
-    vec![
-        text("line", "line of action of the model", |row| {
-            Some(row.item.model.kind.key().to_owned())
-        }),
-        text("joints", "region, or joint", |row| {
-            Some(row.item.model.groups.names()[row.item.group].clone())
-        }),
-        number(
-            "multiplier",
-            Unit::One,
-            "multiplier of the lateral springs; under `geometric_mean` only ratios are identified",
-            |row| row.item.model.multipliers().nth(row.item.group),
-        ),
-        truth("at_bound", "whether it reached a limit and is therefore not identified", |row| {
-            Some(row.item.model.fit.bounds[row.item.group] != StiffnessBound::Inside)
-        }),
-        text(
-            "verdict",
-            "whether the films identify it: `interval`, `only_lower`, `only_upper`, `not_identified` or `lost` (did not converge); empty where not requested",
-            |row| row.item.found.map(|found| found.profile.verdict().key().to_owned()),
-        ),
-        number(
-            "interval_95_if_exact_low",
-            Unit::One,
-            "lower end of its 95 % interval if the model is exact; empty where the films set no lower limit",
-            |row| row.item.found.and_then(|found| end(found.profile.lower)),
-        ),
-        number(
-            "interval_95_if_exact_high",
-            Unit::One,
-            "upper end of its 95 % interval if the model is exact; empty where the films set no upper limit",
-            |row| row.item.found.and_then(|found| end(found.profile.upper)),
-        ),
-        text("interval_coverage", MULTIPLIER_COVERAGE, |row| {
-            row.item.found.map(|_| MULTIPLIER_COVERAGE.to_owned())
-        }),
-        number(
-            "log_sd",
-            Unit::One,
-            "standard deviation of its logarithm from the films alone",
-            |row| row.item.found.map(|found| found.log_sd),
-        ),
-        number("log_sd_with_prior", Unit::One, "the same with the prior", |row| {
-            row.item.found.and_then(|found| found.log_sd_with_prior)
-        }),
-    ]
+fn columns_of_multipliers(add: &mut Columns<'_, MultiplierRow<'_>>) {
+    add.text("line", "line of action of the model", |row| row.item.model.kind.key());
+    add.text("joints", "region, or joint", |row| {
+        row.item.model.groups.names()[row.item.group].clone()
+    });
+    add.number(
+        "multiplier",
+        Unit::One,
+        "multiplier of the lateral springs; under `geometric_mean` only ratios are identified",
+        |row| row.item.model.multipliers().nth(row.item.group),
+    );
+    add.truth("at_bound", "whether it reached a limit and is therefore not identified", |row| {
+        row.item.model.fit.bounds[row.item.group] != StiffnessBound::Inside
+    });
+    add.text(
+        "verdict",
+        "whether the films identify it: `interval`, `only_lower`, `only_upper`, `not_identified` or `lost` (did not converge); empty where not requested",
+        |row| row.item.found.map(|found| found.profile.verdict().key()),
+    );
+    add.number(
+        "interval_95_if_exact_low",
+        Unit::One,
+        "lower end of its 95 % interval if the model is exact; empty where the films set no lower limit",
+        |row| row.item.found.and_then(|found| end(found.profile.lower)),
+    );
+    add.number(
+        "interval_95_if_exact_high",
+        Unit::One,
+        "upper end of its 95 % interval if the model is exact; empty where the films set no upper limit",
+        |row| row.item.found.and_then(|found| end(found.profile.upper)),
+    );
+    add.text("interval_coverage", MULTIPLIER_COVERAGE, |row| {
+        row.item.found.map(|_| MULTIPLIER_COVERAGE.to_owned())
+    });
+    add.number(
+        "log_sd",
+        Unit::One,
+        "standard deviation of its logarithm from the films alone",
+        |row| row.item.found.map(|found| found.log_sd),
+    );
+    add.number("log_sd_with_prior", Unit::One, "the same with the prior", |row| {
+        row.item.found.and_then(|found| found.log_sd_with_prior)
+    });
 }
 
 /// The springs of a joint in a model.
@@ -174,7 +163,7 @@ pub(crate) fn springs(patients: &[Patient<'_>]) -> Table {
             }));
         }
     }
-    keyed("springs", "patient × line × joint", [columns_of_springs()]).fill(&rows)
+    keyed("springs", "patient × line × joint", &rows, columns_of_springs)
 }
 
 fn newton_metres(nmm_per_rad: [f64; 3], axis: usize) -> Option<f64> {
@@ -189,45 +178,41 @@ fn absolute_spring(row: &SpringsRow<'_>, axis: usize) -> Option<f64> {
         .flatten()
 }
 
-fn columns_of_springs<'a>() -> Vec<Column<SpringsRow<'a>>> {
-    vec![
-        text("line", "line of action of the model", |row| {
-            Some(row.item.model.kind.key().to_owned())
-        }),
-        text("inferior", "lower vertebra", |row| Some(row.item.nominal.inferior.to_string())),
-        text("superior", "upper vertebra", |row| Some(row.item.nominal.superior.to_string())),
-        number(
-            "nominal_lateral",
-            Unit::NewtonMetresPerRadian,
-            "lateral stiffness before personalisation",
-            |row| newton_metres(row.item.nominal.nmm_per_rad, 0),
-        ),
-        number(
-            "lateral_relative",
-            Unit::One,
-            "personalised lateral stiffness relative to the nominal one; without a known force only ratios between joints are identified",
-            |row| Some(row.item.personal_nmm_per_rad[0] / row.item.nominal.nmm_per_rad[0]),
-        ),
-        number(
-            "lateral",
-            Unit::NewtonMetresPerRadian,
-            "personalised lateral stiffness; empty where no force was measured",
-            |row| absolute_spring(row, 0),
-        ),
-        number(
-            "flexion",
-            Unit::NewtonMetresPerRadian,
-            "personalised stiffness about the flexion hinge, likewise",
-            |row| absolute_spring(row, 1),
-        ),
-        number(
-            "axial",
-            Unit::NewtonMetresPerRadian,
-            "personalised stiffness about the axial hinge, likewise",
-            |row| absolute_spring(row, 2),
-        ),
-        text("source", "source of the nominal values", |row| Some(row.item.nominal.source.clone())),
-    ]
+fn columns_of_springs(add: &mut Columns<'_, SpringsRow<'_>>) {
+    add.text("line", "line of action of the model", |row| row.item.model.kind.key());
+    add.text("inferior", "lower vertebra", |row| row.item.nominal.inferior.to_string());
+    add.text("superior", "upper vertebra", |row| row.item.nominal.superior.to_string());
+    add.number(
+        "nominal_lateral",
+        Unit::NewtonMetresPerRadian,
+        "lateral stiffness before personalisation",
+        |row| newton_metres(row.item.nominal.nmm_per_rad, 0),
+    );
+    add.number(
+        "lateral_relative",
+        Unit::One,
+        "personalised lateral stiffness relative to the nominal one; without a known force only ratios between joints are identified",
+        |row| row.item.personal_nmm_per_rad[0] / row.item.nominal.nmm_per_rad[0],
+    );
+    add.number(
+        "lateral",
+        Unit::NewtonMetresPerRadian,
+        "personalised lateral stiffness; empty where no force was measured",
+        |row| absolute_spring(row, 0),
+    );
+    add.number(
+        "flexion",
+        Unit::NewtonMetresPerRadian,
+        "personalised stiffness about the flexion hinge, likewise",
+        |row| absolute_spring(row, 1),
+    );
+    add.number(
+        "axial",
+        Unit::NewtonMetresPerRadian,
+        "personalised stiffness about the axial hinge, likewise",
+        |row| absolute_spring(row, 2),
+    );
+    add.text("source", "source of the nominal values", |row| row.item.nominal.source.clone());
 }
 
 /// A line of action on a film.
@@ -240,85 +225,81 @@ type LineRow<'a> = Row<'a, Line<'a>>;
 
 /// One row per patient, moved posture and line.
 pub(crate) fn lines(patients: &[Patient<'_>]) -> Table {
-    let mut rows: Vec<LineRow<'_>> = Vec::new();
-    for patient in patients {
-        for model in &patient.analysis.models {
-            let simulated = model.postures.iter();
-            rows.extend(simulated.map(|simulation| patient.row(Line { model, simulation })));
-        }
-    }
+    let rows = rows(patients, |patient| {
+        patient.analysis.models.iter().flat_map(|model| {
+            model.simulations.iter().map(move |simulation| Line { model, simulation })
+        })
+    });
     let row = "patient × moved posture × line";
-    keyed("lines", row, [columns_of_lines(), errors_of_lines()]).fill(&rows)
+    keyed("lines", row, &rows, |add| {
+        columns_of_lines(add);
+        errors_of_lines(add);
+    })
 }
 
-fn columns_of_lines<'a>() -> Vec<Column<LineRow<'a>>> {
-    vec![
-        text("posture", "film", |row| Some(row.item.simulation.posture.key().to_owned())),
-        text("line", "line of action", |row| Some(row.item.model.kind.key().to_owned())),
-        truth(
-            "fitted",
-            "whether the stiffness was fitted to this film; else the film was held out",
-            |row| Some(row.item.simulation.fitted),
-        ),
-        text(
-            "status",
-            "`converged`, `unreachable`, `beyond_human_range` or `not_converged`; only the first is a result",
-            |row| Some(row.item.simulation.status.key().to_owned()),
-        ),
-        number(
-            "point_y",
-            Unit::Millimetres,
-            "lateral coordinate of a point of the line, positive to the patient's left",
-            |row| Some(row.item.simulation.line.point.y_mm),
-        ),
-        number("point_z", Unit::Millimetres, "its height", |row| {
-            Some(row.item.simulation.line.point.z_mm)
-        }),
-        number(
-            "lean",
-            Unit::Degrees,
-            "lateral tilt of the line; positive to the patient's right",
-            |row| Some(row.item.simulation.line.lateral_tilt().deg()),
-        ),
-        text("application", "`fixed` in space, or `at_t2`", |row| {
-            Some(
-                match row.item.simulation.line.application {
-                    Application::Fixed => "fixed",
-                    Application::AtT2 => "at_t2",
-                }
-                .to_owned(),
-            )
-        }),
-        number("force", Unit::Force, "signed force along the line", |row| {
-            Some(row.item.simulation.force_n)
-        }),
-        truth("absolute", "whether the force is in newtons; else it is relative", |row| {
-            Some(absolute(row.analysis, row.item.model))
-        }),
-        text(
-            "choice",
-            "rule by which this force was chosen: `fitted`, `only_one`, `least_ferguson_error`, `smallest_near_t2` or `nearest_miss`",
-            |row| Some(row.item.simulation.choice.key().to_owned()),
-        ),
-        count("alternatives", "number of other forces that reach the same amplitude", |row| {
-            Some(row.item.simulation.alternatives.len() as i64)
-        }),
-        number(
-            "film_scale",
-            Unit::One,
-            "the film's scale against the erect film: from all vertebrae of a fitted film, from T2 of a predicted one",
-            |row| Some(row.item.simulation.scale.factor),
-        ),
-        number(
-            "film_scale_95_low",
-            Unit::One,
-            "lower end of its 95 % interval; empty where it is fixed",
-            |row| scale_end(row, 0),
-        ),
-        number("film_scale_95_high", Unit::One, "upper end of its 95 % interval", |row| {
-            scale_end(row, 1)
-        }),
-    ]
+fn columns_of_lines(add: &mut Columns<'_, LineRow<'_>>) {
+    add.text("posture", "film", |row| row.item.simulation.posture.key());
+    add.text("line", "line of action", |row| row.item.model.kind.key());
+    add.truth(
+        "fitted",
+        "whether the stiffness was fitted to this film; else the film was held out",
+        |row| row.item.simulation.fitted,
+    );
+    add.text(
+        "status",
+        "`converged`, `unreachable`, `beyond_human_range` or `not_converged`; only the first is a result",
+        |row| row.item.simulation.status.key(),
+    );
+    add.number(
+        "point_y",
+        Unit::Millimetres,
+        "lateral coordinate of a point of the line, positive to the patient's left",
+        |row| row.item.simulation.line.point.y_mm,
+    );
+    add.number("point_z", Unit::Millimetres, "its height", |row| {
+        row.item.simulation.line.point.z_mm
+    });
+    add.number(
+        "lean",
+        Unit::Degrees,
+        "lateral tilt of the line; positive to the patient's right",
+        |row| row.item.simulation.line.lateral_tilt().deg(),
+    );
+    add.text("application", "`fixed` in space, or `at_t2`", |row| {
+        match row.item.simulation.line.application {
+            Application::Fixed => "fixed",
+            Application::AtT2 => "at_t2",
+        }
+    });
+    add.number("force", Unit::Force, "signed force along the line", |row| {
+        row.item.simulation.force_n
+    });
+    add.truth("absolute", "whether the force is in newtons; else it is relative", |row| {
+        absolute(row.analysis, row.item.model)
+    });
+    add.text(
+        "choice",
+        "rule by which this force was chosen: `fitted`, `only_one`, `least_ferguson_error`, `smallest_near_t2` or `nearest_miss`",
+        |row| row.item.simulation.choice.key(),
+    );
+    add.count("alternatives", "number of other forces that reach the same amplitude", |row| {
+        row.item.simulation.alternatives.len() as i64
+    });
+    add.number(
+        "film_scale",
+        Unit::One,
+        "the film's scale against the erect film: from all vertebrae of a fitted film, from T2 of a predicted one",
+        |row| row.item.simulation.scale.factor,
+    );
+    add.number(
+        "film_scale_95_low",
+        Unit::One,
+        "lower end of its 95 % interval; empty where it is fixed",
+        |row| scale_end(row, 0),
+    );
+    add.number("film_scale_95_high", Unit::One, "upper end of its 95 % interval", |row| {
+        scale_end(row, 1)
+    });
 }
 
 fn scale_end(row: &LineRow<'_>, end: usize) -> Option<f64> {
@@ -326,50 +307,37 @@ fn scale_end(row: &LineRow<'_>, end: usize) -> Option<f64> {
     (scale.log_sd > 0.0).then(|| scale.interval_95()[end])
 }
 
-fn ferguson_error(row: &LineRow<'_>, region: Region) -> Option<f64> {
-    let found = row.item.simulation;
-    found.is_usable().then(|| found.ferguson_difference[region.index()].abs().deg())
-}
-
-fn errors_of_lines<'a>() -> Vec<Column<LineRow<'a>>> {
-    vec![
-        number(
-            "mean_location_error",
-            Unit::Millimetres,
-            "mean location error over the vertebrae above the base",
-            |row| {
-                let found = row.item.simulation;
-                found.is_usable().then(|| found.mean_location_error_mm())
-            },
-        ),
-        number(
-            "ferguson_error_thoracolumbar_lumbar",
-            Unit::Degrees,
-            "absolute error of the Ferguson angle of the thoracolumbar/lumbar curve",
-            |row| ferguson_error(row, Region::ThoracolumbarLumbar),
-        ),
-        number(
-            "ferguson_error_main_thoracic",
-            Unit::Degrees,
-            "the same of the main thoracic curve",
-            |row| ferguson_error(row, Region::MainThoracic),
-        ),
-        number(
-            "ferguson_error_proximal_thoracic",
-            Unit::Degrees,
-            "the same of the proximal thoracic curve",
-            |row| ferguson_error(row, Region::ProximalThoracic),
-        ),
-        count("joints_against", "number of counter-rotating joints", |row| {
-            Some(row.item.simulation.contradicted.len() as i64)
-        }),
-        number(
-            "work_against",
-            Unit::One,
-            "share of these joints in the work of all joints",
-            |row| Some(row.item.simulation.contradicted_weight()),
-        ),
-    ]
+fn errors_of_lines(add: &mut Columns<'_, LineRow<'_>>) {
+    add.number(
+        "mean_location_error",
+        Unit::Millimetres,
+        "mean location error over the vertebrae above the base",
+        |row| {
+            let found = row.item.simulation;
+            found.is_usable().then(|| found.mean_location_error_mm())
+        },
+    );
+    let of_region = [
+        "absolute error of the Ferguson angle of the thoracolumbar/lumbar curve",
+        "the same of the main thoracic curve",
+        "the same of the proximal thoracic curve",
+    ];
+    for (region, meaning) in Region::ALL.into_iter().zip(of_region) {
+        let name = format!("ferguson_error_{}", region.key());
+        add.number(&name, Unit::Degrees, meaning, |row| {
+            let found = row.item.simulation;
+            found.is_usable().then(|| found.ferguson_difference[region.index()].abs().deg())
+        });
+    }
+    add.count("joints_against", "number of counter-rotating joints", |row| {
+        row.item.simulation.contradicted.len() as i64
+    });
+    add.number(
+        "work_against",
+        Unit::One,
+        "share of these joints in the work of all joints",
+        |row| row.item.simulation.contradicted_weight(),
+    );
 }
 
 /// A prediction of another load and base.
@@ -382,68 +350,62 @@ type PredictedRow<'a> = Row<'a, Predicted<'a>>;
 
 /// One row per patient, load and base, film and role.
 pub(crate) fn hypotheses(patients: &[Patient<'_>]) -> Table {
-    let mut rows: Vec<PredictedRow<'_>> = Vec::new();
-    for patient in patients {
-        for fit in &patient.analysis.hypotheses {
-            let predictions = fit.predictions.iter();
-            rows.extend(predictions.map(|prediction| patient.row(Predicted { fit, prediction })));
-        }
-    }
+    let rows = rows(patients, |patient| {
+        patient.analysis.hypotheses.iter().flat_map(|fit| {
+            fit.predictions.iter().map(move |prediction| Predicted { fit, prediction })
+        })
+    });
     let row = "patient × load and base × posture × role";
-    keyed("hypotheses", row, [columns_of_hypotheses()]).fill(&rows)
+    keyed("hypotheses", row, &rows, columns_of_hypotheses)
 }
 
-fn columns_of_hypotheses<'a>() -> Vec<Column<PredictedRow<'a>>> {
-    vec![
-        text("load_and_base", "name of the load, with the base where it is not fixed", |row| {
-            Some(row.item.fit.hypothesis.key())
-        }),
-        text("posture", "film", |row| Some(row.item.prediction.posture.key().to_owned())),
-        text(
-            "role",
-            "`fitted`, `held_out`, `left_out`, `left_out_with_prior`, `left_out_with_tilt` or `left_out_load_fitted`",
-            |row| Some(row.item.prediction.role.key().to_owned()),
-        ),
-        text("fit_status", "how the fit to all bends ended", |row| {
-            Some(row.item.fit.ending_key().to_owned())
-        }),
-        number(
-            "aicc",
-            Unit::One,
-            "Akaike's information criterion of that fit, corrected for small samples",
-            |row| Some(row.item.fit.criteria.aicc),
-        ),
-        number("bic", Unit::One, "Bayesian information criterion of that fit", |row| {
-            Some(row.item.fit.criteria.bic)
-        }),
-        number(
-            "mean_location_error",
-            Unit::Millimetres,
-            "mean location error over the vertebrae above the base",
-            |row| Some(row.item.prediction.mean_location_error_mm()),
-        ),
-        number(
-            "rotation_rms",
-            Unit::Degrees,
-            "root mean square error of the joint rotations",
-            |row| Some(row.item.prediction.rotation_rms.deg()),
-        ),
-        number(
-            "base",
-            Unit::Degrees,
-            "rotation of the whole spine about the base; positive to the patient's right",
-            |row| Some(row.item.prediction.base.deg()),
-        ),
-        count(
-            "joints_against",
-            "number of joints that turn against the moment of the load",
-            |row| Some(row.item.prediction.against.joints as i64),
-        ),
-        number(
-            "work_against",
-            Unit::One,
-            "share of these joints in the work of all joints",
-            |row| Some(row.item.prediction.against.weight),
-        ),
-    ]
+fn columns_of_hypotheses(add: &mut Columns<'_, PredictedRow<'_>>) {
+    add.text("load_and_base", "name of the load, with the base where it is not fixed", |row| {
+        row.item.fit.hypothesis.key()
+    });
+    add.text("posture", "film", |row| row.item.prediction.posture.key());
+    add.text(
+        "role",
+        "`fitted`, `held_out`, `left_out`, `left_out_with_prior`, `left_out_with_tilt` or `left_out_load_fitted`",
+        |row| row.item.prediction.role.key(),
+    );
+    add.text("fit_status", "how the fit to all bends ended", |row| row.item.fit.ending_key());
+    add.number(
+        "aicc",
+        Unit::One,
+        "Akaike's information criterion of that fit, corrected for small samples",
+        |row| row.item.fit.criteria.aicc,
+    );
+    add.number("bic", Unit::One, "Bayesian information criterion of that fit", |row| {
+        row.item.fit.criteria.bic
+    });
+    add.number(
+        "mean_location_error",
+        Unit::Millimetres,
+        "mean location error over the vertebrae above the base",
+        |row| row.item.prediction.mean_location_error_mm(),
+    );
+    add.number(
+        "rotation_rms",
+        Unit::Degrees,
+        "root mean square error of the joint rotations",
+        |row| row.item.prediction.rotation_rms.deg(),
+    );
+    add.number(
+        "base",
+        Unit::Degrees,
+        "rotation of the whole spine about the base; positive to the patient's right",
+        |row| row.item.prediction.base.deg(),
+    );
+    add.count(
+        "joints_against",
+        "number of joints that turn against the moment of the load",
+        |row| row.item.prediction.against.joints as i64,
+    );
+    add.number(
+        "work_against",
+        Unit::One,
+        "share of these joints in the work of all joints",
+        |row| row.item.prediction.against.weight,
+    );
 }

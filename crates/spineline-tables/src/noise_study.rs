@@ -3,8 +3,8 @@
 use spineline::cohort::Claims;
 use spineline::evaluate::statistics::Share;
 
-use crate::define::{Column, Unit, count, element, grouped, number, places, text, truth, written};
-use crate::table::{NumberFormat, Table};
+use crate::define::{Columns, Unit, table};
+use crate::table::{NumberFormat, NumberFormat::Places, Table};
 
 /// The claims in one setting of the study.
 #[derive(Debug, Clone)]
@@ -28,177 +28,154 @@ pub struct NoisePoint<'a> {
 /// One row per scenario, support, rule and noise.
 #[must_use]
 pub fn noise_study_table(points: &[NoisePoint<'_>]) -> Table {
-    let groups = [setting(), near(), below_mean(), better(), rod_exceeds(), curve()];
-    grouped("noise_study", "scenario × support × order rule × noise", groups).fill(points)
+    table("noise_study", "scenario × support × order rule × noise", points, |add| {
+        setting(add);
+        near(add);
+        below_mean(add);
+        better(add);
+        rod_exceeds(add);
+        curve(add);
+    })
 }
+
+type Points<'r, 'a> = Columns<'r, NoisePoint<'a>>;
 
 const LOW: &str = "lower end of its 95 % interval";
 const HIGH: &str = "upper end of its 95 % interval";
 const VERDICT: &str = "whether the claim `holds`, `fails` or is `open`, by this interval and the claim's limit; empty where nothing was counted";
 
-/// A share and its interval; a cell gets the index of the first column and of the next ones.
-fn share<'a>(
+/// A share and its interval.
+fn share(
+    add: &mut Points<'_, '_>,
     name: &str,
     meaning: &'static str,
-    first: usize,
-    cell: fn(&NoisePoint<'a>, usize) -> Option<f64>,
-) -> [Column<NoisePoint<'a>>; 3] {
-    let column = |end: &str, meaning, index| {
-        written(
-            NumberFormat::Places(4),
-            element(&format!("{name}_share{end}"), Unit::One, meaning, first + index, cell),
-        )
-    };
-    [column("", meaning, 0), column("_low", LOW, 1), column("_high", HIGH, 2)]
+    share: impl Fn(&NoisePoint<'_>) -> Option<(f64, Option<[f64; 2]>)>,
+) {
+    let place = Places(4);
+    add.number(&format!("{name}_share"), Unit::One, meaning, |row| Some(share(row)?.0)).format =
+        place;
+    for (end, (name_of_end, meaning)) in [("low", LOW), ("high", HIGH)].into_iter().enumerate() {
+        let name = format!("{name}_share_{name_of_end}");
+        add.number(&name, Unit::One, meaning, |row| Some(share(row)?.1?[end])).format = place;
+    }
 }
 
-/// The share itself, or an end of its interval.
-fn part(share: &Share, index: usize) -> f64 {
-    [share.share, share.interval[0], share.interval[1]][index]
+const fn with_interval(share: &Share) -> Option<(f64, Option<[f64; 2]>)> {
+    Some((share.share, Some(share.interval)))
 }
 
-fn verdict(point: &NoisePoint<'_>, claim: usize) -> Option<String> {
-    point.claims.verdicts()[claim].map(|verdict| verdict.key().to_owned())
+fn verdict(add: &mut Points<'_, '_>, name: &str, claim: usize) {
+    add.text(name, VERDICT, |row| row.claims.verdicts()[claim].map(|verdict| verdict.key()));
 }
 
-fn setting<'a>() -> Vec<Column<NoisePoint<'a>>> {
-    vec![
-        truth("synthetic", "always true: the patients are phantoms", |_| Some(true)),
-        text("scenario", "loading scenario of the phantoms", |row| Some(row.scenario.to_owned())),
-        text("support", "`free` or `frontal`; empty where no models were made", |row| {
-            row.support.map(str::to_owned)
-        }),
-        text("order_rule", "rule for the order of the curves", |row| Some(row.order_rule.clone())),
-        number(
-            "noise_sd",
-            Unit::Millimetres,
-            "standard deviation of a coordinate of a corner in one reading",
-            |row| Some(row.noise_sd_mm),
-        ),
-        count("phantoms", "phantoms that were analysed", |row| Some(row.claims.patients as i64)),
-        count("phantoms_lost", "phantoms that could not be made or analysed", |row| {
-            Some(row.lost as i64)
-        }),
-    ]
+fn setting(add: &mut Points<'_, '_>) {
+    add.truth("synthetic", "always true: the patients are phantoms", |_| true);
+    add.text("scenario", "loading scenario of the phantoms", |row| row.scenario);
+    add.text("support", "`free` or `frontal`; empty where no models were made", |row| row.support);
+    add.text("order_rule", "rule for the order of the curves", |row| row.order_rule.clone());
+    add.number(
+        "noise_sd",
+        Unit::Millimetres,
+        "standard deviation of a coordinate of a corner in one reading",
+        |row| row.noise_sd_mm,
+    );
+    add.count("phantoms", "phantoms that were analysed", |row| row.claims.patients as i64);
+    add.count("phantoms_lost", "phantoms that could not be made or analysed", |row| {
+        row.lost as i64
+    });
 }
 
 /// Claim 1.
-fn near<'a>() -> Vec<Column<NoisePoint<'a>>> {
-    let mut columns: Vec<Column<NoisePoint<'a>>> =
-        vec![count("phantoms_with_inflections", "phantoms with inflections", |row| {
-            Some(row.claims.near.n as i64)
-        })];
-    columns.extend(share(
+fn near(add: &mut Points<'_, '_>) {
+    add.count("phantoms_with_inflections", "phantoms with inflections", |row| {
+        row.claims.near.n as i64
+    });
+    share(
+        add,
         "near",
         "share of inflections near the least-rotating segment, mean over phantoms",
-        0,
-        |row, index| Some(part(&row.claims.near, index)),
-    ));
-    columns.extend([
-        places(
-            "near_share_by_chance",
-            Unit::One,
-            "this share at random places",
-            4,
-            |row: &NoisePoint<'a>| Some(row.claims.near_by_chance),
-        ),
-        text("near_verdict", VERDICT, |row| verdict(row, 0)),
-        places(
-            "median_distance",
-            Unit::Segments,
-            "median distance of an inflection from the least-rotating segment",
-            1,
-            |row| Some(row.claims.median_distance_segments),
-        ),
-    ]);
-    columns
+        |row| with_interval(&row.claims.near),
+    );
+    add.number("near_share_by_chance", Unit::One, "this share at random places", |row| {
+        row.claims.near_by_chance
+    })
+    .format = Places(4);
+    verdict(add, "near_verdict", 0);
+    add.number(
+        "median_distance",
+        Unit::Segments,
+        "median distance of an inflection from the least-rotating segment",
+        |row| row.claims.median_distance_segments,
+    )
+    .format = Places(1);
 }
 
 /// Claim 2.
-fn below_mean<'a>() -> Vec<Column<NoisePoint<'a>>> {
-    let mut columns = vec![
-        places(
-            "mean_rotation",
-            Unit::Degrees,
-            "mean rotation of all segments",
-            5,
-            |row: &NoisePoint<'a>| Some(row.claims.rotations_deg[0]),
-        ),
-        places(
-            "inflection_rotation",
-            Unit::Degrees,
-            "mean rotation of the inflections",
-            5,
-            |row| Some(row.claims.rotations_deg[1]),
-        ),
+fn below_mean(add: &mut Points<'_, '_>) {
+    let rotations = [
+        ("mean_rotation", "mean rotation of all segments"),
+        ("inflection_rotation", "mean rotation of the inflections"),
     ];
-    columns.extend(share(
+    for (place, (name, meaning)) in rotations.into_iter().enumerate() {
+        add.number(name, Unit::Degrees, meaning, |row| row.claims.rotations_deg[place]).format =
+            Places(5);
+    }
+    share(
+        add,
         "below_mean",
         "part of the mean rotation by which the inflections rotate less",
-        0,
-        |row, index| match index {
-            0 => Some(row.claims.below_mean),
-            end => row.claims.below_mean_interval.map(|interval| interval[end - 1]),
-        },
-    ));
-    columns.push(text("below_mean_verdict", VERDICT, |row| verdict(row, 1)));
-    columns
+        |row| Some((row.claims.below_mean, row.claims.below_mean_interval)),
+    );
+    verdict(add, "below_mean_verdict", 1);
 }
 
 /// Claim 3.
-fn better<'a>() -> Vec<Column<NoisePoint<'a>>> {
-    let mut columns = advantage();
-    columns.extend(share(
+fn better(add: &mut Points<'_, '_>) {
+    advantage(add);
+    share(
+        add,
         "better",
         "share of phantoms whose fitted films have a smaller location error with the inflection line",
-        0,
-        |row, index| Some(part(&row.claims.better, index)),
-    ));
-    columns.extend([
-        text("better_verdict", VERDICT, |row| verdict(row, 2)),
-        count("phantoms_compared_held_out", "phantoms with both lines on held-out films", |row| {
-            Some(row.claims.better_held_out.n as i64)
-        }),
-    ]);
-    columns.extend(share("better_held_out", "the share of held-out films", 0, |row, index| {
-        Some(part(&row.claims.better_held_out, index))
-    }));
-    columns
+        |row| with_interval(&row.claims.better),
+    );
+    verdict(add, "better_verdict", 2);
+    add.count("phantoms_compared_held_out", "phantoms with both lines on held-out films", |row| {
+        row.claims.better_held_out.n as i64
+    });
+    share(add, "better_held_out", "the share of held-out films", |row| {
+        with_interval(&row.claims.better_held_out)
+    });
 }
 
-fn advantage<'a>() -> Vec<Column<NoisePoint<'a>>> {
-    let mm = Unit::Millimetres;
-    let interval_end: fn(&NoisePoint<'a>, usize) -> Option<f64> =
-        |row, end| row.claims.advantage_mm.1.map(|interval| interval[end]);
-    vec![
-        count("phantoms_compared", "phantoms with both lines on fitted films", |row| {
-            Some(row.claims.better.n as i64)
-        }),
-        places("inflection_line_error", mm, "mean location error, inflection line", 3, |row| {
-            Some(row.claims.errors_mm[0])
-        }),
-        places("iliac_line_error", mm, "mean location error, iliac line", 3, |row| {
-            Some(row.claims.errors_mm[1])
-        }),
-        places("advantage", mm, "by which the inflection line's error is smaller", 3, |row| {
-            Some(row.claims.advantage_mm.0)
-        }),
-        written(NumberFormat::Places(3), element("advantage_low", mm, LOW, 0, interval_end)),
-        written(NumberFormat::Places(3), element("advantage_high", mm, HIGH, 1, interval_end)),
-        written(
-            NumberFormat::Scientific(3),
-            number(
-                "advantage_p_one_sided",
-                Unit::One,
-                "one-sided p value of the paired t-test with a mean per phantom",
-                |row| row.claims.advantage_p,
-            ),
-        ),
-    ]
+fn advantage(add: &mut Points<'_, '_>) {
+    add.count("phantoms_compared", "phantoms with both lines on fitted films", |row| {
+        row.claims.better.n as i64
+    });
+    let mut number = |name, meaning, cell: fn(&NoisePoint<'_>) -> Option<f64>| {
+        add.number(name, Unit::Millimetres, meaning, cell).format = Places(3);
+    };
+    number("inflection_line_error", "mean location error, inflection line", |row| {
+        Some(row.claims.errors_mm[0])
+    });
+    number("iliac_line_error", "mean location error, iliac line", |row| {
+        Some(row.claims.errors_mm[1])
+    });
+    number("advantage", "by which the inflection line's error is smaller", |row| {
+        Some(row.claims.advantage_mm.0)
+    });
+    number("advantage_low", LOW, |row| Some(row.claims.advantage_mm.1?[0]));
+    number("advantage_high", HIGH, |row| Some(row.claims.advantage_mm.1?[1]));
+    add.number(
+        "advantage_p_one_sided",
+        Unit::One,
+        "one-sided p value of the paired t-test with a mean per phantom",
+        |row| row.claims.advantage_p,
+    )
+    .format = NumberFormat::Scientific(3);
 }
 
 /// Whether the scenario can be distinguished from a rod.
-fn rod_exceeds<'a>() -> Vec<Column<NoisePoint<'a>>> {
+fn rod_exceeds(add: &mut Points<'_, '_>) {
     let meanings = [
         (
             "rod_exceeds_near",
@@ -207,24 +184,20 @@ fn rod_exceeds<'a>() -> Vec<Column<NoisePoint<'a>>> {
         ("rod_exceeds_below_mean", "the same for claim 2"),
         ("rod_exceeds_advantage", "the same for claim 3"),
     ];
-    let columns = meanings.into_iter().enumerate().flat_map(|(claim, (name, meaning))| {
-        share(name, meaning, 3 * claim, |row, index| {
-            row.rod_exceeds.as_ref().map(|claims| part(&claims[index / 3], index % 3))
-        })
-    });
-    columns.collect()
+    for (claim, (name, meaning)) in meanings.into_iter().enumerate() {
+        share(add, name, meaning, |row| with_interval(&row.rod_exceeds.as_ref()?[claim]));
+    }
 }
 
-fn curve<'a>() -> Vec<Column<NoisePoint<'a>>> {
-    vec![
-        places("curve_residual", Unit::Millimetres, "mean residual of the curves", 4, |row| {
-            Some(row.claims.residuals[0])
-        }),
-        places("curve_residual", Unit::Degrees, "mean residual of their tilts", 4, |row| {
-            Some(row.claims.residuals[1])
-        }),
-        places("mean_order", Unit::One, "mean order of the curves", 2, |row| {
-            Some(row.claims.order)
-        }),
-    ]
+fn curve(add: &mut Points<'_, '_>) {
+    add.number("curve_residual", Unit::Millimetres, "mean residual of the curves", |row| {
+        row.claims.residuals[0]
+    })
+    .format = Places(4);
+    add.number("curve_residual", Unit::Degrees, "mean residual of their tilts", |row| {
+        row.claims.residuals[1]
+    })
+    .format = Places(4);
+    add.number("mean_order", Unit::One, "mean order of the curves", |row| row.claims.order)
+        .format = Places(2);
 }

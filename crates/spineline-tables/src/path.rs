@@ -2,12 +2,10 @@
 
 use spineline::anatomy::Region;
 use spineline::multibody::{ForceSign, PathPoint};
-use spineline::response::{SpineAngles, direction_word};
+use spineline::response::{CurveAngles, SpineAngles, direction_word};
 use spineline::spatial::Angle;
 
-use crate::define::{
-    Column, Definition, Unit, count, element, grouped, number, text, truth, written,
-};
+use crate::define::{Columns, Unit, table};
 use crate::table::{NumberFormat, Table};
 
 /// One shape of a spine under loads.
@@ -33,109 +31,95 @@ pub struct LoadedShape<'a> {
 #[must_use]
 pub fn path_table(top: &str, regions: &[Region], shapes: &[LoadedShape<'_>]) -> Table {
     let regions: Vec<&str> = regions.iter().map(|region| region.key()).collect();
-    definition(top, &regions).fill(shapes)
+    of_shapes(top, &regions, shapes)
 }
 
 /// The table for any vertebra and regions, without rows.
 pub(crate) fn path_columns() -> Table {
-    definition("<top>", &["<region>"]).fill(&[])
+    of_shapes("<top>", &["<region>"], &[])
 }
 
-fn definition<'a>(top: &str, regions: &[&str]) -> Definition<LoadedShape<'a>> {
-    let groups = [keys(), location(top), curves(regions), numerics()];
-    grouped("path", "shape on the path of equilibria", groups)
+fn of_shapes(top: &str, regions: &[&str], shapes: &[LoadedShape<'_>]) -> Table {
+    table("path", "shape on the path of equilibria", shapes, |add| {
+        keys(add);
+        location(add, top);
+        curves(add, regions);
+        numerics(add);
+    })
 }
 
-fn keys<'a>() -> Vec<Column<LoadedShape<'a>>> {
-    vec![
-        text("case_id", "patient", |row| Some(row.case_id.to_owned())),
-        truth("synthetic", "whether the patient of the model is synthetic", |row| {
-            Some(row.synthetic)
-        }),
-        truth("absolute", "whether forces are in newtons; else they are relative", |row| {
-            Some(row.absolute)
-        }),
-        text("status", "how the search ended; the same in every row", |row| {
-            Some(row.status.to_owned())
-        }),
-        text("direction", "whether loads grow `along` or `against` themselves", |row| {
-            Some(direction_word(row.sign).to_owned())
-        }),
-        text("timing", "which loads are varied", |row| Some(row.point.timing.key().to_owned())),
-        number("factor", Unit::One, "factor of these loads", |row| Some(row.point.factor)),
-        number("arc", Unit::Radians, "length of the path up to this shape", |row| {
-            Some(row.point.arc_rad)
-        }),
-    ]
+fn keys(add: &mut Columns<'_, LoadedShape<'_>>) {
+    add.text("case_id", "patient", |row| row.case_id);
+    add.truth("synthetic", "whether the patient of the model is synthetic", |row| row.synthetic);
+    add.truth("absolute", "whether forces are in newtons; else they are relative", |row| {
+        row.absolute
+    });
+    add.text("status", "how the search ended; the same in every row", |row| row.status);
+    add.text("direction", "whether loads grow `along` or `against` themselves", |row| {
+        direction_word(row.sign)
+    });
+    add.text("timing", "which loads are varied", |row| row.point.timing.key());
+    add.number("factor", Unit::One, "factor of these loads", |row| row.point.factor);
+    add.number("arc", Unit::Radians, "length of the path up to this shape", |row| {
+        row.point.arc_rad
+    });
 }
 
-fn location<'a>(top: &str) -> Vec<Column<LoadedShape<'a>>> {
-    let coordinate = |way: &str, index, meaning| {
-        element(
-            &format!("{top}_{way}"),
-            Unit::Millimetres,
-            meaning,
-            index,
-            |row: &LoadedShape<'a>, index| {
-                row.point.deformed.midpoints_mm.last().map(|midpoint| midpoint[index])
-            },
-        )
-    };
-    vec![
-        number(
-            "lateral_tilt_right",
-            Unit::Degrees,
-            "lateral tilt of the line from the lowest to the uppermost vertebra; positive to the patient's right",
-            |row| Some(row.angles.lateral_tilt.deg()),
-        ),
-        coordinate("anterior", 0, "place of the uppermost vertebra, positive to the front"),
-        coordinate("left", 1, "the same, positive to the patient's left"),
-        coordinate("cranial", 2, "the same, positive upwards"),
-    ]
+fn location(add: &mut Columns<'_, LoadedShape<'_>>, top: &str) {
+    add.number(
+        "lateral_tilt_right",
+        Unit::Degrees,
+        "lateral tilt of the line from the lowest to the uppermost vertebra; positive to the patient's right",
+        |row| row.angles.lateral_tilt.deg(),
+    );
+    let ways = [
+        ("anterior", "place of the uppermost vertebra, positive to the front"),
+        ("left", "the same, positive to the patient's left"),
+        ("cranial", "the same, positive upwards"),
+    ];
+    for (axis, (way, meaning)) in ways.into_iter().enumerate() {
+        add.number(&format!("{top}_{way}"), Unit::Millimetres, meaning, |row| {
+            row.point.deformed.midpoints_mm.last().map(|midpoint| midpoint[axis])
+        });
+    }
 }
 
 /// Every angle of all curves, before the next angle.
-fn curves<'a>(regions: &[&str]) -> Vec<Column<LoadedShape<'a>>> {
-    type Measure<'a> = fn(&LoadedShape<'a>, usize) -> Option<f64>;
-    let cobb: Measure<'a> = |row, curve| row.angles.curves[curve].ends.cobb.map(Angle::deg);
-    let tilt_range: Measure<'a> = |row, curve| Some(row.angles.curves[curve].ends.tilt_range.deg());
-    let ferguson: Measure<'a> = |row, curve| Some(row.angles.curves[curve].ferguson.deg());
-    let angles = [
+fn curves(add: &mut Columns<'_, LoadedShape<'_>>, regions: &[&str]) {
+    type Measure = fn(&CurveAngles) -> Option<Angle>;
+    let angles: [(&str, &str, Measure); 3] = [
         (
             "cobb",
             "Cobb angle between the end vertebrae of the erect film, positive where convex to the patient's left; empty where endplates are not known",
-            cobb,
+            |curve| curve.ends.cobb,
         ),
         (
             "tilt_range",
             "difference between the tilts of these vertebrae, of the same sign",
-            tilt_range,
+            |curve| Some(curve.ends.tilt_range),
         ),
-        ("ferguson", "Ferguson angle, of the same sign", ferguson),
+        ("ferguson", "Ferguson angle, of the same sign", |curve| Some(curve.ferguson)),
     ];
-    let columns = angles.into_iter().flat_map(|(angle, meaning, cell)| {
-        regions.iter().enumerate().map(move |(curve, region)| {
+    for (angle, meaning, measure) in angles {
+        for (curve, region) in regions.iter().enumerate() {
             let name = format!("{angle}_{region}_convex_left");
-            element(&name, Unit::Degrees, meaning, curve, cell)
-        })
-    });
-    columns.collect()
+            add.number(&name, Unit::Degrees, meaning, |row| {
+                measure(&row.angles.curves[curve]).map(Angle::deg)
+            });
+        }
+    }
 }
 
-fn numerics<'a>() -> Vec<Column<LoadedShape<'a>>> {
-    vec![
-        number("largest_hinge", Unit::Radians, "largest angle of a hinge", |row| {
-            Some(row.point.deformed.largest_hinge_rad())
-        }),
-        written(
-            NumberFormat::ShortestScientific,
-            number(
-                "residual",
-                Unit::Radians,
-                "largest difference between a hinge angle and the one of its moment",
-                |row| Some(row.point.residual_rad),
-            ),
-        ),
-        count("iterations", "Newton iterations", |row| Some(i64::from(row.point.iterations))),
-    ]
+fn numerics(add: &mut Columns<'_, LoadedShape<'_>>) {
+    add.number("largest_hinge", Unit::Radians, "largest angle of a hinge", |row| {
+        row.point.deformed.largest_hinge_rad()
+    });
+    add.number(
+        "residual",
+        Unit::Radians,
+        "largest difference between a hinge angle and the one of its moment",
+        |row| row.point.residual_rad,
+    )
+    .format = NumberFormat::ShortestScientific;
+    add.count("iterations", "Newton iterations", |row| i64::from(row.point.iterations));
 }

@@ -1,7 +1,7 @@
 use spineline::reliability::{Design, Statistic};
 
 use crate::Patient;
-use crate::define::{Column, Row, Unit, count, keyed, number, text};
+use crate::define::{Columns, Row, Unit, keyed};
 use crate::table::Table;
 
 /// A statistic of one quantity in one design.
@@ -34,52 +34,48 @@ pub(crate) fn table(patients: &[Patient<'_>]) -> Table {
         }
     }
     let row = "patient × quantity × design × statistic";
-    keyed("reliability", row, [columns_of_statistics()]).fill(&rows)
+    keyed("reliability", row, &rows, columns_of_statistics)
 }
 
-fn columns_of_statistics<'a>() -> Vec<Column<ReliabilityRow<'a>>> {
-    vec![
-        text("quantity", "quantity that was read", |row| Some(row.item.quantity.clone())),
-        text(
-            "design",
-            "`inter_observer_means`, `inter_observer_single` or `intra_observer`",
-            |row| Some(row.item.design.key().to_owned()),
-        ),
-        text("observer", "for `intra_observer`: the observer whose repeats are compared", |row| {
-            match &row.item.design {
-                Design::IntraObserver { observer } => Some(observer.clone()),
-                Design::InterObserverMeans | Design::InterObserverSingle { .. } => None,
-            }
-        }),
-        count(
-            "repeat",
-            "for `inter_observer_single`: the repeat that is compared",
-            |row| match row.item.design {
-                Design::InterObserverSingle { repeat } => Some(i64::from(repeat)),
-                Design::InterObserverMeans | Design::IntraObserver { .. } => None,
-            },
-        ),
-        count("subjects", "number of subjects that all raters rated", |row| {
-            Some(row.item.subjects as i64)
-        }),
-        text("statistic", "key of the statistic", |row| {
-            Some(row.item.statistic.kind.key().to_owned())
-        }),
-        text("unit", "unit of the value; empty for a coefficient", |row| {
-            let kind = row.item.statistic.kind;
-            kind.has_unit().then(|| row.item.unit.clone())
-        }),
-        number("value", Unit::Stated, "value of the statistic", |row| {
-            row.item.statistic.outcome.ok().map(|estimate| estimate.value)
-        }),
-        number("interval_95_low", Unit::Stated, "lower end of its 95 % interval", |row| {
-            row.item.statistic.outcome.ok()?.interval.ok().map(|ends| ends[0])
-        }),
-        number("interval_95_high", Unit::Stated, "upper end of its 95 % interval", |row| {
-            row.item.statistic.outcome.ok()?.interval.ok().map(|ends| ends[1])
-        }),
-        text("undefined", "reason why the value is missing", |row| {
-            row.item.statistic.outcome.err().map(|why| why.key().to_owned())
-        }),
-    ]
+fn columns_of_statistics(add: &mut Columns<'_, ReliabilityRow<'_>>) {
+    add.text("quantity", "quantity that was read", |row| row.item.quantity.clone());
+    add.text(
+        "design",
+        "`inter_observer_means`, `inter_observer_single` or `intra_observer`",
+        |row| row.item.design.key(),
+    );
+    add.text("observer", "for `intra_observer`: the observer whose repeats are compared", |row| {
+        match &row.item.design {
+            Design::IntraObserver { observer } => Some(observer.clone()),
+            Design::InterObserverMeans | Design::InterObserverSingle { .. } => None,
+        }
+    });
+    add.count(
+        "repeat",
+        "for `inter_observer_single`: the repeat that is compared",
+        |row| match row.item.design {
+            Design::InterObserverSingle { repeat } => Some(i64::from(repeat)),
+            Design::InterObserverMeans | Design::IntraObserver { .. } => None,
+        },
+    );
+    add.count("subjects", "number of subjects that all raters rated", |row| {
+        row.item.subjects as i64
+    });
+    add.text("statistic", "key of the statistic", |row| row.item.statistic.kind.key());
+    add.text("unit", "unit of the value; empty for a coefficient", |row| {
+        let kind = row.item.statistic.kind;
+        kind.has_unit().then(|| row.item.unit.clone())
+    });
+    add.number("value", Unit::Stated, "value of the statistic", |row| {
+        row.item.statistic.outcome.ok().map(|estimate| estimate.value)
+    });
+    add.number("interval_95_low", Unit::Stated, "lower end of its 95 % interval", |row| {
+        row.item.statistic.outcome.ok()?.interval.ok().map(|ends| ends[0])
+    });
+    add.number("interval_95_high", Unit::Stated, "upper end of its 95 % interval", |row| {
+        row.item.statistic.outcome.ok()?.interval.ok().map(|ends| ends[1])
+    });
+    add.text("undefined", "reason why the value is missing", |row| {
+        row.item.statistic.outcome.err().map(|why| why.key())
+    });
 }

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use crate::define::{Column, Definition, Unit, count, number, text, written};
+use crate::define::{Columns, Unit, table};
 use crate::table::{NumberFormat, Table};
 
 /// One number of the paper beside the number of one group of patients.
@@ -36,37 +36,27 @@ pub struct ReproducedNumber {
 #[must_use]
 pub fn reproduction_table(numbers: &[ReproducedNumber]) -> Table {
     let row = "section × support × quantity × group";
-    Definition { name: "summary", row, columns: columns() }.fill(numbers)
+    table("summary", row, numbers, columns)
 }
 
-fn columns() -> Vec<Column<ReproducedNumber>> {
-    vec![
-        text("section", "part of the paper", |row| Some(row.section.clone())),
-        text("support", "`free`, `frontal`, or empty where it does not matter", |row| {
-            row.support.map(str::to_owned)
-        }),
-        text("quantity", "what the number measures", |row| Some(row.quantity.clone())),
-        text("unit", "unit of `mean` and `sd`; empty without one", |row| Some(row.unit.to_owned())),
-        text("paper", "the number of the paper; empty where it gives none", |row| {
-            row.paper.clone()
-        }),
-        text(
-            "group",
-            "loading scenario (`rod`, `bend` or `pull`), or `films` for cases that were given",
-            |row| Some(row.group.to_owned()),
-        ),
-        written(
-            NumberFormat::ShortestDecimal,
-            number("mean", Unit::Stated, "mean, share or p value; empty without one", |row| {
-                row.mean
-            }),
-        ),
-        written(
-            NumberFormat::ShortestDecimal,
-            number("sd", Unit::Stated, "standard deviation; empty without one", |row| row.sd),
-        ),
-        count("n", "number of values", |row| Some(row.n as i64)),
-        text("text", "the number as it is printed", |row| Some(row.text.clone())),
-        text("verdict", "comparison of all groups with the paper", |row| Some(row.verdict.clone())),
-    ]
+fn columns(add: &mut Columns<'_, ReproducedNumber>) {
+    add.text("section", "part of the paper", |row| row.section.clone());
+    add.text("support", "`free`, `frontal`, or empty where it does not matter", |row| row.support);
+    add.text("quantity", "what the number measures", |row| row.quantity.clone());
+    add.text("unit", "unit of `mean` and `sd`; empty without one", |row| row.unit);
+    add.text("paper", "the number of the paper; empty where it gives none", |row| {
+        row.paper.clone()
+    });
+    add.text(
+        "group",
+        "loading scenario (`rod`, `bend` or `pull`), or `films` for cases that were given",
+        |row| row.group,
+    );
+    add.number("mean", Unit::Stated, "mean, share or p value; empty without one", |row| row.mean)
+        .format = NumberFormat::ShortestDecimal;
+    add.number("sd", Unit::Stated, "standard deviation; empty without one", |row| row.sd).format =
+        NumberFormat::ShortestDecimal;
+    add.count("n", "number of values", |row| row.n as i64);
+    add.text("text", "the number as it is printed", |row| row.text.clone());
+    add.text("verdict", "comparison of all groups with the paper", |row| row.verdict.clone());
 }

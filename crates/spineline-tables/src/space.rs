@@ -5,7 +5,7 @@ use spineline::measure::{AxialRotation, SpatialOutline, SpatialVertebra};
 use spineline::spatial::{Angle, Vec3};
 
 use crate::Patient;
-use crate::define::{Column, Row, Unit, count, keyed, number, text};
+use crate::define::{Columns, Row, Unit, keyed, rows};
 use crate::table::Table;
 
 /// A vertebra on both films.
@@ -32,150 +32,135 @@ pub(crate) fn vertebrae(patients: &[Patient<'_>]) -> Table {
         }));
     }
     let row = "patient × vertebra on the erect and the lateral film";
-    keyed("space_vertebrae", row, [places(), angles()]).fill(&rows)
+    keyed("space_vertebrae", row, &rows, |add| {
+        places(add);
+        angles(add);
+    })
 }
 
 /// One row per patient and number of the spine in space.
 pub(crate) fn measures(patients: &[Patient<'_>]) -> Table {
-    let mut rows: Vec<NumberRow<'_>> = Vec::new();
-    for patient in patients {
-        let found = patient.analysis.movement.spatial_measures();
-        let numbers = found.map(|found| found.numbers(patient.analysis.movement.scale()));
-        rows.extend(numbers.into_iter().flatten().map(|number| patient.row(number)));
-    }
-    keyed("space_measures", "patient × number of the spine in space", [numbers()]).fill(&rows)
+    let rows = rows(patients, |patient| {
+        let movement = &patient.analysis.movement;
+        let found = movement.spatial_measures();
+        found.map(|found| found.numbers(movement.scale())).into_iter().flatten()
+    });
+    keyed("space_measures", "patient × number of the spine in space", &rows, numbers)
 }
 
 type NumberRow<'a> = Row<'a, SpatialNumber>;
 
-fn numbers<'a>() -> Vec<Column<NumberRow<'a>>> {
-    vec![
-        text(
-            "quantity",
-            "kyphosis or lordosis by `endplates` or `axes`; `curve_frontal`, `curve_lateral`, `curve_largest` (in the plane of maximum curvature) and `curve_convexity` (0 front, 90 left, 180 back) by axes; `spinal_length`",
-            |row| Some(row.item.key.to_owned()),
-        ),
-        text("between", "vertebrae between which it is measured, the upper one first", |row| {
-            Some(row.item.between.clone())
-        }),
-        text("region", "region of a curve", |row| {
-            row.item.region.map(|region| region.key().to_owned())
-        }),
-        text("dimension", "`2-D` on one film, `3-D` in space", |row| {
-            Some(row.item.dimension.key().to_owned())
-        }),
-        text("unit", "`deg`, `mm`, or `px` where the erect film has no spacing", |row| {
-            Some(row.item.unit.to_owned())
-        }),
-        number("value", Unit::Stated, "its value", |row| Some(row.item.value)),
-        number(
-            "sd",
-            Unit::Stated,
-            "its standard deviation by the landmarks and the alignment of the lateral film",
-            |row| Some(row.item.sd),
-        ),
-        number("interval_95_low", Unit::Stated, "lower end of its 95 % interval", |row| {
-            Some(row.item.interval_95()[0])
-        }),
-        number("interval_95_high", Unit::Stated, "upper end of its 95 % interval", |row| {
-            Some(row.item.interval_95()[1])
-        }),
-    ]
+fn numbers(add: &mut Columns<'_, NumberRow<'_>>) {
+    add.text(
+        "quantity",
+        "kyphosis or lordosis by `endplates` or `axes`; `curve_frontal`, `curve_lateral`, `curve_largest` (in the plane of maximum curvature) and `curve_convexity` (0 front, 90 left, 180 back) by axes; `spinal_length`",
+        |row| row.item.key,
+    );
+    add.text("between", "vertebrae between which it is measured, the upper one first", |row| {
+        row.item.between.clone()
+    });
+    add.text("region", "region of a curve", |row| row.item.region.map(|region| region.key()));
+    add.text("dimension", "`2-D` on one film, `3-D` in space", |row| row.item.dimension.key());
+    add.text("unit", "`deg`, `mm`, or `px` where the erect film has no spacing", |row| {
+        row.item.unit
+    });
+    add.number("value", Unit::Stated, "its value", |row| row.item.value);
+    add.number(
+        "sd",
+        Unit::Stated,
+        "its standard deviation by the landmarks and the alignment of the lateral film",
+        |row| row.item.sd,
+    );
+    add.number("interval_95_low", Unit::Stated, "lower end of its 95 % interval", |row| {
+        row.item.interval_95()[0]
+    });
+    add.number("interval_95_high", Unit::Stated, "upper end of its 95 % interval", |row| {
+        row.item.interval_95()[1]
+    });
 }
 
 fn place_mm(row: &VertebraRow<'_>, part: fn(&Vec3) -> f64) -> Option<f64> {
     row.analysis.movement.scale().mm(part(&row.item.vertebra.place_mm))
 }
 
-fn places<'a>() -> Vec<Column<VertebraRow<'a>>> {
-    vec![
-        text("level", "vertebra", |row| Some(row.item.vertebra.level.to_string())),
-        number(
-            "x_3d",
-            Unit::Millimetres,
-            "place from the lowest vertebra on both films, to the front, by the vertical of the films; empty where the erect film has no spacing",
-            |row| place_mm(row, |place| place.x),
-        ),
-        number("y_3d", Unit::Millimetres, "the same to the patient's left", |row| {
-            place_mm(row, |place| place.y)
-        }),
-        number("z_3d", Unit::Millimetres, "the same upwards", |row| place_mm(row, |place| place.z)),
-    ]
+fn places(add: &mut Columns<'_, VertebraRow<'_>>) {
+    add.text("level", "vertebra", |row| row.item.vertebra.level.to_string());
+    add.number(
+        "x_3d",
+        Unit::Millimetres,
+        "place from the lowest vertebra on both films, to the front, by the vertical of the films; empty where the erect film has no spacing",
+        |row| place_mm(row, |place| place.x),
+    );
+    add.number("y_3d", Unit::Millimetres, "the same to the patient's left", |row| {
+        place_mm(row, |place| place.y)
+    });
+    add.number("z_3d", Unit::Millimetres, "the same upwards", |row| place_mm(row, |place| place.z));
 }
 
-fn angles<'a>() -> Vec<Column<VertebraRow<'a>>> {
-    vec![
-        number(
-            "tilt_2d",
-            Unit::Degrees,
-            "tilt of the axis on the erect film, against its vertical; positive to the patient's right",
-            |row| Some(row.item.vertebra.orientation.tilt.deg()),
-        ),
-        number("tilt_2d_sd", Unit::Degrees, "its standard deviation by the landmarks", |row| {
-            Some(row.item.vertebra.tilt_sd.deg())
-        }),
-        number(
-            "pitch_2d",
-            Unit::Degrees,
-            "angle of the axis from the vertical on the lateral film, corrected for the turn of that film; flexion positive",
-            |row| Some(row.item.vertebra.lateral_pitch.deg()),
-        ),
-        number("pitch_3d", Unit::Degrees, "pitch of the axis in space; flexion positive", |row| {
-            Some(row.item.vertebra.orientation.pitch.deg())
-        }),
-        number(
-            "pitch_3d_sd",
-            Unit::Degrees,
-            "its standard deviation by the landmarks and the turn of the lateral film",
-            |row| Some(row.item.space.pitch_sd(row.item.vertebra).deg()),
-        ),
-        number(
-            "pitch_template",
-            Unit::Degrees,
-            "pitch by the profile of a population, as in a model without the lateral film; empty for vertebrae outside of the model",
-            |row| row.item.template.map(Angle::deg),
-        ),
-    ]
+fn angles(add: &mut Columns<'_, VertebraRow<'_>>) {
+    add.number(
+        "tilt_2d",
+        Unit::Degrees,
+        "tilt of the axis on the erect film, against its vertical; positive to the patient's right",
+        |row| row.item.vertebra.orientation.tilt.deg(),
+    );
+    add.number("tilt_2d_sd", Unit::Degrees, "its standard deviation by the landmarks", |row| {
+        row.item.vertebra.tilt_sd.deg()
+    });
+    add.number(
+        "pitch_2d",
+        Unit::Degrees,
+        "angle of the axis from the vertical on the lateral film, corrected for the turn of that film; flexion positive",
+        |row| row.item.vertebra.lateral_pitch.deg(),
+    );
+    add.number("pitch_3d", Unit::Degrees, "pitch of the axis in space; flexion positive", |row| {
+        row.item.vertebra.orientation.pitch.deg()
+    });
+    add.number(
+        "pitch_3d_sd",
+        Unit::Degrees,
+        "its standard deviation by the landmarks and the turn of the lateral film",
+        |row| row.item.space.pitch_sd(row.item.vertebra).deg(),
+    );
+    add.number(
+        "pitch_template",
+        Unit::Degrees,
+        "pitch by the profile of a population, as in a model without the lateral film; empty for vertebrae outside of the model",
+        |row| row.item.template.map(Angle::deg),
+    );
 }
 
 type AxialRow<'a> = Row<'a, &'a AxialRotation>;
 
 /// One row per patient and vertebra whose pedicles are marked.
 pub(crate) fn axial(patients: &[Patient<'_>]) -> Table {
-    let mut rows: Vec<AxialRow<'_>> = Vec::new();
-    for patient in patients {
-        rows.extend(patient.analysis.movement.axial.iter().map(|found| patient.row(found)));
-    }
+    let rows = rows(patients, |patient| &patient.analysis.movement.axial);
     let row = "patient × vertebra whose pedicles are marked on the erect film";
-    keyed("axial_rotation", row, [rotations()]).fill(&rows)
+    keyed("axial_rotation", row, &rows, rotations)
 }
 
-fn rotations<'a>() -> Vec<Column<AxialRow<'a>>> {
-    vec![
-        text("level", "vertebra", |row| Some(row.item.level.to_string())),
-        number(
-            "axial_3d",
-            Unit::Degrees,
-            "axial rotation by the distance between the pedicles (Stokes); positive where the front of the vertebra turns to the patient's left",
-            |row| Some(row.item.stokes.deg()),
-        ),
-        number(
-            "axial_3d_sd",
-            Unit::Degrees,
-            "its standard deviation by the landmarks and by how vertebrae differ between people",
-            |row| Some(row.item.sd.deg()),
-        ),
-        number(
-            "drerup",
-            Unit::Degrees,
-            "the same by the width of the body (Drerup); empty where the pedicles lie too far out for it",
-            |row| row.item.drerup.map(Angle::deg),
-        ),
-        text("nash_moe", "grade of Nash and Moe, `0` to `IV`", |row| {
-            Some(row.item.grade.key().to_owned())
-        }),
-        count("readings", "number of readings that marked both pedicles", |row| {
-            Some(row.item.readings as i64)
-        }),
-    ]
+fn rotations(add: &mut Columns<'_, AxialRow<'_>>) {
+    add.text("level", "vertebra", |row| row.item.level.to_string());
+    add.number(
+        "axial_3d",
+        Unit::Degrees,
+        "axial rotation by the distance between the pedicles (Stokes); positive where the front of the vertebra turns to the patient's left",
+        |row| row.item.stokes.deg(),
+    );
+    add.number(
+        "axial_3d_sd",
+        Unit::Degrees,
+        "its standard deviation by the landmarks and by how vertebrae differ between people",
+        |row| row.item.sd.deg(),
+    );
+    add.number(
+        "drerup",
+        Unit::Degrees,
+        "the same by the width of the body (Drerup); empty where the pedicles lie too far out for it",
+        |row| row.item.drerup.map(Angle::deg),
+    );
+    add.text("nash_moe", "grade of Nash and Moe, `0` to `IV`", |row| row.item.grade.key());
+    add.count("readings", "number of readings that marked both pedicles", |row| {
+        row.item.readings as i64
+    });
 }

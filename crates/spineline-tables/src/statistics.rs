@@ -4,7 +4,7 @@ use spineline::reliability::{
     BlandAltman, Design, DesignReliability, QuantityReliability, Statistic, StatisticEstimate,
 };
 
-use crate::define::{Column, Unit, count, element, grouped, number, text, truth};
+use crate::define::{Columns, Unit, table};
 use crate::table::Table;
 
 /// A statistic of a design, or one of the limits of a pair.
@@ -58,87 +58,81 @@ pub fn statistics_table(found: &[QuantityReliability], synthetic: bool) -> Table
         }
     }
     let row = "quantity × design × statistic, or quantity × design × pair of raters × bias or limit of agreement";
-    grouped("statistics", row, [which(), values()]).fill(&rows)
+    table("statistics", row, &rows, |add| {
+        which(add);
+        values(add);
+    })
 }
 
-fn which<'a>() -> Vec<Column<StatisticRow<'a>>> {
-    vec![
-        truth("synthetic", "whether the films of some case are synthetic", |row| {
-            Some(row.synthetic)
-        }),
-        text("quantity", "quantity that was read", |row| Some(row.quantity.key.clone())),
-        text(
-            "design",
-            "`inter_observer_means`, `inter_observer_single` or `intra_observer`",
-            |row| Some(row.design.design.key().to_owned()),
-        ),
-        text("observer", "for `intra_observer`: the observer whose repeats are compared", |row| {
-            match &row.design.design {
-                Design::IntraObserver { observer } => Some(observer.clone()),
-                Design::InterObserverMeans | Design::InterObserverSingle { .. } => None,
-            }
-        }),
-        count("raters", "number of raters", |row| Some(row.design.raters.len() as i64)),
-        text(
-            "repeats",
-            "number of readings in a value of each rater, with spaces between them",
-            |row| {
-                let repeats: Vec<_> = row.design.repeats.iter().map(usize::to_string).collect();
-                Some(repeats.join(" "))
-            },
-        ),
-        count("subjects", "number of subjects that all raters rated", |row| {
-            Some(row.design.subjects as i64)
-        }),
-        count("dropped", "subjects that are left out, since some rater did not rate them", |row| {
-            Some(row.design.dropped as i64)
-        }),
-    ]
+fn which(add: &mut Columns<'_, StatisticRow<'_>>) {
+    add.truth("synthetic", "whether the films of some case are synthetic", |row| row.synthetic);
+    add.text("quantity", "quantity that was read", |row| row.quantity.key.clone());
+    add.text(
+        "design",
+        "`inter_observer_means`, `inter_observer_single` or `intra_observer`",
+        |row| row.design.design.key(),
+    );
+    add.text("observer", "for `intra_observer`: the observer whose repeats are compared", |row| {
+        match &row.design.design {
+            Design::IntraObserver { observer } => Some(observer.clone()),
+            Design::InterObserverMeans | Design::InterObserverSingle { .. } => None,
+        }
+    });
+    add.count("raters", "number of raters", |row| row.design.raters.len() as i64);
+    add.text(
+        "repeats",
+        "number of readings in a value of each rater, with spaces between them",
+        |row| {
+            let repeats: Vec<_> = row.design.repeats.iter().map(usize::to_string).collect();
+            Some(repeats.join(" "))
+        },
+    );
+    add.count("subjects", "number of subjects that all raters rated", |row| {
+        row.design.subjects as i64
+    });
+    add.count("dropped", "subjects that are left out, since some rater did not rate them", |row| {
+        row.design.dropped as i64
+    });
 }
 
-fn values<'a>() -> Vec<Column<StatisticRow<'a>>> {
-    let interval: fn(&StatisticRow<'a>, usize) -> Option<f64> =
-        |row, end| row.value.interval().map(|ends| ends[end]);
-    vec![
-        text("statistic", "key of the statistic", |row| {
-            Some(match &row.value {
-                Value::Statistic(statistic) => statistic.kind.key().to_owned(),
-                Value::Limit { name, .. } => format!("bland_altman_{}", name.replace(' ', "_")),
-            })
-        }),
-        text("name", "its name; of a bias or limit of agreement, the two raters", |row| {
-            Some(match &row.value {
-                Value::Statistic(statistic) => statistic.kind.name().to_owned(),
-                Value::Limit { pair, .. } => {
-                    format!("{1} minus {0}", pair.raters[0], pair.raters[1])
-                }
-            })
-        }),
-        number("value", Unit::Stated, "its value", |row| match row.value {
-            Value::Statistic(_) => Some(row.value.estimate()?.value),
-            Value::Limit { value, .. } => Some(value),
-        }),
-        number(
-            "sd",
-            Unit::Stated,
-            "standard deviation over pairs of raters; of a bias, over the differences",
-            |row| match row.value {
-                Value::Statistic(_) => row.value.estimate()?.sd,
-                Value::Limit { pair, name, .. } => (name == "bias").then_some(pair.sd),
-            },
-        ),
-        element("ci95_low", Unit::Stated, "lower end of its 95 % interval", 0, interval),
-        element("ci95_high", Unit::Stated, "upper end of its 95 % interval", 1, interval),
-        text("unit", "unit of the value; empty for a coefficient", |row| {
-            let has_unit = match row.value {
-                Value::Statistic(statistic) => statistic.kind.has_unit(),
-                Value::Limit { .. } => true,
-            };
-            has_unit.then(|| row.quantity.unit.clone())
-        }),
-        text("undefined", "reason why the value is missing", |row| match row.value {
-            Value::Statistic(statistic) => Some(statistic.outcome.err()?.key().to_owned()),
-            Value::Limit { .. } => None,
-        }),
-    ]
+fn values(add: &mut Columns<'_, StatisticRow<'_>>) {
+    let interval = |row: &StatisticRow<'_>, end: usize| row.value.interval().map(|ends| ends[end]);
+    add.text("statistic", "key of the statistic", |row| match &row.value {
+        Value::Statistic(statistic) => statistic.kind.key().to_owned(),
+        Value::Limit { name, .. } => format!("bland_altman_{}", name.replace(' ', "_")),
+    });
+    add.text("name", "its name; of a bias or limit of agreement, the two raters", |row| match &row
+        .value
+    {
+        Value::Statistic(statistic) => statistic.kind.name().to_owned(),
+        Value::Limit { pair, .. } => {
+            format!("{1} minus {0}", pair.raters[0], pair.raters[1])
+        }
+    });
+    add.number("value", Unit::Stated, "its value", |row| match row.value {
+        Value::Statistic(_) => Some(row.value.estimate()?.value),
+        Value::Limit { value, .. } => Some(value),
+    });
+    add.number(
+        "sd",
+        Unit::Stated,
+        "standard deviation over pairs of raters; of a bias, over the differences",
+        |row| match row.value {
+            Value::Statistic(_) => row.value.estimate()?.sd,
+            Value::Limit { pair, name, .. } => (name == "bias").then_some(pair.sd),
+        },
+    );
+    add.number("ci95_low", Unit::Stated, "lower end of its 95 % interval", |row| interval(row, 0));
+    add.number("ci95_high", Unit::Stated, "upper end of its 95 % interval", |row| interval(row, 1));
+    add.text("unit", "unit of the value; empty for a coefficient", |row| {
+        let has_unit = match row.value {
+            Value::Statistic(statistic) => statistic.kind.has_unit(),
+            Value::Limit { .. } => true,
+        };
+        has_unit.then(|| row.quantity.unit.clone())
+    });
+    add.text("undefined", "reason why the value is missing", |row| match row.value {
+        Value::Statistic(statistic) => Some(statistic.outcome.err()?.key()),
+        Value::Limit { .. } => None,
+    });
 }

@@ -2,8 +2,8 @@
 
 use spineline::spatial::Angle;
 
-use crate::define::{Column, Definition, Unit, count, places, text};
-use crate::table::Table;
+use crate::define::{Columns, Unit, table};
+use crate::table::{NumberFormat::Places, Table};
 
 /// The verdict on one row of landmarks.
 #[derive(Debug, Clone, PartialEq)]
@@ -19,25 +19,23 @@ pub struct RowVerdict {
 /// One row per row of landmarks.
 #[must_use]
 pub fn verdicts_table(verdicts: &[RowVerdict]) -> Table {
-    Definition { name: "verdicts", row: "row of the landmarks", columns: columns() }.fill(verdicts)
+    table("verdicts", "row of the landmarks", verdicts, columns)
 }
 
-fn columns() -> Vec<Column<RowVerdict>> {
-    vec![
-        count("line", "line of `landmarks.csv`", |row| Some(row.line as i64)),
-        text("case_id", "name that a case of this row has", |row| Some(row.case_id.clone())),
-        text("verdict", "`clean`, or `faults`, for which no case is written", |row| {
-            Some(if row.found.is_ok() { "clean" } else { "faults" }.to_owned())
-        }),
-        places(
-            "main_angle",
-            Unit::Degrees,
-            "main angle: range of the tilts of the mean endplates from T1 to L5; empty where there are faults",
-            4,
-            |row| row.found.as_ref().ok().map(|angle| angle.deg()),
-        ),
-        text("faults", "faults of the row, with `; ` between them", |row| {
-            row.found.as_ref().err().cloned()
-        }),
-    ]
+fn columns(add: &mut Columns<'_, RowVerdict>) {
+    add.count("line", "line of `landmarks.csv`", |row| row.line as i64);
+    add.text("case_id", "name that a case of this row has", |row| row.case_id.clone());
+    add.text("verdict", "`clean`, or `faults`, for which no case is written", |row| {
+        if row.found.is_ok() { "clean" } else { "faults" }
+    });
+    add.number(
+        "main_angle",
+        Unit::Degrees,
+        "main angle: range of the tilts of the mean endplates from T1 to L5; empty where there are faults",
+        |row| row.found.as_ref().ok().map(|angle| angle.deg()),
+    )
+    .format = Places(4);
+    add.text("faults", "faults of the row, with `; ` between them", |row| {
+        row.found.as_ref().err().cloned()
+    });
 }

@@ -4,10 +4,8 @@ use spineline::evaluate::Simulation;
 use spineline::measure::MeasuredVertebra;
 
 use crate::Patient;
-use crate::define::{
-    Column, Definition, LENGTHS, Row, Unit, chosen, keyed, number, refused, text, truth, written,
-};
-use crate::table::{NumberFormat, Table};
+use crate::define::{Columns, LENGTHS, Row, Unit, keyed};
+use crate::table::{NumberFormat, REFUSED, Series, Table};
 
 /// A vertebra on a film, and under one line of action.
 #[derive(Clone, Copy)]
@@ -42,7 +40,7 @@ pub(crate) fn simulations<'a>(
     let posture = posture.outline.posture;
     let models = analysis.models.iter();
     let mut found: Vec<_> =
-        models.filter_map(|model| Some(Some((model.kind, model.posture(posture)?)))).collect();
+        models.filter_map(|model| Some(Some((model.kind, model.simulation(posture)?)))).collect();
     if found.is_empty() {
         found.push(None);
     }
@@ -63,11 +61,14 @@ pub(crate) fn table(patients: &[Patient<'_>]) -> Table {
         }
     }
     let row = "patient × posture × line × vertebra; measured values are repeated in the rows of every line, and `line` is empty without a model";
-    keyed("vertebrae", row, [measured(), simulated()]).fill(&rows)
+    keyed("vertebrae", row, &rows, |add| {
+        measured(add);
+        simulated(add);
+    })
 }
 
 /// The columns of [`errors_table`], in its order.
-const OF_ERRORS: [&str; 16] = [
+const OF_ERRORS: [&str; 17] = [
     "case_id",
     "synthetic",
     "posture",
@@ -84,6 +85,7 @@ const OF_ERRORS: [&str; 16] = [
     "location_error_mm",
     "lengths",
     "interpolated",
+    REFUSED,
 ];
 
 /// `analyze --csv`: the vertebrae with lengths and angles of four decimal places, vertebra by vertebra.
@@ -100,97 +102,100 @@ pub fn errors_table(analyses: &[Analysis]) -> Table {
         }
     }
     let row = "patient × posture × vertebra × line; `line` is empty without a model";
-    let all = keyed("errors", row, [measured(), simulated()]);
-    let columns = chosen(all.columns, &OF_ERRORS).into_iter();
-    let columns = columns.map(|column| written(NumberFormat::Places(4), column));
-    let columns = columns.chain([refused()]).collect();
-    Definition { columns, ..all }.fill(&rows)
+    let mut table = keyed("errors", row, &rows, |add| {
+        measured(add);
+        simulated(add);
+        add.refused();
+    });
+    let place = |column: &Series| OF_ERRORS.iter().position(|name| column.name == *name);
+    table.columns.retain_mut(|column| {
+        column.format = NumberFormat::Places(4);
+        place(column).is_some()
+    });
+    table.columns.sort_by_key(place);
+    table
 }
 
-fn measured<'a>() -> Vec<Column<VertebraRow<'a>>> {
-    vec![
-        text("posture", "film", |row| Some(row.item.posture.outline.posture.key().to_owned())),
-        text("line", "line of action of the model", |row| {
-            row.item.simulated.map(|(kind, _)| kind.key().to_owned())
-        }),
-        text("level", "vertebra", |row| Some(row.item.measured().level.to_string())),
-        text("lengths", LENGTHS, |row| Some(row.item.posture.outline.scale.plane.key().to_owned())),
-        number(
-            "measured_y",
-            Unit::Millimetres,
-            "measured midpoint relative to the base's midpoint, positive to the patient's left",
-            |row| row.item.mm(|vertebra| vertebra.location.y_mm),
-        ),
-        number(
-            "measured_z",
-            Unit::Millimetres,
-            "measured midpoint relative to the base's midpoint, positive upwards",
-            |row| row.item.mm(|vertebra| vertebra.location.z_mm),
-        ),
-        number("measured_y", Unit::Pixels, "the same on films without a spacing", |row| {
-            row.item.px(|vertebra| vertebra.location.y_mm)
-        }),
-        number("measured_z", Unit::Pixels, "the same on films without a spacing", |row| {
-            row.item.px(|vertebra| vertebra.location.z_mm)
-        }),
-        number(
-            "measured_tilt",
-            Unit::Degrees,
-            "measured tilt; positive to the patient's right",
-            |row| Some(row.item.measured().tilt.deg()),
-        ),
-        truth(
-            "interpolated",
-            "whether the film does not show the vertebra, so that its measured values are interpolated between its neighbours",
-            |row| Some(!row.item.measured().is_measured()),
-        ),
-        text(
-            "origin",
-            "how its corners came about: `clicked`, `completed`, `detected`, `accepted` or `adjusted`, and `mixed` where corners or readings differ; empty where no corners are known",
-            |row| row.item.measured().origin.map(|origin| origin.key().to_owned()),
-        ),
-    ]
+fn measured(add: &mut Columns<'_, VertebraRow<'_>>) {
+    add.text("posture", "film", |row| row.item.posture.outline.posture.key());
+    add.text("line", "line of action of the model", |row| {
+        row.item.simulated.map(|(kind, _)| kind.key())
+    });
+    add.text("level", "vertebra", |row| row.item.measured().level.to_string());
+    add.text("lengths", LENGTHS, |row| row.item.posture.outline.scale.plane.key());
+    add.number(
+        "measured_y",
+        Unit::Millimetres,
+        "measured midpoint relative to the base's midpoint, positive to the patient's left",
+        |row| row.item.mm(|vertebra| vertebra.location.y_mm),
+    );
+    add.number(
+        "measured_z",
+        Unit::Millimetres,
+        "measured midpoint relative to the base's midpoint, positive upwards",
+        |row| row.item.mm(|vertebra| vertebra.location.z_mm),
+    );
+    add.number("measured_y", Unit::Pixels, "the same on films without a spacing", |row| {
+        row.item.px(|vertebra| vertebra.location.y_mm)
+    });
+    add.number("measured_z", Unit::Pixels, "the same on films without a spacing", |row| {
+        row.item.px(|vertebra| vertebra.location.z_mm)
+    });
+    add.number(
+        "measured_tilt",
+        Unit::Degrees,
+        "measured tilt; positive to the patient's right",
+        |row| row.item.measured().tilt.deg(),
+    );
+    add.truth(
+        "interpolated",
+        "whether the film does not show the vertebra, so that its measured values are interpolated between its neighbours",
+        |row| !row.item.measured().is_measured(),
+    );
+    add.text(
+        "origin",
+        "how its corners came about: `clicked`, `completed`, `detected`, `accepted` or `adjusted`, and `mixed` where corners or readings differ; empty where no corners are known",
+        |row| row.item.measured().origin.map(|origin| origin.key()),
+    );
 }
 
 fn simulation<'a>(row: &VertebraRow<'a>) -> Option<&'a Simulation> {
     row.item.simulated.map(|(_, simulation)| simulation)
 }
 
-fn simulated<'a>() -> Vec<Column<VertebraRow<'a>>> {
-    vec![
-        truth(
-            "fitted",
-            "whether the stiffness was fitted to this film; else the film was held out",
-            |row| simulation(row).map(|s| s.fitted),
-        ),
-        text(
-            "status",
-            "`converged`, `unreachable`, `beyond_human_range` or `not_converged`; only the first is a result",
-            |row| simulation(row).map(|s| s.status.key().to_owned()),
-        ),
-        number(
-            "simulated_y",
-            Unit::Millimetres,
-            "simulated midpoint, positive to the patient's left",
-            |row| simulation(row).map(|s| s.locations[row.item.index].y_mm),
-        ),
-        number("simulated_z", Unit::Millimetres, "simulated midpoint, positive upwards", |row| {
-            simulation(row).map(|s| s.locations[row.item.index].z_mm)
-        }),
-        number(
-            "simulated_tilt",
-            Unit::Degrees,
-            "simulated tilt; positive to the patient's right",
-            |row| simulation(row).map(|s| s.tilts[row.item.index].deg()),
-        ),
-        number(
-            "location_error",
-            Unit::Millimetres,
-            "location error: distance of the two midpoints (E_LOC); empty for the base, which is fixed, for interpolated vertebrae, and without a result",
-            |row| {
+fn simulated(add: &mut Columns<'_, VertebraRow<'_>>) {
+    add.truth(
+        "fitted",
+        "whether the stiffness was fitted to this film; else the film was held out",
+        |row| simulation(row).map(|s| s.fitted),
+    );
+    add.text(
+        "status",
+        "`converged`, `unreachable`, `beyond_human_range` or `not_converged`; only the first is a result",
+        |row| simulation(row).map(|s| s.status.key()),
+    );
+    add.number(
+        "simulated_y",
+        Unit::Millimetres,
+        "simulated midpoint, positive to the patient's left",
+        |row| simulation(row).map(|s| s.locations[row.item.index].y_mm),
+    );
+    add.number("simulated_z", Unit::Millimetres, "simulated midpoint, positive upwards", |row| {
+        simulation(row).map(|s| s.locations[row.item.index].z_mm)
+    });
+    add.number(
+        "simulated_tilt",
+        Unit::Degrees,
+        "simulated tilt; positive to the patient's right",
+        |row| simulation(row).map(|s| s.tilts[row.item.index].deg()),
+    );
+    add.number(
+        "location_error",
+        Unit::Millimetres,
+        "location error: distance of the two midpoints (E_LOC); empty for the base, which is fixed, for interpolated vertebrae, and without a result",
+        |row| {
                 let found = simulation(row).filter(|s| s.is_usable())?;
                 found.location_error_mm(row.item.measured().level)
             },
-        ),
-    ]
+    );
 }

@@ -44,7 +44,7 @@ pub fn in_book(text: &str, document: &str, page: &str) -> String {
 pub fn dead(folder: &Path) -> Result<Vec<String>, String> {
     let mut found = Vec::new();
     for page in pages(folder)? {
-        let text = super::read(&page)?;
+        let text = crate::files::read(&page)?;
         let beside = page.parent().unwrap_or(folder);
         with_links(&text, |target| {
             let path = target.split('#').next().unwrap_or_default();

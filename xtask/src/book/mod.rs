@@ -13,8 +13,10 @@ use std::fs;
 use std::path::Path;
 
 use crate::checks::built;
+use crate::command::run;
+use crate::files::read;
 use crate::plan::{Extent, Plan};
-use crate::{notebooks, python, run};
+use crate::{notebooks, python};
 
 /// Makes the book below the target folder.
 pub fn make(root: &Path) -> Result<(), String> {
@@ -102,10 +104,6 @@ fn copy(from: &Path, to: &Path) -> Result<(), String> {
         fs::copy(entry.path(), to.join("src").join(entry.file_name())).map_err(failed)?;
     }
     Ok(())
-}
-
-fn read(path: &Path) -> Result<String, String> {
-    fs::read_to_string(path).map_err(|error| format!("{}: {error}", path.display()))
 }
 
 fn write(path: &Path, text: &str) -> Result<(), String> {

@@ -4,9 +4,12 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
+use crate::files::{read, sources};
+
 use super::imports::{Import, child_paths, code_of, imports, module_of, named_paths};
-use super::order::Uses;
-use super::{read, sources};
+
+/// Which module or file uses which, with a file that does.
+pub type Uses = BTreeMap<String, BTreeMap<String, String>>;
 
 /// Re-exports that are followed to the file of an item.
 const MOST_STEPS: usize = 8;

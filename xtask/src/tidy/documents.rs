@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use super::{read, sources};
+use crate::files::{read, sources};
 
 /// Folders of documents; only what lies directly in them counts.
 const FOLDERS_OF_DOCUMENTS: [&str; 5] =

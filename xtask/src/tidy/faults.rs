@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 use std::path::Path;
 
-use super::read;
+use crate::files::read;
 
 const LIST: &str = "validation/faults.md";
 

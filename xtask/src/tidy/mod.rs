@@ -9,8 +9,9 @@ mod panics;
 mod versions;
 mod vocabulary;
 
-use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::Path;
+
+use crate::files::{read, sources};
 
 /// Names that the core may not use: files, clock, printing, processes, environment.
 const IMPURE: [&str; 9] = [
@@ -79,38 +80,6 @@ pub fn run(root: &Path) -> Result<(), String> {
         return Ok(());
     }
     Err(format!("house rules do not hold:\n  {}", faults.join("\n  ")))
-}
-
-fn read(path: &Path) -> Result<String, String> {
-    fs::read_to_string(path).map_err(|error| format!("{}: {error}", path.display()))
-}
-
-/// Kinds of files that people write.
-const WRITTEN: [&str; 6] = ["rs", "ts", "svelte", "css", "py", "pyi"];
-
-/// All source files below a folder, in order.
-fn sources(folder: &Path) -> Result<Vec<PathBuf>, String> {
-    let mut found = Vec::new();
-    let mut folders = vec![folder.to_owned()];
-    while let Some(folder) = folders.pop() {
-        let entries =
-            fs::read_dir(&folder).map_err(|error| format!("{}: {error}", folder.display()))?;
-        for entry in entries {
-            let path = entry.map_err(|error| error.to_string())?.path();
-            if path.is_dir() {
-                folders.push(path);
-            } else if is_written(&path) {
-                found.push(path);
-            }
-        }
-    }
-    found.sort();
-    Ok(found)
-}
-
-fn is_written(path: &Path) -> bool {
-    let written = |end: &str| WRITTEN.contains(&end) && !path.ends_with("schema.d.ts");
-    path.extension().and_then(|end| end.to_str()).is_some_and(written)
 }
 
 /// The core is pure, except for its tests beside the code.

@@ -2,11 +2,12 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
-use super::circles::uses_of_files;
+use crate::files::{read, sources};
+
+use super::circles::{Uses, uses_of_files};
 use super::imports::{handed_on, module_of, named_paths};
-use super::{read, sources};
 
 /// Crates whose modules have an order: each uses only those before it.
 const ORDERS: [(&str, &[&str]); 2] = [
@@ -44,9 +45,6 @@ const ORDERS: [(&str, &[&str]); 2] = [
 /// The folder whose modules must not use one another.
 const APART: (&str, &str) = ("spineline-cli", "commands");
 
-/// Which module or file uses which, with a file that does.
-pub type Uses = BTreeMap<String, BTreeMap<String, String>>;
-
 pub fn check(root: &Path, faults: &mut Vec<String>) -> Result<(), String> {
     let folder = root.join("crates");
     let entries =
@@ -54,8 +52,11 @@ pub fn check(root: &Path, faults: &mut Vec<String>) -> Result<(), String> {
     let mut crates: Vec<String> =
         entries.filter_map(|entry| entry.ok()?.file_name().into_string().ok()).collect();
     crates.sort();
-    for name in crates {
-        let source = folder.join(&name).join("src");
+    let mut folders: Vec<(String, PathBuf)> =
+        crates.into_iter().map(|name| (name.clone(), folder.join(name))).collect();
+    folders.push(("xtask".to_owned(), root.join("xtask")));
+    for (name, folder) in folders {
+        let source = folder.join("src");
         let top = uses(&source, 0)?;
         check_cycles(&name, &top, faults);
         check_cycles(&name, &uses_of_files(&source)?, faults);

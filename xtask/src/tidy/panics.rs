@@ -4,7 +4,7 @@
 use std::collections::BTreeSet;
 use std::path::Path;
 
-use super::{read, sources};
+use crate::files::{read, sources};
 
 /// Crates that read files, requests or streams.
 const READERS: [&str; 11] = [

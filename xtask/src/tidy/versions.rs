@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use super::read;
+use crate::files::read;
 
 /// Files that state the version, each with the text around it.
 const STATED: [(&str, &str, &str); 4] = [

@@ -7,8 +7,9 @@
 
 use std::path::Path;
 
+use crate::files::{read, sources};
+
 use super::documents::{documents, lines_of_prose};
-use super::{read, sources};
 
 const LIST: &str = "docs/vocabulary.md";
 

@@ -142,7 +142,7 @@ impl ModelRecord {
             },
             identifiability: None,
             postures: m
-                .postures
+                .simulations
                 .iter()
                 .map(|s| (s.posture, simulation(s, analysis.movement.levels())))
                 .collect(),

@@ -308,7 +308,7 @@ fn a_stored_model_gives_the_shapes_of_the_analysis() {
         let stiffness = stored.stiffness_nmm_per_rad.iter().copied();
         let statics = Statics::from_stiffness(&stored.spine, stiffness, &joints, stored.support);
         for (simulation, load) in
-            model.postures.iter().zip(&stored.loads).filter(|(s, _)| s.is_usable())
+            model.simulations.iter().zip(&stored.loads).filter(|(s, _)| s.is_usable())
         {
             assert!((simulation.force_n - load.force_n).abs() == 0.0);
             let mut solution = Solution::default();

@@ -177,22 +177,7 @@ impl Table<'_> {
         match self.columns.values {
             Values::Corners(columns) => {
                 self.check_corners(record, line, level)?;
-                let points = self.pixels(record, line, columns)?;
-                let axis_clockwise = match self.columns.axis {
-                    Some(column) if !is_blank(record, column) => {
-                        Some(Angle::from_deg(self.number(record, column, line, AXIS)?))
-                    }
-                    _ => None,
-                };
-                let landmarks = VertebraLandmarks {
-                    axis_clockwise,
-                    confidence: self.confidence(record, line)?,
-                    origins: self.origins(record, line)?,
-                    walls: self.sides(record, line, self.columns.walls, WALLS)?,
-                    pedicles: self.sides(record, line, self.columns.pedicles, PEDICLES)?,
-                    sd_share: self.sd_share(record, line)?,
-                    ..VertebraLandmarks::clicked(in_order(points))
-                };
+                let landmarks = self.landmarks(record, line, columns)?;
                 let film = self.films.entry(posture).or_default();
                 let reading = film.landmarks.entry(id.clone()).or_default();
                 match reading.get(&level) {
@@ -213,6 +198,31 @@ impl Table<'_> {
             }
         }
         Ok(())
+    }
+
+    /// A vertebra with the corners in these columns.
+    fn landmarks(
+        &mut self,
+        record: &ByteRecord,
+        line: u64,
+        corners: [usize; 8],
+    ) -> Result<VertebraLandmarks, LandmarkError> {
+        let points = self.pixels(record, line, corners)?;
+        let axis_clockwise = match self.columns.axis {
+            Some(column) if !is_blank(record, column) => {
+                Some(Angle::from_deg(self.number(record, column, line, AXIS)?))
+            }
+            _ => None,
+        };
+        Ok(VertebraLandmarks {
+            axis_clockwise,
+            confidence: self.confidence(record, line)?,
+            origins: self.origins(record, line)?,
+            walls: self.sides(record, line, self.columns.walls, WALLS)?,
+            pedicles: self.sides(record, line, self.columns.pedicles, PEDICLES)?,
+            sd_share: self.sd_share(record, line)?,
+            ..VertebraLandmarks::clicked(in_order(points))
+        })
     }
 
     /// The confidences of a row, all four or none.

@@ -56,7 +56,7 @@ fn a_left_out_bend_does_not_change_the_stiffness_that_predicts_it() {
     let [a, b] = [&first, &second].map(|f| fits(f, Posture::RightBending, LineKind::Inflection));
     assert!(a.iter().zip(&b).all(|(a, b)| (a - b).abs() < 0.01), "{a:?} {b:?}");
     for model in first.left_out.iter().flat_map(|bend| &bend.models) {
-        assert_eq!(model.postures.iter().filter(|s| s.fitted).count(), 1);
+        assert_eq!(model.simulations.iter().filter(|s| s.fitted).count(), 1);
     }
 }
 

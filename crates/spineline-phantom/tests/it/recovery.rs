@@ -43,7 +43,7 @@ fn model(analysis: &Analysis, kind: LineKind) -> &LineModel {
 /// Mean location error of a usable simulation; infinite without one.
 fn error_mm(model: &LineModel, posture: Posture) -> f64 {
     model
-        .posture(posture)
+        .simulation(posture)
         .filter(|simulation| simulation.is_usable())
         .map_or(f64::INFINITY, |simulation| simulation.mean_location_error_mm())
 }
@@ -95,7 +95,7 @@ fn inflections_and_lines_of_rod_phantoms_are_found() {
                 });
             }
             let Some(line) = truth.line else { continue };
-            let simulation = model(&analysis, LineKind::Inflection).posture(name);
+            let simulation = model(&analysis, LineKind::Inflection).simulation(name);
             let found = simulation.expect("every moved posture is simulated").line;
             let off_deg = found.angle_to(&line).deg();
             misses.unless(off_deg <= LINE_DEG, || format!("{id}, {name}: {off_deg:.3}° off"));
@@ -144,7 +144,7 @@ fn pulled_phantoms_support_the_iliac_line_and_not_the_inflection_line() {
             misses.unless(off_mm <= REGIONAL_MM, || {
                 format!("{id}, {posture}: iliac line {off_mm:.3} mm")
             });
-            let simulation = model(&analysis, LineKind::Inflection).posture(posture);
+            let simulation = model(&analysis, LineKind::Inflection).simulation(posture);
             let against = simulation.map_or(0, |simulation| simulation.contradicted.len());
             misses.unless(against >= CONTRADICTED, || {
                 format!("{id}, {posture}: {against} joints contradict the inflection line")

@@ -77,7 +77,7 @@ impl PatientRow {
 
 impl ModelRow {
     fn of(analysis: &Analysis, model: &LineModel) -> Self {
-        let fitted = model.postures.iter().filter(|simulation| simulation.fitted);
+        let fitted = model.simulations.iter().filter(|simulation| simulation.fitted);
         let counts: Vec<String> = fitted.map(|s| s.contradicted.len().to_string()).collect();
         Self {
             kind: model.kind,

@@ -143,7 +143,7 @@ fn films_table(analyses: &[Analysis]) -> Table {
         let films = analyses.iter().filter(|a| a.movement.film(posture).is_some()).count();
         let all = || {
             let models = analyses.iter().flat_map(|a| &a.models);
-            models.filter_map(|model| model.posture(posture))
+            models.filter_map(|model| model.simulation(posture))
         };
         let lost = all().filter(|simulation| !simulation.is_usable()).count();
         table.row(vec![

@@ -42,25 +42,33 @@ pub fn paper_entry() -> (Sample, String) {
     (Sample::Stroke(PAPER.0, Some(PAPER.1)), "the paper: mean ± standard deviation".to_owned())
 }
 
+/// The finite values of a column, and their box.
+struct Boxed<'a> {
+    column: &'a Column,
+    values: Vec<f64>,
+    summary: Option<BoxSummary>,
+}
+
+impl<'a> Boxed<'a> {
+    fn new(column: &'a Column) -> Self {
+        let values: Vec<f64> =
+            column.values.iter().copied().filter(|value| value.is_finite()).collect();
+        Self { column, summary: box_summary(&values), values }
+    }
+}
+
 /// The largest value that an axis shows. A few values far away do not flatten the boxes.
-fn axis_end(columns: &[Column]) -> f64 {
+fn axis_end(boxes: &[Boxed<'_>]) -> f64 {
     let most = |values: &mut dyn Iterator<Item = f64>| values.fold(0.0, f64::max);
-    let all = columns.iter().flat_map(|column| column.values.iter().copied());
-    let largest = most(&mut all.filter(|value| value.is_finite()));
-    let whiskers =
-        columns.iter().filter_map(|column| Some(box_summary(&finite(column))?.whiskers[1]));
-    let papers =
-        columns.iter().filter_map(|column| column.paper.map(|paper| paper.mean + paper.sd));
+    let largest = most(&mut boxes.iter().flat_map(|one| one.values.iter().copied()));
+    let whiskers = boxes.iter().filter_map(|one| Some(one.summary.as_ref()?.whiskers[1]));
+    let papers = boxes.iter().filter_map(|one| one.column.paper.map(|paper| paper.mean + paper.sd));
     let needed = most(&mut whiskers.chain(papers));
     if largest > 2.0 * LONGEST * needed && needed > 0.0 {
         LONGEST * needed
     } else {
         largest.max(needed)
     }
-}
-
-fn finite(column: &Column) -> Vec<f64> {
-    column.values.iter().copied().filter(|value| value.is_finite()).collect()
 }
 
 /// A panel of boxes from zero upwards; only finite values are drawn, and `n` counts them.
@@ -73,7 +81,8 @@ pub fn box_panel(columns: &[Column], y_label: &str, frame_px: [f64; 2]) -> Panel
     }
     // Half a box of space between groups.
     let total = columns.len() as f64 + 0.5 * (groups.len() as f64 + 1.0);
-    let most = axis_end(columns);
+    let boxes: Vec<Boxed<'_>> = columns.iter().map(Boxed::new).collect();
+    let most = axis_end(&boxes);
     let x = Axis { label: String::new(), range: [0.0, total], step: 1.0, ticks: Ticks::None };
     let mut panel = Panel::new(x, Axis::from_zero(y_label, most), frame_px);
     let column_px = frame_px[0] / total;
@@ -93,10 +102,11 @@ pub fn box_panel(columns: &[Column], y_label: &str, frame_px: [f64; 2]) -> Panel
     for group in groups {
         at += 0.5;
         let start = at;
-        for column in columns.iter().filter(|column| column.group == group) {
-            let n = add_column(&mut panel, at + 0.5, column);
+        for one in boxes.iter().filter(|one| one.column.group == group) {
+            add_column(&mut panel, at + 0.5, one);
+            let n = one.values.len();
             let count = if narrow { n.to_string() } else { format!("n = {n}") };
-            panel.name_below(at + 0.5, 0, lines(column), false);
+            panel.name_below(at + 0.5, 0, lines(one.column), false);
             panel.name_below(at + 0.5, rows, vec![count], false);
             at += 1.0;
         }
@@ -106,13 +116,12 @@ pub fn box_panel(columns: &[Column], y_label: &str, frame_px: [f64; 2]) -> Panel
     panel
 }
 
-/// Draws one box and says how many values it stands for.
-fn add_column(panel: &mut Panel, x: f64, column: &Column) -> usize {
-    let values = finite(column);
-    if let Some(summary) = box_summary(&values) {
-        let marks = draw_box(panel, x, &summary, Summary::of(&values).mean, column.fill);
+/// Draws one box.
+fn add_column(panel: &mut Panel, x: f64, Boxed { column, values, summary }: &Boxed<'_>) {
+    if let Some(summary) = summary {
+        let marks = draw_box(panel, x, summary, Summary::of(values).mean, column.fill);
         panel.marks.extend(marks);
-        let above = count_above(panel, x, &values);
+        let above = count_above(panel, x, values);
         panel.marks.extend(above);
     }
     if let Some(PaperMean { mean, sd, .. }) = column.paper {
@@ -121,7 +130,6 @@ fn add_column(panel: &mut Panel, x: f64, column: &Column) -> usize {
         let place = at(mean);
         panel.marks.extend([PAPER.0.stroke(low, high), PAPER.1.at(place.0, place.1)]);
     }
-    values.len()
 }
 
 /// An arrow with the number of values above the axis and the largest of them.

@@ -278,7 +278,7 @@ fn line_layer(
     analysis: &Analysis,
 ) {
     let model = analysis.model(kind);
-    let simulation = model.and_then(|model| model.posture(posture.outline.posture));
+    let simulation = model.and_then(|model| model.simulation(posture.outline.posture));
     let mark = simulation
         .and_then(|simulation| panel.action_mark(&film.line(&simulation.line), action_ink(kind)));
     if let Some(mark) = mark {

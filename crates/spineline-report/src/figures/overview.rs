@@ -95,7 +95,7 @@ fn fill(panel: &mut Panel, analysis: &Analysis, posture: &FilmMovement) {
     let name = posture.outline.posture;
     panel.heading(HeadingKind::Title, name.to_string());
     for model in &analysis.models {
-        if let Some(simulation) = model.posture(name) {
+        if let Some(simulation) = model.simulation(name) {
             panel.action(&simulation.line, action_ink(model.kind));
         }
     }

@@ -29,7 +29,7 @@ pub const MEASURED: (Ink, Marker) =
 pub fn measured_and_simulated(analysis: &Analysis, posture: Posture) -> Option<String> {
     let measured: Vec<Frontal> = analysis.movement.film(posture)?.outline.locations().collect();
     let shown: Vec<(&LineModel, &Simulation)> =
-        analysis.models.iter().filter_map(|m| Some((m, m.posture(posture)?))).collect();
+        analysis.models.iter().filter_map(|m| Some((m, m.simulation(posture)?))).collect();
     if shown.is_empty() {
         return None;
     }
@@ -124,7 +124,7 @@ pub fn force_path(
     let px_per_mm = (1.1 * TALL_PX / extent.height_mm()).min(frame_px / extent.width_mm());
     let extent = extent.at_least_wide(frame_px / px_per_mm);
     let mut panel = frontal_panel(extent, px_per_mm, analysis.movement.levels().base());
-    let line = analysis.model(kind).and_then(|m| m.posture(posture));
+    let line = analysis.model(kind).and_then(|m| m.simulation(posture));
     if let Some(simulation) = line {
         let ink = Ink::new(BLACK, "7 4", 1.0);
         panel.action(&simulation.line, ink);

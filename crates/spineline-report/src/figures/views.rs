@@ -144,7 +144,7 @@ fn shapes(analysis: &Analysis) -> Vec<Shape> {
     let mut all =
         vec![Shape { name: "erect".to_owned(), ink: ERECT, lines: outlines(&erect, &sizes) }];
     let Some(model) = analysis.models.first() else { return all };
-    for simulation in model.postures.iter().filter(|simulation| simulation.is_usable()) {
+    for simulation in model.simulations.iter().filter(|simulation| simulation.is_usable()) {
         let posture = simulation.posture;
         let shape = simulated(analysis, model, posture);
         all.extend(shape.map(|shape| Shape {

@@ -238,7 +238,7 @@ pub fn error_table(analysis: &Analysis, fitted: bool) -> Table {
     let films = if fitted { "fitted" } else { "held-out" };
     let mut table = Table::new(format!("Errors on {films} films"), columns);
     for model in &analysis.models {
-        for s in model.postures.iter().filter(|s| s.fitted == fitted) {
+        for s in model.simulations.iter().filter(|s| s.fitted == fitted) {
             let angles = s.ferguson_difference.iter().map(|a| fixed(a.abs().deg(), 1));
             let angles = angles.collect::<Vec<_>>().join(" / ");
             let largest = s.location_errors_mm.iter().copied().fold(0.0, f64::max);

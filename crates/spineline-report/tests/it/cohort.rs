@@ -64,7 +64,7 @@ fn every_patient_and_line_has_its_error_on_left_out_bends() {
 fn a_film_that_is_left_out_is_named_with_line_and_reason() {
     let mut analyses: Vec<Analysis> = (0..2).map(|i| analysis(i, &Posture::ALL)).collect();
     let iliac = analyses[1].models.iter_mut().find(|model| model.kind == LineKind::Iliac);
-    let postures = &mut iliac.expect("a model of every line").postures;
+    let postures = &mut iliac.expect("a model of every line").simulations;
     for simulation in postures.iter_mut().filter(|simulation| !simulation.fitted) {
         simulation.status = MatchStatus::Unreachable;
     }

@@ -223,13 +223,13 @@ fn a_shape_without_its_force_is_not_shown_as_a_result() {
     let posture = Posture::LeftBending;
     let set = |simulation: &mut Simulation, status| simulation.status = status;
     for model in &mut analysis.models {
-        for simulation in model.postures.iter_mut().filter(|s| s.posture == posture) {
+        for simulation in model.simulations.iter_mut().filter(|s| s.posture == posture) {
             set(simulation, MatchStatus::Converged);
         }
     }
     let svg = measured_and_simulated(&analysis, posture).expect("simulated");
     assert!(!svg.contains("not a result") && svg.contains("(fitted)"));
-    for simulation in &mut analysis.models[0].postures {
+    for simulation in &mut analysis.models[0].simulations {
         set(simulation, MatchStatus::Unreachable);
         // A wild shape may not spoil the scale either.
         for location in &mut simulation.locations {

@@ -129,7 +129,7 @@ fn every_error_force_and_multiplier_is_shown() {
     let text = terminal(&summary(&case, &analysis, None, None), WIDE);
     assert_eq!(analysis.models.len(), 3);
     for model in &analysis.models {
-        for s in model.postures.iter().filter(|s| s.is_usable()) {
+        for s in model.simulations.iter().filter(|s| s.is_usable()) {
             let largest = s.location_errors_mm.iter().copied().fold(0.0, f64::max);
             let angles: Vec<String> =
                 s.ferguson_difference.iter().map(|a| fixed(a.abs().deg(), 1)).collect();

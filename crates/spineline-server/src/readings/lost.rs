@@ -16,7 +16,7 @@ pub fn of_reading_from(
     reading: ReadingId,
     first: i64,
 ) -> Result<Vec<LostChangeView>, StoreError> {
-    Ok(store.conflicts_of_reading_from(reading, first)?.iter().map(view).collect())
+    Ok(store.conflicts_of_reading(reading, first)?.iter().map(view).collect())
 }
 
 pub fn of_film(store: &Store, film: &FilmRecord) -> Result<Vec<LostChangeView>, StoreError> {

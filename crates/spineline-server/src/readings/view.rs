@@ -64,16 +64,7 @@ fn view_of(
         mine,
         finished: state.finished,
         synthetic: seen.study.synthetic,
-        image: ReadingImage {
-            columns: image.columns,
-            rows: image.rows,
-            pixel_aspect: words::pixel_aspect(image.spacing),
-            is_lateral,
-            patient_left: Wire(image.patient_left),
-            plane: words::plane_of(&image),
-            spacing_text: words::spacing_text(image.spacing),
-            inverted: state.inverted.unwrap_or(film.inverted),
-        },
+        image: image_of(&image, is_lateral, state.inverted.unwrap_or(film.inverted)),
         revision: state.revision,
         undoable: state.undoable,
         redoable: state.redoable,
@@ -104,6 +95,19 @@ fn view_of(
         faults: faults(&landmarks, (&image, view), is_blinded),
         conflicts,
     })
+}
+
+fn image_of(image: &ImageGeometry, is_lateral: bool, inverted: bool) -> ReadingImage {
+    ReadingImage {
+        columns: image.columns,
+        rows: image.rows,
+        pixel_aspect: words::pixel_aspect(image.spacing),
+        is_lateral,
+        patient_left: Wire(image.patient_left),
+        plane: words::plane_of(image),
+        spacing_text: words::spacing_text(image.spacing),
+        inverted,
+    }
 }
 
 /// The landmarks in the library's types; on the lateral film the front is in place of the left.

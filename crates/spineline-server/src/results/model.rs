@@ -95,7 +95,7 @@ fn bodies(analysis: &Analysis) -> Vec<BodySize> {
 
 fn line(analysis: &Analysis, model: &LineModel, relative: &[f64]) -> LineModelView {
     let converged = model.fit.status == FitStatus::Converged
-        && model.postures.iter().all(spineline::evaluate::Simulation::is_usable);
+        && model.simulations.iter().all(spineline::evaluate::Simulation::is_usable);
     LineModelView {
         kind: Wire(model.kind),
         label: model.kind.to_string(),
@@ -103,7 +103,7 @@ fn line(analysis: &Analysis, model: &LineModel, relative: &[f64]) -> LineModelVi
         status_text: analysis.fit_words(model),
         multipliers: multipliers(analysis, model),
         joints: joints(analysis, model, relative),
-        postures: model.postures.iter().map(|s| simulated(analysis, model, s)).collect(),
+        postures: model.simulations.iter().map(|s| simulated(analysis, model, s)).collect(),
         fitted_error_mm: model.mean_location_error_mm(true),
         held_out_error_mm: model.mean_location_error_mm(false),
     }
@@ -142,7 +142,7 @@ fn contradicted_in(model: &LineModel, inferior: Level) -> Vec<PostureName> {
     let turns = |s: &&spineline::evaluate::Simulation| {
         s.contradicted.iter().any(|joint| joint.inferior == inferior)
     };
-    model.postures.iter().filter(turns).map(|s| Wire(s.posture)).collect()
+    model.simulations.iter().filter(turns).map(|s| Wire(s.posture)).collect()
 }
 
 /// The notices of a study, with a warning if its lengths are typical and not measured.

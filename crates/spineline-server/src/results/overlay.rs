@@ -132,7 +132,7 @@ impl Drawing<'_> {
 
     fn lines(&self) -> Vec<LineOverlay> {
         let lines = self.analysis.models.iter().filter_map(|model| {
-            let simulation = model.posture(self.measured.outline.posture)?;
+            let simulation = model.simulation(self.measured.outline.posture)?;
             let line = &simulation.line;
             let [from, to] = self.frame.line(line.point, line.direction)?;
             let status = if simulation.is_usable() {

@@ -3,7 +3,7 @@
 use axum::http::StatusCode;
 use serde_json::json;
 use spineline_server::User;
-use spineline_store::{Role, Store, Study};
+use spineline_store::{NewCase, Role, Store, Study};
 
 use crate::browser::{App, by, name};
 
@@ -64,7 +64,7 @@ fn the_creator_of_a_study_may_edit_it() {
     let app = App::with_accounts();
     let mut store = Store::open(&app.store_path()).expect("a store");
     let study = Study { id: name("S-3"), label: None, synthetic: true };
-    store.add_own_study(&study, &by("ungranted")).expect("a study");
+    store.add_own_case(&NewCase::of(study.clone()), &by("ungranted")).expect("a study");
     let maker = User { name: name("ungranted"), role: Role::Editor };
     assert_eq!(maker.on_study(&store, &study.id), Ok(Role::Editor));
     store.revoke(&study.id, &name("ungranted"), &by("lead")).expect("taken back");

@@ -89,7 +89,7 @@ fn a_stale_click_is_refused_and_kept() {
     );
     let state = store.reading_state(READING).expect("a state");
     assert_eq!(state.vertebrae[&Level::L4].corners[&Corner::SuperiorLeft], [1.0, 2.0]);
-    let kept = store.conflicts_of_reading(READING).expect("conflicts");
+    let kept = store.conflicts_of_reading(READING, 0).expect("conflicts");
     assert_eq!(kept.len(), 1);
     assert_eq!((kept[0].who.as_str(), kept[0].base_revision, kept[0].found_revision), ("A", 0, 1));
     assert_eq!(kept[0].at, crate::session::minute(11));

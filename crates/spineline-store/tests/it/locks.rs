@@ -79,7 +79,7 @@ fn of_concurrent_writers_one_succeeds_and_the_others_are_told() {
         (won + lost, store.reading_state(READING).expect("a state").revision),
         (40, won as u64)
     );
-    assert_eq!(store.conflicts_of_reading(READING).expect("conflicts").len(), lost);
+    assert_eq!(store.conflicts_of_reading(READING, 0).expect("conflicts").len(), lost);
     assert!(store.verify(None).expect("verifiable").is_clean());
 }
 

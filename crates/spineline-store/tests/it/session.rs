@@ -134,7 +134,7 @@ pub fn try_fingerprint(store: &Store) -> Result<String, StoreError> {
         }
         for reading in store.readings(&study.id)? {
             let (state, lost) =
-                (store.reading_state(reading.id)?, store.conflicts_of_reading(reading.id)?);
+                (store.reading_state(reading.id)?, store.conflicts_of_reading(reading.id, 0)?);
             writeln!(text, "{reading:?} {state:?} {lost:?}").expect("memory");
         }
     }

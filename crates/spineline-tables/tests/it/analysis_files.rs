@@ -91,7 +91,7 @@ fn vertebrae_under_every_line() {
                 continue;
             }
             for model in &analysis.models {
-                let found = model.posture(film).expect("every model has every film");
+                let found = model.simulation(film).expect("every model has every film");
                 let error = found.location_error_mm(vertebra.level);
                 let error = error.filter(|_| found.is_usable()).map(|error| format!("{error:.4}"));
                 let expected = format!(

@@ -77,7 +77,7 @@ fn rows_equal_the_analysis() {
         let posture = Posture::ALL.into_iter().find(|p| p.key() == keys[0][row]).expect("a film");
         let level: Level = keys[2][row].parse().expect("a vertebra");
         let index = level.model_index().expect("of the model");
-        let expected = model.and_then(|model| model.posture(posture)).filter(|s| s.is_usable());
+        let expected = model.and_then(|model| model.simulation(posture)).filter(|s| s.is_usable());
         let expected =
             expected.and_then(|s| index.checked_sub(1).map(|above| s.location_errors_mm[above]));
         assert_eq!(errors[row], expected, "{posture} {level}");

@@ -42,7 +42,7 @@ impl Analysis {
                 .iter()
                 .map(|line| {
                     let model = models.iter().find(|model| model.kind == line.kind)?;
-                    model.posture(posture).filter(|s| s.is_usable()).cloned()
+                    model.simulation(posture).filter(|s| s.is_usable()).cloned()
                 })
                 .collect(),
             baselines: self.baselines(posture, role),

@@ -95,7 +95,7 @@ impl Analysis {
     /// ([`crate::personalize::PreferredLoads`]).
     #[must_use]
     pub fn compatibility(&self, model: &LineModel) -> Compatibility {
-        let films = || model.postures.iter().filter(|s| s.fitted && s.posture.bend().is_some());
+        let films = || model.simulations.iter().filter(|s| s.fitted && s.posture.bend().is_some());
         let mut bends: Vec<BendEvidence> = films()
             .filter(|s| s.is_usable())
             .map(|s| {

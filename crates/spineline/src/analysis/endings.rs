@@ -14,7 +14,7 @@ pub(super) fn warn_of_endings(model: &LineModel, warnings: &mut Warnings) {
         let text = format!("the fit did not converge (`{}`)", model.fit.status.key());
         warn(WarningCode::FitNotConverged, None, text);
     }
-    for simulation in &model.postures {
+    for simulation in &model.simulations {
         let posture = Some(simulation.posture);
         if simulation.status == MatchStatus::BeyondHumanRange {
             let text = format!(
@@ -50,7 +50,7 @@ impl Analysis {
         let mut warnings = Warnings::default();
         for model in self.models.iter().filter(|model| !self.compatibility(model).rejects()) {
             warn_of_bounds(model, &mut warnings);
-            for simulation in &model.postures {
+            for simulation in &model.simulations {
                 warn_of_contradiction(model.kind, simulation, &mut warnings);
             }
         }

@@ -20,7 +20,7 @@ impl Analysis {
         parts: &[f64],
     ) -> Option<Vec<(f64, Vec<Frontal>)>> {
         let shapes = self.force_shapes(model, posture, parts)?;
-        let factor = self.on_outline(model.posture(posture)?);
+        let factor = self.on_outline(model.simulation(posture)?);
         let locations = |shape: &Deformed| {
             let all = (0..shape.midpoints_mm.len()).map(|i| shape.location(i) * factor);
             all.collect::<Vec<Frontal>>()
@@ -49,7 +49,7 @@ impl Analysis {
         posture: Posture,
         parts: &[f64],
     ) -> Option<Vec<Deformed>> {
-        let simulation = model.posture(posture)?;
+        let simulation = model.simulation(posture)?;
         let options = &self.options;
         let logs = &model.fit.log_multipliers;
         let statics = Statics::new(

@@ -42,7 +42,7 @@ impl LineModel {
     /// finding counts: not converged, then contradicted, then at a bound.
     #[must_use]
     pub fn verdicts(&self, analysis: &Analysis) -> Vec<MultiplierVerdict> {
-        let films: Vec<_> = self.postures.iter().filter(|s| s.fitted && s.is_usable()).collect();
+        let films: Vec<_> = self.simulations.iter().filter(|s| s.fitted && s.is_usable()).collect();
         let group_of = self.groups.of_joint();
         let verdict = |group: usize| {
             let in_group = |joint: usize| group_of[joint] == group;

@@ -17,14 +17,14 @@ pub struct LineModel {
     /// The fit.
     pub fit: Personalization,
     /// Predictions of every posture that has a line, fitted ones and held-out ones.
-    pub postures: Vec<Simulation>,
+    pub simulations: Vec<Simulation>,
 }
 
 impl LineModel {
-    /// One posture's prediction.
+    /// The prediction of one posture.
     #[must_use]
-    pub fn posture(&self, posture: Posture) -> Option<&Simulation> {
-        self.postures.iter().find(|simulation| simulation.posture == posture)
+    pub fn simulation(&self, posture: Posture) -> Option<&Simulation> {
+        self.simulations.iter().find(|simulation| simulation.posture == posture)
     }
 
     /// Multipliers of the lateral springs, in the order of the groups.
@@ -59,20 +59,21 @@ impl LineModel {
     #[must_use]
     pub fn is_absolute(&self, gauge: Gauge) -> bool {
         let Gauge::KnownForce { posture, .. } = gauge else { return false };
-        self.posture(posture).is_some_and(|s| s.is_usable() && s.force_n != 0.0)
+        self.simulation(posture).is_some_and(|s| s.is_usable() && s.force_n != 0.0)
     }
 
     /// Whether the fit and every simulation has a usable result.
     #[must_use]
     pub fn is_converged(&self) -> bool {
-        self.fit.status == FitStatus::Converged && self.postures.iter().all(Simulation::is_usable)
+        self.fit.status == FitStatus::Converged
+            && self.simulations.iter().all(Simulation::is_usable)
     }
 
     /// Mean location error over fitted or over held-out postures; `None` without these postures.
     #[must_use]
     pub fn mean_location_error_mm(&self, fitted: bool) -> Option<f64> {
         let errors: Vec<f64> = self
-            .postures
+            .simulations
             .iter()
             .filter(|s| s.fitted == fitted && s.is_usable())
             .flat_map(|s| s.location_errors_mm.iter().copied())

@@ -215,8 +215,8 @@ pub(super) fn fit_model(
         depth_mm: movement.depth_mm(),
         other: task.other,
     };
-    let postures = evaluation.simulate_all(task, warnings);
-    let model = LineModel { kind, groups, fit, postures };
+    let simulations = evaluation.simulate_all(task, warnings);
+    let model = LineModel { kind, groups, fit, simulations };
     let model = scaled_to_known_force(model, options.gauge, warnings);
     warn_of_endings(&model, warnings);
     Some(model)
@@ -301,7 +301,7 @@ impl Evaluation<'_> {
     /// The result of other readings of a film.
     fn nearby(&self, posture: Posture) -> Option<NearbyMatch> {
         let other = self.other?;
-        NearbyMatch::of(other.posture(posture)?, other.fit.absolute_scale)
+        NearbyMatch::of(other.simulation(posture)?, other.fit.absolute_scale)
     }
 
     /// The fitted load's line and force on a fitted film; elsewhere the line of best fit to the film's rotations at the fitted
@@ -327,7 +327,7 @@ impl Evaluation<'_> {
 /// The results of the fits with other lines, as free loads: the estimated line then never does much worse.
 fn hints(models: &[LineModel], bends: &[(&FilmMovement, Load)]) -> Vec<Start> {
     let load = |model: &LineModel, posture: Posture| {
-        let simulation = model.posture(posture).filter(|s| s.is_usable())?;
+        let simulation = model.simulation(posture).filter(|s| s.is_usable())?;
         let mut line = simulation.line;
         if line.application == Application::AtT2 {
             // In equilibrium a force at T2 is one along a line through where T2 is.
@@ -360,7 +360,7 @@ fn contradicted(posture: &FilmMovement, simulation: &Simulation) -> Vec<Contradi
 fn scaled_to_known_force(mut model: LineModel, gauge: Gauge, warnings: &mut Warnings) -> LineModel {
     let Gauge::KnownForce { posture, force_n } = gauge else { return model };
     let simulated =
-        model.posture(posture).filter(|s| s.is_usable() && s.force_n != 0.0).map(|s| s.force_n);
+        model.simulation(posture).filter(|s| s.is_usable() && s.force_n != 0.0).map(|s| s.force_n);
     let Some(simulated) = simulated else {
         let text = "no usable force in this posture, so the known force cannot scale the stiffness";
         let code = WarningCode::KnownForceUnused;
@@ -372,7 +372,7 @@ fn scaled_to_known_force(mut model: LineModel, gauge: Gauge, warnings: &mut Warn
     for load in model.fit.loads.iter_mut().flatten() {
         *load *= scale;
     }
-    for simulation in &mut model.postures {
+    for simulation in &mut model.simulations {
         simulation.force_n *= scale;
         for other in &mut simulation.alternatives {
             other.force_n *= scale;

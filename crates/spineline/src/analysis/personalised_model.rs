@@ -129,7 +129,7 @@ impl Analysis {
                 application: line.application,
             }
         };
-        line.postures.iter().map(load).collect()
+        line.simulations.iter().map(load).collect()
     }
 }
 

@@ -116,7 +116,7 @@ impl Analysis {
 
     /// Why no bend tests a model's line.
     pub(super) fn not_tested_words(&self, model: &LineModel) -> &'static str {
-        let mut bends = model.postures.iter().filter(|s| s.fitted && s.is_usable());
+        let mut bends = model.simulations.iter().filter(|s| s.fitted && s.is_usable());
         let lacks_crests = |s: &Simulation| {
             let film = self.movement.film(s.posture);
             film.is_some_and(|film| film.outline.iliac_normal.is_none())

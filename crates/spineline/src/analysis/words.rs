@@ -164,7 +164,7 @@ impl Analysis {
     /// How a fit ended.
     #[must_use]
     pub fn fit_words(&self, model: &LineModel) -> String {
-        let lost = model.postures.iter().filter(|s| !s.is_usable()).count();
+        let lost = model.simulations.iter().filter(|s| !s.is_usable()).count();
         let mut text = match model.fit.status {
             FitStatus::Converged => "fit converged".to_owned(),
             other => format!("fit NOT CONVERGED ({})", other.key().replace('_', " ")),
@@ -172,7 +172,7 @@ impl Analysis {
         if lost > 0 {
             text.push_str(&format!(
                 "; {lost} of {} without a result",
-                counted(model.postures.len(), "film")
+                counted(model.simulations.len(), "film")
             ));
         }
         text

@@ -133,7 +133,7 @@ fn simulations(
     fitted: bool,
 ) -> impl Iterator<Item = &Simulation> {
     let models = analysis.models.iter().filter(move |m| m.kind == kind);
-    models.flat_map(|m| &m.postures).filter(move |s| s.fitted == fitted)
+    models.flat_map(|m| &m.simulations).filter(move |s| s.fitted == fitted)
 }
 
 fn mean(values: &[f64]) -> Option<f64> {

@@ -300,7 +300,7 @@ fn result_on(
     posture: Posture,
 ) -> Result<&Simulation, NoResult> {
     let model = models.iter().find(|model| model.kind == kind).ok_or(NoResult::NoModel)?;
-    let simulation = model.posture(posture).ok_or(NoResult::NoLine)?;
+    let simulation = model.simulation(posture).ok_or(NoResult::NoLine)?;
     match simulation.status {
         MatchStatus::Converged => Ok(simulation),
         MatchStatus::Unreachable => Err(NoResult::Unreachable),
@@ -322,7 +322,7 @@ fn under_lines(
         };
         for kind in compared.lines.iter().map(|line| line.kind) {
             let model = models.iter().find(|model| model.kind == kind);
-            let simulation = model.and_then(|model| model.posture(film.posture));
+            let simulation = model.and_then(|model| model.simulation(film.posture));
             let fitted = simulation.is_some_and(|simulation| simulation.fitted);
             let result = result_on(models, kind, film.posture);
             under_lines.push(UnderLine { film: place, kind, fitted, missing: result.err() });

@@ -214,24 +214,7 @@ pub fn simulate(
     let load = Load::along(line, depth_mm);
     let measured: Vec<Frontal> = film.locations().collect();
     let top = measured[measured.len() - 1];
-    let mut found = match target {
-        Target::Fitted(force_n) => {
-            vec![ForceMatch::at(statics, &load, force_n, top.lateral_tilt())]
-        }
-        Target::Amplitude => amplitude_matches(statics, &load, top.lateral_tilt()),
-        Target::NearestT2(sign) => vec![nearest_of_signs(statics, &load, sign, top)],
-        Target::NearestT2By(sign, nearby) => {
-            let followed = nearby.follow(statics, &load, sign, top);
-            vec![followed.unwrap_or_else(|| nearest_of_signs(statics, &load, sign, top))]
-        }
-    };
-    for found in &mut found {
-        let shape = &found.solution.deformed;
-        if found.is_usable() && shape.beyond_human_range(statics.model()).is_some() {
-            found.status = MatchStatus::BeyondHumanRange;
-        }
-    }
-    let tries = ranked(found, &measured, regions);
+    let tries = ranked(matches(statics, &load, target, top), &measured, regions);
     let lost = |other: &(ForceMatch, _)| other.0.status == MatchStatus::NotConverged;
     let lost_forces = tries.iter().skip(1).filter(|other| lost(other)).count();
     let mut tries = tries.into_iter();
@@ -265,6 +248,28 @@ pub fn simulate(
         contradicted: Vec::new(),
         other_mm: found.other_mm,
     }
+}
+
+/// Every force that meets the target at the place of the top, with shapes beyond the human range marked.
+fn matches(statics: &Statics<'_>, load: &Load, target: Target, top: Frontal) -> Vec<ForceMatch> {
+    let mut found = match target {
+        Target::Fitted(force_n) => {
+            vec![ForceMatch::at(statics, load, force_n, top.lateral_tilt())]
+        }
+        Target::Amplitude => amplitude_matches(statics, load, top.lateral_tilt()),
+        Target::NearestT2(sign) => vec![nearest_of_signs(statics, load, sign, top)],
+        Target::NearestT2By(sign, nearby) => {
+            let followed = nearby.follow(statics, load, sign, top);
+            vec![followed.unwrap_or_else(|| nearest_of_signs(statics, load, sign, top))]
+        }
+    };
+    for found in &mut found {
+        let shape = &found.solution.deformed;
+        if found.is_usable() && shape.beyond_human_range(statics.model()).is_some() {
+            found.status = MatchStatus::BeyondHumanRange;
+        }
+    }
+    found
 }
 
 fn nearest_of_signs(

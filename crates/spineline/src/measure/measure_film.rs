@@ -71,23 +71,10 @@ pub(crate) fn outline_of(
     let (base, _) = *on_film
         .get(&levels.base())
         .ok_or(MeasureFault::BaseMissing { lowest: Levels::HIGHEST_BASE }.at(posture))?;
-    // The global frame: the base's (L4's) midpoint is the origin, and its own axis is +Z.
     let mut in_global: BTreeMap<Level, MeasuredVertebra> = on_film
         .iter()
-        .map(|(&level, &(placement, readings))| {
-            let location = (placement.location - base.location).rotated(-base.tilt);
-            let tilt = (placement.tilt - base.tilt).wrapped();
-            let vertebra = MeasuredVertebra {
-                level,
-                location,
-                tilt,
-                endplates: placement.endplates.map(|tilts| tilts.against(base.tilt)),
-                readings,
-                interpolated: None,
-                program: placement.program,
-                origin: placement.origin,
-            };
-            (level, vertebra)
+        .map(|(&level, (placement, readings))| {
+            (level, in_global_frame(level, placement, *readings, &base))
         })
         .collect();
     check_marked(posture, &mut in_global, &scale, warnings)?;
@@ -123,6 +110,25 @@ pub(crate) fn outline_of(
         length: FilmLength::ERECT,
         readings: placed.len(),
     })
+}
+
+/// A vertebra in the global frame: the base's (L4's) midpoint is the origin, and its own axis is +Z.
+fn in_global_frame(
+    level: Level,
+    placement: &Placement,
+    readings: usize,
+    base: &Placement,
+) -> MeasuredVertebra {
+    MeasuredVertebra {
+        level,
+        location: (placement.location - base.location).rotated(-base.tilt),
+        tilt: (placement.tilt - base.tilt).wrapped(),
+        endplates: placement.endplates.map(|tilts| tilts.against(base.tilt)),
+        readings,
+        interpolated: None,
+        program: placement.program,
+        origin: placement.origin,
+    }
 }
 
 /// The vertebrae of the model on a film, those without landmarks from their neighbours.

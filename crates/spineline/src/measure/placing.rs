@@ -170,19 +170,28 @@ fn place_usable(
     }
     // Where what was marked does not complete them, the corners count as placed, with a warning.
     let by_program = ProgramCorners::of(image, Some(posture), reading).ok().flatten();
-    Ok(bodies
-        .iter()
-        .map(|&Body { level, landmark, corners, centre }| {
-            let by_hand = landmark.axis_clockwise;
-            let tilt = by_hand
-                .map_or_else(|| rule.tilt_of(&corners), |axis| image.tilt_from_clockwise(axis));
-            let endplates = Some(corners.measure_endplates());
-            let program =
-                by_program.as_ref().and_then(|corners| corners.noise(image, level, landmark, rule));
-            let origin = Some(VertebraOrigin::of(&landmark.origins));
-            (level, Placement { location: centre, tilt, endplates, program, origin })
-        })
-        .collect())
+    let placed =
+        bodies.iter().map(|body| (body.level, body.placement(image, rule, by_program.as_ref())));
+    Ok(placed.collect())
+}
+
+impl Body<'_> {
+    fn placement(
+        &self,
+        image: &ImageGeometry,
+        rule: TiltRule,
+        by_program: Option<&ProgramCorners>,
+    ) -> Placement {
+        let Self { level, landmark, corners, centre } = self;
+        let by_hand = landmark.axis_clockwise.map(|axis| image.tilt_from_clockwise(axis));
+        Placement {
+            location: *centre,
+            tilt: by_hand.unwrap_or_else(|| rule.tilt_of(corners)),
+            endplates: Some(corners.measure_endplates()),
+            program: by_program.and_then(|found| found.noise(image, *level, landmark, rule)),
+            origin: Some(VertebraOrigin::of(&landmark.origins)),
+        }
+    }
 }
 
 /// The error of corners in another order, where they are in all bodies of the reading.

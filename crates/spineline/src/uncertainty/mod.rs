@@ -156,7 +156,7 @@ fn endings(analysis: &Analysis) -> Vec<(&'static str, LineKind, Option<Posture>)
             endings.push((WarningCode::FitNotConverged.key(), model.kind, None));
             continue;
         }
-        let lost = model.postures.iter().filter(|simulation| !simulation.is_usable());
+        let lost = model.simulations.iter().filter(|simulation| !simulation.is_usable());
         endings
             .extend(lost.map(|s| (WarningCode::ForceNotFound.key(), model.kind, Some(s.posture))));
     }

@@ -321,14 +321,14 @@ impl AnalysisQuantity {
         nominal: &Analysis,
     ) -> Result<f64, Absent> {
         let posture = self.posture().ok_or(Absent::NotMeasured)?;
-        let simulation = model.posture(posture).ok_or(Absent::NotMeasured)?;
+        let simulation = model.simulation(posture).ok_or(Absent::NotMeasured)?;
         if !simulation.is_usable() {
             return Err(Absent::ForceNotFound);
         }
         let line = &simulation.line;
         // A line that is nearly horizontal may be given in the opposite direction.
         let own = nominal.model(kind);
-        let own = own.and_then(|model| model.posture(posture));
+        let own = own.and_then(|model| model.simulation(posture));
         let sense = own.map_or(1.0, |own| own.line.direction.dot(line.direction).signum());
         Ok(match self {
             Self::LineTilt(..) => line.lateral_tilt().deg(),
@@ -396,7 +396,7 @@ pub(super) fn fitted_model(analysis: &Analysis, kind: LineKind) -> Result<&LineM
 
 fn mean_error(model: &LineModel, fitted: bool) -> Result<f64, Absent> {
     // A mean over the films that happened to succeed is another quantity.
-    let mut films = model.postures.iter().filter(|s| s.fitted == fitted);
+    let mut films = model.simulations.iter().filter(|s| s.fitted == fitted);
     if !films.all(Simulation::is_usable) {
         return Err(Absent::ForceNotFound);
     }

@@ -111,7 +111,9 @@ fn lines_that_the_bends_reject_have_their_contradictions_in_the_result_alone() {
     let rejected =
         models.find(|model| model.kind == LineKind::Inflection).expect("two inflections");
     assert!(analysis.compatibility(rejected).rejects());
-    assert!(rejected.postures.iter().any(|film| film.contradicted.iter().any(|j| j.beyond_noise)));
+    assert!(
+        rejected.simulations.iter().any(|film| film.contradicted.iter().any(|j| j.beyond_noise))
+    );
     let warnings = analysis.warnings.all().iter().filter(|one| one.line == Some(rejected.kind));
     for code in [WarningCode::JointsContradictLine, WarningCode::MultiplierAtBound] {
         assert!(!warnings.clone().any(|one| one.code == code), "{code:?}");
@@ -379,7 +381,7 @@ fn one_bend_alone_gives_models_fitted_to_it() {
     assert_eq!(kinds(&analysis), [LineKind::Inflection, LineKind::Iliac, LineKind::Estimated]);
     for model in &analysis.models {
         let postures: Vec<(Posture, bool)> =
-            model.postures.iter().map(|s| (s.posture, s.fitted)).collect();
+            model.simulations.iter().map(|s| (s.posture, s.fitted)).collect();
         assert_eq!(postures, [(Posture::RightBending, true)]);
     }
     assert_eq!((analysis.movement.lenke, analysis.movement.mean_least_segments), (None, None));
@@ -421,6 +423,6 @@ fn a_line_given_for_one_bend_is_fitted_to_that_bend() {
     let given_lines = vec![(Posture::LeftBending, line)];
     let analysis = analyzed(&exact_case(0), &AnalysisOptions { given_lines, ..on_a_table() });
     let model = analysis.models.iter().find(|m| m.kind == LineKind::Given).expect("a given line");
-    assert_eq!(model.postures.len(), 1);
+    assert_eq!(model.simulations.len(), 1);
     warned(&analysis, WarningCode::NoLine, Some(Posture::RightBending));
 }

@@ -24,7 +24,7 @@ fn with_line(line: LineOfAction) -> Analysis {
 fn simulation(analysis: &Analysis) -> &Simulation {
     let model = analysis.models.iter().find(|model| model.kind == LineKind::Given);
     let model = model.expect("a model of the given line");
-    model.posture(Posture::LeftBending).expect("the bend that has the line")
+    model.simulation(Posture::LeftBending).expect("the bend that has the line")
 }
 
 /// Where a vertebra is in the left bend.
@@ -197,7 +197,7 @@ fn f47_rounding_of_inputs_changes_results_within_tolerance_only() {
         for (x, y) in a.multipliers().zip(b.multipliers()) {
             assert_near(x, y, 1e-6 * x, "multiplier");
         }
-        for (x, y) in a.postures.iter().zip(&b.postures).filter(|(x, _)| x.is_usable()) {
+        for (x, y) in a.simulations.iter().zip(&b.simulations).filter(|(x, _)| x.is_usable()) {
             assert_near(x.force_n, y.force_n, 1e-6 * x.force_n.abs(), "force");
             for (x, y) in x.location_errors_mm.iter().zip(&y.location_errors_mm) {
                 assert_near(*x, *y, 1e-6, "location error in mm");

@@ -162,7 +162,8 @@ fn a_multiplier_is_contradicted_when_most_of_its_joints_are_counter_rotating() {
     let analysis = analyze(&case, &AnalysisOptions::default()).expect("a phantom");
     for model in &analysis.models {
         let verdicts = model.verdicts(&analysis);
-        let fitted: Vec<_> = model.postures.iter().filter(|s| s.fitted && s.is_usable()).collect();
+        let fitted: Vec<_> =
+            model.simulations.iter().filter(|s| s.fitted && s.is_usable()).collect();
         // Every joint that turns against the force is counted behind one multiplier.
         let against: usize = verdicts.iter().map(|verdict| verdict.against).sum();
         assert_eq!(against, fitted.iter().map(|s| s.contradicted.len()).sum::<usize>());

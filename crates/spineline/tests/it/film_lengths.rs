@@ -114,7 +114,7 @@ fn predicted_vertebrae_give_no_scale() {
     let of = |case: &Case| {
         let analysis = analyzed(case, &on_a_table());
         let model = analysis.models.iter().find(|model| model.kind == LineKind::Iliac);
-        let neutral = model.expect("an iliac line").posture(Posture::Neutral).cloned();
+        let neutral = model.expect("an iliac line").simulation(Posture::Neutral).cloned();
         neutral.expect("a neutral film")
     };
     let (first, second) = (of(&case), of(&moved));

@@ -126,7 +126,7 @@ fn a_vertebra_hidden_on_one_bend_leaves_the_bend_in_the_fit() {
         assert_eq!(a.outline == b.outline, a.outline.posture != Posture::LeftBending);
     }
     for (a, b) in whole.models.iter().zip(&found.models) {
-        let bend = b.posture(Posture::LeftBending).expect("the bend is simulated");
+        let bend = b.simulation(Posture::LeftBending).expect("the bend is simulated");
         assert!(bend.fitted && bend.status == MatchStatus::Converged, "{}", b.kind);
         assert_eq!(bend.location_errors_mm.len(), 13, "the hidden vertebra is not compared");
         assert_eq!(bend.location_error_mm(Level::T8), None);
@@ -212,7 +212,7 @@ fn a_top_hidden_on_one_film_shortens_the_model_of_all() {
     }
     for model in &found.models {
         assert_eq!(model.stiffness_nmm_per_rad(&found.movement.library).len(), 12);
-        for simulation in &model.postures {
+        for simulation in &model.simulations {
             assert_eq!((simulation.locations.len(), simulation.location_errors_mm.len()), (13, 12));
         }
     }

@@ -111,8 +111,8 @@ fn assert_same_models(
             assert_near(y, x, tolerance * x, &format!("{kind}: multiplier {i}"));
         }
         for &(p, q) in postures.iter().skip(1) {
-            let (Some(x), Some(y)) = (a.posture(p), b.posture(q)) else {
-                assert_eq!(a.posture(p).is_some(), b.posture(q).is_some(), "{kind}, {p}");
+            let (Some(x), Some(y)) = (a.simulation(p), b.simulation(q)) else {
+                assert_eq!(a.simulation(p).is_some(), b.simulation(q).is_some(), "{kind}, {p}");
                 continue;
             };
             assert_eq!(x.status, y.status, "{kind}, {p}");

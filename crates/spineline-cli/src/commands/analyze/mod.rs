@@ -1,7 +1,7 @@
 //! `spineline analyze`: one patient, or a cohort.
 
 mod args;
-mod finished;
+mod kept;
 mod model;
 mod output;
 mod run;
@@ -19,7 +19,7 @@ use crate::run::failure::{Ending, Failure};
 use crate::run::inputs::case_files;
 use crate::run::outputs::{Outputs, is_stdout, print_document};
 use crate::run::provenance::generator;
-use finished::Asked;
+use kept::Asked;
 use model::Model;
 use output::{CohortStatistics, Csv, Figures, Json, Output};
 use run::analyze_all;
@@ -33,17 +33,17 @@ pub fn run(args: &AnalyzeArgs) -> Result<Ending, Failure> {
     let outputs = check_outputs(args, &paths)?;
     let asked = Asked { args, record: &record, outputs: &outputs, is_list };
     let all = begin_outputs(asked)?;
-    let finished = analyze_all(&paths, asked, &all)?;
-    all.into_iter().for_each(|output| output.end(&finished));
-    let shown = finished.shown(&generator());
-    let ending = finished.ending();
-    drop(finished);
-    let kept = outputs.commit_and_say();
+    let kept = analyze_all(&paths, asked, &all)?;
+    all.into_iter().for_each(|output| output.end(&kept));
+    let shown = kept.shown(&generator());
+    let ending = kept.ending();
+    drop(kept);
+    let committed = outputs.commit_and_say();
     // Results are shown although they cannot be written.
     if let Some(document) = shown.filter(|_| !to_stdout) {
         print_document(&document)?;
     }
-    kept?;
+    committed?;
     Ok(ending)
 }
 

@@ -6,7 +6,7 @@ use spineline::analysis::{Analysis, ModelChoice};
 use spineline_files::{ModelFile, to_text};
 
 use super::args::{AnalyzeArgs, ModelLine, line_name};
-use super::finished::{Analysed, Finished};
+use super::kept::{Analysed, Kept};
 use super::output::Output;
 use crate::run::failure::Failure;
 use crate::run::messages::say;
@@ -31,7 +31,7 @@ pub struct Model<'a> {
 }
 
 impl Output for Model<'_> {
-    fn end(self: Box<Self>, run: &Finished<'_>) {
+    fn end(self: Box<Self>, run: &Kept<'_>) {
         let Some(Analysed { analysis, .. }) = &run.one else { return };
         let chosen = run.model.as_ref().and_then(|choice| {
             let model = analysis.model(choice.kind)?;

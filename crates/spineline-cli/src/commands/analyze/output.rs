@@ -8,7 +8,7 @@ use spineline::cohort::RefusedCase;
 use spineline_files::{AnalysisFile, ListText, RefusedFile, to_text};
 use spineline_tables::{Table, cohort_tests_table};
 
-use super::finished::{Analysed, Finished};
+use super::kept::{Analysed, Kept};
 use crate::analysis::cohort;
 use crate::analysis::figures::{figures_of, write_figures};
 use crate::analysis::record::RunRecord;
@@ -25,7 +25,7 @@ pub trait Output: Sync {
     }
 
     /// Ends the output.
-    fn end(self: Box<Self>, run: &Finished<'_>);
+    fn end(self: Box<Self>, run: &Kept<'_>);
 }
 
 /// A step of an output.
@@ -111,7 +111,7 @@ impl Output for Json<'_> {
         })
     }
 
-    fn end(self: Box<Self>, _run: &Finished<'_>) {
+    fn end(self: Box<Self>, _run: &Kept<'_>) {
         let Self { is_list, text, .. } = *self;
         text.end(|JsonText { mut pieces, list }| {
             if is_list {
@@ -156,7 +156,7 @@ impl Output for Csv<'_> {
         Box::new(move || self.text.step(|pieces| pieces.add(text?)))
     }
 
-    fn end(self: Box<Self>, run: &Finished<'_>) {
+    fn end(self: Box<Self>, run: &Kept<'_>) {
         let Self { path, outputs, text, .. } = *self;
         text.end(|pieces| outputs.write_provenance(path, pieces.keep()?, &run.provenance()));
     }
@@ -179,7 +179,7 @@ impl Output for Figures<'_> {
         })
     }
 
-    fn end(self: Box<Self>, _run: &Finished<'_>) {}
+    fn end(self: Box<Self>, _run: &Kept<'_>) {}
 }
 
 /// `--cohort`: the statistics, as JSON or as a table of tests.
@@ -196,7 +196,7 @@ impl CohortStatistics<'_> {
 }
 
 impl Output for CohortStatistics<'_> {
-    fn end(self: Box<Self>, run: &Finished<'_>) {
+    fn end(self: Box<Self>, run: &Kept<'_>) {
         let Self { path, outputs } = *self;
         let Some(together) = &run.together else { return };
         outputs.attempt(path, || {

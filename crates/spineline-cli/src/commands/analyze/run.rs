@@ -8,7 +8,7 @@ use spineline::cohort::RefusalStep;
 use spineline::warning::counted;
 use spineline_report::warnings;
 
-use super::finished::{Analysed, Asked, Finished};
+use super::kept::{Analysed, Asked, Kept};
 use super::model::choose;
 use super::output::{Output, Step};
 use crate::analysis::case::Refusal;
@@ -28,12 +28,12 @@ pub fn analyze_all<'a>(
     paths: &[PathBuf],
     asked: Asked<'a>,
     all: &[Box<dyn Output + 'a>],
-) -> Result<Finished<'a>, Failure> {
+) -> Result<Kept<'a>, Failure> {
     let _deferred = asked.record.request.replicates.map(|_| interrupt::defer());
     let progress =
         if asked.is_long() { ProgressBar::hidden() } else { bar("analysing", paths.len()) };
     let across = if asked.is_long() { 1 } else { asked.args.threads };
-    let mut finished = Finished::new(asked);
+    let mut kept = Kept::new(asked);
     let run = |place: usize| {
         if interrupt::is_requested() {
             return None;
@@ -47,7 +47,7 @@ pub fn analyze_all<'a>(
     stream_all(&progress, paths.len(), across, run, |begun| {
         let Some((result, mut steps)) = begun else { return Ok(()) };
         ended += 1;
-        let checked = result.and_then(|one| match finished.read.add(&one.input, asked.record) {
+        let checked = result.and_then(|one| match kept.read.add(&one.input, asked.record) {
             Ok(()) => Ok(one),
             Err(failure) => {
                 let step = RefusalStep::Counting;
@@ -57,25 +57,25 @@ pub fn analyze_all<'a>(
             }
         });
         match checked {
-            Ok(one) => progress.suspend(|| finished.add(one, steps)),
+            Ok(one) => progress.suspend(|| kept.add(one, steps)),
             Err(refusal) if !asked.is_list => return Err(refusal.failure),
-            Err(refusal) => progress.suspend(|| finished.refuse(refusal, steps)),
+            Err(refusal) => progress.suspend(|| kept.refuse(refusal, steps)),
         }
         Ok(())
     })?;
-    finished.is_cut_short |= ended < paths.len();
-    finished.check_interruption()?;
-    finished.leave_out(&paths[ended..], all);
-    print_notices(&finished.read.warnings());
+    kept.is_cut_short |= ended < paths.len();
+    kept.check_interruption()?;
+    kept.leave_out(&paths[ended..], all);
+    print_notices(&kept.read.warnings());
     if !asked.args.warnings {
-        print_notices(&finished.warnings.lines("--warnings"));
+        print_notices(&kept.warnings.lines("--warnings"));
     }
-    let of_all = || cohort::of(&finished.patients, asked.args.threads);
-    finished.together = asked.is_cohort().then(of_all).transpose()?;
-    Ok(finished)
+    let of_all = || cohort::of(&kept.patients, asked.args.threads);
+    kept.together = asked.is_cohort().then(of_all).transpose()?;
+    Ok(kept)
 }
 
-impl<'a> Finished<'a> {
+impl<'a> Kept<'a> {
     /// Adds a patient to the outputs, prints its messages, and keeps the rest.
     fn add(&mut self, mut one: Analysed, steps: Vec<Step<'_>>) {
         let Analysed { analysis, confidence, .. } = &one;

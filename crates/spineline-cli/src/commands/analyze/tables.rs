@@ -9,7 +9,7 @@ use spineline_tables::{
 };
 
 use super::args::TableFormat;
-use super::finished::{Analysed, Finished};
+use super::kept::{Analysed, Kept};
 use super::output::{Growing, Output, Step};
 use crate::run::failure::Failure;
 use crate::run::outputs::{Outputs, Pieces};
@@ -43,7 +43,7 @@ impl Output for Tables<'_> {
         Box::new(move || self.0.step(|folder| folder.add(rows, optional)))
     }
 
-    fn end(self: Box<Self>, run: &Finished<'_>) {
+    fn end(self: Box<Self>, run: &Kept<'_>) {
         self.0.end(|folder| folder.keep(&run.provenance()));
     }
 }

@@ -143,8 +143,8 @@ pub struct OfFilm<T> {
 }
 
 /// The value for a film: one that names the film goes before a general one.
-pub fn answer_for<T: Copy>(all: &[OfFilm<T>], role: FilmView) -> Option<T> {
-    let posture = role.posture();
+pub fn answer_for<T: Copy>(all: &[OfFilm<T>], view: FilmView) -> Option<T> {
+    let posture = view.posture();
     let named = all.iter().find(|said| posture.is_some() && said.posture == posture);
     let general = || all.iter().find(|said| said.posture.is_none());
     named.or_else(general).map(|said| said.value)

@@ -26,8 +26,8 @@ pub fn choose_films(
     say(text::list(candidates));
     say("");
     for posture in Posture::ALL {
-        let role = FilmView::Frontal(posture);
-        let has_one = chosen.iter().any(|(other, _)| *other == role);
+        let view = FilmView::Frontal(posture);
+        let has_one = chosen.iter().any(|(other, _)| *other == view);
         let mut free = open(candidates, chosen, View::Lateral);
         if has_one || free.is_empty() {
             continue;
@@ -38,10 +38,10 @@ pub fn choose_films(
         }
         let question = format!("Which film shows the patient {}?", meaning(posture));
         if let Some(index) = pick(candidates, &question, &free)? {
-            chosen.push((role, index));
+            chosen.push((view, index));
         }
     }
-    let lateral = chosen.iter().any(|(role, _)| *role == FilmView::Lateral);
+    let lateral = chosen.iter().any(|(view, _)| *view == FilmView::Lateral);
     let mut side_views = open(candidates, chosen, View::Frontal);
     side_views.retain(|index| {
         index.is_some_and(|i| {
@@ -108,10 +108,10 @@ fn pick(
 pub fn ask(question: &Question) -> Result<Option<ImageSide>, Failure> {
     match &question.about {
         About::Side => {
-            let of = if question.role == FilmView::Lateral { "front" } else { "left" };
+            let of = if question.view == FilmView::Lateral { "front" } else { "left" };
             let prompt = format!(
                 "{} film: on which side of the picture is the patient's {of}?",
-                question.role
+                question.view
             );
             let words = ["left of the picture", "right of the picture"];
             let answer =
@@ -129,7 +129,7 @@ pub fn ask(question: &Question) -> Result<Option<ImageSide>, Failure> {
         }
         About::Contradiction(text) => {
             let text = shown(text);
-            let prompt = format!("{} film: {text}. Continue with your options?", question.role);
+            let prompt = format!("{} film: {text}. Continue with your options?", question.view);
             let sure =
                 Confirm::new().with_prompt(prompt).default(false).interact().map_err(asked)?;
             if sure {

@@ -14,11 +14,11 @@ pub fn decide(
     seen: &[(FilmView, usize, &Seen)],
     films: &mut [ResolvedFilm],
 ) -> Result<(), Failure> {
-    let Some(lateral) = films.iter_mut().find(|film| film.role == FilmView::Lateral) else {
+    let Some(lateral) = films.iter_mut().find(|film| film.view == FilmView::Lateral) else {
         return Ok(());
     };
     let marks = |wanted: FilmView| {
-        let found = seen.iter().find(|(role, _, _)| *role == wanted)?;
+        let found = seen.iter().find(|(view, _, _)| *view == wanted)?;
         Some(found.2.tags.exposure)
     };
     let pair = marks(FilmView::Frontal(Posture::Erect)).zip(marks(FilmView::Lateral));

@@ -97,7 +97,7 @@ pub fn read_onto(
 ) -> Result<LandmarksByPosture, Failure> {
     let mut landmarks = LandmarksByPosture::new();
     let mut named: BTreeMap<String, Posture> = BTreeMap::new();
-    let frontal: Vec<Posture> = films.iter().filter_map(|film| film.role.posture()).collect();
+    let frontal: Vec<Posture> = films.iter().filter_map(|film| film.view.posture()).collect();
     let only = if let [one] = frontal[..] { Some(one) } else { None };
     for of in &args.landmarks {
         let fail = |error: &LandmarkError| Failure::landmarks(&of.value, error);
@@ -110,7 +110,7 @@ pub fn read_onto(
         let assignment = Assignment { args, of, pictures, only };
         for (posture, marked) in assignment.films(file.films)? {
             let picture = marked.picture.clone();
-            let film = films.iter().find(|film| film.role.posture() == Some(posture));
+            let film = films.iter().find(|film| film.view.posture() == Some(posture));
             let Some(film) = film else { return Err(not_chosen(posture)) };
             let film = marked
                 .into_film(of.posture.or(Some(posture)), Some(film.image()))
@@ -210,7 +210,7 @@ fn hint_for(
     films: &[ResolvedFilm],
     reading: Option<&ReadingId>,
 ) -> LandmarkHint {
-    let film = films.iter().find(|film| posture.is_some() && film.role.posture() == posture);
+    let film = films.iter().find(|film| posture.is_some() && film.view.posture() == posture);
     let default = LandmarkHint::default();
     LandmarkHint {
         patient_left: film.map(|film| film.side),

@@ -54,17 +54,17 @@ pub fn run(args: &ImportArgs) -> Result<Ending, Failure> {
     chosen.sort_unstable();
     let seen = chosen
         .iter()
-        .map(|&(role, index)| Ok((role, index, candidates.seen(index)?)))
+        .map(|&(view, index)| Ok((view, index, candidates.seen(index)?)))
         .collect::<Result<Vec<(FilmView, usize, &Seen)>, Failure>>()?;
     check_films(&seen)?;
-    args.check_postures(&chosen.iter().filter_map(|(role, _)| role.posture()).collect::<Vec<_>>())?;
+    args.check_postures(&chosen.iter().filter_map(|(view, _)| view.posture()).collect::<Vec<_>>())?;
     let mut films = resolve_all(args, &seen, ask)?;
     if let Some(first) = films.first_mut() {
         first.notes.extend(same_identifier(&seen));
     }
     exposure::decide(args, &seen, &mut films)?;
     let landmarks = landmarks::read_onto(args, &films, &Pictures::of(&films, &candidates))?;
-    let lateral = match films.iter().find(|film| film.role == FilmView::Lateral) {
+    let lateral = match films.iter().find(|film| film.view == FilmView::Lateral) {
         Some(film) => Some(film.lateral(landmarks::read_lateral(args, film)?)),
         None => None,
     };
@@ -99,15 +99,15 @@ fn resolve_all(
 ) -> Result<Vec<ResolvedFilm>, Failure> {
     let mut films = Vec::new();
     let mut open: Vec<Question> = Vec::new();
-    let stated = |(role, _, film): &(FilmView, usize, &Seen)| {
-        (role.to_string(), Stated::by_remarks(film.tags.patient, &film.remarks))
+    let stated = |(view, _, film): &(FilmView, usize, &Seen)| {
+        (view.to_string(), Stated::by_remarks(film.tags.patient, &film.remarks))
     };
     let doubts = film_doubts(&seen.iter().map(stated).collect::<Vec<_>>());
-    for (&(role, index, film), doubts) in seen.iter().zip(&doubts) {
-        match resolve(args, role, index, (film, doubts), None)? {
+    for (&(view, index, film), doubts) in seen.iter().zip(&doubts) {
+        match resolve(args, view, index, (film, doubts), None)? {
             Ok(film) => films.push(film),
             Err(questions) if ask => {
-                films.push(resolve_by_asking(args, role, index, (film, doubts), &questions)?)
+                films.push(resolve_by_asking(args, view, index, (film, doubts), &questions)?)
             }
             Err(questions) => open.extend(questions),
         }
@@ -123,7 +123,7 @@ fn resolve_all(
 
 fn resolve_by_asking(
     args: &ImportArgs,
-    role: FilmView,
+    view: FilmView,
     index: usize,
     seen: (&Seen, &[FilmDoubt]),
     questions: &[Question],
@@ -134,7 +134,7 @@ fn resolve_by_asking(
     }
     // Every contradiction was looked at and confirmed.
     let accepted = ImportArgs { accept: true, ..args.clone() };
-    resolve(&accepted, role, index, seen, side)?.map_err(|open| {
+    resolve(&accepted, view, index, seen, side)?.map_err(|open| {
         Failure::internal(format!("{} still open after asking", counted(open.len())))
     })
 }

@@ -32,7 +32,7 @@ impl Pictures {
             };
             let seen = candidate.seen.as_ref().ok();
             let sop_instance = seen.and_then(|seen| seen.tags.uids.sop_instance.clone());
-            Some(NamedFilm { posture: film.role.posture()?, path, sop_instance })
+            Some(NamedFilm { posture: film.view.posture()?, path, sop_instance })
         };
         Self(films.iter().filter_map(named).collect())
     }

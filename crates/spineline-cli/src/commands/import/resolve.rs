@@ -14,7 +14,7 @@ use crate::run::failure::Failure;
 
 /// A film of the case.
 pub struct ResolvedFilm {
-    pub role: FilmView,
+    pub view: FilmView,
     /// Place in the list of films.
     pub index: usize,
     pub columns: u32,
@@ -36,7 +36,7 @@ pub struct ResolvedFilm {
 /// Something that only a person can answer.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Question {
-    pub role: FilmView,
+    pub view: FilmView,
     pub about: About,
 }
 
@@ -53,21 +53,21 @@ pub enum About {
 
 impl fmt::Display for Question {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { role, about } = self;
+        let Self { view, about } = self;
         match about {
-            About::Side if *role == FilmView::Lateral => {
+            About::Side if *view == FilmView::Lateral => {
                 write!(
                     f,
-                    "{role} film: the file does not state on which side of the picture the patient's front is"
+                    "{view} film: the file does not state on which side of the picture the patient's front is"
                 )
             }
             About::Side => {
                 write!(
                     f,
-                    "{role} film: the file does not state on which side of the picture the patient's left is"
+                    "{view} film: the file does not state on which side of the picture the patient's left is"
                 )
             }
-            About::Contradiction(text) | About::Spacing(text) => write!(f, "{role} film: {text}"),
+            About::Contradiction(text) | About::Spacing(text) => write!(f, "{view} film: {text}"),
         }
     }
 }
@@ -75,17 +75,17 @@ impl fmt::Display for Question {
 impl Question {
     /// How it is answered on the command line.
     pub fn answer(&self) -> String {
-        match (&self.about, self.role) {
+        match (&self.about, self.view) {
             (About::Side, FilmView::Lateral) => {
                 "--patient-anterior image-left or image-right".to_owned()
             }
-            (About::Side, role) => format!(
+            (About::Side, view) => format!(
                 "--patient-left {0}=image-left or {0}=image-right (look for the lead marker, the heart, the stomach's bubble)",
-                role.key().replace('_', "-")
+                view.key().replace('_', "-")
             ),
-            (About::Spacing(_), role) => {
-                let film = match role {
-                    FilmView::Frontal(_) => format!("{}=", role.key().replace('_', "-")),
+            (About::Spacing(_), view) => {
+                let film = match view {
+                    FilmView::Frontal(_) => format!("{}=", view.key().replace('_', "-")),
                     FilmView::Lateral => String::new(),
                 };
                 format!(
@@ -102,7 +102,7 @@ impl Question {
 /// Resolves one film, or returns the questions that are open.
 pub fn resolve(
     args: &ImportArgs,
-    role: FilmView,
+    view: FilmView,
     index: usize,
     (seen, doubts): (&Seen, &[FilmDoubt]),
     side_by_dialogue: Option<ImageSide>,
@@ -110,45 +110,44 @@ pub fn resolve(
     let mut questions = Vec::new();
     let others = seen.remarks.iter().filter(|remark| !remark.is_other_body_part());
     let mut notes: Vec<String> = others.map(ToString::to_string).collect();
-    let judged = judge_view(&seen.tags.view, role.posture());
-    let mut contradicted = contradictions(role, judged.view, &judged.questions);
+    let judged = judge_view(&seen.tags.view, view.posture());
+    let mut contradicted = contradictions(view, judged.view, &judged.questions);
     contradicted.extend(doubts.iter().map(|doubt| doubt.text.clone()));
-    let by_file = match role {
+    let by_file = match view {
         FilmView::Frontal(_) => judged.patient_left,
         FilmView::Lateral => judged.patient_anterior,
     };
-    let said = match role {
-        FilmView::Frontal(_) => answer_for(&args.patient_left, role),
+    let said = match view {
+        FilmView::Frontal(_) => answer_for(&args.patient_left, view),
         FilmView::Lateral => args.patient_anterior,
     };
     let said = said.or(side_by_dialogue);
     if let Some((by_file, _)) = by_file.zip(said).filter(|(file, said)| file != said) {
-        contradicted.push(orientation_contradiction(role, by_file));
+        contradicted.push(orientation_contradiction(view, by_file));
     }
     for text in contradicted {
         if args.accept {
             notes.push(format!("{text}; accepted by --accept"));
         } else {
-            questions.push(Question { role, about: About::Contradiction(text) });
+            questions.push(Question { view, about: About::Contradiction(text) });
         }
     }
-    if answer_for(&args.spacing, role).is_none() {
+    if answer_for(&args.spacing, view).is_none() {
         let asked = spacing_question(&seen.tags, &seen.remarks);
-        questions.extend(asked.map(|text| Question { role, about: About::Spacing(text) }));
+        questions.extend(asked.map(|text| Question { view, about: About::Spacing(text) }));
     }
     let Some(side) = said.or(by_file) else {
-        questions.push(Question { role, about: About::Side });
+        questions.push(Question { view, about: About::Side });
         return Ok(Err(questions));
     };
     if !questions.is_empty() {
         return Ok(Err(questions));
     }
-    let spacing = spacing(args, role, seen, &mut notes)?;
-    let inverted = role.posture().is_some_and(|posture| args.invert.contains(&posture));
+    let spacing = spacing(args, view, seen, &mut notes)?;
+    let inverted = view.posture().is_some_and(|posture| args.invert.contains(&posture));
     let (columns, rows, is_phantom) = (seen.columns, seen.rows, seen.tags.is_phantom);
-    let source = seen.source.clone();
     Ok(Ok(ResolvedFilm {
-        role,
+        view,
         index,
         columns,
         rows,
@@ -157,23 +156,23 @@ pub fn resolve(
         inverted,
         simultaneous: false,
         is_phantom,
-        source,
+        source: seen.source.clone(),
         notes,
     }))
 }
 
 /// The file puts a side of the patient on the other side of the picture than the user does.
-fn orientation_contradiction(role: FilmView, by_file: ImageSide) -> String {
+fn orientation_contradiction(view: FilmView, by_file: ImageSide) -> String {
     format!(
         "Patient Orientation puts the patient's {} on the {} of the picture, your option on the other side",
-        if role == FilmView::Lateral { "front" } else { "left" },
+        if view == FilmView::Lateral { "front" } else { "left" },
         if by_file == ImageSide::Left { "left" } else { "right" }
     )
 }
 
-/// Contradictions between a file and its role. If the file states no view, the role decides.
-fn contradictions(role: FilmView, view: Option<View>, questions: &[ViewQuestion]) -> Vec<String> {
-    let wrong_view = match (role, view) {
+/// Contradictions between a film and its file, which may state no view.
+fn contradictions(film: FilmView, file: Option<View>, questions: &[ViewQuestion]) -> Vec<String> {
+    let wrong_view = match (film, file) {
         (FilmView::Frontal(_), Some(View::Lateral)) => {
             Some("the file says that this is a lateral view")
         }
@@ -196,28 +195,28 @@ fn contradictions(role: FilmView, view: Option<View>, questions: &[ViewQuestion]
 /// The spacing of a film: by a ball or a ruler, by the option, or by its file.
 fn spacing(
     args: &ImportArgs,
-    role: FilmView,
+    view: FilmView,
     seen: &Seen,
     notes: &mut Vec<String>,
 ) -> Result<Option<Spacing>, Failure> {
     let judged = seen.spacing();
-    let said = answer_for(&args.spacing, role);
-    if let Some((calibrator, clicks)) = role.posture().and_then(|posture| args.calibrator(posture))
+    let said = answer_for(&args.spacing, view);
+    if let Some((calibrator, clicks)) = view.posture().and_then(|posture| args.calibrator(posture))
     {
         // A ball does not give the aspect ratio of a pixel; a spacing does, in any plane.
         let aspect = said.or(judged.spacing).map_or(1.0, |spacing| spacing.aspect());
         let spacing = clicks
             .calibration(calibrator, aspect)
             .spacing([seen.columns, seen.rows])
-            .map_err(|error| Failure::usage(format!("the scale of the {role} film: {error}")))?;
+            .map_err(|error| Failure::usage(format!("the scale of the {view} film: {error}")))?;
         if let Some(file) = judged.spacing {
-            compare(role, &file, &spacing, notes);
+            compare(view, &file, &spacing, notes);
         }
         return Ok(Some(spacing));
     }
     if let Some(said) = said {
         if let Some(file) = judged.spacing {
-            compare(role, &file, &said, notes);
+            compare(view, &file, &said, notes);
         }
         return Ok(Some(said));
     }
@@ -226,7 +225,7 @@ fn spacing(
 }
 
 /// Notes a scale that differs from the file's by more than a magnification can.
-fn compare(role: FilmView, file: &Spacing, used: &Spacing, notes: &mut Vec<String>) {
+fn compare(view: FilmView, file: &Spacing, used: &Spacing, notes: &mut Vec<String>) {
     if !(file.has_millimetres() && used.has_millimetres()) {
         return;
     }
@@ -237,7 +236,7 @@ fn compare(role: FilmView, file: &Spacing, used: &Spacing, notes: &mut Vec<Strin
     };
     if !usual.contains(&ratio) {
         notes.push(format!(
-            "the scale used for the {role} film is {} times the file's ({}); the file's is not used",
+            "the scale used for the {view} film is {} times the file's ({}); the file's is not used",
             fixed(ratio, 3),
             file.source
         ));
@@ -246,17 +245,17 @@ fn compare(role: FilmView, file: &Spacing, used: &Spacing, notes: &mut Vec<Strin
 
 /// Checks the films of the case together: each is another picture, and the erect film is among them.
 pub fn check_films(films: &[(FilmView, usize, &Seen)]) -> Result<(), Failure> {
-    for (i, (role, _, seen)) in films.iter().enumerate() {
+    for (i, (view, _, seen)) in films.iter().enumerate() {
         let twin = films[..i].iter().find(|(_, _, other)| other.picture == seen.picture);
         if let Some((other, _, _)) = twin {
             return Err(Failure::input(
-                &format!("{other} film and {role} film"),
+                &format!("{other} film and {view} film"),
                 &"both are the same picture",
                 "choose a different film for each posture",
             ));
         }
     }
-    if films.iter().any(|(role, _, _)| *role == FilmView::Frontal(Posture::Erect)) {
+    if films.iter().any(|(view, _, _)| *view == FilmView::Frontal(Posture::Erect)) {
         return Ok(());
     }
     Err(Failure::usage("a case needs an erect film: choose it, as in --film erect=1"))
@@ -265,13 +264,13 @@ pub fn check_films(films: &[(FilmView, usize, &Seen)]) -> Result<(), Failure> {
 /// Films that carry the same identifier and different pixels.
 pub fn same_identifier(films: &[(FilmView, usize, &Seen)]) -> Vec<String> {
     let mut notes = Vec::new();
-    for (i, (role, _, seen)) in films.iter().enumerate() {
+    for (i, (view, _, seen)) in films.iter().enumerate() {
         let uid = &seen.tags.uids.sop_instance;
         for (other, _, _) in
             films[..i].iter().filter(|(_, _, o)| uid.is_some() && o.tags.uids.sop_instance == *uid)
         {
             notes.push(format!(
-                "the {other} film and the {role} film have the same SOP Instance UID but different pixels: one was changed without a new identifier"
+                "the {other} film and the {view} film have the same SOP Instance UID but different pixels: one was changed without a new identifier"
             ));
         }
     }

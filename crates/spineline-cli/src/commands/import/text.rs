@@ -165,17 +165,17 @@ pub fn outcome(films: &[ResolvedFilm], folder: &std::path::Path, marked: usize) 
             || SQUARE_PIXELS.to_owned(),
             |spacing| LengthScale::of(spacing).to_string(),
         );
-        let left = match film.role.posture() {
+        let left = match film.view.posture() {
             Some(_) => side(Some(film.side)).to_owned(),
             None => format!("front: {}", side(Some(film.side))),
         };
         let size = format!("{} × {}", film.columns, film.rows);
-        table.row(vec![film.role.to_string(), size, left, scale]);
+        table.row(vec![film.view.to_string(), size, left, scale]);
     }
     text.text(&terminal::table(&table, usize::MAX));
     for film in films {
         for note in &film.notes {
-            let note = format!("! {} film: {note}", film.role);
+            let note = format!("! {} film: {note}", film.view);
             text.text(&terminal::paragraph(&note, width(), "  "));
         }
     }

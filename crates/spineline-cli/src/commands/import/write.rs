@@ -78,7 +78,7 @@ struct ImportReport<'a> {
 /// Refuses a folder that holds anything that an import writes: films and landmarks are never overwritten.
 pub fn check_free(folder: &Path) -> Result<(), Failure> {
     let kinds = [FilmKind::Dicom, FilmKind::Png, FilmKind::Jpeg, FilmKind::Tiff];
-    let films = FilmView::ALL.into_iter().flat_map(|role| kinds.map(|kind| file_name(role, kind)));
+    let films = FilmView::ALL.into_iter().flat_map(|view| kinds.map(|kind| file_name(view, kind)));
     let ours = ["case.json", "import.json"].map(str::to_owned).into_iter().chain(films);
     match ours.map(|name| folder.join(name)).find(|path| path.exists()) {
         None => Ok(()),
@@ -90,8 +90,8 @@ pub fn check_free(folder: &Path) -> Result<(), Failure> {
     }
 }
 
-fn file_name(role: FilmView, kind: FilmKind) -> String {
-    format!("{}.{}", role.key(), extension(kind))
+fn file_name(view: FilmView, kind: FilmKind) -> String {
+    format!("{}.{}", view.key(), extension(kind))
 }
 
 /// Writes the films, the case, and a report of what was done.
@@ -112,12 +112,12 @@ pub fn write(
     for film in films {
         let (bytes, source, report) = cleaned_film(args, case_id, candidates, film, &secret)?;
         outputs.write(&folder.join(&report.file), bytes)?;
-        sources.push((film.role, source));
+        sources.push((film.view, source));
         reports.push(report);
     }
     let mut case = CaseFile::from_case(&case(case_id, films, marks));
-    for (role, source) in sources {
-        case = match role {
+    for (view, source) in sources {
+        case = match view {
             FilmView::Frontal(posture) => case.with_source(posture, source),
             FilmView::Lateral => case.with_lateral_source(source),
         };
@@ -163,12 +163,12 @@ fn cleaned_film(
             retain_sex_and_age: args.keep_characteristics,
         };
         let clean = deidentify(&bytes, &options, &FilmLimits::default())
-            .map_err(|error| Failure::input(&film.role.to_string(), &error, error.help()))?;
+            .map_err(|error| Failure::input(&film.view.to_string(), &error, error.help()))?;
         // Pictures without a DICOM header are encoded again.
         let kind = if found.kind == FilmKind::Dicom { FilmKind::Dicom } else { FilmKind::Png };
         (clean.bytes, kind, Some(DeidRecord::of(&clean.report)))
     };
-    let file = file_name(film.role, kind);
+    let file = file_name(film.view, kind);
     let sha256 = sha256_hex(&bytes);
     let source = FilmSource {
         file: Some(file.clone()),
@@ -176,7 +176,7 @@ fn cleaned_film(
         inverted: film.inverted,
     };
     let notes = film.notes.clone();
-    Ok((bytes, source, FilmReport { film: film.role.key(), file, sha256, notes, deidentification }))
+    Ok((bytes, source, FilmReport { film: film.view.key(), file, sha256, notes, deidentification }))
 }
 
 const fn extension(kind: FilmKind) -> &'static str {
@@ -191,7 +191,7 @@ const fn extension(kind: FilmKind) -> &'static str {
 /// The case: pictures, sides and scales, with imported landmarks.
 fn case(case_id: &str, films: &[ResolvedFilm], marks: &Marks) -> Case {
     let frontal = films.iter().filter_map(|film| {
-        let posture = film.role.posture()?;
+        let posture = film.view.posture()?;
         let unmarked = || FilmLandmarks::Corners {
             image: film.image(),
             iliac_crests: None,

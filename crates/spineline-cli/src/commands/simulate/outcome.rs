@@ -133,14 +133,7 @@ impl Outcome {
     /// Its texts and tables.
     pub fn tables(&self) -> LoadedTables<'_> {
         LoadedTables {
-            force_unit: self.model.force_unit(),
-            levels: &self.model.levels,
-            model: &self.model.spine,
-            places: &self.places,
-            loading: &self.placed.loading,
-            load_of_item: &self.placed.load_of_item,
-            load_of_rod: &self.placed.load_of_rod,
-            response: &self.response,
+            simulated: &self.simulated,
             film: self.source.as_ref().map(Source::film),
             uncertainty: self.uncertainty.as_ref(),
         }

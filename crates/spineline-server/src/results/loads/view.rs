@@ -65,18 +65,8 @@ pub fn tables<'a>(
     simulated: &'a Simulated,
     uncertainty: Option<&'a LoadedUncertainty>,
 ) -> LoadedTables<'a> {
-    LoadedTables {
-        force_unit: simulated.model.force_unit(),
-        levels: &simulated.model.levels,
-        model: &simulated.model.spine,
-        places: &simulated.places,
-        loading: &simulated.placed.loading,
-        load_of_item: &simulated.placed.load_of_item,
-        load_of_rod: &simulated.placed.load_of_rod,
-        response: &simulated.response,
-        film: Some(&analysis.movement.erect().outline),
-        uncertainty,
-    }
+    let film = Some(&analysis.movement.erect().outline);
+    LoadedTables { simulated, film, uncertainty }
 }
 
 fn text_table(table: Table) -> TextTable {

@@ -64,7 +64,7 @@ fn models_equal_those_of_the_exported_case() {
             assert_ne!(view["identified"], "identified");
         }
         for (posture, simulation) in
-            line["postures"].as_array().expect("a list").iter().zip(&expected.postures)
+            line["postures"].as_array().expect("a list").iter().zip(&expected.simulations)
         {
             let path = posture["path"].as_array().expect("shapes");
             assert_eq!(path.len(), 11);

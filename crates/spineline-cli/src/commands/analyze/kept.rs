@@ -62,7 +62,7 @@ pub struct Analysed {
 }
 
 /// What a run keeps from cases after their results are written.
-pub struct Finished<'a> {
+pub struct Kept<'a> {
     pub(super) asked: Asked<'a>,
     pub read: ReadCases,
     pub(super) patients: Vec<CohortPatient>,
@@ -81,7 +81,7 @@ pub struct Finished<'a> {
     pub(super) has_replicates: bool,
 }
 
-impl<'a> Finished<'a> {
+impl<'a> Kept<'a> {
     pub(super) fn new(asked: Asked<'a>) -> Self {
         Self {
             asked,
