@@ -5,7 +5,7 @@ use super::{AnalysisOptions, FilmMovement, Grouping, LineModel, Movement};
 use crate::action::{Application, LineKind, LineOfAction};
 use crate::anatomy::Posture;
 use crate::evaluate::{NearbyMatch, Simulation, Target, predict, simulate};
-use crate::multibody::{ForceSign, JointGroups, Load, MatchStatus, Statics};
+use crate::multibody::{ForceSign, JointGroups, Load, PathEnding, Statics};
 use crate::number::fixed;
 use crate::personalize::estimate::{
     EstimatedLoads, components_of, estimate_load, estimate_loads, line_of,
@@ -291,7 +291,7 @@ impl Evaluation<'_> {
         };
         // Nominal springs do not predict this patient.
         let status = match self.fit.status {
-            FitStatus::NotEvaluable => MatchStatus::NotConverged,
+            FitStatus::NotEvaluable => PathEnding::NotConverged,
             _ => simulation.status,
         };
         let contradicted = contradicted(posture, &simulation);

@@ -4,7 +4,7 @@ use crate::anatomy::{Level, Posture};
 use crate::clinical::{Regions, ferguson_angle};
 use crate::measure::{FilmScale, Outline};
 use crate::multibody::{
-    ForceMatch, ForceSign, Load, MatchStatus, Residual, Statics, amplitude_matches, match_t2,
+    ForceMatch, ForceSign, Load, PathEnding, Residual, Statics, amplitude_matches, match_t2,
     match_t2_near,
 };
 use crate::personalize::evidence::ContradictedJoint;
@@ -110,7 +110,7 @@ pub struct Simulation {
     /// Sagittal place of the line.
     pub depth_mm: f64,
     /// How the search for the force ended.
-    pub status: MatchStatus,
+    pub status: PathEnding,
     /// Signed force along the line.
     pub force_n: f64,
     /// Residual of the target.
@@ -154,7 +154,7 @@ impl Simulation {
     /// Whether the shape may be shown as a result.
     #[must_use]
     pub fn is_usable(&self) -> bool {
-        self.status == MatchStatus::Converged
+        self.status.is_usable()
     }
 
     /// Mean of the location errors.
@@ -176,7 +176,7 @@ impl Simulation {
 /// film. A fitted force is kept, and its residual amplitude is reported. Several forces, of either sign,
 /// may meet a bend's amplitude; the one whose shape has the lowest sum of squared Ferguson errors is chosen, and the others
 /// are reported. For [`Target::NearestT2`] the smallest force counts that brings T2 to within 1 mm of the nearest it gets
-/// (decision 0008). A search without result is a [`MatchStatus`], not an error; a shape beyond the human range of motion is not a
+/// (decision 0008). A search without result is a [`PathEnding`], not an error; a shape beyond the human range of motion is not a
 /// result either, and comes last in the choice.
 ///
 /// ```
@@ -228,11 +228,11 @@ pub fn simulate(
     for found in &mut found {
         let shape = &found.solution.deformed;
         if found.is_usable() && shape.beyond_human_range(statics.model()).is_some() {
-            found.status = MatchStatus::BeyondHumanRange;
+            found.status = PathEnding::BeyondHumanRange;
         }
     }
     let tries = ranked(found, &measured, regions);
-    let lost = |other: &(ForceMatch, _)| other.0.status == MatchStatus::NotConverged;
+    let lost = |other: &(ForceMatch, _)| other.0.status == PathEnding::NotConverged;
     let lost_forces = tries.iter().skip(1).filter(|other| lost(other)).count();
     let mut tries = tries.into_iter();
     let (found, ferguson_difference) = tries.next().expect("a search never comes back empty");

@@ -9,7 +9,7 @@ use super::start::{JointResponses, alternate};
 use super::{Base, Criteria, Hypothesis, HypothesisFilm, Spine};
 use crate::anatomy::Posture;
 use crate::least_squares::{FitStatus, System, minimize};
-use crate::multibody::MatchStatus;
+use crate::multibody::PathEnding;
 use crate::spatial::Angle;
 
 /// A hypothesis fitted to one patient.
@@ -60,7 +60,7 @@ impl HypothesisFit {
     #[must_use]
     pub fn ending_key(&self) -> &'static str {
         if self.is_beyond_human_range() {
-            MatchStatus::BeyondHumanRange.key()
+            PathEnding::BeyondHumanRange.key()
         } else {
             self.status.key()
         }

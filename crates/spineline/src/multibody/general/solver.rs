@@ -1,10 +1,11 @@
 use std::ops::ControlFlow;
 
 use super::balance::{Balance, Factors};
-use super::equilibrium::{EquilibriumPath, PathEnding, Stop};
+use super::equilibrium::EquilibriumPath;
 use super::loading::{Loading, LoadingError, Timing};
 use super::newton::{Closing, Newton, NewtonEnding};
 use super::path::{Goal, OnPoint, PathOptions, Walk};
+use crate::multibody::follow::{PathEnding, Stop};
 use crate::multibody::{Deformed, ForceSign, SpineModel, Support};
 use crate::spatial::{Mat3, Vec3};
 
