@@ -19,6 +19,7 @@ use spineline::multibody::{
     ForceSign, JointGroups, Load, SpineModel, Statics, StiffnessLibrary, Support, match_amplitude,
 };
 use spineline::personalize::evidence::FilmEvidence;
+use spineline::personalize::evidence::FilmEvidence;
 use spineline::personalize::{
     FitFilm, FitSettings, FitTarget, FittedSprings, Gauge, ProfileEnd, identify, personalize,
 };
@@ -85,7 +86,9 @@ impl Bent {
         let model = SpineModel::from_outline(erect, &SagittalProfile::default());
         let library = StiffnessLibrary::default();
         let groups = JointGroups::regional(&self.analysis.movement.regions);
-        let films = BENDS.map(|p| FitFilm { outline: &outlines[&p], load: self.loads[&p] });
+        let evidence = BENDS.map(|p| FilmEvidence::measure(&model, &library, erect, &outlines[&p]));
+        let film = |(p, evidence)| FitFilm { outline: &outlines[p], evidence, load: self.loads[p] };
+        let films: Vec<FitFilm<'_>> = BENDS.iter().zip(&evidence).map(film).collect();
         let settings = FitSettings {
             regions: &self.analysis.movement.regions,
             target: FitTarget::Shape,
@@ -94,8 +97,8 @@ impl Bent {
             prior: None,
             hints: &[],
         };
-        let fit = personalize(&model, &library, &groups, erect, &films, &settings);
         let springs = FittedSprings { model: &model, library: &library, groups: &groups };
+        let fit = personalize(springs, &films, &settings, None);
         let found = identify(&springs, &films, &settings, &fit).expect("the fit converged");
         let holds = std::array::from_fn(|i| {
             let truth = LOG_MULTIPLIERS[i];

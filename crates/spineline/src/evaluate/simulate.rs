@@ -17,10 +17,13 @@ pub enum Target {
     Fitted(f64),
     /// The measured amplitude of a bend.
     Amplitude,
-    /// The measured location of T2, as near as it gets, with a force of either sign or of a known one.
-    NearestT2(Option<ForceSign>),
-    /// The same, sought first where it was found for other readings of the film.
-    NearestT2By(Option<ForceSign>, NearbyMatch),
+    /// The measured location of T2, as near as it gets.
+    NearestT2 {
+        /// The sign of the force, where it is known.
+        sign: Option<ForceSign>,
+        /// Where the force is sought first.
+        start: Option<NearbyMatch>,
+    },
 }
 
 /// The force that brings T2 nearest for other readings of the same film, where no other force comes near.
@@ -79,7 +82,7 @@ impl ForceChoice {
         match target {
             Target::Fitted(_) => Self::Fitted,
             _ if !usable => Self::NearestMiss,
-            Target::NearestT2(_) | Target::NearestT2By(..) => Self::SmallestNearT2,
+            Target::NearestT2 { .. } => Self::SmallestNearT2,
             Target::Amplitude if others == 0 => Self::OnlyOne,
             Target::Amplitude => Self::LeastFergusonError,
         }
@@ -194,7 +197,7 @@ impl Simulation {
 /// let line = LineOfAction::through(caudal, cranial)?;
 /// let (library, groups) = (StiffnessLibrary::default(), JointGroups::per_joint(movement.levels()));
 /// let statics = Statics::new(&movement.spine, &library, &groups, &[0.0; 14], Support::Free);
-/// let target = Target::NearestT2(None);
+/// let target = Target::NearestT2 { sign: None, start: None };
 /// let found =
 ///     simulate(&statics, line, 0.0, &bend.outline, &movement.regions, target, false);
 /// // L3 to T2; L4 is fixed.
@@ -219,9 +222,8 @@ pub fn simulate(
             vec![ForceMatch::at(statics, &load, force_n, top.lateral_tilt())]
         }
         Target::Amplitude => amplitude_matches(statics, &load, top.lateral_tilt()),
-        Target::NearestT2(sign) => vec![nearest_of_signs(statics, &load, sign, top)],
-        Target::NearestT2By(sign, nearby) => {
-            let followed = nearby.follow(statics, &load, sign, top);
+        Target::NearestT2 { sign, start } => {
+            let followed = start.and_then(|start| start.follow(statics, &load, sign, top));
             vec![followed.unwrap_or_else(|| nearest_of_signs(statics, &load, sign, top))]
         }
     };

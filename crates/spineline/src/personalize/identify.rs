@@ -180,7 +180,7 @@ pub fn identify(
         return None;
     }
     let weighed = settings.weighed(fit.variance_factor);
-    let mut problem = Problem::new(springs.model, springs.library, springs.groups, films, &weighed);
+    let mut problem = Problem::new(*springs, films, &weighed);
     let mut converged = ConvergedFit::begin(&mut problem, fit)?;
     let g = springs.groups.len();
     let across = converged.information();

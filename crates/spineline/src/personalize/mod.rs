@@ -37,7 +37,6 @@ mod weights;
 
 pub use crate::least_squares::FitStatus;
 pub use fit::{FittedSprings, Personalization, StiffnessBound, personalize};
-pub(crate) use fit::{Known, personalize_with};
 pub use identify::{
     Identifiability, MULTIPLIER_COVERAGE, MultiplierInformation, Profile, ProfileEnd, ProfilePoint,
     ProfileVerdict, StiffnessDirection, identify,
@@ -53,6 +52,7 @@ use crate::anatomy::{Posture, named};
 use crate::clinical::Regions;
 use crate::measure::Outline;
 use crate::multibody::{Load, Support};
+use evidence::FilmEvidence;
 
 /// The scale constraint, which fixes the overall level of stiffness and force.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -121,6 +121,8 @@ pub const MULTIPLIER_BOUNDS: [f64; 2] = [0.1, 10.0];
 pub struct FitFilm<'a> {
     /// What was measured.
     pub outline: &'a Outline,
+    /// Rotations and lever arms of its joints.
+    pub evidence: &'a FilmEvidence,
     /// Where the force acts. A frontal load ([`Load::Frontal`]) is fitted with its direction and place.
     pub load: Load,
 }
