@@ -24,10 +24,11 @@ mod march;
 mod matching;
 mod nearest;
 mod roots;
+mod solution;
+mod statics;
 mod stiffness;
 mod stiffness_tables;
 mod target;
-mod transfer;
 
 pub use bodies::BodySize;
 pub use follow::{BranchEventKind, PathEnding};
@@ -40,13 +41,14 @@ pub(crate) use geometry::disc_mm;
 pub use geometry::{Joint, SpineModel};
 pub use human_range::{BeyondHumanRange, MAX_HUMAN_COLUMN, MAX_HUMAN_JOINT};
 pub use load::{Load, Wrench};
-pub use march::{Deformed, Parameter, Solution, Statics};
 pub use matching::{ForceMatch, ForceSign, amplitude_matches, match_amplitude};
 pub(crate) use matching::{MAX_FORCE_PER_STIFFNESS, MAX_HINGE_RAD, OneComponent, match_t2_near};
 pub use nearest::match_t2;
 pub(crate) use nearest::{
     SeveralComponents, nearest_from_starts, nearest_on_path, starts_of_sizes,
 };
+pub use solution::{Deformed, Parameter, Solution};
+pub use statics::Statics;
 pub(crate) use stiffness::group_title;
 pub use stiffness::{
     JointGroups, JointStiffness, StiffnessError, StiffnessLibrary, Support, coupled_matrix,
