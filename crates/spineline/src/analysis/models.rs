@@ -7,7 +7,7 @@ use crate::anatomy::Posture;
 use crate::evaluate::{NearbyMatch, Simulation, Target, predict, simulate};
 use crate::multibody::{ForceSign, JointGroups, Load, PathEnding, Statics};
 use crate::number::fixed;
-use crate::personalize::estimate::{components_of, estimate_load, line_of};
+use crate::personalize::estimate::{JointResponses, components_of, line_of};
 use crate::personalize::evidence::ContradictedJoint;
 use crate::personalize::{
     FitFilm, FitSettings, FitStatus, FitTarget, FittedSprings, Gauge, Personalization, Start,
@@ -297,9 +297,9 @@ impl Evaluation<'_> {
             Some(film) => self.fit.loads[film].as_slice().try_into().ok()?,
             None => {
                 let evidence = posture.evidence.as_ref()?;
-                let responses = evidence.responses(&Load::Frontal { depth_mm: self.depth_mm });
+                let load = Load::Frontal { depth_mm: self.depth_mm };
                 let logs = &self.fit.log_multipliers;
-                estimate_load(evidence, &responses, self.groups, logs).components.into()
+                JointResponses::to(&load, evidence).load(self.groups, logs).into()
             }
         };
         line_of(&components, posture.middle()).map(|estimated| (estimated.line, estimated.force_n))
@@ -334,7 +334,7 @@ fn contradicted(posture: &FilmMovement, simulation: &Simulation) -> Vec<Contradi
     // On the film the force that follows T2 is where T2 was seen.
     line.application = Application::Fixed;
     let load = Load::Frontal { depth_mm: simulation.depth_mm };
-    evidence.contradicted(&load, components_of(&line, simulation.force_n))
+    evidence.contradicted(&evidence.responses(&load), components_of(&line, simulation.force_n))
 }
 
 /// A known force scales springs about all axes and all forces alike, which changes no shape. Only its size counts: its

@@ -1,15 +1,17 @@
 //! A hypothesis fitted to the bends of a patient, and its predictions of films that were not fitted.
 
-use nalgebra::DVector;
+use nalgebra::{DVector, Vector3};
 
 use super::from_top::predict_from_top;
-use super::prediction::{LossReason, Predicted, Role, ShapePrediction, predict, prediction};
+use super::prediction::{Predicted, Role, ShapePrediction, predict, prediction};
 use super::problem::{LoadedFilm, ShapeProblem, statics};
-use super::start::{JointResponses, alternate};
+use super::start::responses_to;
 use super::{Base, Criteria, Hypothesis, HypothesisFilm, Spine};
 use crate::anatomy::Posture;
 use crate::least_squares::{FitStatus, System, minimize};
 use crate::multibody::PathEnding;
+use crate::personalize::estimate::{EstimatedLoads, JointResponses, estimate_loads};
+use crate::personalize::evidence::FilmEvidence;
 use crate::spatial::Angle;
 
 /// A hypothesis fitted to one patient.
@@ -36,8 +38,8 @@ pub struct LostPrediction {
     pub posture: Posture,
     /// Role of the film.
     pub role: Role,
-    /// Why it is missing.
-    pub reason: LossReason,
+    /// Why it is missing: the search for its load did not converge, or the shape is beyond the human range of motion.
+    pub reason: PathEnding,
 }
 
 impl HypothesisFit {
@@ -51,7 +53,7 @@ impl HypothesisFit {
     #[must_use]
     pub fn is_beyond_human_range(&self) -> bool {
         let beyond = |lost: &LostPrediction| {
-            lost.role == Role::Fitted && lost.reason == LossReason::BeyondHumanRange
+            lost.role == Role::Fitted && lost.reason == PathEnding::BeyondHumanRange
         };
         self.lost.iter().any(beyond)
     }
@@ -125,7 +127,7 @@ pub fn fit_hypothesis(
         let near = if usable {
             predict(hypothesis, spine, film, &logs, Role::HeldOut)
         } else {
-            Err(LossReason::NoEquilibrium)
+            Err(PathEnding::NotConverged)
         };
         record(film, Role::HeldOut, near);
     }
@@ -141,14 +143,14 @@ pub fn fit_hypothesis(
                 (Role::LeftOutWithTilt, predict_from_top),
             ];
             for (role, predict) in predictions {
-                let known = logs.as_ref().ok_or(LossReason::NoEquilibrium);
+                let known = logs.as_ref().ok_or(PathEnding::NotConverged);
                 let found = known.and_then(|logs| predict(hypothesis, spine, &left, logs, role));
                 record(&left, role, found);
             }
             let role = Role::LeftOutLoadFitted;
             let own = logs
                 .and_then(|logs| fit_to(hypothesis, spine, &[left], Some(logs)))
-                .ok_or(LossReason::NoEquilibrium)
+                .ok_or(PathEnding::NotConverged)
                 .and_then(|mut own| own.prediction(0, &left, spine, role));
             record(&left, role, own);
         }
@@ -249,45 +251,35 @@ fn starts(
     spine: &Spine<'_>,
     held: Option<&[f64]>,
 ) -> Vec<DVector<f64>> {
-    let measured = responses(problem, films, spine);
-    let groups = spine.groups.of_joint();
-    let put = |logs: &[f64], loads: &[Vec<f64>]| {
+    let evidence: Vec<FilmEvidence> = films.iter().map(|film| film.evidence(spine)).collect();
+    let both = problem.films.iter().zip(films).zip(&evidence);
+    let measured: Vec<JointResponses<'_>> = both
+        .map(|((own, film), evidence)| responses_to(&own.loaded.units, film, evidence, spine))
+        .collect();
+    let put = |logs: &[f64], loads: &[Vector3<f64>]| {
         let mut x = DVector::zeros(problem.unknowns());
         x.as_mut_slice()[..logs.len()].copy_from_slice(logs);
         for (film, load) in problem.films.iter().zip(loads) {
-            x.as_mut_slice()[film.first..film.first + load.len()].copy_from_slice(load);
+            let count = film.loaded.units.len();
+            x.rows_mut(film.first, count).copy_from(&load.rows(0, count));
         }
         x
     };
     let nominal = vec![0.0; spine.groups.len()];
     let known = held.unwrap_or(&nominal);
-    let loads: Vec<Vec<f64>> = measured.iter().map(|film| film.components(groups, known)).collect();
     let mut starts = Vec::new();
     if held.is_none() {
-        let (logs, loads) = alternate(&measured, spine);
-        starts.push(put(&logs, &loads));
+        let EstimatedLoads { loads, log_multipliers } = estimate_loads(&measured, spine.groups);
+        starts.push(put(&log_multipliers, &loads));
     }
+    let loads: Vec<Vector3<f64>> =
+        measured.iter().map(|film| film.load(spine.groups, known)).collect();
     for flips in 0..1_u32 << films.len() {
-        let flipped: Vec<Vec<f64>> = loads
-            .iter()
-            .enumerate()
-            .map(|(film, load)| {
-                let sign = if flips >> film & 1 == 1 { -1.0 } else { 1.0 };
-                load.iter().map(|part| sign * part).collect()
-            })
-            .collect();
+        let sign = |film: usize| if flips >> film & 1 == 1 { -1.0 } else { 1.0 };
+        let flipped: Vec<_> = (0..).zip(&loads).map(|(film, load)| load * sign(film)).collect();
         starts.push(put(known, &flipped));
     }
     starts
-}
-
-fn responses(
-    problem: &ShapeProblem<'_>,
-    films: &[HypothesisFilm<'_>],
-    spine: &Spine<'_>,
-) -> Vec<JointResponses> {
-    let both = problem.films.iter().zip(films);
-    both.map(|(own, film)| JointResponses::measure(film, &own.loaded.units, spine)).collect()
 }
 
 impl Ended<'_> {
@@ -308,14 +300,14 @@ impl Ended<'_> {
         role: Role,
     ) -> Predicted {
         if self.status == FitStatus::NotEvaluable {
-            return Err(LossReason::NoEquilibrium);
+            return Err(PathEnding::NotConverged);
         }
         let statics = statics(spine, &self.log_multipliers(spine));
         let (components, base) = self.problem.of_film(index, self.x.as_slice());
         let components = components.to_vec();
         let loaded = &mut self.problem.films[index].loaded;
         if !loaded.solve(&statics, &components, base) {
-            return Err(LossReason::NoEquilibrium);
+            return Err(PathEnding::NotConverged);
         }
         prediction(loaded, film, role, spine, components, base)
     }

@@ -1,9 +1,10 @@
+use std::ops::ControlFlow;
+
 use super::follow::{Branch, PathEnding, Stop, follow};
 use super::roots::{Along, Lost, Sample, zeros_between};
 use super::target::{AmplitudeTarget, NearestT2Target, PathState, Residual, SearchTarget};
 use super::{Load, Parameter, Solution, Statics};
 use crate::spatial::{Angle, Frontal, Vec3};
-use std::ops::ControlFlow;
 
 /// The way a force points along its line.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -24,7 +25,7 @@ impl ForceSign {
     /// Both signs.
     pub const BOTH: [Self; 2] = [Self::Positive, Self::Negative];
 
-    const fn factor(self) -> f64 {
+    pub(super) const fn factor(self) -> f64 {
         match self {
             Self::Positive => 1.0,
             Self::Negative => -1.0,

@@ -1,9 +1,8 @@
 //! Residuals of a fit and their derivatives, and the starts from which it is refined.
 
-use nalgebra::DVector;
+use nalgebra::{DVector, Vector3};
 
-use super::estimate::{EstimatedLoads, estimate_load, estimate_loads};
-use super::evidence::FilmEvidence;
+use super::estimate::{EstimatedLoads, JointResponses, estimate_loads};
 use super::fit::FittedSprings;
 use super::rows::{FilmData, Wanted, ferguson_rows, shape_rows};
 use super::shape_weights::{ShapeRows, ShapeWeights};
@@ -173,22 +172,17 @@ impl<'a> Problem<'a> {
     }
 
     fn free_starts(&self, films: &[FitFilm<'_>], depth_mm: f64) -> Vec<Start> {
-        let films: Vec<&FilmEvidence> = films.iter().map(|film| film.evidence).collect();
-        let EstimatedLoads { loads, log_multipliers } =
-            estimate_loads(&films, depth_mm, self.springs.groups);
-        let nominal = vec![0.0; self.springs.groups.len()];
-        let nominal_loads = films.iter().map(|film| {
-            let responses = film.responses(&Load::Frontal { depth_mm });
-            estimate_load(film, &responses, self.springs.groups, &nominal)
-                .components
-                .as_slice()
-                .to_vec()
-        });
-        let loads = loads.iter().map(|load| load.components.as_slice().to_vec()).collect();
-        vec![
-            Start { log_multipliers, loads },
-            Start { loads: nominal_loads.collect(), log_multipliers: nominal.clone() },
-        ]
+        let (groups, load) = (self.springs.groups, Load::Frontal { depth_mm });
+        let films: Vec<JointResponses<'_>> =
+            films.iter().map(|film| JointResponses::to(&load, film.evidence)).collect();
+        let EstimatedLoads { loads, log_multipliers } = estimate_loads(&films, groups);
+        let nominal = vec![0.0; groups.len()];
+        let nominal_loads: Vec<_> = films.iter().map(|film| film.load(groups, &nominal)).collect();
+        let start = |log_multipliers, loads: Vec<Vector3<f64>>| Start {
+            log_multipliers,
+            loads: loads.iter().map(|load| load.as_slice().to_vec()).collect(),
+        };
+        vec![start(log_multipliers, loads), start(nominal, nominal_loads)]
     }
 
     fn signed_starts(&self, films: &[FitFilm<'_>]) -> Vec<Start> {

@@ -5,7 +5,7 @@ use super::equilibrium::{BranchEvent, Equilibrium, EquilibriumPath, PathPoint};
 use super::newton::{BALANCED_RAD, Closing, Direction, Newton, NewtonEnding, velocity_at};
 use super::stability::Signs;
 use super::wrench::Spatial;
-use crate::multibody::follow::{Branch, BranchEventKind, Event, Stop, follow};
+use crate::multibody::follow::{Branch, BranchEventKind, Event, Stop};
 use crate::multibody::roots::{Along, Lost, Sample, zeros_between};
 use crate::multibody::{ForceSign, MAX_HINGE_RAD};
 use crate::spatial::{Angle, Frontal, Vec3};
@@ -105,6 +105,7 @@ pub(super) struct Walk<'w, 'b> {
 }
 
 impl<'w, 'b> Walk<'w, 'b> {
+    /// A branch that starts at the state as it is, whose factor is zero.
     pub(super) fn new(
         balance: Balance<'b>,
         newton: &'w mut Newton,
@@ -128,11 +129,6 @@ impl<'w, 'b> Walk<'w, 'b> {
         }
     }
 
-    /// Follows the branch from the state as it is, whose factor is zero.
-    pub(super) fn run(mut self) -> Stop {
-        follow(&mut self)
-    }
-
     fn is_beyond_limits(&self) -> bool {
         self.newton.state.largest_hinge_rad() > self.options.largest_hinge_rad
             || self.factors.varied().abs() > self.options.largest_factor
@@ -140,10 +136,7 @@ impl<'w, 'b> Walk<'w, 'b> {
 
     /// The first place, with a factor that counts as much as what it turns at first.
     fn first_base(&mut self) -> Option<Base> {
-        let sign = match self.options.sign {
-            ForceSign::Positive => 1.0,
-            ForceSign::Negative => -1.0,
-        };
+        let sign = self.options.sign.factor();
         // Loads in small units have a large factor to go, and must not take more steps for that.
         let least = MIN_FACTOR_RAD.min(MIN_STEPS * MAX_STEP_RAD / self.options.largest_factor);
         let least = least.max(f64::MIN_POSITIVE.sqrt());
