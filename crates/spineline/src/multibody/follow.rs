@@ -23,8 +23,8 @@ named! {
         LimitPoint = "limit_point",
         /// Another branch crosses before the goal: a real spine would leave this one (buckling).
         BranchPoint = "branch_point",
-        /// The goal is met, but by a shape beyond the human range of motion ([`Deformed::beyond_human_range`](super::Deformed)); only
-        /// [`crate::response::respond`] and simulations of films judge this.
+        /// The goal is met, but by a shape beyond the human range of motion. Only responses to loads and simulations of films judge
+        /// this.
         BeyondHumanRange = "beyond_human_range",
         /// The goal is not met up to the largest hinge angle or load, or a rod's pose cannot be had; a search for a force gives the
         /// nearest shape.
