@@ -1,7 +1,8 @@
 use super::problem::Problem;
+use super::search::{Best, FitProblem};
 use super::start::Start;
 use super::{FitFilm, FitSettings, FitTarget, MULTIPLIER_BOUNDS};
-use crate::least_squares::{FitStatus, Minimum, minimize};
+use crate::least_squares::FitStatus;
 use crate::multibody::{JointGroups, SpineModel, StiffnessLibrary};
 
 /// Where a multiplier ended.
@@ -146,11 +147,10 @@ pub fn personalize(
     if !best.follows(&mut problem, springs.groups, films, start) {
         best.search_all(&mut problem, springs, films, settings, free.as_ref());
     }
-    let minima = best.minima();
-    let Some((minimum, loads)) = best.minimum else {
+    let minima = best.minima(PROMISING);
+    let Some((minimum, Start { log_multipliers, loads })) = best.minimum else {
         return nominal(springs.groups, films, best.starts);
     };
-    let log_multipliers = problem.log_multipliers(&minimum.x);
     Personalization {
         bounds: log_multipliers.iter().map(|&value| bound_of(value)).collect(),
         log_multipliers,
@@ -203,34 +203,8 @@ const PROMISING: f64 = 10.0;
 const POOR_MM: f64 = 12.0;
 const POOR_DEG: f64 = 12.0;
 
-/// The best of the starts that were refined.
-#[derive(Default)]
-struct Best {
-    minimum: Option<(Minimum, Vec<Vec<f64>>)>,
-    starts: u32,
-    /// Where starts ended, with their sums of squares.
-    ends: Vec<(Start, f64)>,
-}
-
+/// The search of a fit of forces along lines, or of free loads.
 impl Best {
-    fn improve(&mut self, problem: &mut Problem<'_>, start: &Start) {
-        self.starts += 1;
-        let x = problem.begin(start);
-        let [lower, upper] = problem.bounds(&x);
-        let rows = problem.rows();
-        let end = minimize(x, &lower, &upper, rows, |x, system| problem.evaluate(x, system));
-        let better = self.minimum.as_ref().is_none_or(|(b, _)| end.system.cost() < b.system.cost());
-        if end.status == FitStatus::NotEvaluable {
-            return;
-        }
-        let loads = problem.loads_at(&end.x);
-        let log_multipliers = problem.log_multipliers(&end.x);
-        self.ends.push((Start { log_multipliers, loads: loads.clone() }, end.system.cost()));
-        if better {
-            self.minimum = Some((end, loads));
-        }
-    }
-
     /// Follows the minima of the fit to other readings, the one that fits these readings best first; whether the end fits about as
     /// well as there.
     fn follows(
@@ -290,17 +264,6 @@ impl Best {
         }
     }
 
-    /// Distinct ends that are not far worse than the best, that one first.
-    fn minima(&self) -> Vec<Start> {
-        /// Ends whose sums of squares agree like this are one.
-        const SAME: f64 = 1e-4;
-        let mut ends: Vec<&(Start, f64)> = self.ends.iter().collect();
-        ends.sort_by(|a, b| a.1.total_cmp(&b.1));
-        ends.dedup_by(|b, a| b.1 - a.1 <= SAME * a.1);
-        let most = PROMISING * ends.first().map_or(0.0, |end| end.1);
-        ends.into_iter().filter(|end| end.1 <= most).map(|end| end.0.clone()).collect()
-    }
-
     /// Refines the promising ones of the starts beside the first, and every start where the residuals are large.
     fn improve_further(
         &mut self,
@@ -327,19 +290,5 @@ impl Best {
             let others = problem.priced(&others);
             self.improve_from(problem, &others, poor);
         }
-    }
-
-    /// Refines starts in their order until the residuals are small enough.
-    fn improve_from(&mut self, problem: &mut Problem<'_>, starts: &[(Start, f64)], enough: f64) {
-        for (start, _) in starts {
-            if self.satisfies(problem, enough) {
-                return;
-            }
-            self.improve(problem, start);
-        }
-    }
-
-    fn satisfies(&self, problem: &Problem<'_>, enough: f64) -> bool {
-        self.minimum.as_ref().is_some_and(|(b, _)| problem.data_rms(&b.system) < enough)
     }
 }

@@ -34,6 +34,7 @@ use nalgebra::{DMatrix, DVector};
 
 use super::fit::{FittedSprings, Personalization};
 use super::problem::Problem;
+use super::search::FitProblem;
 use super::{FitFilm, FitSettings, Gauge, MULTIPLIER_BOUNDS};
 use crate::least_squares::{FitStatus, Minimum, minimize};
 

@@ -30,6 +30,7 @@ mod preferred_loads;
 mod problem;
 mod random_effects;
 mod rows;
+mod search;
 mod shape_weights;
 mod start;
 mod tilt_errors;
@@ -45,6 +46,7 @@ pub use line_test::{Crossing, LineTest, ProposedLine, SIGNIFICANCE};
 pub(crate) use nearby_loads::NearbyLoads;
 pub use outcome::TestOutcome;
 pub use preferred_loads::PreferredLoads;
+pub(crate) use search::{Best, FitProblem};
 pub(crate) use shape_weights::{ROWS_PER_VERTEBRA, ShapeRows, ShapeWeights};
 pub use start::Start;
 

@@ -5,6 +5,7 @@ use nalgebra::{DVector, Vector3};
 use super::estimate::{EstimatedLoads, JointResponses, estimate_loads};
 use super::fit::FittedSprings;
 use super::rows::{FilmData, Wanted, ferguson_rows, shape_rows};
+use super::search::FitProblem;
 use super::shape_weights::{ShapeRows, ShapeWeights};
 use super::start::{Start, closed_form, majority_signs};
 use super::{FitFilm, FitSettings, FitTarget, Gauge, MULTIPLIER_BOUNDS};
@@ -83,11 +84,6 @@ impl<'a> Problem<'a> {
         self.springs.groups.len() + loads.map(|film| film.load.components()).sum::<usize>()
     }
 
-    /// Rows of what was measured.
-    pub fn data_rows(&self) -> usize {
-        self.films.iter().map(|film| rows_of(film, &self.settings)).sum()
-    }
-
     /// Measured numbers minus fitted ones, of which one is the gauge's where it holds the mean.
     pub fn freedom(&self, x: &DVector<f64>) -> usize {
         let [lower, upper] = self.bounds(x);
@@ -97,14 +93,7 @@ impl<'a> Problem<'a> {
 
     /// Sum of squares over the degrees of freedom, and at least 1.
     pub fn variance_factor(&self, minimum: &Minimum) -> f64 {
-        let squares = self.data_rms(&minimum.system).powi(2) * self.data_rows() as f64;
-        (squares / self.freedom(&minimum.x) as f64).max(1.0)
-    }
-
-    /// Rows of all films, of the prior, and one for the gauge.
-    pub fn rows(&self) -> usize {
-        let prior = if self.settings.prior.is_some() { self.springs.groups.len() } else { 0 };
-        self.data_rows() + prior + 1
+        (self.data_squares(&minimum.system) / self.freedom(&minimum.x) as f64).max(1.0)
     }
 
     fn statics(&self, log_multipliers: &[f64]) -> Statics<'a> {
@@ -217,38 +206,6 @@ impl<'a> Problem<'a> {
             .collect()
     }
 
-    /// Puts a start's loads in place, and gives its unknowns.
-    pub fn begin(&mut self, start: &Start) -> DVector<f64> {
-        let mut x = DVector::zeros(self.unknowns());
-        x.as_mut_slice()[..self.springs.groups.len()].copy_from_slice(&start.log_multipliers);
-        for (film, load) in self.films.iter_mut().zip(&start.loads) {
-            film.magnitude.copy_from_slice(load);
-            if let Some(first) = film.first {
-                x.as_mut_slice()[first..first + load.len()].copy_from_slice(load);
-            }
-        }
-        x
-    }
-
-    /// Bounds of the unknowns; a frozen force keeps its value.
-    pub fn bounds(&self, start: &DVector<f64>) -> [DVector<f64>; 2] {
-        let g = self.springs.groups.len();
-        let frozen = self.settings.gauge == Gauge::FrozenForce;
-        let bound = |limit: f64, free: f64| {
-            DVector::from_fn(start.len(), |i, _| match i {
-                i if i < g => limit.ln(),
-                i if frozen => start[i],
-                _ => free,
-            })
-        };
-        [bound(MULTIPLIER_BOUNDS[0], f64::NEG_INFINITY), bound(MULTIPLIER_BOUNDS[1], f64::INFINITY)]
-    }
-
-    /// Residuals and derivatives; answers whether every film has an equilibrium that counts.
-    pub fn evaluate(&mut self, x: &DVector<f64>, system: &mut System) -> bool {
-        self.fill(x, system, Wanted::Derivatives)
-    }
-
     /// A derivative that is zero for one set of unknowns is zero for all, and is left as [`System::new`] made it.
     fn fill(&mut self, x: &DVector<f64>, system: &mut System, wanted: Wanted) -> bool {
         let g = self.springs.groups.len();
@@ -300,27 +257,6 @@ impl<'a> Problem<'a> {
         }
     }
 
-    /// Root mean square of what was measured.
-    pub fn data_rms(&self, system: &System) -> f64 {
-        let data = self.data_rows();
-        (system.residuals.rows(0, data).norm_squared() / data as f64).sqrt()
-    }
-
-    /// The load components that belong to given unknowns.
-    pub fn loads_at(&mut self, x: &DVector<f64>) -> Vec<Vec<f64>> {
-        if self.films.iter().any(|film| film.first.is_none()) {
-            let mut system = System::new(self.rows(), self.unknowns());
-            self.fill(x, &mut system, Wanted::Residuals);
-        }
-        for film in &mut self.films {
-            if let Some(first) = film.first {
-                let components = film.magnitude.len();
-                film.magnitude.copy_from_slice(&x.as_slice()[first..first + components]);
-            }
-        }
-        self.films.iter().map(|film| film.magnitude.clone()).collect()
-    }
-
     /// Mean deviation of a location over the films.
     pub fn location_sd_mm(&self) -> f64 {
         let sum: f64 = self.films.iter().map(|film| film.weights.location_sd_mm).sum();
@@ -332,11 +268,6 @@ impl<'a> Problem<'a> {
         self.settings.target
     }
 
-    /// The parts of unknowns that are `ln α`.
-    pub fn log_multipliers(&self, x: &DVector<f64>) -> Vec<f64> {
-        x.as_slice()[..self.springs.groups.len()].to_vec()
-    }
-
     /// Singular values of the data's derivative by `(ln α, ln F)`, so that all unknowns are ratios.
     pub fn singular_values(&self, minimum: &Minimum) -> Vec<f64> {
         let mut scaled = minimum.system.jacobian.rows(0, self.data_rows()).into_owned();
@@ -346,5 +277,64 @@ impl<'a> Problem<'a> {
         let mut values: Vec<f64> = scaled.singular_values().iter().copied().collect();
         values.sort_by(|a, b| b.total_cmp(a));
         values
+    }
+}
+
+impl FitProblem for Problem<'_> {
+    fn begin(&mut self, start: &Start) -> DVector<f64> {
+        let mut x = DVector::zeros(self.unknowns());
+        x.as_mut_slice()[..self.springs.groups.len()].copy_from_slice(&start.log_multipliers);
+        for (film, load) in self.films.iter_mut().zip(&start.loads) {
+            film.magnitude.copy_from_slice(load);
+            if let Some(first) = film.first {
+                x.as_mut_slice()[first..first + load.len()].copy_from_slice(load);
+            }
+        }
+        x
+    }
+
+    fn start_at(&mut self, x: &DVector<f64>) -> Start {
+        if self.films.iter().any(|film| film.first.is_none()) {
+            let mut system = System::new(self.rows(), self.unknowns());
+            self.fill(x, &mut system, Wanted::Residuals);
+        }
+        for film in &mut self.films {
+            if let Some(first) = film.first {
+                let components = film.magnitude.len();
+                film.magnitude.copy_from_slice(&x.as_slice()[first..first + components]);
+            }
+        }
+        Start {
+            log_multipliers: x.as_slice()[..self.springs.groups.len()].to_vec(),
+            loads: self.films.iter().map(|film| film.magnitude.clone()).collect(),
+        }
+    }
+
+    /// Bounds of the unknowns; a frozen force keeps its value.
+    fn bounds(&self, start: &DVector<f64>) -> [DVector<f64>; 2] {
+        let g = self.springs.groups.len();
+        let frozen = self.settings.gauge == Gauge::FrozenForce;
+        let bound = |limit: f64, free: f64| {
+            DVector::from_fn(start.len(), |i, _| match i {
+                i if i < g => limit.ln(),
+                i if frozen => start[i],
+                _ => free,
+            })
+        };
+        [bound(MULTIPLIER_BOUNDS[0], f64::NEG_INFINITY), bound(MULTIPLIER_BOUNDS[1], f64::INFINITY)]
+    }
+
+    fn data_rows(&self) -> usize {
+        self.films.iter().map(|film| rows_of(film, &self.settings)).sum()
+    }
+
+    /// Rows of all films, of the prior, and one for the gauge.
+    fn rows(&self) -> usize {
+        let prior = if self.settings.prior.is_some() { self.springs.groups.len() } else { 0 };
+        self.data_rows() + prior + 1
+    }
+
+    fn evaluate(&mut self, x: &DVector<f64>, system: &mut System) -> bool {
+        self.fill(x, system, Wanted::Derivatives)
     }
 }
