@@ -19,7 +19,6 @@ use spineline::multibody::{
     ForceSign, JointGroups, Load, SpineModel, Statics, StiffnessLibrary, Support, match_amplitude,
 };
 use spineline::personalize::evidence::FilmEvidence;
-use spineline::personalize::evidence::FilmEvidence;
 use spineline::personalize::{
     FitFilm, FitSettings, FitTarget, FittedSprings, Gauge, ProfileEnd, identify, personalize,
 };
@@ -87,8 +86,11 @@ impl Bent {
         let library = StiffnessLibrary::default();
         let groups = JointGroups::regional(&self.analysis.movement.regions);
         let evidence = BENDS.map(|p| FilmEvidence::measure(&model, &library, erect, &outlines[&p]));
-        let film = |(p, evidence)| FitFilm { outline: &outlines[p], evidence, load: self.loads[p] };
-        let films: Vec<FitFilm<'_>> = BENDS.iter().zip(&evidence).map(film).collect();
+        let films = [0, 1].map(|i| FitFilm {
+            outline: &outlines[&BENDS[i]],
+            evidence: &evidence[i],
+            load: self.loads[&BENDS[i]],
+        });
         let settings = FitSettings {
             regions: &self.analysis.movement.regions,
             target: FitTarget::Shape,
