@@ -127,7 +127,7 @@ pub(super) trait Branch {
     /// The unloaded spine; `None` where it is not in equilibrium.
     fn start(&mut self) -> Option<Self::Place>;
 
-    /// Takes note of a place; whether the branch is followed from there. It may move the place on, past what was found at it.
+    /// Takes note of a place; whether the branch is followed from there. It may move the place on, past a goal that is met there.
     fn arrive(&mut self, place: &mut Self::Place) -> ControlFlow<Stop>;
 
     /// Lengths of the first and of the shortest step to try from a place.

@@ -25,17 +25,9 @@
 //! theta' = (m' . e + w . (e x m)) / k,  then w + e theta' for the next hinge
 //! ```
 
+use super::statics::Hinges;
 use super::{Parameter, Solution, Statics, Wrench};
 use crate::spatial::{Mat3, Vec3, sin_cos};
-
-/// The hinges of one joint.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Hinges {
-    /// Radians per N·mm; zero where a hinge is locked.
-    pub compliance: [f64; 3],
-    /// Axial rotation per lateral rotation at which the axial spring is unstressed.
-    pub axial_per_lateral: f64,
-}
 
 /// A joint that has turned.
 struct Turned {

@@ -2,7 +2,6 @@
 
 use nalgebra::{Matrix2, Matrix2x3, Matrix3x2};
 
-use super::march::Hinges;
 use super::{
     JointGroups, Load, Parameter, Solution, SpineModel, StiffnessLibrary, Support, Wrench,
 };
@@ -15,6 +14,15 @@ pub struct Statics<'a> {
     pub(super) model: &'a SpineModel,
     pub(super) group_of_joint: &'a [usize],
     pub(super) hinges: Vec<Hinges>,
+}
+
+/// The hinges of one joint.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Hinges {
+    /// Radians per N·mm; zero where a hinge is locked.
+    pub compliance: [f64; 3],
+    /// Axial rotation per lateral rotation at which the axial spring is unstressed.
+    pub axial_per_lateral: f64,
 }
 
 impl<'a> Statics<'a> {

@@ -1,9 +1,9 @@
 use super::problem::Problem;
 use super::search::{Best, FitProblem};
 use super::start::Start;
-use super::{FitFilm, FitSettings, FitTarget, MULTIPLIER_BOUNDS};
+use super::{FitFilm, FitSettings, FitTarget, FittedSprings, MULTIPLIER_BOUNDS};
 use crate::least_squares::FitStatus;
-use crate::multibody::{JointGroups, SpineModel, StiffnessLibrary};
+use crate::multibody::JointGroups;
 
 /// Where a multiplier ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -65,17 +65,6 @@ impl Personalization {
         };
         (!self.minima.is_empty() && self.minima.iter().all(fits)).then_some(&self.minima)
     }
-}
-
-/// The fitted springs of a spine, in groups.
-#[derive(Debug, Clone, Copy)]
-pub struct FittedSprings<'a> {
-    /// The unloaded spine.
-    pub model: &'a SpineModel,
-    /// Nominal springs.
-    pub library: &'a StiffnessLibrary,
-    /// Which joints share a multiplier.
-    pub groups: &'a JointGroups,
 }
 
 /// Residuals at which no other start is tried: half a degree is the effect of a careful reading of 0.25 mm on a Ferguson angle, and

@@ -37,7 +37,7 @@ mod tilt_errors;
 mod weights;
 
 pub use crate::least_squares::FitStatus;
-pub use fit::{FittedSprings, Personalization, StiffnessBound, personalize};
+pub use fit::{Personalization, StiffnessBound, personalize};
 pub use identify::{
     Identifiability, MULTIPLIER_COVERAGE, MultiplierInformation, Profile, ProfileEnd, ProfilePoint,
     ProfileVerdict, StiffnessDirection, identify,
@@ -53,7 +53,7 @@ pub use start::Start;
 use crate::anatomy::{Posture, named};
 use crate::clinical::Regions;
 use crate::measure::Outline;
-use crate::multibody::{Load, Support};
+use crate::multibody::{JointGroups, Load, SpineModel, StiffnessLibrary, Support};
 use evidence::FilmEvidence;
 
 /// The scale constraint, which fixes the overall level of stiffness and force.
@@ -117,6 +117,17 @@ impl LogNormalPrior {
 
 /// Bounds of a multiplier.
 pub const MULTIPLIER_BOUNDS: [f64; 2] = [0.1, 10.0];
+
+/// The springs of a spine, in groups.
+#[derive(Debug, Clone, Copy)]
+pub struct FittedSprings<'a> {
+    /// The unloaded spine.
+    pub model: &'a SpineModel,
+    /// Nominal springs.
+    pub library: &'a StiffnessLibrary,
+    /// Which joints share a multiplier.
+    pub groups: &'a JointGroups,
+}
 
 /// One bend to be fitted.
 #[derive(Debug, Clone, Copy)]

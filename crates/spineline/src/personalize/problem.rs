@@ -3,12 +3,11 @@
 use nalgebra::{DVector, Vector3};
 
 use super::estimate::{EstimatedLoads, JointResponses, estimate_loads};
-use super::fit::FittedSprings;
 use super::rows::{FilmData, Wanted, ferguson_rows, shape_rows};
 use super::search::FitProblem;
 use super::shape_weights::{ShapeRows, ShapeWeights};
 use super::start::{Start, closed_form, majority_signs};
-use super::{FitFilm, FitSettings, FitTarget, Gauge, MULTIPLIER_BOUNDS};
+use super::{FitFilm, FitSettings, FitTarget, FittedSprings, Gauge, MULTIPLIER_BOUNDS};
 use crate::clinical::ferguson_angle;
 use crate::least_squares::{Minimum, System};
 use crate::multibody::{
