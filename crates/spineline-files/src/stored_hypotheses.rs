@@ -3,9 +3,10 @@
 use serde::{Deserialize, Serialize};
 use spineline::anatomy::Posture;
 use spineline::hypothesis::{
-    CounterRotatingJoints, Criteria, HypothesisFit, LossReason, LostPrediction, ShapePrediction,
+    CounterRotatingJoints, Criteria, HypothesisFit, LostPrediction, ShapePrediction,
 };
 use spineline::measure::FilmScale;
+use spineline::multibody::PathEnding;
 use spineline::spatial::{Angle, Frontal};
 
 use crate::options_record::HypothesisKey;
@@ -70,7 +71,7 @@ fn stored(fit: &HypothesisFit) -> Stored {
     let loss = |lost: &LostPrediction| StoredLoss {
         posture: lost.posture,
         role: lost.role.key().to_owned(),
-        is_beyond_human_range: lost.reason == LossReason::BeyondHumanRange,
+        is_beyond_human_range: lost.reason == PathEnding::BeyondHumanRange,
     };
     Stored {
         hypothesis: HypothesisKey(fit.hypothesis),
@@ -105,9 +106,9 @@ fn fit(stored: Stored) -> Option<HypothesisFit> {
             posture: lost.posture,
             role: lost.role.parse().ok()?,
             reason: if lost.is_beyond_human_range {
-                LossReason::BeyondHumanRange
+                PathEnding::BeyondHumanRange
             } else {
-                LossReason::NoEquilibrium
+                PathEnding::NotConverged
             },
         })
     };

@@ -11,7 +11,8 @@ use spineline::measure::Outline;
 use spineline::multibody::{
     ForceSign, JointGroups, Statics, StiffnessLibrary, Support, match_amplitude,
 };
-use spineline::personalize::{FitFilm, FitSettings, FitTarget, Gauge, personalize};
+use spineline::personalize::evidence::FilmEvidence;
+use spineline::personalize::{FitFilm, FitSettings, FitTarget, FittedSprings, Gauge, personalize};
 use spineline::spatial::Angle;
 use spineline_phantom::Scenario;
 
@@ -58,7 +59,7 @@ fn fit(criterion: &mut Criterion) {
             let analysis = common::analyzed(0, Scenario::Rod, support);
             let groups = JointGroups::regional(&analysis.movement.regions);
             let loads = common::bending_loads(&analysis, LineKind::Inflection);
-            let erect = &analysis.movement.erect().outline;
+            let (model, erect) = (&analysis.movement.spine, &analysis.movement.erect().outline);
             let variants: Vec<Vec<Outline>> = (0..16).map(|i| bends(&analysis, i)).collect();
             let settings = FitSettings {
                 regions: &analysis.movement.regions,
@@ -73,20 +74,17 @@ fn fit(criterion: &mut Criterion) {
             group.bench_function(name, |bencher| {
                 bencher.iter(|| {
                     next = (next + 1) % variants.len();
-                    let films: Vec<FitFilm<'_>> = variants[next]
+                    let outlines = &variants[next];
+                    let measure = |outline| FilmEvidence::measure(model, &library, erect, outline);
+                    let evidence: Vec<FilmEvidence> = outlines.iter().map(measure).collect();
+                    let films: Vec<FitFilm<'_>> = outlines
                         .iter()
+                        .zip(&evidence)
                         .zip(&loads)
-                        .map(|(outline, &load)| FitFilm { outline, load })
+                        .map(|((outline, evidence), &load)| FitFilm { outline, evidence, load })
                         .collect();
-                    let films = black_box(films.as_slice());
-                    black_box(personalize(
-                        &analysis.movement.spine,
-                        &library,
-                        &groups,
-                        erect,
-                        films,
-                        &settings,
-                    ))
+                    let springs = FittedSprings { model, library: &library, groups: &groups };
+                    black_box(personalize(springs, black_box(&films), &settings, None))
                 });
             });
         }

@@ -15,8 +15,8 @@ use std::path::{Path, PathBuf};
 use serde_json::{Value, json};
 use spineline::action::Application;
 use spineline::multibody::{
-    Deformed, ForceSign, GeneralStatics, Goal, Loading, MatchStatus, PathOptions, Solution,
-    Statics, Support, Wrench, match_amplitude,
+    Deformed, ForceSign, GeneralStatics, Goal, Loading, PathEnding, PathOptions, Solution, Statics,
+    Support, Wrench, match_amplitude,
 };
 use spineline::spatial::{Mat3, Vec3};
 
@@ -136,7 +136,7 @@ fn solve(case: Case) -> Result<Solved, String> {
     let own = case
         .frontal_load()
         .map(|load| match_amplitude(&statics, &load, ForceSign::Positive, case.target))
-        .filter(|own| own.status == MatchStatus::Converged);
+        .filter(|own| own.status == PathEnding::Converged);
     let march_force_n = own.map(|own| own.force_n);
     if march_force_n.is_some_and(|own| (own - force_n).abs() > 1e-6 * force_n) {
         return Err(format!("the march finds {march_force_n:?} N, and Newton {force_n} N"));

@@ -4,7 +4,8 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 use spineline::anatomy::Posture;
-use spineline::hypothesis::{HypothesisFit, LossReason, LostPrediction, ShapePrediction};
+use spineline::hypothesis::{HypothesisFit, LostPrediction, ShapePrediction};
+use spineline::multibody::PathEnding;
 
 use super::posture::ScaleRecord;
 
@@ -88,7 +89,7 @@ impl HypothesisRecord {
             bic: finite(fit.criteria.bic),
             predictions: fit.predictions.iter().map(PredictionRecord::new).collect(),
             lost: by_role(&|_| true),
-            beyond_human_range: by_role(&|lost| lost.reason == LossReason::BeyondHumanRange),
+            beyond_human_range: by_role(&|lost| lost.reason == PathEnding::BeyondHumanRange),
         }
     }
 }

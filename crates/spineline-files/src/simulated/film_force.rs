@@ -3,7 +3,7 @@
 use spineline::action::Application;
 use spineline::analysis::FilmLoad;
 use spineline::anatomy::Level;
-use spineline::multibody::{MatchStatus, Timing};
+use spineline::multibody::{PathEnding, Timing};
 use spineline::warning::WarningCode;
 
 use crate::{AppliedLoad, SimulationWarning};
@@ -30,7 +30,7 @@ impl SimulationWarning {
     #[must_use]
     pub fn not_found(film: &FilmLoad) -> Option<Self> {
         let (posture, status) = (film.posture, film.status.key());
-        (film.status != MatchStatus::Converged).then(|| {
+        (film.status != PathEnding::Converged).then(|| {
             let text = format!(
                 "the analysis found no force for the {posture} film ({status}); this is the one whose shape came nearest"
             );

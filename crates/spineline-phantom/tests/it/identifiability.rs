@@ -11,6 +11,7 @@ use spineline::measure::Outline;
 use spineline::multibody::{
     JointGroups, Load, Solution, SpineModel, Statics, StiffnessLibrary, Support,
 };
+use spineline::personalize::evidence::FilmEvidence;
 use spineline::personalize::{
     FitFilm, FitSettings, FitTarget, FittedSprings, Gauge, Identifiability, LogNormalPrior,
     Personalization, ProfileEnd, ProfileVerdict, identify, personalize,
@@ -88,8 +89,11 @@ impl Patient {
             self.film(Posture::LeftBending, asked, &load, 55.0),
             self.film(Posture::RightBending, asked, &load, -40.0),
         ];
-        let films: Vec<FitFilm<'_>> =
-            films.iter().map(|outline| FitFilm { outline, load }).collect();
+        let evidence = films
+            .each_ref()
+            .map(|outline| FilmEvidence::measure(&self.model, &self.library, &self.erect, outline));
+        let film = |(outline, evidence)| FitFilm { outline, evidence, load };
+        let films: Vec<FitFilm<'_>> = films.iter().zip(&evidence).map(film).collect();
         let settings = FitSettings {
             regions: &self.regions,
             target: FitTarget::Shape,
@@ -98,10 +102,9 @@ impl Patient {
             prior: asked.prior,
             hints: &[],
         };
-        let fit =
-            personalize(&self.model, &self.library, &asked.groups, &self.erect, &films, &settings);
         let springs =
             FittedSprings { model: &self.model, library: &self.library, groups: &asked.groups };
+        let fit = personalize(springs, &films, &settings, None);
         let found = identify(&springs, &films, &settings, &fit).expect("the fit converged");
         (fit, found)
     }

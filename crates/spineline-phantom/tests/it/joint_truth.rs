@@ -10,8 +10,9 @@ use spineline::measure::Outline;
 use spineline::multibody::{
     JointGroups, Load, Solution, SpineModel, Statics, StiffnessLibrary, Support,
 };
+use spineline::personalize::evidence::FilmEvidence;
 use spineline::personalize::{
-    FitFilm, FitSettings, FitStatus, FitTarget, Gauge, StiffnessBound, personalize,
+    FitFilm, FitSettings, FitStatus, FitTarget, FittedSprings, Gauge, StiffnessBound, personalize,
 };
 use spineline::spatial::{Angle, Frontal};
 use spineline_phantom::{Readers, Scenario, generate};
@@ -70,8 +71,11 @@ impl Patient {
             self.film(Posture::LeftBending, &statics, &load, forces_n[0]),
             self.film(Posture::RightBending, &statics, &load, forces_n[1]),
         ];
-        let films: Vec<FitFilm<'_>> =
-            films.iter().map(|outline| FitFilm { outline, load }).collect();
+        let evidence = films
+            .each_ref()
+            .map(|outline| FilmEvidence::measure(&self.model, &self.library, &self.erect, outline));
+        let film = |(outline, evidence)| FitFilm { outline, evidence, load };
+        let films: Vec<FitFilm<'_>> = films.iter().zip(&evidence).map(film).collect();
         let settings = FitSettings {
             regions: &self.regions,
             target,
@@ -80,7 +84,8 @@ impl Patient {
             prior: None,
             hints: &[],
         };
-        let fit = personalize(&self.model, &self.library, groups, &self.erect, &films, &settings);
+        let springs = FittedSprings { model: &self.model, library: &self.library, groups };
+        let fit = personalize(springs, &films, &settings, None);
         let what = format!("{support:?}, {target:?}, {} groups", groups.len());
         assert_eq!(fit.status, FitStatus::Converged, "{what}");
         assert!(fit.bounds.iter().all(|&bound| bound == StiffnessBound::Inside), "{what}");

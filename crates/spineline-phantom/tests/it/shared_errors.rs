@@ -85,7 +85,12 @@ impl Bent {
         let model = SpineModel::from_outline(erect, &SagittalProfile::default());
         let library = StiffnessLibrary::default();
         let groups = JointGroups::regional(&self.analysis.movement.regions);
-        let films = BENDS.map(|p| FitFilm { outline: &outlines[&p], load: self.loads[&p] });
+        let evidence = BENDS.map(|p| FilmEvidence::measure(&model, &library, erect, &outlines[&p]));
+        let films = [0, 1].map(|i| FitFilm {
+            outline: &outlines[&BENDS[i]],
+            evidence: &evidence[i],
+            load: self.loads[&BENDS[i]],
+        });
         let settings = FitSettings {
             regions: &self.analysis.movement.regions,
             target: FitTarget::Shape,
@@ -94,8 +99,8 @@ impl Bent {
             prior: None,
             hints: &[],
         };
-        let fit = personalize(&model, &library, &groups, erect, &films, &settings);
         let springs = FittedSprings { model: &model, library: &library, groups: &groups };
+        let fit = personalize(springs, &films, &settings, None);
         let found = identify(&springs, &films, &settings, &fit).expect("the fit converged");
         let holds = std::array::from_fn(|i| {
             let truth = LOG_MULTIPLIERS[i];

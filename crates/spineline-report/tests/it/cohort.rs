@@ -7,7 +7,7 @@ use spineline::analysis::{Analysis, FilmRole, Subject};
 use spineline::anatomy::{Level, Posture};
 use spineline::cohort::{Cohort, CohortPatient};
 use spineline::measure::FilmLandmarks;
-use spineline::multibody::MatchStatus;
+use spineline::multibody::PathEnding;
 use spineline::number::fixed;
 use spineline_phantom::{Readers, Scenario, generate};
 use spineline_report::cohort::{self, PatientRow, Rows};
@@ -66,7 +66,7 @@ fn a_film_that_is_left_out_is_named_with_line_and_reason() {
     let iliac = analyses[1].models.iter_mut().find(|model| model.kind == LineKind::Iliac);
     let postures = &mut iliac.expect("a model of every line").simulations;
     for simulation in postures.iter_mut().filter(|simulation| !simulation.fitted) {
-        simulation.status = MatchStatus::Unreachable;
+        simulation.status = PathEnding::Unreachable;
     }
     let cohort = Cohort::of(&analyses.iter().map(CohortPatient::of).collect::<Vec<_>>(), 1);
     assert_eq!(cohort.compared.missing.len(), 2, "one line on two films");

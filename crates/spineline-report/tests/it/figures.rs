@@ -7,7 +7,7 @@ use spineline::evaluate::Simulation;
 use spineline::measure::{
     Film, FilmLandmarks, Placement, PlacementSource, Reading, ReadingId, SpacingPlane,
 };
-use spineline::multibody::{MatchStatus, Support};
+use spineline::multibody::{PathEnding, Support};
 use spineline::spatial::{Angle, Frontal};
 use spineline_report::figures::{
     EstimateGroup, EstimateSample, InflectionSample, LocationErrorSample, case_overview,
@@ -224,13 +224,13 @@ fn a_shape_without_its_force_is_not_shown_as_a_result() {
     let set = |simulation: &mut Simulation, status| simulation.status = status;
     for model in &mut analysis.models {
         for simulation in model.simulations.iter_mut().filter(|s| s.posture == posture) {
-            set(simulation, MatchStatus::Converged);
+            set(simulation, PathEnding::Converged);
         }
     }
     let svg = measured_and_simulated(&analysis, posture).expect("simulated");
     assert!(!svg.contains("not a result") && svg.contains("(fitted)"));
     for simulation in &mut analysis.models[0].simulations {
-        set(simulation, MatchStatus::Unreachable);
+        set(simulation, PathEnding::Unreachable);
         // A wild shape may not spoil the scale either.
         for location in &mut simulation.locations {
             *location = *location * 5.0;

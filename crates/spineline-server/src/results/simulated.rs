@@ -4,7 +4,7 @@ use spineline::action::Application;
 use spineline::analysis::{Analysis, LineModel};
 use spineline::anatomy::Level;
 use spineline::evaluate::Simulation;
-use spineline::multibody::{Deformed, MatchStatus, Residual, SpineModel};
+use spineline::multibody::{Deformed, PathEnding, Residual, SpineModel};
 use spineline::number::fixed;
 use spineline::personalize::evidence::ContradictedJoint;
 use spineline::spatial::{Mat3, Vec3};
@@ -76,7 +76,7 @@ fn status_text(simulation: &Simulation, top: Level) -> String {
     let status = simulation.status.key().replace('_', " ");
     if simulation.is_usable() {
         format!("{status}; {left}")
-    } else if simulation.status == MatchStatus::BeyondHumanRange {
+    } else if simulation.status == PathEnding::BeyondHumanRange {
         format!("{status}: no human spine takes this shape, and it is not a result; {left}")
     } else {
         format!("{status}: the nearest shape is shown and is not a result; {left}")

@@ -4,9 +4,9 @@ use super::comparison::Remembered;
 use super::hypotheses::fit_hypotheses;
 use super::models::fit_models;
 use super::preference::prefer_lines;
-use super::{Analysis, AnalysisOptions, Case, Movement, OtherReadings};
+use super::{Analysis, AnalysisOptions, Case, LineModel, Movement, Replicated};
 use crate::error::Error;
-use crate::measure::InterpolationError;
+use crate::personalize::NearbyLoads;
 use crate::warning::Warnings;
 
 /// Runs all steps on one case, as far as its films reach.
@@ -33,7 +33,7 @@ use crate::warning::Warnings;
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn analyze(case: &Case, options: &AnalysisOptions) -> Result<Analysis, Error> {
-    let mut analysis = analyze_known(case, options, None, &[])?;
+    let mut analysis = analyze_films(case, options, None, None)?;
     let of_lines = analysis.kept_line_warnings();
     analysis.warnings.merge(&of_lines);
     Ok(analysis)
@@ -46,27 +46,50 @@ pub fn analyze(case: &Case, options: &AnalysisOptions) -> Result<Analysis, Error
 /// [`Error`]: bad input only.
 pub fn analyze_movement(case: &Case, options: &AnalysisOptions) -> Result<Analysis, Error> {
     let mut warnings = Warnings::default();
-    let movement = Movement::of(case, options, None, &[], &mut warnings)?;
+    let movement = Movement::of(case, options, None, &mut warnings)?;
     Ok(Analysis::before_any_force(case, options, movement, warnings))
 }
 
-/// As [`analyze`], for a replicate: starts from the results of other readings, takes errors of interpolated vertebrae, and gives no
-/// warnings about lines.
-pub(crate) fn analyze_known(
+/// Fits to other readings of the same films, from which fits start. They change the time of a fit, and its result by less than the
+/// solver's tolerance.
+#[derive(Debug, Clone)]
+pub(crate) struct FitStarts<'a> {
+    loads: Option<NearbyLoads>,
+    models: &'a [LineModel],
+}
+
+impl<'a> FitStarts<'a> {
+    /// The fits of an analysis.
+    pub fn of(analysis: &'a Analysis) -> Self {
+        Self { loads: analysis.nearby_loads(), models: &analysis.models }
+    }
+}
+
+/// As [`analyze`], for a replicate, whose results are quantities: without doubts about its films and warnings about lines.
+pub(crate) fn analyze_replicate(
     case: &Case,
     options: &AnalysisOptions,
-    known: Option<&OtherReadings<'_>>,
-    errors: &[InterpolationError],
+    replicated: Replicated<'_>,
+    starts: Option<&FitStarts<'_>>,
+) -> Result<Analysis, Error> {
+    analyze_films(case, options, Some(replicated), starts)
+}
+
+fn analyze_films(
+    case: &Case,
+    options: &AnalysisOptions,
+    replicated: Option<Replicated<'_>>,
+    starts: Option<&FitStarts<'_>>,
 ) -> Result<Analysis, Error> {
     let mut warnings = Warnings::default();
-    let mut movement = Movement::of(case, options, known, errors, &mut warnings)?;
-    let near = known.and_then(|known| known.loads.as_ref());
-    // With other readings, only the comparison with the inflection line is used.
-    if known.is_none() || movement.inflections.pair.is_some() {
-        prefer_lines(&mut movement, options, near, &mut warnings);
+    let mut movement = Movement::of(case, options, replicated, &mut warnings)?;
+    // Of these lines, a replicate uses only the comparison with the inflection line.
+    if replicated.is_none() || movement.inflections.pair.is_some() {
+        let start = starts.and_then(|starts| starts.loads.as_ref());
+        prefer_lines(&mut movement, options, start, &mut warnings);
     }
-    let others = known.map_or(&[][..], |known| known.models);
-    let models = fit_models(&movement, options, others, &mut warnings);
+    let starts = starts.map_or(&[][..], |starts| starts.models);
+    let models = fit_models(&movement, options, starts, &mut warnings);
     let hypotheses = fit_hypotheses(&movement, options, &mut warnings);
     let begun = Analysis::before_any_force(case, options, movement, warnings);
     Ok(Analysis { models, hypotheses, ..begun })

@@ -121,13 +121,7 @@ impl Analysis {
                 let mut seen: Vec<(_, Load)> =
                     bending_loads(&self.movement, &self.options, line.kind, &mut repeated);
                 seen.retain(|(bend, _)| bend.outline.posture != posture);
-                let task = FitTask {
-                    bends: &seen,
-                    films: &bends,
-                    models: &models,
-                    estimate: None,
-                    other: None,
-                };
+                let task = FitTask { bends: &seen, films: &bends, models: &models, start: None };
                 let model =
                     fit_model(&self.movement, &self.options, line.kind, task, &mut repeated);
                 models.extend(model);

@@ -2,7 +2,7 @@ use super::compatibility::against_by_chance;
 use super::{Analysis, LineModel};
 use crate::action::LineKind;
 use crate::evaluate::Simulation;
-use crate::multibody::{MAX_HUMAN_COLUMN, MAX_HUMAN_JOINT, MatchStatus};
+use crate::multibody::{MAX_HUMAN_COLUMN, MAX_HUMAN_JOINT, PathEnding};
 use crate::number::fixed;
 use crate::personalize::{FitStatus, SIGNIFICANCE, StiffnessBound};
 use crate::warning::{WarningCode, Warnings, counted};
@@ -16,7 +16,7 @@ pub(super) fn warn_of_endings(model: &LineModel, warnings: &mut Warnings) {
     }
     for simulation in &model.simulations {
         let posture = Some(simulation.posture);
-        if simulation.status == MatchStatus::BeyondHumanRange {
+        if simulation.status == PathEnding::BeyondHumanRange {
             let text = format!(
                 "the simulated shape is beyond the human range of motion (limits: {} at a joint, {} over the spine), \
                  so it is not a result: check the landmarks and the amplitude of this film",

@@ -3,10 +3,8 @@
 use super::{Analysis, AnalysisOptions, Movement};
 use crate::clinical::{RegionBounds, ferguson_angle};
 use crate::evaluate::RotationPrior;
-use crate::hypothesis::{
-    Hypothesis, HypothesisFilm, HypothesisFit, LossReason, Spine, fit_hypothesis,
-};
-use crate::multibody::{MAX_HUMAN_COLUMN, MAX_HUMAN_JOINT};
+use crate::hypothesis::{Hypothesis, HypothesisFilm, HypothesisFit, Spine, fit_hypothesis};
+use crate::multibody::{MAX_HUMAN_COLUMN, MAX_HUMAN_JOINT, PathEnding};
 use crate::personalize::FitStatus;
 use crate::spatial::Frontal;
 use crate::warning::{WarningCode, Warnings};
@@ -101,18 +99,18 @@ fn warn_of_endings(fit: &HypothesisFit, warnings: &mut Warnings) {
     for lost in &fit.lost {
         let role = lost.role.key().replace('_', " ");
         let (code, text) = match lost.reason {
-            LossReason::NoEquilibrium => (
-                WarningCode::ForceNotFound,
-                format!(
-                    "{name}: no equilibrium was found for this film ({role}), so it is not predicted"
-                ),
-            ),
-            LossReason::BeyondHumanRange => (
+            PathEnding::BeyondHumanRange => (
                 WarningCode::BeyondHumanRange,
                 format!(
                     "{name}: the shape found for this film ({role}) is beyond the human range of motion (limits: {} at a joint, {} over the spine), so it is not a result: check the landmarks of this film, and do not trust this load",
                     MAX_HUMAN_JOINT.text(0),
                     MAX_HUMAN_COLUMN.text(0)
+                ),
+            ),
+            _ => (
+                WarningCode::ForceNotFound,
+                format!(
+                    "{name}: no equilibrium was found for this film ({role}), so it is not predicted"
                 ),
             ),
         };

@@ -1,10 +1,8 @@
 //! Whether the films identify every stiffness multiplier.
 
-use super::models::{bending_loads, settings_of};
+use super::models::{bending_loads, fit_films, settings_of};
 use super::{Analysis, LineModel};
-use crate::personalize::{
-    FitFilm, FitStatus, FittedSprings, Identifiability, StiffnessBound, identify,
-};
+use crate::personalize::{FitStatus, FittedSprings, Identifiability, StiffnessBound, identify};
 use crate::warning::Warnings;
 
 /// The verdict on a multiplier.
@@ -82,8 +80,7 @@ impl Analysis {
         // The analysis holds the warnings about these lines already.
         let mut repeated = Warnings::default();
         let bends = bending_loads(movement, &self.options, model.kind, &mut repeated);
-        let films: Vec<FitFilm<'_>> =
-            bends.iter().map(|(p, load)| FitFilm { outline: &p.outline, load: *load }).collect();
+        let films = fit_films(&bends);
         let springs = FittedSprings {
             model: &movement.spine,
             library: &movement.library,

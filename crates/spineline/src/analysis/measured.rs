@@ -1,10 +1,10 @@
 //! Step 1: the readings and the outlines of all films.
 
+use super::Case;
 use super::checks::{
     check_age, check_outlines, check_postures, warn_of_length, warn_of_shifted_levels,
 };
 use super::wrong_film::warn_of_wrong_films;
-use super::{Case, LineModel};
 use crate::anatomy::Posture;
 use crate::error::Error;
 use crate::measure::{
@@ -12,26 +12,22 @@ use crate::measure::{
     OutlineNoise, TiltRule, body_widths, common_levels, outline_of, seen_levels,
     warn_of_alike_observers, warn_of_implausible_landmarks, warn_of_shortened_chain,
 };
-use crate::personalize::NearbyLoads;
 use crate::warning::{WarningCode, Warnings};
 
-/// Results of other readings of the same films.
-#[derive(Debug, Clone)]
-pub(crate) struct OtherReadings<'a> {
-    /// Standard deviations of the films' measured values, in the order of the postures.
-    pub noise: Vec<OutlineNoise>,
-    /// Warm start of the loads.
-    pub loads: Option<NearbyLoads>,
-    /// Warm start of the models.
-    pub models: &'a [LineModel],
+/// What a replicate takes beside its moved landmarks.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Replicated<'a> {
+    /// Standard deviations of the films' measured values, in the order of the postures: the case's.
+    pub noise: &'a [OutlineNoise],
+    /// Errors of interpolated vertebrae.
+    pub errors: &'a [InterpolationError],
 }
 
 /// Step 1: the readings and the outline of every film, the erect one first.
 pub(super) fn measure(
     case: &Case,
     tilt: TiltRule,
-    known: Option<&OtherReadings<'_>>,
-    errors: &[InterpolationError],
+    replicated: Option<Replicated<'_>>,
     warnings: &mut Warnings,
 ) -> Result<(Vec<FilmReadings>, Vec<Outline>), Error> {
     check_age(case.subject.age_years)?;
@@ -45,8 +41,8 @@ pub(super) fn measure(
     let levels = common_levels(&seen)?;
     warn_of_shortened_chain(levels, &seen, warnings);
     // Replicates skip doubts about their films, which take a tenth of their time.
-    let reports_doubts = known.is_none();
-    let mut held = known.into_iter().flat_map(|known| &known.noise);
+    let reports_doubts = replicated.is_none();
+    let mut held = replicated.iter().flat_map(|held| held.noise);
     let mut outlines = Vec::new();
     for (film, measured) in films.iter().zip(&readings) {
         let noise = held.next().map(|noise| noise.film);
@@ -55,10 +51,10 @@ pub(super) fn measure(
             warn_of_implausible_landmarks(film, warnings);
         }
     }
-    if let Some(known) = known {
-        for (outline, noise) in outlines.iter_mut().zip(&known.noise) {
+    if let Some(held) = replicated {
+        for (outline, noise) in outlines.iter_mut().zip(held.noise) {
             noise.give_to(outline);
-            errors.iter().for_each(|error| error.add_to(outline));
+            held.errors.iter().for_each(|error| error.add_to(outline));
         }
     }
     if reports_doubts {

@@ -30,7 +30,7 @@ mod verdict;
 mod words;
 mod wrong_film;
 
-pub(crate) use analyze::analyze_known;
+pub(crate) use analyze::{FitStarts, analyze_replicate};
 pub use analyze::{analyze, analyze_movement};
 pub use checks::check_repeated;
 pub use choice::ModelChoice;
@@ -43,7 +43,7 @@ pub use compatibility::{BendEvidence, Compatibility};
 pub use headline::Headline;
 pub use identification::{Identification, MultiplierVerdict};
 pub use line_model::LineModel;
-pub(crate) use measured::OtherReadings;
+pub(crate) use measured::Replicated;
 pub use models_verdict::ModelsVerdict;
 pub use movement::{FilmMovement, Movement};
 pub use options::{AnalysisOptions, Grouping, Method};

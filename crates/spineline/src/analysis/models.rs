@@ -5,25 +5,23 @@ use super::{AnalysisOptions, FilmMovement, Grouping, LineModel, Movement};
 use crate::action::{Application, LineKind, LineOfAction};
 use crate::anatomy::Posture;
 use crate::evaluate::{NearbyMatch, Simulation, Target, predict, simulate};
-use crate::multibody::{ForceSign, JointGroups, Load, MatchStatus, Statics};
+use crate::multibody::{ForceSign, JointGroups, Load, PathEnding, Statics};
 use crate::number::fixed;
-use crate::personalize::estimate::{
-    EstimatedLoads, components_of, estimate_load, estimate_loads, line_of,
-};
-use crate::personalize::evidence::{ContradictedJoint, FilmEvidence};
+use crate::personalize::estimate::{JointResponses, components_of, line_of};
+use crate::personalize::evidence::ContradictedJoint;
 use crate::personalize::{
-    FitFilm, FitSettings, FitStatus, FitTarget, Gauge, Known, Personalization, Start,
-    personalize_with,
+    FitFilm, FitSettings, FitStatus, FitTarget, FittedSprings, Gauge, Personalization, Start,
+    personalize,
 };
 use crate::warning::{WarningCode, Warnings};
 
 /// Fits one model per line of action and evaluates it on every film.
 ///
-/// `others` are models of other readings of the same films.
+/// `starts` are models of other readings of the same films.
 pub(super) fn fit_models(
     movement: &Movement,
     options: &AnalysisOptions,
-    others: &[LineModel],
+    starts: &[LineModel],
     warnings: &mut Warnings,
 ) -> Vec<LineModel> {
     let mut models = Vec::new();
@@ -38,28 +36,18 @@ pub(super) fn fit_models(
         warnings.push(WarningCode::NoBendingFilm, text);
         return models;
     }
-    // A result for other readings is a nearer start.
-    let estimate = if others.is_empty() { estimate_bends(movement) } else { None };
     for kind in options.line_kinds() {
         let bends = bending_loads(movement, options, kind, warnings);
         let task = FitTask {
             bends: &bends,
             films: &Posture::MOVED,
             models: &models,
-            estimate: estimate.as_ref(),
-            other: others.iter().find(|model| model.kind == kind),
+            start: starts.iter().find(|model| model.kind == kind),
         };
         let model = fit_model(movement, options, kind, task, warnings);
         models.extend(model);
     }
     models
-}
-
-/// The loads of the bends that fits of the estimated line start from.
-fn estimate_bends(movement: &Movement) -> Option<EstimatedLoads> {
-    let bends: Vec<&FilmEvidence> = movement.bends().filter_map(|p| p.evidence.as_ref()).collect();
-    let groups = JointGroups::regional(&movement.regions);
-    (!bends.is_empty()).then(|| estimate_loads(&bends, movement.depth_mm(), &groups))
 }
 
 /// The line of a posture where geometry alone gives it; `None` for a line that must be estimated.
@@ -165,10 +153,16 @@ pub(super) struct FitTask<'a> {
     pub films: &'a [Posture],
     /// Models with other lines, fitted to these bends and no other.
     pub models: &'a [LineModel],
-    /// The free loads of these bends.
-    pub estimate: Option<&'a EstimatedLoads>,
     /// The model of other readings of these films.
-    pub other: Option<&'a LineModel>,
+    pub start: Option<&'a LineModel>,
+}
+
+/// The bends of a fit, as it takes them.
+pub(super) fn fit_films<'a>(bends: &[(&'a FilmMovement, Load)]) -> Vec<FitFilm<'a>> {
+    let film = |(p, load): &(&'a FilmMovement, Load)| {
+        Some(FitFilm { outline: &p.outline, evidence: p.evidence.as_ref()?, load: *load })
+    };
+    bends.iter().filter_map(film).collect()
 }
 
 /// Fits one line's model to some bends, and predicts films with it.
@@ -185,24 +179,15 @@ pub(super) fn fit_model(
         warnings.line(WarningCode::NoLine, kind, None, "no bending film has this line");
         return None;
     }
-    let films: Vec<FitFilm<'_>> =
-        bends.iter().map(|(p, load)| FitFilm { outline: &p.outline, load: *load }).collect();
+    let films = fit_films(bends);
     let hints = match kind {
         LineKind::Estimated => hints(task.models, bends),
         _ => Vec::new(),
     };
     let settings = settings_of(movement, options, &hints);
-    let evidence: Vec<(&FilmEvidence, Load)> =
-        bends.iter().filter_map(|(p, load)| Some((p.evidence.as_ref()?, *load))).collect();
-    // It was made for regional groups.
-    let estimate = task.estimate.filter(|_| options.grouping == Grouping::Regional);
-    let known = Known {
-        evidence: &evidence,
-        settings: &settings,
-        estimate,
-        other: task.other.map(|model| &model.fit),
-    };
-    let fit = personalize_with(&movement.spine, &movement.library, &groups, &films, &known);
+    let (model, library) = (&movement.spine, &movement.library);
+    let springs = FittedSprings { model, library, groups: &groups };
+    let fit = personalize(springs, &films, &settings, task.start.map(|model| &model.fit));
     let logs = &fit.log_multipliers;
     let evaluation = Evaluation {
         movement,
@@ -213,7 +198,7 @@ pub(super) fn fit_model(
         statics: Statics::new(&movement.spine, &movement.library, &groups, logs, options.support),
         target: settings.target,
         depth_mm: movement.depth_mm(),
-        other: task.other,
+        start: task.start,
     };
     let simulations = evaluation.simulate_all(task, warnings);
     let model = LineModel { kind, groups, fit, simulations };
@@ -232,7 +217,7 @@ struct Evaluation<'a> {
     statics: Statics<'a>,
     target: FitTarget,
     depth_mm: f64,
-    other: Option<&'a LineModel>,
+    start: Option<&'a LineModel>,
 }
 
 impl Evaluation<'_> {
@@ -278,10 +263,7 @@ impl Evaluation<'_> {
             _ => {
                 // T2's place alone may fit either sign; the rotations that gave the line gave the sign too.
                 let sign = estimated.then(|| ForceSign::of(estimated_n));
-                match self.nearby(posture.outline.posture) {
-                    Some(nearby) => Target::NearestT2By(sign, nearby),
-                    None => Target::NearestT2(sign),
-                }
+                Target::NearestT2 { sign, start: self.nearby(posture.outline.posture) }
             }
         };
         let (film, regions) = (&posture.outline, &self.movement.regions);
@@ -291,7 +273,7 @@ impl Evaluation<'_> {
         };
         // Nominal springs do not predict this patient.
         let status = match self.fit.status {
-            FitStatus::NotEvaluable => MatchStatus::NotConverged,
+            FitStatus::NotEvaluable => PathEnding::NotConverged,
             _ => simulation.status,
         };
         let contradicted = contradicted(posture, &simulation);
@@ -300,8 +282,8 @@ impl Evaluation<'_> {
 
     /// The result of other readings of a film.
     fn nearby(&self, posture: Posture) -> Option<NearbyMatch> {
-        let other = self.other?;
-        NearbyMatch::of(other.simulation(posture)?, other.fit.absolute_scale)
+        let start = self.start?;
+        NearbyMatch::of(start.simulation(posture)?, start.fit.absolute_scale)
     }
 
     /// The fitted load's line and force on a fitted film; elsewhere the line of best fit to the film's rotations at the fitted
@@ -315,9 +297,9 @@ impl Evaluation<'_> {
             Some(film) => self.fit.loads[film].as_slice().try_into().ok()?,
             None => {
                 let evidence = posture.evidence.as_ref()?;
-                let responses = evidence.responses(&Load::Frontal { depth_mm: self.depth_mm });
+                let load = Load::Frontal { depth_mm: self.depth_mm };
                 let logs = &self.fit.log_multipliers;
-                estimate_load(evidence, &responses, self.groups, logs).components.into()
+                JointResponses::to(&load, evidence).load(self.groups, logs).into()
             }
         };
         line_of(&components, posture.middle()).map(|estimated| (estimated.line, estimated.force_n))
@@ -352,7 +334,7 @@ fn contradicted(posture: &FilmMovement, simulation: &Simulation) -> Vec<Contradi
     // On the film the force that follows T2 is where T2 was seen.
     line.application = Application::Fixed;
     let load = Load::Frontal { depth_mm: simulation.depth_mm };
-    evidence.contradicted(&load, components_of(&line, simulation.force_n))
+    evidence.contradicted(&evidence.responses(&load), components_of(&line, simulation.force_n))
 }
 
 /// A known force scales springs about all axes and all forces alike, which changes no shape. Only its size counts: its

@@ -2,7 +2,7 @@
 
 use super::checks::warn_of_unknown_rotation;
 use super::measured::{at_erect_length, measure, widths_mm};
-use super::{AnalysisOptions, Case, Grouping, OtherReadings, PreferredLine};
+use super::{AnalysisOptions, Case, Grouping, PreferredLine, Replicated};
 use crate::anatomy::{Level, Levels, Posture, SagittalProfile};
 use crate::chain::{Chain, ChainPose, SEGMENT_WINDOW};
 use crate::clinical::{
@@ -14,8 +14,8 @@ use crate::curve::{
 };
 use crate::error::Error;
 use crate::measure::{
-    AxialRotation, FilmReadings, InterpolationError, LengthScale, Outline, SpacingPlane,
-    SpatialOutline, axial_rotations,
+    AxialRotation, FilmReadings, LengthScale, Outline, SpacingPlane, SpatialOutline,
+    axial_rotations,
 };
 use crate::motion::{Motion, SegmentEstimate, least_windows, mean_least};
 use crate::multibody::{JointGroups, SpineModel, StiffnessLibrary};
@@ -88,16 +88,14 @@ pub struct Movement {
 }
 
 impl Movement {
-    /// Steps 1 to 4 on one case, and the unloaded spine of step 6, which the rotations of joints need. `errors` belong to
-    /// interpolated vertebrae.
+    /// Steps 1 to 4 on one case, and the unloaded spine of step 6, which the rotations of joints need.
     pub(super) fn of(
         case: &Case,
         options: &AnalysisOptions,
-        known: Option<&OtherReadings<'_>>,
-        errors: &[InterpolationError],
+        replicated: Option<Replicated<'_>>,
         warnings: &mut Warnings,
     ) -> Result<Self, Error> {
-        let (readings, outlines) = measure(case, options.tilt, known, errors, warnings)?;
+        let (readings, outlines) = measure(case, options.tilt, replicated, warnings)?;
         let outlines = at_erect_length(outlines, options.film_lengths, warnings);
         let fit = |outline| fit_curve(outline, options.order_rule, warnings);
         let fits = outlines.iter().map(fit).collect::<Result<Vec<CurveFit>, _>>()?;
@@ -117,7 +115,7 @@ impl Movement {
         // Replicates show what noise does; the form of the curve is uncertain for the case itself. What a user has picked is
         // not doubted.
         let automatic = options.inflections == InflectionChoice::Automatic;
-        let pair = inflections.pair.filter(|_| automatic && known.is_none());
+        let pair = inflections.pair.filter(|_| automatic && replicated.is_none());
         let mut movement = Self {
             inflection_intervals: pair
                 .and_then(|pair| erect.fit.inflection_intervals(&erect.outline, pair)),

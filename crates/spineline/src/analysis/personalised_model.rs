@@ -10,7 +10,7 @@ use crate::anatomy::{Level, Levels, Posture};
 use crate::clinical::CurvePlaces;
 use crate::evaluate::Simulation;
 use crate::multibody::{
-    GeneralStatics, Goal, Joint, Loading, LoadingError, MatchStatus, SpineModel, SpringError,
+    GeneralStatics, Goal, Joint, Loading, LoadingError, PathEnding, SpineModel, SpringError,
     Support,
 };
 use crate::response::{OnSignedPoint, Response, respond, usual_limit};
@@ -58,7 +58,7 @@ pub struct FilmLoad {
     /// Posture of the film.
     pub posture: Posture,
     /// How the search for the force ended.
-    pub status: MatchStatus,
+    pub status: PathEnding,
     /// Signed force along the direction: newtons where the model is `absolute`, else relative.
     #[serde(rename = "force")]
     pub force_n: f64,

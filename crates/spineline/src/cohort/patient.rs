@@ -12,7 +12,7 @@ use crate::evaluate::statistics::Summary;
 use crate::evaluate::{Baseline, BendRotations, FilmFromTop, Links, Simulation, joint_rotations};
 use crate::hypothesis::{Hypothesis, HypothesisFit, Role};
 use crate::motion::SegmentEstimate;
-use crate::multibody::MatchStatus;
+use crate::multibody::PathEnding;
 use crate::personalize::TestOutcome;
 use crate::spatial::Angle;
 
@@ -302,10 +302,10 @@ fn result_on(
     let model = models.iter().find(|model| model.kind == kind).ok_or(NoResult::NoModel)?;
     let simulation = model.simulation(posture).ok_or(NoResult::NoLine)?;
     match simulation.status {
-        MatchStatus::Converged => Ok(simulation),
-        MatchStatus::Unreachable => Err(NoResult::Unreachable),
-        MatchStatus::NotConverged => Err(NoResult::NotConverged),
-        MatchStatus::BeyondHumanRange => Err(NoResult::BeyondHumanRange),
+        ending if ending.is_usable() => Ok(simulation),
+        PathEnding::Unreachable => Err(NoResult::Unreachable),
+        PathEnding::BeyondHumanRange => Err(NoResult::BeyondHumanRange),
+        _ => Err(NoResult::NotConverged),
     }
 }
 

@@ -4,7 +4,7 @@ use super::{Simulation, Target, simulate};
 use crate::action::LineOfAction;
 use crate::clinical::Regions;
 use crate::measure::{FilmScale, Outline};
-use crate::multibody::{MatchStatus, Statics};
+use crate::multibody::{PathEnding, Statics};
 use crate::spatial::Frontal;
 
 /// As [`simulate`], for a film that was not fitted: its scale follows from T2 and the prior, never from other vertebrae.
@@ -32,7 +32,7 @@ pub fn predict(
     let factor = scale.factor / film.length.scale.factor;
     let LineOfAction { point, .. } = prediction.line;
     Simulation {
-        status: if converged { prediction.status } else { MatchStatus::NotConverged },
+        status: if converged { prediction.status } else { PathEnding::NotConverged },
         scale,
         line: LineOfAction { point: point * factor, ..prediction.line },
         locations: prediction.locations.iter().map(|&location| location * factor).collect(),

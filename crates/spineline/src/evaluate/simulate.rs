@@ -4,7 +4,7 @@ use crate::anatomy::{Level, Posture};
 use crate::clinical::{Regions, ferguson_angle};
 use crate::measure::{FilmScale, Outline};
 use crate::multibody::{
-    ForceMatch, ForceSign, Load, MatchStatus, Residual, Statics, amplitude_matches, match_t2,
+    ForceMatch, ForceSign, Load, PathEnding, Residual, Statics, amplitude_matches, match_t2,
     match_t2_near,
 };
 use crate::personalize::evidence::ContradictedJoint;
@@ -17,10 +17,13 @@ pub enum Target {
     Fitted(f64),
     /// The measured amplitude of a bend.
     Amplitude,
-    /// The measured location of T2, as near as it gets, with a force of either sign or of a known one.
-    NearestT2(Option<ForceSign>),
-    /// The same, sought first where it was found for other readings of the film.
-    NearestT2By(Option<ForceSign>, NearbyMatch),
+    /// The measured location of T2, as near as it gets.
+    NearestT2 {
+        /// The sign of the force, where it is known.
+        sign: Option<ForceSign>,
+        /// Where the force is sought first.
+        start: Option<NearbyMatch>,
+    },
 }
 
 /// The force that brings T2 nearest for other readings of the same film, where no other force comes near.
@@ -79,7 +82,7 @@ impl ForceChoice {
         match target {
             Target::Fitted(_) => Self::Fitted,
             _ if !usable => Self::NearestMiss,
-            Target::NearestT2(_) | Target::NearestT2By(..) => Self::SmallestNearT2,
+            Target::NearestT2 { .. } => Self::SmallestNearT2,
             Target::Amplitude if others == 0 => Self::OnlyOne,
             Target::Amplitude => Self::LeastFergusonError,
         }
@@ -110,7 +113,7 @@ pub struct Simulation {
     /// Sagittal place of the line.
     pub depth_mm: f64,
     /// How the search for the force ended.
-    pub status: MatchStatus,
+    pub status: PathEnding,
     /// Signed force along the line.
     pub force_n: f64,
     /// Residual of the target.
@@ -154,7 +157,7 @@ impl Simulation {
     /// Whether the shape may be shown as a result.
     #[must_use]
     pub fn is_usable(&self) -> bool {
-        self.status == MatchStatus::Converged
+        self.status.is_usable()
     }
 
     /// Mean of the location errors.
@@ -176,7 +179,7 @@ impl Simulation {
 /// film. A fitted force is kept, and its residual amplitude is reported. Several forces, of either sign,
 /// may meet a bend's amplitude; the one whose shape has the lowest sum of squared Ferguson errors is chosen, and the others
 /// are reported. For [`Target::NearestT2`] the smallest force counts that brings T2 to within 1 mm of the nearest it gets
-/// (decision 0008). A search without result is a [`MatchStatus`], not an error; a shape beyond the human range of motion is not a
+/// (decision 0008). A search without result is a [`PathEnding`], not an error; a shape beyond the human range of motion is not a
 /// result either, and comes last in the choice.
 ///
 /// ```
@@ -194,7 +197,7 @@ impl Simulation {
 /// let line = LineOfAction::through(caudal, cranial)?;
 /// let (library, groups) = (StiffnessLibrary::default(), JointGroups::per_joint(movement.levels()));
 /// let statics = Statics::new(&movement.spine, &library, &groups, &[0.0; 14], Support::Free);
-/// let target = Target::NearestT2(None);
+/// let target = Target::NearestT2 { sign: None, start: None };
 /// let found =
 ///     simulate(&statics, line, 0.0, &bend.outline, &movement.regions, target, false);
 /// // L3 to T2; L4 is fixed.
@@ -215,7 +218,7 @@ pub fn simulate(
     let measured: Vec<Frontal> = film.locations().collect();
     let top = measured[measured.len() - 1];
     let tries = ranked(matches(statics, &load, target, top), &measured, regions);
-    let lost = |other: &(ForceMatch, _)| other.0.status == MatchStatus::NotConverged;
+    let lost = |other: &(ForceMatch, _)| other.0.status == PathEnding::NotConverged;
     let lost_forces = tries.iter().skip(1).filter(|other| lost(other)).count();
     let mut tries = tries.into_iter();
     let (found, ferguson_difference) = tries.next().expect("a search never comes back empty");
@@ -257,16 +260,15 @@ fn matches(statics: &Statics<'_>, load: &Load, target: Target, top: Frontal) -> 
             vec![ForceMatch::at(statics, load, force_n, top.lateral_tilt())]
         }
         Target::Amplitude => amplitude_matches(statics, load, top.lateral_tilt()),
-        Target::NearestT2(sign) => vec![nearest_of_signs(statics, load, sign, top)],
-        Target::NearestT2By(sign, nearby) => {
-            let followed = nearby.follow(statics, load, sign, top);
+        Target::NearestT2 { sign, start } => {
+            let followed = start.and_then(|start| start.follow(statics, load, sign, top));
             vec![followed.unwrap_or_else(|| nearest_of_signs(statics, load, sign, top))]
         }
     };
     for found in &mut found {
         let shape = &found.solution.deformed;
         if found.is_usable() && shape.beyond_human_range(statics.model()).is_some() {
-            found.status = MatchStatus::BeyondHumanRange;
+            found.status = PathEnding::BeyondHumanRange;
         }
     }
     found

@@ -1,15 +1,18 @@
 //! A hypothesis fitted to the bends of a patient, and its predictions of films that were not fitted.
 
-use nalgebra::DVector;
+use nalgebra::{DVector, Vector3};
 
 use super::from_top::predict_from_top;
-use super::prediction::{LossReason, Predicted, Role, ShapePrediction, predict, prediction};
+use super::prediction::{Predicted, Role, ShapePrediction, predict, prediction};
 use super::problem::{LoadedFilm, ShapeProblem, statics};
-use super::start::{JointResponses, alternate};
+use super::start::responses_to;
 use super::{Base, Criteria, Hypothesis, HypothesisFilm, Spine};
 use crate::anatomy::Posture;
-use crate::least_squares::{FitStatus, System, minimize};
-use crate::multibody::MatchStatus;
+use crate::least_squares::{FitStatus, System};
+use crate::multibody::PathEnding;
+use crate::personalize::estimate::{EstimatedLoads, JointResponses, estimate_loads};
+use crate::personalize::evidence::FilmEvidence;
+use crate::personalize::{Best, FitProblem, Start};
 use crate::spatial::Angle;
 
 /// A hypothesis fitted to one patient.
@@ -36,8 +39,8 @@ pub struct LostPrediction {
     pub posture: Posture,
     /// Role of the film.
     pub role: Role,
-    /// Why it is missing.
-    pub reason: LossReason,
+    /// Why it is missing: the search for its load did not converge, or the shape is beyond the human range of motion.
+    pub reason: PathEnding,
 }
 
 impl HypothesisFit {
@@ -51,7 +54,7 @@ impl HypothesisFit {
     #[must_use]
     pub fn is_beyond_human_range(&self) -> bool {
         let beyond = |lost: &LostPrediction| {
-            lost.role == Role::Fitted && lost.reason == LossReason::BeyondHumanRange
+            lost.role == Role::Fitted && lost.reason == PathEnding::BeyondHumanRange
         };
         self.lost.iter().any(beyond)
     }
@@ -60,7 +63,7 @@ impl HypothesisFit {
     #[must_use]
     pub fn ending_key(&self) -> &'static str {
         if self.is_beyond_human_range() {
-            MatchStatus::BeyondHumanRange.key()
+            PathEnding::BeyondHumanRange.key()
         } else {
             self.status.key()
         }
@@ -125,7 +128,7 @@ pub fn fit_hypothesis(
         let near = if usable {
             predict(hypothesis, spine, film, &logs, Role::HeldOut)
         } else {
-            Err(LossReason::NoEquilibrium)
+            Err(PathEnding::NotConverged)
         };
         record(film, Role::HeldOut, near);
     }
@@ -141,14 +144,14 @@ pub fn fit_hypothesis(
                 (Role::LeftOutWithTilt, predict_from_top),
             ];
             for (role, predict) in predictions {
-                let known = logs.as_ref().ok_or(LossReason::NoEquilibrium);
+                let known = logs.as_ref().ok_or(PathEnding::NotConverged);
                 let found = known.and_then(|logs| predict(hypothesis, spine, &left, logs, role));
                 record(&left, role, found);
             }
             let role = Role::LeftOutLoadFitted;
             let own = logs
                 .and_then(|logs| fit_to(hypothesis, spine, &[left], Some(logs)))
-                .ok_or(LossReason::NoEquilibrium)
+                .ok_or(PathEnding::NotConverged)
                 .and_then(|mut own| own.prediction(0, &left, spine, role));
             record(&left, role, own);
         }
@@ -182,61 +185,39 @@ fn fit_to<'a>(
     held: Option<Vec<f64>>,
 ) -> Option<Ended<'a>> {
     let mut problem = ShapeProblem::new(hypothesis, films, spine, held.clone())?;
-    let [lower, upper] = problem.bounds();
-    let rows = problem.rows();
-    let mut best: Option<(f64, FitStatus, DVector<f64>)> = None;
-    let mut all = starts(&problem, films, spine, held.as_deref());
+    let mut starts = starts(hypothesis, &problem, films, spine, held.as_deref());
     if hypothesis.base != Base::Fixed {
         // A free base is never worse than a fixed one.
-        let fixed = fit_to(Hypothesis::of(hypothesis.load), spine, films, held)?;
+        let mut fixed = fit_to(Hypothesis::of(hypothesis.load), spine, films, held)?;
         if fixed.status != FitStatus::NotEvaluable {
-            all.insert(0, on_free_base(&fixed, &problem, spine.groups.len()));
+            starts.insert(0, fixed.problem.start_at(&fixed.x));
         }
     }
-    for start in all {
-        let Some(start) = evaluable(&mut problem, start, spine.groups.len()) else { continue };
-        problem.reset();
-        let end = minimize(start, &lower, &upper, rows, |x, system| problem.evaluate(x, system));
-        if end.status == FitStatus::NotEvaluable {
-            continue;
-        }
-        let chi_squared = problem.data_squares(&end.system);
-        if best.as_ref().is_none_or(|(least, ..)| chi_squared < *least) {
-            best = Some((chi_squared, end.status, end.x));
-        }
-        if chi_squared < ENOUGH_RMS * ENOUGH_RMS * problem.data_rows() as f64 {
+    let mut best = Best::default();
+    for start in starts {
+        if best.satisfies(&problem, ENOUGH_RMS) {
             break;
         }
+        if let Some(start) = evaluable(&mut problem, start) {
+            best.improve(&mut problem, &start);
+        }
     }
-    let (chi_squared, status, x) = best
-        .unwrap_or_else(|| (f64::NAN, FitStatus::NotEvaluable, DVector::zeros(problem.unknowns())));
+    let (chi_squared, status, x) = match best.minimum {
+        Some((end, _)) => (problem.data_squares(&end.system), end.status, end.x),
+        None => (f64::NAN, FitStatus::NotEvaluable, DVector::zeros(problem.unknowns())),
+    };
     Some(Ended { problem, hypothesis, films: films.len(), status, x, chi_squared })
 }
 
-/// The result on a fixed base, as a start.
-fn on_free_base(fixed: &Ended<'_>, problem: &ShapeProblem<'_>, groups: usize) -> DVector<f64> {
-    let mut x = DVector::zeros(problem.unknowns());
-    x.rows_mut(0, groups).copy_from(&fixed.x.rows(0, groups));
-    for (index, film) in problem.films.iter().enumerate() {
-        let (components, _) = fixed.problem.of_film(index, fixed.x.as_slice());
-        x.as_mut_slice()[film.first..film.first + components.len()].copy_from_slice(components);
-    }
-    x
-}
-
 /// The start with its loads halved until an equilibrium exists.
-fn evaluable(
-    problem: &mut ShapeProblem<'_>,
-    mut start: DVector<f64>,
-    groups: usize,
-) -> Option<DVector<f64>> {
+fn evaluable(problem: &mut ShapeProblem<'_>, mut start: Start) -> Option<Start> {
     let mut system = System::new(problem.rows(), problem.unknowns());
     for _ in 0..=HALVINGS {
-        problem.reset();
-        if problem.evaluate(&start, &mut system) {
+        let x = problem.begin(&start);
+        if problem.evaluate(&x, &mut system) {
             return Some(start);
         }
-        start.as_mut_slice()[groups..].iter_mut().for_each(|load| *load *= 0.5);
+        start.loads.iter_mut().flatten().for_each(|load| *load *= 0.5);
     }
     None
 }
@@ -244,50 +225,37 @@ fn evaluable(
 /// Starts in closed form: multipliers and loads together; loads for the multipliers given, or else nominal ones; and the
 /// latter with the load of every film the other way round.
 fn starts(
+    hypothesis: Hypothesis,
     problem: &ShapeProblem<'_>,
     films: &[HypothesisFilm<'_>],
     spine: &Spine<'_>,
     held: Option<&[f64]>,
-) -> Vec<DVector<f64>> {
-    let measured = responses(problem, films, spine);
-    let groups = spine.groups.of_joint();
-    let put = |logs: &[f64], loads: &[Vec<f64>]| {
-        let mut x = DVector::zeros(problem.unknowns());
-        x.as_mut_slice()[..logs.len()].copy_from_slice(logs);
-        for (film, load) in problem.films.iter().zip(loads) {
-            x.as_mut_slice()[film.first..film.first + load.len()].copy_from_slice(load);
-        }
-        x
+) -> Vec<Start> {
+    let evidence: Vec<FilmEvidence> = films.iter().map(|film| film.evidence(spine)).collect();
+    let both = problem.films.iter().zip(films).zip(&evidence);
+    let measured: Vec<JointResponses<'_>> = both
+        .map(|((own, film), evidence)| responses_to(&own.loaded.units, film, evidence, spine))
+        .collect();
+    let components = |load: &Vector3<f64>| load.as_slice()[..hypothesis.load.components()].to_vec();
+    let start = |logs: &[f64], loads: &[Vector3<f64>]| Start {
+        log_multipliers: logs.to_vec(),
+        loads: loads.iter().map(components).collect(),
     };
     let nominal = vec![0.0; spine.groups.len()];
     let known = held.unwrap_or(&nominal);
-    let loads: Vec<Vec<f64>> = measured.iter().map(|film| film.components(groups, known)).collect();
     let mut starts = Vec::new();
     if held.is_none() {
-        let (logs, loads) = alternate(&measured, spine);
-        starts.push(put(&logs, &loads));
+        let EstimatedLoads { loads, log_multipliers } = estimate_loads(&measured, spine.groups);
+        starts.push(start(&log_multipliers, &loads));
     }
+    let loads: Vec<Vector3<f64>> =
+        measured.iter().map(|film| film.load(spine.groups, known)).collect();
     for flips in 0..1_u32 << films.len() {
-        let flipped: Vec<Vec<f64>> = loads
-            .iter()
-            .enumerate()
-            .map(|(film, load)| {
-                let sign = if flips >> film & 1 == 1 { -1.0 } else { 1.0 };
-                load.iter().map(|part| sign * part).collect()
-            })
-            .collect();
-        starts.push(put(known, &flipped));
+        let sign = |film: usize| if flips >> film & 1 == 1 { -1.0 } else { 1.0 };
+        let flipped: Vec<_> = (0..).zip(&loads).map(|(film, load)| load * sign(film)).collect();
+        starts.push(start(known, &flipped));
     }
     starts
-}
-
-fn responses(
-    problem: &ShapeProblem<'_>,
-    films: &[HypothesisFilm<'_>],
-    spine: &Spine<'_>,
-) -> Vec<JointResponses> {
-    let both = problem.films.iter().zip(films);
-    both.map(|(own, film)| JointResponses::measure(film, &own.loaded.units, spine)).collect()
 }
 
 impl Ended<'_> {
@@ -308,14 +276,14 @@ impl Ended<'_> {
         role: Role,
     ) -> Predicted {
         if self.status == FitStatus::NotEvaluable {
-            return Err(LossReason::NoEquilibrium);
+            return Err(PathEnding::NotConverged);
         }
         let statics = statics(spine, &self.log_multipliers(spine));
         let (components, base) = self.problem.of_film(index, self.x.as_slice());
         let components = components.to_vec();
         let loaded = &mut self.problem.films[index].loaded;
         if !loaded.solve(&statics, &components, base) {
-            return Err(LossReason::NoEquilibrium);
+            return Err(PathEnding::NotConverged);
         }
         prediction(loaded, film, role, spine, components, base)
     }

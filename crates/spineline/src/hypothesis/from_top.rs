@@ -10,13 +10,13 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::near_t2::{largest, size_factor};
-use super::prediction::{LossReason, Predicted, Role, ShapePrediction, prediction, with_scale};
+use super::prediction::{Predicted, Role, ShapePrediction, prediction, with_scale};
 use super::problem::{LoadedFilm, statics};
 use super::{Base, Hypothesis, HypothesisFilm, Spine};
 use crate::evaluate::{joint_angles, turn_of_top_sd};
 use crate::least_squares::{FitStatus, System, minimize};
 use crate::measure::FilmScale;
-use crate::multibody::{GeneralStatics, starts_of_sizes};
+use crate::multibody::{GeneralStatics, PathEnding, starts_of_sizes};
 use crate::personalize::ShapeWeights;
 use crate::spatial::{Angle, Frontal};
 
@@ -46,7 +46,7 @@ pub(super) fn predict_from_top(
             return Ok(with_scale(predicted, scale, film));
         }
     }
-    Err(LossReason::NoEquilibrium)
+    Err(PathEnding::NotConverged)
 }
 
 /// The prediction with lines at the present scale of the film, and the scale found with it.
@@ -56,10 +56,10 @@ fn at_scale(
     film: &HypothesisFilm<'_>,
     log_multipliers: &[f64],
     role: Role,
-) -> Result<(ShapePrediction, FilmScale), LossReason> {
+) -> Result<(ShapePrediction, FilmScale), PathEnding> {
     let mut fit = TopFit::new(hypothesis, spine, film, log_multipliers, role)
-        .ok_or(LossReason::NoEquilibrium)?;
-    let found = fit.minimum().ok_or(LossReason::NoEquilibrium)?;
+        .ok_or(PathEnding::NotConverged)?;
+    let found = fit.minimum().ok_or(PathEnding::NotConverged)?;
     let (components, base) = fit.split(&found);
     let predicted = prediction(&fit.loaded, film, role, spine, components.to_vec(), base)?;
     Ok((predicted, fit.scale(&found)))

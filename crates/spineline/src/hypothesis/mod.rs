@@ -36,7 +36,7 @@ mod start;
 pub use comparison::{HypothesisComparison, HypothesisScores, HypothesisSummary, compare};
 pub use criteria::Criteria;
 pub use fit::{HypothesisFit, LostPrediction, fit_hypothesis};
-pub use prediction::{CounterRotatingJoints, LossReason, Role, ShapePrediction};
+pub use prediction::{CounterRotatingJoints, Role, ShapePrediction};
 
 use crate::anatomy::named;
 use crate::evaluate::RotationPrior;

@@ -2,11 +2,12 @@
 
 use super::near_t2::nearest_t2;
 use super::problem::{LoadedFilm, statics};
-use super::start::JointResponses;
+use super::start::responses_to;
 use super::{Hypothesis, HypothesisFilm, Spine};
 use crate::anatomy::{Posture, named};
 use crate::evaluate::{ScaledPrediction, at_scale_of_top};
 use crate::measure::FilmScale;
+use crate::multibody::PathEnding;
 use crate::spatial::{Angle, Frontal};
 
 named! {
@@ -73,17 +74,8 @@ impl ShapePrediction {
     }
 }
 
-/// Why a prediction of a film is missing.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum LossReason {
-    /// No equilibrium or no fit was found.
-    NoEquilibrium,
-    /// The shape found is beyond the human range of motion.
-    BeyondHumanRange,
-}
-
 /// A prediction, or why it is missing.
-pub(super) type Predicted = Result<ShapePrediction, LossReason>;
+pub(super) type Predicted = Result<ShapePrediction, PathEnding>;
 
 /// The film under the load that brings T2 nearest, at the scale that T2 and its prior give.
 pub(super) fn predict(
@@ -93,7 +85,7 @@ pub(super) fn predict(
     log_multipliers: &[f64],
     role: Role,
 ) -> Predicted {
-    let mut reason = LossReason::NoEquilibrium;
+    let mut reason = PathEnding::NotConverged;
     let found = at_scale_of_top(film.outline, |outline| {
         let film = film.at_scale_of(outline);
         match predict_scaled(hypothesis, spine, &film, log_multipliers, role) {
@@ -106,7 +98,7 @@ pub(super) fn predict(
     });
     let ScaledPrediction { scale, prediction, converged } = found.ok_or(reason)?;
     if !converged {
-        return Err(LossReason::NoEquilibrium);
+        return Err(PathEnding::NotConverged);
     }
     Ok(with_scale(prediction, scale, film))
 }
@@ -141,7 +133,7 @@ fn predict_scaled(
         let solved = loaded.solve(&statics, &near.components, near.base);
         solved.then_some((loaded, near))
     });
-    let (loaded, near) = found.ok_or(LossReason::NoEquilibrium)?;
+    let (loaded, near) = found.ok_or(PathEnding::NotConverged)?;
     prediction(&loaded, film, role, spine, near.components, near.base)
 }
 
@@ -155,7 +147,7 @@ pub(super) fn prediction(
     base: Angle,
 ) -> Predicted {
     if loaded.is_beyond_human_range(spine.model) {
-        return Err(LossReason::BeyondHumanRange);
+        return Err(PathEnding::BeyondHumanRange);
     }
     let measured = &film.outline.vertebrae;
     let locations: Vec<Frontal> = (0..measured.len()).map(|i| loaded.location(i)).collect();
@@ -176,7 +168,7 @@ pub(super) fn prediction(
         posture: film.outline.posture,
         role,
         scale: film.outline.length.scale,
-        against: against(&JointResponses::measure(film, &loaded.units, spine), &components),
+        against: against(loaded, film, spine, &components),
         components,
         base,
         location_errors_mm: locations
@@ -193,19 +185,19 @@ pub(super) fn prediction(
 }
 
 /// Joints that turn against the moment of a load of given components.
-fn against(film: &JointResponses, components: &[f64]) -> CounterRotatingJoints {
-    let moments = film.compliances.iter().enumerate().map(|(j, c)| film.turn(j, components) / c);
-    let works: Vec<f64> =
-        moments.zip(&film.rotations).map(|(moment, turn)| moment * turn).collect();
-    let total: f64 = works.iter().map(|work| work.abs()).sum();
-    // A joint that turns only by rounding does not contradict the load.
-    let contrary: Vec<usize> = (0..works.len()).filter(|&j| works[j] < -1e-9 * total).collect();
+fn against(
+    loaded: &LoadedFilm,
+    film: &HypothesisFilm<'_>,
+    spine: &Spine<'_>,
+    components: &[f64],
+) -> CounterRotatingJoints {
+    let evidence = film.evidence(spine);
+    let responses = responses_to(&loaded.units, film, &evidence, spine).by_component;
+    let component = |i: usize| components.get(i).copied().unwrap_or(0.0);
+    let joints = evidence.contradicted(&responses, [0, 1, 2].map(component));
     CounterRotatingJoints {
-        joints: contrary.len(),
-        beyond_noise: contrary
-            .iter()
-            .filter(|&&j| film.rotations[j].abs() > 2.0 * film.rotation_sds[j])
-            .count(),
-        weight: contrary.iter().map(|&j| works[j].abs()).sum::<f64>() / total,
+        joints: joints.len(),
+        beyond_noise: joints.iter().filter(|joint| joint.beyond_noise).count(),
+        weight: joints.iter().map(|joint| joint.weight).sum(),
     }
 }

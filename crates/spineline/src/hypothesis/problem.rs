@@ -10,7 +10,9 @@ use crate::multibody::{
     GeneralStatics, LoadItem, Loading, MAX_HINGE_RAD, NewtonWork, ShapeParameter, Solution,
     SpineModel, coupled_matrix,
 };
-use crate::personalize::{MULTIPLIER_BOUNDS, ROWS_PER_VERTEBRA, ShapeRows, ShapeWeights};
+use crate::personalize::{
+    FitProblem, MULTIPLIER_BOUNDS, ROWS_PER_VERTEBRA, ShapeRows, ShapeWeights, Start,
+};
 use crate::spatial::{Angle, Frontal, Vec3};
 
 /// Steps in which loads grow from zero if Newton does not converge at once.
@@ -256,28 +258,6 @@ impl<'a> ShapeProblem<'a> {
         self.films.iter().map(|film| film.rows.count()).sum()
     }
 
-    /// Rows of what was measured: a base of known deviation counts as one measured number per film.
-    pub fn data_rows(&self) -> usize {
-        let prior = usize::from(self.hypothesis.base == Base::Noisy);
-        self.shape_rows() + self.films.len() * prior
-    }
-
-    pub fn rows(&self) -> usize {
-        self.data_rows() + 1
-    }
-
-    pub fn bounds(&self) -> [DVector<f64>; 2] {
-        let g = self.spine.groups.len();
-        let bound = |limit: f64, free: f64| {
-            DVector::from_fn(self.unknowns(), |i, _| match &self.held {
-                Some(held) if i < g => held[i],
-                None if i < g => limit.ln(),
-                _ => free,
-            })
-        };
-        [bound(MULTIPLIER_BOUNDS[0], f64::NEG_INFINITY), bound(MULTIPLIER_BOUNDS[1], f64::INFINITY)]
-    }
-
     /// Components and base's angle of a film among the unknowns.
     pub fn of_film<'x>(&self, film: usize, x: &'x [f64]) -> (&'x [f64], Angle) {
         let components = self.hypothesis.load.components();
@@ -287,39 +267,6 @@ impl<'a> ShapeProblem<'a> {
             Base::Noisy | Base::Free => x[first + components],
         };
         (&x[first..first + components], Angle::from_rad(base))
-    }
-
-    pub fn reset(&mut self) {
-        for film in &mut self.films {
-            film.loaded.reset();
-        }
-    }
-
-    /// Residuals and derivatives; whether every film has an equilibrium that counts.
-    pub fn evaluate(&mut self, x: &DVector<f64>, system: &mut System) -> bool {
-        let g = self.spine.groups.len();
-        let statics = statics(&self.spine, &x.as_slice()[..g]);
-        let mut row = 0;
-        system.jacobian.fill(0.0);
-        for index in 0..self.films.len() {
-            let (components, base) = self.of_film(index, x.as_slice());
-            if !self.films[index].loaded.solve(&statics, components, base) {
-                return false;
-            }
-            self.film_rows(index, row, system);
-            row += self.films[index].rows.count();
-        }
-        if self.hypothesis.base == Base::Noisy {
-            let first = self.shape_rows();
-            for (i, film) in self.films.iter().enumerate() {
-                let column = film.first + self.hypothesis.load.components();
-                system.residuals[first + i] = x[column] / film.weights.tilt_sd_rad;
-                system.jacobian[(first + i, column)] = 1.0 / film.weights.tilt_sd_rad;
-            }
-        }
-        // Multipliers that are known already need no gauge.
-        system.hold_mean(if self.held.is_none() { &x.as_slice()[..g] } else { &[] });
-        system.residuals.iter().all(|r| r.is_finite())
     }
 
     fn film_rows(&self, index: usize, row: usize, system: &mut System) {
@@ -346,9 +293,74 @@ impl<'a> ShapeProblem<'a> {
         }
         film.rows.whiten_system(row, system);
     }
+}
 
-    /// Sum of squares of what was measured.
-    pub fn data_squares(&self, system: &System) -> f64 {
-        system.residuals.rows(0, self.data_rows()).norm_squared()
+impl FitProblem for ShapeProblem<'_> {
+    /// Every search starts at the unloaded spine. A base that the start lacks does not turn.
+    fn begin(&mut self, start: &Start) -> DVector<f64> {
+        let mut x = DVector::zeros(self.unknowns());
+        x.as_mut_slice()[..start.log_multipliers.len()].copy_from_slice(&start.log_multipliers);
+        for (film, load) in self.films.iter_mut().zip(&start.loads) {
+            film.loaded.reset();
+            x.as_mut_slice()[film.first..film.first + load.len()].copy_from_slice(load);
+        }
+        x
+    }
+
+    fn start_at(&mut self, x: &DVector<f64>) -> Start {
+        let per_film = self.hypothesis.load.components() + self.hypothesis.base.angles();
+        let load = |film: &FittedFilm<'_>| x.as_slice()[film.first..film.first + per_film].to_vec();
+        Start {
+            log_multipliers: x.as_slice()[..self.spine.groups.len()].to_vec(),
+            loads: self.films.iter().map(load).collect(),
+        }
+    }
+
+    fn bounds(&self, _: &DVector<f64>) -> [DVector<f64>; 2] {
+        let g = self.spine.groups.len();
+        let bound = |limit: f64, free: f64| {
+            DVector::from_fn(self.unknowns(), |i, _| match &self.held {
+                Some(held) if i < g => held[i],
+                None if i < g => limit.ln(),
+                _ => free,
+            })
+        };
+        [bound(MULTIPLIER_BOUNDS[0], f64::NEG_INFINITY), bound(MULTIPLIER_BOUNDS[1], f64::INFINITY)]
+    }
+
+    /// Rows of what was measured: a base of known deviation counts as one measured number per film.
+    fn data_rows(&self) -> usize {
+        let prior = usize::from(self.hypothesis.base == Base::Noisy);
+        self.shape_rows() + self.films.len() * prior
+    }
+
+    fn rows(&self) -> usize {
+        self.data_rows() + 1
+    }
+
+    fn evaluate(&mut self, x: &DVector<f64>, system: &mut System) -> bool {
+        let g = self.spine.groups.len();
+        let statics = statics(&self.spine, &x.as_slice()[..g]);
+        let mut row = 0;
+        system.jacobian.fill(0.0);
+        for index in 0..self.films.len() {
+            let (components, base) = self.of_film(index, x.as_slice());
+            if !self.films[index].loaded.solve(&statics, components, base) {
+                return false;
+            }
+            self.film_rows(index, row, system);
+            row += self.films[index].rows.count();
+        }
+        if self.hypothesis.base == Base::Noisy {
+            let first = self.shape_rows();
+            for (i, film) in self.films.iter().enumerate() {
+                let column = film.first + self.hypothesis.load.components();
+                system.residuals[first + i] = x[column] / film.weights.tilt_sd_rad;
+                system.jacobian[(first + i, column)] = 1.0 / film.weights.tilt_sd_rad;
+            }
+        }
+        // Multipliers that are known already need no gauge.
+        system.hold_mean(if self.held.is_none() { &x.as_slice()[..g] } else { &[] });
+        system.residuals.iter().all(|r| r.is_finite())
     }
 }

@@ -1,7 +1,9 @@
+use std::ops::ControlFlow;
+
+use super::follow::{Branch, PathEnding, Stop, follow};
 use super::roots::{Along, Lost, Sample, zeros_between};
 use super::target::{AmplitudeTarget, NearestT2Target, PathState, Residual, SearchTarget};
 use super::{Load, Parameter, Solution, Statics};
-use crate::anatomy::named;
 use crate::spatial::{Angle, Frontal, Vec3};
 
 /// The way a force points along its line.
@@ -23,7 +25,7 @@ impl ForceSign {
     /// Both signs.
     pub const BOTH: [Self; 2] = [Self::Positive, Self::Negative];
 
-    const fn factor(self) -> f64 {
+    pub(super) const fn factor(self) -> f64 {
         match self {
             Self::Positive => 1.0,
             Self::Negative => -1.0,
@@ -31,26 +33,11 @@ impl ForceSign {
     }
 }
 
-named! {
-    /// How a search for a force ended.
-    pub enum MatchStatus {
-        /// The target is met, or the force was known and its equilibrium found.
-        Converged = "converged",
-        /// The target is not met up to the largest force or hinge angle; the nearest shape is given.
-        Unreachable = "unreachable",
-        /// The target is met, or the force known, but the shape is beyond the human range of motion. Only simulations of films
-        /// judge this.
-        BeyondHumanRange = "beyond_human_range",
-        /// A load that moves with T2 could not be closed, or the search did not end.
-        NotConverged = "not_converged",
-    }
-}
-
 /// A force found by continuation from zero.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ForceMatch {
     /// How the search ended.
-    pub status: MatchStatus,
+    pub status: PathEnding,
     /// Signed force along the line.
     pub force_n: f64,
     /// Residual of the target.
@@ -71,7 +58,7 @@ impl ForceMatch {
         let mut solution = Solution::default();
         statics.solve(load, &[force_n], &[], &mut solution);
         let status =
-            if solution.converged { MatchStatus::Converged } else { MatchStatus::NotConverged };
+            if solution.converged { PathEnding::Converged } else { PathEnding::NotConverged };
         let residual = Residual::Amplitude((solution.deformed.lateral_tilt() - tilt).wrapped());
         Self { status, force_n, residual, evaluations: 1, solution, other_mm: f64::INFINITY }
     }
@@ -79,7 +66,7 @@ impl ForceMatch {
     /// Whether the shape may be shown as a result.
     #[must_use]
     pub fn is_usable(&self) -> bool {
-        self.status == MatchStatus::Converged
+        self.status.is_usable()
     }
 }
 
@@ -112,8 +99,8 @@ pub fn match_amplitude(
 
 /// Finds every force of either sign, up to the largest force and hinge angle, at which the line L4→T2 has a given lateral tilt.
 ///
-/// Without one, the nearest shape is returned as [`MatchStatus::Unreachable`]; the list is never empty. Where a
-/// path did not converge, the last entry is [`MatchStatus::NotConverged`].
+/// Without one, the nearest shape is returned as [`PathEnding::Unreachable`]; the list is never empty. Where a
+/// path did not converge, the last entry is [`PathEnding::NotConverged`].
 #[must_use]
 pub fn amplitude_matches(statics: &Statics<'_>, load: &Load, target: Angle) -> Vec<ForceMatch> {
     let mut path = Path::new(LineForce { statics, load }, AmplitudeTarget(target));
@@ -125,7 +112,7 @@ pub fn amplitude_matches(statics: &Statics<'_>, load: &Load, target: Angle) -> V
     }
     if !path.converged {
         // A path that did not converge may contain another force.
-        path.record(MatchStatus::NotConverged, path.nearest_n(), path.least_residual());
+        path.record(PathEnding::NotConverged, path.nearest_n(), path.least_residual());
     }
     path.found
 }
@@ -178,8 +165,13 @@ pub(super) struct Path<L, S> {
     seen: [Option<PathState>; 2],
     evaluations: u32,
     pub found: Vec<ForceMatch>,
+    /// Sign of the forces that are followed, and the largest one.
+    sign: f64,
+    largest_n: f64,
     /// Number of zeros after which the search stops.
     enough: usize,
+    /// Number of equilibria after which it stops.
+    last_evaluation: u32,
     /// The state with the least residual of all.
     nearest: Option<PathState>,
     /// Where else the path may have a result: between which forces, and its least residual.
@@ -192,6 +184,7 @@ pub(super) struct Path<L, S> {
 impl<L: OneComponent, S: SearchTarget> Path<L, S> {
     pub fn new(load: L, target: S) -> Self {
         Self {
+            largest_n: load.largest(),
             load,
             target,
             solution: Solution::default(),
@@ -199,7 +192,9 @@ impl<L: OneComponent, S: SearchTarget> Path<L, S> {
             seen: [None; 2],
             evaluations: 0,
             found: Vec::new(),
+            sign: 1.0,
             enough: 0,
+            last_evaluation: 0,
             nearest: None,
             others: Vec::new(),
             longest_n: f64::INFINITY,
@@ -259,7 +254,7 @@ impl<L: OneComponent, S: SearchTarget> Path<L, S> {
         self.solution.deformed.largest_hinge_rad() <= MAX_HINGE_RAD
     }
 
-    fn record(&mut self, status: MatchStatus, force_n: f64, residual: f64) {
+    fn record(&mut self, status: PathEnding, force_n: f64, residual: f64) {
         let (evaluations, solution) = (self.evaluations, self.solution.clone());
         let residual = S::residual(residual);
         let other_mm = f64::INFINITY;
@@ -268,84 +263,12 @@ impl<L: OneComponent, S: SearchTarget> Path<L, S> {
 
     /// Follows the path of one sign until `most` zeros were found, or to its end.
     pub fn follow(&mut self, sign: ForceSign, most: usize) {
-        let sign = sign.factor();
-        let cap_n = self.load.largest();
+        self.sign = sign.factor();
         self.enough = self.found.len().saturating_add(most);
+        self.last_evaluation = self.evaluations + MAX_EVALUATIONS;
         (self.solution, self.seen) = (Solution::default(), [None; 2]);
         self.longest_n = f64::INFINITY;
-        let mut now = self.at(0.0);
-        self.keep(now);
-        let last = self.evaluations + MAX_EVALUATIONS;
-        while self.evaluations < last {
-            if now.met {
-                self.record(MatchStatus::Converged, now.force_n, now.residual);
-                if self.found.len() >= self.enough {
-                    return;
-                }
-                // Past the zero, on the other side or back on the same one.
-                now = self.at(now.force_n + sign * 1e-3 * now.step_n.min(cap_n));
-                if now.met {
-                    self.converged = false;
-                    return;
-                }
-            }
-            let Some(next) = self.step(&now, sign, cap_n) else {
-                self.converged = false;
-                return;
-            };
-            let plausible = self.is_plausible();
-            let stops = next.force_n.abs() >= cap_n || !plausible;
-            let between = self.target.least_between(&now, &next);
-            let at_end = (stops && next.falls(sign)).then_some(next.residual);
-            let places = [(now.force_n, between), (next.force_n, at_end)];
-            let places = places.map(|(from_n, least)| Some(([from_n, next.force_n], least?)));
-            self.others.extend(places.into_iter().flatten());
-            if next.met {
-                if stops && plausible {
-                    self.record(MatchStatus::Converged, next.force_n, next.residual);
-                }
-            } else if self.target.counts_between(&now, &next, self.least_residual()) {
-                let evaluations = self.evaluations;
-                zeros_between(&now.sample(), &next.sample(), self);
-                if self.found.len() >= self.enough {
-                    return;
-                }
-                if self.evaluations > evaluations {
-                    // Where the path goes on from.
-                    self.at(next.force_n);
-                }
-            }
-            if stops {
-                return;
-            }
-            now = next;
-        }
-        self.converged = false;
-    }
-
-    /// The next state from the last one, which was `now`; `None` where the path does not converge.
-    fn step(&mut self, now: &PathState, sign: f64, cap_n: f64) -> Option<PathState> {
-        let newton_n = sign * now.newton_step_n(self.seen[1].as_ref());
-        let mut step_n = now.step_n.min(self.longest_n);
-        if newton_n > 0.0 {
-            step_n = step_n.min(newton_n);
-        }
-        let shortest_n = MIN_STEP_FRACTION * step_n;
-        while step_n > shortest_n {
-            let next = self.at((now.force_n + sign * step_n).clamp(-cap_n, cap_n));
-            if !self.solution.converged {
-                return None;
-            }
-            if self.target.is_fine(now, &next) {
-                self.longest_n *= 2.0;
-                return Some(self.keep(next));
-            }
-            // Again from where it came, by half.
-            self.seen = [Some(*now), None];
-            step_n *= 0.5;
-            self.longest_n = step_n;
-        }
-        None
+        self.converged &= follow(self) != Stop::Stuck;
     }
 
     /// The least residual that a result elsewhere than at a force may have.
@@ -362,15 +285,14 @@ impl<L: OneComponent, S: SearchTarget> Path<L, S> {
         const MAX_ROUNDS: u32 = 15;
         /// Further away the path may have another zero.
         const MAX_MOVE_MM: f64 = 15.0;
-        let cap_n = self.load.largest();
         let mut now = self.at(force_n);
         for _ in 0..MAX_ROUNDS {
             let is_sound = self.solution.converged && self.is_plausible();
-            if !is_sound || now.force_n.abs() >= cap_n {
+            if !is_sound || now.force_n.abs() >= self.largest_n {
                 return None;
             }
             if now.met {
-                self.record(MatchStatus::Converged, now.force_n, now.residual);
+                self.record(PathEnding::Converged, now.force_n, now.residual);
                 return self.found.pop();
             }
             let step_n = now.newton_step_n(self.seen[1].as_ref());
@@ -386,12 +308,91 @@ impl<L: OneComponent, S: SearchTarget> Path<L, S> {
     pub fn first_or_nearest(mut self) -> ForceMatch {
         if self.found.is_empty() {
             let status =
-                if self.converged { MatchStatus::Unreachable } else { MatchStatus::NotConverged };
+                if self.converged { PathEnding::Unreachable } else { PathEnding::NotConverged };
             self.seen = [self.nearest, None];
             let nearest = self.at(self.nearest_n());
             self.record(status, nearest.force_n, nearest.residual);
         }
         self.found.swap_remove(0)
+    }
+}
+
+impl<L: OneComponent, S: SearchTarget> Branch for Path<L, S> {
+    type Place = PathState;
+
+    fn start(&mut self) -> Option<PathState> {
+        let now = self.at(0.0);
+        Some(self.keep(now))
+    }
+
+    fn arrive(&mut self, now: &mut PathState) -> ControlFlow<Stop> {
+        if self.evaluations >= self.last_evaluation {
+            return ControlFlow::Break(Stop::Stuck);
+        }
+        if now.met {
+            self.record(PathEnding::Converged, now.force_n, now.residual);
+            if self.found.len() >= self.enough {
+                return ControlFlow::Break(Stop::Enough);
+            }
+            // Past the zero, on the other side or back on the same one.
+            let past_n = self.sign * 1e-3 * now.step_n.min(self.largest_n);
+            *now = self.at(now.force_n + past_n);
+            if now.met {
+                return ControlFlow::Break(Stop::Stuck);
+            }
+        }
+        ControlFlow::Continue(())
+    }
+
+    fn lengths(&self, now: &PathState) -> [f64; 2] {
+        let newton_n = self.sign * now.newton_step_n(self.seen[1].as_ref());
+        let mut step_n = now.step_n.min(self.longest_n);
+        if newton_n > 0.0 {
+            step_n = step_n.min(newton_n);
+        }
+        [step_n, MIN_STEP_FRACTION * step_n]
+    }
+
+    fn step(&mut self, now: &PathState, step_n: f64) -> Option<PathState> {
+        let largest_n = self.largest_n;
+        let next = self.at((now.force_n + self.sign * step_n).clamp(-largest_n, largest_n));
+        if !self.solution.converged || self.target.is_fine(now, &next) {
+            self.longest_n *= 2.0;
+            return Some(self.keep(next));
+        }
+        // Again from where it came, by half.
+        self.seen = [Some(*now), None];
+        self.longest_n = 0.5 * step_n;
+        None
+    }
+
+    fn pass(&mut self, now: &PathState, next: &PathState) -> ControlFlow<Stop> {
+        if !self.solution.converged {
+            return ControlFlow::Break(Stop::Stuck);
+        }
+        let plausible = self.is_plausible();
+        let stops = next.force_n.abs() >= self.largest_n || !plausible;
+        let between = self.target.least_between(now, next);
+        let at_end = (stops && next.falls(self.sign)).then_some(next.residual);
+        let places = [(now.force_n, between), (next.force_n, at_end)];
+        let places = places.map(|(from_n, least)| Some(([from_n, next.force_n], least?)));
+        self.others.extend(places.into_iter().flatten());
+        if next.met {
+            if stops && plausible {
+                self.record(PathEnding::Converged, next.force_n, next.residual);
+            }
+        } else if self.target.counts_between(now, next, self.least_residual()) {
+            let evaluations = self.evaluations;
+            zeros_between(&now.sample(), &next.sample(), self);
+            if self.found.len() >= self.enough {
+                return ControlFlow::Break(Stop::Enough);
+            }
+            if self.evaluations > evaluations {
+                // Where the path goes on from.
+                self.at(next.force_n);
+            }
+        }
+        if stops { ControlFlow::Break(Stop::Limit) } else { ControlFlow::Continue(()) }
     }
 }
 
@@ -405,7 +406,7 @@ impl<L: OneComponent, S: SearchTarget> Along for Path<L, S> {
         if zero.is_ok() && !self.is_plausible() {
             return true;
         }
-        let status = if zero.is_ok() { MatchStatus::Converged } else { MatchStatus::NotConverged };
+        let status = if zero.is_ok() { PathEnding::Converged } else { PathEnding::NotConverged };
         let PathState { force_n, residual, .. } =
             self.last.expect("a zero is found by computing states");
         self.record(status, force_n, residual);

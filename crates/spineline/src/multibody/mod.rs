@@ -15,6 +15,7 @@
 //! [petit-2004], [panjabi-1976], [jalalian-loa] section 2.
 
 mod bodies;
+mod follow;
 mod general;
 mod geometry;
 mod human_range;
@@ -23,29 +24,31 @@ mod march;
 mod matching;
 mod nearest;
 mod roots;
+mod solution;
+mod statics;
 mod stiffness;
 mod stiffness_tables;
 mod target;
-mod transfer;
 
 pub use bodies::BodySize;
+pub use follow::{BranchEventKind, PathEnding};
 pub use general::{
-    BodyLoad, BranchEvent, BranchEventKind, Equilibrium, EquilibriumPath, GeneralStatics, Goal,
-    LoadItem, LoadPlace, Loading, LoadingError, LoadingFault, NearbyReport, NewtonWork, OnPoint,
-    PathEnding, PathOptions, PathPoint, Rod, RodComponent, ShapeParameter, SpringError, Timing,
-    UNIT_TOLERANCE,
+    BodyLoad, BranchEvent, Equilibrium, EquilibriumPath, GeneralStatics, Goal, LoadItem, LoadPlace,
+    Loading, LoadingError, LoadingFault, NearbyReport, NewtonWork, OnPoint, PathOptions, PathPoint,
+    Rod, RodComponent, ShapeParameter, SpringError, Timing, UNIT_TOLERANCE,
 };
 pub(crate) use geometry::disc_mm;
 pub use geometry::{Joint, SpineModel};
 pub use human_range::{BeyondHumanRange, MAX_HUMAN_COLUMN, MAX_HUMAN_JOINT};
 pub use load::{Load, Wrench};
-pub use march::{Deformed, Parameter, Solution, Statics};
-pub use matching::{ForceMatch, ForceSign, MatchStatus, amplitude_matches, match_amplitude};
+pub use matching::{ForceMatch, ForceSign, amplitude_matches, match_amplitude};
 pub(crate) use matching::{MAX_FORCE_PER_STIFFNESS, MAX_HINGE_RAD, OneComponent, match_t2_near};
 pub use nearest::match_t2;
 pub(crate) use nearest::{
     SeveralComponents, nearest_from_starts, nearest_on_path, starts_of_sizes,
 };
+pub use solution::{Deformed, Parameter, Solution};
+pub use statics::Statics;
 pub(crate) use stiffness::group_title;
 pub use stiffness::{
     JointGroups, JointStiffness, StiffnessError, StiffnessLibrary, Support, coupled_matrix,

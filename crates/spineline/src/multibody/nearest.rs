@@ -45,7 +45,7 @@ fn smallest_near_t2<T: Minimum>(minima: Vec<T>, least_mm: f64) -> Option<T> {
 ///
 /// The distance may have several minima along the path, and an implausible shape far along it may touch the place by
 /// chance. The smallest force counts whose distance is within a millimetre of the least. Where the path ends before the
-/// distance has a minimum, its nearest shape comes back as [`MatchStatus::Unreachable`](super::MatchStatus::Unreachable).
+/// distance has a minimum, its nearest shape comes back as [`PathEnding::Unreachable`](super::PathEnding::Unreachable).
 #[must_use]
 pub fn match_t2(
     statics: &Statics<'_>,
@@ -59,7 +59,7 @@ pub fn match_t2(
 /// The amount of a load of one component that brings T2 nearest to a place.
 ///
 /// Where the path ends before the distance has a minimum, its nearest shape comes back as
-/// [`MatchStatus::Unreachable`](super::MatchStatus::Unreachable).
+/// [`PathEnding::Unreachable`](super::PathEnding::Unreachable).
 pub(crate) fn nearest_on_path(
     load: impl OneComponent,
     signs: &[ForceSign],

@@ -1,4 +1,4 @@
-//! The line of action of best fit to the data: the start of the fit of the estimated line.
+//! Loads of best fit to the measured rotations: starts of fits, and the estimated line on films that were not fitted.
 
 use nalgebra::{Matrix3, Vector3};
 
@@ -8,18 +8,20 @@ use crate::action::{Application, LineOfAction};
 use crate::multibody::{JointGroups, Load};
 use crate::spatial::Frontal;
 
-/// The planar load that fits the measured rotations of one film best.
-#[derive(Debug, Clone, PartialEq)]
-pub struct EstimatedLoad {
-    /// `(fy, fz, mx)` about the origin of `G`, in N and N·mm, up to the level of stiffness.
-    pub components: Vector3<f64>,
+/// A film's joints under its load.
+#[derive(Debug, Clone)]
+pub struct JointResponses<'a> {
+    /// What was measured.
+    pub evidence: &'a FilmEvidence,
+    /// Nominal rotation of every joint per unit of each component of the load, in rad; zero for components that the load lacks.
+    pub by_component: Vec<[f64; 3]>,
 }
 
 /// The loads of several films and the multipliers that they share.
 #[derive(Debug, Clone, PartialEq)]
 pub struct EstimatedLoads {
-    /// One per film.
-    pub loads: Vec<EstimatedLoad>,
+    /// Components of every film's load, up to the level of stiffness.
+    pub loads: Vec<Vector3<f64>>,
     /// `ln α` of the lateral springs per group.
     pub log_multipliers: Vec<f64>,
 }
@@ -35,38 +37,18 @@ pub struct EstimatedLine {
 
 /// Estimates one load per film and the multipliers that all films share, by alternating linear least squares.
 ///
-/// Any planar load is `(fy, fz, mx)`, and the rotation of joint `j` is `(a_j · w) / α`: linear in the load `w` for given
-/// multipliers, and linear in `1/α` for given loads. The mean of `ln α` is held at zero.
-///
-/// `depth_mm` is the sagittal place of the forces.
+/// The rotation of joint `j` is `(a_j · w) / α`: linear in the load `w` for given multipliers, and linear in `1/α` for given loads.
+/// The mean of `ln α` is held at zero.
 #[must_use]
-pub fn estimate_loads(
-    films: &[&FilmEvidence],
-    depth_mm: f64,
-    groups: &JointGroups,
-) -> EstimatedLoads {
+pub fn estimate_loads(films: &[JointResponses<'_>], groups: &JointGroups) -> EstimatedLoads {
     const ROUNDS: u32 = 200;
     let mut log_multipliers = vec![0.0; groups.len()];
-    let responses: Vec<Vec<[f64; 3]>> =
-        films.iter().map(|film| film.responses(&Load::Frontal { depth_mm })).collect();
     let mut loads = Vec::new();
     for _ in 0..ROUNDS {
-        loads = films
-            .iter()
-            .zip(&responses)
-            .map(|(film, responses)| estimate_load(film, responses, groups, &log_multipliers))
-            .collect();
+        loads = films.iter().map(|film| film.load(groups, &log_multipliers)).collect();
         let mut sums = vec![(0.0, 0.0); groups.len()];
-        for ((film, responses), load) in films.iter().zip(&responses).zip(&loads) {
-            let weight = film.rotation_sd().rad().powi(-2);
-            for (j, ((joint, response), &group)) in
-                film.joints.iter().zip(responses).zip(groups.of_joint()).enumerate()
-            {
-                let weight = weight * film.joint_weight(j);
-                let nominal = Vector3::from(*response).dot(&load.components);
-                sums[group].0 += weight * nominal * joint.rotation.rad();
-                sums[group].1 += weight * nominal * nominal;
-            }
+        for (film, load) in films.iter().zip(&loads) {
+            film.add_turns(load, groups, &mut sums);
         }
         let mut next: Vec<f64> = sums
             .iter()
@@ -90,37 +72,49 @@ pub fn estimate_loads(
     EstimatedLoads { loads, log_multipliers }
 }
 
-/// The load of one film for given multipliers: weighted linear least squares over its joints.
-#[must_use]
-pub fn estimate_load(
-    film: &FilmEvidence,
-    responses: &[[f64; 3]],
-    groups: &JointGroups,
-    log_multipliers: &[f64],
-) -> EstimatedLoad {
-    let mut normal = Matrix3::zeros();
-    let mut right = Vector3::zeros();
-    let rows: Vec<(Vector3<f64>, f64)> = film
-        .joints
-        .iter()
-        .zip(responses)
-        .zip(groups.of_joint())
-        .map(|((joint, response), &group)| {
-            (Vector3::from(*response) * (-log_multipliers[group]).exp(), joint.rotation.rad())
-        })
-        .collect();
-    for (j, (row, rotation)) in rows.iter().enumerate() {
-        let weighed = row * film.joint_weight(j);
-        normal += weighed * row.transpose();
-        right += weighed * *rotation;
+impl<'a> JointResponses<'a> {
+    /// To a load on T2.
+    #[must_use]
+    pub fn to(load: &Load, evidence: &'a FilmEvidence) -> Self {
+        Self { evidence, by_component: evidence.responses(load) }
     }
-    // Newtons and newton millimetres differ by hundreds; scaled columns keep the solve well conditioned.
-    let scale = Vector3::from_fn(|i, _| 1.0 / f64::sqrt(normal[(i, i)]).max(f64::MIN_POSITIVE));
-    let scaled = Matrix3::from_fn(|i, j| normal[(i, j)] * scale[i] * scale[j]);
-    let inverse = inverse_of(scaled);
-    let inverse = Matrix3::from_fn(|i, j| inverse[(i, j)] * scale[i] * scale[j]);
-    let components = inverse * right;
-    EstimatedLoad { components }
+
+    /// The components that fit the measured rotations best for given multipliers: weighted linear least squares over the joints.
+    #[must_use]
+    pub fn load(&self, groups: &JointGroups, log_multipliers: &[f64]) -> Vector3<f64> {
+        let mut normal = Matrix3::zeros();
+        let mut right = Vector3::zeros();
+        let joints = self.evidence.joints.iter().zip(&self.by_component).zip(groups.of_joint());
+        for (j, ((joint, response), &group)) in joints.enumerate() {
+            let row = Vector3::from(*response) * (-log_multipliers[group]).exp();
+            let weighed = row * self.evidence.joint_weight(j);
+            normal += weighed * row.transpose();
+            right += weighed * joint.rotation.rad();
+        }
+        for component in 0..3 {
+            if normal[(component, component)] == 0.0 {
+                normal[(component, component)] = 1.0;
+            }
+        }
+        // Newtons and newton millimetres differ by hundreds; scaled columns keep the solve well conditioned.
+        let scale = Vector3::from_fn(|i, _| 1.0 / f64::sqrt(normal[(i, i)]).max(f64::MIN_POSITIVE));
+        let scaled = Matrix3::from_fn(|i, j| normal[(i, j)] * scale[i] * scale[j]);
+        let inverse = inverse_of(scaled);
+        let inverse = Matrix3::from_fn(|i, j| inverse[(i, j)] * scale[i] * scale[j]);
+        inverse * right
+    }
+
+    /// Adds `Σ a Δθ` and `Σ a²` of the joints of every group, for their nominal rotations `a` under a load.
+    fn add_turns(&self, load: &Vector3<f64>, groups: &JointGroups, sums: &mut [(f64, f64)]) {
+        let weight = self.evidence.rotation_sd().rad().powi(-2);
+        let joints = self.evidence.joints.iter().zip(&self.by_component).zip(groups.of_joint());
+        for (j, ((joint, response), &group)) in joints.enumerate() {
+            let weight = weight * self.evidence.joint_weight(j);
+            let nominal = Vector3::from(*response).dot(load);
+            sums[group].0 += weight * nominal * joint.rotation.rad();
+            sums[group].1 += weight * nominal * nominal;
+        }
+    }
 }
 
 /// Inverse of a symmetric matrix with a diagonal of ones; a pseudo-inverse if it is nearly singular.

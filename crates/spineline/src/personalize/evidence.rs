@@ -210,16 +210,21 @@ impl FilmEvidence {
         self.joints.iter().map(of_joint).collect()
     }
 
-    /// Joints that turn against the moment of a load of given components: no positive stiffness explains them.
+    /// Joints that turn against the moment of a load: no positive stiffness explains them. Lever arms are of a planar load.
+    ///
+    /// `responses` are per unit of each component, as from [`FilmEvidence::responses`].
     #[must_use]
-    pub fn contradicted(&self, load: &Load, components: [f64; 3]) -> Vec<ContradictedJoint> {
+    pub fn contradicted(
+        &self,
+        responses: &[[f64; 3]],
+        components: [f64; 3],
+    ) -> Vec<ContradictedJoint> {
         let force = components[0]
             .hypot(components[1])
             .max(components[2].abs() * 1e-9)
             .max(f64::MIN_POSITIVE);
         // Moment per unit of force that would turn each joint to the right.
-        let arms: Vec<f64> = self
-            .responses(load)
+        let arms: Vec<f64> = responses
             .iter()
             .zip(&self.joints)
             .map(|(r, joint)| {

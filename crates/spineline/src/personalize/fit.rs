@@ -1,11 +1,9 @@
-use super::estimate::EstimatedLoads;
-use super::evidence::FilmEvidence;
 use super::problem::Problem;
+use super::search::{Best, FitProblem};
 use super::start::Start;
-use super::{FitFilm, FitSettings, FitTarget, MULTIPLIER_BOUNDS};
-use crate::least_squares::{FitStatus, Minimum, minimize};
-use crate::measure::Outline;
-use crate::multibody::{JointGroups, Load, SpineModel, StiffnessLibrary};
+use super::{FitFilm, FitSettings, FitTarget, FittedSprings, MULTIPLIER_BOUNDS};
+use crate::least_squares::FitStatus;
+use crate::multibody::JointGroups;
 
 /// Where a multiplier ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -48,7 +46,7 @@ pub struct Personalization {
 }
 
 impl Personalization {
-    /// A warm start for a fit that ends near this one.
+    /// Its end as a start.
     pub(super) fn as_start(&self) -> Start {
         let unscaled =
             |load: &Vec<f64>| load.iter().map(|part| part / self.absolute_scale).collect();
@@ -57,17 +55,16 @@ impl Personalization {
             loads: self.loads.iter().map(unscaled).collect(),
         }
     }
-}
 
-/// The fitted springs of a spine, in groups.
-#[derive(Debug, Clone, Copy)]
-pub struct FittedSprings<'a> {
-    /// The unloaded spine.
-    pub model: &'a SpineModel,
-    /// Nominal springs.
-    pub library: &'a StiffnessLibrary,
-    /// Which joints share a multiplier.
-    pub groups: &'a JointGroups,
+    /// Its minima as starts of a fit to other readings of its films, where that has the same unknowns.
+    fn starts_for(&self, groups: &JointGroups, films: &[FitFilm<'_>]) -> Option<&[Start]> {
+        let fits = |start: &Start| {
+            let sizes = start.loads.iter().map(Vec::len);
+            start.log_multipliers.len() == groups.len()
+                && sizes.eq(films.iter().map(|film| film.load.components()))
+        };
+        (!self.minima.is_empty() && self.minima.iter().all(fits)).then_some(&self.minima)
+    }
 }
 
 /// Residuals at which no other start is tried: half a degree is the effect of a careful reading of 0.25 mm on a Ferguson angle, and
@@ -81,8 +78,8 @@ const fn satisfied_rms(target: FitTarget) -> f64 {
 
 /// Fits multipliers and loads to bending films.
 ///
-/// `erect` is the film on which `model` was built. The returned loads are in N and N·mm in `G`, up to the level that
-/// the gauge fixes.
+/// The returned loads are in N and N·mm in `G`, up to the level that the gauge fixes. `start` is the fit to other readings of these
+/// films: its minima are followed first, and where they fit these readings much worse, all starts are tried as without it.
 ///
 /// # Errors
 /// None: an ending without result is a status. With no film, the nominal stiffness is returned as not evaluable.
@@ -91,7 +88,9 @@ const fn satisfied_rms(target: FitTarget) -> f64 {
 /// use spineline::action::LineOfAction;
 /// use spineline::analysis::{AnalysisOptions, analyze_movement};
 /// use spineline::multibody::{JointGroups, Load, StiffnessLibrary, Support};
-/// use spineline::personalize::{FitFilm, FitSettings, FitTarget, Gauge, personalize};
+/// use spineline::personalize::{
+///     FitFilm, FitSettings, FitTarget, FittedSprings, Gauge, personalize,
+/// };
 /// use spineline_phantom::{Readers, Scenario, generate};
 ///
 /// let case = generate(0, Scenario::Rod, &Readers::exact(), 1)?.case;
@@ -100,7 +99,8 @@ const fn satisfied_rms(target: FitTarget) -> f64 {
 /// for posture in movement.films.iter().filter(|p| p.outline.posture.bend().is_some()) {
 ///     let [caudal, cranial] = posture.inflection_points.ok_or("no two inflections")?;
 ///     let line = LineOfAction::through(caudal, cranial)?;
-///     films.push(FitFilm { outline: &posture.outline, load: Load::along(line, 0.0) });
+///     let evidence = posture.evidence.as_ref().ok_or("no joint rotations")?;
+///     films.push(FitFilm { outline: &posture.outline, evidence, load: Load::along(line, 0.0) });
 /// }
 /// let settings = FitSettings {
 ///     regions: &movement.regions,
@@ -110,88 +110,36 @@ const fn satisfied_rms(target: FitTarget) -> f64 {
 ///     prior: None,
 ///     hints: &[],
 /// };
-/// let groups = JointGroups::regional(&movement.regions);
-/// let (library, erect) = (StiffnessLibrary::default(), &movement.erect().outline);
-/// let fit = personalize(&movement.spine, &library, &groups, erect, &films, &settings);
+/// let (library, groups) =
+///     (StiffnessLibrary::default(), JointGroups::regional(&movement.regions));
+/// let springs = FittedSprings { model: &movement.spine, library: &library, groups: &groups };
+/// let fit = personalize(springs, &films, &settings, None);
 /// // Only ratios are identified: the mean of ln α is held at zero.
 /// assert!(fit.log_multipliers.iter().sum::<f64>().abs() < 1e-3);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[must_use]
 pub fn personalize(
-    model: &SpineModel,
-    library: &StiffnessLibrary,
-    groups: &JointGroups,
-    erect: &Outline,
+    springs: FittedSprings<'_>,
     films: &[FitFilm<'_>],
     settings: &FitSettings<'_>,
+    start: Option<&Personalization>,
 ) -> Personalization {
-    let measured: Vec<FilmEvidence> = films
-        .iter()
-        .map(|film| FilmEvidence::measure(model, library, erect, film.outline))
-        .collect();
-    let evidence: Vec<(&FilmEvidence, Load)> =
-        measured.iter().zip(films).map(|(evidence, film)| (evidence, film.load)).collect();
-    personalize_with(
-        model,
-        library,
-        groups,
-        films,
-        &Known { evidence: &evidence, settings, estimate: None, other: None },
-    )
-}
-
-/// Findings about the films of a fit, from before it.
-#[derive(Clone, Copy)]
-pub(crate) struct Known<'a> {
-    /// Of every film, with its load.
-    pub evidence: &'a [(&'a FilmEvidence, Load)],
-    pub settings: &'a FitSettings<'a>,
-    /// What [`estimate_loads`](super::estimate::estimate_loads) found for a free load of these films and groups.
-    pub estimate: Option<&'a EstimatedLoads>,
-    /// The fit to other readings of these films.
-    pub other: Option<&'a Personalization>,
-}
-
-impl<'a> Known<'a> {
-    /// Minima of other readings' fit, where it has the same unknowns.
-    fn minima(&self, groups: &JointGroups, films: &[FitFilm<'_>]) -> Option<&'a [Start]> {
-        let fits = |start: &Start| {
-            let sizes = start.loads.iter().map(Vec::len);
-            start.log_multipliers.len() == groups.len()
-                && sizes.eq(films.iter().map(|film| film.load.components()))
-        };
-        let minima = &self.other?.minima[..];
-        (!minima.is_empty() && minima.iter().all(fits)).then_some(minima)
-    }
-}
-
-/// As [`personalize`], where the evidence of the films is known already.
-pub(crate) fn personalize_with(
-    model: &SpineModel,
-    library: &StiffnessLibrary,
-    groups: &JointGroups,
-    films: &[FitFilm<'_>],
-    known: &Known<'_>,
-) -> Personalization {
-    let settings = known.settings;
     // The prior becomes stronger with the variance of the films about the model, which a fit without the prior estimates.
-    let free = settings.prior.map(|_| {
-        let settings = FitSettings { prior: None, ..*settings };
-        let known = Known { settings: &settings, ..*known };
-        personalize_with(model, library, groups, films, &known)
-    });
+    let free = settings
+        .prior
+        .map(|_| personalize(springs, films, &FitSettings { prior: None, ..*settings }, start));
     let weighed = free.as_ref().map(|free| settings.weighed(free.variance_factor));
     let settings = weighed.as_ref().unwrap_or(settings);
-    let mut problem = Problem::new(model, library, groups, films, settings);
-    let springs = FittedSprings { model, library, groups };
-    let known = Known { settings, ..*known };
-    let best = find_best(&mut problem, springs, films, &known, free.as_ref());
-    let minima = best.minima();
-    let Some((minimum, loads)) = best.minimum else {
-        return nominal(groups, films, best.starts);
+    let mut problem = Problem::new(springs, films, settings);
+    let mut best = Best::default();
+    if !best.follows(&mut problem, springs.groups, films, start) {
+        best.search_all(&mut problem, springs, films, settings, free.as_ref());
+    }
+    let minima = best.minima(PROMISING);
+    let Some((minimum, Start { log_multipliers, loads })) = best.minimum else {
+        return nominal(springs.groups, films, best.starts);
     };
-    let log_multipliers = problem.log_multipliers(&minimum.x);
     Personalization {
         bounds: log_multipliers.iter().map(|&value| bound_of(value)).collect(),
         log_multipliers,
@@ -208,40 +156,6 @@ pub(crate) fn personalize_with(
         singular_values: problem.singular_values(&minimum),
         minima,
     }
-}
-
-/// Follows the minima of other readings, and if they are missing or poor, refines starts of all kinds.
-fn find_best(
-    problem: &mut Problem<'_>,
-    springs: FittedSprings<'_>,
-    films: &[FitFilm<'_>],
-    known: &Known<'_>,
-    free: Option<&Personalization>,
-) -> Best {
-    /// A fit whose error is larger by this factor than for the other readings has ended in another minimum.
-    const WORSE: f64 = 1.5;
-    let FittedSprings { model, library, groups } = springs;
-    let enough = satisfied_rms(problem.target());
-    let mut best = Best::default();
-    if let Some((minima, other)) = known.minima(groups, films).zip(known.other) {
-        best.follow(problem, minima, enough);
-        if best.satisfies(problem, enough.max(WORSE * other.residual_rms)) {
-            return best;
-        }
-    }
-    let mut starts = problem.starts(known.evidence, known.estimate);
-    if let Some(free) = free {
-        starts.insert(0, free.as_start());
-    }
-    best.search(problem, &starts, known.evidence, enough);
-    // Three angles per bend have more wrong minima than the whole shape: that fit is one more start.
-    if problem.target() == FitTarget::Ferguson && !best.satisfies(problem, enough) {
-        let settings = FitSettings { target: FitTarget::Shape, ..*known.settings };
-        let known = Known { settings: &settings, other: None, ..*known };
-        let shape = personalize_with(model, library, groups, films, &known);
-        best.improve(problem, &shape.as_start());
-    }
-    best
 }
 
 fn bound_of(log_multiplier: f64) -> StiffnessBound {
@@ -278,31 +192,48 @@ const PROMISING: f64 = 10.0;
 const POOR_MM: f64 = 12.0;
 const POOR_DEG: f64 = 12.0;
 
-/// The best of the starts that were refined.
-#[derive(Default)]
-struct Best {
-    minimum: Option<(Minimum, Vec<Vec<f64>>)>,
-    starts: u32,
-    /// Where starts ended, with their sums of squares.
-    ends: Vec<(Start, f64)>,
-}
-
+/// The search of a fit of forces along lines, or of free loads.
 impl Best {
-    fn improve(&mut self, problem: &mut Problem<'_>, start: &Start) {
-        self.starts += 1;
-        let x = problem.begin(start);
-        let [lower, upper] = problem.bounds(&x);
-        let rows = problem.rows();
-        let end = minimize(x, &lower, &upper, rows, |x, system| problem.evaluate(x, system));
-        let better = self.minimum.as_ref().is_none_or(|(b, _)| end.system.cost() < b.system.cost());
-        if end.status == FitStatus::NotEvaluable {
-            return;
+    /// Follows the minima of the fit to other readings, the one that fits these readings best first; whether the end fits about as
+    /// well as there.
+    fn follows(
+        &mut self,
+        problem: &mut Problem<'_>,
+        groups: &JointGroups,
+        films: &[FitFilm<'_>],
+        start: Option<&Personalization>,
+    ) -> bool {
+        /// A fit whose error is larger by this factor than for the other readings has ended in another minimum.
+        const WORSE: f64 = 1.5;
+        let Some(start) = start else { return false };
+        let Some(minima) = start.starts_for(groups, films) else { return false };
+        let enough = satisfied_rms(problem.target());
+        let mut priced = problem.priced(minima);
+        priced.sort_by(|a, b| a.1.total_cmp(&b.1));
+        self.improve_from(problem, &priced, enough);
+        self.satisfies(problem, enough.max(WORSE * start.residual_rms))
+    }
+
+    /// Refines starts of all kinds; `free` is the fit without a prior.
+    fn search_all(
+        &mut self,
+        problem: &mut Problem<'_>,
+        springs: FittedSprings<'_>,
+        films: &[FitFilm<'_>],
+        settings: &FitSettings<'_>,
+        free: Option<&Personalization>,
+    ) {
+        let enough = satisfied_rms(problem.target());
+        let mut starts = problem.starts(films);
+        if let Some(free) = free {
+            starts.insert(0, free.as_start());
         }
-        let loads = problem.loads_at(&end.x);
-        let log_multipliers = problem.log_multipliers(&end.x);
-        self.ends.push((Start { log_multipliers, loads: loads.clone() }, end.system.cost()));
-        if better {
-            self.minimum = Some((end, loads));
+        self.search(problem, &starts, films, enough);
+        // Three angles per bend have more wrong minima than the whole shape: that fit is one more start.
+        if problem.target() == FitTarget::Ferguson && !self.satisfies(problem, enough) {
+            let settings = FitSettings { target: FitTarget::Shape, ..*settings };
+            let shape = personalize(springs, films, &settings, None);
+            self.improve(problem, &shape.as_start());
         }
     }
 
@@ -311,33 +242,15 @@ impl Best {
         &mut self,
         problem: &mut Problem<'_>,
         starts: &[Start],
-        evidence: &[(&FilmEvidence, Load)],
+        films: &[FitFilm<'_>],
         enough: f64,
     ) {
         if let Some(first) = starts.first() {
             self.improve(problem, first);
         }
         if !self.satisfies(problem, enough) {
-            self.improve_further(problem, starts, evidence, enough);
+            self.improve_further(problem, starts, films, enough);
         }
-    }
-
-    /// Follows the minima of another fit, the one that fits these data best first.
-    fn follow(&mut self, problem: &mut Problem<'_>, minima: &[Start], enough: f64) {
-        let mut priced = problem.priced(minima);
-        priced.sort_by(|a, b| a.1.total_cmp(&b.1));
-        self.improve_from(problem, &priced, enough);
-    }
-
-    /// Distinct ends that are not far worse than the best, that one first.
-    fn minima(&self) -> Vec<Start> {
-        /// Ends whose sums of squares agree like this are one.
-        const SAME: f64 = 1e-4;
-        let mut ends: Vec<&(Start, f64)> = self.ends.iter().collect();
-        ends.sort_by(|a, b| a.1.total_cmp(&b.1));
-        ends.dedup_by(|b, a| b.1 - a.1 <= SAME * a.1);
-        let most = PROMISING * ends.first().map_or(0.0, |end| end.1);
-        ends.into_iter().filter(|end| end.1 <= most).map(|end| end.0.clone()).collect()
     }
 
     /// Refines the promising ones of the starts beside the first, and every start where the residuals are large.
@@ -345,7 +258,7 @@ impl Best {
         &mut self,
         problem: &mut Problem<'_>,
         starts: &[Start],
-        evidence: &[(&FilmEvidence, Load)],
+        films: &[FitFilm<'_>],
         enough: f64,
     ) {
         let mut priced = problem.priced(starts);
@@ -362,23 +275,9 @@ impl Best {
         };
         self.improve_from(problem, &rest, poor);
         if !self.satisfies(problem, poor) {
-            let others = problem.starts_at_amplitude(evidence);
+            let others = problem.starts_at_amplitude(films);
             let others = problem.priced(&others);
             self.improve_from(problem, &others, poor);
         }
-    }
-
-    /// Refines starts in their order until the residuals are small enough.
-    fn improve_from(&mut self, problem: &mut Problem<'_>, starts: &[(Start, f64)], enough: f64) {
-        for (start, _) in starts {
-            if self.satisfies(problem, enough) {
-                return;
-            }
-            self.improve(problem, start);
-        }
-    }
-
-    fn satisfies(&self, problem: &Problem<'_>, enough: f64) -> bool {
-        self.minimum.as_ref().is_some_and(|(b, _)| problem.data_rms(&b.system) < enough)
     }
 }

@@ -32,9 +32,10 @@
 use crate::anatomy::named;
 use nalgebra::{DMatrix, DVector};
 
-use super::fit::{FittedSprings, Personalization};
+use super::fit::Personalization;
 use super::problem::Problem;
-use super::{FitFilm, FitSettings, Gauge, MULTIPLIER_BOUNDS};
+use super::search::FitProblem;
+use super::{FitFilm, FitSettings, FittedSprings, Gauge, MULTIPLIER_BOUNDS};
 use crate::least_squares::{FitStatus, Minimum, minimize};
 
 /// How often a 95 % interval of a multiplier holds the true one, in words: wherever such an interval is shown, by profile or over replicates.
@@ -180,7 +181,7 @@ pub fn identify(
         return None;
     }
     let weighed = settings.weighed(fit.variance_factor);
-    let mut problem = Problem::new(springs.model, springs.library, springs.groups, films, &weighed);
+    let mut problem = Problem::new(*springs, films, &weighed);
     let mut converged = ConvergedFit::begin(&mut problem, fit)?;
     let g = springs.groups.len();
     let across = converged.information();

@@ -30,14 +30,14 @@ mod preferred_loads;
 mod problem;
 mod random_effects;
 mod rows;
+mod search;
 mod shape_weights;
 mod start;
 mod tilt_errors;
 mod weights;
 
 pub use crate::least_squares::FitStatus;
-pub use fit::{FittedSprings, Personalization, StiffnessBound, personalize};
-pub(crate) use fit::{Known, personalize_with};
+pub use fit::{Personalization, StiffnessBound, personalize};
 pub use identify::{
     Identifiability, MULTIPLIER_COVERAGE, MultiplierInformation, Profile, ProfileEnd, ProfilePoint,
     ProfileVerdict, StiffnessDirection, identify,
@@ -46,13 +46,15 @@ pub use line_test::{Crossing, LineTest, ProposedLine, SIGNIFICANCE};
 pub(crate) use nearby_loads::NearbyLoads;
 pub use outcome::TestOutcome;
 pub use preferred_loads::PreferredLoads;
+pub(crate) use search::{Best, FitProblem};
 pub(crate) use shape_weights::{ROWS_PER_VERTEBRA, ShapeRows, ShapeWeights};
 pub use start::Start;
 
 use crate::anatomy::{Posture, named};
 use crate::clinical::Regions;
 use crate::measure::Outline;
-use crate::multibody::{Load, Support};
+use crate::multibody::{JointGroups, Load, SpineModel, StiffnessLibrary, Support};
+use evidence::FilmEvidence;
 
 /// The scale constraint, which fixes the overall level of stiffness and force.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -116,11 +118,24 @@ impl LogNormalPrior {
 /// Bounds of a multiplier.
 pub const MULTIPLIER_BOUNDS: [f64; 2] = [0.1, 10.0];
 
+/// The springs of a spine, in groups.
+#[derive(Debug, Clone, Copy)]
+pub struct FittedSprings<'a> {
+    /// The unloaded spine.
+    pub model: &'a SpineModel,
+    /// Nominal springs.
+    pub library: &'a StiffnessLibrary,
+    /// Which joints share a multiplier.
+    pub groups: &'a JointGroups,
+}
+
 /// One bend to be fitted.
 #[derive(Debug, Clone, Copy)]
 pub struct FitFilm<'a> {
     /// What was measured.
     pub outline: &'a Outline,
+    /// Rotations and lever arms of its joints.
+    pub evidence: &'a FilmEvidence,
     /// Where the force acts. A frontal load ([`Load::Frontal`]) is fitted with its direction and place.
     pub load: Load,
 }

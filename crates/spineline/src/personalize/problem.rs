@@ -1,18 +1,17 @@
 //! Residuals of a fit and their derivatives, and the starts from which it is refined.
 
-use nalgebra::DVector;
+use nalgebra::{DVector, Vector3};
 
-use super::estimate::{EstimatedLoads, estimate_load, estimate_loads};
-use super::evidence::FilmEvidence;
+use super::estimate::{EstimatedLoads, JointResponses, estimate_loads};
 use super::rows::{FilmData, Wanted, ferguson_rows, shape_rows};
+use super::search::FitProblem;
 use super::shape_weights::{ShapeRows, ShapeWeights};
 use super::start::{Start, closed_form, majority_signs};
-use super::{FitFilm, FitSettings, FitTarget, Gauge, MULTIPLIER_BOUNDS};
+use super::{FitFilm, FitSettings, FitTarget, FittedSprings, Gauge, MULTIPLIER_BOUNDS};
 use crate::clinical::ferguson_angle;
 use crate::least_squares::{Minimum, System};
 use crate::multibody::{
-    ForceSign, JointGroups, Load, MAX_HINGE_RAD, Parameter, Solution, SpineModel, Statics,
-    StiffnessLibrary, match_amplitude,
+    ForceSign, Load, MAX_HINGE_RAD, Parameter, Solution, Statics, match_amplitude,
 };
 use crate::spatial::Frontal;
 
@@ -29,18 +28,14 @@ fn rows_of(film: &FilmData, settings: &FitSettings<'_>) -> usize {
 ///
 /// With Ferguson angles as data the amplitude determines every force, so that only `ln α` is unknown.
 pub(super) struct Problem<'a> {
-    model: &'a SpineModel,
-    library: &'a StiffnessLibrary,
-    groups: &'a JointGroups,
+    springs: FittedSprings<'a>,
     settings: FitSettings<'a>,
     films: Vec<FilmData>,
 }
 
 impl<'a> Problem<'a> {
     pub fn new(
-        model: &'a SpineModel,
-        library: &'a StiffnessLibrary,
-        groups: &'a JointGroups,
+        springs: FittedSprings<'a>,
         films: &[FitFilm<'_>],
         settings: &FitSettings<'a>,
     ) -> Self {
@@ -50,6 +45,7 @@ impl<'a> Problem<'a> {
             settings.target = FitTarget::Shape;
         }
         let held = settings.target == FitTarget::Ferguson && settings.gauge != Gauge::FrozenForce;
+        let groups = springs.groups;
         let mut next = groups.len();
         let films = films
             .iter()
@@ -72,24 +68,19 @@ impl<'a> Problem<'a> {
                     lateral_tilt: locations[locations.len() - 1].lateral_tilt(),
                     locations,
                     tilts: film.outline.vertebrae.iter().map(|v| v.tilt).collect(),
-                    rows: ShapeRows::new(film.outline, None, model),
+                    rows: ShapeRows::new(film.outline, None, springs.model),
                     weights,
                     parameters: logs.chain((0..components).map(Parameter::Load)).collect(),
                     solution: Solution::default(),
                 }
             })
             .collect();
-        Self { model, library, groups, settings, films }
+        Self { springs, settings, films }
     }
 
     fn unknowns(&self) -> usize {
         let loads = self.films.iter().filter(|film| film.first.is_some());
-        self.groups.len() + loads.map(|film| film.load.components()).sum::<usize>()
-    }
-
-    /// Rows of what was measured.
-    pub fn data_rows(&self) -> usize {
-        self.films.iter().map(|film| rows_of(film, &self.settings)).sum()
+        self.springs.groups.len() + loads.map(|film| film.load.components()).sum::<usize>()
     }
 
     /// Measured numbers minus fitted ones, of which one is the gauge's where it holds the mean.
@@ -101,33 +92,23 @@ impl<'a> Problem<'a> {
 
     /// Sum of squares over the degrees of freedom, and at least 1.
     pub fn variance_factor(&self, minimum: &Minimum) -> f64 {
-        let squares = self.data_rms(&minimum.system).powi(2) * self.data_rows() as f64;
-        (squares / self.freedom(&minimum.x) as f64).max(1.0)
-    }
-
-    /// Rows of all films, of the prior, and one for the gauge.
-    pub fn rows(&self) -> usize {
-        let prior = if self.settings.prior.is_some() { self.groups.len() } else { 0 };
-        self.data_rows() + prior + 1
+        (self.data_squares(&minimum.system) / self.freedom(&minimum.x) as f64).max(1.0)
     }
 
     fn statics(&self, log_multipliers: &[f64]) -> Statics<'a> {
-        Statics::new(self.model, self.library, self.groups, log_multipliers, self.settings.support)
+        let FittedSprings { model, library, groups } = self.springs;
+        Statics::new(model, library, groups, log_multipliers, self.settings.support)
     }
 
-    /// Starts, the likeliest first: from the estimated loads, or in closed form for the majority's signs of force and then
+    /// Starts, the likeliest first: from estimated loads, or in closed form for the majority's signs of force and then
     /// for every other combination; and the hints.
-    pub fn starts(
-        &self,
-        evidence: &[(&FilmEvidence, Load)],
-        estimate: Option<&EstimatedLoads>,
-    ) -> Vec<Start> {
-        if evidence.is_empty() {
+    pub fn starts(&self, films: &[FitFilm<'_>]) -> Vec<Start> {
+        if films.is_empty() {
             return Vec::new();
         }
         let mut starts: Vec<Start> = match self.free_depth_mm() {
-            Some(depth_mm) => self.free_starts(evidence, estimate, depth_mm),
-            None => self.signed_starts(evidence),
+            Some(depth_mm) => self.free_starts(films, depth_mm),
+            None => self.signed_starts(films),
         };
         starts.extend_from_slice(self.settings.hints);
         starts
@@ -154,11 +135,11 @@ impl<'a> Problem<'a> {
     }
 
     /// The starts of a line load with the first forces that reach the amplitudes.
-    pub fn starts_at_amplitude(&self, evidence: &[(&FilmEvidence, Load)]) -> Vec<Start> {
-        if evidence.is_empty() || self.free_depth_mm().is_some() {
+    pub fn starts_at_amplitude(&self, films: &[FitFilm<'_>]) -> Vec<Start> {
+        if films.is_empty() || self.free_depth_mm().is_some() {
             return Vec::new();
         }
-        self.signed_starts(evidence).into_iter().map(|start| self.at_amplitude(start)).collect()
+        self.signed_starts(films).into_iter().map(|start| self.at_amplitude(start)).collect()
     }
 
     fn at_amplitude(&self, start: Start) -> Start {
@@ -178,45 +159,33 @@ impl<'a> Problem<'a> {
         })
     }
 
-    fn free_starts(
-        &self,
-        evidence: &[(&FilmEvidence, Load)],
-        estimate: Option<&EstimatedLoads>,
-        depth_mm: f64,
-    ) -> Vec<Start> {
-        let films: Vec<&FilmEvidence> = evidence.iter().map(|(film, _)| *film).collect();
-        let own;
-        let EstimatedLoads { loads, log_multipliers } = match estimate {
-            Some(estimate) => estimate,
-            None => {
-                own = estimate_loads(&films, depth_mm, self.groups);
-                &own
-            }
+    fn free_starts(&self, films: &[FitFilm<'_>], depth_mm: f64) -> Vec<Start> {
+        let (groups, load) = (self.springs.groups, Load::Frontal { depth_mm });
+        let films: Vec<JointResponses<'_>> =
+            films.iter().map(|film| JointResponses::to(&load, film.evidence)).collect();
+        let EstimatedLoads { loads, log_multipliers } = estimate_loads(&films, groups);
+        let nominal = vec![0.0; groups.len()];
+        let nominal_loads: Vec<_> = films.iter().map(|film| film.load(groups, &nominal)).collect();
+        let start = |log_multipliers, loads: Vec<Vector3<f64>>| Start {
+            log_multipliers,
+            loads: loads.iter().map(|load| load.as_slice().to_vec()).collect(),
         };
-        let nominal = vec![0.0; self.groups.len()];
-        let nominal_loads = films.iter().map(|film| {
-            let responses = film.responses(&Load::Frontal { depth_mm });
-            estimate_load(film, &responses, self.groups, &nominal).components.as_slice().to_vec()
-        });
-        let loads = loads.iter().map(|load| load.components.as_slice().to_vec()).collect();
-        vec![
-            Start { log_multipliers: log_multipliers.clone(), loads },
-            Start { loads: nominal_loads.collect(), log_multipliers: nominal.clone() },
-        ]
+        vec![start(log_multipliers, loads), start(nominal, nominal_loads)]
     }
 
-    fn signed_starts(&self, evidence: &[(&FilmEvidence, Load)]) -> Vec<Start> {
-        let majority = majority_signs(evidence, self.groups);
+    fn signed_starts(&self, films: &[FitFilm<'_>]) -> Vec<Start> {
+        let majority = majority_signs(films, self.springs.groups);
         let mut starts = Vec::new();
-        for flips in 0..1_u32 << evidence.len() {
+        for flips in 0..1_u32 << films.len() {
             let signs: Vec<f64> = majority
                 .iter()
                 .enumerate()
                 .map(|(film, sign)| if flips >> film & 1 == 1 { -sign } else { *sign })
                 .collect();
-            let mut start = closed_form(evidence, self.groups, &signs);
+            let mut start = closed_form(films, self.springs.groups, &signs);
             if self.settings.gauge == Gauge::FrozenForce {
-                start.loads = self.forces_at_amplitude(&vec![0.0; self.groups.len()], &signs);
+                start.loads =
+                    self.forces_at_amplitude(&vec![0.0; self.springs.groups.len()], &signs);
             }
             starts.push(start);
         }
@@ -236,41 +205,9 @@ impl<'a> Problem<'a> {
             .collect()
     }
 
-    /// Puts a start's loads in place, and gives its unknowns.
-    pub fn begin(&mut self, start: &Start) -> DVector<f64> {
-        let mut x = DVector::zeros(self.unknowns());
-        x.as_mut_slice()[..self.groups.len()].copy_from_slice(&start.log_multipliers);
-        for (film, load) in self.films.iter_mut().zip(&start.loads) {
-            film.magnitude.copy_from_slice(load);
-            if let Some(first) = film.first {
-                x.as_mut_slice()[first..first + load.len()].copy_from_slice(load);
-            }
-        }
-        x
-    }
-
-    /// Bounds of the unknowns; a frozen force keeps its value.
-    pub fn bounds(&self, start: &DVector<f64>) -> [DVector<f64>; 2] {
-        let g = self.groups.len();
-        let frozen = self.settings.gauge == Gauge::FrozenForce;
-        let bound = |limit: f64, free: f64| {
-            DVector::from_fn(start.len(), |i, _| match i {
-                i if i < g => limit.ln(),
-                i if frozen => start[i],
-                _ => free,
-            })
-        };
-        [bound(MULTIPLIER_BOUNDS[0], f64::NEG_INFINITY), bound(MULTIPLIER_BOUNDS[1], f64::INFINITY)]
-    }
-
-    /// Residuals and derivatives; answers whether every film has an equilibrium that counts.
-    pub fn evaluate(&mut self, x: &DVector<f64>, system: &mut System) -> bool {
-        self.fill(x, system, Wanted::Derivatives)
-    }
-
     /// A derivative that is zero for one set of unknowns is zero for all, and is left as [`System::new`] made it.
     fn fill(&mut self, x: &DVector<f64>, system: &mut System, wanted: Wanted) -> bool {
-        let g = self.groups.len();
+        let g = self.springs.groups.len();
         let statics = self.statics(&x.as_slice()[..g]);
         let Self { films, settings, .. } = self;
         let mut row = 0;
@@ -308,7 +245,7 @@ impl<'a> Problem<'a> {
     /// How far every `ln α` lies from their mean, in standard deviations of the prior: it concerns ratios, as the films do.
     fn prior_rows(&self, x: &DVector<f64>, system: &mut System) {
         let Some(prior) = self.settings.prior else { return };
-        let (first, g) = (self.data_rows(), self.groups.len());
+        let (first, g) = (self.data_rows(), self.springs.groups.len());
         let mean = x.as_slice()[..g].iter().sum::<f64>() / g as f64;
         for i in 0..g {
             system.residuals[first + i] = (x[i] - mean) / prior.log_sd;
@@ -317,27 +254,6 @@ impl<'a> Problem<'a> {
                 system.jacobian[(first + i, j)] = (own - 1.0 / g as f64) / prior.log_sd;
             }
         }
-    }
-
-    /// Root mean square of what was measured.
-    pub fn data_rms(&self, system: &System) -> f64 {
-        let data = self.data_rows();
-        (system.residuals.rows(0, data).norm_squared() / data as f64).sqrt()
-    }
-
-    /// The load components that belong to given unknowns.
-    pub fn loads_at(&mut self, x: &DVector<f64>) -> Vec<Vec<f64>> {
-        if self.films.iter().any(|film| film.first.is_none()) {
-            let mut system = System::new(self.rows(), self.unknowns());
-            self.fill(x, &mut system, Wanted::Residuals);
-        }
-        for film in &mut self.films {
-            if let Some(first) = film.first {
-                let components = film.magnitude.len();
-                film.magnitude.copy_from_slice(&x.as_slice()[first..first + components]);
-            }
-        }
-        self.films.iter().map(|film| film.magnitude.clone()).collect()
     }
 
     /// Mean deviation of a location over the films.
@@ -351,19 +267,73 @@ impl<'a> Problem<'a> {
         self.settings.target
     }
 
-    /// The parts of unknowns that are `ln α`.
-    pub fn log_multipliers(&self, x: &DVector<f64>) -> Vec<f64> {
-        x.as_slice()[..self.groups.len()].to_vec()
-    }
-
     /// Singular values of the data's derivative by `(ln α, ln F)`, so that all unknowns are ratios.
     pub fn singular_values(&self, minimum: &Minimum) -> Vec<f64> {
         let mut scaled = minimum.system.jacobian.rows(0, self.data_rows()).into_owned();
-        for i in self.groups.len()..minimum.x.len() {
+        for i in self.springs.groups.len()..minimum.x.len() {
             scaled.column_mut(i).scale_mut(minimum.x[i].abs());
         }
         let mut values: Vec<f64> = scaled.singular_values().iter().copied().collect();
         values.sort_by(|a, b| b.total_cmp(a));
         values
+    }
+}
+
+impl FitProblem for Problem<'_> {
+    fn begin(&mut self, start: &Start) -> DVector<f64> {
+        let mut x = DVector::zeros(self.unknowns());
+        x.as_mut_slice()[..self.springs.groups.len()].copy_from_slice(&start.log_multipliers);
+        for (film, load) in self.films.iter_mut().zip(&start.loads) {
+            film.magnitude.copy_from_slice(load);
+            if let Some(first) = film.first {
+                x.as_mut_slice()[first..first + load.len()].copy_from_slice(load);
+            }
+        }
+        x
+    }
+
+    fn start_at(&mut self, x: &DVector<f64>) -> Start {
+        if self.films.iter().any(|film| film.first.is_none()) {
+            let mut system = System::new(self.rows(), self.unknowns());
+            self.fill(x, &mut system, Wanted::Residuals);
+        }
+        for film in &mut self.films {
+            if let Some(first) = film.first {
+                let components = film.magnitude.len();
+                film.magnitude.copy_from_slice(&x.as_slice()[first..first + components]);
+            }
+        }
+        Start {
+            log_multipliers: x.as_slice()[..self.springs.groups.len()].to_vec(),
+            loads: self.films.iter().map(|film| film.magnitude.clone()).collect(),
+        }
+    }
+
+    /// Bounds of the unknowns; a frozen force keeps its value.
+    fn bounds(&self, start: &DVector<f64>) -> [DVector<f64>; 2] {
+        let g = self.springs.groups.len();
+        let frozen = self.settings.gauge == Gauge::FrozenForce;
+        let bound = |limit: f64, free: f64| {
+            DVector::from_fn(start.len(), |i, _| match i {
+                i if i < g => limit.ln(),
+                i if frozen => start[i],
+                _ => free,
+            })
+        };
+        [bound(MULTIPLIER_BOUNDS[0], f64::NEG_INFINITY), bound(MULTIPLIER_BOUNDS[1], f64::INFINITY)]
+    }
+
+    fn data_rows(&self) -> usize {
+        self.films.iter().map(|film| rows_of(film, &self.settings)).sum()
+    }
+
+    /// Rows of all films, of the prior, and one for the gauge.
+    fn rows(&self) -> usize {
+        let prior = if self.settings.prior.is_some() { self.springs.groups.len() } else { 0 };
+        self.data_rows() + prior + 1
+    }
+
+    fn evaluate(&mut self, x: &DVector<f64>, system: &mut System) -> bool {
+        self.fill(x, system, Wanted::Derivatives)
     }
 }

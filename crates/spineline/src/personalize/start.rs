@@ -2,8 +2,8 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::evidence::FilmEvidence;
-use crate::multibody::{JointGroups, Load};
+use super::FitFilm;
+use crate::multibody::JointGroups;
 
 /// Where a fit may start from.
 #[derive(Debug, Clone, PartialEq)]
@@ -21,11 +21,7 @@ pub struct Start {
 /// the force, the group's rotations contradict the line there and say nothing about its stiffness.
 ///
 /// `signs` are the signs of the forces; see [`majority_signs`].
-pub(super) fn closed_form(
-    films: &[(&FilmEvidence, Load)],
-    groups: &JointGroups,
-    signs: &[f64],
-) -> Start {
+pub(super) fn closed_form(films: &[FitFilm<'_>], groups: &JointGroups, signs: &[f64]) -> Start {
     let (g, p) = (groups.len(), films.len());
     let mut normal = DMatrix::<f64>::zeros(g + p, g + p);
     let mut right = DVector::<f64>::zeros(g + p);
@@ -37,8 +33,8 @@ pub(super) fn closed_form(
             normal[(a, b)] += 1.0 / (g * g) as f64;
         }
     }
-    for (film, ((evidence, load), &sign)) in films.iter().zip(signs).enumerate() {
-        let sums = evidence.moments_by_group(load, groups);
+    for (film, (fitted, &sign)) in films.iter().zip(signs).enumerate() {
+        let sums = fitted.evidence.moments_by_group(&fitted.load, groups);
         let total: f64 = sums.iter().map(|s| s.1).sum();
         let overall = (sums.iter().map(|s| s.0).sum::<f64>() / total).abs();
         normal[(g + film, g + film)] += PULL;
@@ -49,7 +45,7 @@ pub(super) fn closed_form(
                 continue;
             }
             // The variance of ln x is the variance of x over x², which falls with Σ a².
-            let weight = product * product / square / evidence.rotation_sd().rad().powi(2);
+            let weight = product * product / square / fitted.evidence.rotation_sd().rad().powi(2);
             let value = slope.ln();
             normal[(g + film, g + film)] += weight;
             normal[(group, group)] += weight;
@@ -68,11 +64,12 @@ pub(super) fn closed_form(
 }
 
 /// The sign of every film's force that agrees with most of the measured work.
-pub(super) fn majority_signs(films: &[(&FilmEvidence, Load)], groups: &JointGroups) -> Vec<f64> {
+pub(super) fn majority_signs(films: &[FitFilm<'_>], groups: &JointGroups) -> Vec<f64> {
     films
         .iter()
-        .map(|(evidence, load)| {
-            let product: f64 = evidence.moments_by_group(load, groups).iter().map(|s| s.0).sum();
+        .map(|film| {
+            let product: f64 =
+                film.evidence.moments_by_group(&film.load, groups).iter().map(|s| s.0).sum();
             if product < 0.0 { -1.0 } else { 1.0 }
         })
         .collect()

@@ -15,7 +15,7 @@ mod words;
 pub use angle::Angle;
 pub use frontal::{Frontal, Pixel};
 pub use orientation::Orientation;
-pub use sine::{is_small, sin_cos, small_sin_cos};
+pub use sine::sin_cos;
 pub use words::{moment_words, sideways_words, vector_words};
 
 /// A vector of three components; millimetres, newtons or newton millimetres as its name says.

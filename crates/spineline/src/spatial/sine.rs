@@ -27,20 +27,12 @@ const SERIES: [Vector2<f64>; 7] = [
 #[inline]
 #[must_use]
 pub fn sin_cos(angle_rad: f64) -> (f64, f64) {
-    if is_small(angle_rad) { small_sin_cos(angle_rad) } else { angle_rad.sin_cos() }
+    if angle_rad.abs() <= SMALL_RAD { series(angle_rad) } else { angle_rad.sin_cos() }
 }
 
-/// Whether [`small_sin_cos`] may be used.
+/// Sine and cosine of an angle up to [`SMALL_RAD`].
 #[inline]
-#[must_use]
-pub fn is_small(angle_rad: f64) -> bool {
-    angle_rad.abs() <= SMALL_RAD
-}
-
-/// Sine and cosine of a small angle in rad ([`is_small`]), without a branch; of a larger one the result is wrong.
-#[inline]
-#[must_use]
-pub fn small_sin_cos(angle_rad: f64) -> (f64, f64) {
+fn series(angle_rad: f64) -> (f64, f64) {
     let (x, u) = (angle_rad, angle_rad * angle_rad);
     let (u2, u4) = (u * u, (u * u) * (u * u));
     // Added in pairs that do not wait for one another.

@@ -52,7 +52,7 @@ pub use quantities::{Absent, AnalysisQuantity, QuantityUnit};
 pub use tally::{FailureCount, MultiplierSpread, QuantitySpread, Tally, Uncertainty};
 
 use crate::action::LineKind;
-use crate::analysis::{Analysis, Case, OtherReadings, analyze_known};
+use crate::analysis::{Analysis, Case, FitStarts, Replicated, analyze_replicate};
 use crate::anatomy::Posture;
 use crate::measure::OutlineNoise;
 use crate::personalize::FitStatus;
@@ -64,8 +64,10 @@ use landmarks::NoisyCase;
 pub struct MonteCarlo<'a> {
     nominal: &'a Analysis,
     noisy: NoisyCase,
-    /// Results of the case's own readings.
-    known: OtherReadings<'a>,
+    /// Standard deviations of the case's films, in the order of the postures.
+    noise: Vec<OutlineNoise>,
+    /// The case's fits.
+    starts: Option<FitStarts<'a>>,
     quantities: Vec<AnalysisQuantity>,
     seed: u64,
 }
@@ -96,16 +98,8 @@ impl<'a> MonteCarlo<'a> {
         Ok(Self {
             nominal,
             noisy: NoisyCase::new(case, nominal, noise, seed)?,
-            known: OtherReadings {
-                noise: nominal
-                    .movement
-                    .films
-                    .iter()
-                    .map(|p| OutlineNoise::of(&p.outline))
-                    .collect(),
-                loads: nominal.nearby_loads(),
-                models: &nominal.models,
-            },
+            noise: nominal.movement.films.iter().map(|p| OutlineNoise::of(&p.outline)).collect(),
+            starts: Some(FitStarts::of(nominal)),
             quantities: quantities::all_of(nominal, &kinds),
             seed,
         })
@@ -116,7 +110,7 @@ impl<'a> MonteCarlo<'a> {
     /// Else a replicate follows all minima that were found for the case, and searches anew where it fits much worse.
     #[must_use]
     pub fn searching_anew(mut self) -> Self {
-        (self.known.models, self.known.loads) = (&[], None);
+        self.starts = None;
         self
     }
 
@@ -135,7 +129,8 @@ impl<'a> MonteCarlo<'a> {
     /// The analysis of one replicate, or the code of the error that stopped it.
     fn analysis_of(&self, index: u64) -> Result<Analysis, &'static str> {
         let (case, errors) = self.noisy.replicate(index);
-        analyze_known(&case, &self.nominal.options, Some(&self.known), &errors)
+        let replicated = Replicated { noise: &self.noise, errors: &errors };
+        analyze_replicate(&case, &self.nominal.options, replicated, self.starts.as_ref())
             .map_err(|error| error.code())
     }
 

@@ -6,10 +6,12 @@ use spineline::anatomy::{Level, Levels, Posture};
 use spineline::error::Error;
 use spineline::evaluate::{ForceChoice, Target, simulate};
 use spineline::multibody::{
-    ForceSign, JointGroups, JointStiffness, Load, MatchStatus, Residual, Statics, StiffnessError,
+    ForceSign, JointGroups, JointStiffness, Load, PathEnding, Residual, Statics, StiffnessError,
     StiffnessLibrary, Support, amplitude_matches, match_amplitude,
 };
-use spineline::personalize::{FitSettings, FitStatus, FitTarget, Gauge, personalize};
+use spineline::personalize::{
+    FitSettings, FitStatus, FitTarget, FittedSprings, Gauge, personalize,
+};
 use spineline::spatial::{Angle, Frontal};
 use spineline::warning::Step;
 
@@ -118,7 +120,7 @@ fn an_unreachable_amplitude_reports_the_remaining_difference() {
         let statics = Statics::from_stiffness(&model, one_soft_joint(), &[0; 14], support);
         for sign in ForceSign::BOTH {
             let end = match_amplitude(&statics, &load(), sign, OUT_OF_REACH);
-            assert_eq!(end.status, MatchStatus::Unreachable);
+            assert_eq!(end.status, PathEnding::Unreachable);
             assert!(!end.is_usable() && end.evaluations > 1);
             // The residual belongs to the shape that is returned.
             let left = (end.solution.deformed.lateral_tilt() - OUT_OF_REACH).wrapped();
@@ -127,7 +129,7 @@ fn an_unreachable_amplitude_reports_the_remaining_difference() {
         }
         let all = amplitude_matches(&statics, &load(), OUT_OF_REACH);
         assert_eq!((all.len(), all[0].is_usable()), (1, false));
-        assert_eq!(all[0].status, MatchStatus::Unreachable);
+        assert_eq!(all[0].status, PathEnding::Unreachable);
     }
 }
 
@@ -139,7 +141,7 @@ fn a_pull_along_the_spine_gives_small_amplitudes_only() {
     let statics = Statics::new(&model, &library, &groups, &[0.0; 14], Support::Frontal);
     let target = Angle::from_deg(60.0);
     let end = match_amplitude(&statics, &load(), ForceSign::Positive, target);
-    assert_eq!(end.status, MatchStatus::Unreachable);
+    assert_eq!(end.status, PathEnding::Unreachable);
     assert!(left_of(end.residual).abs() > Angle::from_deg(20.0));
 }
 
@@ -178,7 +180,7 @@ fn a_simulation_of_an_unreachable_amplitude_is_not_a_result() {
     let Load::Line { line, depth_mm } = load() else { unreachable!("a line") };
     let regions = usual_regions();
     let end = simulate(&statics, line, depth_mm, &film, &regions, Target::Amplitude, true);
-    assert_eq!(end.status, MatchStatus::Unreachable);
+    assert_eq!(end.status, PathEnding::Unreachable);
     assert!(
         !end.is_usable() && end.alternatives.is_empty() && left_of(end.residual).abs().rad() > 0.01
     );
@@ -222,7 +224,7 @@ fn of_several_forces_the_one_with_the_smallest_ferguson_error_is_chosen_and_repo
 #[test]
 fn without_films_there_is_no_fit_and_no_panic() {
     // Oracle: no data, no minimum.
-    let (erect, model) = spine(0);
+    let (_, model) = spine(0);
     let library = StiffnessLibrary::default();
     let regions = usual_regions();
     let groups = JointGroups::regional(&regions);
@@ -234,7 +236,8 @@ fn without_films_there_is_no_fit_and_no_panic() {
         prior: None,
         hints: &[],
     };
-    let fit = personalize(&model, &library, &groups, &erect, &[], &settings);
+    let springs = FittedSprings { model: &model, library: &library, groups: &groups };
+    let fit = personalize(springs, &[], &settings, None);
     assert_eq!(fit.status, FitStatus::NotEvaluable);
     assert_eq!((fit.log_multipliers, fit.loads.len()), (vec![0.0; 3], 0));
     assert!(fit.residual_rms.is_nan());

@@ -7,7 +7,7 @@ use spineline::cohort::{Cohort, CohortPatient};
 use spineline::measure::{
     Film, FilmLandmarks, MeasureFault, MeasuredVertebra, TiltRule, measure_film,
 };
-use spineline::multibody::MatchStatus;
+use spineline::multibody::PathEnding;
 use spineline::spatial::{Angle, Pixel};
 use spineline::warning::{WarningCode, Warnings};
 use spineline_phantom::{Readers, Scenario};
@@ -127,7 +127,7 @@ fn a_vertebra_hidden_on_one_bend_leaves_the_bend_in_the_fit() {
     }
     for (a, b) in whole.models.iter().zip(&found.models) {
         let bend = b.simulation(Posture::LeftBending).expect("the bend is simulated");
-        assert!(bend.fitted && bend.status == MatchStatus::Converged, "{}", b.kind);
+        assert!(bend.fitted && bend.status == PathEnding::Converged, "{}", b.kind);
         assert_eq!(bend.location_errors_mm.len(), 13, "the hidden vertebra is not compared");
         assert_eq!(bend.location_error_mm(Level::T8), None);
         assert!(bend.location_error_mm(Level::T7).is_some());

@@ -5,13 +5,13 @@ use spineline::analysis::{Analysis, AnalysisOptions, analyze};
 use spineline::anatomy::{Levels, Posture};
 use spineline::evaluate::RotationPrior;
 use spineline::hypothesis::{
-    Base, Hypothesis, HypothesisFilm, HypothesisFit, LoadShape, LossReason, LostPrediction, Role,
-    Spine, fit_hypothesis,
+    Base, Hypothesis, HypothesisFilm, HypothesisFit, LoadShape, LostPrediction, Role, Spine,
+    fit_hypothesis,
 };
 use spineline::measure::Outline;
 use spineline::multibody::{
     BodyLoad, ForceSign, GeneralStatics, JointGroups, Load, LoadItem, Loading, NewtonWork,
-    ShapeParameter, Solution, Statics, StiffnessLibrary, Support, Timing, match_t2,
+    PathEnding, ShapeParameter, Solution, Statics, StiffnessLibrary, Support, Timing, match_t2,
 };
 use spineline::spatial::{Angle, Frontal, Mat3, Vec3};
 use spineline_phantom::{Readers, Scenario, generate};
@@ -259,7 +259,7 @@ fn a_fitted_shape_beyond_human_range_has_no_result() {
     assert_eq!(fit.ending_key(), "beyond_human_range");
     assert_eq!(fit.of_role(Role::Fitted).count(), 0);
     for posture in [Posture::LeftBending, Posture::RightBending] {
-        let reason = LossReason::BeyondHumanRange;
+        let reason = PathEnding::BeyondHumanRange;
         let lost = LostPrediction { posture, role: Role::Fitted, reason };
         assert!(fit.lost.contains(&lost), "{posture}: {:?}", fit.lost);
     }

@@ -3,7 +3,7 @@
 use crate::common::{Draw, spine};
 use spineline::action::{Application, LineOfAction};
 use spineline::multibody::{
-    ForceSign, Load, MatchStatus, Parameter, Solution, SpineModel, Statics, Support, match_t2,
+    ForceSign, Load, Parameter, PathEnding, Solution, SpineModel, Statics, Support, match_t2,
 };
 use spineline::spatial::{Angle, Frontal};
 
@@ -89,14 +89,14 @@ fn no_nearer_place_and_no_smaller_force_is_missed() {
         match smallest {
             Some([force_n, gap_mm]) => {
                 matched += 1;
-                assert_eq!(found.status, MatchStatus::Converged, "{problem}");
+                assert_eq!(found.status, PathEnding::Converged, "{problem}");
                 let left_mm = found.residual.distance_mm().expect("a distance");
                 assert!((left_mm - gap_mm).abs() < STEP_MM, "{problem}: {gap_mm} mm");
                 assert!((found.force_n - force_n).abs() <= 2.0, "{problem}: {force_n} N");
             }
             None => {
                 none += 1;
-                assert_eq!(found.status, MatchStatus::Unreachable, "{problem}");
+                assert_eq!(found.status, PathEnding::Unreachable, "{problem}");
                 let left_mm = found.residual.distance_mm().expect("a distance");
                 assert!(left_mm > a.min(b) - STEP_MM, "{problem}");
             }

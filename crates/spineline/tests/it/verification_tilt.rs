@@ -5,8 +5,7 @@ use crate::common::{Draw, assert_near, spine};
 use spineline::action::LineOfAction;
 use spineline::multibody::{
     BodyLoad, Equilibrium, EquilibriumPath, ForceSign, GeneralStatics, Goal, Load, Loading,
-    MatchStatus, PathEnding, PathOptions, Residual, SpineModel, Statics, Support,
-    amplitude_matches,
+    PathEnding, PathOptions, Residual, SpineModel, Statics, Support, amplitude_matches,
 };
 use spineline::spatial::{Angle, Frontal, Mat3, Vec3};
 
@@ -80,7 +79,7 @@ fn the_forces_of_a_lateral_tilt_equal_those_of_the_march() {
         let march = amplitude_matches(&statics, &Load::along(line, 0.0), tilt);
         let expected: Vec<f64> = march
             .iter()
-            .filter(|found| found.status == MatchStatus::Converged)
+            .filter(|found| found.status == PathEnding::Converged)
             .filter(|found| matches!(found.residual, Residual::Amplitude(off) if off.rad().abs() < TILT_RAD))
             .filter(|found| found.solution.deformed.largest_hinge_rad() <= MAX_HINGE_RAD)
             .map(|found| found.force_n)

@@ -2,77 +2,9 @@ use super::balance::{Balance, Factors, State};
 use super::loading::Timing;
 use super::newton::force_and_moment_at;
 use super::stability::smallest_singular_value;
-use crate::anatomy::named;
 use crate::multibody::Deformed;
+use crate::multibody::follow::{BranchEventKind, PathEnding, Stop};
 use crate::spatial::Vec3;
-
-named! {
-    /// How a search for equilibria ended.
-    pub enum PathEnding {
-        /// The goal is met on the branch that starts at the erect spine, before it turns or splits, and only once.
-        Converged = "converged",
-        /// As converged; further along, the same branch meets the goal again.
-        SeveralEquilibria = "several_equilibria",
-        /// The load has a maximum on the branch before the goal: a real spine would snap. Equilibria beyond it may be listed.
-        LimitPoint = "limit_point",
-        /// Another branch crosses before the goal: a real spine would leave this one (buckling).
-        BranchPoint = "branch_point",
-        /// The goal is met, but by a shape beyond the human range of motion ([`Deformed::beyond_human_range`]); only
-        /// [`crate::response::respond`] judges this.
-        BeyondHumanRange = "beyond_human_range",
-        /// The goal is not met up to the largest hinge angle or factor, or a rod's pose cannot be had.
-        Unreachable = "unreachable",
-        /// The path could not be followed to an end.
-        NotConverged = "not_converged",
-        /// The caller broke off: the rest of the path is not known.
-        Interrupted = "interrupted",
-    }
-}
-
-impl PathEnding {
-    /// What it means, and what to do about it.
-    #[must_use]
-    pub const fn meaning(self) -> &'static str {
-        match self {
-            Self::Converged => "the target is met once on the path from the erect spine",
-            Self::SeveralEquilibria => {
-                "several equilibria meet the target; the first one on the path from the erect spine is the result"
-            }
-            Self::LimitPoint => {
-                "the path has a limit point before the target, and a real spine would snap there"
-            }
-            Self::BranchPoint => {
-                "the path has a branch point before the target, and a real spine would buckle there"
-            }
-            Self::BeyondHumanRange => {
-                "the loads rotate joints or the whole spine farther than any human spine; linear springs do not limit it as ligaments, facets and muscles do; reduce the loads or the amplitude"
-            }
-            Self::Unreachable => {
-                "the target is not met up to the largest load factor and hinge angle, or the pose of a rod cannot be reached; reduce the loads or the amplitude, or load another vertebra"
-            }
-            Self::NotConverged => {
-                "the solver did not converge along the path of equilibria, with or against the loads, before the first solution was certain; try smaller loads"
-            }
-            Self::Interrupted => "the search was interrupted",
-        }
-    }
-
-    /// Whether the first equilibrium may be shown as a result.
-    #[must_use]
-    pub const fn is_usable(self) -> bool {
-        matches!(self, Self::Converged | Self::SeveralEquilibria)
-    }
-}
-
-named! {
-    /// What happened to the branch.
-    pub enum BranchEventKind {
-        /// The factor has a maximum or minimum.
-        LimitPoint = "limit_point",
-        /// Another branch crosses.
-        BranchPoint = "branch_point",
-    }
-}
 
 /// A singular point that the path went through.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -166,19 +98,6 @@ impl Equilibrium {
     pub const fn is_on_erect_branch(&self) -> bool {
         self.limit_points == 0 && self.branch_points == 0
     }
-}
-
-/// Why a walk stopped.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Stop {
-    /// Nothing more is requested.
-    Enough,
-    /// The largest hinge angle or factor.
-    Limit,
-    RodOutOfReach,
-    /// No step, however short, led on.
-    Stuck,
-    Interrupted,
 }
 
 /// The branch of equilibria from the erect spine, and what was met on it.

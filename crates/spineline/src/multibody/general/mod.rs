@@ -24,9 +24,7 @@ mod stability;
 mod tests;
 mod wrench;
 
-pub use equilibrium::{
-    BranchEvent, BranchEventKind, Equilibrium, EquilibriumPath, PathEnding, PathPoint,
-};
+pub use equilibrium::{BranchEvent, Equilibrium, EquilibriumPath, PathPoint};
 pub use loading::{
     BodyLoad, LoadItem, LoadPlace, Loading, LoadingError, LoadingFault, Rod, RodComponent, Timing,
     UNIT_TOLERANCE,

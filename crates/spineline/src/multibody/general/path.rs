@@ -1,12 +1,11 @@
 use std::ops::ControlFlow;
 
 use super::balance::{Balance, Factors};
-use super::equilibrium::{
-    BranchEvent, BranchEventKind, Equilibrium, EquilibriumPath, PathPoint, Stop,
-};
+use super::equilibrium::{BranchEvent, Equilibrium, EquilibriumPath, PathPoint};
 use super::newton::{BALANCED_RAD, Closing, Direction, Newton, NewtonEnding, velocity_at};
 use super::stability::Signs;
 use super::wrench::Spatial;
+use crate::multibody::follow::{Branch, BranchEventKind, Event, Stop};
 use crate::multibody::roots::{Along, Lost, Sample, zeros_between};
 use crate::multibody::{ForceSign, MAX_HINGE_RAD};
 use crate::spatial::{Angle, Frontal, Vec3};
@@ -81,14 +80,14 @@ pub(super) struct Base {
     pub goal: Sample,
 }
 
-/// A singular point within a step.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Located {
-    /// How far along the step.
-    pub at: f64,
-    /// The factor there.
-    pub factor: f64,
-    pub kind: BranchEventKind,
+/// A point of the path.
+pub(super) struct Step {
+    base: Base,
+    /// Its length and Newton's iterations; zero for the first point.
+    length_rad: f64,
+    iterations: u32,
+    /// What lies between it and the point before, in order.
+    events: Vec<Event>,
 }
 
 /// A stage of a path: its factors, and what was met so far.
@@ -106,6 +105,7 @@ pub(super) struct Walk<'w, 'b> {
 }
 
 impl<'w, 'b> Walk<'w, 'b> {
+    /// A branch that starts at the state as it is, whose factor is zero.
     pub(super) fn new(
         balance: Balance<'b>,
         newton: &'w mut Newton,
@@ -129,67 +129,14 @@ impl<'w, 'b> Walk<'w, 'b> {
         }
     }
 
-    /// Follows the branch from the state as it is, whose factor is zero.
-    pub(super) fn run(mut self) -> Stop {
-        let sign = match self.options.sign {
-            ForceSign::Positive => 1.0,
-            ForceSign::Negative => -1.0,
-        };
-        self.balance.evaluate(&self.factors, &mut self.newton.state);
-        let residual_rad = self.balance.residual_rad(&self.newton.state);
-        if residual_rad.is_nan() || residual_rad > BALANCED_RAD {
-            return Stop::Stuck;
-        }
-        let Some(mut base) = self.start(sign) else { return Stop::Stuck };
-        if self.push_point(0).is_break() {
-            return Stop::Interrupted;
-        }
-        if base.goal.met {
-            self.found();
-            if !self.options.look_beyond {
-                return Stop::Enough;
-            }
-        }
-        let mut step_rad = FIRST_STEP_RAD;
-        while self.path.points.len() < self.options.most_points {
-            let step = self.step(&base, step_rad).and_then(|(next, iterations)| {
-                let events = self.events_between(&base, &next)?;
-                let met = self.met_between(&base, &next)?;
-                Some((next, iterations, events, met))
-            });
-            let Some((next, iterations, events, met)) = step else {
-                step_rad *= 0.5;
-                if step_rad < MIN_STEP_RAD {
-                    return if self.rod_failed { Stop::RodOutOfReach } else { Stop::Stuck };
-                }
-                continue;
-            };
-            if let Some(stop) = self.report(&base, events, met) {
-                return stop;
-            }
-            self.arc_rad += step_rad;
-            self.restore(&next);
-            if self.push_point(iterations).is_break() {
-                return Stop::Interrupted;
-            }
-            if self.is_beyond_limits() {
-                return Stop::Limit;
-            }
-            base = next;
-            base.goal.at = 0.0;
-            self.rod_failed = false;
-            step_rad = (step_rad * if iterations <= 4 { 1.6 } else { 0.8 }).min(MAX_STEP_RAD);
-        }
-        Stop::Stuck
-    }
-
     fn is_beyond_limits(&self) -> bool {
         self.newton.state.largest_hinge_rad() > self.options.largest_hinge_rad
             || self.factors.varied().abs() > self.options.largest_factor
     }
 
     /// The first place, with a factor that counts as much as what it turns at first.
-    fn start(&mut self, sign: f64) -> Option<Base> {
+    fn first_base(&mut self) -> Option<Base> {
+        let sign = self.options.sign.factor();
         // Loads in small units have a large factor to go, and must not take more steps for that.
         let least = MIN_FACTOR_RAD.min(MIN_STEPS * MAX_STEP_RAD / self.options.largest_factor);
         let least = least.max(f64::MIN_POSITIVE.sqrt());
@@ -201,7 +148,7 @@ impl<'w, 'b> Walk<'w, 'b> {
     }
 
     /// A point at a step along the branch, and Newton's iterations; `None` where it may not be on the same branch.
-    pub(super) fn step(&mut self, base: &Base, step_rad: f64) -> Option<(Base, u32)> {
+    pub(super) fn beside(&mut self, base: &Base, step_rad: f64) -> Option<(Base, u32)> {
         let iterations = self.advance(base, step_rad)?;
         let mut next = self.base(&base.tangent, step_rad)?;
         let cosine = next.tangent.dot(&base.tangent.turns, base.tangent.factor);
@@ -291,34 +238,6 @@ impl<'w, 'b> Walk<'w, 'b> {
         (!lost).then_some(met)
     }
 
-    /// Reports singular points and equilibria within a step, in the order along the path.
-    fn report(&mut self, base: &Base, events: Vec<Located>, met: Vec<Sample>) -> Option<Stop> {
-        let mut events = events.into_iter().peekable();
-        for sample in met {
-            while let Some(event) = events.next_if(|event| event.at < sample.at) {
-                self.happened(event);
-            }
-            if !self.land(base, sample.at) {
-                return Some(Stop::Stuck);
-            }
-            if self.is_beyond_limits() {
-                break;
-            }
-            self.arc_rad += sample.at;
-            let pushed = self.push_point(1);
-            self.arc_rad -= sample.at;
-            self.found();
-            if pushed.is_break() {
-                return Some(Stop::Interrupted);
-            }
-            if !self.options.look_beyond {
-                return Some(Stop::Enough);
-            }
-        }
-        events.for_each(|event| self.happened(event));
-        None
-    }
-
     /// Puts the state where the goal is met; a full load is then met exactly.
     fn land(&mut self, base: &Base, at: f64) -> bool {
         if self.advance(base, at).is_none() {
@@ -332,12 +251,6 @@ impl<'w, 'b> Walk<'w, 'b> {
         report.ending == NewtonEnding::Balanced
     }
 
-    fn happened(&mut self, event: Located) {
-        let Located { at, factor, kind } = event;
-        let timing = self.factors.varies;
-        self.path.events.push(BranchEvent { kind, timing, factor, arc_rad: self.arc_rad + at });
-    }
-
     /// Puts the state back on a point.
     pub(super) fn restore(&mut self, point: &Base) {
         self.newton.state.hinges.clone_from(&point.hinges);
@@ -346,7 +259,17 @@ impl<'w, 'b> Walk<'w, 'b> {
         self.balance.evaluate(&self.factors, &mut self.newton.state);
     }
 
-    fn push_point(&mut self, iterations: u32) -> ControlFlow<()> {
+    /// Reports the state at a part of a step, which meets the goal.
+    fn report(&mut self, at: f64) -> ControlFlow<Stop> {
+        self.arc_rad += at;
+        let pushed = self.push_point(1);
+        self.arc_rad -= at;
+        let found = self.found();
+        pushed?;
+        found
+    }
+
+    fn push_point(&mut self, iterations: u32) -> ControlFlow<Stop> {
         let state = &self.newton.state;
         self.path.points.push(PathPoint {
             timing: self.factors.varies,
@@ -358,14 +281,97 @@ impl<'w, 'b> Walk<'w, 'b> {
             residual_rad: self.balance.residual_rad(state),
             deformed: state.deformed(),
         });
-        (self.on_point)(&self.path.points[self.path.points.len() - 1])
+        match (self.on_point)(&self.path.points[self.path.points.len() - 1]) {
+            ControlFlow::Break(()) => ControlFlow::Break(Stop::Interrupted),
+            ControlFlow::Continue(()) => ControlFlow::Continue(()),
+        }
     }
 
-    /// The state meets the goal.
-    fn found(&mut self) {
+    /// The state meets the goal; whether more places are looked for.
+    fn found(&mut self) -> ControlFlow<Stop> {
         let equilibrium =
             Equilibrium::new(&self.balance, &self.factors, &self.newton.state, self.path);
         self.path.equilibria.push(equilibrium);
+        if self.options.look_beyond {
+            ControlFlow::Continue(())
+        } else {
+            ControlFlow::Break(Stop::Enough)
+        }
+    }
+}
+
+impl Branch for Walk<'_, '_> {
+    type Place = Step;
+
+    fn start(&mut self) -> Option<Step> {
+        self.balance.evaluate(&self.factors, &mut self.newton.state);
+        let residual_rad = self.balance.residual_rad(&self.newton.state);
+        if residual_rad.is_nan() || residual_rad > BALANCED_RAD {
+            return None;
+        }
+        let base = self.first_base()?;
+        Some(Step { base, length_rad: 0.0, iterations: 0, events: Vec::new() })
+    }
+
+    fn arrive(&mut self, point: &mut Step) -> ControlFlow<Stop> {
+        self.arc_rad += point.length_rad;
+        self.push_point(point.iterations)?;
+        let is_first = point.length_rad == 0.0;
+        if is_first && point.base.goal.met {
+            self.found()?;
+        }
+        if !is_first && self.is_beyond_limits() {
+            return ControlFlow::Break(Stop::Limit);
+        }
+        if self.path.points.len() >= self.options.most_points {
+            return ControlFlow::Break(Stop::Stuck);
+        }
+        point.base.goal.at = 0.0;
+        self.rod_failed = false;
+        ControlFlow::Continue(())
+    }
+
+    fn lengths(&self, point: &Step) -> [f64; 2] {
+        let growth = if point.iterations <= 4 { 1.6 } else { 0.8 };
+        let longest_rad = (point.length_rad * growth).min(MAX_STEP_RAD);
+        [if point.length_rad > 0.0 { longest_rad } else { FIRST_STEP_RAD }, MIN_STEP_RAD]
+    }
+
+    fn step(&mut self, from: &Step, length_rad: f64) -> Option<Step> {
+        let (base, iterations) = self.beside(&from.base, length_rad)?;
+        let singular = self.events_between(&from.base, &base)?;
+        let met = self.met_between(&from.base, &base)?;
+        let mut events: Vec<Event> = met.into_iter().map(Event::GoalMet).chain(singular).collect();
+        events.sort_by(|a, b| a.at().total_cmp(&b.at()));
+        Some(Step { base, length_rad, iterations, events })
+    }
+
+    fn pass(&mut self, from: &Step, to: &Step) -> ControlFlow<Stop> {
+        let mut is_beyond = false;
+        for event in &to.events {
+            match *event {
+                Event::Singular { at, factor, kind } => {
+                    let (timing, arc_rad) = (self.factors.varies, self.arc_rad + at);
+                    self.path.events.push(BranchEvent { kind, timing, factor, arc_rad });
+                }
+                Event::GoalMet(sample) if !is_beyond => {
+                    if !self.land(&from.base, sample.at) {
+                        return ControlFlow::Break(Stop::Stuck);
+                    }
+                    is_beyond = self.is_beyond_limits();
+                    if !is_beyond {
+                        self.report(sample.at)?;
+                    }
+                }
+                Event::GoalMet(_) => {}
+            }
+        }
+        self.restore(&to.base);
+        ControlFlow::Continue(())
+    }
+
+    fn stuck(&self) -> Stop {
+        if self.rod_failed { Stop::RodOutOfReach } else { Stop::Stuck }
     }
 }
 
@@ -380,7 +386,7 @@ struct Within<'v, 'w, 'b> {
 
 impl Along for Within<'_, '_, '_> {
     fn sample(&mut self, at: f64) -> Option<Sample> {
-        self.walk.step(self.base, at).map(|(between, _)| between.goal)
+        self.walk.beside(self.base, at).map(|(between, _)| between.goal)
     }
 
     fn found(&mut self, zero: Result<Sample, Lost>) -> bool {

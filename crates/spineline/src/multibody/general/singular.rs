@@ -1,8 +1,8 @@
 //! Singular points of the branch: where the factor turns, and where other branches cross.
 
-use super::equilibrium::BranchEventKind;
-use super::path::{Base, Located, Walk};
+use super::path::{Base, Walk};
 use super::stability::smallest_singular_value;
+use crate::multibody::follow::{BranchEventKind, Event};
 use crate::multibody::roots::{Sample, turning_point};
 
 /// A change of signs is narrowed down to this part of its step.
@@ -15,11 +15,11 @@ const SAME_RAD: f64 = 1e-3;
 const SINGULAR: f64 = 1e-3;
 
 impl Walk<'_, '_> {
-    /// Singular points between two points, in order; `None` where the two are not on one branch.
+    /// Singular points between two points; `None` where the two are not on one branch.
     ///
     /// A step over a sharp bend may land on the branch beyond it. The signs show it: where they change, the branch must be
     /// singular, or the shapes on both sides of the change are not neighbours.
-    pub(super) fn events_between(&mut self, base: &Base, next: &Base) -> Option<Vec<Located>> {
+    pub(super) fn events_between(&mut self, base: &Base, next: &Base) -> Option<Vec<Event>> {
         let mut events = Vec::new();
         let mut gaps = Vec::new();
         if base.signs != next.signs {
@@ -31,7 +31,7 @@ impl Walk<'_, '_> {
         while let Some((low, high)) = gaps.pop() {
             let width = high.goal.at - low.goal.at;
             let middle = if width > NARROW * length {
-                self.step(base, f64::midpoint(low.goal.at, high.goal.at))
+                self.beside(base, f64::midpoint(low.goal.at, high.goal.at))
             } else {
                 None
             };
@@ -49,15 +49,17 @@ impl Walk<'_, '_> {
             }
         }
         let turned = base.tangent.factor * next.tangent.factor < 0.0;
-        if turned && !events.iter().any(|event| event.kind == BranchEventKind::LimitPoint) {
+        let is_limit = |event: &Event| {
+            matches!(event, Event::Singular { kind: BranchEventKind::LimitPoint, .. })
+        };
+        if turned && !events.iter().any(is_limit) {
             events.push(self.limit_point(base, next)?);
-            events.sort_by(|a, b| a.at.total_cmp(&b.at));
         }
         Some(events)
     }
 
     /// The singular point in a narrow gap over which the signs change, if any; an outer `None` if its sides differ.
-    fn event_in_gap(&mut self, low: &Base, high: &Base) -> Option<Option<Located>> {
+    fn event_in_gap(&mut self, low: &Base, high: &Base) -> Option<Option<Event>> {
         let apart = low.hinges.iter().zip(&high.hinges);
         if apart.map(|(a, b)| (a - b).amax()).fold(0.0, f64::max) > SAME_RAD {
             return None;
@@ -71,11 +73,11 @@ impl Walk<'_, '_> {
         }
         let turned = low.tangent.factor * high.tangent.factor < 0.0;
         let kind = if turned { BranchEventKind::LimitPoint } else { BranchEventKind::BranchPoint };
-        Some(Some(Located { at: low.goal.at, factor: low.factor, kind }))
+        Some(Some(Event::Singular { at: low.goal.at, factor: low.factor, kind }))
     }
 
     /// Where the factor turns between two points.
-    fn limit_point(&mut self, base: &Base, next: &Base) -> Option<Located> {
+    fn limit_point(&mut self, base: &Base, next: &Base) -> Option<Event> {
         let sample = |at, base: &Base| Sample {
             at,
             value: base.factor,
@@ -85,9 +87,9 @@ impl Walk<'_, '_> {
         };
         let (from, to) = (sample(0.0, base), sample(next.goal.at, next));
         let turn = turning_point(&from, &to, |at| {
-            self.step(base, at).map(|(between, _)| sample(at, &between))
+            self.beside(base, at).map(|(between, _)| sample(at, &between))
         });
         let Sample { at, value, .. } = turn.ok()?;
-        Some(Located { at, factor: value, kind: BranchEventKind::LimitPoint })
+        Some(Event::Singular { at, factor: value, kind: BranchEventKind::LimitPoint })
     }
 }

@@ -1,10 +1,11 @@
 use std::ops::ControlFlow;
 
 use super::balance::{Balance, Factors};
-use super::equilibrium::{EquilibriumPath, PathEnding, Stop};
+use super::equilibrium::EquilibriumPath;
 use super::loading::{Loading, LoadingError, Timing};
 use super::newton::{Closing, Newton, NewtonEnding};
 use super::path::{Goal, OnPoint, PathOptions, Walk};
+use crate::multibody::follow::{PathEnding, Stop, follow};
 use crate::multibody::{Deformed, ForceSign, SpineModel, Support};
 use crate::spatial::{Mat3, Vec3};
 
@@ -219,7 +220,8 @@ impl<'a> GeneralStatics<'a> {
                 ..*options
             };
             let stage = (factors, Goal::FullLoad);
-            let stop = Walk::new(balance, &mut newton, stage, &once, &mut path, on_point).run();
+            let stop =
+                follow(&mut Walk::new(balance, &mut newton, stage, &once, &mut path, on_point));
             path.ending = path.ending(stop);
             let stands = path.result().is_some() && stop != Stop::Interrupted;
             // These shapes do not meet the goal.
@@ -229,8 +231,9 @@ impl<'a> GeneralStatics<'a> {
             }
         }
         let factors = Factors { constant: 1.0, proportional: 0.0, varies: Timing::Proportional };
+        let stage = (factors, goal);
         let stop =
-            Walk::new(balance, &mut newton, (factors, goal), options, &mut path, on_point).run();
+            follow(&mut Walk::new(balance, &mut newton, stage, options, &mut path, on_point));
         path.ending = path.ending(stop);
         path.is_complete = !matches!(stop, Stop::Stuck | Stop::Interrupted);
         Ok(path)
