@@ -12,7 +12,7 @@ use crate::measure::{
     OutlineNoise, TiltRule, body_widths, common_levels, outline_of, seen_levels,
     warn_of_alike_observers, warn_of_implausible_landmarks, warn_of_shortened_chain,
 };
-use crate::personalize::NearbyLoads;
+use crate::personalize::PreferredLoads;
 use crate::warning::{WarningCode, Warnings};
 
 /// Results of other readings of the same films.
@@ -21,7 +21,7 @@ pub(crate) struct OtherReadings<'a> {
     /// Standard deviations of the films' measured values, in the order of the postures.
     pub noise: Vec<OutlineNoise>,
     /// Warm start of the loads.
-    pub loads: Option<NearbyLoads>,
+    pub loads: Option<PreferredLoads>,
     /// Warm start of the models.
     pub models: &'a [LineModel],
 }

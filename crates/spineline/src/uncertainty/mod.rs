@@ -103,7 +103,7 @@ impl<'a> MonteCarlo<'a> {
                     .iter()
                     .map(|p| OutlineNoise::of(&p.outline))
                     .collect(),
-                loads: nominal.nearby_loads(),
+                loads: nominal.preferred_loads().ok(),
                 models: &nominal.models,
             },
             quantities: quantities::all_of(nominal, &kinds),
