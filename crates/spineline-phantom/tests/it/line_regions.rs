@@ -56,9 +56,9 @@ fn count(phantom: &spineline_phantom::Phantom, analysis: &Analysis, counts: &mut
     let loads = analysis.preferred_loads();
     // One fit for all films, counted under the erect one, which has no load.
     let [converged, all] = counts.entry((Posture::Erect, CONVERGED)).or_default();
-    *converged += usize::from(loads.is_some());
+    *converged += usize::from(loads.is_ok());
     *all += 1;
-    let Some(loads) = loads else { return };
+    let Ok(loads) = loads else { return };
     let moved = analysis.movement.films.iter().filter(|posture| posture.evidence.is_some());
     for (film, posture) in moved.enumerate() {
         let name = posture.outline.posture;

@@ -6,7 +6,7 @@ use super::models::fit_models;
 use super::preference::prefer_lines;
 use super::{Analysis, AnalysisOptions, Case, LineModel, Movement, Replicated};
 use crate::error::Error;
-use crate::personalize::NearbyLoads;
+use crate::personalize::PreferredLoads;
 use crate::warning::Warnings;
 
 /// Runs all steps on one case, as far as its films reach.
@@ -54,14 +54,14 @@ pub fn analyze_movement(case: &Case, options: &AnalysisOptions) -> Result<Analys
 /// solver's tolerance.
 #[derive(Debug, Clone)]
 pub(crate) struct FitStarts<'a> {
-    loads: Option<NearbyLoads>,
+    loads: Option<PreferredLoads>,
     models: &'a [LineModel],
 }
 
 impl<'a> FitStarts<'a> {
     /// The fits of an analysis.
     pub fn of(analysis: &'a Analysis) -> Self {
-        Self { loads: analysis.nearby_loads(), models: &analysis.models }
+        Self { loads: analysis.preferred_loads().ok(), models: &analysis.models }
     }
 }
 

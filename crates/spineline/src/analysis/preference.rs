@@ -9,7 +9,7 @@ use crate::action::{LineKind, LineOfAction};
 use crate::clinical::JointShares;
 use crate::curve::CurveSpread;
 use crate::personalize::evidence::FilmEvidence;
-use crate::personalize::{NearbyLoads, PreferredLoads, ProposedLine};
+use crate::personalize::{NoLoads, PreferredLoads, ProposedLine};
 use crate::spatial::{Angle, Frontal};
 use crate::warning::{WarningCode, Warnings};
 
@@ -30,30 +30,24 @@ impl FilmMovement {
 
 impl Analysis {
     /// The loads of best fit on all films but the erect one, with regional multipliers; films in the order of the postures.
-    #[must_use]
-    pub fn preferred_loads(&self) -> Option<PreferredLoads> {
+    ///
+    /// # Errors
+    /// [`NoLoads`].
+    pub fn preferred_loads(&self) -> Result<PreferredLoads, NoLoads> {
         preferred_loads_near(&self.movement, None)
     }
-
-    /// The same, for fits to other readings of the films.
-    pub(crate) fn nearby_loads(&self) -> Option<NearbyLoads> {
-        let (found, movement) = (self.preferred_loads()?, &self.movement);
-        let films = evidence_of(movement);
-        NearbyLoads::about(&found, &films, movement.depth_mm(), &joint_shares(movement))
-    }
 }
 
-fn preferred_loads_near(movement: &Movement, near: Option<&NearbyLoads>) -> Option<PreferredLoads> {
+fn preferred_loads_near(
+    movement: &Movement,
+    near: Option<&PreferredLoads>,
+) -> Result<PreferredLoads, NoLoads> {
     if movement.film_without_scale().is_some() {
-        return None;
+        return Err(NoLoads::NoFilms);
     }
-    let films = evidence_of(movement);
+    let films: Vec<&FilmEvidence> =
+        movement.films.iter().filter_map(|posture| posture.evidence.as_ref()).collect();
     PreferredLoads::estimate(&films, movement.depth_mm(), &joint_shares(movement), near)
-}
-
-/// Of every film that has it.
-fn evidence_of(movement: &Movement) -> Vec<&FilmEvidence> {
-    movement.films.iter().filter_map(|posture| posture.evidence.as_ref()).collect()
 }
 
 /// Which part of every joint lies in which region: regions end at the inflections, unless these give no three regions.
@@ -76,17 +70,22 @@ fn joint_shares(movement: &Movement) -> JointShares {
 pub(super) fn prefer_lines(
     movement: &mut Movement,
     options: &AnalysisOptions,
-    near: Option<&NearbyLoads>,
+    near: Option<&PreferredLoads>,
     warnings: &mut Warnings,
 ) {
     // Lines need lengths.
     if movement.film_without_scale().is_some() || movement.films.len() < 2 {
         return;
     }
-    let Some(loads) = preferred_loads_near(movement, near) else {
-        let text = "the estimation of the lines of best fit to the rotations did not converge, so no film has such a line and no line of action is tested";
-        warnings.push(WarningCode::PreferredLinesNotFound, text);
-        return;
+    let loads = match preferred_loads_near(movement, near) {
+        Ok(loads) => loads,
+        Err(reason) => {
+            let text = format!(
+                "{reason}, so no film has a line of best fit to the rotations and no line of action is tested"
+            );
+            warnings.push(WarningCode::PreferredLinesNotFound, text);
+            return;
+        }
     };
     let inflections_mm2 = inflections_along_mm2(movement);
     let line_of = |film: usize, posture: &FilmMovement| {

@@ -16,25 +16,17 @@
 //! # References
 //! [petit-2004]; [jalalian-loa], section 3.2; [more-1978] for the minimisation.
 
-mod acceleration;
 pub mod estimate;
 pub mod evidence;
 mod fit;
 mod identify;
-mod line_test;
-mod mixed_equations;
-mod nearby_loads;
+mod mixed;
 mod outcome;
-mod preferred;
-mod preferred_loads;
 mod problem;
-mod random_effects;
 mod rows;
 mod search;
 mod shape_weights;
 mod start;
-mod tilt_errors;
-mod weights;
 
 pub use crate::least_squares::FitStatus;
 pub use fit::{Personalization, StiffnessBound, personalize};
@@ -42,10 +34,8 @@ pub use identify::{
     Identifiability, MULTIPLIER_COVERAGE, MultiplierInformation, Profile, ProfileEnd, ProfilePoint,
     ProfileVerdict, StiffnessDirection, identify,
 };
-pub use line_test::{Crossing, LineTest, ProposedLine, SIGNIFICANCE};
-pub(crate) use nearby_loads::NearbyLoads;
+pub use mixed::{Crossing, LineTest, NoLoads, PreferredLoads, ProposedLine, SIGNIFICANCE};
 pub use outcome::TestOutcome;
-pub use preferred_loads::PreferredLoads;
 pub(crate) use search::{Best, FitProblem};
 pub(crate) use shape_weights::{ROWS_PER_VERTEBRA, ShapeRows, ShapeWeights};
 pub use start::Start;

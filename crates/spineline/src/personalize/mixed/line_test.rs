@@ -1,12 +1,26 @@
 //! Test of a line of action against films, and the 95 % region of the line of best fit.
+//!
+//! # Degrees of freedom
+//! The noise of tilts is estimated from how readings differ. With `M = dw/dy` of the loads `w` and the covariance `S_f` of the
+//! rotations by the tilts of film `f`, whose variance is known on `n_f` degrees of freedom, a variance `v` of a number of the loads is
+//! known on
+//!
+//! ```text
+//! C_f = M S_f M',    nu = v^2 / sum_f (v_f^2 / n_f)
+//! ```
+//!
+//! degrees of freedom [satterthwaite-1946], where `v_f` is its part by `C_f`. For several numbers with the covariance `C`, `v_f / v` is
+//! the mean of the eigenvalues of `C^-1 C_f`. Variances of the random effects are taken as known. Tilts of completed corners and
+//! interpolated vertebrae count as the others of their film (assumption), which makes the degrees of freedom smaller.
 
 use nalgebra::{DMatrix, DVector, Matrix4, RowVector3, Vector4};
 use statrs::distribution::{ChiSquared, ContinuousCDF, StudentsT};
 use statrs::function::beta::beta_reg;
 
-use super::estimate::{EstimatedLine, line_of};
-use super::preferred_loads::PreferredLoads;
-use super::tilt_errors::of_film;
+use super::super::estimate::{EstimatedLine, line_of};
+use super::super::evidence::FilmEvidence;
+use super::PreferredLoads;
+use super::equations::of_rotations;
 use crate::spatial::{Angle, Frontal};
 
 /// A proposal for the line on one film.
@@ -139,6 +153,58 @@ impl PreferredLoads {
     }
 }
 
+/// More degrees of freedom make no difference.
+const MANY: f64 = 1e4;
+
+/// Parts of the covariance of the loads from tilts whose variance is estimated, with its degrees of freedom.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub(super) struct TiltErrors(Vec<(DMatrix<f64>, usize)>);
+
+impl TiltErrors {
+    /// Of films and of the erect film that they share, from how loads follow errors of the rotations, components by rotations.
+    pub fn of_films(films: &[&FilmEvidence], loads_by_errors: &DMatrix<f64>) -> Self {
+        let joints = loads_by_errors.ncols() / films.len();
+        let by_film = |film: usize| loads_by_errors.columns(film * joints, joints);
+        let part = |by_rotations: DMatrix<f64>, tilts, freedom: Option<usize>| {
+            let covariance = &by_rotations * of_rotations(&tilts) * by_rotations.transpose();
+            Some((covariance, freedom?))
+        };
+        let of_film = films.iter().enumerate().filter_map(|(i, film)| {
+            part(by_film(i).into_owned(), film.tilt_covariance(), film.tilt_degrees_of_freedom[0])
+        });
+        let by_erect = (0..films.len())
+            .map(by_film)
+            .fold(DMatrix::zeros(loads_by_errors.nrows(), joints), |sum, by_film| sum + by_film);
+        let of_erect =
+            part(by_erect, films[0].erect_tilt_covariance(), films[0].tilt_degrees_of_freedom[1]);
+        Self(of_film.chain(of_erect).collect())
+    }
+
+    /// Degrees of freedom of the covariance of some numbers of a film's load, of which the inverse is given; `None` where no noise was
+    /// estimated, or where they are too many to matter.
+    fn freedom(
+        &self,
+        film: usize,
+        numbers: &[RowVector3<f64>],
+        inverse: &DMatrix<f64>,
+    ) -> Option<f64> {
+        let unsure = self.0.iter().map(|(covariance, freedom)| {
+            let share = (inverse * of_film(covariance, film, numbers)).trace();
+            (share / numbers.len() as f64).powi(2) / *freedom as f64
+        });
+        let sum: f64 = unsure.sum();
+        (sum > 1.0 / MANY).then(|| 1.0 / sum)
+    }
+}
+
+/// Covariance of some linear numbers of a film's load, from the covariance of all components.
+fn of_film(covariance: &DMatrix<f64>, film: usize, numbers: &[RowVector3<f64>]) -> DMatrix<f64> {
+    let own = covariance.fixed_view::<3, 3>(3 * film, 3 * film);
+    DMatrix::from_fn(numbers.len(), numbers.len(), |i, j| {
+        (numbers[i] * own * numbers[j].transpose())[0]
+    })
+}
+
 /// Probability of a larger sum of squares, in deviations that are known or were estimated.
 fn tail(chi_squared: f64, restrictions: f64, freedom: Option<f64>) -> Option<f64> {
     Some(match freedom {
@@ -157,8 +223,6 @@ fn moment_about(point: Frontal) -> RowVector3<f64> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::evidence::FilmEvidence;
-    use super::super::tilt_errors::TiltErrors;
     use super::*;
     use crate::anatomy::{Level, Levels};
 
@@ -166,13 +230,8 @@ mod tests {
     fn upwards(variances: [f64; 3]) -> PreferredLoads {
         PreferredLoads {
             components: vec![[0.0, 100.0, 1000.0]],
-            log_multipliers: vec![0.0],
-            centres_higher_discs: 0.0,
-            evenness: 0.0,
             joint_log_sd: 0.1,
-            trend_log_sd: 0.1,
-            centre_sd_discs: 1.0,
-            own: Vec::new(),
+            unknowns: DVector::default(),
             covariance: DMatrix::from_diagonal(&DVector::from_column_slice(&variances)),
             from_tilts: TiltErrors::default(),
         }
