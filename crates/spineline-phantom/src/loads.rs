@@ -37,7 +37,7 @@ pub(crate) fn move_by(
             let reached = |shape: &ChainShape| shape.rotation_from(erect) >= target;
             let solve = |size: f64, shape: &mut ChainShape| {
                 let acting = on_vertebrae(scenario, size, sense);
-                let couple_nmm = acting.iter().map(|(_, _, couple_nmm)| couple_nmm).sum();
+                let couple_nmm = acting.iter().map(|one| one.couple_nmm).sum();
                 *shape = rod.bend_by(shape, couple_nmm, |now| {
                     forces(scenario, spine, now, size * sense, &acting)
                 })?;
@@ -61,28 +61,45 @@ pub(crate) fn l4_on_film(scenario: Scenario, sense: f64) -> Option<Angle> {
     }
 }
 
+/// A force and a couple on the body of a vertebra.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct OnVertebra {
+    /// Place in the model, caudal first.
+    pub vertebra: usize,
+    pub force: Frontal,
+    pub couple_nmm: f64,
+}
+
+impl OnVertebra {
+    fn force(vertebra: usize, force: Frontal) -> Self {
+        Self { vertebra, force, couple_nmm: 0.0 }
+    }
+}
+
 /// Forces and couples on the bodies of vertebrae, by their places in the model. The sense is 1 for a load that turns to the
 /// right. A couple on T2 is the same moment at all levels.
-pub(crate) fn on_vertebrae(
-    scenario: Scenario,
-    size: f64,
-    sense: f64,
-) -> Vec<(usize, Frontal, f64)> {
+pub(crate) fn on_vertebrae(scenario: Scenario, size: f64, sense: f64) -> Vec<OnVertebra> {
     const TOP: usize = Level::MODEL.len() - 1;
     const T5: usize = 11;
     const T11: usize = 5;
     let sideways = Frontal::new(-sense * size, 0.0);
-    let couple = |arm_mm: f64| (TOP, Frontal::default(), arm_mm * size * sense);
+    let couple = |arm_mm: f64| OnVertebra {
+        vertebra: TOP,
+        force: Frontal::default(),
+        couple_nmm: arm_mm * size * sense,
+    };
     let mut all = match scenario {
         Scenario::Couple => vec![couple(100.0)],
-        Scenario::WeightAndCouple => vec![couple(60.0)],
-        Scenario::Pads => vec![(T5, sideways, 0.0), (T11, sideways * -0.5, 0.0)],
+        Scenario::WeightAndCouple => vec![couple(100.0)],
+        Scenario::Pads => {
+            vec![OnVertebra::force(T5, sideways), OnVertebra::force(T11, sideways * -0.5)]
+        }
         _ => Vec::new(),
     };
     if let Some(tilt) = l4_on_film(scenario, sense) {
         let down = Frontal::leaning(-tilt) * -size;
         let levels = Level::MODEL.into_iter().enumerate().skip(1);
-        all.extend(levels.map(|(v, level)| (v, down * trunk_weight_share(level), 0.0)));
+        all.extend(levels.map(|(v, level)| OnVertebra::force(v, down * trunk_weight_share(level))));
     }
     all
 }
@@ -92,7 +109,7 @@ fn forces(
     spine: &ErectSpine,
     shape: &ChainShape,
     signed_size: f64,
-    on_vertebrae: &[(usize, Frontal, f64)],
+    on_vertebrae: &[OnVertebra],
 ) -> Vec<PointForce> {
     let at = |s_mm: f64, force: Frontal| PointForce { s_mm, point: shape.point(s_mm), force };
     let s = &spine.vertebra_s_mm;
@@ -115,7 +132,7 @@ fn forces(
             };
             vec![pull, at(s[apex(spine)], sideways * AT_APEX)]
         }
-        _ => on_vertebrae.iter().map(|(v, force, _)| at(s[*v], *force)).collect(),
+        _ => on_vertebrae.iter().map(|one| at(s[one.vertebra], one.force)).collect(),
     }
 }
 

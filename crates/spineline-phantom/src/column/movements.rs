@@ -7,7 +7,7 @@ use spineline::anatomy::Posture;
 use spineline::spatial::{Angle, Frontal};
 
 use super::{Acting, Anatomy, Column, Shape};
-use crate::loads::{l4_on_film, on_vertebrae};
+use crate::loads::{OnVertebra, l4_on_film, on_vertebrae};
 use crate::movement::{TOTAL_DEG, force_for, usual_variation};
 use crate::{Scenario, TruePosture};
 
@@ -118,12 +118,12 @@ impl Sized {
             let station = column.links.len();
             return vec![Acting { station, force: direction * size, couple_nmm: 0.0 }];
         }
-        let on = |(vertebra, force, couple_nmm)| Acting {
-            station: column.vertebrae[vertebra],
-            force,
-            couple_nmm,
+        let on = |one: OnVertebra| Acting {
+            station: column.vertebrae[one.vertebra],
+            force: one.force,
+            couple_nmm: one.couple_nmm,
         };
-        // A load to the left turns to the left, which is negative.
+        // A turn to the left is negative.
         on_vertebrae(self.scenario, size, -self.sense).into_iter().map(on).collect()
     }
 }

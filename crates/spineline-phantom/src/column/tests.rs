@@ -63,29 +63,36 @@ fn a_stiffening_spring_carries_its_moment() {
     }
 }
 
-/// Hinges by the station below, with the turn of their springs.
-fn hinges(column: &Column, shape: &Shape) -> Vec<(usize, Frontal, f64, Spring)> {
-    let of = |(station, link): (usize, &Link)| {
+/// A hinge in a shape.
+struct TurnedHinge {
+    station_below: usize,
+    point: Frontal,
+    turn_rad: f64,
+    spring: Spring,
+}
+
+fn hinges(column: &Column, shape: &Shape) -> Vec<TurnedHinge> {
+    let of = |(station_below, link): (usize, &Link)| {
         let Link::Hinge { to_hinge, turn_rad, spring, .. } = link else { return None };
-        let [low, high] = [station, station + 1].map(|s| shape.places[s]);
-        let hinge = low.point + to_hinge.rotated(Angle::from_rad(low.tilt_rad));
-        Some((station, hinge, high.tilt_rad - low.tilt_rad - turn_rad, *spring))
+        let [low, high] = [station_below, station_below + 1].map(|s| shape.places[s]);
+        let point = low.point + to_hinge.rotated(Angle::from_rad(low.tilt_rad));
+        let turn_rad = high.tilt_rad - low.tilt_rad - turn_rad;
+        Some(TurnedHinge { station_below, point, turn_rad, spring: *spring })
     };
     column.links.iter().enumerate().filter_map(of).collect()
 }
 
 /// Energy that is gained per turn of one hinge, in N·mm: of its spring, and of the forces on what a rigid turn moves.
-fn unbalance_nmm(acting: &[Acting], shape: &Shape, hinge: &(usize, Frontal, f64, Spring)) -> f64 {
+fn unbalance_nmm(acting: &[Acting], shape: &Shape, hinge: &TurnedHinge) -> f64 {
     const H: f64 = 1e-4;
-    let (below, centre, turn_rad, spring) = *hinge;
     let energy = |by: f64| {
-        let turn = turn_rad + by;
-        let quartic = turn.powi(4) / (2.0 * spring.stiffening_rad.powi(2));
-        let stored = 0.5 * spring.nmm_per_rad * (turn * turn + quartic);
-        let above = acting.iter().filter(|one| one.station > below);
+        let turn = hinge.turn_rad + by;
+        let quartic = turn.powi(4) / (2.0 * hinge.spring.stiffening_rad.powi(2));
+        let stored = 0.5 * hinge.spring.nmm_per_rad * (turn * turn + quartic);
+        let above = acting.iter().filter(|one| one.station > hinge.station_below);
         let gained = above.map(|one| {
             let point = shape.places[one.station].point;
-            let moved = centre + (point - centre).rotated(Angle::from_rad(by));
+            let moved = hinge.point + (point - hinge.point).rotated(Angle::from_rad(by));
             one.force.dot(moved - point) + one.couple_nmm * by
         });
         stored - gained.sum::<f64>()
@@ -136,12 +143,12 @@ fn hinges_lie_in_their_discs_and_beside_the_midline() {
         let build = Build { construction: Construction::Wedges, joint_log_sd: 0.0 };
         let column = Anatomy::draw(&SUBJECTS[0], &build, &mut rng).expect("a spine").column;
         let erect = column.erect();
-        for (joint, (_, hinge, ..)) in hinges(&column, &erect).iter().enumerate() {
+        for (joint, hinge) in hinges(&column, &erect).iter().enumerate() {
             let [low, high] = [joint, joint + 1].map(|v| erect.places[column.vertebrae[v]].point);
             let along = high - low;
-            let part = along.dot(*hinge - low) / along.dot(along);
+            let part = along.dot(hinge.point - low) / along.dot(along);
             assert!((0.15..0.85).contains(&part), "{part}");
-            squares.push((along.cross(*hinge - low) / along.norm_mm()).powi(2));
+            squares.push((along.cross(hinge.point - low) / along.norm_mm()).powi(2));
         }
     }
     let mean = squares.iter().sum::<f64>() / squares.len() as f64;
