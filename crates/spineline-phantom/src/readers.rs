@@ -25,7 +25,7 @@ pub struct Readers {
     pub axis_bias_sd: Angle,
     /// Standard deviation of a coordinate of an iliac crest, which is marked once.
     pub crest_sd_mm: f64,
-    /// Whether corners are rounded to pixels and axes to 0.1°.
+    /// Whether corners are rounded to pixels, and axes are set by hand, to 0.1°; else tilts come from corners alone.
     pub rounded: bool,
 }
 

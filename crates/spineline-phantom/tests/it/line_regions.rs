@@ -1,7 +1,7 @@
 //! How often regions, intervals and tests of the line of action are right, on synthetic patients with a known line or with
 //! loads that no line describes, read with noise.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 use std::ops::RangeInclusive;
 
 use nalgebra::Matrix4;
@@ -41,7 +41,7 @@ struct Kind {
     observers: u32,
 }
 
-/// Observers with biases for every corner, who mark crests roughly.
+/// Observers with biases for every corner, who mark crests roughly and set no axis by hand: tilts come from corners.
 fn readers(observers: u32) -> Readers {
     Readers {
         observers,
@@ -49,6 +49,7 @@ fn readers(observers: u32) -> Readers {
         corner_sd_mm: 0.5,
         corner_bias_sd_mm: 0.35,
         crest_sd_mm: CREST_SD_MM,
+        rounded: false,
         ..Readers::default()
     }
 }
@@ -250,48 +251,38 @@ impl Share {
     }
 }
 
-/// What was counted on one loading scenario.
-type Column = (Scenario, &'static str);
-
-/// On films with a true line.
-const SIZES: [Column; 9] = [
-    (Scenario::Rod, INFLECTION),
-    (Scenario::Rod, REGION),
-    (Scenario::Pull, REGION),
-    (Scenario::Pull, REGION_AT_REST),
-    (Scenario::Rod, BY_INFLECTIONS),
-    (Scenario::Pull, BY_ILIAC),
-    (Scenario::Pull, BY_PETIT),
-    (Scenario::Rod, MULTIPLIER),
-    (Scenario::Pull, MULTIPLIER),
-];
-
-/// On bends by loads that no line describes.
-const POWERS: [Column; 6] = [
-    (Scenario::WeightAndCouple, BY_INFLECTIONS),
-    (Scenario::WeightAndCouple, BY_ILIAC),
-    (Scenario::WeightAndCouple, BY_PETIT),
-    (Scenario::Pads, BY_INFLECTIONS),
-    (Scenario::Pads, BY_ILIAC),
-    (Scenario::Pads, BY_PETIT),
+/// What was counted on which loading scenario, in the words of `validation/claims.md`.
+const ROWS: [(&str, Scenario, &str); 15] = [
+    ("true inflection in its interval", Scenario::Rod, INFLECTION),
+    ("true inflection line in its region", Scenario::Rod, REGION),
+    ("true line of Petit in its region", Scenario::Pull, REGION),
+    ("the same, neutral and traction", Scenario::Pull, REGION_AT_REST),
+    ("multiplier in its interval, inflection line", Scenario::Rod, MULTIPLIER),
+    ("multiplier in its interval, Petit's line", Scenario::Pull, MULTIPLIER),
+    ("true inflection line rejected", Scenario::Rod, BY_INFLECTIONS),
+    ("true iliac line rejected", Scenario::Pull, BY_ILIAC),
+    ("true line of Petit rejected, direction and T2", Scenario::Pull, BY_PETIT),
+    ("weight and couple: inflection line rejected", Scenario::WeightAndCouple, BY_INFLECTIONS),
+    ("weight and couple: iliac line rejected", Scenario::WeightAndCouple, BY_ILIAC),
+    ("weight and couple: Petit's line rejected", Scenario::WeightAndCouple, BY_PETIT),
+    ("two pads: inflection line rejected", Scenario::Pads, BY_INFLECTIONS),
+    ("two pads: iliac line rejected", Scenario::Pads, BY_ILIAC),
+    ("two pads: Petit's line rejected", Scenario::Pads, BY_PETIT),
 ];
 
 /// Prints a table of shares in %, with standard errors over patients.
-fn print(columns: &[Column], all: &[(Kind, Counts)]) {
-    let titles = columns.iter().map(|(scenario, what)| format!(" {}: {what} |", scenario.key()));
-    println!("| construction, readings |{}", titles.collect::<String>());
-    println!("|---|{}", "---|".repeat(columns.len()));
-    let rows: BTreeSet<_> =
-        all.iter().map(|(kind, _)| (kind.observers, kind.construction)).collect();
-    for (observers, construction) in rows {
-        let cell = |(scenario, what): &Column| {
-            let kind = Kind { construction, scenario: *scenario, observers };
+fn print(observers: u32, all: &[(Kind, Counts)]) {
+    let titles = Construction::ALL.map(|construction| format!(" `{}` |", construction.key()));
+    println!("| {observers} readings of each film |{}", titles.concat());
+    println!("|---|{}", "---|".repeat(titles.len()));
+    for (title, scenario, what) in ROWS {
+        let cell = |construction| {
+            let kind = Kind { construction, scenario, observers };
             let (_, counts) = all.iter().find(|(own, _)| *own == kind).expect("studied");
             let Share { part, error, .. } = Share::of(counts, what).expect("counted");
             format!(" {:.0} ± {:.0} |", 100.0 * part, 100.0 * error)
         };
-        let cells: String = columns.iter().map(cell).collect();
-        println!("| `{}`, {observers} |{cells}", construction.key());
+        println!("| {title} |{}", Construction::ALL.map(cell).concat());
     }
 }
 
@@ -332,18 +323,16 @@ fn check(kind: Kind, counts: &Counts) {
         assert!(share.part <= share.limit(part, 1.0), "{kind:?}: {what}: {share:?}");
     };
     least(INFLECTION, bounds.inflection);
-    match kind.scenario {
-        Scenario::Rod => {
-            least(REGION, bounds.region);
-            most(BY_INFLECTIONS, bounds.rejected);
-            least(BY_ILIAC, 0.95);
-        }
-        Scenario::Pull => {
-            least(REGION, bounds.region);
-            most(BY_ILIAC, bounds.rejected);
-            least(BY_INFLECTIONS, 0.95);
-        }
-        _ => {}
+    let (obeyed, broken) = match kind.scenario {
+        Scenario::Rod => (BY_INFLECTIONS, BY_ILIAC),
+        Scenario::Pull => (BY_ILIAC, BY_INFLECTIONS),
+        _ => return,
+    };
+    least(REGION, bounds.region);
+    most(obeyed, bounds.rejected);
+    // The noise of one reading is assumed, and larger than its own.
+    if kind.observers > 1 {
+        least(broken, 0.95);
     }
 }
 
@@ -362,8 +351,8 @@ fn regions_contain_the_true_line_and_tests_keep_their_size() {
 /// with one, whose noise is assumed.
 fn over_all_spines(seeds: &RangeInclusive<u64>) {
     let scenarios = [Scenario::Rod, Scenario::Pull, Scenario::WeightAndCouple, Scenario::Pads];
-    let mut all = Vec::new();
     for observers in [2, 1] {
+        let mut all = Vec::new();
         for construction in Construction::ALL {
             for scenario in scenarios {
                 let kind = Kind { construction, scenario, observers };
@@ -373,11 +362,10 @@ fn over_all_spines(seeds: &RangeInclusive<u64>) {
                 all.push((kind, counts));
             }
         }
-    }
-    print(&SIZES, &all);
-    print(&POWERS, &all);
-    for (kind, counts) in &all {
-        check(*kind, counts);
+        print(observers, &all);
+        for (kind, counts) in &all {
+            check(*kind, counts);
+        }
     }
 }
 
@@ -390,7 +378,7 @@ fn over_hundreds_of_patients() {
 
 /// The study behind the tables in `validation/claims.md`.
 #[test]
-#[ignore = "a quarter of an hour: cargo test --release -p spineline-phantom --test it line_regions::over_thousands -- --ignored --nocapture"]
+#[ignore = "ten minutes: cargo test --release -p spineline-phantom --test it line_regions::over_thousands -- --ignored --nocapture"]
 fn over_thousands_of_patients() {
-    over_all_spines(&(9001..=9008));
+    over_all_spines(&(9001..=9005));
 }
