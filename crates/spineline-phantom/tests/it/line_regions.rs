@@ -300,10 +300,10 @@ struct Bounds {
 fn bounds(kind: Kind) -> Bounds {
     use Construction as C;
     let [region, inflection, rejected] = match (kind.construction, kind.scenario) {
-        (C::Rod | C::Discs | C::Hinges, _) => [0.93, 0.94, 0.07],
-        (C::Elastica, _) => [0.92, 0.89, 0.07],
-        (C::Wedges | C::Stiffening, Scenario::Pull) => [0.72, 0.89, 0.28],
-        (C::Wedges | C::Stiffening, _) => [0.9, 0.89, 0.08],
+        (C::Rod | C::Discs | C::Hinges, _) => [0.92, 0.95, 0.07],
+        (C::Elastica, _) => [0.9, 0.95, 0.08],
+        (C::Wedges | C::Stiffening, Scenario::Pull) => [0.83, 0.95, 0.14],
+        (C::Wedges | C::Stiffening, _) => [0.95, 0.95, 0.05],
     };
     Bounds { region, inflection, rejected }
 }
@@ -330,10 +330,7 @@ fn check(kind: Kind, counts: &Counts) {
     };
     least(REGION, bounds.region);
     most(obeyed, bounds.rejected);
-    // The noise of one reading is assumed, and larger than its own.
-    if kind.observers > 1 {
-        least(broken, 0.95);
-    }
+    least(broken, 0.95);
 }
 
 #[test]
@@ -363,7 +360,8 @@ fn over_all_spines(seeds: &RangeInclusive<u64>) {
             }
         }
         print(observers, &all);
-        for (kind, counts) in &all {
+        // Tests and regions of one reading, whose noise is assumed, claim nothing.
+        for (kind, counts) in all.iter().filter(|(kind, _)| kind.observers == 2) {
             check(*kind, counts);
         }
     }
