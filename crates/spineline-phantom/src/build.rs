@@ -5,6 +5,8 @@ use rand_distr::{Distribution, Normal, Uniform};
 use spineline::anatomy::Level;
 use spineline::multibody::StiffnessLibrary;
 
+use crate::Scenario;
+
 /// Segments of the fine chain.
 pub(crate) const SEGMENTS: usize = 998;
 const JOINTS: usize = Level::MODEL.len() - 1;
@@ -22,6 +24,14 @@ spineline::named! {
         /// Rigid vertebrae and hinges, at random heights within their discs. The curvature of the erect spine has three
         /// half-waves, each with its maximum at another place; stiffness follows a random walk from joint to joint.
         Hinges = "hinges",
+        /// A continuous elastica whose stiffness is a smooth random field, without steps at inflections or regions. Its erect
+        /// curvature is a random field that vanishes at two places.
+        Elastica = "elastica",
+        /// Rigid wedged bodies with hinges, each anywhere in its disc and 3 mm (standard deviation) beside the midline.
+        /// Joints differ by 20 %.
+        Wedges = "wedges",
+        /// As `wedges`, with springs that stiffen: at 8° they carry twice the moment of a linear spring.
+        Stiffening = "stiffening",
     }
 }
 
@@ -35,6 +45,28 @@ impl Construction {
             Self::Hinges => {
                 "rigid vertebrae, hinges off the middle of the discs, wandering stiffness"
             }
+            Self::Elastica => "continuous elastica, stiffness a smooth random field",
+            Self::Wedges => "rigid wedged bodies, hinges anywhere in and beside the discs",
+            Self::Stiffening => "as wedges, with springs that stiffen",
+        }
+    }
+
+    /// Whether it has the statics of the module `column`.
+    pub(crate) const fn is_column(self) -> bool {
+        matches!(self, Self::Elastica | Self::Wedges | Self::Stiffening)
+    }
+
+    /// Whether a loading scenario can move it: only a rod takes prescribed rotations.
+    #[must_use]
+    pub const fn takes(self, scenario: Scenario) -> bool {
+        use Scenario as S;
+        match self {
+            Self::Rod => true,
+            Self::Discs | Self::Hinges => scenario.is_elastic(),
+            Self::Elastica | Self::Wedges | Self::Stiffening => matches!(
+                scenario,
+                S::Rod | S::Pull | S::Weight | S::Couple | S::WeightAndCouple | S::Pads
+            ),
         }
     }
 }
@@ -79,6 +111,9 @@ impl Springs {
                 };
                 place.jointed(build.joint_log_sd, along, hinge, rng)
             }
+            Construction::Elastica | Construction::Wedges | Construction::Stiffening => {
+                unreachable!("the module `column` draws them")
+            }
         }
     }
 }
@@ -88,8 +123,22 @@ pub(crate) fn region(inflection_s_mm: [f64; 2], s_mm: f64) -> usize {
     inflection_s_mm.iter().filter(|&&end| s_mm > end).count()
 }
 
+/// Geometric means of multipliers over regions; a joint belongs to the region of its middle.
+pub(crate) fn regional_means(
+    joint_logs: &[f64],
+    vertebra_s_mm: &[f64],
+    inflection_s_mm: [f64; 2],
+) -> [f64; 3] {
+    let mut regions = [[0.0; 2]; 3];
+    for (log, ends) in joint_logs.iter().zip(vertebra_s_mm.windows(2)) {
+        let [sum, count] = &mut regions[region(inflection_s_mm, 0.5 * (ends[0] + ends[1]))];
+        (*sum, *count) = (*sum + log, *count + 1.0);
+    }
+    regions.map(|[sum, count]| f64::exp(sum / f64::max(count, 1.0)))
+}
+
 /// Random factors on the joints' stiffness.
-fn own_stiffness(log_sd: f64, rng: &mut ChaCha12Rng) -> [f64; JOINTS] {
+pub(crate) fn own_stiffness(log_sd: f64, rng: &mut ChaCha12Rng) -> [f64; JOINTS] {
     let spread = Normal::<f64>::new(0.0, log_sd).expect("a deviation");
     std::array::from_fn(|_| spread.sample(rng).exp())
 }
@@ -165,7 +214,7 @@ impl Place<'_> {
         let library = StiffnessLibrary::default();
         let segment_mm = self.segment_mm();
         let mut nmm_per_rad = vec![f64::INFINITY; SEGMENTS];
-        let mut regions = [[0.0; 2]; 3];
+        let mut joint_logs = [0.0; JOINTS];
         for joint in 0..JOINTS {
             let [low, high] = [joint, joint + 1].map(|v| self.vertebra_s_mm[v]);
             let part = joint as f64 / (JOINTS - 1) as f64;
@@ -175,12 +224,11 @@ impl Place<'_> {
                 .map(|s| ((s.clamp(low, high) / segment_mm).round() as usize).min(SEGMENTS - 1));
             let segments = to.max(from + 1) - from;
             let multiplier = along[joint].exp() * own[joint];
+            joint_logs[joint] = multiplier.ln();
             let spring = library.rows()[joint].nmm_per_rad[0] * multiplier * segments as f64;
             nmm_per_rad[from..from + segments].fill(spring);
-            let [sum, count] = &mut regions[region(self.inflection_s_mm, middle)];
-            (*sum, *count) = (*sum + multiplier.ln(), *count + 1.0);
         }
-        let multipliers = regions.map(|[sum, count]| f64::exp(sum / f64::max(count, 1.0)));
+        let multipliers = regional_means(&joint_logs, self.vertebra_s_mm, self.inflection_s_mm);
         Springs { multipliers, nmm_per_rad }
     }
 }

@@ -1,6 +1,7 @@
 use rand_chacha::ChaCha12Rng;
 use rand_distr::{Distribution, Normal, Uniform};
 use spineline::anatomy::Level;
+use spineline::multibody::StiffnessLibrary;
 use spineline::spatial::{Angle, Mat3, Vec3};
 
 use crate::build::{Build, Construction, SEGMENTS, Springs, region};
@@ -140,15 +141,7 @@ impl ErectSpine {
         build: &Build,
         rng: &mut ChaCha12Rng,
     ) -> Result<Self, PhantomError> {
-        let vary = Uniform::new(0.95, 1.05).expect("0.95 is below 1.05");
-        let cobb = row.cobb_deg();
-        let main = cobb.iter().copied().fold(0.0, f64::max);
-        // The main curve has the angle of Table 1; the minor ones vary by 5 %.
-        let curve_turns_rad = cobb.map(|deg| {
-            #[expect(clippy::float_cmp, reason = "`main` is one of these numbers")]
-            let factor = if deg == main { 1.0 } else { vary.sample(rng) };
-            Angle::from_deg(deg * factor).rad()
-        });
+        let curve_turns_rad = curve_turns_rad(row, rng);
         let no_curve = PhantomError::NoCurve { number: row.number };
         let (length_mm, tilts, inflection_s_mm) = match build.construction {
             Construction::Rod => {
@@ -157,7 +150,7 @@ impl ErectSpine {
                 let (tilts, parts) = shape.tilts();
                 (length_mm, tilts, parts.map(|part| length_mm * part))
             }
-            Construction::Discs | Construction::Hinges => {
+            _ => {
                 let curve = HalfWaveCurve::draw(curve_turns_rad, build.construction, rng)
                     .ok_or(no_curve)?;
                 let length_mm = draw_length_mm(rng);
@@ -178,18 +171,49 @@ impl ErectSpine {
         self.length_mm / SEGMENTS as f64
     }
 
+    /// `ln` of every joint's stiffness over the nominal one: the compliances of its segments add up.
+    pub fn joint_logs(&self) -> Vec<f64> {
+        let mut compliances = vec![0.0; self.vertebra_s_mm.len() - 1];
+        for (k, nmm_per_rad) in self.springs.nmm_per_rad.iter().enumerate() {
+            let s_mm = k as f64 * self.segment_mm();
+            let above = self.vertebra_s_mm[1..].partition_point(|&v| v <= s_mm);
+            compliances[above] += nmm_per_rad.recip();
+        }
+        logs_over_nominal(compliances.into_iter().map(f64::recip))
+    }
+
     /// Region of an arc length: caudal, middle or cranial of the inflections.
     pub fn region(&self, s_mm: f64) -> usize {
         region(self.inflection_s_mm, s_mm)
     }
 }
 
+/// `ln` of the joints' stiffness over the nominal one.
+pub(crate) fn logs_over_nominal(nmm_per_rad: impl Iterator<Item = f64>) -> Vec<f64> {
+    let library = StiffnessLibrary::default();
+    let joints = nmm_per_rad.zip(library.rows());
+    joints.map(|(own, row)| (own / row.nmm_per_rad[0]).ln()).collect()
+}
+
+/// Angles of the three curves: the main one has the angle of Table 1; the minor ones vary by 5 %. The middle one turns to
+/// the left.
+pub(crate) fn curve_turns_rad(row: &TableRow, rng: &mut ChaCha12Rng) -> [f64; 3] {
+    let vary = Uniform::new(0.95, 1.05).expect("0.95 is below 1.05");
+    let cobb = row.cobb_deg();
+    let main = cobb.iter().copied().fold(0.0, f64::max);
+    cobb.map(|deg| {
+        #[expect(clippy::float_cmp, reason = "`main` is one of these numbers")]
+        let factor = if deg == main { 1.0 } else { vary.sample(rng) };
+        Angle::from_deg(deg * factor).rad()
+    })
+}
+
 /// The paper's chains: 0.39 ± 0.05 mm per segment, so 389 ± 50 mm.
-fn draw_length_mm(rng: &mut ChaCha12Rng) -> f64 {
+pub(crate) fn draw_length_mm(rng: &mut ChaCha12Rng) -> f64 {
     Normal::<f64>::new(389.0, 50.0).expect("a positive deviation").sample(rng).clamp(300.0, 480.0)
 }
 
-fn vertebra_s_mm(length_mm: f64) -> Vec<f64> {
+pub(crate) fn vertebra_s_mm(length_mm: f64) -> Vec<f64> {
     let mut s = vec![0.0];
     for pair in Level::MODEL.windows(2) {
         s.push(s[s.len() - 1] + proportions::spacing_mm(pair[0], pair[1]));

@@ -18,10 +18,8 @@ pub enum PhantomError {
         /// Number of the subject, from 1.
         number: usize,
     },
-    /// Prescribed rotations need a spine that bends everywhere.
-    #[error(
-        "{scenario}: without a force only a spine of construction `rod` can be moved, not `{construction}`"
-    )]
+    /// The construction does not take the loading scenario.
+    #[error("{scenario} moves spines of construction `rod`, not `{construction}`")]
     Construction {
         /// Loading scenario.
         scenario: &'static str,

@@ -13,7 +13,6 @@ use spineline::measure::{
 };
 use spineline::spatial::{Angle, Frontal, Pixel};
 
-use crate::erect::ErectSpine;
 use crate::proportions;
 use crate::readers::{Deviation, Readers};
 use crate::{Scenario, TableRow, TruePosture};
@@ -100,17 +99,18 @@ fn coarse_image(image: &ImageGeometry, factor: u32) -> ImageGeometry {
 pub(crate) fn read_films(
     row: &TableRow,
     scenario: Scenario,
-    spine: &ErectSpine,
+    length_mm: f64,
     postures: &[TruePosture],
     readers: &Readers,
     rng: &mut ChaCha12Rng,
     look: &mut ChaCha12Rng,
 ) -> (Case, Vec<TrueFilm>) {
     let wedges = erect_wedges(postures);
+    let scale = proportions::body_scale(length_mm);
     let (films, true_films) = postures
         .iter()
         .map(|posture| {
-            let placed = Placed::new(row, (spine, &wedges), posture, rng);
+            let placed = Placed::new(row, (scale, &wedges), posture, rng);
             (placed.read(readers, rng), placed.true_film(row, look.next_u64()))
         })
         .unzip();
@@ -146,7 +146,7 @@ struct Placed {
 impl Placed {
     fn new(
         row: &TableRow,
-        (spine, wedges): (&ErectSpine, &[Angle]),
+        (scale, wedges): (f64, &[Angle]),
         posture: &TruePosture,
         rng: &mut ChaCha12Rng,
     ) -> Self {
@@ -164,19 +164,20 @@ impl Placed {
             .into_iter()
             .zip(stands.iter().zip(wedges))
             .map(|(level, (&(location, tilt), &wedge))| {
-                (level, body(level, (location, tilt), wedge, spine), tilt)
+                (level, body(level, (location, tilt), wedge, scale), tilt)
             })
             .collect();
-        let scale = body_scale(spine);
-        let crests =
-            [1.0, -1.0].map(|left| on_film(Frontal::new(left * 110.0 * scale, -5.0 * scale)));
+        let crests = [1.0, -1.0].map(|left| {
+            let beside = Frontal::new(left * 110.0 * scale, 0.0).rotated(posture.crest_tilt);
+            on_film(beside + Frontal::new(0.0, -5.0 * scale))
+        });
         let (image, origin) = picture(row, &bodies, crests);
         let moved = |(level, corners, tilt): Body| (level, corners.map(|p| p - origin), tilt);
         Self {
             posture: posture.posture,
             image,
             bodies: bodies.into_iter().map(moved).collect(),
-            neighbours: neighbours(&stands, spine).map(moved),
+            neighbours: neighbours(&stands, scale).map(moved),
             crests: crests.map(|crest| crest - origin),
         }
     }
@@ -187,10 +188,12 @@ impl Placed {
     }
 
     fn read(&self, readers: &Readers, rng: &mut ChaCha12Rng) -> Film {
+        let readings = read(&self.bodies, &self.image, readers, rng);
+        let [left, right] = self.crests.map(|crest| self.image.pixel(readers.crest(crest, rng)));
         let landmarks = FilmLandmarks::Corners {
             image: self.image,
-            iliac_crests: Some(self.iliac_crests()),
-            readings: read(&self.bodies, &self.image, readers, rng),
+            iliac_crests: Some(IliacCrests { left, right }),
+            readings,
         };
         Film { posture: self.posture, landmarks }
     }
@@ -250,15 +253,14 @@ fn picture(row: &TableRow, bodies: &[Body], crests: [Frontal; 2]) -> (ImageGeome
 }
 
 /// L5 and T1, which the model lacks: one typical distance away, L5 with the tilt of L4, T1 with the rotation of T2.
-fn neighbours(stands: &[(Frontal, Angle)], spine: &ErectSpine) -> [Body; 2] {
-    let scale = body_scale(spine);
+fn neighbours(stands: &[(Frontal, Angle)], scale: f64) -> [Body; 2] {
     let last = stands.len() - 1;
     let next = |level: Level, from: Level, (location, tilt): (Frontal, Angle), turn: Angle| {
         let (sense, low, high) =
             if level < from { (-1.0, level, from) } else { (1.0, from, level) };
         let way = sense * scale * proportions::spacing_mm(low, high);
         let location = location + Frontal::leaning(tilt + turn * 0.5) * way;
-        (level, body(level, (location, tilt + turn), Angle::ZERO, spine), tilt + turn)
+        (level, body(level, (location, tilt + turn), Angle::ZERO, scale), tilt + turn)
     };
     let turn = (stands[last].1 - stands[last - 1].1) * 0.5;
     [
@@ -291,12 +293,6 @@ fn read(
     readings
 }
 
-/// Size of this spine over the typical one.
-fn body_scale(spine: &ErectSpine) -> f64 {
-    let typical: f64 = Level::MODEL.windows(2).map(|p| proportions::spacing_mm(p[0], p[1])).sum();
-    spine.length_mm / typical
-}
-
 /// Angle between the two endplates of every vertebra: growth of the erect spine, the same in all postures.
 ///
 /// # Assumption
@@ -320,9 +316,8 @@ fn body(
     level: Level,
     (location, tilt): (Frontal, Angle),
     wedge: Angle,
-    spine: &ErectSpine,
+    scale: f64,
 ) -> Corners<Frontal> {
-    let scale = body_scale(spine);
     let size = Morphometry::of(level);
     let [upper, lower, height] =
         [size.superior_width_mm, size.inferior_width_mm, size.body_height_mm].map(|mm| mm * scale);

@@ -31,7 +31,7 @@ impl HalfWaveCurve {
         // Places of the maxima within the half-waves.
         let maxima = match construction {
             Construction::Hinges => [0; 3].map(|_| between(0.35, 0.65)),
-            Construction::Rod | Construction::Discs => [0.5; 3],
+            _ => [0.5; 3],
         };
         let target = [turns_rad[0], -turns_rad[1], turns_rad[2]];
         let mut sizes = target;

@@ -14,6 +14,9 @@
 //!
 //! [`Scenario::LOADS`] bend the same rod by loads that no single line describes, or turn its base: for comparisons of loads.
 //!
+//! A [`Construction`] says how the spine is built. The constructions from [`Construction::Elastica`] on share neither
+//! erect curve nor statics with the others.
+//!
 //! A [`TrueFilm`] is a posture on its film. The readers mark it, and [`Phantom::radiograph`] draws it, so that the two
 //! agree to a part of a pixel.
 //!
@@ -26,6 +29,7 @@
 //! ```
 
 mod build;
+mod column;
 mod counter;
 mod erect;
 mod error;
@@ -60,6 +64,8 @@ use rand_chacha::rand_core::SeedableRng;
 use spineline::analysis::Case;
 use spineline::anatomy::Posture;
 
+use crate::scenario::Moves;
+
 /// A synthetic patient: the read films, and the true values.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Phantom {
@@ -71,6 +77,8 @@ pub struct Phantom {
     pub postures: Vec<TruePosture>,
     /// True lateral stiffness multipliers per region, caudal first.
     pub multipliers: [f64; 3],
+    /// `ln` of the true lateral stiffness of every joint over the nominal one, caudal first.
+    pub joint_logs: Vec<f64>,
     /// True places on the films, in the same order.
     pub films: Vec<TrueFilm>,
 }
@@ -142,24 +150,29 @@ fn generate_patient(
 ) -> Result<Vec<Phantom>, PhantomError> {
     let row = SUBJECTS.get(index).ok_or(PhantomError::NoSubject { number: index + 1 })?;
     let construction = build.construction;
-    if construction != Construction::Rod && !scenario.is_elastic() {
+    if !construction.takes(scenario) {
         let (scenario, construction) = (scenario.key(), construction.key());
         return Err(PhantomError::Construction { scenario, construction });
     }
     let place = 8 * (index as u64 + SUBJECTS.len() as u64 * u64::from(copy));
     // Anatomy is the same for all scenarios; movement and readers have separate streams.
     let mut anatomy_rng = stream(seed, place);
-    let spine = erect::ErectSpine::draw(row, &build, &mut anatomy_rng)?;
     let (movement, look) = streams(place, scenario);
     let mut rng = stream(seed, movement);
-    let (postures, multipliers) = scenario::postures(row, scenario, &spine, &mut rng)?;
+    let made = if construction.is_column() {
+        let anatomy = column::Anatomy::draw(row, &build, &mut anatomy_rng)?;
+        scenario::of_column(row, scenario, anatomy, &mut rng)?
+    } else {
+        let spine = erect::ErectSpine::draw(row, &build, &mut anatomy_rng)?;
+        scenario::of_chain(row, scenario, &spine, &mut rng)?
+    };
     // Random parts of radiographs do not change landmarks.
     let phantoms = readers.iter().map(|readers| {
         let (mut case, films) = film::read_films(
             row,
             scenario,
-            &spine,
-            &postures,
+            made.length_mm,
+            &made.postures,
             readers,
             &mut rng.clone(),
             &mut stream(seed, look),
@@ -170,7 +183,8 @@ fn generate_patient(
         if copy > 0 {
             case.id = format!("{}-copy-{copy}", case.id);
         }
-        Phantom { case, scenario, postures: postures.clone(), multipliers, films }
+        let Moves { postures, multipliers, joint_logs, .. } = made.clone();
+        Phantom { case, scenario, postures, multipliers, joint_logs, films }
     });
     Ok(phantoms.collect())
 }

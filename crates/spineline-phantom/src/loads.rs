@@ -34,45 +34,87 @@ pub(crate) fn move_by(
         .into_iter()
         .map(|(posture, total_deg, sense)| {
             let target = Angle::from_deg(total_deg * vary.sample(rng));
-            let tilt = Angle::from_deg(25.0 * sense);
-            // A tilted vertical; the film of every posture shows it.
-            let l4_on_film = (scenario == Scenario::Weight).then_some(tilt);
             let reached = |shape: &ChainShape| shape.rotation_from(erect) >= target;
             let solve = |size: f64, shape: &mut ChainShape| {
-                *shape = rod.bend_by(shape, couple(scenario, size, sense), |now| {
-                    forces(scenario, spine, now, size, (sense, tilt))
+                let acting = on_vertebrae(scenario, size, sense);
+                let couple_nmm = acting.iter().map(|one| one.couple_nmm).sum();
+                *shape = rod.bend_by(shape, couple_nmm, |now| {
+                    forces(scenario, spine, now, size * sense, &acting)
                 })?;
                 let line = LineOfAction::leaning(Frontal::default(), Angle::ZERO);
                 Some((shape.clone(), line))
             };
             let (size, shape, _) =
                 force_for(2.0, 20_000.0, erect.clone(), solve, reached).ok_or(posture)?;
+            let l4_on_film = l4_on_film(scenario, sense);
             Ok(Moved { l4_on_film, ..Moved::at(posture, shape, size) })
         })
         .collect()
 }
 
-/// A moment of 100 N·mm per unit.
-fn couple(scenario: Scenario, size: f64, sense: f64) -> f64 {
-    if scenario == Scenario::Couple { 100.0 * size * sense } else { 0.0 }
+/// The tilt of L4 on the film: weight follows a tilted vertical, which the film of every posture shows.
+pub(crate) fn l4_on_film(scenario: Scenario, sense: f64) -> Option<Angle> {
+    match scenario {
+        Scenario::Weight => Some(Angle::from_deg(25.0 * sense)),
+        Scenario::WeightAndCouple => Some(Angle::from_deg(10.0 * sense)),
+        _ => None,
+    }
+}
+
+/// A force and a couple on the body of a vertebra.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct OnVertebra {
+    /// Place in the model, caudal first.
+    pub vertebra: usize,
+    pub force: Frontal,
+    pub couple_nmm: f64,
+}
+
+impl OnVertebra {
+    fn force(vertebra: usize, force: Frontal) -> Self {
+        Self { vertebra, force, couple_nmm: 0.0 }
+    }
+}
+
+/// Forces and couples on the bodies of vertebrae, by their places in the model. The sense is 1 for a load that turns to the
+/// right. A couple on T2 is the same moment at all levels.
+pub(crate) fn on_vertebrae(scenario: Scenario, size: f64, sense: f64) -> Vec<OnVertebra> {
+    const TOP: usize = Level::MODEL.len() - 1;
+    const T5: usize = 11;
+    const T11: usize = 5;
+    let sideways = Frontal::new(-sense * size, 0.0);
+    let couple = |arm_mm: f64| OnVertebra {
+        vertebra: TOP,
+        force: Frontal::default(),
+        couple_nmm: arm_mm * size * sense,
+    };
+    let mut all = match scenario {
+        Scenario::Couple => vec![couple(100.0)],
+        Scenario::WeightAndCouple => vec![couple(100.0)],
+        Scenario::Pads => {
+            vec![OnVertebra::force(T5, sideways), OnVertebra::force(T11, sideways * -0.5)]
+        }
+        _ => Vec::new(),
+    };
+    if let Some(tilt) = l4_on_film(scenario, sense) {
+        let down = Frontal::leaning(-tilt) * -size;
+        let levels = Level::MODEL.into_iter().enumerate().skip(1);
+        all.extend(levels.map(|(v, level)| OnVertebra::force(v, down * trunk_weight_share(level))));
+    }
+    all
 }
 
 fn forces(
     scenario: Scenario,
     spine: &ErectSpine,
     shape: &ChainShape,
-    size: f64,
-    (sense, tilt): (f64, Angle),
+    signed_size: f64,
+    on_vertebrae: &[OnVertebra],
 ) -> Vec<PointForce> {
     let at = |s_mm: f64, force: Frontal| PointForce { s_mm, point: shape.point(s_mm), force };
     let s = &spine.vertebra_s_mm;
-    let sideways = Frontal::new(-sense * size, 0.0);
+    let sideways = Frontal::new(-signed_size, 0.0);
     match scenario {
-        Scenario::Weight => {
-            let down = Frontal::leaning(-tilt) * -size;
-            let levels = Level::MODEL.iter().zip(s).skip(1);
-            levels.map(|(&level, &s)| at(s, down * trunk_weight_share(level))).collect()
-        }
         Scenario::Lateral => {
             // Spread over 200 parts of the length.
             const PIECES: usize = 200;
@@ -86,11 +128,11 @@ fn forces(
             let pull = PointForce {
                 s_mm: spine.length_mm,
                 point: line.point,
-                force: line.direction * size,
+                force: line.direction * signed_size.abs(),
             };
             vec![pull, at(s[apex(spine)], sideways * AT_APEX)]
         }
-        _ => Vec::new(),
+        _ => on_vertebrae.iter().map(|one| at(s[one.vertebra], one.force)).collect(),
     }
 }
 

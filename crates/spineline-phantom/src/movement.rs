@@ -37,6 +37,7 @@ impl Moved {
             force_n: self.force_n,
             l4_on_film: self.l4_on_film,
             base_turn: Angle::ZERO,
+            crest_tilt: Angle::ZERO,
         }
     }
 }
@@ -54,13 +55,13 @@ const MAX_EQUAL_STEPS: usize = 200;
 /// Steps a force from zero until a measure of the shape reaches a target, then bisects the last step.
 ///
 /// `solve` continues from the force before; `None` if the target is not reached.
-pub(crate) fn force_for<S: Clone, L>(
+pub(crate) fn force_for<S: Clone, T, L>(
     step_n: f64,
     most_n: f64,
     start: S,
-    solve: impl Fn(f64, &mut S) -> Option<(ChainShape, L)>,
-    reached: impl Fn(&ChainShape) -> bool,
-) -> Option<(f64, ChainShape, L)> {
+    solve: impl Fn(f64, &mut S) -> Option<(T, L)>,
+    reached: impl Fn(&T) -> bool,
+) -> Option<(f64, T, L)> {
     let (mut low_n, mut low_state) = (0.0, start);
     let first_step_n = step_n;
     let mut step_n = step_n;

@@ -9,6 +9,12 @@ pub fn spacing_mm(inferior: Level, superior: Level) -> f64 {
     0.5 * (unit_mm(inferior) + unit_mm(superior))
 }
 
+/// Size of a spine of this length from L4 to T2 over the typical one.
+pub fn body_scale(length_mm: f64) -> f64 {
+    let typical: f64 = Level::MODEL.windows(2).map(|pair| spacing_mm(pair[0], pair[1])).sum();
+    length_mm / typical
+}
+
 /// From the joint below a vertebra to the joint above.
 const fn unit_mm(level: Level) -> f64 {
     match level {

@@ -23,7 +23,9 @@ pub struct Readers {
     pub axis_sd: Angle,
     /// Standard deviation of an observer's bias of axes.
     pub axis_bias_sd: Angle,
-    /// Whether corners are rounded to pixels and axes to 0.1°.
+    /// Standard deviation of a coordinate of an iliac crest, which is marked once.
+    pub crest_sd_mm: f64,
+    /// Whether corners are rounded to pixels, and axes are set by hand, to 0.1°; else tilts come from corners alone.
     pub rounded: bool,
 }
 
@@ -38,6 +40,7 @@ impl Readers {
             corner_bias_sd_mm: 0.0,
             axis_sd: Angle::ZERO,
             axis_bias_sd: Angle::ZERO,
+            crest_sd_mm: 0.0,
             rounded: false,
         }
     }
@@ -58,6 +61,15 @@ impl Readers {
     /// One observer's bias at one vertebra: four corners and an axis.
     pub(crate) fn bias(&self, rng: &mut ChaCha12Rng) -> Deviation {
         Deviation::draw(self.corner_bias_sd_mm, self.axis_bias_sd, rng)
+    }
+
+    /// Marks one iliac crest. Readers who mark them exactly draw no random numbers for it.
+    pub(crate) fn crest(&self, place: Frontal, rng: &mut ChaCha12Rng) -> Frontal {
+        if self.crest_sd_mm == 0.0 {
+            return place;
+        }
+        let error = Normal::new(0.0, self.crest_sd_mm).expect("a deviation");
+        place + Frontal::new(error.sample(rng), error.sample(rng))
     }
 
     /// Marks one vertebra.
@@ -98,6 +110,7 @@ impl Default for Readers {
             corner_bias_sd_mm: 0.15,
             axis_sd: Angle::from_deg(0.3),
             axis_bias_sd: Angle::from_deg(0.1),
+            crest_sd_mm: 0.0,
             rounded: true,
         }
     }

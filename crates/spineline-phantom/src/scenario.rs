@@ -3,38 +3,64 @@
 use rand_chacha::ChaCha12Rng;
 use rand_distr::Distribution;
 use spineline::action::Application;
-use spineline::anatomy::Posture;
+use spineline::anatomy::{Level, Posture};
 use spineline::spatial::Frontal;
 
+use crate::column::Anatomy;
 use crate::erect::ErectSpine;
 use crate::movement::{Moved, force_for, lateral_tilts, main_turn, through, usual_variation};
 use crate::rod::{ChainShape, Rod};
-use crate::{PhantomError, Scenario, TableRow, TruePosture, counter, loads};
+use crate::{PhantomError, Scenario, TableRow, TruePosture, column, counter, loads};
 
-/// Five true postures, and their stiffness multipliers (ones for movements without elasticity).
-pub(crate) fn postures(
+/// Five true postures of a spine, and its stiffness.
+#[derive(Debug, Clone)]
+pub(crate) struct Moves {
+    pub postures: Vec<TruePosture>,
+    /// Length of the erect curve.
+    pub length_mm: f64,
+    /// Means over regions (ones for movements without elasticity).
+    pub multipliers: [f64; 3],
+    /// `ln` by joint (zeros for movements without elasticity).
+    pub joint_logs: Vec<f64>,
+}
+
+fn missing(row: &TableRow, scenario: Scenario) -> impl Fn(Posture) -> PhantomError {
+    let (number, scenario) = (row.number, scenario.key());
+    move |posture| PhantomError::NoForce { number, scenario, posture }
+}
+
+/// Moves an elastica or rigid bodies.
+pub(crate) fn of_column(
+    row: &TableRow,
+    scenario: Scenario,
+    anatomy: Anatomy,
+    rng: &mut ChaCha12Rng,
+) -> Result<Moves, PhantomError> {
+    let postures = column::postures(scenario, &anatomy, rng).map_err(missing(row, scenario))?;
+    let Anatomy { length_mm, joint_logs, multipliers, .. } = anatomy;
+    Ok(Moves { postures, length_mm, multipliers, joint_logs })
+}
+
+/// Moves a fine chain.
+pub(crate) fn of_chain(
     row: &TableRow,
     scenario: Scenario,
     spine: &ErectSpine,
     rng: &mut ChaCha12Rng,
-) -> Result<(Vec<TruePosture>, [f64; 3]), PhantomError> {
+) -> Result<Moves, PhantomError> {
     let erect = ChainShape::with_turns(spine, |k| spine.turns_rad[k]);
-    let missing =
-        |posture| PhantomError::NoForce { number: row.number, scenario: scenario.key(), posture };
+    let missing = missing(row, scenario);
     let moved = match scenario {
-        Scenario::Rod => rod(spine, &erect, rng).map_err(missing)?,
+        Scenario::Rod => rod(spine, &erect, rng).map_err(&missing)?,
         Scenario::Bend => bend(spine, rng),
-        Scenario::Pull => pull(spine, &erect, rng).map_err(missing)?,
+        Scenario::Pull => pull(spine, &erect, rng).map_err(&missing)?,
         Scenario::Flatten => counter::flatten(spine, &erect, rng),
-        Scenario::Offset => counter::offset(spine, &erect, rng).map_err(missing)?,
-        Scenario::Spread => counter::spread(spine, &erect, rng).map_err(missing)?,
+        Scenario::Offset => counter::offset(spine, &erect, rng).map_err(&missing)?,
+        Scenario::Spread => counter::spread(spine, &erect, rng).map_err(&missing)?,
         Scenario::Random => counter::random(spine, &erect, rng),
-        Scenario::TurnedBase => rod(spine, &erect, rng).map_err(missing)?,
-        Scenario::Weight | Scenario::Lateral | Scenario::Couple | Scenario::TwoForces => {
-            loads::move_by(scenario, spine, &erect, rng).map_err(missing)?
-        }
+        Scenario::TurnedBase => rod(spine, &erect, rng).map_err(&missing)?,
+        _ => loads::move_by(scenario, spine, &erect, rng).map_err(&missing)?,
     };
-    let multipliers = if scenario.is_elastic() { spine.springs.multipliers } else { [1.0; 3] };
     let first = Moved::at(Posture::Erect, erect, 0.0);
     let mut all: Vec<TruePosture> =
         std::iter::once(first).chain(moved).map(|moved| moved.observed(spine)).collect();
@@ -43,7 +69,12 @@ pub(crate) fn postures(
             loads::turn_base(posture, rng);
         }
     }
-    Ok((all, multipliers))
+    let (multipliers, joint_logs) = if scenario.is_elastic() {
+        (spine.springs.multipliers, spine.joint_logs())
+    } else {
+        ([1.0; 3], vec![0.0; Level::MODEL.len() - 1])
+    };
+    Ok(Moves { postures: all, length_mm: spine.length_mm, multipliers, joint_logs })
 }
 
 /// A force through the inflections: a pull that straightens, and a push that bends further.

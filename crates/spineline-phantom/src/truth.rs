@@ -11,7 +11,7 @@ pub enum Scenario {
     Rod,
     /// Prescribed rotations, all to one side (clinical bends).
     Bend,
-    /// A horizontal force at T2 (Petit's hypothesis).
+    /// A force at T2 parallel to the iliac line (Petit's hypothesis).
     Pull,
     /// All segments rotate in proportion to their erect curvature: no force, and no rotation at the inflections.
     Flatten,
@@ -31,11 +31,15 @@ pub enum Scenario {
     TwoForces,
     /// As the rod, with the axis of L4 rotated on the bends: everything above it is rotated in its frame.
     TurnedBase,
+    /// Weight along the film's vertical, slightly tilted relative to L4, with one moment at all levels.
+    WeightAndCouple,
+    /// Horizontal forces of two pads: at T5 to one side, and half as much at T11 against it.
+    Pads,
 }
 
 impl Scenario {
     /// Every scenario.
-    pub const ALL: [Self; 12] = [
+    pub const ALL: [Self; 14] = [
         Self::Rod,
         Self::Flatten,
         Self::Offset,
@@ -48,6 +52,8 @@ impl Scenario {
         Self::Couple,
         Self::TwoForces,
         Self::TurnedBase,
+        Self::WeightAndCouple,
+        Self::Pads,
     ];
     /// The three scenarios that `spineline reproduce` compares with the paper.
     pub const PAPER: [Self; 3] = [Self::Rod, Self::Bend, Self::Pull];
@@ -72,6 +78,8 @@ impl Scenario {
             Self::Couple => "couple",
             Self::TwoForces => "two-forces",
             Self::TurnedBase => "turned-base",
+            Self::WeightAndCouple => "weight-and-couple",
+            Self::Pads => "pads",
         }
     }
 
@@ -87,7 +95,7 @@ impl Scenario {
         match self {
             Self::Rod => "force through the inflections",
             Self::Bend => "all joints turn to one side",
-            Self::Pull => "horizontal force at T2",
+            Self::Pull => "force at T2 along the iliac line",
             Self::Flatten => "curvature scaled everywhere, no force",
             Self::Offset => "force along a line beside the inflections",
             Self::Spread => "load distributed over the whole spine",
@@ -97,6 +105,8 @@ impl Scenario {
             Self::Couple => "the same moment at all levels",
             Self::TwoForces => "forces through the inflections and at the apex",
             Self::TurnedBase => "force through the inflections, and L4's axis turned",
+            Self::WeightAndCouple => "weight and the same moment at all levels",
+            Self::Pads => "horizontal forces of two pads against each other",
         }
     }
 }
@@ -120,4 +130,6 @@ pub struct TruePosture {
     pub l4_on_film: Option<Angle>,
     /// Rotation of everything above L4 in L4's frame, in addition to the load's effect.
     pub base_turn: Angle,
+    /// Tilt of the iliac crests relative to L4.
+    pub crest_tilt: Angle,
 }

@@ -39,7 +39,7 @@ use super::{FitFilm, FitSettings, FittedSprings, Gauge, MULTIPLIER_BOUNDS};
 use crate::least_squares::{FitStatus, Minimum, minimize};
 
 /// How often a 95 % interval of a multiplier holds the true one, in words: wherever such an interval is shown, by profile or over replicates.
-pub const MULTIPLIER_COVERAGE: &str = "A 95 % interval of a multiplier holds the true one in 95 % only if the model is exact. On synthetic spines that are not built as the model is, intervals held the true one in 34 to 79 % (spines of this project) and in 30 to 44 % (spines that others built).";
+pub const MULTIPLIER_COVERAGE: &str = "A 95 % interval of a multiplier holds the true one in 95 % only if the model is exact. On synthetic spines that are not built as the model is, intervals held the true one in 34 to 85 % (spines of this project) and in 30 to 44 % (spines that others built).";
 
 /// Identifiability of the multipliers from the data of a fit.
 ///

@@ -11,9 +11,7 @@ use serde::Serialize;
 use spineline::anatomy::Region;
 use spineline::number::fixed;
 use spineline_files::CaseFile;
-use spineline_phantom::{
-    Build, Construction, Phantom, PhantomError, SUBJECTS, TrueFilm, generate_built,
-};
+use spineline_phantom::{Build, Phantom, PhantomError, SUBJECTS, TrueFilm, generate_built};
 use spineline_report::terminal::Lines;
 
 use crate::options::phantoms::readers;
@@ -29,12 +27,10 @@ Examples:
 /// The construction of the spines.
 fn build(args: &PhantomArgs) -> Result<Build, Failure> {
     let (construction, scenario) = (args.construction.0, args.scenario.0);
-    if construction != Construction::Rod && !scenario.is_elastic() {
-        return Err(Failure::usage(format!(
-            "--construction {}: scenario `{}` has no force and needs `rod`",
-            construction.key(),
-            scenario.key()
-        )));
+    if !construction.takes(scenario) {
+        let (construction, scenario) = (construction.key(), scenario.key());
+        let error = PhantomError::Construction { scenario, construction };
+        return Err(Failure::usage(format!("--construction {construction}: {error}")));
     }
     let percent = args.joint_sd;
     if !(0.0..=50.0).contains(&percent) {
