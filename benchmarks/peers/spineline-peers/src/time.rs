@@ -10,8 +10,9 @@ use spineline::multibody::{
     BodyLoad, ForceSign, GeneralStatics, JointGroups, Load, Loading, Solution, SpineModel, Statics,
     StiffnessLibrary, Support, match_amplitude,
 };
+use spineline::personalize::evidence::FilmEvidence;
 use spineline::personalize::{
-    FitFilm, FitSettings, FitTarget, Gauge, Personalization, personalize,
+    FitFilm, FitSettings, FitTarget, FittedSprings, Gauge, Personalization, personalize,
 };
 use spineline::spatial::{Mat3, Vec3};
 
@@ -199,7 +200,13 @@ impl Fit {
 
     /// From outlines to multipliers, with the search for a start.
     pub fn run(&self) -> Personalization {
-        let films = self.films.each_ref().map(|(outline, load)| FitFilm { outline, load: *load });
+        let evidence = self.films.each_ref().map(|(outline, _)| {
+            FilmEvidence::measure(&self.model, &self.library, &self.erect, outline)
+        });
+        let films: [FitFilm<'_>; 2] = std::array::from_fn(|i| {
+            let (outline, load) = &self.films[i];
+            FitFilm { outline, evidence: &evidence[i], load: *load }
+        });
         let settings = FitSettings {
             regions: &self.regions,
             target: FitTarget::Shape,
@@ -208,7 +215,9 @@ impl Fit {
             prior: None,
             hints: &[],
         };
-        personalize(&self.model, &self.library, &self.groups, &self.erect, &films, &settings)
+        let springs =
+            FittedSprings { model: &self.model, library: &self.library, groups: &self.groups };
+        personalize(springs, &films, &settings, None)
     }
 }
 
