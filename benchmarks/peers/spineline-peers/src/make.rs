@@ -86,7 +86,7 @@ fn joints(analysis: &Analysis, options: &AnalysisOptions) -> Vec<Joint> {
 
 /// The line and force of one bend, turned so that the force is positive.
 fn line(found: &LineModel, posture: Posture) -> Result<Bend, Box<dyn Error>> {
-    let simulation = found.posture(posture).ok_or("the phantom has both bends")?;
+    let simulation = found.simulation(posture).ok_or("the phantom has both bends")?;
     let (line, sign) = (simulation.line, simulation.force_n.signum());
     Ok(Bend {
         point_mm: [simulation.depth_mm, line.point.y_mm, line.point.z_mm],
