@@ -26,7 +26,9 @@ pub fn named_paths(module: &[String], text: &str) -> BTreeSet<Vec<String>> {
         }
     }
     for (place, _) in code.match_indices("super::") {
-        if code[..place].ends_with("super::") {
+        // A path follows, and in a text nothing does.
+        let is_text = code[place + "super::".len()..].starts_with('"');
+        if is_text || code[..place].ends_with("super::") {
             continue;
         }
         let mut rest = &code[place..];
