@@ -103,7 +103,7 @@ impl PreferredLoads {
     ///
     /// # Errors
     /// [`NoLoads`].
-    pub fn estimate(
+    pub(crate) fn estimate(
         films: &[&FilmEvidence],
         depth_mm: f64,
         shares: &JointShares,
