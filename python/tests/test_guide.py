@@ -18,7 +18,7 @@ def examples(page: Path) -> list[str]:
     return re.findall(r"^```python\n(.*?)^```", page.read_text(), re.MULTILINE | re.DOTALL)
 
 
-@pytest.mark.parametrize("page", ["docs/guide/src/python.md", "python/README.md"])
+@pytest.mark.parametrize("page", ["docs/guide/src/python.md", "python/README.md", "docs/paper/paper.md"])
 def test_every_example_runs(page: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     pytest.importorskip("pandas")
     pytest.importorskip("matplotlib").use("agg")
