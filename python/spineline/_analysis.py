@@ -30,7 +30,15 @@ LineName = Literal["inflection", "iliac", "estimated", "given"]
 
 
 class MethodOptions(TypedDict, total=False):
-    """Options of the method, with the names and values of ``spineline analyze --help``."""
+    """Options of the method, with the names and values of ``spineline analyze --help``.
+
+    Examples
+    --------
+    >>> import spineline as sl
+    >>> options: sl.MethodOptions = {"support": "frontal", "fit": "shape"}
+    >>> sl.analyze(sl.phantom("rod", subject=1), **options).is_usable
+    True
+    """
 
     method: Literal["default", "paper"]
     """Method; every other option that is given replaces one of its choices."""
@@ -71,6 +79,15 @@ class Analysis(_Exportable[_native.Analysis]):
 
     Two analyses are equal if case, options and results are. Pickle and copies hold the file of the analysis and repeat the
     computation when they are read; another version of Spineline is refused.
+
+    Examples
+    --------
+    >>> import spineline as sl
+    >>> a = sl.analyze(sl.phantom("rod", subject=1))
+    >>> a.lines
+    ['inflection_line', 'iliac_line', 'estimated_line']
+    >>> a.save("analysis.json", overwrite=True).name
+    'analysis.json'
     """
 
     @classmethod
@@ -219,7 +236,15 @@ class Analysis(_Exportable[_native.Analysis]):
 
 
 class Curve:
-    """The fitted curve of a film, with the points on it. Arrays are read-only."""
+    """The fitted curve of a film, with the points on it. Arrays are read-only.
+
+    Examples
+    --------
+    >>> import spineline as sl
+    >>> curve = sl.analyze(sl.phantom("rod", subject=1)).curve("erect")
+    >>> curve.levels[0], curve.locations_mm.shape
+    ('L4', (15, 2))
+    """
 
     __slots__ = ("_native", "film")
 
@@ -295,6 +320,13 @@ class FilmErrors:
     """Errors of a model on its fitted films, or on films that were held out; one entry per vertebra and film.
 
     By default of the line through the inflections; :meth:`of` gives another line.
+
+    Examples
+    --------
+    >>> import spineline as sl
+    >>> errors = sl.analyze(sl.phantom("rod", subject=1)).held_out
+    >>> bool(errors.location_error_mm.mean() < errors.of("iliac").location_error_mm.mean())
+    True
     """
 
     __slots__ = ("_analysis", "_rows", "is_fitted", "line")
@@ -380,6 +412,13 @@ def analyze(
     InputError
         If an option or its value is unknown (the help has a similar name, or all values), or the case cannot be analysed: with
         film, vertebra, value and limit.
+
+    Examples
+    --------
+    >>> import spineline as sl
+    >>> a = sl.analyze(sl.phantom("rod", subject=1), support="frontal")
+    >>> a.is_usable, len(a.films)
+    (True, 5)
     """
     given: dict[str, Any] = dict(options)
     words = as_words(given)

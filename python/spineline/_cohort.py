@@ -31,7 +31,16 @@ _LIST = "manifest.json"
 
 @dataclass(frozen=True)
 class CohortRun:
-    """The result of :meth:`Cohort.analyze`."""
+    """The result of :meth:`Cohort.analyze`.
+
+    Examples
+    --------
+    >>> import spineline as sl
+    >>> path = sl.phantom("rod", subject=1).save("case.json", overwrite=True)
+    >>> run = sl.Cohort([path]).analyze(out="results", progress=False)
+    >>> run.is_complete, run.parts[0].cases
+    (True, 1)
+    """
 
     folder: Path
     """Folder of this run alone, in the given one: ``TABLE/PART.parquet``, so that ``folder / "vertebrae"`` is one data
@@ -85,7 +94,15 @@ class CohortRun:
 
 
 class Cohort(Sequence[Path]):
-    """Case files of many patients."""
+    """Case files of many patients.
+
+    Examples
+    --------
+    >>> import spineline as sl
+    >>> paths = [sl.phantom("rod", subject=n).save(f"rod-{n}.json", overwrite=True) for n in (1, 2)]
+    >>> len(sl.Cohort.glob("rod-*.json"))
+    2
+    """
 
     __slots__ = ("_paths",)
 

@@ -25,7 +25,14 @@ Timing = Literal["growing", "held"]
 
 @dataclass(frozen=True)
 class Force:
-    """A force of fixed direction at the midpoint of a vertebra."""
+    """A force of fixed direction at the midpoint of a vertebra.
+
+    Examples
+    --------
+    >>> import spineline as sl
+    >>> sl.Force("T2", towards="left", force=8.0).as_load()["force"]
+    [0.0, 8.0, 0.0]
+    """
 
     level: str
     """Vertebra, such as ``"T9"``."""
@@ -53,6 +60,12 @@ class Pad:
 
     Give either ``force``, or ``force_per_mm`` and ``advance_mm``. With ``force`` it pushes with this force wherever the
     vertebra goes. As a spring it touches the erect spine without force, is then advanced, and gives way with its stiffness.
+
+    Examples
+    --------
+    >>> import spineline as sl
+    >>> sl.Pad("T9", towards="right", force_per_mm=0.5, advance_mm=10.0).as_load()["direction"]
+    [0.0, -1.0, 0.0]
     """
 
     level: str
@@ -100,6 +113,12 @@ class Rod:
 
     With frontal support it prescribes the tilt and the lateral place of the upper vertebra alone: the first number of ``turn_deg`` and
     the second one of ``shift_mm``; the others must be zero.
+
+    Examples
+    --------
+    >>> import spineline as sl
+    >>> sl.Rod("L1", "T5", timing="held").as_load()["superior"]
+    'T5'
     """
 
     inferior: str
@@ -127,7 +146,14 @@ class Rod:
 
 @dataclass(frozen=True)
 class Gravity:
-    """The weight of trunk, head and arms, at the midpoints of the vertebrae above the base."""
+    """The weight of trunk, head and arms, at the midpoints of the vertebrae above the base.
+
+    Examples
+    --------
+    >>> import spineline as sl
+    >>> sl.Gravity(body_weight=500.0).as_load()
+    {'kind': 'gravity', 'body_weight': 500.0, 'timing': 'held'}
+    """
 
     body_weight: float
     """Weight of the whole patient, in the unit of forces of the model."""
@@ -146,6 +172,15 @@ class Model(_Exportable[_native.Model]):
     """A personalised model: vertebrae, joints, springs, and the loads that were found. It does not change.
 
     Made by :meth:`Analysis.model` or :meth:`Model.from_json`. Pickle, copies and equality go by its file.
+
+    Examples
+    --------
+    >>> import spineline as sl
+    >>> model = sl.analyze(sl.phantom("rod", subject=1)).model("inflection")
+    >>> model.line, model.absolute, model.midpoints_mm.shape
+    ('inflection_line', False, (15, 3))
+    >>> model.to_mujoco("spine.xml", overwrite=True).name
+    'spine.xml'
     """
 
     @classmethod
@@ -305,6 +340,14 @@ class Simulation(_Exportable[_native.Simulation]):
 
     Two simulations are equal if their models and their files are. Pickle holds these files and the input, and repeats the
     computation when it is read; a version of Spineline that finds another result is refused.
+
+    Examples
+    --------
+    >>> import spineline as sl
+    >>> model = sl.analyze(sl.phantom("rod", subject=1)).model("inflection")
+    >>> r = model.simulate(sl.Force("T2", towards="right", force=1.0), amplitude_deg=5, towards="right")
+    >>> r.status, round(r.lateral_tilt_deg, 3)
+    ('converged', 5.0)
     """
 
     __slots__ = ("_allow_unusable", "_asked", "_model", "levels")

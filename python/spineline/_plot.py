@@ -24,7 +24,14 @@ _OTHER_LINE = ("#56B4E9", "solid")
 
 
 class Plot:
-    """Figures of one analysis. Frontal figures show the patient from behind: the patient's left is on the left."""
+    """Figures of one analysis. Frontal figures show the patient from behind: the patient's left is on the left.
+
+    Examples
+    --------
+    >>> import spineline as sl
+    >>> sl.analyze(sl.phantom("rod", subject=1)).plot.errors().get_ylabel()
+    'location error (mm)'
+    """
 
     __slots__ = ("_analysis",)
 

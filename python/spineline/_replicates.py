@@ -19,7 +19,16 @@ from ._tables import Table
 
 @dataclass(frozen=True)
 class Spread:
-    """Distribution of one number over the replicates, in its unit."""
+    """Distribution of one number over the replicates, in its unit.
+
+    Examples
+    --------
+    >>> import spineline as sl
+    >>> a = sl.analyze(sl.phantom("rod", subject=1))
+    >>> spread = sl.replicates(a, n=10, seed=1)["cobb.erect.main_thoracic"]
+    >>> spread.unit, spread.count
+    ('deg', 10)
+    """
 
     unit: str
     """``"mm"``, ``"px"``, ``"deg"``, ``"segments"``, ``"N"``, ``"relative"`` (a force relative to the nominal stiffness) or ``"1"``."""
@@ -44,6 +53,14 @@ class Replicates(Mapping[str, Spread]):
     A name is the kind of the number, then film, vertebra, region or group, end and line, if it has them, separated by
     dots: ``"cobb.erect.main_thoracic"``, ``"multiplier.main_thoracic"``. The line through the inflections is not named,
     other lines are: ``"multiplier.main_thoracic.iliac_line"``.
+
+    Examples
+    --------
+    >>> import spineline as sl
+    >>> found = sl.replicates(sl.analyze(sl.phantom("rod", subject=1)), n=10, seed=1)
+    >>> low, high = found.interval("cobb.erect.main_thoracic")
+    >>> low < high
+    True
     """
 
     def __init__(self, native: _native.Replicates) -> None:
@@ -180,6 +197,13 @@ def replicates(
     ------
     InputError
         If the noise does not apply to this case, or n is out of range.
+
+    Examples
+    --------
+    >>> import spineline as sl
+    >>> found = sl.replicates(sl.analyze(sl.phantom("rod", subject=1)), n=10, noise=0.5, seed=1)
+    >>> found.n, found.failed
+    (10, 0)
     """
     words = command("replicates", {"n": n, "noise": noise, "seed": seed})
     return Replicates(

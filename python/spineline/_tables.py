@@ -19,6 +19,13 @@ class Table:
 
     It has the Arrow PyCapsule interface (``__arrow_c_stream__``), so that ``polars.DataFrame(table)``,
     ``pyarrow.table(table)`` and duckdb take it without a copy of the values.
+
+    Examples
+    --------
+    >>> import spineline as sl
+    >>> table = sl.analyze(sl.phantom("rod", subject=1)).tables["multipliers"]
+    >>> table.units["multiplier"], table["line"][0]
+    ('1', 'inflection_line')
     """
 
     __slots__ = ("_native",)
@@ -98,7 +105,15 @@ class Table:
 
 
 class Tables(Mapping[str, Table]):
-    """All tables of an analysis by name, as ``spineline analyze --tables`` writes them."""
+    """All tables of an analysis by name, as ``spineline analyze --tables`` writes them.
+
+    Examples
+    --------
+    >>> import spineline as sl
+    >>> tables = sl.analyze(sl.phantom("rod", subject=1)).tables
+    >>> "vertebrae" in tables, len(tables["patients"])
+    (True, 1)
+    """
 
     __slots__ = ("_all",)
 
