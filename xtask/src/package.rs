@@ -53,7 +53,7 @@ fn wheels_with(root: &Path, features: &[&str], others: &[&str]) -> Result<Vec<Pa
     let flags = [("CARGO_ENCODED_RUSTFLAGS", flags.as_str())];
     let program = ["build", "--release", "--locked", "--package", "spineline-cli"];
     run(root, "cargo", &[&program[..], features].concat(), &flags)?;
-    let scripts = root.join("python/spineline.data/scripts");
+    let scripts = root.join("python/spineline._native.data/scripts");
     let program = Path::new("spineline").with_extension(EXE_EXTENSION);
     fs::create_dir_all(&scripts).map_err(|error| format!("{}: {error}", scripts.display()))?;
     copy(&target.join("release").join(&program), &scripts.join(&program))?;
