@@ -18,6 +18,7 @@ from ._tables import Tables
 
 if TYPE_CHECKING:
     import numpy as np
+    import pandas
     from numpy.typing import NDArray
     from typing_extensions import Unpack
 
@@ -144,7 +145,7 @@ class Analysis(_Exportable[_native.Analysis]):
     @cached_property
     def tables(self) -> Tables:
         """Tidy tables by name, as ``spineline analyze --tables`` writes them: ``a.tables["vertebrae"].to_pandas()``."""
-        return Tables(self._native.tables())
+        return Tables(self._native)
 
     @cached_property
     def data(self) -> dict[str, Any]:
@@ -312,6 +313,9 @@ class Curve:
             )
         return pixels
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        return (Analysis.curve, (Analysis(self._native), self.film))
+
     def __repr__(self) -> str:
         return f"<Curve of the {self.film} film>"
 
@@ -336,7 +340,8 @@ class FilmErrors:
         if key not in analysis.lines:
             names = analysis.lines
             raise InputError(
-                f"{analysis.id}: the analysis has no model with the line `{line}`",
+                f"{analysis.id}: the analysis has no model with the line `{line}`"
+                f"{_native.did_you_mean(key, list(names))}",
                 help=f"give one of {', '.join(names)}" if names else "a model needs a bending film",
             )
         self._analysis = analysis
@@ -380,6 +385,10 @@ class FilmErrors:
         """The vertebra of every entry."""
         levels = self._analysis.tables["vertebrae"]["level"]
         return [levels[row] for row in self._rows]
+
+    def to_pandas(self) -> pandas.DataFrame:
+        """The rows of the table ``vertebrae`` for these entries, as a pandas DataFrame. Needs the extra ``pandas``."""
+        return self._analysis.tables["vertebrae"].to_pandas().iloc[self._rows].reset_index(drop=True)
 
     def __len__(self) -> int:
         return len(self._rows)

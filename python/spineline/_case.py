@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING, Any, Literal
 
 from . import _native
 from ._export import _Exportable
+from ._extras import extra
+from ._html import html_table, marked
 
 if TYPE_CHECKING:
     import pandas
@@ -119,6 +121,14 @@ class Case(_Exportable[_native.Case]):
         synthetic = ", SYNTHETIC" if self.synthetic else ""
         return f"<Case {self.id}{synthetic}: {', '.join(self.films)}>"
 
+    def _repr_html_(self) -> str:
+        found = self.check()
+        rows = [
+            (film, *(sum(one.film == film and one.severity == kind for one in found) for kind in ("error", "warning")))
+            for film in self.films
+        ]
+        return html_table(f"Case {marked(self.id, synthetic=self.synthetic)}", ("film", "errors", "warnings"), rows)
+
 
 @dataclass(frozen=True)
 class Finding:
@@ -178,8 +188,8 @@ class Check:
 
     def to_pandas(self) -> pandas.DataFrame:
         """The findings as a pandas DataFrame, one row each. Needs pandas."""
-        import pandas
-
+        with extra("pandas"):
+            import pandas
         names = list(Finding.__dataclass_fields__)
         rows = [[getattr(finding, name) for name in names] for finding in self.findings]
         return pandas.DataFrame(rows, columns=names)

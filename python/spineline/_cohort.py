@@ -18,12 +18,17 @@ from uuid import uuid4
 from . import _native
 from ._analysis import MethodOptions, as_words
 from ._errors import InputError
+from ._extras import extra
+from ._html import html_table
 from ._parts import CaseRead, Part, Request, Task, analyze_part, digest_of, table_file
 from ._run import build_identity, write_whole
 
 if TYPE_CHECKING:
     import pyarrow
     from typing_extensions import Unpack
+
+_SHOWN = 10
+"""Files in a notebook."""
 
 _LIST = "manifest.json"
 """File in the folder of a run that lists its inputs and its parts."""
@@ -68,9 +73,9 @@ class CohortRun:
         InputError
             If the table is unknown, or one of its files is missing or has lost rows.
         """
-        import pyarrow
-        import pyarrow.parquet
-
+        with extra("pandas"):
+            import pyarrow
+            import pyarrow.parquet
         names = sorted({name for part in self.parts for name in part.rows})
         if table not in names:
             meant = _native.did_you_mean(table, names)
@@ -134,6 +139,11 @@ class Cohort(Sequence[Path]):
 
     def __iter__(self) -> Iterator[Path]:
         return iter(self._paths)
+
+    def _repr_html_(self) -> str:
+        more = f", the first {_SHOWN} here" if len(self) > _SHOWN else ""
+        rows = [(path.name,) for path in self._paths[:_SHOWN]]
+        return html_table(f"Cohort of {len(self)} case files{more}", ("file",), rows)
 
     def analyze(
         self,

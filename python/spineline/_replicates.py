@@ -6,6 +6,7 @@ import os
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import islice
 from pathlib import Path
 from typing import Any
 
@@ -13,8 +14,13 @@ from . import _native
 from ._analysis import Analysis
 from ._errors import InputError
 from ._export import export
+from ._html import html_table
 from ._run import command, now_utc
 from ._tables import Table
+
+
+_SHOWN = 20
+"""Numbers in a notebook."""
 
 
 @dataclass(frozen=True)
@@ -163,6 +169,19 @@ class Replicates(Mapping[str, Spread]):
 
     def __repr__(self) -> str:
         return f"<Replicates: {self.n}, of {len(self)} numbers>"
+
+    def _repr_html_(self) -> str:
+        shown = [(name, self[name]) for name in islice(self, _SHOWN)]
+        rows = [
+            (name, one.unit, one.value, one.sd, *(one.quantiles[::4] if one.quantiles else (None, None)))
+            for name, one in shown
+        ]
+        more = f", the first {_SHOWN} here" if len(self) > _SHOWN else ""
+        return html_table(
+            f"{self.n} replicates of {len(self)} numbers{more}",
+            ("number", "unit", "value", "SD", "2.5 %", "97.5 %"),
+            rows,
+        )
 
 
 class UnknownNumberError(InputError, KeyError):
