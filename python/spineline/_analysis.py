@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, TypedDict
 
 from . import _native
-from ._case import Case, Finding
+from ._case import Case, Finding, read_case
 from ._errors import InputError
 from ._export import _Exportable, export
 from ._run import command, now_utc
@@ -176,7 +176,7 @@ class Analysis(_Exportable[_native.Analysis]):
         """
         from ._model import Model
 
-        key = "auto" if line == "auto" else _line_key(line)
+        key = "auto" if line == "auto" else _line_key(self, line)
         return Model(_native.Model(self._native, key))
 
     @property
@@ -336,14 +336,7 @@ class FilmErrors:
     __slots__ = ("_analysis", "_rows", "is_fitted", "line")
 
     def __init__(self, analysis: Analysis, *, fitted: bool, line: str = "inflection") -> None:
-        key = _line_key(line)
-        if key not in analysis.lines:
-            names = analysis.lines
-            raise InputError(
-                f"{analysis.id}: the analysis has no model with the line `{line}`"
-                f"{_native.did_you_mean(key, list(names))}",
-                help=f"give one of {', '.join(names)}" if names else "a model needs a bending film",
-            )
+        key = _line_key(analysis, line)
         self._analysis = analysis
         self.line = key
         self.is_fitted = fitted
@@ -400,7 +393,7 @@ class FilmErrors:
 
 
 def analyze(
-    case: Case, *, identifiability: bool = False, **options: Unpack[MethodOptions]
+    case: Case | str | os.PathLike[str], *, identifiability: bool = False, **options: Unpack[MethodOptions]
 ) -> Analysis:
     """Runs all steps of the method. Other Python threads run meanwhile.
 
@@ -409,7 +402,7 @@ def analyze(
     Parameters
     ----------
     case
-        The films.
+        The films, or the path of a case file.
     identifiability
         Whether to compute which multipliers the bending films identify: profile likelihoods with 95 % intervals if the model
         is exact (``interval_coverage`` in the JSON says how often they hold the true multiplier).
@@ -429,6 +422,8 @@ def analyze(
     >>> a.is_usable, len(a.films)
     (True, 5)
     """
+    if not isinstance(case, Case):
+        case = read_case(case)
     given: dict[str, Any] = dict(options)
     words = as_words(given)
     if identifiability:
@@ -445,9 +440,21 @@ def as_words(options: Mapping[str, Any]) -> list[tuple[str, str]]:
     return [pair for name, value in options.items() for pair in _as_text(name, value)]
 
 
-def _line_key(line: str) -> str:
-    """The name of a line in files."""
-    return line if line.endswith("_line") else f"{line}_line"
+def _line_key(analysis: Analysis, line: str) -> str:
+    """The name in files of a line that has a model.
+
+    Raises
+    ------
+    InputError
+        If the analysis has no model with this line; the message has a similar one, if any.
+    """
+    key, names = line if line.endswith("_line") else f"{line}_line", analysis.lines
+    if key not in names:
+        raise InputError(
+            f"{analysis.id}: the analysis has no model with the line `{key}`{_native.did_you_mean(key, names)}",
+            help=f"give one of {', '.join(names)}" if names else "a model needs a bending film",
+        )
+    return key
 
 
 def _as_text(name: str, value: Any) -> list[tuple[str, str]]:

@@ -138,6 +138,8 @@ def test_errors_of_held_out_films_are_a_data_frame(analysis: sl.Analysis) -> Non
     assert not frame.fitted.any() and set(frame.line) == {"inflection_line"}
     with pytest.raises(sl.InputError, match="did you mean `iliac_line`"):
         errors.of("iliak")
+    with pytest.raises(sl.InputError, match="did you mean `iliac_line`"):
+        analysis.model("iliak")
 
 
 @pytest.mark.parametrize(
