@@ -23,10 +23,12 @@ case = sl.phantom("rod", subject=1)  # your own: sl.read_case("p07/case.json")
 case
 
 # %% [markdown]
-# Errors and warnings about the films come before any result.
+# Errors and warnings about the films come before any result. This patient has no error.
 
 # %%
-case.check()
+check = case.check()
+assert check.ok
+check
 
 # %% [markdown]
 # All steps of the method in one call: curves, inflections, chain, lines of action, fit of the stiffness, prediction of the films that were not
@@ -34,6 +36,7 @@ case.check()
 
 # %%
 a = sl.analyze(case)
+assert a.is_usable
 a
 
 # %% [markdown]
@@ -43,7 +46,9 @@ a
 # action of the bending force.
 
 # %%
-a.plot.lines()
+panels = a.plot.lines()
+assert len(panels) == len(a.films) == 5
+assert all(a.curve(film).inflections_mm.shape == (2, 2) for film in a.films)
 plt.show()
 
 # %% [markdown]
@@ -56,15 +61,18 @@ plt.show()
 for name, errors in (("fitted", a.fitted), ("held out", a.held_out)):
     films = ", ".join(dict.fromkeys(errors.films))
     print(f"{name:9} {errors.location_error_mm.mean():.2f} mm  ({films})")
+assert set(a.fitted.films).isdisjoint(a.held_out.films)
 
 a.plot.errors()
 plt.show()
 
 # %% [markdown]
-# How good is that? Compare with predictions without mechanics: see [Is this line believable?](3_is_this_line_believable.md).
+# How good is that? Of all predictions without mechanics (grey), only the one that also takes the tilt of T2 is as good as the inflection line: see
+# [Is this line believable?](3_is_this_line_believable.md).
 
 # %%
-a.plot.predictions()
+ax = a.plot.predictions()
+assert {label.get_text() for label in ax.get_yticklabels()[:2]} == {"inflection line", "rotation prior with tilt"}
 plt.show()
 
 # %% [markdown]
@@ -74,6 +82,7 @@ plt.show()
 
 # %%
 clinical = a.tables["clinical"]
+assert set(clinical.meanings) == set(clinical.columns)
 print(clinical.row)
 clinical.to_pandas().loc[:5, "posture":"cobb_deg"].round(1)
 
@@ -84,7 +93,10 @@ multipliers[["line", "joints", "multiplier", "at_bound"]]
 # %% [markdown]
 # ## Save it
 #
-# The file of the analysis holds the case, the options and every result; `spineline rerun` repeats it to the last bit. The report is one HTML file.
+# The file of the analysis holds the case, the options and every result; `spineline rerun` and `Analysis.from_json` repeat it to the last bit.
+# The report is one HTML file.
 
 # %%
-print(a.save("patient.json", overwrite=True), a.report("patient.html", overwrite=True))
+path = a.save("patient.json", overwrite=True)
+assert sl.Analysis.from_json(path.read_text()) == a
+print(path, a.report("patient.html", overwrite=True))

@@ -45,6 +45,7 @@ landmarks.head(3)
 
 # %%
 case = sl.Case.from_landmarks(landmarks, mm_per_px=0.14, plane="detector", case_id="P07", synthetic=True)
+assert case.check().ok and len(case.films) == landmarks.posture.nunique()
 case
 
 # %% [markdown]
@@ -59,27 +60,43 @@ left, right = ([f"superior_{side}_{axis}_px" for axis in ("column", "row")] for 
 slipped.loc[at, left + right] = slipped.loc[at, right + left].to_numpy()
 try:
     sl.Case.from_landmarks(slipped, mm_per_px=0.14, case_id="P07", synthetic=True)
+    raise AssertionError("the swap was not found")
 except sl.InputError as error:
     print(error)
     print("film:", error.film, "| vertebra:", error.level)
+    assert (error.film, error.level) == ("erect", "T9")
 
 # %% [markdown]
-# A smaller error, a corner that is 4 mm off, is a warning: the analysis runs, and every output repeats the warning.
+# A smaller error, a corner of one reading that is 8 mm (60 px) off, is a warning: the analysis runs, and every output repeats the warning. Half of
+# this distance is not found: it is as likely as other differences between readers.
 
 # %%
-moved = landmarks.copy()
-moved.loc[at, "superior_left_row_px"] -= 30
-sl.Case.from_landmarks(moved, mm_per_px=0.14, case_id="P07", synthetic=True).check()
+def with_a_corner_off(rows: int) -> sl.Case:
+    moved = landmarks.copy()
+    moved.loc[at, "superior_left_row_px"] -= rows
+    return sl.Case.from_landmarks(moved, mm_per_px=0.14, case_id="P07", synthetic=True)
+
+
+def warned(findings) -> list[tuple[str, str]]:
+    return [(one.code, one.level) for one in findings if one.severity == "warning" and one.film == "erect"]
+
+
+assert warned(with_a_corner_off(60).check()) == [("corner_far_from_readings", "T9")]
+assert ("corner_far_from_readings", "T9") in warned(sl.analyze(with_a_corner_off(60)).warnings)
+assert warned(with_a_corner_off(30).check()) == []
+with_a_corner_off(60).check()
 
 # %% [markdown]
 # ## How well do the readers agree?
 #
-# If a film was read more than once, the readings show how large the noise is.
+# If a film was read more than once, the readings show how large the noise is: here below one millimetre.
 
 # %%
 a = sl.analyze(case)
 reliability = a.tables["reliability"].to_pandas()
-reliability.loc[reliability.statistic == "sem_agreement", ["quantity", "design", "value", "unit"]].round(3)
+noise = reliability.loc[reliability.statistic == "sem_agreement", ["quantity", "design", "value", "unit"]]
+assert (noise[noise.unit == "mm"].value < 1).all()
+noise.round(3)
 
 # %% [markdown]
 # ## The curve, with your own axes
@@ -92,6 +109,8 @@ for film, colour in (("erect", "black"), ("left_bending", "#0072B2"), ("right_be
     curve = a.curve(film)
     ax.plot(*curve.points_mm.T, color=colour, label=film.replace("_", " "))
     ax.plot(*curve.locations_mm.T, "s", color=colour, markersize=3)
+# T2 is on the left of L4 in the left bend, and on the right in the right one.
+assert a.curve("left_bending").locations_mm[-1, 0] > 0 > a.curve("right_bending").locations_mm[-1, 0]
 ax.invert_xaxis()  # seen from behind, the patient's left is on the left
 ax.set(aspect="equal", xlabel="patient's left (mm)", ylabel="cranial (mm)", title="P07 · SYNTHETIC")
 figure.legend(loc="outside lower center", ncols=3, frameon=False, fontsize=8)

@@ -37,13 +37,15 @@ len(cohort)
 # %%
 with LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as cluster, Client(cluster) as client:
     run = cohort.analyze(executor=client.get_executor(), out="results", chunk=5)
-run.is_complete, len(run.parts), sum(part.failed for part in run.parts)
+assert run.is_complete and sum(part.failed for part in run.parts) == 1
+len(run.parts)
 
 # %% [markdown]
 # A case that cannot be analysed is a row with its error. No case is dropped silently.
 
 # %%
 cases = run.read("cases").to_pandas()
+assert len(cases) == len(cohort)
 cases.loc[cases.status != "ok", ["file", "status", "error"]]
 
 # %% [markdown]
@@ -51,7 +53,7 @@ cases.loc[cases.status != "ok", ["file", "status", "error"]]
 
 # %%
 again = cohort.analyze(out="results", chunk=5)
-all(part.was_there for part in again.parts)
+assert all(part.was_there for part in again.parts)
 
 # %% [markdown]
 # ## Errors over patients
@@ -73,6 +75,16 @@ axes[0].set_ylabel("error on held-out films,\nmean of a patient (mm)")
 plt.show()
 
 # %% [markdown]
-# The scenario that made the films decides which line predicts them: no line is best for all.
-#
+# The scenario that made the films decides how well a line predicts them. The inflection line is right in `rod`, where the force runs through the
+# inflections (0.4 mm), and nearly as wrong as the iliac line elsewhere (4 to 11 mm). The estimated line stays below 1 mm in all scenarios, but takes
+# two more numbers from each predicted film.
+
+# %%
+mean = means.groupby(["scenario", "line"]).mean().unstack("line")
+assert mean.inflection_line["rod"] < 1 < mean.iliac_line["rod"]
+assert (mean.loc[["bend", "pull"], ["inflection_line", "iliac_line"]] > 3).all(axis=None)
+assert (mean.estimated_line < 1).all()
+mean.round(1)
+
+# %% [markdown]
 # Statistics of the cohort with tests by patient come from the program: `spineline analyze cases --cohort cohort.json`.

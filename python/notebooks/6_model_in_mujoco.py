@@ -48,7 +48,9 @@ while data.time < 30:
     if data.time > 1 and np.abs(data.qvel).max() < 1e-11:
         break
 theirs = 1000 * np.array([data.site(f"{level}_midpoint").xpos for level in model.levels])
+assert data.time < 30, "MuJoCo did not come to rest"
 print(f"largest difference of a midpoint: {np.abs(theirs - ours).max():.1e} mm")
+assert np.abs(theirs - ours).max() < 1e-6
 
 # %%
 figure, ax = plt.subplots(figsize=(4.2, 5.5), layout="constrained")
@@ -65,3 +67,7 @@ plt.show()
 # %% [markdown]
 # Forces are relative here, since all forces are unknown. With `gauge="known-force:left_bending=60"` both engines work in newtons. OpenSim
 # (`to_opensim`) and every reader of URDF (`to_urdf`) take the same model.
+
+# %%
+absolute = sl.analyze(a.case, gauge="known-force:left_bending=60").model("inflection")
+assert absolute.absolute and not model.absolute

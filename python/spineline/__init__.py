@@ -19,7 +19,8 @@ from ._analysis import Analysis, Curve, FilmErrors, MethodOptions, analyze
 from ._case import Case, Check, Finding, phantom, read_case
 from ._cohort import Cohort, CohortRun
 from ._errors import InputError, NotAResultError
-from ._model import Force, Gravity, Model, Pad, Rod, Simulation
+from ._loads import Force, Gravity, Pad, Rod
+from ._model import Model, Simulation
 from ._native import VERSION as __version__
 from ._parts import Part
 from ._plot import Plot

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, TypedDict
 
 from . import _native
-from ._case import Case, Finding
+from ._case import Case, Finding, read_case
 from ._errors import InputError
 from ._export import _Exportable, export
 from ._run import command, now_utc
@@ -18,6 +18,7 @@ from ._tables import Tables
 
 if TYPE_CHECKING:
     import numpy as np
+    import pandas
     from numpy.typing import NDArray
     from typing_extensions import Unpack
 
@@ -30,7 +31,15 @@ LineName = Literal["inflection", "iliac", "estimated", "given"]
 
 
 class MethodOptions(TypedDict, total=False):
-    """Options of the method, with the names and values of ``spineline analyze --help``."""
+    """Options of the method, with the names and values of ``spineline analyze --help``.
+
+    Examples
+    --------
+    >>> import spineline as sl
+    >>> options: sl.MethodOptions = {"support": "frontal", "fit": "shape"}
+    >>> sl.analyze(sl.phantom("rod", subject=1), **options).is_usable
+    True
+    """
 
     method: Literal["default", "paper"]
     """Method; every other option that is given replaces one of its choices."""
@@ -71,6 +80,15 @@ class Analysis(_Exportable[_native.Analysis]):
 
     Two analyses are equal if case, options and results are. Pickle and copies hold the file of the analysis and repeat the
     computation when they are read; another version of Spineline is refused.
+
+    Examples
+    --------
+    >>> import spineline as sl
+    >>> a = sl.analyze(sl.phantom("rod", subject=1))
+    >>> a.lines
+    ['inflection_line', 'iliac_line', 'estimated_line']
+    >>> a.save("analysis.json", overwrite=True).name
+    'analysis.json'
     """
 
     @classmethod
@@ -127,7 +145,7 @@ class Analysis(_Exportable[_native.Analysis]):
     @cached_property
     def tables(self) -> Tables:
         """Tidy tables by name, as ``spineline analyze --tables`` writes them: ``a.tables["vertebrae"].to_pandas()``."""
-        return Tables(self._native.tables())
+        return Tables(self._native)
 
     @cached_property
     def data(self) -> dict[str, Any]:
@@ -158,7 +176,7 @@ class Analysis(_Exportable[_native.Analysis]):
         """
         from ._model import Model
 
-        key = "auto" if line == "auto" else _line_key(line)
+        key = "auto" if line == "auto" else _line_key(self, line)
         return Model(_native.Model(self._native, key))
 
     @property
@@ -219,7 +237,15 @@ class Analysis(_Exportable[_native.Analysis]):
 
 
 class Curve:
-    """The fitted curve of a film, with the points on it. Arrays are read-only."""
+    """The fitted curve of a film, with the points on it. Arrays are read-only.
+
+    Examples
+    --------
+    >>> import spineline as sl
+    >>> curve = sl.analyze(sl.phantom("rod", subject=1)).curve("erect")
+    >>> curve.levels[0], curve.locations_mm.shape
+    ('L4', (15, 2))
+    """
 
     __slots__ = ("_native", "film")
 
@@ -287,6 +313,9 @@ class Curve:
             )
         return pixels
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        return (Analysis.curve, (Analysis(self._native), self.film))
+
     def __repr__(self) -> str:
         return f"<Curve of the {self.film} film>"
 
@@ -295,18 +324,19 @@ class FilmErrors:
     """Errors of a model on its fitted films, or on films that were held out; one entry per vertebra and film.
 
     By default of the line through the inflections; :meth:`of` gives another line.
+
+    Examples
+    --------
+    >>> import spineline as sl
+    >>> errors = sl.analyze(sl.phantom("rod", subject=1)).held_out
+    >>> bool(errors.location_error_mm.mean() < errors.of("iliac").location_error_mm.mean())
+    True
     """
 
     __slots__ = ("_analysis", "_rows", "is_fitted", "line")
 
     def __init__(self, analysis: Analysis, *, fitted: bool, line: str = "inflection") -> None:
-        key = _line_key(line)
-        if key not in analysis.lines:
-            names = analysis.lines
-            raise InputError(
-                f"{analysis.id}: the analysis has no model with the line `{line}`",
-                help=f"give one of {', '.join(names)}" if names else "a model needs a bending film",
-            )
+        key = _line_key(analysis, line)
         self._analysis = analysis
         self.line = key
         self.is_fitted = fitted
@@ -349,6 +379,10 @@ class FilmErrors:
         levels = self._analysis.tables["vertebrae"]["level"]
         return [levels[row] for row in self._rows]
 
+    def to_pandas(self) -> pandas.DataFrame:
+        """The rows of the table ``vertebrae`` for these entries, as a pandas DataFrame. Needs the extra ``pandas``."""
+        return self._analysis.tables["vertebrae"].to_pandas().iloc[self._rows].reset_index(drop=True)
+
     def __len__(self) -> int:
         return len(self._rows)
 
@@ -359,7 +393,7 @@ class FilmErrors:
 
 
 def analyze(
-    case: Case, *, identifiability: bool = False, **options: Unpack[MethodOptions]
+    case: Case | str | os.PathLike[str], *, identifiability: bool = False, **options: Unpack[MethodOptions]
 ) -> Analysis:
     """Runs all steps of the method. Other Python threads run meanwhile.
 
@@ -368,7 +402,7 @@ def analyze(
     Parameters
     ----------
     case
-        The films.
+        The films, or the path of a case file.
     identifiability
         Whether to compute which multipliers the bending films identify: profile likelihoods with 95 % intervals if the model
         is exact (``interval_coverage`` in the JSON says how often they hold the true multiplier).
@@ -380,7 +414,16 @@ def analyze(
     InputError
         If an option or its value is unknown (the help has a similar name, or all values), or the case cannot be analysed: with
         film, vertebra, value and limit.
+
+    Examples
+    --------
+    >>> import spineline as sl
+    >>> a = sl.analyze(sl.phantom("rod", subject=1), support="frontal")
+    >>> a.is_usable, len(a.films)
+    (True, 5)
     """
+    if not isinstance(case, Case):
+        case = read_case(case)
     given: dict[str, Any] = dict(options)
     words = as_words(given)
     if identifiability:
@@ -397,9 +440,21 @@ def as_words(options: Mapping[str, Any]) -> list[tuple[str, str]]:
     return [pair for name, value in options.items() for pair in _as_text(name, value)]
 
 
-def _line_key(line: str) -> str:
-    """The name of a line in files."""
-    return line if line.endswith("_line") else f"{line}_line"
+def _line_key(analysis: Analysis, line: str) -> str:
+    """The name in files of a line that has a model.
+
+    Raises
+    ------
+    InputError
+        If the analysis has no model with this line; the message has a similar one, if any.
+    """
+    key, names = line if line.endswith("_line") else f"{line}_line", analysis.lines
+    if key not in names:
+        raise InputError(
+            f"{analysis.id}: the analysis has no model with the line `{key}`{_native.did_you_mean(key, names)}",
+            help=f"give one of {', '.join(names)}" if names else "a model needs a bending film",
+        )
+    return key
 
 
 def _as_text(name: str, value: Any) -> list[tuple[str, str]]:

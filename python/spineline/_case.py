@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING, Any, Literal
 
 from . import _native
 from ._export import _Exportable
+from ._extras import extra
+from ._html import html_table, marked
 
 if TYPE_CHECKING:
     import pandas
@@ -19,6 +21,13 @@ class Case(_Exportable[_native.Case]):
 
     Made by :func:`read_case`, :meth:`Case.from_landmarks`, :meth:`Case.from_json` or :func:`phantom`. Two cases are equal
     if their files are.
+
+    Examples
+    --------
+    >>> import spineline as sl
+    >>> case = sl.phantom("rod", subject=1)
+    >>> case.id, case.synthetic, case.films[0]
+    ('phantom-rod-01', True, 'erect')
     """
 
     __slots__ = ()
@@ -112,10 +121,25 @@ class Case(_Exportable[_native.Case]):
         synthetic = ", SYNTHETIC" if self.synthetic else ""
         return f"<Case {self.id}{synthetic}: {', '.join(self.films)}>"
 
+    def _repr_html_(self) -> str:
+        found = self.check()
+        rows = [
+            (film, *(sum(one.film == film and one.severity == kind for one in found) for kind in ("error", "warning")))
+            for film in self.films
+        ]
+        return html_table(f"Case {marked(self.id, synthetic=self.synthetic)}", ("film", "errors", "warnings"), rows)
+
 
 @dataclass(frozen=True)
 class Finding:
-    """An error or a warning about a film."""
+    """An error or a warning about a film.
+
+    Examples
+    --------
+    >>> import spineline as sl
+    >>> [(one.severity, one.film) for one in sl.phantom("rod", subject=1).check() if one.severity == "error"]
+    []
+    """
 
     severity: Literal["error", "contradiction", "warning", "note"]
     """How much it matters; an error stops the analysis."""
@@ -132,7 +156,14 @@ class Finding:
 
 
 class Check:
-    """Errors and warnings about the films of a case: a sequence of :class:`Finding`."""
+    """Errors and warnings about the films of a case: a sequence of :class:`Finding`.
+
+    Examples
+    --------
+    >>> import spineline as sl
+    >>> sl.phantom("rod", subject=1).check().ok
+    True
+    """
 
     __slots__ = ("_html", "_text", "findings")
 
@@ -157,8 +188,8 @@ class Check:
 
     def to_pandas(self) -> pandas.DataFrame:
         """The findings as a pandas DataFrame, one row each. Needs pandas."""
-        import pandas
-
+        with extra("pandas"):
+            import pandas
         names = list(Finding.__dataclass_fields__)
         rows = [[getattr(finding, name) for name in names] for finding in self.findings]
         return pandas.DataFrame(rows, columns=names)
@@ -177,6 +208,13 @@ def read_case(path: str | os.PathLike[str]) -> Case:
     ------
     InputError
         If the file cannot be read or is not a case; it says where, and names the nearest known key.
+
+    Examples
+    --------
+    >>> import spineline as sl
+    >>> path = sl.phantom("rod", subject=1).save("case.json", overwrite=True)
+    >>> sl.read_case(path).id
+    'phantom-rod-01'
     """
     return Case(_native.read_case(os.fspath(path)))
 
@@ -201,6 +239,12 @@ def phantom(
     ------
     InputError
         If the scenario or subject is unknown.
+
+    Examples
+    --------
+    >>> import spineline as sl
+    >>> sl.phantom("pull", subject=3, noise=0.0).id
+    'phantom-pull-03'
     """
     return Case(_native.phantom(scenario, subject, seed, noise))
 

@@ -18,6 +18,8 @@ from uuid import uuid4
 from . import _native
 from ._analysis import MethodOptions, as_words
 from ._errors import InputError
+from ._extras import extra
+from ._html import html_table
 from ._parts import CaseRead, Part, Request, Task, analyze_part, digest_of, table_file
 from ._run import build_identity, write_whole
 
@@ -25,13 +27,25 @@ if TYPE_CHECKING:
     import pyarrow
     from typing_extensions import Unpack
 
+_SHOWN = 10
+"""Files in a notebook."""
+
 _LIST = "manifest.json"
 """File in the folder of a run that lists its inputs and its parts."""
 
 
 @dataclass(frozen=True)
 class CohortRun:
-    """The result of :meth:`Cohort.analyze`."""
+    """The result of :meth:`Cohort.analyze`.
+
+    Examples
+    --------
+    >>> import spineline as sl
+    >>> path = sl.phantom("rod", subject=1).save("case.json", overwrite=True)
+    >>> run = sl.Cohort([path]).analyze(out="results", progress=False)
+    >>> run.is_complete, run.parts[0].cases
+    (True, 1)
+    """
 
     folder: Path
     """Folder of this run alone, in the given one: ``TABLE/PART.parquet``, so that ``folder / "vertebrae"`` is one data
@@ -59,9 +73,9 @@ class CohortRun:
         InputError
             If the table is unknown, or one of its files is missing or has lost rows.
         """
-        import pyarrow
-        import pyarrow.parquet
-
+        with extra("pandas"):
+            import pyarrow
+            import pyarrow.parquet
         names = sorted({name for part in self.parts for name in part.rows})
         if table not in names:
             meant = _native.did_you_mean(table, names)
@@ -85,7 +99,15 @@ class CohortRun:
 
 
 class Cohort(Sequence[Path]):
-    """Case files of many patients."""
+    """Case files of many patients.
+
+    Examples
+    --------
+    >>> import spineline as sl
+    >>> paths = [sl.phantom("rod", subject=n).save(f"rod-{n}.json", overwrite=True) for n in (1, 2)]
+    >>> len(sl.Cohort.glob("rod-*.json"))
+    2
+    """
 
     __slots__ = ("_paths",)
 
@@ -117,6 +139,11 @@ class Cohort(Sequence[Path]):
 
     def __iter__(self) -> Iterator[Path]:
         return iter(self._paths)
+
+    def _repr_html_(self) -> str:
+        more = f", the first {_SHOWN} here" if len(self) > _SHOWN else ""
+        rows = [(path.name,) for path in self._paths[:_SHOWN]]
+        return html_table(f"Cohort of {len(self)} case files{more}", ("file",), rows)
 
     def analyze(
         self,

@@ -22,6 +22,15 @@ class InputError(ValueError):
         The value that cannot be used, in the unit of the text.
     limit : float or None
         Its limit.
+
+    Examples
+    --------
+    >>> import spineline as sl
+    >>> try:
+    ...     sl.analyze(sl.phantom("rod", subject=1), suport="frontal")
+    ... except sl.InputError as error:
+    ...     print(str(error).splitlines()[0])
+    unknown option `suport`; did you mean `support`?
     """
 
     def __init__(
@@ -58,6 +67,16 @@ class NotAResultError(RuntimeError):
     ----------
     status : str
         How the search ended, such as ``"limit_point"``.
+
+    Examples
+    --------
+    >>> import spineline as sl
+    >>> model = sl.analyze(sl.phantom("rod", subject=1)).model("inflection")
+    >>> try:
+    ...     model.simulate(sl.Force("T2", towards="right", force=1e6)).cobb_deg
+    ... except sl.NotAResultError as error:
+    ...     print(error.status)
+    beyond_human_range
     """
 
     def __init__(self, text: str, *, status: str = "") -> None:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import os
-from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
@@ -12,6 +11,8 @@ from typing import TYPE_CHECKING, Any, Literal
 from . import _native
 from ._errors import InputError, NotAResultError
 from ._export import _Exportable, export
+from ._html import html_table, marked
+from ._loads import Load
 
 if TYPE_CHECKING:
     import numpy as np
@@ -19,133 +20,20 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-Direction = Literal["left", "right", "cranial", "caudal", "anterior", "posterior"]
-Timing = Literal["growing", "held"]
-
-
-@dataclass(frozen=True)
-class Force:
-    """A force of fixed direction at the midpoint of a vertebra."""
-
-    level: str
-    """Vertebra, such as ``"T9"``."""
-    towards: Direction
-    """Direction in the patient's terms."""
-    force: float
-    """Size: newtons where the model is absolute, because a force was measured; else relative to the nominal stiffness."""
-    timing: Timing = "growing"
-    """``"held"``: constant, applied first; ``"growing"``: proportional, varied."""
-
-    def as_load(self) -> dict[str, Any]:
-        """The load as files have it."""
-        force = list(_native.force_vector(self.towards, self.force))
-        return {
-            "kind": "force_at_point",
-            "level": self.level,
-            "force": force,
-            "timing": self.timing,
-        }
-
-
-@dataclass(frozen=True)
-class Pad:
-    """A frictionless pad that pushes a vertebra: with a given force, or as a spring that is advanced.
-
-    Give either ``force``, or ``force_per_mm`` and ``advance_mm``. With ``force`` it pushes with this force wherever the
-    vertebra goes. As a spring it touches the erect spine without force, is then advanced, and gives way with its stiffness.
-    """
-
-    level: str
-    """Vertebra, such as ``"T9"``."""
-    towards: Direction
-    """Direction of the push, in the patient's terms."""
-    force: float | None = None
-    """Force: newtons where the model is absolute, because a force was measured; else relative to the nominal stiffness."""
-    force_per_mm: float | None = None
-    """Stiffness, in the unit of forces per mm."""
-    advance_mm: float | None = None
-    """Displacement of the pad."""
-    timing: Timing = "growing"
-    """``"held"``: constant, applied first; ``"growing"``: proportional, varied."""
-
-    def as_load(self) -> dict[str, Any]:
-        """The load as files have it.
-
-        Raises
-        ------
-        InputError
-            If not exactly one of force and spring is given.
-        """
-        if self.force is not None and self.force_per_mm is None and self.advance_mm is None:
-            return Force(self.level, self.towards, self.force, self.timing).as_load()
-        if self.force is None and self.force_per_mm is not None and self.advance_mm is not None:
-            return {
-                "kind": "pad",
-                "level": self.level,
-                "direction": list(_native.force_vector(self.towards, 1.0)),
-                "force_per_mm": self.force_per_mm,
-                "advance_mm": self.advance_mm,
-                "timing": self.timing,
-            }
-        raise InputError(
-            f"the pad on {self.level} has neither a force nor a spring, or both",
-            help="give `force`, or `force_per_mm` and `advance_mm`",
-            level=self.level,
-        )
-
-
-@dataclass(frozen=True)
-class Rod:
-    """A stiff rod between two vertebrae, which keeps their erect pose relative to each other, or prescribes another.
-
-    With frontal support it prescribes the tilt and the lateral place of the upper vertebra alone: the first number of ``turn_deg`` and
-    the second one of ``shift_mm``; the others must be zero.
-    """
-
-    inferior: str
-    """Lower vertebra."""
-    superior: str
-    """Upper vertebra; where the rod moves it, at least three joints above, with frontal support two."""
-    shift_mm: tuple[float, float, float] = (0.0, 0.0, 0.0)
-    """Displacement of the upper vertebra from its erect pose, in the lower one's axes: anterior, left, cranial."""
-    turn_deg: tuple[float, float, float] = (0.0, 0.0, 0.0)
-    """Rotation vector from its erect pose about these axes."""
-    timing: Timing = "growing"
-    """``"held"``: constant, applied first; ``"growing"``: proportional, varied."""
-
-    def as_load(self) -> dict[str, Any]:
-        """The load as files have it."""
-        return {
-            "kind": "rod",
-            "inferior": self.inferior,
-            "superior": self.superior,
-            "shift_mm": list(self.shift_mm),
-            "turn_deg": list(self.turn_deg),
-            "timing": self.timing,
-        }
-
-
-@dataclass(frozen=True)
-class Gravity:
-    """The weight of trunk, head and arms, at the midpoints of the vertebrae above the base."""
-
-    body_weight: float
-    """Weight of the whole patient, in the unit of forces of the model."""
-    timing: Timing = "held"
-    """``"held"``: constant, applied first; ``"growing"``: proportional, varied."""
-
-    def as_load(self) -> dict[str, Any]:
-        """The load as files have it."""
-        return {"kind": "gravity", "body_weight": self.body_weight, "timing": self.timing}
-
-
-Load = Force | Pad | Rod | Gravity | dict[str, Any]
-
 
 class Model(_Exportable[_native.Model]):
     """A personalised model: vertebrae, joints, springs, and the loads that were found. It does not change.
 
     Made by :meth:`Analysis.model` or :meth:`Model.from_json`. Pickle, copies and equality go by its file.
+
+    Examples
+    --------
+    >>> import spineline as sl
+    >>> model = sl.analyze(sl.phantom("rod", subject=1)).model("inflection")
+    >>> model.line, model.absolute, model.midpoints_mm.shape
+    ('inflection_line', False, (15, 3))
+    >>> model.to_mujoco("spine.xml", overwrite=True).name
+    'spine.xml'
     """
 
     @classmethod
@@ -295,6 +183,11 @@ class Model(_Exportable[_native.Model]):
         synthetic = ", SYNTHETIC" if self.synthetic else ""
         return f"<Model {self.id}{synthetic}: {self.line}, {unit}>"
 
+    def _repr_html_(self) -> str:
+        unit = "newtons" if self.absolute else "relative"
+        rows = [("line of action", self.line), ("forces", unit), ("vertebrae", f"{self.levels[0]} to {self.levels[-1]}")]
+        return html_table(f"Model {marked(self.id, synthetic=self.synthetic)}", (), rows)
+
 
 _Asked = tuple[str, float | None, float | None, str | None]
 """Input of a simulation: text of the load file, tilt to the right in degrees, largest factor, support."""
@@ -305,6 +198,14 @@ class Simulation(_Exportable[_native.Simulation]):
 
     Two simulations are equal if their models and their files are. Pickle holds these files and the input, and repeats the
     computation when it is read; a version of Spineline that finds another result is refused.
+
+    Examples
+    --------
+    >>> import spineline as sl
+    >>> model = sl.analyze(sl.phantom("rod", subject=1)).model("inflection")
+    >>> r = model.simulate(sl.Force("T2", towards="right", force=1.0), amplitude_deg=5, towards="right")
+    >>> r.status, round(r.lateral_tilt_deg, 3)
+    ('converged', 5.0)
     """
 
     __slots__ = ("_allow_unusable", "_asked", "_model", "levels")
@@ -430,6 +331,14 @@ class Simulation(_Exportable[_native.Simulation]):
 
     def __repr__(self) -> str:
         return f"<Simulation: {self.status}>"
+
+    def _repr_html_(self) -> str:
+        rows: list[tuple[str, str | float]] = [("status", self.status)]
+        if self.is_usable:
+            rows.append(("lateral tilt (°)", self.lateral_tilt_deg))
+            rows += [(f"Cobb angle, {region.replace('_', ' ')} (°)", angle) for region, angle in self.cobb_deg.items()]
+        rows += [("warning", text) for _, text in self.warnings]
+        return html_table(f"Simulation {marked(self._model.id, synthetic=self._model.synthetic)}", (), rows)
 
 
 def _repeated(model: Model, asked: _Asked, allow_unusable: bool, text: str) -> Simulation:

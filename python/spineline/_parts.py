@@ -86,7 +86,16 @@ class Task:
 
 @dataclass(frozen=True)
 class Part:
-    """The answer of a task: a small row, whatever the size of its cases."""
+    """The answer of a task: a small row, whatever the size of its cases.
+
+    Examples
+    --------
+    >>> import spineline as sl
+    >>> path = sl.phantom("rod", subject=1).save("case.json", overwrite=True)
+    >>> [part] = sl.Cohort([path]).analyze(out="results", progress=False).parts
+    >>> part.cases, part.failed, part.rows["cases"]
+    (1, 0, 1)
+    """
 
     name: str
     """Beginning of the names of its files: a hash of build, options and their files, replicates and the bytes of its cases."""

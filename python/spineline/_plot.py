@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any, Literal
 
 from ._errors import InputError
+from ._extras import extra
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -24,7 +25,14 @@ _OTHER_LINE = ("#56B4E9", "solid")
 
 
 class Plot:
-    """Figures of one analysis. Frontal figures show the patient from behind: the patient's left is on the left."""
+    """Figures of one analysis. Frontal figures show the patient from behind: the patient's left is on the left.
+
+    Examples
+    --------
+    >>> import spineline as sl
+    >>> sl.analyze(sl.phantom("rod", subject=1)).plot.errors().get_ylabel()
+    'location error (mm)'
+    """
 
     __slots__ = ("_analysis",)
 
@@ -56,7 +64,8 @@ class Plot:
                 self._draw(ax, one, _FILMS[number % len(_FILMS)])
             self._finish(ax, ", ".join(_words(one) for one in films))
             return ax
-        import matplotlib.pyplot as plt
+        with extra("plot"):
+            import matplotlib.pyplot as plt
 
         figure, panels = plt.subplots(
             1,
@@ -91,7 +100,8 @@ class Plot:
         if not analysis.lines:
             raise InputError(f"{analysis.id}: the analysis has no model", help="add a bending film")
         if ax is None:
-            import matplotlib.pyplot as plt
+            with extra("plot"):
+                import matplotlib.pyplot as plt
 
             width = 1.0 + 1.1 * 2 * len(analysis.lines)
             ax = plt.subplots(figsize=(width, 4.0), layout="constrained")[1]
@@ -146,7 +156,8 @@ class Plot:
                 help="bends left out need two bending films, held-out films a neutral or traction one",
             )
         if ax is None:
-            import matplotlib.pyplot as plt
+            with extra("plot"):
+                import matplotlib.pyplot as plt
 
             ax = plt.subplots(figsize=(6.4, 0.5 + 0.4 * len(bars)), layout="constrained")[1]
         bars.sort()
@@ -179,7 +190,8 @@ class Plot:
         NotAResultError
             If the simulation has no shape to show.
         """
-        import plotly.graph_objects as go
+        with extra("model3d"):
+            import plotly.graph_objects as go
 
         model = self._analysis.model(line)
         shapes = [("erect", model.midpoints_mm, "#000000")]

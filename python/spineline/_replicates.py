@@ -6,6 +6,7 @@ import os
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import islice
 from pathlib import Path
 from typing import Any
 
@@ -13,13 +14,27 @@ from . import _native
 from ._analysis import Analysis
 from ._errors import InputError
 from ._export import export
+from ._html import html_table
 from ._run import command, now_utc
 from ._tables import Table
 
 
+_SHOWN = 20
+"""Numbers in a notebook."""
+
+
 @dataclass(frozen=True)
 class Spread:
-    """Distribution of one number over the replicates, in its unit."""
+    """Distribution of one number over the replicates, in its unit.
+
+    Examples
+    --------
+    >>> import spineline as sl
+    >>> a = sl.analyze(sl.phantom("rod", subject=1))
+    >>> spread = sl.replicates(a, n=10, seed=1)["cobb.erect.main_thoracic"]
+    >>> spread.unit, spread.count
+    ('deg', 10)
+    """
 
     unit: str
     """``"mm"``, ``"px"``, ``"deg"``, ``"segments"``, ``"N"``, ``"relative"`` (a force relative to the nominal stiffness) or ``"1"``."""
@@ -44,6 +59,14 @@ class Replicates(Mapping[str, Spread]):
     A name is the kind of the number, then film, vertebra, region or group, end and line, if it has them, separated by
     dots: ``"cobb.erect.main_thoracic"``, ``"multiplier.main_thoracic"``. The line through the inflections is not named,
     other lines are: ``"multiplier.main_thoracic.iliac_line"``.
+
+    Examples
+    --------
+    >>> import spineline as sl
+    >>> found = sl.replicates(sl.analyze(sl.phantom("rod", subject=1)), n=10, seed=1)
+    >>> low, high = found.interval("cobb.erect.main_thoracic")
+    >>> low < high
+    True
     """
 
     def __init__(self, native: _native.Replicates) -> None:
@@ -147,6 +170,19 @@ class Replicates(Mapping[str, Spread]):
     def __repr__(self) -> str:
         return f"<Replicates: {self.n}, of {len(self)} numbers>"
 
+    def _repr_html_(self) -> str:
+        shown = [(name, self[name]) for name in islice(self, _SHOWN)]
+        rows = [
+            (name, one.unit, one.value, one.sd, *(one.quantiles[::4] if one.quantiles else (None, None)))
+            for name, one in shown
+        ]
+        more = f", the first {_SHOWN} here" if len(self) > _SHOWN else ""
+        return html_table(
+            f"{self.n} replicates of {len(self)} numbers{more}",
+            ("number", "unit", "value", "SD", "2.5 %", "97.5 %"),
+            rows,
+        )
+
 
 class UnknownNumberError(InputError, KeyError):
     """A number that an analysis does not have."""
@@ -180,6 +216,13 @@ def replicates(
     ------
     InputError
         If the noise does not apply to this case, or n is out of range.
+
+    Examples
+    --------
+    >>> import spineline as sl
+    >>> found = sl.replicates(sl.analyze(sl.phantom("rod", subject=1)), n=10, noise=0.5, seed=1)
+    >>> found.n, found.failed
+    (10, 0)
     """
     words = command("replicates", {"n": n, "noise": noise, "seed": seed})
     return Replicates(

@@ -3,28 +3,53 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from itertools import islice
 from typing import TYPE_CHECKING, Any
 
 from . import _native
 from ._errors import InputError
+from ._extras import extra
+from ._html import html_table
 
 if TYPE_CHECKING:
     import pandas
     import polars
     import pyarrow
+    import xarray
+
+    from ._analysis import Analysis
+
+LEVELS = ("S1", *(f"L{n}" for n in range(5, 0, -1)), *(f"T{n}" for n in range(12, 0, -1)), "C7")
+"""Names of vertebrae in the order of the tables: the lowest one first."""
+
+_OF_LEVELS = ("level", "inferior", "superior", "plumb_level", "stable_vertebra")
+"""Columns that hold names of vertebrae."""
+
+_SHOWN = 10
+"""Rows of a table in a notebook."""
 
 
 class Table:
     """A table: columns of the same length; names of columns end with units.
 
+    Iteration gives the rows. Pickle holds the analysis, and computes the table again.
+
     It has the Arrow PyCapsule interface (``__arrow_c_stream__``), so that ``polars.DataFrame(table)``,
     ``pyarrow.table(table)`` and duckdb take it without a copy of the values.
+
+    Examples
+    --------
+    >>> import spineline as sl
+    >>> table = sl.analyze(sl.phantom("rod", subject=1)).tables["multipliers"]
+    >>> table.units["multiplier"], table["line"][0]
+    ('1', 'inflection_line')
     """
 
-    __slots__ = ("_native",)
+    __slots__ = ("_native", "_origin")
 
-    def __init__(self, native: _native.Table) -> None:
+    def __init__(self, native: _native.Table, origin: _native.Analysis | None = None) -> None:
         self._native = native
+        self._origin = origin
 
     @property
     def name(self) -> str:
@@ -60,50 +85,140 @@ class Table:
 
         Raises
         ------
-        KeyError
-            If the column is unknown.
+        InputError
+            If the column is unknown; the message has a similar one, if any. It is a ``KeyError`` too.
         """
+        if not isinstance(column, str):
+            raise TypeError(f"a column has a name, not {column!r}; `list(table)` gives the rows")
         values = self._native.column(column)
         if values is None:
-            raise KeyError(column)
+            meant = _native.did_you_mean(column, self.columns)
+            text = f"the table `{self.name}` has no column `{column}`{meant}"
+            raise UnknownColumnError(text, help=f"give one of {', '.join(self.columns)}")
         return values
+
+    def __iter__(self) -> Iterator[dict[str, Any]]:
+        """The rows as dictionaries by column, with None for missing values."""
+        names = self.columns
+        for row in zip(*(self[name] for name in names), strict=True):
+            values = (value.item() if hasattr(value, "item") else value for value in row)
+            yield {name: None if value != value else value for name, value in zip(names, values, strict=True)}
 
     def __arrow_c_stream__(self, requested_schema: object | None = None) -> object:
         """The table as a stream of the Arrow C data interface."""
         return self._native.__arrow_c_stream__(requested_schema)
 
     def to_pandas(self) -> pandas.DataFrame:
-        """The table as a pandas DataFrame. Needs pandas and pyarrow (the extra ``pandas``)."""
-        frame: pandas.DataFrame = self.to_pyarrow().to_pandas()
-        return frame
+        """The table as a pandas DataFrame. Needs pandas and pyarrow (the extra ``pandas``).
+
+        Vertebrae are ordered categories, the lowest one first; truth values have the type ``boolean``, with ``<NA>`` where
+        missing.
+        """
+        with extra("pandas"):
+            import pandas
+        table = self.to_pyarrow()
+        truths = {field.name: "boolean" for field in table.schema if str(field.type) == "bool"}
+        frame: pandas.DataFrame = table.to_pandas().astype(truths)
+        levels = pandas.CategoricalDtype(list(LEVELS), ordered=True)
+        return frame.astype(dict.fromkeys(self._columns_of_levels(), levels))
 
     def to_polars(self) -> polars.DataFrame:
-        """The table as a polars DataFrame. Needs polars (the extra ``polars``)."""
-        import polars
+        """The table as a polars DataFrame. Needs polars (the extra ``polars``).
 
-        return polars.DataFrame(self)
+        Vertebrae are an ``Enum``, the lowest one first.
+        """
+        with extra("polars"):
+            import polars
+        levels = polars.Enum(LEVELS)
+        return polars.DataFrame(self).with_columns(
+            polars.col(name).cast(levels) for name in self._columns_of_levels()
+        )
+
+    def to_xarray(self, *index: str) -> xarray.Dataset:
+        """The table as a Dataset of xarray, with units and meanings as attributes. Needs xarray (the extra ``xarray``).
+
+        Parameters
+        ----------
+        *index
+            Columns whose values become dimensions, such as ``"line", "posture", "level"``; together they must name a row.
+            By default the rows are one dimension, ``row``.
+
+        Raises
+        ------
+        InputError
+            If a column is unknown, or two rows have the same index.
+        """
+        with extra("xarray"):
+            import xarray
+        frame = self.to_pandas()
+        for name in index:
+            self[name]
+        if index and frame.duplicated(list(index)).any():
+            raise InputError(
+                f"the table `{self.name}` has several rows with the same {', '.join(index)}",
+                help="give more columns as index",
+            )
+        frame = frame.set_index(list(index)) if index else frame.rename_axis("row")
+        found = xarray.Dataset.from_dataframe(frame)
+        for name in self.columns:
+            values = found[name]
+            if values.dtype.kind not in "fiu":
+                # Types of pandas have no counterpart in numpy and in files.
+                values = xarray.DataArray(values.to_numpy().astype(object), dims=values.dims)
+            found[name] = values.assign_attrs(long_name=self.meanings[name])
+            if name in self.units:
+                found[name].attrs["units"] = self.units[name]
+        return found
 
     def to_pyarrow(self) -> pyarrow.Table:
         """The table as a pyarrow Table, with units and meanings as metadata of its fields. Needs pyarrow."""
-        import pyarrow
-
+        with extra("pandas"):
+            import pyarrow
         return pyarrow.table(self)
 
     def to_csv(self) -> str:
         """The text of the CSV file that ``spineline analyze --tables`` writes."""
         return self._native.to_csv()
 
+    def _columns_of_levels(self) -> list[str]:
+        """Columns with vertebrae alone."""
+        found = (name for name in self.columns if name in _OF_LEVELS)
+        return [name for name in found if set(self[name]) <= {None, *LEVELS}]
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        if self._origin is None:
+            raise InputError(
+                f"the table `{self.name}` cannot be pickled", help="pickle its data: `to_pyarrow()`"
+            )
+        from ._analysis import Analysis
+
+        return (_table_of, (Analysis(self._origin), self.name))
+
     def __repr__(self) -> str:
         return f"<Table {self.name}: {len(self)} rows, {len(self.columns)} columns>"
 
+    def _repr_html_(self) -> str:
+        rows = [list(row.values()) for row in islice(self, _SHOWN)]
+        hidden = len(self) - len(rows)
+        more = f", the first {_SHOWN} here" if hidden else ""
+        return html_table(f"{self.name}: {len(self)} rows{more}; {self.row}", self.columns, rows)
+
 
 class Tables(Mapping[str, Table]):
-    """All tables of an analysis by name, as ``spineline analyze --tables`` writes them."""
+    """All tables of an analysis by name, as ``spineline analyze --tables`` writes them.
+
+    Examples
+    --------
+    >>> import spineline as sl
+    >>> tables = sl.analyze(sl.phantom("rod", subject=1)).tables
+    >>> "vertebrae" in tables, len(tables["patients"])
+    (True, 1)
+    """
 
     __slots__ = ("_all",)
 
-    def __init__(self, tables: list[_native.Table]) -> None:
-        self._all = {table.name: Table(table) for table in tables}
+    def __init__(self, analysis: _native.Analysis) -> None:
+        self._all = {table.name: Table(table, analysis) for table in analysis.tables()}
 
     def __getitem__(self, name: str) -> Table:
         """One table.
@@ -132,3 +247,12 @@ class Tables(Mapping[str, Table]):
 
 class UnknownTableError(InputError, KeyError):
     """A table that an analysis does not have."""
+
+
+class UnknownColumnError(InputError, KeyError):
+    """A column that a table does not have."""
+
+
+def _table_of(analysis: Analysis, name: str) -> Table:
+    """A table that is computed again from the pickled analysis."""
+    return analysis.tables[name]

@@ -79,6 +79,13 @@ def test_errors_of_the_program_have_the_same_text_in_the_package(
     assert str(caught.value).split() == ending.stderr.removeprefix(f"error: {file}: ").split()
 
 
+def test_the_path_of_a_case_is_enough(case: sl.Case, analysis: sl.Analysis, tmp_path: Path) -> None:
+    path = case.save(tmp_path / "c.json")
+    assert sl.analyze(path).tables["clinical"].to_csv() == analysis.tables["clinical"].to_csv()
+    with pytest.raises(sl.InputError, match=r"d\.json"):
+        sl.analyze(str(tmp_path / "d.json"))
+
+
 def test_held_out_films_are_apart_from_fitted_ones(analysis: sl.Analysis) -> None:
     fitted, held_out = analysis.fitted, analysis.held_out
     assert set(fitted.films) == {"left_bending", "right_bending"}

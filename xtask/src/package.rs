@@ -54,7 +54,7 @@ fn wheels_with(root: &Path, features: &[&str], others: &[&str]) -> Result<Vec<Pa
     let flags = [("CARGO_ENCODED_RUSTFLAGS", flags.as_str())];
     let program = ["build", "--release", "--locked", "--package", "spineline-cli"];
     run(root, "cargo", &[&program[..], features].concat(), &flags)?;
-    let scripts = root.join("python/spineline.data/scripts");
+    let scripts = root.join("python/spineline._native.data/scripts");
     let program = Path::new("spineline").with_extension(EXE_EXTENSION);
     fs::create_dir_all(&scripts).map_err(|error| format!("{}: {error}", scripts.display()))?;
     copy(&target.join("release").join(&program), &scripts.join(&program))?;
@@ -63,6 +63,7 @@ fn wheels_with(root: &Path, features: &[&str], others: &[&str]) -> Result<Vec<Pa
         fs::remove_dir_all(&wheels).map_err(|error| format!("{}: {error}", wheels.display()))?;
     }
     let interpreter = python::text(&environment(root)?)?;
+    run(root, &interpreter, &["packaging/notices.py", "python/NOTICES.txt"], &[])?;
     let (out, built) = (python::text(&wheels)?, python::text(&target)?);
     let mut arguments =
         vec!["-m", "maturin", "build", "--release", "--out", &out, "--interpreter", &interpreter];
@@ -243,7 +244,6 @@ mod tests {
         for (name, text) in [
             ("Dockerfile", include_str!("../../packaging/Dockerfile")),
             ("recipe.yaml", include_str!("../../packaging/conda/recipe.yaml")),
-            ("release.yml", include_str!("../../packaging/github/release.yml")),
         ] {
             let before = text.split("cargo build --release").next().expect("a part");
             assert!(before.len() < text.len(), "{name} builds");
@@ -252,7 +252,5 @@ mod tests {
                 "{name}"
             );
         }
-        let release = include_str!("../../packaging/github/release.yml");
-        assert!(release.contains("cargo xtask advisories --required"));
     }
 }
