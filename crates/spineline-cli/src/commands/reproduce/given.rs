@@ -6,6 +6,7 @@ use spineline::multibody::Support;
 use spineline_files::Request;
 use spineline_report::reproduction::Films;
 
+use super::answer::{checked_outputs, write};
 use super::args::ReproduceArgs;
 use super::runs::{Run, SUPPORTS};
 use crate::analysis::case::analyze_input;
@@ -21,7 +22,7 @@ const GROUP: [&str; 2] = ["films", "the films that were given"];
 
 pub fn run(args: &ReproduceArgs) -> Result<Ending, Failure> {
     let paths = case_files(&args.cases)?;
-    let outputs = super::checked_outputs(args, paths.iter().map(AsRef::as_ref))?;
+    let outputs = checked_outputs(args, paths.iter().map(AsRef::as_ref))?;
     let options = args.options(Support::Free);
     let record = RunRecord::asking(Request { options, ..Request::default() })?;
     let members = Members::analyze(&paths, &record, args.threads)?;
@@ -41,6 +42,6 @@ pub fn run(args: &ReproduceArgs) -> Result<Ending, Failure> {
         let [name, meaning] = GROUP;
         runs.push(Run { name, meaning, support, cases: cases.clone(), analyses, cohort });
     }
-    let ending = super::write(args, Films::Given, &runs, None, &provenance, outputs)?;
+    let ending = write(args, Films::Given, &runs, None, &provenance, outputs)?;
     Ok(if members.refused.is_empty() { ending } else { Ending::BadInput })
 }

@@ -42,88 +42,9 @@
 
 mod equations;
 mod line_test;
+mod loads;
+mod tilt_errors;
 
-use std::fmt;
-
-use nalgebra::{DMatrix, DVector};
-
-use super::evidence::FilmEvidence;
-use crate::clinical::JointShares;
-use equations::Model;
-use line_test::TiltErrors;
+pub use equations::NoLoads;
 pub use line_test::{Crossing, LineTest, ProposedLine, SIGNIFICANCE};
-
-/// Loads of several films that share springs.
-#[derive(Debug, Clone, PartialEq)]
-pub struct PreferredLoads {
-    /// `(fy, fz, mx)` about the origin of `G` per film, in N and N·mm, up to the level of stiffness.
-    pub components: Vec<[f64; 3]>,
-    /// Standard deviation of `ln` stiffness among the joints of a group, without the random walk along the spine.
-    pub joint_log_sd: f64,
-    /// All unknowns, where a fit to other readings starts.
-    unknowns: DVector<f64>,
-    /// Covariance of all components, film by film, with the other unknowns free.
-    covariance: DMatrix<f64>,
-    /// Its part from tilts whose variance is estimated.
-    from_tilts: TiltErrors,
-}
-
-/// Why films give no loads.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum NoLoads {
-    /// No film has joint rotations in millimetres.
-    NoFilms,
-    /// The rotations do not determine the loads.
-    Undetermined,
-    /// The iteration reached its limit with a step of this size, in `ln` of stiffness, discs or parts of a load.
-    NotConverged {
-        /// Largest change of an unknown.
-        last_step: f64,
-    },
-}
-
-impl fmt::Display for NoLoads {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::NoFilms => f.write_str("no film has joint rotations in millimetres"),
-            Self::Undetermined => f.write_str("the joint rotations do not determine the loads"),
-            Self::NotConverged { last_step } => {
-                write!(
-                    f,
-                    "the fit of loads to the joint rotations did not converge (last step {last_step:.1e})"
-                )
-            }
-        }
-    }
-}
-
-impl PreferredLoads {
-    /// Fits the loads of all films to their joint rotations. `depth_mm` is the sagittal place of the forces; the fit starts from
-    /// the one to other readings of the same films, if that is given.
-    ///
-    /// # Errors
-    /// [`NoLoads`].
-    pub(crate) fn estimate(
-        films: &[&FilmEvidence],
-        depth_mm: f64,
-        shares: &JointShares,
-        start: Option<&Self>,
-    ) -> Result<Self, NoLoads> {
-        let model = Model::new(films, depth_mm, shares)?;
-        let start = start.filter(|start| start.unknowns.len() == model.unknowns());
-        let warm = start.map(|start| model.converge(start.unknowns.clone()));
-        let (unknowns, at) = match warm {
-            Some(Ok(found)) => found,
-            _ => model.converge(model.start())?,
-        };
-        let loads = 3 * films.len();
-        let components = unknowns.as_slice()[..loads].chunks_exact(3);
-        Ok(Self {
-            components: components.map(|load| [load[0], load[1], load[2]]).collect(),
-            joint_log_sd: (0.5 * unknowns[unknowns.len() - 3]).exp(),
-            covariance: at.inverse.view((0, 0), (loads, loads)).into_owned(),
-            from_tilts: TiltErrors::of_films(films, &at.loads_by_errors(loads)),
-            unknowns,
-        })
-    }
-}
+pub use loads::PreferredLoads;
