@@ -18,7 +18,7 @@ use crate::analysis::Analysis;
 use crate::fault::Fault;
 use crate::numbers;
 use crate::patient::generator;
-use crate::wait::beside;
+use crate::wait::apart;
 
 /// A personalised model.
 #[pyclass(frozen, module = "spineline._native")]
@@ -136,7 +136,7 @@ impl Model {
         let loads = parse_load(loads).map_err(|error| Fault::from(error).raise(py))?;
         let tilt = tilt_right_deg.map(|degrees| Goal::LateralTilt(Angle::from_deg(degrees)));
         let goal = tilt.unwrap_or(Goal::FullLoad);
-        let found = beside(py, |stop| {
+        let found = apart(py, move |stop| {
             Simulated::of(model, loads, goal, largest_factor, Vec::new(), &mut |_, _| {
                 if stop.load(Ordering::Relaxed) {
                     ControlFlow::Break(())

@@ -21,7 +21,7 @@ use crate::analysis::Analysis;
 use crate::fault::Fault;
 use crate::patient::run;
 use crate::table::Table;
-use crate::wait::beside;
+use crate::wait::apart;
 
 /// Replicates per thread that are computed before they are added in order.
 const BLOCK: u64 = 16;
@@ -51,11 +51,14 @@ impl Replicates {
         date_utc: String,
     ) -> PyResult<Self> {
         let asked = asked(count, noise_text, seed).map_err(|fault| fault.raise(py))?;
-        let analysis = of.get();
-        let (case, nominal) = (&analysis.case, &analysis.analysis);
-        let pool = pool(threads)?;
-        let found = beside(py, |stop| run_replicates(case, nominal, &asked, &pool, stop))?;
+        let (nominal, pool) = (of.clone_ref(py), pool(threads)?);
+        // One replicate takes seconds where other loads are compared.
+        let found = apart(py, move |stop| {
+            let Analysis { case, analysis, .. } = nominal.get();
+            run_replicates(case, analysis, &asked, &pool, stop)
+        })?;
         let found = found.map_err(|fault| fault.raise(py))?;
+        let analysis = of.get();
         let films = FilmOrigin::of([analysis.case.synthetic]);
         let inputs = analysis.provenance.inputs().to_vec();
         let request = Request { replicates: Some(asked), ..analysis.request.clone() };

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
-use std::thread::{self, Builder};
+use std::thread::Builder;
 use std::time::Duration;
 
 use pyo3::exceptions::PyRuntimeError;
@@ -12,31 +12,11 @@ use pyo3::prelude::*;
 /// Interval of checks for Ctrl-C.
 const POLL: Duration = Duration::from_millis(100);
 
-/// Runs long work while other Python threads run. At Ctrl-C it sets the flag, at which the work must stop soon, waits
-/// for it, and raises `KeyboardInterrupt`.
+/// Runs long work while other Python threads run. At Ctrl-C it sets the flag and raises `KeyboardInterrupt` without
+/// waiting. The work runs until it checks the flag, and its result is dropped.
 ///
 /// # Errors
 /// Exceptions of a signal handler, or if a thread could not be started.
-pub fn beside<T: Send>(py: Python<'_>, work: impl FnOnce(&AtomicBool) -> T + Send) -> PyResult<T> {
-    let stop = AtomicBool::new(false);
-    thread::scope(|scope| {
-        let (sender, receiver) = channel();
-        let stop = &stop;
-        // After a stop, the result is dropped.
-        let worker = worker().spawn_scoped(scope, move || sender.send(work(stop)).ok());
-        let worker = worker.map_err(not_started)?;
-        let result = received(py, receiver, || true);
-        stop.store(result.is_err(), Ordering::Relaxed);
-        py.detach(|| worker.join()).ok();
-        result
-    })
-}
-
-/// As [`beside`], for work with long steps: at Ctrl-C it sets the flag and raises `KeyboardInterrupt` without waiting.
-/// The work runs until it checks the flag, and its result is dropped.
-///
-/// # Errors
-/// As [`beside`].
 pub fn apart<T: Send + 'static>(
     py: Python<'_>,
     work: impl FnOnce(&AtomicBool) -> T + Send + 'static,
@@ -47,7 +27,7 @@ pub fn apart<T: Send + 'static>(
 /// As [`apart`], but it also ends when its result is not needed any more, as in a worker, which cannot receive Ctrl-C.
 ///
 /// # Errors
-/// As [`beside`], and if the result is not needed.
+/// As [`apart`], and if the result is not needed.
 pub fn apart_while<T: Send + 'static>(
     py: Python<'_>,
     is_wanted: impl Fn() -> bool + Send + Sync,
