@@ -63,7 +63,7 @@ impl Replicates {
         let inputs = analysis.provenance.inputs().to_vec();
         let request = Request { replicates: Some(asked), ..analysis.request.clone() };
         let provenance = Provenance::new(run(command, date_utc), films, inputs);
-        let provenance = provenance.of_cases([case.id.clone()]).asking(&request);
+        let provenance = provenance.of_cases([analysis.case.id.clone()]).asking(&request);
         Ok(Self { of, asked, found, provenance })
     }
 
