@@ -9,8 +9,6 @@ use crate::command::run;
 use crate::plan::Plan;
 use crate::{node, tools};
 
-/// The program of npm.
-
 /// Builds the app.
 pub fn build(root: &Path) -> Result<(), String> {
     provide_packages(root)?;

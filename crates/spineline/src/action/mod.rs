@@ -143,7 +143,7 @@ mod tests {
     fn a_line_crosses_an_arch_twice_and_a_point_on_it_is_no_crossing() {
         // y = z (4 - z): the vertical line y = 2 is crossed at z = 0.59 and 3.41; y = 4 touches the top.
         let arch: Vec<Frontal> =
-            (0..=4).map(|z| f64::from(z)).map(|z| Frontal::new(z * (4.0 - z), z)).collect();
+            (0..=4).map(f64::from).map(|z| Frontal::new(z * (4.0 - z), z)).collect();
         let upright = |y_mm| LineOfAction::leaning(Frontal::new(y_mm, 0.0), Angle::ZERO);
         assert_eq!(upright(2.0).crossings(&arch), [1, 3]);
         assert_eq!(upright(4.0).crossings(&arch), [0; 0]);
