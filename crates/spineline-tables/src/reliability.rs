@@ -2,6 +2,7 @@ use spineline::reliability::{Design, Statistic};
 
 use crate::Patient;
 use crate::define::{Columns, Row, Unit, keyed};
+use crate::statistics::columns_of_design;
 use crate::table::Table;
 
 /// A statistic of one quantity in one design.
@@ -38,18 +39,7 @@ pub(crate) fn table(patients: &[Patient<'_>]) -> Table {
 }
 
 fn columns_of_statistics(add: &mut Columns<'_, ReliabilityRow<'_>>) {
-    add.text("quantity", "quantity that was read", |row| row.item.quantity.clone());
-    add.text(
-        "design",
-        "`inter_observer_means`, `inter_observer_single` or `intra_observer`",
-        |row| row.item.design.key(),
-    );
-    add.text("observer", "for `intra_observer`: the observer whose repeats are compared", |row| {
-        match &row.item.design {
-            Design::IntraObserver { observer } => Some(observer.clone()),
-            Design::InterObserverMeans | Design::InterObserverSingle { .. } => None,
-        }
-    });
+    columns_of_design(add, |row| &row.item.quantity, |row| &row.item.design);
     add.count(
         "repeat",
         "for `inter_observer_single`: the repeat that is compared",

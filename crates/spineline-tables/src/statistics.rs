@@ -64,20 +64,29 @@ pub fn statistics_table(found: &[QuantityReliability], synthetic: bool) -> Table
     })
 }
 
-fn which(add: &mut Columns<'_, StatisticRow<'_>>) {
-    add.truth("synthetic", "whether the films of some case are synthetic", |row| row.synthetic);
-    add.text("quantity", "quantity that was read", |row| row.quantity.key.clone());
+/// Who is compared on which quantity.
+pub(crate) fn columns_of_design<R>(
+    add: &mut Columns<'_, R>,
+    quantity: impl Fn(&R) -> &str,
+    design: impl Fn(&R) -> &Design,
+) {
+    add.text("quantity", "quantity that was read", |row| quantity(row).to_owned());
     add.text(
         "design",
         "`inter_observer_means`, `inter_observer_single` or `intra_observer`",
-        |row| row.design.design.key(),
+        |row| design(row).key(),
     );
     add.text("observer", "for `intra_observer`: the observer whose repeats are compared", |row| {
-        match &row.design.design {
+        match design(row) {
             Design::IntraObserver { observer } => Some(observer.clone()),
             Design::InterObserverMeans | Design::InterObserverSingle { .. } => None,
         }
     });
+}
+
+fn which(add: &mut Columns<'_, StatisticRow<'_>>) {
+    add.truth("synthetic", "whether the films of some case are synthetic", |row| row.synthetic);
+    columns_of_design(add, |row| &row.quantity.key, |row| &row.design.design);
     add.count("raters", "number of raters", |row| row.design.raters.len() as i64);
     add.text(
         "repeats",
