@@ -50,8 +50,9 @@ pub fn analyze_movement(case: &Case, options: &AnalysisOptions) -> Result<Analys
     Ok(Analysis::before_any_force(case, options, movement, warnings))
 }
 
-/// Fits to other readings of the same films, from which fits start. They change the time of a fit, and its result by less than the
-/// solver's tolerance.
+/// Fits to other readings of the same films, from which fits start.
+///
+/// They shorten a fit. Where minima are nearly alike, they can change in which one it ends (decision 0059).
 #[derive(Debug, Clone)]
 pub(crate) struct FitStarts<'a> {
     loads: Option<PreferredLoads>,
