@@ -83,14 +83,11 @@ pub(crate) fn on_vertebrae(scenario: Scenario, size: f64, sense: f64) -> Vec<OnV
     const T5: usize = 11;
     const T11: usize = 5;
     let sideways = Frontal::new(-sense * size, 0.0);
-    let couple = |arm_mm: f64| OnVertebra {
-        vertebra: TOP,
-        force: Frontal::default(),
-        couple_nmm: arm_mm * size * sense,
-    };
     let mut all = match scenario {
-        Scenario::Couple => vec![couple(100.0)],
-        Scenario::WeightAndCouple => vec![couple(100.0)],
+        Scenario::Couple | Scenario::WeightAndCouple => {
+            let couple_nmm = 100.0 * size * sense;
+            vec![OnVertebra { vertebra: TOP, force: Frontal::default(), couple_nmm }]
+        }
         Scenario::Pads => {
             vec![OnVertebra::force(T5, sideways), OnVertebra::force(T11, sideways * -0.5)]
         }
