@@ -14,18 +14,18 @@ use crate::run::messages::say;
 use crate::run::progress;
 use crate::run::threads::{Pool, map_all};
 
-/// Seed of the bootstrap over patients.
-const BOOTSTRAP_SEED: u64 = 1;
+/// Seed of the bootstrap over patients, where none is asked for.
+pub const BOOTSTRAP_SEED: u64 = 1;
 
-/// Statistics over all patients; 0 threads uses all cores.
+/// Statistics over all patients, with a seed of the bootstrap; 0 threads uses all cores.
 ///
 /// # Errors
 /// If the threads cannot be started.
-pub fn of(patients: &[CohortPatient], threads: usize) -> Result<Cohort, Failure> {
+pub fn of(patients: &[CohortPatient], seed: u64, threads: usize) -> Result<Cohort, Failure> {
     let pool = Pool::new(threads)?;
     // Half a minute for 100,000 patients.
     let shown = progress::working("statistics over all patients");
-    let cohort = Cohort::by(patients, BOOTSTRAP_SEED, &pool);
+    let cohort = Cohort::by(patients, seed, &pool);
     shown.finish_and_clear();
     Ok(cohort)
 }

@@ -70,7 +70,7 @@ pub fn analyze_all<'a>(
     if !asked.args.warnings {
         print_notices(&kept.warnings.lines("--warnings"));
     }
-    let of_all = || cohort::of(&kept.patients, asked.args.threads);
+    let of_all = || cohort::of(&kept.patients, cohort::BOOTSTRAP_SEED, asked.args.threads);
     kept.together = asked.is_cohort().then(of_all).transpose()?;
     Ok(kept)
 }

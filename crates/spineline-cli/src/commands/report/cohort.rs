@@ -41,7 +41,7 @@ pub fn run(paths: &[PathBuf], args: &ReportArgs, outputs: Outputs) -> Result<End
     let document = report(&Patients {
         analyses: &analyses,
         subjects: &subjects,
-        together: &cohort::of(&patients, args.threads)?,
+        together: &cohort::of(&patients, cohort::BOOTSTRAP_SEED, args.threads)?,
         refused: &refused,
         generator: &generator(),
         json: &format!("[{}]", files.join(",")),

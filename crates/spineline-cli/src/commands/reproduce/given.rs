@@ -38,7 +38,7 @@ pub fn run(args: &ReproduceArgs) -> Result<Ending, Failure> {
     let mut runs = Vec::new();
     for (support, analyses) in SUPPORTS.into_iter().zip([members.analyses, frontal]) {
         let patients: Vec<CohortPatient> = analyses.iter().map(CohortPatient::of).collect();
-        let cohort = cohort::of(&patients, args.threads)?;
+        let cohort = cohort::of(&patients, args.seed, args.threads)?;
         let [name, meaning] = GROUP;
         runs.push(Run { name, meaning, support, cases: cases.clone(), analyses, cohort });
     }
