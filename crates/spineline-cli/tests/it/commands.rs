@@ -340,6 +340,22 @@ fn reproduce_sets_given_cases_beside_the_paper_by_its_method() {
     let analysis = read(&format!("out/analyses/{}", name.expect("free support")));
     let analysis: serde_json::Value = serde_json::from_str(&analysis).expect("JSON");
     assert_eq!(analysis["provenance"]["options"], paper);
+    // Figures of films that are not synthetic do not say so.
+    let figures = |out: &str| -> String {
+        let files = fs::read_dir(here.path().join(out).join("figures")).expect("figures");
+        files.map(|file| fs::read_to_string(file.expect("a file").path()).expect("text")).collect()
+    };
+    assert!(figures("out").contains("synthetic data"));
+    let case = fs::read_dir(here.path().join("cases")).expect("a folder");
+    for path in case.map(|file| file.expect("a file").path()) {
+        let text = fs::read_to_string(&path).expect("a case");
+        fs::write(&path, text.replacen("\"synthetic\": true", "\"synthetic\": false", 1))
+            .expect("written");
+    }
+    let screen = done(here.path(), &["reproduce", "cases", "--out", "real"]);
+    for text in [screen, read("real/summary.txt"), figures("real")] {
+        assert!(!text.contains("SYNTHETIC") && !text.contains("synthetic data"), "{text}");
+    }
     fs::write(here.path().join("cases/bad.json"), "{}").expect("a file");
     let (text, error, code) = run(here.path(), &["reproduce", "cases", "--out", "again"]);
     assert_eq!(code, 3, "{text}\n{error}");

@@ -41,10 +41,11 @@ pub fn write(
             mean_least: sample(&run.cohort.mean_least[films]),
         };
         let groups = [group("bends", 0), group("neutral and traction", 1)];
-        if let Some(svg) = figures::least_rotating_estimates(&groups, true) {
+        if let Some(svg) = figures::least_rotating_estimates(&groups, run.cohort.synthetic) {
             save(format!("figure-10-estimates-{scenario}"), &svg)?;
         }
     }
+    let synthetic = runs.iter().any(|run| run.cohort.synthetic);
     let free: Vec<&Run> = runs.iter().filter(|run| run.support == Support::Free).collect();
     let inflections: Vec<InflectionSample> = free
         .iter()
@@ -54,7 +55,7 @@ pub fn write(
             rotations_deg: run.cohort.inflection[0].all_rotations_deg.clone(),
         })
         .collect();
-    if let Some(svg) = figures::inflection_distances(&inflections, true, true) {
+    if let Some(svg) = figures::inflection_distances(&inflections, true, synthetic) {
         save("figure-06-inflections".to_owned(), &svg)?;
     }
     for support in [Support::Free, Support::Frontal] {
@@ -91,13 +92,14 @@ fn error_figures(
             })
             .collect()
     };
+    let synthetic = runs.iter().any(|run| run.cohort.synthetic);
     let kinds = [
         ("fitted", true, "bending films, fitted"),
         ("held-out", false, "neutral and traction films, held out"),
     ];
     for (name, is_fitted, films) in kinds {
         let films = format!("{films}, support {support}");
-        if let Some(svg) = figures::location_errors(&errors(is_fitted), &films, true) {
+        if let Some(svg) = figures::location_errors(&errors(is_fitted), &films, synthetic) {
             save(format!("figure-08-errors-{name}-{support}"), &svg)?;
         }
     }
