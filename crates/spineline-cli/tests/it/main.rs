@@ -27,6 +27,7 @@ mod program;
 mod reliability;
 mod repeated_films;
 mod report;
+mod reproduce;
 mod rerun;
 mod results;
 mod serve;
