@@ -127,8 +127,11 @@ pub(super) fn answer(evidence: &[Evidence], reproduction: &Reproduction<'_>) -> 
     if everywhere == CLAIMS {
         return format!("Yes. All three claims hold{place}.");
     }
-    let mut endings = evidence.iter().flat_map(|one| &one.ours).map(|found| found.ending);
-    let is_contradicted = endings.any(|ending| ending == Some(ClaimVerdict::Fails));
+    let endings = || evidence.iter().flat_map(|one| &one.ours).filter_map(|found| found.ending);
+    if endings().next().is_none() {
+        return "Not tested. Each claim needs two patients with a result.".to_owned();
+    }
+    let is_contradicted = endings().any(|ending| ending == ClaimVerdict::Fails);
     let word = if is_contradicted { "No" } else { "Not decided" };
     let count = match everywhere {
         0 => "No claim holds".to_owned(),

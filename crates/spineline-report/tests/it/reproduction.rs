@@ -111,6 +111,10 @@ fn patients_that_were_given_are_one_group_with_an_answer_of_their_own() {
     let given = |says| answer(Films::Given, &[says]);
     assert_eq!(given(Says::Yes), "Answer: Yes. All three claims hold.");
     assert_eq!(given(Says::No), "Answer: No. No claim holds.");
+    assert_eq!(
+        given(Says::Nothing),
+        "Answer: Not tested. Each claim needs two patients with a result."
+    );
     let [text, all] = told(Films::Given, &[Says::No]);
     for word in ["SYNTHETIC", "phantom", "scenario"] {
         assert!(!text.contains(word) && !all.contains(word), "{word} in\n{text}\n{all}");

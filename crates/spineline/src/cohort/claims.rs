@@ -283,11 +283,11 @@ impl Claims {
         }
     }
 
-    /// The three verdicts; `None` where nothing was counted.
+    /// The three verdicts; `None` for fewer than two patients, since one patient says nothing about others.
     #[must_use]
     pub fn verdicts(&self) -> [Option<ClaimVerdict>; 3] {
         let share = |share: &Share, limit: f64| {
-            (share.n > 0).then(|| ClaimVerdict::above(limit, share.interval))
+            (share.n > 1).then(|| ClaimVerdict::above(limit, share.interval))
         };
         [
             share(&self.near, Self::NEAR_LIMIT),
@@ -342,6 +342,11 @@ mod tests {
         assert_eq!(ClaimVerdict::above(0.5, [0.6, 0.9]), ClaimVerdict::Holds);
         assert_eq!(ClaimVerdict::above(0.5, [0.4, 0.9]), ClaimVerdict::Open);
         assert_eq!(ClaimVerdict::above(0.5, [0.1, 0.4]), ClaimVerdict::Fails);
-        assert!(Claims::of(&[], 1).verdicts().iter().all(Option::is_none));
+        let one = patient(&[40.0; 8], [0.1, 0.09], [2.0, 1.0]);
+        for few in [vec![], vec![one.clone()]] {
+            assert!(Claims::of(&few, 1).verdicts().iter().all(Option::is_none));
+        }
+        let verdicts = Claims::of(&[one.clone(), one], 1).verdicts();
+        assert_eq!(verdicts[0], Some(ClaimVerdict::Fails));
     }
 }
