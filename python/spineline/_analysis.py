@@ -404,8 +404,8 @@ def analyze(
     case
         The films, or the path of a case file.
     identifiability
-        Whether to compute which multipliers the bending films identify: profile likelihoods with 95 % intervals if the model
-        is exact (``interval_coverage`` in the JSON says how often they hold the true multiplier).
+        Whether to compute which multipliers the bending films identify: 95 % intervals of the mean stiffness of their joints
+        (``interval_coverage`` in the JSON says how often they hold the true one), and profile likelihoods.
     **options
         Options of the method by their names on the command line, with ``_``: see :class:`MethodOptions`.
 

@@ -2,7 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 use spineline::personalize::{
-    Identifiability, MultiplierInformation, Profile, ProfileEnd, ProfilePoint, StiffnessDirection,
+    GroupStiffness, Identifiability, MultiplierInformation, Profile, ProfileEnd, ProfilePoint,
+    StiffnessDirection,
 };
 
 #[derive(Serialize, Deserialize)]
@@ -31,6 +32,8 @@ struct StoredMultiplier {
     points: Vec<(f64, f64)>,
     lower: StoredEnd,
     upper: StoredEnd,
+    /// Mean, deviation and half of the interval of `ln` stiffness.
+    stiffness: Option<[f64; 3]>,
 }
 
 #[derive(Serialize, Deserialize)]
@@ -106,6 +109,7 @@ fn stored(found: &Identifiability) -> Stored {
         points: one.profile.points.iter().map(|at| (at.log_multiplier, at.rise)).collect(),
         lower: one.profile.lower.into(),
         upper: one.profile.upper.into(),
+        stiffness: one.stiffness.map(|found| [found.log_mean, found.log_sd, found.log_reach]),
     };
     Stored {
         variance_factor: found.variance_factor,
@@ -130,6 +134,11 @@ fn found(stored: Stored) -> Identifiability {
             lower: one.lower.into(),
             upper: one.upper.into(),
         },
+        stiffness: one.stiffness.map(|[log_mean, log_sd, log_reach]| GroupStiffness {
+            log_mean,
+            log_sd,
+            log_reach,
+        }),
     };
     Identifiability {
         variance_factor: stored.variance_factor,

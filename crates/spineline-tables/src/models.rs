@@ -5,7 +5,7 @@ use spineline::evaluate::Simulation;
 use spineline::hypothesis::{HypothesisFit, ShapePrediction};
 use spineline::multibody::JointStiffness;
 use spineline::personalize::{
-    MULTIPLIER_COVERAGE, MultiplierInformation, ProfileEnd, StiffnessBound,
+    MULTIPLIER_COVERAGE, MultiplierInformation, ProfileEnd, STIFFNESS_COVERAGE, StiffnessBound,
 };
 
 use crate::Patient;
@@ -95,6 +95,10 @@ fn end(end: ProfileEnd) -> Option<f64> {
     }
 }
 
+fn interval_end(row: &MultiplierRow<'_>, which: usize) -> Option<f64> {
+    end(row.item.found?.interval_95()?[which])
+}
+
 fn columns_of_multipliers(add: &mut Columns<'_, MultiplierRow<'_>>) {
     add.text("line", "line of action of the model", |row| row.item.model.kind.key());
     add.text("joints", "region, or joint", |row| {
@@ -111,9 +115,24 @@ fn columns_of_multipliers(add: &mut Columns<'_, MultiplierRow<'_>>) {
     });
     add.text(
         "verdict",
-        "whether the films identify it: `interval`, `only_lower`, `only_upper`, `not_identified` or `lost` (did not converge); empty where not requested",
-        |row| row.item.found.map(|found| found.profile.verdict().key()),
+        "whether the films identify it: `interval`, `only_lower`, `only_upper`, `not_identified` or `unknown`; empty where not requested",
+        |row| row.item.found.map(|found| found.verdict().key()),
     );
+    add.number(
+        "interval_95_low",
+        Unit::One,
+        "lower end of the 95 % interval of its joints' geometric mean, by the mixed model; empty where the films set no lower limit",
+        |row| interval_end(row, 0),
+    );
+    add.number(
+        "interval_95_high",
+        Unit::One,
+        "upper end of the 95 % interval of its joints' geometric mean, by the mixed model; empty where the films set no upper limit",
+        |row| interval_end(row, 1),
+    );
+    add.text("interval_coverage", STIFFNESS_COVERAGE, |row| {
+        row.item.found.map(|_| STIFFNESS_COVERAGE.to_owned())
+    });
     add.number(
         "interval_95_if_exact_low",
         Unit::One,
@@ -126,7 +145,7 @@ fn columns_of_multipliers(add: &mut Columns<'_, MultiplierRow<'_>>) {
         "upper end of its 95 % interval if the model is exact; empty where the films set no upper limit",
         |row| row.item.found.and_then(|found| end(found.profile.upper)),
     );
-    add.text("interval_coverage", MULTIPLIER_COVERAGE, |row| {
+    add.text("interval_if_exact_coverage", MULTIPLIER_COVERAGE, |row| {
         row.item.found.map(|_| MULTIPLIER_COVERAGE.to_owned())
     });
     add.number(

@@ -9,8 +9,8 @@ use spineline_files::method_text::noise;
 #[derive(Args)]
 #[command(next_help_heading = "Uncertainty")]
 pub struct UncertaintyArgs {
-    /// Compute which multipliers the bending films identify: profile likelihood, 95 % intervals if the model is
-    /// exact, weakest direction
+    /// Compute which multipliers the bending films identify: 95 % intervals of the mean stiffness of their joints,
+    /// profile likelihood, weakest direction
     #[arg(long)]
     pub identifiability: bool,
     #[command(flatten)]

@@ -161,13 +161,13 @@ fn identifiability_is_reported_on_request_with_and_without_a_prior() {
     let case = "cases/phantom-rod-02.json";
     let with = |more: &[&str]| run(here.path(), &[&["analyze", case, "--full"], more].concat()).0;
     let plain = with(&[]);
-    assert!(!plain.contains("Profile likelihood"), "{plain}");
+    assert!(!plain.contains("Identifiability of the multipliers"), "{plain}");
     // Heads of columns may be broken; a test of `spineline-report` reads them whole.
     for word in ["Line of best fit to the rotations", "p: through", "p: parallel"] {
         assert!(plain.contains(word), "{word} is missing in\n{plain}");
     }
     let asked = with(&["--identifiability"]);
-    for word in ["Profile likelihood", "identified as a ratio", "Least known"] {
+    for word in ["Identifiability of the multipliers", "identified as a ratio", "Least known"] {
         assert!(asked.contains(word), "{word} is missing in\n{asked}");
     }
     let prior = ["--identifiability", "--multipliers", "per-joint", "--prior", "in-vivo"];

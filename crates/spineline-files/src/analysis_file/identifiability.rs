@@ -3,7 +3,8 @@ use std::collections::BTreeMap;
 use serde::{Deserialize, Serialize};
 use spineline::multibody::JointGroups;
 use spineline::personalize::{
-    Identifiability, MULTIPLIER_COVERAGE, MultiplierInformation, ProfileEnd, StiffnessDirection,
+    Identifiability, MULTIPLIER_COVERAGE, MultiplierInformation, ProfileEnd, STIFFNESS_COVERAGE,
+    StiffnessDirection,
 };
 
 /// Identifiability of a model's multipliers from the bending films, in natural logarithms, at the scales of the films that were
@@ -11,8 +12,10 @@ use spineline::personalize::{
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 pub(super) struct IdentifiabilityRecord {
-    /// How often the intervals hold the true multiplier.
+    /// How often `interval_95` holds the true mean stiffness.
     interval_coverage: String,
+    /// How often `interval_95_if_exact` holds the true multiplier.
+    interval_if_exact_coverage: String,
     /// By region or joint, under the gauge.
     multipliers: BTreeMap<String, InformationRecord>,
     /// Joint directions of change, the least identified first; from the films alone, without gauge and prior.
@@ -26,10 +29,13 @@ pub(super) struct IdentifiabilityRecord {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 struct InformationRecord {
-    /// `interval`, `only_lower`, `only_upper`, `not_identified` or `lost`.
+    /// `interval`, `only_lower`, `only_upper`, `not_identified` or `unknown`, by `interval_95`.
     verdict: String,
-    /// Ends of the 95 % interval of the multiplier if the model is exact (`interval_coverage`); `null` where the films allow every value up to
-    /// its bound.
+    /// Geometric mean of its joints' stiffness over the table's, by the mixed model; `null` where the joint rotations do not determine it.
+    stiffness: Option<f64>,
+    /// Ends of its 95 % interval; `null` where the films allow every value up to the bound of multipliers.
+    interval_95: [Option<f64>; 2],
+    /// Ends of the multiplier's 95 % interval if the model is exact; `null` where the films allow every value up to its bound.
     interval_95_if_exact: [Option<f64>; 2],
     /// From the films alone; `null` where they do not fix it.
     log_sd: Option<f64>,
@@ -63,7 +69,8 @@ impl IdentifiabilityRecord {
     pub fn new(found: &Identifiability, groups: &JointGroups) -> Self {
         let names = || groups.names().iter().cloned();
         Self {
-            interval_coverage: MULTIPLIER_COVERAGE.to_owned(),
+            interval_coverage: STIFFNESS_COVERAGE.to_owned(),
+            interval_if_exact_coverage: MULTIPLIER_COVERAGE.to_owned(),
             multipliers: names().zip(found.multipliers.iter().map(information)).collect(),
             directions: found
                 .directions
@@ -88,7 +95,9 @@ fn information(one: &MultiplierInformation) -> InformationRecord {
         ProfileEnd::Open | ProfileEnd::Lost(_) => None,
     };
     InformationRecord {
-        verdict: one.profile.verdict().key().to_owned(),
+        verdict: one.verdict().key().to_owned(),
+        stiffness: one.stiffness.map(|found| found.log_mean.exp()),
+        interval_95: one.interval_95().map_or([None; 2], |ends| ends.map(end)),
         interval_95_if_exact: [end(one.profile.lower), end(one.profile.upper)],
         log_sd: finite(one.log_sd),
         log_sd_with_prior: one.log_sd_with_prior.and_then(finite),

@@ -401,8 +401,10 @@ fn an_analysis_file_contains_the_identifiability_of_multipliers() {
     for (name, record) in records {
         let value = model["multipliers"][name].as_f64().expect("a number");
         assert_eq!(record["verdict"], "interval", "{name}");
-        let ends = [0, 1].map(|end| record["interval_95_if_exact"][end].as_f64().expect("an end"));
-        assert!(ends[0] < value && value < ends[1], "{name}: {value} in {ends:?}");
+        let ends = [0, 1].map(|end| record["interval_95"][end].as_f64().expect("an end"));
+        let mean = record["stiffness"].as_f64().expect("a number");
+        assert!(ends[0] < mean && mean < ends[1], "{name}: {mean} in {ends:?}");
+        assert!((mean / value).ln().abs() < 0.3, "{name}: {mean}, and the multiplier {value}");
     }
     let directions = model["identifiability"]["directions"].as_array().expect("a list");
     assert_eq!(directions.len(), records.len());

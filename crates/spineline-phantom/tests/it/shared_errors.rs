@@ -199,8 +199,7 @@ fn errors_of_joint_rotations_are_as_large_together_as_stated() {
                 });
                 let error = |i: usize| (is.joints[i].rotation - was.joints[i].rotation).rad();
                 let error = DVector::from_fn(JOINTS, |i, _| error(i));
-                let tilts = is.tilt_covariances.expect("corners are completed");
-                let tilts = tilts.film + tilts.erect;
+                let tilts = is.tilts.covariance + is.erect_tilts.covariance;
                 let stated = DMatrix::from_fn(JOINTS, JOINTS, |i, j| {
                     tilts[(i, j)] - tilts[(i, j + 1)] - tilts[(i + 1, j)] + tilts[(i + 1, j + 1)]
                 });

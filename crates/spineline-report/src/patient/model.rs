@@ -5,7 +5,7 @@ use spineline::anatomy::Posture;
 use spineline::evaluate::Baseline;
 use spineline::multibody::StiffnessLibrary;
 use spineline::number::{fixed, interval};
-use spineline::personalize::{FitStatus, MULTIPLIER_COVERAGE, StiffnessBound};
+use spineline::personalize::{FitStatus, MULTIPLIER_COVERAGE, STIFFNESS_COVERAGE, StiffnessBound};
 use spineline::uncertainty::{AnalysisQuantity, Uncertainty};
 
 use super::Patient;
@@ -115,7 +115,7 @@ fn multipliers(patient: &Patient<'_>) -> Table {
         Column::words("Line of action"),
         Column::words("Joints"),
         Column::numbers("Multiplier of the table (1)"),
-        Column::words("95 % interval if the model is exact (films)"),
+        Column::words("Mean of the joints, 95 % interval (films)"),
         Column::words("95 % interval if the model is exact (landmark noise)"),
         Column::words("Verdict"),
     ];
@@ -125,7 +125,7 @@ fn multipliers(patient: &Patient<'_>) -> Table {
         let rows = model.groups.titles().zip(model.multipliers()).zip(model.verdicts(analysis));
         for (group, ((name, value), verdict)) in rows.enumerate() {
             let scale = model.fit.absolute_scale;
-            let profile =
+            let by_films =
                 found.map(|found| uncertainty::interval(&found.multipliers[group], scale));
             let noise = match model.fit.bounds[group] {
                 StiffnessBound::Inside => {
@@ -137,7 +137,7 @@ fn multipliers(patient: &Patient<'_>) -> Table {
                 model.kind.to_string(),
                 name,
                 fixed(value * scale, 2),
-                profile.unwrap_or_else(none),
+                by_films.unwrap_or_else(none),
                 noise.unwrap_or_else(none),
                 verdict.to_string(),
             ]);
@@ -151,7 +151,9 @@ fn multipliers(patient: &Patient<'_>) -> Table {
             " `--identifiability` adds intervals from the films, `--replicates` intervals from landmark noise."
         }
     };
-    table.note = format!("{MULTIPLIER_COVERAGE}{asked}");
+    let coverage =
+        if patient.identifiability.is_some() { STIFFNESS_COVERAGE } else { MULTIPLIER_COVERAGE };
+    table.note = format!("{coverage}{asked}");
     table
 }
 

@@ -116,7 +116,7 @@ fn multipliers(analysis: &Analysis, model: &LineModel, intervals: Intervals<'_>)
     format!("Stiffness as a multiple of the table: {}.", all.collect::<Vec<_>>().join(", "))
 }
 
-/// The 95 % interval of a multiplier: over replicates, or else by the films, if the model is exact.
+/// The 95 % interval of a multiplier: by the films, or else over replicates.
 fn interval(
     analysis: &Analysis,
     model: &LineModel,
@@ -124,13 +124,14 @@ fn interval(
     intervals: Intervals<'_>,
 ) -> Option<String> {
     let scale = model.fit.absolute_scale;
-    let noise = intervals.uncertainty.and_then(|found| noise_interval(found, model, group, scale));
-    noise.or_else(|| {
+    let by_films = || {
         let place = analysis.models.iter().position(|other| other.kind == model.kind)?;
         let found = intervals.identifiability?[place].as_ref()?;
-        let profile = uncertainty::interval(&found.multipliers[group], scale);
-        Some(format!("{profile} if the model is exact"))
-    })
+        let interval = uncertainty::interval(&found.multipliers[group], scale);
+        Some(format!("mean of its joints {interval}"))
+    };
+    let by_noise = |found| noise_interval(found, model, group, scale);
+    by_films().or_else(|| intervals.uncertainty.and_then(by_noise))
 }
 
 /// What a user may do now.

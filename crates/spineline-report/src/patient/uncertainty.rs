@@ -4,7 +4,7 @@ use spineline::analysis::{Analysis, FilmMovement, LineModel};
 use spineline::anatomy::Level;
 use spineline::number::fixed;
 use spineline::personalize::{
-    Identifiability, MULTIPLIER_COVERAGE, MultiplierInformation, ProfileEnd,
+    Identifiability, MULTIPLIER_COVERAGE, MultiplierInformation, ProfileEnd, STIFFNESS_COVERAGE,
 };
 use spineline::uncertainty::{AnalysisQuantity, QuantityUnit, Uncertainty};
 use spineline::warning::counted;
@@ -13,7 +13,7 @@ use crate::document::{Column, Figure, Notice, NoticeKind, Section, Table};
 use crate::figures;
 use crate::phrases::none;
 
-/// The 95 % interval of a multiplier from its profile, if the model is exact.
+/// The 95 % interval of the mean stiffness of a multiplier's joints.
 pub fn interval(one: &MultiplierInformation, scale: f64) -> String {
     let end = |end: ProfileEnd, open: f64| match end {
         ProfileEnd::At(log) => fixed(scale * log.exp(), 2),
@@ -21,7 +21,8 @@ pub fn interval(one: &MultiplierInformation, scale: f64) -> String {
         ProfileEnd::Open => format!("above {}", fixed(scale * open, 1)),
         ProfileEnd::Lost(_) => "?".to_owned(),
     };
-    format!("{} to {}", end(one.profile.lower, 0.1), end(one.profile.upper, 10.0))
+    let Some([low, high]) = one.interval_95() else { return "unknown".to_owned() };
+    format!("{} to {}", end(low, 0.1), end(high, 10.0))
 }
 
 /// Identifiability of every multiplier by the bending films.
@@ -35,15 +36,15 @@ pub fn identifiability(
         Column::words("Line of action"),
         Column::words("Joints"),
         Column::numbers("Ratio to the geometric mean (1)"),
-        Column::words("95 % interval of the ratio if the model is exact"),
-        Column::numbers("sd of ln (1)"),
+        Column::words("Mean of the joints, 95 % interval (1)"),
+        Column::numbers("sd of ln if the model is exact (1)"),
         Column::words("What the films identify"),
     ];
     if prior.is_some() {
         columns.push(Column::numbers("sd of ln with prior (1)"));
         columns.push(Column::numbers("share from films (%)"));
     }
-    let mut table = Table::new("Profile likelihood of the multipliers", columns);
+    let mut table = Table::new("Identifiability of the multipliers", columns);
     for (model, found) in analysis.models.iter().zip(found) {
         let Some(found) = found else {
             let text = format!("{}: the fit did not converge, so nothing is known.", model.kind);
@@ -58,7 +59,7 @@ pub fn identifiability(
                 fixed(value, 2),
                 interval(one, 1.0),
                 deviation(one.log_sd),
-                one.profile.verdict().to_string(),
+                one.verdict().to_string(),
             ];
             if let Some(prior) = prior {
                 row.push(one.log_sd_with_prior.map_or_else(none, deviation));
@@ -72,7 +73,7 @@ pub fn identifiability(
         }
     }
     let is_free = |film: &FilmMovement| film.outline.length.is_free();
-    table.note = MULTIPLIER_COVERAGE.to_owned();
+    table.note = STIFFNESS_COVERAGE.to_owned();
     if analysis.movement.films.iter().any(is_free) {
         table.note += " Intervals are conditional on the scales of the films against the erect one, which were found before the fit and are held. Their error is not in these intervals; `--replicates` finds them anew with every set of landmarks.";
     }

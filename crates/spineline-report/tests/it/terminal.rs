@@ -240,7 +240,7 @@ fn requested_identifiability_and_prior_are_shown() {
     let found: Vec<Option<Identifiability>> =
         analysis.models.iter().map(|model| analysis.identifiability(model)).collect();
     let text = terminal(&summary(&case, &analysis, Some(&found), None), WIDE);
-    assert!(text.contains("Profile likelihood"), "{text}");
+    assert!(text.contains("Identifiability of the multipliers"), "{text}");
     holds(&text, &["sd of ln with prior (1)", "share from films (%)"].map(str::to_owned));
     let deviation = |sd: f64| if sd < 100.0 { fixed(sd, 2) } else { "unlimited".to_owned() };
     for (model, found) in analysis.models.iter().zip(&found) {
@@ -253,7 +253,7 @@ fn requested_identifiability_and_prior_are_shown() {
             let share = one.film_share(prior.log_sd);
             let cells = [
                 deviation(one.log_sd),
-                one.profile.verdict().to_string(),
+                one.verdict().to_string(),
                 deviation(with_prior),
                 share.map_or("–".to_owned(), percent),
             ];

@@ -89,10 +89,10 @@ fn rows_equal_the_analysis() {
         analysis.movement.clinical[0].cobb_in(Posture::Erect).map(Angle::deg)
     );
     let multipliers = table(&all, "multipliers");
-    let low = numbers(multipliers, "interval_95_if_exact_low");
-    let high = numbers(multipliers, "interval_95_if_exact_high");
-    for (row, value) in numbers(multipliers, "multiplier").iter().enumerate() {
-        assert!(low[row] < *value && (high[row].is_none() || *value < high[row]), "row {row}");
+    let low = numbers(multipliers, "interval_95_low");
+    let high = numbers(multipliers, "interval_95_high");
+    for (row, (low, high)) in low.iter().zip(high).enumerate() {
+        assert!(high.is_none() || low < high, "row {row}");
     }
     assert_eq!(table(&all, "joints").rows(), 14 * 4 * lines);
     assert_eq!(table(&all, "springs").rows(), 14 * lines);

@@ -2,7 +2,9 @@
 
 use super::models::{bending_loads, fit_films, settings_of};
 use super::{Analysis, LineModel};
-use crate::personalize::{FitStatus, FittedSprings, Identifiability, StiffnessBound, identify};
+use crate::personalize::{
+    FitStatus, FittedSprings, GroupStiffness, Identifiability, StiffnessBound, identify,
+};
 use crate::warning::Warnings;
 
 /// The verdict on a multiplier.
@@ -70,7 +72,7 @@ impl LineModel {
 }
 
 impl Analysis {
-    /// Identifiability of a model's multipliers: profile likelihood, information, and what a prior adds; `None`
+    /// Identifiability of a model's multipliers: intervals by the mixed model, profile likelihood, information, and what a prior adds; `None`
     /// where its fit did not converge.
     ///
     /// Computed on request, because no other result depends on it: it takes tens of fits.
@@ -86,7 +88,17 @@ impl Analysis {
             library: &movement.library,
             groups: &model.groups,
         };
-        identify(&springs, &films, &settings_of(movement, &self.options, &[]), &model.fit)
+        let mut found =
+            identify(&springs, &films, &settings_of(movement, &self.options, &[]), &model.fit)?;
+        // Predictions are about their mean, the multipliers of a fit about theirs.
+        let logs = &model.fit.log_multipliers;
+        let level = logs.iter().sum::<f64>() / logs.len() as f64;
+        for (one, group) in
+            found.multipliers.iter_mut().zip(self.group_stiffness(model).into_iter().flatten())
+        {
+            one.stiffness = Some(GroupStiffness { log_mean: group.log_mean + level, ..group });
+        }
+        Some(found)
     }
 
     /// Lateral springs of every model's joints on one logarithmic scale: 0 for the softest of all models, 1 for the

@@ -3,13 +3,16 @@
 use nalgebra::{Matrix2, Matrix4, Vector2};
 
 use super::{
-    Analysis, AnalysisOptions, FilmMovement, LineComparison, LineCrossing, Movement, PreferredLine,
+    Analysis, AnalysisOptions, FilmMovement, LineComparison, LineCrossing, LineModel, Movement,
+    PreferredLine,
 };
 use crate::action::{LineKind, LineOfAction};
 use crate::clinical::JointShares;
 use crate::curve::CurveSpread;
 use crate::personalize::evidence::FilmEvidence;
-use crate::personalize::{NoLoads, PreferredLoads, ProposedLine};
+use crate::personalize::{
+    GroupStiffness, NoLoads, PreferredLoads, ProposedLine, predict_stiffness,
+};
 use crate::spatial::{Angle, Frontal};
 use crate::warning::{WarningCode, Warnings};
 
@@ -36,6 +39,71 @@ impl Analysis {
     pub fn preferred_loads(&self) -> Result<PreferredLoads, NoLoads> {
         preferred_loads_near(&self.movement, None)
     }
+}
+
+impl Analysis {
+    /// The mean `ln` stiffness of every group of a model's joints, predicted from the rotations of all films with the bends' forces along the
+    /// model's line.
+    ///
+    /// # Errors
+    /// [`NoLoads`].
+    pub fn group_stiffness(&self, model: &LineModel) -> Result<Vec<GroupStiffness>, NoLoads> {
+        let movement = &self.movement;
+        let segments = movement.inflection_segments.zip(inflections_along_mm2(movement));
+        let line_of = |film: &FilmMovement| {
+            film.outline.posture.bend()?;
+            match model.kind {
+                LineKind::Inflection => {
+                    let (segments, along_mm2) = segments?;
+                    through_inflections(film, segments, along_mm2)
+                }
+                LineKind::Iliac => through_t2(film),
+                LineKind::Given => Some(exactly(film, &self.options.given_line(&film.outline)?).1),
+                LineKind::Estimated => None,
+            }
+        };
+        let films: Vec<_> = movement
+            .films
+            .iter()
+            .filter_map(|film| Some((film.evidence.as_ref()?, line_of(film))))
+            .collect();
+        predict_stiffness(&films, movement.depth_mm(), &joint_shares(movement), &model.groups)
+    }
+}
+
+/// Petit's line: the error of T2 moves both points alike, and the error of the crests' direction the second one across the line.
+fn through_t2(film: &FilmMovement) -> Option<ProposedLine> {
+    let outline = &film.outline;
+    let t2 = outline.top();
+    let line = LineOfAction::along_iliac(t2, Some(outline.iliac_normal?));
+    let place_mm2 = outline.noise.location_mm.powi(2);
+    let mut covariance = Matrix4::from_fn(|i, j| if i % 2 == j % 2 { place_mm2 } else { 0.0 });
+    covariance[(3, 3)] += (LineOfAction::MIN_GAP_MM * crests_sd(film).rad()).powi(2);
+    Some(ProposedLine::Through {
+        points: [t2, t2 + line.direction * LineOfAction::MIN_GAP_MM],
+        covariance,
+    })
+}
+
+/// The line through the inflections.
+fn through_inflections(
+    film: &FilmMovement,
+    segments: [usize; 2],
+    along_mm2: Matrix2<f64>,
+) -> Option<ProposedLine> {
+    let points = film.inflection_points?;
+    let covariance = inflection_covariance(film, segments, along_mm2)?;
+    Some(ProposedLine::Through { points, covariance })
+}
+
+/// Standard deviation of the direction of the iliac crests.
+fn crests_sd(film: &FilmMovement) -> Angle {
+    /// Between the crests of grown-ups (assumption).
+    const CRESTS_MM: f64 = 250.0;
+    let outline = &film.outline;
+    // Crests are marked once, and like a corner; a location is the mean of four corners and of all readings.
+    let crest_mm = 2.0 * outline.noise.location_mm * (outline.readings as f64).sqrt();
+    Angle::from_rad(f64::sqrt(2.0) * crest_mm / CRESTS_MM)
 }
 
 fn preferred_loads_near(
@@ -134,11 +202,10 @@ fn against_inflections(
 ) -> Option<LineComparison> {
     let points = posture.inflection_points?;
     let proposed = LineOfAction::through(points[0], points[1]).ok()?;
-    let covariance = inflection_covariance(posture, segments, along_mm2)?;
     Some(LineComparison {
         angle: line.angle_to(&proposed),
         distance_mm: line.lever_arm_mm((points[0] + points[1]) * 0.5).abs(),
-        test: loads.test(film, &ProposedLine::Through { points, covariance })?,
+        test: loads.test(film, &through_inflections(posture, segments, along_mm2)?)?,
     })
 }
 
@@ -185,11 +252,7 @@ fn against_iliac(
     let t2 = outline.top();
     let iliac = LineOfAction::along_iliac(t2, Some(normal));
     let direction = iliac.direction;
-    /// Between the crests of grown-ups (assumption).
-    const CRESTS_MM: f64 = 250.0;
-    // Crests are marked once, and like a corner; a location is the mean of four corners and of all readings.
-    let crest_mm = 2.0 * outline.noise.location_mm * (outline.readings as f64).sqrt();
-    let sd = Angle::from_rad(f64::sqrt(2.0) * crest_mm / CRESTS_MM);
+    let sd = crests_sd(posture);
     Some(LineComparison {
         angle: line.angle_to(&iliac),
         distance_mm: line.lever_arm_mm(t2).abs(),
@@ -197,7 +260,6 @@ fn against_iliac(
     })
 }
 
-/// A given line is known exactly: through any two of its points there is the same statistic.
 fn against_given(
     loads: &PreferredLoads,
     film: usize,
@@ -205,15 +267,21 @@ fn against_given(
     line: &LineOfAction,
     given: &LineOfAction,
 ) -> Option<LineComparison> {
-    let middle = posture.middle();
-    // The lever arm of a unit force is the distance across its direction.
-    let across = Frontal::new(given.direction.z_mm, -given.direction.y_mm);
-    let nearest = middle + across * across.dot(given.point - middle);
-    let points = [nearest, nearest + given.direction * LineOfAction::MIN_GAP_MM];
-    let proposal = ProposedLine::Through { points, covariance: Matrix4::zeros() };
+    let (nearest, proposal) = exactly(posture, given);
     Some(LineComparison {
         angle: line.angle_to(given),
         distance_mm: line.lever_arm_mm(nearest).abs(),
         test: loads.test(film, &proposal)?,
     })
+}
+
+/// A given line, which is known exactly: through any two of its points there is the same statistic. The first one is its point nearest to
+/// the middle of the spine.
+fn exactly(film: &FilmMovement, given: &LineOfAction) -> (Frontal, ProposedLine) {
+    let middle = film.middle();
+    // The lever arm of a unit force is the distance across its direction.
+    let across = Frontal::new(given.direction.z_mm, -given.direction.y_mm);
+    let nearest = middle + across * across.dot(given.point - middle);
+    let points = [nearest, nearest + given.direction * LineOfAction::MIN_GAP_MM];
+    (nearest, ProposedLine::Through { points, covariance: Matrix4::zeros() })
 }

@@ -25,6 +25,10 @@ impl Noise {
     pub const ONE_READING: Self =
         Self { location_mm: 0.25, tilt: Angle::from_deg(0.7), tilt_degrees_of_freedom: None };
 
+    /// Assumed bias of an observer's tilts, which differences between observers show and one reading does not: as large as the
+    /// deviation between the readings of one observer.
+    pub const OBSERVER_BIAS: Angle = Self::ONE_READING.tilt;
+
     /// Rounding to a pixel and to 0.1° leaves at least about this noise.
     pub(super) const FLOOR_LOCATION_MM: f64 = 0.03;
     pub(super) const FLOOR_TILT: Angle = Angle::from_deg(0.03);

@@ -19,7 +19,7 @@ use super::{
     Film, FilmLandmarks, LengthScale, MeasuredVertebra, Noise, Outline, ProgramCorners,
     SharedErrors, TiltRule,
 };
-use crate::anatomy::Level;
+use crate::anatomy::{Level, Morphometry};
 use crate::spatial::{Angle, Frontal};
 
 /// Measured numbers of a vertebra.
@@ -178,17 +178,41 @@ impl Outline {
         covariance
     }
 
-    /// Covariance of the tilts of the model's vertebrae, in rad².
+    /// Covariance of the tilts of the model's vertebrae by the noise of readings, in rad².
     pub(crate) fn tilt_covariance(&self) -> DMatrix<f64> {
+        self.tilt_covariance_by(|v| self.noise_of(v).tilt.rad().powi(2))
+    }
+
+    /// Covariance of the errors of these tilts against the true ones, in rad².
+    ///
+    /// # Definition
+    /// The noise of a tilt falls with the width of the body: it is the film's on the quadratic mean over the vertebrae. The assumed noise of
+    /// one reading repeats itself; against the true tilt, its observer's bias adds to it ([`Noise::OBSERVER_BIAS`]).
+    pub(crate) fn tilt_error_covariance(&self) -> DMatrix<f64> {
+        let by_width = |v: &MeasuredVertebra| {
+            let typical = Morphometry::of(v.level);
+            (typical.superior_width_mm + typical.inferior_width_mm).powi(-2)
+        };
+        let mean = self.vertebrae.iter().map(by_width).sum::<f64>() / self.vertebrae.len() as f64;
+        let bias = if self.noise.is_measured() { 0.0 } else { Noise::OBSERVER_BIAS.rad() };
+        self.tilt_covariance_by(|v| match v.program {
+            Some(_) => self.noise_of(v).tilt.rad().powi(2),
+            None => (self.noise.tilt.rad().powi(2) + bias * bias) * by_width(v) / mean,
+        })
+    }
+
+    /// Covariance of tilts with given variances of marked vertebrae; errors that corners share come from these.
+    fn tilt_covariance_by(&self, of_marked: impl Fn(&MeasuredVertebra) -> f64) -> DMatrix<f64> {
         let tilt = |place: usize| NUMBERS * place + Measured::Tilt as usize;
         if self.has_shared_errors() {
             let (size, all) = (self.vertebrae.len(), self.covariance());
             return DMatrix::from_fn(size, size, |i, j| all[(tilt(i), tilt(j))]);
         }
-        let sd = |v: &MeasuredVertebra| {
-            v.interpolated.map_or_else(|| self.noise_of(v).tilt, |found| found.tilt_sd)
+        let variance = |v: &MeasuredVertebra| match v.interpolated {
+            Some(found) => found.tilt_sd.rad().powi(2),
+            None => of_marked(v),
         };
-        let variances = self.vertebrae.iter().map(|v| sd(v).rad().powi(2));
+        let variances = self.vertebrae.iter().map(variance);
         DMatrix::from_diagonal(&DVector::from_iterator(self.vertebrae.len(), variances))
     }
 

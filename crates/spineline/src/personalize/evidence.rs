@@ -3,7 +3,7 @@
 use nalgebra::DMatrix;
 
 use crate::anatomy::{Level, Levels};
-use crate::measure::{MeasuredVertebra, Outline};
+use crate::measure::Outline;
 use crate::multibody::{JointGroups, Load, SpineModel, StiffnessLibrary, disc_mm};
 use crate::spatial::{Angle, Frontal, Vec3};
 
@@ -29,45 +29,45 @@ pub struct JointEvidence {
 pub struct FilmEvidence {
     /// Joints, caudal first.
     pub joints: Vec<JointEvidence>,
-    /// Standard deviation of a tilt on the film.
-    pub tilt_sd: Angle,
-    /// The same on the erect film.
-    pub erect_tilt_sd: Angle,
-    /// Degrees of freedom of the variances of tilts on the film and on the erect film, where readings show them.
-    pub tilt_degrees_of_freedom: [Option<usize>; 2],
     /// The vertebrae that the joints connect.
     pub levels: Levels,
-    /// Covariances of the tilts of the vertebrae, in rad²; `None` where no film interpolates one and a person placed all
-    /// corners, so that all are independent and alike.
-    pub tilt_covariances: Option<TiltCovariances>,
+    /// Errors of the tilts on the film.
+    pub tilts: TiltErrors,
+    /// The same on the erect film.
+    pub erect_tilts: TiltErrors,
+    /// Variance of the rotation of every joint by the noise of readings, alike at all levels: the weights of starts, in rad².
+    pub repeated_variances: Vec<f64>,
 }
 
-/// Covariances of the tilts of all vertebrae of a film, in rad².
+/// Errors of the tilts of all vertebrae of a film.
 #[derive(Debug, Clone, PartialEq)]
-pub struct TiltCovariances {
-    /// On the film.
-    pub film: DMatrix<f64>,
-    /// On the erect film.
-    pub erect: DMatrix<f64>,
+pub struct TiltErrors {
+    /// Their covariance, in rad².
+    pub covariance: DMatrix<f64>,
+    /// Degrees of freedom of the variance, where readings show it.
+    pub degrees_of_freedom: Option<usize>,
 }
 
-impl TiltCovariances {
-    fn of(film: &Outline, erect: &Outline) -> Option<Self> {
-        let alike = |v: &MeasuredVertebra| v.interpolated.is_none() && v.program.is_none();
-        if [film, erect].iter().all(|outline| outline.vertebrae.iter().all(alike)) {
-            return None;
+impl TiltErrors {
+    fn of(film: &Outline) -> Self {
+        Self {
+            covariance: film.tilt_error_covariance(),
+            degrees_of_freedom: film.noise.tilt_degrees_of_freedom,
         }
-        let [film, erect] = [film, erect].map(Outline::tilt_covariance);
-        Some(Self { film, erect })
     }
 
-    /// Variance of the rotation of one joint.
-    fn of_joint(&self, joint: usize) -> f64 {
-        let (low, high) = ((joint, joint), (joint + 1, joint + 1));
-        let Self { film, erect } = self;
-        let shared = film[(joint, joint + 1)] + erect[(joint, joint + 1)];
-        film[low] + film[high] + erect[low] + erect[high] - 2.0 * shared
+    /// Independent errors of one standard deviation.
+    #[cfg(test)]
+    pub fn alike(vertebrae: usize, sd: Angle, degrees_of_freedom: Option<usize>) -> Self {
+        let covariance = DMatrix::from_diagonal_element(vertebrae, vertebrae, sd.rad().powi(2));
+        Self { covariance, degrees_of_freedom }
     }
+}
+
+/// Variance of the difference of two neighbours' tilts.
+fn of_joint(covariance: &DMatrix<f64>, joint: usize) -> f64 {
+    let at = |i, j| covariance[(joint + i, joint + j)];
+    at(0, 0) + at(1, 1) - 2.0 * at(0, 1)
 }
 
 /// A joint that turns against the moment of the force.
@@ -130,55 +130,37 @@ impl FilmEvidence {
                 }
             })
             .collect();
+        let repeated = [film, erect].map(Outline::tilt_covariance);
+        let repeated_variance =
+            |joint| repeated.iter().map(|tilts| of_joint(tilts, joint)).sum::<f64>();
         Self {
+            repeated_variances: (0..model.joints.len()).map(repeated_variance).collect(),
             joints,
-            tilt_sd: film.noise_over(&film.vertebrae).tilt,
-            erect_tilt_sd: erect.noise_over(&erect.vertebrae).tilt,
-            tilt_degrees_of_freedom: [film, erect]
-                .map(|outline| outline.noise.tilt_degrees_of_freedom),
             levels,
-            tilt_covariances: TiltCovariances::of(film, erect),
+            tilts: TiltErrors::of(film),
+            erect_tilts: TiltErrors::of(erect),
         }
     }
 
-    /// Covariance of the tilts of all vertebrae of the film, in rad².
-    pub(super) fn tilt_covariance(&self) -> DMatrix<f64> {
-        let own = self.tilt_covariances.as_ref();
-        own.map_or_else(|| self.alike(self.tilt_sd), |covariances| covariances.film.clone())
-    }
-
-    /// The same of the erect film.
-    pub(super) fn erect_tilt_covariance(&self) -> DMatrix<f64> {
-        let own = self.tilt_covariances.as_ref();
-        own.map_or_else(|| self.alike(self.erect_tilt_sd), |covariances| covariances.erect.clone())
-    }
-
-    fn alike(&self, sd: Angle) -> DMatrix<f64> {
-        let size = self.levels.len();
-        DMatrix::from_diagonal_element(size, size, sd.rad().powi(2))
-    }
-
-    /// Standard deviation of the rotation of one joint, whose vertebrae may be interpolated, or share errors of completed corners.
+    /// Standard deviation of the rotation of one joint.
     #[must_use]
     pub fn joint_rotation_sd(&self, joint: usize) -> Angle {
-        let Some(covariances) = &self.tilt_covariances else { return self.rotation_sd() };
-        Angle::from_rad(covariances.of_joint(joint).sqrt())
+        let tilts = [&self.tilts, &self.erect_tilts];
+        let variances = tilts.map(|tilts| of_joint(&tilts.covariance, joint));
+        Angle::from_rad(variances.iter().sum::<f64>().sqrt())
     }
 
-    /// Weight of one joint's rotation alone: 1, or less next to an interpolated vertebra.
+    /// Weight of one joint's rotation: 1, or less next to an interpolated vertebra.
     #[must_use]
     pub(crate) fn joint_weight(&self, joint: usize) -> f64 {
-        match self.tilt_covariances {
-            None => 1.0,
-            Some(_) => (self.rotation_sd().rad() / self.joint_rotation_sd(joint).rad()).powi(2),
-        }
+        self.rotation_sd().rad().powi(2) / self.repeated_variances[joint]
     }
 
-    /// Standard deviation of a rotation between marked vertebrae: two tilts of each film take part in it.
+    /// Standard deviation of the best known rotation, by the noise of readings.
     #[must_use]
     pub fn rotation_sd(&self) -> Angle {
-        let variance = 2.0 * (self.tilt_sd.rad().powi(2) + self.erect_tilt_sd.rad().powi(2));
-        Angle::from_rad(variance.sqrt())
+        let least = self.repeated_variances.iter().copied().fold(f64::INFINITY, f64::min);
+        Angle::from_rad(least.sqrt())
     }
 
     /// Nominal rotation of every joint per unit of each component of a load.
@@ -285,11 +267,10 @@ mod tests {
         };
         let film = |joint| FilmEvidence {
             joints: vec![joint],
-            tilt_sd: Angle::from_deg(0.5),
-            erect_tilt_sd: Angle::from_deg(0.5),
-            tilt_degrees_of_freedom: [None; 2],
             levels: Levels::between(Level::L4, Level::L3).expect("neighbours"),
-            tilt_covariances: None,
+            tilts: TiltErrors::alike(2, Angle::from_deg(0.5), None),
+            erect_tilts: TiltErrors::alike(2, Angle::from_deg(0.5), None),
+            repeated_variances: Vec::new(),
         };
         let load = Load::Frontal { depth_mm: 0.0 };
         let before = film(joint).responses(&load)[0];

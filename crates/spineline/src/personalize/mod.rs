@@ -31,10 +31,13 @@ mod start;
 pub use crate::least_squares::FitStatus;
 pub use fit::{Personalization, StiffnessBound, personalize};
 pub use identify::{
-    Identifiability, MULTIPLIER_COVERAGE, MultiplierInformation, Profile, ProfileEnd, ProfilePoint,
-    ProfileVerdict, StiffnessDirection, identify,
+    Identifiability, IntervalVerdict, MULTIPLIER_COVERAGE, MultiplierInformation, Profile,
+    ProfileEnd, ProfilePoint, STIFFNESS_COVERAGE, StiffnessDirection, identify,
 };
-pub use mixed::{Crossing, LineTest, NoLoads, PreferredLoads, ProposedLine, SIGNIFICANCE};
+pub(crate) use mixed::predict_stiffness;
+pub use mixed::{
+    Crossing, GroupStiffness, LineTest, NoLoads, PreferredLoads, ProposedLine, SIGNIFICANCE,
+};
 pub use outcome::TestOutcome;
 pub(crate) use search::{Best, FitProblem};
 pub(crate) use shape_weights::{ROWS_PER_VERTEBRA, ShapeRows, ShapeWeights};

@@ -2,7 +2,7 @@
 
 use spineline::anatomy::{Level, Morphometry, PublishedNumbers, SourceCheck};
 use spineline::multibody::StiffnessTable;
-use spineline::personalize::MULTIPLIER_COVERAGE;
+use spineline::personalize::{MULTIPLIER_COVERAGE, STIFFNESS_COVERAGE};
 
 use crate::common::assert_near;
 
@@ -118,6 +118,10 @@ fn documents_say_how_often_intervals_and_regions_hold_what_they_should() {
     ];
     for figure in ["34 to 85 %", "30 to 44 %"] {
         assert!(MULTIPLIER_COVERAGE.contains(figure), "{figure}");
+    }
+    for figure in ["90 to 99 %", "68 to 89 %"] {
+        assert!(STIFFNESS_COVERAGE.contains(figure), "{figure}");
+        assert!(documents[0].contains(figure) && documents[2].contains(figure), "{figure}");
     }
     for document in documents {
         for figure in ["34 to 85 %", "30 to 44 %", "9 to 24 %", "80 to 86 %"] {

@@ -1,12 +1,14 @@
 //! The equations of the mixed model about unknowns, and the iteration that solves them.
 
-use std::f64::consts::PI;
 use std::fmt;
 
-use nalgebra::{DMatrix, DVector, Matrix3, RowVector3, Vector3};
+use nalgebra::{DMatrix, DVector, Matrix3, RowDVector, RowVector3, Vector3};
 
 use super::super::MULTIPLIER_BOUNDS;
 use super::super::evidence::FilmEvidence;
+use super::bases::{contrasts, random_walk};
+use super::extrapolation::{Step, anderson};
+use super::proposed_line::ProposedLine;
 use crate::clinical::JointShares;
 use crate::multibody::Load;
 use crate::number::scientific;
@@ -67,8 +69,8 @@ const CONVERGED_STEP: f64 = 1e-4;
 /// A longer step of `ln` of stiffness or of a centre leaves the range of the linear theory.
 const MAX_STEP: f64 = 0.5;
 const MAX_LOG_VARIANCE_STEP: f64 = 2.0;
-/// Beyond this an extrapolation means nothing.
-const MAX_EXTRAPOLATION: f64 = 1.0;
+/// Standard deviation of the moment about a point that is known exactly, as a part of the load.
+const EXACT_LINE: f64 = 1e-3;
 
 /// What the films show, and the priors.
 ///
@@ -92,6 +94,8 @@ pub(super) struct Model<'a> {
     variance_rates: Vec<Vector3<f64>>,
     /// Sizes of the unknowns, by which steps are measured.
     sizes: DVector<f64>,
+    /// The line of every film's force, where it is given.
+    lines: Vec<Option<ProposedLine>>,
 }
 
 /// The mixed model equations at some unknowns.
@@ -100,14 +104,7 @@ pub(super) struct Equations {
     pub inverse: DMatrix<f64>,
     right: DVector<f64>,
     /// Derivatives of the rotations by the effects, times the precision; effects by rotations.
-    weighed: DMatrix<f64>,
-}
-
-impl Equations {
-    /// Derivatives of the first effects, the loads, by the error of every rotation.
-    pub fn loads_by_errors(&self, loads: usize) -> DMatrix<f64> {
-        self.inverse.rows(0, loads) * &self.weighed
-    }
+    pub weighed: DMatrix<f64>,
 }
 
 impl<'a> Model<'a> {
@@ -166,7 +163,88 @@ impl<'a> Model<'a> {
             cosines,
             variance_rates: of_stiffness.chain(of_centres).collect(),
             sizes,
+            lines: vec![None; films.len()],
         })
+    }
+
+    /// The same model with forces along lines.
+    pub fn on_lines(self, lines: Vec<Option<ProposedLine>>) -> Self {
+        Self { lines, ..self }
+    }
+
+    /// Number of fixed and random effects.
+    pub fn effects(&self) -> usize {
+        self.prior_mean.len() + self.variance_rates.len()
+    }
+
+    /// `ln` stiffness of every joint over its nominal spring, and its derivatives by the effects.
+    pub fn log_stiffness(&self, x: &DVector<f64>) -> Vec<(f64, RowDVector<f64>)> {
+        let (loads, fixed) = (3 * self.films, self.prior_mean.len());
+        let logs = &self.contrasts * x.rows(loads, self.contrasts.ncols());
+        let deltas = &self.cosines * x.rows(fixed, self.joints);
+        let of_joint = |joint: usize| {
+            let by_group = DVector::from_fn(logs.len(), |group, _| {
+                self.shares.0[(joint, group)] * (-logs[group]).exp()
+            });
+            let softness = by_group.sum();
+            let mut slope = RowDVector::zeros(self.effects());
+            let by_logs = by_group.tr_mul(&self.contrasts) / softness;
+            slope.columns_mut(loads, by_logs.len()).copy_from(&by_logs);
+            slope.columns_mut(fixed, self.joints).copy_from(&-self.cosines.row(joint));
+            (-deltas[joint] - softness.ln(), slope)
+        };
+        (0..self.joints).map(of_joint).collect()
+    }
+
+    /// Derivatives of the covariance of some linear numbers of the effects by `ln` of the three variances, and the covariance of these.
+    pub fn by_variances(
+        &self,
+        x: &DVector<f64>,
+        at: &Equations,
+        numbers: &DMatrix<f64>,
+    ) -> ([DMatrix<f64>; 3], Matrix3<f64>) {
+        let fixed = self.prior_mean.len();
+        let variances = self.variances(x);
+        let mut by_effects = numbers * at.inverse.columns(fixed, self.variance_rates.len());
+        for (mut column, rates) in by_effects.column_iter_mut().zip(&self.variance_rates) {
+            column /= rates.dot(&variances);
+        }
+        let by_variance = |i: usize| {
+            let rates = self.variance_rates.iter().map(|rates| rates[i] * variances[i]);
+            let rates =
+                DMatrix::from_diagonal(&DVector::from_iterator(self.variance_rates.len(), rates));
+            &by_effects * rates * by_effects.transpose()
+        };
+        let (_, information) = self.score_and_information(x, at);
+        let covariance =
+            information.try_inverse().unwrap_or_else(|| Matrix3::identity() / PRIOR_INFORMATION);
+        ([0, 1, 2].map(by_variance), covariance)
+    }
+
+    /// Adds the moments about points of given lines, which are zero, to the equations of the loads.
+    fn add_lines(
+        &self,
+        x: &DVector<f64>,
+        matrix: &mut DMatrix<f64>,
+        right: &mut DVector<f64>,
+    ) -> Option<()> {
+        for (film, line) in self.lines.iter().enumerate() {
+            let Some(line) = line else { continue };
+            let load = x.fixed_rows::<3>(3 * film);
+            let (rows, mut covariance) = line.restrictions([load[0], load[1], load[2]]);
+            let sizes = self.sizes.fixed_rows::<3>(3 * film);
+            let restrict = DMatrix::from_fn(rows.len(), 3, |i, j| rows[i][j]);
+            for (i, row) in rows.iter().enumerate() {
+                let size = row.transpose().component_mul(&sizes).amax();
+                covariance[(i, i)] += (EXACT_LINE * size).powi(2);
+            }
+            let weighed = restrict.transpose() * covariance.cholesky()?.inverse();
+            let mut own = matrix.view_mut((3 * film, 3 * film), (3, 3));
+            own += &weighed * &restrict;
+            let mut own = right.rows_mut(3 * film, 3);
+            own -= &weighed * (&restrict * load);
+        }
+        Some(())
     }
 
     /// Number of unknowns.
@@ -250,6 +328,7 @@ impl<'a> Model<'a> {
             matrix[(i, i)] += precision;
             right[i] -= precision * (x[i] - mean);
         }
+        self.add_lines(x, &mut matrix, &mut right)?;
         Some(Equations { inverse: inverse_of(matrix)?, right, weighed })
     }
 
@@ -273,8 +352,19 @@ impl<'a> Model<'a> {
         to
     }
 
-    /// One scoring step of `ln` of the variances, from the predicted random effects and their covariance.
+    /// One scoring step of `ln` of the variances.
     fn scoring_step(&self, x: &DVector<f64>, at: &Equations) -> Vector3<f64> {
+        let (score, information) = self.score_and_information(x, at);
+        let step = information.try_inverse().map_or(score, |inverse| inverse * score);
+        step.map(|step| step.clamp(-MAX_LOG_VARIANCE_STEP, MAX_LOG_VARIANCE_STEP))
+    }
+
+    /// Score and information of `ln` of the variances, from the predicted random effects and their covariance.
+    fn score_and_information(
+        &self,
+        x: &DVector<f64>,
+        at: &Equations,
+    ) -> (Vector3<f64>, Matrix3<f64>) {
         let fixed = self.prior_mean.len();
         let variances = self.variances(x);
         let (mut score, mut information) = (Vector3::zeros(), Matrix3::zeros());
@@ -293,8 +383,7 @@ impl<'a> Model<'a> {
         let scaled = Matrix3::from_diagonal(&variances);
         let score = (scaled * score).add_scalar(PRIOR_SCORE);
         let information = scaled * information * scaled + Matrix3::identity() * PRIOR_INFORMATION;
-        let step = information.try_inverse().map_or(score, |inverse| inverse * score);
-        step.map(|step| step.clamp(-MAX_LOG_VARIANCE_STEP, MAX_LOG_VARIANCE_STEP))
+        (score, information)
     }
 
     fn limit_variances(&self, x: &mut DVector<f64>) {
@@ -309,14 +398,14 @@ impl<'a> Model<'a> {
 fn noise_covariance(films: &[&FilmEvidence]) -> DMatrix<f64> {
     let joints = films[0].joints.len();
     // The erect film is one and the same.
-    let shared = of_rotations(&films[0].erect_tilt_covariance());
+    let shared = of_rotations(&films[0].erect_tilts.covariance);
     let mut covariance = DMatrix::zeros(films.len() * joints, films.len() * joints);
     for (i, film) in films.iter().enumerate() {
         for k in 0..films.len() {
             covariance.view_mut((i * joints, k * joints), (joints, joints)).copy_from(&shared);
         }
         let mut own = covariance.view_mut((i * joints, i * joints), (joints, joints));
-        own += of_rotations(&film.tilt_covariance());
+        own += of_rotations(&film.tilts.covariance);
     }
     covariance
 }
@@ -327,35 +416,6 @@ pub(super) fn of_rotations(tilts: &DMatrix<f64>) -> DMatrix<f64> {
     DMatrix::from_fn(joints, joints, |a, b| {
         tilts[(a, b)] - tilts[(a, b + 1)] - tilts[(a + 1, b)] + tilts[(a + 1, b + 1)]
     })
-}
-
-/// An orthonormal basis of the vectors with a mean of zero.
-fn contrasts(groups: usize) -> DMatrix<f64> {
-    DMatrix::from_fn(groups, groups.saturating_sub(1), |group, column| {
-        let before = (column + 1) as f64;
-        let of_group = match group.cmp(&(column + 1)) {
-            std::cmp::Ordering::Less => 1.0,
-            std::cmp::Ordering::Equal => -before,
-            std::cmp::Ordering::Greater => 0.0,
-        };
-        of_group / (before * (before + 1.0)).sqrt()
-    })
-}
-
-/// Cosines along the joints, by columns, in which a random walk with a mean of zero has a diagonal covariance, and this diagonal, with a
-/// mean over the joints of one. The inverse of that covariance is the matrix of second differences [strang-1999].
-fn random_walk(joints: usize) -> (DMatrix<f64>, DVector<f64>) {
-    let n = joints as f64;
-    let cosines = DMatrix::from_fn(joints, joints, |joint, wave| match wave {
-        0 => (1.0 / n).sqrt(),
-        _ => (2.0 / n).sqrt() * (PI * wave as f64 * (joint as f64 + 0.5) / n).cos(),
-    });
-    let mut variances = DVector::from_fn(joints, |wave, _| match wave {
-        0 => 0.0,
-        _ => (0.5 / (0.5 * PI * wave as f64 / n).sin()).powi(2),
-    });
-    variances *= n / variances.sum();
-    (cosines, variances)
 }
 
 /// Inverse of a positive definite matrix by the inverse of its triangular factor, in fewer steps than solving by the factor twice.
@@ -375,71 +435,12 @@ fn inverse_of(matrix: DMatrix<f64>) -> Option<DMatrix<f64>> {
     Some(inverse.transpose() * inverse)
 }
 
-/// One step of an iteration, and where it began.
-struct Step {
-    from: DVector<f64>,
-    step: DVector<f64>,
-}
-
-/// The limit of an iteration, extrapolated from its last steps, the latest one first: the combination of their ends whose combined
-/// step is the shortest [anderson-1965].
-fn anderson(steps: &[Step]) -> DVector<f64> {
-    let last = &steps[0];
-    let end = &last.from + &last.step;
-    let changes: Vec<DVector<f64>> =
-        steps.windows(2).map(|pair| &pair[0].step - &pair[1].step).collect();
-    if changes.is_empty() {
-        return end;
-    }
-    let changes = DMatrix::from_columns(&changes);
-    // Changes that are alike carry no more information than one of them.
-    let least = 1e-6 * changes.amax();
-    let Ok(parts) = changes.clone().svd(true, true).solve(&last.step, least) else { return end };
-    let moves = steps.windows(2).map(|pair| &pair[0].from - &pair[1].from);
-    let beyond: DVector<f64> = moves
-        .zip(changes.column_iter())
-        .zip(&parts)
-        .map(|((from, step), part)| (from + step) * *part)
-        .sum();
-    if beyond.amax() < MAX_EXTRAPOLATION { end - beyond } else { end }
-}
-
 #[cfg(test)]
 mod tests {
-    use nalgebra::RowDVector;
-
-    use super::super::super::evidence::JointEvidence;
+    use super::super::super::evidence::{JointEvidence, TiltErrors};
     use super::*;
     use crate::anatomy::Levels;
     use crate::spatial::{Angle, Frontal, Vec3};
-
-    #[test]
-    fn two_slow_directions_are_left_in_three_steps() {
-        // Oracle: the fixed point is 0; the map shortens one direction to 0.9 and turns the other about, by -0.8.
-        let mut x = DVector::from_vec(vec![0.5, 0.3]);
-        let mut steps: Vec<Step> = Vec::new();
-        for _ in 0..3 {
-            let step = DVector::from_vec(vec![-0.1 * x[0], -1.8 * x[1]]);
-            steps.insert(0, Step { from: x, step });
-            x = anderson(&steps);
-        }
-        assert!(x.amax() < 1e-12, "{x}");
-    }
-
-    #[test]
-    fn the_basis_has_the_covariance_of_a_random_walk() {
-        // Oracle: the walk itself, step by step, its mean over the joints taken away.
-        let joints = 14;
-        let mut walk = DMatrix::from_fn(joints, joints - 1, |joint, step| f64::from(joint > step));
-        let mean: RowDVector<f64> = walk.row_mean();
-        walk.row_iter_mut().for_each(|mut row| row -= &mean);
-        walk /= (walk.norm_squared() / joints as f64).sqrt();
-        let (cosines, variances) = random_walk(joints);
-        let by_cosines = &cosines * DMatrix::from_diagonal(&variances) * cosines.transpose();
-        assert!((by_cosines - &walk * walk.transpose()).amax() < 1e-12);
-        let alike = &cosines * cosines.transpose();
-        assert!((alike - DMatrix::identity(joints, joints)).amax() < 1e-12);
-    }
 
     #[test]
     fn rotations_that_a_load_adds_are_all_its_own() {
@@ -457,11 +458,10 @@ mod tests {
                 .map(joint)
                 .map(|joint| JointEvidence { rotation: joint.rotation * sign, ..joint })
                 .collect(),
-            tilt_sd: Angle::from_deg(0.5),
-            erect_tilt_sd: Angle::from_deg(0.3),
-            tilt_degrees_of_freedom: [Some(15); 2],
             levels: Levels::COMPLETE,
-            tilt_covariances: None,
+            tilts: TiltErrors::alike(15, Angle::from_deg(0.5), Some(15)),
+            erect_tilts: TiltErrors::alike(15, Angle::from_deg(0.3), Some(15)),
+            repeated_variances: Vec::new(),
         };
         let films = [film(1.0), film(-0.6)];
         let films: Vec<&FilmEvidence> = films.iter().collect();
@@ -473,7 +473,7 @@ mod tests {
         let x = model.step(&start, &model.equations(&start).expect("equations"));
         let at = model.equations(&x).expect("equations");
         let jacobian = noise_covariance(&films) * at.weighed.transpose();
-        let own = at.loads_by_errors(6) * jacobian.columns(0, 6);
+        let own = at.inverse.rows(0, 6) * &at.weighed * jacobian.columns(0, 6);
         assert!((own - DMatrix::identity(6, 6)).amax() < 1e-6);
     }
 }

@@ -1,45 +1,13 @@
 //! Test of a line of action against films, and the 95 % region of the line of best fit.
-//!
-//! # Degrees of freedom
-//! The noise of tilts is estimated from how readings differ. With `M = dw/dy` of the loads `w` and the covariance `S_f` of the
-//! rotations by the tilts of film `f`, whose variance is known on `n_f` degrees of freedom, a variance `v` of a number of the loads is
-//! known on
-//!
-//! ```text
-//! C_f = M S_f M',    nu = v^2 / sum_f (v_f^2 / n_f)
-//! ```
-//!
-//! degrees of freedom [satterthwaite-1946], where `v_f` is its part by `C_f`. For several numbers with the covariance `C`, `v_f / v` is
-//! the mean of the eigenvalues of `C^-1 C_f`. Variances of the random effects are taken as known. Tilts of completed corners and
-//! interpolated vertebrae count as the others of their film (assumption), which makes the degrees of freedom smaller.
 
-use nalgebra::{DMatrix, DVector, Matrix4, RowVector3, Vector4};
+use nalgebra::{DMatrix, DVector, RowVector3};
 use statrs::distribution::{ChiSquared, ContinuousCDF, StudentsT};
 use statrs::function::beta::beta_reg;
 
 use super::super::estimate::{EstimatedLine, line_of};
 use super::loads::PreferredLoads;
-use super::tilt_errors::of_film;
-use crate::spatial::{Angle, Frontal};
-
-/// A proposal for the line on one film.
-#[derive(Debug, Clone, PartialEq)]
-pub enum ProposedLine {
-    /// It runs through two points, which are known up to a covariance of `(y, z)` of the first and of the second, in mm².
-    Through {
-        /// The points.
-        points: [Frontal; 2],
-        /// Their covariance.
-        covariance: Matrix4<f64>,
-    },
-    /// It has this direction, known up to an angle.
-    Along {
-        /// A unit vector.
-        direction: Frontal,
-        /// Standard deviation of its angle.
-        sd: Angle,
-    },
-}
+use super::proposed_line::ProposedLine;
+use crate::spatial::Frontal;
 
 /// A test of a proposal.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -92,26 +60,13 @@ impl PreferredLoads {
     #[must_use]
     pub fn test(&self, film: usize, proposal: &ProposedLine) -> Option<LineTest> {
         let [fy, fz, mx] = *self.components.get(film)?;
-        let (rows, known) = match proposal {
-            ProposedLine::Through { points, covariance } => {
-                // The moment about a point falls with fz to the left and grows with fy upwards.
-                let slope = [Vector4::new(-fz, fy, 0.0, 0.0), Vector4::new(0.0, 0.0, -fz, fy)];
-                let known = DMatrix::from_fn(2, 2, |i, j| (covariance * slope[j]).dot(&slope[i]));
-                (points.map(moment_about).to_vec(), known)
-            }
-            ProposedLine::Along { direction, sd } => {
-                let row = RowVector3::new(direction.z_mm, -direction.y_mm, 0.0);
-                let along = fy * direction.y_mm + fz * direction.z_mm;
-                let known = (along * sd.rad()).powi(2);
-                (vec![row], DMatrix::from_element(1, 1, known))
-            }
-        };
+        let (rows, known) = proposal.restrictions([fy, fz, mx]);
         let load = RowVector3::new(fy, fz, mx);
         let off = DVector::from_iterator(rows.len(), rows.iter().map(|row| row.dot(&load)));
-        let covariance = of_film(&self.covariance, film, &rows) + known;
+        let covariance = of_film(&self.covariance.whole, film, &rows) + known;
         let inverse = covariance.cholesky()?.inverse();
         let chi_squared = off.dot(&(&inverse * &off));
-        let freedom = self.from_tilts.freedom(film, &rows, &inverse);
+        let freedom = self.covariance.freedom(&inverse, |whole| of_film(whole, film, &rows));
         let restrictions = rows.len() as u32;
         let p_value = tail(chi_squared, restrictions.into(), freedom)?;
         Some(LineTest { chi_squared, restrictions, noise_degrees_of_freedom: freedom, p_value })
@@ -127,7 +82,7 @@ impl PreferredLoads {
         // The moment about (y, z) is a - b y.
         let rows = [RowVector3::new(z_mm, 0.0, 1.0), RowVector3::new(0.0, 1.0, 0.0)];
         let [a, b] = rows.map(|row| row.dot(&RowVector3::from(*load)));
-        let c = of_film(&self.covariance, film, &rows);
+        let c = of_film(&self.covariance.whole, film, &rows);
         let limit = self.crossing_limit(film, rows[0] - rows[1] * (a / b));
         // (a - b y)² <= limit (c00 - 2 c01 y + c11 y²)
         let square = b * b - limit * c[(1, 1)];
@@ -142,9 +97,9 @@ impl PreferredLoads {
 
     /// Largest square of the moment about a place of the line, in its variances, that is not rejected.
     fn crossing_limit(&self, film: usize, moment: RowVector3<f64>) -> f64 {
-        let variance = of_film(&self.covariance, film, &[moment])[(0, 0)];
+        let variance = of_film(&self.covariance.whole, film, &[moment])[(0, 0)];
         let inverse = DMatrix::from_element(1, 1, variance.recip());
-        let freedom = self.from_tilts.freedom(film, &[moment], &inverse);
+        let freedom = self.covariance.freedom(&inverse, |whole| of_film(whole, film, &[moment]));
         // Every replicate asks for it, and there is one degree of freedom or more: the library's quantile is exact to twelve digits there,
         // and takes a small part of the time of a bisection that is sound below one as well.
         let distribution = freedom.and_then(|freedom| StudentsT::new(0.0, 1.0, freedom).ok());
@@ -163,17 +118,22 @@ fn tail(chi_squared: f64, restrictions: f64, freedom: Option<f64>) -> Option<f64
     })
 }
 
-/// Moment about a point, of components `(fy, fz, mx)`.
-fn moment_about(point: Frontal) -> RowVector3<f64> {
-    RowVector3::new(point.z_mm, -point.y_mm, 1.0)
+/// Covariance of some linear numbers of a film's load, from the covariance of all components.
+fn of_film(covariance: &DMatrix<f64>, film: usize, numbers: &[RowVector3<f64>]) -> DMatrix<f64> {
+    let own = covariance.fixed_view::<3, 3>(3 * film, 3 * film);
+    DMatrix::from_fn(numbers.len(), numbers.len(), |i, j| {
+        (numbers[i] * own * numbers[j].transpose())[0]
+    })
 }
 
 #[cfg(test)]
 mod tests {
-    use super::super::super::evidence::FilmEvidence;
-    use super::super::tilt_errors::TiltErrors;
+    use super::super::super::evidence::{FilmEvidence, TiltErrors};
+    use super::super::covariance::EstimatedCovariance;
     use super::*;
     use crate::anatomy::{Level, Levels};
+    use crate::spatial::Angle;
+    use nalgebra::Matrix4;
 
     /// 100 N straight up, 10 mm to the left of the origin, with given variances of `fy`, `fz` and `mx`.
     fn upwards(variances: [f64; 3]) -> PreferredLoads {
@@ -181,8 +141,9 @@ mod tests {
             components: vec![[0.0, 100.0, 1000.0]],
             joint_log_sd: 0.1,
             unknowns: DVector::default(),
-            covariance: DMatrix::from_diagonal(&DVector::from_column_slice(&variances)),
-            from_tilts: TiltErrors::default(),
+            covariance: EstimatedCovariance::known(DMatrix::from_diagonal(
+                &DVector::from_column_slice(&variances),
+            )),
         }
     }
 
@@ -247,20 +208,18 @@ mod tests {
         let tilt_sd = Angle::from_rad(0.01);
         let film = FilmEvidence {
             joints: Vec::new(),
-            tilt_sd,
-            erect_tilt_sd: tilt_sd,
-            tilt_degrees_of_freedom: [Some(1); 2],
             levels: Levels::between(Level::L4, Level::L3).expect("neighbours"),
-            tilt_covariances: None,
+            tilts: TiltErrors::alike(2, tilt_sd, Some(1)),
+            erect_tilts: TiltErrors::alike(2, tilt_sd, Some(1)),
+            repeated_variances: Vec::new(),
         };
         // A rotation is a difference of tilts, on the film and on the erect one; its error is one of the moment.
         let by_error = 5000.0;
         let loads_by_errors = DMatrix::from_column_slice(3, 1, &[0.0, 0.0, by_error]);
         let sd = by_error * tilt_sd.rad() * 2.0;
-        let loads = PreferredLoads {
-            from_tilts: TiltErrors::of_films(&[&film], &loads_by_errors),
-            ..upwards([0.0, 0.0, sd * sd])
-        };
+        let known = upwards([0.0, 0.0, sd * sd]);
+        let covariance = known.covariance.clone().with_tilts(&[&film], &loads_by_errors);
+        let loads = PreferredLoads { covariance, ..known };
         let Some(Crossing::Between([low, high])) = loads.crossing(0, 100.0) else {
             panic!("an interval")
         };

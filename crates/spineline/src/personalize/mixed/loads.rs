@@ -3,8 +3,8 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::super::evidence::FilmEvidence;
+use super::covariance::EstimatedCovariance;
 use super::equations::{Model, NoLoads};
-use super::tilt_errors::TiltErrors;
 use crate::clinical::JointShares;
 
 /// Loads of several films that share springs.
@@ -17,9 +17,7 @@ pub struct PreferredLoads {
     /// All unknowns, where a fit to other readings starts.
     pub(super) unknowns: DVector<f64>,
     /// Covariance of all components, film by film, with the other unknowns free.
-    pub(super) covariance: DMatrix<f64>,
-    /// Its part from tilts whose variance is estimated.
-    pub(super) from_tilts: TiltErrors,
+    pub(super) covariance: EstimatedCovariance,
 }
 
 impl PreferredLoads {
@@ -46,8 +44,13 @@ impl PreferredLoads {
         Ok(Self {
             components: components.map(|load| [load[0], load[1], load[2]]).collect(),
             joint_log_sd: (0.5 * unknowns[unknowns.len() - 3]).exp(),
-            covariance: at.inverse.view((0, 0), (loads, loads)).into_owned(),
-            from_tilts: TiltErrors::of_films(films, &at.loads_by_errors(loads)),
+            covariance: EstimatedCovariance::of(
+                &DMatrix::identity(loads, model.effects()),
+                films,
+                &model,
+                &unknowns,
+                &at,
+            ),
             unknowns,
         })
     }

@@ -40,11 +40,18 @@
 //!
 //! All unknowns take their steps together, extrapolated [anderson-1965]; later steps are damped.
 
+mod bases;
+mod covariance;
 mod equations;
+mod extrapolation;
 mod line_test;
 mod loads;
-mod tilt_errors;
+mod proposed_line;
+mod stiffness;
 
 pub use equations::NoLoads;
-pub use line_test::{Crossing, LineTest, ProposedLine, SIGNIFICANCE};
+pub use line_test::{Crossing, LineTest, SIGNIFICANCE};
 pub use loads::PreferredLoads;
+pub use proposed_line::ProposedLine;
+pub use stiffness::GroupStiffness;
+pub(crate) use stiffness::predict_stiffness;
