@@ -46,6 +46,7 @@ mod stored_hypotheses;
 mod stored_identifiability;
 mod stored_uncertainty;
 mod table_text;
+mod text;
 
 pub use analysis_file::{
     AnalysisFile, StoredAnalysis, parse_analysis, parse_case_within, picture_warnings,
@@ -89,65 +90,4 @@ pub use table_text::{
     column_name, decode_text, guarded, is_no_number, starts_formula, stated_separator, unguarded,
     whole_number,
 };
-
-/// The text of a file: JSON with two blanks of indent and a line feed at the end.
-///
-/// # Panics
-/// Never: the types have string keys only.
-#[must_use]
-pub fn to_text<T: serde::Serialize>(file: &T) -> String {
-    let mut text = serde_json::to_string_pretty(file).expect("string keys only");
-    text.push('\n');
-    text
-}
-
-/// A list of files as text, piece by piece: the same text as [`to_text`] of the list, without all of it in memory.
-///
-/// ```
-/// use spineline_files::{ListText, to_text};
-///
-/// let mut list = ListText::default();
-/// let mut text = String::new();
-/// for item in ["a", "b"] {
-///     text += list.before_item();
-///     text += &ListText::item(&[item]);
-/// }
-/// text += list.end();
-/// assert_eq!(text, to_text(&[["a"], ["b"]]));
-/// ```
-#[derive(Debug, Default)]
-pub struct ListText {
-    has_items: bool,
-}
-
-impl ListText {
-    /// The text of one item, at its depth in the list.
-    ///
-    /// # Panics
-    /// Never, as [`to_text`].
-    #[must_use]
-    pub fn item<T: serde::Serialize>(item: &T) -> String {
-        // Line ends within texts are escaped, so that every one here begins a line of the layout.
-        to_text(item).trim_end().replace('\n', "\n  ")
-    }
-
-    /// The text before the next item.
-    pub fn before_item(&mut self) -> &'static str {
-        if std::mem::replace(&mut self.has_items, true) { ",\n  " } else { "[\n  " }
-    }
-
-    /// The text after the last item.
-    #[must_use]
-    pub fn end(self) -> &'static str {
-        if self.has_items { "\n]\n" } else { "[]\n" }
-    }
-}
-
-/// The text of a file that is embedded in another one: JSON on one line.
-///
-/// # Panics
-/// Never, as [`to_text`].
-#[must_use]
-pub fn to_line<T: serde::Serialize>(file: &T) -> String {
-    serde_json::to_string(file).expect("string keys only")
-}
+pub use text::{ListText, results_line, results_text, to_line, to_text};

@@ -18,7 +18,7 @@ use crate::{AppliedLoad, LoadFile, PlacedLoads, Provenance};
 
 /// The response of a personalised model to loads. `G`: x anterior, y left, z cranial, origin at L4's midpoint; mm,
 /// rad, angles for people in degrees. A positive lateral tilt is to the patient's right, positive Cobb and Ferguson angles are
-/// convex to the left. Numbers have full precision.
+/// convex to the left. Numbers have ten significant digits.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(test, derive(schemars::JsonSchema))]
 #[cfg_attr(test, schemars(title = "Spineline simulation, version 1"))]

@@ -16,7 +16,7 @@ use spineline::spatial::Frontal;
 use spineline_files::method_text::{missing_known_force, options_of};
 use spineline_files::{
     AnalysisFile, CaseFile, FilmOrigin, Provenance, Request, parse_analysis, parse_json,
-    picture_warnings, text_with_hash, to_line, to_text,
+    picture_warnings, results_line, results_text, text_with_hash,
 };
 use spineline_report::figures;
 use spineline_report::patient::{Patient as ReportedPatient, overview, report, summary};
@@ -201,7 +201,7 @@ impl Analysis {
             request,
             identified,
         };
-        let now = parse_json(&to_text(&again.stored()));
+        let now = parse_json(&results_text(&again.stored()));
         let now = now.map_err(|error| Fault::from(error).raise(py))?;
         if results(then) == results(now) {
             return Ok(again);
@@ -271,7 +271,7 @@ impl Analysis {
 
     /// The text of its file.
     fn to_json(&self, py: Python<'_>) -> String {
-        py.detach(|| text_with_hash(to_text(&self.stored())))
+        py.detach(|| text_with_hash(results_text(&self.stored())))
     }
 
     /// All tables, in the order of the dictionary.
@@ -293,7 +293,9 @@ impl Analysis {
     /// The report as one HTML page.
     fn report_html(&self, py: Python<'_>) -> String {
         let made = generator();
-        py.detach(|| text_with_hash(html(&report(&self.reported(&made, &to_line(&self.stored()))))))
+        py.detach(|| {
+            text_with_hash(html(&report(&self.reported(&made, &results_line(&self.stored())))))
+        })
     }
 
     /// A figure as SVG; None if it would be empty.

@@ -11,7 +11,8 @@ use spineline::multibody::{Goal, Support};
 use spineline::response::{CurveAngles, measure_angles};
 use spineline::spatial::Angle;
 use spineline_files::{
-    ExportFormat, ModelFile, Simulated, export, parse_load, parse_model, text_with_hash, to_text,
+    ExportFormat, ModelFile, Simulated, export, parse_load, parse_model, results_text,
+    text_with_hash, to_text,
 };
 
 use crate::analysis::Analysis;
@@ -189,7 +190,7 @@ impl Simulation {
 
     /// The text of its file.
     fn to_json(&self, py: Python<'_>) -> String {
-        py.detach(|| to_text(&self.found.file(&generator())))
+        py.detach(|| results_text(&self.found.file(&generator())))
     }
 
     /// Midpoints of the vertebrae of the result, or else of the nearest shape; None if the path could not be started.

@@ -13,7 +13,8 @@ use spineline::uncertainty::{
 };
 use spineline_files::method_text::noise;
 use spineline_files::{
-    AnalysisFile, FilmOrigin, Provenance, Replicates as Asked, Request, text_with_hash, to_text,
+    AnalysisFile, FilmOrigin, Provenance, Replicates as Asked, Request, results_text,
+    text_with_hash,
 };
 use spineline_tables::{Patient, tables};
 
@@ -137,7 +138,7 @@ impl Replicates {
                 Some(found) => file.with_identifiability(&of.analysis, found),
                 None => file,
             };
-            text_with_hash(to_text(&file.with_uncertainty(&of.analysis, &self.found)))
+            text_with_hash(results_text(&file.with_uncertainty(&of.analysis, &self.found)))
         })
     }
 }

@@ -42,6 +42,22 @@ pub fn scientific(value: f64, places: usize) -> String {
     format!("{:.places$e}", value + 0.0).replace('-', MINUS)
 }
 
+/// A number rounded to significant digits: the double next to the decimal number, and zero without a sign.
+#[must_use]
+pub fn significant(value: f64, digits: usize) -> f64 {
+    if value == 0.0 || !value.is_finite() {
+        return value + 0.0;
+    }
+    let places = digits as i32 - 1 - value.abs().log10().floor() as i32;
+    // A double holds these powers of ten exactly.
+    if (0..=22).contains(&places) {
+        let power = 10_f64.powi(places);
+        return (value * power).round() / power;
+    }
+    let places = digits - 1;
+    format!("{value:.places$e}").parse().unwrap_or(value)
+}
+
 /// A mean with its standard deviation, such as `2.90 ± 0.64`.
 #[must_use]
 pub fn with_sd(mean: f64, sd: f64, places: usize) -> String {
@@ -92,6 +108,23 @@ mod tests {
         assert_eq!(with_unit(&fixed(100.0 * 0.033, 1), "%"), "3.3\u{a0}%");
         assert_eq!(fixed(1.0 / 3.0, 4), "0.3333");
         assert_eq!(fixed(998.0, 0), "998");
+    }
+
+    #[test]
+    fn significant_digits_equal_the_decimal_text_at_every_size() {
+        for value in [
+            std::f64::consts::PI,
+            -0.1 - 0.2,
+            1e-300 / 3.0,
+            2e300 / 3.0,
+            999_999_999_999.9,
+            1e-13 / 7.0,
+            123_456_789_012_345.0,
+        ] {
+            let text: f64 = format!("{value:.9e}").parse().expect("a number");
+            assert_eq!(significant(value, 10).to_bits(), text.to_bits(), "{value}");
+        }
+        assert_eq!(significant(-0.0, 10).to_bits(), 0.0_f64.to_bits());
     }
 
     #[test]

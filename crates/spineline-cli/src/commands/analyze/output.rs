@@ -5,7 +5,7 @@ use std::sync::{Mutex, PoisonError};
 
 use spineline::analysis::Analysis;
 use spineline::cohort::RefusedCase;
-use spineline_files::{AnalysisFile, ListText, RefusedFile, to_text};
+use spineline_files::{AnalysisFile, ListText, RefusedFile, results_text};
 use spineline_tables::{Table, cohort_tests_table};
 
 use super::kept::{Analysed, Kept};
@@ -87,7 +87,7 @@ impl<'a> Json<'a> {
     }
 
     fn text<T: serde::Serialize>(&self, file: &T) -> String {
-        if self.is_list { ListText::item(file) } else { to_text(file) }
+        if self.is_list { ListText::item(file) } else { results_text(file) }
     }
 }
 
@@ -205,7 +205,7 @@ impl Output for CohortStatistics<'_> {
                 return outputs.write_table(path, table, &run.provenance());
             }
             let file = cohort::file(run.read.ids(), together, &run.refused, &generator());
-            outputs.write(path, to_text(&file.with_provenance(run.provenance())))
+            outputs.write(path, results_text(&file.with_provenance(run.provenance())))
         });
     }
 }

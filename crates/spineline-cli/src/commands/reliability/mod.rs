@@ -70,7 +70,7 @@ pub fn run(args: &ReliabilityArgs) -> Result<Ending, Failure> {
     if let Some(path) = &args.json {
         let file = ReliabilityFile::new(&found, synthetic, &generator())
             .with_provenance(provenance.clone());
-        outputs.attempt(path, || outputs.write(path, spineline_files::to_text(&file)));
+        outputs.attempt(path, || outputs.write(path, spineline_files::results_text(&file)));
     }
     if let Some(path) = &args.csv {
         let table = statistics_table(&found, synthetic);

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use spineline::analysis::{Analysis, Subject};
 use spineline::cohort::CohortPatient;
-use spineline_files::{AnalysisFile, to_line};
+use spineline_files::{AnalysisFile, results_line};
 use spineline_report::cohort::{Patients, report};
 
 use super::args::ReportArgs;
@@ -35,7 +35,7 @@ pub fn run(paths: &[PathBuf], args: &ReportArgs, outputs: Outputs) -> Result<End
     let pairs: Vec<_> = analyses.iter().zip(&sources).collect();
     let files = map_all("writing", &pairs, args.threads, |(analysis, (_, source))| {
         let provenance = record.provenance_of(source);
-        to_line(&AnalysisFile::new(analysis, source.file.clone(), provenance))
+        results_line(&AnalysisFile::new(analysis, source.file.clone(), provenance))
     })?;
     let patients = map_all("comparing lines", &analyses, args.threads, CohortPatient::of)?;
     let document = report(&Patients {

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use spineline_files::{AnalysisFile, to_line};
+use spineline_files::{AnalysisFile, results_line};
 use spineline_report::document::{Notice, NoticeKind};
 use spineline_report::file_stem;
 use spineline_report::patient::{Patient, report};
@@ -38,7 +38,7 @@ pub fn run(path: &Path, args: &ReportArgs, outputs: Outputs) -> Result<Ending, F
     let json = confidence.add_to(&analysis, json);
     let mut document = report(&Patient {
         pictures: &pictures,
-        json: &to_line(&json),
+        json: &results_line(&json),
         ..confidence.report(&analysis, case, &generator())
     });
     if let Some(films) = document.sections.iter_mut().find(|section| section.id == "films") {

@@ -39,7 +39,7 @@ pub fn write(
         noise: args.noise,
         rows,
     };
-    outputs.write(&out.join("summary.json"), spineline_files::to_text(&summary))?;
+    outputs.write(&out.join("summary.json"), spineline_files::results_text(&summary))?;
     for run in runs {
         let support = run.support.key();
         let name = format!("errors-{}-{support}.csv", run.name);
@@ -51,7 +51,7 @@ pub fn write(
     let text = |place: usize| {
         let (case, analysis) = patients[place];
         let name = format!("{}-{}.json", analysis.case_id, analysis.options.support.key());
-        (name, spineline_files::to_text(&analysis_file(case, analysis, provenance)))
+        (name, spineline_files::results_text(&analysis_file(case, analysis, provenance)))
     };
     let folder = out.join("analyses");
     let bar = bar("files", patients.len());

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use spineline::analysis::{Analysis, Case, Subject};
 use spineline::multibody::Support;
-use spineline_files::{Provenance, to_line};
+use spineline_files::{Provenance, results_line};
 use spineline_report::cohort::Patients;
 use spineline_report::patient::Patient;
 use spineline_report::{Document, cohort, html, patient};
@@ -49,7 +49,7 @@ fn of_cohort(run: &Run, provenance: &Provenance) -> Document {
         together: &run.cohort,
         refused: &[],
         generator: &generator(),
-        json: &to_line(&files),
+        json: &results_line(&files),
     })
 }
 
@@ -62,6 +62,6 @@ fn of_patient(case: &Case, analysis: &Analysis, provenance: &Provenance) -> Docu
         identifiability: None,
         uncertainty: None,
         generator: &generator(),
-        json: &to_line(&file),
+        json: &results_line(&file),
     })
 }

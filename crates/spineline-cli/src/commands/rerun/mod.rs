@@ -10,7 +10,7 @@ use spineline::analysis::Analysis;
 use spineline::number::{none, scientific};
 use spineline_files::{
     AnalysisFile, Content, InputFile, MAX_ANALYSES_BYTES, Provenance, StoredAnalysis,
-    parse_analysis, parse_json, picture_warnings, read_bytes, to_text,
+    parse_analysis, parse_json, picture_warnings, read_bytes, results_text,
 };
 use spineline_report::document::{Column, Table};
 use spineline_report::terminal::Lines;
@@ -99,8 +99,8 @@ pub fn run(args: &RerunArgs) -> Result<Ending, Failure> {
     if let Some(path) = &args.json {
         let files: Vec<&Value> = again.iter().map(|repeated| &repeated.new).collect();
         let text = match &files[..] {
-            [one] if !stored.is_list => to_text(one),
-            all => to_text(&all),
+            [one] if !stored.is_list => results_text(one),
+            all => results_text(&all),
         };
         outputs.attempt(path, || outputs.write(path, text));
     }
@@ -218,7 +218,7 @@ impl Repeated {
             .of_cases([case.id.clone()])
             .asking(request);
         let file = AnalysisFile::new(&analysis, stored.case_file.clone(), provenance.clone());
-        let file = to_text(&confidence.add_to(&analysis, file));
+        let file = results_text(&confidence.add_to(&analysis, file));
         let new = parse_json(&file).map_err(|error| Failure::internal(error.to_string()))?;
         let found = differences(old, &new, args.tolerance);
         Ok(Self { stored, analysis, provenance, new, found })

@@ -13,7 +13,7 @@ use std::path::PathBuf;
 
 use spineline::multibody::{ForceSign, PathPoint};
 use spineline::number::fixed;
-use spineline_files::{FilmOrigin, InputFile, Provenance, to_text};
+use spineline_files::{FilmOrigin, InputFile, Provenance, results_text};
 use spineline_report::terminal::Lines;
 use spineline_tables::Table;
 
@@ -109,7 +109,7 @@ impl Outcome {
         }
         if let Some(path) = &args.json {
             let file = || self.file().with_provenance(provenance.clone());
-            outputs.attempt(path, || outputs.write(path, to_text(&file())));
+            outputs.attempt(path, || outputs.write(path, results_text(&file())));
         }
         let table = |path: &PathBuf, table: Table| {
             let write = || outputs.write_table(path, table.to_csv()?, &provenance);
@@ -167,7 +167,7 @@ mod tests {
             let outcome = interrupted(arguments, 3);
             assert_eq!(outcome.response.ending, PathEnding::Interrupted);
             let json: serde_json::Value =
-                serde_json::from_str(&to_text(&outcome.file())).expect("whole");
+                serde_json::from_str(&results_text(&outcome.file())).expect("whole");
             assert_eq!(json["status"], "interrupted");
             assert_eq!(json["path"].as_array().expect("a list").len(), 3);
             assert!(outcome.svg().contains("not a result (interrupted)"));

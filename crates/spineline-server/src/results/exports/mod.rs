@@ -10,7 +10,7 @@ mod tables;
 
 use axum::extract::State;
 use axum::response::Response;
-use spineline_files::{to_text, with_hash};
+use spineline_files::{results_text, with_hash};
 use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
 
@@ -72,7 +72,7 @@ pub async fn export(
             ExportName::Analysis => Ok(Download {
                 ending: "-analysis.json",
                 kind: JSON,
-                bytes: with_hash(to_text(&file_of(analysis, &case, &found)).into_bytes()),
+                bytes: with_hash(results_text(&file_of(analysis, &case, &found)).into_bytes()),
             }),
             ExportName::TablesCsv => tables::csv(analysis, &case, &found),
             ExportName::TablesParquet => tables::parquet(analysis, &case, &found),

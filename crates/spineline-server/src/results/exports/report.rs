@@ -41,7 +41,7 @@ pub fn download(
         identifiability: found.identifiability(),
         uncertainty: found.uncertainty(),
         generator: PROGRAM,
-        json: &spineline_files::to_line(&file_of(analysis, case, found)),
+        json: &spineline_files::results_line(&file_of(analysis, case, found)),
     });
     // The options of an analysis do not contain the names of their files.
     for (title, file) in options.files() {

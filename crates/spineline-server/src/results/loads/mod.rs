@@ -6,7 +6,7 @@ mod view;
 
 use axum::extract::State;
 use axum::response::Response;
-use spineline_files::{text_with_hash, to_text};
+use spineline_files::{results_text, text_with_hash};
 use utoipa_axum::router::OpenApiRouter;
 use utoipa_axum::routes;
 
@@ -101,7 +101,7 @@ async fn simulation_file(
             file = file.with_uncertainty(found);
             origin = origin.asking(&request);
         }
-        Ok::<_, Failure>(text_with_hash(to_text(&file.with_provenance(origin))))
+        Ok::<_, Failure>(text_with_hash(results_text(&file.with_provenance(origin))))
     });
     let text = made.await??;
     log(&state, &user, &study, "simulation").await?;

@@ -4,7 +4,9 @@ use axum::http::StatusCode;
 use serde_json::{Value, json};
 use spineline::action::LineKind;
 use spineline::uncertainty::{AppliedLoads, LandmarkNoise, MonteCarlo};
-use spineline_files::{ModelSource, Simulated, parse_analysis, parse_load, parse_model, to_text};
+use spineline_files::{
+    ModelSource, Simulated, parse_analysis, parse_load, parse_model, results_text,
+};
 use spineline_store::Access;
 
 use super::server::{READER, add_read_study, phantom};
@@ -114,7 +116,7 @@ fn saved_with_the_intervals_of_the_command_line(lead: &Browser<'_>, file: &str) 
     let mut tally = monte_carlo.loaded_tally(&measures);
     (0..COUNT).for_each(|index| tally.add(&monte_carlo.loaded_replicate(index, &applied)));
     let own = own.file("test").with_uncertainty(&tally.finish(COUNT));
-    let own: Value = serde_json::from_str(&to_text(&own)).expect("JSON");
+    let own: Value = serde_json::from_str(&results_text(&own)).expect("JSON");
     assert_eq!(saved["uncertainty"], own["uncertainty"]);
 }
 
