@@ -23,6 +23,7 @@ mod noise_study;
 mod path;
 mod patients;
 mod postures;
+mod predictions;
 mod reliability;
 mod reproduction;
 mod space;
@@ -117,6 +118,7 @@ fn tables_of(patients: &[Patient<'_>], optional: OptionalTables) -> Vec<Table> {
         models::multipliers(patients),
         models::springs(patients),
         models::lines(patients),
+        predictions::table(patients),
         clinical::table(patients),
         reliability::table(patients),
         warnings::table(patients),

@@ -363,6 +363,7 @@ fn errors_of_lines(add: &mut Columns<'_, LineRow<'_>>) {
 pub(crate) struct Predicted<'a> {
     fit: &'a HypothesisFit,
     prediction: &'a ShapePrediction,
+    mean_radius_mm: Option<f64>,
 }
 
 type PredictedRow<'a> = Row<'a, Predicted<'a>>;
@@ -370,9 +371,15 @@ type PredictedRow<'a> = Row<'a, Predicted<'a>>;
 /// One row per patient, load and base, film and role.
 pub(crate) fn hypotheses(patients: &[Patient<'_>]) -> Table {
     let rows = rows(patients, |patient| {
-        patient.analysis.hypotheses.iter().flat_map(|fit| {
-            fit.predictions.iter().map(move |prediction| Predicted { fit, prediction })
-        })
+        let mut found = Vec::new();
+        let fits = &patient.analysis.hypotheses;
+        for (fit, bands) in fits.iter().zip(patient.analysis.bands().hypotheses) {
+            found.extend(fit.predictions.iter().zip(bands).map(|(prediction, band)| {
+                let mean_radius_mm = band.map(|band| band.mean_radius_mm());
+                Predicted { fit, prediction, mean_radius_mm }
+            }));
+        }
+        found
     });
     let row = "patient × load and base × posture × role";
     keyed("hypotheses", row, &rows, columns_of_hypotheses)
@@ -403,6 +410,12 @@ fn columns_of_hypotheses(add: &mut Columns<'_, PredictedRow<'_>>) {
         Unit::Millimetres,
         "mean location error over the vertebrae above the base",
         |row| row.item.prediction.mean_location_error_mm(),
+    );
+    add.number(
+        "mean_band_95_radius",
+        Unit::Millimetres,
+        "mean radius of its 95 % band; empty where the load was fitted to the film",
+        |row| row.item.mean_radius_mm,
     );
     add.number(
         "rotation_rms",

@@ -2,14 +2,15 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 use spineline::analysis::{
-    Analysis, BendEvidence, ComparedFilm, ComparedLine, Compatibility, FilmRole, FreeNumbers,
-    LinesCompared,
+    Analysis, BAND_COVERAGE, Bands, BendEvidence, ComparedFilm, ComparedLine, Compatibility,
+    FilmRole, FreeNumbers, LinesCompared,
 };
 use spineline::anatomy::Posture;
 use spineline::cohort::{BaselineTest, BaselinesOverPatients};
-use spineline::evaluate::{Baseline, BaselinePrediction, Simulation};
+use spineline::evaluate::{Band, Baseline, BaselinePrediction, Simulation};
 use spineline::personalize::{FitTarget, TestOutcome};
 
+use super::band::BandRecord;
 use super::model::ModelRecord;
 use super::posture::ScaleRecord;
 
@@ -28,6 +29,10 @@ pub(super) struct ComparisonRecord {
     against_baselines: Vec<AgainstRecord>,
     /// Every film once per role.
     films: Vec<FilmRecord>,
+    /// How often the bands of predicted films hold the measured film.
+    band_coverage: String,
+    /// The radii that hold all vertebrae of a film together, over the radii for one vertebra.
+    band_film_factor: f64,
     /// By line: whether the bends reject a single force along it. The test of the line itself exists for every
     /// line but the estimated one, which comes from the same rotations.
     compatibility: BTreeMap<String, CompatibilityRecord>,
@@ -97,6 +102,9 @@ struct FilmRecord {
     /// Predictions without mechanics, by pattern of joint rotations; empty for fitted films.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     baselines: BTreeMap<String, BaselineRecord>,
+    /// By line and prediction without mechanics; empty for fitted films.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    band_95: BTreeMap<String, BandRecord>,
 }
 
 /// A film as a pattern of joint rotations without mechanics predicts it, from T2 alone.
@@ -148,7 +156,7 @@ struct BendRecord {
 
 impl ComparisonRecord {
     /// `None` without a model to compare.
-    pub fn new(analysis: &Analysis) -> Option<Self> {
+    pub fn new(analysis: &Analysis, bands: &Bands) -> Option<Self> {
         if analysis.models.is_empty() {
             return None;
         }
@@ -167,7 +175,9 @@ impl ComparisonRecord {
             lines: (0..found.lines.len()).map(|i| line(found, i)).collect(),
             baselines_mm: baselines_mm(found),
             against_baselines: against_baselines(analysis),
-            films: found.films.iter().map(|f| film(f, &found.lines)).collect(),
+            films: films(analysis, bands),
+            band_coverage: BAND_COVERAGE.to_owned(),
+            band_film_factor: Band::WHOLE_FILM,
             compatibility: compatibility.collect(),
             left_out_bends: left_out.collect(),
             verdict: analysis.verdict(),
@@ -242,6 +252,22 @@ impl NumbersRecord {
     }
 }
 
+/// Fitted films come first, and have no band.
+fn films(analysis: &Analysis, bands: &Bands) -> Vec<FilmRecord> {
+    let found = analysis.comparison();
+    let fitted = found.films.iter().filter(|film| film.role == FilmRole::Fitted);
+    let predicted = found.films.iter().filter(|film| film.role != FilmRole::Fitted);
+    let levels = analysis.movement.levels();
+    let record = |band: &Band| BandRecord::new(band, levels);
+    let predicted = predicted.zip(&bands.films).map(|(one, bands)| {
+        let lines = bands.lines.iter().map(|(kind, band)| (kind.key(), band));
+        let baselines = bands.baselines.iter().map(|(one, band)| (one.key(), band));
+        let bands = lines.chain(baselines).map(|(key, band)| (key.to_owned(), record(band)));
+        FilmRecord { band_95: bands.collect(), ..film(one, &found.lines) }
+    });
+    fitted.map(|one| film(one, &found.lines)).chain(predicted).collect()
+}
+
 fn film(film: &ComparedFilm, lines: &[ComparedLine]) -> FilmRecord {
     let location_mm = lines.iter().zip(&film.simulations).map(|(line, simulation)| {
         let mm = simulation.as_ref().map(Simulation::mean_location_error_mm);
@@ -252,6 +278,7 @@ fn film(film: &ComparedFilm, lines: &[ComparedLine]) -> FilmRecord {
         role: film.role.key().to_owned(),
         location_mm: location_mm.collect(),
         baselines: film.baselines.iter().map(baseline).collect(),
+        band_95: BTreeMap::new(),
     }
 }
 

@@ -3,10 +3,12 @@
 use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
-use spineline::anatomy::Posture;
+use spineline::anatomy::{Levels, Posture};
+use spineline::evaluate::Band;
 use spineline::hypothesis::{HypothesisFit, LostPrediction, ShapePrediction};
 use spineline::multibody::PathEnding;
 
+use super::band::BandRecord;
 use super::posture::ScaleRecord;
 
 /// A load and base fitted to the bends, with its predictions. Lengths in mm, angles in degrees.
@@ -64,6 +66,9 @@ struct PredictionRecord {
     /// L4 to T2.
     locations_mm: Vec<[f64; 2]>,
     tilts_deg: Vec<f64>,
+    /// Absent for films to which the load was fitted.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    band_95: Option<BandRecord>,
 }
 
 fn finite(value: f64) -> Option<f64> {
@@ -71,7 +76,8 @@ fn finite(value: f64) -> Option<f64> {
 }
 
 impl HypothesisRecord {
-    pub(super) fn new(fit: &HypothesisFit) -> Self {
+    /// `bands` belong to its predictions.
+    pub(super) fn new(fit: &HypothesisFit, bands: &[Option<Band>], levels: Levels) -> Self {
         let by_role = |counts: &dyn Fn(&LostPrediction) -> bool| {
             let mut films: BTreeMap<String, Vec<Posture>> = BTreeMap::new();
             for lost in fit.lost.iter().filter(|lost| counts(lost)) {
@@ -87,7 +93,15 @@ impl HypothesisRecord {
             residual_rms: finite(fit.criteria.residual_rms()),
             aicc: finite(fit.criteria.aicc),
             bic: finite(fit.criteria.bic),
-            predictions: fit.predictions.iter().map(PredictionRecord::new).collect(),
+            predictions: fit
+                .predictions
+                .iter()
+                .zip(bands)
+                .map(|(one, band)| PredictionRecord {
+                    band_95: band.as_ref().map(|band| BandRecord::new(band, levels)),
+                    ..PredictionRecord::new(one)
+                })
+                .collect(),
             lost: by_role(&|_| true),
             beyond_human_range: by_role(&|lost| lost.reason == PathEnding::BeyondHumanRange),
         }
@@ -110,6 +124,7 @@ impl PredictionRecord {
             film_scale: Some(prediction.scale.into()),
             locations_mm: prediction.locations.iter().map(|p| [p.y_mm, p.z_mm]).collect(),
             tilts_deg: prediction.tilts.iter().map(|tilt| tilt.deg()).collect(),
+            band_95: None,
         }
     }
 }

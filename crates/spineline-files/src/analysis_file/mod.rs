@@ -1,5 +1,6 @@
 //! The file of an analysis.
 
+mod band;
 mod comparison;
 mod hypothesis;
 mod identifiability;
@@ -238,6 +239,7 @@ impl AnalysisFile {
     pub fn new(analysis: &Analysis, case: CaseFile, provenance: Provenance) -> Self {
         let movement = &analysis.movement;
         let scale = movement.scale();
+        let bands = analysis.bands();
         Self {
             format: FORMAT.to_owned(),
             version: VERSION,
@@ -276,11 +278,15 @@ impl AnalysisFile {
                 .iter()
                 .map(|m| (m.kind.key().to_owned(), ModelRecord::new(m, analysis)))
                 .collect(),
-            comparison: ComparisonRecord::new(analysis),
+            comparison: ComparisonRecord::new(analysis, &bands),
             hypotheses: analysis
                 .hypotheses
                 .iter()
-                .map(|fit| (fit.hypothesis.key(), HypothesisRecord::new(fit)))
+                .zip(&bands.hypotheses)
+                .map(|(fit, bands)| {
+                    let record = HypothesisRecord::new(fit, bands, analysis.movement.levels());
+                    (fit.hypothesis.key(), record)
+                })
                 .collect(),
             uncertainty: None,
             warnings: analysis.warnings.all().iter().map(WarningRecord::new).collect(),

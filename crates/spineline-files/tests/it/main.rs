@@ -1,5 +1,6 @@
 //! Tests of files of Spineline, and of models in the formats of other programs.
 
+mod bands;
 mod biplanar_lines;
 mod bodies;
 mod exports;

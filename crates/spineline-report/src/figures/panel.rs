@@ -3,9 +3,10 @@
 use std::sync::Arc;
 
 use kuva::plot::LinePlot;
+use kuva::render::color::Color;
 use kuva::render::layout::{Layout, TickFormat};
 use kuva::render::plots::Plot;
-use kuva::render::render::{Primitive, TextAnchor, render_multiple};
+use kuva::render::render::{PathData, Primitive, TextAnchor, render_multiple};
 use kuva::render::theme::Theme;
 use spineline::number::fixed;
 
@@ -207,6 +208,25 @@ impl Panel {
         });
         self.marks.extend(marks);
         self.marks.push(Primitive::GroupEnd);
+    }
+
+    /// A filled area without an edge.
+    pub fn area(
+        &mut self,
+        colour: &'static str,
+        opacity: f64,
+        outline: impl IntoIterator<Item = (f64, f64)>,
+    ) {
+        let corners = outline.into_iter().map(|(x, y)| self.px(x, y));
+        let corners: Vec<String> = corners.map(|(x, y)| format!("{x:.1},{y:.1}")).collect();
+        self.marks.push(Primitive::Path(Box::new(PathData {
+            d: format!("M{} Z", corners.join(" L")),
+            fill: Some(colour.into()),
+            stroke: Color::from(colour),
+            stroke_width: 0.0,
+            opacity: Some(opacity),
+            stroke_dasharray: None,
+        })));
     }
 
     /// A curve through places within the frame.

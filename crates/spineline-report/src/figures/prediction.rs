@@ -1,15 +1,18 @@
 //! Bends that were left out of the fit: measured, predicted by the best line, and predicted without mechanics.
 
 use spineline::analysis::{Analysis, ComparedFilm, FilmRole};
+use spineline::evaluate::Band;
 use spineline::number::fixed;
 use spineline::spatial::Frontal;
 
-use super::frontal::{Extent, VIEW, extent_words, frame_px, frontal_panel};
+use super::frontal::{Extent, VIEW, drawn, extent_words, frame_px, frontal_panel};
 use super::page::{Page, Sample};
 use super::panel::HeadingKind;
 use super::spines::MEASURED;
-use super::style::{GREY, Ink, Marker, Shape, action_ink};
+use super::style::{GREY, Ink, Marker, SKY, Shape, action_ink};
 
+/// Of the 95 % band: lines stay readable over it.
+const BAND_OPACITY: f64 = 0.25;
 /// Tallest frame; the picture stands on the first page.
 const TALL_PX: f64 = 300.0;
 
@@ -17,6 +20,7 @@ const TALL_PX: f64 = 300.0;
 #[must_use]
 pub fn predictions(analysis: &Analysis) -> Option<String> {
     let compared = analysis.comparison();
+    let bands = analysis.bands();
     let ranking = compared.ranking()?;
     let kind = ranking.best().0;
     let line = compared.lines.iter().position(|one| one.kind == kind)?;
@@ -35,6 +39,7 @@ pub fn predictions(analysis: &Analysis) -> Option<String> {
     let dotted = Ink::new(GREY, "2 3", 1.4);
     page.legend.push((Sample::Stroke(MEASURED.0, Some(MEASURED.1)), "measured".to_owned()));
     page.legend.push((Sample::Stroke(ink, Some(filled)), format!("predicted, {kind}")));
+    page.legend.push((Sample::Fill(SKY), format!("95 % band, {kind}")));
     page.legend.extend(
         baseline.map(|one| (Sample::Stroke(dotted, None), format!("without mechanics: {one}"))),
     );
@@ -55,6 +60,11 @@ pub fn predictions(analysis: &Analysis) -> Option<String> {
         let without = baseline.and_then(|one| film.baseline(one));
         let mm = format!("{kind} {} mm", fixed(simulation.mean_location_error_mm(), 1));
         panel.heading(HeadingKind::Plain, mm);
+        let mut predicted = bands.films.iter();
+        let band = predicted.find(|one| (one.posture, one.role) == (film.posture, film.role));
+        if let Some(band) = band.and_then(|film| film.line(kind)) {
+            panel.area(SKY, BAND_OPACITY, outline(&simulation.locations, band));
+        }
         let points = measured(film);
         panel.end_levels(&points, analysis.movement.levels());
         panel.spine(&points, MEASURED.0, Marker { radius_px: 4.4, ..MEASURED.1 });
@@ -66,4 +76,13 @@ pub fn predictions(analysis: &Analysis) -> Option<String> {
     }
     page.rows.push(panels);
     Some(page.into_svg())
+}
+
+/// The outline of the 95 % band to both sides of a predicted spine.
+fn outline(locations: &[Frontal], band: &Band) -> Vec<(f64, f64)> {
+    let radii = std::iter::once(0.0).chain(band.radii_mm.iter().copied());
+    let half_widths: Vec<(Frontal, f64)> = locations.iter().copied().zip(radii).collect();
+    let left = half_widths.iter().map(|&(at, mm)| at + Frontal::new(mm, 0.0));
+    let right = half_widths.iter().rev().map(|&(at, mm)| at - Frontal::new(mm, 0.0));
+    left.chain(right).map(drawn).collect()
 }

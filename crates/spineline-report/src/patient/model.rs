@@ -1,6 +1,6 @@
 //! The personalised models: shapes, springs, errors, and the lines side by side.
 
-use spineline::analysis::{Analysis, FilmRole, LineModel, LinesCompared};
+use spineline::analysis::{Analysis, BAND_COVERAGE, FilmRole, LineModel, LinesCompared};
 use spineline::anatomy::Posture;
 use spineline::evaluate::Baseline;
 use spineline::multibody::StiffnessLibrary;
@@ -281,7 +281,7 @@ pub fn comparison(analysis: &Analysis) -> Section {
         section.paragraph(no_model(analysis));
         return section;
     }
-    section.table(by_line(found));
+    section.table(by_line(analysis));
     section.paragraph(found.choice_words().unwrap_or_default());
     let numbers = "Numbers fitted: free multipliers + forces + parameters of a free line. A bend that is left out is predicted with the stiffness fitted to the other bend.";
     for text in [numbers, other_data(found)].into_iter().filter(|text| !text.is_empty()) {
@@ -291,17 +291,21 @@ pub fn comparison(analysis: &Analysis) -> Section {
 }
 
 /// Errors of every line by kind of film.
-pub fn by_line(found: &LinesCompared) -> Table {
+pub fn by_line(analysis: &Analysis) -> Table {
+    let found = analysis.comparison();
     let columns = vec![
         Column::words("Films"),
         Column::words("Line of action"),
         Column::words("Evidence"),
         Column::numbers("Films"),
         Column::numbers("Location error (mm)"),
+        Column::numbers("95 % band (± mm)"),
         Column::numbers("Ferguson error (°)"),
         Column::words("Numbers taken from the films"),
     ];
     let mut table = Table::new("Every line on the films with a result", columns);
+    let bands = analysis.bands();
+    let radius = |mm: Option<f64>| mm.map_or_else(none, |mm| fixed(mm, 1));
     for role in FilmRole::ALL {
         let all = found.count(role);
         for (place, line) in found.lines.iter().enumerate() {
@@ -312,6 +316,7 @@ pub fn by_line(found: &LinesCompared) -> Table {
                 if role == FilmRole::Fitted { "none: fitted" } else { "prediction" }.to_owned(),
                 format!("{} of {all}", errors.films),
                 fixed(errors.location_mm, 2),
+                radius(bands.mean_of_line(line.kind, role)),
                 fixed(errors.ferguson_deg, 1),
                 numbers(&line.numbers, role),
             ]);
@@ -324,11 +329,13 @@ pub fn by_line(found: &LinesCompared) -> Table {
                 "without mechanics".to_owned(),
                 format!("{films} of {all}"),
                 fixed(mm, 2),
+                radius(bands.mean_of_baseline(baseline, role)),
                 none(),
                 format!("{} per film", taken(baseline)),
             ]);
         }
     }
+    table.note = BAND_COVERAGE.to_owned();
     table
 }
 

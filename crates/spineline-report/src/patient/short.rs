@@ -35,7 +35,7 @@ pub fn short(analysis: &Analysis, intervals: Intervals<'_>) -> Section {
     let mut section = answers(analysis, intervals);
     section.table(table(analysis));
     if let Some(svg) = figures::predictions(analysis) {
-        let caption = "The line with the smallest error, and the best prediction without mechanics, on films that were not fitted.";
+        let caption = "The line with the smallest error and its 95 % band, and the best prediction without mechanics, on films that were not fitted.";
         section.figure(Figure::new("predictions", caption, svg));
     }
     section
@@ -143,7 +143,7 @@ fn next(patient: &Patient<'_>) -> String {
     });
     let asked = patient.uncertainty.is_some() || patient.identifiability.is_some();
     let intervals = (!asked).then(|| "Intervals: --replicates 1000 --identifiability.".to_owned());
-    let more = Some("Tables: --full. Pictures: spineline report.".to_owned());
+    let more = Some("Tables: --full. Page: spineline report.".to_owned());
     if analysis.models.is_empty() {
         return joined([doubted, Some(no_model(analysis)), more]);
     }
@@ -153,11 +153,14 @@ fn next(patient: &Patient<'_>) -> String {
 /// How the bends test every line, and its errors beside predictions without mechanics.
 fn table(analysis: &Analysis) -> Table {
     let compared = analysis.comparison();
+    let bands = analysis.bands();
     let columns = vec![
         Column::words("Prediction"),
         Column::words("Bends"),
         Column::numbers("Left-out bends (mm)"),
+        Column::numbers("95 % band (± mm)"),
         Column::numbers("Neutral, traction (mm)"),
+        Column::numbers("95 % band (± mm)"),
         Column::words("Numbers taken per film"),
     ];
     let mut table = Table::new("Mean location errors on films that were not fitted", columns);
@@ -168,7 +171,10 @@ fn table(analysis: &Analysis) -> Table {
             continue;
         };
         let mut row = vec![sentence_case(&line.kind.to_string()), outcome(analysis, model)];
-        row.extend(roles.map(|role| mm(compared.errors(i, role).map(|found| found.location_mm))));
+        row.extend(roles.iter().flat_map(|&role| {
+            let error = compared.errors(i, role).map(|found| found.location_mm);
+            [mm(error), mm(bands.mean_of_line(line.kind, role))]
+        }));
         row.push(line.numbers.per_predicted_film.to_string());
         table.row(row);
     }
@@ -178,12 +184,17 @@ fn table(analysis: &Analysis) -> Table {
             continue;
         }
         let mut row = vec![format!("* {baseline}"), none()];
-        row.extend(errors.map(mm));
+        row.extend(
+            roles
+                .iter()
+                .zip(errors)
+                .flat_map(|(&role, error)| [mm(error), mm(bands.mean_of_baseline(baseline, role))]),
+        );
         row.push(taken(baseline).to_string());
         table.row(row);
     }
     table.note =
-        "Bends: how they test a single force along the line. * predicted without mechanics"
+        "Bends: test of a single force along the line. * without mechanics. 95 % band: mean radius."
             .to_owned();
     table
 }

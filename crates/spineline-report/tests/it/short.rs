@@ -45,7 +45,7 @@ fn a_row_has_the_test_and_the_errors_of_its_line() {
     let analysis = analyzed(&case);
     let document = patient::summary(&shown(&case, &analysis, ""));
     let table = tables(&document)[0].clone();
-    let compared = analysis.comparison();
+    let (compared, bands) = (analysis.comparison(), analysis.bands());
     for (place, line) in compared.lines.iter().enumerate() {
         let row = table.rows.iter().find(|row| row[0].eq_ignore_ascii_case(&line.kind.to_string()));
         let row = row.expect("a row per line");
@@ -55,9 +55,11 @@ fn a_row_has_the_test_and_the_errors_of_its_line() {
             _ => analysis.compatibility(model).outcome().to_string(),
         };
         assert_eq!(row[1], outcome);
-        for (cell, role) in [(2, FilmRole::LeftOutBend), (3, FilmRole::HeldOut)] {
+        let shown = |mm: Option<f64>| mm.map_or("–".to_owned(), |mm| fixed(mm, 1));
+        for (cell, role) in [(2, FilmRole::LeftOutBend), (4, FilmRole::HeldOut)] {
             let mm = compared.errors(place, role).map(|errors| errors.location_mm);
-            assert_eq!(row[cell], mm.map_or("–".to_owned(), |mm| fixed(mm, 1)));
+            assert_eq!(row[cell], shown(mm));
+            assert_eq!(row[cell + 1], shown(bands.mean_of_line(line.kind, role)));
         }
     }
     assert!(table.rows.iter().any(|row| row[0].starts_with("* ")), "a row without mechanics");

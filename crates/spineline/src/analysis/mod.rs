@@ -3,6 +3,7 @@
 //! `analyze` runs the steps; `movement` has the results before any force; `result` has all results.
 
 mod analyze;
+mod bands;
 mod checks;
 mod choice;
 mod compare_lines;
@@ -32,6 +33,7 @@ mod wrong_film;
 
 pub(crate) use analyze::{FitStarts, analyze_replicate};
 pub use analyze::{analyze, analyze_movement};
+pub use bands::{BAND_COVERAGE, Bands, FilmBands};
 pub use checks::check_repeated;
 pub use choice::ModelChoice;
 pub(crate) use comparison::ferguson_errors_deg;

@@ -8,7 +8,7 @@ use nalgebra::{DMatrix, DVector};
 use super::bend_rotations::joint_angles;
 use super::rotation_prior::RotationPrior;
 use crate::anatomy::{Level, Posture, named};
-use crate::least_squares::{FitStatus, System, minimize};
+use crate::least_squares::{FitStatus, Minimum, System, minimize};
 use crate::measure::{FilmLength, FilmScale, Outline};
 use crate::spatial::{Angle, Frontal};
 
@@ -187,10 +187,46 @@ impl FilmFromTop {
         prior: &RotationPrior,
         erect: &Links,
     ) -> BaselinePrediction {
+        self.by_rotations(baseline, &self.rotations_by(prior, erect), erect)
+    }
+
+    fn rotations_by(&self, prior: &RotationPrior, erect: &Links) -> Rotations {
         let joints = prior.mean_of(self.posture, &erect.joint_angles).into_iter().map(Angle::rad);
         let mean = DVector::from_iterator(prior.mean().len(), joints);
-        let rotations = Rotations { mean, basis: prior.root().clone(), is_free: false };
-        self.by_rotations(baseline, &rotations, erect)
+        Rotations { mean, basis: prior.root().clone(), is_free: false }
+    }
+
+    /// Covariance of the locations of all vertebrae, in mm², and of their tilts, in rad², about the most probable rotations and scale.
+    pub fn covariances(
+        &self,
+        prior: &RotationPrior,
+        erect: &Links,
+        knows_tilt: bool,
+    ) -> Option<[DMatrix<f64>; 2]> {
+        let rotations = self.rotations_by(prior, erect);
+        let fit = TopFit::new(self, &rotations, erect, knows_tilt);
+        let end = fit.minimum();
+        let unknowns = fit.unknowns();
+        let covariance = end.system.jacobian.tr_mul(&end.system.jacobian).cholesky()?.inverse();
+        let (factor, joints) =
+            (fit.scale(&end.x).factor / self.length.scale.factor, rotations.mean.len());
+        let carried = erect.carried(&fit.rotations_at(&end.x));
+        let mut locations = DMatrix::zeros(2 * (joints + 1), unknowns);
+        let mut tilts = DMatrix::zeros(joints + 1, unknowns);
+        for vertebra in 1..=joints {
+            let rates = carried.rates_of(vertebra) * &rotations.basis * factor;
+            locations.view_mut((2 * vertebra, 0), rates.shape()).copy_from(&rates);
+            if fit.scaled() {
+                let own = carried.locations[vertebra] * factor;
+                locations[(2 * vertebra, unknowns - 1)] = own.y_mm;
+                locations[(2 * vertebra + 1, unknowns - 1)] = own.z_mm;
+            }
+            let turned =
+                tilts.row(vertebra - 1).columns(0, joints) + rotations.basis.row(vertebra - 1);
+            tilts.view_mut((vertebra, 0), (1, joints)).copy_from(&turned);
+        }
+        let of = |rates: DMatrix<f64>| &rates * &covariance * rates.transpose();
+        Some([of(locations), of(tilts)])
     }
 
     fn by_rotations(
@@ -200,14 +236,8 @@ impl FilmFromTop {
         erect: &Links,
     ) -> BaselinePrediction {
         assert_eq!(rotations.mean.len(), erect.links.len(), "one rotation per joint");
-        let turn = baseline.knows_tilt().then(|| self.turn.map(Angle::rad));
-        let fit = TopFit { links: erect, rotations, film: self, turn };
-        let unknowns = fit.unknowns();
-        let free = DVector::from_element(unknowns, f64::INFINITY);
-        let end = minimize(DVector::zeros(unknowns), &-&free, &free, fit.rows(), |x, system| {
-            fit.evaluate(x, system);
-            true
-        });
+        let fit = TopFit::new(self, rotations, erect, baseline.knows_tilt());
+        let end = fit.minimum();
         let scale = fit.scale(&end.x);
         let factor = scale.factor / self.length.scale.factor;
         let found = fit.rotations_at(&end.x);
@@ -242,7 +272,26 @@ struct TopFit<'a> {
     turn: Option<[f64; 2]>,
 }
 
-impl TopFit<'_> {
+impl<'a> TopFit<'a> {
+    fn new(
+        film: &'a FilmFromTop,
+        rotations: &'a Rotations,
+        links: &'a Links,
+        knows_tilt: bool,
+    ) -> Self {
+        let turn = knows_tilt.then(|| film.turn.map(Angle::rad));
+        Self { links, rotations, film, turn }
+    }
+
+    fn minimum(&self) -> Minimum {
+        let unknowns = self.unknowns();
+        let free = DVector::from_element(unknowns, f64::INFINITY);
+        minimize(DVector::zeros(unknowns), &-&free, &free, self.rows(), |x, system| {
+            self.evaluate(x, system);
+            true
+        })
+    }
+
     fn scaled(&self) -> bool {
         self.film.length.is_free()
     }
@@ -365,11 +414,16 @@ impl Carried {
 
     /// How the top moves with every joint: two rows, `y` and `z`.
     fn top_rates(&self) -> DMatrix<f64> {
-        let top = self.top();
+        self.rates_of(self.upper_halves.len())
+    }
+
+    /// How a vertebra moves with every joint.
+    fn rates_of(&self, vertebra: usize) -> DMatrix<f64> {
+        let place = self.locations[vertebra];
         let mut rates = DMatrix::zeros(2, self.upper_halves.len());
-        for (joint, upper_half) in self.upper_halves.iter().enumerate() {
+        for (joint, upper_half) in self.upper_halves[..vertebra].iter().enumerate() {
             // A joint turns everything above the middle of its link.
-            let arm = top - self.locations[joint + 1] + *upper_half;
+            let arm = place - self.locations[joint + 1] + *upper_half;
             rates[(0, joint)] = -arm.z_mm;
             rates[(1, joint)] = arm.y_mm;
         }

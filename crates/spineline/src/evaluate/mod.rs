@@ -5,9 +5,11 @@
 //! # References
 //! [jalalian-loa], sections 3.2 and 4.
 
+mod band;
 mod baseline;
 mod bend_rotations;
 mod cubic;
+mod film_covariance;
 mod mobility;
 pub mod paired;
 mod prediction;
@@ -15,11 +17,14 @@ mod rotation_prior;
 mod simulate;
 pub mod statistics;
 
+pub use band::Band;
+pub(crate) use band::PredictedFilm;
 pub use baseline::{Baseline, BaselinePrediction, predict_baseline, predict_from_prior};
 pub(crate) use baseline::{FilmFromTop, Links, turn_of_top_sd};
 pub(crate) use bend_rotations::joint_angles;
 pub use bend_rotations::{BendRotations, joint_rotations};
 pub(crate) use cubic::predict_cubic;
+pub(crate) use film_covariance::FilmCovariance;
 pub use mobility::published_lateral_bending;
 pub use prediction::predict;
 pub(crate) use prediction::{ScaledPrediction, at_scale_of_top};

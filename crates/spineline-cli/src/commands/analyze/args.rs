@@ -104,7 +104,7 @@ pub struct AnalyzeArgs {
 #[derive(Args)]
 #[command(next_help_heading = "Tables")]
 pub struct TablesArgs {
-    /// Write tidy tables into this folder: patients, postures, vertebrae, joints, models, multipliers, springs, lines, clinical,
+    /// Write tidy tables into this folder: patients, postures, vertebrae, joints, models, multipliers, springs, lines, predictions, clinical,
     /// reliability and warnings, and other loads and uncertainty where they are asked for; dictionary.csv defines every
     /// column, provenance.json names the inputs
     #[arg(long = "tables", value_name = "DIR")]

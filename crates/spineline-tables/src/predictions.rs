@@ -1,0 +1,99 @@
+//! Films that were predicted and not fitted, vertebra by vertebra.
+
+use spineline::analysis::{Analysis, FilmRole};
+use spineline::anatomy::{Level, Posture};
+use spineline::evaluate::Band;
+use spineline::spatial::Frontal;
+
+use crate::Patient;
+use crate::define::{Columns, Row, Unit, keyed, rows};
+use crate::table::Table;
+
+/// A vertebra of a predicted film.
+struct Predicted {
+    posture: Posture,
+    role: FilmRole,
+    method: &'static str,
+    level: Level,
+    location: Frontal,
+    error_mm: f64,
+    radius_mm: f64,
+}
+
+type PredictedRow<'a> = Row<'a, Predicted>;
+
+/// One row per patient, predicted film, method and vertebra that the film shows.
+pub(crate) fn table(patients: &[Patient<'_>]) -> Table {
+    let rows = rows(patients, |patient| vertebrae(patient.analysis));
+    let row = "patient × predicted film × role × method × vertebra that the film shows";
+    keyed("predictions", row, &rows, columns)
+}
+
+fn vertebrae(analysis: &Analysis) -> Vec<Predicted> {
+    let bands = analysis.bands();
+    let compared = analysis.comparison();
+    let films = compared.films.iter().filter(|film| film.role != FilmRole::Fitted);
+    let mut all = Vec::new();
+    for (film, bands) in films.zip(&bands.films) {
+        let mut add = |method, band: Option<&Band>, locations: &[Frontal], errors_mm: &[f64]| {
+            let outline = analysis.movement.film(film.posture).map(|film| &film.outline);
+            let Some((band, outline)) = band.zip(outline) else { return };
+            let shown = outline.measured().skip(1).zip(errors_mm);
+            all.extend(shown.map(|((i, vertebra), &error_mm)| Predicted {
+                posture: film.posture,
+                role: film.role,
+                method,
+                level: vertebra.level,
+                location: locations[i],
+                error_mm,
+                radius_mm: band.radii_mm[i - 1],
+            }));
+        };
+        for (line, found) in compared.lines.iter().zip(&film.simulations) {
+            let Some(found) = found else { continue };
+            let band = bands.line(line.kind);
+            add(line.kind.key(), band, &found.locations, &found.location_errors_mm);
+        }
+        for found in &film.baselines {
+            let band = bands.baseline(found.baseline);
+            add(found.baseline.key(), band, &found.locations, &found.location_errors_mm);
+        }
+    }
+    all
+}
+
+fn columns(add: &mut Columns<'_, PredictedRow<'_>>) {
+    add.text("posture", "film", |row| row.item.posture.key());
+    add.text(
+        "role",
+        "`left_out_bend`: stiffness from the other bend; `held_out`: a neutral or traction film",
+        |row| row.item.role.key(),
+    );
+    add.text("method", "line of action, or prediction without mechanics", |row| row.item.method);
+    add.text("level", "vertebra", |row| row.item.level.to_string());
+    add.number(
+        "predicted_y",
+        Unit::Millimetres,
+        "predicted midpoint, positive to the patient's left",
+        |row| row.item.location.y_mm,
+    );
+    add.number("predicted_z", Unit::Millimetres, "its height", |row| row.item.location.z_mm);
+    add.number(
+        "location_error",
+        Unit::Millimetres,
+        "distance of the predicted midpoint from the measured one",
+        |row| row.item.error_mm,
+    );
+    add.number(
+        "band_95_radius",
+        Unit::Millimetres,
+        "radius about the predicted midpoint that holds the vertebra on 95 % of films",
+        |row| row.item.radius_mm,
+    );
+    add.number(
+        "band_95_film_radius",
+        Unit::Millimetres,
+        "the same radius for all vertebrae of a film together",
+        |row| Band::WHOLE_FILM * row.item.radius_mm,
+    );
+}
