@@ -338,3 +338,25 @@ test("two films are shown side by side, each with its own view, or linked", asyn
   await expect(first.getByRole("application", { name: /traction film/i })).toBeVisible();
   await expect(first.getByTestId("turned")).toBeEmpty();
 });
+
+test("a person states that a film was compared with the records", async ({ app, page }) => {
+  await app.open(page);
+  await page.goto(new URL("#/studies/demo-rod-01/measure", app.address).href);
+  const edit = async (): Promise<void> => {
+    await page.getByRole("button", { name: "Edit this film…" }).click();
+  };
+  const compared = page.getByRole("checkbox", { name: /^I compared this film/ });
+  await edit();
+  await expect(compared).not.toBeChecked();
+  await compared.check();
+  await shot(page, "film-compared");
+  await page.getByRole("button", { name: "Change the film" }).click();
+  await page.reload();
+  await edit();
+  await expect(compared).toBeChecked();
+  const studies = await page.request.get(
+    new URL("/api/studies/demo-rod-01/case", app.address).href,
+  );
+  const { films } = (await studies.json()) as { films: { checked?: boolean }[] };
+  expect(films.filter((film) => film.checked)).toHaveLength(1);
+});

@@ -26,6 +26,7 @@ export function film(
     spacing_text: "0.143 mm × 0.143 mm, patient mm, by a ball (± 0.6 %)",
     patient_left: "image_right",
     inverted: false,
+    checked: false,
     revision: 0,
     readings: [
       {

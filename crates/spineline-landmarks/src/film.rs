@@ -174,7 +174,7 @@ impl MarkedFilm {
                 readings,
             },
         };
-        let film = Film { posture, landmarks };
+        let film = Film::new(posture, landmarks);
         check_landmarks(&film)?;
         Ok(film)
     }

@@ -195,7 +195,7 @@ impl Placed {
             iliac_crests: Some(IliacCrests { left, right }),
             readings,
         };
-        Film { posture: self.posture, landmarks }
+        Film::new(self.posture, landmarks)
     }
 
     fn true_film(&self, row: &TableRow, seed: u64) -> TrueFilm {

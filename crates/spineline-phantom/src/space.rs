@@ -375,7 +375,7 @@ fn frontal_film(
     };
     let readings = vec![Reading { id: ReadingId::new("A", 1), vertebrae: vertebrae.collect() }];
     let landmarks = FilmLandmarks::Corners { image, iliac_crests: Some(crests), readings };
-    Film { posture, landmarks }
+    Film::new(posture, landmarks)
 }
 
 fn lateral_film(view: &View, read: BTreeMap<Level, [Pixel; 4]>) -> LateralFilm {

@@ -95,7 +95,7 @@ fn lateral_film(
         rows: image.rows,
         spacing: image.spacing,
         patient_anterior: image.patient_left,
-        simultaneous: record.simultaneous,
+        simultaneous: record.stated.simultaneous,
         readings: readings.collect(),
     })
 }
@@ -111,7 +111,7 @@ fn frontal_film(
     let readings =
         readings.iter().map(|(reading, state)| marked(reading, state, posture)).collect();
     let landmarks = FilmLandmarks::Corners { image, iliac_crests, readings };
-    Ok(Film { posture, landmarks })
+    Ok(Film { checked: record.stated.checked, ..Film::new(posture, landmarks) })
 }
 
 fn marked(

@@ -17,7 +17,7 @@ use crate::audit::Ledger;
 use crate::connection::Store;
 use crate::error::StoreError;
 use crate::event::{Corner, Event};
-use crate::films::{self, NewFilm, Study};
+use crate::films::{self, NewFilm, Stated, Study};
 use crate::journal;
 use crate::names::{FilmId, Name, Signature};
 use crate::readings;
@@ -34,7 +34,7 @@ pub struct NewCase {
 #[derive(Debug, Clone, PartialEq)]
 struct CaseFilm {
     view: FilmView,
-    simultaneous: bool,
+    stated: Stated,
     bytes: Vec<u8>,
     image: Value,
     readings: Vec<CaseReading>,
@@ -177,7 +177,8 @@ impl NewCase {
             let file = image["file"].as_str().ok_or(CaseError::NotNamed { posture })?;
             let view = FilmView::Frontal(posture);
             let bytes = picture(view, file, &image, &mut bytes_of)?;
-            films.push(CaseFilm { view, simultaneous: false, bytes, image, readings });
+            let stated = Stated { checked: film.checked, ..Stated::default() };
+            films.push(CaseFilm { view, stated, bytes, image, readings });
         }
         let mut remarks = Vec::new();
         if let Some(lateral) = &case.lateral {
@@ -210,7 +211,7 @@ impl NewCase {
     #[must_use]
     pub fn film(mut self, view: impl Into<FilmView>, bytes: Vec<u8>, image: Value) -> Self {
         let (view, readings) = (view.into(), Vec::new());
-        self.films.push(CaseFilm { view, simultaneous: false, bytes, image, readings });
+        self.films.push(CaseFilm { view, stated: Stated::default(), bytes, image, readings });
         self
     }
 
@@ -218,7 +219,7 @@ impl NewCase {
     #[must_use]
     pub fn simultaneous(mut self, simultaneous: bool) -> Self {
         for film in self.films.iter_mut().filter(|film| film.view == FilmView::Lateral) {
-            film.simultaneous = simultaneous;
+            film.stated.simultaneous = simultaneous;
         }
         self
     }
@@ -290,7 +291,7 @@ impl CaseFilm {
         let readings = film.readings.iter().map(CaseReading::of_lateral);
         Ok(Self {
             view: FilmView::Lateral,
-            simultaneous: film.simultaneous,
+            stated: Stated { simultaneous: film.simultaneous, ..Stated::default() },
             bytes,
             image,
             readings: readings.collect::<Result<_, _>>()?,
@@ -406,7 +407,7 @@ fn insert_case(ledger: &Ledger<'_>, case: &NewCase) -> Result<AddedCase, StoreEr
     for film in &case.films {
         let new = NewFilm {
             view: film.view,
-            simultaneous: film.simultaneous,
+            stated: film.stated,
             bytes: &film.bytes,
             image: &film.image,
             inverted: film.image["inverted"] == true,

@@ -8,8 +8,9 @@ use spineline::measure::Spacing;
 use crate::conflicts::{Acknowledged, keep_lost};
 use crate::connection::Store;
 use crate::error::StoreError;
+use crate::films::{self, FilmRecord, Stated};
 use crate::names::{FilmId, Signature};
-use crate::{films, plan};
+use crate::plan;
 
 /// A change of a film's record.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -20,6 +21,8 @@ pub enum FilmEdit {
     Inverted(bool),
     /// Set the spacing.
     Spacing(Spacing),
+    /// State that a person compared the film with the patient's records, or not. Another posture ends the statement.
+    Checked(bool),
 }
 
 impl FilmEdit {
@@ -31,7 +34,30 @@ impl FilmEdit {
             }),
             Self::Posture(posture) => serde_json::json!({ "posture": posture.key() }),
             Self::Inverted(inverted) => serde_json::json!({ "inverted": inverted }),
+            Self::Checked(checked) => serde_json::json!({ "checked": checked }),
         }
+    }
+
+    /// The film after the change.
+    fn applied(self, film: FilmRecord) -> Result<FilmRecord, StoreError> {
+        Ok(match self {
+            Self::Posture(_) if film.view == FilmView::Lateral => {
+                return Err(StoreError::NotFrontal { film: film.id });
+            }
+            Self::Posture(posture) => FilmRecord {
+                view: FilmView::Frontal(posture),
+                stated: Stated { checked: false, ..film.stated },
+                ..film
+            },
+            Self::Inverted(inverted) => FilmRecord { inverted, ..film },
+            Self::Spacing(spacing) => {
+                let image = spineline_files::with_spacing(&film.image, film.view, spacing)?;
+                FilmRecord { image, ..film }
+            }
+            Self::Checked(checked) => {
+                FilmRecord { stated: Stated { checked, ..film.stated }, ..film }
+            }
+        })
     }
 }
 
@@ -61,22 +87,14 @@ impl Store {
                 return keep_lost(ledger, object, expected_revision, now.revision, &change)
                     .map(Err);
             }
-            let (column, value): (_, Box<dyn rusqlite::ToSql>) = match edit {
-                FilmEdit::Posture(_) if now.view == FilmView::Lateral => {
-                    return Err(StoreError::NotFrontal { film });
-                }
-                FilmEdit::Posture(posture) => ("posture", Box::new(posture.key())),
-                FilmEdit::Inverted(inverted) => ("inverted", Box::new(inverted)),
-                FilmEdit::Spacing(spacing) => {
-                    let image = spineline_files::with_spacing(&now.image, now.view, spacing)?;
-                    ("image", Box::new(films::described(&image, now.simultaneous)))
-                }
-            };
-            let update =
-                format!("UPDATE films SET {column} = ?1, revision = revision + 1 WHERE id = ?2");
-            ledger.transaction.execute(&update, params![value, film.0])?;
+            let revision = now.revision + 1;
+            let FilmRecord { view, image, stated, inverted, .. } = edit.applied(now)?;
+            ledger.transaction.execute(
+                "UPDATE films SET posture = ?1, image = ?2, inverted = ?3, revision = revision + 1 WHERE id = ?4",
+                params![view.key(), films::described(&image, stated), inverted, film.0],
+            )?;
             let sequence = ledger.seal("edit", "films", &film.0)?;
-            Ok(Ok(Acknowledged { sequence, revision: now.revision + 1 }))
+            Ok(Ok(Acknowledged { sequence, revision }))
         })?
     }
 }

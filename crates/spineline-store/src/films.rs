@@ -28,6 +28,15 @@ pub struct Study {
     pub synthetic: bool,
 }
 
+/// What a person states about a film.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct Stated {
+    /// Whether it is a lateral film that was exposed together with the erect one, as biplanar scanners do.
+    pub simultaneous: bool,
+    /// Whether somebody compared it with the patient's records: patient, posture and levels are right.
+    pub checked: bool,
+}
+
 /// A film of a study.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FilmRecord {
@@ -37,8 +46,8 @@ pub struct FilmRecord {
     pub study: Name,
     /// What it shows.
     pub view: FilmView,
-    /// Whether it is a lateral film that was exposed together with the erect one, as biplanar scanners do.
-    pub simultaneous: bool,
+    /// What a person states about it.
+    pub stated: Stated,
     /// Its bytes, for [`Store::content`].
     pub content: Hash,
     /// The `image` of a case file: size, spacing, sides; read by [`FilmRecord::geometry`] only.
@@ -117,7 +126,7 @@ impl Store {
         by: &Signature,
     ) -> Result<AddedFilm, StoreError> {
         let view = view.into();
-        let film = NewFilm { view, simultaneous: false, bytes, image, inverted: false };
+        let film = NewFilm { view, stated: Stated::default(), bytes, image, inverted: false };
         self.write(by, |ledger| add_film(ledger, study, &film))
     }
 
@@ -148,7 +157,7 @@ impl Store {
 /// A film to be added.
 pub(crate) struct NewFilm<'a> {
     pub view: FilmView,
-    pub simultaneous: bool,
+    pub stated: Stated,
     pub bytes: &'a [u8],
     pub image: &'a Value,
     pub inverted: bool,
@@ -177,7 +186,7 @@ pub(crate) fn add_film(
     if !new.image.is_object() {
         return Err(StoreError::ImageNotAnObject);
     }
-    let image = described(new.image, new.simultaneous);
+    let image = described(new.image, new.stated);
     limit("the image's description (in bytes)", image.len(), MAX_IMAGE_BYTES)?;
     let content = Hash::of(new.bytes);
     let transaction = ledger.transaction;
@@ -203,16 +212,19 @@ pub(crate) fn add_film(
     Ok(AddedFilm { film: FilmId(film), content, bytes_are_new })
 }
 
-/// The description of an image as stored: for a lateral film, with whether it was exposed together with the erect one.
-pub(crate) fn described(image: &Value, simultaneous: bool) -> String {
+/// The description of an image as stored, with what a person states about the film.
+pub(crate) fn described(image: &Value, stated: Stated) -> String {
     let mut image = image.clone();
-    if simultaneous {
-        image[SIMULTANEOUS] = true.into();
+    for (key, is_stated) in [(SIMULTANEOUS, stated.simultaneous), (CHECKED, stated.checked)] {
+        if is_stated {
+            image[key] = true.into();
+        }
     }
     image.to_string()
 }
 
 const SIMULTANEOUS: &str = "simultaneous";
+const CHECKED: &str = "checked";
 
 /// Stores bytes unless they exist; returns whether they were new.
 fn keep(ledger: &Ledger<'_>, content: &Hash, bytes: &[u8]) -> Result<bool, StoreError> {
@@ -261,12 +273,16 @@ fn read(row: &Row<'_>) -> Result<FilmRecord, StoreError> {
     let view: String = row.get("posture")?;
     let image: String = row.get("image")?;
     let mut image: Value = serde_json::from_str(&image).map_err(|_| damaged())?;
-    let simultaneous = image.as_object_mut().and_then(|image| image.remove(SIMULTANEOUS));
+    let mut is_stated = |key| {
+        let stated = image.as_object_mut().and_then(|image| image.remove(key));
+        stated == Some(Value::Bool(true))
+    };
+    let stated = Stated { simultaneous: is_stated(SIMULTANEOUS), checked: is_stated(CHECKED) };
     Ok(FilmRecord {
         id,
         study: Name::new(&row.get::<_, String>("study")?)?,
         view: view.parse().map_err(|_| damaged())?,
-        simultaneous: simultaneous == Some(Value::Bool(true)),
+        stated,
         content: Hash(row.get("content")?),
         image,
         inverted: row.get("inverted")?,

@@ -84,7 +84,7 @@ pub use error::StoreError;
 pub use event::{AcceptedVertebra, Corner, CornerName, Event};
 pub use export::{ExportRemark, ExportedCase};
 pub use film_edits::FilmEdit;
-pub use films::{AddedFilm, FilmRecord, Study};
+pub use films::{AddedFilm, FilmRecord, Stated, Study};
 pub use guessing::PasswordFault;
 pub use names::{FilmId, Hash, Name, ReadingId, Signature, Timestamp};
 pub use options::StudyOptions;

@@ -43,22 +43,20 @@
 //!     let slope = 25.0 * wave * (wave * up_px).sin();
 //!     (level, body(400.0 - 25.0 * (wave * up_px).cos(), 900.0 - up_px, slope.atan()))
 //! });
-//! let erect = Film {
-//!     posture: Posture::Erect,
-//!     landmarks: FilmLandmarks::Corners {
-//!         image: ImageGeometry {
-//!             columns: 800,
-//!             rows: 1000,
-//!             spacing: Some(Spacing::stated(0.8, 0.8, SpacingPlane::Patient)),
-//!             patient_left: ImageSide::Right,
-//!         },
-//!         iliac_crests: None,
-//!         readings: vec![Reading {
-//!             id: ReadingId { observer: "A".into(), repeat: 1 },
-//!             vertebrae: bodies.collect(),
-//!         }],
+//! let landmarks = FilmLandmarks::Corners {
+//!     image: ImageGeometry {
+//!         columns: 800,
+//!         rows: 1000,
+//!         spacing: Some(Spacing::stated(0.8, 0.8, SpacingPlane::Patient)),
+//!         patient_left: ImageSide::Right,
 //!     },
+//!     iliac_crests: None,
+//!     readings: vec![Reading {
+//!         id: ReadingId { observer: "A".into(), repeat: 1 },
+//!         vertebrae: bodies.collect(),
+//!     }],
 //! };
+//! let erect = Film::new(Posture::Erect, landmarks);
 //! let case = Case {
 //!     id: "wave".into(),
 //!     synthetic: true,

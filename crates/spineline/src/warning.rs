@@ -82,9 +82,18 @@ impl Warning {
 
 /// The collector of every step with warnings, so that no caller can overlook them.
 #[derive(Debug, Clone, Default, PartialEq)]
-pub struct Warnings(Vec<Warning>);
+pub struct Warnings {
+    all: Vec<Warning>,
+    /// Films that a person compared with the patient's records.
+    checked: Vec<Posture>,
+}
 
 impl Warnings {
+    /// From now on, doubts about these films are notes: a person compared them with the patient's records.
+    pub(crate) fn check_films(&mut self, checked: impl IntoIterator<Item = Posture>) {
+        self.checked.extend(checked);
+    }
+
     /// Adds a problem of a whole case.
     pub fn push(&mut self, code: WarningCode, message: impl Into<String>) {
         self.add(Warning::new(code, message));
@@ -120,25 +129,35 @@ impl Warnings {
 
     /// Adds the problems of others that are not there yet.
     pub fn merge(&mut self, others: &Self) {
-        others.0.iter().for_each(|warning| self.add(warning.clone()));
+        others.all.iter().for_each(|warning| self.add(warning.clone()));
     }
 
     fn add(&mut self, warning: Warning) {
-        if !self.0.contains(&warning) {
-            self.0.push(warning);
+        let is_checked = warning.posture.is_some_and(|posture| self.checked.contains(&posture));
+        let warning = if is_checked && warning.code.doubts_film() {
+            let message = format!(
+                "a person compared this film with the patient's records, so it is not in doubt: {}",
+                warning.message
+            );
+            Warning { code: WarningCode::FilmChecked, message, ..warning }
+        } else {
+            warning
+        };
+        if !self.all.contains(&warning) {
+            self.all.push(warning);
         }
     }
 
     /// All problems in the order in which they arose.
     #[must_use]
     pub fn all(&self) -> &[Warning] {
-        &self.0
+        &self.all
     }
 
     /// Whether there is a warning of this code.
     #[must_use]
     pub fn has(&self, code: WarningCode) -> bool {
-        self.0.iter().any(|warning| warning.code == code)
+        self.all.iter().any(|warning| warning.code == code)
     }
 }
 

@@ -118,7 +118,7 @@ fn of_film(decoder: &Decoder, path: &Path, args: &DetectArgs, id: &str) -> Resul
     let image = ImageGeometry { columns: film.columns, rows: film.rows, spacing, patient_left };
     let (reading, detection) = read_film(&film, &image, &place)?;
     let landmarks = FilmLandmarks::Corners { image, iliac_crests: None, readings: vec![reading] };
-    let film = Film { posture, landmarks };
+    let film = Film::new(posture, landmarks);
     let subject = Subject::default();
     let case =
         Case { id: id.to_owned(), synthetic: false, subject, films: vec![film], lateral: None };

@@ -78,6 +78,9 @@ struct FilmRecord {
     /// Where locations and tilts come from.
     #[serde(default, skip_serializing_if = "is_of_vertebrae")]
     placement_source: PlacementSource,
+    /// Whether a person compared the film with the patient's records: patient, posture and levels are right. Checks then do not doubt it.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    checked: bool,
     /// One entry per observer and repeat.
     readings: Vec<ReadingRecord>,
 }
@@ -297,7 +300,7 @@ impl CaseFile {
 
 impl FilmRecord {
     fn into_film(self) -> Result<Film, FileError> {
-        let posture = self.posture;
+        let (posture, checked) = (self.posture, self.checked);
         let (mut marked, mut measured) = (Vec::new(), Vec::new());
         for reading in self.readings {
             let id = ReadingId::new(reading.observer, reading.repeat);
@@ -336,7 +339,7 @@ impl FilmRecord {
                 source,
                 readings: measured,
             };
-            return Ok(Film { posture, landmarks });
+            return Ok(Film { checked, ..Film::new(posture, landmarks) });
         }
         if self.lengths.is_some() {
             return Err(FileError::LengthsOfCorners { posture });
@@ -352,7 +355,7 @@ impl FilmRecord {
                 .map(|crests| IliacCrests { left: pixel(crests.left), right: pixel(crests.right) }),
             readings: marked,
         };
-        Ok(Film { posture, landmarks })
+        Ok(Film { checked, ..Film::new(posture, landmarks) })
     }
 
     fn from_film(film: &Film) -> Self {
@@ -367,6 +370,7 @@ impl FilmRecord {
                 }),
                 lengths: None,
                 placement_source: PlacementSource::Vertebrae,
+                checked: film.checked,
                 readings: readings.iter().map(|r| record(r, VertebraRecord::marked)).collect(),
             },
             FilmLandmarks::Placements { spacing_plane, scale_relative_sd, source, readings } => {
@@ -379,6 +383,7 @@ impl FilmRecord {
                     iliac_crests_px: None,
                     lengths: (lengths != implied).then_some(lengths),
                     placement_source: *source,
+                    checked: film.checked,
                     readings: readings
                         .iter()
                         .map(|r| record(r, VertebraRecord::measured))

@@ -64,7 +64,7 @@ pub fn judge_aasce(
     let posture = film.posture.unwrap_or(Posture::Erect);
     let mut warnings = Warnings::default();
     if let Err(error) = measure_film(
-        &spineline::measure::Film { posture, landmarks },
+        &spineline::measure::Film::new(posture, landmarks),
         TiltRule::default(),
         &mut warnings,
     ) {

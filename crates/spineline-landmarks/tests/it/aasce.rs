@@ -292,7 +292,7 @@ fn cobb_angles_by_endplates_are_about_one_degree_above_those_of_the_data_set() {
         let image = ImageGeometry { columns, rows, spacing: None, patient_left: ImageSide::Right };
         let landmarks =
             FilmLandmarks::Corners { image, iliac_crests: None, readings: readings.clone() };
-        let film = Film { posture: Posture::Erect, landmarks };
+        let film = Film::new(Posture::Erect, landmarks);
         let case = Case {
             id: "aasce".to_owned(),
             synthetic: false,

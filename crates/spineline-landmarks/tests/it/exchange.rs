@@ -266,7 +266,7 @@ fn reports_round_trip_to_single_precision() {
             let iliac_crests = reports[0].0;
             let readings = reports.into_iter().flat_map(|(_, readings)| readings).collect();
             let landmarks = FilmLandmarks::Corners { image: image(film), iliac_crests, readings };
-            let back = Film { posture: film.posture, landmarks };
+            let back = Film::new(film.posture, landmarks);
             assert!(apart(film, &back) < TOLERANCE_PX, "{}", apart(film, &back));
             same_axes(film, &back);
         }
@@ -303,7 +303,7 @@ fn locations_of_another_program_are_read_from_a_table() {
         source: PlacementSource::Vertebrae,
         readings,
     };
-    case.films = vec![Film { posture: Posture::Erect, landmarks: placed }];
+    case.films = vec![Film::new(Posture::Erect, placed)];
     let files = export_landmarks(&case, None, LandmarkTarget::Csv).expect("a table");
     let text = std::str::from_utf8(&files[0].bytes).expect("UTF-8");
     // Spreadsheets must not run a cell as a formula.

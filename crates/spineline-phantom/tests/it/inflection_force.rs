@@ -162,7 +162,7 @@ fn film(posture: Posture, shape: &Deformed) -> Film {
     let (spacing_plane, source) = (SpacingPlane::Patient, PlacementSource::Vertebrae);
     let landmarks =
         FilmLandmarks::Placements { spacing_plane, scale_relative_sd: None, source, readings };
-    Film { posture, landmarks }
+    Film::new(posture, landmarks)
 }
 
 /// Fitted and left-out bends: number of results out of two each, and mean location error.

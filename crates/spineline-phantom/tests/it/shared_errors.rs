@@ -149,7 +149,7 @@ fn clicked(film: &TrueFilm) -> Film {
     let vertebrae = film.vertebrae.iter().map(landmark).collect();
     let readings = vec![Reading { id: ReadingId::new("A", 1), vertebrae }];
     let landmarks = FilmLandmarks::Corners { image: film.image, iliac_crests: None, readings };
-    Film { posture: film.posture, landmarks }
+    Film::new(film.posture, landmarks)
 }
 
 #[test]
@@ -255,7 +255,7 @@ fn read_by_walls(film: &TrueFilm, sd_mm: f64, draw: &mut impl FnMut() -> f64) ->
     let vertebrae = walls.iter().map(landmark).collect();
     let readings = vec![Reading { id: ReadingId::new("A", 1), vertebrae }];
     let landmarks = FilmLandmarks::Corners { image, iliac_crests: None, readings };
-    Film { posture: film.posture, landmarks }
+    Film::new(film.posture, landmarks)
 }
 
 #[test]

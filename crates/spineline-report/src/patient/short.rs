@@ -139,7 +139,10 @@ fn next(patient: &Patient<'_>) -> String {
     let analysis = patient.analysis;
     let doubted = analysis.has_doubted_film().then(|| {
         let films: Vec<String> = super::doubted_films(analysis);
-        format!("Compare these films with the patient's records: {}.", films.join(", "))
+        format!(
+            "Compare these films with the patient's records: {}. Where they are right, set `checked` in the case file.",
+            films.join(", ")
+        )
     });
     let asked = patient.uncertainty.is_some() || patient.identifiability.is_some();
     let intervals = (!asked).then(|| "Intervals: --replicates 1000 --identifiability.".to_owned());

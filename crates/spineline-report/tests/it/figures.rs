@@ -34,15 +34,13 @@ fn film(posture: Posture, scale: f64, bend_deg: f64) -> Film {
         vertebrae.insert(level, Placement::new(place, Angle::from_deg(tilt)));
     }
     let readings = vec![Reading { id: ReadingId::new("A", 1), vertebrae }];
-    Film {
-        posture,
-        landmarks: FilmLandmarks::Placements {
-            spacing_plane: SpacingPlane::Patient,
-            scale_relative_sd: None,
-            source: PlacementSource::Vertebrae,
-            readings,
-        },
-    }
+    let landmarks = FilmLandmarks::Placements {
+        spacing_plane: SpacingPlane::Patient,
+        scale_relative_sd: None,
+        source: PlacementSource::Vertebrae,
+        readings,
+    };
+    Film::new(posture, landmarks)
 }
 
 fn analysis(synthetic: bool, postures: &[Posture]) -> Analysis {

@@ -98,6 +98,8 @@ pub struct FilmSummary {
     pub patient_left: ImageSideName,
     /// Whether it is shown with grey levels inverted relative to its file.
     pub inverted: bool,
+    /// Whether somebody compared it with the patient's records; checks then do not doubt it.
+    pub checked: bool,
     /// Number of edits so far, to be sent with the next one.
     pub revision: u64,
     /// Its readings that the requester may see.
@@ -340,6 +342,11 @@ pub enum FilmEditName {
     Inverted {
         /// Whether they are inverted.
         inverted: bool,
+    },
+    /// State that somebody compared the film with the patient's records: patient, posture and levels are right.
+    Checked {
+        /// Whether this is so.
+        checked: bool,
     },
     /// Set the scale with a ball or a ruler in the picture.
     Scale {

@@ -117,6 +117,7 @@ fn film_edit(film: &FilmRecord, edit: FilmEditName) -> Answer<FilmEdit> {
     Ok(match edit {
         FilmEditName::Posture { posture } => FilmEdit::Posture(posture.0),
         FilmEditName::Inverted { inverted } => FilmEdit::Inverted(inverted),
+        FilmEditName::Checked { checked } => FilmEdit::Checked(checked),
         FilmEditName::Scale { from_px, to_px, length_mm, length_sd_mm, calibrator } => {
             let image = film.geometry()?;
             let calibration = Calibration {

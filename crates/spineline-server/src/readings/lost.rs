@@ -69,6 +69,8 @@ fn words(change: &Value) -> String {
         Some(kind @ ("undo" | "redo" | "finish")) => kind.to_owned(),
         _ if !change["posture"].is_null() => format!("posture to {}", word("posture")),
         _ if !change["inverted"].is_null() => inverted(&change["inverted"]),
+        _ if change["checked"] == true => "compared with the patient's records".to_owned(),
+        _ if change["checked"] == false => "not compared with the patient's records".to_owned(),
         _ => {
             let [column, row] = ["column_spacing_mm", "row_spacing_mm"]
                 .map(|key| change[key].as_f64().unwrap_or(f64::NAN));

@@ -98,6 +98,7 @@ fn summary_of(
         spacing_text: words::spacing_text(image.spacing),
         patient_left: Wire(image.patient_left),
         inverted: film.inverted,
+        checked: film.stated.checked,
         revision: film.revision,
         readings: readings.collect(),
     }

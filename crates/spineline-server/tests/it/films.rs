@@ -202,6 +202,14 @@ fn f59_a_stale_edit_of_a_film_is_refused_and_kept() {
     let case = browser.get("/api/studies/demo-rod-01/case");
     assert_eq!(case.header("content-disposition"), "attachment; filename=\"demo-rod-01.json\"");
     assert_eq!(case.json()["films"][0]["image"]["spacing_source"], "ball");
+    assert_eq!(case.json()["films"][0]["checked"], Value::Null);
+
+    // A person compared it with the records.
+    let checked = edit(1, json!({ "kind": "checked", "checked": true })).json();
+    assert_eq!((&checked["checked"], &checked["revision"]), (&json!(true), &json!(2)));
+    let case = browser.get("/api/studies/demo-rod-01/case").json();
+    assert_eq!(case["films"][0]["checked"], true);
+    assert_eq!(case["films"][0]["image"]["checked"], Value::Null);
 }
 
 /// A DICOM film of the demonstration.

@@ -113,6 +113,23 @@ fn a_stale_edit_of_a_film_is_refused_and_kept() {
 }
 
 #[test]
+fn a_film_is_checked_until_its_posture_changes() {
+    let folder = folder();
+    let mut store = at_step(&folder, 4);
+    let mut edit = |revision, edit| {
+        store.edit_film(FILM, edit, revision, &by("lead", 20)).expect("an edit");
+        let film = store.films(&name("S-1")).expect("films").remove(0);
+        (film.stated.checked, film.inverted)
+    };
+    assert_eq!(edit(1, FilmEdit::Checked(true)), (true, true));
+    assert_eq!(edit(2, FilmEdit::Inverted(false)), (true, false));
+    assert_eq!(edit(3, FilmEdit::Posture(Posture::RightBending)), (false, false));
+    assert_eq!(edit(4, FilmEdit::Checked(true)), (true, false));
+    assert_eq!(edit(5, FilmEdit::Checked(false)), (false, false));
+    assert!(store.verify(None).expect("verifiable").is_clean());
+}
+
+#[test]
 fn a_finished_reading_is_immutable_and_an_open_one_belongs_to_its_observer() {
     let folder = folder();
     let mut store = at_step(&folder, STEPS);

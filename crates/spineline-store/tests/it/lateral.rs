@@ -44,7 +44,10 @@ fn a_case_with_a_lateral_film_and_pedicles_comes_back_whole() {
     let folder = tempfile::tempdir().expect("a folder");
     let (store, lateral) = stored(&folder);
     let film = store.film(lateral).expect("a film");
-    assert_eq!((film.view, film.simultaneous, film.inverted), (FilmView::Lateral, true, true));
+    assert_eq!(
+        (film.view, film.stated.simultaneous, film.inverted),
+        (FilmView::Lateral, true, true)
+    );
     let exported = store.export_case(&name("P-1")).expect("a case");
     assert_eq!(exported.remarks, []);
     let text = case().to_string();

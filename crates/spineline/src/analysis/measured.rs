@@ -34,6 +34,7 @@ pub(super) fn measure(
     check_postures(&case.films)?;
     let mut films: Vec<&Film> = case.films.iter().collect();
     films.sort_by_key(|film| film.posture);
+    warnings.check_films(films.iter().filter(|film| film.checked).map(|film| film.posture));
     let measure = |film: &&Film| FilmReadings::measure(film, tilt);
     let readings: Vec<FilmReadings> = films.iter().map(measure).collect::<Result<_, _>>()?;
     let seen: Vec<_> =

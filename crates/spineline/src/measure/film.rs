@@ -307,4 +307,14 @@ pub struct Film {
     pub posture: Posture,
     /// Its landmarks.
     pub landmarks: FilmLandmarks,
+    /// Whether a person compared it with the patient's records, and it shows this patient in this posture.
+    pub checked: bool,
+}
+
+impl Film {
+    /// A film that nobody compared with the patient's records.
+    #[must_use]
+    pub const fn new(posture: Posture, landmarks: FilmLandmarks) -> Self {
+        Self { posture, landmarks, checked: false }
+    }
 }

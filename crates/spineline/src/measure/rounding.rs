@@ -63,7 +63,7 @@ mod tests {
         let patient_left = ImageSide::Right;
         let image = ImageGeometry { columns: 2000, rows: 2500, spacing: None, patient_left };
         let landmarks = FilmLandmarks::Corners { image, iliac_crests: None, readings };
-        Film { posture: Posture::Erect, landmarks }
+        Film::new(Posture::Erect, landmarks)
     }
 
     #[test]

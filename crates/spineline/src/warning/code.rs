@@ -97,6 +97,8 @@ warning_codes! {
         CornersNotReviewed = "corners_not_reviewed": Warning;
         /// The erect film shows a large lateral tilt of the spine.
         ErectLeans = "erect_leans": Warning, DoubtsFilm;
+        /// A check doubts a film that a person compared with the patient's records.
+        FilmChecked = "film_checked": Note;
         /// A film looks like the mirror image of its posture.
         FilmLooksMirrored = "film_looks_mirrored": Warning, DoubtsFilm;
         /// Two films show one shape, as two readings of one film do.

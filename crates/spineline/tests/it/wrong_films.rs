@@ -87,6 +87,23 @@ fn a_bend_with_the_erect_films_landmarks_is_not_evidence() {
 }
 
 #[test]
+fn a_film_that_a_person_compared_with_the_records_is_not_in_doubt() {
+    let mut case = exact_case(0);
+    copy_landmarks(&mut case, Posture::Erect, Posture::LeftBending, 5.0);
+    film_mut(&mut case, Posture::LeftBending).checked = true;
+    let analysis = analyzed(&case, &on_a_table());
+    assert!(!analysis.has_doubted_film());
+    assert!(!verdict(&analysis).contains("no result of this patient is evidence"));
+    let mut notes = analysis.warnings.all().iter();
+    let note = notes.find(|one| one.code == WarningCode::FilmChecked).expect("a note");
+    assert_eq!((note.code.severity(), note.posture), (Severity::Note, Some(Posture::LeftBending)));
+    assert!(note.message.contains("is not in doubt: "), "{}", note.message);
+    // Another film stays in doubt.
+    copy_landmarks(&mut case, Posture::Erect, Posture::RightBending, 4.0);
+    assert!(analyzed(&case, &on_a_table()).has_doubted_film());
+}
+
+#[test]
 fn a_bend_with_the_mirrored_erect_film_is_reported() {
     let mut case = exact_case(0);
     let erect = mirrored(&case);

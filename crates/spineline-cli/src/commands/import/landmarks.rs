@@ -242,10 +242,8 @@ fn refuse_placements(file: &Path, film: &Film) -> Result<(), Failure> {
 
 /// Refuses landmarks of one film for two postures, in whatever formats they came.
 fn check_all(landmarks: &LandmarksByPosture) -> Result<(), Failure> {
-    let film = |(&posture, landmarks): (&Posture, &FilmLandmarks)| Film {
-        posture,
-        landmarks: landmarks.clone(),
-    };
+    let film =
+        |(&posture, landmarks): (&Posture, &FilmLandmarks)| Film::new(posture, landmarks.clone());
     let films: Vec<Film> = landmarks.iter().map(film).collect();
     check_repeated(&films).map_err(|error| {
         let error = Error::from(error);

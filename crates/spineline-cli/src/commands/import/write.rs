@@ -197,10 +197,8 @@ fn case(case_id: &str, films: &[ResolvedFilm], marks: &Marks) -> Case {
             iliac_crests: None,
             readings: Vec::new(),
         };
-        Some(Film {
-            posture,
-            landmarks: marks.frontal.get(&posture).cloned().unwrap_or_else(unmarked),
-        })
+        let landmarks = marks.frontal.get(&posture).cloned();
+        Some(Film::new(posture, landmarks.unwrap_or_else(unmarked)))
     });
     Case {
         id: case_id.to_owned(),

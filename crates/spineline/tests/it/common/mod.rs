@@ -193,7 +193,7 @@ pub fn placement_film(
         source: PlacementSource::Vertebrae,
         readings: vec![reading],
     };
-    Film { posture, landmarks }
+    Film::new(posture, landmarks)
 }
 
 /// A film of vertebrae that stand on the graph `y(z)` at equal heights; `shape` gives `y` and `dy/dz`.
