@@ -45,6 +45,14 @@ def test_duckdb_reads_the_same_values(analysis: sl.Analysis) -> None:
     assert len(vertebrae) and mean == pytest.approx(analysis.held_out.location_error_mm.mean())
 
 
+def test_every_predicted_vertebra_has_a_band(analysis: sl.Analysis) -> None:
+    frame = analysis.tables["predictions"].to_pandas()
+    assert set(frame.role) == {"left_out_bend", "held_out"}
+    true_line = frame[frame.method == "inflection_line"]
+    held = true_line.location_error_mm <= true_line.band_95_radius_mm
+    assert len(held) == 4 * 14 and held.mean() >= 0.9
+
+
 def test_units_and_meanings_go_with_the_columns(analysis: sl.Analysis) -> None:
     table = analysis.tables["vertebrae"]
     field = table.to_pyarrow().schema.field("location_error_mm")

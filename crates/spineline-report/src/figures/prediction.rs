@@ -12,7 +12,7 @@ use super::spines::MEASURED;
 use super::style::{GREY, Ink, Marker, SKY, Shape, action_ink};
 
 /// Of the 95 % band: lines stay readable over it.
-const BAND_OPACITY: f64 = 0.25;
+const BAND_OPACITY: f64 = 0.45;
 /// Tallest frame; the picture stands on the first page.
 const TALL_PX: f64 = 300.0;
 
@@ -63,6 +63,8 @@ pub fn predictions(analysis: &Analysis) -> Option<String> {
         let mut predicted = bands.films.iter();
         let band = predicted.find(|one| (one.posture, one.role) == (film.posture, film.role));
         if let Some(band) = band.and_then(|film| film.line(kind)) {
+            let radius = format!("95 % band ± {} mm", fixed(band.mean_radius_mm(), 1));
+            panel.heading(HeadingKind::Plain, radius);
             panel.area(SKY, BAND_OPACITY, outline(&simulation.locations, band));
         }
         let points = measured(film);
