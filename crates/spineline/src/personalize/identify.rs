@@ -186,6 +186,8 @@ const IMPROVEMENT: f64 = 1e-3;
 /// Most points on one side, before and while its end is narrowed down.
 const MAX_STEPS: usize = 24;
 const MAX_BISECTIONS: usize = 12;
+/// A singular value below this part of the largest one is rounding: the films do not see its direction.
+const ROUNDING: f64 = 1e-10;
 
 /// Determines which multipliers the films of a fit identify; `None` where the fit did not converge.
 #[must_use]
@@ -394,6 +396,7 @@ fn directions(across: &DMatrix<f64>, factor: f64) -> Vec<StiffnessDirection> {
     let g = across.ncols();
     let found = across.clone().svd(false, true);
     let ways = found.v_t.expect("it is requested above");
+    let least = ROUNDING * found.singular_values.max();
     let mut directions: Vec<StiffnessDirection> = (0..found.singular_values.len())
         .map(|i| {
             let way: Vec<f64> = ways.row(i).iter().copied().collect();
@@ -403,7 +406,7 @@ fn directions(across: &DMatrix<f64>, factor: f64) -> Vec<StiffnessDirection> {
             let value = found.singular_values[i];
             StiffnessDirection {
                 log_multipliers: way.into_iter().map(|part| sign * part).collect(),
-                log_sd: if value > 0.0 { factor.sqrt() / value } else { f64::INFINITY },
+                log_sd: if value > least { factor.sqrt() / value } else { f64::INFINITY },
                 gauge_share: sum * sum / g as f64,
             }
         })
