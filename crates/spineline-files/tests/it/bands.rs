@@ -2,16 +2,15 @@
 //! constructions under loads that a line describes, and under loads that none does.
 
 use std::collections::BTreeMap;
-use std::fs;
-use std::path::PathBuf;
 
 use spineline::analysis::{Analysis, AnalysisOptions, Case, FilmRole, analyze};
 use spineline::cohort::{CohortPatient, learn_rotation_prior};
 use spineline::evaluate::Band;
 use spineline::measure::Outline;
 use spineline::spatial::Angle;
-use spineline_files::parse_case;
 use spineline_phantom::{Build, Construction, Readers, SUBJECTS, Scenario, generate_built};
+
+use crate::left_out_bends::cases;
 
 /// How many of how many lie in their band.
 #[derive(Debug, Clone, Copy, Default)]
@@ -92,15 +91,6 @@ fn show(what: &str, coverages: &Coverages) {
     }
 }
 
-fn public_cases() -> Option<Vec<Case>> {
-    let folder = PathBuf::from(std::env::var_os("SPINELINE_DATA")?).join("pcdare/cases");
-    let mut paths: Vec<PathBuf> =
-        fs::read_dir(folder).ok()?.map(|entry| entry.expect("a file").path()).collect();
-    paths.sort();
-    let read = |path: &PathBuf| fs::read_to_string(path).expect("a case");
-    Some(paths.iter().map(|path| parse_case(&read(path)).expect("a case")).collect())
-}
-
 /// Analyses of the cases, each with the joint rotations of the other patients.
 fn with_learned_rotations(cases: &[Case], analyses: &[Analysis]) -> Vec<Analysis> {
     let rows: Vec<CohortPatient> = analyses.iter().map(CohortPatient::of).collect();
@@ -117,7 +107,7 @@ fn with_learned_rotations(cases: &[Case], analyses: &[Analysis]) -> Vec<Analysis
 
 #[test]
 fn bands_hold_bends_of_real_patients_as_often_as_published() {
-    let Some(cases) = public_cases() else {
+    let Some(cases) = cases() else {
         println!("skipped: SPINELINE_DATA is not set, or holds no folder `pcdare/cases`");
         return;
     };

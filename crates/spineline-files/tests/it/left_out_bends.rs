@@ -13,7 +13,8 @@ use spineline_files::parse_case;
 /// Differences from `validation/lines.md` and `docs/decisions/0034` that are worth a correction there.
 const PUBLISHED_TO_MM: f64 = 0.2;
 
-fn cases() -> Option<Vec<Case>> {
+/// The public cases of real patients, where they are.
+pub fn cases() -> Option<Vec<Case>> {
     let folder = PathBuf::from(std::env::var_os("SPINELINE_DATA")?).join("pcdare/cases");
     let mut paths: Vec<PathBuf> =
         fs::read_dir(folder).ok()?.map(|entry| entry.expect("a file").path()).collect();
