@@ -3,6 +3,7 @@
 use spineline::action::LineKind;
 use spineline::analysis::{Analysis, FilmRole};
 use spineline::cohort::{Cohort, CohortPatient, ErrorKind};
+use spineline::evaluate::Baseline;
 use spineline::number::fixed;
 use spineline::warning::WarningCode;
 use spineline_phantom::Scenario;
@@ -63,6 +64,21 @@ fn a_row_has_the_test_and_the_errors_of_its_line() {
         }
     }
     assert!(table.rows.iter().any(|row| row[0].starts_with("* ")), "a row without mechanics");
+}
+
+#[test]
+fn bends_that_mirror_each_other_are_not_held_against_mechanics() {
+    let words = "The bends mirror each other: no test of mechanics.";
+    for (truth, is_mirrored) in [(Scenario::Pull, true), (Scenario::Bend, false)] {
+        let case = case(0, truth);
+        let analysis = analyzed(&case);
+        let ranking = analysis.comparison().ranking().expect("predicted bends");
+        let (best, without_mm) = ranking.baseline.expect("predicted without mechanics");
+        assert!(ranking.best().1 >= without_mm, "no line is better");
+        assert_eq!(best == Baseline::MirroredBend, is_mirrored);
+        assert_eq!(analysis.headline().prediction.expect("words").contains(words), is_mirrored);
+        assert_eq!(analysis.verdict().join(" ").contains(words), is_mirrored);
+    }
 }
 
 #[test]

@@ -1,7 +1,7 @@
 //! The analysis of a patient in three sentences.
 
 use super::comparison::LinesCompared;
-use super::verdict::listed;
+use super::verdict::{listed, mirrored_words};
 use super::{Analysis, Identification, LineModel};
 use crate::action::LineKind;
 use crate::number::fixed;
@@ -114,9 +114,10 @@ impl LinesCompared {
                 fixed(without_mm, 1)
             ),
             Some((baseline, without_mm)) => format!(
-                "No line with one parameter per film predicts {films} better than without mechanics: {kind} {} mm, {baseline} {} mm.",
+                "No line with one parameter per film predicts {films} better than without mechanics: {kind} {} mm, {baseline} {} mm.{}",
                 fixed(mm, 1),
-                fixed(without_mm, 1)
+                fixed(without_mm, 1),
+                mirrored_words(baseline)
             ),
         })
     }

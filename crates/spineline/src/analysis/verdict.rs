@@ -358,7 +358,7 @@ impl LinesCompared {
         if !ranking.is_prediction() {
             return Some(self.no_prediction_words(ranking));
         }
-        let (_, best_mm) = ranking.baseline?;
+        let (baseline, best_mm) = ranking.baseline?;
         let behind: Vec<String> = ranking
             .lines
             .iter()
@@ -366,7 +366,11 @@ impl LinesCompared {
             .map(|(kind, _)| format!("the {kind}"))
             .collect();
         (!behind.is_empty()).then(|| {
-            format!("Not better than without mechanics on the same films: {}.", listed(&behind))
+            format!(
+                "Not better than without mechanics on the same films: {}.{}",
+                listed(&behind),
+                mirrored_words(baseline)
+            )
         })
     }
 
@@ -409,4 +413,12 @@ fn turning_sentence(posture: &FilmMovement) -> Option<String> {
     let same = joints.iter().filter(|joint| joint.rotation.side() == Some(side)).count();
     let name = bend_name(posture.outline.posture);
     Some(format!("In the {name} {same} of {} joints turn to the {side}.", joints.len()))
+}
+
+/// What follows where the other bend, mirrored, predicts as well as a line.
+pub(super) const fn mirrored_words(best: Baseline) -> &'static str {
+    match best {
+        Baseline::MirroredBend => " The bends mirror each other: no test of mechanics.",
+        _ => "",
+    }
 }
