@@ -35,7 +35,7 @@ for (const [scheme, width] of [
       await expect(page.getByText(/^Cancelled\./)).toBeVisible();
 
       await page.getByRole("button", { name: "Compute the profiles" }).click();
-      const profiles = page.getByRole("table", { name: "Profile likelihood of the multipliers" });
+      const profiles = page.getByRole("table", { name: "Identifiability of the multipliers" });
       await expect(profiles).toBeVisible({ timeout: 120_000 });
       await expect(page.getByRole("img", { name: /^Rise of the sum of squares/ })).toBeVisible();
       await page.getByRole("button", { name: "Compare all models" }).click();
