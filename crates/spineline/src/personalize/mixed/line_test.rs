@@ -100,11 +100,16 @@ impl PreferredLoads {
         let variance = of_film(&self.covariance.whole, film, &[moment])[(0, 0)];
         let inverse = DMatrix::from_element(1, 1, variance.recip());
         let freedom = self.covariance.freedom(&inverse, |whole| of_film(whole, film, &[moment]));
-        // Every replicate asks for it, and there is one degree of freedom or more: the library's quantile is exact to twelve digits there,
-        // and takes a small part of the time of a bisection that is sound below one as well.
-        let distribution = freedom.and_then(|freedom| StudentsT::new(0.0, 1.0, freedom).ok());
-        distribution.map_or(KNOWN_LIMIT, |t| t.inverse_cdf(1.0 - 0.5 * SIGNIFICANCE).powi(2))
+        square_limit(freedom)
     }
+}
+
+/// Largest square of a number in its variances, known on these degrees of freedom, that is not rejected.
+pub(super) fn square_limit(freedom: Option<f64>) -> f64 {
+    // Every replicate asks for it, and there is one degree of freedom or more: the library's quantile is exact to twelve digits there,
+    // and takes a small part of the time of a bisection that is sound below one as well.
+    let distribution = freedom.and_then(|freedom| StudentsT::new(0.0, 1.0, freedom).ok());
+    distribution.map_or(KNOWN_LIMIT, |t| t.inverse_cdf(1.0 - 0.5 * SIGNIFICANCE).powi(2))
 }
 
 /// Probability of a larger sum of squares, in deviations that are known or were estimated.

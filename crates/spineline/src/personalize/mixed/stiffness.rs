@@ -18,12 +18,11 @@
 //! that the uncertain points give them.
 
 use nalgebra::{DMatrix, DVector, RowDVector};
-use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
 
 use super::super::evidence::FilmEvidence;
 use super::covariance::EstimatedCovariance;
 use super::equations::{Model, NoLoads};
-use super::line_test::SIGNIFICANCE;
+use super::line_test::square_limit;
 use super::proposed_line::ProposedLine;
 use crate::clinical::JointShares;
 use crate::multibody::JointGroups;
@@ -75,16 +74,7 @@ pub(crate) fn predict_stiffness(
         let variance = covariance.whole[(group, group)];
         let freedom = covariance.freedom(&DMatrix::from_element(1, 1, variance.recip()), own);
         let log_sd = variance.sqrt();
-        GroupStiffness { log_mean, log_sd, log_reach: quantile(freedom) * log_sd }
+        GroupStiffness { log_mean, log_sd, log_reach: square_limit(freedom).sqrt() * log_sd }
     };
     Ok(means.iter().enumerate().map(of_group).collect())
-}
-
-/// Half of a 95 % interval, in standard deviations.
-fn quantile(freedom: Option<f64>) -> f64 {
-    let part = 1.0 - 0.5 * SIGNIFICANCE;
-    match freedom.and_then(|freedom| StudentsT::new(0.0, 1.0, freedom).ok()) {
-        Some(t) => t.inverse_cdf(part),
-        None => Normal::standard().inverse_cdf(part),
-    }
 }
