@@ -1,7 +1,7 @@
 use spineline::action::Application;
 use spineline::analysis::{Analysis, LineModel};
 use spineline::anatomy::Region;
-use spineline::evaluate::Simulation;
+use spineline::evaluate::{Band, Simulation};
 use spineline::hypothesis::{HypothesisFit, ShapePrediction};
 use spineline::multibody::JointStiffness;
 use spineline::personalize::{
@@ -373,9 +373,9 @@ pub(crate) fn hypotheses(patients: &[Patient<'_>]) -> Table {
     let rows = rows(patients, |patient| {
         let mut found = Vec::new();
         let fits = &patient.analysis.hypotheses;
-        for (fit, bands) in fits.iter().zip(patient.analysis.bands().hypotheses) {
+        for (fit, bands) in fits.iter().zip(&patient.analysis.bands().hypotheses) {
             found.extend(fit.predictions.iter().zip(bands).map(|(prediction, band)| {
-                let mean_radius_mm = band.map(|band| band.mean_radius_mm());
+                let mean_radius_mm = band.as_ref().map(Band::mean_radius_mm);
                 Predicted { fit, prediction, mean_radius_mm }
             }));
         }

@@ -32,9 +32,8 @@ pub(crate) fn table(patients: &[Patient<'_>]) -> Table {
 fn vertebrae(analysis: &Analysis) -> Vec<Predicted> {
     let bands = analysis.bands();
     let compared = analysis.comparison();
-    let films = compared.films.iter().filter(|film| film.role != FilmRole::Fitted);
     let mut all = Vec::new();
-    for (film, bands) in films.zip(&bands.films) {
+    for (film, bands) in compared.films.iter().zip(&bands.films) {
         let mut add = |method, band: Option<&Band>, locations: &[Frontal], errors_mm: &[f64]| {
             let outline = analysis.movement.film(film.posture).map(|film| &film.outline);
             let Some((band, outline)) = band.zip(outline) else { return };

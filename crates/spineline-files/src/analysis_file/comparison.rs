@@ -2,10 +2,10 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 use spineline::analysis::{
-    Analysis, BAND_COVERAGE, Bands, BendEvidence, ComparedFilm, ComparedLine, Compatibility,
+    Analysis, BAND_COVERAGE, BendEvidence, ComparedFilm, ComparedLine, Compatibility, FilmBands,
     FilmRole, FreeNumbers, LinesCompared,
 };
-use spineline::anatomy::Posture;
+use spineline::anatomy::{Levels, Posture};
 use spineline::cohort::{BaselineTest, BaselinesOverPatients};
 use spineline::evaluate::{Band, Baseline, BaselinePrediction, Simulation};
 use spineline::personalize::{FitTarget, TestOutcome};
@@ -156,11 +156,12 @@ struct BendRecord {
 
 impl ComparisonRecord {
     /// `None` without a model to compare.
-    pub fn new(analysis: &Analysis, bands: &Bands) -> Option<Self> {
+    pub fn new(analysis: &Analysis) -> Option<Self> {
         if analysis.models.is_empty() {
             return None;
         }
         let found = analysis.comparison();
+        let films = found.films.iter().zip(&analysis.bands().films);
         let compatibility = analysis.models.iter().map(|model| {
             (model.kind.key().to_owned(), compatibility(&analysis.compatibility(model)))
         });
@@ -175,7 +176,9 @@ impl ComparisonRecord {
             lines: (0..found.lines.len()).map(|i| line(found, i)).collect(),
             baselines_mm: baselines_mm(found),
             against_baselines: against_baselines(analysis),
-            films: films(analysis, bands),
+            films: films
+                .map(|(one, bands)| film(one, bands, &found.lines, analysis.movement.levels()))
+                .collect(),
             band_coverage: BAND_COVERAGE.to_owned(),
             band_film_factor: Band::WHOLE_FILM,
             compatibility: compatibility.collect(),
@@ -252,23 +255,15 @@ impl NumbersRecord {
     }
 }
 
-/// Fitted films come first, and have no band.
-fn films(analysis: &Analysis, bands: &Bands) -> Vec<FilmRecord> {
-    let found = analysis.comparison();
-    let fitted = found.films.iter().filter(|film| film.role == FilmRole::Fitted);
-    let predicted = found.films.iter().filter(|film| film.role != FilmRole::Fitted);
-    let levels = analysis.movement.levels();
-    let record = |band: &Band| BandRecord::new(band, levels);
-    let predicted = predicted.zip(&bands.films).map(|(one, bands)| {
-        let lines = bands.lines.iter().map(|(kind, band)| (kind.key(), band));
-        let baselines = bands.baselines.iter().map(|(one, band)| (one.key(), band));
-        let bands = lines.chain(baselines).map(|(key, band)| (key.to_owned(), record(band)));
-        FilmRecord { band_95: bands.collect(), ..film(one, &found.lines) }
-    });
-    fitted.map(|one| film(one, &found.lines)).chain(predicted).collect()
-}
-
-fn film(film: &ComparedFilm, lines: &[ComparedLine]) -> FilmRecord {
+fn film(
+    film: &ComparedFilm,
+    bands: &FilmBands,
+    lines: &[ComparedLine],
+    levels: Levels,
+) -> FilmRecord {
+    let of_lines = bands.lines.iter().map(|(kind, band)| (kind.key(), band));
+    let of_baselines = bands.baselines.iter().map(|(one, band)| (one.key(), band));
+    let band = |(key, band): (&str, &Band)| (key.to_owned(), BandRecord::new(band, levels));
     let location_mm = lines.iter().zip(&film.simulations).map(|(line, simulation)| {
         let mm = simulation.as_ref().map(Simulation::mean_location_error_mm);
         (line.kind.key().to_owned(), mm)
@@ -278,7 +273,7 @@ fn film(film: &ComparedFilm, lines: &[ComparedLine]) -> FilmRecord {
         role: film.role.key().to_owned(),
         location_mm: location_mm.collect(),
         baselines: film.baselines.iter().map(baseline).collect(),
-        band_95: BTreeMap::new(),
+        band_95: of_lines.chain(of_baselines).map(band).collect(),
     }
 }
 

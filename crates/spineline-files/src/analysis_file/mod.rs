@@ -278,7 +278,7 @@ impl AnalysisFile {
                 .iter()
                 .map(|m| (m.kind.key().to_owned(), ModelRecord::new(m, analysis)))
                 .collect(),
-            comparison: ComparisonRecord::new(analysis, &bands),
+            comparison: ComparisonRecord::new(analysis),
             hypotheses: analysis
                 .hypotheses
                 .iter()

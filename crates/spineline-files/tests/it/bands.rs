@@ -3,7 +3,7 @@
 
 use std::collections::BTreeMap;
 
-use spineline::analysis::{Analysis, AnalysisOptions, Case, FilmRole, analyze};
+use spineline::analysis::{Analysis, AnalysisOptions, Case, analyze};
 use spineline::cohort::{CohortPatient, learn_rotation_prior};
 use spineline::evaluate::Band;
 use spineline::measure::Outline;
@@ -51,9 +51,8 @@ fn of_locations(coverage: &mut Coverage, band: &Band, film: &Outline, errors_mm:
 
 fn add(coverages: &mut Coverages, analysis: &Analysis) {
     let movement = &analysis.movement;
-    let predicted = analysis.comparison().films.iter().filter(|film| film.role != FilmRole::Fitted);
     let bands = analysis.bands();
-    for (film, bands) in predicted.zip(&bands.films) {
+    for (film, bands) in analysis.comparison().films.iter().zip(&bands.films) {
         let outline = &movement.film(film.posture).expect("a film").outline;
         let name = |method: &str| format!("{} {method}", film.role.key());
         for (line, found) in analysis.comparison().lines.iter().zip(&film.simulations) {

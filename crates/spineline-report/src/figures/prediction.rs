@@ -1,6 +1,6 @@
 //! Bends that were left out of the fit: measured, predicted by the best line, and predicted without mechanics.
 
-use spineline::analysis::{Analysis, ComparedFilm, FilmRole};
+use spineline::analysis::{Analysis, ComparedFilm, FilmBands, FilmRole};
 use spineline::evaluate::Band;
 use spineline::number::fixed;
 use spineline::spatial::Frontal;
@@ -24,8 +24,8 @@ pub fn predictions(analysis: &Analysis) -> Option<String> {
     let ranking = compared.ranking()?;
     let kind = ranking.best().0;
     let line = compared.lines.iter().position(|one| one.kind == kind)?;
-    let films: Vec<&ComparedFilm> =
-        ranking.films.iter().map(|&film| &compared.films[film]).collect();
+    let films: Vec<(&ComparedFilm, &FilmBands)> =
+        ranking.films.iter().map(|&film| (&compared.films[film], &bands.films[film])).collect();
     let baseline = ranking.baseline.map(|(baseline, _)| baseline);
     let what = match ranking.role {
         FilmRole::LeftOutBend => "Bends left out of the fit",
@@ -47,12 +47,12 @@ pub fn predictions(analysis: &Analysis) -> Option<String> {
         let posture = analysis.movement.film(film.posture);
         posture.map(|p| p.outline.locations().collect()).unwrap_or_default()
     };
-    let extent = Extent::of(films.iter().flat_map(|film| measured(film)));
+    let extent = Extent::of(films.iter().flat_map(|(film, _)| measured(film)));
     let axes: Vec<bool> = (0..films.len()).map(|i| i == 0).collect();
     let cell_px = frame_px(page.inner_px(), &axes, films.len());
     let px_per_mm = (TALL_PX / extent.height_mm()).min(cell_px / extent.width_mm());
     let mut panels = Vec::new();
-    for film in films {
+    for (film, bands) in films {
         let mut panel = frontal_panel(extent, px_per_mm, analysis.movement.levels().base());
         panel.y_written = panels.is_empty();
         panel.heading(HeadingKind::Title, film.posture.to_string());
@@ -60,9 +60,7 @@ pub fn predictions(analysis: &Analysis) -> Option<String> {
         let without = baseline.and_then(|one| film.baseline(one));
         let mm = format!("{kind} {} mm", fixed(simulation.mean_location_error_mm(), 1));
         panel.heading(HeadingKind::Plain, mm);
-        let mut predicted = bands.films.iter();
-        let band = predicted.find(|one| (one.posture, one.role) == (film.posture, film.role));
-        if let Some(band) = band.and_then(|film| film.line(kind)) {
+        if let Some(band) = bands.line(kind) {
             let radius = format!("95 % band ± {} mm", fixed(band.mean_radius_mm(), 1));
             panel.heading(HeadingKind::Plain, radius);
             panel.area(SKY, BAND_OPACITY, outline(&simulation.locations, band));

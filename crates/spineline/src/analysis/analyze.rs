@@ -113,6 +113,7 @@ impl Analysis {
             options: options.clone(),
             warnings,
             comparison: Remembered::default(),
+            bands: Remembered::default(),
         }
     }
 }

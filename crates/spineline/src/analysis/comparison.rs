@@ -326,11 +326,17 @@ pub(crate) fn ferguson_errors_deg(simulation: &Simulation) -> Vec<f64> {
     simulation.ferguson_difference.iter().map(|angle| angle.abs().deg()).collect()
 }
 
-/// A comparison that is computed on first use. Analyses are equal whether or not it was computed.
-#[derive(Debug, Clone, Default)]
-pub(super) struct Remembered(pub(super) OnceLock<Box<LinesCompared>>);
+/// A result that is computed on first use. Analyses are equal whether or not it was computed.
+#[derive(Debug, Clone)]
+pub(super) struct Remembered<T>(pub(super) OnceLock<Box<T>>);
 
-impl PartialEq for Remembered {
+impl<T> Default for Remembered<T> {
+    fn default() -> Self {
+        Self(OnceLock::new())
+    }
+}
+
+impl<T> PartialEq for Remembered<T> {
     fn eq(&self, _: &Self) -> bool {
         true
     }

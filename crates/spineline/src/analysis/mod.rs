@@ -11,6 +11,7 @@ mod comparison;
 mod compatibility;
 mod endings;
 mod film_likelihood;
+mod find_bands;
 mod force_path;
 mod headline;
 mod hypotheses;

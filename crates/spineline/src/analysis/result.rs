@@ -1,4 +1,5 @@
-use super::comparison::Remembered;
+use super::bands::Bands;
+use super::comparison::{LinesCompared, Remembered};
 use super::measured::is_read_once;
 use super::{AnalysisOptions, LineModel, Movement};
 use crate::action::LineKind;
@@ -24,7 +25,9 @@ pub struct Analysis {
     /// Problems that do not stop the analysis.
     pub warnings: Warnings,
     /// Result of [`Analysis::comparison`].
-    pub(super) comparison: Remembered,
+    pub(super) comparison: Remembered<LinesCompared>,
+    /// Result of [`Analysis::bands`].
+    pub(super) bands: Remembered<Bands>,
 }
 
 impl Analysis {
