@@ -83,7 +83,8 @@ fn fit(criterion: &mut Criterion) {
                         .zip(&loads)
                         .map(|((outline, evidence), &load)| FitFilm { outline, evidence, load })
                         .collect();
-                    let springs = FittedSprings { model, library: &library, groups: &groups };
+                    let springs =
+                        FittedSprings { model, erect, library: &library, groups: &groups };
                     black_box(personalize(springs, black_box(&films), &settings, None))
                 });
             });

@@ -7,7 +7,9 @@ use spineline::analysis::{Analysis, AnalysisOptions, LineModel, analyze};
 use spineline::anatomy::{Level, Posture};
 use spineline::measure::Noise;
 use spineline::multibody::{ForceSign, Solution, Statics, Support, match_amplitude};
+use spineline::personalize::estimate::JointResponses;
 use spineline::personalize::evidence::FilmEvidence;
+use spineline::spatial::Vec3;
 use spineline_phantom::{Readers, Scenario, generate};
 
 use crate::case::{Bend, Case, CaseNoise, Cases, Joint, Start, Starts, Vertebra};
@@ -133,7 +135,7 @@ fn closed_form_start(case: &Case) -> Start {
     let erect = case.erect();
     let slopes: [[f64; 3]; 2] = std::array::from_fn(|i| {
         let evidence = FilmEvidence::measure(&model, &library, &erect, &case.bend(i));
-        let sums = evidence.moments_by_group(&case.bends[i].load(), &groups);
+        let sums = JointResponses::to(&case.bends[i].load(), &evidence).turns(&Vec3::x(), &groups);
         std::array::from_fn(|region| (sums[region].0 / sums[region].1).ln())
     });
     let mean = |values: &mut dyn Iterator<Item = f64>| {

@@ -215,8 +215,8 @@ impl Fit {
             prior: None,
             hints: &[],
         };
-        let springs =
-            FittedSprings { model: &self.model, library: &self.library, groups: &self.groups };
+        let (model, erect, groups) = (&self.model, &self.erect, &self.groups);
+        let springs = FittedSprings { model, erect, library: &self.library, groups };
         personalize(springs, &films, &settings, None)
     }
 }

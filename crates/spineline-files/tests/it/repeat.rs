@@ -7,10 +7,10 @@ use spineline::anatomy::{Level, Levels, Posture};
 use spineline::clinical::{CobbEnds, EndChoice, EndRule};
 use spineline::curve::{InflectionChoice, OrderRule, Site};
 use spineline::evaluate::{PriorSource, RotationPrior};
-use spineline::hypothesis::{Base, Hypothesis, LoadShape};
+use spineline::hypothesis::{Hypothesis, LoadShape};
 use spineline::measure::{FilmLengthRule, TiltRule};
 use spineline::multibody::{JointStiffness, StiffnessLibrary, Support};
-use spineline::personalize::{FitTarget, Gauge, LogNormalPrior};
+use spineline::personalize::{Base, FitTarget, Gauge, LogNormalPrior};
 use spineline::spatial::{Angle, Frontal};
 use spineline::uncertainty::LandmarkNoise;
 use spineline_files::{

@@ -4,10 +4,10 @@
 
 use spineline::analysis::{Analysis, AnalysisOptions, analyze};
 use spineline::hypothesis::{
-    Base, Hypothesis, HypothesisComparison, HypothesisScores, HypothesisSummary, LoadShape, Role,
-    compare,
+    Hypothesis, HypothesisComparison, HypothesisScores, HypothesisSummary, LoadShape, Role, compare,
 };
 use spineline::multibody::Support;
+use spineline::personalize::Base;
 use spineline_phantom::{Readers, Scenario, generate};
 
 /// Subjects whose largest curve is the main thoracic one, at whose apex the second force acts.

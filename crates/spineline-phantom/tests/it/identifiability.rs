@@ -7,7 +7,7 @@ use spineline::action::LineOfAction;
 use spineline::analysis::analyze;
 use spineline::anatomy::{Levels, Posture};
 use spineline::clinical::Regions;
-use spineline::measure::Outline;
+use spineline::measure::{Noise, Outline};
 use spineline::multibody::{
     JointGroups, Load, Solution, SpineModel, Statics, StiffnessLibrary, Support,
 };
@@ -102,8 +102,11 @@ impl Patient {
             prior: asked.prior,
             hints: &[],
         };
-        let springs =
-            FittedSprings { model: &self.model, library: &self.library, groups: &asked.groups };
+        // The model is exact: its film has no errors.
+        let exact = Noise { location_mm: 0.0, tilt: Angle::ZERO, tilt_degrees_of_freedom: None };
+        let erect = &Outline { noise: exact, ..self.erect.clone() };
+        let (model, library) = (&self.model, &self.library);
+        let springs = FittedSprings { model, erect, library, groups: &asked.groups };
         let fit = personalize(springs, &films, &settings, None);
         let found = identify(&springs, &films, &settings, &fit).expect("the fit converged");
         (fit, found)

@@ -84,7 +84,8 @@ impl Patient {
             prior: None,
             hints: &[],
         };
-        let springs = FittedSprings { model: &self.model, library: &self.library, groups };
+        let (model, erect) = (&self.model, &self.erect);
+        let springs = FittedSprings { model, erect, library: &self.library, groups };
         let fit = personalize(springs, &films, &settings, None);
         let what = format!("{support:?}, {target:?}, {} groups", groups.len());
         assert_eq!(fit.status, FitStatus::Converged, "{what}");

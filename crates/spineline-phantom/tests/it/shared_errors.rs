@@ -99,7 +99,7 @@ impl Bent {
             prior: None,
             hints: &[],
         };
-        let springs = FittedSprings { model: &model, library: &library, groups: &groups };
+        let springs = FittedSprings { model: &model, erect, library: &library, groups: &groups };
         let fit = personalize(springs, &films, &settings, None);
         let found = identify(&springs, &films, &settings, &fit).expect("the fit converged");
         let holds = std::array::from_fn(|i| {

@@ -7,8 +7,9 @@ use crate::action::LineKind;
 use crate::anatomy::Posture;
 use crate::clinical::Regions;
 use crate::evaluate::{Band, Baseline, FilmCovariance, PredictedFilm, RotationPrior};
-use crate::hypothesis::{Base, Hypothesis, HypothesisFit, Role, ShapePrediction};
+use crate::hypothesis::{Hypothesis, HypothesisFit, Role, ShapePrediction};
 use crate::measure::Outline;
+use crate::personalize::Base;
 use crate::spatial::Frontal;
 
 /// Mean squares of other patients ([`Band`]): means over 15 patients with two bends each, rounded up to a half (decision 0061).

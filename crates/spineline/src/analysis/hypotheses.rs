@@ -1,11 +1,12 @@
 //! Other loads and bases than the lines, where requested.
 
+use super::models::settings_of;
 use super::{Analysis, AnalysisOptions, Movement};
 use crate::clinical::{RegionBounds, ferguson_angle};
 use crate::evaluate::RotationPrior;
 use crate::hypothesis::{Hypothesis, HypothesisFilm, HypothesisFit, Spine, fit_hypothesis};
 use crate::multibody::{MAX_HUMAN_COLUMN, MAX_HUMAN_JOINT, PathEnding};
-use crate::personalize::FitStatus;
+use crate::personalize::{FitSettings, FitStatus, FitTarget, Gauge};
 use crate::spatial::Frontal;
 use crate::warning::{WarningCode, Warnings};
 
@@ -25,22 +26,18 @@ pub(super) fn fit_hypotheses(
     let rotations = given
         .and_then(|prior| prior.of(erect.levels()))
         .unwrap_or_else(|| RotationPrior::published(erect.levels()));
+    let springs = movement.springs(&groups);
+    let settings = settings_of(movement, options, &[]);
     let spine = Spine {
-        model: &movement.spine,
-        library: &movement.library,
-        groups: &groups,
-        erect,
+        springs,
+        settings: FitSettings { target: FitTarget::Shape, gauge: Gauge::GeometricMean, ..settings },
         rotations: &rotations,
-        support: options.support,
         depth_mm: movement.depth_mm(),
         apex: largest_apex(movement),
     };
-    let films: Vec<HypothesisFilm<'_>> = movement
-        .films
-        .iter()
-        .filter(|p| p.motion.is_some())
-        .map(|p| HypothesisFilm { outline: &p.outline, inflections: p.inflection_points })
-        .collect();
+    let moved = movement.films.iter().filter(|p| p.motion.is_some());
+    let films: Vec<HypothesisFilm<'_>> =
+        moved.map(|p| HypothesisFilm::new(&p.outline, p.inflection_points, springs)).collect();
     let mut fits: Vec<HypothesisFit> = Vec::new();
     for &hypothesis in &options.hypotheses {
         match fit_hypothesis(hypothesis, &spine, &films) {

@@ -2,9 +2,7 @@
 
 use super::models::{bending_loads, fit_films, settings_of};
 use super::{Analysis, LineModel};
-use crate::personalize::{
-    FitStatus, FittedSprings, GroupStiffness, Identifiability, StiffnessBound, identify,
-};
+use crate::personalize::{FitStatus, GroupStiffness, Identifiability, StiffnessBound, identify};
 use crate::warning::Warnings;
 
 /// The verdict on a multiplier.
@@ -83,11 +81,7 @@ impl Analysis {
         let mut repeated = Warnings::default();
         let bends = bending_loads(movement, &self.options, model.kind, &mut repeated);
         let films = fit_films(&bends);
-        let springs = FittedSprings {
-            model: &movement.spine,
-            library: &movement.library,
-            groups: &model.groups,
-        };
+        let springs = movement.springs(&model.groups);
         let mut found =
             identify(&springs, &films, &settings_of(movement, &self.options, &[]), &model.fit)?;
         // Predictions are about their mean, the multipliers of a fit about theirs.

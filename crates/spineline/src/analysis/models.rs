@@ -10,8 +10,7 @@ use crate::number::fixed;
 use crate::personalize::estimate::{JointResponses, components_of, line_of};
 use crate::personalize::evidence::ContradictedJoint;
 use crate::personalize::{
-    FitFilm, FitSettings, FitStatus, FitTarget, FittedSprings, Gauge, Personalization, Start,
-    personalize,
+    FitFilm, FitSettings, FitStatus, FitTarget, Gauge, Personalization, Start, personalize,
 };
 use crate::warning::{WarningCode, Warnings};
 
@@ -185,9 +184,12 @@ pub(super) fn fit_model(
         _ => Vec::new(),
     };
     let settings = settings_of(movement, options, &hints);
-    let (model, library) = (&movement.spine, &movement.library);
-    let springs = FittedSprings { model, library, groups: &groups };
-    let fit = personalize(springs, &films, &settings, task.start.map(|model| &model.fit));
+    let fit = personalize(
+        movement.springs(&groups),
+        &films,
+        &settings,
+        task.start.map(|model| &model.fit),
+    );
     let logs = &fit.log_multipliers;
     let evaluation = Evaluation {
         movement,

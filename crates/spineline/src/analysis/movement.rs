@@ -19,6 +19,7 @@ use crate::measure::{
 };
 use crate::motion::{Motion, SegmentEstimate, least_windows, mean_least};
 use crate::multibody::{JointGroups, SpineModel, StiffnessLibrary};
+use crate::personalize::FittedSprings;
 use crate::personalize::evidence::FilmEvidence;
 use crate::spatial::{Angle, Frontal};
 use crate::warning::{WarningCode, Warnings};
@@ -245,6 +246,12 @@ impl Movement {
             }
             Grouping::PerJoint => JointGroups::per_joint(self.levels()),
         }
+    }
+
+    /// The unloaded spine with springs in groups.
+    pub(super) fn springs<'a>(&'a self, groups: &'a JointGroups) -> FittedSprings<'a> {
+        let (model, erect) = (&self.spine, &self.erect().outline);
+        FittedSprings { model, erect, library: &self.library, groups }
     }
 
     /// Sagittal place of the lines: the mean depth of the vertebrae at the inflections; without inflections, the depth of the base,

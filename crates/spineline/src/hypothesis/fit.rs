@@ -1,18 +1,12 @@
 //! A hypothesis fitted to the bends of a patient, and its predictions of films that were not fitted.
 
-use nalgebra::{DVector, Vector3};
-
 use super::from_top::predict_from_top;
 use super::prediction::{Predicted, Role, ShapePrediction, predict, prediction};
-use super::problem::{LoadedFilm, ShapeProblem, statics};
-use super::start::responses_to;
-use super::{Base, Criteria, Hypothesis, HypothesisFilm, Spine};
+use super::{Criteria, Hypothesis, HypothesisFilm, Spine};
 use crate::anatomy::Posture;
-use crate::least_squares::{FitStatus, System};
-use crate::multibody::PathEnding;
-use crate::personalize::estimate::{EstimatedLoads, JointResponses, estimate_loads};
-use crate::personalize::evidence::FilmEvidence;
-use crate::personalize::{Best, FitProblem, Start};
+use crate::least_squares::FitStatus;
+use crate::multibody::{LoadedFilm, PathEnding, Wanted};
+use crate::personalize::{Base, FilmData, Personalization, Problem, fit};
 use crate::spatial::Angle;
 
 /// A hypothesis fitted to one patient.
@@ -101,15 +95,15 @@ pub fn fit_hypothesis(
     spine: &Spine<'_>,
     films: &[HypothesisFilm<'_>],
 ) -> Option<HypothesisFit> {
-    let has_line = |film: &&HypothesisFilm<'_>| LoadedFilm::new(hypothesis, film, spine).is_some();
-    let (bends, others): (Vec<HypothesisFilm<'_>>, Vec<_>) =
+    let has_line = |film: &&HypothesisFilm<'_>| film.under(hypothesis.load, spine).is_some();
+    let (bends, others): (Vec<&HypothesisFilm<'_>>, Vec<_>) =
         films.iter().filter(has_line).partition(|film| film.outline.posture.bend().is_some());
-    let mut found = fit_to(hypothesis, spine, &bends, None)?;
+    let mut all = fit_to(hypothesis, spine, &bends, None)?;
     let mut fit = HypothesisFit {
         hypothesis,
-        status: found.status,
-        log_multipliers: found.log_multipliers(spine),
-        criteria: found.criteria(spine),
+        status: all.found.status,
+        log_multipliers: all.found.log_multipliers.clone(),
+        criteria: all.criteria(),
         predictions: Vec::new(),
         lost: Vec::new(),
     };
@@ -120,13 +114,11 @@ pub fn fit_hypothesis(
         }
     };
     for (i, film) in bends.iter().enumerate() {
-        record(film, Role::Fitted, found.prediction(i, film, spine, Role::Fitted));
+        record(film, Role::Fitted, all.prediction(i, film, spine, Role::Fitted));
     }
-    let usable = found.status != FitStatus::NotEvaluable;
-    let logs = found.log_multipliers(spine);
     for film in &others {
-        let near = if usable {
-            predict(hypothesis, spine, film, &logs, Role::HeldOut)
+        let near = if all.is_evaluable() {
+            predict(hypothesis, spine, film, &all.found.log_multipliers, Role::HeldOut)
         } else {
             Err(PathEnding::NotConverged)
         };
@@ -134,26 +126,24 @@ pub fn fit_hypothesis(
     }
     if let [a, b] = bends[..] {
         for (known, left) in [(b, a), (a, b)] {
-            let other = fit_to(hypothesis, spine, &[known], None);
-            let logs = other
-                .filter(|other| other.status != FitStatus::NotEvaluable)
-                .map(|other| other.log_multipliers(spine));
+            let other = fit_to(hypothesis, spine, &[known], None).filter(Ended::is_evaluable);
+            let logs = other.as_ref().map(|other| other.found.log_multipliers.as_slice());
             let predictions: [(Role, PredictLeftOut); 3] = [
                 (Role::LeftOut, predict),
                 (Role::LeftOutWithPrior, predict_from_top),
                 (Role::LeftOutWithTilt, predict_from_top),
             ];
             for (role, predict) in predictions {
-                let known = logs.as_ref().ok_or(PathEnding::NotConverged);
-                let found = known.and_then(|logs| predict(hypothesis, spine, &left, logs, role));
-                record(&left, role, found);
+                let known = logs.ok_or(PathEnding::NotConverged);
+                let found = known.and_then(|logs| predict(hypothesis, spine, left, logs, role));
+                record(left, role, found);
             }
             let role = Role::LeftOutLoadFitted;
             let own = logs
                 .and_then(|logs| fit_to(hypothesis, spine, &[left], Some(logs)))
                 .ok_or(PathEnding::NotConverged)
-                .and_then(|mut own| own.prediction(0, &left, spine, role));
-            record(&left, role, own);
+                .and_then(|mut own| own.prediction(0, left, spine, role));
+            record(left, role, own);
         }
     }
     Some(fit)
@@ -164,110 +154,56 @@ type PredictLeftOut = fn(Hypothesis, &Spine<'_>, &HypothesisFilm<'_>, &[f64], Ro
 
 /// A fit that has ended.
 struct Ended<'a> {
-    problem: ShapeProblem<'a>,
+    problem: Problem<'a, LoadedFilm>,
     hypothesis: Hypothesis,
-    films: usize,
-    status: FitStatus,
-    x: DVector<f64>,
-    chi_squared: f64,
+    found: Personalization,
 }
 
-/// If the residuals are within the noise, no other start is tried.
-const ENOUGH_RMS: f64 = 1.0;
-/// How often the loads of a start without an equilibrium are halved.
-const HALVINGS: u32 = 4;
-
-/// Fits multipliers, unless they are known, and loads to some films.
+/// Fits multipliers, unless they are known, and loads to some films; `None` if a film lacks the line, or without films.
 fn fit_to<'a>(
     hypothesis: Hypothesis,
     spine: &Spine<'a>,
-    films: &[HypothesisFilm<'a>],
-    held: Option<Vec<f64>>,
-) -> Option<Ended<'a>> {
-    let mut problem = ShapeProblem::new(hypothesis, films, spine, held.clone())?;
-    let mut starts = starts(hypothesis, &problem, films, spine, held.as_deref());
-    if hypothesis.base != Base::Fixed {
-        // A free base is never worse than a fixed one.
-        let mut fixed = fit_to(Hypothesis::of(hypothesis.load), spine, films, held)?;
-        if fixed.status != FitStatus::NotEvaluable {
-            starts.insert(0, fixed.problem.start_at(&fixed.x));
-        }
-    }
-    let mut best = Best::default();
-    for start in starts {
-        if best.satisfies(&problem, ENOUGH_RMS) {
-            break;
-        }
-        if let Some(start) = evaluable(&mut problem, start) {
-            best.improve(&mut problem, &start);
-        }
-    }
-    let (chi_squared, status, x) = match best.minimum {
-        Some((end, _)) => (problem.data_squares(&end.system), end.status, end.x),
-        None => (f64::NAN, FitStatus::NotEvaluable, DVector::zeros(problem.unknowns())),
-    };
-    Some(Ended { problem, hypothesis, films: films.len(), status, x, chi_squared })
-}
-
-/// The start with its loads halved until an equilibrium exists.
-fn evaluable(problem: &mut ShapeProblem<'_>, mut start: Start) -> Option<Start> {
-    let mut system = System::new(problem.rows(), problem.unknowns());
-    for _ in 0..=HALVINGS {
-        let x = problem.begin(&start);
-        if problem.evaluate(&x, &mut system) {
-            return Some(start);
-        }
-        start.loads.iter_mut().flatten().for_each(|load| *load *= 0.5);
-    }
-    None
-}
-
-/// Starts in closed form: multipliers and loads together; loads for the multipliers given, or else nominal ones; and the
-/// latter with the load of every film the other way round.
-fn starts(
-    hypothesis: Hypothesis,
-    problem: &ShapeProblem<'_>,
-    films: &[HypothesisFilm<'_>],
-    spine: &Spine<'_>,
+    films: &[&'a HypothesisFilm<'a>],
     held: Option<&[f64]>,
-) -> Vec<Start> {
-    let evidence: Vec<FilmEvidence> = films.iter().map(|film| film.evidence(spine)).collect();
-    let both = problem.films.iter().zip(films).zip(&evidence);
-    let measured: Vec<JointResponses<'_>> = both
-        .map(|((own, film), evidence)| responses_to(&own.loaded.units, film, evidence, spine))
-        .collect();
-    let components = |load: &Vector3<f64>| load.as_slice()[..hypothesis.load.components()].to_vec();
-    let start = |logs: &[f64], loads: &[Vector3<f64>]| Start {
-        log_multipliers: logs.to_vec(),
-        loads: loads.iter().map(components).collect(),
+) -> Option<Ended<'a>> {
+    let Hypothesis { load, base } = hypothesis;
+    let hints = if base == Base::Fixed {
+        Vec::new()
+    } else {
+        // A free base is never worse than a fixed one.
+        let still = fit_to(Hypothesis::of(load), spine, films, held)?;
+        still.is_evaluable().then(|| still.found.as_start()).into_iter().collect()
     };
-    let nominal = vec![0.0; spine.groups.len()];
-    let known = held.unwrap_or(&nominal);
-    let mut starts = Vec::new();
-    if held.is_none() {
-        let EstimatedLoads { loads, log_multipliers } = estimate_loads(&measured, spine.groups);
-        starts.push(start(&log_multipliers, &loads));
+    let film = |film: &&'a HypothesisFilm<'a>| {
+        let loaded = film.under(load, spine)?;
+        let measured = film.responses_to(&loaded.units);
+        let regions = spine.settings.regions;
+        Some(FilmData::new(spine.springs, film.outline, measured, regions, loaded, base))
+    };
+    let films: Vec<FilmData<'a, LoadedFilm>> = films.iter().map(film).collect::<Option<_>>()?;
+    if films.is_empty() {
+        return None;
     }
-    let loads: Vec<Vector3<f64>> =
-        measured.iter().map(|film| film.load(spine.groups, known)).collect();
-    for flips in 0..1_u32 << films.len() {
-        let sign = |film: usize| if flips >> film & 1 == 1 { -1.0 } else { 1.0 };
-        let flipped: Vec<_> = (0..).zip(&loads).map(|(film, load)| load * sign(film)).collect();
-        starts.push(start(known, &flipped));
-    }
-    starts
+    let mut problem =
+        Problem::new(spine.springs, films, &spine.settings, held.map(<[f64]>::to_vec));
+    problem.hints = hints;
+    let found = fit(&mut problem, None);
+    Some(Ended { problem, hypothesis, found })
 }
 
 impl Ended<'_> {
-    fn log_multipliers(&self, spine: &Spine<'_>) -> Vec<f64> {
-        self.x.as_slice()[..spine.groups.len()].to_vec()
+    fn is_evaluable(&self) -> bool {
+        self.found.status != FitStatus::NotEvaluable
     }
 
-    fn criteria(&self, spine: &Spine<'_>) -> Criteria {
-        let free = self.hypothesis.free_numbers(self.films, spine.groups.len());
-        Criteria::new(self.chi_squared, self.problem.data_rows(), free)
+    fn criteria(&self) -> Criteria {
+        let (films, groups) = (self.found.loads.len(), self.found.log_multipliers.len());
+        let measured = self.problem.data_rows();
+        let chi_squared = self.found.residual_rms.powi(2) * measured as f64;
+        Criteria::new(chi_squared, measured, self.hypothesis.free_numbers(films, groups))
     }
 
+    /// A fitted film.
     fn prediction(
         &mut self,
         index: usize,
@@ -275,16 +211,16 @@ impl Ended<'_> {
         spine: &Spine<'_>,
         role: Role,
     ) -> Predicted {
-        if self.status == FitStatus::NotEvaluable {
+        if !self.is_evaluable() {
             return Err(PathEnding::NotConverged);
         }
-        let statics = statics(spine, &self.log_multipliers(spine));
-        let (components, base) = self.problem.of_film(index, self.x.as_slice());
-        let components = components.to_vec();
-        let loaded = &mut self.problem.films[index].loaded;
-        if !loaded.solve(&statics, &components, base) {
+        let springs = self.problem.springs(&self.found.log_multipliers);
+        let fitted = &mut self.problem.films[index];
+        fitted.load.copy_from_slice(&self.found.loads[index]);
+        if !fitted.solve_at_load(&springs, Wanted::Shape) {
             return Err(PathEnding::NotConverged);
         }
-        prediction(loaded, film, role, spine, components, base)
+        let (components, base) = fitted.split();
+        prediction(&fitted.loaded, film, role, spine, components.to_vec(), base)
     }
 }

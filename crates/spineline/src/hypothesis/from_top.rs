@@ -11,12 +11,13 @@ use nalgebra::{DMatrix, DVector};
 
 use super::near_t2::{largest, size_factor};
 use super::prediction::{Predicted, Role, ShapePrediction, prediction, with_scale};
-use super::problem::{LoadedFilm, statics};
 use super::{Base, Hypothesis, HypothesisFilm, Spine};
 use crate::evaluate::{joint_angles, turn_of_top_sd};
 use crate::least_squares::{FitStatus, System, minimize};
 use crate::measure::FilmScale;
-use crate::multibody::{GeneralStatics, PathEnding, starts_of_sizes};
+use crate::multibody::{
+    FilmUnderLoad, GeneralStatics, LoadedFilm, PathEnding, Wanted, starts_of_sizes,
+};
 use crate::personalize::ShapeWeights;
 use crate::spatial::{Angle, Frontal};
 
@@ -38,7 +39,7 @@ pub(super) fn predict_from_top(
     let mut scale = film.outline.length.scale;
     for _ in 0..MAX_SCALE_ROUNDS {
         let outline = film.outline.at_scale(scale);
-        let scaled = film.at_scale_of(&outline);
+        let scaled = film.at_scale_of(&outline, spine);
         let (predicted, next) = at_scale(hypothesis, spine, &scaled, log_multipliers, role)?;
         let change = (next.factor / scale.factor).ln().abs();
         scale = next;
@@ -97,22 +98,22 @@ impl<'s, 'a> TopFit<'s, 'a> {
         log_multipliers: &[f64],
         role: Role,
     ) -> Option<Self> {
-        let mut loaded = LoadedFilm::new(hypothesis, film, spine)?;
-        let statics = statics(spine, log_multipliers);
+        let mut loaded = film.under(hypothesis.load, spine)?;
+        let statics = spine.with_multipliers(log_multipliers);
         let components = hypothesis.load.components();
-        if !loaded.solve(&statics, &vec![0.0; components], Angle::ZERO) {
+        if !loaded.solve(&statics, &vec![0.0; components], Angle::ZERO, Wanted::AllRates) {
             return None;
         }
-        let joints = spine.model.joints.len();
+        let joints = spine.springs.model.joints.len();
         let size = size_factor(&loaded, joints, components, hypothesis.base.angles())?;
-        let angles = joint_angles(spine.erect);
+        let angles = joint_angles(spine.springs.erect);
         let rotations = spine.rotations.mean_of(film.outline.posture, &angles);
         let mean = rotations
             .into_iter()
             .zip(&angles)
             .map(|(rotation, angle)| angle.rad() + rotation.rad());
         let factor = film.outline.length.scale.factor;
-        let weights = ShapeWeights::of_difference(&film.outline.noise, &spine.erect.noise);
+        let weights = ShapeWeights::of_difference(&film.outline.noise, &spine.springs.erect.noise);
         Some(Self {
             hypothesis,
             film,
@@ -121,7 +122,7 @@ impl<'s, 'a> TopFit<'s, 'a> {
             top: film.outline.vertebrae.last()?.location * factor,
             top_sd_mm: film.outline.top_sd_mm(),
             turn_sd: (role == Role::LeftOutWithTilt)
-                .then(|| turn_of_top_sd(spine.erect, film.outline)),
+                .then(|| turn_of_top_sd(spine.springs.erect, film.outline)),
             mean: DVector::from_iterator(joints, mean),
             root: spine.rotations.root().clone(),
             base_sd_rad: weights.tilt_sd_rad,
@@ -175,13 +176,13 @@ impl<'s, 'a> TopFit<'s, 'a> {
         }
         self.loaded.reset();
         let (components, base) = self.split(&found);
-        self.loaded.solve(&self.statics, components, base).then_some(found)
+        self.loaded.solve(&self.statics, components, base, Wanted::AllRates).then_some(found)
     }
 
     /// Residuals and derivatives; whether an equilibrium exists.
     fn evaluate(&mut self, x: &DVector<f64>, system: &mut System) -> bool {
         let (components, base) = self.split(x);
-        if !self.loaded.solve(&self.statics, components, base) {
+        if !self.loaded.solve(&self.statics, components, base, Wanted::AllRates) {
             return false;
         }
         system.jacobian.fill(0.0);

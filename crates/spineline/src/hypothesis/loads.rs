@@ -3,91 +3,11 @@
 use super::{HypothesisFilm, LoadShape, Spine};
 use crate::action::LineOfAction;
 use crate::anatomy::trunk_weight_shares;
-use crate::multibody::{BodyLoad, LoadItem, Timing};
-use crate::spatial::{Angle, Frontal, Vec3, rotation_x};
-
-/// A load of unit size on one vertebra, in `G`.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct UnitLoad {
-    vertebra: usize,
-    kind: UnitKind,
-}
-
-#[derive(Debug, Clone, Copy, PartialEq)]
-enum UnitKind {
-    /// A force along a line fixed in space.
-    OnLine { point_mm: Vec3, force: Vec3 },
-    /// A force of fixed direction at the vertebra's midpoint.
-    AtMidpoint { force: Vec3 },
-    /// A moment about +X, which no turn of the base changes.
-    Couple { moment: f64 },
-}
-
-fn item(vertebra: usize, load: BodyLoad) -> LoadItem {
-    LoadItem { vertebra, load, timing: Timing::Proportional }
-}
-
-impl UnitLoad {
-    /// The load times a factor, seen from a base that is turned by an angle about +X.
-    pub fn item(&self, times: f64, base: Angle) -> LoadItem {
-        let seen = rotation_x(-base);
-        let load = match self.kind {
-            UnitKind::OnLine { point_mm, force } => {
-                BodyLoad::ForceOnLine { force_n: seen * force * times, point_mm: seen * point_mm }
-            }
-            UnitKind::AtMidpoint { force } => BodyLoad::ForceAtPoint {
-                force_n: seen * force * times,
-                point_in_vertebra_mm: Vec3::zeros(),
-            },
-            UnitKind::Couple { moment } => {
-                BodyLoad::Moment { moment_nmm: Vec3::x() * moment * times }
-            }
-        };
-        item(self.vertebra, load)
-    }
-
-    /// Its size as a force: a moment counts as a pair of forces at the distance `apart_mm`.
-    pub fn force_n(&self, apart_mm: f64) -> f64 {
-        match self.kind {
-            UnitKind::OnLine { force, .. } | UnitKind::AtMidpoint { force } => force.norm(),
-            UnitKind::Couple { moment } => moment.abs() / apart_mm,
-        }
-    }
-
-    /// Derivative of [`UnitLoad::item`] by the base's angle.
-    pub fn turned_items(&self, times: f64, base: Angle) -> Vec<LoadItem> {
-        let seen = rotation_x(-base);
-        let back = |v: &Vec3| -Vec3::x().cross(v);
-        match self.kind {
-            UnitKind::OnLine { point_mm, force } => {
-                let (point, force) = (seen * point_mm, seen * force * times);
-                let turned = BodyLoad::ForceOnLine { force_n: back(&force), point_mm: point };
-                let moved = BodyLoad::Moment { moment_nmm: back(&point).cross(&force) };
-                vec![item(self.vertebra, turned), item(self.vertebra, moved)]
-            }
-            UnitKind::AtMidpoint { force } => {
-                let force_n = back(&(seen * force * times));
-                let load = BodyLoad::ForceAtPoint { force_n, point_in_vertebra_mm: Vec3::zeros() };
-                vec![item(self.vertebra, load)]
-            }
-            UnitKind::Couple { .. } => Vec::new(),
-        }
-    }
-
-    /// Moment about a joint, where a film shows the vertebrae; zero for a joint above.
-    pub fn moment_about(&self, joint: usize, centre_mm: &Vec3, midpoints_mm: &[Vec3]) -> Vec3 {
-        if self.vertebra <= joint {
-            return Vec3::zeros();
-        }
-        match self.kind {
-            UnitKind::OnLine { point_mm, force } => (point_mm - centre_mm).cross(&force),
-            UnitKind::AtMidpoint { force } => {
-                (midpoints_mm[self.vertebra] - centre_mm).cross(&force)
-            }
-            UnitKind::Couple { moment } => Vec3::x() * moment,
-        }
-    }
-}
+use crate::multibody::{FilmUnderLoad, GeneralStatics, LoadedFilm, UnitKind, UnitLoad};
+use crate::personalize::FittedSprings;
+use crate::personalize::estimate::JointResponses;
+use crate::personalize::evidence::JointEvidence;
+use crate::spatial::{Frontal, Vec3};
 
 fn in_space(v: Frontal) -> Vec3 {
     Vec3::new(0.0, v.y_mm, v.z_mm)
@@ -102,7 +22,7 @@ pub(super) fn unit_loads(
     film: &HypothesisFilm<'_>,
     spine: &Spine<'_>,
 ) -> Option<Vec<Vec<UnitLoad>>> {
-    let top = spine.model.midpoints_mm.len() - 1;
+    let top = spine.springs.model.midpoints_mm.len() - 1;
     let sideways = in_space(
         LineOfAction::along_iliac(Frontal::default(), film.outline.iliac_normal).direction,
     );
@@ -135,7 +55,7 @@ pub(super) fn unit_loads(
         }
         LoadShape::Weight => {
             let down = in_space(Frontal::new(0.0, -1.0).rotated(-film.outline.l4_on_film));
-            let shares = trunk_weight_shares(spine.erect.levels());
+            let shares = trunk_weight_shares(spine.springs.erect.levels());
             vec![shares.into_iter().zip(1..).map(|(share, v)| at(v, down * share)).collect()]
         }
         LoadShape::Lateral => {
@@ -155,7 +75,7 @@ pub(super) fn unit_loads(
 
 /// Per vertebra above L4: its part of the length of the erect spine, and how high it lies on it (T2: 1).
 fn length_shares(spine: &Spine<'_>) -> Vec<(usize, f64, f64)> {
-    let midpoints = &spine.model.midpoints_mm;
+    let midpoints = &spine.springs.model.midpoints_mm;
     let mut heights = vec![0.0];
     for pair in midpoints.windows(2) {
         heights.push(heights[heights.len() - 1] + (pair[1] - pair[0]).norm());
@@ -169,4 +89,38 @@ fn length_shares(spine: &Spine<'_>) -> Vec<(usize, f64, f64)> {
             (v, (above - below) / length, heights[v] / length)
         })
         .collect()
+}
+
+impl HypothesisFilm<'_> {
+    /// The film under the loads of a hypothesis; `None` if it lacks the line.
+    pub(super) fn under(&self, shape: LoadShape, spine: &Spine<'_>) -> Option<LoadedFilm> {
+        let units = unit_loads(shape, self, spine)?;
+        let groups = spine.springs.groups;
+        Some(LoadedFilm::new(units, &spine.with_multipliers(&vec![0.0; groups.len()]), groups))
+    }
+
+    /// Responses of its joints to the unit loads.
+    pub(super) fn responses_to(&self, units: &[Vec<UnitLoad>]) -> JointResponses<'_> {
+        let midpoints_mm = &self.evidence.midpoints_mm;
+        let of_joint = |(j, joint): (usize, &JointEvidence)| {
+            let moment = |unit: &UnitLoad| {
+                unit.moment_about(j, &joint.centre_mm, midpoints_mm).dot(&joint.hinge)
+            };
+            let mut turns = [0.0; 3];
+            for (turn, units) in turns.iter_mut().zip(units) {
+                *turn = joint.compliance_rad_per_nmm * units.iter().map(moment).sum::<f64>();
+            }
+            turns
+        };
+        let by_component = self.evidence.joints.iter().enumerate().map(of_joint).collect();
+        JointResponses { evidence: &self.evidence, by_component }
+    }
+}
+
+impl<'a> Spine<'a> {
+    /// Its springs with given multipliers.
+    pub(super) fn with_multipliers(&self, log_multipliers: &[f64]) -> GeneralStatics<'a> {
+        let FittedSprings { model, library, groups, .. } = self.springs;
+        LoadedFilm::springs(model, library, groups, log_multipliers, self.settings.support)
+    }
 }

@@ -2,9 +2,9 @@
 //!
 //! # Model
 //! A [`Hypothesis`] is the kind of load that acts on every bend ([`LoadShape`], with one to three free components per film)
-//! and the rule for the base ([`Base`]). Springs are as in [`crate::personalize`]: one `ln α` per group of joints, shared
-//! by all bends, their mean held at zero. Loads that move with their vertebra are solved by [`GeneralStatics`]; a line
-//! fixed in space is one of them, so that the same code fits the paper's line and its alternatives.
+//! and the rule for the base ([`Base`]). The fit is that of [`crate::personalize`], with equilibria by [`GeneralStatics`]: loads may act on
+//! every vertebra and move with it. A line fixed in space is one of them, so that the same equilibrium compares the paper's line with
+//! its alternatives.
 //!
 //! # The base
 //! L4 is the origin of every film's frame and its axis is the frame's, so that L4 is at rest by definition and its own turn in
@@ -30,8 +30,6 @@ mod from_top;
 mod loads;
 mod near_t2;
 mod prediction;
-mod problem;
-mod start;
 
 pub use comparison::{HypothesisComparison, HypothesisScores, HypothesisSummary, compare};
 pub use criteria::Criteria;
@@ -41,7 +39,8 @@ pub use prediction::{CounterRotatingJoints, Role, ShapePrediction};
 use crate::anatomy::named;
 use crate::evaluate::RotationPrior;
 use crate::measure::Outline;
-use crate::multibody::{JointGroups, SpineModel, StiffnessLibrary, Support};
+use crate::personalize::evidence::FilmEvidence;
+use crate::personalize::{Base, FitSettings, FittedSprings};
 use crate::spatial::Frontal;
 
 named! {
@@ -80,31 +79,6 @@ impl LoadShape {
             | Self::Couple => 1,
             Self::TwoForces | Self::GradedLateral | Self::GradedCouple => 2,
             Self::FreeLine => 3,
-        }
-    }
-}
-
-named! {
-    /// Rule for the angle by which the whole spine may turn about L4 on a film.
-    #[default(Fixed)]
-    pub enum Base {
-        /// It is zero (the paper).
-        Fixed = "fixed_base",
-        /// It is normal about zero, with the deviation that reading L4's axis on both films gives: the covariance that a shared
-        /// frame makes between all locations and tilts of a film.
-        Noisy = "noisy_base",
-        /// It is free on every fitted film.
-        Free = "free_base",
-    }
-}
-
-impl Base {
-    /// Free angles per fitted film.
-    #[must_use]
-    pub const fn angles(self) -> usize {
-        match self {
-            Self::Fixed => 0,
-            Self::Noisy | Self::Free => 1,
         }
     }
 }
@@ -186,38 +160,46 @@ impl std::str::FromStr for Hypothesis {
 }
 
 /// A film that takes part.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone)]
 pub struct HypothesisFilm<'a> {
     /// What was measured.
     pub outline: &'a Outline,
+    /// Rotations and centres of its joints.
+    pub evidence: FilmEvidence,
     /// Where the two inflections lie on it.
     pub inflections: Option<[Frontal; 2]>,
 }
 
-impl HypothesisFilm<'_> {
+impl<'a> HypothesisFilm<'a> {
+    /// A film of a spine.
+    #[must_use]
+    pub fn new(
+        outline: &'a Outline,
+        inflections: Option<[Frontal; 2]>,
+        springs: FittedSprings<'_>,
+    ) -> Self {
+        let FittedSprings { model, library, erect, .. } = springs;
+        let evidence = FilmEvidence::measure(model, library, erect, outline);
+        Self { outline, evidence, inflections }
+    }
+
     /// The same film with its outline at another scale.
-    fn at_scale_of<'b>(&self, outline: &'b Outline) -> HypothesisFilm<'b> {
+    fn at_scale_of<'b>(&self, outline: &'b Outline, spine: &Spine<'_>) -> HypothesisFilm<'b> {
         let factor = self.outline.length.scale.factor / outline.length.scale.factor;
         let inflections = self.inflections.map(|points| points.map(|point| point * factor));
-        HypothesisFilm { outline, inflections }
+        HypothesisFilm::new(outline, inflections, spine.springs)
     }
 }
 
 /// A patient's spine, and what all fits to it share.
 #[derive(Debug, Clone, Copy)]
 pub struct Spine<'a> {
-    /// The unloaded spine.
-    pub model: &'a SpineModel,
-    /// Nominal springs.
-    pub library: &'a StiffnessLibrary,
-    /// Which joints share a multiplier.
-    pub groups: &'a JointGroups,
-    /// The erect film.
-    pub erect: &'a Outline,
+    /// The unloaded spine with its springs.
+    pub springs: FittedSprings<'a>,
+    /// The settings of the fits. Whole shapes are fitted, so that the criteria of all hypotheses count the same data.
+    pub settings: FitSettings<'a>,
     /// Prior of joint rotations.
     pub rotations: &'a RotationPrior,
-    /// What holds the patient.
-    pub support: Support,
     /// Sagittal place of lines fixed in space.
     pub depth_mm: f64,
     /// The vertebra at the apex of the largest erect curve.

@@ -2,11 +2,10 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::problem::{LoadedFilm, statics};
 use super::{Base, Hypothesis, Spine};
 use crate::multibody::{
-    ForceSign, GeneralStatics, MAX_FORCE_PER_STIFFNESS, OneComponent, SeveralComponents, Solution,
-    nearest_from_starts, nearest_on_path,
+    FilmUnderLoad, ForceSign, GeneralStatics, LoadedFilm, MAX_FORCE_PER_STIFFNESS, OneComponent,
+    SeveralComponents, Solution, Wanted, nearest_from_starts, nearest_on_path,
 };
 use crate::spatial::{Angle, Frontal};
 
@@ -29,7 +28,7 @@ pub(super) fn nearest_t2(
     measured: Frontal,
     spine: &Spine<'_>,
 ) -> Option<NearT2> {
-    let statics = statics(spine, log_multipliers);
+    let statics = spine.with_multipliers(log_multipliers);
     let count = hypothesis.load.components();
     if count == 1 && hypothesis.base != Base::Free {
         let largest = largest(loaded, log_multipliers, spine);
@@ -42,12 +41,12 @@ pub(super) fn nearest_t2(
         return Some(NearT2 { components: vec![found.force_n], base: Angle::ZERO });
     }
     loaded.reset();
-    if !loaded.solve(&statics, &vec![0.0; count], Angle::ZERO) {
+    if !loaded.solve(&statics, &vec![0.0; count], Angle::ZERO, Wanted::AllRates) {
         return None;
     }
     let base = usize::from(hypothesis.base == Base::Free);
-    let size = size_factor(loaded, spine.model.joints.len(), count, base)?;
-    let (groups, top) = (log_multipliers.len(), spine.model.midpoints_mm.len() - 1);
+    let size = size_factor(loaded, spine.springs.model.joints.len(), count, base)?;
+    let (groups, top) = (log_multipliers.len(), spine.springs.model.midpoints_mm.len() - 1);
     let mut load = SeveralOnFilm { loaded, statics, count, base, groups, top };
     let x: DVector<f64> = nearest_from_starts(&mut load, &size, count, measured)?;
     let (components, base) = load.split(x.as_slice());
@@ -58,11 +57,11 @@ pub(super) fn nearest_t2(
 /// The largest amount of one component: the limit of a force along a line, for the sum of all forces; moments as pairs of forces at
 /// both ends of the spine.
 pub(super) fn largest(loaded: &LoadedFilm, log_multipliers: &[f64], spine: &Spine<'_>) -> f64 {
-    let midpoints = &spine.model.midpoints_mm;
+    let midpoints = &spine.springs.model.midpoints_mm;
     let length_mm = (midpoints[midpoints.len() - 1] - midpoints[0]).norm();
     let unit_n: f64 = loaded.units.iter().flatten().map(|unit| unit.force_n(length_mm)).sum();
-    let joints = spine.groups.of_joint();
-    let stiffness = spine.library.rows().iter().zip(joints);
+    let joints = spine.springs.groups.of_joint();
+    let stiffness = spine.springs.library.rows().iter().zip(joints);
     let sum: f64 =
         stiffness.map(|(row, &group)| row.nmm_per_rad[0] * log_multipliers[group].exp()).sum();
     MAX_FORCE_PER_STIFFNESS * sum / joints.len() as f64 / unit_n
@@ -126,7 +125,7 @@ impl SeveralComponents for SeveralOnFilm<'_, '_> {
 
     fn t2(&mut self, components: &[f64]) -> Option<(Frontal, Vec<Frontal>)> {
         let (components, base) = self.split(components);
-        if !self.loaded.solve(&self.statics, components, base) {
+        if !self.loaded.solve(&self.statics, components, base, Wanted::AllRates) {
             return None;
         }
         let rate = |i| self.loaded.location_rate(self.groups + i, self.top);

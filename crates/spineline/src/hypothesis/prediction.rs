@@ -1,13 +1,11 @@
 //! A film under the load of a hypothesis: its shape, and the prediction of a film that was not fitted.
 
 use super::near_t2::nearest_t2;
-use super::problem::{LoadedFilm, statics};
-use super::start::responses_to;
 use super::{Hypothesis, HypothesisFilm, Spine};
 use crate::anatomy::{Posture, named};
 use crate::evaluate::{ScaledPrediction, at_scale_of_top};
 use crate::measure::FilmScale;
-use crate::multibody::PathEnding;
+use crate::multibody::{FilmUnderLoad, LoadedFilm, PathEnding, Wanted};
 use crate::spatial::{Angle, Frontal};
 
 named! {
@@ -87,7 +85,7 @@ pub(super) fn predict(
 ) -> Predicted {
     let mut reason = PathEnding::NotConverged;
     let found = at_scale_of_top(film.outline, |outline| {
-        let film = film.at_scale_of(outline);
+        let film = film.at_scale_of(outline, spine);
         match predict_scaled(hypothesis, spine, &film, log_multipliers, role) {
             Ok(found) => Some((*found.locations.last()?, found)),
             Err(lost) => {
@@ -125,12 +123,12 @@ fn predict_scaled(
     log_multipliers: &[f64],
     role: Role,
 ) -> Predicted {
-    let found = LoadedFilm::new(hypothesis, film, spine).and_then(|mut loaded| {
+    let found = film.under(hypothesis.load, spine).and_then(|mut loaded| {
         let top = film.outline.vertebrae.last()?.location;
         let near = nearest_t2(hypothesis, &mut loaded, log_multipliers, top, spine)?;
-        let statics = statics(spine, log_multipliers);
+        let springs = spine.with_multipliers(log_multipliers);
         // From where the search has left it, so that no other equilibrium is shown.
-        let solved = loaded.solve(&statics, &near.components, near.base);
+        let solved = loaded.solve(&springs, &near.components, near.base, Wanted::Shape);
         solved.then_some((loaded, near))
     });
     let (loaded, near) = found.ok_or(PathEnding::NotConverged)?;
@@ -146,7 +144,7 @@ pub(super) fn prediction(
     components: Vec<f64>,
     base: Angle,
 ) -> Predicted {
-    if loaded.is_beyond_human_range(spine.model) {
+    if loaded.is_beyond_human_range(spine.springs.model) {
         return Err(PathEnding::BeyondHumanRange);
     }
     let measured = &film.outline.vertebrae;
@@ -168,7 +166,7 @@ pub(super) fn prediction(
         posture: film.outline.posture,
         role,
         scale: film.outline.length.scale,
-        against: against(loaded, film, spine, &components),
+        against: against(loaded, film, &components),
         components,
         base,
         location_errors_mm: locations
@@ -188,13 +186,11 @@ pub(super) fn prediction(
 fn against(
     loaded: &LoadedFilm,
     film: &HypothesisFilm<'_>,
-    spine: &Spine<'_>,
     components: &[f64],
 ) -> CounterRotatingJoints {
-    let evidence = film.evidence(spine);
-    let responses = responses_to(&loaded.units, film, &evidence, spine).by_component;
+    let responses = film.responses_to(&loaded.units).by_component;
     let component = |i: usize| components.get(i).copied().unwrap_or(0.0);
-    let joints = evidence.contradicted(&responses, [0, 1, 2].map(component));
+    let joints = film.evidence.contradicted(&responses, [0, 1, 2].map(component));
     CounterRotatingJoints {
         joints: joints.len(),
         beyond_noise: joints.iter().filter(|joint| joint.beyond_noise).count(),

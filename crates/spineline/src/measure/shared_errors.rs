@@ -223,23 +223,21 @@ impl Outline {
     }
 
     /// Covariance of the differences of this film from the shape of a model, with the errors of both frames: of the film, of the
-    /// landmarks of an erect film where it is given, and of the erect film's shared errors in the model.
+    /// landmarks of the erect film, and of the erect film's shared errors in the model.
     /// `None` where errors are independent.
     pub(crate) fn difference_covariance(
         &self,
-        erect: Option<&Outline>,
+        erect: &Outline,
         of_model: Option<&DMatrix<f64>>,
     ) -> Option<DMatrix<f64>> {
         if !self.has_shared_errors() && of_model.is_none() {
             return None;
         }
         let mut covariance = self.with_landmarks(self.of_program_in_frame());
-        if let Some(erect) = erect {
-            let [location, tilt] = variances(&erect.noise);
-            for row in 0..covariance.nrows() {
-                let is_tilt = row % NUMBERS == Measured::Tilt as usize;
-                covariance[(row, row)] += if is_tilt { tilt } else { location };
-            }
+        let [location, tilt] = variances(&erect.noise);
+        for row in 0..covariance.nrows() {
+            let is_tilt = row % NUMBERS == Measured::Tilt as usize;
+            covariance[(row, row)] += if is_tilt { tilt } else { location };
         }
         Some(match of_model {
             Some(of_model) => covariance + of_model,

@@ -15,11 +15,13 @@
 //! [petit-2004], [panjabi-1976], [jalalian-loa] section 2.
 
 mod bodies;
+mod film_under_load;
 mod follow;
 mod general;
 mod geometry;
 mod human_range;
 mod load;
+mod loaded_film;
 mod march;
 mod matching;
 mod nearest;
@@ -29,8 +31,10 @@ mod statics;
 mod stiffness;
 mod stiffness_tables;
 mod target;
+mod unit_load;
 
 pub use bodies::BodySize;
+pub(crate) use film_under_load::{FilmUnderLoad, MarchedFilm, TurnedBase, Wanted};
 pub use follow::{BranchEventKind, PathEnding};
 pub use general::{
     BodyLoad, BranchEvent, Equilibrium, EquilibriumPath, GeneralStatics, Goal, LoadItem, LoadPlace,
@@ -41,6 +45,7 @@ pub(crate) use geometry::disc_mm;
 pub use geometry::{Joint, SpineModel};
 pub use human_range::{BeyondHumanRange, MAX_HUMAN_COLUMN, MAX_HUMAN_JOINT};
 pub use load::{Load, Wrench};
+pub(crate) use loaded_film::LoadedFilm;
 pub use matching::{ForceMatch, ForceSign, amplitude_matches, match_amplitude};
 pub(crate) use matching::{MAX_FORCE_PER_STIFFNESS, MAX_HINGE_RAD, OneComponent, match_t2_near};
 pub use nearest::match_t2;
@@ -55,3 +60,4 @@ pub use stiffness::{
 };
 pub use stiffness_tables::StiffnessTable;
 pub use target::Residual;
+pub(crate) use unit_load::{UnitKind, UnitLoad};

@@ -40,15 +40,21 @@ pub struct EstimatedLine {
 /// The rotation of joint `j` is `(a_j · w) / α`: linear in the load `w` for given multipliers, and linear in `1/α` for given loads.
 /// The mean of `ln α` is held at zero.
 #[must_use]
-pub fn estimate_loads(films: &[JointResponses<'_>], groups: &JointGroups) -> EstimatedLoads {
+pub fn estimate_loads<'f, 'e: 'f>(
+    films: impl Iterator<Item = &'f JointResponses<'e>> + Clone,
+    groups: &JointGroups,
+) -> EstimatedLoads {
     const ROUNDS: u32 = 200;
     let mut log_multipliers = vec![0.0; groups.len()];
     let mut loads = Vec::new();
     for _ in 0..ROUNDS {
-        loads = films.iter().map(|film| film.load(groups, &log_multipliers)).collect();
+        loads = films.clone().map(|film| film.load(groups, &log_multipliers)).collect();
         let mut sums = vec![(0.0, 0.0); groups.len()];
-        for (film, load) in films.iter().zip(&loads) {
-            film.add_turns(load, groups, &mut sums);
+        for (film, load) in films.clone().zip(&loads) {
+            for (sum, of_film) in sums.iter_mut().zip(film.turns(load, groups)) {
+                sum.0 += of_film.0;
+                sum.1 += of_film.1;
+            }
         }
         let mut next: Vec<f64> = sums
             .iter()
@@ -104,8 +110,10 @@ impl<'a> JointResponses<'a> {
         inverse * right
     }
 
-    /// Adds `Σ a Δθ` and `Σ a²` of the joints of every group, for their nominal rotations `a` under a load.
-    fn add_turns(&self, load: &Vector3<f64>, groups: &JointGroups, sums: &mut [(f64, f64)]) {
+    /// Per group of joints: `Σ a Δθ` and `Σ a²` over the variance of a rotation, for nominal rotations `a` under a load.
+    #[must_use]
+    pub fn turns(&self, load: &Vector3<f64>, groups: &JointGroups) -> Vec<(f64, f64)> {
+        let mut sums = vec![(0.0, 0.0); groups.len()];
         let weight = self.evidence.rotation_sd().rad().powi(-2);
         let joints = self.evidence.joints.iter().zip(&self.by_component).zip(groups.of_joint());
         for (j, ((joint, response), &group)) in joints.enumerate() {
@@ -114,6 +122,7 @@ impl<'a> JointResponses<'a> {
             sums[group].0 += weight * nominal * joint.rotation.rad();
             sums[group].1 += weight * nominal * nominal;
         }
+        sums
     }
 }
 

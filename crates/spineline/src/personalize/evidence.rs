@@ -4,7 +4,7 @@ use nalgebra::DMatrix;
 
 use crate::anatomy::{Level, Levels};
 use crate::measure::Outline;
-use crate::multibody::{JointGroups, Load, SpineModel, StiffnessLibrary, disc_mm};
+use crate::multibody::{Load, SpineModel, StiffnessLibrary, disc_mm};
 use crate::spatial::{Angle, Frontal, Vec3};
 
 /// One joint on one film.
@@ -31,6 +31,8 @@ pub struct FilmEvidence {
     pub joints: Vec<JointEvidence>,
     /// The vertebrae that the joints connect.
     pub levels: Levels,
+    /// Their midpoints on the film.
+    pub midpoints_mm: Vec<Vec3>,
     /// Errors of the tilts on the film.
     pub tilts: TiltErrors,
     /// The same on the erect film.
@@ -137,6 +139,7 @@ impl FilmEvidence {
             repeated_variances: (0..model.joints.len()).map(repeated_variance).collect(),
             joints,
             levels,
+            midpoints_mm: midpoints,
             tilts: TiltErrors::of(film),
             erect_tilts: TiltErrors::of(erect),
         }
@@ -233,20 +236,6 @@ impl FilmEvidence {
             })
             .collect()
     }
-
-    /// Per group: `Σ a Δθ` and `Σ a²` over its joints, for the response `a` to a unit of the load's first component.
-    #[must_use]
-    pub fn moments_by_group(&self, load: &Load, groups: &JointGroups) -> Vec<(f64, f64)> {
-        let mut sums = vec![(0.0, 0.0); groups.len()];
-        for (j, ((response, joint), &group)) in
-            self.responses(load).iter().zip(&self.joints).zip(groups.of_joint()).enumerate()
-        {
-            let weight = self.joint_weight(j);
-            sums[group].0 += weight * (response[0] * joint.rotation.rad());
-            sums[group].1 += weight * (response[0] * response[0]);
-        }
-        sums
-    }
 }
 
 #[cfg(test)]
@@ -268,6 +257,7 @@ mod tests {
         let film = |joint| FilmEvidence {
             joints: vec![joint],
             levels: Levels::between(Level::L4, Level::L3).expect("neighbours"),
+            midpoints_mm: Vec::new(),
             tilts: TiltErrors::alike(2, Angle::from_deg(0.5), None),
             erect_tilts: TiltErrors::alike(2, Angle::from_deg(0.5), None),
             repeated_variances: Vec::new(),

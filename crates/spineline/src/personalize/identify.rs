@@ -32,11 +32,11 @@
 use crate::anatomy::named;
 use nalgebra::{DMatrix, DVector};
 
-use super::fit::Personalization;
+use super::fit::{Personalization, problem_of};
 use super::problem::Problem;
-use super::search::FitProblem;
 use super::{FitFilm, FitSettings, FittedSprings, Gauge, GroupStiffness, MULTIPLIER_BOUNDS};
 use crate::least_squares::{FitStatus, Minimum, minimize};
+use crate::multibody::MarchedFilm;
 
 /// How often a 95 % interval of the mean stiffness of a group ([`GroupStiffness`]) holds the true one, in words: wherever it is shown.
 pub const STIFFNESS_COVERAGE: &str = "The 95 % interval is of the mean stiffness of the joints, by a mixed model: joints of a group may differ, and landmarks have noise. On synthetic spines it held the true value in 90 to 99 % of tries where springs are linear, and in 68 to 89 % where they stiffen.";
@@ -201,7 +201,7 @@ pub fn identify(
         return None;
     }
     let weighed = settings.weighed(fit.variance_factor);
-    let mut problem = Problem::new(*springs, films, &weighed);
+    let mut problem = problem_of(*springs, films, &weighed);
     let mut converged = ConvergedFit::begin(&mut problem, fit)?;
     let g = springs.groups.len();
     let across = converged.information();
@@ -224,7 +224,7 @@ pub fn identify(
 
 /// A fit that converged, and the problem that it solves.
 struct ConvergedFit<'p, 'a> {
-    problem: &'p mut Problem<'a>,
+    problem: &'p mut Problem<'a, MarchedFilm>,
     minimum: Minimum,
     bounds: [DVector<f64>; 2],
     groups: usize,
@@ -233,7 +233,7 @@ struct ConvergedFit<'p, 'a> {
 }
 
 impl<'p, 'a> ConvergedFit<'p, 'a> {
-    fn begin(problem: &'p mut Problem<'a>, fit: &Personalization) -> Option<Self> {
+    fn begin(problem: &'p mut Problem<'a, MarchedFilm>, fit: &Personalization) -> Option<Self> {
         let x = problem.begin(&fit.as_start());
         let bounds = problem.bounds(&x);
         let rows = problem.rows();

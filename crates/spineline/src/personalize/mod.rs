@@ -18,17 +18,18 @@
 
 pub mod estimate;
 pub mod evidence;
+mod film;
 mod fit;
 mod identify;
 mod mixed;
 mod outcome;
 mod problem;
-mod rows;
 mod search;
 mod shape_weights;
 mod start;
 
 pub use crate::least_squares::FitStatus;
+pub(crate) use film::FilmData;
 pub use fit::{Personalization, StiffnessBound, personalize};
 pub use identify::{
     Identifiability, IntervalVerdict, MULTIPLIER_COVERAGE, MultiplierInformation, Profile,
@@ -39,8 +40,9 @@ pub use mixed::{
     Crossing, GroupStiffness, LineTest, NoLoads, PreferredLoads, ProposedLine, SIGNIFICANCE,
 };
 pub use outcome::TestOutcome;
-pub(crate) use search::{Best, FitProblem};
-pub(crate) use shape_weights::{ROWS_PER_VERTEBRA, ShapeRows, ShapeWeights};
+pub(crate) use problem::Problem;
+pub(crate) use search::fit;
+pub(crate) use shape_weights::ShapeWeights;
 pub use start::Start;
 
 use crate::anatomy::{Posture, named};
@@ -91,6 +93,31 @@ named! {
     }
 }
 
+named! {
+    /// Rule for the angle by which the whole spine may turn about L4 on a film.
+    #[default(Fixed)]
+    pub enum Base {
+        /// It is zero (the paper).
+        Fixed = "fixed_base",
+        /// It is normal about zero, with the deviation that reading L4's axis on both films gives: the covariance that a shared
+        /// frame makes between all locations and tilts of a film.
+        Noisy = "noisy_base",
+        /// It is free on every fitted film.
+        Free = "free_base",
+    }
+}
+
+impl Base {
+    /// Free angles per fitted film.
+    #[must_use]
+    pub const fn angles(self) -> usize {
+        match self {
+            Self::Fixed => 0,
+            Self::Noisy | Self::Free => 1,
+        }
+    }
+}
+
 /// Prior of the stiffness: every multiplier's distance from their mean, `ln α - mean ln α`, is normal
 /// about zero. Like the films, it concerns only ratios.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -116,6 +143,8 @@ pub const MULTIPLIER_BOUNDS: [f64; 2] = [0.1, 10.0];
 pub struct FittedSprings<'a> {
     /// The unloaded spine.
     pub model: &'a SpineModel,
+    /// The erect film, from which it is made.
+    pub erect: &'a Outline,
     /// Nominal springs.
     pub library: &'a StiffnessLibrary,
     /// Which joints share a multiplier.

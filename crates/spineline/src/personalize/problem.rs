@@ -1,86 +1,102 @@
-//! Residuals of a fit and their derivatives, and the starts from which it is refined.
+//! The least squares of every fit: unknowns, residuals and their derivatives.
 
-use nalgebra::{DVector, Vector3};
+use nalgebra::DVector;
 
-use super::estimate::{EstimatedLoads, JointResponses, estimate_loads};
-use super::rows::{FilmData, Wanted, ferguson_rows, shape_rows};
-use super::search::FitProblem;
-use super::shape_weights::{ShapeRows, ShapeWeights};
-use super::start::{Start, closed_form, majority_signs};
-use super::{FitFilm, FitSettings, FitTarget, FittedSprings, Gauge, MULTIPLIER_BOUNDS};
-use crate::clinical::ferguson_angle;
+use super::film::{FilmData, Place};
+use super::start::Start;
+use super::{Base, FitSettings, FitTarget, FittedSprings, Gauge, MULTIPLIER_BOUNDS};
 use crate::least_squares::{Minimum, System};
-use crate::multibody::{
-    ForceSign, Load, MAX_HINGE_RAD, Parameter, Solution, Statics, match_amplitude,
-};
-use crate::spatial::Frontal;
+use crate::multibody::{FilmUnderLoad, MAX_HINGE_RAD, Wanted};
 
-/// Rows of what was measured on a film.
-fn rows_of(film: &FilmData, settings: &FitSettings<'_>) -> usize {
-    match (settings.target, settings.gauge) {
-        (FitTarget::Ferguson, Gauge::FrozenForce) => 4,
-        (FitTarget::Ferguson, _) => 3,
-        (FitTarget::Shape, _) => film.rows.count(),
-    }
-}
-
-/// Residuals and derivatives of all films for given unknowns: `ln α` of every group, then load components.
+/// Residuals and derivatives of all films for given unknowns: `ln α` of every group, then per film the components of its load and the
+/// angle of a base that may turn.
 ///
 /// With Ferguson angles as data the amplitude determines every force, so that only `ln α` is unknown.
-pub(super) struct Problem<'a> {
-    springs: FittedSprings<'a>,
+///
+/// Rows are those of the films, of the prior, and one of the gauge.
+pub(crate) struct Problem<'a, F> {
+    pub(super) springs: FittedSprings<'a>,
     settings: FitSettings<'a>,
-    films: Vec<FilmData>,
+    pub films: Vec<FilmData<'a, F>>,
+    /// Multipliers that are known already.
+    pub(super) held: Option<Vec<f64>>,
+    /// Starts beside those in closed form.
+    pub hints: Vec<Start>,
 }
 
-impl<'a> Problem<'a> {
+impl<'a, F: FilmUnderLoad> Problem<'a, F> {
     pub fn new(
         springs: FittedSprings<'a>,
-        films: &[FitFilm<'_>],
+        mut films: Vec<FilmData<'a, F>>,
         settings: &FitSettings<'a>,
+        held: Option<Vec<f64>>,
     ) -> Self {
-        // A free load needs the whole shape: three angles and an amplitude do not determine it.
-        let mut settings = *settings;
-        if films.iter().any(|film| film.load.components() > 1) {
-            settings.target = FitTarget::Shape;
+        let mut next = springs.groups.len();
+        for film in &mut films {
+            film.first = next;
+            next += film.load.len();
         }
-        let held = settings.target == FitTarget::Ferguson && settings.gauge != Gauge::FrozenForce;
-        let groups = springs.groups;
-        let mut next = groups.len();
-        let films = films
-            .iter()
-            .map(|film| {
-                let locations: Vec<Frontal> = film.outline.locations().collect();
-                let components = film.load.components();
-                let first = (!held).then_some(next);
-                next += if held { 0 } else { components };
-                let logs = (0..groups.len()).map(Parameter::LogStiffness);
-                let weights = ShapeWeights::of_film(&film.outline.noise);
-                FilmData {
-                    load: film.load,
-                    first,
-                    magnitude: vec![0.0; components],
-                    ferguson: settings
-                        .regions
-                        .bounds
-                        .each_ref()
-                        .map(|b| ferguson_angle(&locations, b)),
-                    lateral_tilt: locations[locations.len() - 1].lateral_tilt(),
-                    locations,
-                    tilts: film.outline.vertebrae.iter().map(|v| v.tilt).collect(),
-                    rows: ShapeRows::new(film.outline, None, springs.model),
-                    weights,
-                    parameters: logs.chain((0..components).map(Parameter::Load)).collect(),
-                    solution: Solution::default(),
-                }
-            })
-            .collect();
-        Self { springs, settings, films }
+        let hints = settings.hints.to_vec();
+        Self { springs, settings: *settings, films, held, hints }
     }
 
-    fn unknowns(&self) -> usize {
-        let loads = self.films.iter().filter(|film| film.first.is_some());
-        self.springs.groups.len() + loads.map(|film| film.load.components()).sum::<usize>()
+    pub fn settings(&self) -> FitSettings<'a> {
+        self.settings
+    }
+
+    /// Fits the same films otherwise from here on.
+    pub fn set(&mut self, settings: FitSettings<'a>) {
+        self.settings = settings;
+    }
+
+    /// What is fitted. A load of several numbers needs the whole shape: three angles and an amplitude do not determine it.
+    pub fn target(&self) -> FitTarget {
+        let several = self.films.iter().any(|film| film.load.len() > 1);
+        if several { FitTarget::Shape } else { self.settings.target }
+    }
+
+    /// Whether the amplitude determines the force.
+    fn holds_amplitude(&self) -> bool {
+        self.target() == FitTarget::Ferguson && self.settings.gauge != Gauge::FrozenForce
+    }
+
+    /// Whether the mean of `ln α` is held, and not left to frozen forces or known.
+    pub fn holds_mean(&self) -> bool {
+        self.settings.gauge != Gauge::FrozenForce && self.held.is_none()
+    }
+
+    pub fn unknowns(&self) -> usize {
+        let loads: usize = self.films.iter().map(|film| film.load.len()).sum();
+        self.springs.groups.len() + if self.holds_amplitude() { 0 } else { loads }
+    }
+
+    /// Rows of what was measured on a film.
+    fn rows_of(&self, film: &FilmData<'a, F>) -> usize {
+        match self.target() {
+            FitTarget::Ferguson => 3 + usize::from(!self.holds_amplitude()),
+            FitTarget::Shape => film.shape_rows(),
+        }
+    }
+
+    /// Rows of what was measured, which come first.
+    pub fn data_rows(&self) -> usize {
+        self.films.iter().map(|film| self.rows_of(film)).sum()
+    }
+
+    /// All rows.
+    pub fn rows(&self) -> usize {
+        let prior = if self.settings.prior.is_some() { self.springs.groups.len() } else { 0 };
+        self.data_rows() + prior + 1
+    }
+
+    /// Sum of squares of what was measured.
+    pub fn data_squares(&self, system: &System) -> f64 {
+        system.residuals.rows(0, self.data_rows()).norm_squared()
+    }
+
+    /// Root mean square of what was measured.
+    pub fn data_rms(&self, system: &System) -> f64 {
+        (self.data_squares(system) / self.data_rows() as f64).sqrt()
     }
 
     /// Measured numbers minus fitted ones, of which one is the gauge's where it holds the mean.
@@ -95,155 +111,113 @@ impl<'a> Problem<'a> {
         (self.data_squares(&minimum.system) / self.freedom(&minimum.x) as f64).max(1.0)
     }
 
-    fn statics(&self, log_multipliers: &[f64]) -> Statics<'a> {
-        let FittedSprings { model, library, groups } = self.springs;
-        Statics::new(model, library, groups, log_multipliers, self.settings.support)
+    /// Mean deviation of a location over the films.
+    pub fn location_sd_mm(&self) -> f64 {
+        let sum: f64 = self.films.iter().map(|film| film.weights.location_sd_mm).sum();
+        sum / self.films.len() as f64
     }
 
-    /// Starts, the likeliest first: from estimated loads, or in closed form for the majority's signs of force and then
-    /// for every other combination; and the hints.
-    pub fn starts(&self, films: &[FitFilm<'_>]) -> Vec<Start> {
-        if films.is_empty() {
-            return Vec::new();
-        }
-        let mut starts: Vec<Start> = match self.free_depth_mm() {
-            Some(depth_mm) => self.free_starts(films, depth_mm),
-            None => self.signed_starts(films),
-        };
-        starts.extend_from_slice(self.settings.hints);
-        starts
+    /// Springs of all joints with given multipliers.
+    pub fn springs(&self, log_multipliers: &[f64]) -> F::Springs<'a> {
+        let FittedSprings { model, library, groups, .. } = self.springs;
+        F::springs(model, library, groups, log_multipliers, self.settings.support)
     }
 
-    /// The starts that can be evaluated, with their costs.
-    ///
-    /// Where Newton does not get from a force in closed form to the amplitude, the path from zero does.
-    pub fn priced(&mut self, starts: &[Start]) -> Vec<(Start, f64)> {
-        let mut system = System::new(self.rows(), self.unknowns());
-        let mut priced = Vec::new();
-        for start in starts {
-            let mut start = start.clone();
-            let mut cost = self.cost(&start, &mut system);
-            if cost.is_infinite() && start.loads.iter().all(|load| load.len() == 1) {
-                start = self.at_amplitude(start);
-                cost = self.cost(&start, &mut system);
-            }
-            if cost.is_finite() {
-                priced.push((start, cost));
+    /// Puts a start's loads in place, and gives its unknowns. A base that the start lacks does not turn.
+    pub fn begin(&mut self, start: &Start) -> DVector<f64> {
+        let mut x = DVector::zeros(self.unknowns());
+        let x_of = x.as_mut_slice();
+        x_of[..start.log_multipliers.len()].copy_from_slice(&start.log_multipliers);
+        let is_held = self.holds_amplitude();
+        for (film, load) in self.films.iter_mut().zip(&start.loads) {
+            film.loaded.reset();
+            film.load.fill(0.0);
+            film.load[..load.len()].copy_from_slice(load);
+            if !is_held {
+                x_of[film.first..film.first + load.len()].copy_from_slice(load);
             }
         }
-        priced
+        x
     }
 
-    /// The starts of a line load with the first forces that reach the amplitudes.
-    pub fn starts_at_amplitude(&self, films: &[FitFilm<'_>]) -> Vec<Start> {
-        if films.is_empty() || self.free_depth_mm().is_some() {
-            return Vec::new();
-        }
-        self.signed_starts(films).into_iter().map(|start| self.at_amplitude(start)).collect()
-    }
-
-    fn at_amplitude(&self, start: Start) -> Start {
-        let signs: Vec<f64> = start.loads.iter().map(|load| load[0]).collect();
-        Start { loads: self.forces_at_amplitude(&start.log_multipliers, &signs), ..start }
-    }
-
-    fn cost(&mut self, start: &Start, system: &mut System) -> f64 {
-        let x = self.begin(start);
-        if self.fill(&x, system, Wanted::Residuals) { system.cost() } else { f64::INFINITY }
-    }
-
-    fn free_depth_mm(&self) -> Option<f64> {
-        self.films.iter().find_map(|film| match film.load {
-            Load::Frontal { depth_mm } => Some(depth_mm),
-            Load::Line { .. } => None,
-        })
-    }
-
-    fn free_starts(&self, films: &[FitFilm<'_>], depth_mm: f64) -> Vec<Start> {
-        let (groups, load) = (self.springs.groups, Load::Frontal { depth_mm });
-        let films: Vec<JointResponses<'_>> =
-            films.iter().map(|film| JointResponses::to(&load, film.evidence)).collect();
-        let EstimatedLoads { loads, log_multipliers } = estimate_loads(&films, groups);
-        let nominal = vec![0.0; groups.len()];
-        let nominal_loads: Vec<_> = films.iter().map(|film| film.load(groups, &nominal)).collect();
-        let start = |log_multipliers, loads: Vec<Vector3<f64>>| Start {
-            log_multipliers,
-            loads: loads.iter().map(|load| load.as_slice().to_vec()).collect(),
-        };
-        vec![start(log_multipliers, loads), start(nominal, nominal_loads)]
-    }
-
-    fn signed_starts(&self, films: &[FitFilm<'_>]) -> Vec<Start> {
-        let majority = majority_signs(films, self.springs.groups);
-        let mut starts = Vec::new();
-        for flips in 0..1_u32 << films.len() {
-            let signs: Vec<f64> = majority
-                .iter()
-                .enumerate()
-                .map(|(film, sign)| if flips >> film & 1 == 1 { -sign } else { *sign })
-                .collect();
-            let mut start = closed_form(films, self.springs.groups, &signs);
-            if self.settings.gauge == Gauge::FrozenForce {
-                start.loads =
-                    self.forces_at_amplitude(&vec![0.0; self.springs.groups.len()], &signs);
+    /// The start that belongs to given unknowns.
+    pub fn start_at(&mut self, x: &DVector<f64>) -> Start {
+        if self.holds_amplitude() {
+            let mut system = System::new(self.rows(), self.unknowns());
+            self.fill(x, &mut system, Wanted::Shape);
+        } else {
+            for film in &mut self.films {
+                let unknowns = film.first..film.first + film.load.len();
+                film.load.copy_from_slice(&x.as_slice()[unknowns]);
             }
-            starts.push(start);
         }
-        starts
+        Start {
+            log_multipliers: x.as_slice()[..self.springs.groups.len()].to_vec(),
+            loads: self.films.iter().map(|film| film.load.clone()).collect(),
+        }
     }
 
-    /// The first force of a sign with which given springs reach each amplitude.
-    fn forces_at_amplitude(&self, log_multipliers: &[f64], signs: &[f64]) -> Vec<Vec<f64>> {
-        let statics = self.statics(log_multipliers);
-        self.films
-            .iter()
-            .zip(signs)
-            .map(|(film, &sign)| {
-                let sign = if sign < 0.0 { ForceSign::Negative } else { ForceSign::Positive };
-                vec![match_amplitude(&statics, &film.load, sign, film.lateral_tilt).force_n]
+    /// Bounds of the unknowns of a fit from a start; multipliers that are known and a frozen force keep their values.
+    pub fn bounds(&self, start: &DVector<f64>) -> [DVector<f64>; 2] {
+        let g = self.springs.groups.len();
+        let frozen = self.settings.gauge == Gauge::FrozenForce;
+        let bound = |limit: f64, free: f64| {
+            DVector::from_fn(start.len(), |i, _| match (i < g, &self.held) {
+                (true, Some(held)) => held[i],
+                (true, None) => limit.ln(),
+                (false, _) if frozen => start[i],
+                (false, _) => free,
             })
-            .collect()
+        };
+        [bound(MULTIPLIER_BOUNDS[0], f64::NEG_INFINITY), bound(MULTIPLIER_BOUNDS[1], f64::INFINITY)]
+    }
+
+    /// Residuals and derivatives; whether every film has an equilibrium that counts.
+    pub fn evaluate(&mut self, x: &DVector<f64>, system: &mut System) -> bool {
+        self.fill(x, system, Wanted::AllRates)
+    }
+
+    /// Sum of squares at a start; infinite where a film has no equilibrium that counts.
+    pub fn cost(&mut self, start: &Start, system: &mut System) -> f64 {
+        let x = self.begin(start);
+        if self.fill(&x, system, Wanted::Shape) { system.cost() } else { f64::INFINITY }
     }
 
     /// A derivative that is zero for one set of unknowns is zero for all, and is left as [`System::new`] made it.
     fn fill(&mut self, x: &DVector<f64>, system: &mut System, wanted: Wanted) -> bool {
         let g = self.springs.groups.len();
-        let statics = self.statics(&x.as_slice()[..g]);
-        let Self { films, settings, .. } = self;
-        let mut row = 0;
-        for film in films.iter_mut() {
-            let solved = match film.first {
-                None => film.solve_at_amplitude(&statics, wanted),
-                Some(first) => {
-                    let components = film.magnitude.len();
-                    film.magnitude.copy_from_slice(&x.as_slice()[first..first + components]);
-                    film.solve_at_magnitude(&statics, wanted)
-                }
+        let springs = self.springs(&x.as_slice()[..g]);
+        let (target, holds_amplitude) = (self.target(), self.holds_amplitude());
+        let mut at = Place { row: 0, groups: g, holds_amplitude };
+        for index in 0..self.films.len() {
+            let film = &mut self.films[index];
+            let solved = if holds_amplitude {
+                film.solve_at_amplitude(&springs, wanted)
+            } else {
+                let unknowns = film.first..film.first + film.load.len();
+                film.load.copy_from_slice(&x.as_slice()[unknowns]);
+                film.solve_at_load(&springs, wanted)
             };
-            if !solved || film.solution.deformed.largest_hinge_rad() > MAX_HINGE_RAD {
+            let shape = &film.loaded.solution().deformed;
+            if !solved || shape.largest_hinge_rad() > MAX_HINGE_RAD {
                 return false;
             }
-            match settings.target {
+            match target {
                 FitTarget::Ferguson => {
-                    ferguson_rows(film, &settings.regions.bounds, g, row, system, wanted)
+                    film.fill_ferguson(&self.settings.regions.bounds, at, system, wanted);
                 }
-                FitTarget::Shape => shape_rows(film, g, row, system, wanted),
+                FitTarget::Shape => film.fill_shape(at, system, wanted),
             }
-            row += rows_of(film, settings);
+            at.row += self.rows_of(&self.films[index]);
         }
-        self.prior_rows(x, system);
-        // The gauge: the mean of ln α is held at zero, unless frozen forces fix the level.
+        self.fill_prior(x, system);
+        // The gauge: the mean of ln α is held at zero, unless frozen forces fix the level or it is known.
         system.hold_mean(if self.holds_mean() { &x.as_slice()[..g] } else { &[] });
         system.residuals.iter().all(|r| r.is_finite())
     }
 
-    /// Whether the mean of `ln α` is held, and not left to frozen forces.
-    pub fn holds_mean(&self) -> bool {
-        self.settings.gauge != Gauge::FrozenForce
-    }
-
     /// How far every `ln α` lies from their mean, in standard deviations of the prior: it concerns ratios, as the films do.
-    fn prior_rows(&self, x: &DVector<f64>, system: &mut System) {
+    fn fill_prior(&self, x: &DVector<f64>, system: &mut System) {
         let Some(prior) = self.settings.prior else { return };
         let (first, g) = (self.data_rows(), self.springs.groups.len());
         let mean = x.as_slice()[..g].iter().sum::<f64>() / g as f64;
@@ -256,17 +230,6 @@ impl<'a> Problem<'a> {
         }
     }
 
-    /// Mean deviation of a location over the films.
-    pub fn location_sd_mm(&self) -> f64 {
-        let sum: f64 = self.films.iter().map(|film| film.weights.location_sd_mm).sum();
-        sum / self.films.len() as f64
-    }
-
-    /// The data of the fit.
-    pub fn target(&self) -> FitTarget {
-        self.settings.target
-    }
-
     /// Singular values of the data's derivative by `(ln α, ln F)`, so that all unknowns are ratios.
     pub fn singular_values(&self, minimum: &Minimum) -> Vec<f64> {
         let mut scaled = minimum.system.jacobian.rows(0, self.data_rows()).into_owned();
@@ -277,63 +240,9 @@ impl<'a> Problem<'a> {
         values.sort_by(|a, b| b.total_cmp(a));
         values
     }
-}
 
-impl FitProblem for Problem<'_> {
-    fn begin(&mut self, start: &Start) -> DVector<f64> {
-        let mut x = DVector::zeros(self.unknowns());
-        x.as_mut_slice()[..self.springs.groups.len()].copy_from_slice(&start.log_multipliers);
-        for (film, load) in self.films.iter_mut().zip(&start.loads) {
-            film.magnitude.copy_from_slice(load);
-            if let Some(first) = film.first {
-                x.as_mut_slice()[first..first + load.len()].copy_from_slice(load);
-            }
-        }
-        x
-    }
-
-    fn start_at(&mut self, x: &DVector<f64>) -> Start {
-        if self.films.iter().any(|film| film.first.is_none()) {
-            let mut system = System::new(self.rows(), self.unknowns());
-            self.fill(x, &mut system, Wanted::Residuals);
-        }
-        for film in &mut self.films {
-            if let Some(first) = film.first {
-                let components = film.magnitude.len();
-                film.magnitude.copy_from_slice(&x.as_slice()[first..first + components]);
-            }
-        }
-        Start {
-            log_multipliers: x.as_slice()[..self.springs.groups.len()].to_vec(),
-            loads: self.films.iter().map(|film| film.magnitude.clone()).collect(),
-        }
-    }
-
-    /// Bounds of the unknowns; a frozen force keeps its value.
-    fn bounds(&self, start: &DVector<f64>) -> [DVector<f64>; 2] {
-        let g = self.springs.groups.len();
-        let frozen = self.settings.gauge == Gauge::FrozenForce;
-        let bound = |limit: f64, free: f64| {
-            DVector::from_fn(start.len(), |i, _| match i {
-                i if i < g => limit.ln(),
-                i if frozen => start[i],
-                _ => free,
-            })
-        };
-        [bound(MULTIPLIER_BOUNDS[0], f64::NEG_INFINITY), bound(MULTIPLIER_BOUNDS[1], f64::INFINITY)]
-    }
-
-    fn data_rows(&self) -> usize {
-        self.films.iter().map(|film| rows_of(film, &self.settings)).sum()
-    }
-
-    /// Rows of all films, of the prior, and one for the gauge.
-    fn rows(&self) -> usize {
-        let prior = if self.settings.prior.is_some() { self.springs.groups.len() } else { 0 };
-        self.data_rows() + prior + 1
-    }
-
-    fn evaluate(&mut self, x: &DVector<f64>, system: &mut System) -> bool {
-        self.fill(x, system, Wanted::Derivatives)
+    /// Whether the base of a film may turn.
+    pub(super) fn has_turning_base(&self) -> bool {
+        self.films.iter().any(|film| film.base != Base::Fixed)
     }
 }

@@ -1,6 +1,5 @@
 //! Weights of locations and tilts in the fit of a whole shape, for every fit of one.
 
-use crate::least_squares::System;
 use crate::measure::{ErrorRate, Measured, MeasuredVertebra, Noise, Outline, Whitening};
 use crate::multibody::SpineModel;
 use crate::spatial::{Angle, Frontal};
@@ -16,11 +15,6 @@ pub(crate) struct ShapeWeights {
 }
 
 impl ShapeWeights {
-    /// The noise of the film alone.
-    pub fn of_film(noise: &Noise) -> Self {
-        Self { location_sd_mm: noise.location_mm, tilt_sd_rad: noise.tilt.rad() }
-    }
-
     /// The noise of the difference between a film and the erect film, from which the model is made.
     pub fn of_difference(film: &Noise, erect: &Noise) -> Self {
         Self {
@@ -63,14 +57,10 @@ pub(crate) struct ShapeRows {
 }
 
 impl ShapeRows {
-    /// With the erect film, the weights are for the difference from it.
-    pub fn new(film: &Outline, erect: Option<&Outline>, model: &SpineModel) -> Self {
+    /// Weights are for the difference from the erect film.
+    pub fn new(film: &Outline, erect: &Outline, model: &SpineModel) -> Self {
         let weights = |(i, vertebra): (usize, &MeasuredVertebra)| {
-            let own = film.noise_of(vertebra);
-            let weights = match erect {
-                None => ShapeWeights::of_film(&own),
-                Some(erect) => ShapeWeights::of_difference(&own, &erect.noise),
-            };
+            let weights = ShapeWeights::of_difference(&film.noise_of(vertebra), &erect.noise);
             (i, weights.with_model(model.uncertain[i].as_ref()))
         };
         let vertebrae: Vec<(usize, ShapeWeights)> =
@@ -89,16 +79,6 @@ impl ShapeRows {
     pub fn whiten(&self, rows: &mut [f64]) {
         if let Some(whitening) = &self.whitening {
             whitening.apply(rows);
-        }
-    }
-
-    /// The same for the residuals and all derivatives of a system.
-    pub fn whiten_system(&self, row: usize, system: &mut System) {
-        let own = row..row + self.count();
-        self.whiten(&mut system.residuals.as_mut_slice()[own.clone()]);
-        let stride = system.jacobian.nrows();
-        for column in system.jacobian.as_mut_slice().chunks_exact_mut(stride) {
-            self.whiten(&mut column[own.clone()]);
         }
     }
 }

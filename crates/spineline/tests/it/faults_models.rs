@@ -224,7 +224,7 @@ fn of_several_forces_the_one_with_the_smallest_ferguson_error_is_chosen_and_repo
 #[test]
 fn without_films_there_is_no_fit_and_no_panic() {
     // Oracle: no data, no minimum.
-    let (_, model) = spine(0);
+    let (erect, model) = spine(0);
     let library = StiffnessLibrary::default();
     let regions = usual_regions();
     let groups = JointGroups::regional(&regions);
@@ -236,7 +236,8 @@ fn without_films_there_is_no_fit_and_no_panic() {
         prior: None,
         hints: &[],
     };
-    let springs = FittedSprings { model: &model, library: &library, groups: &groups };
+    let springs =
+        FittedSprings { model: &model, erect: &erect, library: &library, groups: &groups };
     let fit = personalize(springs, &[], &settings, None);
     assert_eq!(fit.status, FitStatus::NotEvaluable);
     assert_eq!((fit.log_multipliers, fit.loads.len()), (vec![0.0; 3], 0));

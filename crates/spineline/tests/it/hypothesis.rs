@@ -5,7 +5,7 @@ use spineline::analysis::{Analysis, AnalysisOptions, analyze};
 use spineline::anatomy::{Levels, Posture};
 use spineline::evaluate::RotationPrior;
 use spineline::hypothesis::{
-    Base, Hypothesis, HypothesisFilm, HypothesisFit, LoadShape, LostPrediction, Role, Spine,
+    Hypothesis, HypothesisFilm, HypothesisFit, LoadShape, LostPrediction, Role, Spine,
     fit_hypothesis,
 };
 use spineline::measure::Outline;
@@ -13,6 +13,7 @@ use spineline::multibody::{
     BodyLoad, ForceSign, GeneralStatics, JointGroups, Load, LoadItem, Loading, NewtonWork,
     PathEnding, ShapeParameter, Solution, Statics, StiffnessLibrary, Support, Timing, match_t2,
 };
+use spineline::personalize::{Base, FitSettings, FitTarget, FittedSprings, Gauge};
 use spineline::spatial::{Angle, Frontal, Mat3, Vec3};
 use spineline_phantom::{Readers, Scenario, generate};
 
@@ -143,13 +144,24 @@ fn a_line_alone_has_the_shape_and_derivatives_of_the_march() {
 
 fn fitted(analysis: &Analysis, hypothesis: Hypothesis, turn: Angle) -> HypothesisFit {
     let groups = JointGroups::regional(&analysis.movement.regions);
-    let spine = Spine {
+    let springs = FittedSprings {
         model: &analysis.movement.spine,
+        erect: &analysis.movement.erect().outline,
         library: &analysis.options.library,
         groups: &groups,
-        erect: &analysis.movement.erect().outline,
-        rotations: &RotationPrior::published(analysis.movement.levels()),
+    };
+    let settings = FitSettings {
+        regions: &analysis.movement.regions,
+        target: FitTarget::Shape,
+        gauge: Gauge::GeometricMean,
         support: Support::Frontal,
+        prior: None,
+        hints: &[],
+    };
+    let spine = Spine {
+        springs,
+        settings,
+        rotations: &RotationPrior::published(analysis.movement.levels()),
         depth_mm: 0.0,
         apex: 7,
     };
@@ -172,7 +184,7 @@ fn fitted(analysis: &Analysis, hypothesis: Hypothesis, turn: Angle) -> Hypothesi
         .collect();
     let films: Vec<HypothesisFilm<'_>> = outlines
         .iter()
-        .map(|(outline, inflections)| HypothesisFilm { outline, inflections: *inflections })
+        .map(|(outline, inflections)| HypothesisFilm::new(outline, *inflections, springs))
         .collect();
     fit_hypothesis(hypothesis, &spine, &films).expect("bends with lines")
 }

@@ -459,6 +459,7 @@ mod tests {
                 .map(|joint| JointEvidence { rotation: joint.rotation * sign, ..joint })
                 .collect(),
             levels: Levels::COMPLETE,
+            midpoints_mm: Vec::new(),
             tilts: TiltErrors::alike(15, Angle::from_deg(0.5), Some(15)),
             erect_tilts: TiltErrors::alike(15, Angle::from_deg(0.3), Some(15)),
             repeated_variances: Vec::new(),

@@ -214,6 +214,7 @@ mod tests {
         let film = FilmEvidence {
             joints: Vec::new(),
             levels: Levels::between(Level::L4, Level::L3).expect("neighbours"),
+            midpoints_mm: Vec::new(),
             tilts: TiltErrors::alike(2, tilt_sd, Some(1)),
             erect_tilts: TiltErrors::alike(2, tilt_sd, Some(1)),
             repeated_variances: Vec::new(),
